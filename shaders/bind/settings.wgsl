@@ -1,0 +1,2 @@
+//@ use data/settings
+@group(0) @binding(0) var<uniform> settings: Settings;

@@ -1,0 +1,2 @@
+//@ use data/primitive
+@group(0) @binding(6) var<storage, read> spheres: array<Sphere>;

@@ -1,0 +1,2 @@
+//@ use data/window
+@group(0) @binding(1) var<uniform> window: Window;

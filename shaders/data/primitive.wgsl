@@ -1,0 +1,76 @@
+// A code names a BVH node or a primitive in one word: the highest bit tells a primitive, the next three its kind, the
+// rest its index among its kind. The highest codes name no primitive; they say what a slot's path is doing.
+
+const PRIMITIVE_BIT: u32 = 0x80000000u;
+const PRIMITIVE_KIND_SHIFT: u32 = 28u;
+const PRIMITIVE_INDEX_MASK: u32 = 0x0fffffffu;
+
+// The ray left the scene.
+const HIT_NOTHING: u32 = 0xffffffffu;
+// The path ended; its radiance stands where its throughput stood.
+const PATH_ENDED: u32 = 0xfffffffeu;
+// The slot has no run.
+const SLOT_IDLE: u32 = 0xfffffffdu;
+// The slot's ray has yet to be traced.
+const RAY_READY: u32 = 0xfffffffcu;
+const FIRST_STATUS: u32 = RAY_READY;
+
+fn primitive_kind(code: u32) -> u32 {
+    return (code >> PRIMITIVE_KIND_SHIFT) & 7u;
+}
+
+fn primitive_index(code: u32) -> u32 {
+    return code & PRIMITIVE_INDEX_MASK;
+}
+
+// A BVH node: the boxes of its two children and their codes.
+struct Node {
+    left_min: vec3<f32>,
+    left: u32,
+    left_max: vec3<f32>,
+    right: u32,
+    right_min: vec3<f32>,
+    padding0: u32,
+    right_max: vec3<f32>,
+    padding1: u32,
+}
+
+struct Sphere {
+    center: vec3<f32>,
+    radius: f32,
+    // Place among the scene's primitives: of two hits at one distance the lower wins.
+    order: u32,
+    material: u32,
+    frame: u32,
+    padding: u32,
+}
+
+// A parallelogram corner + a u + b v, 0 <= a, b <= 1; a = (p - corner) . a_axis, and b likewise.
+struct Quad {
+    corner: vec3<f32>,
+    order: u32,
+    normal: vec3<f32>,
+    material: u32,
+    a_axis: vec3<f32>,
+    frame: u32,
+    b_axis: vec3<f32>,
+    // Bound of the error of a point on the quad, in render space.
+    error: f32,
+    u: vec3<f32>,
+    padding0: u32,
+    v: vec3<f32>,
+    padding1: u32,
+}
+
+// A cuboid about `center` with half its edges along the unit vectors x_axis, y_axis and x_axis × y_axis.
+struct Cuboid {
+    center: vec3<f32>,
+    order: u32,
+    half_extent: vec3<f32>,
+    material: u32,
+    x_axis: vec3<f32>,
+    frame: u32,
+    y_axis: vec3<f32>,
+    // Bound of the error of a point on the cuboid, in render space.
+    error: f32,
+}

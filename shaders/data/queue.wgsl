@@ -1,0 +1,6 @@
+// Where the queues lie in their buffer.
+const QUEUE_HEADER: u32 = 8u;
+
+fn queue_place(queue: u32, turn: u32, slots: u32) -> u32 {
+    return QUEUE_HEADER + queue * slots + turn;
+}

@@ -1,0 +1,27 @@
+// What one render is told: constant over all its passes.
+struct Settings {
+    // Direction of the image's middle, and its change from one pixel to the next along x and y.
+    forward: vec3<f32>,
+    image_width: u32,
+    pixel_x: vec3<f32>,
+    image_height: u32,
+    pixel_y: vec3<f32>,
+    // Scattering events of a path at most.
+    max_depth: u32,
+    // The lens's radius along the image's x and y, in render space.
+    lens_x: vec3<f32>,
+    seed: u32,
+    lens_y: vec3<f32>,
+    // Code of the BVH's root (data/primitive).
+    root: u32,
+    // First and one past the last sample of a pixel.
+    first_sample: u32,
+    end_sample: u32,
+    slots: u32,
+    // 1 / focus distance in render space: the lens offset times this bends the ray back to the point in focus.
+    inverse_focus: f32,
+    background_bottom: vec3<f32>,
+    background_width: u32,
+    background_top: vec3<f32>,
+    background_height: u32,
+}

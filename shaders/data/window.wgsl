@@ -1,0 +1,31 @@
+// The runs that may be started now. A run is up to RUN_LENGTH consecutive samples of one pixel, cut at multiples of
+// RUN_LENGTH; run i of the window belongs to sample block first_block + i / pixels.
+struct Window {
+    first_block: u32,
+    // One past the last run of the window.
+    end: u32,
+}
+
+const RUN_LENGTH: u32 = ${run_length}u;
+
+// What the device counts for the host. Reset by the host while nothing runs.
+struct Counters {
+    // Next run of the window to be started.
+    next: atomic<u32>,
+    // Records written since the host last read them.
+    records: atomic<u32>,
+    // Slots without a run.
+    idle: atomic<u32>,
+}
+
+// A finished run.
+struct RunRecord {
+    // Sum of the radiance of the accepted samples, in device units.
+    r: f32,
+    g: f32,
+    b: f32,
+    pixel: u32,
+    // Accepted | rejected as NaN << 8 | rejected as infinite << 16.
+    counts: u32,
+    rays: u32,
+}

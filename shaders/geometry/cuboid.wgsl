@@ -1,0 +1,63 @@
+//@ use data/ray
+//@ use data/primitive
+//@ use data/hit
+//@ use geometry/slab
+
+fn to_cuboid(cuboid: Cuboid, v: vec3<f32>) -> vec3<f32> {
+    let z_axis = cross(cuboid.x_axis, cuboid.y_axis);
+    return vec3<f32>(dot(cuboid.x_axis, v), dot(cuboid.y_axis, v), dot(z_axis, v));
+}
+
+fn cuboid_slab(ray: Ray, cuboid: Cuboid) -> Slab {
+    let origin = to_cuboid(cuboid, ray.origin - cuboid.center);
+    let direction = to_cuboid(cuboid, ray.direction);
+    return slab(origin, slab_inverse(direction), -cuboid.half_extent, cuboid.half_extent);
+}
+
+// Distance to the nearest face in front of the origin, or NO_HIT. Both crossings come from one test, so that no ray
+// slips between two faces.
+fn cuboid_distance(ray: Ray, cuboid: Cuboid) -> f32 {
+    let s = cuboid_slab(ray, cuboid);
+    let enter = max(max(s.enter.x, s.enter.y), s.enter.z);
+    let leave = min(min(s.leave.x, s.leave.y), s.leave.z);
+    if !(enter <= leave) || !(leave > 0.0) {
+        return NO_HIT;
+    }
+    return select(leave, enter, enter > 0.0);
+}
+
+// The face is the one whose crossing is t, found again by the same arithmetic; the point is put back onto it.
+fn cuboid_surface(ray: Ray, t: f32, cuboid: Cuboid) -> Surface {
+    let s = cuboid_slab(ray, cuboid);
+    let enter = max(max(s.enter.x, s.enter.y), s.enter.z);
+    let at_face = select(s.leave, s.enter, enter > 0.0);
+    let off = abs(at_face - vec3<f32>(t));
+    var axis = select(vec3<f32>(0.0, 0.0, 1.0), vec3<f32>(0.0, 1.0, 0.0), off.y <= off.z);
+    axis = select(axis, vec3<f32>(1.0, 0.0, 0.0), off.x <= off.y && off.x <= off.z);
+    let direction = to_cuboid(cuboid, ray.direction);
+    let outward = select(sign(direction), -sign(direction), enter > 0.0) * axis;
+    let free = to_cuboid(cuboid, ray.origin - cuboid.center) + t * direction;
+    let within = clamp(free, -cuboid.half_extent, cuboid.half_extent);
+    let local = select(within, outward * cuboid.half_extent, axis != vec3<f32>(0.0));
+    let z_axis = cross(cuboid.x_axis, cuboid.y_axis);
+    var surface: Surface;
+    surface.point = cuboid.center + (local.x * cuboid.x_axis + local.y * cuboid.y_axis + local.z * z_axis);
+    surface.normal = outward.x * cuboid.x_axis + outward.y * cuboid.y_axis + outward.z * z_axis;
+    surface.error = cuboid.error;
+    surface.material = cuboid.material;
+    surface.frame = cuboid.frame;
+    // From 0 at the low corner to 1, exactly so on the face.
+    surface.local = select(0.5 + 0.5 * (local / cuboid.half_extent), 0.5 + 0.5 * outward, axis != vec3<f32>(0.0));
+    return surface;
+}
+
+// 0..1 over each face, u to the right and v up as seen from outside; on the top and bottom u runs along x.
+fn cuboid_uv(point: vec3<f32>, local: vec3<f32>) -> SurfaceUv {
+    if local.z == 0.0 || local.z == 1.0 {
+        return SurfaceUv(vec2<f32>(select(local.x, 1.0 - local.x, local.z == 0.0), local.y), false);
+    }
+    if local.x == 0.0 || local.x == 1.0 {
+        return SurfaceUv(vec2<f32>(select(local.z, 1.0 - local.z, local.x == 1.0), local.y), false);
+    }
+    return SurfaceUv(vec2<f32>(local.x, select(local.z, 1.0 - local.z, local.y == 1.0)), false);
+}

@@ -1,0 +1,27 @@
+// The four texels around a point of an image and their weights; texel centres lie at half-integers.
+struct Bilinear {
+    // Columns left and right, rows above and below.
+    columns: vec2<u32>,
+    rows: vec2<u32>,
+    // Share of the right column and of the lower row.
+    share: vec2<f32>,
+}
+
+// u to the right and down to the bottom row, both in [0, 1]. `wraps` joins the right edge to the left.
+fn bilinear(u: f32, down: f32, width: u32, height: u32, wraps: bool) -> Bilinear {
+    let w = i32(width);
+    let h = i32(height);
+    let x = u * f32(width) - 0.5;
+    let y = down * f32(height) - 0.5;
+    let left = i32(floor(x));
+    let top = i32(floor(y));
+    let columns = vec2<i32>(left, left + 1);
+    let wrapped = (columns + vec2<i32>(w)) % vec2<i32>(w);
+    let clamped = clamp(columns, vec2<i32>(0), vec2<i32>(w - 1));
+    let rows = clamp(vec2<i32>(top, top + 1), vec2<i32>(0), vec2<i32>(h - 1));
+    return Bilinear(
+        vec2<u32>(select(clamped, wrapped, wraps)),
+        vec2<u32>(rows),
+        vec2<f32>(x - floor(x), y - floor(y)),
+    );
+}

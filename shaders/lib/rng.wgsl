@@ -1,0 +1,26 @@
+// Random numbers keyed by (pixel, sample, dimension, seed): a hash, so that no order of evaluation can change them.
+
+// PCG4D: Jarzynski and Olano, "Hash Functions for GPU Rendering", JCGT 9(3), 2020, listing 3.
+fn pcg4d(key: vec4<u32>) -> vec4<u32> {
+    var v = key * 1664525u + 1013904223u;
+    v.x += v.y * v.w;
+    v.y += v.z * v.x;
+    v.z += v.x * v.y;
+    v.w += v.y * v.z;
+    v ^= v >> vec4<u32>(16u);
+    v.x += v.y * v.w;
+    v.y += v.z * v.x;
+    v.z += v.x * v.y;
+    v.w += v.y * v.z;
+    return v;
+}
+
+// Multiples of 2^-24 in [0, 1): the upper 24 bits, since a rounding conversion of all 32 can give exactly 1.
+fn unit_interval(bits: vec4<u32>) -> vec4<f32> {
+    return vec4<f32>(bits >> vec4<u32>(8u)) * 0x1p-24f;
+}
+
+// Four independent uniforms of the block `dimension` of a sample.
+fn random4(pixel: u32, sample: u32, dimension: u32, seed: u32) -> vec4<f32> {
+    return unit_interval(pcg4d(vec4<u32>(pixel, sample, dimension, seed)));
+}

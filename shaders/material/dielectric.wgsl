@@ -1,0 +1,20 @@
+//@ use data/material
+//@ use lib/fresnel
+// A smooth boundary of a clear solid. Reflects with the probability of exact Fresnel reflectance, else refracts, so that
+// the weight is 1. Radiance is not scaled by the index squared: sensor and lights share one medium.
+fn dielectric_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scatter {
+    let ior = material.parameter;
+    let eta = select(1.0 / ior, ior, hit.front);
+    let contrast = select(material.contrast_inside, material.contrast_outside, hit.front);
+    let cos_incident = clamp(-dot(hit.incoming, hit.normal), 0.0, 1.0);
+    let boundary = fresnel(cos_incident, eta, contrast);
+    if u.x < boundary.reflectance {
+        let mirrored = hit.incoming + 2.0 * cos_incident * hit.normal;
+        return Scatter(SCATTERED, normalize(mirrored), vec3<f32>(1.0));
+    }
+    if contrast == 0.0 {
+        return Scatter(SCATTERED, hit.incoming, vec3<f32>(1.0));
+    }
+    let refracted = refract_by(hit.incoming, hit.normal, cos_incident, eta, boundary.cos_transmitted);
+    return Scatter(SCATTERED, refracted, vec3<f32>(1.0));
+}

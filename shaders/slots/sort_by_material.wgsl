@@ -1,0 +1,26 @@
+//@ use bind/queues
+//@ use bind/materials
+//@ use bind/settings
+//@ use data/queue
+//@ use data/primitive
+//@ use scene/surfaces
+// Puts a slot whose ray met a surface into the queue of the surface's material.
+
+fn queue_of(kind: u32) -> u32 {
+    switch kind {
+        //@ each material
+        ${case}: {
+            return ${rank}u;
+        }
+        //@ end
+    }
+}
+
+fn sort_slot(slot: u32, code: u32) {
+    if code >= FIRST_STATUS {
+        return;
+    }
+    let queue = queue_of(materials[material_index(code)].kind);
+    let turn = atomicAdd(&queues[queue], 1u);
+    atomicStore(&queues[queue_place(queue, turn, settings.slots)], slot);
+}

@@ -1,0 +1,12 @@
+//@ use slots/start
+// Gives every slot a run, when none has one.
+override WORKGROUP_SIZE: u32 = 64u;
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn generate(@builtin(global_invocation_id) id: vec3<u32>) {
+    let slot = id.x;
+    if slot >= settings.slots {
+        return;
+    }
+    start_run(slot);
+}

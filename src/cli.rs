@@ -1,0 +1,216 @@
+//! The command line: what can be asked, and how it is read.
+
+use std::ops::Range;
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+use crate::plan::Scatter;
+
+/// A path tracer on the GPU, and without one.
+#[derive(Debug, Parser)]
+#[command(name = "gpu-rt", version, about, max_term_width = 100)]
+pub struct Cli {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Render a scene to a linear EXR.
+    Render(RenderArgs),
+    /// Show what a scene requires: kernels, buffers and bytes, and what asked for each.
+    Plan(PlanArgs),
+    /// Validate a scene without a GPU.
+    Check(CheckArgs),
+    /// List the devices, their drivers and limits.
+    Devices(DevicesArgs),
+}
+
+#[derive(Debug, Args)]
+pub struct RenderArgs {
+    /// The scene file.
+    pub scene: PathBuf,
+    /// The EXR to write [default: the scene's name with .exr, in the current folder].
+    #[arg(short, long, value_name = "FILE.exr")]
+    pub output: Option<PathBuf>,
+    /// Also write a tone-mapped picture.
+    #[arg(long, value_name = "FILE.png")]
+    pub png: Option<PathBuf>,
+    /// Samples per pixel [default: the scene's].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_SAMPLES))]
+    pub spp: Option<u32>,
+    /// Sample indices A to B - 1 of each pixel, to split a render over machines.
+    #[arg(long, value_name = "A..B", value_parser = sample_range, conflicts_with_all = ["spp", "time"])]
+    pub samples: Option<Range<u32>>,
+    /// Render as many samples as fit into this time, counted from the start of the program [30s, 5m, …]; at least one, and
+    /// no more than --spp where that is given.
+    #[arg(long, value_name = "TIME", value_parser = duration)]
+    pub time: Option<Duration>,
+    /// Image size in pixels [default: the scene's].
+    #[arg(long, value_name = "WxH", value_parser = image_size)]
+    pub size: Option<(u32, u32)>,
+    /// Scattering events of a path at most [default: the scene's]. Fewer than the scene's own biases the result.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
+    pub max_depth: Option<u32>,
+    /// Seed of the random numbers.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u32,
+    /// The device, by its index or a part of its name as `gpu-rt devices` lists them.
+    #[arg(long, value_name = "INDEX|NAME")]
+    pub device: Option<String>,
+    /// Exposure of the PNG, in stops.
+    #[arg(long, value_name = "EV", default_value_t = 0.0, value_parser = exposure, allow_negative_numbers = true)]
+    pub exposure: f64,
+    /// Write the image so far at this interval [30s, 5m, …].
+    #[arg(long, value_name = "TIME", value_parser = duration, default_value = "60s")]
+    pub checkpoint: Duration,
+    /// How light is found: `bsdf` follows the scattered rays until they meet it.
+    #[arg(long, value_enum, default_value_t = Integrator::Bsdf)]
+    pub integrator: Integrator,
+    /// How samples are placed: `independent` draws each by itself.
+    #[arg(long, value_enum, default_value_t = Sampler::Independent)]
+    pub sampler: Sampler,
+    /// Fail when a sample was rejected because it was not finite.
+    #[arg(long)]
+    pub strict: bool,
+    /// Say nothing but errors.
+    #[arg(long)]
+    pub quiet: bool,
+    /// Print one JSON object on stdout at the end.
+    #[arg(long)]
+    pub json: bool,
+    #[command(flatten)]
+    pub tuning: TuningArgs,
+}
+
+/// What changes the speed and never the image.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Speed (the image stays the same to the byte)")]
+pub struct TuningArgs {
+    /// Paths in flight [default: by the device and the image].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 24))]
+    pub slots: Option<u32>,
+    /// Invocations of a workgroup [default: by the device].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=256))]
+    pub workgroup: Option<u32>,
+    /// Bounces of a submission [default: measured, for about 100 ms].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub bounces: Option<u32>,
+    /// One linked scatter kernel, or a kernel and a queue for each material [default: by the device].
+    #[arg(long, value_enum)]
+    pub scatter: Option<ScatterArg>,
+    /// Measure the seconds of each stage on the device; costs a pass for each dispatch.
+    #[arg(long)]
+    pub profile: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct PlanArgs {
+    /// The scene file.
+    pub scene: PathBuf,
+    /// Write the linked shaders into this folder.
+    #[arg(long, value_name = "DIR")]
+    pub wgsl: Option<PathBuf>,
+    /// Image size in pixels [default: the scene's].
+    #[arg(long, value_name = "WxH", value_parser = image_size)]
+    pub size: Option<(u32, u32)>,
+    /// The device whose sizes to plan for.
+    #[arg(long, value_name = "INDEX|NAME")]
+    pub device: Option<String>,
+    /// One linked scatter kernel, or a kernel and a queue for each material [default: by the device].
+    #[arg(long, value_enum)]
+    pub scatter: Option<ScatterArg>,
+    /// Print one JSON object on stdout.
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct CheckArgs {
+    /// The scene file.
+    pub scene: PathBuf,
+    /// Print one JSON object on stdout.
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct DevicesArgs {
+    /// Print one JSON object on stdout.
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Integrator {
+    Bsdf,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Sampler {
+    Independent,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ScatterArg {
+    Linked,
+    Queues,
+}
+
+impl From<ScatterArg> for Scatter {
+    fn from(arg: ScatterArg) -> Scatter {
+        match arg {
+            ScatterArg::Linked => Scatter::Linked,
+            ScatterArg::Queues => Scatter::Queues,
+        }
+    }
+}
+
+/// The most samples of a pixel: sample indices are 32-bit words, with room to round up to a block.
+pub const MOST_SAMPLES: i64 = 1 << 31;
+
+fn sample_range(text: &str) -> Result<Range<u32>, String> {
+    let expected = || format!("expected A..B with A < B <= {MOST_SAMPLES}, such as 0..64");
+    let (from, to) = text.split_once("..").ok_or_else(expected)?;
+    let number = |text: &str| text.trim().parse::<u32>().map_err(|_| expected());
+    let (from, to) = (number(from)?, number(to)?);
+    match from < to && i64::from(to) <= MOST_SAMPLES {
+        true => Ok(from..to),
+        false => Err(expected()),
+    }
+}
+
+fn duration(text: &str) -> Result<Duration, String> {
+    // A bare number is seconds.
+    let duration = match text.parse::<f64>() {
+        Ok(seconds) => Duration::try_from_secs_f64(seconds).map_err(|error| error.to_string()),
+        Err(_) => humantime::parse_duration(text).map_err(|error| error.to_string()),
+    };
+    match duration {
+        Ok(duration) if duration.is_zero() => Err("expected a time above zero, such as 30s".to_string()),
+        Ok(duration) if duration.as_secs() > 10 * 365 * 86_400 => Err("expected a time below ten years".to_string()),
+        Ok(duration) => Ok(duration),
+        Err(error) => Err(format!("expected a time such as 30s or 5m: {error}")),
+    }
+}
+
+/// The limits of an image's size, as for a scene's `image`.
+fn image_size(text: &str) -> Result<(u32, u32), String> {
+    let expected = || "expected WIDTHxHEIGHT from 1x1 to 65536x65536, 2^30 pixels at most, such as 640x360".to_string();
+    let (width, height) = text.split_once(['x', 'X']).ok_or_else(expected)?;
+    let number = |text: &str| text.parse::<u32>().ok().filter(|n| (1..=65_536).contains(n)).ok_or_else(expected);
+    let (width, height) = (number(width)?, number(height)?);
+    match u64::from(width) * u64::from(height) <= 1 << 30 {
+        true => Ok((width, height)),
+        false => Err(expected()),
+    }
+}
+
+fn exposure(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(stops) if stops.abs() <= 100.0 => Ok(stops),
+        _ => Err("expected a number of stops from -100 to 100".to_string()),
+    }
+}

@@ -1,0 +1,112 @@
+//! `gpu-rt plan`: what a scene requires.
+
+use std::path::Path;
+
+use serde_json::json;
+
+use super::{flatten_for, path_text, print_json, print_line};
+use crate::cli::PlanArgs;
+use crate::data::PATH_PLANES;
+use crate::error::{Error, Result};
+use crate::gpu::device::{AdapterName, Adapters, DeviceClass};
+use crate::output::atomic;
+use crate::plan::{Plan, Tuning};
+use crate::render::{Goal, Job, TuningWish, tuning};
+use crate::scene::Scene;
+
+/// Prints the kernels and buffers, and why each is there.
+pub fn run(args: &PlanArgs) -> Result<()> {
+    let scene = Scene::load(&args.scene)?;
+    let (size, flat) = flatten_for(&scene, args.size)?;
+    // Sizes depend on the device; where there is none, those of WebGPU's least are planned for.
+    let adapters = Adapters::find();
+    let (device, class) = match adapters.choose(args.device.as_deref()) {
+        Ok(adapter) => (AdapterName::of(adapter).to_string(), DeviceClass::of(adapter)),
+        Err(Error::Device(_)) => ("no device here: WebGPU's default limits".to_string(), DeviceClass::default()),
+        Err(error) => return Err(error),
+    };
+    let job = Job {
+        size,
+        max_depth: scene.render.max_depth,
+        seed: 0,
+        first_sample: 0,
+        goal: Goal::Samples(scene.render.samples),
+    };
+    let wish = TuningWish { scatter: args.scatter.map(Into::into), ..TuningWish::default() };
+    let tuning = tuning(class, &job, wish);
+    let plan = Plan::new(&flat.features, tuning.scatter)?;
+    if let Some(folder) = &args.wgsl {
+        write_shaders(folder, &plan)?;
+    }
+    let buffers = plan.buffers(&flat, &tuning);
+    let total: u64 = buffers.iter().map(|buffer| buffer.allocated()).sum();
+    if args.json {
+        let kernels: Vec<_> = plan
+            .kernels()
+            .map(|kernel| {
+                json!({
+                    "name": kernel.name,
+                    "why": kernel.why,
+                    "modules": kernel.linked.modules,
+                    "wgsl_bytes": kernel.linked.text.len(),
+                    "bindings": kernel.bindings.keys().collect::<Vec<_>>(),
+                })
+            })
+            .collect();
+        let buffers: Vec<_> = buffers
+            .iter()
+            .map(|buffer| json!({"name": buffer.name, "bytes": buffer.allocated(), "why": buffer.why}))
+            .collect();
+        print_json(&json!({
+            "scene": path_text(&args.scene),
+            "device": device,
+            "slots": tuning.slots,
+            "path_bytes_per_slot": PATH_PLANES * 16,
+            "scatter": scatter_words(&plan, &tuning),
+            "kernels": kernels,
+            "buffers": buffers,
+            "gpu_bytes": total,
+        }));
+        return Ok(());
+    }
+    print_line(&format!("{} on {device}", args.scene.display()));
+    print_line("kernels");
+    for kernel in plan.kernels() {
+        let modules = kernel.linked.modules.len();
+        let bytes = kernel.linked.text.len();
+        print_line(&format!("  {:<22} {modules:>2} modules, {bytes:>6} bytes of WGSL; for {}", kernel.name, kernel.why));
+    }
+    print_line(&format!("scatter: {}", scatter_words(&plan, &tuning)));
+    print_line(&format!("path state: {} bytes a slot, {} slots", PATH_PLANES * 16, tuning.slots));
+    print_line("buffers");
+    for buffer in &buffers {
+        print_line(&format!("  {:<12} {:>12} bytes  {}", buffer.name, buffer.allocated(), buffer.why));
+    }
+    print_line(&format!("  {:<12} {total:>12} bytes", "in all"));
+    Ok(())
+}
+
+fn scatter_words(plan: &Plan, tuning: &Tuning) -> String {
+    let kernels = plan.bounce.as_ref().map_or(0, |bounce| bounce.scatter.len());
+    match (kernels, plan.bounce.as_ref().is_some_and(|bounce| bounce.dispatch.is_some())) {
+        (0, _) => "none: there is nothing to hit".to_string(),
+        (n, true) => format!("a kernel and a queue for each of {n} materials, as asked for"),
+        (_, false) if tuning.scatter == crate::plan::Scatter::Queues => {
+            "one kernel: with one material there is nothing to sort".to_string()
+        }
+        _ => "one linked kernel for all materials: the queues cost more than they save (docs/performance.md)".to_string(),
+    }
+}
+
+fn write_shaders(folder: &Path, plan: &Plan) -> Result<()> {
+    std::fs::create_dir_all(folder).map_err(|error| Error::File {
+        path: folder.to_path_buf(),
+        action: "create",
+        reason: error.to_string(),
+    })?;
+    for kernel in plan.kernels() {
+        let path = folder.join(format!("{}.wgsl", kernel.name));
+        atomic::replace(&path, |file| std::io::Write::write_all(file, kernel.linked.text.as_bytes()))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,399 @@
+//! `gpu-rt render`: from a scene file to an image file.
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use serde_json::json;
+
+use super::{flatten_for, path_text, print_json};
+use crate::cli::{MOST_SAMPLES, RenderArgs};
+use crate::error::{Error, Result};
+use crate::film::{Film, Picture, Totals};
+use crate::gpu::device::{Adapters, Device};
+use crate::output::exr::{Attribute, write_exr};
+use crate::output::png::write_png;
+use crate::output::progress::{self, Progress, Status};
+use crate::plan::Plan;
+use crate::render::{Goal, Job, Next, Outcome, Renderer, TuningWish, tuning};
+use crate::scene::Scene;
+
+/// Seconds of the parts of a render, as `--json` and the EXR's header report them.
+#[derive(Clone, Copy, Debug, Default)]
+struct Seconds {
+    load: f64,
+    build: f64,
+    /// Finding and opening the device.
+    open: f64,
+    compile: f64,
+    render: f64,
+    write: f64,
+}
+
+/// Where the image goes.
+struct Output<'a> {
+    exr: PathBuf,
+    png: Option<&'a Path>,
+    exposure: f64,
+}
+
+/// Renders the scene as asked, writing the image now and then and at the end.
+pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
+    let mut clock = Clock(start);
+    let mut seconds = Seconds::default();
+    let scene = Scene::load(&args.scene)?;
+    let output = output_of(args)?;
+    seconds.load = clock.lap();
+
+    let (size, flat) = flatten_for(&scene, args.size)?;
+    seconds.build = clock.lap();
+
+    let adapters = Adapters::find();
+    let device = Device::open(adapters.choose(args.device.as_deref())?)?;
+    if device.name.software && !args.quiet {
+        eprintln!("warning: {} is a software driver: the processor does a GPU's work", device.name);
+    }
+    seconds.open = clock.lap();
+
+    let job = job_of(args, &scene, size, start);
+    let wish = TuningWish {
+        slots: args.tuning.slots,
+        workgroup: args.tuning.workgroup,
+        scatter: args.tuning.scatter.map(Into::into),
+        bounces: args.tuning.bounces,
+    };
+    let plan = Plan::new(&flat.features, tuning(device.class(), &job, wish).scatter)?;
+    let mut renderer = Renderer::new(&device, &flat, &plan, &job, wish, args.tuning.profile)?;
+    seconds.compile = clock.lap();
+
+    let mut film = Film::new(size.0, size.1, flat.radiance_exponent)?;
+    let stopped = stop_on_interrupt();
+    let about = About { args, scene_file: &args.scene, device: &device, job: &job };
+    let progress = Progress::new(args.quiet, progress_goal(&job));
+    let mut watcher = Watcher {
+        progress: &progress,
+        stopped: &stopped,
+        begun: Instant::now(),
+        // Looking at the whole film takes time; not more often than that it costs a few percent.
+        next_look: Instant::now() + Duration::from_secs(1),
+        next_checkpoint: Instant::now() + args.checkpoint,
+        error: None,
+        failed: None,
+        checkpoint: &|film: &Film, error: Option<f64>| {
+            let attributes = about.attributes(&Finish { error, ..Finish::of(film) }, &seconds);
+            write_exr(&output.exr, &film.develop(), &attributes)
+        },
+        interval: args.checkpoint,
+    };
+    let rendered = renderer.run(&job, &mut film, &mut |film, _| watcher.look(film));
+    if let Some(error) = watcher.failed.take() {
+        progress.message(&format!("warning: {error}"));
+    }
+    progress.finish();
+    seconds.render = clock.lap();
+
+    // A device that failed leaves the runs finished before; they are written before the failure is told.
+    let outcome = match &rendered {
+        Ok(outcome) => outcome.clone(),
+        Err(_) => Outcome { samples: job.first_sample..job.first_sample, ..Outcome::default() },
+    };
+    let finish = Finish { error: film.relative_error(), complete: rendered.is_ok() && !outcome.interrupted, ..Finish::of(&film) };
+    if finish.totals.paths > 0 || rendered.is_ok() {
+        let finish = Finish { samples: outcome.samples.clone(), ..finish.clone() };
+        write_all(&output, &film.develop(), &about.attributes(&finish, &seconds))?;
+    }
+    rendered?;
+    seconds.write = clock.lap();
+
+    let total = start.elapsed().as_secs_f64();
+    if args.json {
+        let kernels: Vec<_> = plan.kernels().map(|kernel| kernel.name.as_str()).collect();
+        let gpu_bytes: u64 = plan.buffers(&flat, renderer.tuning()).iter().map(|buffer| buffer.allocated()).sum();
+        print_json(&report(&about, &output, &outcome, &finish, &seconds, total, &kernels, gpu_bytes));
+    }
+    if !args.quiet {
+        summarise(args, &output, &outcome, &finish, total);
+    }
+    if args.strict && finish.totals.rejected.total() > 0 {
+        return Err(Error::Strict(format!("--strict: {}", rejected_words(&finish.totals))));
+    }
+    match outcome.interrupted {
+        true => Err(Error::Interrupted(format!("interrupted; {} holds the image so far", output.exr.display()))),
+        false => Ok(()),
+    }
+}
+
+/// Laps from the start of the program.
+struct Clock(Instant);
+
+impl Clock {
+    fn lap(&mut self) -> f64 {
+        let now = Instant::now();
+        let lap = now.duration_since(self.0).as_secs_f64();
+        self.0 = now;
+        lap
+    }
+}
+
+/// The paths to write to, checked before anything costs time.
+fn output_of(args: &RenderArgs) -> Result<Output<'_>> {
+    let exr = match &args.output {
+        Some(path) => path.clone(),
+        None => {
+            let name = args.scene.file_stem().unwrap_or_default();
+            PathBuf::from(name).with_added_extension("exr")
+        }
+    };
+    for path in std::iter::once(exr.as_path()).chain(args.png.as_deref()) {
+        let folder = match path.parent() {
+            Some(parent) if !parent.as_os_str().is_empty() => parent,
+            _ => Path::new("."),
+        };
+        if path.is_dir() || !folder.is_dir() {
+            return Err(Error::Usage(format!(
+                "{}: expected the name of a file in a folder that exists; nothing has been rendered",
+                path.display()
+            )));
+        }
+    }
+    Ok(Output { exr, png: args.png.as_deref(), exposure: args.exposure })
+}
+
+fn job_of(args: &RenderArgs, scene: &Scene, size: (u32, u32), start: Instant) -> Job {
+    let samples = args.samples.clone().unwrap_or(0..args.spp.unwrap_or(scene.render.samples));
+    let goal = match args.time {
+        None => Goal::Samples(samples.end),
+        Some(time) => Goal::Until {
+            deadline: start + time.saturating_sub(write_time(size)),
+            end: args.spp.unwrap_or(MOST_SAMPLES as u32),
+        },
+    };
+    Job {
+        size,
+        max_depth: args.max_depth.unwrap_or(scene.render.max_depth),
+        seed: args.seed,
+        first_sample: samples.start,
+        goal,
+    }
+}
+
+/// What developing and writing the image is allowed for under `--time`: measured as 0.3 to 0.5 µs a pixel on two cores.
+fn write_time((width, height): (u32, u32)) -> Duration {
+    Duration::from_nanos(u64::from(width) * u64::from(height) * 500) + Duration::from_millis(20)
+}
+
+fn progress_goal(job: &Job) -> progress::Goal {
+    match job.goal {
+        Goal::Samples(end) => progress::Goal::Samples { from: 0, to: u64::from(end - job.first_sample) },
+        Goal::Until { deadline, .. } => {
+            progress::Goal::Time(deadline.saturating_duration_since(Instant::now()))
+        }
+    }
+}
+
+/// Set by the first interrupt; the second ends the program at once.
+fn stop_on_interrupt() -> Arc<AtomicBool> {
+    let stopped = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&stopped);
+    // Without a handler an interrupt ends the program, which is no worse than before.
+    let _ = ctrlc::set_handler(move || {
+        if flag.swap(true, Ordering::Relaxed) {
+            std::process::exit(1);
+        }
+    });
+    stopped
+}
+
+/// Looks at the film after each submission: shows progress, writes checkpoints, passes interrupts on.
+struct Watcher<'a> {
+    progress: &'a Progress,
+    stopped: &'a AtomicBool,
+    begun: Instant,
+    next_look: Instant,
+    next_checkpoint: Instant,
+    interval: Duration,
+    error: Option<f64>,
+    failed: Option<Error>,
+    checkpoint: &'a dyn Fn(&Film, Option<f64>) -> Result<()>,
+}
+
+impl Watcher<'_> {
+    fn look(&mut self, film: &Film) -> Next {
+        let pixels = u64::from(film.width()) * u64::from(film.height());
+        let now = Instant::now();
+        if now >= self.next_look {
+            self.error = film.relative_error();
+            // The look itself may take long on a large film: it shall cost a tenth at most.
+            self.next_look = Instant::now() + (10 * now.elapsed()).max(Duration::from_secs(1));
+        }
+        if now >= self.next_checkpoint {
+            // A checkpoint that fails is told at the end; the render is worth more than it.
+            self.failed = (self.checkpoint)(film, self.error).err();
+            self.next_checkpoint = Instant::now() + self.interval;
+        }
+        let totals = film.totals();
+        self.progress.update(Status {
+            samples_per_pixel: totals.paths / pixels.max(1),
+            paths_per_second: totals.paths as f64 / self.begun.elapsed().as_secs_f64().max(1e-6),
+            relative_error: self.error,
+        });
+        match self.stopped.load(Ordering::Relaxed) {
+            true => Next::Stop,
+            false => Next::GoOn,
+        }
+    }
+}
+
+/// What a film came to.
+#[derive(Clone, Debug)]
+struct Finish {
+    samples: Range<u32>,
+    totals: Totals,
+    error: Option<f64>,
+    complete: bool,
+}
+
+impl Finish {
+    fn of(film: &Film) -> Finish {
+        Finish { samples: 0..0, totals: film.totals(), error: None, complete: false }
+    }
+}
+
+/// What a render was asked and where it ran: for the header and the report.
+struct About<'a> {
+    args: &'a RenderArgs,
+    scene_file: &'a Path,
+    device: &'a Device,
+    job: &'a Job,
+}
+
+impl About<'_> {
+    /// The EXR's header.
+    fn attributes(&self, finish: &Finish, seconds: &Seconds) -> Vec<(String, Attribute)> {
+        let text = |name: &str, text: String| (format!("gpu-rt:{name}"), Attribute::Text(text));
+        let int = |name: &str, n: u64| (format!("gpu-rt:{name}"), Attribute::Int(i64::try_from(n).unwrap_or(i64::MAX)));
+        let float = |name: &str, x: f64| (format!("gpu-rt:{name}"), Attribute::Float(x));
+        let mut all = vec![
+            text("version", env!("CARGO_PKG_VERSION").to_string()),
+            text("scene", path_text(self.scene_file)),
+            text("device", self.device.name.name.clone()),
+            text("driver", self.device.name.driver.clone()),
+            text("integrator", "bsdf".to_string()),
+            text("sampler", "independent".to_string()),
+            int("seed", u64::from(self.job.seed)),
+            int("max_depth", u64::from(self.job.max_depth)),
+            int("first_sample", u64::from(finish.samples.start)),
+            int("end_sample", u64::from(finish.samples.end)),
+            int("complete", u64::from(finish.complete)),
+            int("paths", finish.totals.paths),
+            int("rays", finish.totals.rays),
+            int("rejected_samples", finish.totals.rejected.total()),
+            int("rejected_nan", finish.totals.rejected.nan),
+            int("rejected_infinite", finish.totals.rejected.infinite),
+            float("seconds_load", seconds.load),
+            float("seconds_build", seconds.build),
+            float("seconds_compile", seconds.compile),
+            float("seconds_render", seconds.render),
+        ];
+        all.extend(finish.error.map(|error| float("relative_error", error)));
+        all
+    }
+}
+
+fn write_all(output: &Output<'_>, picture: &Picture, attributes: &[(String, Attribute)]) -> Result<()> {
+    write_exr(&output.exr, picture, attributes)?;
+    match output.png {
+        Some(png) => write_png(png, picture, output.exposure),
+        None => Ok(()),
+    }
+}
+
+#[expect(clippy::too_many_arguments, reason = "the report is about all of them, and about nothing else")]
+fn report(
+    about: &About<'_>,
+    output: &Output<'_>,
+    outcome: &Outcome,
+    finish: &Finish,
+    seconds: &Seconds,
+    total: f64,
+    kernels: &[&str],
+    gpu_bytes: u64,
+) -> serde_json::Value {
+    let Totals { paths, rays, rejected } = finish.totals;
+    let per_second = |n: u64| n as f64 / outcome.seconds.max(1e-9);
+    let stages: serde_json::Map<_, _> = outcome.stages.iter().map(|(name, s)| (name.clone(), json!(s))).collect();
+    let mut report = json!({
+        "output": path_text(&output.exr),
+        "width": about.job.size.0,
+        "height": about.job.size.1,
+        "samples_per_pixel": outcome.samples.len(),
+        "first_sample": outcome.samples.start,
+        "max_depth": about.job.max_depth,
+        "seed": about.job.seed,
+        "integrator": "bsdf",
+        "sampler": "independent",
+        "device": about.device.name.name,
+        "driver": about.device.name.driver,
+        "software": about.device.name.software,
+        "seconds": {
+            "load": seconds.load,
+            "build": seconds.build,
+            "device": seconds.open,
+            "compile": seconds.compile,
+            "render": outcome.seconds,
+            "write": seconds.write,
+            "total": total,
+            "first_pass": outcome.first_pass,
+        },
+        "paths": paths,
+        "rays": rays,
+        "paths_per_second": per_second(paths),
+        "rays_per_second": per_second(rays),
+        "rejected_samples": rejected.total(),
+        "relative_error": finish.error,
+        "interrupted": outcome.interrupted,
+        "kernels": kernels,
+        "gpu_bytes": gpu_bytes,
+    });
+    if about.args.tuning.profile {
+        report["stage_seconds"] = stages.into();
+    }
+    report
+}
+
+/// The last line, and before it what the user should know.
+fn summarise(args: &RenderArgs, output: &Output<'_>, outcome: &Outcome, finish: &Finish, total: f64) {
+    if finish.totals.rejected.total() > 0 {
+        eprintln!("warning: {}", rejected_words(&finish.totals));
+    }
+    if let Some(time) = args.time
+        && total > time.as_secs_f64()
+    {
+        eprintln!("warning: {total:.1} s is more than the --time of {:.1} s", time.as_secs_f64());
+    }
+    if args.tuning.profile {
+        match outcome.stages.is_empty() {
+            true => eprintln!("stages: this device has no timestamps"),
+            false => outcome.stages.iter().for_each(|(name, s)| eprintln!("stage {name}: {s:.3} s on the device")),
+        }
+    }
+    let error = match finish.error {
+        Some(error) => format!("relative error {:.2} %", 100.0 * error),
+        None => "error unknown (it takes 9 samples a pixel, and light)".to_string(),
+    };
+    eprintln!("{}: {} samples, {error}, {total:.1} s", output.exr.display(), outcome.samples.len());
+}
+
+fn rejected_words(totals: &Totals) -> String {
+    let rejected = totals.rejected;
+    format!(
+        "{} of {} samples were rejected: {} were not a number, {} infinite, {} not delivered whole",
+        rejected.total(),
+        totals.paths,
+        rejected.nan,
+        rejected.infinite,
+        rejected.refused
+    )
+}

@@ -1,0 +1,172 @@
+//! The host's side of the structs under shaders/data. WGSL is the source; tests/layout.rs compares every field here with
+//! naga's reflection of it.
+
+use bytemuck::{Pod, Zeroable};
+
+/// Of a primitive's code: tells it from a BVH node's index.
+pub const PRIMITIVE_BIT: u32 = 0x8000_0000;
+/// Place of the kind within a primitive's code.
+pub const PRIMITIVE_KIND_SHIFT: u32 = 28;
+/// The most primitives of one kind.
+pub const MAX_PRIMITIVES: usize = 1 << PRIMITIVE_KIND_SHIFT;
+/// The code of no primitive: a ray that leaves the scene; the root of a scene without objects.
+pub const HIT_NOTHING: u32 = 0xffff_ffff;
+/// The code of a slot without a run.
+pub const SLOT_IDLE: u32 = 0xffff_fffd;
+/// `Material::texture` where the colour is the material's own.
+pub const NO_TEXTURE: u32 = 0xffff_ffff;
+/// Samples of a run at most; runs are cut at multiples of it.
+pub const RUN_LENGTH: u32 = 8;
+/// Planes of the slots' state, a vec4 of words each.
+pub const PATH_PLANES: u32 = 5;
+/// Words before the first queue.
+pub const QUEUE_HEADER: u32 = 8;
+
+/// Declares a struct for the device, with its fields' names kept for the layout test.
+macro_rules! device_struct {
+    ($(#[$meta:meta])* $name:ident { $($field:ident: $ty:ty,)* }) => {
+        $(#[$meta])*
+        #[repr(C)]
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+        pub struct $name { $(pub $field: $ty,)* }
+
+        impl $name {
+            /// Name, offset and bytes of each field.
+            pub const FIELDS: &'static [(&'static str, usize, usize)] = &[
+                $((stringify!($field), std::mem::offset_of!($name, $field), std::mem::size_of::<$ty>()),)*
+            ];
+        }
+    };
+}
+
+device_struct!(
+    /// What one render is told.
+    Settings {
+        forward: [f32; 3],
+        image_width: u32,
+        pixel_x: [f32; 3],
+        image_height: u32,
+        pixel_y: [f32; 3],
+        max_depth: u32,
+        lens_x: [f32; 3],
+        seed: u32,
+        lens_y: [f32; 3],
+        root: u32,
+        first_sample: u32,
+        end_sample: u32,
+        slots: u32,
+        inverse_focus: f32,
+        background_bottom: [f32; 3],
+        background_width: u32,
+        background_top: [f32; 3],
+        background_height: u32,
+    }
+);
+
+device_struct!(
+    /// The runs that may be started now.
+    Window { first_block: u32, end: u32, }
+);
+
+device_struct!(
+    /// What the device counts for the host.
+    Counters { next: u32, records: u32, idle: u32, }
+);
+
+device_struct!(
+    /// A node of the BVH.
+    Node {
+        left_min: [f32; 3],
+        left: u32,
+        left_max: [f32; 3],
+        right: u32,
+        right_min: [f32; 3],
+        padding0: u32,
+        right_max: [f32; 3],
+        padding1: u32,
+    }
+);
+
+device_struct!(
+    /// A sphere, in render space.
+    Sphere {
+        center: [f32; 3],
+        radius: f32,
+        order: u32,
+        material: u32,
+        frame: u32,
+        padding: u32,
+    }
+);
+
+device_struct!(
+    /// A parallelogram, in render space.
+    Quad {
+        corner: [f32; 3],
+        order: u32,
+        normal: [f32; 3],
+        material: u32,
+        a_axis: [f32; 3],
+        frame: u32,
+        b_axis: [f32; 3],
+        error: f32,
+        u: [f32; 3],
+        padding0: u32,
+        v: [f32; 3],
+        padding1: u32,
+    }
+);
+
+device_struct!(
+    /// A box turned any way, in render space.
+    Cuboid {
+        center: [f32; 3],
+        order: u32,
+        half_extent: [f32; 3],
+        material: u32,
+        x_axis: [f32; 3],
+        frame: u32,
+        y_axis: [f32; 3],
+        error: f32,
+    }
+);
+
+device_struct!(
+    /// A material.
+    Material {
+        colour: [f32; 3],
+        kind: u32,
+        parameter: f32,
+        contrast_outside: f32,
+        contrast_inside: f32,
+        texture: u32,
+    }
+);
+
+device_struct!(
+    /// A texture.
+    Texture {
+        first: [f32; 3],
+        kind: u32,
+        second: [f32; 3],
+        parameter: f32,
+        texel: u32,
+        width: u32,
+        height: u32,
+        padding: u32,
+    }
+);
+
+device_struct!(
+    /// The map from a primitive's own coordinates to a texture's.
+    Frame {
+        x: [f32; 3],
+        phase: f32,
+        y: [f32; 3],
+        padding0: u32,
+        z: [f32; 3],
+        padding1: u32,
+        origin: [f32; 3],
+        padding2: u32,
+    }
+);

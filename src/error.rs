@@ -1,0 +1,66 @@
+//! The one error type: what went wrong, where, and what to do about it.
+
+use std::fmt;
+use std::path::PathBuf;
+
+/// A place in a text file. Lines and columns count from 1; columns count characters.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Location {
+    pub file: PathBuf,
+    pub line: usize,
+    pub column: usize,
+}
+
+impl fmt::Display for Location {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}:{}", self.file.display(), self.line, self.column)
+    }
+}
+
+/// Everything that can stop gpu-rt. Its text names the place or the limit concerned, and what to do.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// Something in the scene file, or in a file it names, is wrong.
+    #[error("{location}: {field}: {message}")]
+    Scene {
+        location: Location,
+        /// The field at fault, by its path from the top: `objects[3].Sphere.radius`.
+        field: String,
+        message: String,
+    },
+    /// The command line asks for something that cannot be.
+    #[error("{0}")]
+    Usage(String),
+    /// A file could not be read or written.
+    #[error("{}: cannot {action}: {reason}", path.display())]
+    File {
+        path: PathBuf,
+        action: &'static str,
+        reason: String,
+    },
+    /// No device fits, the device refused, or it was lost.
+    #[error("{0}")]
+    Device(String),
+    /// A shader did not link or did not validate: a defect of gpu-rt, never of the scene.
+    #[error("{0}")]
+    Shader(String),
+    /// `--strict` was given and samples were rejected.
+    #[error("{0}")]
+    Strict(String),
+    /// The user stopped the work before it was done; what was done is kept.
+    #[error("{0}")]
+    Interrupted(String),
+}
+
+pub type Result<T> = std::result::Result<T, Error>;
+
+impl Error {
+    /// The process's exit status: 2 for bad input or arguments, 1 when the work itself failed.
+    pub fn exit_status(&self) -> u8 {
+        match self {
+            Error::Scene { .. } | Error::Usage(_) => 2,
+            Error::File { action, .. } if *action == "read" => 2,
+            _ => 1,
+        }
+    }
+}

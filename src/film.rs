@@ -1,0 +1,451 @@
+//! The film: exact totals of what each pixel has received, in which order cannot matter.
+//!
+//! The device delivers sums over short runs of samples in f32. Here they are added as integers of a fixed scale (a sum of integers is
+//! the same in any order and split), together with the sums of squares that the error estimate needs.
+
+use crate::error::{Error, Result};
+
+/// The longest run: a run is up to this many consecutive samples of one pixel.
+pub const RUN_LENGTH: u32 = 8;
+
+/// What [`Picture::variance`] holds where the variance is not known: the largest finite f32. An image file must hold finite values, 0
+/// would claim exactness, and whoever takes this one for a number concludes that the pixel is worthless, which is right.
+pub const UNKNOWN_VARIANCE: f32 = f32::MAX;
+
+/// Bits after the binary point of a pixel's sum, in device units.
+const SUM_FRACTION: i32 = 88;
+/// Bits after the binary point of a pixel's sum of squares, in device units squared.
+const SQUARE_FRACTION: i32 = 96;
+/// The largest power of two, up or down, between device units and scene units: its square is far inside f64.
+const MAX_EXPONENT: i32 = 300;
+/// The share of the image's mean luminance that keeps dark pixels from ruling the relative error (design.md, section 2).
+const DARK_PIXEL_FLOOR: f64 = 0.01;
+/// Luminance of linear Rec. 709 (ITU-R BT.709-6, item 3.2).
+const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
+
+/// One run as the device delivers it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct RunRecord {
+    /// Sum of the accepted samples' radiance, in device units, as added in f32 in sample order.
+    pub sum: [f32; 3],
+    /// Index of the pixel: row 0 on top, `y * width + x`.
+    pub pixel: u32,
+    /// Accepted samples | rejected as NaN << 8 | rejected as infinite << 16; their sum is at most [`RUN_LENGTH`].
+    pub counts: u32,
+    /// Rays traced for the run.
+    pub rays: u32,
+}
+
+impl RunRecord {
+    /// `(accepted, NaN, infinite)`, or nothing where they cannot be the counts of one run.
+    fn counts(&self) -> Option<(u32, u32, u32)> {
+        let [accepted, nan, infinite, unused] = self.counts.to_le_bytes().map(u32::from);
+        (unused == 0 && accepted + nan + infinite <= RUN_LENGTH)
+            .then_some((accepted, nan, infinite))
+    }
+}
+
+/// Samples that were left out of the image, by reason.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Rejected {
+    /// The device found a NaN.
+    pub nan: u64,
+    /// The device found an infinity, or the run's sum overflowed f32.
+    pub infinite: u64,
+    /// The record itself was refused: its pixel is not in the image, its sum is negative or NaN, or its counts are not those of a run.
+    pub refused: u64,
+}
+
+impl Rejected {
+    pub fn total(&self) -> u64 {
+        self.nan + self.infinite + self.refused
+    }
+}
+
+/// Totals over the whole film.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Totals {
+    /// Camera samples, accepted or rejected.
+    pub paths: u64,
+    /// Rays of every kind.
+    pub rays: u64,
+    pub rejected: Rejected,
+}
+
+/// What one pixel has received, in device units.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Pixel {
+    /// Σ s over runs, s the run's sum, in units of 2^-[`SUM_FRACTION`].
+    sum: [u128; 3],
+    /// Σ s²/n over runs, n the run's accepted samples, in units of 2^-[`SQUARE_FRACTION`].
+    squares: [u128; 3],
+    /// Accepted samples.
+    samples: u64,
+    /// Runs with at least one accepted sample.
+    runs: u32,
+    rejected: u32,
+}
+
+impl Pixel {
+    /// The pixel's mean in device units; 0 without samples.
+    fn mean(&self, channel: usize) -> f64 {
+        if self.samples == 0 {
+            return 0.0;
+        }
+        self.sum[channel] as f64 * exp2(-SUM_FRACTION) / self.samples as f64
+    }
+
+    /// The variance of the pixel's mean, in device units squared, from its runs as replicates of unequal size: with N = Σ n, K runs and
+    /// Q = Σ s²/n − (Σ s)²/N, it is Q / ((K − 1) N). Own derivation: for independent samples of mean μ and variance σ²,
+    /// E[Σ s²/n] = K σ² + N μ² and E[(Σ s)²/N] = σ² + N μ², so that E[Q] = (K − 1) σ², while the mean's variance is σ²/N.
+    ///
+    /// Unknown with less than two runs, or where a total has saturated.
+    fn variance(&self, channel: usize) -> Option<f64> {
+        let (sum, squares) = (self.sum[channel], self.squares[channel]);
+        if self.runs < 2 || sum == u128::MAX || squares == u128::MAX {
+            return None;
+        }
+        // Q ≥ 0 by the Cauchy–Schwarz inequality; only the rounding of the squares could take it below.
+        let spread = squares.saturating_sub(square_over(sum, self.samples));
+        let divisor = f64::from(self.runs - 1) * self.samples as f64;
+        Some(spread as f64 * exp2(-SQUARE_FRACTION) / divisor)
+    }
+
+    fn reject(&mut self, samples: u32) {
+        self.rejected = self.rejected.saturating_add(samples);
+    }
+}
+
+/// The exact totals of a whole image.
+///
+/// Range, in device units (scene radiance / 2^exponent). A pixel's sum holds 2^-88 to 2^40: every f32 from 2^-65 on is added without
+/// any rounding, smaller ones are rounded to 2^-88, and 2^30 samples of mean 1000 fit. Its sum of squares holds 2^-96 to 2^32: the
+/// variance is exact for samples from about 2^-36 on and fades below 2^-46; one run of sum 2^17, 2^20 samples of 64 or 2^30 of 2
+/// fit. Beyond, the total saturates (a saturating sum of numbers that are not negative is still the same in any order) and the
+/// variance is reported as unknown. So the device's unit should be about the radiance of the brightest thing that is often seen.
+///
+/// Memory: 112 bytes a pixel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Film {
+    width: u32,
+    height: u32,
+    exponent: i32,
+    pixels: Vec<Pixel>,
+    totals: Totals,
+}
+
+impl Film {
+    /// An empty film. Device radiance times 2^exponent is scene radiance; the exponent is within ±300.
+    ///
+    /// Fails where the image has no pixels, more than 2^32, or more than the memory holds.
+    pub fn new(width: u32, height: u32, exponent: i32) -> Result<Film> {
+        let count = u64::from(width) * u64::from(height);
+        // The device names pixels by u32.
+        if count == 0 || count > 1 << 32 {
+            return Err(Error::Usage(format!(
+                "an image of {width} x {height} pixels: expected 1 to 2^32 pixels in all"
+            )));
+        }
+        if !(-MAX_EXPONENT..=MAX_EXPONENT).contains(&exponent) {
+            return Err(Error::Usage(format!(
+                "the scene's radiance has the scale 2^{exponent}: expected 2^-300 to 2^300"
+            )));
+        }
+        let too_large = || {
+            let gib = count as f64 * size_of::<Pixel>() as f64 / exp2(30);
+            Error::Usage(format!(
+                "an image of {width} x {height} pixels needs {gib:.1} GiB of memory, which cannot be had; use a smaller --size"
+            ))
+        };
+        let count = usize::try_from(count).map_err(|_| too_large())?;
+        let mut pixels = Vec::new();
+        pixels.try_reserve_exact(count).map_err(|_| too_large())?;
+        pixels.resize(count, Pixel::default());
+        Ok(Film {
+            width,
+            height,
+            exponent,
+            pixels,
+            totals: Totals::default(),
+        })
+    }
+
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    pub fn totals(&self) -> Totals {
+        self.totals
+    }
+
+    /// Adds runs. Any order and any split into calls gives the same film.
+    ///
+    /// A record that no correct device delivers is refused as a whole and counted, so that it cannot corrupt a pixel.
+    pub fn add(&mut self, records: &[RunRecord]) {
+        for record in records {
+            self.add_one(record);
+        }
+    }
+
+    fn add_one(&mut self, record: &RunRecord) {
+        self.totals.rays += u64::from(record.rays);
+        let Some((accepted, nan, infinite)) = record.counts() else {
+            self.refuse(record, RUN_LENGTH);
+            return;
+        };
+        let samples = accepted + nan + infinite;
+        // A NaN fails this too.
+        let sum_is_valid = record.sum.iter().all(|s| *s >= 0.0);
+        if accepted > 0 && !sum_is_valid {
+            self.refuse(record, samples);
+            return;
+        }
+        let Some(pixel) = self.pixels.get_mut(record.pixel as usize) else {
+            self.refuse(record, samples);
+            return;
+        };
+        self.totals.paths += u64::from(samples);
+        self.totals.rejected.nan += u64::from(nan);
+        self.totals.rejected.infinite += u64::from(infinite);
+        pixel.reject(nan + infinite);
+        if accepted == 0 {
+            return;
+        }
+        if record.sum.iter().any(|s| s.is_infinite()) {
+            // Finite samples whose sum is not: too bright for the device's unit.
+            self.totals.rejected.infinite += u64::from(accepted);
+            pixel.reject(accepted);
+            return;
+        }
+        for channel in 0..3 {
+            let s = f64::from(record.sum[channel]);
+            // The square of an f32 is exact in f64, and so is its quotient by the n of a full run, 8.
+            let square = s * s / f64::from(accepted);
+            pixel.sum[channel] = pixel.sum[channel].saturating_add(to_fixed(s, SUM_FRACTION));
+            pixel.squares[channel] =
+                pixel.squares[channel].saturating_add(to_fixed(square, SQUARE_FRACTION));
+        }
+        pixel.samples += u64::from(accepted);
+        pixel.runs = pixel.runs.saturating_add(1);
+    }
+
+    /// Counts a record's samples as rejected and takes nothing else from it.
+    #[cold]
+    fn refuse(&mut self, record: &RunRecord, samples: u32) {
+        self.totals.paths += u64::from(samples);
+        self.totals.rejected.refused += u64::from(samples);
+        if let Some(pixel) = self.pixels.get_mut(record.pixel as usize) {
+            pixel.reject(samples);
+        }
+    }
+
+    /// Adds another film of the same image. It is the same as if this film had got the other's records too.
+    pub fn merge(&mut self, other: &Film) -> Result<()> {
+        let shape = |film: &Film| (film.width, film.height, film.exponent);
+        if shape(self) != shape(other) {
+            return Err(Error::Usage(format!(
+                "films of different images cannot be joined: {} x {} pixels of scale 2^{} and {} x {} of 2^{}",
+                self.width, self.height, self.exponent, other.width, other.height, other.exponent
+            )));
+        }
+        for (mine, theirs) in self.pixels.iter_mut().zip(&other.pixels) {
+            for channel in 0..3 {
+                mine.sum[channel] = mine.sum[channel].saturating_add(theirs.sum[channel]);
+                mine.squares[channel] =
+                    mine.squares[channel].saturating_add(theirs.squares[channel]);
+            }
+            mine.samples += theirs.samples;
+            mine.runs = mine.runs.saturating_add(theirs.runs);
+            mine.reject(theirs.rejected);
+        }
+        self.totals.paths += other.totals.paths;
+        self.totals.rays += other.totals.rays;
+        self.totals.rejected.nan += other.totals.rejected.nan;
+        self.totals.rejected.infinite += other.totals.rejected.infinite;
+        self.totals.rejected.refused += other.totals.rejected.refused;
+        Ok(())
+    }
+
+    /// The image in scene units.
+    pub fn develop(&self) -> Picture {
+        let scale = exp2(self.exponent);
+        let channels = [0, 1, 2];
+        Picture {
+            width: self.width,
+            height: self.height,
+            rgb: self
+                .pixels
+                .iter()
+                .map(|p| channels.map(|c| to_f32(p.mean(c) * scale)))
+                .collect(),
+            variance: self
+                .pixels
+                .iter()
+                .map(|p| channels.map(|c| variance_to_f32(p.variance(c), scale * scale)))
+                .collect(),
+            samples: self
+                .pixels
+                .iter()
+                .map(|p| u32::try_from(p.samples).unwrap_or(u32::MAX))
+                .collect(),
+            rejected: self.pixels.iter().map(|p| p.rejected).collect(),
+        }
+    }
+
+    /// The image's relative error: sqrt(mean(v / (I² + 0.01 Ī²))) over pixels and channels, v the variance of the pixel's mean, I that
+    /// mean, Ī the image's mean luminance (design.md, section 2). It is taken channel by channel, so that v and I belong to the same
+    /// quantity and the file's layers suffice to compute it: the variance of a luminance would need the channels' covariance.
+    ///
+    /// Pixels that have rejected samples and less than two runs are left out, lest one broken pixel hides the error of all others.
+    /// Nothing while any other pixel has less than two runs, where a total has saturated, and for an image without light.
+    pub fn relative_error(&self) -> Option<f64> {
+        let luminance = |p: &Pixel| (0..3).map(|c| LUMINANCE[c] * p.mean(c)).sum::<f64>();
+        let mean_luminance =
+            self.pixels.iter().map(luminance).sum::<f64>() / self.pixels.len() as f64;
+        if mean_luminance <= 0.0 {
+            return None;
+        }
+        let floor = DARK_PIXEL_FLOOR * mean_luminance * mean_luminance;
+        let (mut total, mut terms) = (0.0, 0u64);
+        for pixel in &self.pixels {
+            if pixel.runs < 2 && pixel.rejected > 0 {
+                continue;
+            }
+            for channel in 0..3 {
+                let mean = pixel.mean(channel);
+                total += pixel.variance(channel)? / (mean * mean + floor);
+                terms += 1;
+            }
+        }
+        (terms > 0).then(|| (total / terms as f64).sqrt())
+    }
+}
+
+/// A developed image: linear scene radiance, row 0 on top. Every value is finite.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Picture {
+    pub width: u32,
+    pub height: u32,
+    /// Mean radiance, linear Rec. 709. What f32 cannot hold is f32::MAX.
+    pub rgb: Vec<[f32; 3]>,
+    /// Variance of that mean, radiance squared; [`UNKNOWN_VARIANCE`] where it is not known. Above zero it is at least the smallest
+    /// normal f32: a variance that is too small for the format is overstated, not lost.
+    pub variance: Vec<[f32; 3]>,
+    /// Accepted samples.
+    pub samples: Vec<u32>,
+    /// Rejected samples.
+    pub rejected: Vec<u32>,
+}
+
+/// 2^exponent, exact while it is a normal number.
+fn exp2(exponent: i32) -> f64 {
+    2f64.powi(exponent)
+}
+
+/// `value`, finite and not negative, in units of 2^-fraction, rounded to the nearest (halves up); saturates.
+fn to_fixed(value: f64, fraction: i32) -> u128 {
+    // value = mantissa * 2^(exponent - 1075) (IEEE 754-2019, section 3.4). Denormals, below 2^-1022, round to 0 here anyway.
+    let bits = value.to_bits();
+    let exponent = (bits >> 52 & 0x7ff) as i32;
+    let mantissa = u128::from(bits & ((1 << 52) - 1) | 1 << 52);
+    match exponent - 1075 + fraction {
+        // The mantissa has 53 bits.
+        76.. => u128::MAX,
+        shift @ 0..76 => mantissa << shift,
+        shift @ -53..0 => (mantissa + (1 << (-shift - 1))) >> -shift,
+        _ => 0,
+    }
+}
+
+/// sum²/samples, from units of 2^-[`SUM_FRACTION`] to units of 2^-[`SQUARE_FRACTION`], rounded down; saturates.
+fn square_over(sum: u128, samples: u64) -> u128 {
+    const SHIFT: i32 = 2 * SUM_FRACTION - SQUARE_FRACTION;
+    let (low, high) = sum.carrying_mul(sum, 0);
+    // Shifting before the division gives the same: floor(floor(x / a) / b) = floor(x / (a b)).
+    let low = high << (128 - SHIFT) | low >> SHIFT;
+    let high = high >> SHIFT;
+    let n = u128::from(samples.max(1));
+    if high == 0 {
+        return low / n;
+    }
+    // Long division by one digit of 64 bits: each remainder is below n, so that it fits in front of the next digit.
+    let (carry, rest) = (high / n, high % n);
+    let upper = rest << 64 | low >> 64;
+    let lower = (upper % n) << 64 | low & u128::from(u64::MAX);
+    if carry > 0 {
+        u128::MAX
+    } else {
+        ((upper / n) << 64) | (lower / n)
+    }
+}
+
+/// `value`, not negative, as f32; saturates at f32::MAX.
+fn to_f32(value: f64) -> f32 {
+    (value as f32).min(f32::MAX)
+}
+
+fn variance_to_f32(variance: Option<f64>, scale: f64) -> f32 {
+    match variance {
+        None => UNKNOWN_VARIANCE,
+        Some(0.0) => 0.0,
+        Some(variance) => to_f32(variance * scale).max(f32::MIN_POSITIVE),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fixed_point_is_exact_and_rounds_to_nearest() {
+        assert_eq!(to_fixed(0.0, 88), 0);
+        assert_eq!(to_fixed(-0.0, 88), 0);
+        assert_eq!(to_fixed(1.0, 88), 1 << 88);
+        assert_eq!(
+            to_fixed(f64::from(0.3f32), 88),
+            u128::from(0.3f32.to_bits() & 0x7f_ffff | 0x80_0000) << (88 - 25)
+        );
+        assert_eq!(to_fixed(exp2(-88), 88), 1);
+        assert_eq!(to_fixed(exp2(-89), 88), 1);
+        assert_eq!(to_fixed(exp2(-89) * 0.999, 88), 0);
+        assert_eq!(to_fixed(exp2(-88) * 2.5, 88), 3);
+        assert_eq!(to_fixed(exp2(-88) * 2.4, 88), 2);
+        assert_eq!(to_fixed(exp2(39), 88), 1 << 127);
+        assert_eq!(to_fixed(exp2(40), 88), u128::MAX);
+        assert_eq!(to_fixed(f64::from(f32::MAX), 88), u128::MAX);
+        assert_eq!(to_fixed(f64::MIN_POSITIVE, 88), 0);
+        assert_eq!(to_fixed(f64::from_bits(1), 88), 0);
+    }
+
+    #[test]
+    fn square_over_agrees_with_small_and_large_numbers() {
+        for samples in [1u64, 3, 8, 1000, u64::MAX] {
+            // (2^70)² = 2^140, less 80 bits: 2^60.
+            assert_eq!(
+                square_over(1 << 70, samples),
+                (1u128 << 60) / u128::from(samples)
+            );
+            // (2^100)² 2^-80 = 2^120: the division of one digit; (2^127)² 2^-80 = 2^174: of more.
+            assert_eq!(
+                square_over(1 << 100, samples),
+                (1u128 << 120) / u128::from(samples)
+            );
+        }
+        assert_eq!(square_over(1 << 127, 1 << 50), 1 << 124);
+        assert_eq!(square_over(1 << 127, 1 << 46), u128::MAX);
+        // Expected values of the last two by Python's integers; the first is 2^174 / 3^30.
+        assert_eq!(
+            square_over(1 << 127, 205_891_132_094_649),
+            116_300_505_915_047_311_641_843_123_673_897_577_975
+        );
+        assert_eq!(
+            square_over(u128::MAX, u64::MAX),
+            5_192_296_858_534_827_628_811_971_305_930_751
+        );
+    }
+}

@@ -1,0 +1,175 @@
+//! The buffers of a render, by the names of the variables that bind them.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+use super::device::Device;
+use crate::error::{Error, Result};
+
+/// A buffer to be made.
+#[derive(Clone, Debug)]
+pub struct BufferSpec<'a> {
+    pub name: &'static str,
+    pub bytes: u64,
+    /// What it is filled with; zeros where this is empty.
+    pub contents: Cow<'a, [u8]>,
+    pub usage: wgpu::BufferUsages,
+    /// What it is for.
+    pub why: &'static str,
+}
+
+impl<'a> BufferSpec<'a> {
+    fn new(name: &'static str, bytes: u64, usage: wgpu::BufferUsages, why: &'static str) -> BufferSpec<'a> {
+        BufferSpec { name, bytes, contents: Cow::Borrowed(&[]), usage: usage | wgpu::BufferUsages::COPY_DST, why }
+    }
+
+    /// Small, read by all kernels, written by the host.
+    pub fn uniform(name: &'static str, bytes: u64, why: &'static str) -> BufferSpec<'a> {
+        BufferSpec::new(name, bytes, wgpu::BufferUsages::UNIFORM, why)
+    }
+
+    /// Written by kernels, read back by the host.
+    pub fn working(name: &'static str, bytes: u64, why: &'static str) -> BufferSpec<'a> {
+        BufferSpec::new(name, bytes, wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC, why)
+    }
+
+    /// Sizes of dispatches, written by a kernel.
+    pub fn indirect(name: &'static str, bytes: u64, why: &'static str) -> BufferSpec<'a> {
+        BufferSpec::new(name, bytes, wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::INDIRECT, why)
+    }
+
+    /// Filled once, only read after.
+    pub fn scene(name: &'static str, contents: Cow<'a, [u8]>, why: &'static str) -> BufferSpec<'a> {
+        let spec = BufferSpec::new(name, contents.len() as u64, wgpu::BufferUsages::STORAGE, why);
+        BufferSpec { contents, ..spec }
+    }
+
+    /// The bytes allocated: a binding may not be empty, and copies go by fours.
+    pub fn allocated(&self) -> u64 {
+        // No struct is larger than this, so that an array without elements still satisfies its binding.
+        const LEAST: u64 = 256;
+        self.bytes.max(LEAST).next_multiple_of(4)
+    }
+}
+
+/// The buffers of a render.
+pub struct Buffers {
+    named: BTreeMap<&'static str, wgpu::Buffer>,
+}
+
+/// Checks every buffer against what the device allows, before anything is allocated.
+///
+/// # Errors
+/// `Error::Device` naming the first buffer that does not fit, its bytes and the limit.
+pub fn check_limits(specs: &[BufferSpec<'_>], limits: &wgpu::Limits, device: &str) -> Result<()> {
+    for spec in specs {
+        let uniform = spec.usage.contains(wgpu::BufferUsages::UNIFORM);
+        let (limit, what) = match uniform {
+            true => (limits.max_uniform_buffer_binding_size, "uniform"),
+            false => (limits.max_storage_buffer_binding_size, "storage"),
+        };
+        let limit = limit.min(limits.max_buffer_size);
+        if spec.allocated() > limit {
+            return Err(Error::Device(format!(
+                "{device}: the buffer `{}` ({}) needs {} bytes, and the device allows {limit} to a {what} binding. Make \
+                 the scene smaller, or choose another device (`gpu-rt devices` lists them)",
+                spec.name,
+                spec.why,
+                spec.allocated(),
+            )));
+        }
+    }
+    Ok(())
+}
+
+impl Buffers {
+    /// Allocates and fills the buffers.
+    ///
+    /// # Errors
+    /// As [`check_limits`], and `Error::Device` where the device has too little memory.
+    pub fn create(device: &Device, specs: &[BufferSpec<'_>]) -> Result<Buffers> {
+        check_limits(specs, &device.limits, &device.name.to_string())?;
+        let scope = device.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let mut named = BTreeMap::new();
+        for spec in specs {
+            let buffer = device.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(spec.name),
+                size: spec.allocated(),
+                usage: spec.usage,
+                mapped_at_creation: false,
+            });
+            if !spec.contents.is_empty() {
+                device.queue.write_buffer(&buffer, 0, &spec.contents);
+            }
+            named.insert(spec.name, buffer);
+        }
+        match pollster::block_on(scope.pop()) {
+            Some(error) => {
+                let bytes: u64 = specs.iter().map(BufferSpec::allocated).sum();
+                Err(device.failed(&format!("the render needs {bytes} bytes of device memory: {error}")))
+            }
+            None => device.check().map(|()| Buffers { named }),
+        }
+    }
+
+    /// The buffer behind a variable.
+    ///
+    /// # Errors
+    /// `Error::Shader` where no buffer has the name: a kernel binds what the plan did not list.
+    pub fn get(&self, name: &str) -> Result<&wgpu::Buffer> {
+        self.named
+            .get(name)
+            .ok_or_else(|| Error::Shader(format!("a kernel binds `{name}`, which the plan does not list")))
+    }
+}
+
+/// A buffer that the host reads what the device wrote from.
+pub struct Readback {
+    staging: wgpu::Buffer,
+}
+
+impl Readback {
+    /// With room for so many bytes.
+    pub fn new(device: &Device, label: &str, bytes: u64) -> Readback {
+        let staging = device.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size: bytes.max(4).next_multiple_of(4),
+            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        Readback { staging }
+    }
+
+    /// Records the copy of the first bytes of a buffer.
+    pub fn copy(&self, encoder: &mut wgpu::CommandEncoder, from: &wgpu::Buffer, bytes: u64) {
+        encoder.copy_buffer_to_buffer(from, 0, &self.staging, 0, bytes);
+    }
+
+    /// Waits for the submission that holds the copy, and hands its bytes to `use_bytes`.
+    pub fn read<T>(
+        &self,
+        device: &Device,
+        submission: wgpu::SubmissionIndex,
+        bytes: u64,
+        use_bytes: impl FnOnce(&[u8]) -> T,
+    ) -> Result<T> {
+        let slice = self.staging.slice(..bytes);
+        let (sender, receiver) = std::sync::mpsc::channel();
+        slice.map_async(wgpu::MapMode::Read, move |result| {
+            // The receiver is gone only where the wait below failed, and then nobody asks.
+            let _ = sender.send(result);
+        });
+        device.wait(submission)?;
+        match receiver.recv() {
+            Ok(Ok(())) => {}
+            Ok(Err(error)) => return Err(device.failed(&error.to_string())),
+            Err(error) => return Err(device.failed(&error.to_string())),
+        }
+        let result = slice
+            .get_mapped_range()
+            .map(|view| use_bytes(&view))
+            .map_err(|error| device.failed(&error.to_string()));
+        self.staging.unmap();
+        result
+    }
+}

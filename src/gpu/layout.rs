@@ -1,0 +1,82 @@
+//! What naga says of a linked shader: its bindings, and the layout of its structs. WGSL is the source; nothing about
+//! bindings or sizes is written twice.
+
+use std::collections::BTreeMap;
+
+use naga::proc::Layouter;
+
+use crate::error::{Error, Result};
+
+/// One binding that a kernel uses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Binding {
+    pub number: u32,
+    pub kind: BindingKind,
+    /// Bytes of one element of the array behind it, or of the whole where it is no array.
+    pub element_bytes: u32,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BindingKind {
+    Uniform,
+    Read,
+    ReadWrite,
+}
+
+/// A member of a struct: its name, offset and size in bytes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Member {
+    pub name: String,
+    pub offset: u32,
+    pub bytes: u32,
+}
+
+/// The bindings by the names of their variables.
+pub fn bindings(module: &naga::Module) -> Result<BTreeMap<String, Binding>> {
+    let layouter = layouts(module)?;
+    let mut found = BTreeMap::new();
+    for (_, variable) in module.global_variables.iter() {
+        let Some(binding) = variable.binding else { continue };
+        let kind = match variable.space {
+            naga::AddressSpace::Uniform => BindingKind::Uniform,
+            naga::AddressSpace::Storage { access } if access.contains(naga::StorageAccess::STORE) => {
+                BindingKind::ReadWrite
+            }
+            _ => BindingKind::Read,
+        };
+        let element = match module.types[variable.ty].inner {
+            naga::TypeInner::Array { base, .. } => base,
+            _ => variable.ty,
+        };
+        let name = variable.name.clone().unwrap_or_default();
+        let element_bytes = layouter[element].to_stride();
+        found.insert(name, Binding { number: binding.binding, kind, element_bytes });
+    }
+    Ok(found)
+}
+
+/// The members of a struct and its size in bytes, or nothing where the shader has no such struct.
+pub fn members(module: &naga::Module, name: &str) -> Result<Option<(Vec<Member>, u32)>> {
+    let layouter = layouts(module)?;
+    let found = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name));
+    let Some((_, naga::Type { inner: naga::TypeInner::Struct { members, span }, .. })) = found else {
+        return Ok(None);
+    };
+    let members = members
+        .iter()
+        .map(|member| Member {
+            name: member.name.clone().unwrap_or_default(),
+            offset: member.offset,
+            bytes: layouter[member.ty].size,
+        })
+        .collect();
+    Ok(Some((members, *span)))
+}
+
+fn layouts(module: &naga::Module) -> Result<Layouter> {
+    let mut layouter = Layouter::default();
+    layouter
+        .update(module.to_ctx())
+        .map_err(|error| Error::Shader(format!("a linked shader has a type without a layout: {error}")))?;
+    Ok(layouter)
+}

@@ -1,0 +1,222 @@
+//! Joins WGSL modules into one text.
+//!
+//! A module is a file under shaders/, named by its path without the ending. Its directives are comments that start
+//! with `//@`:
+//! - `//@ use lib/rng` joins that module once, before this one. `choice/x` is whatever module the plan chose for x.
+//! - `//@ each material` … `//@ end` repeats the lines between for every entry of that list. Within, `${name}` is the
+//!   entry's name, `${rank}` its place in the list, and `${case}` the selector of a switch: `case 2u`, or `default` for
+//!   the last entry.
+//! - `${value}` elsewhere is a value of the plan.
+//!
+//! A line table tells which file and line each line of the result came from, so that naga's errors can name them.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use include_dir::{Dir, include_dir};
+
+use crate::error::{Error, Result};
+
+static SHADERS: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/shaders");
+
+/// One entry of a list: a feature that the scene uses, and the number by which the scene's data names it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Entry {
+    pub name: String,
+    pub number: u32,
+}
+
+/// What the plan decided about a kernel: the modules behind `choice/…`, the lists, and the values.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Choices {
+    pub modules: BTreeMap<&'static str, &'static str>,
+    pub lists: BTreeMap<&'static str, Vec<Entry>>,
+    pub values: BTreeMap<&'static str, String>,
+}
+
+/// A linked shader: its text, the place each of its lines came from, and the modules in it.
+#[derive(Clone, Debug)]
+pub struct Linked {
+    pub root: String,
+    pub text: String,
+    pub lines: Vec<(String, usize)>,
+    pub modules: Vec<String>,
+}
+
+/// Where module texts come from: the shaders compiled into the program, and in tests more beside them.
+pub trait Library {
+    fn module(&self, name: &str) -> Option<&str>;
+}
+
+/// The shaders compiled into the program.
+pub struct Embedded;
+
+impl Library for Embedded {
+    fn module(&self, name: &str) -> Option<&str> {
+        SHADERS.get_file(format!("{name}.wgsl"))?.contents_utf8()
+    }
+}
+
+impl Embedded {
+    /// The names of all modules, sorted.
+    pub fn names() -> Vec<String> {
+        fn walk(dir: &Dir<'_>, names: &mut Vec<String>) {
+            names.extend(dir.files().filter_map(|file| {
+                let name = file.path().to_str()?.strip_suffix(".wgsl")?;
+                Some(name.replace('\\', "/"))
+            }));
+            dir.dirs().for_each(|dir| walk(dir, names));
+        }
+        let mut names = Vec::new();
+        walk(&SHADERS, &mut names);
+        names.sort();
+        names
+    }
+}
+
+/// Links `root` with everything it uses.
+///
+/// # Errors
+/// `Error::Shader` naming the file and line of a directive that names a module, list or value which does not exist.
+pub fn link(library: &dyn Library, root: &str, choices: &Choices) -> Result<Linked> {
+    let mut linker = Linker {
+        library,
+        choices,
+        done: BTreeSet::new(),
+        linked: Linked { root: root.to_string(), text: String::new(), lines: Vec::new(), modules: Vec::new() },
+    };
+    linker.join(root, "(the plan)", 0)?;
+    Ok(linker.linked)
+}
+
+struct Linker<'a> {
+    library: &'a dyn Library,
+    choices: &'a Choices,
+    done: BTreeSet<String>,
+    linked: Linked,
+}
+
+impl Linker<'_> {
+    fn join(&mut self, name: &str, user: &str, user_line: usize) -> Result<()> {
+        let module = match name.strip_prefix("choice/") {
+            Some(choice) => self.choices.modules.get(choice).copied().ok_or_else(|| {
+                fault(user, user_line, &format!("the plan chose no module for `{name}`"))
+            })?,
+            None => name,
+        };
+        if !self.done.insert(module.to_string()) {
+            return Ok(());
+        }
+        let text = self
+            .library
+            .module(module)
+            .ok_or_else(|| fault(user, user_line, &format!("there is no module `{module}`")))?;
+        let lines = self.expand(module, text)?;
+        for (number, line) in &lines {
+            if let Some(used) = line.trim().strip_prefix("//@ use ") {
+                self.join(used.trim(), module, *number)?;
+            }
+        }
+        for (number, line) in lines {
+            if !line.trim_start().starts_with("//@") {
+                self.linked.text.push_str(&line);
+                self.linked.text.push('\n');
+                self.linked.lines.push((module.to_string(), number));
+            }
+        }
+        self.linked.modules.push(module.to_string());
+        Ok(())
+    }
+
+    /// Repeats the blocks of `each` and fills in the values; every line keeps the number it had in its file.
+    fn expand(&self, module: &str, text: &str) -> Result<Vec<(usize, String)>> {
+        let mut out = Vec::new();
+        let mut block: Option<(&[Entry], Vec<(usize, &str)>)> = None;
+        for (number, line) in (1..).zip(text.lines()) {
+            let directive = line.trim().strip_prefix("//@ ");
+            if let Some(list) = directive.and_then(|d| d.strip_prefix("each ")) {
+                let entries = self.choices.lists.get(list.trim()).ok_or_else(|| {
+                    fault(module, number, &format!("the plan has no list `{}`", list.trim()))
+                })?;
+                block = Some((entries, Vec::new()));
+            } else if directive == Some("end") {
+                let (entries, body) = block
+                    .take()
+                    .ok_or_else(|| fault(module, number, "`//@ end` without `//@ each`"))?;
+                for (rank, entry) in entries.iter().enumerate() {
+                    let case = match rank + 1 == entries.len() {
+                        true => "default".to_string(),
+                        false => format!("case {}u", entry.number),
+                    };
+                    for (number, line) in &body {
+                        let line = line
+                            .replace("${name}", &entry.name)
+                            .replace("${rank}", &rank.to_string())
+                            .replace("${case}", &case);
+                        out.push((*number, line));
+                    }
+                }
+            } else if let Some((_, body)) = &mut block {
+                body.push((number, line));
+            } else {
+                out.push((number, self.fill(module, number, line)?));
+            }
+        }
+        match block {
+            Some(_) => Err(fault(module, text.lines().count(), "`//@ each` without `//@ end`")),
+            None => Ok(out),
+        }
+    }
+
+    fn fill(&self, module: &str, number: usize, line: &str) -> Result<String> {
+        let mut rest = line;
+        let mut out = String::with_capacity(line.len());
+        while let Some((before, after)) = rest.split_once("${") {
+            let (name, tail) = after
+                .split_once('}')
+                .ok_or_else(|| fault(module, number, "`${` without `}`"))?;
+            let value = self
+                .choices
+                .values
+                .get(name)
+                .ok_or_else(|| fault(module, number, &format!("the plan has no value `{name}`")))?;
+            out.push_str(before);
+            out.push_str(value);
+            rest = tail;
+        }
+        out.push_str(rest);
+        Ok(out)
+    }
+}
+
+fn fault(module: &str, line: usize, message: &str) -> Error {
+    Error::Shader(format!("shaders/{module}.wgsl:{line}: {message}"))
+}
+
+impl Linked {
+    /// Parses and validates the text; an error names the file and line that it came from.
+    pub fn validate(&self) -> Result<(naga::Module, naga::valid::ModuleInfo)> {
+        let module = naga::front::wgsl::parse_str(&self.text)
+            .map_err(|error| self.fault_at(error.location(&self.text), error.message()))?;
+        let info = naga::valid::Validator::new(
+            naga::valid::ValidationFlags::all(),
+            naga::valid::Capabilities::empty(),
+        )
+        .validate(&module)
+        .map_err(|error| {
+            let cause = std::error::Error::source(error.as_inner())
+                .map_or(String::new(), |source| format!(": {source}"));
+            self.fault_at(error.location(&self.text), &format!("{}{cause}", error.as_inner()))
+        })?;
+        Ok((module, info))
+    }
+
+    fn fault_at(&self, location: Option<naga::SourceLocation>, message: &str) -> Error {
+        let place = location
+            .and_then(|location| {
+                let (module, line) = self.lines.get(location.line_number as usize - 1)?;
+                Some((module.as_str(), *line, location.line_position))
+            })
+            .unwrap_or((&self.root, 0, 0));
+        Error::Shader(format!("shaders/{}.wgsl:{}:{}: {message}", place.0, place.1, place.2))
+    }
+}

@@ -1,0 +1,8 @@
+//! The device side of the host: adapters, linked shaders, pipelines and buffers. Knows nothing of scenes.
+
+pub mod buffers;
+pub mod device;
+pub mod layout;
+pub mod link;
+pub mod pipeline;
+pub mod timing;

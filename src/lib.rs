@@ -1,0 +1,15 @@
+//! gpu-rt: a path tracer whose kernels run as WGSL on any GPU that wgpu reaches, and on software Vulkan.
+
+pub mod bvh;
+pub mod cli;
+pub mod commands;
+pub mod data;
+pub mod error;
+pub mod film;
+pub mod flatten;
+pub mod gpu;
+pub mod metrics;
+pub mod output;
+pub mod plan;
+pub mod render;
+pub mod scene;

@@ -1,0 +1,30 @@
+//! The program: reads the command line, runs the command, tells what went wrong.
+
+use std::process::ExitCode;
+use std::time::Instant;
+
+use clap::Parser;
+use gpu_rt::cli::Cli;
+
+fn main() -> ExitCode {
+    let start = Instant::now();
+    quiet_the_loader();
+    let cli = Cli::parse();
+    match gpu_rt::commands::run(&cli, start) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(error.exit_status())
+        }
+    }
+}
+
+/// Mesa's device-select layer asks a Wayland server which GPU drives the screen, and complains on stderr where there is no
+/// session to have one. Without a session there is nothing for it to select.
+fn quiet_the_loader() {
+    let session = ["XDG_RUNTIME_DIR", "WAYLAND_DISPLAY", "DISPLAY", "MESA_VK_DEVICE_SELECT"];
+    if session.iter().all(|name| std::env::var_os(name).is_none()) {
+        // SAFETY: nothing else runs yet, so no other thread reads the environment.
+        unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
+    }
+}

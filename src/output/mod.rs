@@ -1,0 +1,4 @@
+pub mod atomic;
+pub mod exr;
+pub mod png;
+pub mod progress;

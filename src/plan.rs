@@ -1,0 +1,203 @@
+//! What this scene requires: which kernels, linked from which modules, and which buffers, each with the reason.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+use crate::data::{self, PATH_PLANES, QUEUE_HEADER, RUN_LENGTH};
+use crate::error::Result;
+use crate::film::RunRecord;
+use crate::flatten::{Features, Flat, MATERIALS, PRIMITIVES, TEXTURES};
+use crate::gpu::buffers::BufferSpec;
+use crate::gpu::layout::{self, Binding};
+use crate::gpu::link::{Choices, Embedded, Entry, Linked, link};
+
+/// How slots reach the scatter kernel of the material that their rays met. The image does not depend on it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scatter {
+    /// One kernel for all materials, an invocation a slot.
+    Linked,
+    /// A kernel and a queue for each material.
+    Queues,
+}
+
+/// Sizes that do not change the image, only how fast it comes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tuning {
+    /// Paths in flight.
+    pub slots: u32,
+    pub workgroup: u32,
+    pub scatter: Scatter,
+    /// Finished runs that a slot can deliver between two readings by the host.
+    pub records_per_slot: u32,
+}
+
+/// A kernel: a linked shader and what it binds.
+#[derive(Debug)]
+pub struct Kernel {
+    /// `scatter_metal` where it serves one material alone, else the stage's name.
+    pub name: String,
+    /// The entry point, and the file under shaders/stage.
+    pub stage: &'static str,
+    pub linked: Linked,
+    pub module: naga::Module,
+    pub bindings: BTreeMap<String, Binding>,
+    /// What of the scene asked for it.
+    pub why: String,
+}
+
+/// The kernels of one render.
+#[derive(Debug)]
+pub struct Plan {
+    pub generate: Kernel,
+    /// Absent where there is nothing to hit.
+    pub bounce: Option<Bounce>,
+    pub refill: Kernel,
+}
+
+/// From a ray to what becomes of it.
+#[derive(Debug)]
+pub struct Bounce {
+    pub intersect: Kernel,
+    /// Sizes the scatter dispatches; absent where one linked kernel serves all slots.
+    pub dispatch: Option<Kernel>,
+    /// One linked kernel, or one for each queue in the queues' order.
+    pub scatter: Vec<Kernel>,
+}
+
+impl Plan {
+    /// Decides and links the kernels.
+    pub fn new(features: &Features, scatter: Scatter) -> Result<Plan> {
+        let materials = entries(MATERIALS, &features.materials);
+        // A queue each is no use where there is one material.
+        let queues = scatter == Scatter::Queues && materials.len() > 1;
+        let choices = choices(features, &materials, queues);
+        let always = "every render";
+        let bounce = match features.primitives.iter().any(Option::is_some) {
+            false => None,
+            true => Some(Bounce {
+                intersect: kernel("intersect", "intersect", &choices, &asked(PRIMITIVES, &features.primitives))?,
+                dispatch: match queues {
+                    true => Some(kernel("dispatch", "dispatch", &choices, "a queue for each material")?),
+                    false => None,
+                },
+                scatter: match queues {
+                    true => queued_scatters(features, &materials, &choices)?,
+                    false => vec![kernel(
+                        "scatter",
+                        "scatter",
+                        &choices,
+                        &asked(MATERIALS, &features.materials),
+                    )?],
+                },
+            }),
+        };
+        let generate = kernel("generate", "generate", &choices, always)?;
+        let refill = kernel("refill", "refill", &choices, always)?;
+        Ok(Plan { generate, bounce, refill })
+    }
+
+    /// The kernels in the order in which a pass runs them.
+    pub fn kernels(&self) -> impl Iterator<Item = &Kernel> {
+        let bounce = self.bounce.iter().flat_map(|bounce| {
+            std::iter::once(&bounce.intersect).chain(&bounce.dispatch).chain(&bounce.scatter)
+        });
+        std::iter::once(&self.generate).chain(bounce).chain(std::iter::once(&self.refill))
+    }
+
+    /// The buffers that the kernels bind, with the scene's data for those that hold it.
+    pub fn buffers<'a>(&self, flat: &'a Flat, tuning: &Tuning) -> Vec<BufferSpec<'a>> {
+        let slots = u64::from(tuning.slots);
+        let queues = self.bounce.as_ref().map_or(0, |bounce| bounce.scatter.len()) as u64;
+        let records = slots * u64::from(tuning.records_per_slot) * size_of::<RunRecord>() as u64;
+        let all = [
+            BufferSpec::uniform("settings", size_of::<data::Settings>() as u64, "camera, sky and limits of the render"),
+            BufferSpec::uniform("window", size_of::<data::Window>() as u64, "the runs that may start now"),
+            BufferSpec::working("counters", size_of::<data::Counters>() as u64, "runs started and finished, idle slots"),
+            BufferSpec::working("records", records, "finished runs on their way to the film"),
+            BufferSpec::working("paths", slots * u64::from(PATH_PLANES) * 16, "the state of the paths in flight"),
+            BufferSpec::scene("nodes", bytes(&flat.nodes), "the bounding volume hierarchy"),
+            BufferSpec::scene("spheres", bytes(&flat.spheres), "spheres"),
+            BufferSpec::scene("quads", bytes(&flat.quads), "quads"),
+            BufferSpec::scene("cuboids", bytes(&flat.cuboids), "boxes"),
+            BufferSpec::scene("materials", bytes(&flat.materials), "materials"),
+            BufferSpec::scene("textures", bytes(&flat.textures), "textures"),
+            BufferSpec::scene("frames", bytes(&flat.frames), "where textured objects stand in their textures"),
+            BufferSpec::scene("texels", bytes(&flat.texels), "images"),
+            BufferSpec::working("queues", (u64::from(QUEUE_HEADER) + queues * slots) * 4, "a queue for each material"),
+            BufferSpec::indirect("queue_args", queues * 16, "sizes of the queues' dispatches"),
+        ];
+        let bound = |spec: &BufferSpec| self.kernels().any(|kernel| kernel.bindings.contains_key(spec.name));
+        all.into_iter().filter(bound).collect()
+    }
+}
+
+fn bytes<T: bytemuck::Pod>(items: &[T]) -> Cow<'_, [u8]> {
+    Cow::Borrowed(bytemuck::cast_slice(items))
+}
+
+/// The entries of a list of kinds that the scene uses.
+fn entries<const N: usize>(names: &[&str], used: &[Option<String>; N]) -> Vec<Entry> {
+    (0..)
+        .zip(names.iter().zip(used))
+        .filter(|(_, (_, used))| used.is_some())
+        .map(|(number, (name, _))| Entry { name: name.to_string(), number })
+        .collect()
+}
+
+/// "sphere (objects.ron:3:9), quad (…)"
+fn asked<const N: usize>(names: &[&str], used: &[Option<String>; N]) -> String {
+    let each = names.iter().zip(used).filter_map(|(name, used)| Some(format!("{name} ({})", used.as_ref()?)));
+    each.collect::<Vec<_>>().join(", ")
+}
+
+fn choices(features: &Features, materials: &[Entry], queues: bool) -> Choices {
+    let textures = entries(TEXTURES, &features.textures);
+    let background = match features.background {
+        "gradient" => "background/gradient",
+        "image" => "background/image",
+        _ => "background/solid",
+    };
+    let image_texture = textures.iter().any(|texture| texture.name == "image");
+    let pick = |condition, yes, no| if condition { yes } else { no };
+    Choices {
+        modules: BTreeMap::from([
+            ("background", background),
+            ("camera", pick(features.thin_lens, "camera/thin_lens", "camera/pinhole")),
+            ("colour", pick(textures.is_empty(), "scene/plain_colour", "scene/textured_colour")),
+            ("uv", pick(image_texture, "scene/uv", "scene/no_uv")),
+            ("sort", pick(queues, "slots/sort_by_material", "slots/no_sort")),
+            ("turn", pick(queues, "slots/queue_turn", "slots/every_turn")),
+        ]),
+        lists: BTreeMap::from([
+            ("primitive", entries(PRIMITIVES, &features.primitives)),
+            ("material", materials.to_vec()),
+            ("texture", textures),
+        ]),
+        values: BTreeMap::from([
+            ("stack_size", features.stack_size.to_string()),
+            ("run_length", RUN_LENGTH.to_string()),
+            ("queues", materials.len().to_string()),
+        ]),
+    }
+}
+
+/// A scatter kernel for each material: the linked kernel's own file with a list of one.
+fn queued_scatters(features: &Features, materials: &[Entry], choices: &Choices) -> Result<Vec<Kernel>> {
+    (0..)
+        .zip(materials)
+        .map(|(queue, material)| {
+            let mut own = choices.clone();
+            own.lists.insert("material", vec![material.clone()]);
+            own.values.insert("queue", i32::to_string(&queue));
+            let why = features.materials[material.number as usize].clone().unwrap_or_default();
+            kernel(&format!("scatter_{}", material.name), "scatter", &own, &why)
+        })
+        .collect()
+}
+
+fn kernel(name: &str, stage: &'static str, choices: &Choices, why: &str) -> Result<Kernel> {
+    let linked = link(&Embedded, &format!("stage/{stage}"), choices)?;
+    let (module, _) = linked.validate()?;
+    let bindings = layout::bindings(&module)?;
+    Ok(Kernel { name: name.to_string(), stage, linked, module, bindings, why: why.to_string() })
+}

@@ -1,0 +1,485 @@
+//! The render loop: generate → { intersect → scatter → refill } … → accumulate.
+
+use std::ops::Range;
+use std::time::{Duration, Instant};
+
+use crate::data::{Counters, RUN_LENGTH, Settings, Window};
+use crate::error::{Error, Result};
+use crate::film::{Film, RunRecord};
+use crate::flatten::Flat;
+use crate::gpu::buffers::{Buffers, Readback};
+use crate::gpu::device::{Device, DeviceClass};
+use crate::gpu::pipeline::{Pipeline, PipelineSpec};
+use crate::gpu::timing::{MAX_PASSES, Timing};
+use crate::plan::{Kernel, Plan, Scatter, Tuning};
+
+/// What is to be rendered of a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Job {
+    /// Width and height in pixels.
+    pub size: (u32, u32),
+    /// Scattering events of a path at most.
+    pub max_depth: u32,
+    pub seed: u32,
+    /// The first sample of each pixel.
+    pub first_sample: u32,
+    pub goal: Goal,
+}
+
+/// When a render has all its samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Goal {
+    /// One past the last sample of each pixel.
+    Samples(u32),
+    /// As many as fit until then, but one at least and `end` at most.
+    Until { deadline: Instant, end: u32 },
+}
+
+/// What the caller of a render wants next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Next {
+    GoOn,
+    /// Start nothing new, and end with what has been started.
+    Stop,
+}
+
+/// What a render came to, beside its film.
+#[derive(Clone, Debug, Default)]
+pub struct Outcome {
+    /// The samples that every pixel was to have; pixels of an interrupted render may have fewer.
+    pub samples: Range<u32>,
+    pub interrupted: bool,
+    /// Seconds of the passes, from the first to the last.
+    pub seconds: f64,
+    /// Seconds until the first pass had ended.
+    pub first_pass: f64,
+    /// Seconds on the device by stage, where they were asked for and the device can tell.
+    pub stages: Vec<(String, f64)>,
+}
+
+/// The share of a submission's target that a submission should take: long enough to hide what it costs to make one, short
+/// enough that no watchdog fires and no user waits.
+const SUBMISSION: Duration = Duration::from_millis(100);
+
+/// Sizes that suit a device for a job; they do not change the image.
+pub fn tuning(device: DeviceClass, job: &Job, wish: TuningWish) -> Tuning {
+    let runs = match job.goal {
+        Goal::Samples(end) => {
+            u64::from(job.size.0) * u64::from(job.size.1) * blocks(job.first_sample..end).len() as u64
+        }
+        Goal::Until { .. } => u64::MAX,
+    };
+    // Software keeps the slots' state in its caches; a GPU wants paths enough to hide its latencies. A slot should serve
+    // several runs, or the render is all tail.
+    let (fewest, most) = match device.software {
+        true => (2048, 32_768),
+        false => (65_536, 1 << 20),
+    };
+    let slots = wish.slots.unwrap_or((runs / 8).clamp(fewest, most) as u32).max(1);
+    let record = size_of::<RunRecord>() as u64;
+    let room = device.max_binding_bytes / (u64::from(slots) * record);
+    Tuning {
+        slots,
+        workgroup: wish.workgroup.unwrap_or(64),
+        // Measured in docs/performance.md: the queues do not earn their place on software drivers.
+        scatter: wish.scatter.unwrap_or(Scatter::Linked),
+        records_per_slot: room.clamp(2, 8) as u32,
+    }
+}
+
+/// Sizes that the user fixed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TuningWish {
+    pub slots: Option<u32>,
+    pub workgroup: Option<u32>,
+    pub scatter: Option<Scatter>,
+    /// Bounces of a submission; measured and adapted where this is absent.
+    pub bounces: Option<u32>,
+}
+
+/// The blocks of RUN_LENGTH samples that a range of samples touches.
+fn blocks(samples: Range<u32>) -> Range<u32> {
+    samples.start / RUN_LENGTH..samples.end.div_ceil(RUN_LENGTH)
+}
+
+/// A render that is ready to go: kernels compiled, buffers filled.
+pub struct Renderer<'a> {
+    device: &'a Device,
+    settings: Settings,
+    size: (u32, u32),
+    radiance_exponent: i32,
+    tuning: Tuning,
+    /// Bounces of the next submission, and whether their number is fixed.
+    bounces: u32,
+    bounces_fixed: bool,
+    buffers: Buffers,
+    generate: Pipeline,
+    bounce: Option<BouncePipelines>,
+    refill: Pipeline,
+    counters: Readback,
+    records: Readback,
+    timing: Option<Timing>,
+}
+
+/// What a stretch of rendering reports to.
+struct Stretch<'a> {
+    film: &'a mut Film,
+    watch: &'a mut dyn FnMut(&Film, &Range<u32>) -> Next,
+    start: Instant,
+    outcome: &'a mut Outcome,
+}
+
+struct BouncePipelines {
+    intersect: Pipeline,
+    dispatch: Option<Pipeline>,
+    scatter: Vec<Pipeline>,
+}
+
+impl<'a> Renderer<'a> {
+    /// Allocates the buffers and compiles the kernels.
+    ///
+    /// # Errors
+    /// `Error::Device` where a buffer exceeds the device's limits or memory, or a kernel does not compile.
+    pub fn new(
+        device: &'a Device,
+        flat: &Flat,
+        plan: &Plan,
+        job: &Job,
+        wish: TuningWish,
+        profile: bool,
+    ) -> Result<Renderer<'a>> {
+        let tuning = tuning(device.class(), job, wish);
+        let buffers = Buffers::create(device, &plan.buffers(flat, &tuning))?;
+        let pipeline = |kernel: &Kernel| {
+            let spec = PipelineSpec {
+                name: &kernel.name,
+                entry_point: kernel.stage,
+                module: &kernel.module,
+                bindings: &kernel.bindings,
+                workgroup: tuning.workgroup,
+            };
+            Pipeline::new(device, &spec, &buffers)
+        };
+        let bounce = plan
+            .bounce
+            .as_ref()
+            .map(|bounce| {
+                Ok(BouncePipelines {
+                    intersect: pipeline(&bounce.intersect)?,
+                    dispatch: bounce.dispatch.as_ref().map(pipeline).transpose()?,
+                    scatter: bounce.scatter.iter().map(pipeline).collect::<Result<_>>()?,
+                })
+            })
+            .transpose()?;
+        let record_bytes =
+            u64::from(tuning.slots) * u64::from(tuning.records_per_slot) * size_of::<RunRecord>() as u64;
+        let settings = Settings {
+            max_depth: job.max_depth,
+            seed: job.seed,
+            slots: tuning.slots,
+            ..flat.settings
+        };
+        let renderer = Renderer {
+            device,
+            settings,
+            size: job.size,
+            radiance_exponent: flat.radiance_exponent,
+            bounces: wish.bounces.unwrap_or(1),
+            bounces_fixed: wish.bounces.is_some(),
+            generate: pipeline(&plan.generate)?,
+            bounce,
+            refill: pipeline(&plan.refill)?,
+            counters: Readback::new(device, "counters", size_of::<Counters>() as u64),
+            records: Readback::new(device, "records", record_bytes),
+            timing: if profile { Timing::new(device) } else { None },
+            tuning,
+            buffers,
+        };
+        renderer.warm_up()?;
+        Ok(renderer)
+    }
+
+    /// Dispatches nothing by each kernel: some drivers compile at the first dispatch.
+    fn warm_up(&self) -> Result<()> {
+        let mut encoder = self.encoder();
+        {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            self.generate.dispatch(&mut pass, 0);
+            if let Some(bounce) = &self.bounce {
+                bounce.intersect.dispatch(&mut pass, 0);
+                bounce.dispatch.iter().for_each(|kernel| kernel.dispatch(&mut pass, 0));
+                bounce.scatter.iter().for_each(|kernel| kernel.dispatch(&mut pass, 0));
+            }
+            self.refill.dispatch(&mut pass, 0);
+        }
+        self.device.wait(self.device.queue.submit([encoder.finish()]))
+    }
+
+    /// Renders until the goal is reached, calling `watch` with the film and the samples aimed at after each submission.
+    ///
+    /// # Errors
+    /// `Error::Device` where the device fails; the film keeps the runs that were finished before.
+    pub fn run(
+        &mut self,
+        job: &Job,
+        film: &mut Film,
+        watch: &mut dyn FnMut(&Film, &Range<u32>) -> Next,
+    ) -> Result<Outcome> {
+        let mut outcome = Outcome::default();
+        let start = Instant::now();
+        let first = job.first_sample;
+        let mut stretch = Stretch { film, watch, start, outcome: &mut outcome };
+        let end = match job.goal {
+            Goal::Samples(end) => {
+                self.render_samples(first..end, &mut stretch)?;
+                end
+            }
+            Goal::Until { deadline, end } => self.render_until(first..end, deadline, &mut stretch)?,
+        };
+        outcome.samples = first..end;
+        outcome.seconds = start.elapsed().as_secs_f64();
+        if let Some(timing) = &self.timing {
+            outcome.stages = timing.seconds.iter().map(|(name, seconds)| (name.clone(), *seconds)).collect();
+        }
+        Ok(outcome)
+    }
+
+    /// Renders as many samples as fit until the deadline, one at least; the result is one past the last.
+    ///
+    /// Their number is fixed before the last stretch begins, from the pace of those before it: to stop when a pass happens
+    /// to end would favour short paths.
+    fn render_until(&mut self, most: Range<u32>, deadline: Instant, stretch: &mut Stretch<'_>) -> Result<u32> {
+        /// The shares of the time at whose end the pace is taken again.
+        const SHARES: [f64; 3] = [0.1, 0.7, 1.0];
+        let first = most.start;
+        self.render_samples(first..first + 1, stretch)?;
+        let seconds_left = || deadline.saturating_duration_since(Instant::now()).as_secs_f64();
+        let mut pace = 1.0 / stretch.start.elapsed().as_secs_f64().max(1e-6);
+        if pace * seconds_left() < 1.0 || most.len() <= 1 || stretch.outcome.interrupted {
+            return Ok(first + 1);
+        }
+        // The pilot's runs of one sample would be parts of longer runs: those samples are rendered again.
+        *stretch.film = Film::new(self.size.0, self.size.1, self.radiance_exponent)?;
+        let begin = Instant::now();
+        let all = seconds_left();
+        let mut done = first;
+        for share in SHARES {
+            let spent = begin.elapsed().as_secs_f64();
+            if done > first {
+                pace = f64::from(done - first) / spent.max(1e-6);
+            }
+            let fits = (pace * (share * all - spent)).max(0.0) as u32;
+            let whole = done.saturating_add(fits) / RUN_LENGTH * RUN_LENGTH;
+            let end = match done.saturating_add(fits) {
+                aim if aim >= most.end => most.end,
+                _ if whole > done => whole,
+                // Not even one block fits, now or later.
+                _ if done == first && share == 1.0 => done + fits.max(1),
+                _ => continue,
+            };
+            self.render_samples(done..end, stretch)?;
+            done = end;
+            if stretch.outcome.interrupted || done == most.end {
+                break;
+            }
+        }
+        Ok(done)
+    }
+
+    /// Renders a range of samples of every pixel.
+    fn render_samples(&mut self, samples: Range<u32>, stretch: &mut Stretch<'_>) -> Result<()> {
+        self.settings.first_sample = samples.start;
+        self.settings.end_sample = samples.end;
+        self.write("settings", bytemuck::bytes_of(&self.settings))?;
+        let pixels = self.size.0 * self.size.1;
+        // Runs of a window are counted in 32 bits, with room for each slot to ask once too often.
+        let window_blocks = ((1u32 << 31) / pixels).max(1);
+        let blocks = blocks(samples.clone());
+        let mut first_block = blocks.start;
+        while first_block < blocks.end && !stretch.outcome.interrupted {
+            let end_block = blocks.end.min(first_block.saturating_add(window_blocks));
+            let window = Window { first_block, end: (end_block - first_block) * pixels };
+            self.render_window(window, &samples, stretch)?;
+            first_block = end_block;
+        }
+        Ok(())
+    }
+
+    /// Renders the runs of a window, until every slot is idle.
+    fn render_window(&mut self, mut window: Window, samples: &Range<u32>, stretch: &mut Stretch<'_>) -> Result<()> {
+        self.write("window", bytemuck::bytes_of(&window))?;
+        self.write("counters", bytemuck::bytes_of(&Counters::default()))?;
+        let most_bounces = self.most_bounces(samples);
+        let mut starting = true;
+        loop {
+            let bounces = self.bounces.clamp(1, most_bounces);
+            let begin = Instant::now();
+            let submission = self.submit(bounces, starting);
+            starting = false;
+            let counters = self.read_counters(submission.clone())?;
+            self.adapt(bounces, begin.elapsed());
+            if let Some(timing) = &mut self.timing {
+                timing.collect(self.device, submission)?;
+            }
+            self.accumulate(counters.records, stretch.film)?;
+            let Stretch { film, watch, start, outcome } = stretch;
+            if outcome.first_pass == 0.0 {
+                outcome.first_pass = start.elapsed().as_secs_f64();
+            }
+            if watch(film, samples) == Next::Stop && !outcome.interrupted {
+                outcome.interrupted = true;
+                // No run beyond those started begins. The started ones end: to drop them would favour short paths.
+                window.end = window.end.min(counters.next);
+                self.write("window", bytemuck::bytes_of(&window))?;
+            }
+            if counters.idle >= self.tuning.slots {
+                return Ok(());
+            }
+        }
+    }
+
+    fn read_counters(&self, submission: wgpu::SubmissionIndex) -> Result<Counters> {
+        let bytes = size_of::<Counters>() as u64;
+        self.counters.read(self.device, submission, bytes, bytemuck::pod_read_unaligned)
+    }
+
+    /// Records and submits a pass: starting the slots if they have no runs yet, then so many bounces.
+    fn submit(&mut self, bounces: u32, starting: bool) -> wgpu::SubmissionIndex {
+        let mut encoder = self.encoder();
+        let groups = self.tuning.slots.div_ceil(self.tuning.workgroup);
+        let mut stages: Vec<Stage<'_>> = Vec::new();
+        if starting {
+            stages.push(Stage::all(&self.generate, groups));
+        }
+        for _ in 0..bounces {
+            if let Some(bounce) = &self.bounce {
+                stages.push(Stage::all(&bounce.intersect, groups));
+                match &bounce.dispatch {
+                    None => stages.extend(bounce.scatter.iter().map(|kernel| Stage::all(kernel, groups))),
+                    Some(dispatch) => {
+                        stages.push(Stage::all(dispatch, 1));
+                        stages.extend((0..).zip(&bounce.scatter).map(|(queue, kernel)| Stage::queue(kernel, queue)));
+                    }
+                }
+            }
+            stages.push(Stage::all(&self.refill, groups));
+        }
+        let sizes = self.buffers.get("queue_args").ok();
+        match &mut self.timing {
+            None => {
+                let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+                stages.iter().for_each(|stage| stage.record(&mut pass, sizes));
+            }
+            Some(timing) => {
+                for stage in &stages {
+                    let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                        label: Some(&stage.kernel.name),
+                        timestamp_writes: timing.next(&stage.kernel.name),
+                    });
+                    stage.record(&mut pass, sizes);
+                }
+                timing.resolve(&mut encoder);
+            }
+        }
+        if let Ok(counters) = self.buffers.get("counters") {
+            self.counters.copy(&mut encoder, counters, size_of::<Counters>() as u64);
+        }
+        self.device.queue.submit([encoder.finish()])
+    }
+
+    /// Takes the finished runs into the film.
+    fn accumulate(&mut self, records: u32, film: &mut Film) -> Result<()> {
+        if records == 0 {
+            return Ok(());
+        }
+        let capacity = self.tuning.slots * self.tuning.records_per_slot;
+        if records > capacity {
+            return Err(Error::Device(format!(
+                "{}: {records} runs were delivered where {capacity} have room; please report this",
+                self.device.name
+            )));
+        }
+        let bytes = u64::from(records) * size_of::<RunRecord>() as u64;
+        let mut encoder = self.encoder();
+        self.records.copy(&mut encoder, self.buffers.get("records")?, bytes);
+        // Only the number of records starts again; `next` and `idle` go on.
+        encoder.clear_buffer(self.buffers.get("counters")?, std::mem::offset_of!(Counters, records) as u64, Some(4));
+        let submission = self.device.queue.submit([encoder.finish()]);
+        self.records.read(self.device, submission, bytes, |bytes| match bytemuck::try_cast_slice(bytes) {
+            Ok(records) => film.add(records),
+            Err(_) => film.add(&bytes.chunks_exact(size_of::<RunRecord>()).map(bytemuck::pod_read_unaligned).collect::<Vec<_>>()),
+        })
+    }
+
+    /// The bounces after which the records are sure to have room: a slot ends at most one run that it is in, and then one
+    /// for each of its samples' bounces.
+    fn most_bounces(&self, samples: &Range<u32>) -> u32 {
+        let whole = samples.start.is_multiple_of(RUN_LENGTH) && samples.end.is_multiple_of(RUN_LENGTH);
+        let shortest = match whole {
+            true => RUN_LENGTH,
+            false => {
+                let blocks = blocks(samples.clone());
+                let first = ((blocks.start + 1) * RUN_LENGTH).min(samples.end) - samples.start;
+                let last = samples.end - (samples.end - 1) / RUN_LENGTH * RUN_LENGTH;
+                first.min(last)
+            }
+        };
+        let kernels = self.bounce.as_ref().map_or(1, |bounce| 3 + bounce.scatter.len() as u32);
+        let recordable = match self.timing {
+            Some(_) => (MAX_PASSES as u32 - 1) / kernels,
+            None => u32::MAX,
+        };
+        ((self.tuning.records_per_slot - 1) * shortest).clamp(1, recordable)
+    }
+
+    /// Aims the next submission at its target time.
+    fn adapt(&mut self, bounces: u32, took: Duration) {
+        if !self.bounces_fixed {
+            let ratio = SUBMISSION.as_secs_f64() / took.as_secs_f64().max(1e-6);
+            self.bounces = (f64::from(bounces) * ratio.clamp(0.25, 4.0)).round().clamp(1.0, 4096.0) as u32;
+        }
+    }
+
+    fn encoder(&self) -> wgpu::CommandEncoder {
+        self.device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("pass") })
+    }
+
+    fn write(&self, name: &str, bytes: &[u8]) -> Result<()> {
+        self.device.queue.write_buffer(self.buffers.get(name)?, 0, bytes);
+        Ok(())
+    }
+
+    /// The sizes in force.
+    pub fn tuning(&self) -> &Tuning {
+        &self.tuning
+    }
+}
+
+/// A dispatch of a pass.
+struct Stage<'a> {
+    kernel: &'a Pipeline,
+    size: StageSize,
+}
+
+enum StageSize {
+    Groups(u32),
+    Queue(u64),
+}
+
+impl<'a> Stage<'a> {
+    fn all(kernel: &'a Pipeline, groups: u32) -> Stage<'a> {
+        Stage { kernel, size: StageSize::Groups(groups) }
+    }
+
+    fn queue(kernel: &'a Pipeline, queue: u64) -> Stage<'a> {
+        Stage { kernel, size: StageSize::Queue(queue * 16) }
+    }
+
+    fn record(&self, pass: &mut wgpu::ComputePass<'_>, sizes: Option<&wgpu::Buffer>) {
+        match (&self.size, sizes) {
+            (StageSize::Groups(groups), _) => self.kernel.dispatch(pass, *groups),
+            (StageSize::Queue(offset), Some(sizes)) => self.kernel.dispatch_indirect(pass, sizes, *offset),
+            (StageSize::Queue(_), None) => {}
+        }
+    }
+}

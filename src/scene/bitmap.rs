@@ -1,0 +1,214 @@
+//! Decodes the images that a scene names into linear Rec. 709.
+
+use std::collections::BTreeMap;
+use std::io::Cursor;
+use std::path::Path;
+
+use exr::prelude::{MetaData, ReadChannels, ReadLayers};
+use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
+
+use super::Scene;
+use super::source::Place;
+use super::types::*;
+use crate::error::Result;
+
+/// Most texels along one side of an image.
+const LARGEST_SIDE: u32 = 16384;
+/// The largest texel that a light or the sky may have, as for colours in the scene file.
+const LARGEST_RADIANCE: f32 = 1e30;
+const EXR_MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
+
+/// Decodes every image of the scene once, by its path as written. An error stands at the `path` field.
+pub fn load_all(scene: &Scene) -> Result<BTreeMap<String, Bitmap>> {
+    let mut bitmaps = BTreeMap::new();
+    let top = scene.top();
+    if let Background::Image { path } = &scene.background {
+        let background = top.field("background");
+        let at = background.variant("Image");
+        load(scene, &at.field("path"), path, Use::Radiance, &mut bitmaps)?;
+    }
+    let materials = top.field("materials");
+    for (name, material) in &scene.materials {
+        if let Some(slot) = material.texture()
+            && let Texture::Image { path } = slot.texture
+        {
+            let at = materials.key(name);
+            let at = at.variant(material.name());
+            let at = at.field(slot.field);
+            let at = at.variant("Image");
+            load(scene, &at.field("path"), path, slot.usage, &mut bitmaps)?;
+        }
+    }
+    Ok(bitmaps)
+}
+
+fn load(
+    scene: &Scene,
+    at: &Place,
+    path: &str,
+    usage: Use,
+    bitmaps: &mut BTreeMap<String, Bitmap>,
+) -> Result<()> {
+    let file = scene.source.resolve(path);
+    let wrong = |reason: String| at.error(format!("{}: {reason}", file.display()));
+    if !bitmaps.contains_key(path) {
+        bitmaps.insert(path.to_owned(), decode(&file).map_err(wrong)?);
+    }
+    match bitmaps.get(path) {
+        Some(bitmap) => check(bitmap, usage).map_err(wrong),
+        None => Ok(()),
+    }
+}
+
+/// Decodes one file: .exr, .hdr and other images of floats are linear, all others sRGB. Alpha is
+/// ignored, and grey becomes a colour.
+fn decode(path: &Path) -> std::result::Result<Bitmap, String> {
+    let cannot = |reason: std::io::Error| format!("cannot read the image: {reason}");
+    if !std::fs::metadata(path).map_err(cannot)?.is_file() {
+        return Err("cannot read the image: it is not a file".to_owned());
+    }
+    let bytes = std::fs::read(path).map_err(cannot)?;
+    let bitmap = if bytes.starts_with(&EXR_MAGIC) {
+        decode_exr(&bytes)
+    } else {
+        decode_other(&bytes, ImageFormat::from_path(path).ok())
+    };
+    bitmap.map_err(|reason| format!("cannot decode the image: {reason}"))
+}
+
+fn decode_exr(bytes: &[u8]) -> std::result::Result<Bitmap, String> {
+    let text = |error: exr::error::Error| error.to_string();
+    // The sizes first: the pixels' memory is asked for before they are read.
+    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(text)?;
+    for header in &meta.headers {
+        fits(header.layer_size.width(), header.layer_size.height())?;
+    }
+    let image = exr::prelude::read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .rgb_channels(
+            |size, _| (size.width(), vec![[0.0; 3]; size.area()]),
+            |(width, texels), at, (r, g, b): (f32, f32, f32)| {
+                if let Some(texel) = texels.get_mut(at.y() * *width + at.x()) {
+                    *texel = [r, g, b];
+                }
+            },
+        )
+        .first_valid_layer()
+        .all_attributes()
+        .from_buffered(Cursor::new(bytes))
+        .map_err(text)?;
+    let layer = image.layer_data;
+    Ok(Bitmap {
+        width: layer.size.width() as u32,
+        height: layer.size.height() as u32,
+        texels: layer.channel_data.pixels.1,
+    })
+}
+
+fn decode_other(bytes: &[u8], by_name: Option<ImageFormat>) -> std::result::Result<Bitmap, String> {
+    let text = |error: image::ImageError| error.to_string();
+    let mut reader = ImageReader::new(Cursor::new(bytes));
+    // The content tells the format better than the file's name; .tga has no mark of its own.
+    let format = image::guess_format(bytes).ok().or(by_name);
+    reader.set_format(format.ok_or("its format is not known")?);
+    reader.limits(limits());
+    let decoder = reader.into_decoder().map_err(text)?;
+    let (width, height) = decoder.dimensions();
+    fits(width as usize, height as usize)?;
+    let image = DynamicImage::from_decoder(decoder).map_err(text)?;
+    Ok(Bitmap {
+        width,
+        height,
+        texels: linear(image),
+    })
+}
+
+/// Memory for the largest image of four 32-bit channels, and for no file that unpacks to more.
+fn limits() -> Limits {
+    let mut limits = Limits::default();
+    limits.max_alloc = Some(16 * u64::from(LARGEST_SIDE).pow(2));
+    limits
+}
+
+fn fits(width: usize, height: usize) -> std::result::Result<(), String> {
+    let sides = 1..=LARGEST_SIDE as usize;
+    if sides.contains(&width) && sides.contains(&height) {
+        return Ok(());
+    }
+    Err(format!(
+        "expected a width and height from 1 to {LARGEST_SIDE}, found {width} by {height}"
+    ))
+}
+
+/// The texels of a decoded image.
+fn linear(image: DynamicImage) -> Vec<[f32; 3]> {
+    match image {
+        DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => {
+            image.into_rgb32f().pixels().map(|pixel| pixel.0).collect()
+        }
+        DynamicImage::ImageLuma8(_)
+        | DynamicImage::ImageLumaA8(_)
+        | DynamicImage::ImageRgb8(_)
+        | DynamicImage::ImageRgba8(_) => {
+            let table: Vec<f32> = (0..=u8::MAX)
+                .map(|c| from_srgb(f64::from(c) / 255.0))
+                .collect();
+            let decoded = |c: u8| table.get(usize::from(c)).copied().unwrap_or_default();
+            image
+                .into_rgb8()
+                .pixels()
+                .map(|pixel| pixel.0.map(decoded))
+                .collect()
+        }
+        _ => {
+            let decoded = |c: u16| from_srgb(f64::from(c) / 65535.0);
+            image
+                .into_rgb16()
+                .pixels()
+                .map(|pixel| pixel.0.map(decoded))
+                .collect()
+        }
+    }
+}
+
+/// The light that an sRGB code of 0..=1 stands for (IEC 61966-2-1).
+fn from_srgb(code: f64) -> f32 {
+    let light = if code <= 0.04045 {
+        code / 12.92
+    } else {
+        ((code + 0.055) / 1.055).powf(2.4)
+    };
+    light as f32
+}
+
+/// Names the first texel that is no light, or more than its use allows.
+fn check(bitmap: &Bitmap, usage: Use) -> std::result::Result<(), String> {
+    let (expected, largest) = match usage {
+        Use::Albedo => ("an albedo from 0 to 1", 1.0),
+        Use::Radiance => ("a radiance from 0 to 1e30", LARGEST_RADIANCE),
+    };
+    let fits = |texel: &[f32; 3]| texel.iter().all(|c| (0.0..=largest).contains(c));
+    let Some(index) = bitmap.texels.iter().position(|texel| !fits(texel)) else {
+        return Ok(());
+    };
+    let [r, g, b] = bitmap.texels.get(index).copied().unwrap_or_default();
+    let (x, y) = (index % bitmap.width as usize, index / bitmap.width as usize);
+    Err(format!(
+        "expected {expected}, found ({r:?}, {g:?}, {b:?}) at texel ({x}, {y}) from the top left"
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::from_srgb;
+
+    #[test]
+    fn decodes_srgb() {
+        assert_eq!(from_srgb(0.0), 0.0);
+        assert_eq!(from_srgb(1.0), 1.0);
+        // The standard's own numbers, and the sum at which the two parts meet.
+        assert!((f64::from(from_srgb(188.0 / 255.0)) - 0.502_886_5).abs() < 1e-6);
+        assert!((f64::from(from_srgb(0.04045)) - 0.003_130_804_95).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,427 @@
+//! ron's errors in the words of the scene format.
+//!
+//! ron knows where its cursor stood and what a Rust type expected. The tree of spans turns the cursor
+//! into a value and its path, and the path says what the scene format expects there.
+
+use ron::error::{Error as Ron, SpannedError};
+
+use super::nearest::nearest;
+use super::source::Source;
+use super::spans::{Id, Span, Step, skip_space, slice};
+use crate::error::Error;
+
+/// The same error with the value's own position, the field's path and what was expected.
+pub fn explain(source: &Source, error: SpannedError) -> Error {
+    let cursor = source.offset(error.span.end.line, error.span.end.col);
+    let explain = Explain { source, cursor };
+    match error.code {
+        Ron::UnclosedBlockComment => explain.unclosed_comment(),
+        Ron::ExpectedStringEnd => explain.unclosed_string(),
+        _ if cursor >= source.text().len() && source.spans.unclosed_bracket.is_some() => {
+            explain.unclosed_bracket()
+        }
+        Ron::NoSuchStructField {
+            expected, found, ..
+        } => explain.name(
+            format!("unknown field {found}: {}", known(&found, expected)),
+            &found,
+        ),
+        Ron::DuplicateStructField { field, .. } => {
+            explain.name(format!("{field} is given twice"), field)
+        }
+        // Our own, about a material's name that occurs twice.
+        Ron::Message(message) => explain.name(message, ""),
+        Ron::MissingStructField { field, .. } => explain.missing(field),
+        Ron::NoSuchEnumVariant {
+            expected, found, ..
+        } => explain.variant(&found, expected),
+        Ron::ExpectedDifferentLength { .. } => explain.value_around(),
+        Ron::ExpectedStructLike => explain.bracket(),
+        Ron::ExpectedStructLikeEnd | Ron::ExpectedOptionEnd => explain.too_many(),
+        Ron::ExpectedComma => explain.comma(),
+        Ron::ExpectedMapColon => explain.token("a colon after the name"),
+        Ron::UnexpectedChar(found) => {
+            let message = format!("expected // or /* as the start of a comment, found /{found}");
+            explain.here(cursor.saturating_sub(1 + found.len_utf8()), message)
+        }
+        Ron::NoSuchExtension(name) => {
+            let message = format!("RON has no extension {name}: a scene needs none");
+            explain.here(cursor.saturating_sub(name.len()), message)
+        }
+        Ron::TrailingCharacters => explain.here(
+            cursor,
+            "expected the end of the file after the scene's last bracket",
+        ),
+        Ron::ExceededRecursionLimit => explain.too_deep(),
+        Ron::InvalidEscape(reason) => explain.here(
+            cursor,
+            format!("{}: a backslash is written \\\\ in a string", lower(reason)),
+        ),
+        Ron::ExpectedArray
+        | Ron::ExpectedBoolean
+        | Ron::ExpectedFloat
+        | Ron::FloatUnderscore
+        | Ron::ExpectedInteger
+        | Ron::ExpectedByteLiteral
+        | Ron::ExpectedOption
+        | Ron::ExpectedMap
+        | Ron::ExpectedDifferentStructName { .. }
+        | Ron::ExpectedNamedStructLike(_)
+        | Ron::ExpectedString
+        | Ron::ExpectedIdentifier
+        | Ron::SuggestRawIdentifier(_)
+        | Ron::IntegerOutOfBounds
+        | Ron::InvalidIntegerDigit { .. }
+        | Ron::UnderscoreAtBeginning
+        | Ron::InvalidValueForType { .. } => explain.value(),
+        other => explain.here(cursor, lower(&other.to_string())),
+    }
+}
+
+struct Explain<'a> {
+    source: &'a Source,
+    /// The byte where ron stopped.
+    cursor: usize,
+}
+
+impl<'a> Explain<'a> {
+    /// An error at an exact byte, about the innermost value around it.
+    fn here(&self, offset: usize, message: impl Into<String>) -> Error {
+        let id = self.at(offset);
+        // A value that starts right here is not the one that is incomplete: the one around it is.
+        let id = id.and_then(
+            |id| match self.source.spans.entry_start(id) as usize == offset {
+                true => self.source.spans.parent(id),
+                false => Some(id),
+            },
+        );
+        self.source.error_at(offset, &self.path(id, true), message)
+    }
+
+    /// ron stopped just after a field's name or a map's key, and the name is at fault.
+    fn name(&self, message: String, name: &str) -> Error {
+        let Some(id) = self.before_cursor() else {
+            return self.here(self.cursor, message);
+        };
+        let mut path = self.path(Some(id), false);
+        if self.source.spans.key(id).is_empty() {
+            // There is no colon after it: the tree took it for a value.
+            path.pop();
+            path.push(Step::Field(name));
+        }
+        let start = self.source.spans.entry_start(id) as usize;
+        self.source.error_at(start, &path, message)
+    }
+
+    /// ron stopped at the closing bracket of a struct that lacks a field.
+    fn missing(&self, name: &str) -> Error {
+        let id = self.at(self.cursor);
+        let mut path = self.path(id, true);
+        path.push(Step::Field(name));
+        let start = id.map_or(self.cursor, |id| self.source.spans.value(id).start as usize);
+        let message = format!("{name} is missing: expected {name}: {}", expected(&path));
+        self.source.error_at(start, &path, message)
+    }
+
+    /// ron stopped just after the name of a variant that there is not.
+    fn variant(&self, found: &str, variants: &[&str]) -> Error {
+        let path = self.path(self.before_cursor(), false);
+        let meant = nearest(found, variants.iter().copied());
+        let meant = meant.map_or(String::new(), |meant| format!("; did you mean {meant}?"));
+        self.expected(self.before_cursor(), &path, &meant)
+    }
+
+    /// ron stopped at or just after a value that it could not read.
+    fn value(&self) -> Error {
+        let id = self.value_at_cursor();
+        if let Some(id) = id
+            && (self.cursor as u32) < self.source.spans.key(id).end
+        {
+            return self.key(id);
+        }
+        // With the cursor past the bracket, what is inside is at fault: `Group()`.
+        let inside = id.is_some_and(|id| self.cursor as u32 > self.source.spans.name_end(id));
+        self.expected(id, &self.path(id, inside), "")
+    }
+
+    /// ron stopped after the name of a variant that no bracket follows, or not the right one.
+    fn bracket(&self) -> Error {
+        let id = self.value_at_cursor();
+        let mut path = self.path(id, false);
+        let name = id.map_or("", |id| {
+            match self.source.spans.name(self.source.text(), id) {
+                "" => slice(self.source.text(), self.source.spans.value(id)),
+                name => name,
+            }
+        });
+        path.push(Step::Variant(name));
+        self.expected(id, &path, "")
+    }
+
+    /// ron stopped at a key that is no name, or no string.
+    fn key(&self, id: Id) -> Error {
+        let path = self.path(self.source.spans.parent(id), true);
+        let key = self.source.spans.key(id);
+        let expected = match path.last() {
+            Some(Step::Field("materials")) => "a material's name in quotes",
+            _ => "a field's name, without quotes",
+        };
+        let found = self.source.excerpt_of(key);
+        let message = format!("expected {expected}, found {found}");
+        self.source.error_at(key.start as usize, &path, message)
+    }
+
+    /// ron stopped inside a value whose number of elements is wrong.
+    fn value_around(&self) -> Error {
+        let id = self.at(self.cursor);
+        self.expected(id, &self.path(id, true), "")
+    }
+
+    /// ron stopped at the first element that is too many, or at what stands in a bracket's place.
+    fn too_many(&self) -> Error {
+        let id = self.at(self.cursor);
+        let starts_here =
+            id.is_some_and(|id| self.source.spans.entry_start(id) as usize == self.cursor);
+        let id = match starts_here {
+            true => id.and_then(|id| self.source.spans.parent(id)),
+            false => id,
+        };
+        self.expected(id, &self.path(id, true), "")
+    }
+
+    /// ron stopped where a comma or a closing bracket should be.
+    fn comma(&self) -> Error {
+        match self.at(self.cursor) {
+            // In the middle of a word: `640.5` where whole numbers go, `5px`.
+            Some(id)
+                if self.is_word(id)
+                    && (self.source.spans.value(id).start as usize) < self.cursor =>
+            {
+                self.expected(Some(id), &self.path(Some(id), false), "")
+            }
+            _ => self.token("a comma or a closing bracket"),
+        }
+    }
+
+    /// "expected ..., found ..." about the word or sign at the cursor.
+    fn token(&self, expected: &str) -> Error {
+        let cursor = self.cursor as u32;
+        let id = self.at(self.cursor);
+        let starts = |span: &Span| span.start == cursor && !span.is_empty();
+        let token = id
+            .into_iter()
+            .flat_map(|id| [self.source.spans.key(id), self.source.spans.value(id)])
+            .find(starts)
+            .unwrap_or(Span {
+                start: cursor,
+                end: cursor + 1,
+            });
+        let found = self.source.excerpt_of(token);
+        self.here(self.cursor, format!("expected {expected}, found {found}"))
+    }
+
+    fn unclosed_comment(&self) -> Error {
+        let start = self.source.spans.unclosed_comment;
+        let start = start.map_or(self.cursor, |start| start as usize);
+        self.here(start, "this comment is not closed: */ is missing")
+    }
+
+    fn too_deep(&self) -> Error {
+        let mut path = self.path(self.at(self.cursor), false);
+        // The whole path would fill a page.
+        path.truncate(2);
+        let message = "nested too deeply (objects may hold objects some 60 deep): flatten the groups and transforms";
+        self.source.error_at(self.cursor, &path, message)
+    }
+
+    fn unclosed_string(&self) -> Error {
+        let id = self.before_cursor();
+        let start = id.map_or(self.cursor, |id| self.source.spans.value(id).start as usize);
+        let path = self.path(id, false);
+        self.source.error_at(
+            start,
+            &path,
+            "this string is not closed: the quote at its end is missing",
+        )
+    }
+
+    fn unclosed_bracket(&self) -> Error {
+        let text = self.source.text();
+        let bracket = self.source.spans.unclosed_bracket.unwrap_or_default() as usize;
+        let opened = self.source.location(bracket);
+        let found = text
+            .get(bracket..)
+            .and_then(|rest| rest.chars().next())
+            .unwrap_or('(');
+        let message = format!(
+            "the file ends, but the {found} of line {}, column {} is not closed",
+            opened.line, opened.column
+        );
+        let path = self.path(self.at(bracket), true);
+        self.source.error_at(text.len(), &path, message)
+    }
+
+    /// "expected ..., found ..." at the start of a value.
+    fn expected(&self, id: Option<Id>, path: &[Step<'_>], hint: &str) -> Error {
+        let found = match id {
+            Some(id) => self.source.excerpt(id),
+            None => "nothing".to_owned(),
+        };
+        let start = id.map_or(self.cursor, |id| self.source.spans.value(id).start as usize);
+        let message = format!("expected {}, found {found}{hint}", expected(path));
+        self.source.error_at(start, path, message)
+    }
+
+    fn path(&self, id: Option<Id>, into_variant: bool) -> Vec<Step<'a>> {
+        id.map_or(Vec::new(), |id| {
+            self.source.spans.path(self.source.text(), id, into_variant)
+        })
+    }
+
+    fn at(&self, offset: usize) -> Option<Id> {
+        self.source.spans.at(offset as u32)
+    }
+
+    fn before_cursor(&self) -> Option<Id> {
+        self.at(self.cursor.saturating_sub(1))
+    }
+
+    fn is_word(&self, id: Id) -> bool {
+        self.source.spans.children(id).is_empty()
+            && self.source.spans.name(self.source.text(), id).is_empty()
+    }
+
+    /// The value that starts at the cursor or ended just before it.
+    fn value_at_cursor(&self) -> Option<Id> {
+        let around = self.at(self.cursor)?;
+        if self.source.spans.entry_start(around) as usize == self.cursor {
+            return Some(around);
+        }
+        let ended = self
+            .source
+            .spans
+            .children(around)
+            .iter()
+            .copied()
+            .find(|&child| {
+                let end = self.source.spans.value(child).end as usize;
+                let next = skip_space(self.source.text(), end).unwrap_or(end);
+                (end..=next).contains(&self.cursor)
+            });
+        ended.or(Some(around))
+    }
+}
+
+/// "expected one of ..., did you mean ...?"
+fn known(found: &str, names: &[&str]) -> String {
+    let meant = nearest(found, names.iter().copied());
+    let meant = meant.map_or(String::new(), |meant| format!("; did you mean {meant}?"));
+    format!("expected one of {}{meant}", names.join(", "))
+}
+
+/// A sentence of ron's without its capital.
+fn lower(message: &str) -> String {
+    let mut characters = message.chars();
+    let first = characters.next().map(|c| c.to_ascii_lowercase());
+    first.into_iter().chain(characters).collect()
+}
+
+const TEXTURE: &str = "a texture: Rgb(r, g, b), Checker(..), Image(..), Noise(..) or Marble(..)";
+const MATERIAL: &str = "a material: Lambertian(..), Metal(..), Dielectric(..) or DiffuseLight(..)";
+const OBJECT: &str = "an object: Sphere(..), Quad(..), Box(..), Mesh(..), Transformed(..), \
+                      Group([..]) or Medium(..)";
+const TRANSFORM: &str = "a transform: Translate((x, y, z)), Scale(s), RotateX(degrees), \
+                         RotateY(degrees), RotateZ(degrees) or Rotate(axis: .., degrees: ..)";
+const COLOUR: &str = "a colour: (r, g, b)";
+const POINT: &str = "a point: (x, y, z)";
+const VECTOR: &str = "a vector: (x, y, z)";
+
+/// What the scene format expects at the end of a path.
+fn expected(path: &[Step<'_>]) -> &'static str {
+    match path {
+        [] => {
+            "Scene(image: .., camera: .., background: .., materials: .., objects: .., render: ..)"
+        }
+        [.., Step::Field(name)] => expected_field(name),
+        [.., Step::Key(_)] => MATERIAL,
+        [.., Step::Variant(name)] => expected_variant(name),
+        [
+            ..,
+            Step::Field("objects") | Step::Variant("Group"),
+            Step::Index(_),
+        ] => OBJECT,
+        [.., Step::Field("by"), Step::Index(_)] => TRANSFORM,
+        [.., Step::Variant("Solid"), Step::Index(_)] => "a colour in brackets: Solid((r, g, b))",
+        [.., Step::Variant("Translate"), Step::Index(_)] => {
+            "a vector in brackets: Translate((x, y, z))"
+        }
+        [.., Step::Variant("Rgb"), Step::Index(_)] => "a number",
+        [
+            ..,
+            Step::Field("look_from" | "look_at" | "up" | "bottom" | "top" | "even" | "odd"),
+            Step::Index(_),
+        ]
+        | [
+            ..,
+            Step::Field("center" | "corner" | "u" | "v" | "min" | "max" | "axis"),
+            Step::Index(_),
+        ] => "a number",
+        [.., Step::Index(_)] => "fields by name: (name: value, ..)",
+    }
+}
+
+fn expected_field(name: &str) -> &'static str {
+    match name {
+        "image" => "(width: .., height: ..)",
+        "width" | "height" => "a whole number from 1 to 65536",
+        "camera" => "(look_from: .., look_at: .., vertical_fov: ..)",
+        "look_from" | "look_at" | "center" | "corner" | "min" | "max" => POINT,
+        "up" | "u" | "v" | "axis" => VECTOR,
+        "vertical_fov" => "a number of degrees between 0 and 180",
+        "degrees" => "a number of degrees",
+        "background" => {
+            "a background: Solid((r, g, b)), Gradient(bottom: .., top: ..) or Image(path: ..)"
+        }
+        "bottom" | "top" | "even" | "odd" => COLOUR,
+        "path" => "a file's path in quotes",
+        "materials" => "a map of materials: {\"name\": Lambertian(..), ..}",
+        "material" => "a material's name in quotes",
+        "albedo" | "emit" => TEXTURE,
+        "two_sided" => "true or false",
+        "objects" => "a list of objects: [..]",
+        "object" | "boundary" => OBJECT,
+        "by" => "a list of transforms: [..]",
+        "render" => "(samples: .., max_depth: ..)",
+        "samples" => "a whole number from 1 to 2147483648",
+        "max_depth" => "a whole number from 0 to 1000000",
+        _ => "a number",
+    }
+}
+
+fn expected_variant(name: &str) -> &'static str {
+    match name {
+        "Solid" => COLOUR,
+        "Gradient" => "Gradient(bottom: .., top: ..)",
+        "Image" => "Image(path: ..)",
+        "Rgb" => "Rgb(r, g, b)",
+        "Checker" => "Checker(scale: .., even: .., odd: ..)",
+        "Noise" => "Noise(scale: ..)",
+        "Marble" => "Marble(scale: ..)",
+        "Lambertian" => "Lambertian(albedo: ..)",
+        "Metal" => "Metal(albedo: .., fuzz: ..)",
+        "Dielectric" => "Dielectric(ior: ..)",
+        "DiffuseLight" => "DiffuseLight(emit: .., two_sided: ..)",
+        "Sphere" => "Sphere(center: .., radius: .., material: ..)",
+        "Quad" => "Quad(corner: .., u: .., v: .., material: ..)",
+        "Box" => "Box(min: .., max: .., material: ..)",
+        "Mesh" => "Mesh(path: .., material: ..)",
+        "Transformed" => "Transformed(by: [..], object: ..)",
+        "Group" => "a list of objects: [..]",
+        "Medium" => "Medium(boundary: .., density: .., albedo: ..)",
+        "Translate" => VECTOR,
+        "Scale" => "one positive number",
+        "RotateX" | "RotateY" | "RotateZ" => "a number of degrees",
+        "Rotate" => "Rotate(axis: .., degrees: ..)",
+        _ => "fields by name: (name: value, ..)",
+    }
+}

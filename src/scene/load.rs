@@ -1,0 +1,123 @@
+//! Reads a scene file: text, then values, then checks, then images.
+
+use std::collections::{BTreeMap, HashSet};
+use std::fmt;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use ron::extensions::Extensions;
+use serde::de::{Error as _, MapAccess, Visitor};
+use serde::{Deserialize, Deserializer};
+
+use super::explain::explain;
+use super::source::Source;
+use super::types::*;
+use super::{Scene, bitmap, validate};
+use crate::error::Result;
+
+/// The longest scene file, in bytes: enough for some ten million spheres. Positions are kept in 32 bits.
+const LONGEST_FILE: u64 = 1 << 30;
+
+/// How far ron may recurse: four calls an object, so that objects may be nested some 60 deep. A stack
+/// of 1 MiB holds that, even in a build without optimisation.
+const RECURSION_LIMIT: usize = 256;
+
+/// The scene as the file writes it.
+#[derive(Deserialize)]
+#[serde(rename = "Scene", deny_unknown_fields)]
+struct SceneFile {
+    image: ImageSize,
+    camera: Camera,
+    background: Background,
+    #[serde(default, deserialize_with = "in_file_order")]
+    materials: Vec<(String, Material)>,
+    objects: Vec<Object>,
+    #[serde(default)]
+    render: RenderDefaults,
+}
+
+/// The text of a scene file, without the byte order mark that some editors put first.
+pub fn read(path: &Path) -> Result<String> {
+    let whole = Source::new(String::new(), path);
+    let cannot = |reason: String| whole.error(&[], format!("cannot read the scene file: {reason}"));
+    let mut bytes = Vec::new();
+    File::open(path)
+        .and_then(|file| file.take(LONGEST_FILE + 1).read_to_end(&mut bytes))
+        .map_err(|error| cannot(error.to_string()))?;
+    String::from_utf8(bytes).map_err(|error| {
+        let (good, rest) = error.as_bytes().split_at(error.utf8_error().valid_up_to());
+        let bad = rest.first().copied().unwrap_or_default();
+        let good = Source::new(String::from_utf8_lossy(good).into_owned(), path);
+        let message = format!("expected UTF-8 text, found the byte 0x{bad:02x}");
+        good.error_at(good.text().len(), &[], message)
+    })
+}
+
+/// The scene that a text describes, complete and checked.
+pub fn parse(mut text: String, path: &Path) -> Result<Scene> {
+    if text.starts_with('\u{feff}') {
+        text.drain(..'\u{feff}'.len_utf8());
+    }
+    if text.len() as u64 > LONGEST_FILE {
+        let message = format!("the scene file is longer than {LONGEST_FILE} bytes");
+        return Err(Source::new(String::new(), path).error(&[], message));
+    }
+    let source = Source::new(text, path);
+    if source.spans.root().is_none() && source.spans.unclosed_comment.is_none() {
+        let message = "the scene file is empty: expected Scene(image: .., camera: .., ..)";
+        return Err(source.error(&[], message));
+    }
+    let file: SceneFile = ron::Options::default()
+        .with_default_extension(Extensions::IMPLICIT_SOME)
+        .with_recursion_limit(RECURSION_LIMIT)
+        .from_str(source.text())
+        .map_err(|error| explain(&source, error))?;
+    let mut scene = Scene {
+        image: file.image,
+        camera: file.camera,
+        background: file.background,
+        materials: file.materials,
+        objects: file.objects,
+        render: file.render,
+        bitmaps: BTreeMap::new(),
+        source,
+    };
+    validate::validate(&scene)?;
+    scene.bitmaps = bitmap::load_all(&scene)?;
+    Ok(scene)
+}
+
+/// A map as a list, in the file's order. A name that occurs twice is an error at its second place.
+fn in_file_order<'de, D>(deserializer: D) -> std::result::Result<Vec<(String, Material)>, D::Error>
+where
+    D: Deserializer<'de>,
+{
+    struct InFileOrder;
+
+    impl<'de> Visitor<'de> for InFileOrder {
+        type Value = Vec<(String, Material)>;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("a map of materials")
+        }
+
+        fn visit_map<M>(self, mut map: M) -> std::result::Result<Self::Value, M::Error>
+        where
+            M: MapAccess<'de>,
+        {
+            let mut names = HashSet::new();
+            let mut materials = Vec::new();
+            while let Some(name) = map.next_key::<String>()? {
+                if !names.insert(name.clone()) {
+                    let message = format!("the material {name:?} is defined twice");
+                    return Err(M::Error::custom(message));
+                }
+                materials.push((name, map.next_value()?));
+            }
+            Ok(materials)
+        }
+    }
+
+    deserializer.deserialize_map(InFileOrder)
+}

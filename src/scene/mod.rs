@@ -1,0 +1,84 @@
+//! The scene: what its file says, checked, with the place in the file of every value.
+//!
+//! `load` reads the file, `explain` puts ron's complaints into the words of the scene format, `validate` refuses numbers
+//! that mean nothing, `bitmap` decodes the images. Whatever is wrong, the error names file:line:column and the field.
+
+mod bitmap;
+mod explain;
+mod load;
+mod nearest;
+mod source;
+mod spans;
+pub mod types;
+mod validate;
+mod warn;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use crate::error::{Error, Location, Result};
+use source::{Place, Source};
+
+pub use spans::Step;
+pub use types::*;
+
+/// A scene that has been read and validated, with its images decoded.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    pub image: ImageSize,
+    pub camera: Camera,
+    pub background: Background,
+    /// By name, in the file's order; no name occurs twice.
+    pub materials: Vec<(String, Material)>,
+    pub objects: Vec<Object>,
+    pub render: RenderDefaults,
+    /// The decoded images, by their path as the scene file writes it.
+    pub bitmaps: BTreeMap<String, Bitmap>,
+    source: Source,
+}
+
+impl Scene {
+    /// Reads, parses and validates a scene file and decodes the images it names.
+    ///
+    /// Every error is an [`Error::Scene`]; one that concerns the file as a whole (missing, a folder) points at 1:1.
+    pub fn load(path: &Path) -> Result<Scene> {
+        load::parse(load::read(path)?, path)
+    }
+
+    /// The same for a text in memory. `path` is its name in errors, and its folder is where relative paths start.
+    pub fn parse(text: &str, path: &Path) -> Result<Scene> {
+        load::parse(text.to_owned(), path)
+    }
+
+    /// Where the value at the end of `steps` stands in the scene file.
+    ///
+    /// A value that the file leaves to its default has the position of the innermost value around it that is there.
+    pub fn location(&self, steps: &[Step<'_>]) -> Location {
+        self.source.location_of(steps)
+    }
+
+    /// An [`Error::Scene`] about the value at the end of `steps`, for the stages after loading.
+    pub fn error(&self, steps: &[Step<'_>], message: impl Into<String>) -> Error {
+        self.source.error(steps, message)
+    }
+
+    /// Where `objects[index]` stands in the scene file.
+    pub fn object_location(&self, index: usize) -> Location {
+        self.location(&[Step::Field("objects"), Step::Index(index)])
+    }
+
+    /// Where the material of this name is defined in the scene file.
+    pub fn material_location(&self, name: &str) -> Location {
+        self.location(&[Step::Field("materials"), Step::Key(name)])
+    }
+
+    /// What is allowed and yet likely to disappoint: each with file:line:column, the number and what to do.
+    pub fn warnings(&self) -> Vec<String> {
+        warn::warnings(self)
+    }
+
+    /// The top of the scene file, from which the checks walk down.
+    fn top(&self) -> Place<'_> {
+        Place::top(&self.source)
+    }
+}

@@ -1,0 +1,248 @@
+//! The scene as its file says it: f64, in scene units, before anything is flattened or made f32.
+
+use glam::DVec3;
+use serde::Deserialize;
+
+/// A linear Rec. 709 colour: red, green, blue.
+pub type Colour = DVec3;
+
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ImageSize {
+    pub width: u32,
+    pub height: u32,
+}
+
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Camera {
+    pub look_from: DVec3,
+    pub look_at: DVec3,
+    #[serde(default = "up")]
+    pub up: DVec3,
+    /// Degrees, strictly between 0 and 180.
+    pub vertical_fov: f64,
+    /// Diameter of the lens; 0 is a pinhole.
+    #[serde(default)]
+    pub aperture: f64,
+    /// Distance from the eye to the plane in focus; the distance to `look_at` where absent.
+    #[serde(default)]
+    pub focus_distance: Option<f64>,
+}
+
+fn up() -> DVec3 {
+    DVec3::Y
+}
+
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Background {
+    Solid(Colour),
+    /// Blended by 0.5 (y + 1) of the unit direction.
+    Gradient {
+        bottom: Colour,
+        top: Colour,
+    },
+    /// Latitude-longitude radiance; +y on top, -z in the middle.
+    Image {
+        path: String,
+    },
+}
+
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Texture {
+    Rgb(f64, f64, f64),
+    Checker {
+        scale: f64,
+        even: Colour,
+        odd: Colour,
+    },
+    Image {
+        path: String,
+    },
+    Noise {
+        scale: f64,
+    },
+    Marble {
+        scale: f64,
+    },
+}
+
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Material {
+    Lambertian {
+        albedo: Texture,
+    },
+    Metal {
+        albedo: Texture,
+        #[serde(default)]
+        fuzz: f64,
+    },
+    Dielectric {
+        ior: f64,
+    },
+    DiffuseLight {
+        emit: Texture,
+        #[serde(default = "yes")]
+        two_sided: bool,
+    },
+}
+
+fn yes() -> bool {
+    true
+}
+
+/// A rotation is right-handed about its axis and in degrees.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Transform {
+    Translate(DVec3),
+    Scale(f64),
+    RotateX(f64),
+    RotateY(f64),
+    RotateZ(f64),
+    Rotate { axis: DVec3, degrees: f64 },
+}
+
+/// An object of the scene. `material` is absent only on the boundary of a `Medium`.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Object {
+    Sphere {
+        center: DVec3,
+        radius: f64,
+        #[serde(default)]
+        material: Option<String>,
+    },
+    /// The normal is u × v.
+    Quad {
+        corner: DVec3,
+        u: DVec3,
+        v: DVec3,
+        #[serde(default)]
+        material: Option<String>,
+    },
+    Box {
+        min: DVec3,
+        max: DVec3,
+        #[serde(default)]
+        material: Option<String>,
+    },
+    Mesh {
+        path: String,
+        #[serde(default)]
+        material: Option<String>,
+    },
+    /// Transforms are applied in the order listed.
+    Transformed {
+        by: Vec<Transform>,
+        object: Box<Object>,
+    },
+    Group(Vec<Object>),
+    Medium {
+        boundary: Box<Object>,
+        /// Extinction per unit of length.
+        density: f64,
+        albedo: Texture,
+        /// Henyey-Greenstein's g.
+        #[serde(default)]
+        anisotropy: f64,
+    },
+}
+
+/// What the command line overrides.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct RenderDefaults {
+    pub samples: u32,
+    pub max_depth: u32,
+}
+
+impl Default for RenderDefaults {
+    fn default() -> Self {
+        RenderDefaults {
+            samples: 100,
+            max_depth: 50,
+        }
+    }
+}
+
+/// An image file of the scene, decoded: linear Rec. 709, row 0 on top.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bitmap {
+    pub width: u32,
+    pub height: u32,
+    pub texels: Vec<[f32; 3]>,
+}
+
+/// What a texture's values mean, which is what bounds them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Use {
+    /// The share of light that is not absorbed: 0 to 1.
+    Albedo,
+    /// Light: 0, or 1e-30 to 1e30.
+    Radiance,
+}
+
+/// A material's texture, with the name of the field that holds it.
+#[derive(Clone, Copy, Debug)]
+pub struct Slot<'a> {
+    pub field: &'static str,
+    pub texture: &'a Texture,
+    pub usage: Use,
+}
+
+impl Material {
+    /// The variant's name, as the scene file writes it.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Material::Lambertian { .. } => "Lambertian",
+            Material::Metal { .. } => "Metal",
+            Material::Dielectric { .. } => "Dielectric",
+            Material::DiffuseLight { .. } => "DiffuseLight",
+        }
+    }
+
+    /// The texture of the material, if its kind has one.
+    pub fn texture(&self) -> Option<Slot<'_>> {
+        let (field, texture, usage) = match self {
+            Material::Lambertian { albedo } => ("albedo", albedo, Use::Albedo),
+            Material::Metal { albedo, .. } => ("albedo", albedo, Use::Albedo),
+            Material::DiffuseLight { emit, .. } => ("emit", emit, Use::Radiance),
+            Material::Dielectric { .. } => return None,
+        };
+        Some(Slot {
+            field,
+            texture,
+            usage,
+        })
+    }
+}
+
+impl Object {
+    /// The variant's name, as the scene file writes it.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Object::Sphere { .. } => "Sphere",
+            Object::Quad { .. } => "Quad",
+            Object::Box { .. } => "Box",
+            Object::Mesh { .. } => "Mesh",
+            Object::Transformed { .. } => "Transformed",
+            Object::Group(_) => "Group",
+            Object::Medium { .. } => "Medium",
+        }
+    }
+
+    /// The name of the object's own material; objects that hold others have none.
+    pub fn material(&self) -> Option<&str> {
+        match self {
+            Object::Sphere { material, .. }
+            | Object::Quad { material, .. }
+            | Object::Box { material, .. }
+            | Object::Mesh { material, .. } => material.as_deref(),
+            Object::Transformed { .. } | Object::Group(_) | Object::Medium { .. } => None,
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! What is allowed and yet likely to disappoint.
+
+use std::collections::HashSet;
+
+use super::Scene;
+use super::source::Place;
+use super::types::*;
+
+/// A refractive index nearer than this to 1, and not 1, is lost in f32.
+const NEAR_ONE: f64 = 1e-6;
+
+/// The warnings about a scene, in the file's order.
+pub fn warnings(scene: &Scene) -> Vec<String> {
+    let top = scene.top();
+    let used: HashSet<&str> = materials_of(&scene.objects).collect();
+    let mut warnings = Vec::new();
+    for (name, material) in &scene.materials {
+        let materials = top.field("materials");
+        let at = materials.key(name);
+        if !used.contains(name.as_str()) {
+            warnings.push(at.warning("no object uses this material: use it or remove it"));
+        }
+        warnings.extend(about_material(&at.variant(material.name()), material));
+    }
+    if scene.objects.is_empty() {
+        let message =
+            "there are 0 objects, so that the image shows the background alone: add objects";
+        warnings.push(top.field("objects").warning(message));
+    }
+    warnings
+}
+
+fn about_material(at: &Place, material: &Material) -> Option<String> {
+    if let Material::Dielectric { ior } = material {
+        let near = *ior != 1.0 && (ior - 1.0).abs() < NEAR_ONE;
+        let message = format!(
+            "an ior of {ior} differs from 1 by less than the GPU's arithmetic resolves ({NEAR_ONE:e}): write 1 or \
+             a larger difference"
+        );
+        return near.then(|| at.field("ior").warning(&message));
+    }
+    let slot = material
+        .texture()
+        .filter(|slot| slot.usage == Use::Albedo)?;
+    let is_white = match slot.texture {
+        Texture::Rgb(r, g, b) => [*r, *g, *b].contains(&1.0),
+        Texture::Checker { even, odd, .. } => even.max(*odd).max_element() == 1.0,
+        _ => false,
+    };
+    let message = "an albedo of 1 absorbs nothing, so that paths in a closed scene end only at max_depth: write \
+                   0.99 or less unless that is meant";
+    is_white.then(|| at.field(slot.field).warning(message))
+}
+
+/// The names of the materials that objects use, groups and all.
+fn materials_of(objects: &[Object]) -> impl Iterator<Item = &str> {
+    let mut rest: Vec<&Object> = objects.iter().rev().collect();
+    std::iter::from_fn(move || {
+        while let Some(object) = rest.pop() {
+            match object {
+                Object::Transformed { object, .. } => rest.push(object),
+                Object::Group(objects) => rest.extend(objects.iter().rev()),
+                Object::Medium { boundary, .. } => rest.push(boundary),
+                _ => {}
+            }
+            if let Some(name) = object.material() {
+                return Some(name);
+            }
+        }
+        None
+    })
+}

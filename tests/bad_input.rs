@@ -1,0 +1,922 @@
+//! What the scene loader refuses and accepts: every error at its place, with its field, in the
+//! format's own words, and never a panic.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use gpu_rt::error::{Error, Location};
+use gpu_rt::scene::{Background, Bitmap, Material, Object, Scene, Step, Texture, Transform};
+
+/// Marks in a scene's text where the error is expected; it is taken out before parsing.
+const MARK: char = '§';
+
+/// A bad scene, marked, with the field and some words of the message.
+struct Bad {
+    text: String,
+    field: &'static str,
+    words: &'static [&'static str],
+}
+
+/// What a bad scene is expected to give, and what it gave.
+#[derive(Clone, Debug)]
+struct Complaint {
+    line: usize,
+    column: usize,
+    field: String,
+    words: Vec<String>,
+}
+
+impl Bad {
+    fn source(&self) -> String {
+        self.text.replace(MARK, "")
+    }
+
+    fn expected(&self) -> Complaint {
+        let (before, _) = self
+            .text
+            .split_once(MARK)
+            .unwrap_or_else(|| panic!("no mark in {}", self.text));
+        Complaint {
+            line: before.split('\n').count(),
+            column: before.chars().rev().take_while(|c| *c != '\n').count() + 1,
+            field: self.field.to_owned(),
+            words: self.words.iter().map(|word| (*word).to_owned()).collect(),
+        }
+    }
+}
+
+/// Compares an error with what is expected of it.
+fn compare(error: &Error, path: &Path, expected: &Complaint) -> Result<(), String> {
+    let Error::Scene {
+        location,
+        field,
+        message,
+    } = error
+    else {
+        return Err(format!("not a scene's error: {error}"));
+    };
+    let at = Location {
+        file: path.to_owned(),
+        line: expected.line,
+        column: expected.column,
+    };
+    if *location != at {
+        return Err(format!("expected at {at}: {error}"));
+    }
+    if *field != expected.field {
+        return Err(format!("expected about {}: {error}", expected.field));
+    }
+    match expected.words.iter().find(|word| !message.contains(*word)) {
+        Some(word) => Err(format!("expected the words {word:?}: {error}")),
+        None => Ok(()),
+    }
+}
+
+fn parse(text: &str) -> Result<Scene, Error> {
+    Scene::parse(text, Path::new(FILE))
+}
+
+const FILE: &str = "folder/scene.ron";
+
+/// A scene around one object that uses the material "grey".
+fn object(text: &str) -> String {
+    format!(
+        "Scene(
+    image: (width: 4, height: 3),
+    camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vertical_fov: 40),
+    background: Solid((1, 1, 1)),
+    materials: {{ \"grey\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5)), \"été\": Dielectric(ior: 1.5) }},
+    objects: [
+        {text},
+    ],
+)
+"
+    )
+}
+
+/// A scene around one material, "it", after another whose name is not ASCII.
+fn material(text: &str) -> String {
+    format!(
+        "(
+    image: (width: 4, height: 3),
+    camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vertical_fov: 40),
+    background: Solid((1, 1, 1)),
+    materials: {{ \"grün\": Dielectric(ior: 1.5), \"it\": {text} }},
+    objects: [Sphere(center: (0, 0, 0), radius: 1, material: \"it\")],
+)
+"
+    )
+}
+
+const IMAGE: &str = "(width: 4, height: 3)";
+const CAMERA: &str = "(look_from: (0, 0, 5), look_at: (0, 0, 0), vertical_fov: 40)";
+const BACKGROUND: &str = "Solid((1, 1, 1))";
+
+/// A scene of these parts, with CR LF line ends and without objects.
+fn scene(image: &str, camera: &str, background: &str, rest: &str) -> String {
+    format!(
+        "(\r\n  image: {image},\r\n  camera: {camera},\r\n  background: {background},\r\n  objects: [],\r\n  {rest})\r\n"
+    )
+}
+
+fn bad(text: impl Into<String>, field: &'static str, words: &'static [&'static str]) -> Bad {
+    Bad {
+        text: text.into(),
+        field,
+        words,
+    }
+}
+
+#[rustfmt::skip]
+fn bad_images() -> Vec<Bad> {
+    let image = |text: &str| scene(text, CAMERA, BACKGROUND, "");
+    vec![
+        bad(image("(width: §0, height: 3)"), "image.width", &["width", "from 1 to 65536", "found 0"]),
+        bad(image("(width: 4, height: §65537)"), "image.height", &["height", "found 65537"]),
+        bad(image("§(width: 65536, height: 65536)"), "image", &["width times height", "4294967296"]),
+        bad(image("(width: §-4, height: 3)"), "image.width", &["a whole number from 1 to 65536", "found -4"]),
+        bad(image("(width: §4.5, height: 3)"), "image.width", &["a whole number", "found 4.5"]),
+        bad(image("(width: §5000000000, height: 3)"), "image.width", &["a whole number", "5000000000"]),
+        bad(image("(width: 4, height: §\"3\")"), "image.height", &["a whole number", "found \"3\""]),
+        bad(image("(width: 4, §heigth: 3)"), "image.heigth", &["unknown field heigth", "width, height", "did you mean height?"]),
+        bad(image("§(width: 4)"), "image.height", &["height is missing", "a whole number"]),
+        bad(image("§7"), "image", &["(width: .., height: ..)", "found 7"]),
+    ]
+}
+
+#[rustfmt::skip]
+fn bad_cameras() -> Vec<Bad> {
+    let camera = |text: &str| scene(IMAGE, text, BACKGROUND, "");
+    vec![
+        bad(camera("(look_from: (1, 2, 3), look_at: §(1, 2, 3), vertical_fov: 40)"), "camera.look_at", &["look_at", "same point"]),
+        bad(camera("(look_from: (0, 0, 0), look_at: §(0, 0, 1e-200), vertical_fov: 40)"), "camera.look_at", &["look_at", "1e-100"]),
+        bad(camera("(look_from: (0, 0, 5), look_at: (0, 0, 0), up: §(0, 0, 0), vertical_fov: 40)"), "camera.up", &["up", "no length"]),
+        bad(camera("(look_from: (0, 0, 5), look_at: (0, 0, 0), up: §(0, 0, 2), vertical_fov: 40)"), "camera.up", &["parallel to the view"]),
+        bad(camera("§(look_from: (0, 5, 0), look_at: (0, 0, 0), vertical_fov: 40)"), "camera.up", &["parallel", "up: (0, 0, 1)"]),
+        bad(camera("(look_from: (0, 0, 5), look_at: (0, 0, 0), vertical_fov: §0)"), "camera.vertical_fov", &["vertical_fov", "between 0 and 180", "found 0"]),
+        bad(camera("(look_from: (0, 0, 5), look_at: (0, 0, 0), vertical_fov: §180.0)"), "camera.vertical_fov", &["found 180.0"]),
+        bad(camera("(look_from: (0, 0, 5), look_at: (0, 0, 0), vertical_fov: §NaN)"), "camera.vertical_fov", &["found NaN"]),
+        bad(camera("(look_from: (0, 0, §inf), look_at: (0, 0, 0), vertical_fov: 40)"), "camera.look_from[2]", &["finite", "found inf"]),
+        bad(camera("(look_from: (0, 0, 5), look_at: (§-2e100, 0, 0), vertical_fov: 40)"), "camera.look_at[0]", &["1e100", "found -2e100"]),
+        bad(camera("(look_from: (0, 0, 5), look_at: (0, 0, 0), vertical_fov: 40, aperture: §-0.1)"), "camera.aperture", &["aperture", "found -0.1"]),
+        bad(camera("(look_from: (0, 0, 5), look_at: (0, 0, 0), vertical_fov: 40, focus_distance: §0)"), "camera.focus_distance", &["greater than 0"]),
+        bad(camera("§(look_from: (0, 0, 5), look_at: (0, 0, 0))"), "camera.vertical_fov", &["vertical_fov is missing", "degrees"]),
+        bad(camera("(§lookfrom: (0, 0, 5), look_at: (0, 0, 0))"), "camera.lookfrom", &["unknown field lookfrom", "did you mean look_from?"]),
+        bad(camera("(§look-from: (0, 0, 5), look_at: (0, 0, 0))"), "camera", &["a field's name", "found look-from"]),
+        bad(camera("(look_from: §(0, 5), look_at: (0, 0, 0), vertical_fov: 40)"), "camera.look_from", &["a point: (x, y, z)", "found (0, 5)"]),
+    ]
+}
+
+#[rustfmt::skip]
+fn bad_backgrounds() -> Vec<Bad> {
+    let background = |text: &str| scene(IMAGE, CAMERA, text, "");
+    vec![
+        bad(background("Solid((1, §-1, 1))"), "background.Solid[1]", &["radiance", "found -1"]),
+        bad(background("Solid((1, 1, §1e-31))"), "background.Solid[2]", &["1e-30", "found 1e-31"]),
+        bad(background("Gradient(bottom: (1, 1, 1), top: (§2e30, 1, 1))"), "background.Gradient.top[0]", &["1e30"]),
+        bad(background("§Gradient(bottom: (1, 1, 1))"), "background.Gradient.top", &["top is missing", "a colour: (r, g, b)"]),
+        bad(background("Solid(§1, 1, 1)"), "background.Solid[0]", &["Solid((r, g, b))"]),
+        bad(background("§(1, 1, 1)"), "background", &["a background: Solid((r, g, b)), Gradient(bottom: .., top: ..) or Image(path: ..)"]),
+        bad(background("§Sold((1, 1, 1))"), "background", &["found Sold((1, 1, 1))", "did you mean Solid?"]),
+        bad(background("Image(path: §\"missing.exr\")"), "background.Image.path", &["folder/missing.exr", "cannot read the image"]),
+    ]
+}
+
+#[rustfmt::skip]
+fn bad_materials() -> Vec<Bad> {
+    let texture = &["a texture: Rgb(r, g, b), Checker(..), Image(..), Noise(..) or Marble(..)"];
+    vec![
+        bad(material("Lambertian(albedo: §(0.5, 0.5, 0.5))"), "materials[\"it\"].Lambertian.albedo", texture),
+        bad(material("Metal(albedo: §\"steel\")"), "materials[\"it\"].Metal.albedo", texture),
+        bad(material("DiffuseLight(emit: §5)"), "materials[\"it\"].DiffuseLight.emit", texture),
+        bad(material("Lambertian(albedo: §Rbg(1, 1, 1))"), "materials[\"it\"].Lambertian.albedo", &["did you mean Rgb?", "found Rbg(1, 1, 1)"]),
+        bad(material("Lambertian(albedo: §Rgb(1, 1))"), "materials[\"it\"].Lambertian.albedo.Rgb", &["expected Rgb(r, g, b)", "found Rgb(1, 1)"]),
+        bad(material("Lambertian(albedo: §Rgb(1, 1, 1, 1))"), "materials[\"it\"].Lambertian.albedo.Rgb", &["expected Rgb(r, g, b)"]),
+        bad(material("Lambertian(albedo: Rgb(1, 1, §red))"), "materials[\"it\"].Lambertian.albedo.Rgb[2]", &["a number", "found red"]),
+        bad(material("Lambertian(albedo: Rgb(0.5, §1.01, 0.5))"), "materials[\"it\"].Lambertian.albedo.Rgb[1]", &["albedo", "from 0 to 1", "1.01"]),
+        bad(material("Metal(albedo: Rgb(§-0.1, 0.5, 0.5))"), "materials[\"it\"].Metal.albedo.Rgb[0]", &["albedo", "-0.1"]),
+        bad(material("Lambertian(albedo: Checker(scale: 1, even: (0, 0, 0), odd: (0, 0, §2)))"), "materials[\"it\"].Lambertian.albedo.Checker.odd[2]", &["albedo"]),
+        bad(material("Lambertian(albedo: Checker(scale: §0, even: (0, 0, 0), odd: (0, 0, 0)))"), "materials[\"it\"].Lambertian.albedo.Checker.scale", &["scale", "greater than 0"]),
+        bad(material("Lambertian(albedo: Checker(scale: 1, even: §Rgb(0, 0, 0), odd: (0, 0, 0)))"), "materials[\"it\"].Lambertian.albedo.Checker.even", &["a colour: (r, g, b)"]),
+        bad(material("Lambertian(albedo: Noise(scale: §-1))"), "materials[\"it\"].Lambertian.albedo.Noise.scale", &["scale"]),
+        bad(material("Lambertian(albedo: Marble(scale: §1e101))"), "materials[\"it\"].Lambertian.albedo.Marble.scale", &["1e100"]),
+        bad(material("Lambertian(albedo: Image(path: §\"none.png\"))"), "materials[\"it\"].Lambertian.albedo.Image.path", &["folder/none.png"]),
+        bad(material("Metal(albedo: Rgb(1, 1, 1), fuzz: §1.5)"), "materials[\"it\"].Metal.fuzz", &["fuzz", "from 0 to 1"]),
+        bad(material("Metal(albedo: Rgb(1, 1, 1), fuzz: §NaN)"), "materials[\"it\"].Metal.fuzz", &["fuzz"]),
+        bad(material("Dielectric(ior: §0)"), "materials[\"it\"].Dielectric.ior", &["ior", "greater than 0"]),
+        bad(material("§Dielectric()"), "materials[\"it\"].Dielectric.ior", &["ior is missing", "a number"]),
+        bad(material("DiffuseLight(emit: Rgb(§-1, 0, 0))"), "materials[\"it\"].DiffuseLight.emit.Rgb[0]", &["radiance"]),
+        bad(material("DiffuseLight(emit: Rgb(1, 1, 1), two_sided: §1)"), "materials[\"it\"].DiffuseLight.two_sided", &["true or false", "found 1"]),
+        bad(material("§Glass(ior: 1.5)"), "materials[\"it\"]", &["a material: Lambertian(..), Metal(..)", "found Glass(ior: 1.5)"]),
+        bad(material("§\"glass\""), "materials[\"it\"]", &["a material"]),
+        bad(material("Dielectric(ior: 1), §\"it\": Dielectric(ior: 2)"), "materials[\"it\"]", &["\"it\" is defined twice"]),
+        bad(material("Dielectric(ior: 1), §other: Dielectric(ior: 2)"), "materials", &["a material's name in quotes", "found other"]),
+        bad(material("Dielectric(ior: 1), \"b\" §Dielectric(ior: 2)"), "materials", &["a colon"]),
+    ]
+}
+
+#[rustfmt::skip]
+fn bad_objects() -> Vec<Bad> {
+    let sphere = |rest: &str| object(&format!("Sphere(center: (0, 0, 0), {rest})"));
+    vec![
+        bad(sphere("radius: §0, material: \"grey\""), "objects[0].Sphere.radius", &["radius", "greater than 0", "found 0"]),
+        bad(sphere("radius: §-1, material: \"grey\""), "objects[0].Sphere.radius", &["radius", "found -1"]),
+        bad(sphere("radius: §1e-101, material: \"grey\""), "objects[0].Sphere.radius", &["from 1e-100 to 1e100"]),
+        bad(sphere("radius: §1e400, material: \"grey\""), "objects[0].Sphere.radius", &["found 1e400"]),
+        bad(sphere("radius: §, material: \"grey\""), "objects[0].Sphere.radius", &["a number", "found ,"]),
+        bad(sphere("radius: §5px, material: \"grey\""), "objects[0].Sphere.radius", &["a number", "found 5px"]),
+        bad(sphere("radius: §\"one\", material: \"grey\""), "objects[0].Sphere.radius", &["a number", "found \"one\""]),
+        bad(sphere("radius §= 5, material: \"grey\""), "objects[0].Sphere", &["a colon after the name", "found ="]),
+        bad(sphere("radius: 1 §material: \"grey\""), "objects[0].Sphere", &["a comma or a closing bracket", "found material"]),
+        bad(sphere("radius: 1, §radius: 2"), "objects[0].Sphere.radius", &["given twice"]),
+        bad(sphere("§raduis: 1"), "objects[0].Sphere.raduis", &["center, radius, material", "did you mean radius?"]),
+        bad(sphere("§\"radius\": 1"), "objects[0].Sphere", &["a field's name, without quotes"]),
+        bad(sphere("radius: 1, material: §\"gray\""), "objects[0].Sphere.material", &["\"gray\"", "\"grey\", \"été\"", "did you mean \"grey\"?"]),
+        bad(sphere("radius: 1, material: §\"\""), "objects[0].Sphere.material", &["there is no material \"\""]),
+        bad(sphere("radius: 1, material: §grey"), "objects[0].Sphere.material", &["a material's name in quotes", "found grey"]),
+        bad(sphere("radius: 1, material: §None"), "objects[0].Sphere.material", &["material is missing"]),
+        bad(sphere("radius: 1, material: §\"grey"), "objects[0].Sphere.material", &["string is not closed"]),
+        bad(sphere("radius: 1, material: \"gr\\q§ey\""), "objects[0].Sphere.material", &["backslash"]),
+        bad(sphere("radius: 1, §/* material: \"grey\""), "objects[0].Sphere", &["comment is not closed"]),
+        bad(sphere("radius: 1, §/ material: \"grey\""), "objects[0].Sphere", &["comment"]),
+        bad(object("§Sphere(center: (0, 0, 0), radius: 1)"), "objects[0].Sphere.material", &["material is missing", "\"grey\", \"été\""]),
+        bad(object("/* \"été\" (( */ §Sphere(center: (0, 0, 0))"), "objects[0].Sphere.radius", &["radius is missing"]),
+        bad(object("Sphere(center: (0, §NaN, 0), radius: 1)"), "objects[0].Sphere.center[1]", &["finite", "found NaN"]),
+        bad(object("Sphere(center: §[0, 0, 0], radius: 1)"), "objects[0].Sphere.center", &["a point: (x, y, z)", "found [0, 0, 0]"]),
+        bad(object("Sphere(center: §(0, 0, 0, 0), radius: 1)"), "objects[0].Sphere.center", &["a point", "found (0, 0, 0, 0)"]),
+        bad(object("Sphere(center: (0, 0 §0), radius: 1)"), "objects[0].Sphere.center", &["a comma"]),
+        bad(object("§Sphere"), "objects[0].Sphere", &["expected Sphere(center: .., radius: .., material: ..)"]),
+        bad(object("§Sphere { radius: 1 }"), "objects[0].Sphere", &["expected Sphere(center: .., "]),
+        bad(object("Sphere(§(0, 0, 0), 1)"), "objects[0].Sphere[0]", &["fields by name"]),
+        bad(object("Group([]), §Spher(radius: 1)"), "objects[1]", &["an object: Sphere(..), Quad(..)", "did you mean Sphere?"]),
+        bad(object("Group([]), Group([Group([]), §3])"), "objects[1].Group[1]", &["an object", "found 3"]),
+        bad(object("§Group()"), "objects[0].Group", &["a list of objects", "found Group()"]),
+        bad(object("Quad(corner: (0, 0, 0), u: §(0, 0, 0), v: (1, 0, 0), material: \"grey\")"), "objects[0].Quad.u", &["quad", "along u"]),
+        bad(object("§Quad(corner: (0, 0, 0), u: (1, 0, 0), v: (-2, 0, 0), material: \"grey\")"), "objects[0].Quad", &["quad", "parallel"]),
+        bad(object("§Quad(corner: (0, 0, 0), u: (1e30, 1e30, 0), v: (1e-30, 1e-30, 0), material: \"grey\")"), "objects[0].Quad", &["parallel"]),
+        bad(object("§Quad(corner: (0, 0, 0), u: (1, 0, 0), v: (1, 1e-10, 0), material: \"grey\")"), "objects[0].Quad", &["parallel"]),
+        bad(object("Quad(corner: (0, 0, 0), u: (1, 0, 0), v: (0, 1, 0), material: §\"wood\")"), "objects[0].Quad.material", &["there is no material \"wood\""]),
+        bad(object("§Box(min: (0, 0, 0), max: (1, 1, 0), material: \"grey\")"), "objects[0].Box", &["box", "along z"]),
+        bad(object("§Box(min: (0, 2, 0), max: (1, 1, 1), material: \"grey\")"), "objects[0].Box", &["box", "along y", "2.0 and 1.0"]),
+        bad(object("Transformed(by: [Scale(§0)], object: Group([]))"), "objects[0].Transformed.by[0].Scale", &["scale", "greater than 0"]),
+        bad(object("Transformed(by: [Scale(§-2)], object: Group([]))"), "objects[0].Transformed.by[0].Scale", &["found -2"]),
+        bad(object("Transformed(by: [§Scale(1, 2)], object: Group([]))"), "objects[0].Transformed.by[0].Scale", &["one positive number"]),
+        bad(object("Transformed(by: [RotateY(1), RotateX(§inf)], object: Group([]))"), "objects[0].Transformed.by[1].RotateX", &["finite"]),
+        bad(object("Transformed(by: [Rotate(axis: §(0, 0, 0), degrees: 1)], object: Group([]))"), "objects[0].Transformed.by[0].Rotate.axis", &["no length"]),
+        bad(object("Transformed(by: [Translate((1, §NaN, 0))], object: Group([]))"), "objects[0].Transformed.by[0].Translate[1]", &["finite"]),
+        bad(object("Transformed(by: [Translate(§1, 2, 3)], object: Group([]))"), "objects[0].Transformed.by[0].Translate[0]", &["Translate((x, y, z))"]),
+        bad(object("Transformed(by: [§RotateW(1)], object: Group([]))"), "objects[0].Transformed.by[0]", &["a transform", "did you mean Rotate"]),
+        bad(object("Transformed(by: §Scale(2), object: Group([]))"), "objects[0].Transformed.by", &["a list of transforms"]),
+        bad(object("§Transformed(by: [])"), "objects[0].Transformed.object", &["object is missing", "an object"]),
+        bad(object("Transformed(by: [Scale(1e60)], object: Transformed(by: [§Scale(1e60)], object: Group([])))"), "objects[0].Transformed.object.Transformed.by[0]", &["1e100"]),
+        bad(object("Transformed(by: [Scale(1e60)], object: §Sphere(center: (0, 0, 1e60), radius: 1, material: \"grey\"))"), "objects[0].Transformed.object.Sphere", &["1e100"]),
+        bad(object("Transformed(by: [Scale(1e-60)], object: Group([§Box(min: (0, 0, 0), max: (1e-60, 1, 1), material: \"grey\")]))"), "objects[0].Transformed.object.Group[0].Box", &["1e-100"]),
+        bad(object("Group([§Mesh(path: \"bunny.ply\", material: \"grey\")])"), "objects[0].Group[0].Mesh", &["Mesh is not built yet"]),
+        bad(object("§Medium(boundary: Sphere(center: (0, 0, 0), radius: 1), density: 1, albedo: Rgb(1, 1, 1))"), "objects[0].Medium", &["Medium is not built yet"]),
+    ]
+}
+
+#[rustfmt::skip]
+fn bad_files() -> Vec<Bad> {
+    let rest = |text: &str| scene(IMAGE, CAMERA, BACKGROUND, text);
+    vec![
+        bad(rest("render: (samples: §0)"), "render.samples", &["from 1 to 2147483648"]),
+        bad(rest("render: (samples: §2147483649)"), "render.samples", &["found 2147483649"]),
+        bad(rest("render: (max_depth: §1000001)"), "render.max_depth", &["from 0 to 1000000"]),
+        bad(rest("render: (§spp: 1)"), "render.spp", &["samples, max_depth"]),
+        bad(rest("§objetcs: []"), "objetcs", &["image, camera, background, materials, objects, render", "did you mean objects?"]),
+        bad(rest("materials: §[]"), "materials", &["a map of materials", "found []"]),
+        bad(rest("§objects: []"), "objects", &["given twice"]),
+        bad(format!("§Scene(image: {IMAGE}, camera: {CAMERA}, background: {BACKGROUND})"), "objects", &["objects is missing", "a list of objects"]),
+        bad(rest(") §x ("), "Scene", &["the end of the file"]),
+        bad("§", "Scene", &["empty"]),
+        bad("§\n\n  // nothing but a remark\n", "Scene", &["empty"]),
+        bad("\n  §[]", "Scene", &["Scene(image: .., camera: ..", "found []"]),
+        bad("§Scene", "Scene", &["Scene(image: .."]),
+        bad("§scene(image: 1)", "Scene", &["Scene(image: .."]),
+        bad("#![enable(§nothing)]\n()", "Scene", &["no extension nothing"]),
+        bad("(image: (width: 4,\n height: 3§", "image", &["the file ends", "the ( of line 1, column 9"]),
+        bad("(image: (width: 4, height: 3)\n§", "Scene", &["the file ends", "line 1, column 1"]),
+        bad("§/* one /* two */ ", "Scene", &["comment is not closed"]),
+    ]
+}
+
+fn all_bad() -> Vec<Bad> {
+    let tables = [
+        bad_images(),
+        bad_cameras(),
+        bad_backgrounds(),
+        bad_materials(),
+        bad_objects(),
+        bad_files(),
+    ];
+    tables.into_iter().flatten().collect()
+}
+
+#[test]
+fn every_error_has_its_place_field_and_words() {
+    let cases = all_bad();
+    assert!(cases.len() >= 60);
+    let mut failures = Vec::new();
+    for case in &cases {
+        let source = case.source();
+        let outcome = match parse(&source) {
+            Ok(_) => Err("was accepted".to_owned()),
+            Err(error) => compare(&error, Path::new(FILE), &case.expected()),
+        };
+        if let Err(reason) = outcome {
+            failures.push(format!("{}\n  {reason}", case.text));
+        }
+    }
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
+}
+
+#[test]
+fn the_comparator_rejects_a_wrong_place_field_or_word() {
+    let path = Path::new(FILE);
+    let mut controls = 0;
+    for case in all_bad() {
+        let Err(error) = parse(&case.source()) else {
+            panic!("accepted: {}", case.text);
+        };
+        let right = case.expected();
+        assert_eq!(compare(&error, path, &right), Ok(()));
+        assert!(compare(&error, Path::new("other.ron"), &right).is_err());
+        let mut wrong = vec![right; 4];
+        wrong[0].line += 1;
+        wrong[1].column += 1;
+        wrong[2].field.push('x');
+        wrong[3].words.push("no message says this".to_owned());
+        for wrong in wrong {
+            assert!(
+                compare(&error, path, &wrong).is_err(),
+                "{wrong:?} passed for {error}"
+            );
+            controls += 1;
+        }
+    }
+    assert!(controls >= 240);
+    let unrelated = Error::Usage("unrelated".to_owned());
+    assert!(compare(&unrelated, path, &all_bad()[0].expected()).is_err());
+}
+
+/// A scene with every feature of the format that can be built, and RON's own freedoms with it.
+const GOOD: &str = r##"#![enable(implicit_some)]
+// A remark before the scene, with brackets: ((([[[{{{ and a quote: "
+Scene(
+    image: (width: 64, height: 48,),
+    camera: (look_from: (13, 2, 3), look_at: (0, -0.5, +1e-3), up: (0, 1, 0), vertical_fov: 20,
+             aperture: 0.1, focus_distance: 1_0.0),
+    background: Gradient(bottom: (1, 1, 1), top: (0.5, 0.7, 1)), /* one /* two */ ) one */
+    materials: {
+        "ground": Lambertian(albedo: Checker(scale: 0.32, even: (0.2, 0.3, 0.1), odd: (0.9, 0.9, 0.9))),
+        "steel":  Metal(albedo: Rgb(0.7, 0.6, 0.5), fuzz: 0.1),
+        "mirror": Metal(albedo: Rgb(0, 1, 1)),
+        "glass":  Dielectric(ior: 1.5),
+        r#"air "in" glass"#: Dielectric(ior: 0.666),
+        "lamp é":   DiffuseLight(emit: Rgb(15, 15, 15)),
+        "one \"side\"": DiffuseLight(emit: Checker(scale: 1, even: (0, 0, 0), odd: (4, 4, 4)), two_sided: false),
+        "cloud": Lambertian(albedo: Noise(scale: 4)),
+        "marble": Lambertian(albedo: Marble(scale: 4.5)),
+    },
+    objects: [
+        Sphere(center: (0, -1000, 0), radius: 1000, material: "ground"),
+        Quad(corner: (113, 554, 432), u: (0, 0, -305), v: (330, 0, 0), material: Some("lamp é")),
+        Box(min: (0, 0, 0), max: (1, 1, 1), material: "steel"),
+        Transformed(
+            by: [Scale(2), RotateX(1), RotateY(15), RotateZ(-3),
+                 Rotate(axis: (1, 2, 3), degrees: 45), Translate((265, 0, 295))],
+            object: Group([
+                Box(min: (-1, -1, -1), max: (-0.5, 1, 1), material: r#"air "in" glass"#),
+                Group([]),
+                Transformed(by: [], object: Sphere(center: (1, 1, 1), radius: 0.5, material: "one \"side\"")),
+            ]),
+        ),
+        Group([Sphere(center: (1, 1, 1), radius: 1e-3, material: "glass",),],),
+    ],
+    render: (samples: 500, max_depth: 0),
+)
+// the end"##;
+
+#[test]
+fn every_feature_of_the_format_parses() {
+    let scene = parse(GOOD).unwrap();
+    assert_eq!((scene.image.width, scene.image.height), (64, 48));
+    assert_eq!(scene.camera.look_at.to_array(), [0.0, -0.5, 1e-3]);
+    assert_eq!(scene.camera.focus_distance, Some(10.0));
+    assert_eq!((scene.render.samples, scene.render.max_depth), (500, 0));
+    assert!(matches!(scene.background, Background::Gradient { .. }));
+    let names: Vec<&str> = scene
+        .materials
+        .iter()
+        .map(|(name, _)| name.as_str())
+        .collect();
+    let in_order = "ground|steel|mirror|glass|air \"in\" glass|lamp é|one \"side\"|cloud|marble";
+    assert_eq!(names.join("|"), in_order);
+    let mirror = Material::Metal {
+        albedo: Texture::Rgb(0.0, 1.0, 1.0),
+        fuzz: 0.0,
+    };
+    assert_eq!(scene.materials[2].1, mirror);
+    assert!(matches!(
+        scene.materials[5].1,
+        Material::DiffuseLight {
+            two_sided: true,
+            ..
+        }
+    ));
+    assert!(matches!(
+        scene.materials[6].1,
+        Material::DiffuseLight {
+            two_sided: false,
+            ..
+        }
+    ));
+    let Object::Transformed { by, object } = &scene.objects[3] else {
+        panic!("{:?}", scene.objects[3]);
+    };
+    assert_eq!(by.len(), 6);
+    assert_eq!(by[2], Transform::RotateY(15.0));
+    assert!(matches!(&**object, Object::Group(objects) if objects.len() == 3));
+    assert_places_hold(&scene, GOOD);
+}
+
+/// Every object and material stands where the scene says it does.
+fn assert_places_hold(scene: &Scene, text: &str) {
+    let lines: Vec<&str> = text.split('\n').collect();
+    let check = |at: Location, name: &str| {
+        let rest: String = lines[at.line - 1].chars().skip(at.column - 1).collect();
+        assert!(rest.starts_with(name), "no {name} at {at}:\n{text}");
+    };
+    for (index, object) in scene.objects.iter().enumerate() {
+        check(scene.object_location(index), object.name());
+    }
+    for (name, material) in &scene.materials {
+        check(scene.material_location(name), material.name());
+    }
+}
+
+#[test]
+fn places_inside_objects_are_found() {
+    let scene = parse(GOOD).unwrap();
+    let steps = [
+        Step::Field("objects"),
+        Step::Index(3),
+        Step::Variant("Transformed"),
+        Step::Field("object"),
+        Step::Variant("Group"),
+        Step::Index(2),
+        Step::Variant("Transformed"),
+        Step::Field("object"),
+        Step::Variant("Sphere"),
+        Step::Field("radius"),
+    ];
+    let at = scene.location(&steps);
+    let line = GOOD.lines().nth(at.line - 1).unwrap();
+    let rest: String = line.chars().skip(at.column - 1).collect();
+    assert!(rest.starts_with("0.5, material"), "{at}");
+    let error = scene.error(&steps, "is too small").to_string();
+    let field = "objects[3].Transformed.object.Group[2].Transformed.object.Sphere.radius";
+    assert_eq!(
+        error,
+        format!("{FILE}:{}:{}: {field}: is too small", at.line, at.column)
+    );
+    // What is not in the file has the place of what is around it.
+    assert_eq!(scene.location(&[]).line, 3);
+    let camera = scene.location(&[Step::Field("camera")]);
+    assert_eq!(
+        scene.location(&[Step::Field("camera"), Step::Field("roll")]),
+        camera
+    );
+    assert_eq!(
+        scene.object_location(99),
+        scene.location(&[Step::Field("objects")])
+    );
+}
+
+#[test]
+fn line_ends_byte_order_marks_and_struct_names_do_not_matter() {
+    let plain = parse(GOOD).unwrap();
+    let windows = GOOD.replace('\n', "\r\n");
+    let marked = format!("\u{feff}{GOOD}");
+    let named = GOOD
+        .replace("image: (", "image: ImageSize(")
+        .replace("camera: (", "camera: Camera (")
+        .replace("render: (", "render: /* defaults */ RenderDefaults(");
+    let nameless = GOOD.replace("Scene(", "(");
+    for text in [windows, marked, named, nameless] {
+        let scene = parse(&text).unwrap();
+        assert_eq!(scene.objects, plain.objects);
+        assert_eq!(scene.materials, plain.materials);
+        assert_eq!(scene.camera, plain.camera);
+        assert_places_hold(&scene, text.trim_start_matches('\u{feff}'));
+    }
+    // The byte order mark takes no column, and a struct's name is no part of a field's path.
+    let error = parse("\u{feff}(imag: 1)").unwrap_err().to_string();
+    assert!(error.starts_with("folder/scene.ron:1:2: imag: "), "{error}");
+    let error = parse("Scene(image: ImageSize(width: x))")
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.starts_with("folder/scene.ron:1:31: image.width: "),
+        "{error}"
+    );
+}
+
+#[test]
+fn absent_fields_have_their_defaults() {
+    let scene = parse(&scene(IMAGE, CAMERA, BACKGROUND, "")).unwrap();
+    assert_eq!(scene.camera.up.to_array(), [0.0, 1.0, 0.0]);
+    assert_eq!(
+        (scene.camera.aperture, scene.camera.focus_distance),
+        (0.0, None)
+    );
+    assert_eq!((scene.render.samples, scene.render.max_depth), (100, 50));
+    assert!(scene.materials.is_empty() && scene.objects.is_empty() && scene.bitmaps.is_empty());
+}
+
+#[test]
+#[rustfmt::skip]
+fn numbers_at_the_ends_of_their_ranges_are_accepted() {
+    let cases = [
+        scene("(width: 65536, height: 16384)", CAMERA, BACKGROUND, ""),
+        scene("(width: 1, height: 65536)", CAMERA, BACKGROUND, ""),
+        scene(IMAGE, CAMERA, "Solid((0, 1e-30, 1e30))", ""),
+        scene(IMAGE, CAMERA, BACKGROUND, "render: (samples: 2147483648, max_depth: 1000000)"),
+        scene(IMAGE, "(look_from: (1e8, 0, 5), look_at: (1e8, 0, 0), vertical_fov: 179.9)", BACKGROUND, ""),
+        material("Dielectric(ior: 0.01)"),
+        material("Metal(albedo: Rgb(0, 0, 0), fuzz: 1)"),
+        object("Sphere(center: (1e99, 0, 0), radius: 1e-100, material: \"grey\")"),
+        object("Sphere(center: (0, 0, 0), radius: 1e100, material: \"grey\")"),
+        object("Quad(corner: (0, 0, 0), u: (1e30, 0, 0), v: (0, 1e-30, 0), material: \"grey\")"),
+        object("Quad(corner: (0, 0, 0), u: (1e-30, 0, 0), v: (1e-30, 1e-38, 0), material: \"grey\")"),
+        object("Box(min: (-1e-90, 0, 0), max: (0, 1e-90, 1e90), material: \"grey\")"),
+        object("Transformed(by: [Scale(1e90), Scale(1e-90)], object: Group([]))"),
+    ];
+    for text in cases {
+        if let Err(error) = parse(&text) {
+            panic!("{error}\n{text}");
+        }
+    }
+}
+
+#[test]
+fn warnings_name_the_place_and_the_number() {
+    let warnings = |text: &str| parse(text).unwrap().warnings();
+    assert_eq!(
+        warnings(&material("Lambertian(albedo: Rgb(0.5, 0.5, 0.5))")).len(),
+        1
+    );
+    let near = warnings(&material("Dielectric(ior: 1.0000001)"));
+    assert_eq!(near.len(), 2, "{near:?}");
+    assert!(
+        near[0].starts_with("folder/scene.ron:5:26: materials[\"grün\"]: no object uses"),
+        "{near:?}"
+    );
+    let ior = "folder/scene.ron:5:70: materials[\"it\"].Dielectric.ior: an ior of 1.0000001";
+    assert!(near[1].starts_with(ior), "{near:?}");
+    assert_eq!(warnings(&material("Dielectric(ior: 1)")).len(), 1);
+    let white = warnings(&material("Metal(albedo: Rgb(0.5, 1, 0.5))"));
+    assert!(
+        white[1].contains("Metal.albedo: an albedo of 1"),
+        "{white:?}"
+    );
+    let empty = warnings(&scene(IMAGE, CAMERA, BACKGROUND, ""));
+    assert!(
+        empty[0].starts_with("folder/scene.ron:5:12: objects: there are 0 objects"),
+        "{empty:?}"
+    );
+}
+
+#[test]
+fn files_that_cannot_be_read_have_a_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, bytes: &[u8]| -> PathBuf {
+        let path = folder.path().join(name);
+        fs::write(&path, bytes).unwrap();
+        path
+    };
+    let cases = [
+        (
+            folder.path().join("missing.ron"),
+            1,
+            1,
+            "cannot read the scene file",
+        ),
+        (folder.path().to_owned(), 1, 1, "cannot read the scene file"),
+        (write("empty.ron", b""), 1, 1, "empty"),
+        (write("space.ron", b" \n\t\r\n"), 1, 1, "empty"),
+        (write("latin.ron", b"(\n  // caf\xe9"), 2, 9, "UTF-8"),
+        (write("utf16.ron", b"\xff\xfe(\0"), 1, 1, "UTF-8"),
+    ];
+    for (path, line, column, word) in cases {
+        let error = Scene::load(&path).unwrap_err();
+        let expected = Complaint {
+            line,
+            column,
+            field: "Scene".to_owned(),
+            words: vec![word.to_owned()],
+        };
+        assert_eq!(compare(&error, &path, &expected), Ok(()));
+        assert_eq!(error.exit_status(), 2);
+    }
+    let good = write("good.ron", GOOD.as_bytes());
+    assert_eq!(Scene::load(&good).unwrap().objects.len(), 5);
+}
+
+/// The error, or the decoded image, of a scene whose material "it" or background names `file`.
+fn with_image(folder: &Path, file: &str, place: &str) -> Result<Bitmap, Error> {
+    let image = format!("Image(path: {file:?})");
+    let text = match place {
+        "background" => scene(IMAGE, CAMERA, &image, ""),
+        place => material(&place.replace("..", &image)),
+    };
+    let scene = Scene::parse(&text, &folder.join("scene.ron"))?;
+    Ok(scene.bitmaps[file].clone())
+}
+
+const ALBEDO: &str = "Lambertian(albedo: ..)";
+const EMIT: &str = "DiffuseLight(emit: ..)";
+
+#[test]
+fn images_become_linear() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    // One row of black, middle grey and white, in every way that it may be written.
+    let grey8 = image::GrayImage::from_raw(3, 1, vec![0, 188, 255]).unwrap();
+    let grey16 =
+        image::ImageBuffer::<image::Luma<u16>, _>::from_raw(3, 1, vec![0, 188 * 257, 65535]);
+    let floats = vec![0.0, 0.0, 0.0, 0.5, 0.5, 0.5, 1.0, 1.0, 1.0];
+    let float = image::Rgb32FImage::from_raw(3, 1, floats).unwrap();
+    grey8.save(at("grey8.png")).unwrap();
+    image::DynamicImage::from(grey8.clone())
+        .to_rgba8()
+        .save(at("rgba8.tga"))
+        .unwrap();
+    image::DynamicImage::from(grey8)
+        .to_rgb8()
+        .save(at("rgb8.bmp"))
+        .unwrap();
+    grey16.unwrap().save(at("grey16.png")).unwrap();
+    float.save(at("float.hdr")).unwrap();
+    let texel = |x: usize, _: usize| [(0.0, 0.0, 0.0), (0.5, 0.5, 0.5), (1.0, 1.0, 1.0)][x];
+    exr::prelude::write_rgb_file(at("float.exr"), 3, 1, texel).unwrap();
+    let coded = 0.502_886_5;
+    let cases = [
+        ("grey8.png", coded),
+        ("rgba8.tga", coded),
+        ("rgb8.bmp", coded),
+        ("grey16.png", coded),
+        ("float.hdr", 0.5),
+        ("float.exr", 0.5),
+    ];
+    for (file, grey) in cases {
+        for place in [ALBEDO, EMIT, "background"] {
+            let bitmap = with_image(folder.path(), file, place).unwrap();
+            assert_eq!((bitmap.width, bitmap.height), (3, 1), "{file}");
+            for (texel, light) in bitmap.texels.iter().zip([0.0, grey, 1.0]) {
+                assert!(
+                    texel.iter().all(|c| (c - light).abs() < 1e-6),
+                    "{file}: {texel:?}"
+                );
+            }
+        }
+    }
+    // Row 0 is on top.
+    let rows = |_: usize, y: usize| [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0)][y];
+    exr::prelude::write_rgb_file(at("rows.exr"), 1, 2, rows).unwrap();
+    let bitmap = with_image(folder.path(), "rows.exr", ALBEDO).unwrap();
+    assert_eq!(bitmap.texels, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+}
+
+#[test]
+fn images_that_cannot_be_used_are_refused_at_their_path() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let texel = |value: f32| {
+        move |x: usize, y: usize| (0.5, if (x, y) == (1, 2) { value } else { 0.5 }, 0.5)
+    };
+    exr::prelude::write_rgb_file(at("negative.exr"), 3, 4, texel(-1.0)).unwrap();
+    exr::prelude::write_rgb_file(at("nan.exr"), 3, 4, texel(f32::NAN)).unwrap();
+    exr::prelude::write_rgb_file(at("bright.exr"), 3, 4, texel(2.0)).unwrap();
+    exr::prelude::write_rgb_file(at("huge.exr"), 3, 4, texel(2e30)).unwrap();
+    exr::prelude::write_rgb_file(at("wide.exr"), 16385, 1, |_, _| (0.0f32, 0.0, 0.0)).unwrap();
+    image::GrayImage::new(1, 16385)
+        .save(at("tall.png"))
+        .unwrap();
+    let mut cut = fs::read(at("bright.exr")).unwrap();
+    cut.truncate(cut.len() - 9);
+    fs::write(at("cut.exr"), cut).unwrap();
+    fs::write(at("text.png"), "no image").unwrap();
+    fs::write(at("text.txt"), "no image").unwrap();
+    fs::write(at("empty.jpg"), "").unwrap();
+    let of_texel = "at texel (1, 2) from the top left";
+    let cases: [(&str, &str, &[&str]); 15] = [
+        (
+            "missing.png",
+            ALBEDO,
+            &["missing.png", "cannot read the image"],
+        ),
+        (".", ALBEDO, &["not a file"]),
+        ("", "background", &["not a file"]),
+        ("text.png", ALBEDO, &["text.png", "cannot decode the image"]),
+        ("text.txt", ALBEDO, &["text.txt", "format is not known"]),
+        ("empty.jpg", EMIT, &["empty.jpg", "cannot decode the image"]),
+        ("cut.exr", EMIT, &["cut.exr", "cannot decode the image"]),
+        (
+            "wide.exr",
+            "background",
+            &["wide.exr", "16384", "16385 by 1"],
+        ),
+        ("tall.png", ALBEDO, &["tall.png", "16384", "1 by 16385"]),
+        (
+            "negative.exr",
+            ALBEDO,
+            &["albedo", "(0.5, -1.0, 0.5)", of_texel],
+        ),
+        (
+            "negative.exr",
+            "background",
+            &["radiance", "(0.5, -1.0, 0.5)", of_texel],
+        ),
+        ("nan.exr", EMIT, &["radiance", "(0.5, NaN, 0.5)", of_texel]),
+        (
+            "bright.exr",
+            ALBEDO,
+            &["albedo", "(0.5, 2.0, 0.5)", of_texel],
+        ),
+        ("bright.exr", "Metal(albedo: ..)", &["albedo", of_texel]),
+        ("huge.exr", EMIT, &["1e30", of_texel]),
+    ];
+    for (file, place, words) in cases {
+        let (line, column, field) = match place {
+            "background" => (4, 27, "background.Image.path".to_owned()),
+            place => {
+                let slot = place.replace('(', ".").replace(": ..)", "");
+                let column = 54 + place.len() - "..)".len() + "Image(path: ".len();
+                (5, column, format!("materials[\"it\"].{slot}.Image.path"))
+            }
+        };
+        let expected = Complaint {
+            line,
+            column,
+            field,
+            words: words.iter().map(|word| (*word).to_owned()).collect(),
+        };
+        let error = with_image(folder.path(), file, place).unwrap_err();
+        assert_eq!(
+            compare(&error, &at("scene.ron"), &expected),
+            Ok(()),
+            "{file} {place}"
+        );
+    }
+    // More than 1 is no fault of a light.
+    assert!(with_image(folder.path(), "bright.exr", EMIT).is_ok());
+}
+
+/// Nested objects, each of them inside the one before.
+fn nested(before: &str, after: &str, depth: usize) -> String {
+    object(&format!(
+        "{}Group([]){}",
+        before.repeat(depth),
+        after.repeat(depth)
+    ))
+}
+
+#[test]
+fn deep_nesting_is_an_error_and_no_crash() {
+    let nests = [("Group([", "])"), ("Transformed(by: [], object: ", ")")];
+    for (before, after) in nests {
+        assert!(parse(&nested(before, after, 50)).is_ok());
+        for depth in [100, 1000, 200_000] {
+            for after in [after, ""] {
+                let error = parse(&nested(before, after, depth))
+                    .unwrap_err()
+                    .to_string();
+                assert!(error.starts_with("folder/scene.ron:7:"), "{error}");
+                assert!(error.contains(": objects[0]: nested too deeply"), "{error}");
+            }
+        }
+    }
+    let pieces = [
+        "(", "[", "{", "/*", "Some(", "((", "a:(", "r#", "\"\\", ")", "]", "#", "[(", "-", "é",
+    ];
+    for piece in pieces {
+        let text = piece.repeat(200_000);
+        let texts = [
+            object(&text),
+            material(&text),
+            scene(&text, CAMERA, &text, ""),
+        ];
+        for text in texts.into_iter().chain([text]) {
+            assert_inside(&parse(&text).unwrap_err(), &text);
+        }
+    }
+}
+
+/// An error's place is inside the text, or just past the end of its line.
+fn assert_inside(error: &Error, text: &str) {
+    let Error::Scene { location, .. } = error else {
+        panic!("{error}");
+    };
+    assert_eq!(location.file, Path::new(FILE));
+    let line = text.split('\n').nth(location.line.wrapping_sub(1));
+    let columns = 1..=line.map_or(0, |line| line.chars().count() + 1);
+    assert!(columns.contains(&location.column), "{error}\n{text}");
+}
+
+/// Marsaglia's xorshift, so that the variants are the same everywhere.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, limit: usize) -> usize {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 % limit as u64) as usize
+    }
+}
+
+/// One to three random edits: bytes taken out, put in or replaced, pieces copied, the end cut off.
+fn mutated(text: &[u8], random: &mut Random) -> Vec<u8> {
+    const PIECES: [&str; 24] = [
+        "(", ")", "[", "]", "{", "}", ",", ":", "\"", "\\", "/*", "*/", "//", "\n", "-", "1e999",
+        "NaN", "0", "Some(", "r#\"", "Sphere", "é", "b'", "..",
+    ];
+    let mut bytes = text.to_vec();
+    for _ in 0..=random.below(3) {
+        let at = random.below(bytes.len() + 1);
+        let end = (at + 1 + random.below(8)).min(bytes.len());
+        match random.below(12) {
+            0 => bytes.truncate(at),
+            1..=3 => drop(bytes.drain(at..end)),
+            4 => drop(bytes.splice(at..end, [random.below(256) as u8])),
+            5 => {
+                let copy = bytes[at..end].to_vec();
+                let to = random.below(bytes.len() + 1);
+                drop(bytes.splice(to..to, copy));
+            }
+            _ => drop(bytes.splice(at..at, PIECES[random.below(PIECES.len())].bytes())),
+        }
+    }
+    bytes
+}
+
+#[test]
+fn no_mutated_scene_panics_or_loses_its_place() {
+    let mut random = Random(0x9e37_79b9_7f4a_7c15);
+    let (mut accepted, mut refused) = (0, 0);
+    for _ in 0..20_000 {
+        let bytes = mutated(GOOD.as_bytes(), &mut random);
+        let text = String::from_utf8_lossy(&bytes);
+        let unmarked = text.strip_prefix('\u{feff}').unwrap_or(&text);
+        match parse(&text) {
+            Ok(scene) => {
+                assert_places_hold(&scene, unmarked);
+                assert!(
+                    scene
+                        .warnings()
+                        .iter()
+                        .all(|warning| warning.starts_with(FILE))
+                );
+                accepted += 1;
+            }
+            Err(error) => {
+                assert_inside(&error, unmarked);
+                refused += 1;
+            }
+        }
+    }
+    // Both sides of the fence were seen.
+    assert!(
+        accepted > 500 && refused > 5_000,
+        "{accepted} accepted, {refused} refused"
+    );
+}
+
+#[test]
+fn no_mutated_image_panics() {
+    let folder = tempfile::tempdir().unwrap();
+    let texel = |x: usize, y: usize| (x as f32 * 0.1, y as f32 * 0.1, 0.5f32);
+    exr::prelude::write_rgb_file(folder.path().join("good.exr"), 8, 8, texel).unwrap();
+    let picture =
+        image::RgbImage::from_fn(8, 8, |x, y| image::Rgb([x as u8 * 30, y as u8 * 30, 9]));
+    for format in ["png", "jpg", "bmp", "tga", "tiff", "webp"] {
+        picture
+            .save(folder.path().join(format!("good.{format}")))
+            .unwrap();
+    }
+    let float = image::DynamicImage::from(picture).to_rgb32f();
+    float.save(folder.path().join("good.hdr")).unwrap();
+    let mut random = Random(0x2545_f491_4f6c_dd1d);
+    for format in ["exr", "png", "jpg", "bmp", "tga", "tiff", "webp", "hdr"] {
+        let good = fs::read(folder.path().join(format!("good.{format}"))).unwrap();
+        let file = format!("bad.{format}");
+        for _ in 0..200 {
+            fs::write(folder.path().join(&file), mutated(&good, &mut random)).unwrap();
+            if let Err(error) = with_image(folder.path(), &file, EMIT) {
+                assert!(error.to_string().contains(&file), "{error}");
+            }
+        }
+    }
+}
