@@ -74,16 +74,15 @@ device_struct!(
 );
 
 device_struct!(
-    /// A node of the BVH.
+    /// A node of the BVH: the boxes of up to four children on a grid of the node's own.
     Node {
-        left_min: [f32; 3],
-        left: u32,
-        left_max: [f32; 3],
-        right: u32,
-        right_min: [f32; 3],
+        origin: [f32; 3],
+        exponents: u32,
+        low: [u32; 3],
         padding0: u32,
-        right_max: [f32; 3],
+        high: [u32; 3],
         padding1: u32,
+        children: [u32; 4],
     }
 );
 

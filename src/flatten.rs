@@ -32,7 +32,7 @@ pub struct Features {
     pub background: &'static str,
     /// Whether the lens has a diameter.
     pub thin_lens: bool,
-    /// Depth of the BVH.
+    /// Codes that wait at most in a walk through the BVH.
     pub stack_size: u32,
 }
 
@@ -190,7 +190,7 @@ pub fn flatten(scene: &Scene, size: (u32, u32)) -> Result<Flat> {
     let bvh = bvh::build(&bounds, &codes);
     flat.settings.root = bvh.root;
     flat.nodes = bvh.nodes;
-    flat.features.stack_size = bvh.depth.max(1);
+    flat.features.stack_size = bvh.stack_size.max(1);
     flat.features.thin_lens = camera.aperture > 0.0;
     Ok(flat)
 }

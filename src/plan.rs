@@ -174,7 +174,7 @@ fn choices(features: &Features, materials: &[Entry], queues: bool) -> Choices {
             ("texture", textures),
         ]),
         values: BTreeMap::from([
-            ("stack_size", features.stack_size.to_string()),
+            ("stack_size", (features.stack_size + 1).to_string()),
             ("run_length", RUN_LENGTH.to_string()),
             ("queues", materials.len().to_string()),
         ]),

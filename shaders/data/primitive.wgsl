@@ -23,16 +23,20 @@ fn primitive_index(code: u32) -> u32 {
     return code & PRIMITIVE_INDEX_MASK;
 }
 
-// A BVH node: the boxes of its two children and their codes.
+// A BVH node: the boxes of up to four children and their codes. A box's planes are bytes of a grid of the node's own:
+// origin + byte * scale, where the host has made sure that this sum, rounded as here, lies outside what the box bounds.
 struct Node {
-    left_min: vec3<f32>,
-    left: u32,
-    left_max: vec3<f32>,
-    right: u32,
-    right_min: vec3<f32>,
+    origin: vec3<f32>,
+    // Biased binary exponents of the grid's scale along x, y and z in the low three bytes; the children's number above.
+    exponents: u32,
+    // The lower planes along x, y and z: a byte a child.
+    low: vec3<u32>,
     padding0: u32,
-    right_max: vec3<f32>,
+    // The upper planes.
+    high: vec3<u32>,
     padding1: u32,
+    // Codes of the children.
+    children: vec4<u32>,
 }
 
 struct Sphere {

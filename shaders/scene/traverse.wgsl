@@ -12,7 +12,7 @@ struct Hit {
     t: f32,
 }
 
-// The deepest the stack can get: the depth of this scene's BVH. A text constant, since WGSL sizes no private array by an
+// The deepest that the stack can get in this scene's BVH. A text constant, since WGSL sizes no private array by an
 // override.
 const STACK_SIZE: u32 = ${stack_size}u;
 
@@ -24,10 +24,12 @@ fn nearest_hit(ray: Ray, root: u32) -> Hit {
         return hit;
     }
     let inverse = slab_inverse(ray.direction);
+    // Children that wait: the node's index times four, and the child's number.
     var stack: array<u32, STACK_SIZE>;
     var depth = 0u;
     var code = root;
     loop {
+        var next = CHILD_MISSED;
         if (code & PRIMITIVE_BIT) != 0u {
             let t = primitive_distance(code, ray);
             if t != NO_HIT && t <= hit.t {
@@ -35,31 +37,25 @@ fn nearest_hit(ray: Ray, root: u32) -> Hit {
                     hit = Hit(code, t);
                 }
             }
+        } else {
+            let keys = sort_keys(child_keys(nodes[code], ray.origin, inverse, hit.t));
+            // The farther children wait. Each is stored whether it was met or not: only `depth` tells.
+            stack[depth] = code * 4u + (keys.w & CHILD_MASK);
+            depth += u32(keys.w != CHILD_MISSED);
+            stack[depth] = code * 4u + (keys.z & CHILD_MASK);
+            depth += u32(keys.z != CHILD_MISSED);
+            stack[depth] = code * 4u + (keys.y & CHILD_MASK);
+            depth += u32(keys.y != CHILD_MISSED);
+            next = select(code * 4u + (keys.x & CHILD_MASK), CHILD_MISSED, keys.x == CHILD_MISSED);
+        }
+        if next == CHILD_MISSED {
             if depth == 0u {
                 break;
             }
             depth -= 1u;
-            code = stack[depth];
-        } else {
-            let node = nodes[code];
-            let left = box_entry(ray.origin, inverse, node.left_min, node.left_max, hit.t);
-            let right = box_entry(ray.origin, inverse, node.right_min, node.right_max, hit.t);
-            let nearer = select(node.right, node.left, left <= right);
-            let farther = select(node.left, node.right, left <= right);
-            if min(left, right) != BOX_MISSED {
-                if max(left, right) != BOX_MISSED {
-                    stack[depth] = farther;
-                    depth += 1u;
-                }
-                code = nearer;
-            } else {
-                if depth == 0u {
-                    break;
-                }
-                depth -= 1u;
-                code = stack[depth];
-            }
+            next = stack[depth];
         }
+        code = nodes[next / 4u].children[next % 4u];
     }
     return hit;
 }

@@ -1,0 +1,172 @@
+//! Gathers a binary tree into nodes of four children, and quantises their boxes.
+
+use super::{Bounds, Branch, Bvh};
+use crate::data::{HIT_NOTHING, Node};
+
+/// Children of a node.
+const WIDTH: usize = 4;
+
+/// Lays a binary tree out as device nodes, depth first.
+pub fn gather<T: Clone>(root: T, look: impl Fn(&T) -> Branch<T>) -> Bvh {
+    let mut out = Bvh { nodes: Vec::new(), root: 0, stack_size: 0 };
+    // A place still to be laid out, the node and child that wait for its code, and the codes waiting above it.
+    let mut open = vec![(root, None::<(usize, usize)>, 0u32)];
+    while let Some((place, parent, waiting)) = open.pop() {
+        let code = match look(&place) {
+            Branch::Leaf(code) => code,
+            Branch::Inner(left, right) => {
+                let children = four(left, right, &look);
+                let here = out.nodes.len();
+                out.nodes.push(quantised(&children.iter().map(|(bounds, _)| *bounds).collect::<Vec<_>>()));
+                let waiting = waiting + children.len() as u32 - 1;
+                out.stack_size = out.stack_size.max(waiting);
+                let places = children.into_iter().enumerate().rev();
+                open.extend(places.map(|(i, (_, place))| (place, Some((here, i)), waiting)));
+                here as u32
+            }
+        };
+        match parent {
+            Some((node, child)) => out.nodes[node].children[child] = code,
+            None => out.root = code,
+        }
+    }
+    out
+}
+
+/// Opens the inner child with the largest surface until there are four children or leaves alone.
+fn four<T: Clone>(left: (Bounds, T), right: (Bounds, T), look: &impl Fn(&T) -> Branch<T>) -> Vec<(Bounds, T)> {
+    let mut children = vec![left, right];
+    while children.len() < WIDTH {
+        let largest = (0..children.len())
+            .filter_map(|i| match look(&children[i].1) {
+                Branch::Leaf(_) => None,
+                Branch::Inner(left, right) => Some((i, left, right)),
+            })
+            .max_by(|a, b| children[a.0].0.half_area().total_cmp(&children[b.0].0.half_area()));
+        let Some((i, left, right)) = largest else { break };
+        children[i] = left;
+        children.insert(i + 1, right);
+    }
+    children
+}
+
+/// A node over such boxes, its codes still to come.
+fn quantised(boxes: &[Bounds]) -> Node {
+    let all = boxes.iter().skip(1).fold(boxes[0], |all, bounds| all.union(*bounds));
+    let mut node = Node {
+        origin: all.min.to_array(),
+        exponents: (boxes.len() as u32) << 24,
+        // An empty box for the children that are not there: the lower planes above the upper ones.
+        low: [u32::MAX; 3],
+        children: [HIT_NOTHING; WIDTH],
+        ..Node::default()
+    };
+    for axis in 0..3 {
+        let origin = all.min[axis];
+        let mut exponent = least_exponent(all.max[axis] - origin);
+        // One step of the grid more where rounding puts the last plane inside.
+        while !quantise_axis(&mut node, boxes, axis, origin, exponent) {
+            exponent += 1;
+        }
+        node.exponents |= exponent << (8 * axis);
+    }
+    node
+}
+
+/// The biased exponent of the least power of two of which 255 span the extent, 1 at least.
+fn least_exponent(extent: f32) -> u32 {
+    let exponent = (extent / 255.0).to_bits() >> 23;
+    // The exponent rounds down; anything above the power itself needs the next.
+    (exponent + 1).clamp(1, 254)
+}
+
+/// Sets the planes of one axis; false where the grid does not reach around all boxes.
+fn quantise_axis(node: &mut Node, boxes: &[Bounds], axis: usize, origin: f32, exponent: u32) -> bool {
+    let scale = f32::from_bits(exponent << 23);
+    // As the kernel computes it: the product is exact, the sum is rounded once.
+    let plane = |byte: i64| origin + byte as f32 * scale;
+    let (mut lows, mut highs) = (u32::MAX, 0);
+    for (child, bounds) in boxes.iter().enumerate() {
+        let step = |x: f32| (f64::from(x) - f64::from(origin)) / f64::from(scale);
+        let mut low = step(bounds.min[axis]).floor() as i64;
+        while low > 0 && plane(low) > bounds.min[axis] {
+            low -= 1;
+        }
+        let mut high = step(bounds.max[axis]).ceil() as i64;
+        while high <= 255 && plane(high) < bounds.max[axis] {
+            high += 1;
+        }
+        if high > 255 {
+            return false;
+        }
+        let shift = 8 * child;
+        lows = lows & !(255 << shift) | (low.max(0) as u32) << shift;
+        highs |= (high as u32) << shift;
+    }
+    (node.low[axis], node.high[axis]) = (lows, highs);
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    /// The box that a kernel reads, in its own arithmetic.
+    fn decoded(node: &Node, child: usize) -> Bounds {
+        let plane = |packed: &[u32; 3], axis: usize| {
+            let byte = packed[axis] >> (8 * child) & 255;
+            node.origin[axis] + byte as f32 * f32::from_bits((node.exponents >> (8 * axis) & 255) << 23)
+        };
+        Bounds {
+            min: Vec3::from_array([0, 1, 2].map(|axis| plane(&node.low, axis))),
+            max: Vec3::from_array([0, 1, 2].map(|axis| plane(&node.high, axis))),
+        }
+    }
+
+    /// Numbers over many decades, of both signs and zero.
+    fn numbers() -> impl FnMut() -> f32 {
+        let mut state = 1u64;
+        move || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            let unit = (state >> 40) as f32 / (1u64 << 24) as f32;
+            let sign = if state >> 39 & 1 == 0 { 1.0 } else { -1.0 };
+            if state >> 32 & 15 == 0 { 0.0 } else { sign * 10f32.powf(unit * 12.0 - 10.0) }
+        }
+    }
+
+    #[test]
+    fn decoded_boxes_contain_what_they_bound() {
+        let mut number = numbers();
+        let mut vector = || Vec3::new(number(), number(), number());
+        let mut loose = 0;
+        for _ in 0..20_000 {
+            let base = vector();
+            let boxes: Vec<_> = (0..4)
+                .map(|_| {
+                    let (a, b) = (base + vector(), base + vector());
+                    Bounds { min: a.min(b), max: a.max(b) }
+                })
+                .collect();
+            let node = quantised(&boxes);
+            for (child, bounds) in boxes.iter().enumerate() {
+                let box_read = decoded(&node, child);
+                assert!(box_read.min.cmple(bounds.min).all(), "{bounds:?} reads as {box_read:?}");
+                assert!(box_read.max.cmpge(bounds.max).all(), "{bounds:?} reads as {box_read:?}");
+                // The grid is at most twice as coarse as need be: 255 steps span no more than twice the extent.
+                let all = boxes.iter().fold(boxes[0], |all, b| all.union(*b));
+                let step = (all.max - all.min) / 127.0;
+                loose += u32::from(!(bounds.min - box_read.min).cmple(step + 1e-6 * base.abs().max_element()).all());
+            }
+        }
+        assert_eq!(loose, 0, "boxes that read as larger than their grid explains");
+    }
+
+    #[test]
+    fn absent_children_are_empty_and_named_so() {
+        let one = Bounds { min: Vec3::splat(-1.0), max: Vec3::splat(1.0) };
+        let node = quantised(&[one, one]);
+        assert_eq!(node.children, [HIT_NOTHING; 4]);
+        assert!(decoded(&node, 2).min.x > decoded(&node, 2).max.x);
+    }
+}
