@@ -31,6 +31,41 @@ pub struct Tuning {
     pub records_per_slot: u32,
 }
 
+/// Where the scene's tables live. Small ones fit a uniform binding, which software drivers read several times as fast as
+/// a storage binding; real GPUs serialise lanes that read a uniform at different places.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Tables {
+    /// Elements of the uniform array, by the table's name; the others are storage.
+    uniform: BTreeMap<&'static str, u64>,
+}
+
+impl Tables {
+    /// Puts each table that fits into so many bytes into a uniform binding; 0 puts none there.
+    pub fn new(flat: &Flat, uniform_bytes: u64) -> Tables {
+        let fits = |(name, bytes, stride): (&'static str, u64, u64)| {
+            let elements = (bytes / stride).max(1).next_power_of_two().min(uniform_bytes / stride);
+            (elements * stride >= bytes.max(1)).then_some((name, elements))
+        };
+        Tables { uniform: tables(flat).map(|(name, bytes, stride, _)| (name, bytes.len() as u64, stride)).into_iter().filter_map(fits).collect() }
+    }
+}
+
+/// The scene's tables: name, contents, bytes of an element, purpose.
+fn tables(flat: &Flat) -> [(&'static str, Cow<'_, [u8]>, u64, &'static str); 7] {
+    fn table<'a, T: bytemuck::Pod>(name: &'static str, items: &'a [T], why: &'static str) -> (&'static str, Cow<'a, [u8]>, u64, &'static str) {
+        (name, Cow::Borrowed(bytemuck::cast_slice(items)), size_of::<T>() as u64, why)
+    }
+    [
+        table("nodes", &flat.nodes, "the bounding volume hierarchy"),
+        table("spheres", &flat.spheres, "spheres"),
+        table("quads", &flat.quads, "quads"),
+        table("cuboids", &flat.cuboids, "boxes"),
+        table("materials", &flat.materials, "materials"),
+        table("textures", &flat.textures, "textures"),
+        table("frames", &flat.frames, "where textured objects stand in their textures"),
+    ]
+}
+
 /// A kernel: a linked shader and what it binds.
 #[derive(Debug)]
 pub struct Kernel {
@@ -52,6 +87,7 @@ pub struct Plan {
     /// Absent where there is nothing to hit.
     pub bounce: Option<Bounce>,
     pub refill: Kernel,
+    tables: Tables,
 }
 
 /// From a ray to what becomes of it.
@@ -66,11 +102,11 @@ pub struct Bounce {
 
 impl Plan {
     /// Decides and links the kernels.
-    pub fn new(features: &Features, scatter: Scatter) -> Result<Plan> {
+    pub fn new(features: &Features, scatter: Scatter, tables: &Tables) -> Result<Plan> {
         let materials = entries(MATERIALS, &features.materials);
         // A queue each is no use where there is one material.
         let queues = scatter == Scatter::Queues && materials.len() > 1;
-        let choices = choices(features, &materials, queues);
+        let choices = choices(features, &materials, queues, tables);
         let always = "every render";
         let bounce = match features.primitives.iter().any(Option::is_some) {
             false => None,
@@ -93,7 +129,7 @@ impl Plan {
         };
         let generate = kernel("generate", "generate", &choices, always)?;
         let refill = kernel("refill", "refill", &choices, always)?;
-        Ok(Plan { generate, bounce, refill })
+        Ok(Plan { generate, bounce, refill, tables: tables.clone() })
     }
 
     /// The kernels in the order in which a pass runs them.
@@ -115,19 +151,18 @@ impl Plan {
             BufferSpec::working("counters", size_of::<data::Counters>() as u64, "runs started and finished, idle slots"),
             BufferSpec::working("records", records, "finished runs on their way to the film"),
             BufferSpec::working("paths", slots * u64::from(PATH_PLANES) * 16, "the state of the paths in flight"),
-            BufferSpec::scene("nodes", bytes(&flat.nodes), "the bounding volume hierarchy"),
-            BufferSpec::scene("spheres", bytes(&flat.spheres), "spheres"),
-            BufferSpec::scene("quads", bytes(&flat.quads), "quads"),
-            BufferSpec::scene("cuboids", bytes(&flat.cuboids), "boxes"),
-            BufferSpec::scene("materials", bytes(&flat.materials), "materials"),
-            BufferSpec::scene("textures", bytes(&flat.textures), "textures"),
-            BufferSpec::scene("frames", bytes(&flat.frames), "where textured objects stand in their textures"),
             BufferSpec::scene("texels", bytes(&flat.texels), "images"),
             BufferSpec::working("queues", (u64::from(QUEUE_HEADER) + queues * slots) * 4, "a queue for each material"),
             BufferSpec::indirect("queue_args", queues * 16, "sizes of the queues' dispatches"),
         ];
+        let tables = tables(flat).map(|(name, contents, stride, why)| {
+            match self.tables.uniform.get(name) {
+                Some(elements) => BufferSpec::table(name, contents, elements * stride, why),
+                None => BufferSpec::scene(name, contents, why),
+            }
+        });
         let bound = |spec: &BufferSpec| self.kernels().any(|kernel| kernel.bindings.contains_key(spec.name));
-        all.into_iter().filter(bound).collect()
+        all.into_iter().chain(tables).filter(bound).collect()
     }
 }
 
@@ -150,7 +185,7 @@ fn asked<const N: usize>(names: &[&str], used: &[Option<String>; N]) -> String {
     each.collect::<Vec<_>>().join(", ")
 }
 
-fn choices(features: &Features, materials: &[Entry], queues: bool) -> Choices {
+fn choices(features: &Features, materials: &[Entry], queues: bool, tables: &Tables) -> Choices {
     let textures = entries(TEXTURES, &features.textures);
     let background = match features.background {
         "gradient" => "background/gradient",
@@ -173,11 +208,30 @@ fn choices(features: &Features, materials: &[Entry], queues: bool) -> Choices {
             ("material", materials.to_vec()),
             ("texture", textures),
         ]),
-        values: BTreeMap::from([
+        values: TABLES.iter().flat_map(|names| table_values(names, tables)).chain([
             ("stack_size", (features.stack_size + 1).to_string()),
             ("run_length", RUN_LENGTH.to_string()),
             ("queues", materials.len().to_string()),
-        ]),
+        ]).collect(),
+    }
+}
+
+/// The tables by name, and the names of the values that say how each is bound.
+const TABLES: [(&str, &str, &str); 7] = [
+    ("nodes", "space_of_nodes", "size_of_nodes"),
+    ("spheres", "space_of_spheres", "size_of_spheres"),
+    ("quads", "space_of_quads", "size_of_quads"),
+    ("cuboids", "space_of_cuboids", "size_of_cuboids"),
+    ("materials", "space_of_materials", "size_of_materials"),
+    ("textures", "space_of_textures", "size_of_textures"),
+    ("frames", "space_of_frames", "size_of_frames"),
+];
+
+/// The address space of a table's binding, and the size of its array.
+fn table_values((name, space, size): &(&'static str, &'static str, &'static str), tables: &Tables) -> [(&'static str, String); 2] {
+    match tables.uniform.get(name) {
+        Some(elements) => [(*space, "uniform".to_string()), (*size, format!(", {elements}"))],
+        None => [(*space, "storage, read".to_string()), (*size, String::new())],
     }
 }
 

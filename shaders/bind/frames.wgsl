@@ -1,2 +1,2 @@
 //@ use data/texture
-@group(0) @binding(11) var<storage, read> frames: array<Frame>;
+@group(0) @binding(11) var<${space_of_frames}> frames: array<Frame${size_of_frames}>;

@@ -1,2 +1,2 @@
 //@ use data/material
-@group(0) @binding(9) var<storage, read> materials: array<Material>;
+@group(0) @binding(9) var<${space_of_materials}> materials: array<Material${size_of_materials}>;

@@ -1,2 +1,2 @@
 //@ use data/primitive
-@group(0) @binding(7) var<storage, read> quads: array<Quad>;
+@group(0) @binding(7) var<${space_of_quads}> quads: array<Quad${size_of_quads}>;

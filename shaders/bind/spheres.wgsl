@@ -1,2 +1,2 @@
 //@ use data/primitive
-@group(0) @binding(6) var<storage, read> spheres: array<Sphere>;
+@group(0) @binding(6) var<${space_of_spheres}> spheres: array<Sphere${size_of_spheres}>;

@@ -10,7 +10,7 @@ use crate::data::PATH_PLANES;
 use crate::error::{Error, Result};
 use crate::gpu::device::{AdapterName, Adapters, DeviceClass};
 use crate::output::atomic;
-use crate::plan::{Plan, Tuning};
+use crate::plan::{Plan, Tables, Tuning};
 use crate::render::{Goal, Job, TuningWish, tuning};
 use crate::scene::Scene;
 
@@ -34,7 +34,7 @@ pub fn run(args: &PlanArgs) -> Result<()> {
     };
     let wish = TuningWish { scatter: args.scatter.map(Into::into), ..TuningWish::default() };
     let tuning = tuning(class, &job, wish);
-    let plan = Plan::new(&flat.features, tuning.scatter)?;
+    let plan = Plan::new(&flat.features, tuning.scatter, &Tables::new(&flat, class.table_bytes()))?;
     if let Some(folder) = &args.wgsl {
         write_shaders(folder, &plan)?;
     }

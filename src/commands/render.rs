@@ -16,7 +16,7 @@ use crate::gpu::device::{Adapters, Device};
 use crate::output::exr::{Attribute, write_exr};
 use crate::output::png::write_png;
 use crate::output::progress::{self, Progress, Status};
-use crate::plan::Plan;
+use crate::plan::{Plan, Tables};
 use crate::render::{Goal, Job, Next, Outcome, Renderer, TuningWish, tuning};
 use crate::scene::Scene;
 
@@ -64,7 +64,9 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
         scatter: args.tuning.scatter.map(Into::into),
         bounces: args.tuning.bounces,
     };
-    let plan = Plan::new(&flat.features, tuning(device.class(), &job, wish).scatter)?;
+    let class = device.class();
+    let tables = Tables::new(&flat, class.table_bytes());
+    let plan = Plan::new(&flat.features, tuning(class, &job, wish).scatter, &tables)?;
     let mut renderer = Renderer::new(&device, &flat, &plan, &job, wish, args.tuning.profile)?;
     seconds.compile = clock.lap();
 

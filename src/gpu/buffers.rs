@@ -44,6 +44,12 @@ impl<'a> BufferSpec<'a> {
         BufferSpec { contents, ..spec }
     }
 
+    /// Filled once, only read after, small enough for a uniform binding; with room for `bytes`.
+    pub fn table(name: &'static str, contents: Cow<'a, [u8]>, bytes: u64, why: &'static str) -> BufferSpec<'a> {
+        let spec = BufferSpec::new(name, bytes, wgpu::BufferUsages::UNIFORM, why);
+        BufferSpec { contents, ..spec }
+    }
+
     /// The bytes allocated: a binding may not be empty, and copies go by fours.
     pub fn allocated(&self) -> u64 {
         // No struct is larger than this, so that an array without elements still satisfies its binding.

@@ -109,21 +109,35 @@ impl Adapters {
 pub struct DeviceClass {
     pub software: bool,
     pub max_binding_bytes: u64,
+    pub max_uniform_bytes: u64,
 }
 
 impl Default for DeviceClass {
     /// The least that WebGPU promises.
     fn default() -> Self {
-        DeviceClass { software: false, max_binding_bytes: wgpu::Limits::default().max_storage_buffer_binding_size }
+        DeviceClass::new(false, &wgpu::Limits::default())
     }
 }
 
 impl DeviceClass {
+    fn new(software: bool, limits: &wgpu::Limits) -> DeviceClass {
+        DeviceClass {
+            software,
+            max_binding_bytes: limits.max_storage_buffer_binding_size,
+            max_uniform_bytes: limits.max_uniform_buffer_binding_size,
+        }
+    }
+
     /// Of an adapter that is not open.
     pub fn of(adapter: &wgpu::Adapter) -> DeviceClass {
-        DeviceClass {
-            software: AdapterName::of(adapter).software,
-            max_binding_bytes: adapter.limits().max_storage_buffer_binding_size,
+        DeviceClass::new(AdapterName::of(adapter).software, &adapter.limits())
+    }
+
+    /// The most bytes that a table may have to be bound as a uniform; none where that would not pay.
+    pub fn table_bytes(&self) -> u64 {
+        match self.software {
+            true => self.max_uniform_bytes,
+            false => 0,
         }
     }
 }
@@ -177,10 +191,7 @@ impl Device {
 
     /// What sizes suit it.
     pub fn class(&self) -> DeviceClass {
-        DeviceClass {
-            software: self.name.software,
-            max_binding_bytes: self.limits.max_storage_buffer_binding_size,
-        }
+        DeviceClass::new(self.name.software, &self.limits)
     }
 
     /// Waits until a submission has been executed, and reports what went wrong since the last call.
