@@ -98,7 +98,8 @@ pub struct TuningArgs {
     /// Bounces of a submission [default: measured, for about 100 ms].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub bounces: Option<u32>,
-    /// One linked scatter kernel, or a kernel and a queue for each material [default: by the device].
+    /// All stages of a bounce fused into one kernel; a kernel a stage, all materials linked into one; or a kernel and a
+    /// queue for each material [default: by the device].
     #[arg(long, value_enum)]
     pub scatter: Option<ScatterArg>,
     /// Measure the seconds of each stage on the device; costs a pass for each dispatch.
@@ -119,7 +120,8 @@ pub struct PlanArgs {
     /// The device whose sizes to plan for.
     #[arg(long, value_name = "INDEX|NAME")]
     pub device: Option<String>,
-    /// One linked scatter kernel, or a kernel and a queue for each material [default: by the device].
+    /// All stages of a bounce fused into one kernel; a kernel a stage, all materials linked into one; or a kernel and a
+    /// queue for each material [default: by the device].
     #[arg(long, value_enum)]
     pub scatter: Option<ScatterArg>,
     /// Print one JSON object on stdout.
@@ -155,6 +157,7 @@ pub enum Sampler {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ScatterArg {
+    Fused,
     Linked,
     Queues,
 }
@@ -162,6 +165,7 @@ pub enum ScatterArg {
 impl From<ScatterArg> for Scatter {
     fn from(arg: ScatterArg) -> Scatter {
         match arg {
+            ScatterArg::Fused => Scatter::Fused,
             ScatterArg::Linked => Scatter::Linked,
             ScatterArg::Queues => Scatter::Queues,
         }

@@ -65,7 +65,7 @@ device_struct!(
 
 device_struct!(
     /// The runs that may be started now.
-    Window { first_block: u32, end: u32, }
+    Window { first_block: u32, end: u32, bounces: u32, }
 );
 
 device_struct!(

@@ -11,12 +11,14 @@ use crate::gpu::buffers::BufferSpec;
 use crate::gpu::layout::{self, Binding};
 use crate::gpu::link::{Choices, Embedded, Entry, Linked, link};
 
-/// How slots reach the scatter kernel of the material that their rays met. The image does not depend on it.
+/// How the stages of a bounce are linked into kernels. The image does not depend on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scatter {
-    /// One kernel for all materials, an invocation a slot.
+    /// Intersect, scatter and refill in one kernel that does several bounces a dispatch.
+    Fused,
+    /// A kernel a stage; scatter is one kernel for all materials, an invocation a slot.
     Linked,
-    /// A kernel and a queue for each material.
+    /// A kernel a stage, and of scatter a kernel and a queue for each material.
     Queues,
 }
 
@@ -84,66 +86,84 @@ pub struct Kernel {
 #[derive(Debug)]
 pub struct Plan {
     pub generate: Kernel,
-    /// Absent where there is nothing to hit.
-    pub bounce: Option<Bounce>,
-    pub refill: Kernel,
+    pub bounce: Bounce,
     tables: Tables,
 }
 
 /// From a ray to what becomes of it.
 #[derive(Debug)]
-pub struct Bounce {
-    pub intersect: Kernel,
+pub enum Bounce {
+    Fused(Kernel),
+    Staged(Staged),
+}
+
+/// The stages of a bounce as kernels of their own.
+#[derive(Debug)]
+pub struct Staged {
+    /// Absent where there is nothing to hit.
+    pub intersect: Option<Kernel>,
     /// Sizes the scatter dispatches; absent where one linked kernel serves all slots.
     pub dispatch: Option<Kernel>,
-    /// One linked kernel, or one for each queue in the queues' order.
+    /// One linked kernel, or one for each queue in the queues' order; none where there is nothing to hit.
     pub scatter: Vec<Kernel>,
+    pub refill: Kernel,
 }
 
 impl Plan {
     /// Decides and links the kernels.
     pub fn new(features: &Features, scatter: Scatter, tables: &Tables) -> Result<Plan> {
         let materials = entries(MATERIALS, &features.materials);
+        let empty = materials.is_empty();
         // A queue each is no use where there is one material.
         let queues = scatter == Scatter::Queues && materials.len() > 1;
         let choices = choices(features, &materials, queues, tables);
         let always = "every render";
-        let bounce = match features.primitives.iter().any(Option::is_some) {
-            false => None,
-            true => Some(Bounce {
-                intersect: kernel("intersect", "intersect", &choices, &asked(PRIMITIVES, &features.primitives))?,
-                dispatch: match queues {
-                    true => Some(kernel("dispatch", "dispatch", &choices, "a queue for each material")?),
-                    false => None,
-                },
+        let geometry = asked(PRIMITIVES, &features.primitives);
+        let all_materials = asked(MATERIALS, &features.materials);
+        let bounce = if scatter == Scatter::Fused && !empty {
+            Bounce::Fused(kernel("bounce", "bounce", &choices, &format!("{geometry}; {all_materials}"))?)
+        } else {
+            let if_any = |wanted: bool, name: &str, stage, why: &str| {
+                wanted.then(|| kernel(name, stage, &choices, why)).transpose()
+            };
+            Bounce::Staged(Staged {
+                intersect: if_any(!empty, "intersect", "intersect", &geometry)?,
+                dispatch: if_any(queues, "dispatch", "dispatch", "a queue for each material")?,
                 scatter: match queues {
                     true => queued_scatters(features, &materials, &choices)?,
-                    false => vec![kernel(
-                        "scatter",
-                        "scatter",
-                        &choices,
-                        &asked(MATERIALS, &features.materials),
-                    )?],
+                    false => if_any(!empty, "scatter", "scatter", &all_materials)?.into_iter().collect(),
                 },
-            }),
+                refill: kernel("refill", "refill", &choices, always)?,
+            })
         };
-        let generate = kernel("generate", "generate", &choices, always)?;
-        let refill = kernel("refill", "refill", &choices, always)?;
-        Ok(Plan { generate, bounce, refill, tables: tables.clone() })
+        Ok(Plan { generate: kernel("generate", "generate", &choices, always)?, bounce, tables: tables.clone() })
     }
 
     /// The kernels in the order in which a pass runs them.
-    pub fn kernels(&self) -> impl Iterator<Item = &Kernel> {
-        let bounce = self.bounce.iter().flat_map(|bounce| {
-            std::iter::once(&bounce.intersect).chain(&bounce.dispatch).chain(&bounce.scatter)
-        });
-        std::iter::once(&self.generate).chain(bounce).chain(std::iter::once(&self.refill))
+    pub fn kernels(&self) -> Vec<&Kernel> {
+        let mut all = vec![&self.generate];
+        match &self.bounce {
+            Bounce::Fused(kernel) => all.push(kernel),
+            Bounce::Staged(Staged { intersect, dispatch, scatter, refill }) => {
+                all.extend(intersect.iter().chain(dispatch).chain(scatter));
+                all.push(refill);
+            }
+        }
+        all
+    }
+
+    /// How many queues slots are sorted into.
+    fn queues(&self) -> u64 {
+        match &self.bounce {
+            Bounce::Staged(Staged { dispatch: Some(_), scatter, .. }) => scatter.len() as u64,
+            _ => 0,
+        }
     }
 
     /// The buffers that the kernels bind, with the scene's data for those that hold it.
     pub fn buffers<'a>(&self, flat: &'a Flat, tuning: &Tuning) -> Vec<BufferSpec<'a>> {
         let slots = u64::from(tuning.slots);
-        let queues = self.bounce.as_ref().map_or(0, |bounce| bounce.scatter.len()) as u64;
+        let queues = self.queues();
         let records = slots * u64::from(tuning.records_per_slot) * size_of::<RunRecord>() as u64;
         let all = [
             BufferSpec::uniform("settings", size_of::<data::Settings>() as u64, "camera, sky and limits of the render"),
@@ -161,7 +181,8 @@ impl Plan {
                 None => BufferSpec::scene(name, contents, why),
             }
         });
-        let bound = |spec: &BufferSpec| self.kernels().any(|kernel| kernel.bindings.contains_key(spec.name));
+        let kernels = self.kernels();
+        let bound = |spec: &BufferSpec| kernels.iter().any(|kernel| kernel.bindings.contains_key(spec.name));
         all.into_iter().chain(tables).filter(bound).collect()
     }
 }

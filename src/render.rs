@@ -11,7 +11,7 @@ use crate::gpu::buffers::{Buffers, Readback};
 use crate::gpu::device::{Device, DeviceClass};
 use crate::gpu::pipeline::{Pipeline, PipelineSpec};
 use crate::gpu::timing::{MAX_PASSES, Timing};
-use crate::plan::{Kernel, Plan, Scatter, Tuning};
+use crate::plan::{Bounce, Kernel, Plan, Scatter, Staged, Tuning};
 
 /// What is to be rendered of a scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -81,8 +81,8 @@ pub fn tuning(device: DeviceClass, job: &Job, wish: TuningWish) -> Tuning {
     Tuning {
         slots,
         workgroup: wish.workgroup.unwrap_or(64),
-        // Measured in docs/performance.md: the queues do not earn their place on software drivers.
-        scatter: wish.scatter.unwrap_or(Scatter::Linked),
+        // Measured in docs/performance.md: a processor pays more for storing a path's state than for its divergence.
+        scatter: wish.scatter.unwrap_or(if device.software { Scatter::Fused } else { Scatter::Linked }),
         records_per_slot: room.clamp(2, 8) as u32,
     }
 }
@@ -114,11 +114,23 @@ pub struct Renderer<'a> {
     bounces_fixed: bool,
     buffers: Buffers,
     generate: Pipeline,
-    bounce: Option<BouncePipelines>,
-    refill: Pipeline,
+    bounce: BouncePipelines,
     counters: Readback,
     records: Readback,
     timing: Option<Timing>,
+}
+
+impl BouncePipelines {
+    /// All of them, in order.
+    fn pipelines(&self) -> impl Iterator<Item = &Pipeline> {
+        let (stages, last) = match self {
+            BouncePipelines::Fused(bounce) => (None, bounce),
+            BouncePipelines::Staged { intersect, dispatch, scatter, refill } => {
+                (Some(intersect.iter().chain(dispatch).chain(scatter)), refill)
+            }
+        };
+        stages.into_iter().flatten().chain(std::iter::once(last))
+    }
 }
 
 /// What a stretch of rendering reports to.
@@ -129,10 +141,10 @@ struct Stretch<'a> {
     outcome: &'a mut Outcome,
 }
 
-struct BouncePipelines {
-    intersect: Pipeline,
-    dispatch: Option<Pipeline>,
-    scatter: Vec<Pipeline>,
+/// The pipelines of a plan's `Bounce`.
+enum BouncePipelines {
+    Fused(Pipeline),
+    Staged { intersect: Option<Pipeline>, dispatch: Option<Pipeline>, scatter: Vec<Pipeline>, refill: Pipeline },
 }
 
 impl<'a> Renderer<'a> {
@@ -160,17 +172,15 @@ impl<'a> Renderer<'a> {
             };
             Pipeline::new(device, &spec, &buffers)
         };
-        let bounce = plan
-            .bounce
-            .as_ref()
-            .map(|bounce| {
-                Ok(BouncePipelines {
-                    intersect: pipeline(&bounce.intersect)?,
-                    dispatch: bounce.dispatch.as_ref().map(pipeline).transpose()?,
-                    scatter: bounce.scatter.iter().map(pipeline).collect::<Result<_>>()?,
-                })
-            })
-            .transpose()?;
+        let bounce = match &plan.bounce {
+            Bounce::Fused(kernel) => BouncePipelines::Fused(pipeline(kernel)?),
+            Bounce::Staged(Staged { intersect, dispatch, scatter, refill }) => BouncePipelines::Staged {
+                intersect: intersect.as_ref().map(pipeline).transpose()?,
+                dispatch: dispatch.as_ref().map(pipeline).transpose()?,
+                scatter: scatter.iter().map(pipeline).collect::<Result<_>>()?,
+                refill: pipeline(refill)?,
+            },
+        };
         let record_bytes =
             u64::from(tuning.slots) * u64::from(tuning.records_per_slot) * size_of::<RunRecord>() as u64;
         let settings = Settings {
@@ -188,7 +198,6 @@ impl<'a> Renderer<'a> {
             bounces_fixed: wish.bounces.is_some(),
             generate: pipeline(&plan.generate)?,
             bounce,
-            refill: pipeline(&plan.refill)?,
             counters: Readback::new(device, "counters", size_of::<Counters>() as u64),
             records: Readback::new(device, "records", record_bytes),
             timing: if profile { Timing::new(device) } else { None },
@@ -204,13 +213,8 @@ impl<'a> Renderer<'a> {
         let mut encoder = self.encoder();
         {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-            self.generate.dispatch(&mut pass, 0);
-            if let Some(bounce) = &self.bounce {
-                bounce.intersect.dispatch(&mut pass, 0);
-                bounce.dispatch.iter().for_each(|kernel| kernel.dispatch(&mut pass, 0));
-                bounce.scatter.iter().for_each(|kernel| kernel.dispatch(&mut pass, 0));
-            }
-            self.refill.dispatch(&mut pass, 0);
+            let stages = std::iter::once(&self.generate).chain(self.bounce.pipelines());
+            stages.for_each(|pipeline| pipeline.dispatch(&mut pass, 0));
         }
         self.device.wait(self.device.queue.submit([encoder.finish()]))
     }
@@ -298,7 +302,7 @@ impl<'a> Renderer<'a> {
         let mut first_block = blocks.start;
         while first_block < blocks.end && !stretch.outcome.interrupted {
             let end_block = blocks.end.min(first_block.saturating_add(window_blocks));
-            let window = Window { first_block, end: (end_block - first_block) * pixels };
+            let window = Window { first_block, end: (end_block - first_block) * pixels, bounces: 0 };
             self.render_window(window, &samples, stretch)?;
             first_block = end_block;
         }
@@ -307,12 +311,13 @@ impl<'a> Renderer<'a> {
 
     /// Renders the runs of a window, until every slot is idle.
     fn render_window(&mut self, mut window: Window, samples: &Range<u32>, stretch: &mut Stretch<'_>) -> Result<()> {
-        self.write("window", bytemuck::bytes_of(&window))?;
         self.write("counters", bytemuck::bytes_of(&Counters::default()))?;
         let most_bounces = self.most_bounces(samples);
         let mut starting = true;
         loop {
             let bounces = self.bounces.clamp(1, most_bounces);
+            window.bounces = bounces;
+            self.write("window", bytemuck::bytes_of(&window))?;
             let begin = Instant::now();
             let submission = self.submit(bounces, starting);
             starting = false;
@@ -330,7 +335,6 @@ impl<'a> Renderer<'a> {
                 outcome.interrupted = true;
                 // No run beyond those started begins. The started ones end: to drop them would favour short paths.
                 window.end = window.end.min(counters.next);
-                self.write("window", bytemuck::bytes_of(&window))?;
             }
             if counters.idle >= self.tuning.slots {
                 return Ok(());
@@ -351,18 +355,21 @@ impl<'a> Renderer<'a> {
         if starting {
             stages.push(Stage::all(&self.generate, groups));
         }
-        for _ in 0..bounces {
-            if let Some(bounce) = &self.bounce {
-                stages.push(Stage::all(&bounce.intersect, groups));
-                match &bounce.dispatch {
-                    None => stages.extend(bounce.scatter.iter().map(|kernel| Stage::all(kernel, groups))),
-                    Some(dispatch) => {
-                        stages.push(Stage::all(dispatch, 1));
-                        stages.extend((0..).zip(&bounce.scatter).map(|(queue, kernel)| Stage::queue(kernel, queue)));
+        match &self.bounce {
+            BouncePipelines::Fused(bounce) => stages.push(Stage::all(bounce, groups)),
+            BouncePipelines::Staged { intersect, dispatch, scatter, refill } => {
+                for _ in 0..bounces {
+                    stages.extend(intersect.iter().map(|kernel| Stage::all(kernel, groups)));
+                    match dispatch {
+                        None => stages.extend(scatter.iter().map(|kernel| Stage::all(kernel, groups))),
+                        Some(dispatch) => {
+                            stages.push(Stage::all(dispatch, 1));
+                            stages.extend((0..).zip(scatter).map(|(queue, kernel)| Stage::queue(kernel, queue)));
+                        }
                     }
+                    stages.push(Stage::all(refill, groups));
                 }
             }
-            stages.push(Stage::all(&self.refill, groups));
         }
         let sizes = self.buffers.get("queue_args").ok();
         match &mut self.timing {
@@ -424,7 +431,7 @@ impl<'a> Renderer<'a> {
                 first.min(last)
             }
         };
-        let kernels = self.bounce.as_ref().map_or(1, |bounce| 3 + bounce.scatter.len() as u32);
+        let kernels = self.bounce.pipelines().count() as u32;
         let recordable = match self.timing {
             Some(_) => (MAX_PASSES as u32 - 1) / kernels,
             None => u32::MAX,

@@ -4,6 +4,8 @@ struct Window {
     first_block: u32,
     // One past the last run of the window.
     end: u32,
+    // Bounces of a dispatch, where one kernel does several.
+    bounces: u32,
 }
 
 const RUN_LENGTH: u32 = ${run_length}u;

@@ -10,6 +10,8 @@
 struct Hit {
     code: u32,
     t: f32,
+    // Nodes and primitives looked at.
+    steps: u32,
 }
 
 // The deepest that the stack can get in this scene's BVH. A text constant, since WGSL sizes no private array by an
@@ -19,7 +21,7 @@ const STACK_SIZE: u32 = ${stack_size}u;
 // Nearest hit with t > 0. There is no least distance: rays start off the surfaces that they leave. Of two hits at one
 // distance the primitive that comes first in the scene wins, so that the order of the walk cannot show.
 fn nearest_hit(ray: Ray, root: u32) -> Hit {
-    var hit = Hit(HIT_NOTHING, VERY_FAR);
+    var hit = Hit(HIT_NOTHING, VERY_FAR, 0u);
     if root == HIT_NOTHING {
         return hit;
     }
@@ -29,12 +31,14 @@ fn nearest_hit(ray: Ray, root: u32) -> Hit {
     var depth = 0u;
     var code = root;
     loop {
+        hit.steps += 1u;
         var next = CHILD_MISSED;
         if (code & PRIMITIVE_BIT) != 0u {
             let t = primitive_distance(code, ray);
             if t != NO_HIT && t <= hit.t {
                 if t < hit.t || primitive_order(code) < primitive_order(hit.code) {
-                    hit = Hit(code, t);
+                    hit.code = code;
+                    hit.t = t;
                 }
             }
         } else {

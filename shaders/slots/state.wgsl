@@ -1,14 +1,13 @@
 //@ use bind/paths
 //@ use bind/settings
-//@ use data/ray
-//@ use data/primitive
-// The state of a slot's path: a vec4 of words in each of five planes.
+//@ use data/path
+// The state of the slots' paths in memory: planes of a vec4 of words a slot.
 
 const PLANE_ORIGIN: u32 = 0u; // the ray's origin; t of its hit
-const PLANE_DIRECTION: u32 = 1u; // the ray's direction; code of its hit, or what the slot is doing (data/primitive)
-const PLANE_THROUGHPUT: u32 = 2u; // throughput, or the ended path's radiance; scattering events so far
-const PLANE_SAMPLE: u32 = 3u; // pixel; sample; one past the run's last sample; counts of its RunRecord
-const PLANE_SUM: u32 = 4u; // sum of the run's radiance; its rays
+const PLANE_DIRECTION: u32 = 1u; // the ray's direction; status
+const PLANE_THROUGHPUT: u32 = 2u; // throughput; events
+const PLANE_SAMPLE: u32 = 3u; // pixel; sample; end; counts
+const PLANE_SUM: u32 = 4u; // sum; rays
 
 fn place(plane: u32, slot: u32) -> u32 {
     return plane * settings.slots + slot;
@@ -22,7 +21,60 @@ fn word_of(vector: vec3<f32>, last: u32) -> vec4<u32> {
     return vec4<u32>(bitcast<vec3<u32>>(vector), last);
 }
 
-fn write_ray(slot: u32, ray: Ray) {
-    paths[place(PLANE_ORIGIN, slot)] = word_of(ray.origin, 0u);
-    paths[place(PLANE_DIRECTION, slot)] = word_of(ray.direction, RAY_READY);
+fn load_status(slot: u32) -> u32 {
+    return paths[place(PLANE_DIRECTION, slot)].w;
+}
+
+fn store_status(slot: u32, status: u32) {
+    paths[place(PLANE_DIRECTION, slot)].w = status;
+}
+
+fn load_ray(slot: u32, path: ptr<function, Path>) {
+    let origin = paths[place(PLANE_ORIGIN, slot)];
+    let direction = paths[place(PLANE_DIRECTION, slot)];
+    (*path).ray = Ray(vector_of(origin), vector_of(direction));
+    (*path).t = bitcast<f32>(origin.w);
+    (*path).status = direction.w;
+}
+
+fn store_ray(slot: u32, path: ptr<function, Path>) {
+    paths[place(PLANE_ORIGIN, slot)] = word_of((*path).ray.origin, bitcast<u32>((*path).t));
+    paths[place(PLANE_DIRECTION, slot)] = word_of((*path).ray.direction, (*path).status);
+}
+
+fn store_hit(slot: u32, path: ptr<function, Path>) {
+    paths[place(PLANE_ORIGIN, slot)].w = bitcast<u32>((*path).t);
+    store_status(slot, (*path).status);
+}
+
+fn load_throughput(slot: u32, path: ptr<function, Path>) {
+    let word = paths[place(PLANE_THROUGHPUT, slot)];
+    (*path).throughput = vector_of(word);
+    (*path).events = word.w;
+}
+
+fn store_throughput(slot: u32, path: ptr<function, Path>) {
+    paths[place(PLANE_THROUGHPUT, slot)] = word_of((*path).throughput, (*path).events);
+}
+
+fn load_sample(slot: u32, path: ptr<function, Path>) {
+    let word = paths[place(PLANE_SAMPLE, slot)];
+    (*path).pixel = word.x;
+    (*path).sample = word.y;
+    (*path).end = word.z;
+    (*path).counts = word.w;
+}
+
+fn store_sample(slot: u32, path: ptr<function, Path>) {
+    paths[place(PLANE_SAMPLE, slot)] = vec4<u32>((*path).pixel, (*path).sample, (*path).end, (*path).counts);
+}
+
+fn load_sum(slot: u32, path: ptr<function, Path>) {
+    let word = paths[place(PLANE_SUM, slot)];
+    (*path).sum = vector_of(word);
+    (*path).rays = word.w;
+}
+
+fn store_sum(slot: u32, path: ptr<function, Path>) {
+    paths[place(PLANE_SUM, slot)] = word_of((*path).sum, (*path).rays);
 }

@@ -1,4 +1,5 @@
-//@ use slots/start
+//@ use slots/state
+//@ use step/start
 // Gives every slot a run, when none has one.
 override WORKGROUP_SIZE: u32 = 64u;
 
@@ -8,5 +9,10 @@ fn generate(@builtin(global_invocation_id) id: vec3<u32>) {
     if slot >= settings.slots {
         return;
     }
-    start_run(slot);
+    var path: Path;
+    start_run(&path);
+    store_ray(slot, &path);
+    store_throughput(slot, &path);
+    store_sample(slot, &path);
+    store_sum(slot, &path);
 }

@@ -1,5 +1,5 @@
 //@ use slots/state
-//@ use scene/traverse
+//@ use step/trace
 //@ use choice/sort
 // Finds what each slot's ray meets first.
 override WORKGROUP_SIZE: u32 = 64u;
@@ -10,13 +10,12 @@ fn intersect(@builtin(global_invocation_id) id: vec3<u32>) {
     if slot >= settings.slots {
         return;
     }
-    let direction = paths[place(PLANE_DIRECTION, slot)];
-    if direction.w == SLOT_IDLE {
+    var path: Path;
+    load_ray(slot, &path);
+    if path.status == SLOT_IDLE {
         return;
     }
-    let origin = paths[place(PLANE_ORIGIN, slot)];
-    let hit = nearest_hit(Ray(vector_of(origin), vector_of(direction)), settings.root);
-    paths[place(PLANE_ORIGIN, slot)].w = bitcast<u32>(hit.t);
-    paths[place(PLANE_DIRECTION, slot)].w = hit.code;
-    sort_slot(slot, hit.code);
+    trace(&path);
+    store_hit(slot, &path);
+    sort_slot(slot, path.status);
 }

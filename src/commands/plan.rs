@@ -10,7 +10,7 @@ use crate::data::PATH_PLANES;
 use crate::error::{Error, Result};
 use crate::gpu::device::{AdapterName, Adapters, DeviceClass};
 use crate::output::atomic;
-use crate::plan::{Plan, Tables, Tuning};
+use crate::plan::{Bounce, Plan, Scatter, Staged, Tables, Tuning};
 use crate::render::{Goal, Job, TuningWish, tuning};
 use crate::scene::Scene;
 
@@ -43,6 +43,7 @@ pub fn run(args: &PlanArgs) -> Result<()> {
     if args.json {
         let kernels: Vec<_> = plan
             .kernels()
+            .iter()
             .map(|kernel| {
                 json!({
                     "name": kernel.name,
@@ -87,14 +88,16 @@ pub fn run(args: &PlanArgs) -> Result<()> {
 }
 
 fn scatter_words(plan: &Plan, tuning: &Tuning) -> String {
-    let kernels = plan.bounce.as_ref().map_or(0, |bounce| bounce.scatter.len());
-    match (kernels, plan.bounce.as_ref().is_some_and(|bounce| bounce.dispatch.is_some())) {
-        (0, _) => "none: there is nothing to hit".to_string(),
-        (n, true) => format!("a kernel and a queue for each of {n} materials, as asked for"),
-        (_, false) if tuning.scatter == crate::plan::Scatter::Queues => {
-            "one kernel: with one material there is nothing to sort".to_string()
+    match (&plan.bounce, tuning.scatter) {
+        (Bounce::Fused(_), _) => {
+            "fused: a processor pays more for storing a path's state than for its divergence (docs/performance.md)".to_string()
         }
-        _ => "one linked kernel for all materials: the queues cost more than they save (docs/performance.md)".to_string(),
+        (Bounce::Staged(staged), _) if staged.scatter.is_empty() => "none: there is nothing to hit".to_string(),
+        (Bounce::Staged(Staged { dispatch: Some(_), scatter, .. }), _) => {
+            format!("queues: a kernel and a queue for each of {} materials", scatter.len())
+        }
+        (Bounce::Staged(_), Scatter::Queues) => "linked: with one material there is nothing to sort".to_string(),
+        (Bounce::Staged(_), _) => "linked: one kernel for all materials".to_string(),
     }
 }
 

@@ -111,7 +111,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
 
     let total = start.elapsed().as_secs_f64();
     if args.json {
-        let kernels: Vec<_> = plan.kernels().map(|kernel| kernel.name.as_str()).collect();
+        let kernels: Vec<_> = plan.kernels().iter().map(|kernel| kernel.name.as_str()).collect();
         let gpu_bytes: u64 = plan.buffers(&flat, renderer.tuning()).iter().map(|buffer| buffer.allocated()).sum();
         print_json(&report(&about, &output, &outcome, &finish, &seconds, total, &kernels, gpu_bytes));
     }

@@ -1,0 +1,41 @@
+//@ use slots/state
+//@ use step/trace
+//@ use step/scatter
+//@ use step/refill
+// Intersect, scatter and refill linked into one kernel, several bounces a dispatch: where the state of a path costs more
+// to store and load than its divergence does, as on software drivers.
+override WORKGROUP_SIZE: u32 = 64u;
+
+// Steps of the walk through the BVH after which an invocation leaves the rest to the next dispatch. Mesa before 23.1 ends
+// all loops of an invocation after 65,535 iterations without a word.
+const MOST_STEPS: u32 = 16384u;
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn bounce(@builtin(global_invocation_id) id: vec3<u32>) {
+    let slot = id.x;
+    if slot >= settings.slots || load_status(slot) == SLOT_IDLE {
+        return;
+    }
+    var path: Path;
+    load_ray(slot, &path);
+    load_throughput(slot, &path);
+    load_sample(slot, &path);
+    load_sum(slot, &path);
+    var steps = 0u;
+    for (var i = 0u; i < window.bounces && steps < MOST_STEPS; i++) {
+        steps += trace(&path);
+        if path.status < FIRST_STATUS {
+            scatter_path(&path);
+        }
+        if has_ended(path.status) {
+            refill_path(&path);
+            if path.status == SLOT_IDLE {
+                break;
+            }
+        }
+    }
+    store_ray(slot, &path);
+    store_throughput(slot, &path);
+    store_sample(slot, &path);
+    store_sum(slot, &path);
+}

@@ -1,0 +1,37 @@
+//@ use data/path
+//@ use data/primitive
+//@ use bind/records
+//@ use choice/background
+//@ use lib/float
+//@ use step/start
+// Whether the path has left the scene or ended on a surface.
+fn has_ended(status: u32) -> bool {
+    return status == HIT_NOTHING || status == PATH_ENDED;
+}
+
+// Takes the radiance of a path that ended into its run, and starts the next sample or run.
+fn refill_path(path: ptr<function, Path>) {
+    var radiance = (*path).throughput;
+    if (*path).status == HIT_NOTHING {
+        radiance *= background_radiance((*path).ray.direction);
+    }
+    // A sample that is not finite is dropped and counted by reason; the bits tell, since x != x may be assumed false.
+    if is_nan(radiance.x) || is_nan(radiance.y) || is_nan(radiance.z) {
+        (*path).counts += 0x100u;
+    } else if is_infinite(radiance.x) || is_infinite(radiance.y) || is_infinite(radiance.z) {
+        (*path).counts += 0x10000u;
+    } else {
+        (*path).counts += 1u;
+        (*path).sum += radiance;
+    }
+    (*path).rays += (*path).events + 1u;
+    (*path).sample += 1u;
+    if (*path).sample < (*path).end {
+        start_sample(path);
+    } else {
+        let at = atomicAdd(&counters.records, 1u);
+        let sum = (*path).sum;
+        records[at] = RunRecord(sum.x, sum.y, sum.z, (*path).pixel, (*path).counts, (*path).rays);
+        start_run(path);
+    }
+}

@@ -1,0 +1,37 @@
+//@ use data/path
+//@ use data/dimension
+//@ use data/primitive
+//@ use bind/settings
+//@ use bind/materials
+//@ use geometry/offset
+//@ use lib/rng
+//@ use scene/materials
+//@ use scene/surfaces
+//@ use choice/colour
+// Lets the material of the surface that the path's ray met decide how the path goes on.
+fn scatter_path(path: ptr<function, Path>) {
+    let ray = (*path).ray;
+    let code = (*path).status;
+    let surface = surface_at(code, ray, (*path).t);
+    let material = materials[surface.material];
+    let front = dot(ray.direction, surface.normal) < 0.0;
+    let facing = select(-surface.normal, surface.normal, front);
+    let colour = surface_colour(material, code, surface);
+    let hit = Interaction(ray.direction, facing, front, colour);
+
+    let events = (*path).events;
+    let u = random4((*path).pixel, (*path).sample, event_dimension(events, DIMENSION_SCATTER), settings.seed);
+    let scattered = scatter_by_material(material, hit, u);
+    let throughput = (*path).throughput * scattered.weight;
+    let goes_on = scattered.event == SCATTERED && events < settings.max_depth && any(throughput != vec3<f32>(0.0));
+    if goes_on {
+        let leaving = leave_surface(surface.point, surface.error, surface.normal, scattered.direction);
+        (*path).ray = Ray(leaving, scattered.direction);
+        (*path).status = RAY_READY;
+        (*path).throughput = throughput;
+        (*path).events = events + 1u;
+    } else {
+        (*path).status = PATH_ENDED;
+        (*path).throughput = select(vec3<f32>(0.0), throughput, scattered.event == EMITTED);
+    }
+}

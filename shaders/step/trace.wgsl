@@ -1,0 +1,10 @@
+//@ use data/path
+//@ use bind/settings
+//@ use scene/traverse
+// Finds what the path's ray meets first.
+fn trace(path: ptr<function, Path>) -> u32 {
+    let hit = nearest_hit((*path).ray, settings.root);
+    (*path).t = hit.t;
+    (*path).status = hit.code;
+    return hit.steps;
+}
