@@ -1,5 +1,6 @@
 //@ use data/primitive
 //@ use geometry/slab
+//@ use lib/float
 // Which children of a BVH node a ray may meet nearer than `nearest`; never a false no.
 
 const CHILD_MISSED: u32 = 0xffffffffu;
@@ -10,32 +11,46 @@ fn bytes_of(word: u32) -> vec4<f32> {
     return vec4<f32>((vec4<u32>(word) >> vec4<u32>(0u, 8u, 16u, 24u)) & vec4<u32>(255u));
 }
 
-// The distances to planes of the node's grid along one axis. The byte times the scale is exact, so that the sum is rounded
-// once, whether or not the driver fuses the two.
-fn plane_distances(planes: u32, origin: f32, scale: f32, ray_origin: f32, inverse: f32) -> vec4<f32> {
-    return (bytes_of(planes) * scale + origin - ray_origin) * inverse;
+// The slab of the node's grid along one axis: the distance to the plane of byte b is b * step + start, off by less than
+// `error`.
+struct GridAxis {
+    step: f32,
+    start: f32,
+    error: f32,
+}
+
+// Rounding: the difference, twice the reciprocal's 2.5 ulps (it scales both terms), the products and the sum come to less
+// than eight roundings of the largest term that can occur.
+fn grid_axis(origin: f32, exponent: u32, ray_origin: f32, inverse: f32) -> GridAxis {
+    let step = bitcast<f32>(exponent << 23u) * inverse;
+    let start = (origin - ray_origin) * inverse;
+    return GridAxis(step, start, 8.0 * UNIT_ROUNDOFF * (abs(start) + 255.0 * abs(step)));
+}
+
+fn enter_axis(axis: GridAxis, planes: u32) -> vec4<f32> {
+    return bytes_of(planes) * axis.step + (axis.start - axis.error);
+}
+
+fn leave_axis(axis: GridAxis, planes: u32) -> vec4<f32> {
+    return bytes_of(planes) * axis.step + (axis.start + axis.error);
 }
 
 // A key for each child that the ray may meet, else CHILD_MISSED: the bits of the distance at which it enters the box (0
 // from inside), which sort as the distances do, with the child's number in place of the last two.
-// Leaving is moved out beyond the error of the slab test: 2 gamma(3) by Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013,
-// with 2.5 ulps for the reciprocal instead of half of one.
 fn child_keys(node: Node, origin: vec3<f32>, inverse: vec3<f32>, nearest: f32) -> vec4<u32> {
     let exponents = (vec3<u32>(node.exponents) >> vec3<u32>(0u, 8u, 16u)) & vec3<u32>(255u);
-    let scale = bitcast<vec3<f32>>(exponents << vec3<u32>(23u));
+    let x = grid_axis(node.origin.x, exponents.x, origin.x, inverse.x);
+    let y = grid_axis(node.origin.y, exponents.y, origin.y, inverse.y);
+    let z = grid_axis(node.origin.z, exponents.z, origin.z, inverse.z);
     let forward = inverse >= vec3<f32>(0.0);
     let near = select(node.high, node.low, forward);
     let far = select(node.low, node.high, forward);
-    let enter_x = plane_distances(near.x, node.origin.x, scale.x, origin.x, inverse.x);
-    let enter_y = plane_distances(near.y, node.origin.y, scale.y, origin.y, inverse.y);
-    let enter_z = plane_distances(near.z, node.origin.z, scale.z, origin.z, inverse.z);
-    let leave_x = plane_distances(far.x, node.origin.x, scale.x, origin.x, inverse.x);
-    let leave_y = plane_distances(far.y, node.origin.y, scale.y, origin.y, inverse.y);
-    let leave_z = plane_distances(far.z, node.origin.z, scale.z, origin.z, inverse.z);
-    let enter = max(max(enter_x, enter_y), max(enter_z, vec4<f32>(0.0)));
-    let leave = min(min(leave_x, leave_y), leave_z) * 1.000001;
+    let enter_yz = max(enter_axis(y, near.y), enter_axis(z, near.z));
+    let leave_yz = min(leave_axis(y, far.y), leave_axis(z, far.z));
+    let enter = max(max(enter_axis(x, near.x), enter_yz), vec4<f32>(0.0));
+    let leave = min(min(leave_axis(x, far.x), leave_yz), vec4<f32>(nearest));
     let child = vec4<u32>(0u, 1u, 2u, 3u);
-    let met = enter <= min(leave, vec4<f32>(nearest)) & child < vec4<u32>(node.exponents >> 24u);
+    let met = enter <= leave & child < vec4<u32>(node.exponents >> 24u);
     let key = (bitcast<vec4<u32>>(enter) & vec4<u32>(~CHILD_MASK)) | child;
     return select(vec4<u32>(CHILD_MISSED), key, met);
 }

@@ -28,11 +28,10 @@ impl Pipeline {
     /// Compiles and binds a kernel.
     pub fn new(device: &Device, spec: &PipelineSpec<'_>, buffers: &Buffers) -> Result<Pipeline> {
         let wgpu_device = &device.device;
-        let desc = wgpu::ShaderModuleDescriptor {
+        let module = wgpu_device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(spec.name),
             source: wgpu::ShaderSource::Naga(Cow::Owned(spec.module.clone())),
-        };
-        let module = if std::env::var("TRUST").is_ok() { unsafe { wgpu_device.create_shader_module_trusted(desc, wgpu::ShaderRuntimeChecks::unchecked()) } } else {wgpu_device.create_shader_module(desc)};
+        });
         let entries: Vec<_> = spec.bindings.values().map(layout_entry).collect();
         let layout = wgpu_device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some(spec.name),
