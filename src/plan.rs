@@ -110,8 +110,16 @@ pub struct Staged {
 }
 
 impl Plan {
+    /// Decides and links the kernels, all tables in storage bindings.
+    pub fn new(features: &Features, scatter: Scatter) -> Result<Plan> {
+        Plan::with_tables(features, scatter, &Tables::default())
+    }
+
     /// Decides and links the kernels.
-    pub fn new(features: &Features, scatter: Scatter, tables: &Tables) -> Result<Plan> {
+    ///
+    /// # Errors
+    /// `Error::Shader` where a kernel does not link or validate: a defect of gpu-rt, not of the scene.
+    pub fn with_tables(features: &Features, scatter: Scatter, tables: &Tables) -> Result<Plan> {
         let materials = entries(MATERIALS, &features.materials);
         let empty = materials.is_empty();
         // A queue each is no use where there is one material.
@@ -204,6 +212,11 @@ fn entries<const N: usize>(names: &[&str], used: &[Option<String>; N]) -> Vec<En
 fn asked<const N: usize>(names: &[&str], used: &[Option<String>; N]) -> String {
     let each = names.iter().zip(used).filter_map(|(name, used)| Some(format!("{name} ({})", used.as_ref()?)));
     each.collect::<Vec<_>>().join(", ")
+}
+
+/// What a kernel over all materials of the scene is linked with: for benchmarks and tests that link their own.
+pub fn choices_of(features: &Features, tables: &Tables) -> Choices {
+    choices(features, &entries(MATERIALS, &features.materials), false, tables)
 }
 
 fn choices(features: &Features, materials: &[Entry], queues: bool, tables: &Tables) -> Choices {

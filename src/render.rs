@@ -69,10 +69,10 @@ pub fn tuning(device: DeviceClass, job: &Job, wish: TuningWish) -> Tuning {
         }
         Goal::Until { .. } => u64::MAX,
     };
-    // Software keeps the slots' state in its caches; a GPU wants paths enough to hide its latencies. A slot should serve
-    // several runs, or the render is all tail.
+    // A processor wants work for each core and the slots' state in its caches; a GPU wants paths enough to hide its
+    // latencies. A slot should serve several runs, or the render is all tail.
     let (fewest, most) = match device.software {
-        true => (2048, 32_768),
+        true => (2048, 4096 * cores().clamp(2, 16)),
         false => (65_536, 1 << 20),
     };
     let slots = wish.slots.unwrap_or((runs / 8).clamp(fewest, most) as u32).max(1);
@@ -83,8 +83,12 @@ pub fn tuning(device: DeviceClass, job: &Job, wish: TuningWish) -> Tuning {
         workgroup: wish.workgroup.unwrap_or(64),
         // Measured in docs/performance.md: a processor pays more for storing a path's state than for its divergence.
         scatter: wish.scatter.unwrap_or(if device.software { Scatter::Fused } else { Scatter::Linked }),
-        records_per_slot: room.clamp(2, 8) as u32,
+        records_per_slot: room.clamp(2, 16) as u32,
     }
+}
+
+fn cores() -> u64 {
+    std::thread::available_parallelism().map_or(1, |cores| cores.get() as u64)
 }
 
 /// Sizes that the user fixed.

@@ -5,7 +5,7 @@ use serde_json::json;
 use super::{flatten_for, path_text, print_json, print_line};
 use crate::cli::CheckArgs;
 use crate::error::{Error, Result};
-use crate::plan::{Plan, Scatter, Tables};
+use crate::plan::{Plan, Scatter};
 use crate::scene::Scene;
 
 /// Reads, validates and flattens the scene, and links its kernels.
@@ -38,7 +38,7 @@ pub fn run(args: &CheckArgs) -> Result<()> {
 fn examine(args: &CheckArgs) -> Result<(usize, Vec<String>)> {
     let scene = Scene::load(&args.scene)?;
     let (_, flat) = flatten_for(&scene, None)?;
-    Plan::new(&flat.features, Scatter::Linked, &Tables::default())?;
+    Plan::new(&flat.features, Scatter::Linked)?;
     Ok((flat.spheres.len() + flat.quads.len() + flat.cuboids.len(), scene.warnings()))
 }
 

@@ -34,7 +34,7 @@ pub fn run(args: &PlanArgs) -> Result<()> {
     };
     let wish = TuningWish { scatter: args.scatter.map(Into::into), ..TuningWish::default() };
     let tuning = tuning(class, &job, wish);
-    let plan = Plan::new(&flat.features, tuning.scatter, &Tables::new(&flat, class.table_bytes()))?;
+    let plan = Plan::with_tables(&flat.features, tuning.scatter, &Tables::new(&flat, class.table_bytes()))?;
     if let Some(folder) = &args.wgsl {
         write_shaders(folder, &plan)?;
     }

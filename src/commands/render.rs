@@ -66,7 +66,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     };
     let class = device.class();
     let tables = Tables::new(&flat, class.table_bytes());
-    let plan = Plan::new(&flat.features, tuning(class, &job, wish).scatter, &tables)?;
+    let plan = Plan::with_tables(&flat.features, tuning(class, &job, wish).scatter, &tables)?;
     let mut renderer = Renderer::new(&device, &flat, &plan, &job, wish, args.tuning.profile)?;
     seconds.compile = clock.lap();
 
