@@ -3,10 +3,8 @@
 //! The device delivers sums over short runs of samples in f32. Here they are added as integers of a fixed scale (a sum of integers is
 //! the same in any order and split), together with the sums of squares that the error estimate needs.
 
+use crate::data::RUN_LENGTH;
 use crate::error::{Error, Result};
-
-/// The longest run: a run is up to this many consecutive samples of one pixel.
-pub const RUN_LENGTH: u32 = 8;
 
 /// What [`Picture::variance`] holds where the variance is not known: the largest finite f32. An image file must hold finite values, 0
 /// would claim exactness, and whoever takes this one for a number concludes that the pixel is worthless, which is right.

@@ -257,8 +257,8 @@ impl<'a> Renderer<'a> {
     /// Their number is fixed before the last stretch begins, from the pace of those before it: to stop when a pass happens
     /// to end would favour short paths.
     fn render_until(&mut self, most: Range<u32>, deadline: Instant, stretch: &mut Stretch<'_>) -> Result<u32> {
-        /// The shares of the time at whose end the pace is taken again.
-        const SHARES: [f64; 3] = [0.1, 0.7, 1.0];
+        /// The shares of the time at whose end the pace is taken again; the last leaves room for its error.
+        const SHARES: [f64; 3] = [0.1, 0.7, 0.98];
         let first = most.start;
         self.render_samples(first..first + 1, stretch)?;
         let seconds_left = || deadline.saturating_duration_since(Instant::now()).as_secs_f64();
@@ -282,7 +282,7 @@ impl<'a> Renderer<'a> {
                 aim if aim >= most.end => most.end,
                 _ if whole > done => whole,
                 // Not even one block fits, now or later.
-                _ if done == first && share == 1.0 => done + fits.max(1),
+                _ if done == first && share == SHARES[2] => done + fits.max(1),
                 _ => continue,
             };
             self.render_samples(done..end, stretch)?;

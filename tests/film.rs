@@ -3,7 +3,8 @@
 #[path = "common/stats.rs"]
 mod stats;
 
-use gpu_rt::film::{Film, RUN_LENGTH, RunRecord, UNKNOWN_VARIANCE};
+use gpu_rt::data::RUN_LENGTH;
+use gpu_rt::film::{Film, RunRecord, UNKNOWN_VARIANCE};
 use stats::{Random, one_sample_t};
 
 fn run(pixel: u32, sum: [f32; 3], accepted: u32) -> RunRecord {

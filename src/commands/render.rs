@@ -116,7 +116,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
         print_json(&report(&about, &output, &outcome, &finish, &seconds, total, &kernels, gpu_bytes));
     }
     if !args.quiet {
-        summarise(args, &output, &outcome, &finish, total);
+        summarise(args, &job, &output, &outcome, &finish, total);
     }
     if args.strict && finish.totals.rejected.total() > 0 {
         return Err(Error::Strict(format!("--strict: {}", rejected_words(&finish.totals))));
@@ -330,7 +330,7 @@ fn report(
         "output": path_text(&output.exr),
         "width": about.job.size.0,
         "height": about.job.size.1,
-        "samples_per_pixel": outcome.samples.len(),
+        "samples_per_pixel": samples_done(outcome, finish, about.job),
         "first_sample": outcome.samples.start,
         "max_depth": about.job.max_depth,
         "seed": about.job.seed,
@@ -366,7 +366,7 @@ fn report(
 }
 
 /// The last line, and before it what the user should know.
-fn summarise(args: &RenderArgs, output: &Output<'_>, outcome: &Outcome, finish: &Finish, total: f64) {
+fn summarise(args: &RenderArgs, job: &Job, output: &Output<'_>, outcome: &Outcome, finish: &Finish, total: f64) {
     if finish.totals.rejected.total() > 0 {
         eprintln!("warning: {}", rejected_words(&finish.totals));
     }
@@ -385,7 +385,16 @@ fn summarise(args: &RenderArgs, output: &Output<'_>, outcome: &Outcome, finish: 
         Some(error) => format!("relative error {:.2} %", 100.0 * error),
         None => "error unknown (it takes 9 samples a pixel, and light)".to_string(),
     };
-    eprintln!("{}: {} samples, {error}, {total:.1} s", output.exr.display(), outcome.samples.len());
+    let samples = samples_done(outcome, finish, job);
+    eprintln!("{}: {samples} samples, {error}, {total:.1} s", output.exr.display());
+}
+
+/// Samples of each pixel; of an interrupted render the whole ones of the mean.
+fn samples_done(outcome: &Outcome, finish: &Finish, job: &Job) -> u64 {
+    match outcome.interrupted {
+        false => outcome.samples.len() as u64,
+        true => finish.totals.paths / (u64::from(job.size.0) * u64::from(job.size.1)),
+    }
 }
 
 fn rejected_words(totals: &Totals) -> String {
