@@ -29,18 +29,18 @@ pub struct RunRecord {
     pub sum: [f32; 3],
     /// Index of the pixel: row 0 on top, `y * width + x`.
     pub pixel: u32,
-    /// Accepted samples | rejected as NaN << 8 | rejected as infinite << 16; their sum is at most [`RUN_LENGTH`].
+    /// Accepted samples | rejected as NaN << 8 | rejected as infinite << 16 | rejected as cut short << 24; their sum is
+    /// at most [`RUN_LENGTH`].
     pub counts: u32,
     /// Rays traced for the run.
     pub rays: u32,
 }
 
 impl RunRecord {
-    /// `(accepted, NaN, infinite)`, or nothing where they cannot be the counts of one run.
-    fn counts(&self) -> Option<(u32, u32, u32)> {
-        let [accepted, nan, infinite, unused] = self.counts.to_le_bytes().map(u32::from);
-        (unused == 0 && accepted + nan + infinite <= RUN_LENGTH)
-            .then_some((accepted, nan, infinite))
+    /// `[accepted, NaN, infinite, cut short]`, or nothing where they cannot be the counts of one run.
+    fn counts(&self) -> Option<[u32; 4]> {
+        let counts = self.counts.to_le_bytes().map(u32::from);
+        (counts.iter().sum::<u32>() <= RUN_LENGTH).then_some(counts)
     }
 }
 
@@ -51,13 +51,15 @@ pub struct Rejected {
     pub nan: u64,
     /// The device found an infinity, or the run's sum overflowed f32.
     pub infinite: u64,
+    /// The ray's walk through the BVH was given up as too long (shaders/scene/traverse.wgsl).
+    pub cut: u64,
     /// The record itself was refused: its pixel is not in the image, its sum is negative or NaN, or its counts are not those of a run.
     pub refused: u64,
 }
 
 impl Rejected {
     pub fn total(&self) -> u64 {
-        self.nan + self.infinite + self.refused
+        self.nan + self.infinite + self.cut + self.refused
     }
 }
 
@@ -192,11 +194,11 @@ impl Film {
 
     fn add_one(&mut self, record: &RunRecord) {
         self.totals.rays += u64::from(record.rays);
-        let Some((accepted, nan, infinite)) = record.counts() else {
+        let Some([accepted, nan, infinite, cut]) = record.counts() else {
             self.refuse(record, RUN_LENGTH);
             return;
         };
-        let samples = accepted + nan + infinite;
+        let samples = accepted + nan + infinite + cut;
         // A NaN fails this too.
         let sum_is_valid = record.sum.iter().all(|s| *s >= 0.0);
         if accepted > 0 && !sum_is_valid {
@@ -210,7 +212,8 @@ impl Film {
         self.totals.paths += u64::from(samples);
         self.totals.rejected.nan += u64::from(nan);
         self.totals.rejected.infinite += u64::from(infinite);
-        pixel.reject(nan + infinite);
+        self.totals.rejected.cut += u64::from(cut);
+        pixel.reject(nan + infinite + cut);
         if accepted == 0 {
             return;
         }
@@ -265,6 +268,7 @@ impl Film {
         self.totals.rays += other.totals.rays;
         self.totals.rejected.nan += other.totals.rejected.nan;
         self.totals.rejected.infinite += other.totals.rejected.infinite;
+        self.totals.rejected.cut += other.totals.rejected.cut;
         self.totals.rejected.refused += other.totals.rejected.refused;
         Ok(())
     }

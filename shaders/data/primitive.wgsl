@@ -13,7 +13,9 @@ const PATH_ENDED: u32 = 0xfffffffeu;
 const SLOT_IDLE: u32 = 0xfffffffdu;
 // The slot's ray has yet to be traced.
 const RAY_READY: u32 = 0xfffffffcu;
-const FIRST_STATUS: u32 = RAY_READY;
+// The walk through the BVH was given up as too long: the path is worth nothing.
+const PATH_CUT: u32 = 0xfffffffbu;
+const FIRST_STATUS: u32 = PATH_CUT;
 
 fn primitive_kind(code: u32) -> u32 {
     return (code >> PRIMITIVE_KIND_SHIFT) & 7u;

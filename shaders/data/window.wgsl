@@ -27,7 +27,7 @@ struct RunRecord {
     g: f32,
     b: f32,
     pixel: u32,
-    // Accepted | rejected as NaN << 8 | rejected as infinite << 16.
+    // Accepted | rejected as NaN << 8 | rejected as infinite << 16 | rejected as cut short << 24.
     counts: u32,
     rays: u32,
 }

@@ -18,6 +18,10 @@ struct Hit {
 // override.
 const STACK_SIZE: u32 = ${stack_size}u;
 
+// Mesa 22.3 ends all loops of an invocation after 65,535 iterations without a word; this many leave room for the others
+// (stage/bounce). A walk this long has met tens of thousands of objects in one place; its path is dropped and counted.
+const MOST_STEPS_OF_WALK: u32 = 48000u;
+
 // Nearest hit with t > 0. There is no least distance: rays start off the surfaces that they leave. Of two hits at one
 // distance the primitive that comes first in the scene wins, so that the order of the walk cannot show.
 fn nearest_hit(ray: Ray, root: u32) -> Hit {
@@ -31,6 +35,10 @@ fn nearest_hit(ray: Ray, root: u32) -> Hit {
     var depth = 0u;
     var code = root;
     loop {
+        if hit.steps == MOST_STEPS_OF_WALK {
+            hit.code = PATH_CUT;
+            break;
+        }
         hit.steps += 1u;
         var next = CHILD_MISSED;
         if (code & PRIMITIVE_BIT) != 0u {

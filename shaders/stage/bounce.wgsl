@@ -6,9 +6,11 @@
 // to store and load than its divergence does, as on software drivers.
 override WORKGROUP_SIZE: u32 = 64u;
 
-// Steps of the walk through the BVH after which an invocation leaves the rest to the next dispatch. Mesa before 23.1 ends
-// all loops of an invocation after 65,535 iterations without a word.
-const MOST_STEPS: u32 = 16384u;
+// Loop iterations after which an invocation leaves its bounces to the next dispatch: with the longest walk
+// (scene/traverse) still to come they stay below the 65,535 that Mesa 22.3 allows an invocation.
+const MOST_ITERATIONS: u32 = 16384u;
+// The most that shading takes: seven octaves of noise over eight corners.
+const ITERATIONS_OF_SHADING: u32 = 64u;
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn bounce(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -21,9 +23,9 @@ fn bounce(@builtin(global_invocation_id) id: vec3<u32>) {
     load_throughput(slot, &path);
     load_sample(slot, &path);
     load_sum(slot, &path);
-    var steps = 0u;
-    for (var i = 0u; i < window.bounces && steps < MOST_STEPS; i++) {
-        steps += trace(&path);
+    var iterations = 0u;
+    for (var i = 0u; i < window.bounces && iterations < MOST_ITERATIONS; i++) {
+        iterations += trace(&path) + ITERATIONS_OF_SHADING;
         if path.status < FIRST_STATUS {
             scatter_path(&path);
         }

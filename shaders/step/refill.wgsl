@@ -4,9 +4,9 @@
 //@ use choice/background
 //@ use lib/float
 //@ use step/start
-// Whether the path has left the scene or ended on a surface.
+// Whether the path has left the scene, ended on a surface, or cannot go on.
 fn has_ended(status: u32) -> bool {
-    return status == HIT_NOTHING || status == PATH_ENDED;
+    return status == HIT_NOTHING || status == PATH_ENDED || status == PATH_CUT;
 }
 
 // Takes the radiance of a path that ended into its run, and starts the next sample or run.
@@ -16,7 +16,9 @@ fn refill_path(path: ptr<function, Path>) {
         radiance *= background_radiance((*path).ray.direction);
     }
     // A sample that is not finite is dropped and counted by reason; the bits tell, since x != x may be assumed false.
-    if is_nan(radiance.x) || is_nan(radiance.y) || is_nan(radiance.z) {
+    if (*path).status == PATH_CUT {
+        (*path).counts += 0x1000000u;
+    } else if is_nan(radiance.x) || is_nan(radiance.y) || is_nan(radiance.z) {
         (*path).counts += 0x100u;
     } else if is_infinite(radiance.x) || is_infinite(radiance.y) || is_infinite(radiance.z) {
         (*path).counts += 0x10000u;

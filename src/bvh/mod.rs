@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use glam::Vec3;
 use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
 use obvhs::{Boundable, BvhBuildParams};
 
@@ -26,6 +27,13 @@ pub struct Bounds {
 impl Bounds {
     fn union(self, other: Bounds) -> Bounds {
         Bounds { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    /// Something to sort boxes by, so that equal ones meet.
+    fn bits(&self) -> [u32; 6] {
+        let [x, y, z] = self.min.to_array().map(f32::to_bits);
+        let [u, v, w] = self.max.to_array().map(f32::to_bits);
+        [x, y, z, u, v, w]
     }
 
     /// Half the surface.
@@ -62,28 +70,62 @@ pub fn build(bounds: &[Bounds], codes: &[u32]) -> Bvh {
     if bounds.is_empty() {
         return Bvh { nodes: Vec::new(), root: HIT_NOTHING, stack_size: 0 };
     }
+    // Equal boxes side by side, each set of them built over once: clustering many of them takes time by their square.
+    let mut order: Vec<u32> = (0..bounds.len() as u32).collect();
+    order.sort_by_key(|&i| (bounds[i as usize].bits(), i));
+    let sets: Vec<&[u32]> = order.chunk_by(|&a, &b| bounds[a as usize] == bounds[b as usize]).collect();
+    let boxes: Vec<Bounds> = sets.iter().map(|set| bounds[set[0] as usize]).collect();
+
     let params = BvhBuildParams { max_prims_per_leaf: 1, ..BvhBuildParams::medium_build() };
-    let tree = build_bvh2(bounds, params, &mut Duration::default());
-    // A binary tree's depth counts its leaves' level too.
-    if tree.depth(0) <= DEEPEST {
-        return wide::gather(0, |&at| {
-            let node = &tree.nodes[at];
-            let first = node.first_index as usize;
-            if node.is_leaf() {
-                return Branch::Leaf(codes[tree.primitive_indices[first] as usize]);
+    let tree = build_bvh2(&boxes, params, &mut Duration::default());
+    let all: Vec<u32> = tree.primitive_indices.iter().flat_map(|&set| sets[set as usize]).copied().collect();
+    let boxes = Boxes { tree: &tree, sets: &sets, bounds, codes };
+    let root = if tree.depth(0) <= DEEPEST { Place::Node(0) } else { Place::Set(&all) };
+    wide::gather(root, |place| boxes.below(place))
+}
+
+/// A place in the binary tree over all boxes: a node of the tree that was built, or some boxes of which a balanced tree is
+/// made on the way.
+#[derive(Clone, Copy)]
+enum Place<'a> {
+    Node(usize),
+    Set(&'a [u32]),
+}
+
+/// All that a binary tree over the boxes is made from.
+struct Boxes<'a> {
+    tree: &'a Bvh2,
+    /// The boxes that are equal, by the tree's leaves.
+    sets: &'a [&'a [u32]],
+    bounds: &'a [Bounds],
+    codes: &'a [u32],
+}
+
+impl<'a> Boxes<'a> {
+    fn below(&self, place: &Place<'a>) -> Branch<Place<'a>> {
+        match *place {
+            Place::Node(at) => {
+                let node = &self.tree.nodes[at];
+                let first = node.first_index as usize;
+                if node.is_leaf() {
+                    return self.halve(self.sets[self.tree.primitive_indices[first] as usize]);
+                }
+                let child = |at: usize| (Bounds::from(self.tree.nodes[at].aabb()), Place::Node(at));
+                Branch::Inner(child(first), child(first + 1))
             }
-            let child = |at: usize| (Bounds::from(tree.nodes[at].aabb()), at);
-            Branch::Inner(child(first), child(first + 1))
-        });
-    }
-    wide::gather(tree.primitive_indices.as_slice(), |range| match range {
-        [only] => Branch::Leaf(codes[*only as usize]),
-        _ => {
-            let child = |range| (bound(range, bounds), range);
-            let (low, high) = range.split_at(range.len() / 2);
-            Branch::Inner(child(low), child(high))
+            Place::Set(set) => self.halve(set),
         }
-    })
+    }
+
+    /// The top of a balanced tree over a set of boxes that is not empty.
+    fn halve(&self, set: &'a [u32]) -> Branch<Place<'a>> {
+        if let [only] = set {
+            return Branch::Leaf(self.codes[*only as usize]);
+        }
+        let child = |set| (bound(set, self.bounds), Place::Set(set));
+        let (low, high) = set.split_at(set.len() / 2);
+        Branch::Inner(child(low), child(high))
+    }
 }
 
 /// The union of the boxes named by a range that is not empty.

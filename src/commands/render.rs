@@ -294,6 +294,7 @@ impl About<'_> {
             int("rejected_samples", finish.totals.rejected.total()),
             int("rejected_nan", finish.totals.rejected.nan),
             int("rejected_infinite", finish.totals.rejected.infinite),
+            int("rejected_cut", finish.totals.rejected.cut),
             float("seconds_load", seconds.load),
             float("seconds_build", seconds.build),
             float("seconds_compile", seconds.compile),
@@ -400,11 +401,13 @@ fn samples_done(outcome: &Outcome, finish: &Finish, job: &Job) -> u64 {
 fn rejected_words(totals: &Totals) -> String {
     let rejected = totals.rejected;
     format!(
-        "{} of {} samples were rejected: {} were not a number, {} infinite, {} not delivered whole",
+        "{} of {} samples were rejected: {} were not a number, {} infinite, {} cut short, {} not delivered \
+         whole",
         rejected.total(),
         totals.paths,
         rejected.nan,
         rejected.infinite,
+        rejected.cut,
         rejected.refused
     )
 }
