@@ -5,15 +5,16 @@ use std::time::Instant;
 
 use clap::Parser;
 use gpu_rt::cli::Cli;
+use gpu_rt::commands;
 
 fn main() -> ExitCode {
     let start = Instant::now();
     quiet_the_loader();
     let cli = Cli::parse();
-    match gpu_rt::commands::run(&cli, start) {
+    match commands::run(&cli, start) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error}");
+            commands::tell(&format!("error: {error}"));
             ExitCode::from(error.exit_status())
         }
     }

@@ -100,8 +100,7 @@ pub enum Bounce {
 /// The stages of a bounce as kernels of their own.
 #[derive(Debug)]
 pub struct Staged {
-    /// Absent where there is nothing to hit.
-    pub intersect: Option<Kernel>,
+    pub intersect: Kernel,
     /// Sizes the scatter dispatches; absent where one linked kernel serves all slots.
     pub dispatch: Option<Kernel>,
     /// One linked kernel, or one for each queue in the queues' order; none where there is nothing to hit.
@@ -135,7 +134,7 @@ impl Plan {
                 wanted.then(|| kernel(name, stage, &choices, why)).transpose()
             };
             Bounce::Staged(Staged {
-                intersect: if_any(!empty, "intersect", "intersect", &geometry)?,
+                intersect: kernel("intersect", "intersect", &choices, if empty { always } else { &geometry })?,
                 dispatch: if_any(queues, "dispatch", "dispatch", "a queue for each material")?,
                 scatter: match queues {
                     true => queued_scatters(features, &materials, &choices)?,
@@ -153,7 +152,7 @@ impl Plan {
         match &self.bounce {
             Bounce::Fused(kernel) => all.push(kernel),
             Bounce::Staged(Staged { intersect, dispatch, scatter, refill }) => {
-                all.extend(intersect.iter().chain(dispatch).chain(scatter));
+                all.extend(std::iter::once(intersect).chain(dispatch).chain(scatter));
                 all.push(refill);
             }
         }
@@ -234,6 +233,7 @@ fn choices(features: &Features, materials: &[Entry], queues: bool, tables: &Tabl
             ("camera", pick(features.thin_lens, "camera/thin_lens", "camera/pinhole")),
             ("colour", pick(textures.is_empty(), "scene/plain_colour", "scene/textured_colour")),
             ("uv", pick(image_texture, "scene/uv", "scene/no_uv")),
+            ("walk", pick(materials.is_empty(), "scene/nothing", "scene/traverse")),
             ("sort", pick(queues, "slots/sort_by_material", "slots/no_sort")),
             ("turn", pick(queues, "slots/queue_turn", "slots/every_turn")),
         ]),

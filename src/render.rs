@@ -46,9 +46,11 @@ pub enum Next {
 /// What a render came to, beside its film.
 #[derive(Clone, Debug, Default)]
 pub struct Outcome {
-    /// The samples that every pixel was to have; pixels of an interrupted render may have fewer.
+    /// The samples of every pixel; of an interrupted render pixels may have a run less.
     pub samples: Range<u32>,
     pub interrupted: bool,
+    /// Of an interrupted render: one past the last sample that any pixel has.
+    pub stopped_at: Option<u32>,
     /// Seconds of the passes, from the first to the last.
     pub seconds: f64,
     /// Seconds until the first pass had ended.
@@ -130,7 +132,7 @@ impl BouncePipelines {
         let (stages, last) = match self {
             BouncePipelines::Fused(bounce) => (None, bounce),
             BouncePipelines::Staged { intersect, dispatch, scatter, refill } => {
-                (Some(intersect.iter().chain(dispatch).chain(scatter)), refill)
+                (Some(std::iter::once(intersect).chain(dispatch).chain(scatter)), refill)
             }
         };
         stages.into_iter().flatten().chain(std::iter::once(last))
@@ -148,7 +150,7 @@ struct Stretch<'a> {
 /// The pipelines of a plan's `Bounce`.
 enum BouncePipelines {
     Fused(Pipeline),
-    Staged { intersect: Option<Pipeline>, dispatch: Option<Pipeline>, scatter: Vec<Pipeline>, refill: Pipeline },
+    Staged { intersect: Pipeline, dispatch: Option<Pipeline>, scatter: Vec<Pipeline>, refill: Pipeline },
 }
 
 impl<'a> Renderer<'a> {
@@ -165,6 +167,13 @@ impl<'a> Renderer<'a> {
         profile: bool,
     ) -> Result<Renderer<'a>> {
         let tuning = tuning(device.class(), job, wish);
+        let most_slots = u64::from(device.limits.max_compute_workgroups_per_dimension) * u64::from(tuning.workgroup);
+        if u64::from(tuning.slots) > most_slots {
+            return Err(Error::Usage(format!(
+                "--slots {}: expected {most_slots} at most, with workgroups of {} invocations on {}",
+                tuning.slots, tuning.workgroup, device.name
+            )));
+        }
         let buffers = Buffers::create(device, &plan.buffers(flat, &tuning))?;
         let pipeline = |kernel: &Kernel| {
             let spec = PipelineSpec {
@@ -179,7 +188,7 @@ impl<'a> Renderer<'a> {
         let bounce = match &plan.bounce {
             Bounce::Fused(kernel) => BouncePipelines::Fused(pipeline(kernel)?),
             Bounce::Staged(Staged { intersect, dispatch, scatter, refill }) => BouncePipelines::Staged {
-                intersect: intersect.as_ref().map(pipeline).transpose()?,
+                intersect: pipeline(intersect)?,
                 dispatch: dispatch.as_ref().map(pipeline).transpose()?,
                 scatter: scatter.iter().map(pipeline).collect::<Result<_>>()?,
                 refill: pipeline(refill)?,
@@ -244,7 +253,7 @@ impl<'a> Renderer<'a> {
             }
             Goal::Until { deadline, end } => self.render_until(first..end, deadline, &mut stretch)?,
         };
-        outcome.samples = first..end;
+        outcome.samples = first..outcome.stopped_at.unwrap_or(end).min(end);
         outcome.seconds = start.elapsed().as_secs_f64();
         if let Some(timing) = &self.timing {
             outcome.stages = timing.seconds.iter().map(|(name, seconds)| (name.clone(), *seconds)).collect();
@@ -339,6 +348,8 @@ impl<'a> Renderer<'a> {
                 outcome.interrupted = true;
                 // No run beyond those started begins. The started ones end: to drop them would favour short paths.
                 window.end = window.end.min(counters.next);
+                let blocks_begun = window.end.div_ceil(film.width() * film.height());
+                outcome.stopped_at = Some((window.first_block + blocks_begun) * RUN_LENGTH);
             }
             if counters.idle >= self.tuning.slots {
                 return Ok(());
@@ -363,7 +374,7 @@ impl<'a> Renderer<'a> {
             BouncePipelines::Fused(bounce) => stages.push(Stage::all(bounce, groups)),
             BouncePipelines::Staged { intersect, dispatch, scatter, refill } => {
                 for _ in 0..bounces {
-                    stages.extend(intersect.iter().map(|kernel| Stage::all(kernel, groups)));
+                    stages.push(Stage::all(intersect, groups));
                     match dispatch {
                         None => stages.extend(scatter.iter().map(|kernel| Stage::all(kernel, groups))),
                         Some(dispatch) => {

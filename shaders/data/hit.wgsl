@@ -20,3 +20,11 @@ struct SurfaceUv {
     uv: vec2<f32>,
     wraps: bool,
 }
+
+// What a ray meets first.
+struct Hit {
+    code: u32,
+    t: f32,
+    // Nodes and primitives looked at.
+    steps: u32,
+}

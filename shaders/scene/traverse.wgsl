@@ -7,13 +7,6 @@
 //@ use lib/float
 // The nearest primitive along a ray.
 
-struct Hit {
-    code: u32,
-    t: f32,
-    // Nodes and primitives looked at.
-    steps: u32,
-}
-
 // The deepest that the stack can get in this scene's BVH. A text constant, since WGSL sizes no private array by an
 // override.
 const STACK_SIZE: u32 = ${stack_size}u;

@@ -1,6 +1,6 @@
 //@ use data/path
 //@ use bind/settings
-//@ use scene/traverse
+//@ use choice/walk
 // Finds what the path's ray meets first.
 fn trace(path: ptr<function, Path>) -> u32 {
     let hit = nearest_hit((*path).ray, settings.root);

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::json;
 
-use super::{flatten_for, path_text, print_json};
+use super::{flatten_for, path_text, print_json, tell};
 use crate::cli::{MOST_SAMPLES, RenderArgs};
 use crate::error::{Error, Result};
 use crate::film::{Film, Picture, Totals};
@@ -53,7 +53,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     let adapters = Adapters::find();
     let device = Device::open(adapters.choose(args.device.as_deref())?)?;
     if device.name.software && !args.quiet {
-        eprintln!("warning: {} is a software driver: the processor does a GPU's work", device.name);
+        tell(&format!("warning: {} is a software driver: the processor does a GPU's work", device.name));
     }
     seconds.open = clock.lap();
 
@@ -84,7 +84,10 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
         error: None,
         failed: None,
         checkpoint: &|film: &Film, error: Option<f64>| {
-            let attributes = about.attributes(&Finish { error, ..Finish::of(film) }, &seconds);
+            let each = film.totals().paths / (u64::from(film.width()) * u64::from(film.height()));
+            let end = job.first_sample.saturating_add(u32::try_from(each).unwrap_or(u32::MAX));
+            let finish = Finish { error, samples: job.first_sample..end, ..Finish::of(film) };
+            let attributes = about.attributes(&finish, &seconds);
             write_exr(&output.exr, &film.develop(), &attributes)
         },
         interval: args.checkpoint,
@@ -148,19 +151,32 @@ fn output_of(args: &RenderArgs) -> Result<Output<'_>> {
             PathBuf::from(name).with_added_extension("exr")
         }
     };
-    for path in std::iter::once(exr.as_path()).chain(args.png.as_deref()) {
-        let folder = match path.parent() {
-            Some(parent) if !parent.as_os_str().is_empty() => parent,
-            _ => Path::new("."),
-        };
-        if path.is_dir() || !folder.is_dir() {
-            return Err(Error::Usage(format!(
-                "{}: expected the name of a file in a folder that exists; nothing has been rendered",
-                path.display()
-            )));
+    std::iter::once(exr.as_path()).chain(args.png.as_deref()).try_for_each(check_place)?;
+    Ok(Output { exr, png: args.png.as_deref(), exposure: args.exposure })
+}
+
+/// Whether a file can be put there.
+fn check_place(path: &Path) -> Result<()> {
+    let folder = match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    if path.file_name().is_none() || path.is_dir() || !folder.is_dir() {
+        return Err(Error::Usage(format!(
+            "{}: expected the name of a file in a folder that exists; nothing has been rendered",
+            path.display()
+        )));
+    }
+    // Devices and pipes are written as they are; a file is made anew beside the old one.
+    if path.exists() && !path.is_file() {
+        return Ok(());
+    }
+    match tempfile::tempfile_in(folder) {
+        Ok(_) => Ok(()),
+        Err(error) => {
+            Err(Error::File { path: path.to_path_buf(), action: "write", reason: format!("{error}; nothing has been rendered") })
         }
     }
-    Ok(Output { exr, png: args.png.as_deref(), exposure: args.exposure })
 }
 
 fn job_of(args: &RenderArgs, scene: &Scene, size: (u32, u32), start: Instant) -> Job {
@@ -369,17 +385,17 @@ fn report(
 /// The last line, and before it what the user should know.
 fn summarise(args: &RenderArgs, job: &Job, output: &Output<'_>, outcome: &Outcome, finish: &Finish, total: f64) {
     if finish.totals.rejected.total() > 0 {
-        eprintln!("warning: {}", rejected_words(&finish.totals));
+        tell(&format!("warning: {}", rejected_words(&finish.totals)));
     }
     if let Some(time) = args.time
         && total > time.as_secs_f64()
     {
-        eprintln!("warning: {total:.1} s is more than the --time of {:.1} s", time.as_secs_f64());
+        tell(&format!("warning: {total:.1} s is more than the --time of {:.1} s", time.as_secs_f64()));
     }
     if args.tuning.profile {
         match outcome.stages.is_empty() {
-            true => eprintln!("stages: this device has no timestamps"),
-            false => outcome.stages.iter().for_each(|(name, s)| eprintln!("stage {name}: {s:.3} s on the device")),
+            true => tell("stages: this device has no timestamps"),
+            false => outcome.stages.iter().for_each(|(name, s)| tell(&format!("stage {name}: {s:.3} s on the device"))),
         }
     }
     let error = match finish.error {
@@ -387,7 +403,7 @@ fn summarise(args: &RenderArgs, job: &Job, output: &Output<'_>, outcome: &Outcom
         None => "error unknown (it takes 9 samples a pixel, and light)".to_string(),
     };
     let samples = samples_done(outcome, finish, job);
-    eprintln!("{}: {samples} samples, {error}, {total:.1} s", output.exr.display());
+    tell(&format!("{}: {samples} samples, {error}, {total:.1} s", output.exr.display()));
 }
 
 /// Samples of each pixel; of an interrupted render the whole ones of the mean.

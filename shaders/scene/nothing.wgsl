@@ -1,0 +1,8 @@
+//@ use data/ray
+//@ use data/hit
+//@ use data/primitive
+//@ use lib/float
+// A scene without objects: every ray leaves it.
+fn nearest_hit(ray: Ray, root: u32) -> Hit {
+    return Hit(HIT_NOTHING, VERY_FAR, 1u);
+}
