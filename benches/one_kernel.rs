@@ -55,7 +55,13 @@ impl<'a> OneKernel<'a> {
         specs.retain(|spec| bindings.contains_key(spec.name) && spec.name != "records");
         specs.push(BufferSpec::working("records", u64::from(pixels) * size_of::<RunRecord>() as u64, "a run a pixel"));
         let buffers = Buffers::create(device, &specs)?;
-        let spec = PipelineSpec { name: "one_kernel", entry_point: "one_kernel", module: &module, bindings: &bindings, workgroup };
+        let spec = PipelineSpec {
+            name: "one_kernel",
+            entry_point: "one_kernel",
+            module: &module,
+            bindings: &bindings,
+            workgroup,
+        };
         let pipeline = Pipeline::new(device, &spec, &buffers)?;
         let settings = Settings { max_depth: job.max_depth, seed: job.seed, slots: 1, ..flat.settings };
         device.queue.write_buffer(buffers.get("settings")?, 0, bytemuck::bytes_of(&settings));
@@ -98,7 +104,7 @@ fn main() -> Result<()> {
     let size = (width.parse().expect("width"), height.parse().expect("height"));
     let samples: u32 = arg(2, "8").parse().expect("samples");
     let rounds: usize = arg(3, "5").parse().expect("rounds");
-    assert!(samples % RUN_LENGTH == 0, "whole runs");
+    assert!(samples.is_multiple_of(RUN_LENGTH), "whole runs");
 
     let adapters = Adapters::find();
     let device = Device::open(adapters.choose(std::env::var("GPU_RT_BENCH_DEVICE").ok().as_deref())?)?;

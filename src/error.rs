@@ -33,11 +33,7 @@ pub enum Error {
     Usage(String),
     /// A file could not be read or written.
     #[error("{}: cannot {action}: {reason}", path.display())]
-    File {
-        path: PathBuf,
-        action: &'static str,
-        reason: String,
-    },
+    File { path: PathBuf, action: &'static str, reason: String },
     /// No device fits, the device refused, or it was lost.
     #[error("{0}")]
     Device(String),

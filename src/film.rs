@@ -162,13 +162,7 @@ impl Film {
         let mut pixels = Vec::new();
         pixels.try_reserve_exact(count).map_err(|_| too_large())?;
         pixels.resize(count, Pixel::default());
-        Ok(Film {
-            width,
-            height,
-            exponent,
-            pixels,
-            totals: Totals::default(),
-        })
+        Ok(Film { width, height, exponent, pixels, totals: Totals::default() })
     }
 
     pub fn width(&self) -> u32 {
@@ -228,8 +222,7 @@ impl Film {
             // The square of an f32 is exact in f64, and so is its quotient by the n of a full run, 8.
             let square = s * s / f64::from(accepted);
             pixel.sum[channel] = pixel.sum[channel].saturating_add(to_fixed(s, SUM_FRACTION));
-            pixel.squares[channel] =
-                pixel.squares[channel].saturating_add(to_fixed(square, SQUARE_FRACTION));
+            pixel.squares[channel] = pixel.squares[channel].saturating_add(to_fixed(square, SQUARE_FRACTION));
         }
         pixel.samples += u64::from(accepted);
         pixel.runs = pixel.runs.saturating_add(1);
@@ -257,8 +250,7 @@ impl Film {
         for (mine, theirs) in self.pixels.iter_mut().zip(&other.pixels) {
             for channel in 0..3 {
                 mine.sum[channel] = mine.sum[channel].saturating_add(theirs.sum[channel]);
-                mine.squares[channel] =
-                    mine.squares[channel].saturating_add(theirs.squares[channel]);
+                mine.squares[channel] = mine.squares[channel].saturating_add(theirs.squares[channel]);
             }
             mine.samples += theirs.samples;
             mine.runs = mine.runs.saturating_add(theirs.runs);
@@ -280,21 +272,13 @@ impl Film {
         Picture {
             width: self.width,
             height: self.height,
-            rgb: self
-                .pixels
-                .iter()
-                .map(|p| channels.map(|c| to_f32(p.mean(c) * scale)))
-                .collect(),
+            rgb: self.pixels.iter().map(|p| channels.map(|c| to_f32(p.mean(c) * scale))).collect(),
             variance: self
                 .pixels
                 .iter()
                 .map(|p| channels.map(|c| variance_to_f32(p.variance(c), scale * scale)))
                 .collect(),
-            samples: self
-                .pixels
-                .iter()
-                .map(|p| u32::try_from(p.samples).unwrap_or(u32::MAX))
-                .collect(),
+            samples: self.pixels.iter().map(|p| u32::try_from(p.samples).unwrap_or(u32::MAX)).collect(),
             rejected: self.pixels.iter().map(|p| p.rejected).collect(),
         }
     }
@@ -307,8 +291,7 @@ impl Film {
     /// Nothing while any other pixel has less than two runs, where a total has saturated, and for an image without light.
     pub fn relative_error(&self) -> Option<f64> {
         let luminance = |p: &Pixel| (0..3).map(|c| LUMINANCE[c] * p.mean(c)).sum::<f64>();
-        let mean_luminance =
-            self.pixels.iter().map(luminance).sum::<f64>() / self.pixels.len() as f64;
+        let mean_luminance = self.pixels.iter().map(luminance).sum::<f64>() / self.pixels.len() as f64;
         if mean_luminance <= 0.0 {
             return None;
         }
@@ -379,11 +362,7 @@ fn square_over(sum: u128, samples: u64) -> u128 {
     let (carry, rest) = (high / n, high % n);
     let upper = rest << 64 | low >> 64;
     let lower = (upper % n) << 64 | low & u128::from(u64::MAX);
-    if carry > 0 {
-        u128::MAX
-    } else {
-        ((upper / n) << 64) | (lower / n)
-    }
+    if carry > 0 { u128::MAX } else { ((upper / n) << 64) | (lower / n) }
 }
 
 /// `value`, not negative, as f32; saturates at f32::MAX.
@@ -408,10 +387,7 @@ mod tests {
         assert_eq!(to_fixed(0.0, 88), 0);
         assert_eq!(to_fixed(-0.0, 88), 0);
         assert_eq!(to_fixed(1.0, 88), 1 << 88);
-        assert_eq!(
-            to_fixed(f64::from(0.3f32), 88),
-            u128::from(0.3f32.to_bits() & 0x7f_ffff | 0x80_0000) << (88 - 25)
-        );
+        assert_eq!(to_fixed(f64::from(0.3f32), 88), u128::from(0.3f32.to_bits() & 0x7f_ffff | 0x80_0000) << (88 - 25));
         assert_eq!(to_fixed(exp2(-88), 88), 1);
         assert_eq!(to_fixed(exp2(-89), 88), 1);
         assert_eq!(to_fixed(exp2(-89) * 0.999, 88), 0);
@@ -428,26 +404,14 @@ mod tests {
     fn square_over_agrees_with_small_and_large_numbers() {
         for samples in [1u64, 3, 8, 1000, u64::MAX] {
             // (2^70)² = 2^140, less 80 bits: 2^60.
-            assert_eq!(
-                square_over(1 << 70, samples),
-                (1u128 << 60) / u128::from(samples)
-            );
+            assert_eq!(square_over(1 << 70, samples), (1u128 << 60) / u128::from(samples));
             // (2^100)² 2^-80 = 2^120: the division of one digit; (2^127)² 2^-80 = 2^174: of more.
-            assert_eq!(
-                square_over(1 << 100, samples),
-                (1u128 << 120) / u128::from(samples)
-            );
+            assert_eq!(square_over(1 << 100, samples), (1u128 << 120) / u128::from(samples));
         }
         assert_eq!(square_over(1 << 127, 1 << 50), 1 << 124);
         assert_eq!(square_over(1 << 127, 1 << 46), u128::MAX);
         // Expected values of the last two by Python's integers; the first is 2^174 / 3^30.
-        assert_eq!(
-            square_over(1 << 127, 205_891_132_094_649),
-            116_300_505_915_047_311_641_843_123_673_897_577_975
-        );
-        assert_eq!(
-            square_over(u128::MAX, u64::MAX),
-            5_192_296_858_534_827_628_811_971_305_930_751
-        );
+        assert_eq!(square_over(1 << 127, 205_891_132_094_649), 116_300_505_915_047_311_641_843_123_673_897_577_975);
+        assert_eq!(square_over(u128::MAX, u64::MAX), 5_192_296_858_534_827_628_811_971_305_930_751);
     }
 }

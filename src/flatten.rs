@@ -63,8 +63,7 @@ struct Similarity {
 }
 
 impl Similarity {
-    const IDENTITY: Similarity =
-        Similarity { scale: 1.0, rotation: DMat3::IDENTITY, translation: DVec3::ZERO };
+    const IDENTITY: Similarity = Similarity { scale: 1.0, rotation: DMat3::IDENTITY, translation: DVec3::ZERO };
 
     fn new(transform: &Transform) -> Similarity {
         let rotate = |rotation| Similarity { rotation, ..Similarity::IDENTITY };
@@ -246,12 +245,10 @@ fn extent(camera: &Camera, placed: &[Placed]) -> f64 {
         let from_eye = |p: DVec3| (to_world.point(p) - camera.look_from).abs().max_element();
         match primitive.shape {
             Shape::Sphere { center, radius } => from_eye(center) + to_world.scale * radius,
-            Shape::Quad { corner, u, v } => [corner, corner + u, corner + v, corner + u + v]
-                .into_iter()
-                .fold(0.0, |far, p| from_eye(p).max(far)),
-            Shape::Cuboid { min, max } => {
-                from_eye(0.5 * (min + max)) + to_world.scale * (0.5 * (max - min)).length()
+            Shape::Quad { corner, u, v } => {
+                [corner, corner + u, corner + v, corner + u + v].into_iter().fold(0.0, |far, p| from_eye(p).max(far))
             }
+            Shape::Cuboid { min, max } => from_eye(0.5 * (min + max)) + to_world.scale * (0.5 * (max - min)).length(),
         }
     };
     let far = placed.iter().map(reach).fold(0.5 * camera.aperture, f64::max);

@@ -22,9 +22,7 @@ fn mean(a: &[[f32; 3]], b: &[[f32; 3]], error: impl Fn(f64, f64) -> f64) -> Opti
         return None;
     }
     let pairs = a.as_flattened().iter().zip(b.as_flattened());
-    let total: f64 = pairs
-        .map(|(&a, &b)| error(f64::from(a), f64::from(b)))
-        .sum();
+    let total: f64 = pairs.map(|(&a, &b)| error(f64::from(a), f64::from(b))).sum();
     Some(total / (3 * a.len()) as f64)
 }
 
@@ -49,10 +47,7 @@ mod tests {
     fn relmse_divides_by_the_reference() {
         let expected = (1.0 / 1.01 + 4.0 / 1.01 + 0.25 / 0.01 + 0.25 / (0.5625 + 0.01)) / 6.0;
         assert!(close(relmse(&A, &B), expected));
-        assert!(
-            !close(relmse(&B, &A), expected),
-            "the second image is the reference"
-        );
+        assert!(!close(relmse(&B, &A), expected), "the second image is the reference");
     }
 
     #[test]

@@ -48,13 +48,23 @@ impl Tables {
             let elements = (bytes / stride).max(1).next_power_of_two().min(uniform_bytes / stride);
             (elements * stride >= bytes.max(1)).then_some((name, elements))
         };
-        Tables { uniform: tables(flat).map(|(name, bytes, stride, _)| (name, bytes.len() as u64, stride)).into_iter().filter_map(fits).collect() }
+        Tables {
+            uniform: tables(flat)
+                .map(|(name, bytes, stride, _)| (name, bytes.len() as u64, stride))
+                .into_iter()
+                .filter_map(fits)
+                .collect(),
+        }
     }
 }
 
 /// The scene's tables: name, contents, bytes of an element, purpose.
 fn tables(flat: &Flat) -> [(&'static str, Cow<'_, [u8]>, u64, &'static str); 7] {
-    fn table<'a, T: bytemuck::Pod>(name: &'static str, items: &'a [T], why: &'static str) -> (&'static str, Cow<'a, [u8]>, u64, &'static str) {
+    fn table<'a, T: bytemuck::Pod>(
+        name: &'static str,
+        items: &'a [T],
+        why: &'static str,
+    ) -> (&'static str, Cow<'a, [u8]>, u64, &'static str) {
         (name, Cow::Borrowed(bytemuck::cast_slice(items)), size_of::<T>() as u64, why)
     }
     [
@@ -93,8 +103,8 @@ pub struct Plan {
 /// From a ray to what becomes of it.
 #[derive(Debug)]
 pub enum Bounce {
-    Fused(Kernel),
-    Staged(Staged),
+    Fused(Box<Kernel>),
+    Staged(Box<Staged>),
 }
 
 /// The stages of a bounce as kernels of their own.
@@ -128,12 +138,12 @@ impl Plan {
         let geometry = asked(PRIMITIVES, &features.primitives);
         let all_materials = asked(MATERIALS, &features.materials);
         let bounce = if scatter == Scatter::Fused && !empty {
-            Bounce::Fused(kernel("bounce", "bounce", &choices, &format!("{geometry}; {all_materials}"))?)
+            Bounce::Fused(Box::new(kernel("bounce", "bounce", &choices, &format!("{geometry}; {all_materials}"))?))
         } else {
             let if_any = |wanted: bool, name: &str, stage, why: &str| {
                 wanted.then(|| kernel(name, stage, &choices, why)).transpose()
             };
-            Bounce::Staged(Staged {
+            Bounce::Staged(Box::new(Staged {
                 intersect: kernel("intersect", "intersect", &choices, if empty { always } else { &geometry })?,
                 dispatch: if_any(queues, "dispatch", "dispatch", "a queue for each material")?,
                 scatter: match queues {
@@ -141,7 +151,7 @@ impl Plan {
                     false => if_any(!empty, "scatter", "scatter", &all_materials)?.into_iter().collect(),
                 },
                 refill: kernel("refill", "refill", &choices, always)?,
-            })
+            }))
         };
         Ok(Plan { generate: kernel("generate", "generate", &choices, always)?, bounce, tables: tables.clone() })
     }
@@ -151,7 +161,8 @@ impl Plan {
         let mut all = vec![&self.generate];
         match &self.bounce {
             Bounce::Fused(kernel) => all.push(kernel),
-            Bounce::Staged(Staged { intersect, dispatch, scatter, refill }) => {
+            Bounce::Staged(staged) => {
+                let Staged { intersect, dispatch, scatter, refill } = &**staged;
                 all.extend(std::iter::once(intersect).chain(dispatch).chain(scatter));
                 all.push(refill);
             }
@@ -162,7 +173,7 @@ impl Plan {
     /// How many queues slots are sorted into.
     fn queues(&self) -> u64 {
         match &self.bounce {
-            Bounce::Staged(Staged { dispatch: Some(_), scatter, .. }) => scatter.len() as u64,
+            Bounce::Staged(staged) if staged.dispatch.is_some() => staged.scatter.len() as u64,
             _ => 0,
         }
     }
@@ -175,18 +186,20 @@ impl Plan {
         let all = [
             BufferSpec::uniform("settings", size_of::<data::Settings>() as u64, "camera, sky and limits of the render"),
             BufferSpec::uniform("window", size_of::<data::Window>() as u64, "the runs that may start now"),
-            BufferSpec::working("counters", size_of::<data::Counters>() as u64, "runs started and finished, idle slots"),
+            BufferSpec::working(
+                "counters",
+                size_of::<data::Counters>() as u64,
+                "runs started and finished, idle slots",
+            ),
             BufferSpec::working("records", records, "finished runs on their way to the film"),
             BufferSpec::working("paths", slots * u64::from(PATH_PLANES) * 16, "the state of the paths in flight"),
             BufferSpec::scene("texels", bytes(&flat.texels), "images"),
             BufferSpec::working("queues", (u64::from(QUEUE_HEADER) + queues * slots) * 4, "a queue for each material"),
             BufferSpec::indirect("queue_args", queues * 16, "sizes of the queues' dispatches"),
         ];
-        let tables = tables(flat).map(|(name, contents, stride, why)| {
-            match self.tables.uniform.get(name) {
-                Some(elements) => BufferSpec::table(name, contents, elements * stride, why),
-                None => BufferSpec::scene(name, contents, why),
-            }
+        let tables = tables(flat).map(|(name, contents, stride, why)| match self.tables.uniform.get(name) {
+            Some(elements) => BufferSpec::table(name, contents, elements * stride, why),
+            None => BufferSpec::scene(name, contents, why),
         });
         let kernels = self.kernels();
         let bound = |spec: &BufferSpec| kernels.iter().any(|kernel| kernel.bindings.contains_key(spec.name));
@@ -242,11 +255,15 @@ fn choices(features: &Features, materials: &[Entry], queues: bool, tables: &Tabl
             ("material", materials.to_vec()),
             ("texture", textures),
         ]),
-        values: TABLES.iter().flat_map(|names| table_values(names, tables)).chain([
-            ("stack_size", (features.stack_size + 1).to_string()),
-            ("run_length", RUN_LENGTH.to_string()),
-            ("queues", materials.len().to_string()),
-        ]).collect(),
+        values: TABLES
+            .iter()
+            .flat_map(|names| table_values(names, tables))
+            .chain([
+                ("stack_size", (features.stack_size + 1).to_string()),
+                ("run_length", RUN_LENGTH.to_string()),
+                ("queues", materials.len().to_string()),
+            ])
+            .collect(),
     }
 }
 
@@ -262,7 +279,10 @@ const TABLES: [(&str, &str, &str); 7] = [
 ];
 
 /// The address space of a table's binding, and the size of its array.
-fn table_values((name, space, size): &(&'static str, &'static str, &'static str), tables: &Tables) -> [(&'static str, String); 2] {
+fn table_values(
+    (name, space, size): &(&'static str, &'static str, &'static str),
+    tables: &Tables,
+) -> [(&'static str, String); 2] {
     match tables.uniform.get(name) {
         Some(elements) => [(*space, "uniform".to_string()), (*size, format!(", {elements}"))],
         None => [(*space, "storage, read".to_string()), (*size, String::new())],

@@ -11,7 +11,7 @@ use crate::gpu::buffers::{Buffers, Readback};
 use crate::gpu::device::{Device, DeviceClass};
 use crate::gpu::pipeline::{Pipeline, PipelineSpec};
 use crate::gpu::timing::{MAX_PASSES, Timing};
-use crate::plan::{Bounce, Kernel, Plan, Scatter, Staged, Tuning};
+use crate::plan::{Bounce, Kernel, Plan, Scatter, Tuning};
 
 /// What is to be rendered of a scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -187,21 +187,15 @@ impl<'a> Renderer<'a> {
         };
         let bounce = match &plan.bounce {
             Bounce::Fused(kernel) => BouncePipelines::Fused(pipeline(kernel)?),
-            Bounce::Staged(Staged { intersect, dispatch, scatter, refill }) => BouncePipelines::Staged {
-                intersect: pipeline(intersect)?,
-                dispatch: dispatch.as_ref().map(pipeline).transpose()?,
-                scatter: scatter.iter().map(pipeline).collect::<Result<_>>()?,
-                refill: pipeline(refill)?,
+            Bounce::Staged(staged) => BouncePipelines::Staged {
+                intersect: pipeline(&staged.intersect)?,
+                dispatch: staged.dispatch.as_ref().map(pipeline).transpose()?,
+                scatter: staged.scatter.iter().map(pipeline).collect::<Result<_>>()?,
+                refill: pipeline(&staged.refill)?,
             },
         };
-        let record_bytes =
-            u64::from(tuning.slots) * u64::from(tuning.records_per_slot) * size_of::<RunRecord>() as u64;
-        let settings = Settings {
-            max_depth: job.max_depth,
-            seed: job.seed,
-            slots: tuning.slots,
-            ..flat.settings
-        };
+        let record_bytes = u64::from(tuning.slots) * u64::from(tuning.records_per_slot) * size_of::<RunRecord>() as u64;
+        let settings = Settings { max_depth: job.max_depth, seed: job.seed, slots: tuning.slots, ..flat.settings };
         let renderer = Renderer {
             device,
             settings,
@@ -429,7 +423,8 @@ impl<'a> Renderer<'a> {
         let submission = self.device.queue.submit([encoder.finish()]);
         self.records.read(self.device, submission, bytes, |bytes| match bytemuck::try_cast_slice(bytes) {
             Ok(records) => film.add(records),
-            Err(_) => film.add(&bytes.chunks_exact(size_of::<RunRecord>()).map(bytemuck::pod_read_unaligned).collect::<Vec<_>>()),
+            Err(_) => film
+                .add(&bytes.chunks_exact(size_of::<RunRecord>()).map(bytemuck::pod_read_unaligned).collect::<Vec<_>>()),
         })
     }
 

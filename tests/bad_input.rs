@@ -32,10 +32,7 @@ impl Bad {
     }
 
     fn expected(&self) -> Complaint {
-        let (before, _) = self
-            .text
-            .split_once(MARK)
-            .unwrap_or_else(|| panic!("no mark in {}", self.text));
+        let (before, _) = self.text.split_once(MARK).unwrap_or_else(|| panic!("no mark in {}", self.text));
         Complaint {
             line: before.split('\n').count(),
             column: before.chars().rev().take_while(|c| *c != '\n').count() + 1,
@@ -47,19 +44,10 @@ impl Bad {
 
 /// Compares an error with what is expected of it.
 fn compare(error: &Error, path: &Path, expected: &Complaint) -> Result<(), String> {
-    let Error::Scene {
-        location,
-        field,
-        message,
-    } = error
-    else {
+    let Error::Scene { location, field, message } = error else {
         return Err(format!("not a scene's error: {error}"));
     };
-    let at = Location {
-        file: path.to_owned(),
-        line: expected.line,
-        column: expected.column,
-    };
+    let at = Location { file: path.to_owned(), line: expected.line, column: expected.column };
     if *location != at {
         return Err(format!("expected at {at}: {error}"));
     }
@@ -120,11 +108,7 @@ fn scene(image: &str, camera: &str, background: &str, rest: &str) -> String {
 }
 
 fn bad(text: impl Into<String>, field: &'static str, words: &'static [&'static str]) -> Bad {
-    Bad {
-        text: text.into(),
-        field,
-        words,
-    }
+    Bad { text: text.into(), field, words }
 }
 
 #[rustfmt::skip]
@@ -302,14 +286,7 @@ fn bad_files() -> Vec<Bad> {
 }
 
 fn all_bad() -> Vec<Bad> {
-    let tables = [
-        bad_images(),
-        bad_cameras(),
-        bad_backgrounds(),
-        bad_materials(),
-        bad_objects(),
-        bad_files(),
-    ];
+    let tables = [bad_images(), bad_cameras(), bad_backgrounds(), bad_materials(), bad_objects(), bad_files()];
     tables.into_iter().flatten().collect()
 }
 
@@ -348,10 +325,7 @@ fn the_comparator_rejects_a_wrong_place_field_or_word() {
         wrong[2].field.push('x');
         wrong[3].words.push("no message says this".to_owned());
         for wrong in wrong {
-            assert!(
-                compare(&error, path, &wrong).is_err(),
-                "{wrong:?} passed for {error}"
-            );
+            assert!(compare(&error, path, &wrong).is_err(), "{wrong:?} passed for {error}");
             controls += 1;
         }
     }
@@ -406,32 +380,13 @@ fn every_feature_of_the_format_parses() {
     assert_eq!(scene.camera.focus_distance, Some(10.0));
     assert_eq!((scene.render.samples, scene.render.max_depth), (500, 0));
     assert!(matches!(scene.background, Background::Gradient { .. }));
-    let names: Vec<&str> = scene
-        .materials
-        .iter()
-        .map(|(name, _)| name.as_str())
-        .collect();
+    let names: Vec<&str> = scene.materials.iter().map(|(name, _)| name.as_str()).collect();
     let in_order = "ground|steel|mirror|glass|air \"in\" glass|lamp é|one \"side\"|cloud|marble";
     assert_eq!(names.join("|"), in_order);
-    let mirror = Material::Metal {
-        albedo: Texture::Rgb(0.0, 1.0, 1.0),
-        fuzz: 0.0,
-    };
+    let mirror = Material::Metal { albedo: Texture::Rgb(0.0, 1.0, 1.0), fuzz: 0.0 };
     assert_eq!(scene.materials[2].1, mirror);
-    assert!(matches!(
-        scene.materials[5].1,
-        Material::DiffuseLight {
-            two_sided: true,
-            ..
-        }
-    ));
-    assert!(matches!(
-        scene.materials[6].1,
-        Material::DiffuseLight {
-            two_sided: false,
-            ..
-        }
-    ));
+    assert!(matches!(scene.materials[5].1, Material::DiffuseLight { two_sided: true, .. }));
+    assert!(matches!(scene.materials[6].1, Material::DiffuseLight { two_sided: false, .. }));
     let Object::Transformed { by, object } = &scene.objects[3] else {
         panic!("{:?}", scene.objects[3]);
     };
@@ -477,21 +432,12 @@ fn places_inside_objects_are_found() {
     assert!(rest.starts_with("0.5, material"), "{at}");
     let error = scene.error(&steps, "is too small").to_string();
     let field = "objects[3].Transformed.object.Group[2].Transformed.object.Sphere.radius";
-    assert_eq!(
-        error,
-        format!("{FILE}:{}:{}: {field}: is too small", at.line, at.column)
-    );
+    assert_eq!(error, format!("{FILE}:{}:{}: {field}: is too small", at.line, at.column));
     // What is not in the file has the place of what is around it.
     assert_eq!(scene.location(&[]).line, 3);
     let camera = scene.location(&[Step::Field("camera")]);
-    assert_eq!(
-        scene.location(&[Step::Field("camera"), Step::Field("roll")]),
-        camera
-    );
-    assert_eq!(
-        scene.object_location(99),
-        scene.location(&[Step::Field("objects")])
-    );
+    assert_eq!(scene.location(&[Step::Field("camera"), Step::Field("roll")]), camera);
+    assert_eq!(scene.object_location(99), scene.location(&[Step::Field("objects")]));
 }
 
 #[test]
@@ -514,23 +460,15 @@ fn line_ends_byte_order_marks_and_struct_names_do_not_matter() {
     // The byte order mark takes no column, and a struct's name is no part of a field's path.
     let error = parse("\u{feff}(imag: 1)").unwrap_err().to_string();
     assert!(error.starts_with("folder/scene.ron:1:2: imag: "), "{error}");
-    let error = parse("Scene(image: ImageSize(width: x))")
-        .unwrap_err()
-        .to_string();
-    assert!(
-        error.starts_with("folder/scene.ron:1:31: image.width: "),
-        "{error}"
-    );
+    let error = parse("Scene(image: ImageSize(width: x))").unwrap_err().to_string();
+    assert!(error.starts_with("folder/scene.ron:1:31: image.width: "), "{error}");
 }
 
 #[test]
 fn absent_fields_have_their_defaults() {
     let scene = parse(&scene(IMAGE, CAMERA, BACKGROUND, "")).unwrap();
     assert_eq!(scene.camera.up.to_array(), [0.0, 1.0, 0.0]);
-    assert_eq!(
-        (scene.camera.aperture, scene.camera.focus_distance),
-        (0.0, None)
-    );
+    assert_eq!((scene.camera.aperture, scene.camera.focus_distance), (0.0, None));
     assert_eq!((scene.render.samples, scene.render.max_depth), (100, 50));
     assert!(scene.materials.is_empty() && scene.objects.is_empty() && scene.bitmaps.is_empty());
 }
@@ -563,29 +501,17 @@ fn numbers_at_the_ends_of_their_ranges_are_accepted() {
 #[test]
 fn warnings_name_the_place_and_the_number() {
     let warnings = |text: &str| parse(text).unwrap().warnings();
-    assert_eq!(
-        warnings(&material("Lambertian(albedo: Rgb(0.5, 0.5, 0.5))")).len(),
-        1
-    );
+    assert_eq!(warnings(&material("Lambertian(albedo: Rgb(0.5, 0.5, 0.5))")).len(), 1);
     let near = warnings(&material("Dielectric(ior: 1.0000001)"));
     assert_eq!(near.len(), 2, "{near:?}");
-    assert!(
-        near[0].starts_with("folder/scene.ron:5:26: materials[\"grün\"]: no object uses"),
-        "{near:?}"
-    );
+    assert!(near[0].starts_with("folder/scene.ron:5:26: materials[\"grün\"]: no object uses"), "{near:?}");
     let ior = "folder/scene.ron:5:70: materials[\"it\"].Dielectric.ior: an ior of 1.0000001";
     assert!(near[1].starts_with(ior), "{near:?}");
     assert_eq!(warnings(&material("Dielectric(ior: 1)")).len(), 1);
     let white = warnings(&material("Metal(albedo: Rgb(0.5, 1, 0.5))"));
-    assert!(
-        white[1].contains("Metal.albedo: an albedo of 1"),
-        "{white:?}"
-    );
+    assert!(white[1].contains("Metal.albedo: an albedo of 1"), "{white:?}");
     let empty = warnings(&scene(IMAGE, CAMERA, BACKGROUND, ""));
-    assert!(
-        empty[0].starts_with("folder/scene.ron:5:12: objects: there are 0 objects"),
-        "{empty:?}"
-    );
+    assert!(empty[0].starts_with("folder/scene.ron:5:12: objects: there are 0 objects"), "{empty:?}");
 }
 
 #[test]
@@ -597,12 +523,7 @@ fn files_that_cannot_be_read_have_a_place() {
         path
     };
     let cases = [
-        (
-            folder.path().join("missing.ron"),
-            1,
-            1,
-            "cannot read the scene file",
-        ),
+        (folder.path().join("missing.ron"), 1, 1, "cannot read the scene file"),
         (folder.path().to_owned(), 1, 1, "cannot read the scene file"),
         (write("empty.ron", b""), 1, 1, "empty"),
         (write("space.ron", b" \n\t\r\n"), 1, 1, "empty"),
@@ -611,12 +532,7 @@ fn files_that_cannot_be_read_have_a_place() {
     ];
     for (path, line, column, word) in cases {
         let error = Scene::load(&path).unwrap_err();
-        let expected = Complaint {
-            line,
-            column,
-            field: "Scene".to_owned(),
-            words: vec![word.to_owned()],
-        };
+        let expected = Complaint { line, column, field: "Scene".to_owned(), words: vec![word.to_owned()] };
         assert_eq!(compare(&error, &path, &expected), Ok(()));
         assert_eq!(error.exit_status(), 2);
     }
@@ -644,19 +560,12 @@ fn images_become_linear() {
     let at = |name: &str| folder.path().join(name);
     // One row of black, middle grey and white, in every way that it may be written.
     let grey8 = image::GrayImage::from_raw(3, 1, vec![0, 188, 255]).unwrap();
-    let grey16 =
-        image::ImageBuffer::<image::Luma<u16>, _>::from_raw(3, 1, vec![0, 188 * 257, 65535]);
+    let grey16 = image::ImageBuffer::<image::Luma<u16>, _>::from_raw(3, 1, vec![0, 188 * 257, 65535]);
     let floats = vec![0.0, 0.0, 0.0, 0.5, 0.5, 0.5, 1.0, 1.0, 1.0];
     let float = image::Rgb32FImage::from_raw(3, 1, floats).unwrap();
     grey8.save(at("grey8.png")).unwrap();
-    image::DynamicImage::from(grey8.clone())
-        .to_rgba8()
-        .save(at("rgba8.tga"))
-        .unwrap();
-    image::DynamicImage::from(grey8)
-        .to_rgb8()
-        .save(at("rgb8.bmp"))
-        .unwrap();
+    image::DynamicImage::from(grey8.clone()).to_rgba8().save(at("rgba8.tga")).unwrap();
+    image::DynamicImage::from(grey8).to_rgb8().save(at("rgb8.bmp")).unwrap();
     grey16.unwrap().save(at("grey16.png")).unwrap();
     float.save(at("float.hdr")).unwrap();
     let texel = |x: usize, _: usize| [(0.0, 0.0, 0.0), (0.5, 0.5, 0.5), (1.0, 1.0, 1.0)][x];
@@ -675,10 +584,7 @@ fn images_become_linear() {
             let bitmap = with_image(folder.path(), file, place).unwrap();
             assert_eq!((bitmap.width, bitmap.height), (3, 1), "{file}");
             for (texel, light) in bitmap.texels.iter().zip([0.0, grey, 1.0]) {
-                assert!(
-                    texel.iter().all(|c| (c - light).abs() < 1e-6),
-                    "{file}: {texel:?}"
-                );
+                assert!(texel.iter().all(|c| (c - light).abs() < 1e-6), "{file}: {texel:?}");
             }
         }
     }
@@ -693,17 +599,13 @@ fn images_become_linear() {
 fn images_that_cannot_be_used_are_refused_at_their_path() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
-    let texel = |value: f32| {
-        move |x: usize, y: usize| (0.5, if (x, y) == (1, 2) { value } else { 0.5 }, 0.5)
-    };
+    let texel = |value: f32| move |x: usize, y: usize| (0.5, if (x, y) == (1, 2) { value } else { 0.5 }, 0.5);
     exr::prelude::write_rgb_file(at("negative.exr"), 3, 4, texel(-1.0)).unwrap();
     exr::prelude::write_rgb_file(at("nan.exr"), 3, 4, texel(f32::NAN)).unwrap();
     exr::prelude::write_rgb_file(at("bright.exr"), 3, 4, texel(2.0)).unwrap();
     exr::prelude::write_rgb_file(at("huge.exr"), 3, 4, texel(2e30)).unwrap();
     exr::prelude::write_rgb_file(at("wide.exr"), 16385, 1, |_, _| (0.0f32, 0.0, 0.0)).unwrap();
-    image::GrayImage::new(1, 16385)
-        .save(at("tall.png"))
-        .unwrap();
+    image::GrayImage::new(1, 16385).save(at("tall.png")).unwrap();
     let mut cut = fs::read(at("bright.exr")).unwrap();
     cut.truncate(cut.len() - 9);
     fs::write(at("cut.exr"), cut).unwrap();
@@ -712,39 +614,19 @@ fn images_that_cannot_be_used_are_refused_at_their_path() {
     fs::write(at("empty.jpg"), "").unwrap();
     let of_texel = "at texel (1, 2) from the top left";
     let cases: [(&str, &str, &[&str]); 15] = [
-        (
-            "missing.png",
-            ALBEDO,
-            &["missing.png", "cannot read the image"],
-        ),
+        ("missing.png", ALBEDO, &["missing.png", "cannot read the image"]),
         (".", ALBEDO, &["not a file"]),
         ("", "background", &["not a file"]),
         ("text.png", ALBEDO, &["text.png", "cannot decode the image"]),
         ("text.txt", ALBEDO, &["text.txt", "format is not known"]),
         ("empty.jpg", EMIT, &["empty.jpg", "cannot decode the image"]),
         ("cut.exr", EMIT, &["cut.exr", "cannot decode the image"]),
-        (
-            "wide.exr",
-            "background",
-            &["wide.exr", "16384", "16385 by 1"],
-        ),
+        ("wide.exr", "background", &["wide.exr", "16384", "16385 by 1"]),
         ("tall.png", ALBEDO, &["tall.png", "16384", "1 by 16385"]),
-        (
-            "negative.exr",
-            ALBEDO,
-            &["albedo", "(0.5, -1.0, 0.5)", of_texel],
-        ),
-        (
-            "negative.exr",
-            "background",
-            &["radiance", "(0.5, -1.0, 0.5)", of_texel],
-        ),
+        ("negative.exr", ALBEDO, &["albedo", "(0.5, -1.0, 0.5)", of_texel]),
+        ("negative.exr", "background", &["radiance", "(0.5, -1.0, 0.5)", of_texel]),
         ("nan.exr", EMIT, &["radiance", "(0.5, NaN, 0.5)", of_texel]),
-        (
-            "bright.exr",
-            ALBEDO,
-            &["albedo", "(0.5, 2.0, 0.5)", of_texel],
-        ),
+        ("bright.exr", ALBEDO, &["albedo", "(0.5, 2.0, 0.5)", of_texel]),
         ("bright.exr", "Metal(albedo: ..)", &["albedo", of_texel]),
         ("huge.exr", EMIT, &["1e30", of_texel]),
     ];
@@ -757,18 +639,9 @@ fn images_that_cannot_be_used_are_refused_at_their_path() {
                 (5, column, format!("materials[\"it\"].{slot}.Image.path"))
             }
         };
-        let expected = Complaint {
-            line,
-            column,
-            field,
-            words: words.iter().map(|word| (*word).to_owned()).collect(),
-        };
+        let expected = Complaint { line, column, field, words: words.iter().map(|word| (*word).to_owned()).collect() };
         let error = with_image(folder.path(), file, place).unwrap_err();
-        assert_eq!(
-            compare(&error, &at("scene.ron"), &expected),
-            Ok(()),
-            "{file} {place}"
-        );
+        assert_eq!(compare(&error, &at("scene.ron"), &expected), Ok(()), "{file} {place}");
     }
     // More than 1 is no fault of a light.
     assert!(with_image(folder.path(), "bright.exr", EMIT).is_ok());
@@ -776,11 +649,7 @@ fn images_that_cannot_be_used_are_refused_at_their_path() {
 
 /// Nested objects, each of them inside the one before.
 fn nested(before: &str, after: &str, depth: usize) -> String {
-    object(&format!(
-        "{}Group([]){}",
-        before.repeat(depth),
-        after.repeat(depth)
-    ))
+    object(&format!("{}Group([]){}", before.repeat(depth), after.repeat(depth)))
 }
 
 #[test]
@@ -790,24 +659,16 @@ fn deep_nesting_is_an_error_and_no_crash() {
         assert!(parse(&nested(before, after, 50)).is_ok());
         for depth in [100, 1000, 200_000] {
             for after in [after, ""] {
-                let error = parse(&nested(before, after, depth))
-                    .unwrap_err()
-                    .to_string();
+                let error = parse(&nested(before, after, depth)).unwrap_err().to_string();
                 assert!(error.starts_with("folder/scene.ron:7:"), "{error}");
                 assert!(error.contains(": objects[0]: nested too deeply"), "{error}");
             }
         }
     }
-    let pieces = [
-        "(", "[", "{", "/*", "Some(", "((", "a:(", "r#", "\"\\", ")", "]", "#", "[(", "-", "é",
-    ];
+    let pieces = ["(", "[", "{", "/*", "Some(", "((", "a:(", "r#", "\"\\", ")", "]", "#", "[(", "-", "é"];
     for piece in pieces {
         let text = piece.repeat(200_000);
-        let texts = [
-            object(&text),
-            material(&text),
-            scene(&text, CAMERA, &text, ""),
-        ];
+        let texts = [object(&text), material(&text), scene(&text, CAMERA, &text, "")];
         for text in texts.into_iter().chain([text]) {
             assert_inside(&parse(&text).unwrap_err(), &text);
         }
@@ -840,8 +701,8 @@ impl Random {
 /// One to three random edits: bytes taken out, put in or replaced, pieces copied, the end cut off.
 fn mutated(text: &[u8], random: &mut Random) -> Vec<u8> {
     const PIECES: [&str; 24] = [
-        "(", ")", "[", "]", "{", "}", ",", ":", "\"", "\\", "/*", "*/", "//", "\n", "-", "1e999",
-        "NaN", "0", "Some(", "r#\"", "Sphere", "é", "b'", "..",
+        "(", ")", "[", "]", "{", "}", ",", ":", "\"", "\\", "/*", "*/", "//", "\n", "-", "1e999", "NaN", "0", "Some(",
+        "r#\"", "Sphere", "é", "b'", "..",
     ];
     let mut bytes = text.to_vec();
     for _ in 0..=random.below(3) {
@@ -873,12 +734,7 @@ fn no_mutated_scene_panics_or_loses_its_place() {
         match parse(&text) {
             Ok(scene) => {
                 assert_places_hold(&scene, unmarked);
-                assert!(
-                    scene
-                        .warnings()
-                        .iter()
-                        .all(|warning| warning.starts_with(FILE))
-                );
+                assert!(scene.warnings().iter().all(|warning| warning.starts_with(FILE)));
                 accepted += 1;
             }
             Err(error) => {
@@ -888,10 +744,7 @@ fn no_mutated_scene_panics_or_loses_its_place() {
         }
     }
     // Both sides of the fence were seen.
-    assert!(
-        accepted > 500 && refused > 5_000,
-        "{accepted} accepted, {refused} refused"
-    );
+    assert!(accepted > 500 && refused > 5_000, "{accepted} accepted, {refused} refused");
 }
 
 #[test]
@@ -899,12 +752,9 @@ fn no_mutated_image_panics() {
     let folder = tempfile::tempdir().unwrap();
     let texel = |x: usize, y: usize| (x as f32 * 0.1, y as f32 * 0.1, 0.5f32);
     exr::prelude::write_rgb_file(folder.path().join("good.exr"), 8, 8, texel).unwrap();
-    let picture =
-        image::RgbImage::from_fn(8, 8, |x, y| image::Rgb([x as u8 * 30, y as u8 * 30, 9]));
+    let picture = image::RgbImage::from_fn(8, 8, |x, y| image::Rgb([x as u8 * 30, y as u8 * 30, 9]));
     for format in ["png", "jpg", "bmp", "tga", "tiff", "webp"] {
-        picture
-            .save(folder.path().join(format!("good.{format}")))
-            .unwrap();
+        picture.save(folder.path().join(format!("good.{format}"))).unwrap();
     }
     let float = image::DynamicImage::from(picture).to_rgb32f();
     float.save(folder.path().join("good.hdr")).unwrap();

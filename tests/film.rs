@@ -8,12 +8,7 @@ use gpu_rt::film::{Film, RunRecord, UNKNOWN_VARIANCE};
 use stats::{Random, one_sample_t};
 
 fn run(pixel: u32, sum: [f32; 3], accepted: u32) -> RunRecord {
-    RunRecord {
-        sum,
-        pixel,
-        counts: accepted,
-        rays: 2 * accepted,
-    }
+    RunRecord { sum, pixel, counts: accepted, rays: 2 * accepted }
 }
 
 fn film(width: u32, height: u32, records: &[RunRecord]) -> Film {
@@ -33,12 +28,7 @@ fn assorted_runs(seed: u64) -> Vec<RunRecord> {
             let infinite = random.below(2) as u32;
             let accepted = random.below(7) as u32;
             let counts = accepted | nan << 8 | infinite << 16;
-            RunRecord {
-                sum,
-                pixel: random.below(12) as u32,
-                counts,
-                rays: random.below(100) as u32,
-            }
+            RunRecord { sum, pixel: random.below(12) as u32, counts, rays: random.below(100) as u32 }
         })
         .collect()
 }
@@ -49,12 +39,7 @@ fn any_order_and_any_split_give_the_same_bits() {
     let expected = film(4, 3, &records);
     let f32_sum = |records: &[RunRecord]| records.iter().map(|r| r.sum[0]).sum::<f32>();
     let expected_f32 = f32_sum(&records);
-    let f64_sum = |records: &[RunRecord]| {
-        records
-            .iter()
-            .map(|r| f64::from(r.sum[0]).powi(2))
-            .sum::<f64>()
-    };
+    let f64_sum = |records: &[RunRecord]| records.iter().map(|r| f64::from(r.sum[0]).powi(2)).sum::<f64>();
     let expected_f64 = f64_sum(&records);
     let (mut f32_differs, mut f64_differs) = (false, false);
     let mut random = Random(2);
@@ -72,10 +57,7 @@ fn any_order_and_any_split_give_the_same_bits() {
         f32_differs |= f32_sum(&records) != expected_f32;
         f64_differs |= f64_sum(&records) != expected_f64;
     }
-    assert!(
-        f32_differs && f64_differs,
-        "the shuffles must be able to show a sum that depends on the order"
-    );
+    assert!(f32_differs && f64_differs, "the shuffles must be able to show a sum that depends on the order");
 }
 
 #[test]
@@ -115,11 +97,7 @@ fn sixteen_million_equal_samples_keep_their_mean() {
     film.add(&[run(0, [0.3; 3], 1)]);
     let picture = film.develop();
     assert_eq!(picture.samples, [(1 << 24) + 1]);
-    assert!(
-        (f64::from(picture.rgb[0][0]) / 0.3 - 1.0).abs() < 1e-7,
-        "{:?}",
-        picture.rgb
-    );
+    assert!((f64::from(picture.rgb[0][0]) / 0.3 - 1.0).abs() < 1e-7, "{:?}", picture.rgb);
     // Almost no variance, and what there is, is the rounding of the sums of 8.
     let error = f64::from(picture.variance[0][0]).sqrt() / 0.3;
     assert!(error < 1e-10, "{error}");
@@ -133,11 +111,8 @@ fn equal_runs_have_no_variance() {
     let picture = film(1, 1, &vec![run(0, [2.4, 1e-6, 8.0], 8); 1000]).develop();
     assert_eq!(picture.variance, [[0.0; 3]]);
     // Runs of unequal size that agree: nothing but rounding may be left, never a negative number.
-    let records: Vec<_> = (1..=8)
-        .cycle()
-        .take(1000)
-        .map(|n| run(0, [0.25 * n as f32, 0.3 * n as f32, 1e2 * n as f32], n))
-        .collect();
+    let records: Vec<_> =
+        (1..=8).cycle().take(1000).map(|n| run(0, [0.25 * n as f32, 0.3 * n as f32, 1e2 * n as f32], n)).collect();
     for variance in film(1, 1, &records).develop().variance[0] {
         assert!((0.0..1e-12).contains(&variance), "{variance:e}");
     }
@@ -146,11 +121,7 @@ fn equal_runs_have_no_variance() {
 #[test]
 fn variance_follows_the_formula() {
     // s = 3, 4, 1 of n = 2, 4, 1: Q = 4.5 + 4 + 1 − 64/7, v = Q / (2 · 7).
-    let records = [
-        run(0, [3.0; 3], 2),
-        run(0, [4.0; 3], 4),
-        run(0, [1.0; 3], 1),
-    ];
+    let records = [run(0, [3.0; 3], 2), run(0, [4.0; 3], 4), run(0, [1.0; 3], 1)];
     let picture = film(1, 1, &records).develop();
     let expected = (9.5 - 64.0 / 7.0) / 14.0;
     assert!((f64::from(picture.variance[0][0]) / expected - 1.0).abs() < 1e-7);
@@ -161,17 +132,12 @@ fn variance_follows_the_formula() {
 fn a_small_variance_on_a_large_mean_is_not_lost() {
     // E[x²] − E[x]² in f32, even in f64, fails here: the deviation is 2^-20 of the mean (numerics.md, 39).
     let (low, high) = (64.0 * (1.0 - 2f32.powi(-20)), 64.0 * (1.0 + 2f32.powi(-20)));
-    let records: Vec<_> = (0..1000)
-        .map(|i| run(0, [8.0 * if i % 2 == 0 { low } else { high }; 3], 8))
-        .collect();
+    let records: Vec<_> = (0..1000).map(|i| run(0, [8.0 * if i % 2 == 0 { low } else { high }; 3], 8)).collect();
     let deviation = f64::from(high - low) / 2.0;
     // Run means have variance d² · K/(K−1), the mean of K runs a K-th of it.
     let expected = deviation * deviation / 999.0;
     let found = f64::from(film(1, 1, &records).develop().variance[0][0]);
-    assert!(
-        (found / expected - 1.0).abs() < 1e-6,
-        "{found} is not {expected}"
-    );
+    assert!((found / expected - 1.0).abs() < 1e-6, "{found} is not {expected}");
 }
 
 /// The pixels' variances over their true value. Samples are uniform in 0..1, runs have 1 to 8 of them.
@@ -190,12 +156,7 @@ fn variance_ratios(pixels: u32, runs: usize) -> Vec<f64> {
     }
     let picture = film(pixels, 1, &records).develop();
     let samples = picture.samples.iter().map(|&n| f64::from(n));
-    picture
-        .variance
-        .iter()
-        .zip(samples)
-        .flat_map(|(v, n)| v.map(|v| 12.0 * f64::from(v) * n))
-        .collect()
+    picture.variance.iter().zip(samples).flat_map(|(v, n)| v.map(|v| 12.0 * f64::from(v) * n)).collect()
 }
 
 #[test]
@@ -205,24 +166,16 @@ fn variance_is_unbiased() {
     let found = one_sample_t(&ratios, 1.0);
     assert!(found.p > 1e-6, "{found:?}");
     // The negative control: 1 % off, and dividing by K in place of K − 1, must be found.
-    let biased =
-        |factor: f64| one_sample_t(&ratios.iter().map(|r| r * factor).collect::<Vec<_>>(), 1.0).p;
+    let biased = |factor: f64| one_sample_t(&ratios.iter().map(|r| r * factor).collect::<Vec<_>>(), 1.0).p;
     assert!(biased(1.01) < 1e-6 && biased(0.99) < 1e-6);
     assert!(biased(19.0 / 20.0) < 1e-6);
 }
 
 #[test]
 fn unknown_variance_can_be_told_from_none() {
-    let records = [
-        run(1, [0.5; 3], 8),
-        run(2, [0.5; 3], 8),
-        run(2, [0.5; 3], 8),
-    ];
+    let records = [run(1, [0.5; 3], 8), run(2, [0.5; 3], 8), run(2, [0.5; 3], 8)];
     let picture = film(3, 1, &records).develop();
-    assert_eq!(
-        picture.variance,
-        [[UNKNOWN_VARIANCE; 3], [UNKNOWN_VARIANCE; 3], [0.0; 3]]
-    );
+    assert_eq!(picture.variance, [[UNKNOWN_VARIANCE; 3], [UNKNOWN_VARIANCE; 3], [0.0; 3]]);
     assert_eq!(picture.rgb[0], [0.0; 3]);
     assert!(UNKNOWN_VARIANCE.is_finite());
 }
@@ -230,25 +183,10 @@ fn unknown_variance_can_be_told_from_none() {
 #[test]
 fn rejected_samples_are_counted_by_reason_and_leave_the_mean_alone() {
     let records = [
-        RunRecord {
-            sum: [6.0; 3],
-            pixel: 0,
-            counts: 6 | 2 << 8,
-            rays: 10,
-        },
-        RunRecord {
-            sum: [4.0; 3],
-            pixel: 0,
-            counts: 4 | 1 << 8 | 3 << 16,
-            rays: 20,
-        },
+        RunRecord { sum: [6.0; 3], pixel: 0, counts: 6 | 2 << 8, rays: 10 },
+        RunRecord { sum: [4.0; 3], pixel: 0, counts: 4 | 1 << 8 | 3 << 16, rays: 20 },
         // All rejected: the sum says nothing, and the run is none of the replicates.
-        RunRecord {
-            sum: [f32::NAN; 3],
-            pixel: 1,
-            counts: 8 << 16,
-            rays: 30,
-        },
+        RunRecord { sum: [f32::NAN; 3], pixel: 1, counts: 8 << 16, rays: 30 },
     ];
     let film = film(2, 1, &records);
     let picture = film.develop();
@@ -257,24 +195,13 @@ fn rejected_samples_are_counted_by_reason_and_leave_the_mean_alone() {
     assert_eq!(picture.rejected, [6, 8]);
     let totals = film.totals();
     assert_eq!((totals.paths, totals.rays), (24, 60));
-    assert_eq!(
-        (
-            totals.rejected.nan,
-            totals.rejected.infinite,
-            totals.rejected.refused
-        ),
-        (3, 11, 0)
-    );
+    assert_eq!((totals.rejected.nan, totals.rejected.infinite, totals.rejected.refused), (3, 11, 0));
     assert_eq!(totals.rejected.total(), 14);
 }
 
 #[test]
 fn records_that_cannot_be_are_refused_and_corrupt_nothing() {
-    let good = [
-        run(0, [1.0; 3], 8),
-        run(1, [2.0; 3], 8),
-        run(1, [3.0; 3], 8),
-    ];
+    let good = [run(0, [1.0; 3], 8), run(1, [2.0; 3], 8), run(1, [3.0; 3], 8)];
     let expected = film(2, 1, &good).develop();
     let bad = [
         run(2, [1.0; 3], 8),
@@ -301,25 +228,14 @@ fn records_that_cannot_be_are_refused_and_corrupt_nothing() {
     // Finite samples whose f32 sum overflows are infinite, not refused.
     let mut film = film(2, 1, &good);
     film.add(&[run(0, [1.0, f32::INFINITY, 1.0], 8)]);
-    assert_eq!(
-        (
-            film.totals().rejected.infinite,
-            film.totals().rejected.refused
-        ),
-        (8, 0)
-    );
+    assert_eq!((film.totals().rejected.infinite, film.totals().rejected.refused), (8, 0));
     assert_eq!(film.develop().rgb, expected.rgb);
 }
 
 #[test]
 fn large_and_small_values_keep_their_precision() {
     for value in [2f32.powi(-40), 1e-9, 0.3, 1.0, 2000.0] {
-        let records: Vec<_> = [0.5, 1.5]
-            .iter()
-            .cycle()
-            .take(64)
-            .map(|f| run(0, [8.0 * f * value; 3], 8))
-            .collect();
+        let records: Vec<_> = [0.5, 1.5].iter().cycle().take(64).map(|f| run(0, [8.0 * f * value; 3], 8)).collect();
         let picture = film(1, 1, &records).develop();
         assert!((picture.rgb[0][0] / value - 1.0).abs() < 1e-6, "{value}");
         let expected = 0.25 * f64::from(value).powi(2) / 63.0;
@@ -368,56 +284,28 @@ fn the_exponent_scales_the_picture_and_never_the_relative_error() {
     for (exponent, value, error) in [(300, f32::MAX, f32::MAX), (-300, 0.0, f32::MIN_POSITIVE)] {
         let mut film = Film::new(1, 1, exponent).unwrap();
         film.add(&records);
-        assert_eq!(
-            (film.develop().rgb[0], film.develop().variance[0]),
-            ([value; 3], [error; 3])
-        );
+        assert_eq!((film.develop().rgb[0], film.develop().variance[0]), ([value; 3], [error; 3]));
     }
     assert!(Film::new(1, 1, 301).is_err() && Film::new(1, 1, i32::MIN).is_err());
 }
 
 #[test]
 fn relative_error_follows_the_formula() {
-    let sums = [
-        [4.0f32, 8.0, 2.0],
-        [6.0, 8.0, 4.0],
-        [0.5, 0.0, 1.0],
-        [0.25, 0.0, 3.0],
-    ];
-    let records: Vec<_> = sums
-        .iter()
-        .enumerate()
-        .map(|(i, s)| run(i as u32 / 2, *s, 8))
-        .collect();
+    let sums = [[4.0f32, 8.0, 2.0], [6.0, 8.0, 4.0], [0.5, 0.0, 1.0], [0.25, 0.0, 3.0]];
+    let records: Vec<_> = sums.iter().enumerate().map(|(i, s)| run(i as u32 / 2, *s, 8)).collect();
     let film = film(2, 1, &records);
     let picture = film.develop();
-    let luminance = |p: &[f32; 3]| {
-        0.2126 * f64::from(p[0]) + 0.7152 * f64::from(p[1]) + 0.0722 * f64::from(p[2])
-    };
+    let luminance = |p: &[f32; 3]| 0.2126 * f64::from(p[0]) + 0.7152 * f64::from(p[1]) + 0.0722 * f64::from(p[2]);
     let mean = picture.rgb.iter().map(luminance).sum::<f64>() / 2.0;
-    let terms = picture
-        .rgb
-        .as_flattened()
-        .iter()
-        .zip(picture.variance.as_flattened());
-    let total: f64 = terms
-        .map(|(&i, &v)| f64::from(v) / (f64::from(i).powi(2) + 0.01 * mean * mean))
-        .sum();
+    let terms = picture.rgb.as_flattened().iter().zip(picture.variance.as_flattened());
+    let total: f64 = terms.map(|(&i, &v)| f64::from(v) / (f64::from(i).powi(2) + 0.01 * mean * mean)).sum();
     let found = film.relative_error().unwrap();
     assert!((found / (total / 6.0).sqrt() - 1.0).abs() < 1e-6, "{found}");
 }
 
 #[test]
 fn relative_error_is_unknown_until_each_pixel_has_two_runs() {
-    let mut film = film(
-        2,
-        1,
-        &[
-            run(0, [1.0; 3], 8),
-            run(0, [3.0; 3], 8),
-            run(1, [1.0; 3], 8),
-        ],
-    );
+    let mut film = film(2, 1, &[run(0, [1.0; 3], 8), run(0, [3.0; 3], 8), run(1, [1.0; 3], 8)]);
     assert_eq!(film.relative_error(), None);
     film.add(&[run(1, [3.0; 3], 8)]);
     assert!(film.relative_error().is_some());
@@ -428,16 +316,7 @@ fn a_broken_pixel_does_not_hide_the_error_of_the_others() {
     let film = film(
         2,
         1,
-        &[
-            run(0, [1.0; 3], 8),
-            run(0, [3.0; 3], 8),
-            RunRecord {
-                sum: [0.0; 3],
-                pixel: 1,
-                counts: 8 << 8,
-                rays: 0,
-            },
-        ],
+        &[run(0, [1.0; 3], 8), run(0, [3.0; 3], 8), RunRecord { sum: [0.0; 3], pixel: 1, counts: 8 << 8, rays: 0 }],
     );
     assert!(film.relative_error().is_some());
 }
@@ -452,10 +331,7 @@ fn a_black_image_has_no_relative_error() {
 fn images_that_cannot_be_held_are_errors() {
     for (width, height) in [(0, 1), (1, 0), (u32::MAX, u32::MAX)] {
         let message = Film::new(width, height, 0).unwrap_err().to_string();
-        assert!(
-            message.contains(&format!("{width} x {height}")),
-            "{message}"
-        );
+        assert!(message.contains(&format!("{width} x {height}")), "{message}");
     }
 }
 
@@ -466,17 +342,12 @@ fn time_per_record() {
     let (width, height) = (1200, 675);
     let pixels = width * height;
     let mut random = Random(7);
-    let mut records: Vec<_> = (0..pixels)
-        .map(|p| run(p, [(); 3].map(|_| 8.0 * random.uniform() as f32), 8))
-        .collect();
+    let mut records: Vec<_> = (0..pixels).map(|p| run(p, [(); 3].map(|_| 8.0 * random.uniform() as f32), 8)).collect();
     let mut film = Film::new(width, height, 0).unwrap();
     let mut report = |name: &str, records: &[RunRecord]| {
         let start = std::time::Instant::now();
         (0..4).for_each(|_| film.add(records));
-        println!(
-            "{name}: {:.1} ns a record",
-            start.elapsed().as_secs_f64() * 1e9 / (4.0 * records.len() as f64)
-        );
+        println!("{name}: {:.1} ns a record", start.elapsed().as_secs_f64() * 1e9 / (4.0 * records.len() as f64));
     };
     report("in pixel order, first touch", &records);
     report("in pixel order", &records);
@@ -484,15 +355,8 @@ fn time_per_record() {
     report("in random order", &records);
     let start = std::time::Instant::now();
     let error = film.relative_error();
-    println!(
-        "relative_error {error:?}: {:.1} ms",
-        start.elapsed().as_secs_f64() * 1e3
-    );
+    println!("relative_error {error:?}: {:.1} ms", start.elapsed().as_secs_f64() * 1e3);
     let start = std::time::Instant::now();
     let picture = film.develop();
-    println!(
-        "develop {} pixels: {:.1} ms",
-        picture.rgb.len(),
-        start.elapsed().as_secs_f64() * 1e3
-    );
+    println!("develop {} pixels: {:.1} ms", picture.rgb.len(), start.elapsed().as_secs_f64() * 1e3);
 }

@@ -9,10 +9,7 @@ use stats::*;
 const ALPHA: f64 = 1e-6;
 
 fn assert_close(got: f64, expected: f64, relative: f64) {
-    assert!(
-        (got - expected).abs() <= relative * expected.abs(),
-        "{got:e} is not {expected:e}"
-    );
+    assert!((got - expected).abs() <= relative * expected.abs(), "{got:e} is not {expected:e}");
 }
 
 // Expected values below: mpmath 1.4, 30 digits.
@@ -62,11 +59,7 @@ fn student_tails_agree_with_known_values() {
     // The logarithms of gamma cancel for many degrees of freedom.
     assert_close(student_two_sided(1.0, 1e6), 0.31731074983357813, 1e-7);
     assert_close(student_two_sided(6.0, 1e6), 1.9738498123544347e-9, 1e-7);
-    assert_close(
-        student_two_sided(6.0, f64::INFINITY),
-        normal_two_sided(6.0),
-        0.0,
-    );
+    assert_close(student_two_sided(6.0, f64::INFINITY), normal_two_sided(6.0), 0.0);
 }
 
 #[test]
@@ -81,11 +74,7 @@ fn chi_square_tails_agree_with_known_values() {
     ] {
         assert_close(chi_square_tail(x, degrees), expected, 1e-11);
     }
-    assert_close(
-        chi_square_tail(105000.0, 100000.0),
-        1.8950787187407721e-28,
-        1e-8,
-    );
+    assert_close(chi_square_tail(105000.0, 100000.0), 1.8950787187407721e-28, 1e-8);
 }
 
 #[test]
@@ -146,11 +135,7 @@ fn p_values_of_the_truth_are_uniform() {
         chi[bin(chi_square(&counts, &[200.0; 10], 1))] += 1;
     }
     let expected = [f64::from(rounds) / 20.0; 20];
-    for (name, bins) in [
-        ("one-sample", one_sample),
-        ("Welch", welch),
-        ("chi-square", chi),
-    ] {
+    for (name, bins) in [("one-sample", one_sample), ("Welch", welch), ("chi-square", chi)] {
         let p = chi_square(&bins, &expected, 1);
         assert!(p > ALPHA, "{name}: {bins:?}, p = {p:e}");
     }
@@ -167,40 +152,20 @@ struct Noisy {
 fn noisy(seed: u64, runs: usize) -> Noisy {
     let mut random = Random(seed);
     let pixels = 64 * 64;
-    let reference: Vec<[f32; 3]> = (0..pixels)
-        .map(|i| [1.0, 0.1, i as f32 / 100.0 + 0.01])
-        .collect();
+    let reference: Vec<[f32; 3]> = (0..pixels).map(|i| [1.0, 0.1, i as f32 / 100.0 + 0.01]).collect();
     let (mut image, mut variance) = (Vec::new(), Vec::new());
     for pixel in &reference {
-        let results = pixel.map(|mean| {
-            mean_and_variance(&normals(
-                &mut random,
-                runs,
-                f64::from(mean),
-                0.2 * f64::from(mean),
-            ))
-        });
+        let results =
+            pixel.map(|mean| mean_and_variance(&normals(&mut random, runs, f64::from(mean), 0.2 * f64::from(mean))));
         image.push(results.map(|(mean, _)| mean as f32));
         variance.push(results.map(|(_, variance)| (variance / runs as f64) as f32));
     }
-    Noisy {
-        image,
-        variance,
-        reference,
-        reference_variance: vec![[0.0; 3]; pixels],
-    }
+    Noisy { image, variance, reference, reference_variance: vec![[0.0; 3]; pixels] }
 }
 
 impl Noisy {
     fn test(&self, degrees: f64) -> PixelTest {
-        pixel_test(
-            &self.image,
-            &self.variance,
-            &self.reference,
-            &self.reference_variance,
-            degrees,
-            ALPHA,
-        )
+        pixel_test(&self.image, &self.variance, &self.reference, &self.reference_variance, degrees, ALPHA)
     }
 }
 
@@ -214,21 +179,14 @@ fn pixel_test_accepts_the_truth() {
 
 #[test]
 fn pixel_test_with_few_runs_needs_students_distribution() {
-    assert!(
-        !noisy(4, 4).test(f64::INFINITY).passed,
-        "the Z-test raises false alarms with 4 runs"
-    );
+    assert!(!noisy(4, 4).test(f64::INFINITY).passed, "the Z-test raises false alarms with 4 runs");
 }
 
 #[test]
 fn pixel_test_takes_the_references_own_variance() {
     let mut noisy = noisy(5, 600);
     let mut random = Random(6);
-    for (pixel, variance) in noisy
-        .reference
-        .iter_mut()
-        .zip(&mut noisy.reference_variance)
-    {
+    for (pixel, variance) in noisy.reference.iter_mut().zip(&mut noisy.reference_variance) {
         for channel in 0..3 {
             let deviation = 0.05 * pixel[channel];
             variance[channel] = deviation * deviation;
@@ -237,10 +195,7 @@ fn pixel_test_takes_the_references_own_variance() {
     }
     assert!(noisy.test(599.0).passed);
     noisy.reference_variance.fill([0.0; 3]);
-    assert!(
-        !noisy.test(599.0).passed,
-        "the reference's noise must be found when it is denied"
-    );
+    assert!(!noisy.test(599.0).passed, "the reference's noise must be found when it is denied");
 }
 
 #[test]
@@ -250,16 +205,11 @@ fn pixel_test_finds_a_bias_of_one_percent() {
     let mut random = Random(8);
     let error = 0.2 / 200.0;
     for pixel in 0..noisy.image.len() {
-        noisy.image[pixel] =
-            noisy.reference[pixel].map(|v| v * (1.0 + error * random.normal() as f32));
+        noisy.image[pixel] = noisy.reference[pixel].map(|v| v * (1.0 + error * random.normal() as f32));
         noisy.variance[pixel] = noisy.reference[pixel].map(|v| (v * error) * (v * error));
     }
     assert!(noisy.test(39_999.0).passed);
-    noisy
-        .image
-        .as_flattened_mut()
-        .iter_mut()
-        .for_each(|v| *v *= 1.01);
+    noisy.image.as_flattened_mut().iter_mut().for_each(|v| *v *= 1.01);
     assert!(!noisy.test(39_999.0).passed);
 }
 
@@ -278,8 +228,7 @@ fn pixel_test_fails_on_nan_and_allows_for_rounding_only() {
     let exact = vec![[0.0f32; 3]; 4];
     let reference = vec![[0.3f32; 3]; 4];
     let next = vec![[0.3f32.next_up(); 3]; 4];
-    let test =
-        |image: &[[f32; 3]]| pixel_test(image, &exact, &reference, &exact, 15.0, ALPHA).passed;
+    let test = |image: &[[f32; 3]]| pixel_test(image, &exact, &reference, &exact, 15.0, ALPHA).passed;
     assert!(test(&reference));
     assert!(test(&next));
     assert!(!test(&[[0.30001; 3]; 4]));
@@ -333,10 +282,6 @@ fn chi_square_finds_planted_errors() {
 fn chi_square_with_impossible_cells() {
     assert_eq!(chi_square(&[50, 50, 1], &[50.0, 50.0, 0.0], 1), 0.0);
     assert_eq!(chi_square(&[50, 50, 0], &[50.0, 50.0, 0.0], 1), 1.0);
-    assert_eq!(
-        chi_square(&[1, 2], &[1.0, 2.0], 1),
-        1.0,
-        "too few to say anything"
-    );
+    assert_eq!(chi_square(&[1, 2], &[1.0, 2.0], 1), 1.0, "too few to say anything");
     assert_eq!(chi_square(&[1, 2], &[f64::NAN, 2.0], 1), 0.0);
 }

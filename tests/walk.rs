@@ -62,7 +62,10 @@ fn every_primitive_is_in_the_tree_once() {
         ("a row", (0..1000).map(|i| moved(i as f32)).collect()),
         ("one place", vec![unit; 10_000]),
         ("two places", (0..10_000).map(|i| moved((i % 2) as f32)).collect()),
-        ("ever smaller", (0..100).map(|i| Bounds { min: glam::Vec3::ZERO, max: glam::Vec3::splat(0.5f32.powi(i)) }).collect()),
+        (
+            "ever smaller",
+            (0..100).map(|i| Bounds { min: glam::Vec3::ZERO, max: glam::Vec3::splat(0.5f32.powi(i)) }).collect(),
+        ),
     ];
     for (name, boxes) in many {
         let codes: Vec<u32> = (0..boxes.len() as u32).map(|i| gpu_rt::data::PRIMITIVE_BIT | i).collect();

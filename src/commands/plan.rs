@@ -10,7 +10,7 @@ use crate::data::PATH_PLANES;
 use crate::error::{Error, Result};
 use crate::gpu::device::{AdapterName, Adapters, DeviceClass};
 use crate::output::atomic;
-use crate::plan::{Bounce, Plan, Scatter, Staged, Tables, Tuning};
+use crate::plan::{Bounce, Plan, Scatter, Tables, Tuning};
 use crate::render::{Goal, Job, TuningWish, tuning};
 use crate::scene::Scene;
 
@@ -75,7 +75,10 @@ pub fn run(args: &PlanArgs) -> Result<()> {
     for kernel in plan.kernels() {
         let modules = kernel.linked.modules.len();
         let bytes = kernel.linked.text.len();
-        print_line(&format!("  {:<22} {modules:>2} modules, {bytes:>6} bytes of WGSL; for {}", kernel.name, kernel.why));
+        print_line(&format!(
+            "  {:<22} {modules:>2} modules, {bytes:>6} bytes of WGSL; for {}",
+            kernel.name, kernel.why
+        ));
     }
     print_line(&format!("scatter: {}", scatter_words(&plan, &tuning)));
     print_line(&format!("path state: {} bytes a slot, {} slots", PATH_PLANES * 16, tuning.slots));
@@ -90,11 +93,12 @@ pub fn run(args: &PlanArgs) -> Result<()> {
 fn scatter_words(plan: &Plan, tuning: &Tuning) -> String {
     match (&plan.bounce, tuning.scatter) {
         (Bounce::Fused(_), _) => {
-            "fused: a processor pays more for storing a path's state than for its divergence (docs/performance.md)".to_string()
+            "fused: a processor pays more for storing a path's state than for its divergence (docs/performance.md)"
+                .to_string()
         }
         (Bounce::Staged(staged), _) if staged.scatter.is_empty() => "none: there is nothing to hit".to_string(),
-        (Bounce::Staged(Staged { dispatch: Some(_), scatter, .. }), _) => {
-            format!("queues: a kernel and a queue for each of {} materials", scatter.len())
+        (Bounce::Staged(staged), _) if staged.dispatch.is_some() => {
+            format!("queues: a kernel and a queue for each of {} materials", staged.scatter.len())
         }
         (Bounce::Staged(_), Scatter::Queues) => "linked: with one material there is nothing to sort".to_string(),
         (Bounce::Staged(_), _) => "linked: one kernel for all materials".to_string(),

@@ -104,7 +104,11 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
         Ok(outcome) => outcome.clone(),
         Err(_) => Outcome { samples: job.first_sample..job.first_sample, ..Outcome::default() },
     };
-    let finish = Finish { error: film.relative_error(), complete: rendered.is_ok() && !outcome.interrupted, ..Finish::of(&film) };
+    let finish = Finish {
+        error: film.relative_error(),
+        complete: rendered.is_ok() && !outcome.interrupted,
+        ..Finish::of(&film)
+    };
     if finish.totals.paths > 0 || rendered.is_ok() {
         let finish = Finish { samples: outcome.samples.clone(), ..finish.clone() };
         write_all(&output, &film.develop(), &about.attributes(&finish, &seconds))?;
@@ -173,9 +177,11 @@ fn check_place(path: &Path) -> Result<()> {
     }
     match tempfile::tempfile_in(folder) {
         Ok(_) => Ok(()),
-        Err(error) => {
-            Err(Error::File { path: path.to_path_buf(), action: "write", reason: format!("{error}; nothing has been rendered") })
-        }
+        Err(error) => Err(Error::File {
+            path: path.to_path_buf(),
+            action: "write",
+            reason: format!("{error}; nothing has been rendered"),
+        }),
     }
 }
 
@@ -205,9 +211,7 @@ fn write_time((width, height): (u32, u32)) -> Duration {
 fn progress_goal(job: &Job) -> progress::Goal {
     match job.goal {
         Goal::Samples(end) => progress::Goal::Samples { from: 0, to: u64::from(end - job.first_sample) },
-        Goal::Until { deadline, .. } => {
-            progress::Goal::Time(deadline.saturating_duration_since(Instant::now()))
-        }
+        Goal::Until { deadline, .. } => progress::Goal::Time(deadline.saturating_duration_since(Instant::now())),
     }
 }
 

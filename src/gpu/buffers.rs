@@ -171,10 +171,8 @@ impl Readback {
             Ok(Err(error)) => return Err(device.failed(&error.to_string())),
             Err(error) => return Err(device.failed(&error.to_string())),
         }
-        let result = slice
-            .get_mapped_range()
-            .map(|view| use_bytes(&view))
-            .map_err(|error| device.failed(&error.to_string()));
+        let result =
+            slice.get_mapped_range().map(|view| use_bytes(&view)).map_err(|error| device.failed(&error.to_string()));
         self.staging.unmap();
         result
     }

@@ -88,6 +88,9 @@ pub fn link(library: &dyn Library, root: &str, choices: &Choices) -> Result<Link
     Ok(linker.linked)
 }
 
+/// The entries that a block of `each` is repeated for, and its lines with their numbers.
+type Block<'a> = (&'a [Entry], Vec<(usize, &'a str)>);
+
 struct Linker<'a> {
     library: &'a dyn Library,
     choices: &'a Choices,
@@ -98,9 +101,12 @@ struct Linker<'a> {
 impl Linker<'_> {
     fn join(&mut self, name: &str, user: &str, user_line: usize) -> Result<()> {
         let module = match name.strip_prefix("choice/") {
-            Some(choice) => self.choices.modules.get(choice).copied().ok_or_else(|| {
-                fault(user, user_line, &format!("the plan chose no module for `{name}`"))
-            })?,
+            Some(choice) => self
+                .choices
+                .modules
+                .get(choice)
+                .copied()
+                .ok_or_else(|| fault(user, user_line, &format!("the plan chose no module for `{name}`")))?,
             None => name,
         };
         if !self.done.insert(module.to_string()) {
@@ -130,18 +136,19 @@ impl Linker<'_> {
     /// Repeats the blocks of `each` and fills in the values; every line keeps the number it had in its file.
     fn expand(&self, module: &str, text: &str) -> Result<Vec<(usize, String)>> {
         let mut out = Vec::new();
-        let mut block: Option<(&[Entry], Vec<(usize, &str)>)> = None;
+        let mut block: Option<Block<'_>> = None;
         for (number, line) in (1..).zip(text.lines()) {
             let directive = line.trim().strip_prefix("//@ ");
             if let Some(list) = directive.and_then(|d| d.strip_prefix("each ")) {
-                let entries = self.choices.lists.get(list.trim()).ok_or_else(|| {
-                    fault(module, number, &format!("the plan has no list `{}`", list.trim()))
-                })?;
+                let entries = self
+                    .choices
+                    .lists
+                    .get(list.trim())
+                    .ok_or_else(|| fault(module, number, &format!("the plan has no list `{}`", list.trim())))?;
                 block = Some((entries, Vec::new()));
             } else if directive == Some("end") {
-                let (entries, body) = block
-                    .take()
-                    .ok_or_else(|| fault(module, number, "`//@ end` without `//@ each`"))?;
+                let (entries, body) =
+                    block.take().ok_or_else(|| fault(module, number, "`//@ end` without `//@ each`"))?;
                 for (rank, entry) in entries.iter().enumerate() {
                     let case = match rank + 1 == entries.len() {
                         true => "default".to_string(),
@@ -171,9 +178,7 @@ impl Linker<'_> {
         let mut rest = line;
         let mut out = String::with_capacity(line.len());
         while let Some((before, after)) = rest.split_once("${") {
-            let (name, tail) = after
-                .split_once('}')
-                .ok_or_else(|| fault(module, number, "`${` without `}`"))?;
+            let (name, tail) = after.split_once('}').ok_or_else(|| fault(module, number, "`${` without `}`"))?;
             let value = self
                 .choices
                 .values
@@ -197,16 +202,13 @@ impl Linked {
     pub fn validate(&self) -> Result<(naga::Module, naga::valid::ModuleInfo)> {
         let module = naga::front::wgsl::parse_str(&self.text)
             .map_err(|error| self.fault_at(error.location(&self.text), error.message()))?;
-        let info = naga::valid::Validator::new(
-            naga::valid::ValidationFlags::all(),
-            naga::valid::Capabilities::empty(),
-        )
-        .validate(&module)
-        .map_err(|error| {
-            let cause = std::error::Error::source(error.as_inner())
-                .map_or(String::new(), |source| format!(": {source}"));
-            self.fault_at(error.location(&self.text), &format!("{}{cause}", error.as_inner()))
-        })?;
+        let info = naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::empty())
+            .validate(&module)
+            .map_err(|error| {
+                let cause =
+                    std::error::Error::source(error.as_inner()).map_or(String::new(), |source| format!(": {source}"));
+                self.fault_at(error.location(&self.text), &format!("{}{cause}", error.as_inner()))
+            })?;
         Ok((module, info))
     }
 

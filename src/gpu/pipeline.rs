@@ -28,15 +28,21 @@ impl Pipeline {
     /// Compiles and binds a kernel.
     pub fn new(device: &Device, spec: &PipelineSpec<'_>, buffers: &Buffers) -> Result<Pipeline> {
         let wgpu_device = &device.device;
+        let storage = spec.bindings.values().filter(|binding| binding.kind != BindingKind::Uniform).count();
+        let limit = device.limits.max_storage_buffers_per_shader_stage;
+        if storage as u64 > u64::from(limit) {
+            return Err(device.failed(&format!(
+                "the kernel {} binds {storage} storage buffers, and the device allows {limit} a stage; try --scatter linked",
+                spec.name
+            )));
+        }
         let module = wgpu_device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(spec.name),
             source: wgpu::ShaderSource::Naga(Cow::Owned(spec.module.clone())),
         });
         let entries: Vec<_> = spec.bindings.values().map(layout_entry).collect();
-        let layout = wgpu_device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some(spec.name),
-            entries: &entries,
-        });
+        let layout = wgpu_device
+            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(spec.name), entries: &entries });
         let pipeline_layout = wgpu_device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(spec.name),
             bind_group_layouts: &[Some(&layout)],

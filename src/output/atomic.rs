@@ -15,15 +15,9 @@ const MAX_LINKS: usize = 40;
 /// anything fails: the old file then stays as it was. A symbolic link stays, and the file it points to is replaced. What is no regular
 /// file (/dev/null, a pipe, /dev/stdout) is written to directly, once `write` has succeeded.
 pub fn replace(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> Result<()> {
-    let failed = |reason: String| Error::File {
-        path: path.to_owned(),
-        action: "write",
-        reason,
-    };
+    let failed = |reason: String| Error::File { path: path.to_owned(), action: "write", reason };
     match destination(path).map_err(|error| failed(error.to_string()))? {
-        Destination::Stream => {
-            replace_stream(path, write).map_err(|error| failed(error.to_string()))
-        }
+        Destination::Stream => replace_stream(path, write).map_err(|error| failed(error.to_string())),
         Destination::Regular(target) => replace_regular(&target, write).map_err(failed),
     }
 }
@@ -67,10 +61,7 @@ fn folder_of(path: &Path) -> &Path {
     }
 }
 
-fn replace_regular(
-    target: &Path,
-    write: impl FnOnce(&mut File) -> io::Result<()>,
-) -> std::result::Result<(), String> {
+fn replace_regular(target: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> std::result::Result<(), String> {
     let name = target.file_name().ok_or("it names no file")?;
     let folder = folder_of(target);
     if !folder.is_dir() {
@@ -88,16 +79,12 @@ fn replace_regular(
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
     // The kind alone: the full text names the temporary file, which says nothing to the user.
-    let mut file = builder
-        .tempfile_in(folder)
-        .map_err(|error| format!("no file can be made in its folder: {}", error.kind()))?;
+    let mut file =
+        builder.tempfile_in(folder).map_err(|error| format!("no file can be made in its folder: {}", error.kind()))?;
     // From here on, every return removes the temporary file.
     write(file.as_file_mut()).map_err(|error| error.to_string())?;
-    file.as_file()
-        .sync_all()
-        .map_err(|error| error.to_string())?;
-    file.persist(target)
-        .map_err(|error| error.error.to_string())?;
+    file.as_file().sync_all().map_err(|error| error.to_string())?;
+    file.persist(target).map_err(|error| error.error.to_string())?;
     // The new name itself reaches the disk with the folder. Not every system can do that; the contents are safe already.
     if let Ok(folder) = File::open(folder) {
         let _ = folder.sync_all();
@@ -124,10 +111,8 @@ mod tests {
     }
 
     fn names(folder: &Path) -> Vec<String> {
-        let mut names: Vec<_> = fs::read_dir(folder)
-            .unwrap()
-            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-            .collect();
+        let mut names: Vec<_> =
+            fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
         names.sort();
         names
     }
@@ -152,10 +137,7 @@ mod tests {
             Err(io::Error::other("the encoder failed"))
         });
         let message = error.unwrap_err().to_string();
-        assert_eq!(
-            message,
-            format!("{}: cannot write: the encoder failed", path.display())
-        );
+        assert_eq!(message, format!("{}: cannot write: the encoder failed", path.display()));
         assert_eq!(fs::read_to_string(&path).unwrap(), "old");
         assert_eq!(names(folder.path()), ["a.exr"]);
     }
@@ -180,10 +162,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let missing = folder.path().join("missing").join("a.exr");
         let message = write_text(&missing, "").unwrap_err().to_string();
-        assert!(
-            message.contains("missing/a.exr") && message.contains("does not exist"),
-            "{message}"
-        );
+        assert!(message.contains("missing/a.exr") && message.contains("does not exist"), "{message}");
         let message = write_text(folder.path(), "").unwrap_err().to_string();
         assert!(message.contains("it is a folder"), "{message}");
         for nothing in ["", "/", ".."] {
@@ -222,11 +201,7 @@ mod tests {
         write_text(&at("dangling"), "made").unwrap();
         assert_eq!(fs::read_to_string(at("sub/real")).unwrap(), "new");
         assert_eq!(fs::read_to_string(at("sub/not_yet")).unwrap(), "made");
-        assert!(
-            at("link").is_symlink()
-                && at("dangling").is_symlink()
-                && at("link_to_link").is_symlink()
-        );
+        assert!(at("link").is_symlink() && at("dangling").is_symlink() && at("link_to_link").is_symlink());
         assert!(write_text(&at("loop"), "").is_err());
         assert_eq!(names(&at("sub")), ["not_yet", "real"]);
     }
@@ -236,26 +211,12 @@ mod tests {
     fn devices_and_pipes_are_written_to() {
         use std::os::unix::fs::FileTypeExt;
         write_text(Path::new("/dev/null"), "text").unwrap();
-        assert!(
-            fs::metadata("/dev/null")
-                .unwrap()
-                .file_type()
-                .is_char_device()
-        );
-        let message = write_text(Path::new("/dev/full"), "text")
-            .unwrap_err()
-            .to_string();
-        assert!(
-            message.starts_with("/dev/full: cannot write: ") && message.contains("space"),
-            "{message}"
-        );
+        assert!(fs::metadata("/dev/null").unwrap().file_type().is_char_device());
+        let message = write_text(Path::new("/dev/full"), "text").unwrap_err().to_string();
+        assert!(message.starts_with("/dev/full: cannot write: ") && message.contains("space"), "{message}");
         let (mut reader, writer) = io::pipe().unwrap();
         use std::os::fd::AsRawFd;
-        write_text(
-            Path::new(&format!("/proc/self/fd/{}", writer.as_raw_fd())),
-            "through a pipe",
-        )
-        .unwrap();
+        write_text(Path::new(&format!("/proc/self/fd/{}", writer.as_raw_fd())), "through a pipe").unwrap();
         drop(writer);
         assert_eq!(io::read_to_string(&mut reader).unwrap(), "through a pipe");
     }

@@ -5,9 +5,7 @@ use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
 use ::exr::image::write::WritableImage;
-use ::exr::image::{
-    AnyChannels, Blocks, Encoding, FlatSamples, Image, Layer, Layers, SpecificChannels,
-};
+use ::exr::image::{AnyChannels, Blocks, Encoding, FlatSamples, Image, Layer, Layers, SpecificChannels};
 use ::exr::math::Vec2;
 use ::exr::meta::MetaData;
 use ::exr::meta::attribute::{AttributeValue, Chromaticities, Compression, LineOrder, Text};
@@ -33,12 +31,8 @@ const ENCODING: Encoding = Encoding {
 };
 
 /// Linear Rec. 709 with its white D65 (ITU-R BT.709-6, items 1.3 and 1.4).
-const REC_709: Chromaticities = Chromaticities {
-    red: Vec2(0.64, 0.33),
-    green: Vec2(0.3, 0.6),
-    blue: Vec2(0.15, 0.06),
-    white: Vec2(0.3127, 0.329),
-};
+const REC_709: Chromaticities =
+    Chromaticities { red: Vec2(0.64, 0.33), green: Vec2(0.3, 0.6), blue: Vec2(0.15, 0.06), white: Vec2(0.3127, 0.329) };
 
 /// A setting or a result that the file's header keeps.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,32 +63,15 @@ pub fn write_exr(path: &Path, picture: &Picture, attributes: &[(String, Attribut
         .with_pixel_fn(|Vec2(x, y): Vec2<usize>| {
             let pixel = y * width + x;
             let ([r, g, b], [vr, vg, vb]) = (picture.rgb[pixel], picture.variance[pixel]);
-            (
-                r,
-                g,
-                b,
-                vr,
-                vg,
-                vb,
-                picture.samples[pixel],
-                picture.rejected[pixel],
-            )
+            (r, g, b, vr, vg, vb, picture.samples[pixel], picture.rejected[pixel])
         });
     let header = LayerAttributes {
         software_name: Some(text(concat!("gpu-rt ", env!("CARGO_PKG_VERSION")))),
         comments: Some(text(COMMENTS)),
-        other: attributes
-            .iter()
-            .map(|(name, value)| (text(name), value.to_exr()))
-            .collect(),
+        other: attributes.iter().map(|(name, value)| (text(name), value.to_exr())).collect(),
         ..LayerAttributes::default()
     };
-    let mut image = Image::from_layer(Layer::new(
-        (width, picture.height as usize),
-        header,
-        ENCODING,
-        channels,
-    ));
+    let mut image = Image::from_layer(Layer::new((width, picture.height as usize), header, ENCODING, channels));
     image.attributes.chromaticities = Some(REC_709);
     atomic::replace(path, |file| {
         image.write().to_unbuffered(&mut *file).map_err(to_io)?;
@@ -145,10 +122,7 @@ fn sort_attributes(file: &mut File) -> io::Result<()> {
         let mut size = [0; 4];
         reader.read_exact(&mut size)?;
         attribute.extend(size);
-        reader
-            .by_ref()
-            .take(u32::from_le_bytes(size).into())
-            .read_to_end(&mut attribute)?;
+        reader.by_ref().take(u32::from_le_bytes(size).into()).read_to_end(&mut attribute)?;
         attributes.push(attribute);
     }
     attributes.sort();
@@ -176,14 +150,9 @@ type FlatLayer = Layer<AnyChannels<FlatSamples>>;
 /// Reads R, G and B, in half or float, of the first part that holds them; where none does, of the first layer `name.R`, `name.G`,
 /// `name.B`. The size is the data window's.
 pub fn read_exr(path: &Path) -> Result<ExrImage> {
-    let failed = |reason: String| Error::File {
-        path: path.to_owned(),
-        action: "read",
-        reason,
-    };
+    let failed = |reason: String| Error::File { path: path.to_owned(), action: "read", reason };
     let open = || File::open(path).map_err(|error| failed(error.to_string()));
-    let header = MetaData::read_from_unbuffered(open()?, false)
-        .map_err(|error| failed(error.to_string()))?;
+    let header = MetaData::read_from_unbuffered(open()?, false).map_err(|error| failed(error.to_string()))?;
     check_memory(&header).map_err(failed)?;
     let image: Image<Layers<AnyChannels<FlatSamples>>> = read()
         .no_deep_data()
@@ -194,24 +163,15 @@ pub fn read_exr(path: &Path) -> Result<ExrImage> {
         .non_parallel()
         .from_unbuffered(open()?)
         .map_err(|error| failed(error.to_string()))?;
-    let (layer, prefix) =
-        find_rgb(&image.layer_data).ok_or_else(|| failed(no_rgb(&image.layer_data)))?;
-    let size = |length: usize| {
-        u32::try_from(length).map_err(|_| failed("its size is not supported".into()))
-    };
-    let mut attributes: Vec<(String, String)> = image
-        .attributes
-        .other
-        .iter()
-        .chain(&layer.attributes.other)
-        .filter_map(describe)
-        .collect();
+    let (layer, prefix) = find_rgb(&image.layer_data).ok_or_else(|| failed(no_rgb(&image.layer_data)))?;
+    let size = |length: usize| u32::try_from(length).map_err(|_| failed("its size is not supported".into()));
+    let mut attributes: Vec<(String, String)> =
+        image.attributes.other.iter().chain(&layer.attributes.other).filter_map(describe).collect();
     attributes.sort();
     Ok(ExrImage {
         width: size(layer.size.0)?,
         height: size(layer.size.1)?,
-        rgb: float_channels(layer, &prefix)
-            .ok_or_else(|| failed("its channels differ in size".into()))?,
+        rgb: float_channels(layer, &prefix).ok_or_else(|| failed("its channels differ in size".into()))?,
         variance: float_channels(layer, "variance."),
         samples: count_channel(layer, "samples.Y"),
         rejected: count_channel(layer, "rejected.Y"),
@@ -222,30 +182,17 @@ pub fn read_exr(path: &Path) -> Result<ExrImage> {
 /// A damaged header may ask for more memory than there is, which would end the process. The pixels are held up to four times: packed,
 /// unpacked, by channel, and as they are returned.
 fn check_memory(header: &MetaData) -> std::result::Result<(), String> {
-    let bytes_of = |(Vec2(width, height), pixel): (Vec2<usize>, usize)| {
-        width.checked_mul(height)?.checked_mul(pixel)
-    };
-    let sizes = header
-        .headers
-        .iter()
-        .map(|h| bytes_of((h.layer_size, h.channels.bytes_per_pixel)));
-    let total = sizes
-        .reduce(|a, b| a?.checked_add(b?))
-        .flatten()
-        .unwrap_or(usize::MAX);
+    let bytes_of = |(Vec2(width, height), pixel): (Vec2<usize>, usize)| width.checked_mul(height)?.checked_mul(pixel);
+    let sizes = header.headers.iter().map(|h| bytes_of((h.layer_size, h.channels.bytes_per_pixel)));
+    let total = sizes.reduce(|a, b| a?.checked_add(b?)).flatten().unwrap_or(usize::MAX);
     let had = Vec::<u8>::new().try_reserve_exact(total.saturating_mul(4));
     had.map_err(|_| format!("it says that it holds {total} bytes of pixels, more than the memory"))
 }
 
 fn samples<'a>(layer: &'a FlatLayer, name: &str) -> Option<&'a FlatSamples> {
-    let channel = layer
-        .channel_data
-        .list
-        .iter()
-        .find(|channel| channel.name.as_slice() == name.as_bytes())?;
+    let channel = layer.channel_data.list.iter().find(|channel| channel.name.as_slice() == name.as_bytes())?;
     // Subsampled channels have fewer samples than the layer has pixels.
-    (channel.sample_data.len() == layer.size.0.checked_mul(layer.size.1)?)
-        .then_some(&channel.sample_data)
+    (channel.sample_data.len() == layer.size.0.checked_mul(layer.size.1)?).then_some(&channel.sample_data)
 }
 
 fn floats<'a>(layer: &'a FlatLayer, name: &str) -> Option<impl Iterator<Item = f32> + use<'a>> {
@@ -269,39 +216,24 @@ fn count_channel(layer: &FlatLayer, name: &str) -> Option<Vec<u32>> {
 /// The part that holds R, G and B, and what stands before these names there.
 fn find_rgb(layers: &[FlatLayer]) -> Option<(&FlatLayer, String)> {
     let holds = |layer: &FlatLayer, prefix: &str| {
-        ["R", "G", "B"]
-            .iter()
-            .all(|name| floats(layer, &format!("{prefix}{name}")).is_some())
+        ["R", "G", "B"].iter().all(|name| floats(layer, &format!("{prefix}{name}")).is_some())
     };
     if let Some(layer) = layers.iter().find(|layer| holds(layer, "")) {
         return Some((layer, String::new()));
     }
-    let names = layers.iter().flat_map(|layer| {
-        layer
-            .channel_data
-            .list
-            .iter()
-            .map(move |channel| (layer, channel.name.to_string()))
-    });
-    let prefixes =
-        names.filter_map(|(layer, name)| Some((layer, name.strip_suffix('R')?.to_owned())));
-    prefixes
-        .into_iter()
-        .find(|(layer, prefix)| prefix.ends_with('.') && holds(layer, prefix))
+    let names = layers
+        .iter()
+        .flat_map(|layer| layer.channel_data.list.iter().map(move |channel| (layer, channel.name.to_string())));
+    let prefixes = names.filter_map(|(layer, name)| Some((layer, name.strip_suffix('R')?.to_owned())));
+    prefixes.into_iter().find(|(layer, prefix)| prefix.ends_with('.') && holds(layer, prefix))
 }
 
 fn no_rgb(layers: &[FlatLayer]) -> String {
-    let names: Vec<String> = layers
-        .iter()
-        .flat_map(|layer| layer.channel_data.list.iter().map(|c| c.name.to_string()))
-        .collect();
+    let names: Vec<String> =
+        layers.iter().flat_map(|layer| layer.channel_data.list.iter().map(|c| c.name.to_string())).collect();
     format!(
         "expected channels R, G and B in half or float; it has {}",
-        if names.is_empty() {
-            "none".into()
-        } else {
-            names.join(", ")
-        }
+        if names.is_empty() { "none".into() } else { names.join(", ") }
     )
 }
 
@@ -330,12 +262,8 @@ mod tests {
         Picture {
             width: 7,
             height: 5,
-            rgb: (0..count)
-                .map(|i| [value(i), value(i + 100), value(i + 200)])
-                .collect(),
-            variance: (0..count)
-                .map(|i| [value(i + 300), 0.0, UNKNOWN_VARIANCE])
-                .collect(),
+            rgb: (0..count).map(|i| [value(i), value(i + 100), value(i + 200)]).collect(),
+            variance: (0..count).map(|i| [value(i + 300), 0.0, UNKNOWN_VARIANCE]).collect(),
             samples: (0..count as u32).map(|i| u32::MAX - i).collect(),
             rejected: (0..count as u32).collect(),
         }
@@ -348,10 +276,7 @@ mod tests {
             ("max_depth".into(), Attribute::Int(50)),
             ("seed".into(), Attribute::Int(i64::MIN)),
             ("seconds".into(), Attribute::Float(0.1 + 0.2)),
-            (
-                "a name that is longer than 31 bytes".into(),
-                Attribute::Float(1e-300),
-            ),
+            ("a name that is longer than 31 bytes".into(), Attribute::Float(1e-300)),
         ]
     }
 
@@ -375,24 +300,15 @@ mod tests {
             ("seconds", "0.30000000000000004"),
             ("seed", "-9223372036854775808"),
         ];
-        assert_eq!(
-            read.attributes,
-            expected.map(|(name, value)| (name.to_owned(), value.to_owned()))
-        );
+        assert_eq!(read.attributes, expected.map(|(name, value)| (name.to_owned(), value.to_owned())));
     }
 
     #[test]
     fn the_same_picture_gives_the_same_bytes() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.exr");
-        let mut tall = Picture {
-            width: 64,
-            height: 300,
-            ..Picture::default()
-        };
-        tall.rgb = (0..64 * 300)
-            .map(|i| [i as f32, 1.0 / i as f32, 0.5].map(|v| v.min(1e9)))
-            .collect();
+        let mut tall = Picture { width: 64, height: 300, ..Picture::default() };
+        tall.rgb = (0..64 * 300).map(|i| [i as f32, 1.0 / i as f32, 0.5].map(|v| v.min(1e9))).collect();
         tall.variance = tall.rgb.clone();
         tall.samples = vec![8; 64 * 300];
         tall.rejected = vec![0; 64 * 300];
@@ -414,10 +330,7 @@ mod tests {
         write_exr(&path, &picture(), &[]).unwrap();
         let header = &MetaData::read_from_file(&path, true).unwrap().headers[0];
         assert_eq!(header.line_order, LineOrder::Increasing);
-        assert_eq!(
-            header.data_window(),
-            header.shared_attributes.display_window
-        );
+        assert_eq!(header.data_window(), header.shared_attributes.display_window);
         assert_eq!(header.own_attributes.layer_position, Vec2(0, 0));
     }
 
@@ -427,36 +340,16 @@ mod tests {
         let path = folder.path().join("a.exr");
         for exponent in [-300, 0, 300] {
             let mut film = Film::new(4, 2, exponent).unwrap();
-            for (pixel, value) in [
-                f32::NAN,
-                f32::INFINITY,
-                f32::NEG_INFINITY,
-                -1.0,
-                f32::MAX,
-                1e-45,
-                0.0,
-            ]
-            .into_iter()
-            .enumerate()
+            for (pixel, value) in
+                [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1.0, f32::MAX, 1e-45, 0.0].into_iter().enumerate()
             {
-                let record = RunRecord {
-                    sum: [1.0, value, 1.0],
-                    pixel: pixel as u32,
-                    counts: 4,
-                    rays: 0,
-                };
+                let record = RunRecord { sum: [1.0, value, 1.0], pixel: pixel as u32, counts: 4, rays: 0 };
                 film.add(&[record; 9]);
             }
             write_exr(&path, &film.develop(), &[]).unwrap();
             let read = read_exr(&path).unwrap();
             let variance = read.variance.unwrap();
-            assert!(
-                read.rgb
-                    .as_flattened()
-                    .iter()
-                    .chain(variance.as_flattened())
-                    .all(|v| v.is_finite() && *v >= 0.0)
-            );
+            assert!(read.rgb.as_flattened().iter().chain(variance.as_flattened()).all(|v| v.is_finite() && *v >= 0.0));
             assert_eq!(read.rejected.unwrap(), [36, 36, 36, 36, 0, 0, 0, 0]);
         }
     }
@@ -464,27 +357,13 @@ mod tests {
     fn write_channels(path: &Path, layers: Vec<Vec<(&str, FlatSamples)>>) {
         use ::exr::image::AnyChannel;
         let layer = |(i, channels): (usize, Vec<(&str, FlatSamples)>)| {
-            let list = channels
-                .into_iter()
-                .map(|(name, samples)| AnyChannel::new(name, samples))
-                .collect();
+            let list = channels.into_iter().map(|(name, samples)| AnyChannel::new(name, samples)).collect();
             let name = LayerAttributes::named(format!("part {i}").as_str());
-            Layer::new(
-                (2, 1),
-                name,
-                Encoding::UNCOMPRESSED,
-                AnyChannels::sort(list),
-            )
+            Layer::new((2, 1), name, Encoding::UNCOMPRESSED, AnyChannels::sort(list))
         };
         let layer_data: Layers<_> = layers.into_iter().enumerate().map(layer).collect();
         let attributes = ::exr::meta::header::ImageAttributes::with_size((2, 1));
-        Image {
-            attributes,
-            layer_data,
-        }
-        .write()
-        .to_file(path)
-        .unwrap();
+        Image { attributes, layer_data }.write().to_file(path).unwrap();
     }
 
     #[test]
@@ -507,38 +386,21 @@ mod tests {
         );
         let read = read_exr(&path).unwrap();
         assert_eq!(read.rgb, expected);
-        assert_eq!(
-            (read.variance, read.samples, read.rejected),
-            (None, None, None)
-        );
+        assert_eq!((read.variance, read.samples, read.rejected), (None, None, None));
 
         // In the second part, after one of depth; then in a named layer.
         let rgb = |prefix: &'static [&'static str; 3]| {
-            vec![
-                (prefix[0], float(1.0, 2.0)),
-                (prefix[1], float(3.0, 4.0)),
-                (prefix[2], float(5.0, f32::INFINITY)),
-            ]
+            vec![(prefix[0], float(1.0, 2.0)), (prefix[1], float(3.0, 4.0)), (prefix[2], float(5.0, f32::INFINITY))]
         };
-        write_channels(
-            &path,
-            vec![vec![("Z", float(0.0, 0.0))], rgb(&["R", "G", "B"])],
-        );
+        write_channels(&path, vec![vec![("Z", float(0.0, 0.0))], rgb(&["R", "G", "B"])]);
         assert_eq!(read_exr(&path).unwrap().rgb, expected);
         write_channels(&path, vec![rgb(&["a.b.R", "a.b.G", "a.b.B"])]);
         assert_eq!(read_exr(&path).unwrap().rgb, expected);
 
-        write_channels(
-            &path,
-            vec![vec![
-                ("Y", half(1.0, 2.0)),
-                ("R", FlatSamples::U32(vec![1, 2])),
-            ]],
-        );
+        write_channels(&path, vec![vec![("Y", half(1.0, 2.0)), ("R", FlatSamples::U32(vec![1, 2]))]]);
         let message = read_exr(&path).unwrap_err().to_string();
         assert!(
-            message.contains("a.exr: cannot read: expected channels R, G and B")
-                && message.contains("it has R, Y"),
+            message.contains("a.exr: cannot read: expected channels R, G and B") && message.contains("it has R, Y"),
             "{message}"
         );
     }
@@ -547,35 +409,20 @@ mod tests {
     fn damaged_files_are_errors() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.exr");
-        assert!(
-            read_exr(&path)
-                .unwrap_err()
-                .to_string()
-                .contains("a.exr: cannot read: ")
-        );
+        assert!(read_exr(&path).unwrap_err().to_string().contains("a.exr: cannot read: "));
         assert!(read_exr(folder.path()).is_err());
         write_exr(&path, &picture(), &attributes()).unwrap();
         let bytes = std::fs::read(&path).unwrap();
         let broken = folder.path().join("broken.exr");
         for length in (0..bytes.len()).step_by(7) {
             std::fs::write(&broken, &bytes[..length]).unwrap();
-            assert!(
-                read_exr(&broken).is_err(),
-                "{length} of {} bytes",
-                bytes.len()
-            );
+            assert!(read_exr(&broken).is_err(), "{length} of {} bytes", bytes.len());
         }
         // A header that asks for 2^62 bytes.
-        let window = bytes
-            .windows(11)
-            .position(|w| w == b"dataWindow\0")
-            .unwrap()
-            + "dataWindow\0box2i\0".len()
-            + 4;
+        let window = bytes.windows(11).position(|w| w == b"dataWindow\0").unwrap() + "dataWindow\0box2i\0".len() + 4;
         let mut huge = bytes.clone();
-        huge[window..window + 16].copy_from_slice(&[
-            0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff, 0xff, 0x3f, 0xff, 0xff, 0xff, 0x3f,
-        ]);
+        huge[window..window + 16]
+            .copy_from_slice(&[0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff, 0xff, 0x3f, 0xff, 0xff, 0xff, 0x3f]);
         std::fs::write(&broken, &huge).unwrap();
         assert!(read_exr(&broken).is_err());
     }
@@ -585,10 +432,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.exr");
         for name in ["", "channels", "compression", &"x".repeat(256)] {
-            assert!(
-                write_exr(&path, &picture(), &[(name.into(), Attribute::Int(1))]).is_err(),
-                "{name}"
-            );
+            assert!(write_exr(&path, &picture(), &[(name.into(), Attribute::Int(1))]).is_err(), "{name}");
         }
         assert!(!path.exists());
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);

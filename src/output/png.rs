@@ -14,29 +14,17 @@ const MAX_EXPOSURE: f64 = 300.0;
 
 /// Writes the picture as an 8-bit sRGB PNG, brightened by 2^`exposure_ev`, tone-mapped by [`neutral`].
 pub fn write_png(path: &Path, picture: &Picture, exposure_ev: f64) -> Result<()> {
-    let failed = |error: image::ImageError| Error::File {
-        path: path.to_owned(),
-        action: "write",
-        reason: error.to_string(),
-    };
+    let failed =
+        |error: image::ImageError| Error::File { path: path.to_owned(), action: "write", reason: error.to_string() };
     if exposure_ev.is_nan() {
         return Err(Error::Usage("the exposure is not a number".into()));
     }
     let exposure = exposure_ev.clamp(-MAX_EXPOSURE, MAX_EXPOSURE).exp2();
-    let pixels: Vec<[u8; 3]> = picture
-        .rgb
-        .iter()
-        .map(|rgb| encode(rgb.map(|v| f64::from(v) * exposure)))
-        .collect();
+    let pixels: Vec<[u8; 3]> = picture.rgb.iter().map(|rgb| encode(rgb.map(|v| f64::from(v) * exposure))).collect();
     // Encoded in memory, where it is small beside the film: so no error of the disk can be lost inside the encoder.
     let mut bytes = Vec::new();
     PngEncoder::new(&mut bytes)
-        .write_image(
-            pixels.as_flattened(),
-            picture.width,
-            picture.height,
-            ExtendedColorType::Rgb8,
-        )
+        .write_image(pixels.as_flattened(), picture.width, picture.height, ExtendedColorType::Rgb8)
         .map_err(failed)?;
     atomic::replace(path, |file| file.write_all(&bytes))
 }
@@ -59,11 +47,7 @@ fn neutral(color: [f64; 3]) -> [f64; 3] {
     const DESATURATION: f64 = 0.15;
 
     let least = color[0].min(color[1]).min(color[2]);
-    let offset = if least < 2.0 * F90 {
-        least - least * least / (4.0 * F90)
-    } else {
-        F90
-    };
+    let offset = if least < 2.0 * F90 { least - least * least / (4.0 * F90) } else { F90 };
     let color = color.map(|v| v - offset);
     let peak = color[0].max(color[1]).max(color[2]);
     if peak <= SHOULDER {
@@ -77,11 +61,7 @@ fn neutral(color: [f64; 3]) -> [f64; 3] {
 
 /// The sRGB transfer function (IEC 61966-2-1:1999), linear 0..1 to encoded 0..1.
 fn srgb(linear: f64) -> f64 {
-    if linear <= 0.003_130_8 {
-        12.92 * linear
-    } else {
-        1.055 * linear.powf(1.0 / 2.4) - 0.055
-    }
+    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
 #[cfg(test)]
@@ -90,19 +70,10 @@ mod tests {
 
     #[test]
     fn srgb_agrees_with_known_values() {
-        for (linear, byte) in [
-            (0.0, 0.0),
-            (0.003_130_8, 10.3147),
-            (0.18, 117.6458),
-            (0.214_041, 127.5),
-            (0.5, 187.516),
-            (1.0, 255.0),
-        ] {
-            assert!(
-                (srgb(linear) * 255.0 - byte).abs() < 1e-3,
-                "{linear}: {}",
-                srgb(linear) * 255.0
-            );
+        for (linear, byte) in
+            [(0.0, 0.0), (0.003_130_8, 10.3147), (0.18, 117.6458), (0.214_041, 127.5), (0.5, 187.516), (1.0, 255.0)]
+        {
+            assert!((srgb(linear) * 255.0 - byte).abs() < 1e-3, "{linear}: {}", srgb(linear) * 255.0);
         }
     }
 
@@ -114,14 +85,7 @@ mod tests {
         let cases = [
             ([0.5, 0.3, 0.18], [0.46, 0.26, 0.14]),
             ([0.5, 0.3, 0.04], [0.47, 0.27, 0.01]),
-            (
-                [5.0, 1.0, 0.5],
-                [
-                    0.987_027_027_027_027,
-                    0.488_269_822_908_046_4,
-                    0.425_925_172_393_173_8,
-                ],
-            ),
+            ([5.0, 1.0, 0.5], [0.987_027_027_027_027, 0.488_269_822_908_046_4, 0.425_925_172_393_173_8]),
         ];
         for (color, expected) in cases {
             for (found, expected) in neutral(color).into_iter().zip(expected) {
@@ -136,16 +100,10 @@ mod tests {
         let mut last = 0.0;
         for i in 1..4000 {
             let value = grey(10f64.powf(f64::from(i) / 400.0 - 4.0));
-            assert!(
-                value > last && value < 1.0 && value - last < 0.01,
-                "{i}: {value}"
-            );
+            assert!(value > last && value < 1.0 && value - last < 0.01, "{i}: {value}");
             last = value;
         }
-        assert!(
-            (neutral([0.799_999_999, 0.5, 0.5])[0] - neutral([0.800_000_001, 0.5, 0.5])[0]).abs()
-                < 1e-8
-        );
+        assert!((neutral([0.799_999_999, 0.5, 0.5])[0] - neutral([0.800_000_001, 0.5, 0.5])[0]).abs() < 1e-8);
     }
 
     #[test]
@@ -163,27 +121,14 @@ mod tests {
     fn the_file_holds_the_exposed_picture_row_0_on_top() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.png");
-        let rgb = vec![
-            [0.09, 0.045, 0.36],
-            [0.0; 3],
-            [100.0, 0.0, 0.0],
-            [1.0, 0.5, 0.25],
-            [0.2; 3],
-            [f32::MAX; 3],
-        ];
-        let picture = Picture {
-            width: 3,
-            height: 2,
-            rgb: rgb.clone(),
-            ..Picture::default()
-        };
+        let rgb = vec![[0.09, 0.045, 0.36], [0.0; 3], [100.0, 0.0, 0.0], [1.0, 0.5, 0.25], [0.2; 3], [f32::MAX; 3]];
+        let picture = Picture { width: 3, height: 2, rgb: rgb.clone(), ..Picture::default() };
         for ev in [-2.5, 0.0, 1.0, 1e9, -1e9] {
             write_png(&path, &picture, ev).unwrap();
             let read = image::open(&path).unwrap().into_rgb8();
             assert_eq!(read.dimensions(), (3, 2));
             for (i, pixel) in read.pixels().enumerate() {
-                let expected =
-                    encode(rgb[i].map(|v| f64::from(v) * ev.clamp(-300.0, 300.0).exp2()));
+                let expected = encode(rgb[i].map(|v| f64::from(v) * ev.clamp(-300.0, 300.0).exp2()));
                 assert_eq!(pixel.0, expected, "pixel {i} at {ev} EV");
             }
         }

@@ -4,9 +4,7 @@ use std::io::Write;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-use indicatif::{
-    FormattedDuration, ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle,
-};
+use indicatif::{FormattedDuration, ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle};
 
 /// Time between lines where stderr is no terminal: few enough for the log of a long render.
 const LINE_INTERVAL: Duration = Duration::from_secs(5);
@@ -52,16 +50,8 @@ impl Progress {
     /// The time runs from here. `quiet` shows nothing at all.
     pub fn new(quiet: bool, goal: Goal) -> Progress {
         let start = Instant::now();
-        let display = if quiet {
-            Display::Hidden
-        } else {
-            Display::for_stderr(start)
-        };
-        Progress {
-            goal,
-            start,
-            display,
-        }
+        let display = if quiet { Display::Hidden } else { Display::for_stderr(start) };
+        Progress { goal, start, display }
     }
 
     /// May be called as often as is convenient.
@@ -108,8 +98,7 @@ impl Display {
         if target.is_hidden() {
             return Display::Lines(Mutex::new(now));
         }
-        let style =
-            ProgressStyle::with_template(TEMPLATE).unwrap_or_else(|_| ProgressStyle::default_bar());
+        let style = ProgressStyle::with_template(TEMPLATE).unwrap_or_else(|_| ProgressStyle::default_bar());
         let bar = ProgressBar::with_draw_target(Some(BAR_STEPS), target);
         Display::Bar(bar.with_style(style).with_finish(ProgressFinish::AndClear))
     }
@@ -125,10 +114,7 @@ impl Goal {
     fn share(&self, status: &Status, elapsed: Duration) -> f64 {
         let share = match *self {
             Goal::Samples { from, to } => {
-                let (done, whole) = (
-                    status.samples_per_pixel.saturating_sub(from),
-                    to.saturating_sub(from),
-                );
+                let (done, whole) = (status.samples_per_pixel.saturating_sub(from), to.saturating_sub(from));
                 done as f64 / whole.max(1) as f64
             }
             Goal::Time(limit) => elapsed.as_secs_f64() / limit.as_secs_f64().max(f64::MIN_POSITIVE),
@@ -157,26 +143,14 @@ fn describe(goal: &Goal, status: &Status, elapsed: Duration) -> String {
         Goal::Time(_) => format!("{done} spp"),
     };
     let speed = format!("{:.2} Mpaths/s", status.paths_per_second / 1e6);
-    let error = status
-        .relative_error
-        .map(|error| format!("error {} %", two_digits(100.0 * error)));
-    let remaining = goal
-        .remaining(status, elapsed)
-        .map(|time| format!("ETA {}", FormattedDuration(time)));
-    [Some(samples), Some(speed), error, remaining]
-        .into_iter()
-        .flatten()
-        .collect::<Vec<_>>()
-        .join("  ")
+    let error = status.relative_error.map(|error| format!("error {} %", two_digits(100.0 * error)));
+    let remaining = goal.remaining(status, elapsed).map(|time| format!("ETA {}", FormattedDuration(time)));
+    [Some(samples), Some(speed), error, remaining].into_iter().flatten().collect::<Vec<_>>().join("  ")
 }
 
 /// As many decimals as two significant digits need, 4 at most.
 fn two_digits(value: f64) -> String {
-    let decimals = if value > 0.0 {
-        (1.0 - value.log10().floor()).clamp(0.0, 4.0)
-    } else {
-        0.0
-    };
+    let decimals = if value > 0.0 { (1.0 - value.log10().floor()).clamp(0.0, 4.0) } else { 0.0 };
     format!("{value:.*}", decimals as usize)
 }
 
@@ -184,35 +158,21 @@ fn two_digits(value: f64) -> String {
 mod tests {
     use super::*;
 
-    const STATUS: Status = Status {
-        samples_per_pixel: 125,
-        paths_per_second: 1.416e6,
-        relative_error: Some(0.0321),
-    };
+    const STATUS: Status = Status { samples_per_pixel: 125, paths_per_second: 1.416e6, relative_error: Some(0.0321) };
     const MINUTE: Duration = Duration::from_secs(60);
 
     #[test]
     fn the_line_says_samples_speed_error_and_time_to_go() {
         let line = describe(&Goal::Samples { from: 0, to: 500 }, &STATUS, MINUTE);
-        assert_eq!(
-            line,
-            "125/500 spp  1.42 Mpaths/s  error 3.2 %  ETA 00:03:00"
-        );
+        assert_eq!(line, "125/500 spp  1.42 Mpaths/s  error 3.2 %  ETA 00:03:00");
         let line = describe(&Goal::Time(Duration::from_secs(90)), &STATUS, MINUTE);
         assert_eq!(line, "125 spp  1.42 Mpaths/s  error 3.2 %  ETA 00:00:30");
     }
 
     #[test]
     fn what_is_not_known_is_left_out() {
-        let nothing = Status {
-            samples_per_pixel: 0,
-            paths_per_second: 0.0,
-            relative_error: None,
-        };
-        assert_eq!(
-            describe(&Goal::Samples { from: 0, to: 500 }, &nothing, MINUTE),
-            "0/500 spp  0.00 Mpaths/s"
-        );
+        let nothing = Status { samples_per_pixel: 0, paths_per_second: 0.0, relative_error: None };
+        assert_eq!(describe(&Goal::Samples { from: 0, to: 500 }, &nothing, MINUTE), "0/500 spp  0.00 Mpaths/s");
     }
 
     #[test]
@@ -224,20 +184,14 @@ mod tests {
 
     #[test]
     fn goals_that_are_met_or_empty_do_no_harm() {
-        for goal in [
-            Goal::Samples { from: 0, to: 0 },
-            Goal::Samples { from: 200, to: 100 },
-            Goal::Time(Duration::ZERO),
-        ] {
+        for goal in [Goal::Samples { from: 0, to: 0 }, Goal::Samples { from: 200, to: 100 }, Goal::Time(Duration::ZERO)]
+        {
             let share = goal.share(&STATUS, MINUTE);
             assert!((0.0..=1.0).contains(&share), "{goal:?}: {share}");
             describe(&goal, &STATUS, MINUTE);
             describe(&goal, &STATUS, Duration::ZERO);
         }
-        assert_eq!(
-            Goal::Samples { from: 0, to: 100 }.remaining(&STATUS, MINUTE),
-            Some(Duration::ZERO)
-        );
+        assert_eq!(Goal::Samples { from: 0, to: 100 }.remaining(&STATUS, MINUTE), Some(Duration::ZERO));
     }
 
     #[test]

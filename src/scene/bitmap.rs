@@ -42,13 +42,7 @@ pub fn load_all(scene: &Scene) -> Result<BTreeMap<String, Bitmap>> {
     Ok(bitmaps)
 }
 
-fn load(
-    scene: &Scene,
-    at: &Place,
-    path: &str,
-    usage: Use,
-    bitmaps: &mut BTreeMap<String, Bitmap>,
-) -> Result<()> {
+fn load(scene: &Scene, at: &Place, path: &str, usage: Use, bitmaps: &mut BTreeMap<String, Bitmap>) -> Result<()> {
     let file = scene.source.resolve(path);
     let wrong = |reason: String| at.error(format!("{}: {reason}", file.display()));
     if !bitmaps.contains_key(path) {
@@ -117,11 +111,7 @@ fn decode_other(bytes: &[u8], by_name: Option<ImageFormat>) -> std::result::Resu
     let (width, height) = decoder.dimensions();
     fits(width as usize, height as usize)?;
     let image = DynamicImage::from_decoder(decoder).map_err(text)?;
-    Ok(Bitmap {
-        width,
-        height,
-        texels: linear(image),
-    })
+    Ok(Bitmap { width, height, texels: linear(image) })
 }
 
 /// Memory for the largest image of four 32-bit channels, and for no file that unpacks to more.
@@ -136,9 +126,7 @@ fn fits(width: usize, height: usize) -> std::result::Result<(), String> {
     if sides.contains(&width) && sides.contains(&height) {
         return Ok(());
     }
-    Err(format!(
-        "expected a width and height from 1 to {LARGEST_SIDE}, found {width} by {height}"
-    ))
+    Err(format!("expected a width and height from 1 to {LARGEST_SIDE}, found {width} by {height}"))
 }
 
 /// The texels of a decoded image.
@@ -151,34 +139,20 @@ fn linear(image: DynamicImage) -> Vec<[f32; 3]> {
         | DynamicImage::ImageLumaA8(_)
         | DynamicImage::ImageRgb8(_)
         | DynamicImage::ImageRgba8(_) => {
-            let table: Vec<f32> = (0..=u8::MAX)
-                .map(|c| from_srgb(f64::from(c) / 255.0))
-                .collect();
+            let table: Vec<f32> = (0..=u8::MAX).map(|c| from_srgb(f64::from(c) / 255.0)).collect();
             let decoded = |c: u8| table.get(usize::from(c)).copied().unwrap_or_default();
-            image
-                .into_rgb8()
-                .pixels()
-                .map(|pixel| pixel.0.map(decoded))
-                .collect()
+            image.into_rgb8().pixels().map(|pixel| pixel.0.map(decoded)).collect()
         }
         _ => {
             let decoded = |c: u16| from_srgb(f64::from(c) / 65535.0);
-            image
-                .into_rgb16()
-                .pixels()
-                .map(|pixel| pixel.0.map(decoded))
-                .collect()
+            image.into_rgb16().pixels().map(|pixel| pixel.0.map(decoded)).collect()
         }
     }
 }
 
 /// The light that an sRGB code of 0..=1 stands for (IEC 61966-2-1).
 fn from_srgb(code: f64) -> f32 {
-    let light = if code <= 0.04045 {
-        code / 12.92
-    } else {
-        ((code + 0.055) / 1.055).powf(2.4)
-    };
+    let light = if code <= 0.04045 { code / 12.92 } else { ((code + 0.055) / 1.055).powf(2.4) };
     light as f32
 }
 
@@ -194,9 +168,7 @@ fn check(bitmap: &Bitmap, usage: Use) -> std::result::Result<(), String> {
     };
     let [r, g, b] = bitmap.texels.get(index).copied().unwrap_or_default();
     let (x, y) = (index % bitmap.width as usize, index / bitmap.width as usize);
-    Err(format!(
-        "expected {expected}, found ({r:?}, {g:?}, {b:?}) at texel ({x}, {y}) from the top left"
-    ))
+    Err(format!("expected {expected}, found ({r:?}, {g:?}, {b:?}) at texel ({x}, {y}) from the top left"))
 }
 
 #[cfg(test)]

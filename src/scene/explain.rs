@@ -17,24 +17,15 @@ pub fn explain(source: &Source, error: SpannedError) -> Error {
     match error.code {
         Ron::UnclosedBlockComment => explain.unclosed_comment(),
         Ron::ExpectedStringEnd => explain.unclosed_string(),
-        _ if cursor >= source.text().len() && source.spans.unclosed_bracket.is_some() => {
-            explain.unclosed_bracket()
+        _ if cursor >= source.text().len() && source.spans.unclosed_bracket.is_some() => explain.unclosed_bracket(),
+        Ron::NoSuchStructField { expected, found, .. } => {
+            explain.name(format!("unknown field {found}: {}", known(&found, expected)), &found)
         }
-        Ron::NoSuchStructField {
-            expected, found, ..
-        } => explain.name(
-            format!("unknown field {found}: {}", known(&found, expected)),
-            &found,
-        ),
-        Ron::DuplicateStructField { field, .. } => {
-            explain.name(format!("{field} is given twice"), field)
-        }
+        Ron::DuplicateStructField { field, .. } => explain.name(format!("{field} is given twice"), field),
         // Our own, about a material's name that occurs twice.
         Ron::Message(message) => explain.name(message, ""),
         Ron::MissingStructField { field, .. } => explain.missing(field),
-        Ron::NoSuchEnumVariant {
-            expected, found, ..
-        } => explain.variant(&found, expected),
+        Ron::NoSuchEnumVariant { expected, found, .. } => explain.variant(&found, expected),
         Ron::ExpectedDifferentLength { .. } => explain.value_around(),
         Ron::ExpectedStructLike => explain.bracket(),
         Ron::ExpectedStructLikeEnd | Ron::ExpectedOptionEnd => explain.too_many(),
@@ -48,15 +39,11 @@ pub fn explain(source: &Source, error: SpannedError) -> Error {
             let message = format!("RON has no extension {name}: a scene needs none");
             explain.here(cursor.saturating_sub(name.len()), message)
         }
-        Ron::TrailingCharacters => explain.here(
-            cursor,
-            "expected the end of the file after the scene's last bracket",
-        ),
+        Ron::TrailingCharacters => explain.here(cursor, "expected the end of the file after the scene's last bracket"),
         Ron::ExceededRecursionLimit => explain.too_deep(),
-        Ron::InvalidEscape(reason) => explain.here(
-            cursor,
-            format!("{}: a backslash is written \\\\ in a string", lower(reason)),
-        ),
+        Ron::InvalidEscape(reason) => {
+            explain.here(cursor, format!("{}: a backslash is written \\\\ in a string", lower(reason)))
+        }
         Ron::ExpectedArray
         | Ron::ExpectedBoolean
         | Ron::ExpectedFloat
@@ -89,12 +76,10 @@ impl<'a> Explain<'a> {
     fn here(&self, offset: usize, message: impl Into<String>) -> Error {
         let id = self.at(offset);
         // A value that starts right here is not the one that is incomplete: the one around it is.
-        let id = id.and_then(
-            |id| match self.source.spans.entry_start(id) as usize == offset {
-                true => self.source.spans.parent(id),
-                false => Some(id),
-            },
-        );
+        let id = id.and_then(|id| match self.source.spans.entry_start(id) as usize == offset {
+            true => self.source.spans.parent(id),
+            false => Some(id),
+        });
         self.source.error_at(offset, &self.path(id, true), message)
     }
 
@@ -148,11 +133,9 @@ impl<'a> Explain<'a> {
     fn bracket(&self) -> Error {
         let id = self.value_at_cursor();
         let mut path = self.path(id, false);
-        let name = id.map_or("", |id| {
-            match self.source.spans.name(self.source.text(), id) {
-                "" => slice(self.source.text(), self.source.spans.value(id)),
-                name => name,
-            }
+        let name = id.map_or("", |id| match self.source.spans.name(self.source.text(), id) {
+            "" => slice(self.source.text(), self.source.spans.value(id)),
+            name => name,
         });
         path.push(Step::Variant(name));
         self.expected(id, &path, "")
@@ -180,8 +163,7 @@ impl<'a> Explain<'a> {
     /// ron stopped at the first element that is too many, or at what stands in a bracket's place.
     fn too_many(&self) -> Error {
         let id = self.at(self.cursor);
-        let starts_here =
-            id.is_some_and(|id| self.source.spans.entry_start(id) as usize == self.cursor);
+        let starts_here = id.is_some_and(|id| self.source.spans.entry_start(id) as usize == self.cursor);
         let id = match starts_here {
             true => id.and_then(|id| self.source.spans.parent(id)),
             false => id,
@@ -193,10 +175,7 @@ impl<'a> Explain<'a> {
     fn comma(&self) -> Error {
         match self.at(self.cursor) {
             // In the middle of a word: `640.5` where whole numbers go, `5px`.
-            Some(id)
-                if self.is_word(id)
-                    && (self.source.spans.value(id).start as usize) < self.cursor =>
-            {
+            Some(id) if self.is_word(id) && (self.source.spans.value(id).start as usize) < self.cursor => {
                 self.expected(Some(id), &self.path(Some(id), false), "")
             }
             _ => self.token("a comma or a closing bracket"),
@@ -212,10 +191,7 @@ impl<'a> Explain<'a> {
             .into_iter()
             .flat_map(|id| [self.source.spans.key(id), self.source.spans.value(id)])
             .find(starts)
-            .unwrap_or(Span {
-                start: cursor,
-                end: cursor + 1,
-            });
+            .unwrap_or(Span { start: cursor, end: cursor + 1 });
         let found = self.source.excerpt_of(token);
         self.here(self.cursor, format!("expected {expected}, found {found}"))
     }
@@ -238,25 +214,16 @@ impl<'a> Explain<'a> {
         let id = self.before_cursor();
         let start = id.map_or(self.cursor, |id| self.source.spans.value(id).start as usize);
         let path = self.path(id, false);
-        self.source.error_at(
-            start,
-            &path,
-            "this string is not closed: the quote at its end is missing",
-        )
+        self.source.error_at(start, &path, "this string is not closed: the quote at its end is missing")
     }
 
     fn unclosed_bracket(&self) -> Error {
         let text = self.source.text();
         let bracket = self.source.spans.unclosed_bracket.unwrap_or_default() as usize;
         let opened = self.source.location(bracket);
-        let found = text
-            .get(bracket..)
-            .and_then(|rest| rest.chars().next())
-            .unwrap_or('(');
-        let message = format!(
-            "the file ends, but the {found} of line {}, column {} is not closed",
-            opened.line, opened.column
-        );
+        let found = text.get(bracket..).and_then(|rest| rest.chars().next()).unwrap_or('(');
+        let message =
+            format!("the file ends, but the {found} of line {}, column {} is not closed", opened.line, opened.column);
         let path = self.path(self.at(bracket), true);
         self.source.error_at(text.len(), &path, message)
     }
@@ -273,9 +240,7 @@ impl<'a> Explain<'a> {
     }
 
     fn path(&self, id: Option<Id>, into_variant: bool) -> Vec<Step<'a>> {
-        id.map_or(Vec::new(), |id| {
-            self.source.spans.path(self.source.text(), id, into_variant)
-        })
+        id.map_or(Vec::new(), |id| self.source.spans.path(self.source.text(), id, into_variant))
     }
 
     fn at(&self, offset: usize) -> Option<Id> {
@@ -287,8 +252,7 @@ impl<'a> Explain<'a> {
     }
 
     fn is_word(&self, id: Id) -> bool {
-        self.source.spans.children(id).is_empty()
-            && self.source.spans.name(self.source.text(), id).is_empty()
+        self.source.spans.children(id).is_empty() && self.source.spans.name(self.source.text(), id).is_empty()
     }
 
     /// The value that starts at the cursor or ended just before it.
@@ -297,17 +261,11 @@ impl<'a> Explain<'a> {
         if self.source.spans.entry_start(around) as usize == self.cursor {
             return Some(around);
         }
-        let ended = self
-            .source
-            .spans
-            .children(around)
-            .iter()
-            .copied()
-            .find(|&child| {
-                let end = self.source.spans.value(child).end as usize;
-                let next = skip_space(self.source.text(), end).unwrap_or(end);
-                (end..=next).contains(&self.cursor)
-            });
+        let ended = self.source.spans.children(around).iter().copied().find(|&child| {
+            let end = self.source.spans.value(child).end as usize;
+            let next = skip_space(self.source.text(), end).unwrap_or(end);
+            (end..=next).contains(&self.cursor)
+        });
         ended.or(Some(around))
     }
 }
@@ -339,33 +297,17 @@ const VECTOR: &str = "a vector: (x, y, z)";
 /// What the scene format expects at the end of a path.
 fn expected(path: &[Step<'_>]) -> &'static str {
     match path {
-        [] => {
-            "Scene(image: .., camera: .., background: .., materials: .., objects: .., render: ..)"
-        }
+        [] => "Scene(image: .., camera: .., background: .., materials: .., objects: .., render: ..)",
         [.., Step::Field(name)] => expected_field(name),
         [.., Step::Key(_)] => MATERIAL,
         [.., Step::Variant(name)] => expected_variant(name),
-        [
-            ..,
-            Step::Field("objects") | Step::Variant("Group"),
-            Step::Index(_),
-        ] => OBJECT,
+        [.., Step::Field("objects") | Step::Variant("Group"), Step::Index(_)] => OBJECT,
         [.., Step::Field("by"), Step::Index(_)] => TRANSFORM,
         [.., Step::Variant("Solid"), Step::Index(_)] => "a colour in brackets: Solid((r, g, b))",
-        [.., Step::Variant("Translate"), Step::Index(_)] => {
-            "a vector in brackets: Translate((x, y, z))"
-        }
+        [.., Step::Variant("Translate"), Step::Index(_)] => "a vector in brackets: Translate((x, y, z))",
         [.., Step::Variant("Rgb"), Step::Index(_)] => "a number",
-        [
-            ..,
-            Step::Field("look_from" | "look_at" | "up" | "bottom" | "top" | "even" | "odd"),
-            Step::Index(_),
-        ]
-        | [
-            ..,
-            Step::Field("center" | "corner" | "u" | "v" | "min" | "max" | "axis"),
-            Step::Index(_),
-        ] => "a number",
+        [.., Step::Field("look_from" | "look_at" | "up" | "bottom" | "top" | "even" | "odd"), Step::Index(_)]
+        | [.., Step::Field("center" | "corner" | "u" | "v" | "min" | "max" | "axis"), Step::Index(_)] => "a number",
         [.., Step::Index(_)] => "fields by name: (name: value, ..)",
     }
 }
@@ -379,9 +321,7 @@ fn expected_field(name: &str) -> &'static str {
         "up" | "u" | "v" | "axis" => VECTOR,
         "vertical_fov" => "a number of degrees between 0 and 180",
         "degrees" => "a number of degrees",
-        "background" => {
-            "a background: Solid((r, g, b)), Gradient(bottom: .., top: ..) or Image(path: ..)"
-        }
+        "background" => "a background: Solid((r, g, b)), Gradient(bottom: .., top: ..) or Image(path: ..)",
         "bottom" | "top" | "even" | "odd" => COLOUR,
         "path" => "a file's path in quotes",
         "materials" => "a map of materials: {\"name\": Lambertian(..), ..}",

@@ -35,13 +35,8 @@ fn edits(from: &[char], to: &[char]) -> usize {
             } else {
                 let replaced = table[i - 1][j - 1] + usize::from(from[i - 1] != to[j - 1]);
                 let shorter = table[i - 1][j].min(table[i][j - 1]) + 1;
-                let is_exchange =
-                    i > 1 && j > 1 && from[i - 1] == to[j - 2] && from[i - 2] == to[j - 1];
-                let exchanged = if is_exchange {
-                    table[i - 2][j - 2] + 1
-                } else {
-                    shorter
-                };
+                let is_exchange = i > 1 && j > 1 && from[i - 1] == to[j - 2] && from[i - 2] == to[j - 1];
+                let exchanged = if is_exchange { table[i - 2][j - 2] + 1 } else { shorter };
                 replaced.min(shorter).min(exchanged)
             };
         }

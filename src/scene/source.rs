@@ -20,9 +20,7 @@ impl Source {
         let ends = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
         Source {
             path: path.to_owned(),
-            lines: std::iter::once(0)
-                .chain(ends.map(|(at, _)| at + 1))
-                .collect(),
+            lines: std::iter::once(0).chain(ends.map(|(at, _)| at + 1)).collect(),
             spans: Spans::scan(&text),
             text,
         }
@@ -40,32 +38,18 @@ impl Source {
     /// The line and column of a byte.
     pub fn location(&self, offset: usize) -> Location {
         let line = self.lines.partition_point(|&start| start <= offset);
-        let start = line
-            .checked_sub(1)
-            .and_then(|before| self.lines.get(before));
+        let start = line.checked_sub(1).and_then(|before| self.lines.get(before));
         let before = start.and_then(|&start| self.text.get(start..offset));
-        Location {
-            file: self.path.clone(),
-            line: line.max(1),
-            column: before.unwrap_or("").chars().count() + 1,
-        }
+        Location { file: self.path.clone(), line: line.max(1), column: before.unwrap_or("").chars().count() + 1 }
     }
 
     /// The byte at a line and column, both from 1; the end of the text if there is none.
     pub fn offset(&self, line: usize, column: usize) -> usize {
-        let start = line
-            .checked_sub(1)
-            .and_then(|before| self.lines.get(before));
-        let rest = start
-            .and_then(|&start| self.text.get(start..))
-            .unwrap_or("");
+        let start = line.checked_sub(1).and_then(|before| self.lines.get(before));
+        let rest = start.and_then(|&start| self.text.get(start..)).unwrap_or("");
         let mut characters = rest.char_indices().map(|(at, _)| at);
-        let within = column
-            .checked_sub(1)
-            .and_then(|before| characters.nth(before));
-        within.map_or(self.text.len(), |within| {
-            self.text.len() - rest.len() + within
-        })
+        let within = column.checked_sub(1).and_then(|before| characters.nth(before));
+        within.map_or(self.text.len(), |within| self.text.len() - rest.len() + within)
     }
 
     /// Where the value at the end of the path stands, or the innermost one on the way that is there.
@@ -76,20 +60,12 @@ impl Source {
 
     /// An error at the value at the end of the path.
     pub fn error(&self, steps: &[Step<'_>], message: impl Into<String>) -> Error {
-        Error::Scene {
-            location: self.location_of(steps),
-            field: field(steps),
-            message: message.into(),
-        }
+        Error::Scene { location: self.location_of(steps), field: field(steps), message: message.into() }
     }
 
     /// An error at a byte of the text.
     pub fn error_at(&self, offset: usize, steps: &[Step<'_>], message: impl Into<String>) -> Error {
-        Error::Scene {
-            location: self.location(offset),
-            field: field(steps),
-            message: message.into(),
-        }
+        Error::Scene { location: self.location(offset), field: field(steps), message: message.into() }
     }
 
     /// The text of a value, on one line and not too long for a message.
@@ -142,10 +118,7 @@ pub struct Place<'a> {
 
 impl<'a> Place<'a> {
     pub fn top(source: &'a Source) -> Place<'a> {
-        Place {
-            source,
-            above: None,
-        }
+        Place { source, above: None }
     }
 
     pub fn field(&'a self, name: &'a str) -> Place<'a> {
@@ -165,10 +138,7 @@ impl<'a> Place<'a> {
     }
 
     fn step(&'a self, step: Step<'a>) -> Place<'a> {
-        Place {
-            source: self.source,
-            above: Some((self, step)),
-        }
+        Place { source: self.source, above: Some((self, step)) }
     }
 
     pub fn steps(&self) -> Vec<Step<'a>> {
@@ -197,10 +167,6 @@ impl<'a> Place<'a> {
     /// A warning's text: like an error's, but about something allowed.
     pub fn warning(&self, message: &str) -> String {
         let steps = self.steps();
-        format!(
-            "{}: {}: {message}",
-            self.source.location_of(&steps),
-            field(&steps)
-        )
+        format!("{}: {}: {message}", self.source.location_of(&steps), field(&steps))
     }
 }

@@ -61,14 +61,7 @@ pub struct Spans {
 }
 
 /// Names that RON lets one write before a struct, and that are no step of a path.
-const STRUCT_NAMES: [&str; 6] = [
-    "Scene",
-    "ImageSize",
-    "Camera",
-    "RenderDefaults",
-    "DVec3",
-    "Some",
-];
+const STRUCT_NAMES: [&str; 6] = ["Scene", "ImageSize", "Camera", "RenderDefaults", "DVec3", "Some"];
 
 impl Spans {
     /// Scans a text. Never fails: a text that is not RON gives some tree.
@@ -95,9 +88,7 @@ impl Spans {
         let mut id = self.root?;
         for step in steps {
             let next = match *step {
-                Step::Field(name) => {
-                    self.child_where(id, |key| field_name(slice(text, key)) == name)
-                }
+                Step::Field(name) => self.child_where(id, |key| field_name(slice(text, key)) == name),
                 Step::Key(name) => self.child_where(id, |key| is_key(slice(text, key), name)),
                 Step::Index(index) => self.children(id).get(index).copied(),
                 Step::Variant(name) => (self.name(text, id) == name).then(|| self.inside(id)),
@@ -143,10 +134,7 @@ impl Spans {
             } else if let Some(parent) = parent
                 && self.inside(parent) != current
             {
-                let before = self
-                    .children(parent)
-                    .iter()
-                    .position(|&child| child == current);
+                let before = self.children(parent).iter().position(|&child| child == current);
                 steps.extend(before.map(Step::Index));
             }
             id = parent;
@@ -171,11 +159,7 @@ impl Spans {
     /// Where the value starts, or its key if it has one.
     pub fn entry_start(&self, id: Id) -> u32 {
         let key = self.key(id);
-        if key.is_empty() {
-            self.value(id).start
-        } else {
-            key.start
-        }
+        if key.is_empty() { self.value(id).start } else { key.start }
     }
 
     pub fn children(&self, id: Id) -> &[Id] {
@@ -189,14 +173,12 @@ impl Spans {
 
     /// The name before the value's bracket, or "".
     pub fn name<'t>(&self, text: &'t str, id: Id) -> &'t str {
-        self.node(id)
-            .map_or("", |node| field_name(slice(text, node.name)))
+        self.node(id).map_or("", |node| field_name(slice(text, node.name)))
     }
 
     /// Where the name before the value's bracket ends: at the value's start if there is none.
     pub fn name_end(&self, id: Id) -> u32 {
-        self.node(id)
-            .map_or(0, |node| node.name.end.max(node.value.start))
+        self.node(id).map_or(0, |node| node.name.end.max(node.value.start))
     }
 
     /// What a variant holds: in `Scale(2)` the number, in `Sphere(radius: 2)` and `Rgb(1, 1, 1)` itself.
@@ -208,10 +190,7 @@ impl Spans {
     }
 
     fn child_where(&self, id: Id, matches: impl Fn(Span) -> bool) -> Option<Id> {
-        self.children(id)
-            .iter()
-            .copied()
-            .find(|&child| matches(self.key(child)))
+        self.children(id).iter().copied().find(|&child| matches(self.key(child)))
     }
 
     fn node(&self, id: Id) -> Option<&Node> {
@@ -221,8 +200,7 @@ impl Spans {
 
 /// The text of a span.
 pub fn slice(text: &str, span: Span) -> &str {
-    text.get(span.start as usize..span.end as usize)
-        .unwrap_or("")
+    text.get(span.start as usize..span.end as usize).unwrap_or("")
 }
 
 /// A field's name without the `r#` that RON allows before it.
@@ -232,10 +210,7 @@ fn field_name(text: &str) -> &str {
 
 /// Whether a map's key, as written, is the string `name`.
 fn is_key(text: &str, name: &str) -> bool {
-    match text
-        .strip_prefix('"')
-        .and_then(|rest| rest.strip_suffix('"'))
-    {
+    match text.strip_prefix('"').and_then(|rest| rest.strip_suffix('"')) {
         Some(plain) if !plain.contains('\\') => plain == name,
         // Escapes and raw strings are rare: ron itself decodes them.
         _ => ron::from_str::<String>(text).is_ok_and(|key| key == name),
@@ -251,10 +226,7 @@ fn key_step(text: &str) -> Step<'_> {
 
 /// What ron skips between tokens.
 fn is_space(c: char) -> bool {
-    matches!(
-        c,
-        ' ' | '\t'..='\r' | '\u{85}' | '\u{200E}' | '\u{200F}' | '\u{2028}' | '\u{2029}'
-    )
+    matches!(c, ' ' | '\t'..='\r' | '\u{85}' | '\u{200E}' | '\u{200F}' | '\u{2028}' | '\u{2029}')
 }
 
 /// The offset of the first byte at or after `from` that is neither space nor comment, or where a
@@ -394,11 +366,7 @@ impl<'t> Scanner<'t> {
         if let Some(node) = self.spans.nodes.get_mut(id as usize) {
             node.name = span(start, end);
         }
-        self.open.push(Open {
-            node: id,
-            bracket: self.at,
-            first_pending: self.pending.len(),
-        });
+        self.open.push(Open { node: id, bracket: self.at, first_pending: self.pending.len() });
         self.at += 1;
     }
 
@@ -451,9 +419,7 @@ impl<'t> Scanner<'t> {
 
     fn finish(&mut self, open: Open) {
         let first = self.spans.children.len();
-        self.spans
-            .children
-            .extend(self.pending.drain(open.first_pending..));
+        self.spans.children.extend(self.pending.drain(open.first_pending..));
         if let Some(node) = self.spans.nodes.get_mut(open.node as usize) {
             node.value.end = self.at as u32;
             node.first = first as u32;
@@ -463,10 +429,7 @@ impl<'t> Scanner<'t> {
 }
 
 fn span(start: usize, end: usize) -> Span {
-    Span {
-        start: start as u32,
-        end: end as u32,
-    }
+    Span { start: start as u32, end: end as u32 }
 }
 
 /// The length of the string, raw string or byte string at the start of the text; to the text's end
@@ -500,13 +463,7 @@ fn string_length(text: &str) -> Option<usize> {
 fn word_length(text: &str) -> usize {
     let ends = |&(at, c): &(usize, char)| {
         let rest = text.get(at..).unwrap_or("");
-        at > 0
-            && (is_space(c)
-                || "()[]{},:\"".contains(c)
-                || rest.starts_with("//")
-                || rest.starts_with("/*"))
+        at > 0 && (is_space(c) || "()[]{},:\"".contains(c) || rest.starts_with("//") || rest.starts_with("/*"))
     };
-    text.char_indices()
-        .find(ends)
-        .map_or(text.len(), |(at, _)| at)
+    text.char_indices().find(ends).map_or(text.len(), |(at, _)| at)
 }

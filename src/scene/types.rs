@@ -53,20 +53,10 @@ pub enum Background {
 #[serde(deny_unknown_fields)]
 pub enum Texture {
     Rgb(f64, f64, f64),
-    Checker {
-        scale: f64,
-        even: Colour,
-        odd: Colour,
-    },
-    Image {
-        path: String,
-    },
-    Noise {
-        scale: f64,
-    },
-    Marble {
-        scale: f64,
-    },
+    Checker { scale: f64, even: Colour, odd: Colour },
+    Image { path: String },
+    Noise { scale: f64 },
+    Marble { scale: f64 },
 }
 
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -162,10 +152,7 @@ pub struct RenderDefaults {
 
 impl Default for RenderDefaults {
     fn default() -> Self {
-        RenderDefaults {
-            samples: 100,
-            max_depth: 50,
-        }
+        RenderDefaults { samples: 100, max_depth: 50 }
     }
 }
 
@@ -213,11 +200,7 @@ impl Material {
             Material::DiffuseLight { emit, .. } => ("emit", emit, Use::Radiance),
             Material::Dielectric { .. } => return None,
         };
-        Some(Slot {
-            field,
-            texture,
-            usage,
-        })
+        Some(Slot { field, texture, usage })
     }
 }
 

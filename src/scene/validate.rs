@@ -27,14 +27,8 @@ const DEEPEST: u32 = 1_000_000;
 /// Checks the whole scene but for its images, in the order of the format's description.
 pub fn validate(scene: &Scene) -> Result<()> {
     let top = scene.top();
-    let materials = Materials {
-        all: &scene.materials,
-        names: scene
-            .materials
-            .iter()
-            .map(|(name, _)| name.as_str())
-            .collect(),
-    };
+    let materials =
+        Materials { all: &scene.materials, names: scene.materials.iter().map(|(name, _)| name.as_str()).collect() };
     image(&top.field("image"), &scene.image)?;
     camera(&top.field("camera"), &scene.camera)?;
     background(&top.field("background"), &scene.background)?;
@@ -42,12 +36,7 @@ pub fn validate(scene: &Scene) -> Result<()> {
         material(&top.field("materials").key(name), value)?;
     }
     for (index, value) in scene.objects.iter().enumerate() {
-        object(
-            &materials,
-            &top.field("objects").index(index),
-            value,
-            Reach::IDENTITY,
-        )?;
+        object(&materials, &top.field("objects").index(index), value, Reach::IDENTITY)?;
     }
     render(&top.field("render"), &scene.render)
 }
@@ -55,9 +44,7 @@ pub fn validate(scene: &Scene) -> Result<()> {
 fn image(at: &Place, image: &ImageSize) -> Result<()> {
     for (name, side) in [("width", image.width), ("height", image.height)] {
         if !(1..=LARGEST_SIDE).contains(&side) {
-            return Err(at
-                .field(name)
-                .unexpected(format!("a {name} from 1 to {LARGEST_SIDE}")));
+            return Err(at.field(name).unexpected(format!("a {name} from 1 to {LARGEST_SIDE}")));
         }
     }
     let area = u64::from(image.width) * u64::from(image.height);
@@ -74,43 +61,29 @@ fn camera(at: &Place, camera: &Camera) -> Result<()> {
     vector(&at.field("up"), camera.up)?;
     let view = camera.look_at - camera.look_from;
     if view == DVec3::ZERO {
-        return Err(at
-            .field("look_at")
-            .error("look_at and look_from are the same point"));
+        return Err(at.field("look_at").error("look_at and look_from are the same point"));
     }
     if view.length() < SMALLEST {
         let message = format!("look_at is nearer than {SMALLEST:e} to look_from");
         return Err(at.field("look_at").error(message));
     }
     if camera.up.length() < SMALLEST {
-        return Err(at
-            .field("up")
-            .error("up has no length: expected a direction such as (0, 1, 0)"));
+        return Err(at.field("up").error("up has no length: expected a direction such as (0, 1, 0)"));
     }
     if parallel(view, camera.up) {
         let DVec3 { x, y, z } = camera.up;
         let message = format!(
             "up ({x}, {y}, {z}) is parallel to the view: expected another direction, such as {}",
-            if x == 0.0 && z == 0.0 {
-                "up: (0, 0, 1)"
-            } else {
-                "up: (0, 1, 0)"
-            }
+            if x == 0.0 && z == 0.0 { "up: (0, 0, 1)" } else { "up: (0, 1, 0)" }
         );
         return Err(at.field("up").error(message));
     }
     let fov = camera.vertical_fov;
     if !(fov > 0.0 && fov < 180.0) {
-        return Err(at
-            .field("vertical_fov")
-            .unexpected("a vertical_fov between 0 and 180 degrees"));
+        return Err(at.field("vertical_fov").unexpected("a vertical_fov between 0 and 180 degrees"));
     }
     if camera.aperture != 0.0 {
-        length(
-            &at.field("aperture"),
-            "an aperture of 0 or",
-            camera.aperture,
-        )?;
+        length(&at.field("aperture"), "an aperture of 0 or", camera.aperture)?;
     }
     match camera.focus_distance {
         Some(distance) => length(&at.field("focus_distance"), "a focus_distance", distance),
@@ -155,9 +128,7 @@ fn texture(at: &Place, texture: &Texture, usage: Use) -> Result<()> {
         }
         Texture::Image { .. } => Ok(()),
         Texture::Noise { scale } => length(&at.variant("Noise").field("scale"), "a scale", *scale),
-        Texture::Marble { scale } => {
-            length(&at.variant("Marble").field("scale"), "a scale", *scale)
-        }
+        Texture::Marble { scale } => length(&at.variant("Marble").field("scale"), "a scale", *scale),
     }
 }
 
@@ -165,9 +136,7 @@ fn colour(at: &Place, colour: Colour, usage: Use) -> Result<()> {
     for (index, channel) in colour.to_array().into_iter().enumerate() {
         let expected = match usage {
             Use::Albedo if !(0.0..=1.0).contains(&channel) => "an albedo from 0 to 1".to_owned(),
-            Use::Radiance
-                if channel != 0.0 && !(SMALLEST_RADIANCE..=LARGEST_RADIANCE).contains(&channel) =>
-            {
+            Use::Radiance if channel != 0.0 && !(SMALLEST_RADIANCE..=LARGEST_RADIANCE).contains(&channel) => {
                 format!("a radiance of 0 or from {SMALLEST_RADIANCE:e} to {LARGEST_RADIANCE:e}")
             }
             _ => continue,
@@ -185,22 +154,13 @@ struct Reach {
 }
 
 impl Reach {
-    const IDENTITY: Reach = Reach {
-        scale: 1.0,
-        shift: 0.0,
-    };
+    const IDENTITY: Reach = Reach { scale: 1.0, shift: 0.0 };
 
     /// The reach with one more transform inside all others.
     fn after(self, inner: &Transform) -> Reach {
         match inner {
-            Transform::Translate(by) => Reach {
-                shift: self.shift + self.scale * by.length(),
-                ..self
-            },
-            Transform::Scale(factor) => Reach {
-                scale: self.scale * factor,
-                ..self
-            },
+            Transform::Translate(by) => Reach { shift: self.shift + self.scale * by.length(), ..self },
+            Transform::Scale(factor) => Reach { scale: self.scale * factor, ..self },
             _ => self,
         }
     }
@@ -226,10 +186,7 @@ fn object(materials: &Materials, at: &Place, object: &Object, reach: Reach) -> R
         Object::Quad { corner, u, v, .. } => {
             vector(&at.field("corner"), *corner)?;
             edges(at, *u, *v)?;
-            (
-                u.length().min(v.length()),
-                corner.length() + u.length() + v.length(),
-            )
+            (u.length().min(v.length()), corner.length() + u.length() + v.length())
         }
         Object::Box { min, max, .. } => {
             sides(at, *min, *max)?;
@@ -262,9 +219,7 @@ fn edges(at: &Place, u: DVec3, v: DVec3) -> Result<()> {
     for (name, edge) in [("u", u), ("v", v)] {
         vector(&at.field(name), edge)?;
         if edge.length() < SMALLEST {
-            return Err(at
-                .field(name)
-                .error(format!("the quad has no extent along {name}")));
+            return Err(at.field(name).error(format!("the quad has no extent along {name}")));
         }
     }
     if parallel(u, v) {
@@ -276,14 +231,10 @@ fn edges(at: &Place, u: DVec3, v: DVec3) -> Result<()> {
 fn sides(at: &Place, min: DVec3, max: DVec3) -> Result<()> {
     vector(&at.field("min"), min)?;
     vector(&at.field("max"), max)?;
-    for (axis, (low, high)) in ["x", "y", "z"]
-        .into_iter()
-        .zip(min.to_array().into_iter().zip(max.to_array()))
-    {
+    for (axis, (low, high)) in ["x", "y", "z"].into_iter().zip(min.to_array().into_iter().zip(max.to_array())) {
         if high - low < SMALLEST {
-            let message = format!(
-                "the box has no extent along {axis}: expected min below max, found {low:?} and {high:?}"
-            );
+            let message =
+                format!("the box has no extent along {axis}: expected min below max, found {low:?} and {high:?}");
             return Err(at.error(message));
         }
     }
@@ -332,8 +283,7 @@ impl Materials<'_> {
             Some(name) if self.names.contains(name) => return Ok(()),
             Some(name) => {
                 let meant = nearest(name, names());
-                let meant =
-                    meant.map_or(String::new(), |meant| format!("; did you mean {meant:?}?"));
+                let meant = meant.map_or(String::new(), |meant| format!("; did you mean {meant:?}?"));
                 format!("there is no material {name:?}: {}{meant}", known(names()))
             }
             None => format!("material is missing: {}", known(names())),
@@ -359,14 +309,10 @@ fn known<'a>(names: impl Iterator<Item = &'a str>) -> String {
 
 fn render(at: &Place, render: &RenderDefaults) -> Result<()> {
     if !(1..=MOST_SAMPLES).contains(&render.samples) {
-        return Err(at
-            .field("samples")
-            .unexpected(format!("from 1 to {MOST_SAMPLES} samples")));
+        return Err(at.field("samples").unexpected(format!("from 1 to {MOST_SAMPLES} samples")));
     }
     if render.max_depth > DEEPEST {
-        return Err(at
-            .field("max_depth")
-            .unexpected(format!("a max_depth from 0 to {DEEPEST}")));
+        return Err(at.field("max_depth").unexpected(format!("a max_depth from 0 to {DEEPEST}")));
     }
     Ok(())
 }
@@ -376,16 +322,11 @@ fn number(at: &Place, x: f64) -> Result<()> {
     if x.abs() <= LARGEST {
         return Ok(());
     }
-    Err(at.unexpected(format!(
-        "a finite number of at most {LARGEST:e} in magnitude"
-    )))
+    Err(at.unexpected(format!("a finite number of at most {LARGEST:e} in magnitude")))
 }
 
 fn vector(at: &Place, v: DVec3) -> Result<()> {
-    v.to_array()
-        .into_iter()
-        .enumerate()
-        .try_for_each(|(index, x)| number(&at.index(index), x))
+    v.to_array().into_iter().enumerate().try_for_each(|(index, x)| number(&at.index(index), x))
 }
 
 /// A positive number that may be squared.
@@ -393,11 +334,7 @@ fn length(at: &Place, what: &str, x: f64) -> Result<()> {
     if (SMALLEST..=LARGEST).contains(&x) {
         return Ok(());
     }
-    let range = if x > 0.0 {
-        format!("from {SMALLEST:e} to {LARGEST:e}")
-    } else {
-        "greater than 0".to_owned()
-    };
+    let range = if x > 0.0 { format!("from {SMALLEST:e} to {LARGEST:e}") } else { "greater than 0".to_owned() };
     Err(at.unexpected(format!("{what} {range}")))
 }
 

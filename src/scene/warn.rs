@@ -23,8 +23,7 @@ pub fn warnings(scene: &Scene) -> Vec<String> {
         warnings.extend(about_material(&at.variant(material.name()), material));
     }
     if scene.objects.is_empty() {
-        let message =
-            "there are 0 objects, so that the image shows the background alone: add objects";
+        let message = "there are 0 objects, so that the image shows the background alone: add objects";
         warnings.push(top.field("objects").warning(message));
     }
     warnings
@@ -39,9 +38,7 @@ fn about_material(at: &Place, material: &Material) -> Option<String> {
         );
         return near.then(|| at.field("ior").warning(&message));
     }
-    let slot = material
-        .texture()
-        .filter(|slot| slot.usage == Use::Albedo)?;
+    let slot = material.texture().filter(|slot| slot.usage == Use::Albedo)?;
     let is_white = match slot.texture {
         Texture::Rgb(r, g, b) => [*r, *g, *b].contains(&1.0),
         Texture::Checker { even, odd, .. } => even.max(*odd).max_element() == 1.0,

@@ -17,8 +17,7 @@ pub fn ln_gamma(x: f64) -> f64 {
     }
     let y = 1.0 / (x * x);
     let series = 1.0 / 12.0
-        - y * (1.0 / 360.0
-            - y * (1.0 / 1260.0 - y * (1.0 / 1680.0 - y * (1.0 / 1188.0 - y * 691.0 / 360_360.0))));
+        - y * (1.0 / 360.0 - y * (1.0 / 1260.0 - y * (1.0 / 1680.0 - y * (1.0 / 1188.0 - y * 691.0 / 360_360.0))));
     (x - 0.5) * x.ln() - x + 0.5 * (2.0 * std::f64::consts::PI).ln() + series / x - f64::ln(product)
 }
 
@@ -100,12 +99,7 @@ pub fn student_two_sided(t: f64, degrees: f64) -> f64 {
         return normal_two_sided(t);
     }
     let t2 = t * t;
-    beta_i(
-        degrees / 2.0,
-        0.5,
-        degrees / (degrees + t2),
-        t2 / (degrees + t2),
-    )
+    beta_i(degrees / 2.0, 0.5, degrees / (degrees + t2), t2 / (degrees + t2))
 }
 
 /// P(X ≥ x) of chi-square.
@@ -117,10 +111,7 @@ pub fn chi_square_tail(x: f64, degrees: f64) -> f64 {
 pub fn mean_and_variance(values: &[f64]) -> (f64, f64) {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
-    (
-        mean,
-        values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / (n - 1.0),
-    )
+    (mean, values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / (n - 1.0))
 }
 
 /// The outcome of a t-test.
@@ -136,22 +127,9 @@ pub struct TTest {
 
 fn t_test(difference: f64, variance: f64, degrees: f64) -> TTest {
     // Without any spread, only equality is no deviation.
-    let t = if difference == 0.0 {
-        0.0
-    } else {
-        difference / variance.sqrt()
-    };
-    let degrees = if variance == 0.0 {
-        f64::INFINITY
-    } else {
-        degrees
-    };
-    TTest {
-        difference,
-        t,
-        degrees,
-        p: student_two_sided(t, degrees),
-    }
+    let t = if difference == 0.0 { 0.0 } else { difference / variance.sqrt() };
+    let degrees = if variance == 0.0 { f64::INFINITY } else { degrees };
+    TTest { difference, t, degrees, p: student_two_sided(t, degrees) }
 }
 
 /// Student's test that the values' expectation is `expected`. At least two values.
@@ -201,19 +179,9 @@ pub fn pixel_test(
     alpha: f64,
 ) -> PixelTest {
     assert!(!image.is_empty());
-    assert!(
-        [variance.len(), reference.len(), reference_variance.len()] == [image.len(); 3],
-        "images differ in size"
-    );
+    assert!([variance.len(), reference.len(), reference_variance.len()] == [image.len(); 3], "images differ in size");
     let threshold = sidak(alpha, 3 * image.len());
-    let mut worst = PixelTest {
-        passed: true,
-        pixel: 0,
-        channel: 0,
-        z: 0.0,
-        p: 1.0,
-        threshold,
-    };
+    let mut worst = PixelTest { passed: true, pixel: 0, channel: 0, z: 0.0, p: 1.0, threshold };
     for pixel in 0..image.len() {
         for channel in 0..3 {
             let at = |values: &[[f32; 3]]| f64::from(values[pixel][channel]);
@@ -221,31 +189,12 @@ pub fn pixel_test(
             let (va, vb) = (at(variance), at(reference_variance));
             let rounding = f64::from(f32::EPSILON) * a.abs().max(b.abs());
             // Welch–Satterthwaite with the reference's variance taken as known: the share that is known adds degrees of freedom.
-            let degrees = if va == 0.0 {
-                f64::INFINITY
-            } else {
-                degrees * ((va + vb) / va).powi(2)
-            };
-            let z = if a == b {
-                0.0
-            } else {
-                (a - b) / (va + vb + rounding * rounding).sqrt()
-            };
+            let degrees = if va == 0.0 { f64::INFINITY } else { degrees * ((va + vb) / va).powi(2) };
+            let z = if a == b { 0.0 } else { (a - b) / (va + vb + rounding * rounding).sqrt() };
             // A value that is not a number agrees with nothing.
-            let p = if z.is_nan() {
-                0.0
-            } else {
-                student_two_sided(z, degrees)
-            };
+            let p = if z.is_nan() { 0.0 } else { student_two_sided(z, degrees) };
             if p < worst.p {
-                worst = PixelTest {
-                    passed: p >= threshold,
-                    pixel,
-                    channel,
-                    z,
-                    p,
-                    threshold,
-                };
+                worst = PixelTest { passed: p >= threshold, pixel, channel, z, p, threshold };
             }
         }
     }
@@ -260,15 +209,8 @@ pub fn pixel_test(
 pub fn chi_square(observed: &[u64], expected: &[f64], constraints: usize) -> f64 {
     assert_eq!(observed.len(), expected.len());
     const SMALLEST: f64 = 5.0;
-    let mut cells: Vec<(f64, f64)> = expected
-        .iter()
-        .copied()
-        .zip(observed.iter().map(|&o| o as f64))
-        .collect();
-    if cells
-        .iter()
-        .any(|&(e, o)| e.is_nan() || e < 0.0 || (e == 0.0 && o > 0.0))
-    {
+    let mut cells: Vec<(f64, f64)> = expected.iter().copied().zip(observed.iter().map(|&o| o as f64)).collect();
+    if cells.iter().any(|&(e, o)| e.is_nan() || e < 0.0 || (e == 0.0 && o > 0.0)) {
         return 0.0;
     }
     cells.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -1,0 +1,42 @@
+# The commands of the README. They need Rust (rustup.rs) and make; on Debian and Ubuntu they install what else is missing:
+# a C linker, and a Vulkan driver where none answers.
+
+CARGO ?= cargo
+GPU_RT = $(CARGO) run --release --quiet --
+
+# `$(call install,PACKAGES,WHY)`: apt-get, as root or through sudo.
+define install
+{ \
+	echo "$(strip $(2)): installing $(strip $(1))"; \
+	command -v apt-get >/dev/null || { echo "error: $(strip $(2)), and there is no apt-get here to install it" >&2; exit 1; }; \
+	root=; [ "$$(id -u)" = 0 ] || root=sudo; \
+	$$root apt-get update -qq && \
+	$$root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $(1); \
+}
+endef
+
+.PHONY: render test lint toolchain
+
+# The cover scene, in 50 s at most: out/weekend.exr is linear, out/weekend.png is for looking at.
+render: toolchain
+	$(CARGO) build --release
+	@$(GPU_RT) devices >/dev/null 2>&1 || $(call install, libvulkan1 mesa-vulkan-drivers, no Vulkan driver answers)
+	@mkdir -p out
+	$(GPU_RT) render scenes/weekend.ron --size 800x450 --time 50s --spp 4096 -o out/weekend.exr --png out/weekend.png
+
+# The tests run on a software driver, which they choose by themselves; GPU_RT_TEST_DEVICE names another device.
+# LVP_POISON_MEMORY makes Mesa's software driver fill fresh memory with junk, so that reading what nobody wrote shows.
+test: export LVP_POISON_MEMORY = true
+test: toolchain
+	$(CARGO) test --release --no-run
+	@[ -n "$(GPU_RT_TEST_DEVICE)" ] || $(GPU_RT) devices --json 2>/dev/null | grep -q '"software": true' || \
+		$(call install, libvulkan1 mesa-vulkan-drivers, no software Vulkan driver answers)
+	$(CARGO) test --release
+
+lint: toolchain
+	$(CARGO) fmt --check
+	$(CARGO) clippy --release --all-targets -- -D warnings
+
+toolchain:
+	@command -v $(CARGO) >/dev/null || { echo "error: cargo is missing: install Rust, https://rustup.rs" >&2; exit 1; }
+	@command -v cc >/dev/null || $(call install, gcc libc6-dev, no C linker)

@@ -1,0 +1,156 @@
+//! Test kernels: small WGSL modules under tests/shaders that import production modules by name and run them on rows of
+//! input on the device. A module `test/x` is tests/shaders/x.wgsl; every other name is the production file. A wrong form
+//! is planted by a module of tests/shaders/control that takes a production module's place.
+
+// Each test crate compiles its own copy of this file and uses a part of it.
+#![allow(dead_code)]
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::OnceLock;
+
+use bytemuck::Pod;
+use gpu_rt::gpu::buffers::{BufferSpec, Buffers, Readback};
+use gpu_rt::gpu::layout::{self, Binding};
+use gpu_rt::gpu::link::{Choices, Embedded, Library, link};
+use gpu_rt::gpu::pipeline::{Pipeline, PipelineSpec};
+
+use crate::device;
+
+const WORKGROUP: u32 = 64;
+
+/// The production shaders, with the modules of tests/shaders beside them under `test/`.
+pub struct Overlay {
+    /// Modules of the tests, by name.
+    tests: &'static BTreeMap<String, String>,
+    /// Production modules, and the modules that stand in for them.
+    replaced: BTreeMap<String, String>,
+}
+
+impl Overlay {
+    /// Everything under tests/shaders, with some production modules replaced.
+    pub fn new(replaced: &[(&str, &str)]) -> Overlay {
+        static TESTS: OnceLock<BTreeMap<String, String>> = OnceLock::new();
+        let tests = TESTS.get_or_init(|| {
+            let mut found = BTreeMap::new();
+            let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/shaders");
+            for (folder, prefix) in [(root.clone(), "test/"), (root.join("control"), "test/control/")] {
+                for entry in std::fs::read_dir(&folder).expect("tests/shaders can be listed") {
+                    let path = entry.expect("tests/shaders can be listed").path();
+                    if path.extension().is_some_and(|ending| ending == "wgsl") {
+                        let stem = path.file_stem().and_then(|stem| stem.to_str()).expect("a plain name");
+                        let text = std::fs::read_to_string(&path).expect("a test shader can be read");
+                        found.insert(format!("{prefix}{stem}"), text);
+                    }
+                }
+            }
+            found
+        });
+        for (production, _) in replaced {
+            assert!(Embedded.module(production).is_some(), "there is no module {production} to replace");
+        }
+        let replaced = replaced.iter().map(|(name, stand_in)| (name.to_string(), stand_in.to_string())).collect();
+        Overlay { tests, replaced }
+    }
+}
+
+impl Library for Overlay {
+    fn module(&self, name: &str) -> Option<&str> {
+        static PRODUCTION: Embedded = Embedded;
+        let name = self.replaced.get(name).map_or(name, String::as_str);
+        self.tests.get(name).map(String::as_str).or_else(|| PRODUCTION.module(name))
+    }
+}
+
+/// A test kernel, linked and validated.
+pub struct Kernel {
+    name: String,
+    module: naga::Module,
+    bindings: BTreeMap<String, Binding>,
+}
+
+/// What a test kernel is linked with beside its own file.
+#[derive(Default)]
+pub struct Setup<'a> {
+    /// Production modules and what stands in for them: `("geometry/sphere", "test/control/sphere_textbook")`.
+    pub replaced: &'a [(&'a str, &'a str)],
+    /// The values behind `${name}`.
+    pub values: &'a [(&'static str, &'a str)],
+    /// The modules behind `choice/name`.
+    pub choices: &'a [(&'static str, &'static str)],
+    /// What a plan would link with, where the kernel uses modules that ask a plan for more than that.
+    pub plan: Choices,
+}
+
+impl Kernel {
+    /// Links `test/NAME` as it is.
+    pub fn new(name: &'static str) -> Kernel {
+        Kernel::with(name, &Setup::default())
+    }
+
+    /// Links `test/NAME`, whose `run(row)` is called once for every row of input.
+    pub fn with(name: &'static str, setup: &Setup<'_>) -> Kernel {
+        let mut choices = setup.plan.clone();
+        choices.modules.extend(setup.choices.iter().copied());
+        choices.modules.insert("kernel", name);
+        choices.values.extend(setup.values.iter().map(|(name, value)| (*name, value.to_string())));
+        let linked = link(&Overlay::new(setup.replaced), "test/main", &choices)
+            .unwrap_or_else(|error| panic!("{name}: {error}"));
+        let (module, _) = linked.validate().unwrap_or_else(|error| panic!("{name}: {error}"));
+        let bindings = layout::bindings(&module).unwrap_or_else(|error| panic!("{name}: {error}"));
+        Kernel { name: name.to_string(), module, bindings }
+    }
+
+    /// Runs the kernel once for each row; one row of output for each of input.
+    pub fn run<I: Pod, O: Pod>(&self, rows: &[I]) -> Vec<O> {
+        self.run_with(rows, rows.len(), &[])
+    }
+
+    /// Runs the kernel `count` times over the input, with further buffers by the names of their variables.
+    pub fn run_with<I: Pod, O: Pod>(&self, input: &[I], count: usize, more: &[BufferSpec<'_>]) -> Vec<O> {
+        for (variable, bytes) in [("input", size_of::<I>()), ("output", size_of::<O>())] {
+            let row = self.bindings[variable].element_bytes as usize;
+            assert_eq!(row, bytes, "{}: a row of `{variable}` here and in its WGSL differ in bytes", self.name);
+        }
+        let rows = u32::try_from(count).expect("a dispatch of less than 2^32 rows");
+        let bytes = (count * size_of::<O>()) as u64;
+        let mut job = BufferSpec::uniform("job", 4, "the test");
+        job.contents = rows.to_le_bytes().to_vec().into();
+        let input = BufferSpec::scene("input", bytemuck::cast_slice(input).into(), "the test");
+        let output = BufferSpec::working("output", bytes, "the test");
+        let mut specs = vec![job, input, output];
+        specs.extend_from_slice(more);
+
+        let device = device::software();
+        let buffers = Buffers::create(device, &specs).expect("the test's buffers fit");
+        let spec = PipelineSpec {
+            name: &self.name,
+            entry_point: "main",
+            module: &self.module,
+            bindings: &self.bindings,
+            workgroup: WORKGROUP,
+        };
+        let pipeline = Pipeline::new(device, &spec, &buffers).expect("the test kernel compiles");
+        let readback = Readback::new(device, "output", bytes);
+        let mut encoder = device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            pipeline.dispatch(&mut pass, rows.div_ceil(WORKGROUP));
+        }
+        readback.copy(&mut encoder, buffers.get("output").expect("it was made above"), bytes);
+        let submission = device.queue.submit([encoder.finish()]);
+        readback.read(device, submission, bytes, bytemuck::pod_collect_to_vec::<u8, O>).expect("the test kernel runs")
+    }
+}
+
+/// The bytes of a struct, as a uniform buffer.
+pub fn uniform<T: Pod>(name: &'static str, value: &T) -> BufferSpec<'static> {
+    let mut spec = BufferSpec::uniform(name, size_of::<T>() as u64, "the test");
+    spec.contents = bytemuck::bytes_of(value).to_vec().into();
+    spec
+}
+
+/// An array, as a buffer that kernels read.
+pub fn array<'a, T: Pod>(name: &'static str, items: &'a [T]) -> BufferSpec<'a> {
+    BufferSpec::scene(name, bytemuck::cast_slice(items).into(), "the test")
+}

@@ -1,0 +1,267 @@
+//! Renders scenes through the library, as the program does: parse, flatten, plan, render, develop. On the software device.
+
+// Each test crate compiles its own copy of this file and uses a part of it.
+#![allow(dead_code)]
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use gpu_rt::data::RUN_LENGTH;
+use gpu_rt::film::{Film, Picture, UNKNOWN_VARIANCE};
+use gpu_rt::flatten::flatten;
+use gpu_rt::plan::{Plan, Tables};
+use gpu_rt::render::{Goal, Job, Next, Outcome, Renderer, TuningWish, tuning};
+use gpu_rt::scene::Scene;
+
+use super::device::software;
+use super::stats::{normal_two_sided, sidak};
+
+/// What is asked of a render; what is absent is the scene's own, or the device's choice.
+#[derive(Clone, Debug, Default)]
+pub struct Ask {
+    pub size: Option<(u32, u32)>,
+    pub samples: Option<Range<u32>>,
+    pub max_depth: Option<u32>,
+    pub seed: u32,
+    pub wish: TuningWish,
+    /// All of the scene's tables in storage bindings, also where the device would take small ones as uniforms.
+    pub storage_tables: bool,
+}
+
+impl Ask {
+    pub fn spp(samples: u32) -> Ask {
+        Ask { samples: Some(0..samples), ..Ask::default() }
+    }
+
+    pub fn seed(self, seed: u32) -> Ask {
+        Ask { seed, ..self }
+    }
+
+    pub fn size(self, width: u32, height: u32) -> Ask {
+        Ask { size: Some((width, height)), ..self }
+    }
+
+    pub fn depth(self, max_depth: u32) -> Ask {
+        Ask { max_depth: Some(max_depth), ..self }
+    }
+}
+
+/// A finished render.
+#[derive(Debug)]
+pub struct Shot {
+    pub film: Film,
+    pub picture: Picture,
+    pub outcome: Outcome,
+}
+
+/// A mean over pixels, by channel.
+#[derive(Clone, Copy, Debug)]
+pub struct Mean {
+    pub value: [f64; 3],
+    /// Of that mean.
+    pub variance: [f64; 3],
+    /// Degrees of freedom of the variance: runs less one, over all pixels.
+    pub degrees: f64,
+}
+
+/// The folder of the scenes with closed forms.
+pub fn scene_folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/test")
+}
+
+/// A scene from its text; paths in it are relative to the folder of the closed-form scenes.
+pub fn scene(text: &str) -> Scene {
+    scene_in(&scene_folder(), text)
+}
+
+/// A scene from its text; paths in it are relative to `folder`.
+pub fn scene_in(folder: &Path, text: &str) -> Scene {
+    Scene::parse(text, &folder.join("test.ron")).unwrap_or_else(|error| panic!("{error}\n{text}"))
+}
+
+/// Renders the scene.
+pub fn render(scene: &Scene, ask: &Ask) -> Shot {
+    let samples = ask.samples.clone().unwrap_or(0..scene.render.samples);
+    let mut shots = render_each(scene, ask, &[samples]);
+    shots.remove(0)
+}
+
+/// Renders several ranges of samples, one after the other by the same kernels and buffers, each onto a film of its own. The samples
+/// that are asked for elsewhere do not count.
+pub fn render_each(scene: &Scene, ask: &Ask, ranges: &[Range<u32>]) -> Vec<Shot> {
+    let size = ask.size.unwrap_or((scene.image.width, scene.image.height));
+    let flat = flatten(scene, size).expect("the scene flattens");
+    let job = |samples: &Range<u32>| Job {
+        size,
+        max_depth: ask.max_depth.unwrap_or(scene.render.max_depth),
+        seed: ask.seed,
+        first_sample: samples.start,
+        goal: Goal::Samples(samples.end),
+    };
+    let device = software();
+    let first = job(&ranges[0]);
+    let class = device.class();
+    let scatter = tuning(class, &first, ask.wish).scatter;
+    let tables = match ask.storage_tables {
+        true => Tables::default(),
+        false => Tables::new(&flat, class.table_bytes()),
+    };
+    let plan = Plan::with_tables(&flat.features, scatter, &tables).expect("the kernels link");
+    let mut renderer =
+        Renderer::new(device, &flat, &plan, &first, ask.wish, false).expect("the kernels compile and the buffers fit");
+    let shots = ranges.iter().map(|samples| {
+        let job = job(samples);
+        let mut film = Film::new(size.0, size.1, flat.radiance_exponent).expect("the film fits");
+        let mut watch = Watchdog::new(job.max_depth);
+        let outcome = renderer.run(&job, &mut film, &mut |film, _| watch.look(film)).expect("the device renders");
+        let shot = Shot { picture: film.develop(), film, outcome };
+        shot.check_counts(size, samples);
+        shot
+    });
+    shots.collect()
+}
+
+/// Fails a render that would never end, by a count of submissions and not by time.
+struct Watchdog {
+    /// Submissions within which a run must end: each takes every path at least one ray further, a path has at most one ray more
+    /// than scattering events, and a run at most [`RUN_LENGTH`] paths. Then some room.
+    patience: u64,
+    idle: u64,
+    paths: u64,
+}
+
+impl Watchdog {
+    fn new(max_depth: u32) -> Watchdog {
+        Watchdog { patience: u64::from(RUN_LENGTH) * (u64::from(max_depth) + 1) + 16, idle: 0, paths: 0 }
+    }
+
+    fn look(&mut self, film: &Film) -> Next {
+        let paths = film.totals().paths;
+        self.idle = if paths > self.paths { 0 } else { self.idle + 1 };
+        self.paths = paths;
+        assert!(
+            self.idle < self.patience,
+            "no path has ended in {} submissions: this render would never end",
+            self.idle
+        );
+        Next::GoOn
+    }
+}
+
+impl Shot {
+    /// Every pixel got every sample, and none was rejected: no image test may pass on what is left of an image.
+    fn check_counts(&self, size: (u32, u32), samples: &Range<u32>) {
+        let (pixels, spp) = (u64::from(size.0) * u64::from(size.1), samples.len() as u64);
+        let totals = self.film.totals();
+        assert_eq!(totals.paths, pixels * spp, "camera samples");
+        assert_eq!(totals.rejected.total(), 0, "{:?}", totals.rejected);
+        assert_eq!((self.picture.width, self.picture.height), size, "size of the picture");
+        assert_eq!(self.picture.rgb.len() as u64, pixels);
+        assert!(self.picture.samples.iter().all(|&n| u64::from(n) == spp));
+        let values = self.picture.rgb.as_flattened();
+        assert!(values.iter().all(|v| v.is_finite() && *v >= 0.0));
+    }
+
+    /// The same render with another picture: for planting errors.
+    pub fn changed(&self, change: impl Fn(u32, u32, [f32; 3]) -> [f32; 3]) -> Shot {
+        let mut picture = self.picture.clone();
+        for (pixel, rgb) in (0..).zip(&mut picture.rgb) {
+            *rgb = change(pixel % self.picture.width, pixel / self.picture.width, *rgb);
+        }
+        self.with(picture)
+    }
+
+    /// The same render with its columns in reverse order, its rows, or both.
+    pub fn flipped(&self, (columns, rows): (bool, bool)) -> Shot {
+        let (width, height) = (self.picture.width, self.picture.height);
+        let mut picture = self.picture.clone();
+        for y in 0..height {
+            for x in 0..width {
+                let from_x = if columns { width - 1 - x } else { x };
+                let from_y = if rows { height - 1 - y } else { y };
+                let (to, from) = ((y * width + x) as usize, (from_y * width + from_x) as usize);
+                picture.rgb[to] = self.picture.rgb[from];
+                picture.variance[to] = self.picture.variance[from];
+            }
+        }
+        self.with(picture)
+    }
+
+    fn with(&self, picture: Picture) -> Shot {
+        Shot { film: self.film.clone(), picture, outcome: self.outcome.clone() }
+    }
+
+    pub fn pixel(&self, x: u32, y: u32) -> [f64; 3] {
+        self.picture.rgb[(y * self.picture.width + x) as usize].map(f64::from)
+    }
+
+    /// Runs of each pixel.
+    pub fn runs(&self) -> u32 {
+        self.outcome.samples.end.div_ceil(RUN_LENGTH) - self.outcome.samples.start / RUN_LENGTH
+    }
+
+    /// The variance between the runs of a pixel: the variance of the mean of one run. (The film keeps the variance of the mean of
+    /// all runs, which is that divided by their number.) For runs of one length.
+    pub fn run_variance(&self, x: u32, y: u32) -> [f64; 3] {
+        let runs = f64::from(self.runs());
+        self.picture.variance[(y * self.picture.width + x) as usize].map(|v| f64::from(v) * runs)
+    }
+
+    /// The mean over the pixels of a rectangle, its right and lower bounds excluded. Pixels are independent, since random numbers are
+    /// keyed by the pixel: the variance of the mean of n pixels is the sum of theirs over n².
+    pub fn mean(&self, columns: Range<u32>, rows: Range<u32>) -> Mean {
+        let width = self.picture.width;
+        let pixels = rows.flat_map(|y| columns.clone().map(move |x| (y * width + x) as usize));
+        let mut mean = Mean { value: [0.0; 3], variance: [0.0; 3], degrees: 0.0 };
+        let mut n = 0.0;
+        for pixel in pixels {
+            for channel in 0..3 {
+                let variance = self.picture.variance[pixel][channel];
+                assert!(variance < UNKNOWN_VARIANCE, "a variance takes two runs: at least 9 samples");
+                mean.value[channel] += f64::from(self.picture.rgb[pixel][channel]);
+                mean.variance[channel] += f64::from(variance);
+            }
+            n += 1.0;
+        }
+        assert!(n > 0.0, "a mean of no pixels");
+        mean.value = mean.value.map(|v| v / n);
+        mean.variance = mean.variance.map(|v| v / (n * n));
+        mean.degrees = n * f64::from(self.runs() - 1);
+        mean
+    }
+
+    /// The mean over the whole image.
+    pub fn mean_of_all(&self) -> Mean {
+        self.mean(0..self.picture.width, 0..self.picture.height)
+    }
+}
+
+/// Tests that two independent renders (two seeds) have one expectation: tiles of 8 x 8 pixels and the whole image, each by the
+/// difference of the means over its standard error. For noise without rare values: a tile has hundreds of runs, so that its mean is
+/// normal. Noise aside, values may differ by `rounding` of them.
+pub fn same_expectation(a: &Shot, b: &Shot, rounding: f64, alpha: f64) -> Result<(), String> {
+    const TILE: u32 = 8;
+    let (width, height) = (a.picture.width, a.picture.height);
+    assert_eq!((width, height), (b.picture.width, b.picture.height));
+    assert!(width.is_multiple_of(TILE) && height.is_multiple_of(TILE));
+    let corners = (0..height / TILE).flat_map(|y| (0..width / TILE).map(move |x| (x, y)));
+    let tiles = corners.map(|(x, y)| (x * TILE..(x + 1) * TILE, y * TILE..(y + 1) * TILE));
+    let areas: Vec<_> = std::iter::once((0..width, 0..height)).chain(tiles).collect();
+    let threshold = sidak(alpha, 3 * areas.len());
+    for (columns, rows) in areas {
+        let (mean_a, mean_b) = (a.mean(columns.clone(), rows.clone()), b.mean(columns.clone(), rows.clone()));
+        for channel in 0..3 {
+            let (va, vb) = (mean_a.value[channel], mean_b.value[channel]);
+            let excess = ((va - vb).abs() - rounding * va.max(vb)).max(0.0);
+            let error = (mean_a.variance[channel] + mean_b.variance[channel]).sqrt();
+            let z = if excess == 0.0 { 0.0 } else { excess / error };
+            let p = normal_two_sided(z);
+            if p.is_nan() || p < threshold {
+                return Err(format!(
+                    "columns {columns:?}, rows {rows:?}, channel {channel}: {va} and {vb}, z = {z:.2}, p = {p:.1e}"
+                ));
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,163 @@
+//! What the documentation says holds: its links lead somewhere, and its scenes load.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use gpu_rt::scene::Scene;
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn read(path: &Path) -> String {
+    fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// The files under a folder with this ending, sorted; folders below it too where `deep`.
+fn files(folder: &Path, ending: &str, deep: bool) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display())) {
+        let path = entry.expect("the folder can be read").path();
+        if path.is_dir() && deep {
+            found.extend(files(&path, ending, deep));
+        } else if path.extension().is_some_and(|extension| extension == ending) {
+            found.push(path);
+        }
+    }
+    found.sort();
+    found
+}
+
+fn documents() -> Vec<PathBuf> {
+    let mut all = vec![root().join("README.md")];
+    all.extend(files(&root().join("docs"), "md", true));
+    all
+}
+
+/// The lines of a Markdown text outside its code blocks, without what stands between backticks.
+fn prose(text: &str) -> String {
+    let mut fenced = false;
+    let mut out = String::new();
+    for line in text.lines() {
+        if line.trim_start().starts_with("```") {
+            fenced = !fenced;
+        } else if !fenced {
+            // A lone backtick opens nothing.
+            let parts = line.split('`').collect::<Vec<_>>();
+            let step = if parts.len() % 2 == 1 { 2 } else { 1 };
+            parts.into_iter().step_by(step).for_each(|part| out.push_str(part));
+            out.push('\n');
+        }
+    }
+    out
+}
+
+/// The targets of `[words](target)` and `![words](target)`.
+fn targets(text: &str) -> Vec<String> {
+    let prose = prose(text);
+    let after = prose.split("](").skip(1);
+    after.filter_map(|rest| Some(rest.split_once(')')?.0.to_string())).collect()
+}
+
+/// The anchor that a Markdown heading gets: lower case, hyphens for spaces, nothing but letters, digits, hyphens and
+/// underscores.
+fn anchor(heading: &str) -> String {
+    let text = heading.trim_start_matches('#').trim().to_lowercase();
+    text.chars().filter(|c| c.is_alphanumeric() || " -_".contains(*c)).collect::<String>().replace(' ', "-")
+}
+
+fn anchors(text: &str) -> BTreeSet<String> {
+    prose(text).lines().filter(|line| line.starts_with('#')).map(anchor).collect()
+}
+
+/// What is wrong with the relative links of a text that lies in a folder.
+fn broken_links(text: &str, folder: &Path) -> Vec<String> {
+    let mut broken = Vec::new();
+    for target in targets(text) {
+        if target.starts_with("https://") || target.starts_with("http://") {
+            continue;
+        }
+        let (file, heading) = target.split_once('#').unwrap_or((&target, ""));
+        let path = folder.join(file);
+        if Path::new(file).is_absolute() || !path.exists() {
+            broken.push(format!("{target}: there is no such file"));
+        } else if !heading.is_empty() {
+            let there = if file.is_empty() { text.to_string() } else { read(&path) };
+            if !anchors(&there).contains(heading) {
+                broken.push(format!("{target}: there is no such heading"));
+            }
+        }
+    }
+    broken
+}
+
+#[test]
+fn every_link_leads_somewhere() {
+    let mut links = 0;
+    let mut broken = Vec::new();
+    for document in documents() {
+        let text = read(&document);
+        links += targets(&text).len();
+        let folder = document.parent().expect("a file lies in a folder");
+        broken.extend(broken_links(&text, folder).iter().map(|link| format!("{}: {link}", document.display())));
+    }
+    assert!(broken.is_empty(), "{}", broken.join("\n"));
+    assert!(links > 50, "only {links} links were found: the reader of links is broken");
+}
+
+#[test]
+fn a_broken_link_is_found() {
+    let text = "# Here\n[a](Cargo.toml) [b](no/such.md) ![c](no.png) [d](#here) [e](#gone) [f](README.md#no-such)\n\
+                ```\n[g](in/code.md)\n```\n`[h](quoted.md)` [i](https://example.com/x) [j](/etc/hosts)\n";
+    let broken = broken_links(text, root());
+    let names: Vec<_> = broken.iter().map(|link| link.split(':').next().unwrap_or_default()).collect();
+    assert_eq!(names, ["no/such.md", "no.png", "#gone", "README.md#no-such", "/etc/hosts"]);
+}
+
+#[test]
+fn every_scene_loads_without_a_warning() {
+    let scenes = files(&root().join("scenes"), "ron", false);
+    assert!(scenes.len() >= 6, "{scenes:?}");
+    for path in scenes {
+        let scene = Scene::load(&path).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(scene.warnings(), Vec::<String>::new());
+        assert!(!scene.objects.is_empty(), "{}", path.display());
+    }
+}
+
+#[test]
+fn the_example_of_the_readme_is_a_scene() {
+    let readme = read(&root().join("README.md"));
+    let examples: Vec<_> = readme.split("```ron\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
+    assert_eq!(examples.len(), 1);
+    let scene = Scene::parse(examples[0], &root().join("README.md")).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(scene.warnings(), Vec::<String>::new());
+    // A quote of the example that lacks its end does not pass.
+    assert!(Scene::parse(&examples[0][..examples[0].len() / 2], &root().join("README.md")).is_err());
+}
+
+/// The cover scene is what its head comment says.
+#[test]
+fn the_cover_scene_has_485_spheres_that_keep_clear_of_the_large_ones() {
+    use gpu_rt::scene::Object;
+    let scene = Scene::load(&root().join("scenes/weekend.ron")).unwrap_or_else(|error| panic!("{error}"));
+    let spheres: Vec<_> = scene
+        .objects
+        .iter()
+        .map(|object| match object {
+            Object::Sphere { center, radius, .. } => (*center, *radius),
+            other => panic!("{} is no sphere", other.name()),
+        })
+        .collect();
+    assert_eq!(spheres.len(), 485);
+    let large: Vec<_> = spheres.iter().filter(|(_, radius)| *radius == 1.0).collect();
+    let small: Vec<_> = spheres.iter().filter(|(_, radius)| *radius == 0.2).collect();
+    assert_eq!((large.len(), small.len()), (3, 481));
+    for (center, radius) in &small {
+        assert!(
+            large.iter().all(|(other, r)| center.distance(*other) >= radius + r),
+            "{center} is inside a large sphere"
+        );
+    }
+}

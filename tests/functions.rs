@@ -1,0 +1,52 @@
+//! The shader functions, on the device, against oracles in f64: thousands of inputs over many decades, each comparison
+//! with a planted wrong form that must fail it.
+//!
+//! u = 2^-24 is the relative error of one correctly rounded operation in f32. Inputs are made in f64, rounded to f32, and
+//! the oracle starts from the rounded ones, so that a difference is the function's own error.
+
+#[path = "common/device.rs"]
+mod device;
+#[path = "common/kernel.rs"]
+mod kernel;
+#[path = "common/stats.rs"]
+mod stats;
+
+#[path = "functions/vectors.rs"]
+mod vectors;
+
+#[path = "functions/trace.rs"]
+mod trace;
+
+#[path = "functions/scenes.rs"]
+mod scenes;
+
+#[path = "functions/basis.rs"]
+mod basis;
+#[path = "functions/bounds.rs"]
+mod bounds;
+#[path = "functions/camera.rs"]
+mod camera;
+#[path = "functions/cuboid.rs"]
+mod cuboid;
+#[path = "functions/float.rs"]
+mod float;
+#[path = "functions/frames.rs"]
+mod frames;
+#[path = "functions/fresnel.rs"]
+mod fresnel;
+#[path = "functions/materials.rs"]
+mod materials;
+#[path = "functions/perlin.rs"]
+mod perlin;
+#[path = "functions/quad.rs"]
+mod quad;
+#[path = "functions/rng.rs"]
+mod rng;
+#[path = "functions/sampling.rs"]
+mod sampling;
+#[path = "functions/sphere.rs"]
+mod sphere;
+#[path = "functions/textures.rs"]
+mod textures;
+#[path = "functions/walk.rs"]
+mod walk;

@@ -1,0 +1,34 @@
+//! Primitives as the host makes them for the device, from a scene's text.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use glam::DVec3;
+use gpu_rt::flatten::{Flat, flatten};
+use gpu_rt::scene::Scene;
+
+/// `(x, y, z)`, to the last bit.
+pub fn triple(v: DVec3) -> String {
+    format!("({:?}, {:?}, {:?})", v.x, v.y, v.z)
+}
+
+/// Flattens a scene with these objects, of the material "m", seen from the origin. The result is in render space: scaled
+/// by a power of two.
+pub fn flat(objects: &[String]) -> Flat {
+    flat_with("(look_from: (0, 0, 0), look_at: (0, 0, -1), vertical_fov: 40)", (16, 16), objects)
+}
+
+/// The same with a camera, for an image of this size.
+pub fn flat_with(camera: &str, size: (u32, u32), objects: &[String]) -> Flat {
+    let mut text = format!(
+        "Scene(image: (width: {}, height: {}), camera: {camera}, background: Solid((1, 1, 1)),\n\
+         materials: {{\"m\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5))}}, objects: [\n",
+        size.0, size.1
+    );
+    for object in objects {
+        writeln!(text, "{object},").expect("a string takes text");
+    }
+    text.push_str("])");
+    let scene = Scene::parse(&text, Path::new("test.ron")).expect("the test's scene is valid");
+    flatten(&scene, size).expect("the test's scene is small")
+}

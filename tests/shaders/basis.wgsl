@@ -1,0 +1,25 @@
+//@ use lib/basis
+// The basis around a vector.
+struct In {
+    normal: vec3<f32>,
+    padding: u32,
+}
+
+struct Out {
+    tangent: vec3<f32>,
+    padding0: u32,
+    bitangent: vec3<f32>,
+    padding1: u32,
+    // The place (1, 2, 3) of the basis.
+    place: vec3<f32>,
+    padding2: u32,
+}
+
+@group(0) @binding(21) var<storage, read> input: array<In>;
+@group(0) @binding(22) var<storage, read_write> output: array<Out>;
+
+fn run(row: u32) {
+    let basis = basis_around(input[row].normal);
+    let place = from_basis(basis, vec3<f32>(1.0, 2.0, 3.0));
+    output[row] = Out(basis.tangent, 0u, basis.bitangent, 0u, place, 0u);
+}

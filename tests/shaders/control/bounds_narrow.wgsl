@@ -1,0 +1,64 @@
+//@ use data/primitive
+//@ use geometry/slab
+//@ use lib/float
+// The production file without its allowance for rounding.
+// Which children of a BVH node a ray may meet nearer than `nearest`; never a false no.
+
+const CHILD_MISSED: u32 = 0xffffffffu;
+const CHILD_MASK: u32 = 3u;
+
+// The four bytes of a word, the lowest first.
+fn bytes_of(word: u32) -> vec4<f32> {
+    return vec4<f32>((vec4<u32>(word) >> vec4<u32>(0u, 8u, 16u, 24u)) & vec4<u32>(255u));
+}
+
+// The slab of the node's grid along one axis: the distance to the plane of byte b is b * step + start, off by less than
+// `error`.
+struct GridAxis {
+    step: f32,
+    start: f32,
+    error: f32,
+}
+
+// Wrong on purpose: no allowance for rounding.
+fn grid_axis(origin: f32, exponent: u32, ray_origin: f32, inverse: f32) -> GridAxis {
+    let step = bitcast<f32>(exponent << 23u) * inverse;
+    let start = (origin - ray_origin) * inverse;
+    return GridAxis(step, start, 0.0);
+}
+
+fn enter_axis(axis: GridAxis, planes: u32) -> vec4<f32> {
+    return bytes_of(planes) * axis.step + (axis.start - axis.error);
+}
+
+fn leave_axis(axis: GridAxis, planes: u32) -> vec4<f32> {
+    return bytes_of(planes) * axis.step + (axis.start + axis.error);
+}
+
+// A key for each child that the ray may meet, else CHILD_MISSED: the bits of the distance at which it enters the box (0
+// from inside), which sort as the distances do, with the child's number in place of the last two.
+fn child_keys(node: Node, origin: vec3<f32>, inverse: vec3<f32>, nearest: f32) -> vec4<u32> {
+    let exponents = (vec3<u32>(node.exponents) >> vec3<u32>(0u, 8u, 16u)) & vec3<u32>(255u);
+    let x = grid_axis(node.origin.x, exponents.x, origin.x, inverse.x);
+    let y = grid_axis(node.origin.y, exponents.y, origin.y, inverse.y);
+    let z = grid_axis(node.origin.z, exponents.z, origin.z, inverse.z);
+    let forward = inverse >= vec3<f32>(0.0);
+    let near = select(node.high, node.low, forward);
+    let far = select(node.low, node.high, forward);
+    let enter_yz = max(enter_axis(y, near.y), enter_axis(z, near.z));
+    let leave_yz = min(leave_axis(y, far.y), leave_axis(z, far.z));
+    let enter = max(max(enter_axis(x, near.x), enter_yz), vec4<f32>(0.0));
+    let leave = min(min(leave_axis(x, far.x), leave_yz), vec4<f32>(nearest));
+    let child = vec4<u32>(0u, 1u, 2u, 3u);
+    let met = enter <= leave & child < vec4<u32>(node.exponents >> 24u);
+    let key = (bitcast<vec4<u32>>(enter) & vec4<u32>(~CHILD_MASK)) | child;
+    return select(vec4<u32>(CHILD_MISSED), key, met);
+}
+
+// Sorts four keys, the smallest first: a network of five exchanges.
+fn sort_keys(keys: vec4<u32>) -> vec4<u32> {
+    let low = min(keys.xz, keys.yw);
+    let high = max(keys.xz, keys.yw);
+    let middle = vec2<u32>(max(low.x, low.y), min(high.x, high.y));
+    return vec4<u32>(min(low.x, low.y), min(middle.x, middle.y), max(middle.x, middle.y), max(high.x, high.y));
+}

@@ -1,0 +1,36 @@
+//@ use data/material
+//@ use lib/rng
+//@ use material/${material}
+// A material's answer to a ray: for the uniforms given, or many times for the rows' own.
+struct In {
+    incoming: vec3<f32>,
+    front: u32,
+    normal: vec3<f32>,
+    padding0: u32,
+    colour: vec3<f32>,
+    padding1: u32,
+    u: vec4<f32>,
+    material: Material,
+}
+
+struct Out {
+    direction: vec3<f32>,
+    event: u32,
+    weight: vec3<f32>,
+    padding: u32,
+}
+
+// How often each row of input is answered, and whether with its own uniforms.
+const TIMES: u32 = ${times}u;
+const KEYED: bool = ${keyed};
+
+@group(0) @binding(21) var<storage, read> input: array<In>;
+@group(0) @binding(22) var<storage, read_write> output: array<Out>;
+
+fn run(row: u32) {
+    let given = input[row / TIMES];
+    let u = select(given.u, random4(row, 0u, 0u, 2u), KEYED);
+    let hit = Interaction(given.incoming, given.normal, given.front != 0u, given.colour);
+    let scattered = ${material}_scatter(given.material, hit, u);
+    output[row] = Out(scattered.direction, scattered.event, scattered.weight, 0u);
+}

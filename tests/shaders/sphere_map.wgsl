@@ -1,0 +1,17 @@
+//@ use lib/sphere_map
+struct In {
+    direction: vec3<f32>,
+    padding: u32,
+}
+
+struct Out {
+    uv: vec2<f32>,
+    sky: vec2<f32>,
+}
+
+@group(0) @binding(21) var<storage, read> input: array<In>;
+@group(0) @binding(22) var<storage, read_write> output: array<Out>;
+
+fn run(row: u32) {
+    output[row] = Out(sphere_uv_at(input[row].direction), sky_place(input[row].direction));
+}

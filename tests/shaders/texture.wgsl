@@ -1,0 +1,24 @@
+//@ use data/texture
+//@ use texture/${texture}
+struct In {
+    texture: Texture,
+    point: vec3<f32>,
+    along_z: f32,
+    uv: vec2<f32>,
+    phase: f32,
+    wraps: u32,
+}
+
+struct Out {
+    colour: vec3<f32>,
+    padding: u32,
+}
+
+@group(0) @binding(21) var<storage, read> input: array<In>;
+@group(0) @binding(22) var<storage, read_write> output: array<Out>;
+
+fn run(row: u32) {
+    let given = input[row];
+    let place = TexturePoint(given.point, given.along_z, given.phase, given.uv, given.wraps != 0u);
+    output[row] = Out(${texture}_colour(given.texture, place), 0u);
+}

@@ -1,0 +1,14 @@
+//@ use texture/marble
+// An angle less whole turns, and its sine.
+struct Out {
+    angle: f32,
+    sine: f32,
+}
+
+@group(0) @binding(21) var<storage, read> input: array<f32>;
+@group(0) @binding(22) var<storage, read_write> output: array<Out>;
+
+fn run(row: u32) {
+    let angle = within_one_turn(input[row]);
+    output[row] = Out(angle, sin(angle));
+}

@@ -1,0 +1,39 @@
+//@ use scene/traverse
+// The nearest hit of a ray by the walk through the BVH, and by asking every primitive.
+struct In {
+    origin: vec3<f32>,
+    root: u32,
+    direction: vec3<f32>,
+    padding: u32,
+}
+
+struct Out {
+    walked: Hit,
+    asked: Hit,
+}
+
+// How many there are of each kind.
+const COUNTS = array<u32, 3>(${spheres}u, ${quads}u, ${cuboids}u);
+
+@group(0) @binding(21) var<storage, read> input: array<In>;
+@group(0) @binding(22) var<storage, read_write> output: array<Out>;
+
+fn run(row: u32) {
+    let ray = Ray(input[row].origin, input[row].direction);
+    var asked = Hit(HIT_NOTHING, VERY_FAR, 0u);
+    var order = 0xffffffffu;
+    for (var kind = 0u; kind < 3u; kind++) {
+        for (var i = 0u; i < COUNTS[kind]; i++) {
+            let code = PRIMITIVE_BIT | kind << PRIMITIVE_KIND_SHIFT | i;
+            let t = primitive_distance(code, ray);
+            let own = primitive_order(code);
+            asked.steps += 1u;
+            if t != NO_HIT && (t < asked.t || (t == asked.t && own < order)) {
+                asked.code = code;
+                asked.t = t;
+                order = own;
+            }
+        }
+    }
+    output[row] = Out(nearest_hit(ray, input[row].root), asked);
+}

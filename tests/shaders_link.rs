@@ -1,0 +1,311 @@
+//! The shaders without a device: every combination of features links and validates, no file is unused, modules import
+//! what their folders may, and the linker's errors name the place.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use gpu_rt::flatten::{Features, MATERIALS, PRIMITIVES, TEXTURES};
+use gpu_rt::gpu::layout::BindingKind;
+use gpu_rt::gpu::link::{Choices, Embedded, Entry, Library, Linked, link};
+use gpu_rt::plan::{Plan, Scatter};
+
+const SCATTERS: [Scatter; 3] = [Scatter::Fused, Scatter::Linked, Scatter::Queues];
+const BACKGROUNDS: [&str; 3] = ["solid", "gradient", "image"];
+
+/// Features by the bits of the kinds that are on.
+fn features(
+    primitives: usize,
+    materials: usize,
+    textures: usize,
+    background: &'static str,
+    thin_lens: bool,
+) -> Features {
+    fn on<const N: usize>(bits: usize) -> [Option<String>; N] {
+        std::array::from_fn(|i| (bits >> i & 1 == 1).then(|| "a test".to_string()))
+    }
+    Features {
+        primitives: on(primitives),
+        materials: on(materials),
+        textures: on(textures),
+        background,
+        thin_lens,
+        stack_size: 8,
+    }
+}
+
+fn all(names: &[&str]) -> usize {
+    (1 << names.len()) - 1
+}
+
+fn everything() -> Features {
+    features(all(PRIMITIVES), all(MATERIALS), all(TEXTURES), "image", true)
+}
+
+/// Every set of primitives, of materials and of textures, every background and lens, each beside the least of the others;
+/// primitives with textures, which one kernel joins; nothing, and everything.
+fn combinations() -> Vec<Features> {
+    let mut found = vec![features(0, 0, 0, "solid", false), everything()];
+    let (primitives, materials, textures) = (all(PRIMITIVES), all(MATERIALS), all(TEXTURES));
+    found.extend((1..=primitives).map(|set| features(set, 1, 0, "solid", false)));
+    found.extend((1..=materials).map(|set| features(1, set, 0, "solid", false)));
+    found.extend((0..=textures).map(|set| features(1, 1, set, "solid", false)));
+    for background in BACKGROUNDS {
+        found.extend([false, true].map(|lens| features(1, 1, 0, background, lens)));
+        found.push(features(0, 0, 0, background, true));
+    }
+    for primitive in 0..PRIMITIVES.len() {
+        for texture in 0..TEXTURES.len() {
+            found.push(features(1 << primitive, 1, 1 << texture, "image", false));
+        }
+    }
+    found
+}
+
+#[test]
+fn every_combination_of_features_links_and_validates() {
+    for features in combinations() {
+        for scatter in SCATTERS {
+            let plan =
+                Plan::new(&features, scatter).unwrap_or_else(|error| panic!("{features:?}, {scatter:?}: {error}"));
+            assert!(!plan.kernels().is_empty());
+            for kernel in plan.kernels() {
+                // Nothing that the scene lacks.
+                let unused = |names: &[&str], used: &[Option<String>], folder: &str| {
+                    let off = names.iter().zip(used).filter(|(_, used)| used.is_none());
+                    off.map(|(name, _)| format!("{folder}/{name}")).collect::<Vec<_>>()
+                };
+                let lacking = [
+                    unused(PRIMITIVES, &features.primitives, "geometry"),
+                    unused(MATERIALS, &features.materials, "material"),
+                    unused(TEXTURES, &features.textures, "texture"),
+                ];
+                for module in lacking.concat() {
+                    assert!(
+                        !kernel.linked.modules.contains(&module),
+                        "{}: {module} is linked: {features:?}",
+                        kernel.name
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn every_file_under_shaders_is_used_by_some_plan() {
+    let mut unused: BTreeSet<String> = Embedded::names().into_iter().collect();
+    assert!(unused.len() > 50, "{unused:?}");
+    for features in combinations() {
+        for scatter in SCATTERS {
+            for kernel in Plan::new(&features, scatter).expect("it links").kernels() {
+                kernel.linked.modules.iter().for_each(|module| {
+                    unused.remove(module);
+                });
+            }
+        }
+    }
+    assert!(unused.is_empty(), "no plan uses {unused:?}");
+}
+
+/// Storage buffers that a kernel with everything on may bind, all tables in storage bindings. WebGPU promises 8, and so does
+/// the design; the queued and the fused kernels are over it, which is kept from growing here.
+const MOST_STORAGE_BUFFERS: [(Scatter, usize); 3] = [(Scatter::Linked, 8), (Scatter::Queues, 10), (Scatter::Fused, 11)];
+
+#[test]
+fn no_kernel_binds_too_many_storage_buffers() {
+    for (scatter, most) in MOST_STORAGE_BUFFERS {
+        for kernel in Plan::new(&everything(), scatter).expect("it links").kernels() {
+            let storage = kernel.bindings.values().filter(|binding| binding.kind != BindingKind::Uniform).count();
+            assert!(storage <= most, "{} of {scatter:?} binds {storage} storage buffers", kernel.name);
+        }
+    }
+}
+
+/// The folders whose modules a folder's modules may use, and the single modules beside them. What stands behind
+/// `choice/x` counts as the folder of the modules that a plan may choose.
+const MAY_USE: &[(&str, &[&str])] = &[
+    ("lib", &["lib"]),
+    ("data", &["data", "lib"]),
+    ("geometry", &["data", "geometry", "lib"]),
+    ("material", &["data", "geometry", "lib"]),
+    ("bind", &["data"]),
+    ("texture", &["data", "lib", "scene/texel"]),
+    ("camera", &["bind", "camera", "data", "lib"]),
+    ("background", &["bind", "data", "lib", "scene/texel"]),
+    ("scene", &["bind", "data", "geometry", "lib", "material", "scene", "texture"]),
+    ("slots", &["bind", "data", "lib", "scene", "slots"]),
+    ("step", &["background", "bind", "camera", "data", "geometry", "lib", "scene", "step"]),
+    (
+        "stage",
+        &["background", "bind", "camera", "data", "geometry", "lib", "material", "scene", "slots", "step", "texture"],
+    ),
+];
+
+/// Where the modules behind `choice/x` live.
+const CHOICES: &[(&str, &str)] = &[
+    ("background", "background"),
+    ("camera", "camera"),
+    ("colour", "scene"),
+    ("uv", "scene"),
+    ("walk", "scene"),
+    ("sort", "slots"),
+    ("turn", "slots"),
+];
+
+/// The uses of a module that its folder may not make, each with its line.
+fn violations(module: &str, text: &str) -> Vec<String> {
+    let folder = |name: &str| name.split('/').next().unwrap_or_default().to_string();
+    let from = folder(module);
+    let Some((_, allowed)) = MAY_USE.iter().find(|(name, _)| *name == from) else {
+        return vec![format!("{module}: its folder is not in the table of this test: say there what it may use")];
+    };
+    let mut found = Vec::new();
+    for (number, line) in (1..).zip(text.lines()) {
+        let Some(used) = line.trim().strip_prefix("//@ use ").map(str::trim) else { continue };
+        let target = match used.strip_prefix("choice/") {
+            Some(choice) => match CHOICES.iter().find(|(name, _)| *name == choice) {
+                Some((_, folder)) => folder.to_string(),
+                None => {
+                    found.push(format!("{module}:{number}: {used} is not in the table of this test"));
+                    continue;
+                }
+            },
+            None => folder(used),
+        };
+        if !allowed.iter().any(|allowed| *allowed == target || *allowed == used) {
+            found.push(format!("{module}:{number}: {from} may not use {used}"));
+        }
+    }
+    found
+}
+
+#[test]
+fn modules_use_what_their_folders_may() {
+    let mut uses = 0;
+    for name in Embedded::names() {
+        let text = Embedded.module(&name).expect("it is listed");
+        uses += text.lines().filter(|line| line.trim().starts_with("//@ use ")).count();
+        assert_eq!(violations(&name, text), Vec::<String>::new());
+    }
+    assert!(uses > 100, "{uses} uses were looked at");
+    // The modules that a plan chooses are where the table says.
+    let plan = Plan::new(&everything(), Scatter::Queues).expect("it links");
+    let linked: BTreeSet<&String> = plan.kernels().iter().flat_map(|kernel| &kernel.linked.modules).collect();
+    for (_, folder) in CHOICES {
+        assert!(linked.iter().any(|module| module.starts_with(&format!("{folder}/"))), "{folder}");
+    }
+    // Planted violations.
+    for (module, used) in [
+        ("lib/rng", "bind/settings"),
+        ("lib/rng", "data/ray"),
+        ("data/ray", "bind/paths"),
+        ("geometry/sphere", "scene/traverse"),
+        ("material/metal", "slots/state"),
+        ("material/metal", "bind/materials"),
+        ("texture/noise", "scene/uv"),
+        ("texture/noise", "bind/texels"),
+        ("scene/surfaces", "stage/scatter"),
+        ("stage/scatter", "stage/refill"),
+        ("step/scatter", "slots/state"),
+        ("scene/uv", "choice/turn"),
+        ("scene/uv", "choice/unheard"),
+        ("elsewhere/x", "lib/rng"),
+    ] {
+        let found = violations(module, &format!("// A comment.\n    //@ use {used}\n"));
+        assert_eq!(found.len(), 1, "{module} uses {used}: {found:?}");
+    }
+    assert_eq!(violations("texture/image", "//@ use scene/texel\n"), Vec::<String>::new());
+}
+
+/// Modules of a test beside the production ones.
+struct Beside(BTreeMap<&'static str, &'static str>);
+
+impl Library for Beside {
+    fn module(&self, name: &str) -> Option<&str> {
+        self.0.get(name).copied().or_else(|| Embedded.module(name))
+    }
+}
+
+fn linked(modules: &[(&'static str, &'static str)]) -> Result<Linked, String> {
+    let choices = Choices {
+        modules: BTreeMap::from([("known", "lib/rng")]),
+        lists: BTreeMap::from([(
+            "animal",
+            vec![Entry { name: "cat".to_string(), number: 3 }, Entry { name: "dog".to_string(), number: 5 }],
+        )]),
+        values: BTreeMap::from([("size", "7".to_string())]),
+    };
+    let library = Beside(modules.iter().copied().collect());
+    link(&library, "test/root", &choices).map_err(|error| error.to_string())
+}
+
+/// The error of linking or validating, which must name this place.
+fn assert_fault(modules: &[(&'static str, &'static str)], place: &str, about: &str) {
+    let error = match linked(modules) {
+        Err(error) => error,
+        Ok(linked) => match linked.validate() {
+            Err(error) => error.to_string(),
+            Ok(_) => panic!("no error about {about}"),
+        },
+    };
+    assert!(
+        error.starts_with(place) && error.contains(about),
+        "{error:?} does not start with {place}, or lacks {about}"
+    );
+}
+
+#[test]
+fn the_linkers_errors_name_file_and_line() {
+    let missing = "// A comment.\n\n//@ use lib/nothing\n";
+    assert_fault(&[("test/root", missing)], "shaders/test/root.wgsl:3:", "lib/nothing");
+    let nested = "//@ use test/inner\nfn f() {}\n";
+    assert_fault(&[("test/root", nested), ("test/inner", missing)], "shaders/test/inner.wgsl:3:", "lib/nothing");
+    assert_fault(&[("test/root", "//@ use choice/unheard\n")], "shaders/test/root.wgsl:1:", "unheard");
+    assert_fault(&[("test/root", "fn f() {}\n//@ each plant\n//@ end\n")], "shaders/test/root.wgsl:2:", "plant");
+    assert_fault(&[("test/root", "fn f() {}\n//@ end\n")], "shaders/test/root.wgsl:2:", "without `//@ each`");
+    assert_fault(&[("test/root", "\n//@ each animal\nfn f() {}\n")], "shaders/test/root.wgsl:3:", "without `//@ end`");
+    assert_fault(&[("test/root", "\nconst A: u32 = ${length}u;\n")], "shaders/test/root.wgsl:2:", "length");
+    assert_fault(&[("test/root", "\n\nconst A: u32 = ${size;\n")], "shaders/test/root.wgsl:3:", "without `}`");
+    assert_fault(&[], "shaders/(the plan).wgsl:0:", "test/root");
+}
+
+#[test]
+fn nagas_errors_name_the_file_and_line_of_the_module() {
+    // The broken line stands behind other modules and behind directives, which leave no line in the linked text.
+    let root = "//@ use lib/rng\n//@ use test/inner\n@compute @workgroup_size(1)\nfn main() { inner(); }\n";
+    let syntax = "//@ use lib/float\n// A comment.\nfn inner() {\n    let x = ;\n}\n";
+    assert_fault(&[("test/root", root), ("test/inner", syntax)], "shaders/test/inner.wgsl:4:", "");
+    let types = "//@ use lib/float\n\nfn inner() {\n    let x = 1u;\n    let y: f32 = x;\n}\n";
+    assert_fault(&[("test/root", root), ("test/inner", types)], "shaders/test/inner.wgsl:5:", "");
+    // What the validator finds after a successful parse.
+    let invalid = "//@ use lib/float\nfn inner() -> f32 {\n    var x = 1.0;\n    loop { break; }\n}\n";
+    assert_fault(&[("test/root", root), ("test/inner", invalid)], "shaders/test/inner.wgsl:", "");
+    // In a line that a list repeats, and behind the repetition.
+    let repeated = "//@ each animal\nconst ${name}: u32 = ${rank}u;\n//@ end\nfn inner() {\n    let x = ;\n}\n";
+    assert_fault(&[("test/root", root), ("test/inner", repeated)], "shaders/test/inner.wgsl:5:", "");
+    let within = "//@ each animal\n\nconst ${name} u32 = ${rank}u;\n//@ end\nfn inner() {}\n";
+    assert_fault(&[("test/root", root), ("test/inner", within)], "shaders/test/inner.wgsl:3:", "");
+    // In the root itself.
+    assert_fault(&[("test/root", "//@ use lib/rng\n\nfn main( {}\n")], "shaders/test/root.wgsl:3:", "");
+}
+
+#[test]
+fn modules_are_joined_once_and_lists_and_values_filled_in() {
+    let root = "//@ use lib/rng\n//@ use test/inner\n//@ use choice/known\nfn number(kind: u32) -> u32 {\n    switch kind {\n\
+                //@ each animal\n        ${case}: { return ${name}() + ${rank}u; }\n//@ end\n    }\n}\n";
+    let inner =
+        "//@ use lib/rng\n//@ each animal\nfn ${name}() -> u32 { return 1u; }\n//@ end\nconst SIZE: u32 = ${size}u;\n";
+    let linked = linked(&[("test/root", root), ("test/inner", inner)]).expect("it links");
+    assert_eq!(linked.modules, ["lib/rng", "test/inner", "test/root"]);
+    assert_eq!(linked.text.matches("fn pcg4d(").count(), 1);
+    for text in ["case 3u: { return cat() + 0u; }", "default: { return dog() + 1u; }", "const SIZE: u32 = 7u;"] {
+        assert!(linked.text.contains(text), "{text}");
+    }
+    assert_eq!(linked.text.lines().count(), linked.lines.len());
+    for (line, (module, number)) in linked.text.lines().zip(&linked.lines) {
+        if module == "lib/rng" {
+            let own = Embedded.module(module).expect("it is there").lines().nth(number - 1);
+            assert_eq!(own, Some(line));
+        }
+    }
+    linked.validate().expect("it is valid");
+}
