@@ -1,12 +1,16 @@
 //@ use data/ray
 //@ use data/primitive
 //@ use data/hit
+//@ use lib/float
 
-// Distance to the parallelogram, or NO_HIT. The axes of a and b are computed in f64 on the host; a point on the edge
-// belongs to the quad.
+// Distance to the parallelogram, or NO_HIT. The axes of a and b are computed in f64 on the host. The edges reach out by the
+// bound of the rounding of a and b, so that neighbours that share an edge leave no gap: by the primitive's own error and
+// that of t, over the cosine by which a plane's offset moves the point on it; no more than 1/64, for that grows without
+// bound in rays along the plane.
 fn quad_distance(ray: Ray, quad: Quad) -> f32 {
     let from_origin = quad.corner - ray.origin;
-    let t = dot(from_origin, quad.normal) / dot(ray.direction, quad.normal);
+    let facing = dot(ray.direction, quad.normal);
+    let t = dot(from_origin, quad.normal) / facing;
     // A parallel ray gives no finite t; every comparison below is written so that a NaN fails it.
     if !(t > 0.0) {
         return NO_HIT;
@@ -14,7 +18,10 @@ fn quad_distance(ray: Ray, quad: Quad) -> f32 {
     let on_plane = t * ray.direction - from_origin;
     let a = dot(on_plane, quad.a_axis);
     let b = dot(on_plane, quad.b_axis);
-    let inside = a >= 0.0 && a <= 1.0 && b >= 0.0 && b <= 1.0;
+    let slack = (quad.error + 2.0 * UNIT_ROUNDOFF * (t + length(from_origin))) / abs(facing);
+    let a_slack = min(slack * length(quad.a_axis), 0x1p-6f);
+    let b_slack = min(slack * length(quad.b_axis), 0x1p-6f);
+    let inside = a >= -a_slack && a <= 1.0 + a_slack && b >= -b_slack && b <= 1.0 + b_slack;
     return select(NO_HIT, t, inside);
 }
 

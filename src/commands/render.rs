@@ -148,14 +148,27 @@ impl Clock {
 
 /// The paths to write to, checked before anything costs time.
 fn output_of(args: &RenderArgs) -> Result<Output<'_>> {
-    let exr = match &args.output {
+    let exr: PathBuf = match &args.output {
         Some(path) => path.clone(),
         None => {
             let name = args.scene.file_stem().unwrap_or_default();
             PathBuf::from(name).with_added_extension("exr")
         }
     };
-    std::iter::once(exr.as_path()).chain(args.png.as_deref()).try_for_each(check_place)?;
+    let places: Vec<&Path> = std::iter::once(exr.as_path()).chain(args.png.as_deref()).collect();
+    places.iter().try_for_each(|place| check_place(place))?;
+    // Files that exist are compared as files, so that two spellings of one path are found out.
+    let same = |a: &Path, b: &Path| match (a.canonicalize(), b.canonicalize()) {
+        (Ok(a), Ok(b)) => a == b && a.is_file(),
+        _ => a == b,
+    };
+    let twice = args.png.as_deref().is_some_and(|png| same(&exr, png));
+    if twice || places.iter().any(|place| same(place, &args.scene)) {
+        return Err(Error::Usage(format!(
+            "{}: expected different files for the scene, the EXR and the PNG; nothing has been rendered",
+            exr.display()
+        )));
+    }
     Ok(Output { exr, png: args.png.as_deref(), exposure: args.exposure })
 }
 
