@@ -78,3 +78,17 @@ fn load_sum(slot: u32, path: ptr<function, Path>) {
 fn store_sum(slot: u32, path: ptr<function, Path>) {
     paths[place(PLANE_SUM, slot)] = word_of((*path).sum, (*path).rays);
 }
+
+fn load_path(slot: u32, path: ptr<function, Path>) {
+    load_ray(slot, path);
+    load_throughput(slot, path);
+    load_sample(slot, path);
+    load_sum(slot, path);
+}
+
+fn store_path(slot: u32, path: ptr<function, Path>) {
+    store_ray(slot, path);
+    store_throughput(slot, path);
+    store_sample(slot, path);
+    store_sum(slot, path);
+}

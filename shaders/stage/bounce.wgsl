@@ -19,10 +19,7 @@ fn bounce(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     var path: Path;
-    load_ray(slot, &path);
-    load_throughput(slot, &path);
-    load_sample(slot, &path);
-    load_sum(slot, &path);
+    load_path(slot, &path);
     var iterations = 0u;
     for (var i = 0u; i < window.bounces && iterations < MOST_ITERATIONS; i++) {
         iterations += trace(&path) + ITERATIONS_OF_SHADING;
@@ -36,8 +33,5 @@ fn bounce(@builtin(global_invocation_id) id: vec3<u32>) {
             }
         }
     }
-    store_ray(slot, &path);
-    store_throughput(slot, &path);
-    store_sample(slot, &path);
-    store_sum(slot, &path);
+    store_path(slot, &path);
 }

@@ -11,8 +11,5 @@ fn generate(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     var path: Path;
     start_run(&path);
-    store_ray(slot, &path);
-    store_throughput(slot, &path);
-    store_sample(slot, &path);
-    store_sum(slot, &path);
+    store_path(slot, &path);
 }

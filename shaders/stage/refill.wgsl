@@ -10,13 +10,7 @@ fn refill(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     var path: Path;
-    load_ray(slot, &path);
-    load_throughput(slot, &path);
-    load_sample(slot, &path);
-    load_sum(slot, &path);
+    load_path(slot, &path);
     refill_path(&path);
-    store_ray(slot, &path);
-    store_throughput(slot, &path);
-    store_sample(slot, &path);
-    store_sum(slot, &path);
+    store_path(slot, &path);
 }
