@@ -27,6 +27,8 @@ render: toolchain
 # The tests run on a software driver, which they choose by themselves; GPU_RT_TEST_DEVICE names another device.
 # LVP_POISON_MEMORY makes Mesa's software driver fill fresh memory with junk, so that reading what nobody wrote shows.
 test: export LVP_POISON_MEMORY = true
+# Mesa's device-select layer complains on every run where there is no desktop session to ask about GPUs.
+test: export NODEVICE_SELECT = 1
 test: toolchain
 	$(CARGO) test --release --no-run
 	@[ -n "$(GPU_RT_TEST_DEVICE)" ] || $(GPU_RT) devices --json 2>/dev/null | grep -q '"software": true' || \
