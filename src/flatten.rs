@@ -186,7 +186,7 @@ pub fn flatten(scene: &Scene, size: (u32, u32)) -> Result<Flat> {
         let index = flat.add_primitive(primitive, scene, &space, order as u32, &mut bounds);
         codes.push(PRIMITIVE_BIT | (primitive.shape.kind() as u32) << PRIMITIVE_KIND_SHIFT | index as u32);
     }
-    let bvh = bvh::build(&bounds, &codes);
+    let bvh = bvh::build(&bounds, &codes, bvh::Quality::default());
     flat.settings.root = bvh.root;
     flat.nodes = bvh.nodes;
     flat.features.stack_size = bvh.stack_size.max(1);

@@ -65,8 +65,17 @@ pub struct Bvh {
     pub stack_size: u32,
 }
 
+/// How much time a build may take for how fast a walk. It changes no image.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Quality {
+    Fast,
+    #[default]
+    Medium,
+    Best,
+}
+
 /// Builds the hierarchy over boxes; `codes[i]` is the primitive code of box i.
-pub fn build(bounds: &[Bounds], codes: &[u32]) -> Bvh {
+pub fn build(bounds: &[Bounds], codes: &[u32], quality: Quality) -> Bvh {
     if bounds.is_empty() {
         return Bvh { nodes: Vec::new(), root: HIT_NOTHING, stack_size: 0 };
     }
@@ -76,12 +85,22 @@ pub fn build(bounds: &[Bounds], codes: &[u32]) -> Bvh {
     let sets: Vec<&[u32]> = order.chunk_by(|&a, &b| bounds[a as usize] == bounds[b as usize]).collect();
     let boxes: Vec<Bounds> = sets.iter().map(|set| bounds[set[0] as usize]).collect();
 
-    let params = BvhBuildParams { max_prims_per_leaf: 1, ..BvhBuildParams::medium_build() };
+    let params = BvhBuildParams { max_prims_per_leaf: 1, ..quality.params() };
     let tree = build_bvh2(&boxes, params, &mut Duration::default());
     let all: Vec<u32> = tree.primitive_indices.iter().flat_map(|&set| sets[set as usize]).copied().collect();
     let boxes = Boxes { tree: &tree, sets: &sets, bounds, codes };
     let root = if tree.depth(0) <= DEEPEST { Place::Node(0) } else { Place::Set(&all) };
     wide::gather(root, |place| boxes.below(place))
+}
+
+impl Quality {
+    fn params(self) -> BvhBuildParams {
+        match self {
+            Quality::Fast => BvhBuildParams::fast_build(),
+            Quality::Medium => BvhBuildParams::medium_build(),
+            Quality::Best => BvhBuildParams::slow_build(),
+        }
+    }
 }
 
 /// A place in the binary tree over all boxes: a node of the tree that was built, or some boxes of which a balanced tree is

@@ -81,6 +81,7 @@ pub fn parse(mut text: String, path: &Path) -> Result<Scene> {
         objects: file.objects,
         render: file.render,
         bitmaps: BTreeMap::new(),
+        meshes: BTreeMap::new(),
         source,
     };
     validate::validate(&scene)?;

@@ -6,6 +6,7 @@
 mod bitmap;
 mod explain;
 mod load;
+mod mesh;
 mod nearest;
 mod source;
 mod spans;
@@ -19,6 +20,7 @@ use std::path::Path;
 use crate::error::{Error, Location, Result};
 use source::{Place, Source};
 
+pub use mesh::Mesh;
 pub use spans::Step;
 pub use types::*;
 
@@ -34,6 +36,8 @@ pub struct Scene {
     pub render: RenderDefaults,
     /// The decoded images, by their path as the scene file writes it.
     pub bitmaps: BTreeMap<String, Bitmap>,
+    /// The meshes, by their path as the scene file writes it.
+    pub meshes: BTreeMap<String, Mesh>,
     source: Source,
 }
 
