@@ -5,7 +5,7 @@ use std::path::Path;
 #[path = "common/device.rs"]
 mod device;
 
-use gpu_rt::bvh::{self, Bounds};
+use gpu_rt::bvh::{self, Bounds, Quality};
 use gpu_rt::data::HIT_NOTHING;
 use gpu_rt::film::Film;
 use gpu_rt::flatten::flatten;
@@ -69,7 +69,7 @@ fn every_primitive_is_in_the_tree_once() {
     ];
     for (name, boxes) in many {
         let codes: Vec<u32> = (0..boxes.len() as u32).map(|i| gpu_rt::data::PRIMITIVE_BIT | i).collect();
-        let tree = bvh::build(&boxes, &codes);
+        let tree = bvh::build(&boxes, &codes, Quality::default());
         let mut found = vec![0; boxes.len()];
         let mut open = vec![tree.root];
         let mut deepest = 0;
@@ -86,5 +86,5 @@ fn every_primitive_is_in_the_tree_once() {
         assert!(tree.stack_size <= 3 * 64, "{name}: a stack of {}", tree.stack_size);
         assert!(deepest <= tree.stack_size as usize + 1, "{name}: {deepest} waiting, {} reserved", tree.stack_size);
     }
-    assert_eq!(bvh::build(&[], &[]).root, HIT_NOTHING);
+    assert_eq!(bvh::build(&[], &[], Quality::default()).root, HIT_NOTHING);
 }

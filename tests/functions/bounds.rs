@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
-use gpu_rt::bvh::{self, Bounds};
+use gpu_rt::bvh::{self, Bounds, Quality};
 use gpu_rt::data::{Node, PRIMITIVE_BIT};
 
 use crate::kernel::{Kernel, Setup, array};
@@ -55,7 +55,7 @@ impl Nodes {
                 })
                 .collect();
             let codes: Vec<u32> = (0..boxes.len() as u32).map(|i| PRIMITIVE_BIT | i).collect();
-            let built = bvh::build(&boxes, &codes);
+            let built = bvh::build(&boxes, &codes, Quality::default());
             assert_eq!(built.nodes.len(), 1, "up to four boxes make one node");
             let node = built.nodes[0];
             all.boxes.push(node.children.map(|code| boxes.get((code & !PRIMITIVE_BIT) as usize).copied()));
