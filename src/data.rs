@@ -9,6 +9,13 @@ pub const PRIMITIVE_BIT: u32 = 0x8000_0000;
 pub const PRIMITIVE_KIND_SHIFT: u32 = 28;
 /// The most primitives of one kind.
 pub const MAX_PRIMITIVES: usize = 1 << PRIMITIVE_KIND_SHIFT;
+/// The kinds of codes that have to do with meshes: a face, and a mesh placed in the scene.
+pub const KIND_TRIANGLE: u32 = 3;
+pub const KIND_INSTANCE: u32 = 4;
+/// `Instance::to_uvs` of a mesh without texture coordinates.
+pub const NO_UVS: u32 = 0xffff_ffff;
+/// The normal of a vertex of a flat-shaded mesh.
+pub const NO_NORMAL: u32 = 0x8000_8000;
 /// The code of no primitive: a ray that leaves the scene; the root of a scene without objects.
 pub const HIT_NOTHING: u32 = 0xffff_ffff;
 /// The code of a slot without a run.
@@ -127,6 +134,36 @@ device_struct!(
         frame: u32,
         y_axis: [f32; 3],
         error: f32,
+    }
+);
+
+device_struct!(
+    /// A mesh placed in render space.
+    Instance {
+        x_axis: [f32; 3],
+        order: u32,
+        y_axis: [f32; 3],
+        material: u32,
+        place: [f32; 3],
+        frame: u32,
+        scale: f32,
+        inverse_scale: f32,
+        root: u32,
+        to_uvs: u32,
+    }
+);
+
+device_struct!(
+    /// A participating medium, in render space.
+    Medium {
+        center: [f32; 3],
+        density: f32,
+        colour: [f32; 3],
+        texture: u32,
+        boundary: u32,
+        frame: u32,
+        anisotropy: f32,
+        one_minus_anisotropy: f32,
     }
 );
 

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use crate::data::{self, PATH_PLANES, QUEUE_HEADER, RUN_LENGTH};
 use crate::error::Result;
 use crate::film::RunRecord;
-use crate::flatten::{Features, Flat, MATERIALS, PRIMITIVES, TEXTURES};
+use crate::flatten::{BOUNDARIES, Features, Flat, MATERIALS, PRIMITIVES, TEXTURES};
 use crate::gpu::buffers::BufferSpec;
 use crate::gpu::layout::{self, Binding};
 use crate::gpu::link::{Choices, Embedded, Entry, Linked, link};
@@ -59,7 +59,7 @@ impl Tables {
 }
 
 /// The scene's tables: name, contents, bytes of an element, purpose.
-fn tables(flat: &Flat) -> [(&'static str, Cow<'_, [u8]>, u64, &'static str); 7] {
+fn tables(flat: &Flat) -> [(&'static str, Cow<'_, [u8]>, u64, &'static str); 9] {
     fn table<'a, T: bytemuck::Pod>(
         name: &'static str,
         items: &'a [T],
@@ -72,6 +72,8 @@ fn tables(flat: &Flat) -> [(&'static str, Cow<'_, [u8]>, u64, &'static str); 7] 
         table("spheres", &flat.spheres, "spheres"),
         table("quads", &flat.quads, "quads"),
         table("cuboids", &flat.cuboids, "boxes"),
+        table("instances", &flat.instances, "where meshes stand"),
+        table("media", &flat.media, "participating media"),
         table("materials", &flat.materials, "materials"),
         table("textures", &flat.textures, "textures"),
         table("frames", &flat.frames, "where textured objects stand in their textures"),
@@ -111,6 +113,8 @@ pub enum Bounce {
 #[derive(Debug)]
 pub struct Staged {
     pub intersect: Kernel,
+    /// Media on the way to what a ray met; absent where there are none.
+    pub medium: Option<Kernel>,
     /// Sizes the scatter dispatches; absent where one linked kernel serves all slots.
     pub dispatch: Option<Kernel>,
     /// One linked kernel, or one for each queue in the queues' order; none where there is nothing to hit.
@@ -136,15 +140,24 @@ impl Plan {
         let choices = choices(features, &materials, queues, tables);
         let always = "every render";
         let geometry = asked(PRIMITIVES, &features.primitives);
+        let media = asked(&boundary_names(), &features.boundaries);
         let all_materials = asked(MATERIALS, &features.materials);
+        let reasons = [&geometry, &all_materials, &media];
+        let all_reasons = reasons.into_iter().filter(|why| !why.is_empty()).cloned().collect::<Vec<_>>().join("; ");
         let bounce = if scatter == Scatter::Fused && !empty {
-            Bounce::Fused(Box::new(kernel("bounce", "bounce", &choices, &format!("{geometry}; {all_materials}"))?))
+            Bounce::Fused(Box::new(kernel("bounce", "bounce", &choices, &all_reasons)?))
         } else {
             let if_any = |wanted: bool, name: &str, stage, why: &str| {
                 wanted.then(|| kernel(name, stage, &choices, why)).transpose()
             };
+            // Slots are sorted when it is known what becomes of their rays: after the media, where there are any.
+            let mut intersect = choices.clone();
+            if features.media > 0 {
+                intersect.modules.insert("sort", "slots/no_sort");
+            }
             Bounce::Staged(Box::new(Staged {
-                intersect: kernel("intersect", "intersect", &choices, if empty { always } else { &geometry })?,
+                intersect: kernel("intersect", "intersect", &intersect, if empty { always } else { &geometry })?,
+                medium: if_any(features.media > 0, "medium", "medium", &media)?,
                 dispatch: if_any(queues, "dispatch", "dispatch", "a queue for each material")?,
                 scatter: match queues {
                     true => queued_scatters(features, &materials, &choices)?,
@@ -162,8 +175,8 @@ impl Plan {
         match &self.bounce {
             Bounce::Fused(kernel) => all.push(kernel),
             Bounce::Staged(staged) => {
-                let Staged { intersect, dispatch, scatter, refill } = &**staged;
-                all.extend(std::iter::once(intersect).chain(dispatch).chain(scatter));
+                let Staged { intersect, medium, dispatch, scatter, refill } = &**staged;
+                all.extend(std::iter::once(intersect).chain(medium).chain(dispatch).chain(scatter));
                 all.push(refill);
             }
         }
@@ -194,6 +207,7 @@ impl Plan {
             BufferSpec::working("records", records, "finished runs on their way to the film"),
             BufferSpec::working("paths", slots * u64::from(PATH_PLANES) * 16, "the state of the paths in flight"),
             BufferSpec::scene("texels", bytes(&flat.texels), "images"),
+            BufferSpec::scene("meshes", bytes(&flat.meshes), "faces and vertices of meshes"),
             BufferSpec::working("queues", (u64::from(QUEUE_HEADER) + queues * slots) * 4, "a queue for each material"),
             BufferSpec::indirect("queue_args", queues * 16, "sizes of the queues' dispatches"),
         ];
@@ -211,17 +225,26 @@ fn bytes<T: bytemuck::Pod>(items: &[T]) -> Cow<'_, [u8]> {
     Cow::Borrowed(bytemuck::cast_slice(items))
 }
 
-/// The entries of a list of kinds that the scene uses.
-fn entries<const N: usize>(names: &[&str], used: &[Option<String>; N]) -> Vec<Entry> {
-    (0..)
-        .zip(names.iter().zip(used))
-        .filter(|(_, (_, used))| used.is_some())
-        .map(|(number, (name, _))| Entry { name: name.to_string(), number })
-        .collect()
+/// The entries of a list of kinds that the scene uses; the last one closes a switch over them.
+fn entries(names: &[&str], used: &[Option<String>]) -> Vec<Entry> {
+    closed((0..).zip(names).zip(used).filter(|(_, used)| used.is_some()).map(|((number, name), _)| (*name, number)))
+}
+
+fn closed<'a>(kinds: impl Iterator<Item = (&'a str, u32)>) -> Vec<Entry> {
+    let mut entries: Vec<_> =
+        kinds.map(|(name, number)| Entry { name: name.to_string(), number, closes: false }).collect();
+    if let Some(last) = entries.last_mut() {
+        last.closes = true;
+    }
+    entries
+}
+
+fn boundary_names() -> Vec<&'static str> {
+    BOUNDARIES.iter().map(|(name, _)| *name).collect()
 }
 
 /// "sphere (objects.ron:3:9), quad (…)"
-fn asked<const N: usize>(names: &[&str], used: &[Option<String>; N]) -> String {
+fn asked(names: &[&str], used: &[Option<String>]) -> String {
     let each = names.iter().zip(used).filter_map(|(name, used)| Some(format!("{name} ({})", used.as_ref()?)));
     each.collect::<Vec<_>>().join(", ")
 }
@@ -240,18 +263,30 @@ fn choices(features: &Features, materials: &[Entry], queues: bool, tables: &Tabl
     };
     let image_texture = textures.iter().any(|texture| texture.name == "image");
     let pick = |condition, yes, no| if condition { yes } else { no };
+    // The faces of meshes are tested, told apart and shaded beside the other primitives; `mesh` is a list of its own, so that
+    // what meshes alone need stands in the same files.
+    let mut primitives = entries(PRIMITIVES, &features.primitives);
+    let meshes = primitives.iter().position(|entry| entry.number == data::KIND_TRIANGLE);
+    let meshes: Vec<Entry> = meshes.map(|at| primitives.remove(at)).into_iter().collect();
+    let boundaries = BOUNDARIES.iter().zip(&features.boundaries).filter(|(_, used)| used.is_some());
+    let media = features.media > 0;
     Choices {
         modules: BTreeMap::from([
             ("background", background),
             ("camera", pick(features.thin_lens, "camera/thin_lens", "camera/pinhole")),
             ("colour", pick(textures.is_empty(), "scene/plain_colour", "scene/textured_colour")),
             ("uv", pick(image_texture, "scene/uv", "scene/no_uv")),
+            ("shading", pick(features.smooth.is_some(), "scene/smooth_shading", "scene/flat_shading")),
+            ("media", pick(media, "step/media", "step/no_media")),
+            ("medium_albedo", pick(features.textured_media, "scene/textured_medium", "scene/plain_medium")),
             ("walk", pick(materials.is_empty(), "scene/nothing", "scene/traverse")),
             ("sort", pick(queues, "slots/sort_by_material", "slots/no_sort")),
             ("turn", pick(queues, "slots/queue_turn", "slots/every_turn")),
         ]),
         lists: BTreeMap::from([
-            ("primitive", entries(PRIMITIVES, &features.primitives)),
+            ("primitive", primitives),
+            ("mesh", meshes),
+            ("boundary", closed(boundaries.map(|(boundary, _)| *boundary))),
             ("material", materials.to_vec()),
             ("texture", textures),
         ]),
@@ -260,6 +295,9 @@ fn choices(features: &Features, materials: &[Entry], queues: bool, tables: &Tabl
             .flat_map(|names| table_values(names, tables))
             .chain([
                 ("stack_size", (features.stack_size + 1).to_string()),
+                // A walk that looks at all children has one more waiting at each level.
+                ("boundary_stack_size", (features.boundary_stack_size + 2).to_string()),
+                ("media", features.media.to_string()),
                 ("run_length", RUN_LENGTH.to_string()),
                 ("queues", materials.len().to_string()),
             ])
@@ -268,11 +306,13 @@ fn choices(features: &Features, materials: &[Entry], queues: bool, tables: &Tabl
 }
 
 /// The tables by name, and the names of the values that say how each is bound.
-const TABLES: [(&str, &str, &str); 7] = [
+const TABLES: [(&str, &str, &str); 9] = [
     ("nodes", "space_of_nodes", "size_of_nodes"),
     ("spheres", "space_of_spheres", "size_of_spheres"),
     ("quads", "space_of_quads", "size_of_quads"),
     ("cuboids", "space_of_cuboids", "size_of_cuboids"),
+    ("instances", "space_of_instances", "size_of_instances"),
+    ("media", "space_of_media", "size_of_media"),
     ("materials", "space_of_materials", "size_of_materials"),
     ("textures", "space_of_textures", "size_of_textures"),
     ("frames", "space_of_frames", "size_of_frames"),
@@ -295,7 +335,7 @@ fn queued_scatters(features: &Features, materials: &[Entry], choices: &Choices) 
         .zip(materials)
         .map(|(queue, material)| {
             let mut own = choices.clone();
-            own.lists.insert("material", vec![material.clone()]);
+            own.lists.insert("material", vec![Entry { closes: true, ..material.clone() }]);
             own.values.insert("queue", i32::to_string(&queue));
             let why = features.materials[material.number as usize].clone().unwrap_or_default();
             kernel(&format!("scatter_{}", material.name), "scatter", &own, &why)

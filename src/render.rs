@@ -131,8 +131,8 @@ impl BouncePipelines {
     fn pipelines(&self) -> impl Iterator<Item = &Pipeline> {
         let (stages, last) = match self {
             BouncePipelines::Fused(bounce) => (None, bounce),
-            BouncePipelines::Staged { intersect, dispatch, scatter, refill } => {
-                (Some(std::iter::once(intersect).chain(dispatch).chain(scatter)), refill)
+            BouncePipelines::Staged { intersect, medium, dispatch, scatter, refill } => {
+                (Some(std::iter::once(intersect).chain(medium).chain(dispatch).chain(scatter)), refill)
             }
         };
         stages.into_iter().flatten().chain(std::iter::once(last))
@@ -150,7 +150,7 @@ struct Stretch<'a> {
 /// The pipelines of a plan's `Bounce`.
 enum BouncePipelines {
     Fused(Pipeline),
-    Staged { intersect: Pipeline, dispatch: Option<Pipeline>, scatter: Vec<Pipeline>, refill: Pipeline },
+    Staged { intersect: Pipeline, medium: Option<Pipeline>, dispatch: Option<Pipeline>, scatter: Vec<Pipeline>, refill: Pipeline },
 }
 
 impl<'a> Renderer<'a> {
@@ -189,6 +189,7 @@ impl<'a> Renderer<'a> {
             Bounce::Fused(kernel) => BouncePipelines::Fused(pipeline(kernel)?),
             Bounce::Staged(staged) => BouncePipelines::Staged {
                 intersect: pipeline(&staged.intersect)?,
+                medium: staged.medium.as_ref().map(pipeline).transpose()?,
                 dispatch: staged.dispatch.as_ref().map(pipeline).transpose()?,
                 scatter: staged.scatter.iter().map(pipeline).collect::<Result<_>>()?,
                 refill: pipeline(&staged.refill)?,
@@ -366,9 +367,10 @@ impl<'a> Renderer<'a> {
         }
         match &self.bounce {
             BouncePipelines::Fused(bounce) => stages.push(Stage::all(bounce, groups)),
-            BouncePipelines::Staged { intersect, dispatch, scatter, refill } => {
+            BouncePipelines::Staged { intersect, medium, dispatch, scatter, refill } => {
                 for _ in 0..bounces {
                     stages.push(Stage::all(intersect, groups));
+                    stages.extend(medium.iter().map(|medium| Stage::all(medium, groups)));
                     match dispatch {
                         None => stages.extend(scatter.iter().map(|kernel| Stage::all(kernel, groups))),
                         Some(dispatch) => {

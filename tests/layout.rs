@@ -19,14 +19,20 @@ fn modules() -> Vec<naga::Module> {
         primitives: Default::default(),
         materials: Default::default(),
         textures: Default::default(),
+        boundaries: Default::default(),
+        textured_media: true,
+        media: 3,
         background: "image",
         thin_lens: true,
         stack_size: 8,
+        boundary_stack_size: 8,
+        smooth: Some("a test".to_string()),
     };
     let features = Features {
         primitives: features.primitives.map(on),
         materials: features.materials.map(on),
         textures: features.textures.map(on),
+        boundaries: features.boundaries.map(on),
         ..features
     };
     [Scatter::Fused, Scatter::Linked, Scatter::Queues]
@@ -78,7 +84,7 @@ fn host_structs() -> BTreeMap<&'static str, (Fields, usize)> {
             ),)*])
         };
     }
-    structs!(Settings Window Counters Node Sphere Quad Cuboid Material Texture Frame)
+    structs!(Settings Window Counters Node Sphere Quad Cuboid Instance Medium Material Texture Frame)
 }
 
 /// Names that src/data.rs declares behind a word, so that none can be added there and forgotten here.
@@ -176,6 +182,10 @@ fn every_constant_of_the_host_is_that_of_the_shaders() {
         ("HIT_NOTHING", data::HIT_NOTHING),
         ("SLOT_IDLE", data::SLOT_IDLE),
         ("NO_TEXTURE", data::NO_TEXTURE),
+        ("NO_NORMAL", data::NO_NORMAL),
+        ("NO_UVS", data::NO_UVS),
+        ("KIND_TRIANGLE", data::KIND_TRIANGLE),
+        ("KIND_INSTANCE", data::KIND_INSTANCE),
         ("RUN_LENGTH", data::RUN_LENGTH),
         ("QUEUE_HEADER", data::QUEUE_HEADER),
     ]);
@@ -193,7 +203,9 @@ fn every_constant_of_the_host_is_that_of_the_shaders() {
     assert!(data::QUEUE_HEADER as usize >= MATERIALS.len());
     // No primitive's code is a status: the kinds stop short of the last one.
     let first = constant(&modules, "FIRST_STATUS").expect("it is in data/primitive");
-    let kinds = gpu_rt::flatten::PRIMITIVES.len() as u32;
+    let kinds = gpu_rt::flatten::PRIMITIVES.len() as u32 + 1;
+    assert_eq!(gpu_rt::flatten::PRIMITIVES[data::KIND_TRIANGLE as usize], "triangle");
+    assert_eq!(data::KIND_INSTANCE, kinds - 1);
     assert!(data::PRIMITIVE_BIT | (kinds << data::PRIMITIVE_KIND_SHIFT) <= first);
     assert!([data::HIT_NOTHING, data::SLOT_IDLE].iter().all(|status| *status >= first));
 

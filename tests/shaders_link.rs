@@ -3,13 +3,19 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use gpu_rt::flatten::{Features, MATERIALS, PRIMITIVES, TEXTURES};
+use gpu_rt::data::KIND_TRIANGLE;
+use gpu_rt::flatten::{BOUNDARIES, Features, MATERIALS, PRIMITIVES, TEXTURES};
 use gpu_rt::gpu::layout::BindingKind;
 use gpu_rt::gpu::link::{Choices, Embedded, Entry, Library, Linked, link};
 use gpu_rt::plan::{Plan, Scatter};
 
 const SCATTERS: [Scatter; 3] = [Scatter::Fused, Scatter::Linked, Scatter::Queues];
 const BACKGROUNDS: [&str; 3] = ["solid", "gradient", "image"];
+
+/// Each kind whose bit is on.
+fn on<const N: usize>(bits: usize) -> [Option<String>; N] {
+    std::array::from_fn(|i| (bits >> i & 1 == 1).then(|| "a test".to_string()))
+}
 
 /// Features by the bits of the kinds that are on.
 fn features(
@@ -19,9 +25,6 @@ fn features(
     background: &'static str,
     thin_lens: bool,
 ) -> Features {
-    fn on<const N: usize>(bits: usize) -> [Option<String>; N] {
-        std::array::from_fn(|i| (bits >> i & 1 == 1).then(|| "a test".to_string()))
-    }
     Features {
         primitives: on(primitives),
         materials: on(materials),
@@ -29,15 +32,28 @@ fn features(
         background,
         thin_lens,
         stack_size: 8,
+        ..Features::default()
     }
 }
 
-fn all(names: &[&str]) -> usize {
+/// The same with media in such boundaries.
+fn with_media(features: Features, boundaries: usize, textured_media: bool) -> Features {
+    let count = boundaries.count_ones() + 1;
+    Features { boundaries: on(boundaries), textured_media, media: count, boundary_stack_size: 8, ..features }
+}
+
+/// The same with smooth meshes.
+fn smooth(features: Features) -> Features {
+    Features { smooth: Some("a test".to_string()), ..features }
+}
+
+fn all<T>(names: &[T]) -> usize {
     (1 << names.len()) - 1
 }
 
 fn everything() -> Features {
-    features(all(PRIMITIVES), all(MATERIALS), all(TEXTURES), "image", true)
+    let surfaces = features(all(PRIMITIVES), all(MATERIALS), all(TEXTURES), "image", true);
+    with_media(smooth(surfaces), all(BOUNDARIES), true)
 }
 
 /// Every set of primitives, of materials and of textures, every background and lens, each beside the least of the others;
@@ -57,6 +73,17 @@ fn combinations() -> Vec<Features> {
             found.push(features(1 << primitive, 1, 1 << texture, "image", false));
         }
     }
+    // Media in every set of boundaries, without anything else to hit, and beside each primitive.
+    for boundaries in 1..=all(BOUNDARIES) {
+        found.push(with_media(features(0, 0, 0, "solid", false), boundaries, false));
+        found.extend((0..PRIMITIVES.len()).map(|i| with_media(features(1 << i, 3, 0, "solid", false), boundaries, false)));
+    }
+    found.extend((0..TEXTURES.len()).map(|i| with_media(features(0, 0, 1 << i, "solid", false), 1, true)));
+    for set in 0..=primitives {
+        if set >> KIND_TRIANGLE & 1 == 1 {
+            found.push(smooth(features(set, materials, 0, "solid", false)));
+        }
+    }
     found
 }
 
@@ -73,12 +100,21 @@ fn every_combination_of_features_links_and_validates() {
                     let off = names.iter().zip(used).filter(|(_, used)| used.is_none());
                     off.map(|(name, _)| format!("{folder}/{name}")).collect::<Vec<_>>()
                 };
+                let bounds = |kind: &str| {
+                    // A closed mesh is made of triangles.
+                    let of_mesh = kind == "triangle";
+                    let names = BOUNDARIES.iter().zip(&features.boundaries);
+                    names.into_iter().any(|((name, _), used)| used.is_some() && (*name == kind || of_mesh && *name == "mesh"))
+                };
                 let lacking = [
                     unused(PRIMITIVES, &features.primitives, "geometry"),
                     unused(MATERIALS, &features.materials, "material"),
                     unused(TEXTURES, &features.textures, "texture"),
                 ];
                 for module in lacking.concat() {
+                    if module.strip_prefix("geometry/").is_some_and(bounds) {
+                        continue;
+                    }
                     assert!(
                         !kernel.linked.modules.contains(&module),
                         "{}: {module} is linked: {features:?}",
@@ -108,7 +144,7 @@ fn every_file_under_shaders_is_used_by_some_plan() {
 
 /// Storage buffers that a kernel with everything on may bind, all tables in storage bindings. WebGPU promises 8, and so does
 /// the design; the queued and the fused kernels are over it, which is kept from growing here.
-const MOST_STORAGE_BUFFERS: [(Scatter, usize); 3] = [(Scatter::Linked, 8), (Scatter::Queues, 10), (Scatter::Fused, 11)];
+const MOST_STORAGE_BUFFERS: [(Scatter, usize); 3] = [(Scatter::Linked, 10), (Scatter::Queues, 12), (Scatter::Fused, 14)];
 
 #[test]
 fn no_kernel_binds_too_many_storage_buffers() {
@@ -126,14 +162,15 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("lib", &["lib"]),
     ("data", &["data", "lib"]),
     ("geometry", &["data", "geometry", "lib"]),
+    ("medium", &["data", "geometry", "lib", "medium"]),
     ("material", &["data", "geometry", "lib"]),
     ("bind", &["data"]),
     ("texture", &["data", "lib", "scene/texel"]),
     ("camera", &["bind", "camera", "data", "lib"]),
     ("background", &["bind", "data", "lib", "scene/texel"]),
-    ("scene", &["bind", "data", "geometry", "lib", "material", "scene", "texture"]),
+    ("scene", &["bind", "data", "geometry", "lib", "material", "medium", "scene", "texture"]),
     ("slots", &["bind", "data", "lib", "scene", "slots"]),
-    ("step", &["background", "bind", "camera", "data", "geometry", "lib", "scene", "step"]),
+    ("step", &["background", "bind", "camera", "data", "geometry", "lib", "medium", "scene", "step"]),
     (
         "stage",
         &["background", "bind", "camera", "data", "geometry", "lib", "material", "scene", "slots", "step", "texture"],
@@ -146,6 +183,9 @@ const CHOICES: &[(&str, &str)] = &[
     ("camera", "camera"),
     ("colour", "scene"),
     ("uv", "scene"),
+    ("shading", "scene"),
+    ("media", "step"),
+    ("medium_albedo", "scene"),
     ("walk", "scene"),
     ("sort", "slots"),
     ("turn", "slots"),
@@ -230,7 +270,10 @@ fn linked(modules: &[(&'static str, &'static str)]) -> Result<Linked, String> {
         modules: BTreeMap::from([("known", "lib/rng")]),
         lists: BTreeMap::from([(
             "animal",
-            vec![Entry { name: "cat".to_string(), number: 3 }, Entry { name: "dog".to_string(), number: 5 }],
+            vec![
+                Entry { name: "cat".to_string(), number: 3, closes: false },
+                Entry { name: "dog".to_string(), number: 5, closes: true },
+            ],
         )]),
         values: BTreeMap::from([("size", "7".to_string())]),
     };

@@ -7,6 +7,7 @@ const DIMENSION_BLOCKS_PER_EVENT: u32 = 4u;
 
 // The blocks of one scattering event, in this order: direction, light, medium, roulette.
 const DIMENSION_SCATTER: u32 = 0u;
+const DIMENSION_MEDIUM: u32 = 2u;
 
 fn event_dimension(event: u32, block: u32) -> u32 {
     return DIMENSION_FIRST_EVENT + event * DIMENSION_BLOCKS_PER_EVENT + block;

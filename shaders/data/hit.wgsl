@@ -7,7 +7,7 @@ struct Surface {
     normal: vec3<f32>,
     material: u32,
     // The place in the primitive's own coordinates: a sphere's normal, a quad's (a, b, 0), in a cuboid 0..1 along each
-    // axis from its low corner.
+    // axis from its low corner, the weights of a triangle's vertices.
     local: vec3<f32>,
     // Index of the frame that maps `local` to the object's space for textures.
     frame: u32,
@@ -24,6 +24,8 @@ struct SurfaceUv {
 // What a ray meets first.
 struct Hit {
     code: u32,
+    // The mesh that a triangle is part of.
+    instance: u32,
     t: f32,
     // Nodes and primitives looked at.
     steps: u32,

@@ -8,12 +8,12 @@ struct Path {
     status: u32,
     // The share of the light met next that reaches the camera; of an ended path its radiance.
     throughput: vec3<f32>,
+    // With a triangle's code: the instance that it is part of.
+    instance: u32,
     // Scattering events so far.
     events: u32,
     pixel: u32,
     sample: u32,
-    // One past the run's last sample.
-    end: u32,
     // As in RunRecord.
     counts: u32,
     // Radiance of the run's samples so far, and their rays.

@@ -5,6 +5,10 @@ const PRIMITIVE_BIT: u32 = 0x80000000u;
 const PRIMITIVE_KIND_SHIFT: u32 = 28u;
 const PRIMITIVE_INDEX_MASK: u32 = 0x0fffffffu;
 
+// A face of a mesh; and a mesh placed in the scene, below which the walk goes on in the mesh's own space.
+const KIND_TRIANGLE: u32 = 3u;
+const KIND_INSTANCE: u32 = 4u;
+
 // The ray left the scene.
 const HIT_NOTHING: u32 = 0xffffffffu;
 // The path ended; its radiance stands where its throughput stood.
@@ -80,3 +84,27 @@ struct Cuboid {
     // Bound of the error of a point on the cuboid, in render space.
     error: f32,
 }
+
+// A mesh placed in render space: turned, scaled and moved there from its own space, in which its box stands about the
+// origin with an extent near 1.
+struct Instance {
+    // The mesh's x and y in render space; its z is x × y.
+    x_axis: vec3<f32>,
+    order: u32,
+    y_axis: vec3<f32>,
+    material: u32,
+    // Where the mesh's origin stands.
+    place: vec3<f32>,
+    frame: u32,
+    scale: f32,
+    inverse_scale: f32,
+    // Code of the mesh's root (data/primitive).
+    root: u32,
+    // From a vertex to its texture coordinates in `meshes`, or NO_UVS.
+    to_uvs: u32,
+}
+
+const NO_INSTANCE: u32 = 0xffffffffu;
+const NO_UVS: u32 = 0xffffffffu;
+// What stands for the normal of a vertex of a flat-shaded mesh.
+const NO_NORMAL: u32 = 0x80008000u;

@@ -10,6 +10,11 @@ struct Window {
 
 const RUN_LENGTH: u32 = ${run_length}u;
 
+// One past the last sample of the run that a sample is part of.
+fn end_of_run(sample: u32, end_sample: u32) -> u32 {
+    return min((sample / RUN_LENGTH + 1u) * RUN_LENGTH, end_sample);
+}
+
 // What the device counts for the host. Reset by the host while nothing runs.
 struct Counters {
     // Next run of the window to be started.

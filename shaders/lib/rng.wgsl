@@ -20,7 +20,12 @@ fn unit_interval(bits: vec4<u32>) -> vec4<f32> {
     return vec4<f32>(bits >> vec4<u32>(8u)) * 0x1p-24f;
 }
 
+// Four words of random bits of the block `dimension` of a sample.
+fn random_words(pixel: u32, sample: u32, dimension: u32, seed: u32) -> vec4<u32> {
+    return pcg4d(vec4<u32>(pixel, sample, dimension, seed));
+}
+
 // Four independent uniforms of the block `dimension` of a sample.
 fn random4(pixel: u32, sample: u32, dimension: u32, seed: u32) -> vec4<f32> {
-    return unit_interval(pcg4d(vec4<u32>(pixel, sample, dimension, seed)));
+    return unit_interval(random_words(pixel, sample, dimension, seed));
 }

@@ -4,5 +4,5 @@
 //@ use lib/float
 // A scene without objects: every ray leaves it.
 fn nearest_hit(ray: Ray, root: u32) -> Hit {
-    return Hit(HIT_NOTHING, VERY_FAR, 1u);
+    return Hit(HIT_NOTHING, NO_INSTANCE, VERY_FAR, 1u);
 }

@@ -5,10 +5,15 @@
 //@ use geometry/${name}
 //@ use bind/${name}s
 //@ end
+//@ each mesh
+//@ use bind/instances
+//@ use scene/meshes
+//@ end
 // The scene's primitives by their codes, of just the kinds that the scene has.
 
-// Distance to the primitive in front of the ray's origin, or NO_HIT.
-fn primitive_distance(code: u32, ray: Ray) -> f32 {
+// Distance to the primitive in front of the ray's origin, or NO_HIT. For a triangle the ray is in its mesh's space, and
+// `inverse` are the guarded reciprocals of its direction (geometry/slab).
+fn primitive_distance(code: u32, ray: Ray, inverse: vec3<f32>) -> f32 {
     let index = primitive_index(code);
     switch primitive_kind(code) {
         //@ each primitive
@@ -16,11 +21,16 @@ fn primitive_distance(code: u32, ray: Ray) -> f32 {
             return ${name}_distance(ray, ${name}s[index]);
         }
         //@ end
+        //@ each mesh
+        ${case}: {
+            return face_hit(ray, inverse, index).t;
+        }
+        //@ end
     }
 }
 
-// Place among the scene's primitives.
-fn primitive_order(code: u32) -> u32 {
+// Place among the scene's primitives; of a triangle that of its instance.
+fn primitive_order(code: u32, instance: u32) -> u32 {
     let index = primitive_index(code);
     switch primitive_kind(code) {
         //@ each primitive
@@ -28,5 +38,23 @@ fn primitive_order(code: u32) -> u32 {
             return ${name}s[index].order;
         }
         //@ end
+        //@ each mesh
+        ${case}: {
+            return instances[instance].order;
+        }
+        //@ end
     }
+}
+
+// Whether a primitive comes before the one hit at the same distance: by their places in the scene, and within a mesh by
+// the faces' numbers in its file.
+fn comes_before(code: u32, instance: u32, hit: Hit) -> bool {
+    let order = primitive_order(code, instance);
+    let other = primitive_order(hit.code, hit.instance);
+    //@ each mesh
+    if order == other {
+        return face_number(primitive_index(code)) < face_number(primitive_index(hit.code));
+    }
+    //@ end
+    return order < other;
 }

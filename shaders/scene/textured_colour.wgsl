@@ -1,28 +1,24 @@
 //@ use data/hit
 //@ use data/material
-//@ use data/texture
-//@ use bind/textures
-//@ use bind/frames
+//@ use data/primitive
+//@ use scene/textures
 //@ use choice/uv
-//@ each texture
-//@ use texture/${name}
+//@ each mesh
+//@ use scene/meshes
 //@ end
 // The colour of a surface: the material's own, or that of its texture at the point in the object's space.
-fn surface_colour(material: Material, code: u32, surface: Surface) -> vec3<f32> {
+fn surface_colour(material: Material, code: u32, instance: u32, surface: Surface) -> vec3<f32> {
     if material.texture == NO_TEXTURE {
         return material.colour;
     }
     let frame = frames[surface.frame];
-    let offset = along_frame(frame, surface.local);
-    let point = frame.origin + offset;
-    let uv = surface_uv(code, point, surface.local);
-    let place = TexturePoint(point, offset.z, frame.phase, uv.uv, uv.wraps);
-    let texture = textures[material.texture];
-    switch texture.kind {
-        //@ each texture
-        ${case}: {
-            return ${name}_colour(texture, place);
-        }
-        //@ end
+    var local = surface.local;
+    //@ each mesh
+    if primitive_kind(code) == KIND_TRIANGLE {
+        local = mesh_point(primitive_index(code), local);
     }
+    //@ end
+    let offset = along_frame(frame, local);
+    let uv = surface_uv(code, instance, frame.origin + offset, surface.local);
+    return texture_colour(material.texture, frame, offset, uv);
 }

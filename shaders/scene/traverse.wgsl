@@ -4,6 +4,9 @@
 //@ use bind/nodes
 //@ use geometry/bounds
 //@ use scene/primitives
+//@ each mesh
+//@ use geometry/instance
+//@ end
 //@ use lib/float
 // The nearest primitive along a ray.
 
@@ -18,11 +21,18 @@ const MOST_STEPS_OF_WALK: u32 = 48000u;
 // Nearest hit with t > 0. There is no least distance: rays start off the surfaces that they leave. Of two hits at one
 // distance the primitive that comes first in the scene wins, so that the order of the walk cannot show.
 fn nearest_hit(ray: Ray, root: u32) -> Hit {
-    var hit = Hit(HIT_NOTHING, VERY_FAR, 0u);
+    var hit = Hit(HIT_NOTHING, NO_INSTANCE, VERY_FAR, 0u);
     if root == HIT_NOTHING {
         return hit;
     }
-    let inverse = slab_inverse(ray.direction);
+    // The ray in the space of the nodes that are walked: the scene's, or that of the mesh that has been entered.
+    var here = ray;
+    var inverse = slab_inverse(ray.direction);
+    var instance = NO_INSTANCE;
+    //@ each mesh
+    // The stack's depth when the mesh was entered.
+    var entered_at = 0u;
+    //@ end
     // Children that wait: the node's index times four, and the child's number.
     var stack: array<u32, STACK_SIZE>;
     var depth = 0u;
@@ -35,15 +45,26 @@ fn nearest_hit(ray: Ray, root: u32) -> Hit {
         hit.steps += 1u;
         var next = CHILD_MISSED;
         if (code & PRIMITIVE_BIT) != 0u {
-            let t = primitive_distance(code, ray);
+            //@ each mesh
+            if primitive_kind(code) == KIND_INSTANCE {
+                instance = primitive_index(code);
+                entered_at = depth;
+                here = to_mesh(instances[instance], ray);
+                inverse = slab_inverse(here.direction);
+                code = instances[instance].root;
+                continue;
+            }
+            //@ end
+            let t = primitive_distance(code, here, inverse);
             if t != NO_HIT && t <= hit.t {
-                if t < hit.t || primitive_order(code) < primitive_order(hit.code) {
+                if t < hit.t || comes_before(code, instance, hit) {
                     hit.code = code;
+                    hit.instance = instance;
                     hit.t = t;
                 }
             }
         } else {
-            let keys = sort_keys(child_keys(nodes[code], ray.origin, inverse, hit.t));
+            let keys = sort_keys(child_keys(nodes[code], here.origin, inverse, hit.t));
             // The farther children wait. Each is stored whether it was met or not: only `depth` tells.
             stack[depth] = code * 4u + (keys.w & CHILD_MASK);
             depth += u32(keys.w != CHILD_MISSED);
@@ -54,6 +75,13 @@ fn nearest_hit(ray: Ray, root: u32) -> Hit {
             next = select(code * 4u + (keys.x & CHILD_MASK), CHILD_MISSED, keys.x == CHILD_MISSED);
         }
         if next == CHILD_MISSED {
+            //@ each mesh
+            if instance != NO_INSTANCE && depth == entered_at {
+                instance = NO_INSTANCE;
+                here = ray;
+                inverse = slab_inverse(ray.direction);
+            }
+            //@ end
             if depth == 0u {
                 break;
             }

@@ -16,11 +16,11 @@ fn queue_of(kind: u32) -> u32 {
     }
 }
 
-fn sort_slot(slot: u32, code: u32) {
+fn sort_slot(slot: u32, code: u32, instance: u32) {
     if code >= FIRST_STATUS {
         return;
     }
-    let queue = queue_of(materials[material_index(code)].kind);
+    let queue = queue_of(materials[material_index(code, instance)].kind);
     let turn = atomicAdd(&queues[queue], 1u);
     atomicStore(&queues[queue_place(queue, turn, settings.slots)], slot);
 }

@@ -6,7 +6,7 @@
 const PLANE_ORIGIN: u32 = 0u; // the ray's origin; t of its hit
 const PLANE_DIRECTION: u32 = 1u; // the ray's direction; status
 const PLANE_THROUGHPUT: u32 = 2u; // throughput; events
-const PLANE_SAMPLE: u32 = 3u; // pixel; sample; end; counts
+const PLANE_SAMPLE: u32 = 3u; // pixel; sample; instance of the hit; counts
 const PLANE_SUM: u32 = 4u; // sum; rays
 
 fn place(plane: u32, slot: u32) -> u32 {
@@ -45,6 +45,9 @@ fn store_ray(slot: u32, path: ptr<function, Path>) {
 fn store_hit(slot: u32, path: ptr<function, Path>) {
     paths[place(PLANE_ORIGIN, slot)].w = bitcast<u32>((*path).t);
     store_status(slot, (*path).status);
+    //@ each mesh
+    paths[place(PLANE_SAMPLE, slot)].z = (*path).instance;
+    //@ end
 }
 
 fn load_throughput(slot: u32, path: ptr<function, Path>) {
@@ -61,12 +64,12 @@ fn load_sample(slot: u32, path: ptr<function, Path>) {
     let word = paths[place(PLANE_SAMPLE, slot)];
     (*path).pixel = word.x;
     (*path).sample = word.y;
-    (*path).end = word.z;
+    (*path).instance = word.z;
     (*path).counts = word.w;
 }
 
 fn store_sample(slot: u32, path: ptr<function, Path>) {
-    paths[place(PLANE_SAMPLE, slot)] = vec4<u32>((*path).pixel, (*path).sample, (*path).end, (*path).counts);
+    paths[place(PLANE_SAMPLE, slot)] = vec4<u32>((*path).pixel, (*path).sample, (*path).instance, (*path).counts);
 }
 
 fn load_sum(slot: u32, path: ptr<function, Path>) {

@@ -1,14 +1,15 @@
 //@ use slots/state
 //@ use step/trace
+//@ use choice/media
 //@ use step/scatter
 //@ use step/refill
-// Intersect, scatter and refill linked into one kernel, several bounces a dispatch: where the state of a path costs more
+// Intersect, cross media, scatter and refill linked into one kernel, several bounces a dispatch: where the state of a path costs more
 // to store and load than its divergence does, as on software drivers.
 override WORKGROUP_SIZE: u32 = 64u;
 
-// Loop iterations after which an invocation leaves its bounces to the next dispatch: with the longest walk
-// (scene/traverse) still to come they stay below the 65,535 that Mesa 22.3 allows an invocation.
-const MOST_ITERATIONS: u32 = 16384u;
+// Loop iterations after which an invocation leaves its bounces to the next dispatch: with the longest walks
+// (scene/traverse, step/media) still to come they stay below the 65,535 that Mesa 22.3 allows an invocation.
+const MOST_ITERATIONS: u32 = 16384u - MOST_STEPS_OF_MEDIA;
 // The most that shading takes: seven octaves of noise over eight corners.
 const ITERATIONS_OF_SHADING: u32 = 64u;
 
@@ -23,6 +24,7 @@ fn bounce(@builtin(global_invocation_id) id: vec3<u32>) {
     var iterations = 0u;
     for (var i = 0u; i < window.bounces && iterations < MOST_ITERATIONS; i++) {
         iterations += trace(&path) + ITERATIONS_OF_SHADING;
+        iterations += cross_media(&path);
         if path.status < FIRST_STATUS {
             scatter_path(&path);
         }

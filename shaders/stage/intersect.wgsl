@@ -17,5 +17,5 @@ fn intersect(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     trace(&path);
     store_hit(slot, &path);
-    sort_slot(slot, path.status);
+    sort_slot(slot, path.status, path.instance);
 }

@@ -27,8 +27,9 @@ fn refill_path(path: ptr<function, Path>) {
         (*path).sum += radiance;
     }
     (*path).rays += (*path).events + 1u;
+    let end = end_of_run((*path).sample, settings.end_sample);
     (*path).sample += 1u;
-    if (*path).sample < (*path).end {
+    if (*path).sample < end {
         start_sample(path);
     } else {
         let at = atomicAdd(&counters.records, 1u);

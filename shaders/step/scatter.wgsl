@@ -3,21 +3,23 @@
 //@ use data/primitive
 //@ use bind/settings
 //@ use bind/materials
-//@ use geometry/offset
 //@ use lib/rng
 //@ use scene/materials
 //@ use scene/surfaces
 //@ use choice/colour
+//@ use choice/shading
 // Lets the material of the surface that the path's ray met decide how the path goes on.
 fn scatter_path(path: ptr<function, Path>) {
     let ray = (*path).ray;
     let code = (*path).status;
-    let surface = surface_at(code, ray, (*path).t);
+    let instance = (*path).instance;
+    let surface = surface_at(code, instance, ray, (*path).t);
     let material = materials[surface.material];
     let front = dot(ray.direction, surface.normal) < 0.0;
     let facing = select(-surface.normal, surface.normal, front);
-    let colour = surface_colour(material, code, surface);
-    let hit = Interaction(ray.direction, facing, front, colour);
+    let shading = shading_normal(code, instance, surface, ray.direction, facing);
+    let colour = surface_colour(material, code, instance, surface);
+    let hit = Interaction(ray.direction, shading, front, colour);
 
     let events = (*path).events;
     let u = random4((*path).pixel, (*path).sample, event_dimension(events, DIMENSION_SCATTER), settings.seed);
@@ -25,7 +27,7 @@ fn scatter_path(path: ptr<function, Path>) {
     let throughput = (*path).throughput * scattered.weight;
     let goes_on = scattered.event == SCATTERED && events < settings.max_depth && any(throughput != vec3<f32>(0.0));
     if goes_on {
-        let leaving = leave_surface(surface.point, surface.error, surface.normal, scattered.direction);
+        let leaving = leaving_point(code, instance, surface, facing, shading, scattered.direction);
         (*path).ray = Ray(leaving, scattered.direction);
         (*path).status = RAY_READY;
         (*path).throughput = throughput;

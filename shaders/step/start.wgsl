@@ -43,7 +43,6 @@ fn start_run(path: ptr<function, Path>) {
     let block = window.first_block + run / pixels;
     (*path).pixel = pixel_in_order(run % pixels);
     (*path).sample = max(block * RUN_LENGTH, settings.first_sample);
-    (*path).end = min((block + 1u) * RUN_LENGTH, settings.end_sample);
     (*path).counts = 0u;
     (*path).sum = vec3<f32>(0.0);
     (*path).rays = 0u;

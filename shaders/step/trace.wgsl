@@ -6,5 +6,6 @@ fn trace(path: ptr<function, Path>) -> u32 {
     let hit = nearest_hit((*path).ray, settings.root);
     (*path).t = hit.t;
     (*path).status = hit.code;
+    (*path).instance = hit.instance;
     return hit.steps;
 }

@@ -5,7 +5,7 @@
 //! - `//@ use lib/rng` joins that module once, before this one. `choice/x` is whatever module the plan chose for x.
 //! - `//@ each material` … `//@ end` repeats the lines between for every entry of that list. Within, `${name}` is the
 //!   entry's name, `${rank}` its place in the list, and `${case}` the selector of a switch: `case 2u`, or `default` for
-//!   the last entry.
+//!   an entry that closes it. A list of one entry or none makes its lines conditional.
 //! - `${value}` elsewhere is a value of the plan.
 //!
 //! A line table tells which file and line each line of the result came from, so that naga's errors can name them.
@@ -23,6 +23,8 @@ static SHADERS: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/shaders");
 pub struct Entry {
     pub name: String,
     pub number: u32,
+    /// Whether it is the last case of a switch over its list.
+    pub closes: bool,
 }
 
 /// What the plan decided about a kernel: the modules behind `choice/…`, the lists, and the values.
@@ -150,7 +152,7 @@ impl Linker<'_> {
                 let (entries, body) =
                     block.take().ok_or_else(|| fault(module, number, "`//@ end` without `//@ each`"))?;
                 for (rank, entry) in entries.iter().enumerate() {
-                    let case = match rank + 1 == entries.len() {
+                    let case = match entry.closes {
                         true => "default".to_string(),
                         false => format!("case {}u", entry.number),
                     };

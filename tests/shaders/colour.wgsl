@@ -21,11 +21,11 @@ struct Out {
 fn run(row: u32) {
     let given = input[row];
     let ray = Ray(given.origin, given.direction);
-    let t = primitive_distance(given.code, ray);
+    let t = primitive_distance(given.code, ray, 1.0 / ray.direction);
     var out = Out(vec3<f32>(-1.0), t);
     if t != NO_HIT {
-        let surface = surface_at(given.code, ray, t);
-        out.colour = surface_colour(materials[surface.material], given.code, surface);
+        let surface = surface_at(given.code, NO_INSTANCE, ray, t);
+        out.colour = surface_colour(materials[surface.material], given.code, NO_INSTANCE, surface);
     }
     output[row] = out;
 }

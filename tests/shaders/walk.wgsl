@@ -20,13 +20,13 @@ const COUNTS = array<u32, 3>(${spheres}u, ${quads}u, ${cuboids}u);
 
 fn run(row: u32) {
     let ray = Ray(input[row].origin, input[row].direction);
-    var asked = Hit(HIT_NOTHING, VERY_FAR, 0u);
+    var asked = Hit(HIT_NOTHING, NO_INSTANCE, VERY_FAR, 0u);
     var order = 0xffffffffu;
     for (var kind = 0u; kind < 3u; kind++) {
         for (var i = 0u; i < COUNTS[kind]; i++) {
             let code = PRIMITIVE_BIT | kind << PRIMITIVE_KIND_SHIFT | i;
-            let t = primitive_distance(code, ray);
-            let own = primitive_order(code);
+            let t = primitive_distance(code, ray, slab_inverse(ray.direction));
+            let own = primitive_order(code, NO_INSTANCE);
             asked.steps += 1u;
             if t != NO_HIT && (t < asked.t || (t == asked.t && own < order)) {
                 asked.code = code;

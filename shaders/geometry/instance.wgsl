@@ -1,0 +1,39 @@
+//@ use data/ray
+//@ use data/primitive
+//@ use lib/float
+// Between render space and the space of a mesh.
+
+fn turned_to_mesh(instance: Instance, v: vec3<f32>) -> vec3<f32> {
+    let z_axis = cross(instance.x_axis, instance.y_axis);
+    return vec3<f32>(dot(instance.x_axis, v), dot(instance.y_axis, v), dot(z_axis, v));
+}
+
+fn from_mesh_turned(instance: Instance, v: vec3<f32>) -> vec3<f32> {
+    let z_axis = cross(instance.x_axis, instance.y_axis);
+    return v.x * instance.x_axis + v.y * instance.y_axis + v.z * z_axis;
+}
+
+fn from_mesh(instance: Instance, point: vec3<f32>) -> vec3<f32> {
+    return instance.place + instance.scale * from_mesh_turned(instance, point);
+}
+
+// The ray in the mesh's space. Its direction is not made a unit vector again, so that t means the same in both spaces.
+fn to_mesh(instance: Instance, ray: Ray) -> Ray {
+    return Ray(
+        instance.inverse_scale * turned_to_mesh(instance, ray.origin - instance.place),
+        instance.inverse_scale * turned_to_mesh(instance, ray.direction),
+    );
+}
+
+// Bound of the error of a point of a mesh, in render space, as a ray that starts there sees it: the error within the mesh,
+// and the rounding on the way to render space and back.
+// There: 4 u for the turn (three products and two sums, from axes rounded themselves), 1 u for the scale, 1 u for the sum
+// with the place. Back: 1 u for the difference, 4 u for the turn, 2 u for the scale and its reciprocal; and since the axes
+// are off a right angle and unit length by 2 u each, turning back and forth is off by 4 u more. All are relative to the
+// point's coordinates in the mesh, scaled, but for the sums' share of the place's.
+fn instance_error(instance: Instance, point: vec3<f32>, error: f32) -> f32 {
+    let p = abs(point);
+    let place = abs(instance.place);
+    let of_point = 16.0 * UNIT_ROUNDOFF * (p.x + p.y + p.z);
+    return instance.scale * (error + of_point) + 4.0 * UNIT_ROUNDOFF * max(max(place.x, place.y), place.z);
+}

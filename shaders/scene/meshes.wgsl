@@ -1,0 +1,75 @@
+//@ use data/ray
+//@ use data/hit
+//@ use data/primitive
+//@ use bind/meshes
+//@ use bind/instances
+//@ use geometry/instance
+//@ use geometry/triangle
+//@ use geometry/slab
+// The faces of meshes.
+
+struct Corners {
+    a: vec3<f32>,
+    b: vec3<f32>,
+    c: vec3<f32>,
+}
+
+fn corners_of(face: vec4<u32>) -> Corners {
+    let a = bitcast<vec3<f32>>(meshes[face.x].xyz);
+    let b = bitcast<vec3<f32>>(meshes[face.y].xyz);
+    let c = bitcast<vec3<f32>>(meshes[face.z].xyz);
+    return Corners(a, b, c);
+}
+
+// Where a ray in the mesh's space meets a face.
+fn face_hit(ray: Ray, inverse: vec3<f32>, index: u32) -> TriangleHit {
+    let corners = corners_of(meshes[index]);
+    return triangle_hit(shear_along(ray, inverse), corners.a, corners.b, corners.c);
+}
+
+// A face's number in its file, by which ties between faces of one mesh are broken.
+fn face_number(index: u32) -> u32 {
+    return meshes[index].w;
+}
+
+fn blend(weights: vec3<f32>, corners: Corners) -> vec3<f32> {
+    return weights.x * corners.a + weights.y * corners.b + weights.z * corners.c;
+}
+
+// The point of a face in the mesh's space.
+fn mesh_point(index: u32, weights: vec3<f32>) -> vec3<f32> {
+    return blend(weights, corners_of(meshes[index]));
+}
+
+// Unit normal on the side from which the corners run counter-clockwise.
+fn face_normal(corners: Corners) -> vec3<f32> {
+    return normalize(triangle_cross(corners.a, corners.b, corners.c));
+}
+
+// The hit record of a ray that meets the face; the point is put back onto it.
+fn mesh_surface(ray: Ray, instance: Instance, index: u32) -> Surface {
+    let corners = corners_of(meshes[index]);
+    let here = to_mesh(instance, ray);
+    let hit = triangle_hit(shear_along(here, slab_inverse(here.direction)), corners.a, corners.b, corners.c);
+    let point = blend(hit.barycentric, corners);
+    var surface: Surface;
+    surface.point = from_mesh(instance, point);
+    surface.normal = from_mesh_turned(instance, face_normal(corners));
+    surface.error = instance_error(instance, point, triangle_error(corners.a, corners.b, corners.c));
+    surface.material = instance.material;
+    surface.frame = instance.frame;
+    surface.local = hit.barycentric;
+    return surface;
+}
+
+// A mesh's own texture coordinates, repeated beyond 0..1.
+fn mesh_uv(instance: Instance, index: u32, weights: vec3<f32>) -> SurfaceUv {
+    if instance.to_uvs == NO_UVS {
+        return SurfaceUv(vec2<f32>(0.0), false);
+    }
+    let face = meshes[index] + instance.to_uvs;
+    let a = bitcast<vec2<f32>>(meshes[face.x].xy);
+    let b = bitcast<vec2<f32>>(meshes[face.y].xy);
+    let c = bitcast<vec2<f32>>(meshes[face.z].xy);
+    return SurfaceUv(fract(weights.x * a + weights.y * b + weights.z * c), true);
+}

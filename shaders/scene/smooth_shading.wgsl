@@ -1,0 +1,81 @@
+//@ use data/hit
+//@ use data/primitive
+//@ use geometry/offset
+//@ use scene/meshes
+//@ use lib/octahedral
+// Meshes with vertex normals look smooth: light scatters about the interpolated normal, and rays leave from the smooth
+// surface that it belongs to.
+
+fn is_smooth(code: u32) -> bool {
+    return primitive_kind(code) == KIND_TRIANGLE && meshes[meshes[primitive_index(code)].x].w != NO_NORMAL;
+}
+
+struct Normals {
+    a: vec3<f32>,
+    b: vec3<f32>,
+    c: vec3<f32>,
+}
+
+fn normals_of(code: u32) -> Normals {
+    let face = meshes[primitive_index(code)];
+    return Normals(
+        unit_from_octahedral(meshes[face.x].w),
+        unit_from_octahedral(meshes[face.y].w),
+        unit_from_octahedral(meshes[face.z].w),
+    );
+}
+
+// The normal that the material sees; `facing` is the surface's own, on the side that the ray came from. Near a silhouette the
+// interpolated normal can face away from the ray, and would send a mirrored one into the surface: it is bent back until
+// the ray grazes it.
+fn shading_normal(code: u32, instance: u32, surface: Surface, incoming: vec3<f32>, facing: vec3<f32>) -> vec3<f32> {
+    if !is_smooth(code) {
+        return facing;
+    }
+    let normals = normals_of(code);
+    let weights = surface.local;
+    let sum = weights.x * normals.a + weights.y * normals.b + weights.z * normals.c;
+    let turned = from_mesh_turned(instances[instance], sum);
+    let sided = select(-turned, turned, dot(facing, surface.normal) > 0.0);
+    let bent = sided - max(dot(sided, incoming), 0.0) * incoming;
+    // Opposite normals can cancel.
+    if !(dot(bent, bent) > 1e-12) {
+        return facing;
+    }
+    return normalize(bent);
+}
+
+// Where a ray in such a direction leaves from, on the side that the material meant. Facets hide from each other where the
+// smooth surface would not, which shows as a jagged shadow terminator: the point is lifted to the smooth surface, the
+// mean of its projections onto the tangent planes of the vertices, weighted as the normals are
+// (Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II, ch. 4).
+fn leaving_point(
+    code: u32,
+    instance: u32,
+    surface: Surface,
+    facing: vec3<f32>,
+    shading: vec3<f32>,
+    direction: vec3<f32>,
+) -> vec3<f32> {
+    if !is_smooth(code) {
+        return leave_surface(surface.point, surface.error, surface.normal, direction);
+    }
+    if dot(direction, shading) < 0.0 {
+        return leave_surface(surface.point, surface.error, facing, -facing);
+    }
+    let corners = corners_of(meshes[primitive_index(code)]);
+    let normals = normals_of(code);
+    let weights = surface.local;
+    let point = blend(weights, corners);
+    // Seen from behind, the tangent planes are approached from their other side.
+    let side = select(-1.0, 1.0, dot(facing, surface.normal) > 0.0);
+    let below = side * vec3<f32>(
+        dot(corners.a - point, normals.a),
+        dot(corners.b - point, normals.b),
+        dot(corners.c - point, normals.c),
+    );
+    let by = side * weights * max(below, vec3<f32>(0.0));
+    let placed = instances[instance];
+    let lift = placed.scale * from_mesh_turned(placed, by.x * normals.a + by.y * normals.b + by.z * normals.c);
+    return leave_surface(surface.point + lift, surface.error, facing, facing);
+}

@@ -1,0 +1,14 @@
+//@ use data/hit
+//@ use data/material
+//@ use data/medium
+//@ use scene/textures
+// The albedo of a medium at a point of render space: its own, or that of its texture in the medium's own space. There
+// are no texture coordinates in a volume; images are refused when the scene is read.
+fn medium_albedo(medium: Medium, point: vec3<f32>) -> vec3<f32> {
+    if medium.texture == NO_TEXTURE {
+        return medium.colour;
+    }
+    let frame = frames[medium.frame];
+    let offset = along_frame(frame, point - medium.center);
+    return texture_colour(medium.texture, frame, offset, SurfaceUv(vec2<f32>(0.0), false));
+}

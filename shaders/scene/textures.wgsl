@@ -1,0 +1,19 @@
+//@ use data/hit
+//@ use data/texture
+//@ use bind/textures
+//@ use bind/frames
+//@ each texture
+//@ use texture/${name}
+//@ end
+// The texture at an offset from its frame's origin, among just the kinds that the scene has.
+fn texture_colour(index: u32, frame: Frame, offset: vec3<f32>, uv: SurfaceUv) -> vec3<f32> {
+    let place = TexturePoint(frame.origin + offset, offset.z, frame.phase, uv.uv, uv.wraps);
+    let texture = textures[index];
+    switch texture.kind {
+        //@ each texture
+        ${case}: {
+            return ${name}_colour(texture, place);
+        }
+        //@ end
+    }
+}

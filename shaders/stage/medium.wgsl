@@ -1,0 +1,24 @@
+//@ use slots/state
+//@ use step/media
+//@ use choice/sort
+// Lets media scatter the slots' rays before they reach what they met.
+override WORKGROUP_SIZE: u32 = 64u;
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn medium(@builtin(global_invocation_id) id: vec3<u32>) {
+    let slot = id.x;
+    if slot >= settings.slots {
+        return;
+    }
+    var path: Path;
+    load_ray(slot, &path);
+    if path.status == SLOT_IDLE {
+        return;
+    }
+    load_throughput(slot, &path);
+    load_sample(slot, &path);
+    cross_media(&path);
+    store_ray(slot, &path);
+    store_throughput(slot, &path);
+    sort_slot(slot, path.status, path.instance);
+}

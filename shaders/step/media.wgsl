@@ -1,0 +1,59 @@
+//@ use data/path
+//@ use data/dimension
+//@ use data/primitive
+//@ use bind/settings
+//@ use lib/rng
+//@ use medium/free_flight
+//@ use medium/phase
+//@ use scene/media
+//@ use choice/medium_albedo
+// Lets the media on the path's way to what its ray met scatter it before it gets there.
+
+const MEDIA: u32 = ${media}u;
+// Loop iterations of crossing them at most: one a medium, and the walks through meshes (scene/medium_in_mesh).
+const MOST_STEPS_OF_MEDIA: u32 = MEDIA + 8000u;
+
+// Each medium draws the optical depth at which it alone would scatter the ray; the nearest scattering is the path's. Where
+// media overlap their densities add up by that: the first event of independent Poisson processes is one of the process
+// with the sum of their rates, and belongs to each with its share of the sum. The result is the number of steps it took.
+fn cross_media(path: ptr<function, Path>) -> u32 {
+    if (*path).status == PATH_CUT {
+        return 0u;
+    }
+    let ray = (*path).ray;
+    let events = (*path).events;
+    let words = random_words((*path).pixel, (*path).sample, event_dimension(events, DIMENSION_MEDIUM), settings.seed);
+    var nearest = (*path).t;
+    var scatterer = NO_MEDIUM;
+    var steps = 0u;
+    for (var i = 0u; i < MEDIA; i++) {
+        let depth = optical_depth(pcg4d(words + i).xy);
+        let t = collision(media[i], ray, depth, nearest, &steps);
+        if t == WALK_CUT {
+            (*path).status = PATH_CUT;
+            return MEDIA + steps;
+        }
+        if t != NO_HIT {
+            nearest = t;
+            scatterer = i;
+        }
+    }
+    if scatterer == NO_MEDIUM {
+        return MEDIA + steps;
+    }
+    let medium = media[scatterer];
+    let point = ray.origin + nearest * ray.direction;
+    let throughput = (*path).throughput * medium_albedo(medium, point);
+    if events < settings.max_depth && any(throughput != vec3<f32>(0.0)) {
+        let u = random4((*path).pixel, (*path).sample, event_dimension(events, DIMENSION_SCATTER), settings.seed);
+        let direction = sample_phase(ray.direction, medium.anisotropy, medium.one_minus_anisotropy, u.xy);
+        (*path).ray = Ray(point, direction);
+        (*path).status = RAY_READY;
+        (*path).throughput = throughput;
+        (*path).events = events + 1u;
+    } else {
+        (*path).status = PATH_ENDED;
+        (*path).throughput = vec3<f32>(0.0);
+    }
+    return MEDIA + steps;
+}

@@ -1,0 +1,43 @@
+//! Participating media as the kernels read them, in render space.
+
+use glam::DVec3;
+
+use super::frames::frame;
+use super::place::{PlacedMedium, Shape};
+use super::{Builder, f32s};
+use crate::data::{self, NO_TEXTURE};
+use crate::scene::Texture;
+
+impl Builder<'_> {
+    pub fn add_medium(&mut self, medium: &PlacedMedium<'_>) {
+        let PlacedMedium { boundary, to_world, own, density, albedo, anisotropy } = medium;
+        // The boundary is no surface: it has neither a material nor a place among the primitives.
+        let (index, _) = self.add_shape(boundary, to_world, 0, 0, 0);
+        let center = match *boundary {
+            Shape::Sphere { center, .. } => center,
+            Shape::Quad { corner, .. } => corner,
+            Shape::Cuboid { min, max } => 0.5 * (min + max),
+            Shape::Mesh(mesh) => self.boxes[mesh].center(),
+        };
+        let center = to_world.point(center);
+        // From render space, seen from the middle of the boundary, to the medium's own space.
+        let to_own = own.rotation.transpose() * (1.0 / (own.scale * self.space.scale));
+        let base = own.rotation.transpose() * (center - own.translation) / own.scale;
+        let (colour, texture) = match albedo {
+            Texture::Rgb(r, g, b) => (DVec3::new(*r, *g, *b), NO_TEXTURE),
+            texture => (DVec3::ONE, self.flat.add_texture(self.scene, texture, 1.0)),
+        };
+        let frame = frame(albedo, (base, to_own), own).map_or(0, |frame| self.flat.add_frame(frame));
+        self.flat.media.push(data::Medium {
+            center: f32s(self.space.point(center)),
+            // No smaller than what a quotient by it can stand for.
+            density: ((density / self.space.scale) as f32).max(f32::MIN_POSITIVE),
+            colour: f32s(colour),
+            texture,
+            boundary: boundary.code(index),
+            frame,
+            anisotropy: *anisotropy as f32,
+            one_minus_anisotropy: (1.0 - anisotropy.abs()) as f32,
+        });
+    }
+}

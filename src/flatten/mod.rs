@@ -1,0 +1,409 @@
+//! From the scene, in f64 and scene units, to the arrays that the kernels read, in f32 and render space.
+//!
+//! Render space has the camera at the origin and is scaled by a power of two to an extent near 1, so that a scene looks
+//! the same to the kernels however large it is and wherever it stands. Emission is scaled by a power of two likewise.
+
+mod frames;
+mod media;
+mod meshes;
+mod place;
+mod shapes;
+mod similarity;
+
+use std::collections::HashMap;
+
+use glam::DVec3;
+
+use crate::bvh;
+use crate::data::{self, MAX_PRIMITIVES, NO_TEXTURE};
+use crate::error::Result;
+use crate::scene::{Background, Bitmap, Camera, Material, Mesh, Scene, Texture};
+use meshes::Laid;
+use place::{Finder, MeshBox, Placed, PlacedMedium, extent};
+use similarity::Similarity;
+
+pub use bvh::Quality;
+
+/// The kinds of primitive by number; each is a file of shaders/geometry. Triangles are the faces of meshes.
+pub const PRIMITIVES: &[&str] = &["sphere", "quad", "cuboid", "triangle"];
+/// The kinds of boundary that media have, with the kinds of their codes; each is a file `scene/medium_in_…`.
+pub const BOUNDARIES: &[(&str, u32)] = &[("sphere", 0), ("cuboid", 2), ("mesh", data::KIND_INSTANCE)];
+/// The kinds of material by number; each is a file of shaders/material.
+pub const MATERIALS: &[&str] = &["lambertian", "metal", "dielectric", "diffuse_light"];
+/// The kinds of texture by number; each is a file of shaders/texture.
+pub const TEXTURES: &[&str] = &["checker", "image", "noise", "marble"];
+
+/// What of the renderer a scene requires, and for each thing the scene's object that asked first.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Features {
+    /// By the numbers of `PRIMITIVES`.
+    pub primitives: [Option<String>; PRIMITIVES.len()],
+    /// By the numbers of `MATERIALS`: of materials on objects, not of all that are defined.
+    pub materials: [Option<String>; MATERIALS.len()],
+    /// By the numbers of `TEXTURES`.
+    pub textures: [Option<String>; TEXTURES.len()],
+    /// Meshes with vertex normals, which are shaded smoothly.
+    pub smooth: Option<String>,
+    /// Boundaries of media, by their places in `BOUNDARIES`.
+    pub boundaries: [Option<String>; BOUNDARIES.len()],
+    /// Whether the albedo of some medium is a texture.
+    pub textured_media: bool,
+    /// How many media there are.
+    pub media: u32,
+    /// A file of shaders/background.
+    pub background: &'static str,
+    /// Whether the lens has a diameter.
+    pub thin_lens: bool,
+    /// Codes that wait at most in a walk through the BVH.
+    pub stack_size: u32,
+    /// The same of a walk through a mesh that bounds a medium.
+    pub boundary_stack_size: u32,
+}
+
+/// A scene as the kernels see it.
+#[derive(Clone, Debug, Default)]
+pub struct Flat {
+    pub features: Features,
+    /// The camera, the background and the BVH's root; the rest is the render's to fill in.
+    pub settings: data::Settings,
+    pub nodes: Vec<data::Node>,
+    pub spheres: Vec<data::Sphere>,
+    pub quads: Vec<data::Quad>,
+    pub cuboids: Vec<data::Cuboid>,
+    pub instances: Vec<data::Instance>,
+    /// Faces, vertices and texture coordinates of all meshes, as shaders/bind/meshes says.
+    pub meshes: Vec<[u32; 4]>,
+    pub media: Vec<data::Medium>,
+    pub materials: Vec<data::Material>,
+    pub textures: Vec<data::Texture>,
+    pub frames: Vec<data::Frame>,
+    pub texels: Vec<[f32; 3]>,
+    /// Device radiance times 2 to this power is the scene's radiance.
+    pub radiance_exponent: i32,
+}
+
+/// The most media: crossing them takes an iteration each of what an invocation is allowed (shaders/stage/bounce).
+const MOST_MEDIA: usize = 4096;
+
+/// Flattens a scene for an image of `size` pixels.
+///
+/// # Errors
+/// `Error::Scene` where there are more primitives than a code can name, or more media than a ray can cross.
+pub fn flatten(scene: &Scene, size: (u32, u32)) -> Result<Flat> {
+    flatten_with(scene, size, Quality::default())
+}
+
+/// The same, with a wish for the hierarchies.
+pub fn flatten_with(scene: &Scene, size: (u32, u32), quality: Quality) -> Result<Flat> {
+    let mut features = Features::default();
+    let mut finder = Finder::new(scene);
+    for (i, object) in scene.objects.iter().enumerate() {
+        let (first, first_medium) = (finder.placed.len(), finder.media.len());
+        finder.place(object, &Similarity::IDENTITY);
+        for primitive in &finder.placed[first..] {
+            note(&mut features, scene, i, primitive);
+        }
+        for medium in &finder.media[first_medium..] {
+            note_medium(&mut features, scene, i, medium);
+        }
+    }
+    let meshes: Vec<&Mesh> = scene.meshes.values().collect();
+    let faces: usize = meshes.iter().map(|mesh| mesh.triangles.len() + mesh.positions.len() * 2).sum();
+    let most = finder.placed.len().max(faces);
+    if most >= MAX_PRIMITIVES {
+        return Err(scene.error(&[], format!("{most} primitives, expected fewer than {MAX_PRIMITIVES}")));
+    }
+    if finder.media.len() > MOST_MEDIA {
+        let message = format!("{} media, expected {MOST_MEDIA} at most", finder.media.len());
+        return Err(scene.error(&[], message));
+    }
+    let boxes: Vec<MeshBox> = meshes.iter().map(|mesh| MeshBox::of(mesh)).collect();
+
+    let camera = &scene.camera;
+    let length_exponent = binary_exponent(extent(camera, &finder, &boxes));
+    let space = RenderSpace { eye: camera.look_from, scale: exp2(-length_exponent) };
+    let radiance_exponent = binary_exponent(brightest(scene));
+    let radiance_scale = exp2(-radiance_exponent);
+
+    let mut flat = Flat { features, radiance_exponent, ..Flat::default() };
+    flat.settings = camera_settings(camera, &space, size);
+    flat.add_background(scene, radiance_scale);
+    flat.add_materials(scene, radiance_scale);
+    let laid = vec![None; meshes.len()];
+    let mut builder =
+        Builder { scene, meshes, boxes, space, quality, laid, mesh_frames: HashMap::new(), flat };
+    builder.add_primitives(&finder.placed);
+    builder.add_media(&finder.media);
+    let mut flat = builder.flat;
+    flat.features.thin_lens = camera.aperture > 0.0;
+    Ok(flat)
+}
+
+/// A scene on its way to a `Flat`.
+struct Builder<'a> {
+    scene: &'a Scene,
+    /// In the order of their paths.
+    meshes: Vec<&'a Mesh>,
+    boxes: Vec<MeshBox>,
+    space: RenderSpace,
+    quality: Quality,
+    /// The meshes that have been laid out.
+    laid: Vec<Option<Laid>>,
+    /// The frames of meshes, by mesh and material.
+    mesh_frames: HashMap<(usize, u32), u32>,
+    flat: Flat,
+}
+
+impl Builder<'_> {
+    /// Lays out the primitives and builds the hierarchy over them.
+    fn add_primitives(&mut self, placed: &[Placed]) {
+        let (codes, bounds): (Vec<_>, Vec<_>) =
+            (0..).zip(placed).map(|(order, primitive)| self.add_primitive(primitive, order)).unzip();
+        let bvh = bvh::build(&bounds, &codes, self.quality);
+        self.flat.settings.root = self.flat.add_nodes(bvh.root, bvh.nodes);
+        // In a mesh the walk keeps what waits outside of it.
+        let within = self.laid.iter().flatten().map(|mesh| mesh.stack_size).max().unwrap_or(0);
+        self.flat.features.stack_size = (bvh.stack_size + within).max(1);
+        let smooth = |primitive: &&Placed| match primitive.shape {
+            place::Shape::Mesh(mesh) => !self.meshes[mesh].normals.is_empty(),
+            _ => false,
+        };
+        if placed.iter().any(|primitive| smooth(&primitive)) {
+            self.flat.features.smooth = self.flat.features.primitives[data::KIND_TRIANGLE as usize].clone();
+        }
+    }
+
+    fn add_media(&mut self, media: &[PlacedMedium<'_>]) {
+        for medium in media {
+            self.add_medium(medium);
+            if let place::Shape::Mesh(mesh) = medium.boundary {
+                let size = self.laid(mesh).stack_size;
+                let features = &mut self.flat.features;
+                features.boundary_stack_size = features.boundary_stack_size.max(size);
+            }
+        }
+        self.flat.features.media = media.len() as u32;
+    }
+}
+
+/// Notes what a primitive requires.
+fn note(features: &mut Features, scene: &Scene, object: usize, primitive: &Placed) {
+    let (name, material) = &scene.materials[primitive.material as usize];
+    let asked = |slot: &mut Option<String>, what: &dyn Fn() -> String| {
+        if slot.is_none() {
+            *slot = Some(what());
+        }
+    };
+    let at_object = || scene.object_location(object).to_string();
+    let at_material = || format!("\"{name}\" at {}", scene.material_location(name));
+    asked(&mut features.primitives[primitive.shape.kind()], &at_object);
+    asked(&mut features.materials[material_kind(material)], &at_material);
+    if let Some(kind) = colour_texture(material).and_then(texture_kind) {
+        asked(&mut features.textures[kind], &at_material);
+    }
+}
+
+/// Notes what a medium requires.
+fn note_medium(features: &mut Features, scene: &Scene, object: usize, medium: &PlacedMedium<'_>) {
+    let kind = medium.boundary.code_kind();
+    let at_object = || scene.object_location(object).to_string();
+    let place = BOUNDARIES.iter().position(|(_, number)| *number == kind);
+    if let Some(slot) = place.and_then(|place| features.boundaries.get_mut(place)) {
+        slot.get_or_insert_with(at_object);
+    }
+    if let Some(kind) = texture_kind(medium.albedo) {
+        features.textures[kind].get_or_insert_with(at_object);
+        features.textured_media = true;
+    }
+}
+
+/// The largest component of anything that shines; 1 where nothing does.
+fn brightest(scene: &Scene) -> f64 {
+    let bitmap = |path: &String| scene.bitmaps.get(path).map_or(0.0, brightest_texel);
+    let sky = match &scene.background {
+        Background::Solid(colour) => colour.max_element(),
+        Background::Gradient { bottom, top } => bottom.max(*top).max_element(),
+        Background::Image { path } => bitmap(path),
+    };
+    let light = |(_, material): &(String, Material)| match material {
+        Material::DiffuseLight { emit, .. } => match emit {
+            Texture::Rgb(r, g, b) => r.max(*g).max(*b),
+            Texture::Checker { even, odd, .. } => even.max(*odd).max_element(),
+            Texture::Image { path } => bitmap(path),
+            Texture::Noise { .. } | Texture::Marble { .. } => 1.0,
+        },
+        _ => 0.0,
+    };
+    let most = scene.materials.iter().map(light).fold(sky, f64::max);
+    if most > 0.0 { most } else { 1.0 }
+}
+
+fn brightest_texel(bitmap: &Bitmap) -> f64 {
+    bitmap.texels.iter().flatten().fold(0.0, |most, &x| f64::from(x).max(most))
+}
+
+/// The least e with x < 2^e, for a normal x > 0.
+fn binary_exponent(x: f64) -> i32 {
+    const BIAS: i32 = 1022;
+    ((x.to_bits() >> 52) & 0x7ff) as i32 - BIAS
+}
+
+/// 2^e, exactly.
+fn exp2(e: i32) -> f64 {
+    2.0_f64.powi(e)
+}
+
+/// The camera at the origin and lengths scaled by a power of two.
+#[derive(Clone, Copy)]
+struct RenderSpace {
+    eye: DVec3,
+    scale: f64,
+}
+
+impl RenderSpace {
+    fn point(&self, p: DVec3) -> DVec3 {
+        (p - self.eye) * self.scale
+    }
+}
+
+fn f32s(v: DVec3) -> [f32; 3] {
+    v.as_vec3().to_array()
+}
+
+fn camera_settings(camera: &Camera, space: &RenderSpace, (width, height): (u32, u32)) -> data::Settings {
+    let unit = |v: DVec3| (v / v.abs().max_element()).normalize();
+    let backward = unit(camera.look_from - camera.look_at);
+    let right = unit(unit(camera.up).cross(backward));
+    let up = backward.cross(right);
+    let pixel = 2.0 * (0.5 * camera.vertical_fov).to_radians().tan() / f64::from(height);
+    let focus = camera.focus_distance.unwrap_or((camera.look_at - camera.look_from).length());
+    let lens_radius = 0.5 * camera.aperture * space.scale;
+    data::Settings {
+        forward: f32s(-backward),
+        image_width: width,
+        pixel_x: f32s(pixel * right),
+        image_height: height,
+        pixel_y: f32s(-pixel * up),
+        lens_x: f32s(lens_radius * right),
+        lens_y: f32s(lens_radius * up),
+        inverse_focus: (1.0 / (focus * space.scale)) as f32,
+        ..data::Settings::default()
+    }
+}
+
+/// Number among `MATERIALS`.
+fn material_kind(material: &Material) -> usize {
+    match material {
+        Material::Lambertian { .. } => 0,
+        Material::Metal { .. } => 1,
+        Material::Dielectric { .. } => 2,
+        Material::DiffuseLight { .. } => 3,
+    }
+}
+
+/// Number among `TEXTURES`; nothing for a plain colour, which is the material's own.
+fn texture_kind(texture: &Texture) -> Option<usize> {
+    match texture {
+        Texture::Rgb(..) => None,
+        Texture::Checker { .. } => Some(0),
+        Texture::Image { .. } => Some(1),
+        Texture::Noise { .. } => Some(2),
+        Texture::Marble { .. } => Some(3),
+    }
+}
+
+fn colour_texture(material: &Material) -> Option<&Texture> {
+    match material {
+        Material::Lambertian { albedo } | Material::Metal { albedo, .. } => Some(albedo),
+        Material::DiffuseLight { emit, .. } => Some(emit),
+        Material::Dielectric { .. } => None,
+    }
+}
+
+impl Flat {
+    fn add_background(&mut self, scene: &Scene, radiance_scale: f64) {
+        let settings = &mut self.settings;
+        match &scene.background {
+            Background::Solid(colour) => {
+                self.features.background = "solid";
+                settings.background_bottom = f32s(radiance_scale * *colour);
+            }
+            Background::Gradient { bottom, top } => {
+                self.features.background = "gradient";
+                settings.background_bottom = f32s(radiance_scale * *bottom);
+                settings.background_top = f32s(radiance_scale * *top);
+            }
+            Background::Image { path } => {
+                self.features.background = "image";
+                settings.background_bottom = [radiance_scale as f32; 3];
+                if let Some(bitmap) = scene.bitmaps.get(path) {
+                    settings.background_width = bitmap.width;
+                    settings.background_height = bitmap.height;
+                    self.texels.extend_from_slice(&bitmap.texels);
+                }
+            }
+        }
+    }
+
+    fn add_materials(&mut self, scene: &Scene, radiance_scale: f64) {
+        for (_, material) in &scene.materials {
+            let brightness = match material {
+                Material::DiffuseLight { .. } => radiance_scale,
+                _ => 1.0,
+            };
+            let mut flat = data::Material {
+                kind: material_kind(material) as u32,
+                texture: NO_TEXTURE,
+                ..data::Material::default()
+            };
+            match material {
+                Material::Lambertian { .. } => {}
+                Material::Metal { fuzz, .. } => flat.parameter = *fuzz as f32,
+                Material::Dielectric { ior } => {
+                    let inside = 1.0 / ior;
+                    flat.parameter = *ior as f32;
+                    flat.contrast_outside = ((ior - 1.0) * (ior + 1.0)) as f32;
+                    flat.contrast_inside = ((inside - 1.0) * (inside + 1.0)) as f32;
+                }
+                Material::DiffuseLight { two_sided, .. } => flat.parameter = f32::from(u8::from(*two_sided)),
+            }
+            match colour_texture(material) {
+                Some(Texture::Rgb(r, g, b)) => flat.colour = f32s(brightness * DVec3::new(*r, *g, *b)),
+                Some(texture) => flat.texture = self.add_texture(scene, texture, brightness),
+                None => {}
+            }
+            self.materials.push(flat);
+        }
+    }
+
+    fn add_frame(&mut self, frame: data::Frame) -> u32 {
+        self.frames.push(frame);
+        self.frames.len() as u32 - 1
+    }
+
+    fn add_texture(&mut self, scene: &Scene, texture: &Texture, brightness: f64) -> u32 {
+        let mut flat = data::Texture {
+            first: f32s(DVec3::splat(brightness)),
+            kind: texture_kind(texture).unwrap_or_default() as u32,
+            ..data::Texture::default()
+        };
+        match texture {
+            Texture::Checker { even, odd, .. } => {
+                flat.first = f32s(brightness * *even);
+                flat.second = f32s(brightness * *odd);
+            }
+            Texture::Marble { scale } => flat.parameter = *scale as f32,
+            Texture::Image { path } => {
+                if let Some(bitmap) = scene.bitmaps.get(path) {
+                    flat.texel = self.texels.len() as u32;
+                    flat.width = bitmap.width;
+                    flat.height = bitmap.height;
+                    self.texels.extend_from_slice(&bitmap.texels);
+                }
+            }
+            Texture::Rgb(..) | Texture::Noise { .. } => {}
+        }
+        self.textures.push(flat);
+        self.textures.len() as u32 - 1
+    }
+}

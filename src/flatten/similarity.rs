@@ -1,0 +1,68 @@
+//! What a scene's transforms come to: similarities, in f64.
+
+use glam::{DMat3, DVec3};
+
+use crate::scene::Transform;
+
+/// A uniform scaling, then a rotation, then a translation.
+#[derive(Clone, Copy)]
+pub struct Similarity {
+    pub scale: f64,
+    pub rotation: DMat3,
+    pub translation: DVec3,
+}
+
+impl Similarity {
+    pub const IDENTITY: Similarity = Similarity { scale: 1.0, rotation: DMat3::IDENTITY, translation: DVec3::ZERO };
+
+    pub fn new(transform: &Transform) -> Similarity {
+        let rotate = |rotation| Similarity { rotation, ..Similarity::IDENTITY };
+        match *transform {
+            Transform::Translate(translation) => Similarity { translation, ..Similarity::IDENTITY },
+            Transform::Scale(scale) => Similarity { scale, ..Similarity::IDENTITY },
+            Transform::RotateX(degrees) => rotate(rotation_about(DVec3::X, degrees)),
+            Transform::RotateY(degrees) => rotate(rotation_about(DVec3::Y, degrees)),
+            Transform::RotateZ(degrees) => rotate(rotation_about(DVec3::Z, degrees)),
+            Transform::Rotate { axis, degrees } => rotate(rotation_about(axis, degrees)),
+        }
+    }
+
+    /// A list of transforms, applied in the order listed.
+    pub fn of_all(transforms: &[Transform]) -> Similarity {
+        transforms.iter().fold(Similarity::IDENTITY, |done, next| Similarity::new(next).after(&done))
+    }
+
+    pub fn point(&self, p: DVec3) -> DVec3 {
+        self.vector(p) + self.translation
+    }
+
+    pub fn vector(&self, v: DVec3) -> DVec3 {
+        self.scale * (self.rotation * v)
+    }
+
+    /// First `inner`, then this.
+    pub fn after(&self, inner: &Similarity) -> Similarity {
+        Similarity {
+            scale: self.scale * inner.scale,
+            rotation: self.rotation * inner.rotation,
+            translation: self.point(inner.translation),
+        }
+    }
+}
+
+/// Right-handed, by Rodrigues' formula. Quarter turns are exact: sines and cosines of degrees, not of rounded radians.
+fn rotation_about(axis: DVec3, degrees: f64) -> DMat3 {
+    // Normalised by its largest component first: the squares of a short axis would vanish.
+    let axis = (axis / axis.abs().max_element()).normalize();
+    let turn = degrees.rem_euclid(360.0);
+    let (quarter, rest) = ((turn / 90.0).floor(), turn % 90.0);
+    let (s, c) = rest.to_radians().sin_cos();
+    let (s, c) = match quarter as i32 {
+        1 => (c, -s),
+        2 => (-s, -c),
+        3 => (-c, s),
+        _ => (s, c),
+    };
+    let column = |v: DVec3| v * c + axis.cross(v) * s + axis * (axis.dot(v) * (1.0 - c));
+    DMat3::from_cols(column(DVec3::X), column(DVec3::Y), column(DVec3::Z))
+}
