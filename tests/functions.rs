@@ -48,5 +48,7 @@ mod sampling;
 mod sphere;
 #[path = "functions/textures.rs"]
 mod textures;
+#[path = "functions/triangle.rs"]
+mod triangle;
 #[path = "functions/walk.rs"]
 mod walk;
