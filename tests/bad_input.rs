@@ -255,8 +255,44 @@ fn bad_objects() -> Vec<Bad> {
         bad(object("Transformed(by: [Scale(1e60)], object: Transformed(by: [§Scale(1e60)], object: Group([])))"), "objects[0].Transformed.object.Transformed.by[0]", &["1e100"]),
         bad(object("Transformed(by: [Scale(1e60)], object: §Sphere(center: (0, 0, 1e60), radius: 1, material: \"grey\"))"), "objects[0].Transformed.object.Sphere", &["1e100"]),
         bad(object("Transformed(by: [Scale(1e-60)], object: Group([§Box(min: (0, 0, 0), max: (1e-60, 1, 1), material: \"grey\")]))"), "objects[0].Transformed.object.Group[0].Box", &["1e-100"]),
-        bad(object("Group([§Mesh(path: \"bunny.ply\", material: \"grey\")])"), "objects[0].Group[0].Mesh", &["Mesh is not built yet"]),
-        bad(object("§Medium(boundary: Sphere(center: (0, 0, 0), radius: 1), density: 1, albedo: Rgb(1, 1, 1))"), "objects[0].Medium", &["Medium is not built yet"]),
+        bad(object("Group([Mesh(path: §\"bunny.ply\", material: \"grey\")])"), "objects[0].Group[0].Mesh.path", &["folder/bunny.ply", "cannot read the mesh"]),
+        bad(object("Mesh(path: §\"bunny.stl\", material: \"grey\")"), "objects[0].Mesh.path", &["folder/bunny.stl", ".obj, .ply, .gltf or .glb"]),
+        bad(object("Mesh(path: §\"\", material: \"grey\")"), "objects[0].Mesh.path", &[".obj, .ply, .gltf or .glb"]),
+        bad(object("§Mesh(path: \"bunny.ply\")"), "objects[0].Mesh.material", &["material is missing", "\"grey\""]),
+        bad(object("Mesh(path: \"bunny.ply\", material: §\"gray\")"), "objects[0].Mesh.material", &["did you mean \"grey\"?"]),
+        bad(object("§Mesh(material: \"grey\")"), "objects[0].Mesh.path", &["path is missing", "a file's path in quotes"]),
+    ]
+}
+
+#[rustfmt::skip]
+fn bad_media() -> Vec<Bad> {
+    let boundary = |text: &str| object(&format!("Medium(boundary: {text}, density: 1, albedo: Rgb(1, 1, 1))"));
+    let rest = |text: &str| object(&format!("Medium(boundary: Sphere(center: (0, 0, 0), radius: 1), {text})"));
+    let wanted = &["a boundary: a Sphere, a Box or a closed Mesh, Transformed or not, without a material"];
+    vec![
+        bad(boundary("§Quad(corner: (0, 0, 0), u: (1, 0, 0), v: (0, 1, 0))"), "objects[0].Medium.boundary", wanted),
+        bad(boundary("§Group([Sphere(center: (0, 0, 0), radius: 1)])"), "objects[0].Medium.boundary", wanted),
+        bad(boundary("§Medium(boundary: Sphere(center: (0, 0, 0), radius: 1), density: 1, albedo: Rgb(1, 1, 1))"), "objects[0].Medium.boundary", wanted),
+        bad(boundary("Transformed(by: [], object: Transformed(by: [], object: §Group([])))"), "objects[0].Medium.boundary.Transformed.object.Transformed.object", wanted),
+        bad(boundary("Transformed(by: [Scale(§0)], object: Sphere(center: (0, 0, 0), radius: 1))"), "objects[0].Medium.boundary.Transformed.by[0].Scale", &["greater than 0"]),
+        bad(boundary("Sphere(center: (0, 0, 0), radius: §0)"), "objects[0].Medium.boundary.Sphere.radius", &["radius"]),
+        bad(boundary("§Box(min: (0, 0, 0), max: (1, 1, 0))"), "objects[0].Medium.boundary.Box", &["along z"]),
+        bad(boundary("Sphere(center: (0, 0, 0), radius: 1, material: §\"grey\")"), "objects[0].Medium.boundary.Sphere.material", &["boundary has no surface", "remove it"]),
+        bad(boundary("Transformed(by: [Scale(2)], object: Box(min: (0, 0, 0), max: (1, 1, 1), material: §\"no such\"))"), "objects[0].Medium.boundary.Transformed.object.Box.material", &["boundary has no surface"]),
+        bad(boundary("Transformed(by: [Scale(1e60)], object: §Sphere(center: (0, 0, 1e60), radius: 1))"), "objects[0].Medium.boundary.Transformed.object.Sphere", &["1e100"]),
+        bad(boundary("Mesh(path: §\"fog.ply\")"), "objects[0].Medium.boundary.Mesh.path", &["folder/fog.ply", "cannot read the mesh"]),
+        bad(boundary("§3"), "objects[0].Medium.boundary", &["a boundary: a Sphere(..), a Box(..) or a closed Mesh(..)", "found 3"]),
+        bad(rest("density: §-1, albedo: Rgb(1, 1, 1)"), "objects[0].Medium.density", &["a density of 0 or greater than 0", "found -1"]),
+        bad(rest("density: §NaN, albedo: Rgb(1, 1, 1)"), "objects[0].Medium.density", &["density", "found NaN"]),
+        bad(rest("density: §inf, albedo: Rgb(1, 1, 1)"), "objects[0].Medium.density", &["1e-100 to 1e100", "found inf"]),
+        bad(rest("density: §1e-101, albedo: Rgb(1, 1, 1)"), "objects[0].Medium.density", &["1e-100 to 1e100"]),
+        bad(rest("density: 1, albedo: Rgb(1, §1.5, 1)"), "objects[0].Medium.albedo.Rgb[1]", &["an albedo from 0 to 1"]),
+        bad(rest("density: 1, albedo: §Image(path: \"none.png\")"), "objects[0].Medium.albedo", &["no texture coordinates inside a medium"]),
+        bad(rest("density: 1, albedo: Noise(scale: §0)"), "objects[0].Medium.albedo.Noise.scale", &["scale"]),
+        bad(rest("density: 1, albedo: Rgb(1, 1, 1), anisotropy: §1"), "objects[0].Medium.anisotropy", &["between -1 and 1", "found 1"]),
+        bad(rest("density: 1, albedo: Rgb(1, 1, 1), anisotropy: §-1.0"), "objects[0].Medium.anisotropy", &["between -1 and 1"]),
+        bad(rest("density: 1, albedo: Rgb(1, 1, 1), anisotropy: §NaN"), "objects[0].Medium.anisotropy", &["found NaN"]),
+        bad(object("§Medium(density: 1, albedo: Rgb(1, 1, 1))"), "objects[0].Medium.boundary", &["boundary is missing"]),
     ]
 }
 
@@ -286,7 +322,8 @@ fn bad_files() -> Vec<Bad> {
 }
 
 fn all_bad() -> Vec<Bad> {
-    let tables = [bad_images(), bad_cameras(), bad_backgrounds(), bad_materials(), bad_objects(), bad_files()];
+    let tables =
+        [bad_images(), bad_cameras(), bad_backgrounds(), bad_materials(), bad_objects(), bad_media(), bad_files()];
     tables.into_iter().flatten().collect()
 }
 
@@ -490,6 +527,8 @@ fn numbers_at_the_ends_of_their_ranges_are_accepted() {
         object("Quad(corner: (0, 0, 0), u: (1e-30, 0, 0), v: (1e-30, 1e-38, 0), material: \"grey\")"),
         object("Box(min: (-1e-90, 0, 0), max: (0, 1e-90, 1e90), material: \"grey\")"),
         object("Transformed(by: [Scale(1e90), Scale(1e-90)], object: Group([]))"),
+        object("Medium(boundary: Sphere(center: (0, 0, 0), radius: 1), density: 0, albedo: Rgb(0, 1, 0), anisotropy: -0.999)"),
+        object("Group([Transformed(by: [Scale(2)], object: Medium(boundary: Transformed(by: [RotateX(3)], object: Box(min: (0, 0, 0), max: (1, 1, 1))), density: 1e100, albedo: Marble(scale: 1)))])"),
     ];
     for text in cases {
         if let Err(error) = parse(&text) {
@@ -510,6 +549,13 @@ fn warnings_name_the_place_and_the_number() {
     assert_eq!(warnings(&material("Dielectric(ior: 1)")).len(), 1);
     let white = warnings(&material("Metal(albedo: Rgb(0.5, 1, 0.5))"));
     assert!(white[1].contains("Metal.albedo: an albedo of 1"), "{white:?}");
+    let medium = |density: &str| {
+        let boundary = "Sphere(center: (0, 0, 0), radius: 1)";
+        warnings(&object(&format!("Medium(boundary: {boundary}, density: {density}, albedo: Rgb(1, 1, 1))")))
+    };
+    assert_eq!(medium("0").len(), medium("1").len() + 1);
+    let nothing = "folder/scene.ron:7:73: objects[0].Medium.density: a density of 0 means";
+    assert!(medium("0.0").iter().any(|warning| warning.starts_with(nothing)), "{:?}", medium("0"));
     let empty = warnings(&scene(IMAGE, CAMERA, BACKGROUND, ""));
     assert!(empty[0].starts_with("folder/scene.ron:5:12: objects: there are 0 objects"), "{empty:?}");
 }

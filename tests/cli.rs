@@ -512,15 +512,6 @@ fn what_is_not_built_is_refused() {
         assert!(!ran.stderr.is_empty() && ran.stdout.is_empty(), "{command:?}: {ran:?}");
         assert!(place.files().is_empty(), "{command:?}: {:?}", place.files());
     }
-    for (object, word) in [
-        ("Mesh(path: \"a.ply\", material: \"grey\")", "Mesh"),
-        ("Medium(boundary: Sphere(center: (0, 0, 0), radius: 1), density: 1, albedo: Rgb(1, 1, 1))", "Medium"),
-    ] {
-        let scene = place
-            .scene("later.ron", &SPHERE.replace("Sphere(center: (0, 0, 0), radius: 1, material: \"grey\")", object));
-        let ran = place.run(&["render", &scene]).exits(2);
-        assert!(ran.stderr.contains(&format!("{scene}:6:15: ")) && ran.stderr.contains(word), "{}", ran.stderr);
-    }
 }
 
 #[test]

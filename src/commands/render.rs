@@ -15,7 +15,7 @@ use crate::film::{Film, Picture, Totals};
 use crate::gpu::device::{Adapters, Device};
 use crate::output::exr::{Attribute, write_exr};
 use crate::output::png::write_png;
-use crate::output::progress::{self, Progress, Status};
+use crate::output::progress::{self, Loading, Progress, Status};
 use crate::plan::{Plan, Tables};
 use crate::render::{Goal, Job, Next, Outcome, Renderer, TuningWish, tuning};
 use crate::scene::Scene;
@@ -43,7 +43,12 @@ struct Output<'a> {
 pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     let mut clock = Clock(start);
     let mut seconds = Seconds::default();
-    let scene = Scene::load(&args.scene)?;
+    let mut loading = Loading::new(args.quiet);
+    let scene = Scene::load_with(&args.scene, &mut |file, done, whole| loading.update(file, done, whole))?;
+    drop(loading);
+    if !args.quiet {
+        scene.warnings().iter().for_each(|warning| tell(&format!("warning: {warning}")));
+    }
     let output = output_of(args)?;
     seconds.load = clock.lap();
 

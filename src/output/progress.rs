@@ -1,6 +1,7 @@
 //! Progress on stderr: a bar on a terminal, now and then a plain line elsewhere. Nothing here touches stdout.
 
 use std::io::Write;
+use std::path::Path;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
@@ -8,6 +9,8 @@ use indicatif::{FormattedDuration, ProgressBar, ProgressDrawTarget, ProgressFini
 
 /// Time between lines where stderr is no terminal: few enough for the log of a long render.
 const LINE_INTERVAL: Duration = Duration::from_secs(5);
+/// What takes less is over before a bar could be read.
+const MOMENT: Duration = Duration::from_millis(500);
 /// Length of the bar. Its unit is a share of the whole, since the whole may be samples or seconds.
 const BAR_STEPS: u64 = 10_000;
 /// Indicatif leaves the colour out where stderr is no terminal, and where NO_COLOR is set.
@@ -57,21 +60,7 @@ impl Progress {
     /// May be called as often as is convenient.
     pub fn update(&self, status: Status) {
         let elapsed = self.start.elapsed();
-        match &self.display {
-            Display::Hidden => {}
-            Display::Bar(bar) => {
-                bar.set_position((self.goal.share(&status, elapsed) * BAR_STEPS as f64) as u64);
-                bar.set_message(describe(&self.goal, &status, elapsed));
-            }
-            Display::Lines(last) => {
-                // A poisoned lock still holds a time.
-                let mut last = last.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
-                if last.elapsed() >= LINE_INTERVAL {
-                    *last = Instant::now();
-                    print(&describe(&self.goal, &status, elapsed));
-                }
-            }
-        }
+        self.display.show(self.goal.share(&status, elapsed), || describe(&self.goal, &status, elapsed));
     }
 
     /// Prints a line, above the bar; nothing where quiet.
@@ -102,6 +91,54 @@ impl Display {
         let bar = ProgressBar::with_draw_target(Some(BAR_STEPS), target);
         Display::Bar(bar.with_style(style).with_finish(ProgressFinish::AndClear))
     }
+
+    /// Shows what is done, 0 to 1, and in words.
+    fn show(&self, share: f64, words: impl FnOnce() -> String) {
+        match self {
+            Display::Hidden => {}
+            Display::Bar(bar) => {
+                bar.set_position((share * BAR_STEPS as f64) as u64);
+                bar.set_message(words());
+            }
+            Display::Lines(last) => {
+                // A poisoned lock still holds a time.
+                let mut last = last.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+                if last.elapsed() >= LINE_INTERVAL {
+                    *last = Instant::now();
+                    print(&words());
+                }
+            }
+        }
+    }
+}
+
+/// Shows how far the reading of the scene's files is, if it takes longer than a moment. Dropping it takes the bar away.
+pub struct Loading {
+    quiet: bool,
+    start: Instant,
+    /// None before the moment is over.
+    display: Option<Display>,
+}
+
+impl Loading {
+    /// The time runs from here. `quiet` shows nothing at all.
+    pub fn new(quiet: bool) -> Loading {
+        Loading { quiet, start: Instant::now(), display: None }
+    }
+
+    /// `done` of the `whole` bytes of a file are read. May be called as often as is convenient.
+    pub fn update(&mut self, file: &Path, done: u64, whole: u64) {
+        if self.quiet || self.start.elapsed() < MOMENT {
+            return;
+        }
+        let display = self.display.get_or_insert_with(|| Display::for_stderr(self.start));
+        display.show(done as f64 / whole.max(1) as f64, || describe_file(file, done, whole));
+    }
+}
+
+/// `reading meshes/dragon.ply  12/57 MiB`
+fn describe_file(file: &Path, done: u64, whole: u64) -> String {
+    format!("reading {}  {}/{} MiB", file.display(), done >> 20, whole.div_ceil(1 << 20))
 }
 
 /// A failure to report is not worth failing the render, nor a panic, as `eprintln` would have it.
@@ -192,6 +229,20 @@ mod tests {
             describe(&goal, &STATUS, Duration::ZERO);
         }
         assert_eq!(Goal::Samples { from: 0, to: 100 }.remaining(&STATUS, MINUTE), Some(Duration::ZERO));
+    }
+
+    #[test]
+    fn reading_says_the_file_and_its_bytes() {
+        assert_eq!(describe_file(Path::new("a/b.ply"), 12 << 20, (57 << 20) - 1), "reading a/b.ply  12/57 MiB");
+        let long_ago = Instant::now().checked_sub(2 * MOMENT).unwrap();
+        for quiet in [true, false] {
+            let mut loading = Loading::new(quiet);
+            loading.update(Path::new("a"), 0, 0);
+            assert!(loading.display.is_none(), "nothing is shown before a moment is over");
+            loading.start = long_ago;
+            loading.update(Path::new("a"), 0, 0);
+            assert_eq!(loading.display.is_none(), quiet);
+        }
     }
 
     #[test]

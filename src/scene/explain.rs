@@ -288,6 +288,8 @@ const TEXTURE: &str = "a texture: Rgb(r, g, b), Checker(..), Image(..), Noise(..
 const MATERIAL: &str = "a material: Lambertian(..), Metal(..), Dielectric(..) or DiffuseLight(..)";
 const OBJECT: &str = "an object: Sphere(..), Quad(..), Box(..), Mesh(..), Transformed(..), \
                       Group([..]) or Medium(..)";
+const BOUNDARY: &str = "a boundary: a Sphere(..), a Box(..) or a closed Mesh(..), Transformed(..) or not, without a \
+                        material";
 const TRANSFORM: &str = "a transform: Translate((x, y, z)), Scale(s), RotateX(degrees), \
                          RotateY(degrees), RotateZ(degrees) or Rotate(axis: .., degrees: ..)";
 const COLOUR: &str = "a colour: (r, g, b)";
@@ -329,7 +331,8 @@ fn expected_field(name: &str) -> &'static str {
         "albedo" | "emit" => TEXTURE,
         "two_sided" => "true or false",
         "objects" => "a list of objects: [..]",
-        "object" | "boundary" => OBJECT,
+        "object" => OBJECT,
+        "boundary" => BOUNDARY,
         "by" => "a list of transforms: [..]",
         "render" => "(samples: .., max_depth: ..)",
         "samples" => "a whole number from 1 to 2147483648",
@@ -357,7 +360,7 @@ fn expected_variant(name: &str) -> &'static str {
         "Mesh" => "Mesh(path: .., material: ..)",
         "Transformed" => "Transformed(by: [..], object: ..)",
         "Group" => "a list of objects: [..]",
-        "Medium" => "Medium(boundary: .., density: .., albedo: ..)",
+        "Medium" => "Medium(boundary: .., density: .., albedo: .., anisotropy: ..)",
         "Translate" => VECTOR,
         "Scale" => "one positive number",
         "RotateX" | "RotateY" | "RotateZ" => "a number of degrees",

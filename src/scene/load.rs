@@ -1,4 +1,4 @@
-//! Reads a scene file: text, then values, then checks, then images.
+//! Reads a scene file: text, then values, then checks, then images and meshes.
 
 use std::collections::{BTreeMap, HashSet};
 use std::fmt;
@@ -13,7 +13,7 @@ use serde::{Deserialize, Deserializer};
 use super::explain::explain;
 use super::source::Source;
 use super::types::*;
-use super::{Scene, bitmap, validate};
+use super::{OnProgress, Scene, bitmap, mesh, validate};
 use crate::error::Result;
 
 /// The longest scene file, in bytes: enough for some ten million spheres. Positions are kept in 32 bits.
@@ -55,7 +55,7 @@ pub fn read(path: &Path) -> Result<String> {
 }
 
 /// The scene that a text describes, complete and checked.
-pub fn parse(mut text: String, path: &Path) -> Result<Scene> {
+pub fn parse(mut text: String, path: &Path, progress: &mut OnProgress) -> Result<Scene> {
     if text.starts_with('\u{feff}') {
         text.drain(..'\u{feff}'.len_utf8());
     }
@@ -86,6 +86,10 @@ pub fn parse(mut text: String, path: &Path) -> Result<Scene> {
     };
     validate::validate(&scene)?;
     scene.bitmaps = bitmap::load_all(&scene)?;
+    scene.meshes = mesh::load_all(&scene, progress)?;
+    if !scene.meshes.is_empty() {
+        validate::with_meshes(&scene)?;
+    }
     Ok(scene)
 }
 

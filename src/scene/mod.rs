@@ -1,7 +1,7 @@
 //! The scene: what its file says, checked, with the place in the file of every value.
 //!
 //! `load` reads the file, `explain` puts ron's complaints into the words of the scene format, `validate` refuses numbers
-//! that mean nothing, `bitmap` decodes the images. Whatever is wrong, the error names file:line:column and the field.
+//! that mean nothing, `bitmap` decodes the images, `mesh` reads the meshes. Whatever is wrong, the error names file:line:column and the field.
 
 mod bitmap;
 mod explain;
@@ -12,6 +12,7 @@ mod source;
 mod spans;
 pub mod types;
 mod validate;
+mod visit;
 mod warn;
 
 use std::collections::BTreeMap;
@@ -20,11 +21,11 @@ use std::path::Path;
 use crate::error::{Error, Location, Result};
 use source::{Place, Source};
 
-pub use mesh::Mesh;
+pub use mesh::{Mesh, OnProgress, OpenEdges};
 pub use spans::Step;
 pub use types::*;
 
-/// A scene that has been read and validated, with its images decoded.
+/// A scene that has been read and validated, with its images decoded and its meshes read.
 #[derive(Clone, Debug)]
 pub struct Scene {
     pub image: ImageSize,
@@ -42,16 +43,21 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Reads, parses and validates a scene file and decodes the images it names.
+    /// Reads, parses and validates a scene file and decodes the images and meshes it names.
     ///
     /// Every error is an [`Error::Scene`]; one that concerns the file as a whole (missing, a folder) points at 1:1.
     pub fn load(path: &Path) -> Result<Scene> {
-        load::parse(load::read(path)?, path)
+        Scene::load_with(path, &mut |_, _, _| {})
+    }
+
+    /// The same, with word of how far the reading of large files is, every MiB or so.
+    pub fn load_with(path: &Path, progress: &mut OnProgress) -> Result<Scene> {
+        load::parse(load::read(path)?, path, progress)
     }
 
     /// The same for a text in memory. `path` is its name in errors, and its folder is where relative paths start.
     pub fn parse(text: &str, path: &Path) -> Result<Scene> {
-        load::parse(text.to_owned(), path)
+        load::parse(text.to_owned(), path, &mut |_, _, _| {})
     }
 
     /// Where the value at the end of `steps` stands in the scene file.

@@ -1,13 +1,14 @@
 //! Refuses what parses and means nothing: every error at the value's own place.
 
-use std::collections::HashSet;
+use std::cell::RefCell;
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 use glam::DVec3;
 
-use super::Scene;
 use super::nearest::nearest;
 use super::source::Place;
 use super::types::*;
+use super::{Mesh, Scene};
 use crate::error::Result;
 
 /// Largest magnitude of a number: its square is still finite in f64, with room for sums.
@@ -24,21 +25,36 @@ const LARGEST_AREA: u64 = 1 << 30;
 const MOST_SAMPLES: u32 = 1 << 31;
 const DEEPEST: u32 = 1_000_000;
 
-/// Checks the whole scene but for its images, in the order of the format's description.
+/// Checks the whole scene but for what is in its files, in the order of the format's description.
 pub fn validate(scene: &Scene) -> Result<()> {
     let top = scene.top();
-    let materials =
-        Materials { all: &scene.materials, names: scene.materials.iter().map(|(name, _)| name.as_str()).collect() };
     image(&top.field("image"), &scene.image)?;
     camera(&top.field("camera"), &scene.camera)?;
     background(&top.field("background"), &scene.background)?;
     for (name, value) in &scene.materials {
         material(&top.field("materials").key(name), value)?;
     }
-    for (index, value) in scene.objects.iter().enumerate() {
-        object(&materials, &top.field("objects").index(index), value, Reach::IDENTITY)?;
-    }
+    objects(scene)?;
     render(&top.field("render"), &scene.render)
+}
+
+/// Checks the objects again, now that the meshes are known.
+pub fn with_meshes(scene: &Scene) -> Result<()> {
+    objects(scene)
+}
+
+fn objects(scene: &Scene) -> Result<()> {
+    let known = Known {
+        all: &scene.materials,
+        materials: scene.materials.iter().map(|(name, material)| (name.as_str(), material)).collect(),
+        meshes: &scene.meshes,
+        closed: RefCell::default(),
+    };
+    let top = scene.top();
+    for (index, value) in scene.objects.iter().enumerate() {
+        object(&known, &top.field("objects").index(index), value, Reach::IDENTITY)?;
+    }
+    Ok(())
 }
 
 fn image(at: &Place, image: &ImageSize) -> Result<()> {
@@ -175,8 +191,42 @@ impl Reach {
 const OUT_OF_REACH: &str = "the transforms around this place take it out of the range of numbers, \
                             1e-100 to 1e100";
 
-fn object(materials: &Materials, at: &Place, object: &Object, reach: Reach) -> Result<()> {
+fn object(known: &Known, at: &Place, object: &Object, reach: Reach) -> Result<()> {
     let at = &at.variant(object.name());
+    match object {
+        Object::Sphere { .. } | Object::Quad { .. } | Object::Box { .. } | Object::Mesh { .. } => {
+            shape(known, at, object, reach)?;
+            known.check_material(at, object)
+        }
+        Object::Transformed { by, object: inner } => {
+            let reach = transforms(&at.field("by"), by, reach)?;
+            self::object(known, &at.field("object"), inner, reach)
+        }
+        Object::Group(objects) => objects
+            .iter()
+            .enumerate()
+            .try_for_each(|(index, inner)| self::object(known, &at.index(index), inner, reach)),
+        Object::Medium { boundary, density, albedo, anisotropy } => {
+            self::boundary(known, &at.field("boundary"), boundary, reach)?;
+            if *density != 0.0 {
+                length(&at.field("density"), "a density of 0 or", *density)?;
+            }
+            if let Texture::Image { .. } = albedo {
+                let message = "there are no texture coordinates inside a medium: expected Rgb(..), Checker(..), \
+                               Noise(..) or Marble(..)";
+                return Err(at.field("albedo").error(message));
+            }
+            texture(&at.field("albedo"), albedo, Use::Albedo)?;
+            if !(*anisotropy > -1.0 && *anisotropy < 1.0) {
+                return Err(at.field("anisotropy").unexpected("an anisotropy between -1 and 1, without these"));
+            }
+            Ok(())
+        }
+    }
+}
+
+/// Checks the numbers of an object that is a shape, but not its material. Of a mesh, once it is read.
+fn shape(known: &Known, at: &Place, object: &Object, reach: Reach) -> Result<()> {
     let (size, distance) = match object {
         Object::Sphere { center, radius, .. } => {
             vector(&at.field("center"), *center)?;
@@ -192,27 +242,42 @@ fn object(materials: &Materials, at: &Place, object: &Object, reach: Reach) -> R
             sides(at, *min, *max)?;
             ((max - min).min_element(), min.length().max(max.length()))
         }
-        Object::Transformed { by, object: inner } => {
-            let reach = transforms(&at.field("by"), by, reach)?;
-            return self::object(materials, &at.field("object"), inner, reach);
+        Object::Mesh { path, .. } => {
+            let Some(mesh) = known.meshes.get(path) else { return Ok(()) };
+            let (low, high) = mesh.bounds();
+            ((high - low).max_element(), low.abs().max(high.abs()).length())
         }
-        Object::Group(objects) => {
-            for (index, inner) in objects.iter().enumerate() {
-                self::object(materials, &at.index(index), inner, reach)?;
-            }
-            return Ok(());
-        }
-        Object::Mesh { .. } | Object::Medium { .. } => return Err(not_built(at, object)),
+        Object::Transformed { .. } | Object::Group(_) | Object::Medium { .. } => return Ok(()),
     };
     if !reach.holds(size, distance) {
         return Err(at.error(OUT_OF_REACH));
     }
-    materials.check(at, object)
+    Ok(())
 }
 
-/// The one place that refuses the objects of the format that gpu-rt cannot render yet.
-fn not_built(at: &Place, object: &Object) -> crate::error::Error {
-    at.error(format!("{} is not built yet", object.name()))
+/// Checks what a medium fills.
+fn boundary(known: &Known, at: &Place, object: &Object, reach: Reach) -> Result<()> {
+    let inside = &at.variant(object.name());
+    match object {
+        Object::Sphere { .. } | Object::Box { .. } | Object::Mesh { .. } => shape(known, inside, object, reach)?,
+        Object::Transformed { by, object } => {
+            let reach = transforms(&inside.field("by"), by, reach)?;
+            return boundary(known, &inside.field("object"), object, reach);
+        }
+        Object::Quad { .. } | Object::Group(_) | Object::Medium { .. } => {
+            let boundary = "a boundary: a Sphere, a Box or a closed Mesh, Transformed or not, without a material";
+            return Err(at.unexpected(boundary));
+        }
+    }
+    if object.material().is_some() {
+        let message = "a medium's boundary has no surface, and so no material: remove it, or list the object beside the \
+                       medium too";
+        return Err(inside.field("material").error(message));
+    }
+    match object {
+        Object::Mesh { path, .. } => known.check_closed(&inside.field("path"), path),
+        _ => Ok(()),
+    }
 }
 
 fn edges(at: &Place, u: DVec3, v: DVec3) -> Result<()> {
@@ -268,27 +333,59 @@ fn transforms(at: &Place, by: &[Transform], mut reach: Reach) -> Result<Reach> {
     Ok(reach)
 }
 
-/// The materials that objects may name.
-struct Materials<'a> {
+/// What objects may name.
+struct Known<'a> {
     all: &'a [(String, Material)],
-    /// The same names, found in constant time.
-    names: HashSet<&'a str>,
+    /// The same materials, found in constant time.
+    materials: HashMap<&'a str, &'a Material>,
+    /// The meshes that have been read: none before all else is checked.
+    meshes: &'a BTreeMap<String, Mesh>,
+    /// The paths of those that are known to be closed.
+    closed: RefCell<HashSet<&'a str>>,
 }
 
-impl Materials<'_> {
-    /// Checks that the object has a material and that it exists.
-    fn check(&self, at: &Place, object: &Object) -> Result<()> {
+impl<'a> Known<'a> {
+    /// Checks that the object has a material, that it exists, and that it can be put on the object.
+    fn check_material(&self, at: &Place, object: &Object) -> Result<()> {
         let names = || self.all.iter().map(|(name, _)| name.as_str());
-        let message = match object.material() {
-            Some(name) if self.names.contains(name) => return Ok(()),
-            Some(name) => {
-                let meant = nearest(name, names());
-                let meant = meant.map_or(String::new(), |meant| format!("; did you mean {meant:?}?"));
-                format!("there is no material {name:?}: {}{meant}", known(names()))
-            }
-            None => format!("material is missing: {}", known(names())),
+        let at = at.field("material");
+        let Some(name) = object.material() else {
+            return Err(at.error(format!("material is missing: {}", known(names()))));
         };
-        Err(at.field("material").error(message))
+        let Some(material) = self.materials.get(name) else {
+            let meant = nearest(name, names());
+            let meant = meant.map_or(String::new(), |meant| format!("; did you mean {meant:?}?"));
+            return Err(at.error(format!("there is no material {name:?}: {}{meant}", known(names()))));
+        };
+        if let Object::Mesh { path, .. } = object
+            && self.meshes.get(path).is_some_and(|mesh| mesh.uvs.is_empty())
+            && let Some(Slot { texture: Texture::Image { .. }, .. }) = material.texture()
+        {
+            let message = format!(
+                "the material {name:?} has an image, and the mesh {path:?} has no texture coordinates to place it by: \
+                 expected a mesh that has them at every corner, or another texture"
+            );
+            return Err(at.error(message));
+        }
+        Ok(())
+    }
+
+    /// Checks that a mesh, once it is read, bounds a body.
+    fn check_closed(&self, at: &Place, path: &str) -> Result<()> {
+        let Some((path, mesh)) = self.meshes.get_key_value(path) else { return Ok(()) };
+        if self.closed.borrow().contains(path.as_str()) {
+            return Ok(());
+        }
+        if let Some(open) = mesh.open_edges() {
+            let edges = if open.count == 1 { "edge" } else { "edges" };
+            return Err(at.error(format!(
+                "{path}: expected a closed mesh, wound one way, as a medium's boundary: face {} (counted from 0) has an \
+                 edge that no neighbour runs along the other way; there are {} such {edges}",
+                open.face, open.count
+            )));
+        }
+        self.closed.borrow_mut().insert(path);
+        Ok(())
     }
 }
 

@@ -5,6 +5,7 @@ use std::collections::HashSet;
 use super::Scene;
 use super::source::Place;
 use super::types::*;
+use super::visit::visit_all;
 
 /// A refractive index nearer than this to 1, and not 1, is lost in f32.
 const NEAR_ONE: f64 = 1e-6;
@@ -26,6 +27,22 @@ pub fn warnings(scene: &Scene) -> Vec<String> {
         let message = "there are 0 objects, so that the image shows the background alone: add objects";
         warnings.push(top.field("objects").warning(message));
     }
+    let mut told = HashSet::new();
+    let walked = visit_all(&top.field("objects"), &scene.objects, &mut |at, object| {
+        match object {
+            Object::Medium { density: 0.0, .. } => {
+                let message = "a density of 0 means that the medium has no effect: remove it or raise its density";
+                warnings.push(at.field("density").warning(message));
+            }
+            Object::Mesh { path, .. } if told.insert(path.clone()) => {
+                let about = scene.meshes.get(path).map_or(&[][..], |mesh| &mesh.warnings);
+                warnings.extend(about.iter().map(|text| at.field("path").warning(&format!("{path}: {text}"))));
+            }
+            _ => {}
+        }
+        Ok(())
+    });
+    debug_assert!(walked.is_ok(), "nothing in it fails");
     warnings
 }
 

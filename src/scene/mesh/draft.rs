@@ -1,0 +1,218 @@
+//! A mesh while its file is read, and what makes a checked mesh of it.
+
+use glam::{DVec3, Vec2, Vec3};
+
+use super::Mesh;
+
+pub const MOST_TRIANGLES: usize = 1 << 28;
+/// Vertices are numbered in 32 bits.
+pub const MOST_VERTICES: usize = u32::MAX as usize;
+/// Largest coordinate, as in the scene file.
+const LARGEST: f64 = 1e100;
+
+/// What a file says, unchecked.
+#[derive(Default)]
+pub struct Draft {
+    pub positions: Vec<DVec3>,
+    /// For every vertex, not a number where the file has none; or empty.
+    pub normals: Vec<Vec3>,
+    /// For every vertex, not a number where the file has none; or empty.
+    pub uvs: Vec<Vec2>,
+    triangles: Vec<[u32; 3]>,
+    /// The face that each triangle is part of.
+    faces: Vec<u32>,
+    /// Faces so far, those without triangles too.
+    face_count: u32,
+}
+
+impl Draft {
+    /// The number of the next face.
+    pub fn next_face(&self) -> u32 {
+        self.face_count
+    }
+
+    /// The first face that has this vertex.
+    pub fn face_of_vertex(&self, vertex: u32) -> Option<u32> {
+        let at = self.triangles.iter().position(|triangle| triangle.contains(&vertex))?;
+        self.faces.get(at).copied()
+    }
+
+    /// Makes room for about so many triangles.
+    pub fn reserve(&mut self, triangles: usize) {
+        let triangles = triangles.min(MOST_TRIANGLES);
+        self.triangles.reserve(triangles);
+        self.faces.reserve(triangles);
+    }
+
+    /// Adds the file's next face as a fan of triangles around its first corner. With fewer than three corners it is none.
+    pub fn face(&mut self, corners: &[u32]) -> Result<(), String> {
+        let face = self.face_count;
+        self.face_count = face.checked_add(1).ok_or("it has more than 2^32 - 1 faces")?;
+        let Some((&first, rest)) = corners.split_first() else { return Ok(()) };
+        if self.triangles.len() + rest.len() > MOST_TRIANGLES {
+            return Err(format!("it has more than {MOST_TRIANGLES} triangles: split it into several files"));
+        }
+        for pair in rest.windows(2) {
+            if let &[second, third] = pair {
+                self.triangles.push([first, second, third]);
+                self.faces.push(face);
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds a vertex and gives its number.
+    pub fn vertex(&mut self, position: DVec3) -> Result<u32, String> {
+        let number = self.positions.len();
+        if number >= MOST_VERTICES {
+            return Err(format!("it has more than {MOST_VERTICES} vertices: split it into several files"));
+        }
+        self.positions.push(position);
+        Ok(number as u32)
+    }
+
+    /// The mesh, of which every face is good.
+    pub fn finish(mut self) -> Result<Mesh, String> {
+        if self.face_count == 0 {
+            return Err("it has no faces: expected at least one of three corners or more".to_owned());
+        }
+        let mut warnings = Vec::new();
+        self.check_faces()?;
+        warnings.extend(self.leave_out_flat_faces()?);
+        self.leave_out_unused_vertices();
+        let normals = self.take_normals();
+        warnings.extend(normals.is_err().then(|| {
+            "some of its faces have corners without a normal, or with one of no length: its normals are not used, and \
+             it is flat-shaded"
+                .to_owned()
+        }));
+        let uvs = self.take_uvs();
+        warnings.extend(uvs.is_err().then(|| {
+            "some of its faces have corners without texture coordinates: those of the others are not used".to_owned()
+        }));
+        Ok(Mesh {
+            positions: self.positions,
+            triangles: self.triangles,
+            normals: normals.unwrap_or_default(),
+            uvs: uvs.unwrap_or_default(),
+            faces: self.faces,
+            warnings,
+        })
+    }
+
+    /// Whether all corners of all faces are places.
+    fn check_faces(&self) -> Result<(), String> {
+        let count = self.positions.len();
+        for (triangle, &face) in self.triangles.iter().zip(&self.faces) {
+            for &corner in triangle {
+                match self.positions.get(corner as usize) {
+                    Some(p) if p.abs().cmple(DVec3::splat(LARGEST)).all() => {}
+                    Some(DVec3 { x, y, z }) => {
+                        return Err(format!(
+                            "face {face} (counted from 0): expected finite coordinates of at most {LARGEST:e} in \
+                             magnitude, found ({x}, {y}, {z}) at vertex {corner}"
+                        ));
+                    }
+                    None => {
+                        return Err(format!(
+                            "face {face} (counted from 0): there is no vertex {corner}, for the file has {count}, \
+                             counted from 0"
+                        ));
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Leaves out the triangles of which two corners are at the same place. A face of which nothing stays is warned about.
+    fn leave_out_flat_faces(&mut self) -> Result<Option<String>, String> {
+        let (mut left_out, mut first, mut next) = (0, None, 0);
+        let mut note = |from: u32, to: u32| {
+            if from < to {
+                left_out += to - from;
+                first = first.or(Some(from));
+            }
+        };
+        let mut kept = 0;
+        for at in 0..self.triangles.len() {
+            let (Some(&triangle), Some(&face)) = (self.triangles.get(at), self.faces.get(at)) else { continue };
+            let [a, b, c] = triangle.map(|corner| self.positions.get(corner as usize));
+            if a == b || b == c || c == a {
+                continue;
+            }
+            note(next, face);
+            next = face + 1;
+            if let (Some(to), Some(its_face)) = (self.triangles.get_mut(kept), self.faces.get_mut(kept)) {
+                (*to, *its_face) = (triangle, face);
+            }
+            kept += 1;
+        }
+        note(next, self.face_count);
+        self.triangles.truncate(kept);
+        self.faces.truncate(kept);
+        if kept == 0 {
+            return Err(format!("none of its {} faces has an area: it has no extent", self.face_count));
+        }
+        Ok(first.map(|first| {
+            let (have, were) = if left_out == 1 { ("has", "was") } else { ("have", "were") };
+            format!(
+                "{left_out} of {} faces {have} no area and {were} left out, the first is face {first} (counted from 0)",
+                self.face_count
+            )
+        }))
+    }
+
+    /// Vertices of no triangle may be anything, and would be in the way of whoever looks at all positions.
+    fn leave_out_unused_vertices(&mut self) {
+        let mut is_used = vec![false; self.positions.len()];
+        for &corner in self.triangles.as_flattened() {
+            if let Some(is_used) = is_used.get_mut(corner as usize) {
+                *is_used = true;
+            }
+        }
+        if is_used.iter().all(|&is_used| is_used) {
+            return;
+        }
+        let mut count = 0;
+        let new_number = |&is_used: &bool| {
+            count += u32::from(is_used);
+            count.saturating_sub(1)
+        };
+        let numbers: Vec<u32> = is_used.iter().map(new_number).collect();
+        for corner in self.triangles.as_flattened_mut() {
+            *corner = numbers.get(*corner as usize).copied().unwrap_or_default();
+        }
+        retain(&mut self.positions, &is_used);
+        retain(&mut self.normals, &is_used);
+        retain(&mut self.uvs, &is_used);
+    }
+
+    /// The normals with length 1; none if the file has none; an error if some are missing or have no length.
+    fn take_normals(&mut self) -> Result<Vec<Vec3>, ()> {
+        let mut normals = std::mem::take(&mut self.normals);
+        if !normals.is_empty() && normals.len() != self.positions.len() {
+            return Err(());
+        }
+        for normal in &mut normals {
+            // In f64 no f32 vector's length overflows or vanishes.
+            let unit = normal.as_dvec3().normalize();
+            if !unit.is_finite() {
+                return Err(());
+            }
+            *normal = unit.as_vec3();
+        }
+        Ok(normals)
+    }
+
+    fn take_uvs(&mut self) -> Result<Vec<Vec2>, ()> {
+        let uvs = std::mem::take(&mut self.uvs);
+        let all = uvs.is_empty() || (uvs.len() == self.positions.len() && uvs.iter().all(|uv| uv.is_finite()));
+        all.then_some(uvs).ok_or(())
+    }
+}
+
+fn retain<T>(values: &mut Vec<T>, is_used: &[bool]) {
+    let mut is_used = is_used.iter();
+    values.retain(|_| is_used.next().copied().unwrap_or(false));
+}

@@ -1,0 +1,85 @@
+//! The bytes of a file, handed out from the front.
+
+/// Bytes between two words about progress.
+const TELL_EVERY: usize = 1 << 20;
+
+/// What is left of a file. As it gets less, it says how much is done.
+pub struct Input<'a> {
+    rest: &'a [u8],
+    whole: usize,
+    /// How many bytes are left when progress is told next.
+    tell_at: usize,
+    tell: &'a mut dyn FnMut(usize),
+}
+
+impl<'a> Input<'a> {
+    pub fn new(bytes: &'a [u8], tell: &'a mut dyn FnMut(usize)) -> Input<'a> {
+        let whole = bytes.len();
+        Input { rest: bytes, whole, tell_at: whole.saturating_sub(TELL_EVERY), tell }
+    }
+
+    pub fn rest(&self) -> &'a [u8] {
+        self.rest
+    }
+
+    /// The next `count` bytes, or nothing if there are fewer.
+    pub fn take(&mut self, count: usize) -> Option<&'a [u8]> {
+        let (taken, rest) = self.rest.split_at_checked(count)?;
+        self.move_to(rest);
+        Some(taken)
+    }
+
+    pub fn array<const N: usize>(&mut self) -> Option<[u8; N]> {
+        let (taken, rest) = self.rest.split_first_chunk()?;
+        self.move_to(rest);
+        Some(*taken)
+    }
+
+    /// The next line without its end, which is LF or CR LF, or the end of the file.
+    pub fn line(&mut self) -> Option<&'a [u8]> {
+        if self.rest.is_empty() {
+            return None;
+        }
+        let end = self.rest.iter().position(|&byte| byte == b'\n');
+        let line = match end {
+            Some(end) => self.take(end + 1)?.split_last()?.1,
+            None => self.take(self.rest.len())?,
+        };
+        Some(line.strip_suffix(b"\r").unwrap_or(line))
+    }
+
+    /// The next word, up to white space.
+    pub fn word(&mut self) -> Option<&'a [u8]> {
+        let start = self.rest.iter().position(|byte| !byte.is_ascii_whitespace())?;
+        let (_, rest) = self.rest.split_at_checked(start)?;
+        let end = rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len());
+        let (word, rest) = rest.split_at_checked(end)?;
+        self.move_to(rest);
+        Some(word)
+    }
+
+    fn move_to(&mut self, rest: &'a [u8]) {
+        self.rest = rest;
+        if rest.len() < self.tell_at {
+            self.tell_at = rest.len().saturating_sub(TELL_EVERY);
+            (self.tell)(self.whole - rest.len());
+        }
+    }
+}
+
+/// The words of a line.
+pub fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
+    line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
+}
+
+/// The number that a word stands for.
+pub fn number<T: std::str::FromStr>(word: &[u8]) -> Option<T> {
+    std::str::from_utf8(word).ok()?.parse().ok()
+}
+
+/// A word as messages quote it: not a page of it.
+pub fn quote(word: &[u8]) -> String {
+    const LONGEST: usize = 40;
+    let text = String::from_utf8_lossy(word.get(..LONGEST).unwrap_or(word));
+    format!("{text:?}")
+}

@@ -1,0 +1,25 @@
+//! A walk over all objects with their places.
+
+use super::source::Place;
+use super::types::Object;
+use crate::error::Result;
+
+/// Calls `visit` with an object and all objects inside it, in the file's order. The place is that of the variant, as in
+/// `objects[3].Group[0].Sphere`.
+pub fn visit(at: &Place, object: &Object, visitor: &mut dyn FnMut(&Place, &Object) -> Result<()>) -> Result<()> {
+    let at = &at.variant(object.name());
+    visitor(at, object)?;
+    match object {
+        Object::Transformed { object, .. } => visit(&at.field("object"), object, visitor),
+        Object::Medium { boundary, .. } => visit(&at.field("boundary"), boundary, visitor),
+        Object::Group(objects) => {
+            objects.iter().enumerate().try_for_each(|(index, object)| visit(&at.index(index), object, visitor))
+        }
+        Object::Sphere { .. } | Object::Quad { .. } | Object::Box { .. } | Object::Mesh { .. } => Ok(()),
+    }
+}
+
+/// The same for all objects of a scene.
+pub fn visit_all(at: &Place, objects: &[Object], visitor: &mut dyn FnMut(&Place, &Object) -> Result<()>) -> Result<()> {
+    objects.iter().enumerate().try_for_each(|(index, object)| visit(&at.index(index), object, visitor))
+}
