@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use crate::flatten::Quality;
 use crate::plan::Scatter;
 
 /// A path tracer on the GPU, and without one.
@@ -102,6 +103,9 @@ pub struct TuningArgs {
     /// queue for each material [default: by the device].
     #[arg(long, value_enum)]
     pub scatter: Option<ScatterArg>,
+    /// How long the hierarchies over meshes and objects may take to build, for how fast rays find their way through them.
+    #[arg(long, value_enum, default_value_t = BuildArg::Medium)]
+    pub build: BuildArg,
     /// Measure the seconds of each stage on the device; costs a pass for each dispatch.
     #[arg(long)]
     pub profile: bool,
@@ -124,6 +128,9 @@ pub struct PlanArgs {
     /// queue for each material [default: by the device].
     #[arg(long, value_enum)]
     pub scatter: Option<ScatterArg>,
+    /// How long the hierarchies over meshes and objects may take to build.
+    #[arg(long, value_enum, default_value_t = BuildArg::Medium)]
+    pub build: BuildArg,
     /// Print one JSON object on stdout.
     #[arg(long)]
     pub json: bool,
@@ -160,6 +167,23 @@ pub enum ScatterArg {
     Fused,
     Linked,
     Queues,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum BuildArg {
+    Fast,
+    Medium,
+    Best,
+}
+
+impl From<BuildArg> for Quality {
+    fn from(arg: BuildArg) -> Quality {
+        match arg {
+            BuildArg::Fast => Quality::Fast,
+            BuildArg::Medium => Quality::Medium,
+            BuildArg::Best => Quality::Best,
+        }
+    }
 }
 
 impl From<ScatterArg> for Scatter {

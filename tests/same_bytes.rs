@@ -49,10 +49,23 @@ impl Everything {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let image = RgbImage::from_fn(8, 8, |x, y| Rgb([(x * 30) as u8, (y * 30) as u8, 200]));
         image.save(folder.path().join("image.png")).expect("the image is written");
+        let octahedron = octahedron();
+        std::fs::write(folder.path().join("octahedron.obj"), &octahedron).expect("the mesh is written");
+        // Without its normals: flat-shaded.
+        let flat: Vec<String> = octahedron
+            .lines()
+            .filter(|line| !line.starts_with("vn"))
+            .map(|line| match line.starts_with('f') {
+                true => line.split(' ').map(|c| c.split('/').next().unwrap_or_default()).collect::<Vec<_>>().join(" "),
+                false => line.to_string(),
+            })
+            .collect();
+        std::fs::write(folder.path().join("flat.obj"), flat.join("\n")).expect("the mesh is written");
         Everything(folder)
     }
 
-    /// Every primitive, every material, every texture, a lens, and a sky; objects inside others; two of them coincident.
+    /// Every primitive, every material, every texture, a lens, and a sky; objects inside others; two of them coincident; media in
+    /// every kind of boundary, overlapping, textured, and one that fills a glass sphere.
     fn scene(&self, world: World) -> Scene {
         let World { scale, shift: [x, y, z], brightness, camera_shift, lamp } = world;
         let length = |l: f64| format!("{:e}", l * scale);
@@ -90,11 +103,19 @@ impl Everything {
             Box(min: (-1, -0.4, -1), max: (1, 1.3, 1), material: \"noise\"),
             Transformed(by: [Rotate(axis: (1, 2, 3), degrees: 50)], object: Sphere(center: (2.5, 0.5, 0), radius: 0.9, material: \"mirror\")),
         ])),
+        Transformed(by: [Scale(0.5), RotateY(20), Translate((-0.4, 1.6, 0.3))], object: Mesh(path: \"octahedron.obj\", material: \"image\")),
+        Transformed(by: [Scale(0.4), RotateX(10), Translate((0.9, 1.9, 0))], object: Mesh(path: \"octahedron.obj\", material: \"mirror\")),
+        Transformed(by: [Scale(0.3), Translate((-1.4, 2, -0.5))], object: Mesh(path: \"flat.obj\", material: \"marble\")),
+        Medium(boundary: Sphere(center: (0.4, 0.6, 0.6), radius: 0.6), density: {dense}, albedo: Rgb(0.2, 0.4, 0.9), anisotropy: 0.4),
+        Medium(boundary: Box(min: (-2, 0.1, -1), max: (2, 1.5, 1.5)), density: {thin}, albedo: Checker(scale: 0.3, even: (0.9, 0.9, 0.9), odd: (0.2, 0.5, 0.2))),
+        Medium(boundary: Transformed(by: [Scale(0.7), RotateZ(15), Translate((1.2, 0.8, 1))], object: Mesh(path: \"flat.obj\")), density: {thin}, albedo: Rgb(0.8, 0.8, 0.8), anisotropy: -0.3),
     ]))],
     render: (samples: 16, max_depth: 12),
 )",
             from = point([0.5 + camera_shift, 1.7, 5.0]),
             at = point([0.0 + camera_shift, 0.7, 0.0]),
+            dense = format_args!("{:e}", 4.0 / scale),
+            thin = format_args!("{:e}", 0.5 / scale),
             aperture = length(0.3),
             focus = length(4.5),
             bottom = colour([0.1, 0.2, 0.3]),
@@ -105,6 +126,18 @@ impl Everything {
         );
         scene_in(self.0.path(), &text)
     }
+}
+
+/// An octahedron with the normals of a sphere and texture coordinates.
+fn octahedron() -> String {
+    let mut text = String::new();
+    for (x, y, z) in [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)] {
+        text += &format!("v {x} {y} {z}\nvn {x} {y} {z}\nvt {} {}\n", 0.3 + 0.4 * f64::from(x), 0.5 + 0.9 * f64::from(y));
+    }
+    for [a, b, c] in [[5, 1, 3], [1, 6, 3], [6, 2, 3], [2, 5, 3], [1, 5, 4], [6, 1, 4], [2, 6, 4], [5, 2, 4]] {
+        text += &format!("f {a}/{a}/{a} {b}/{b}/{b} {c}/{c}/{c}\n");
+    }
+    text
 }
 
 fn everything() -> (Everything, Scene) {

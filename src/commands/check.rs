@@ -5,6 +5,7 @@ use serde_json::json;
 use super::{flatten_for, path_text, print_json, print_line};
 use crate::cli::CheckArgs;
 use crate::error::{Error, Result};
+use crate::flatten::Quality;
 use crate::plan::{Plan, Scatter};
 use crate::scene::Scene;
 
@@ -37,9 +38,9 @@ pub fn run(args: &CheckArgs) -> Result<()> {
 
 fn examine(args: &CheckArgs) -> Result<(usize, Vec<String>)> {
     let scene = Scene::load(&args.scene)?;
-    let (_, flat) = flatten_for(&scene, None)?;
+    let (_, flat) = flatten_for(&scene, None, Quality::default())?;
     Plan::new(&flat.features, Scatter::Linked)?;
-    Ok((flat.spheres.len() + flat.quads.len() + flat.cuboids.len(), scene.warnings()))
+    Ok((flat.primitives as usize, scene.warnings()))
 }
 
 fn describe(error: &Error) -> serde_json::Value {

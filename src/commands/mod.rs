@@ -9,7 +9,7 @@ use std::path::Path;
 
 use crate::cli::{Cli, Command};
 use crate::error::Result;
-use crate::flatten::{Flat, flatten};
+use crate::flatten::{Flat, Quality, flatten_with};
 use crate::scene::Scene;
 
 /// Runs the command.
@@ -23,9 +23,9 @@ pub fn run(cli: &Cli, start: std::time::Instant) -> Result<()> {
 }
 
 /// The size of the image asked for, and the scene flattened for it.
-fn flatten_for(scene: &Scene, size: Option<(u32, u32)>) -> Result<((u32, u32), Flat)> {
+fn flatten_for(scene: &Scene, size: Option<(u32, u32)>, quality: Quality) -> Result<((u32, u32), Flat)> {
     let size = size.unwrap_or((scene.image.width, scene.image.height));
-    Ok((size, flatten(scene, size)?))
+    Ok((size, flatten_with(scene, size, quality)?))
 }
 
 /// A path as JSON holds it.

@@ -17,7 +17,7 @@ use crate::scene::Scene;
 /// Prints the kernels and buffers, and why each is there.
 pub fn run(args: &PlanArgs) -> Result<()> {
     let scene = Scene::load(&args.scene)?;
-    let (size, flat) = flatten_for(&scene, args.size)?;
+    let (size, flat) = flatten_for(&scene, args.size, args.build.into())?;
     // Sizes depend on the device; where there is none, those of WebGPU's least are planned for.
     let adapters = Adapters::find();
     let (device, class) = match adapters.choose(args.device.as_deref()) {

@@ -52,7 +52,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     let output = output_of(args)?;
     seconds.load = clock.lap();
 
-    let (size, flat) = flatten_for(&scene, args.size)?;
+    let (size, flat) = flatten_for(&scene, args.size, args.tuning.build.into())?;
     seconds.build = clock.lap();
 
     let adapters = Adapters::find();

@@ -78,6 +78,8 @@ pub struct Flat {
     pub textures: Vec<data::Texture>,
     pub frames: Vec<data::Frame>,
     pub texels: Vec<[f32; 3]>,
+    /// Objects that rays can hit, a mesh placed in the scene counting as one.
+    pub primitives: u32,
     /// Device radiance times 2 to this power is the scene's radiance.
     pub radiance_exponent: i32,
 }
@@ -160,6 +162,7 @@ impl Builder<'_> {
         let (codes, bounds): (Vec<_>, Vec<_>) =
             (0..).zip(placed).map(|(order, primitive)| self.add_primitive(primitive, order)).unzip();
         let bvh = bvh::build(&bounds, &codes, self.quality);
+        self.flat.primitives = placed.len() as u32;
         self.flat.settings.root = self.flat.add_nodes(bvh.root, bvh.nodes);
         // In a mesh the walk keeps what waits outside of it.
         let within = self.laid.iter().flatten().map(|mesh| mesh.stack_size).max().unwrap_or(0);
