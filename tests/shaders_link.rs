@@ -127,6 +127,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("data", &["data", "lib"]),
     ("geometry", &["data", "geometry", "lib"]),
     ("material", &["data", "geometry", "lib"]),
+    ("medium", &["data", "geometry", "lib", "medium"]),
     ("bind", &["data"]),
     ("texture", &["data", "lib", "scene/texel"]),
     ("camera", &["bind", "camera", "data", "lib"]),
