@@ -36,6 +36,8 @@ mod frames;
 mod fresnel;
 #[path = "functions/materials.rs"]
 mod materials;
+#[path = "functions/medium.rs"]
+mod medium;
 #[path = "functions/perlin.rs"]
 mod perlin;
 #[path = "functions/quad.rs"]

@@ -164,6 +164,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("geometry", &["data", "geometry", "lib"]),
     ("medium", &["data", "geometry", "lib", "medium"]),
     ("material", &["data", "geometry", "lib"]),
+    ("medium", &["data", "geometry", "lib", "medium"]),
     ("bind", &["data"]),
     ("texture", &["data", "lib", "scene/texel"]),
     ("camera", &["bind", "camera", "data", "lib"]),

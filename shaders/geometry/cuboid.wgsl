@@ -14,22 +14,25 @@ fn cuboid_slab(ray: Ray, cuboid: Cuboid) -> Slab {
     return slab(origin, slab_inverse(direction), -cuboid.half_extent, cuboid.half_extent);
 }
 
+// Distances at which the ray's line enters and leaves; it misses where the first is larger.
+fn cuboid_crossings(s: Slab) -> vec2<f32> {
+    return vec2<f32>(max(max(s.enter.x, s.enter.y), s.enter.z), min(min(s.leave.x, s.leave.y), s.leave.z));
+}
+
 // Distance to the nearest face in front of the origin, or NO_HIT. Both crossings come from one test, so that no ray
 // slips between two faces.
 fn cuboid_distance(ray: Ray, cuboid: Cuboid) -> f32 {
-    let s = cuboid_slab(ray, cuboid);
-    let enter = max(max(s.enter.x, s.enter.y), s.enter.z);
-    let leave = min(min(s.leave.x, s.leave.y), s.leave.z);
-    if !(enter <= leave) || !(leave > 0.0) {
+    let t = cuboid_crossings(cuboid_slab(ray, cuboid));
+    if !(t.x <= t.y) || !(t.y > 0.0) {
         return NO_HIT;
     }
-    return select(leave, enter, enter > 0.0);
+    return select(t.y, t.x, t.x > 0.0);
 }
 
 // The face is the one whose crossing is t, found again by the same arithmetic; the point is put back onto it.
 fn cuboid_surface(ray: Ray, t: f32, cuboid: Cuboid) -> Surface {
     let s = cuboid_slab(ray, cuboid);
-    let enter = max(max(s.enter.x, s.enter.y), s.enter.z);
+    let enter = cuboid_crossings(s).x;
     let at_face = select(s.leave, s.enter, enter > 0.0);
     let off = abs(at_face - vec3<f32>(t));
     var axis = select(vec3<f32>(0.0, 0.0, 1.0), vec3<f32>(0.0, 1.0, 0.0), off.y <= off.z);

@@ -4,11 +4,12 @@
 //@ use lib/float
 //@ use lib/sphere_map
 
-// Distance to the sphere's nearest point in front of the origin, or NO_HIT.
+// Distances at which the ray's line meets the sphere, the smaller first, or twice NO_HIT. A tangent from where it touches
+// gives no numbers, which fail every comparison.
 // The discriminant is (r + l)(r - l) with l the length of the perpendicular from the centre to the ray, which keeps its
 // digits where b^2 - ac has none; the root that would cancel is found from the product of the roots
 // (Haines, Günther, Akenine-Möller, "Precision Improvements for Ray/Sphere Intersection", Ray Tracing Gems, ch. 7).
-fn sphere_distance(ray: Ray, sphere: Sphere) -> f32 {
+fn sphere_crossings(ray: Ray, sphere: Sphere) -> vec2<f32> {
     let f = ray.origin - sphere.center;
     let dd = dot(ray.direction, ray.direction);
     let k = -dot(f, ray.direction) / dd;
@@ -16,16 +17,20 @@ fn sphere_distance(ray: Ray, sphere: Sphere) -> f32 {
     let l = length(perpendicular);
     let discriminant = (sphere.radius + l) * (sphere.radius - l);
     if !(discriminant >= 0.0) {
-        return NO_HIT;
+        return vec2<f32>(NO_HIT);
     }
     let h = sqrt(discriminant / dd);
     let far_from_zero = k + select(-h, h, k >= 0.0);
     let length_f = length(f);
     let product = (length_f - sphere.radius) * (length_f + sphere.radius) / dd;
     let near_to_zero = product / far_from_zero;
-    let first = min(far_from_zero, near_to_zero);
-    let second = max(far_from_zero, near_to_zero);
-    return select(select(NO_HIT, second, second > 0.0), first, first > 0.0);
+    return vec2<f32>(min(far_from_zero, near_to_zero), max(far_from_zero, near_to_zero));
+}
+
+// Distance to the sphere's nearest point in front of the origin, or NO_HIT.
+fn sphere_distance(ray: Ray, sphere: Sphere) -> f32 {
+    let t = sphere_crossings(ray, sphere);
+    return select(select(NO_HIT, t.y, t.y > 0.0), t.x, t.x > 0.0);
 }
 
 // The point is put back onto the sphere along its normal, which leaves only the rounding of centre + r n.

@@ -1,9 +1,9 @@
 //@ use data/ray
 //@ use data/primitive
 //@ use geometry/cuboid
+//@ use medium/interval
+// Where a ray is within a cuboid: between the very distances at which it meets the cuboid as a surface, so that a medium
+// that fills a block of glass ends where the glass does, to the bit.
 fn cuboid_interval(ray: Ray, cuboid: Cuboid) -> vec2<f32> {
-    let s = cuboid_slab(ray, cuboid);
-    let enter = max(max(s.enter.x, s.enter.y), s.enter.z);
-    let leave = min(min(s.leave.x, s.leave.y), s.leave.z);
-    return vec2<f32>(max(enter, 0.0), leave);
+    return interval_ahead(cuboid_crossings(cuboid_slab(ray, cuboid)));
 }

@@ -1,6 +1,9 @@
 //@ use data/ray
 //@ use data/primitive
 //@ use geometry/sphere
+//@ use medium/interval
+// Where a ray is within a sphere: between the very distances at which it meets the sphere as a surface, so that a medium
+// that fills a sphere of glass ends where the glass does, to the bit.
 fn sphere_interval(ray: Ray, sphere: Sphere) -> vec2<f32> {
-    return vec2<f32>(0.0, sphere_distance(ray, sphere));
+    return interval_ahead(sphere_crossings(ray, sphere));
 }
