@@ -49,7 +49,7 @@ impl Draft {
         let face = self.face_count;
         self.face_count = face.checked_add(1).ok_or("it has more than 2^32 - 1 faces")?;
         let Some((&first, rest)) = corners.split_first() else { return Ok(()) };
-        if self.triangles.len() + rest.len() > MOST_TRIANGLES {
+        if self.triangles.len() + rest.len().saturating_sub(1) > MOST_TRIANGLES {
             return Err(format!("it has more than {MOST_TRIANGLES} triangles: split it into several files"));
         }
         for pair in rest.windows(2) {

@@ -1,93 +1,195 @@
 //! glTF 2.0, as JSON and as GLB: the triangles of the default scene, with its nodes' transforms applied in f64.
 //!
-//! The crate `gltf` reads and validates the JSON. Its readers of accessors trust offsets and counts; those here do not.
+//! A file is not trusted: every index, offset and count in it is checked where it is used.
 
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD as BASE64;
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, Vec2, Vec3};
-use gltf::accessor::{DataType, Dimensions};
-use gltf::buffer::Source;
-use gltf::mesh::Mode;
-use gltf::scene::Transform;
-use gltf::{Accessor, Document, Gltf, Node, Primitive, Semantic};
+use serde::Deserialize;
+use serde::de::IgnoredAny;
 
 use super::draft::Draft;
 use super::input::{Input, quote};
 
+/// What of the format concerns triangles; serde passes over all else.
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct Document {
+    asset: Asset,
+    #[serde(default)]
+    extensions_required: Vec<String>,
+    scene: Option<usize>,
+    #[serde(default)]
+    scenes: Vec<Scene>,
+    #[serde(default)]
+    nodes: Vec<Node>,
+    #[serde(default)]
+    meshes: Vec<Mesh>,
+    #[serde(default)]
+    accessors: Vec<Accessor>,
+    #[serde(default)]
+    buffer_views: Vec<View>,
+    #[serde(default)]
+    buffers: Vec<Buffer>,
+}
+
+#[derive(Deserialize)]
+struct Asset {
+    version: String,
+}
+
+#[derive(Deserialize)]
+struct Scene {
+    #[serde(default)]
+    nodes: Vec<usize>,
+}
+
+#[derive(Deserialize)]
+struct Node {
+    #[serde(default)]
+    children: Vec<usize>,
+    mesh: Option<usize>,
+    /// By columns.
+    matrix: Option<[f64; 16]>,
+    translation: Option<DVec3>,
+    /// A quaternion, its real part last.
+    rotation: Option<[f64; 4]>,
+    scale: Option<DVec3>,
+}
+
+#[derive(Deserialize)]
+struct Mesh {
+    primitives: Vec<Primitive>,
+}
+
+#[derive(Deserialize)]
+struct Primitive {
+    attributes: BTreeMap<String, usize>,
+    indices: Option<usize>,
+    #[serde(default = "triangles")]
+    mode: u32,
+}
+
+const TRIANGLES: u32 = 4;
+const STRIP: u32 = 5;
+const FAN: u32 = 6;
+
+fn triangles() -> u32 {
+    TRIANGLES
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct Accessor {
+    buffer_view: Option<usize>,
+    #[serde(default)]
+    byte_offset: usize,
+    component_type: u32,
+    #[serde(default)]
+    normalized: bool,
+    count: usize,
+    #[serde(rename = "type")]
+    shape: String,
+    sparse: Option<IgnoredAny>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct View {
+    buffer: usize,
+    #[serde(default)]
+    byte_offset: usize,
+    byte_length: usize,
+    byte_stride: Option<usize>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct Buffer {
+    uri: Option<String>,
+    byte_length: usize,
+}
+
 pub fn parse(path: &Path, input: &mut Input) -> Result<Draft, String> {
     let bytes = input.take(input.rest().len()).unwrap_or_default();
-    let Gltf { document, blob } = Gltf::from_slice(bytes).map_err(explain)?;
-    let scene = document.default_scene().or_else(|| document.scenes().next()).ok_or("expected a scene in it")?;
-    let file = File { buffers: buffers(&document, blob, path)? };
+    let (json, binary) = chunks(bytes).ok_or("expected a GLB file of version 2: it is not complete")?;
+    let document: Document =
+        serde_json::from_slice(json).map_err(|error| format!("expected the JSON of a glTF 2.0 file: {error}"))?;
+    document.check()?;
+    let file = File { buffers: buffers(&document, binary, path)?, document };
     let mut draft = Draft::default();
-    // Every node once: a hostile file may make its nodes each other's children.
-    let mut seen = HashSet::new();
-    let mut nodes: Vec<(Node, DAffine3)> = scene.nodes().map(|node| (node, DAffine3::IDENTITY)).collect();
-    // Taken from the end: the first one is the last.
-    nodes.reverse();
-    while let Some((node, parent)) = nodes.pop() {
-        if !seen.insert(node.index()) {
-            return Err(format!("node {} occurs twice: expected a tree of nodes", node.index()));
-        }
-        let to_scene = parent * local(&node);
-        if let Some(mesh) = node.mesh() {
-            for primitive in mesh.primitives() {
-                file.add(&primitive, &to_scene, &mut draft).map_err(|reason| {
-                    format!("mesh {}, primitive {} (counted from 0): {reason}", mesh.index(), primitive.index())
-                })?;
-            }
-        }
-        let first_child = nodes.len();
-        nodes.extend(node.children().map(|child| (child, to_scene)));
-        if let Some(children) = nodes.get_mut(first_child..) {
-            children.reverse();
-        }
-    }
+    file.add_scene(&mut draft)?;
     Ok(draft)
 }
 
-fn explain(error: gltf::Error) -> String {
-    let reason = match &error {
-        gltf::Error::Validation(faults) => match faults.first() {
-            Some((path, fault)) => format!("{}: {fault}", path.as_str()),
-            None => error.to_string(),
-        },
-        error => error.to_string(),
+/// The JSON and, of a GLB file that has it, the binary chunk.
+fn chunks(bytes: &[u8]) -> Option<(&[u8], Option<&[u8]>)> {
+    let Some(rest) = bytes.strip_prefix(b"glTF") else { return Some((bytes, None)) };
+    let number = |rest: &[u8]| rest.first_chunk().map(|bytes| u32::from_le_bytes(*bytes) as usize);
+    if number(rest)? != 2 || number(rest.get(4..)?)? > bytes.len() {
+        return None;
+    }
+    let chunk = |rest: &[u8]| Some(8..number(rest)?.checked_add(8)?);
+    let json = chunk(rest.get(8..)?)?;
+    let rest = rest.get(8..)?;
+    let after = rest.get(json.end..)?;
+    let json = rest.get(4..8).filter(|name| name == b"JSON").and_then(|_| rest.get(json))?;
+    let binary = match after.get(4..8) {
+        Some(b"BIN\0") => Some(after.get(chunk(after)?)?),
+        _ => None,
     };
-    format!("expected a glTF 2.0 file: {reason}")
+    Some((json, binary))
 }
 
-/// A node's own transform.
-fn local(node: &Node) -> DAffine3 {
-    match node.transform() {
-        Transform::Matrix { matrix } => {
-            DAffine3::from_mat4(DMat4::from_cols_array_2d(&matrix.map(|column| column.map(f64::from))))
+impl Document {
+    fn check(&self) -> Result<(), String> {
+        /// Extensions that may be passed over, and one that is what `File::elements` does anyway.
+        const HARMLESS: [&str; 5] =
+            ["KHR_materials_", "KHR_lights_", "KHR_texture_", "EXT_texture_", "KHR_mesh_quantization"];
+        if !self.asset.version.starts_with("2.") {
+            return Err(format!("expected glTF of version 2.0, found {}", quote(self.asset.version.as_bytes())));
         }
-        Transform::Decomposed { translation, rotation, scale } => DAffine3::from_scale_rotation_translation(
-            DVec3::from_array(scale.map(f64::from)),
-            DQuat::from_array(rotation.map(f64::from)).normalize(),
-            DVec3::from_array(translation.map(f64::from)),
-        ),
+        let is_harmless = |name: &String| HARMLESS.iter().any(|start| name.starts_with(start));
+        match self.extensions_required.iter().find(|name| !is_harmless(name)) {
+            Some(name) => Err(format!(
+                "it requires the extension {}, which is not supported: export it without",
+                quote(name.as_bytes())
+            )),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Node {
+    fn to_parent(&self) -> DAffine3 {
+        if let Some(matrix) = &self.matrix {
+            return DAffine3::from_mat4(DMat4::from_cols_array(matrix));
+        }
+        DAffine3::from_scale_rotation_translation(
+            self.scale.unwrap_or(DVec3::ONE),
+            self.rotation.map_or(DQuat::IDENTITY, |rotation| DQuat::from_array(rotation).normalize()),
+            self.translation.unwrap_or(DVec3::ZERO),
+        )
     }
 }
 
 /// The bytes of all buffers.
-fn buffers(document: &Document, mut blob: Option<Vec<u8>>, path: &Path) -> Result<Vec<Vec<u8>>, String> {
-    let read = |buffer: gltf::Buffer| {
-        let bytes = match buffer.source() {
-            Source::Bin => blob.take().ok_or_else(|| "expected a binary chunk, or a uri".to_owned()),
-            Source::Uri(uri) => read_uri(uri, path),
+fn buffers(document: &Document, binary: Option<&[u8]>, path: &Path) -> Result<Vec<Vec<u8>>, String> {
+    let read = |(index, buffer): (usize, &Buffer)| {
+        let bytes = match &buffer.uri {
+            None => binary.map(<[u8]>::to_vec).ok_or_else(|| "expected a uri, or a binary chunk".to_owned()),
+            Some(uri) => read_uri(uri, path),
         };
-        let whole = bytes.and_then(|bytes| match bytes.len() >= buffer.length() {
+        let whole = bytes.and_then(|bytes| match bytes.len() >= buffer.byte_length {
             true => Ok(bytes),
-            false => Err(format!("expected {} bytes, found {}: it is not complete", buffer.length(), bytes.len())),
+            false => Err(format!("expected {} bytes, found {}: it is not complete", buffer.byte_length, bytes.len())),
         });
-        whole.map_err(|reason| format!("buffer {}: {reason}", buffer.index()))
+        whole.map_err(|reason| format!("buffer {index}: {reason}"))
     };
-    document.buffers().map(read).collect()
+    document.buffers.iter().enumerate().map(read).collect()
 }
 
 /// The bytes that stand in the uri itself, or in a file beside this one.
@@ -119,28 +221,51 @@ fn unescape(uri: &str) -> String {
 }
 
 struct File {
+    document: Document,
     buffers: Vec<Vec<u8>>,
 }
 
 impl File {
+    /// Adds the meshes of the default scene, or of the first.
+    fn add_scene(&self, draft: &mut Draft) -> Result<(), String> {
+        let scene = self.document.scene.unwrap_or(0);
+        let scene = self.document.scenes.get(scene).ok_or_else(|| format!("expected a scene {scene} in it"))?;
+        // Every node once: a hostile file may make its nodes each other's children.
+        let mut seen = HashSet::new();
+        // Taken from the end: the first one is the last.
+        let mut nodes: Vec<(usize, DAffine3)> = scene.nodes.iter().rev().map(|&n| (n, DAffine3::IDENTITY)).collect();
+        while let Some((index, parent)) = nodes.pop() {
+            if !seen.insert(index) {
+                return Err(format!("node {index} occurs twice: expected a tree of nodes"));
+            }
+            let node = self.document.nodes.get(index).ok_or_else(|| format!("there is no node {index}"))?;
+            let to_scene = parent * node.to_parent();
+            if let Some(index) = node.mesh {
+                let mesh = self.document.meshes.get(index).ok_or_else(|| format!("there is no mesh {index}"))?;
+                for (at, primitive) in mesh.primitives.iter().enumerate() {
+                    self.add(primitive, &to_scene, draft)
+                        .map_err(|reason| format!("mesh {index}, primitive {at} (counted from 0): {reason}"))?;
+                }
+            }
+            nodes.extend(node.children.iter().rev().map(|&child| (child, to_scene)));
+        }
+        Ok(())
+    }
+
     /// Adds a primitive's triangles; points and lines have none.
     fn add(&self, primitive: &Primitive, to_scene: &DAffine3, draft: &mut Draft) -> Result<(), String> {
-        let mode = primitive.mode();
-        if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
+        if ![TRIANGLES, STRIP, FAN].contains(&primitive.mode) {
             return Ok(());
         }
-        let floats = |semantic: Semantic, dimensions| match primitive.get(&semantic) {
-            Some(accessor) if accessor.dimensions() == dimensions => Ok(Some(accessor)),
-            Some(_) => Err(format!("expected {semantic:?} to be {dimensions:?}")),
-            None => Ok(None),
-        };
-        let positions = floats(Semantic::Positions, Dimensions::Vec3)?.ok_or("expected an attribute POSITION")?;
-        let normals = floats(Semantic::Normals, Dimensions::Vec3)?;
-        let uvs = floats(Semantic::TexCoords(0), Dimensions::Vec2)?;
+        let attribute = |name: &str| primitive.attributes.get(name).map(|&index| self.accessor(index)).transpose();
+        let positions = attribute("POSITION")?.ok_or("expected an attribute POSITION")?;
+        let count = positions.count;
+        // Of other attributes, only whole ones.
+        let whole = |name: &str| Ok::<_, String>(attribute(name)?.filter(|accessor| accessor.count == count));
+        let (normals, uvs) = (whole("NORMAL")?, whole("TEXCOORD_0")?);
 
         let first = draft.positions.len();
-        let count = positions.count();
-        for position in self.elements::<3>(&positions)? {
+        for position in self.elements::<3>(positions)? {
             draft.vertex(to_scene.transform_point3(DVec3::from_array(position)))?;
         }
         // Normals go with the inverse transpose; the cofactors are a multiple of it, and exist for flat matrices too.
@@ -151,29 +276,31 @@ impl File {
             m.z_axis.cross(m.x_axis) * sign,
             m.x_axis.cross(m.y_axis) * sign,
         );
-        let missing = |accessor: &Option<Accessor>| accessor.as_ref().is_none_or(|accessor| accessor.count() != count);
-        if !missing(&normals) || !draft.normals.is_empty() {
+        if normals.is_some() || !draft.normals.is_empty() {
             draft.normals.resize(first, Vec3::NAN);
-            if let Some(normals) = normals.filter(|normals| normals.count() == count) {
+            if let Some(normals) = normals {
                 let turned = |normal| (cofactors * DVec3::from_array(normal)).normalize().as_vec3();
-                draft.normals.extend(self.elements::<3>(&normals)?.map(turned));
+                draft.normals.extend(self.elements::<3>(normals)?.map(turned));
             }
             draft.normals.resize(first + count, Vec3::NAN);
         }
-        if !missing(&uvs) || !draft.uvs.is_empty() {
+        if uvs.is_some() || !draft.uvs.is_empty() {
             draft.uvs.resize(first, Vec2::NAN);
-            if let Some(uvs) = uvs.filter(|uvs| uvs.count() == count) {
+            if let Some(uvs) = uvs {
                 // Its v runs down from the top.
-                draft.uvs.extend(self.elements::<2>(&uvs)?.map(|[u, v]| Vec2::new(u as f32, (1.0 - v) as f32)));
+                draft.uvs.extend(self.elements::<2>(uvs)?.map(|[u, v]| Vec2::new(u as f32, (1.0 - v) as f32)));
             }
             draft.uvs.resize(first + count, Vec2::NAN);
         }
 
-        let corners: Box<dyn Iterator<Item = u64>> = match primitive.indices() {
-            Some(indices) if indices.dimensions() == Dimensions::Scalar => {
-                Box::new(self.elements::<1>(&indices)?.map(|[index]| index as u64))
+        let corners: Box<dyn Iterator<Item = u64>> = match primitive.indices {
+            Some(indices) => {
+                let indices = self.accessor(indices)?;
+                if ![U8, U16, U32].contains(&indices.component_type) {
+                    return Err("expected indices of componentType 5121, 5123 or 5125".to_owned());
+                }
+                Box::new(self.elements::<1>(indices)?.map(|[index]| index as u64))
             }
-            Some(_) => return Err("expected indices that are scalars".to_owned()),
             None => Box::new(0..count as u64),
         };
         let corners = corners.map(|index| match index < count as u64 {
@@ -186,8 +313,8 @@ impl File {
         });
         let corners: Vec<u32> = corners.collect::<Result<_, String>>()?;
         let mut face = |a: u32, b: u32, c: u32| draft.face(&if sign < 0.0 { [a, c, b] } else { [a, b, c] });
-        match mode {
-            Mode::TriangleStrip => {
+        match primitive.mode {
+            STRIP => {
                 for (at, corners) in corners.windows(3).enumerate() {
                     match *corners {
                         [a, b, c] if at % 2 == 0 => face(a, b, c)?,
@@ -196,7 +323,7 @@ impl File {
                     }
                 }
             }
-            Mode::TriangleFan => {
+            FAN => {
                 for pair in corners.get(1..).unwrap_or_default().windows(2) {
                     if let (Some(&a), &[b, c]) = (corners.first(), pair) {
                         face(a, b, c)?;
@@ -214,38 +341,46 @@ impl File {
         Ok(())
     }
 
+    fn accessor(&self, index: usize) -> Result<&Accessor, String> {
+        self.document.accessors.get(index).ok_or_else(|| format!("there is no accessor {index}"))
+    }
+
     /// The elements of an accessor, each of N numbers.
     fn elements<'a, const N: usize>(
         &'a self,
-        accessor: &Accessor,
+        accessor: &'a Accessor,
     ) -> Result<impl Iterator<Item = [f64; N]> + use<'a, N>, String> {
-        let wrong = |reason: &str| format!("accessor {}: {reason}", accessor.index());
-        if accessor.sparse().is_some() {
-            return Err(wrong("it is sparse, which is not supported: export it dense"));
+        let shape = ["SCALAR", "VEC2", "VEC3"].get(N - 1).copied().unwrap_or_default();
+        if accessor.shape != shape {
+            return Err(format!("expected an accessor of type {shape}, found {}", quote(accessor.shape.as_bytes())));
         }
-        let view = accessor.view().ok_or_else(|| wrong("expected a bufferView"))?;
-        let kind = accessor.data_type();
+        if accessor.sparse.is_some() {
+            return Err("an accessor is sparse, which is not supported: export it dense".to_owned());
+        }
+        let view = accessor.buffer_view.and_then(|view| self.document.buffer_views.get(view));
+        let view = view.ok_or("an accessor has no bufferView")?;
+        let kind = accessor.component_type;
         let bytes = match kind {
-            DataType::I8 | DataType::U8 => 1,
-            DataType::I16 | DataType::U16 => 2,
-            DataType::U32 | DataType::F32 => 4,
+            I8 | U8 => 1,
+            I16 | U16 => 2,
+            U32 | F32 => 4,
+            _ => return Err(format!("expected a componentType from 5120 to 5126, found {kind}")),
         };
-        let stride = view.stride().unwrap_or(N * bytes);
+        let stride = view.byte_stride.unwrap_or(N * bytes);
         if stride < N * bytes {
-            return Err(wrong("its elements overlap"));
+            return Err(format!("a bufferView has a byteStride of {stride}: elements of {} bytes overlap", N * bytes));
         }
-        let count = accessor.count();
+        let part = |bytes: &'a [u8], from: usize, length: usize| bytes.get(from..from.checked_add(length)?);
         let data = || {
-            let buffer = self.buffers.get(view.buffer().index())?;
-            let view = buffer.get(view.offset()..view.offset().checked_add(view.length())?)?;
-            let length = match count.checked_sub(1) {
+            let length = match accessor.count.checked_sub(1) {
                 Some(before_last) => stride.checked_mul(before_last)?.checked_add(N * bytes)?,
                 None => 0,
             };
-            view.get(accessor.offset()..accessor.offset().checked_add(length)?)
+            let view = part(self.buffers.get(view.buffer)?, view.byte_offset, view.byte_length)?;
+            part(view, accessor.byte_offset, length)
         };
-        let data = data().ok_or_else(|| wrong("it reaches past the end of its buffer"))?;
-        let is_normalized = accessor.normalized();
+        let data = data().ok_or("an accessor reaches past the end of its buffer")?;
+        let is_normalized = accessor.normalized;
         Ok(data.chunks(stride).map(move |element| {
             std::array::from_fn(|at| {
                 let value = element.get(at * bytes..).and_then(|bytes| scalar(bytes, kind, is_normalized));
@@ -255,15 +390,24 @@ impl File {
     }
 }
 
+/// Values of componentType.
+const I8: u32 = 5120;
+const U8: u32 = 5121;
+const I16: u32 = 5122;
+const U16: u32 = 5123;
+const U32: u32 = 5125;
+const F32: u32 = 5126;
+
 /// One number; normalised integers stand for 0 to 1, or -1 to 1.
-fn scalar(bytes: &[u8], kind: DataType, is_normalized: bool) -> Option<f64> {
+fn scalar(bytes: &[u8], kind: u32, is_normalized: bool) -> Option<f64> {
     let (value, one) = match kind {
-        DataType::I8 => (f64::from(i8::from_le_bytes(*bytes.first_chunk()?)), f64::from(i8::MAX)),
-        DataType::U8 => (f64::from(u8::from_le_bytes(*bytes.first_chunk()?)), f64::from(u8::MAX)),
-        DataType::I16 => (f64::from(i16::from_le_bytes(*bytes.first_chunk()?)), f64::from(i16::MAX)),
-        DataType::U16 => (f64::from(u16::from_le_bytes(*bytes.first_chunk()?)), f64::from(u16::MAX)),
-        DataType::U32 => (f64::from(u32::from_le_bytes(*bytes.first_chunk()?)), f64::from(u32::MAX)),
-        DataType::F32 => return Some(f64::from(f32::from_le_bytes(*bytes.first_chunk()?))),
+        I8 => (f64::from(i8::from_le_bytes(*bytes.first_chunk()?)), f64::from(i8::MAX)),
+        U8 => (f64::from(u8::from_le_bytes(*bytes.first_chunk()?)), f64::from(u8::MAX)),
+        I16 => (f64::from(i16::from_le_bytes(*bytes.first_chunk()?)), f64::from(i16::MAX)),
+        U16 => (f64::from(u16::from_le_bytes(*bytes.first_chunk()?)), f64::from(u16::MAX)),
+        U32 => (f64::from(u32::from_le_bytes(*bytes.first_chunk()?)), f64::from(u32::MAX)),
+        F32 => return Some(f64::from(f32::from_le_bytes(*bytes.first_chunk()?))),
+        _ => return None,
     };
     Some(if is_normalized { (value / one).max(-1.0) } else { value })
 }

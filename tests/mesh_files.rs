@@ -1,0 +1,611 @@
+//! Meshes by every format: what is read, what is refused, and that no file makes the loader panic.
+
+use std::fs;
+use std::path::Path;
+
+use base64::Engine;
+use glam::{DVec3, Vec2, Vec3};
+use gpu_rt::error::Error;
+use gpu_rt::scene::{Mesh, OpenEdges, Scene};
+
+/// A scene with one object.
+fn scene(folder: &Path, object: &str) -> Result<Scene, Error> {
+    let map = match object.contains("map") {
+        true => ", \"map\": Lambertian(albedo: Image(path: \"map.png\"))",
+        false => "",
+    };
+    let text = format!(
+        "(
+    image: (width: 4, height: 3),
+    camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vertical_fov: 40),
+    background: Solid((1, 1, 1)),
+    materials: {{ \"grey\": Metal(albedo: Rgb(0.5, 0.5, 0.5)){map} }},
+    objects: [
+        {object},
+    ],
+)
+"
+    );
+    Scene::parse(&text, &folder.join("scene.ron"))
+}
+
+fn object(file: &str) -> String {
+    format!("Mesh(path: {file:?}, material: \"grey\")")
+}
+
+/// The scene of a mesh whose file has these bytes.
+fn scene_of(file: &str, bytes: &[u8]) -> Result<Scene, Error> {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join(file), bytes).unwrap();
+    scene(folder.path(), &object(file))
+}
+
+fn mesh(file: &str, bytes: &[u8]) -> Mesh {
+    let mut scene = scene_of(file, bytes).unwrap_or_else(|error| panic!("{error}"));
+    scene.meshes.remove(file).unwrap()
+}
+
+/// The error's text behind its place, which is the object's path.
+fn refused(file: &str, bytes: &[u8]) -> String {
+    let error = scene_of(file, bytes).err().unwrap_or_else(|| panic!("{file} was accepted"));
+    assert_eq!(error.exit_status(), 2);
+    let Error::Scene { location, field, message } = error else { panic!("{error}") };
+    assert_eq!((location.line, location.column, field.as_str()), (7, 20, "objects[0].Mesh.path"), "{message}");
+    assert!(message.contains(file), "{message}");
+    message
+}
+
+/// A cube from -1 to 1 whose six quads have vertices of their own, with normals and texture coordinates.
+#[derive(Clone, Default)]
+struct Quads {
+    positions: Vec<[f64; 3]>,
+    normals: Vec<[f64; 3]>,
+    uvs: Vec<[f64; 2]>,
+    faces: Vec<Vec<usize>>,
+}
+
+const CORNERS: [[f64; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+
+fn cube() -> Quads {
+    let mut quads = Quads::default();
+    for axis in 0..3 {
+        for sign in [-1.0, 1.0] {
+            let unit = |axis: usize| DVec3::from_array([0, 1, 2].map(|at| if at == axis % 3 { 1.0 } else { 0.0 }));
+            let normal = unit(axis) * sign;
+            let (u, v) = (unit(axis + 1) * sign, unit(axis + 2));
+            assert_eq!(u.cross(v), normal);
+            let first = quads.positions.len();
+            for [s, t] in CORNERS {
+                quads.positions.push((normal + u * (2.0 * s - 1.0) + v * (2.0 * t - 1.0)).to_array());
+                quads.normals.push(normal.to_array());
+                quads.uvs.push([s, t]);
+            }
+            quads.faces.push((first..first + 4).collect());
+        }
+    }
+    quads
+}
+
+impl Quads {
+    fn triangles(&self) -> Vec<[u32; 3]> {
+        let fan = |face: &Vec<usize>| {
+            let corner = |at: usize| face[at] as u32;
+            (2..face.len()).map(|at| [corner(0), corner(at - 1), corner(at)]).collect::<Vec<_>>()
+        };
+        self.faces.iter().flat_map(fan).collect()
+    }
+
+    fn expected(&self) -> Mesh {
+        let faces = self.faces.iter().enumerate();
+        Mesh {
+            positions: self.positions.iter().map(|&p| DVec3::from_array(p)).collect(),
+            triangles: self.triangles(),
+            normals: self.normals.iter().map(|&n| DVec3::from_array(n).as_vec3()).collect(),
+            uvs: self.uvs.iter().map(|&[u, v]| Vec2::new(u as f32, v as f32)).collect(),
+            faces: faces.flat_map(|(face, corners)| vec![face as u32; corners.len() - 2]).collect(),
+            warnings: Vec::new(),
+        }
+    }
+
+    fn obj(&self) -> String {
+        let list = |name: &str, rows: Vec<Vec<f64>>| {
+            rows.iter()
+                .map(|row| format!("{name} {}\n", row.iter().map(f64::to_string).collect::<Vec<_>>().join(" ")))
+                .collect::<String>()
+        };
+        let mut text = String::from("mtllib missing.mtl\no cube\n");
+        text += &list("v", self.positions.iter().map(|p| p.to_vec()).collect());
+        text += &list("vt", self.uvs.iter().map(|p| p.to_vec()).collect());
+        text += &list("vn", self.normals.iter().map(|p| p.to_vec()).collect());
+        text += "usemtl nothing\ng sides\ns off\n";
+        for face in &self.faces {
+            let corners = face.iter().map(|&corner| format!(" {0}/{0}/{0}", corner + 1)).collect::<String>();
+            text += &format!("f{corners}\n");
+        }
+        text
+    }
+
+    /// As PLY: `kind` of the vertices' numbers, with other properties and elements in between.
+    fn ply(&self, format: &str, kind: &str, uv_names: [&str; 2], list: &str) -> Vec<u8> {
+        let mut bytes = format!(
+            "ply\nformat {format} 1.0\ncomment a cube\nobj_info of nobody\nelement camera 2\nproperty uchar brand\n\
+             property list uchar short shots\nelement vertex {}\nproperty {kind} nx\nproperty {kind} ny\n\
+             property {kind} nz\nproperty uchar red\nproperty {kind} {}\nproperty {kind} {}\nproperty {kind} x\n\
+             property list ushort float weights\nproperty {kind} y\nproperty {kind} z\nelement nothing 4000000000\n\
+             element face {}\nproperty short flags\nproperty list uchar int {list}\n\
+             property list uchar float texcoord\nend_header\n",
+            self.positions.len(),
+            uv_names[0],
+            uv_names[1],
+            self.faces.len()
+        )
+        .into_bytes();
+        let real = if kind == "double" { 'd' } else { 'f' };
+        let mut row = |values: &[(char, f64)]| {
+            for &(kind, value) in values {
+                let mut number = match kind {
+                    _ if format == "ascii" => format!("{value} ").into_bytes(),
+                    'b' => vec![value as u8],
+                    's' => (value as i16).to_le_bytes().to_vec(),
+                    'i' => (value as i32).to_le_bytes().to_vec(),
+                    'f' => (value as f32).to_le_bytes().to_vec(),
+                    _ => value.to_le_bytes().to_vec(),
+                };
+                if format == "binary_big_endian" {
+                    number.reverse();
+                }
+                bytes.extend(number);
+            }
+            if format == "ascii" {
+                bytes.push(b'\n');
+            }
+        };
+        row(&[('b', 7.0), ('b', 2.0), ('s', -1.0), ('s', 1000.0)]);
+        row(&[('b', 7.0), ('b', 0.0)]);
+        for ((p, n), uv) in self.positions.iter().zip(&self.normals).zip(&self.uvs) {
+            let normal = n.map(|c| (real, 2.0 * c));
+            let rest = [('b', 255.0), (real, uv[0]), (real, uv[1]), (real, p[0])];
+            let weights = [('s', 2.0), ('f', 0.5), ('f', 0.5), (real, p[1]), (real, p[2])];
+            row(&[&normal[..], &rest, &weights].concat());
+        }
+        for face in &self.faces {
+            let corners = face.iter().map(|&corner| ('i', corner as f64));
+            let ends = [('s', -3.0), ('b', face.len() as f64)];
+            row(&ends.into_iter().chain(corners).chain([('b', 1.0), ('f', 0.25)]).collect::<Vec<_>>());
+        }
+        bytes
+    }
+
+    /// The bytes of a glTF buffer: positions, normals, texture coordinates, indices of 16 bits.
+    fn buffer(&self) -> Vec<u8> {
+        let floats = |values: &[f64]| values.iter().flat_map(|&c| (c as f32).to_le_bytes()).collect::<Vec<_>>();
+        let uvs: Vec<f64> = self.uvs.iter().flat_map(|&[u, v]| [u, 1.0 - v]).collect();
+        let indices = self.triangles().into_iter().flatten().flat_map(|index| (index as u16).to_le_bytes());
+        [floats(self.positions.as_flattened()), floats(self.normals.as_flattened()), floats(&uvs), indices.collect()]
+            .concat()
+    }
+
+    /// As glTF's JSON, with this for the buffer's uri and for the node.
+    fn gltf(&self, uri: &str, node: &str) -> String {
+        let (count, triangles) = (self.positions.len(), self.triangles().len());
+        let (normals, uvs, indices) = (12 * count, 24 * count, 32 * count);
+        let end = indices + 6 * triangles;
+        format!(
+            r#"{{"asset": {{"version": "2.0"}}, "scene": 1,
+  "scenes": [{{"nodes": []}}, {{"nodes": [1]}}],
+  "nodes": [{{"mesh": 0 {node}}}, {{"children": [0], "translation": [0, 0, 0]}}],
+  "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0, "NORMAL": 1, "TEXCOORD_0": 2}}, "indices": 3}}]}}],
+  "accessors": [
+    {{"bufferView": 0, "componentType": 5126, "count": {count}, "type": "VEC3", "min": [-1, -1, -1], "max": [1, 1, 1]}},
+    {{"bufferView": 1, "componentType": 5126, "count": {count}, "type": "VEC3"}},
+    {{"bufferView": 2, "componentType": 5126, "count": {count}, "type": "VEC2"}},
+    {{"bufferView": 3, "componentType": 5123, "count": {}, "type": "SCALAR"}}],
+  "bufferViews": [
+    {{"buffer": 0, "byteOffset": 0, "byteLength": {normals}}},
+    {{"buffer": 0, "byteOffset": {normals}, "byteLength": {normals}}},
+    {{"buffer": 0, "byteOffset": {uvs}, "byteLength": {}}},
+    {{"buffer": 0, "byteOffset": {indices}, "byteLength": {}}}],
+  "buffers": [{{{uri} "byteLength": {end}}}]}}"#,
+            3 * triangles,
+            indices - uvs,
+            end - indices,
+        )
+    }
+
+    fn gltf_with_base64(&self, node: &str) -> String {
+        let data = base64::engine::general_purpose::STANDARD.encode(self.buffer());
+        self.gltf(&format!(r#""uri": "data:application/octet-stream;base64,{data}","#), node)
+    }
+
+    fn glb(&self) -> Vec<u8> {
+        let mut json = self.gltf("", "").into_bytes();
+        json.resize(json.len().next_multiple_of(4), b' ');
+        let mut buffer = self.buffer();
+        buffer.resize(buffer.len().next_multiple_of(4), 0);
+        let mut bytes = b"glTF".to_vec();
+        let words = |numbers: &[usize]| numbers.iter().flat_map(|&n| (n as u32).to_le_bytes()).collect::<Vec<_>>();
+        bytes.extend(words(&[2, 28 + json.len() + buffer.len(), json.len()]));
+        bytes.extend(b"JSON");
+        bytes.extend(&json);
+        bytes.extend(words(&[buffer.len()]));
+        bytes.extend(b"BIN\0");
+        bytes.extend(&buffer);
+        bytes
+    }
+}
+
+/// A file of every kind that holds the cube.
+fn cubes() -> Vec<(&'static str, Vec<u8>)> {
+    let cube = cube();
+    vec![
+        ("cube.obj", cube.obj().into_bytes()),
+        ("ascii.ply", cube.ply("ascii", "float", ["u", "v"], "vertex_indices")),
+        ("little.PLY", cube.ply("binary_little_endian", "float", ["s", "t"], "vertex_index")),
+        ("big.ply", cube.ply("binary_big_endian", "double", ["texture_u", "texture_v"], "vertex_indices")),
+        ("base64.gltf", cube.gltf_with_base64("").into_bytes()),
+        ("binary.glb", cube.glb()),
+    ]
+}
+
+#[test]
+fn every_format_gives_the_same_mesh() {
+    let expected = cube().expected();
+    for (file, bytes) in cubes() {
+        let mut found = mesh(file, &bytes);
+        if file.ends_with("gltf") || file.ends_with("glb") {
+            // Its quads had to be cut before.
+            assert_eq!(found.faces, (0..12).collect::<Vec<u32>>());
+            found.faces.clone_from(&expected.faces);
+        }
+        assert_eq!(found, expected, "{file}");
+        assert_eq!(found.open_edges(), None, "{file}");
+        assert!(found.volume_is_positive(), "{file}");
+        assert_eq!(found.bounds(), (DVec3::NEG_ONE, DVec3::ONE));
+    }
+}
+
+#[test]
+fn a_gltf_buffer_may_lie_beside_it() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("sub dir")).unwrap();
+    fs::write(folder.path().join("sub dir/b.bin"), cube().buffer()).unwrap();
+    fs::write(folder.path().join("cube.gltf"), cube().gltf(r#""uri": "sub%20dir/b.bin","#, "")).unwrap();
+    let loaded = scene(folder.path(), &object("cube.gltf")).unwrap();
+    assert_eq!(loaded.meshes["cube.gltf"].positions, cube().expected().positions);
+    fs::write(folder.path().join("sub dir/b.bin"), &cube().buffer()[..100]).unwrap();
+    let error = scene(folder.path(), &object("cube.gltf")).unwrap_err().to_string();
+    assert!(error.contains("buffer 0: expected 840 bytes, found 100"), "{error}");
+    fs::remove_file(folder.path().join("sub dir/b.bin")).unwrap();
+    let error = scene(folder.path(), &object("cube.gltf")).unwrap_err().to_string();
+    assert!(error.contains("b.bin: cannot read the mesh"), "{error}");
+}
+
+#[test]
+fn node_transforms_are_applied_and_mirrors_turn_the_winding() {
+    let straight = r#", "scale": [2, 1, 1], "rotation": [0, 0.7071067811865476, 0, 0.7071067811865476], "translation": [10, 0, 0]"#;
+    let mirrored = r#", "matrix": [-2,0,0,0, 0,1,0,0, 0,0,1,0, 10,0,0,1]"#;
+    for (node, low) in [(straight, DVec3::new(9.0, -1.0, -2.0)), (mirrored, DVec3::new(8.0, -1.0, -1.0))] {
+        let mesh = mesh("cube.gltf", cube().gltf_with_base64(node).as_bytes());
+        assert!(mesh.bounds().0.abs_diff_eq(low, 1e-6), "{:?}", mesh.bounds());
+        assert_eq!(mesh.open_edges(), None);
+        assert!(mesh.volume_is_positive());
+        for &[a, b, c] in &mesh.triangles {
+            let [p, q, r] = [a, b, c].map(|corner| mesh.positions[corner as usize]);
+            let outside = (q - p).cross(r - p).normalize();
+            assert!(outside.dot(p + q + r - 3.0 * DVec3::new(10.0, 0.0, 0.0)) > 0.0);
+            assert!((mesh.normals[a as usize].as_dvec3() - outside).length() < 1e-6);
+        }
+    }
+}
+
+#[test]
+fn gltf_strips_fans_and_lists_without_indices_are_triangles() {
+    // A square, its corners in the order of a strip, of a fan and of a list.
+    let [a, b, c, d] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+    for (mode, corners) in [(5, vec![a, b, d, c]), (6, vec![a, b, c, d]), (4, vec![a, b, c, a, c, d])] {
+        let count = corners.len();
+        let bytes: Vec<u8> = corners.iter().flat_map(|[x, y]| [*x, *y, 0.0f32]).flat_map(f32::to_le_bytes).collect();
+        let data = base64::engine::general_purpose::STANDARD.encode(&bytes);
+        let text = format!(
+            r#"{{"asset": {{"version": "2.0"}}, "scenes": [{{"nodes": [0]}}], "nodes": [{{"mesh": 0}}],
+  "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}, "mode": 1}}, {{"attributes": {{"POSITION": 0}}, "mode": {mode}}}]}}],
+  "accessors": [{{"bufferView": 0, "componentType": 5126, "count": {count}, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]}}],
+  "bufferViews": [{{"buffer": 0, "byteLength": {0}}}],
+  "buffers": [{{"uri": "data:application/gltf-buffer;base64,{data}", "byteLength": {0}}}]}}"#,
+            bytes.len()
+        );
+        let mesh = mesh("square.gltf", text.as_bytes());
+        let area = |&[a, b, c]: &[u32; 3]| {
+            let [p, q, r] = [a, b, c].map(|corner| mesh.positions[corner as usize]);
+            0.5 * (q - p).cross(r - p)
+        };
+        let areas: Vec<DVec3> = mesh.triangles.iter().map(area).collect();
+        assert_eq!(areas, [DVec3::new(0.0, 0.0, 0.5); 2], "mode {mode}");
+        assert!(mesh.normals.is_empty() && mesh.uvs.is_empty());
+    }
+}
+
+#[test]
+fn obj_files_are_read_as_they_are_written() {
+    // Latin-1 in a comment, Windows' line ends, joined lines, numbers backwards, colours, lines and free curves.
+    let text = b"# caf\xe9\r\nv 0 0 0 1 0 0\r\nv 1 0 0\r\nv 1 1 0 1.0\r\nv 0 1e0 \\\r\n  0\r\nl 1 2\r\ncurv 0 1\r\n\
+                 f -4 -3 -2 -1 # all\r\nvn 0 0 2\r\nf 1//1 3//1 2//1\r\nf 1 2\r\nf 5 6 7\nv 0 0 1\nv 1 0 1\nv 0 1 1";
+    let mesh = mesh("odd.obj", text);
+    assert_eq!(mesh.triangles.len(), 4);
+    assert_eq!(mesh.faces, [0, 0, 1, 3]);
+    assert!(mesh.normals.is_empty(), "some corners have none");
+    assert_eq!(mesh.warnings.len(), 2, "{:?}", mesh.warnings);
+    assert!(mesh.warnings[0].starts_with("1 of 4 faces has no area and was left out, the first is face 2"));
+    assert!(mesh.warnings[1].contains("flat-shaded"), "{:?}", mesh.warnings);
+}
+
+const PLAIN: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 0\nv 2 0 0\n";
+
+#[test]
+fn faces_without_area_are_left_out_and_told() {
+    // Two corners at one place; three on a line, which stays; a polygon of which a part stays.
+    let text = format!("{PLAIN}f 1 2 3\nf 1 4 2\nf 1 2 5\nf 1 4 2 3\nf 3 3 3\n");
+    let scene = scene_of("flat.obj", text.as_bytes()).unwrap();
+    assert_eq!(scene.meshes["flat.obj"].faces, [0, 2, 3]);
+    let warnings = scene.warnings().join("\n");
+    let words = "objects[0].Mesh.path: flat.obj: 2 of 5 faces have no area and were left out, the first is face 1 (counted from 0)";
+    assert!(warnings.contains(words), "{warnings}");
+    let message = refused("flat.obj", format!("{PLAIN}f 1 4 2\nf 3 3 3\n").as_bytes());
+    assert!(message.contains("none of its 2 faces has an area"), "{message}");
+}
+
+#[test]
+fn vertices_that_no_face_uses_may_be_anything() {
+    let mesh = mesh("spare.obj", b"v NaN 0 0\nv 0 0 0\nv 1e200 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 0\nf 2 4 5\n");
+    assert_eq!(mesh.positions, [DVec3::ZERO, DVec3::X, DVec3::Y]);
+    assert_eq!(mesh.triangles, [[0, 1, 2]]);
+    assert!(mesh.warnings.is_empty());
+}
+
+#[test]
+fn broken_normals_are_dropped_and_told() {
+    let with = |normal: &str| {
+        let text = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1e-30\nvn {normal}\nf 1//1 2//1 3//2\n");
+        mesh("normals.obj", text.as_bytes())
+    };
+    assert_eq!(with("3e38 3e38 0").normals[0], Vec3::Z);
+    assert!((with("3e38 3e38 0").normals[2].length() - 1.0).abs() < 1e-6);
+    for broken in ["0 0 0", "NaN 0 0", "1e39 0 0"] {
+        assert!(with(broken).normals.is_empty(), "{broken}");
+        assert!(with(broken).warnings[0].contains("flat-shaded"), "{broken}");
+    }
+}
+
+#[test]
+fn what_cannot_be_read_is_refused_with_its_reason() {
+    const CORNER: &str = "expected a corner such as 5";
+    let ply = |header: &str, rows: &str| format!("ply\nformat ascii 1.0\n{header}end_header\n{rows}");
+    let vertices = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
+    let face = format!("{vertices}element face 1\nproperty list uchar int vertex_indices\n");
+    let rows = "0 0 0\n1 0 0\n0 1 0\n";
+    let gltf = cube().gltf_with_base64("");
+    let cases: Vec<(&str, String, &[&str])> = vec![
+        ("a.obj", String::new(), &["empty", "an OBJ file"]),
+        ("a.ply", String::new(), &["empty", "a PLY file"]),
+        ("a.glb", String::new(), &["empty", "a glTF file"]),
+        ("a.obj", "# nothing\n".into(), &["no faces", "three corners"]),
+        ("a.obj", format!("{PLAIN}f 1 2\n"), &["none of its 1 faces has an area"]),
+        ("a.obj", format!("{PLAIN}f 1 2 3\nf 1 2 6\n"), &["face 1 (counted from 0)", "no position 6", "has 5"]),
+        ("a.obj", format!("{PLAIN}f 1/2 2/2 3/2\nvt 0 0\n"), &["face 0", "no pair of texture coordinates 2"]),
+        ("a.obj", format!("{PLAIN}f 1//1 2//1 3//1\n"), &["face 0", "no normal 1", "has 0"]),
+        ("a.obj", format!("{PLAIN}f 1 2 3\nf 0 1 2\n"), &["line 7", "face 1 (counted from 0)", CORNER, "found \"0\""]),
+        ("a.obj", format!("{PLAIN}f 1 2 -6\n"), &["line 6", CORNER, "\"-6\""]),
+        ("a.obj", format!("{PLAIN}f 1 2 3/4/5/6\n"), &[CORNER]),
+        ("a.obj", format!("{PLAIN}f 1 2 x\n"), &[CORNER, "\"x\""]),
+        ("a.obj", format!("{PLAIN}f 1//6148914691236517206 2 3\n"), &[CORNER]),
+        ("a.obj", "v 1 2\n".into(), &["line 1", "expected 3 numbers, found 2"]),
+        ("a.obj", "v 1 2 z\n".into(), &["line 1", "expected a number, found \"z\""]),
+        ("a.obj", format!("{PLAIN}v NaN 0 0\nf 1 2 6\n"), &["face 0 (counted from 0)", "finite", "(NaN, 0, 0)"]),
+        ("a.obj", format!("{PLAIN}v 0 2e100 0\nf 1 2 3\nf 1 2 6\n"), &["face 1", "1e100"]),
+        ("a.ply", "solid\n".into(), &["line 1", "expected ply"]),
+        ("a.ply", "ply\nformat ascii 1.0\n".into(), &["ends in its header"]),
+        ("a.ply", "ply\nformat middle_endian 1.0\n".into(), &["line 2", "binary_big_endian"]),
+        ("a.ply", "ply\nproperty float x\n".into(), &["line 2", "an element before"]),
+        ("a.ply", "ply\nelement vertex x\n".into(), &["line 2", "element NAME COUNT"]),
+        ("a.ply", "ply\nelement vertex 1\nproperty half x\n".into(), &["line 3", "property TYPE NAME"]),
+        ("a.ply", "ply\nwhat is this\n".into(), &["line 2", "found \"what\""]),
+        ("a.ply", "ply\nelement vertex 0\nelement face 0\nend_header\n".into(), &["format ascii 1.0"]),
+        ("a.ply", ply(vertices, rows), &["expected an element face"]),
+        ("a.ply", ply(&face.replace("float z", "float w"), rows), &["properties x, y and z"]),
+        ("a.ply", ply(&face.replace("vertex_indices", "corners"), rows), &["property list vertex_indices"]),
+        ("a.ply", ply(&face, rows), &["ends in face 0 (counted from 0) of 1"]),
+        ("a.ply", ply(&face, "0 0 0\n1 0"), &["ends in vertex 1 (counted from 0) of 3"]),
+        ("a.ply", ply(&face, "0 0 0\n1 0 o\n"), &["vertex 1", "expected a number, found \"o\""]),
+        ("a.ply", ply(&face, &format!("{rows}3 0 1 3")), &["face 0 (counted from 0)", "no vertex 3", "has 3"]),
+        ("a.ply", ply(&face, &format!("{rows}3 0 1 -1")), &["face 0", "the number of a vertex", "found -1"]),
+        ("a.ply", ply(&face, &format!("{rows}3 0 1 0.5")), &["face 0", "found 0.5"]),
+        ("a.ply", ply(&face, &format!("{rows}-3 0 1 2")), &["face 0", "a number of corners", "found -3"]),
+        ("a.ply", ply(&face.replace("face 1", "face 0"), rows), &["no faces"]),
+        ("a.ply", ply(&face.replace("vertex 3", "vertex 4000000000"), rows), &["ends in vertex 3", "4000000000"]),
+        ("a.ply", ply(&face.replace("vertex 3", "vertex 18446744073709551615"), rows), &["at most 4294967295"]),
+        ("a.ply", ply(&face.replace("face 1", "face 18446744073709551615"), rows), &["ends in face 0"]),
+        ("a.gltf", "{}".into(), &["expected the JSON of a glTF 2.0 file", "asset"]),
+        ("a.gltf", gltf.replace("\"2.0\"", "\"1.0\""), &["version 2.0", "found \"1.0\""]),
+        (
+            "a.gltf",
+            gltf.replacen('{', "{\"extensionsRequired\": [\"KHR_draco_mesh_compression\"], ", 1),
+            &["KHR_draco_mesh", "without"],
+        ),
+        (
+            "a.gltf",
+            gltf.replace("\"componentType\": 5123", "\"componentType\": 5122"),
+            &["indices", "5121, 5123 or 5125"],
+        ),
+        ("a.gltf", gltf.replace("\"componentType\": 5126", "\"componentType\": 5127"), &["componentType", "5127"]),
+        ("a.gltf", gltf.replace("\"type\": \"VEC2\"", "\"type\": \"VEC4\""), &["type VEC2", "VEC4"]),
+        ("a.gltf", gltf.replace("\"bufferView\": 0", "\"byteOffset\": 0"), &["no bufferView"]),
+        ("a.gltf", gltf.replace("\"NORMAL\": 1", "\"NORMAL\": 9"), &["mesh 0, primitive 0", "no accessor 9"]),
+        (
+            "a.gltf",
+            gltf.replace("\"count\": 24", "\"count\": 25"),
+            &["mesh 0, primitive 0", "past the end of its buffer"],
+        ),
+        ("a.gltf", gltf.replace("\"count\": 24", "\"count\": 18446744073709551615"), &["past the end of its buffer"]),
+        ("a.gltf", gltf.replace("\"children\": [0]", "\"children\": [0, 1]"), &["node 1 occurs twice", "a tree"]),
+        ("a.gltf", gltf.replace("\"scene\": 1", "\"scene\": 0"), &["no faces"]),
+        ("a.gltf", gltf.replace("data:application", "http://x"), &["buffer 0", "the path of a file"]),
+        ("a.gltf", gltf.replace(";base64,", ";base64,%"), &["buffer 0", "base64"]),
+    ];
+    for (file, text, words) in cases {
+        let message = refused(file, text.as_bytes());
+        for word in words {
+            assert!(message.contains(word), "{message}\nexpected {word:?} of\n{text}");
+        }
+    }
+    let glb = cube().glb();
+    assert!(refused("a.glb", &glb[..glb.len() - 1]).contains("expected a GLB file of version 2"));
+    for (file, bytes) in cubes() {
+        refused(file, &bytes[..bytes.len() / 2]);
+    }
+}
+
+#[test]
+fn a_medium_fills_a_closed_mesh_only() {
+    let folder = tempfile::tempdir().unwrap();
+    let medium = |quads: &Quads| {
+        fs::write(folder.path().join("body.obj"), quads.obj()).unwrap();
+        let boundary = "Transformed(by: [RotateX(30)], object: Mesh(path: \"body.obj\"))";
+        scene(folder.path(), &format!("Medium(boundary: {boundary}, density: 1, albedo: Rgb(1, 1, 1))"))
+    };
+    assert!(medium(&cube()).is_ok());
+    let mut inside_out = cube();
+    inside_out.faces.iter_mut().for_each(|face| face.reverse());
+    let scene = medium(&inside_out).unwrap();
+    assert!(!scene.meshes["body.obj"].volume_is_positive());
+    let mut hole = cube();
+    hole.faces.remove(3);
+    let mut flipped = cube();
+    flipped.faces[2].reverse();
+    let mut doubled = cube();
+    doubled.faces.push(doubled.faces[5].clone());
+    for (quads, face) in [(hole, 0), (flipped, 0), (doubled, 0)] {
+        let count = 4;
+        let Err(Error::Scene { location, field, message }) = medium(&quads) else { panic!("it is not closed") };
+        assert_eq!(field, "objects[0].Medium.boundary.Transformed.object.Mesh.path");
+        assert_eq!((location.line, location.column), (7, 76));
+        assert!(message.contains("body.obj: expected a closed mesh"), "{message}");
+        assert!(message.contains(&format!("{count} such edges")), "{message}");
+        let open = mesh("body.obj", quads.obj().as_bytes()).open_edges().unwrap();
+        assert!(message.contains(&format!("face {face} ")), "{message}");
+        assert_eq!(open, OpenEdges { face, count });
+    }
+}
+
+#[test]
+fn an_image_needs_texture_coordinates_and_transforms_keep_a_mesh_in_range() {
+    let folder = tempfile::tempdir().unwrap();
+    image::RgbImage::new(2, 2).save(folder.path().join("map.png")).unwrap();
+    fs::write(folder.path().join("cube.obj"), cube().obj()).unwrap();
+    fs::write(folder.path().join("plain.obj"), format!("{PLAIN}f 1 2 3\n")).unwrap();
+    let mapped = |file: &str| scene(folder.path(), &format!("Mesh(path: {file:?}, material: \"map\")"));
+    assert!(mapped("cube.obj").is_ok());
+    let error = mapped("plain.obj").unwrap_err().to_string();
+    assert!(error.contains("scene.ron:7:43: objects[0].Mesh.material: the material \"map\" has an image"), "{error}");
+    assert!(error.contains("no texture coordinates"), "{error}");
+    for (by, words) in [("Scale(1e-101)", "greater"), ("Scale(1e-100), Scale(0.1)", "1e-100 to 1e100")] {
+        let error = scene(folder.path(), &format!("Transformed(by: [{by}], object: {})", object("cube.obj")));
+        assert!(error.is_err(), "{by}: {words}");
+    }
+    let far = "Transformed(by: [Translate((0, 1e100, 0))], object: Mesh(path: \"cube.obj\", material: \"grey\"))";
+    // A size of 2 is lost beside 1e100, and in range.
+    assert!(scene(folder.path(), far).is_ok());
+    let large = "Transformed(by: [Scale(1e100)], object: Mesh(path: \"cube.obj\", material: \"grey\"))";
+    let error = scene(folder.path(), large).unwrap_err().to_string();
+    assert!(error.contains("objects[0].Transformed.object.Mesh: the transforms around this place"), "{error}");
+}
+
+#[test]
+fn a_file_named_often_is_read_once_and_tells_how_far_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    // A megabyte and a half of text around one face.
+    let text = format!("{}{}f 1 2 3\n", "# padding padding\n".repeat(90_000), PLAIN);
+    fs::write(folder.path().join("big.obj"), &text).unwrap();
+    let again = object("big.obj");
+    let object = format!("Group([{again}, Transformed(by: [], object: {again})]), {again}");
+    let path = folder.path().join("scene.ron");
+    let header = "(image: (width: 4, height: 3), camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vertical_fov: 40),
+                  background: Solid((1, 1, 1)), materials: {\"grey\": Dielectric(ior: 1)}, objects: [";
+    fs::write(&path, format!("{header}{object}])")).unwrap();
+    let mut told = Vec::new();
+    let scene = Scene::load_with(&path, &mut |file, done, whole| {
+        assert_eq!((file, whole), (folder.path().join("big.obj").as_path(), text.len() as u64));
+        told.push(done);
+    });
+    assert_eq!(scene.unwrap().meshes.len(), 1);
+    assert_eq!(told.len(), 2, "at the start and after a MiB: {told:?}");
+    assert!(told[0] == 0 && told[1] > 1 << 20);
+}
+
+/// Marsaglia's xorshift, so that the variants are the same everywhere.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, limit: usize) -> usize {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 % limit as u64) as usize
+    }
+}
+
+#[test]
+fn no_mutated_mesh_panics() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut random = Random(0x9e37_79b9_7f4a_7c15);
+    let pieces: [&[u8]; 12] = [
+        b"-1",
+        b"4000000000",
+        b"NaN",
+        b"\n",
+        b" ",
+        b"/",
+        b"1e999",
+        b"\xff\xff\xff\xff",
+        b"\0",
+        b"list",
+        b"\\\n",
+        b"[]",
+    ];
+    let (mut accepted, mut refused) = (0, 0);
+    for (name, good) in cubes() {
+        let file = format!("bad.{}", name.rsplit('.').next().unwrap());
+        for _ in 0..600 {
+            let mut bytes = good.clone();
+            for _ in 0..=random.below(3) {
+                let at = random.below(bytes.len() + 1);
+                let end = (at + 1 + random.below(8)).min(bytes.len());
+                match random.below(10) {
+                    0 => bytes.truncate(at),
+                    1 | 2 => drop(bytes.drain(at..end)),
+                    3..=6 => drop(bytes.splice(at..end.min(at + 1), [random.below(256) as u8])),
+                    _ => drop(bytes.splice(at..at, pieces[random.below(pieces.len())].iter().copied())),
+                }
+            }
+            fs::write(folder.path().join(&file), &bytes).unwrap();
+            match scene(folder.path(), &object(&file)) {
+                Ok(scene) => {
+                    let mesh = &scene.meshes[&file];
+                    let count = mesh.positions.len();
+                    assert!(mesh.positions.iter().all(|p| p.is_finite()));
+                    assert!(mesh.triangles.as_flattened().iter().all(|&corner| (corner as usize) < count));
+                    assert!(mesh.normals.is_empty() || mesh.normals.len() == count);
+                    assert!(mesh.uvs.is_empty() || mesh.uvs.len() == count);
+                    let _ = (mesh.open_edges(), mesh.volume_is_positive(), scene.warnings());
+                    accepted += 1;
+                }
+                Err(Error::Scene { message, .. }) => {
+                    assert!(message.contains(&file) || message.contains("transforms"), "{message}");
+                    refused += 1;
+                }
+                Err(other) => panic!("{other}"),
+            }
+        }
+    }
+    // Both sides of the fence were seen.
+    assert!(accepted > 300 && refused > 300, "{accepted} accepted, {refused} refused");
+}
