@@ -326,6 +326,28 @@ fn gltf_strips_fans_and_lists_without_indices_are_triangles() {
 }
 
 #[test]
+fn sparse_accessors_replace_elements() {
+    let (cube, text) = (cube(), cube().gltf_with_base64(""));
+    let corner = [3.0f32, 4.0, 5.0];
+    let bytes: Vec<u8> = [23, 0, 0, 0].into_iter().chain(corner.into_iter().flat_map(f32::to_le_bytes)).collect();
+    let sparse = |bytes: &[u8]| {
+        let data = base64::engine::general_purpose::STANDARD.encode(bytes);
+        let count = bytes.len();
+        let replace = r#""sparse": {"count": 1, "indices": {"bufferView": 4, "componentType": 5121}, "values": {"bufferView": 5}}"#;
+        let views = r#", {"buffer": 1, "byteLength": 1}, {"buffer": 1, "byteOffset": 4, "byteLength": 12}"#;
+        let (before, buffers) = text.split_once("],\n  \"buffers\"").unwrap();
+        let text = format!("{before}{views}],\n  \"buffers\"{buffers}");
+        let text = text.replacen(r#""type": "VEC3""#, &format!(r#""type": "VEC3", {replace}"#), 1);
+        let text = text.strip_suffix("]}").unwrap();
+        format!(r#"{text}, {{"uri": "data:;base64,{data}", "byteLength": {count}}}]}}"#)
+    };
+    let mut expected = cube.expected().positions;
+    expected[23] = DVec3::from(corner.map(f64::from));
+    assert_eq!(mesh("sparse.gltf", sparse(&bytes).as_bytes()).positions, expected);
+    assert!(refused("sparse.gltf", sparse(&bytes[..15]).as_bytes()).contains("reaches past the end of its buffer"));
+}
+
+#[test]
 fn obj_files_are_read_as_they_are_written() {
     // Latin-1 in a comment, Windows' line ends, joined lines, numbers backwards, colours, lines and free curves.
     let text = b"# caf\xe9\r\nv 0 0 0 1 0 0\r\nv 1 0 0\r\nv 1 1 0 1.0\r\nv 0 1e0 \\\r\n  0\r\nl 1 2\r\ncurv 0 1\r\n\
@@ -436,7 +458,11 @@ fn what_cannot_be_read_is_refused_with_its_reason() {
             gltf.replace("\"componentType\": 5123", "\"componentType\": 5122"),
             &["indices", "5121, 5123 or 5125"],
         ),
-        ("a.gltf", gltf.replace("\"componentType\": 5126", "\"componentType\": 5127"), &["componentType", "5127"]),
+        (
+            "a.gltf",
+            gltf.replace("\"componentType\": 5126", "\"componentType\": 5127"),
+            &["accessor 0", "a componentType from 5120 to 5126"],
+        ),
         ("a.gltf", gltf.replace("\"type\": \"VEC2\"", "\"type\": \"VEC4\""), &["type VEC2", "VEC4"]),
         ("a.gltf", gltf.replace("\"bufferView\": 0", "\"byteOffset\": 0"), &["no bufferView"]),
         ("a.gltf", gltf.replace("\"NORMAL\": 1", "\"NORMAL\": 9"), &["mesh 0, primitive 0", "no accessor 9"]),

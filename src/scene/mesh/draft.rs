@@ -31,12 +31,6 @@ impl Draft {
         self.face_count
     }
 
-    /// The first face that has this vertex.
-    pub fn face_of_vertex(&self, vertex: u32) -> Option<u32> {
-        let at = self.triangles.iter().position(|triangle| triangle.contains(&vertex))?;
-        self.faces.get(at).copied()
-    }
-
     /// Makes room for about so many triangles.
     pub fn reserve(&mut self, triangles: usize) {
         let triangles = triangles.min(MOST_TRIANGLES);

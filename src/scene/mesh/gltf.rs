@@ -1,195 +1,85 @@
-//! glTF 2.0, as JSON and as GLB: the triangles of the default scene, with its nodes' transforms applied in f64.
+//! glTF 2.0, as JSON and as GLB, as the crate `gltf` reads it: the triangles of the default scene, with its nodes' transforms
+//! applied in f64.
 //!
-//! A file is not trusted: every index, offset and count in it is checked where it is used.
+//! The crate's own validation is passed by, for it panics. Every index is looked up where it is used, and what an accessor
+//! spans is held against its buffer before the crate's iterators see it: they trust offsets and counts.
 
-use std::collections::{BTreeMap, HashSet};
+use std::collections::HashSet;
 use std::path::Path;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD as BASE64;
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, Vec2, Vec3};
-use serde::Deserialize;
-use serde::de::IgnoredAny;
+use gltf::accessor::{DataType, Dimensions, Item, Iter};
+use gltf::json::mesh::{Mode, Primitive, Semantic};
+use gltf::json::scene::Node;
+use gltf::json::validation::Checked;
+use gltf::json::{Accessor, Index, Root, buffer};
+use gltf::{Document, Gltf};
 
 use super::draft::Draft;
+use super::guard::guarded;
 use super::input::{Input, quote};
-
-/// What of the format concerns triangles; serde passes over all else.
-#[derive(Deserialize)]
-#[serde(rename_all = "camelCase")]
-struct Document {
-    asset: Asset,
-    #[serde(default)]
-    extensions_required: Vec<String>,
-    scene: Option<usize>,
-    #[serde(default)]
-    scenes: Vec<Scene>,
-    #[serde(default)]
-    nodes: Vec<Node>,
-    #[serde(default)]
-    meshes: Vec<Mesh>,
-    #[serde(default)]
-    accessors: Vec<Accessor>,
-    #[serde(default)]
-    buffer_views: Vec<View>,
-    #[serde(default)]
-    buffers: Vec<Buffer>,
-}
-
-#[derive(Deserialize)]
-struct Asset {
-    version: String,
-}
-
-#[derive(Deserialize)]
-struct Scene {
-    #[serde(default)]
-    nodes: Vec<usize>,
-}
-
-#[derive(Deserialize)]
-struct Node {
-    #[serde(default)]
-    children: Vec<usize>,
-    mesh: Option<usize>,
-    /// By columns.
-    matrix: Option<[f64; 16]>,
-    translation: Option<DVec3>,
-    /// A quaternion, its real part last.
-    rotation: Option<[f64; 4]>,
-    scale: Option<DVec3>,
-}
-
-#[derive(Deserialize)]
-struct Mesh {
-    primitives: Vec<Primitive>,
-}
-
-#[derive(Deserialize)]
-struct Primitive {
-    attributes: BTreeMap<String, usize>,
-    indices: Option<usize>,
-    #[serde(default = "triangles")]
-    mode: u32,
-}
-
-const TRIANGLES: u32 = 4;
-const STRIP: u32 = 5;
-const FAN: u32 = 6;
-
-fn triangles() -> u32 {
-    TRIANGLES
-}
-
-#[derive(Deserialize)]
-#[serde(rename_all = "camelCase")]
-struct Accessor {
-    buffer_view: Option<usize>,
-    #[serde(default)]
-    byte_offset: usize,
-    component_type: u32,
-    #[serde(default)]
-    normalized: bool,
-    count: usize,
-    #[serde(rename = "type")]
-    shape: String,
-    sparse: Option<IgnoredAny>,
-}
-
-#[derive(Deserialize)]
-#[serde(rename_all = "camelCase")]
-struct View {
-    buffer: usize,
-    #[serde(default)]
-    byte_offset: usize,
-    byte_length: usize,
-    byte_stride: Option<usize>,
-}
-
-#[derive(Deserialize)]
-#[serde(rename_all = "camelCase")]
-struct Buffer {
-    uri: Option<String>,
-    byte_length: usize,
-}
 
 pub fn parse(path: &Path, input: &mut Input) -> Result<Draft, String> {
     let bytes = input.take(input.rest().len()).unwrap_or_default();
-    let (json, binary) = chunks(bytes).ok_or("expected a GLB file of version 2: it is not complete")?;
-    let document: Document =
-        serde_json::from_slice(json).map_err(|error| format!("expected the JSON of a glTF 2.0 file: {error}"))?;
-    document.check()?;
-    let file = File { buffers: buffers(&document, binary, path)?, document };
+    let Gltf { document, blob } =
+        guarded(|| Gltf::from_slice_without_validation(bytes))?.map_err(|error| match error {
+            gltf::Error::Binary(error) => format!("expected a GLB file of version 2: {error}"),
+            gltf::Error::Deserialize(error) => format!("expected the JSON of a glTF 2.0 file: {error}"),
+            error => error.to_string(),
+        })?;
+    check(document.as_json())?;
+    let file = File { buffers: buffers(document.as_json(), blob.as_deref(), path)?, document };
     let mut draft = Draft::default();
-    file.add_scene(&mut draft)?;
+    guarded(|| file.add_scene(&mut draft))??;
     Ok(draft)
 }
 
-/// The JSON and, of a GLB file that has it, the binary chunk.
-fn chunks(bytes: &[u8]) -> Option<(&[u8], Option<&[u8]>)> {
-    let Some(rest) = bytes.strip_prefix(b"glTF") else { return Some((bytes, None)) };
-    let number = |rest: &[u8]| rest.first_chunk().map(|bytes| u32::from_le_bytes(*bytes) as usize);
-    if number(rest)? != 2 || number(rest.get(4..)?)? > bytes.len() {
-        return None;
+fn check(root: &Root) -> Result<(), String> {
+    /// Extensions that may be passed over, and one that is what `File::elements` does anyway.
+    const HARMLESS: [&str; 5] =
+        ["KHR_materials_", "KHR_lights_", "KHR_texture_", "EXT_texture_", "KHR_mesh_quantization"];
+    if !root.asset.version.starts_with("2.") {
+        return Err(format!("expected glTF of version 2.0, found {}", quote(root.asset.version.as_bytes())));
     }
-    let chunk = |rest: &[u8]| Some(8..number(rest)?.checked_add(8)?);
-    let json = chunk(rest.get(8..)?)?;
-    let rest = rest.get(8..)?;
-    let after = rest.get(json.end..)?;
-    let json = rest.get(4..8).filter(|name| name == b"JSON").and_then(|_| rest.get(json))?;
-    let binary = match after.get(4..8) {
-        Some(b"BIN\0") => Some(after.get(chunk(after)?)?),
-        _ => None,
-    };
-    Some((json, binary))
-}
-
-impl Document {
-    fn check(&self) -> Result<(), String> {
-        /// Extensions that may be passed over, and one that is what `File::elements` does anyway.
-        const HARMLESS: [&str; 5] =
-            ["KHR_materials_", "KHR_lights_", "KHR_texture_", "EXT_texture_", "KHR_mesh_quantization"];
-        if !self.asset.version.starts_with("2.") {
-            return Err(format!("expected glTF of version 2.0, found {}", quote(self.asset.version.as_bytes())));
-        }
-        let is_harmless = |name: &String| HARMLESS.iter().any(|start| name.starts_with(start));
-        match self.extensions_required.iter().find(|name| !is_harmless(name)) {
-            Some(name) => Err(format!(
-                "it requires the extension {}, which is not supported: export it without",
-                quote(name.as_bytes())
-            )),
-            None => Ok(()),
-        }
+    let is_harmless = |name: &String| HARMLESS.iter().any(|start| name.starts_with(start));
+    match root.extensions_required.iter().find(|name| !is_harmless(name)) {
+        Some(name) => Err(format!(
+            "it requires the extension {}, which is not supported: export it without",
+            quote(name.as_bytes())
+        )),
+        None => Ok(()),
     }
 }
 
-impl Node {
-    fn to_parent(&self) -> DAffine3 {
-        if let Some(matrix) = &self.matrix {
-            return DAffine3::from_mat4(DMat4::from_cols_array(matrix));
-        }
-        DAffine3::from_scale_rotation_translation(
-            self.scale.unwrap_or(DVec3::ONE),
-            self.rotation.map_or(DQuat::IDENTITY, |rotation| DQuat::from_array(rotation).normalize()),
-            self.translation.unwrap_or(DVec3::ZERO),
-        )
+/// A node's own transform.
+fn to_parent(node: &Node) -> DAffine3 {
+    if let Some(matrix) = &node.matrix {
+        return DAffine3::from_mat4(DMat4::from_cols_array(&matrix.map(f64::from)));
     }
+    let vector = |value: Option<[f32; 3]>, default| value.map_or(default, |v| DVec3::from_array(v.map(f64::from)));
+    DAffine3::from_scale_rotation_translation(
+        vector(node.scale, DVec3::ONE),
+        DQuat::from_array(node.rotation.unwrap_or_default().0.map(f64::from)).normalize(),
+        vector(node.translation, DVec3::ZERO),
+    )
 }
 
 /// The bytes of all buffers.
-fn buffers(document: &Document, binary: Option<&[u8]>, path: &Path) -> Result<Vec<Vec<u8>>, String> {
-    let read = |(index, buffer): (usize, &Buffer)| {
+fn buffers(root: &Root, binary: Option<&[u8]>, path: &Path) -> Result<Vec<Vec<u8>>, String> {
+    let read = |(index, buffer): (usize, &buffer::Buffer)| {
         let bytes = match &buffer.uri {
             None => binary.map(<[u8]>::to_vec).ok_or_else(|| "expected a uri, or a binary chunk".to_owned()),
             Some(uri) => read_uri(uri, path),
         };
-        let whole = bytes.and_then(|bytes| match bytes.len() >= buffer.byte_length {
+        let whole = bytes.and_then(|bytes| match bytes.len() as u64 >= buffer.byte_length.0 {
             true => Ok(bytes),
-            false => Err(format!("expected {} bytes, found {}: it is not complete", buffer.byte_length, bytes.len())),
+            false => Err(format!("expected {} bytes, found {}: it is not complete", buffer.byte_length.0, bytes.len())),
         });
         whole.map_err(|reason| format!("buffer {index}: {reason}"))
     };
-    document.buffers.iter().enumerate().map(read).collect()
+    root.buffers.iter().enumerate().map(read).collect()
 }
 
 /// The bytes that stand in the uri itself, or in a file beside this one.
@@ -222,50 +112,57 @@ fn unescape(uri: &str) -> String {
 
 struct File {
     document: Document,
+    /// As long as the document says, or longer.
     buffers: Vec<Vec<u8>>,
 }
 
 impl File {
     /// Adds the meshes of the default scene, or of the first.
     fn add_scene(&self, draft: &mut Draft) -> Result<(), String> {
-        let scene = self.document.scene.unwrap_or(0);
-        let scene = self.document.scenes.get(scene).ok_or_else(|| format!("expected a scene {scene} in it"))?;
+        let root = self.document.as_json();
+        let scene = root.scene.map_or(0, |scene| scene.value());
+        let scene = root.scenes.get(scene).ok_or_else(|| format!("expected a scene {scene} in it"))?;
         // Every node once: a hostile file may make its nodes each other's children.
         let mut seen = HashSet::new();
         // Taken from the end: the first one is the last.
-        let mut nodes: Vec<(usize, DAffine3)> = scene.nodes.iter().rev().map(|&n| (n, DAffine3::IDENTITY)).collect();
+        let mut nodes: Vec<(usize, DAffine3)> =
+            scene.nodes.iter().rev().map(|node| (node.value(), DAffine3::IDENTITY)).collect();
         while let Some((index, parent)) = nodes.pop() {
             if !seen.insert(index) {
                 return Err(format!("node {index} occurs twice: expected a tree of nodes"));
             }
-            let node = self.document.nodes.get(index).ok_or_else(|| format!("there is no node {index}"))?;
-            let to_scene = parent * node.to_parent();
-            if let Some(index) = node.mesh {
-                let mesh = self.document.meshes.get(index).ok_or_else(|| format!("there is no mesh {index}"))?;
+            let node = root.nodes.get(index).ok_or_else(|| format!("there is no node {index}"))?;
+            let to_scene = parent * to_parent(node);
+            if let Some(index) = node.mesh.map(|mesh| mesh.value()) {
+                let mesh = root.meshes.get(index).ok_or_else(|| format!("there is no mesh {index}"))?;
                 for (at, primitive) in mesh.primitives.iter().enumerate() {
                     self.add(primitive, &to_scene, draft)
                         .map_err(|reason| format!("mesh {index}, primitive {at} (counted from 0): {reason}"))?;
                 }
             }
-            nodes.extend(node.children.iter().rev().map(|&child| (child, to_scene)));
+            let children = node.children.iter().flatten().rev();
+            nodes.extend(children.map(|child| (child.value(), to_scene)));
         }
         Ok(())
     }
 
     /// Adds a primitive's triangles; points and lines have none.
     fn add(&self, primitive: &Primitive, to_scene: &DAffine3, draft: &mut Draft) -> Result<(), String> {
-        if ![TRIANGLES, STRIP, FAN].contains(&primitive.mode) {
+        let Checked::Valid(mode @ (Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)) = primitive.mode else {
             return Ok(());
-        }
-        let attribute = |name: &str| primitive.attributes.get(name).map(|&index| self.accessor(index)).transpose();
-        let positions = attribute("POSITION")?.ok_or("expected an attribute POSITION")?;
-        let count = positions.count;
+        };
+        let attribute = |semantic| primitive.attributes.get(&Checked::Valid(semantic)).copied();
+        let positions = self.elements::<3>(attribute(Semantic::Positions).ok_or("expected an attribute POSITION")?)?;
+        let count = positions.len();
         // Of other attributes, only whole ones.
-        let whole = |name: &str| Ok::<_, String>(attribute(name)?.filter(|accessor| accessor.count == count));
-        let (normals, uvs) = (whole("NORMAL")?, whole("TEXCOORD_0")?);
+        let whole = |semantic| {
+            attribute(semantic).filter(|&index| self.accessor(index).is_none_or(|it| it.count.0 == count as u64))
+        };
+        let normals = whole(Semantic::Normals).map(|index| self.elements::<3>(index)).transpose()?;
+        let uvs = whole(Semantic::TexCoords(0)).map(|index| self.elements::<2>(index)).transpose()?;
 
         let first = draft.positions.len();
-        for position in self.elements::<3>(positions)? {
+        for position in positions {
             draft.vertex(to_scene.transform_point3(DVec3::from_array(position)))?;
         }
         // Normals go with the inverse transpose; the cofactors are a multiple of it, and exist for flat matrices too.
@@ -280,7 +177,7 @@ impl File {
             draft.normals.resize(first, Vec3::NAN);
             if let Some(normals) = normals {
                 let turned = |normal| (cofactors * DVec3::from_array(normal)).normalize().as_vec3();
-                draft.normals.extend(self.elements::<3>(normals)?.map(turned));
+                draft.normals.extend(normals.into_iter().map(turned));
             }
             draft.normals.resize(first + count, Vec3::NAN);
         }
@@ -288,22 +185,16 @@ impl File {
             draft.uvs.resize(first, Vec2::NAN);
             if let Some(uvs) = uvs {
                 // Its v runs down from the top.
-                draft.uvs.extend(self.elements::<2>(uvs)?.map(|[u, v]| Vec2::new(u as f32, (1.0 - v) as f32)));
+                draft.uvs.extend(uvs.into_iter().map(|[u, v]| Vec2::new(u as f32, (1.0 - v) as f32)));
             }
             draft.uvs.resize(first + count, Vec2::NAN);
         }
 
-        let corners: Box<dyn Iterator<Item = u64>> = match primitive.indices {
-            Some(indices) => {
-                let indices = self.accessor(indices)?;
-                if ![U8, U16, U32].contains(&indices.component_type) {
-                    return Err("expected indices of componentType 5121, 5123 or 5125".to_owned());
-                }
-                Box::new(self.elements::<1>(indices)?.map(|[index]| index as u64))
-            }
-            None => Box::new(0..count as u64),
+        let corners = match primitive.indices {
+            Some(indices) => self.indices(indices)?,
+            None => (0..count as u64).collect(),
         };
-        let corners = corners.map(|index| match index < count as u64 {
+        let corners = corners.into_iter().map(|index| match index < count as u64 {
             true => Ok(first as u32 + index as u32),
             false => Err(format!(
                 "face {} (counted from 0) or a later one: there is no vertex {index}, for the primitive has {count}, \
@@ -313,8 +204,8 @@ impl File {
         });
         let corners: Vec<u32> = corners.collect::<Result<_, String>>()?;
         let mut face = |a: u32, b: u32, c: u32| draft.face(&if sign < 0.0 { [a, c, b] } else { [a, b, c] });
-        match primitive.mode {
-            STRIP => {
+        match mode {
+            Mode::TriangleStrip => {
                 for (at, corners) in corners.windows(3).enumerate() {
                     match *corners {
                         [a, b, c] if at % 2 == 0 => face(a, b, c)?,
@@ -323,7 +214,7 @@ impl File {
                     }
                 }
             }
-            FAN => {
+            Mode::TriangleFan => {
                 for pair in corners.get(1..).unwrap_or_default().windows(2) {
                     if let (Some(&a), &[b, c]) = (corners.first(), pair) {
                         face(a, b, c)?;
@@ -341,73 +232,129 @@ impl File {
         Ok(())
     }
 
-    fn accessor(&self, index: usize) -> Result<&Accessor, String> {
-        self.document.accessors.get(index).ok_or_else(|| format!("there is no accessor {index}"))
+    fn accessor(&self, index: Index<Accessor>) -> Option<&Accessor> {
+        self.document.as_json().get(index)
     }
 
     /// The elements of an accessor, each of N numbers.
-    fn elements<'a, const N: usize>(
-        &'a self,
-        accessor: &'a Accessor,
-    ) -> Result<impl Iterator<Item = [f64; N]> + use<'a, N>, String> {
-        let shape = ["SCALAR", "VEC2", "VEC3"].get(N - 1).copied().unwrap_or_default();
-        if accessor.shape != shape {
-            return Err(format!("expected an accessor of type {shape}, found {}", quote(accessor.shape.as_bytes())));
+    fn elements<const N: usize>(&self, index: Index<Accessor>) -> Result<Vec<[f64; N]>, String>
+    where
+        [i8; N]: Item,
+        [u8; N]: Item,
+        [i16; N]: Item,
+        [u16; N]: Item,
+        [u32; N]: Item,
+        [f32; N]: Item,
+    {
+        let shape = if N == 2 { Dimensions::Vec2 } else { Dimensions::Vec3 };
+        match self.kind(index, shape)? {
+            DataType::I8 => self.numbers::<i8, N>(index),
+            DataType::U8 => self.numbers::<u8, N>(index),
+            DataType::I16 => self.numbers::<i16, N>(index),
+            DataType::U16 => self.numbers::<u16, N>(index),
+            DataType::U32 => self.numbers::<u32, N>(index),
+            DataType::F32 => self.numbers::<f32, N>(index),
         }
-        if accessor.sparse.is_some() {
-            return Err("an accessor is sparse, which is not supported: export it dense".to_owned());
+    }
+
+    fn numbers<T: Number, const N: usize>(&self, index: Index<Accessor>) -> Result<Vec<[f64; N]>, String>
+    where
+        [T; N]: Item,
+    {
+        let is_normalized = self.accessor(index).is_some_and(|accessor| accessor.normalized);
+        Ok(self.read::<[T; N]>(index)?.map(|element| element.map(|number| number.value(is_normalized))).collect())
+    }
+
+    /// The numbers of vertices.
+    fn indices(&self, index: Index<Accessor>) -> Result<Vec<u64>, String> {
+        Ok(match self.kind(index, Dimensions::Scalar)? {
+            DataType::U8 => self.read::<u8>(index)?.map(u64::from).collect(),
+            DataType::U16 => self.read::<u16>(index)?.map(u64::from).collect(),
+            DataType::U32 => self.read::<u32>(index)?.map(u64::from).collect(),
+            _ => return Err("expected indices of componentType 5121, 5123 or 5125".to_owned()),
+        })
+    }
+
+    /// The type of an accessor's numbers, if it is of this shape.
+    fn kind(&self, index: Index<Accessor>, shape: Dimensions) -> Result<DataType, String> {
+        let at = index.value();
+        let accessor = self.accessor(index).ok_or_else(|| format!("there is no accessor {at}"))?;
+        let name = |shape: Dimensions| format!("{shape:?}").to_ascii_uppercase();
+        match (accessor.type_, accessor.component_type) {
+            (Checked::Valid(found), Checked::Valid(kind)) if found == shape => Ok(kind.0),
+            (Checked::Valid(found), _) if found == shape => {
+                Err(format!("accessor {at}: expected a componentType from 5120 to 5126"))
+            }
+            (found, _) => {
+                let found = match found {
+                    Checked::Valid(found) => name(found),
+                    Checked::Invalid => "none that glTF has".to_owned(),
+                };
+                Err(format!("accessor {at}: expected an accessor of type {}, found {found}", name(shape)))
+            }
         }
-        let view = accessor.buffer_view.and_then(|view| self.document.buffer_views.get(view));
-        let view = view.ok_or("an accessor has no bufferView")?;
-        let kind = accessor.component_type;
-        let bytes = match kind {
-            I8 | U8 => 1,
-            I16 | U16 => 2,
-            U32 | F32 => 4,
-            _ => return Err(format!("expected a componentType from 5120 to 5126, found {kind}")),
-        };
-        let stride = view.byte_stride.unwrap_or(N * bytes);
-        if stride < N * bytes {
-            return Err(format!("a bufferView has a byteStride of {stride}: elements of {} bytes overlap", N * bytes));
-        }
-        let part = |bytes: &'a [u8], from: usize, length: usize| bytes.get(from..from.checked_add(length)?);
-        let data = || {
-            let length = match accessor.count.checked_sub(1) {
-                Some(before_last) => stride.checked_mul(before_last)?.checked_add(N * bytes)?,
-                None => 0,
+    }
+
+    /// The elements of an accessor, all of which are in its buffer.
+    fn read<T: Item>(&self, index: Index<Accessor>) -> Result<impl Iterator<Item = T>, String> {
+        let accessor = self.accessor(index).ok_or("there is no such accessor")?;
+        let size = size_of::<T>() as u64;
+        // Without one, all elements would be zero, and as many as the file likes.
+        let view = accessor.buffer_view.ok_or("an accessor has no bufferView")?;
+        self.check_span(view, accessor.byte_offset.unwrap_or_default().0, accessor.count.0, size)?;
+        if let Some(sparse) = &accessor.sparse {
+            let (indices, values) = (&sparse.indices, &sparse.values);
+            let Checked::Valid(kind) = indices.component_type else {
+                return Err("expected sparse indices of componentType 5121, 5123 or 5125".to_owned());
             };
-            let view = part(self.buffers.get(view.buffer)?, view.byte_offset, view.byte_length)?;
-            part(view, accessor.byte_offset, length)
+            self.check_span(indices.buffer_view, indices.byte_offset.0, sparse.count.0, kind.0.size() as u64)?;
+            self.check_span(values.buffer_view, values.byte_offset.0, sparse.count.0, size)?;
+        }
+        let accessor = self.document.accessors().nth(index.value());
+        let bytes = |buffer: gltf::Buffer| self.buffers.get(buffer.index()).map(Vec::as_slice);
+        accessor.and_then(|accessor| Iter::new(accessor, bytes)).ok_or_else(|| "an accessor cannot be read".to_owned())
+    }
+
+    /// Whether so many elements are in a view, and that in its buffer. They are one at least, as the format demands.
+    fn check_span(&self, view: Index<buffer::View>, offset: u64, count: u64, size: u64) -> Result<(), String> {
+        let view = self.document.as_json().get(view).ok_or("an accessor's bufferView is not there")?;
+        let stride = match view.byte_stride {
+            Some(stride) if stride.0 > 0 => stride.0 as u64,
+            _ => size,
         };
-        let data = data().ok_or("an accessor reaches past the end of its buffer")?;
-        let is_normalized = accessor.normalized;
-        Ok(data.chunks(stride).map(move |element| {
-            std::array::from_fn(|at| {
-                let value = element.get(at * bytes..).and_then(|bytes| scalar(bytes, kind, is_normalized));
-                value.unwrap_or(f64::NAN)
-            })
-        }))
+        if stride < size {
+            return Err(format!("a bufferView has a byteStride of {stride}: elements of {size} bytes overlap"));
+        }
+        let is_inside = || {
+            let end = stride.checked_mul(count.checked_sub(1)?)?.checked_add(size)?.checked_add(offset)?;
+            let view_end = view.byte_offset.unwrap_or_default().0.checked_add(view.byte_length.0)?;
+            let buffer = self.buffers.get(view.buffer.value())?;
+            (end <= view.byte_length.0 && view_end <= buffer.len() as u64).then_some(())
+        };
+        is_inside().ok_or_else(|| "an accessor has no elements or reaches past the end of its buffer".to_owned())
     }
 }
 
-/// Values of componentType.
-const I8: u32 = 5120;
-const U8: u32 = 5121;
-const I16: u32 = 5122;
-const U16: u32 = 5123;
-const U32: u32 = 5125;
-const F32: u32 = 5126;
+/// A component. Normalised integers stand for 0 to 1, or -1 to 1.
+trait Number: Item + Copy {
+    fn value(self, is_normalized: bool) -> f64;
+}
 
-/// One number; normalised integers stand for 0 to 1, or -1 to 1.
-fn scalar(bytes: &[u8], kind: u32, is_normalized: bool) -> Option<f64> {
-    let (value, one) = match kind {
-        I8 => (f64::from(i8::from_le_bytes(*bytes.first_chunk()?)), f64::from(i8::MAX)),
-        U8 => (f64::from(u8::from_le_bytes(*bytes.first_chunk()?)), f64::from(u8::MAX)),
-        I16 => (f64::from(i16::from_le_bytes(*bytes.first_chunk()?)), f64::from(i16::MAX)),
-        U16 => (f64::from(u16::from_le_bytes(*bytes.first_chunk()?)), f64::from(u16::MAX)),
-        U32 => (f64::from(u32::from_le_bytes(*bytes.first_chunk()?)), f64::from(u32::MAX)),
-        F32 => return Some(f64::from(f32::from_le_bytes(*bytes.first_chunk()?))),
-        _ => return None,
+macro_rules! integers {
+    ($($integer:ty)*) => {
+        $(impl Number for $integer {
+            fn value(self, is_normalized: bool) -> f64 {
+                let value = f64::from(self);
+                if is_normalized { (value / f64::from(<$integer>::MAX)).max(-1.0) } else { value }
+            }
+        })*
     };
-    Some(if is_normalized { (value / one).max(-1.0) } else { value })
+}
+
+integers! { i8 u8 i16 u16 u32 }
+
+impl Number for f32 {
+    fn value(self, _: bool) -> f64 {
+        f64::from(self)
+    }
 }

@@ -1,5 +1,7 @@
 //! The bytes of a file, handed out from the front.
 
+use std::io::{self, BufRead, Read};
+
 /// Bytes between two words about progress.
 const TELL_EVERY: usize = 1 << 20;
 
@@ -29,12 +31,6 @@ impl<'a> Input<'a> {
         Some(taken)
     }
 
-    pub fn array<const N: usize>(&mut self) -> Option<[u8; N]> {
-        let (taken, rest) = self.rest.split_first_chunk()?;
-        self.move_to(rest);
-        Some(*taken)
-    }
-
     /// The next line without its end, which is LF or CR LF, or the end of the file.
     pub fn line(&mut self) -> Option<&'a [u8]> {
         if self.rest.is_empty() {
@@ -48,22 +44,31 @@ impl<'a> Input<'a> {
         Some(line.strip_suffix(b"\r").unwrap_or(line))
     }
 
-    /// The next word, up to white space.
-    pub fn word(&mut self) -> Option<&'a [u8]> {
-        let start = self.rest.iter().position(|byte| !byte.is_ascii_whitespace())?;
-        let (_, rest) = self.rest.split_at_checked(start)?;
-        let end = rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len());
-        let (word, rest) = rest.split_at_checked(end)?;
-        self.move_to(rest);
-        Some(word)
-    }
-
     fn move_to(&mut self, rest: &'a [u8]) {
         self.rest = rest;
         if rest.len() < self.tell_at {
             self.tell_at = rest.len().saturating_sub(TELL_EVERY);
             (self.tell)(self.whole - rest.len());
         }
+    }
+}
+
+impl Read for Input<'_> {
+    fn read(&mut self, to: &mut [u8]) -> io::Result<usize> {
+        let mut rest = self.rest;
+        let count = rest.read(to)?;
+        self.move_to(rest);
+        Ok(count)
+    }
+}
+
+impl BufRead for Input<'_> {
+    fn fill_buf(&mut self) -> io::Result<&[u8]> {
+        Ok(self.rest)
+    }
+
+    fn consume(&mut self, count: usize) {
+        self.take(count);
     }
 }
 

@@ -1,12 +1,13 @@
 //! Triangle meshes as their files say them.
 //!
-//! A file a format: `obj`, `ply`, `gltf`. What they read is a `Draft`, whose `finish` checks it, drops what has no area or is
-//! not used, and makes a `Mesh` of it. They are written here because the crates that there are panic on some files (tobj 4.0,
-//! gltf 1.4), refuse text that is not UTF-8 (tobj), or cannot say which face is wrong (serde-ply 0.2).
+//! A file a format: `obj` by the crate `tobj`, `ply` by `serde-ply`, `gltf` by `gltf`. The parsers are called under `guard`,
+//! for some panic on what a file may say. What they read is a `Draft`, whose `finish` checks it, drops what has no area or is
+//! not used, and makes a `Mesh` of it.
 
 mod closed;
 mod draft;
 mod gltf;
+mod guard;
 mod input;
 mod obj;
 mod ply;

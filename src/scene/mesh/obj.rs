@@ -1,158 +1,235 @@
-//! Wavefront OBJ: positions, texture coordinates, normals and faces; all else (materials, groups, lines) is passed over.
+//! Wavefront OBJ: positions, texture coordinates, normals and faces, as the crate `tobj` reads them.
+//!
+//! It is given only the lines that say something of these, each in one piece and without what has no use here: comments,
+//! weights, colours. That is for more than thrift. Groups and materials would cut its faces into several lists before all
+//! vertices are known, lines would be counted as faces; it refuses colours that only some vertices have, texture coordinates
+//! of one number, lines that go on in the next, comments behind a face, and text that is not UTF-8. And since it says what is
+//! wrong but not where, what it refuses is looked through for the place.
 
-use std::collections::HashMap;
+use std::io::{self, BufRead, Read};
 use std::path::Path;
 
 use glam::{DVec3, Vec2, Vec3};
+use tobj::LoadOptions;
 
 use super::draft::Draft;
+use super::guard::guarded;
 use super::input::{Input, number, quote, words};
 
-/// Stands for a reference that a corner does not have.
-const NONE: u32 = u32::MAX;
-
-/// What the file lists, before faces pick from it.
-#[derive(Default)]
-struct Lists {
-    positions: Vec<DVec3>,
-    uvs: Vec<Vec2>,
-    normals: Vec<Vec3>,
-    /// The vertices: which position, texture coordinates and normal a corner refers to, counted from 0.
-    corners: Vec<[u32; 3]>,
-    /// The vertices' numbers.
-    numbers: HashMap<[u32; 3], u32>,
-}
+/// One vertex for each position, texture coordinates and normal that a corner refers to; faces as they are, all of them.
+const OPTIONS: LoadOptions =
+    LoadOptions { single_index: true, triangulate: false, ignore_points: false, ignore_lines: false };
 
 pub fn parse(_: &Path, input: &mut Input) -> Result<Draft, String> {
+    let bytes = input.rest();
+    let mut lines = Lines::new(input);
+    let loaded = guarded(|| tobj::load_obj_buf(&mut lines, &OPTIONS, |_| Ok(Default::default())));
+    let has = lines.counts.map(|count| count > 0);
+    let models = loaded.and_then(|loaded| loaded.map_err(|error| error.to_string()));
+    let (models, _) = models.map_err(|words| fault(bytes).unwrap_or(words))?;
     let mut draft = Draft::default();
-    let mut lists = Lists::default();
-    let mut face = Vec::new();
-    let mut joined = Vec::new();
-    let mut line_number = 0_u64;
-    while let Some(mut line) = input.line() {
-        line_number += 1;
-        let first = line_number;
-        if line.ends_with(b"\\") {
-            joined.clear();
-            while let Some(begun) = line.strip_suffix(b"\\") {
-                joined.extend_from_slice(begun);
-                joined.push(b' ');
-                line = input.line().unwrap_or_default();
-                line_number += 1;
-            }
-            joined.extend_from_slice(line);
-            line = &joined;
+    for model in models {
+        let mesh = model.mesh;
+        if (!has[1] && !mesh.texcoords.is_empty()) || (!has[2] && !mesh.normals.is_empty()) {
+            return Err(fault(bytes).unwrap_or_else(|| "a face refers to what the file has not".to_owned()));
         }
-        lists.line(line, &mut draft, &mut face).map_err(|reason| format!("line {first}: {reason}"))?;
+        draft.positions = triples(&mesh.positions).collect();
+        let count = draft.positions.len();
+        draft.normals = whole(triples(&mesh.normals).map(|normal| normal.as_vec3()).collect(), count, Vec3::NAN);
+        let uvs = mesh.texcoords.as_chunks().0.iter().map(|&[u, v]| Vec2::new(u as f32, v as f32));
+        draft.uvs = whole(uvs.collect(), count, Vec2::NAN);
+        if mesh.face_arities.is_empty() {
+            draft.reserve(mesh.indices.len() / 3);
+            for corners in mesh.indices.chunks_exact(3) {
+                draft.face(corners)?;
+            }
+        }
+        let mut corners = mesh.indices.as_slice();
+        for &count in &mesh.face_arities {
+            let (face, rest) = corners.split_at_checked(count as usize).unwrap_or((corners, &[]));
+            draft.face(face)?;
+            corners = rest;
+        }
     }
-    lists.fill(draft)
+    Ok(draft)
 }
 
-impl Lists {
-    fn line(&mut self, line: &[u8], draft: &mut Draft, face: &mut Vec<u32>) -> Result<(), String> {
-        let mut words = words(line);
-        match words.next() {
-            // More numbers may follow: a weight, which polygons have no use for, or a colour.
-            Some(b"v") => self.positions.push(DVec3::from_array(numbers(words, 3)?)),
-            Some(b"vt") => {
-                let [u, v] = numbers(words, 1)?;
-                self.uvs.push(Vec2::new(u as f32, v as f32));
-            }
-            Some(b"vn") => self.normals.push(DVec3::from_array(numbers(words, 3)?).as_vec3()),
-            Some(b"f") => {
-                face.clear();
-                for word in words.take_while(|word| !word.starts_with(b"#")) {
-                    let corner = self.corner(word).ok_or_else(|| {
-                        format!(
-                            "face {} (counted from 0): expected a corner such as 5, 5/2, 5//3 or 5/2/3 that refers to \
-                             what the file has, counted from 1, found {}",
-                            draft.next_face(),
-                            quote(word)
-                        )
-                    })?;
-                    face.push(self.number(corner)?);
+fn triples(numbers: &[f64]) -> impl Iterator<Item = DVec3> {
+    numbers.as_chunks().0.iter().map(|&triple| DVec3::from_array(triple))
+}
+
+/// Where only some vertices have a value, the crate does not say which.
+fn whole<T: Clone>(values: Vec<T>, count: usize, missing: T) -> Vec<T> {
+    if values.is_empty() || values.len() == count { values } else { vec![missing; count] }
+}
+
+/// The lists of a file, in the order in which a corner refers to them.
+const LISTS: [(&[u8], &str); 3] = [(b"v", "position"), (b"vt", "pair of texture coordinates"), (b"vn", "normal")];
+
+/// A file's lines about triangles, one after the other.
+struct Lines<'a, 'b> {
+    input: &'a mut Input<'b>,
+    /// The line, of which some is read.
+    line: Vec<u8>,
+    read: usize,
+    /// Where the line begins in the file, and where the next one does.
+    number: u64,
+    next: u64,
+    /// The entries so far of each list.
+    counts: [u64; 3],
+    /// How many lists were looked at after the file's end.
+    ended: usize,
+}
+
+impl<'a, 'b> Lines<'a, 'b> {
+    fn new(input: &'a mut Input<'b>) -> Lines<'a, 'b> {
+        Lines { input, line: Vec::new(), read: 0, number: 0, next: 1, counts: [0; 3], ended: 1 }
+    }
+
+    /// Goes to the next line; false at the end.
+    fn advance(&mut self) -> bool {
+        let mut joined = Vec::new();
+        while let Some(mut line) = self.input.line() {
+            self.number = self.next;
+            self.next += 1;
+            if line.ends_with(b"\\") {
+                joined.clear();
+                while let Some(begun) = line.strip_suffix(b"\\") {
+                    joined.extend_from_slice(begun);
+                    joined.push(b' ');
+                    line = self.input.line().unwrap_or_default();
+                    self.next += 1;
                 }
-                draft.face(face)?;
+                joined.extend_from_slice(line);
+                line = &joined;
             }
-            _ => {}
+            let mut words = words(line).take_while(|word| !word.starts_with(b"#"));
+            let Some(name) = words.next() else { continue };
+            let list = LISTS.iter().position(|(list, _)| *list == name);
+            let most = match list {
+                Some(1) => 2,
+                Some(_) => 3,
+                None if name == b"f" => usize::MAX,
+                None => continue,
+            };
+            self.read = 0;
+            self.line.clear();
+            self.line.extend_from_slice(name);
+            let mut count = 0;
+            for word in words.take(most) {
+                self.line.push(b' ');
+                self.line.extend_from_slice(word);
+                count += 1;
+            }
+            if list == Some(1) && count == 1 {
+                self.line.extend_from_slice(b" 0");
+            }
+            self.line.push(b'\n');
+            if let Some(count) = list.and_then(|list| self.counts.get_mut(list)) {
+                *count += 1;
+            }
+            return true;
         }
-        Ok(())
+        false
     }
 
-    /// What a corner refers to. Numbers below 0 count backwards from the last entry so far.
-    fn corner(&self, word: &[u8]) -> Option<[u32; 3]> {
-        let mut parts = word.split(|&byte| byte == b'/');
-        let position = reference(parts.next()?, self.positions.len())?;
-        let mut optional = |count| match parts.next() {
-            None | Some(b"") => Some(NONE),
-            Some(part) => reference(part, count),
-        };
-        let (uv, normal) = (optional(self.uvs.len())?, optional(self.normals.len())?);
-        parts.next().is_none().then_some([position, uv, normal])
-    }
-
-    /// The vertex of a corner.
-    fn number(&mut self, corner: [u32; 3]) -> Result<u32, String> {
-        let next = u32::try_from(self.corners.len()).map_err(|_| "it has more than 2^32 - 1 vertices")?;
-        let number = *self.numbers.entry(corner).or_insert(next);
-        if number == next {
-            self.corners.push(corner);
+    /// Adds an entry to each list that has none. The crate passes over references to a list that is empty, and so it does not.
+    fn fill_lists(&mut self) -> bool {
+        while let (Some(count), Some((name, _))) = (self.counts.get(self.ended), LISTS.get(self.ended)) {
+            self.ended += 1;
+            if *count == 0 {
+                self.read = 0;
+                self.line.clear();
+                self.line.extend_from_slice(name);
+                self.line.extend_from_slice(b" 0 0 0\n");
+                return true;
+            }
         }
-        Ok(number)
-    }
-
-    /// Gives the vertices what their corners refer to, which may stand in the file after the faces.
-    fn fill(self, mut draft: Draft) -> Result<Draft, String> {
-        drop(self.numbers);
-        let nowhere = |[position, uv, normal]: [u32; 3]| {
-            let references = [
-                (position, "position", self.positions.len()),
-                (uv, "pair of texture coordinates", self.uvs.len()),
-                (normal, "normal", self.normals.len()),
-            ];
-            references.into_iter().find(|&(index, _, count)| index != NONE && index as usize >= count)
-        };
-        if let Some(vertex) = self.corners.iter().position(|&corner| nowhere(corner).is_some()) {
-            let (index, what, count) = self.corners.get(vertex).copied().and_then(nowhere).unwrap_or_default();
-            let face = draft.face_of_vertex(vertex as u32).map_or(String::new(), |face| face.to_string());
-            return Err(format!(
-                "face {face} (counted from 0): there is no {what} {}, for the file has {count}, counted from 1",
-                u64::from(index) + 1
-            ));
-        }
-        let has = |at: usize| self.corners.iter().any(|corner| corner.get(at).is_some_and(|&index| index != NONE));
-        let positions = self.corners.iter().map(|[p, _, _]| self.positions.get(*p as usize).copied());
-        draft.positions = positions.map(|position| position.unwrap_or(DVec3::NAN)).collect();
-        if has(1) {
-            let uvs = self.corners.iter().map(|[_, uv, _]| self.uvs.get(*uv as usize).copied());
-            draft.uvs = uvs.map(|uv| uv.unwrap_or(Vec2::NAN)).collect();
-        }
-        if has(2) {
-            let normals = self.corners.iter().map(|[_, _, normal]| self.normals.get(*normal as usize).copied());
-            draft.normals = normals.map(|normal| normal.unwrap_or(Vec3::NAN)).collect();
-        }
-        Ok(draft)
+        false
     }
 }
 
-/// A reference counted from 0. What is above the count may still come.
-fn reference(word: &[u8], count: usize) -> Option<u32> {
-    let index = match number::<i64>(word)? {
-        back if back < 0 => i64::try_from(count).ok()?.checked_add(back)?,
-        index => index.checked_sub(1)?,
-    };
-    u32::try_from(index).ok().filter(|&index| index != NONE)
+impl BufRead for Lines<'_, '_> {
+    fn fill_buf(&mut self) -> io::Result<&[u8]> {
+        if self.read >= self.line.len() && !self.advance() && !self.fill_lists() {
+            return Ok(&[]);
+        }
+        Ok(self.line.get(self.read..).unwrap_or_default())
+    }
+
+    fn consume(&mut self, count: usize) {
+        self.read += count;
+    }
 }
 
-/// The first N numbers of a line, of which some must be there; those that are not are 0.
-fn numbers<'a, const N: usize>(mut words: impl Iterator<Item = &'a [u8]>, least: usize) -> Result<[f64; N], String> {
-    let mut numbers = [0.0; N];
-    for (index, to) in numbers.iter_mut().enumerate() {
-        *to = match words.next() {
-            Some(word) => number(word).ok_or_else(|| format!("expected a number, found {}", quote(word)))?,
-            None if index >= least => break,
-            None => return Err(format!("expected {least} numbers, found {index}")),
+impl Read for Lines<'_, '_> {
+    fn read(&mut self, to: &mut [u8]) -> io::Result<usize> {
+        let count = self.fill_buf()?.read(to)?;
+        self.consume(count);
+        Ok(count)
+    }
+}
+
+/// What is wrong with a file that is refused, and where; nothing if that is not to be seen.
+fn fault(bytes: &[u8]) -> Option<String> {
+    let mut tell = |_| {};
+    let mut input = Input::new(bytes, &mut tell);
+    let mut lines = Lines::new(&mut input);
+    let mut face = 0_u64;
+    // What faces refer to that is not there yet: the face, the list and the entry.
+    let mut ahead: Vec<(u64, usize, u64)> = Vec::new();
+    while lines.advance() {
+        let mut words = words(&lines.line);
+        let line = lines.number;
+        if words.next() != Some(b"f") {
+            let numbers: Vec<&[u8]> = words.collect();
+            if let Some(word) = numbers.iter().find(|word| number::<f64>(word).is_none()) {
+                return Some(format!("line {line}: expected a number, found {}", quote(word)));
+            }
+            let expected = if lines.line.starts_with(b"vt") { 2 } else { 3 };
+            if numbers.len() < expected {
+                return Some(format!("line {line}: expected {expected} numbers, found {}", numbers.len()));
+            }
+            continue;
+        }
+        for word in words {
+            let Some(corner) = corner(word, &lines.counts) else {
+                return Some(format!(
+                    "line {line}: face {face} (counted from 0): expected a corner such as 5, 5/2, 5//3 or 5/2/3 that \
+                     refers to what the file has, counted from 1, found {}",
+                    quote(word)
+                ));
+            };
+            for (list, (reference, count)) in corner.iter().zip(lines.counts).enumerate() {
+                ahead.extend(reference.filter(|&reference| reference > count).map(|at| (face, list, at)));
+            }
+        }
+        face += 1;
+    }
+    ahead.into_iter().find_map(|(face, list, entry)| {
+        let (count, (_, what)) = (lines.counts.get(list)?, LISTS.get(list)?);
+        (entry > *count).then(|| {
+            format!(
+                "face {face} (counted from 0): there is no {what} {entry}, for the file has {count}, counted from 1"
+            )
+        })
+    })
+}
+
+/// What a corner refers to, counted from 1. Numbers below 0 count backwards from the last entry so far.
+fn corner(word: &[u8], counts: &[u64; 3]) -> Option<[Option<u64>; 3]> {
+    let mut parts = word.split(|&byte| byte == b'/');
+    let mut corner = [None; 3];
+    for (at, (to, &count)) in corner.iter_mut().zip(counts).enumerate() {
+        *to = match parts.next() {
+            None | Some(b"") if at > 0 => None,
+            part => match number::<i64>(part?)? {
+                back if back < 0 => Some(count.checked_sub(back.unsigned_abs())? + 1),
+                0 => return None,
+                index => Some(index as u64).filter(|&index| index <= u64::from(u32::MAX)),
+            }
+            .map(Some)?,
         };
     }
-    Ok(numbers)
+    parts.next().is_none().then_some(corner)
 }

@@ -1,112 +1,52 @@
-//! PLY, as text and in binary of either order of bytes: the elements `vertex` and `face`; all others are passed over.
+//! PLY, as text and in binary of either order of bytes, as the crate `serde-ply` reads it: the elements `vertex` and `face`;
+//! all others are passed over.
+//!
+//! The crate hands out the numbers of one row after the other, and holds none of them; it reserves nothing by what the header
+//! says. Lines of the header that it does not know it would pass over: they are refused before it sees them.
 
+use std::io::{ErrorKind, Read};
 use std::path::Path;
 
 use glam::{DVec3, Vec2, Vec3};
+use serde::de::{DeserializeSeed, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use serde_ply::{DeserializeError, ElementDef, PlyFormat, PlyHeader, PlyProperty, PlyReader, PropertyType, ScalarType};
 
 use super::draft::{Draft, MOST_VERTICES};
+use super::guard::guarded;
 use super::input::{Input, number, quote, words};
 
 /// Bytes of the longest line of a header.
 const LONGEST_LINE: usize = 1 << 16;
 
-#[derive(Clone, Copy, PartialEq)]
-enum Format {
-    Text,
-    LittleEndian,
-    BigEndian,
-}
-
-#[derive(Clone, Copy)]
-enum Kind {
-    I8,
-    U8,
-    I16,
-    U16,
-    I32,
-    U32,
-    F32,
-    F64,
-}
-
-struct Property {
-    name: String,
-    /// Of the number of entries; a single number has none.
-    count: Option<Kind>,
-    kind: Kind,
-}
-
-struct Element {
-    name: String,
-    count: u64,
-    properties: Vec<Property>,
-}
-
 pub fn parse(_: &Path, input: &mut Input) -> Result<Draft, String> {
-    let (format, elements) = header(input)?;
+    let text = header_text(input)?;
+    let header = guarded(|| header(&text))??;
     for name in ["vertex", "face"] {
-        if !elements.iter().any(|element| element.name == name) {
+        if !header.has_element(name) {
             return Err(format!("expected an element {name} in its header"));
         }
     }
-    let mut reader = Reader { input, format };
-    let mut draft = Draft::default();
-    for element in &elements {
-        let mut row = 0;
-        let read = match element.name.as_str() {
-            "vertex" => reader.vertices(element, &mut draft, &mut row),
-            "face" => reader.faces(element, &mut draft, &mut row),
-            _ => reader.others(element, &mut row),
-        };
-        read.map_err(|wrong| match wrong {
-            Wrong::End => {
-                let Element { name, count, .. } = element;
-                format!("the file ends in {name} {row} (counted from 0) of {count}: it is not complete")
-            }
-            Wrong::Words(words) => format!("{} {row} (counted from 0): {words}", element.name),
-        })?;
-    }
-    Ok(draft)
+    guarded(|| payload(&text, &header, input))?
 }
 
-fn header(input: &mut Input) -> Result<(Format, Vec<Element>), String> {
-    let mut format = None;
-    let mut elements: Vec<Element> = Vec::new();
+/// The lines of the header, or of the file if that has no end, in UTF-8 whatever its comments are in.
+fn header_text(input: &mut Input) -> Result<String, String> {
+    let mut text = String::new();
     let mut line_number = 0_u64;
     loop {
         line_number += 1;
-        let line = input.line().ok_or("the file ends in its header: expected end_header")?;
+        let Some(line) = input.line() else { return Ok(text) };
         let at_line = |reason: &str| Err(format!("line {line_number}: {reason}"));
         if line.len() > LONGEST_LINE {
             return at_line("expected a line of a PLY header, found one of more than 65536 bytes");
         }
-        let words: Vec<&[u8]> = words(line).collect();
-        if line_number == 1 {
-            if words != [b"ply"] {
-                return at_line("expected ply, the first line of every PLY file");
-            }
-            continue;
-        }
-        match words.as_slice() {
-            [] | [b"comment" | b"obj_info", ..] => {}
-            [b"format", b"ascii", ..] => format = Some(Format::Text),
-            [b"format", b"binary_little_endian", ..] => format = Some(Format::LittleEndian),
-            [b"format", b"binary_big_endian", ..] => format = Some(Format::BigEndian),
-            [b"format", ..] => return at_line("expected format ascii, binary_little_endian or binary_big_endian"),
-            [b"element", name, count] => {
-                let Some(count) = number(count) else { return at_line("expected element NAME COUNT") };
-                elements.push(Element { name: text(name), count, properties: Vec::new() });
-            }
-            [b"property", rest @ ..] => {
-                let Some(property) = property(rest) else {
-                    return at_line("expected property TYPE NAME or property list TYPE TYPE NAME");
-                };
-                match elements.last_mut() {
-                    Some(element) => element.properties.push(property),
-                    None => return at_line("expected an element before its properties"),
-                }
-            }
-            [b"end_header"] => break,
+        text.push_str(&String::from_utf8_lossy(line));
+        text.push('\n');
+        match words(line).collect::<Vec<_>>().as_slice() {
+            [b"end_header"] => return Ok(text),
+            [b"ply"] if line_number == 1 => {}
+            _ if line_number == 1 => return at_line("expected ply, the first line of every PLY file"),
+            [] | [b"format" | b"element" | b"property" | b"comment" | b"obj_info", ..] => {}
             [word, ..] => {
                 return at_line(&format!(
                     "expected format, element, property, comment or end_header, found {}",
@@ -115,222 +55,310 @@ fn header(input: &mut Input) -> Result<(Format, Vec<Element>), String> {
             }
         }
     }
-    let format = format.ok_or("expected a line such as format ascii 1.0 in its header")?;
-    Ok((format, elements))
 }
 
-fn text(word: &[u8]) -> String {
-    String::from_utf8_lossy(word).into_owned()
-}
-
-fn property(words: &[&[u8]]) -> Option<Property> {
-    Some(match words {
-        [b"list", count, kind, name] => {
-            Property { name: text(name), count: Some(self::kind(count)?), kind: self::kind(kind)? }
+fn header(text: &str) -> Result<PlyHeader, String> {
+    let mut rest = text.as_bytes();
+    let read = PlyReader::from_reader(&mut rest).map(|reader| reader.header().clone());
+    read.map_err(|DeserializeError(error)| {
+        if error.kind() == ErrorKind::UnexpectedEof {
+            return "the file ends in its header: expected end_header".to_owned();
         }
-        [kind, name] => Property { name: text(name), count: None, kind: self::kind(kind)? },
-        _ => return None,
-    })
-}
-
-fn kind(word: &[u8]) -> Option<Kind> {
-    Some(match word {
-        b"char" | b"int8" => Kind::I8,
-        b"uchar" | b"uint8" => Kind::U8,
-        b"short" | b"int16" => Kind::I16,
-        b"ushort" | b"uint16" => Kind::U16,
-        b"int" | b"int32" => Kind::I32,
-        b"uint" | b"uint32" => Kind::U32,
-        b"float" | b"float32" => Kind::F32,
-        b"double" | b"float64" => Kind::F64,
-        _ => return None,
-    })
-}
-
-impl Kind {
-    fn bytes(self) -> usize {
-        match self {
-            Kind::I8 | Kind::U8 => 1,
-            Kind::I16 | Kind::U16 => 2,
-            Kind::I32 | Kind::U32 | Kind::F32 => 4,
-            Kind::F64 => 8,
-        }
-    }
-}
-
-enum Wrong {
-    /// The file ends.
-    End,
-    Words(String),
-}
-
-impl From<String> for Wrong {
-    fn from(words: String) -> Wrong {
-        Wrong::Words(words)
-    }
-}
-
-struct Reader<'a, 'b> {
-    input: &'a mut Input<'b>,
-    format: Format,
-}
-
-impl Reader<'_, '_> {
-    fn vertices(&mut self, element: &Element, draft: &mut Draft, row: &mut u64) -> Result<(), Wrong> {
-        // Where each property goes: x, y, z, the normal, u, v; the last place is for all else.
-        const NAMES: [&[&str]; 8] = [
-            &["x"],
-            &["y"],
-            &["z"],
-            &["nx"],
-            &["ny"],
-            &["nz"],
-            &["u", "s", "texture_u", "texture_s"],
-            &["v", "t", "texture_v", "texture_t"],
-        ];
-        let place = |property: &Property| {
-            let found = NAMES.iter().position(|names| names.contains(&property.name.as_str()));
-            found.filter(|_| property.count.is_none()).unwrap_or(NAMES.len())
+        // The last line that was read.
+        let lines = text.get(..text.len() - rest.len()).unwrap_or_default().lines();
+        let place = lines.clone().count();
+        let expected = match lines.last().and_then(|line| line.split_whitespace().next()) {
+            Some("format") => "format ascii, binary_little_endian or binary_big_endian, and 1.0",
+            Some("element") => "element NAME COUNT",
+            Some("property") => {
+                "an element before, and then property TYPE NAME or property list TYPE TYPE NAME of its properties"
+            }
+            _ => "a line such as format ascii 1.0 in its header",
         };
-        let places: Vec<usize> = element.properties.iter().map(place).collect();
-        let has = |range: std::ops::Range<usize>| range.into_iter().all(|place| places.contains(&place));
+        format!("line {place}: expected {expected}: {error}")
+    })
+}
+
+fn payload(text: &str, header: &PlyHeader, input: &mut Input) -> Result<Draft, String> {
+    // The crate takes a number in text to end in white space.
+    let end: &[u8] = if header.format == PlyFormat::Ascii { b"\n" } else { b"" };
+    let rows = input.rest();
+    let mut draft = Draft::default();
+    let mut reader = PlyReader::from_reader(text.as_bytes().chain(&mut *input).chain(end))
+        .map_err(|DeserializeError(error)| error.to_string())?;
+    for element in &header.elem_defs {
+        let ElementDef { name, count, .. } = element;
+        let in_row = |row: usize, reason: String| Err(format!("{name} {row} (counted from 0): {reason}"));
+        let mut elements = match Rows::new(element, &mut draft) {
+            Ok(elements) => elements,
+            Err(reason) => return in_row(0, reason),
+        };
+        elements.reserve(header.format, rows.len());
+        let mut element = &mut reader;
+        let read = element.next_key::<IgnoredAny>().and_then(|_| element.next_value_seed(&mut elements));
+        let Rows { row, wanted, wrong, .. } = elements;
+        let Err(DeserializeError(error)) = read else { continue };
+        if let Some(reason) = wrong {
+            return in_row(row, reason);
+        }
+        if error.kind() == ErrorKind::UnexpectedEof {
+            return Err(format!("the file ends in {name} {row} (counted from 0) of {count}: it is not complete"));
+        }
+        if header.format != PlyFormat::Ascii {
+            return in_row(row, format!("expected {wanted}: {error}"));
+        }
+        // Text is read byte by byte: the word that is wrong is the last one.
+        drop(reader);
+        let read = rows.get(..rows.len() - input.rest().len()).unwrap_or_default();
+        let word = read.trim_ascii_end().rsplit(u8::is_ascii_whitespace).next().unwrap_or_default();
+        return in_row(
+            row,
+            match number::<f64>(word) {
+                Some(value) => format!("expected {wanted}, found {value}"),
+                None => format!("expected a number, found {}", quote(word)),
+            },
+        );
+    }
+    Ok(draft)
+}
+
+/// What a property is.
+#[derive(Clone, Copy, PartialEq)]
+enum Column {
+    /// One of the numbers of a vertex, by its place in `NAMES`.
+    Number(usize),
+    /// The list of a face's corners.
+    Corners,
+    /// Not used here.
+    Other,
+}
+
+/// The names of a vertex's numbers.
+const NAMES: [&[&str]; 8] = [
+    &["x"],
+    &["y"],
+    &["z"],
+    &["nx"],
+    &["ny"],
+    &["nz"],
+    &["u", "s", "texture_u", "texture_s"],
+    &["v", "t", "texture_v", "texture_t"],
+];
+
+/// Takes the rows of an element into the draft.
+struct Rows<'a> {
+    element: &'a ElementDef,
+    columns: Vec<Column>,
+    has_normals: bool,
+    has_uvs: bool,
+    draft: &'a mut Draft,
+    values: [f64; NAMES.len()],
+    corners: Vec<u32>,
+    /// The row that is read, counted from 0.
+    row: usize,
+    /// The number that is read, for messages.
+    wanted: &'static str,
+    /// What is wrong with the row, if it is not for the crate to say.
+    wrong: Option<String>,
+}
+
+const ANY: &str = "a number that its type can hold";
+const COUNT: &str = "a number of corners";
+const CORNER: &str = "the number of a vertex, counted from 0";
+
+impl<'a> Rows<'a> {
+    fn new(element: &'a ElementDef, draft: &'a mut Draft) -> Result<Rows<'a>, String> {
+        let (is_vertex, is_face) = (element.name == "vertex", element.name == "face");
+        let column = |property: &PlyProperty| {
+            let name = property.name.as_str();
+            let place = NAMES.iter().position(|names| names.contains(&name));
+            match (&property.property_type, place) {
+                (PropertyType::Scalar(_), Some(place)) if is_vertex => Column::Number(place),
+                (PropertyType::List { .. }, _) if is_face && ["vertex_indices", "vertex_index"].contains(&name) => {
+                    Column::Corners
+                }
+                _ => Column::Other,
+            }
+        };
+        let columns: Vec<Column> = element.properties.iter().map(column).collect();
+        let has = |mut places: std::ops::Range<usize>| places.all(|place| columns.contains(&Column::Number(place)));
+        if is_vertex && !has(0..3) {
+            return Err("expected the properties x, y and z".to_owned());
+        }
+        if is_vertex && element.count > MOST_VERTICES {
+            return Err(format!("expected at most {MOST_VERTICES} vertices, found {}", element.count));
+        }
+        if is_face && !columns.contains(&Column::Corners) {
+            return Err("expected a property list vertex_indices".to_owned());
+        }
         let (has_normals, has_uvs) = (has(3..6), has(6..8));
-        if !has(0..3) {
-            return Err(Wrong::Words("expected the properties x, y and z".to_owned()));
-        }
-        if element.count > MOST_VERTICES as u64 {
-            return Err(Wrong::Words(format!("expected at most {MOST_VERTICES} vertices, found {}", element.count)));
-        }
-        let room = self.rows_at_most(element);
-        draft.positions.reserve(room);
-        draft.normals.reserve(if has_normals { room } else { 0 });
-        draft.uvs.reserve(if has_uvs { room } else { 0 });
-        while *row < element.count {
-            let mut values = [0.0; NAMES.len() + 1];
-            for (property, &place) in element.properties.iter().zip(&places) {
-                match property.count {
-                    Some(count) => self.skip_list(count, property.kind)?,
-                    None => {
-                        let value = self.scalar(property.kind)?;
-                        if let Some(to) = values.get_mut(place) {
-                            *to = value;
-                        }
-                    }
-                }
-            }
-            let [x, y, z, nx, ny, nz, u, v, _] = values;
-            draft.vertex(DVec3::new(x, y, z))?;
-            if has_normals {
-                draft.normals.push(Vec3::new(nx as f32, ny as f32, nz as f32));
-            }
-            if has_uvs {
-                draft.uvs.push(Vec2::new(u as f32, v as f32));
-            }
-            *row += 1;
-        }
-        Ok(())
+        Ok(Rows {
+            element,
+            columns,
+            has_normals,
+            has_uvs,
+            draft,
+            values: [0.0; NAMES.len()],
+            corners: Vec::new(),
+            row: 0,
+            wanted: ANY,
+            wrong: None,
+        })
     }
 
-    fn faces(&mut self, element: &Element, draft: &mut Draft, row: &mut u64) -> Result<(), Wrong> {
-        let is_corners = |property: &Property| {
-            property.count.is_some() && ["vertex_indices", "vertex_index"].contains(&property.name.as_str())
+    /// Makes room for as many rows as there can be in so many bytes, if lists have three entries.
+    fn reserve(&mut self, format: PlyFormat, bytes: usize) {
+        let is_text = format == PlyFormat::Ascii;
+        let size = |kind: ScalarType| match kind {
+            _ if is_text => 2,
+            ScalarType::I8 | ScalarType::U8 => 1,
+            ScalarType::I16 | ScalarType::U16 => 2,
+            ScalarType::I32 | ScalarType::U32 | ScalarType::F32 => 4,
+            ScalarType::F64 => 8,
         };
-        let Some(corners_at) = element.properties.iter().position(is_corners) else {
-            return Err(Wrong::Words("expected a property list vertex_indices".to_owned()));
+        let size = |property: &PlyProperty| match property.property_type {
+            PropertyType::Scalar(kind) => size(kind),
+            PropertyType::List { count_type, data_type } => size(count_type) + 3 * size(data_type),
         };
-        draft.reserve(self.rows_at_most(element));
-        let mut corners = Vec::new();
-        while *row < element.count {
-            for (at, property) in element.properties.iter().enumerate() {
-                match property.count {
-                    None => drop(self.scalar(property.kind)?),
-                    Some(count) if at != corners_at => self.skip_list(count, property.kind)?,
-                    Some(count) => {
-                        corners.clear();
-                        for _ in 0..self.whole(count, "a number of corners")? {
-                            corners.push(self.whole(property.kind, "the number of a vertex, counted from 0")?);
-                        }
-                    }
-                }
+        let row: usize = self.element.properties.iter().map(size).sum();
+        let rows = self.element.count.min(bytes / row.max(1) + 1);
+        match self.element.name.as_str() {
+            "vertex" => {
+                self.draft.positions.reserve(rows);
+                self.draft.normals.reserve(if self.has_normals { rows } else { 0 });
+                self.draft.uvs.reserve(if self.has_uvs { rows } else { 0 });
             }
-            draft.face(&corners)?;
-            *row += 1;
+            "face" => self.draft.reserve(rows),
+            _ => {}
         }
-        Ok(())
     }
 
-    /// Passes over an element.
-    fn others(&mut self, element: &Element, row: &mut u64) -> Result<(), Wrong> {
+    /// Adds the row that was read.
+    fn add(&mut self) -> Result<(), String> {
+        match self.element.name.as_str() {
+            "vertex" => {
+                let [x, y, z, nx, ny, nz, u, v] = self.values;
+                self.draft.vertex(DVec3::new(x, y, z))?;
+                if self.has_normals {
+                    self.draft.normals.push(Vec3::new(nx as f32, ny as f32, nz as f32));
+                }
+                if self.has_uvs {
+                    self.draft.uvs.push(Vec2::new(u as f32, v as f32));
+                }
+            }
+            "face" => self.draft.face(&self.corners)?,
+            _ => {}
+        }
+        self.row += 1;
+        Ok(())
+    }
+}
+
+/// Ends the reading with words of our own.
+fn refuse<T, E: Error>(wrong: &mut Option<String>, reason: String) -> Result<T, E> {
+    *wrong = Some(reason);
+    Err(E::custom(""))
+}
+
+/// The crate's word for an element is a sequence.
+impl<'de> DeserializeSeed<'de> for &mut Rows<'_> {
+    type Value = ();
+
+    fn deserialize<D: Deserializer<'de>>(self, rows: D) -> Result<(), D::Error> {
+        rows.deserialize_seq(self)
+    }
+}
+
+impl<'de> Visitor<'de> for &mut Rows<'_> {
+    type Value = ();
+
+    fn expecting(&self, to: &mut std::fmt::Formatter) -> std::fmt::Result {
+        write!(to, "rows")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut rows: A) -> Result<(), A::Error> {
         // Rows of nothing have no end in the file, however many there are.
-        while *row < element.count && !element.properties.is_empty() {
-            for property in &element.properties {
-                match property.count {
-                    Some(count) => self.skip_list(count, property.kind)?,
-                    None => drop(self.scalar(property.kind)?),
-                }
-            }
-            *row += 1;
-        }
+        while !self.columns.is_empty() && rows.next_element_seed(Row(self))?.is_some() {}
         Ok(())
     }
+}
 
-    /// The rows of an element that there can be in the rest of the file, if lists have three entries.
-    fn rows_at_most(&self, element: &Element) -> usize {
-        let bytes = |property: &Property| match (self.format, property.count) {
-            (Format::Text, None) => 2,
-            (Format::Text, Some(_)) => 8,
-            (_, None) => property.kind.bytes(),
-            (_, Some(count)) => count.bytes() + 3 * property.kind.bytes(),
-        };
-        let row: usize = element.properties.iter().map(bytes).sum();
-        let most = self.input.rest().len() / row.max(1) + 1;
-        usize::try_from(element.count).map_or(most, |count| count.min(most))
+/// For a row it is a map.
+struct Row<'a, 'b>(&'a mut Rows<'b>);
+
+impl<'de> DeserializeSeed<'de> for Row<'_, '_> {
+    type Value = ();
+
+    fn deserialize<D: Deserializer<'de>>(self, row: D) -> Result<(), D::Error> {
+        row.deserialize_map(self)
+    }
+}
+
+impl<'de> Visitor<'de> for Row<'_, '_> {
+    type Value = ();
+
+    fn expecting(&self, to: &mut std::fmt::Formatter) -> std::fmt::Result {
+        write!(to, "a row")
     }
 
-    fn skip_list(&mut self, count: Kind, kind: Kind) -> Result<(), Wrong> {
-        let count = self.whole(count, "a number of entries")?;
-        if self.format == Format::Text {
-            return (0..count).try_for_each(|_| self.scalar(kind).map(drop));
+    fn visit_map<A: MapAccess<'de>>(self, mut row: A) -> Result<(), A::Error> {
+        let Row(rows) = self;
+        for &column in &rows.columns {
+            rows.wanted = ANY;
+            row.next_key::<IgnoredAny>()?;
+            match column {
+                Column::Number(place) => {
+                    let value = row.next_value()?;
+                    if let Some(to) = rows.values.get_mut(place) {
+                        *to = value;
+                    }
+                }
+                Column::Corners => {
+                    rows.corners.clear();
+                    rows.wanted = COUNT;
+                    let corners =
+                        Corners { corners: &mut rows.corners, wanted: &mut rows.wanted, wrong: &mut rows.wrong };
+                    row.next_value_seed(corners)?;
+                }
+                Column::Other => drop(row.next_value::<IgnoredAny>()?),
+            }
         }
-        let bytes = (count as usize).checked_mul(kind.bytes()).ok_or(Wrong::End)?;
-        self.input.take(bytes).map(drop).ok_or(Wrong::End)
+        rows.add().or_else(|reason| refuse(&mut rows.wrong, reason))
+    }
+}
+
+/// A list is a sequence again.
+struct Corners<'a> {
+    corners: &'a mut Vec<u32>,
+    wanted: &'a mut &'static str,
+    wrong: &'a mut Option<String>,
+}
+
+impl<'de> DeserializeSeed<'de> for Corners<'_> {
+    type Value = ();
+
+    fn deserialize<D: Deserializer<'de>>(self, list: D) -> Result<(), D::Error> {
+        list.deserialize_seq(self)
+    }
+}
+
+impl<'de> Visitor<'de> for Corners<'_> {
+    type Value = ();
+
+    fn expecting(&self, to: &mut std::fmt::Formatter) -> std::fmt::Result {
+        write!(to, "a list")
     }
 
-    /// A number that counts or refers to something.
-    fn whole(&mut self, kind: Kind, what: &str) -> Result<u32, Wrong> {
-        let value = self.scalar(kind)?;
-        let whole = value as u32;
-        if f64::from(whole) == value {
-            return Ok(whole);
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<(), A::Error> {
+        *self.wanted = CORNER;
+        // f64 holds all kinds exactly.
+        while let Some(value) = list.next_element::<f64>()? {
+            let corner = value as u32;
+            if f64::from(corner) != value {
+                return refuse(self.wrong, format!("expected {CORNER}, found {value}"));
+            }
+            self.corners.push(corner);
         }
-        Err(Wrong::Words(format!("expected {what}, found {value}")))
-    }
-
-    /// The next number. f64 holds all kinds exactly.
-    fn scalar(&mut self, kind: Kind) -> Result<f64, Wrong> {
-        if self.format == Format::Text {
-            let word = self.input.word().ok_or(Wrong::End)?;
-            return number(word).ok_or_else(|| Wrong::Words(format!("expected a number, found {}", quote(word))));
-        }
-        let value = match kind {
-            Kind::I8 => self.array().map(|bytes| f64::from(i8::from_le_bytes(bytes))),
-            Kind::U8 => self.array().map(|bytes| f64::from(u8::from_le_bytes(bytes))),
-            Kind::I16 => self.array().map(|bytes| f64::from(i16::from_le_bytes(bytes))),
-            Kind::U16 => self.array().map(|bytes| f64::from(u16::from_le_bytes(bytes))),
-            Kind::I32 => self.array().map(|bytes| f64::from(i32::from_le_bytes(bytes))),
-            Kind::U32 => self.array().map(|bytes| f64::from(u32::from_le_bytes(bytes))),
-            Kind::F32 => self.array().map(|bytes| f64::from(f32::from_le_bytes(bytes))),
-            Kind::F64 => self.array().map(f64::from_le_bytes),
-        };
-        value.ok_or(Wrong::End)
-    }
-
-    /// The next bytes, the lowest first.
-    fn array<const N: usize>(&mut self) -> Option<[u8; N]> {
-        let mut bytes = self.input.array()?;
-        if self.format == Format::BigEndian {
-            bytes.reverse();
-        }
-        Some(bytes)
+        Ok(())
     }
 }
