@@ -4,6 +4,7 @@
 //! The crate's own validation is passed by, for it panics. Every index is looked up where it is used, and what an accessor
 //! spans is held against its buffer before the crate's iterators see it: they trust offsets and counts.
 
+use std::borrow::Cow;
 use std::collections::HashSet;
 use std::path::Path;
 
@@ -15,7 +16,7 @@ use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::scene::Node;
 use gltf::json::validation::Checked;
 use gltf::json::{Accessor, Index, Root, buffer};
-use gltf::{Document, Gltf};
+use gltf::{Document, Gltf, binary};
 
 use super::draft::Draft;
 use super::guard::guarded;
@@ -25,6 +26,9 @@ pub fn parse(path: &Path, input: &mut Input) -> Result<Draft, String> {
     let bytes = input.take(input.rest().len()).unwrap_or_default();
     let Gltf { document, blob } =
         guarded(|| Gltf::from_slice_without_validation(bytes))?.map_err(|error| match error {
+            gltf::Error::Binary(
+                binary::Error::Io(_) | binary::Error::Length { .. } | binary::Error::ChunkLength { .. },
+            ) => "expected a GLB file of version 2: it is not complete".to_owned(),
             gltf::Error::Binary(error) => format!("expected a GLB file of version 2: {error}"),
             gltf::Error::Deserialize(error) => format!("expected the JSON of a glTF 2.0 file: {error}"),
             error => error.to_string(),
@@ -66,12 +70,12 @@ fn to_parent(node: &Node) -> DAffine3 {
     )
 }
 
-/// The bytes of all buffers.
-fn buffers(root: &Root, binary: Option<&[u8]>, path: &Path) -> Result<Vec<Vec<u8>>, String> {
+/// The bytes of all buffers. Any number of them may be the binary chunk.
+fn buffers<'a>(root: &Root, binary: Option<&'a [u8]>, path: &Path) -> Result<Vec<Cow<'a, [u8]>>, String> {
     let read = |(index, buffer): (usize, &buffer::Buffer)| {
         let bytes = match &buffer.uri {
-            None => binary.map(<[u8]>::to_vec).ok_or_else(|| "expected a uri, or a binary chunk".to_owned()),
-            Some(uri) => read_uri(uri, path),
+            None => binary.map(Cow::Borrowed).ok_or_else(|| "expected a uri, or a binary chunk".to_owned()),
+            Some(uri) => read_uri(uri, path).map(Cow::Owned),
         };
         let whole = bytes.and_then(|bytes| match bytes.len() as u64 >= buffer.byte_length.0 {
             true => Ok(bytes),
@@ -110,13 +114,13 @@ fn unescape(uri: &str) -> String {
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
-struct File {
+struct File<'a> {
     document: Document,
     /// As long as the document says, or longer.
-    buffers: Vec<Vec<u8>>,
+    buffers: Vec<Cow<'a, [u8]>>,
 }
 
-impl File {
+impl File<'_> {
     /// Adds the meshes of the default scene, or of the first.
     fn add_scene(&self, draft: &mut Draft) -> Result<(), String> {
         let root = self.document.as_json();
@@ -311,7 +315,7 @@ impl File {
             self.check_span(values.buffer_view, values.byte_offset.0, sparse.count.0, size)?;
         }
         let accessor = self.document.accessors().nth(index.value());
-        let bytes = |buffer: gltf::Buffer| self.buffers.get(buffer.index()).map(Vec::as_slice);
+        let bytes = |buffer: gltf::Buffer| self.buffers.get(buffer.index()).map(|bytes| &**bytes);
         accessor.and_then(|accessor| Iter::new(accessor, bytes)).ok_or_else(|| "an accessor cannot be read".to_owned())
     }
 
