@@ -232,10 +232,34 @@ fn four_floats(tree: &Bvh, boxes: &[Bounds], triangles: Vec<[u32; 4]>) -> Layout
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct Job {
-    width: u32,
-    height: u32,
-    triangles: u32,
-    coherent: u32,
+    first: u32,
+    count: u32,
+}
+
+/// Rays of a pinhole camera, row by row, then as many from anywhere on the surface in any direction off it: an origin and
+/// a direction each.
+fn rays(mesh: &Mesh) -> Vec<[Vec4; 2]> {
+    let from_camera = (0..RAYS).map(|i| {
+        let x = ((i % IMAGE.0) as f32 + 0.5) / IMAGE.0 as f32 - 0.5;
+        let y = ((i / IMAGE.0) as f32 + 0.5) / IMAGE.1 as f32 - 0.5;
+        [Vec4::Z * 4.0, Vec3::new(0.7 * x, 0.7 * y, -1.0).normalize().extend(0.0)]
+    });
+    let mut state = 1u64;
+    let mut uniform = move || {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (state >> 40) as f32 / (1u64 << 24) as f32
+    };
+    let off_surface = (0..RAYS).map(|_| {
+        let triangle = mesh.triangles[(f64::from(uniform()) * mesh.triangles.len() as f64) as usize];
+        let [a, b, c] = triangle.map(|i| mesh.vertices[i as usize].truncate());
+        let (root, share, z) = (uniform().sqrt(), uniform(), 1.0 - 2.0 * uniform());
+        let (sin, cos) = (std::f32::consts::TAU * uniform()).sin_cos();
+        let direction = (1.0 - z * z).sqrt() * Vec3::new(cos, sin, 0.0) + z * Vec3::Z;
+        let outwards = direction.dot((b - a).cross(c - a)) >= 0.0;
+        let origin = a + root * (1.0 - share) * (b - a) + root * share * (c - a);
+        [origin.extend(0.0), if outwards { direction } else { -direction }.extend(0.0)]
+    });
+    from_camera.chain(off_surface).collect()
 }
 
 /// A layout on the device.
@@ -244,11 +268,10 @@ struct Walk<'a> {
     buffers: Buffers,
     pipeline: Pipeline,
     readback: Readback,
-    job: Job,
 }
 
 impl<'a> Walk<'a> {
-    fn new(device: &'a Device, mesh: &Mesh, layout: &Layout) -> Result<Walk<'a>> {
+    fn new(device: &'a Device, mesh: &Mesh, rays: &[[Vec4; 2]], layout: &Layout) -> Result<Walk<'a>> {
         let mut choices = Choices::default();
         choices.modules.extend(layout.modules.iter().copied());
         for (name, value) in [("stack_size", layout.stack_size.to_string()), ("space_of_nodes", "storage, read".into())]
@@ -266,6 +289,7 @@ impl<'a> Walk<'a> {
                 BufferSpec::scene("vertices", bytemuck::cast_slice(&mesh.vertices).into(), why),
                 BufferSpec::scene("triangles", bytemuck::cast_slice(&layout.triangles).into(), why),
                 BufferSpec::scene("nodes", layout.nodes.as_slice().into(), why),
+                BufferSpec::scene("rays", bytemuck::cast_slice(rays).into(), why),
                 BufferSpec::working("met", met, why),
             ],
         )?;
@@ -277,13 +301,12 @@ impl<'a> Walk<'a> {
             workgroup: WORKGROUP,
         };
         let pipeline = Pipeline::new(device, &spec, &buffers)?;
-        let job = Job { width: IMAGE.0, height: IMAGE.1, triangles: layout.triangles.len() as u32, coherent: 0 };
-        Ok(Walk { device, buffers, pipeline, readback: Readback::new(device, "met", met), job })
+        Ok(Walk { device, buffers, pipeline, readback: Readback::new(device, "met", met) })
     }
 
-    /// All rays: the seconds that they take, and the triangle and the steps of each.
-    fn run(&self, coherent: bool) -> Result<(f64, Vec<[u32; 2]>)> {
-        let job = Job { coherent: u32::from(coherent), ..self.job };
+    /// All rays of a kind: the seconds that they take, and the triangle and the steps of each.
+    fn run(&self, kind: u32) -> Result<(f64, Vec<[u32; 2]>)> {
+        let job = Job { first: kind * RAYS, count: RAYS };
         self.device.queue.write_buffer(self.buffers.get("job")?, 0, bytemuck::bytes_of(&job));
         let start = now(self.device);
         let mut encoder = self.device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
@@ -341,8 +364,9 @@ fn report_builds(boxes: &[Bounds], codes: &[u32]) {
     }
 }
 
-/// Times all layouts of one mesh; the microseconds a ray of the production layout, coherent and not.
-fn compare(device: &Device, triangles: usize, rounds: usize) -> Result<[f64; 2]> {
+/// Times all layouts of one mesh; of the production layout the microseconds a ray, of the camera and off the surface,
+/// and the steps.
+fn compare(device: &Device, triangles: usize, rounds: usize) -> Result<[f64; 4]> {
     let mesh = Mesh::knot(triangles);
     let boxes = mesh.bounds();
     let codes: Vec<u32> = (0..boxes.len() as u32).map(|i| PRIMITIVE_BIT | i).collect();
@@ -356,15 +380,25 @@ fn compare(device: &Device, triangles: usize, rounds: usize) -> Result<[f64; 2]>
     let mut again = Vec::new();
     let again_root = binary(&wide, &leaf_boxes, wide.root, &mut again);
     let ordered = production.triangles.clone();
+    let listed = mesh.triangles.iter().zip(0..).map(|(&[a, b, c], i)| [a, b, c, i]).collect();
+    let as_listed = Layout {
+        name: "production, triangles as listed",
+        modules: BYTES,
+        nodes: bytemuck::cast_slice(&built.nodes).to_vec(),
+        stack_size: built.stack_size,
+        triangles: listed,
+    };
     let layouts = [
         two_floats(&again, again_root, ordered.clone()),
         four_floats(&wide, &leaf_boxes, ordered),
         production,
+        as_listed,
         leaves_of("bytes, leaves of up to 2", &mesh, &tree, root, 2).0,
         leaves_of("bytes, leaves of up to 4", &mesh, &tree, root, 4).0,
     ];
     const PRODUCTION: usize = 2;
-    let walks: Vec<_> = layouts.iter().map(|layout| Walk::new(device, &mesh, layout)).collect();
+    let rays = rays(&mesh);
+    let walks: Vec<_> = layouts.iter().map(|layout| Walk::new(device, &mesh, &rays, layout)).collect();
     let mut seconds = vec![[Vec::new(), Vec::new()]; layouts.len()];
     let mut steps = vec![[0.0; 2]; layouts.len()];
     for round in 0..=rounds {
@@ -372,7 +406,7 @@ fn compare(device: &Device, triangles: usize, rounds: usize) -> Result<[f64; 2]>
             let mut reference: Vec<[u32; 2]> = Vec::new();
             for way in (0..layouts.len()).map(|i| (i + PRODUCTION) % layouts.len()) {
                 let Ok(walk) = &walks[way] else { continue };
-                let (time, met) = walk.run(kind == 0)?;
+                let (time, met) = walk.run(kind as u32)?;
                 steps[way][kind] = met.iter().map(|ray| f64::from(ray[1])).sum::<f64>() / f64::from(RAYS);
                 if way == PRODUCTION {
                     reference = met;
@@ -388,10 +422,10 @@ fn compare(device: &Device, triangles: usize, rounds: usize) -> Result<[f64; 2]>
             }
         }
     }
-    let mut cost = [0.0; 2];
+    let mut cost = [0.0, 0.0, steps[PRODUCTION][0], steps[PRODUCTION][1]];
     for (way, layout) in layouts.iter().enumerate() {
         let bytes = layout.nodes.len() as f64 / triangles as f64;
-        print!("  {:30} {bytes:6.1} bytes a triangle", layout.name);
+        print!("  {:32} {bytes:6.1} bytes a triangle", layout.name);
         match &walks[way] {
             Ok(_) => {
                 for (kind, name) in ["camera", "surface"].iter().enumerate() {
@@ -403,7 +437,7 @@ fn compare(device: &Device, triangles: usize, rounds: usize) -> Result<[f64; 2]>
                         cost[kind] = own;
                     }
                     let (rate, ratio) = (1.0 / own, median(&mut ratios));
-                    print!("; {name} {rate:.3} million rays/s ({ratio:.2}), {:.1} steps", steps[way][kind]);
+                    print!("; {name} {rate:.3} ({ratio:.2}), {:.1} steps", steps[way][kind]);
                 }
                 println!();
             }
@@ -420,17 +454,67 @@ fn main() -> Result<()> {
     let rounds: usize = args.get(1).map_or(5, |arg| arg.parse().expect("rounds"));
     let adapters = Adapters::find();
     let device = Device::open(adapters.choose(std::env::var("GPU_RT_BENCH_DEVICE").ok().as_deref())?)?;
-    println!("{}; {RAYS} rays, median of {rounds} rounds", device.name);
-    let mut points = Vec::new();
+    let unit = if device.name.software { "a processor second" } else { "a second" };
+    println!("{}: million rays {unit} (ratio to production); {RAYS} rays, median of {rounds} rounds", device.name);
+    let mut points: Vec<(f64, [f64; 4])> = Vec::new();
     for triangles in SIZES.into_iter().filter(|&triangles| triangles <= most) {
         points.push(((triangles as f64).log2(), compare(&device, triangles, rounds)?));
     }
-    for (kind, name) in ["camera", "surface"].iter().enumerate() {
+    let names = ["camera, microseconds", "surface, microseconds", "camera, steps", "surface, steps"];
+    for (kind, name) in names.iter().enumerate() {
         let line: Vec<(f64, f64)> = points.iter().map(|(x, cost)| (*x, cost[kind])).collect();
         let (start, slope, fit) = fitted(&line);
-        println!("{name}: a ray takes {start:.3} + {slope:.3} log2 N microseconds (r² {fit:.3})");
+        println!(
+            "{name} a ray: {start:.3} + {slope:.3} log2 N, r² {fit:.3}; {:.2?}",
+            line.iter().map(|p| p.1).collect::<Vec<_>>()
+        );
+    }
+    if let Some(path) = args.get(2).filter(|_| !points.is_empty()) {
+        std::fs::write(path, plot(&points, &device.name.to_string())).expect("the plot can be written");
     }
     Ok(())
+}
+
+/// A picture of the costs by the logarithm of the number of triangles, with a line fitted to each.
+fn plot(points: &[(f64, [f64; 4])], device: &str) -> String {
+    let (width, height, margin) = (640.0, 400.0, 60.0);
+    let (left, right) = (points[0].0.floor(), points[points.len() - 1].0.ceil());
+    let top = points.iter().flat_map(|(_, cost)| [cost[0], cost[1]]).fold(0.0, f64::max).ceil();
+    let x = |log: f64| margin + (log - left) / (right - left) * (width - 2.0 * margin);
+    let y = |cost: f64| height - margin - cost / top * (height - 2.0 * margin);
+    let mut out = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" font-family=\"sans-serif\" \
+         font-size=\"12\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n<text x=\"{margin}\" y=\"20\">\
+         Microseconds of one core a ray, by log2 of the triangles</text>\n<text x=\"{margin}\" y=\"38\">{device}</text>\n"
+    );
+    let mut line = |x0: f64, y0: f64, x1: f64, y1: f64, colour: &str| {
+        out += &format!("<path d=\"M{x0:.1} {y0:.1}L{x1:.1} {y1:.1}\" stroke=\"{colour}\"/>\n");
+    };
+    line(x(left), y(0.0), x(right), y(0.0), "black");
+    line(x(left), y(0.0), x(left), y(top), "black");
+    for (kind, colour) in ["steelblue", "firebrick"].iter().enumerate() {
+        let (start, slope, _) = fitted(&points.iter().map(|(log, cost)| (*log, cost[kind])).collect::<Vec<_>>());
+        let from = left.max(-start / slope);
+        line(x(from), y(start + slope * from), x(right), y(start + slope * right), colour);
+    }
+    for log in left as u32..=right as u32 {
+        out += &format!("<text x=\"{:.1}\" y=\"{:.1}\">{log}</text>\n", x(log.into()) - 6.0, y(0.0) + 18.0);
+    }
+    for cost in 0..=top as u32 {
+        out += &format!("<text x=\"{:.1}\" y=\"{:.1}\">{cost}</text>\n", x(left) - 18.0, y(cost.into()) + 4.0);
+    }
+    for (kind, (colour, name)) in [("steelblue", "camera"), ("firebrick", "surface")].iter().enumerate() {
+        for (log, cost) in points {
+            out += &format!("<circle cx=\"{:.1}\" cy=\"{:.1}\" r=\"4\" fill=\"{colour}\"/>\n", x(*log), y(cost[kind]));
+        }
+        let (last, cost) = points[points.len() - 1];
+        out += &format!(
+            "<text x=\"{:.1}\" y=\"{:.1}\" fill=\"{colour}\">{name}</text>\n",
+            x(last) - 20.0,
+            y(cost[kind]) - 10.0
+        );
+    }
+    out + "</svg>\n"
 }
 
 /// The line of least squares through points: its start, its slope, and the square of the correlation.
