@@ -48,8 +48,7 @@ const NOTHING: u32 = u32::MAX;
 /// The corners and faces of an octahedron, each face cut into four so many times; on the unit sphere.
 fn ball(cuts: u32) -> (Vec<DVec3>, Vec<[usize; 3]>) {
     let mut corners = vec![DVec3::X, -DVec3::X, DVec3::Y, -DVec3::Y, DVec3::Z, -DVec3::Z];
-    let mut faces =
-        vec![[4, 0, 2], [0, 5, 2], [5, 1, 2], [1, 4, 2], [0, 4, 3], [5, 0, 3], [1, 5, 3], [4, 1, 3]];
+    let mut faces = vec![[4, 0, 2], [0, 5, 2], [5, 1, 2], [1, 4, 2], [0, 4, 3], [5, 0, 3], [1, 5, 3], [4, 1, 3]];
     for _ in 0..cuts {
         let mut middles = HashMap::new();
         let mut middle = |a: usize, b: usize, corners: &mut Vec<DVec3>| {
@@ -239,16 +238,9 @@ fn rays_that_leave_an_instance_do_not_meet_it_again() {
     let mut random = Random(62);
     // The size of the ball, and the distance of its middle from the eye. Beyond a ratio of 1e5 the inside of the ball is some hundred
     // floats wide, and chords near its edge are lost.
-    for (size, place) in [
-        (1.0, 0.0),
-        (1.0, 1.0),
-        (1e-4, 0.0),
-        (1e4, 3e3),
-        (1e-4, 1e-2),
-        (1.0, 1e3),
-        (1e-4, 1.0),
-        (1e4, 1e8),
-    ] {
+    for (size, place) in
+        [(1.0, 0.0), (1.0, 1.0), (1e-4, 0.0), (1e4, 3e3), (1e-4, 1e-2), (1.0, 1e3), (1e-4, 1.0), (1e4, 1e8)]
+    {
         let [rays, same, outwards, lost] = leave(&mut random, size, place, &[]);
         assert!(rays > 10_000, "{rays}");
         assert_eq!([same, outwards, lost], [0, 0, 0], "size {size:e} at {place:e}, of {rays}");
