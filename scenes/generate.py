@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Writes weekend.ron and the images under textures/.
+"""Writes weekend.ron, next-week.ron, instances.ron, the images under textures/ and the meshes under meshes/.
 
-    python3 scenes/generate.py
+    python3 scenes/generate.py [FILE ..]      # all of them, or those named as from here: textures/planet.png
 
 Python's own library suffices. All random numbers come from SplitMix64 (Steele, Lea, Flood, "Fast Splittable
 Pseudorandom Number Generators", OOPSLA 2014, figure 16) with the seed written beside its use.
@@ -10,6 +10,7 @@ Pseudorandom Number Generators", OOPSLA 2014, figure 16) with the seed written b
 import math
 import os
 import struct
+import sys
 import zlib
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -109,6 +110,81 @@ Scene(
     ).encode()
 
 
+# --- next-week.ron ----------------------------------------------------------------------------------------------------
+
+NEXT_WEEK_SEED = 2018
+NEXT_WEEK_HEAD = """\
+// The final scene of "Ray Tracing: The Next Week" (Shirley, Black, Hollasch, 2016-2024), without the motion of its orange
+// sphere: a floor of 400 boxes, a lamp, glass, fuzzy metal, a glass sphere filled with a blue medium, a thin fog over
+// everything, a made-up planet, marble, and a cube of 1000 small spheres.
+//
+// Written by scenes/generate.py: SplitMix64, seed {seed}, uniforms of 53 bits; first the height of every box within 1 .. 101,
+// by x and in it by z, then the centres of the small spheres within 0 .. 165. The lamp is met by chance alone until light
+// sampling is built: it takes thousands of samples.
+"""
+
+
+def next_week():
+    random = Random(NEXT_WEEK_SEED)
+    boxes = [
+        f'Box(min: ({x}, 0, {z}), max: ({x + 100}, {random(1.0, 101.0):.2f}, {z + 100}), material: "ground"),'
+        for x in range(-1000, 1000, 100)
+        for z in range(-1000, 1000, 100)
+    ]
+    spheres = [
+        "Sphere(center: ({:.2f}, {:.2f}, {:.2f}), radius: 10, material: \"white\"),".format(*(random(0.0, 165.0) for _ in range(3)))
+        for _ in range(1000)
+    ]
+
+    def lines(items, indent):
+        return "".join(" " * indent + item + "\n" for item in items)
+
+    return (
+        NEXT_WEEK_HEAD.format(seed=NEXT_WEEK_SEED)
+        + f"""\
+Scene(
+    image: (width: 800, height: 800),
+    camera: (look_from: (478, 278, -600), look_at: (278, 278, 0), vertical_fov: 40),
+    background: Solid((0, 0, 0)),
+    materials: {{
+        "ground": Lambertian(albedo: Rgb(0.48, 0.83, 0.53)),
+        "lamp": DiffuseLight(emit: Rgb(7, 7, 7)),
+        "orange": Lambertian(albedo: Rgb(0.7, 0.3, 0.1)),
+        "glass": Dielectric(ior: 1.5),
+        "metal": Metal(albedo: Rgb(0.8, 0.8, 0.9), fuzz: 1),
+        "planet": Lambertian(albedo: Image(path: "textures/world.png")),
+        "marble": Lambertian(albedo: Marble(scale: 0.2)),
+        "white": Lambertian(albedo: Rgb(0.73, 0.73, 0.73)),
+    }},
+    objects: [
+        Quad(corner: (123, 554, 147), u: (300, 0, 0), v: (0, 0, 265), material: "lamp"),
+        Sphere(center: (400, 400, 200), radius: 50, material: "orange"),
+        Sphere(center: (260, 150, 45), radius: 50, material: "glass"),
+        Sphere(center: (0, 150, 145), radius: 50, material: "metal"),
+        // The medium ends where its glass does.
+        Sphere(center: (360, 150, 145), radius: 70, material: "glass"),
+        Medium(
+            boundary: Sphere(center: (360, 150, 145), radius: 70),
+            density: 0.2, albedo: Rgb(0.2, 0.4, 0.9),
+        ),
+        Medium(
+            boundary: Sphere(center: (0, 0, 0), radius: 5000),
+            density: 0.0001, albedo: Rgb(1, 1, 1),
+        ),
+        Sphere(center: (400, 200, 400), radius: 100, material: "planet"),
+        Sphere(center: (220, 280, 300), radius: 80, material: "marble"),
+        Transformed(
+            by: [RotateY(15), Translate((-100, 270, 395))],
+            object: Group([
+{lines(spheres, 16)}            ]),
+        ),
+{lines(boxes, 8)}    ],
+    render: (samples: 5000, max_depth: 50),
+)
+"""
+    ).encode()
+
+
 # --- images -----------------------------------------------------------------------------------------------------------
 
 
@@ -157,9 +233,9 @@ def png(width, height, palette, indices):
 PLANET_SEED = 11
 
 
-def planet(width=512, height=256):
-    """A made-up planet, latitude-longitude, with a graticule every 30 degrees: the equator and the meridian in the middle
-    of the image are red, so that the map's place on a sphere can be read off a picture."""
+def planet(width=512, height=256, seed=PLANET_SEED, graticule=True):
+    """A made-up planet, latitude-longitude, with a graticule every 30 degrees if asked for: the equator and the meridian in
+    the middle of the image are red, so that the map's place on a sphere can be read off a picture."""
     sea = [(18 + 5 * i, 52 + 13 * i, 104 + 15 * i) for i in range(6)]
     land = [(62, 118, 58), (84, 132, 62), (118, 146, 74), (150, 146, 88), (168, 136, 94), (146, 112, 84)]
     ice, line, red = (238, 243, 247), (208, 214, 206), (206, 40, 34)
@@ -168,7 +244,7 @@ def planet(width=512, height=256):
     def at(column, row):
         longitude = 2.0 * math.pi * ((column + 0.5) / width - 0.5)
         latitude = math.pi * (0.5 - (row + 0.5) / height)
-        step, half = 30.0, 0.5 * 360.0 / width
+        step, half = 30.0, 0.5 * 360.0 / width * graticule
         degrees = math.degrees(longitude), math.degrees(latitude)
         if abs(degrees[1]) < 2 * half or (abs(degrees[0]) < 2 * half / max(math.cos(latitude), 0.05) and abs(degrees[1]) < 80):
             return len(palette) - 1
@@ -177,7 +253,7 @@ def planet(width=512, height=256):
             return len(palette) - 2
         x, z = math.cos(latitude) * math.cos(longitude), math.cos(latitude) * math.sin(longitude)
         y = math.sin(latitude)
-        height_here = fractal_noise(2.1 * x + 7, 2.1 * y + 7, 2.1 * z + 7, 5, PLANET_SEED) - 0.5
+        height_here = fractal_noise(2.1 * x + 7, 2.1 * y + 7, 2.1 * z + 7, 5, seed) - 0.5
         if abs(y) + 0.4 * height_here > 0.93:
             return len(palette) - 3
         if height_here < 0.02:
@@ -185,6 +261,13 @@ def planet(width=512, height=256):
         return 6 + min(5, int(26.0 * (height_here - 0.02)))
 
     return png(width, height, palette, [[at(x, y) for x in range(width)] for y in range(height)])
+
+
+WORLD_SEED = 23
+
+
+def world():
+    return planet(seed=WORLD_SEED, graticule=False)
 
 
 SKY_SEED = 40
@@ -225,11 +308,20 @@ def sky(width=256, height=128):
     return header + b"".join(rgbe(radiance(x, y)) for y in range(height) for x in range(width))
 
 
-def main():
-    for name, make in (("weekend.ron", weekend), ("textures/planet.png", planet), ("textures/sky.hdr", sky)):
+FILES = {
+    "weekend.ron": weekend,
+    "next-week.ron": next_week,
+    "textures/planet.png": planet,
+    "textures/world.png": world,
+    "textures/sky.hdr": sky,
+}
+
+
+def main(names):
+    for name in names or FILES:
         with open(os.path.join(HERE, name), "wb") as file:
-            file.write(make())
+            file.write(FILES[name]())
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1:])
