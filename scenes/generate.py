@@ -308,12 +308,258 @@ def sky(width=256, height=128):
     return header + b"".join(rgbe(radiance(x, y)) for y in range(height) for x in range(width))
 
 
+# --- meshes -----------------------------------------------------------------------------------------------------------
+
+
+def add(a, b, t=1.0):
+    return [p + t * q for p, q in zip(a, b)]
+
+
+def dot(a, b):
+    return sum(p * q for p, q in zip(a, b))
+
+
+def cross(a, b):
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+
+
+def unit(a):
+    length = math.sqrt(dot(a, a))
+    return [p / length for p in a]
+
+
+def ply(vertices, triangles, properties="x y z"):
+    """A binary PLY; `vertices` hold the values of the properties."""
+    assert len(vertices) < 1 << 16
+    head = ["ply", "format binary_little_endian 1.0", f"element vertex {len(vertices)}"]
+    head += [f"property float {name}" for name in properties.split()]
+    head += [f"element face {len(triangles)}", "property list uchar ushort vertex_indices", "end_header\n"]
+    count = len(properties.split())
+    return (
+        "\n".join(head).encode()
+        + b"".join(struct.pack(f"<{count}f", *vertex) for vertex in vertices)
+        + b"".join(struct.pack("<B3H", 3, *triangle) for triangle in triangles)
+    )
+
+
+def volume(vertices, triangles):
+    """Of a closed mesh; positive where its outside is where the winding is counter-clockwise."""
+    return sum(dot(vertices[a][:3], cross(vertices[b][:3], vertices[c][:3])) for a, b, c in triangles) / 6.0
+
+
+def ring_triangles(rows, columns):
+    """Of a closed tube of `rows` rings of `columns` vertices."""
+    out = []
+    for i in range(rows):
+        for j in range(columns):
+            a, b = i * columns + j, i * columns + (j + 1) % columns
+            c, d = (i + 1) % rows * columns + j, (i + 1) % rows * columns + (j + 1) % columns
+            out += [(a, b, d), (a, d, c)]
+    return out
+
+
+def knot(rows=400, columns=28, thickness=0.42):
+    """A trefoil on a torus of radii 2 and 0.8, a round tube with exact normals; it stands on y = 0, its axis along z."""
+
+    def curve(t):
+        ring = 2.0 + 0.8 * math.cos(3.0 * t)
+        return [ring * math.cos(2.0 * t), ring * math.sin(2.0 * t), 0.8 * math.sin(3.0 * t)]
+
+    vertices = []
+    for i in range(rows):
+        t = 2.0 * math.pi * i / rows
+        centre, ring = curve(t), 2.0 + 0.8 * math.cos(3.0 * t)
+        slope = -2.4 * math.sin(3.0 * t)
+        c, s = math.cos(2.0 * t), math.sin(2.0 * t)
+        tangent = unit([slope * c - 2.0 * ring * s, slope * s + 2.0 * ring * c, 2.4 * math.cos(3.0 * t)])
+        # The torus' normal, which is at right angles to every curve on it.
+        a = [math.cos(3.0 * t) * c, math.cos(3.0 * t) * s, math.sin(3.0 * t)]
+        b = cross(tangent, a)
+        for j in range(columns):
+            angle = 2.0 * math.pi * j / columns
+            normal = add([math.cos(angle) * p for p in a], b, math.sin(angle))
+            vertices.append(add(centre, normal, thickness) + normal)
+    low = min(vertex[1] for vertex in vertices)
+    for vertex in vertices:
+        vertex[1] -= low
+    triangles = ring_triangles(rows, columns)
+    assert volume(vertices, triangles) > 0.0
+    return ply(vertices, triangles, "x y z nx ny nz")
+
+
+def star():
+    """A small stellated dodecahedron of circumradius 1 around the origin, turned to stand on three of its tips."""
+    golden = (1.0 + math.sqrt(5.0)) / 2.0
+    tips = []
+    for p in (-1.0, 1.0):
+        for q in (-golden, golden):
+            tips += [unit(v) for v in ([0.0, p, q], [p, q, 0.0], [q, 0.0, p])]
+    edge = min(math.dist(tips[0], tip) for tip in tips[1:]) * 1.001
+    near = [[math.dist(a, b) < edge for b in tips] for a in tips]
+    first = next((i, j) for i in range(1, 12) for j in range(i) if near[0][i] and near[0][j] and near[i][j])
+    y = unit(add(add(tips[0], tips[first[0]]), tips[first[1]]))
+    x = unit(add(tips[0], y, -dot(tips[0], y)))
+    z = cross(x, y)
+    tips = [[dot(tip, x), dot(tip, y), dot(tip, z)] for tip in tips]
+    vertices, corners = list(tips), []
+    for i in range(12):
+        for j in range(i):
+            for k in range(j):
+                if near[i][j] and near[j][k] and near[i][k]:
+                    # A corner of the dodecahedron within: 1.4013 edges from the middle where the tips are 2.4899.
+                    middle = unit(add(add(tips[i], tips[j]), tips[k]))
+                    corners.append((i, j, k))
+                    vertices.append([0.562793 * p for p in middle])
+    triangles = []
+    for tip in range(12):
+        around = [n for n, corner in enumerate(corners) if tip in corner]
+        for m in around:
+            for n in around:
+                # Two corners of a pyramid's base that share an edge of it.
+                if m < n and len(set(corners[m]) & set(corners[n])) == 2:
+                    a, b, c = tip, 12 + m, 12 + n
+                    outward = dot(cross(add(vertices[b], vertices[a], -1), add(vertices[c], vertices[a], -1)), vertices[b])
+                    triangles.append((a, b, c) if outward > 0.0 else (a, c, b))
+    assert (len(vertices), len(triangles)) == (32, 60) and volume(vertices, triangles) > 0.0
+    return ply(vertices, triangles)
+
+
+# From the middle of the foot up the outside, over the lip and down the inside: radius and height.
+AMPHORA = [
+    (0.0, 0.0), (0.46, 0.0), (0.50, 0.03), (0.47, 0.09), (0.26, 0.17), (0.24, 0.22), (0.40, 0.42), (0.66, 0.80), (0.85, 1.20),
+    (0.90, 1.55), (0.82, 1.90), (0.58, 2.18), (0.38, 2.34), (0.31, 2.50), (0.30, 2.75), (0.33, 2.95), (0.44, 3.06), (0.46, 3.12),
+    (0.42, 3.16), (0.34, 3.10), (0.25, 2.92), (0.23, 2.50), (0.30, 2.30), (0.60, 2.00), (0.80, 1.55), (0.62, 0.90), (0.30, 0.45),
+    (0.0, 0.36),
+]  # fmt: skip
+
+
+def smooth_curve(points, steps):
+    """Catmull and Rom's spline through points of any dimension; with its derivatives."""
+    out = []
+    for i in range(len(points) - 1):
+        before, a, b, after = (points[min(max(k, 0), len(points) - 1)] for k in (i - 1, i, i + 1, i + 2))
+        into, out_of = ([0.5 * (q - p) for p, q in zip(*pair)] for pair in ((before, b), (a, after)))
+        for step in range(steps + (i == len(points) - 2)):
+            t = step / steps
+            h = (2 * t**3 - 3 * t**2 + 1, t**3 - 2 * t**2 + t, 3 * t**2 - 2 * t**3, t**3 - t**2)
+            d = (6 * t * t - 6 * t, 3 * t * t - 4 * t + 1, 6 * t - 6 * t * t, 3 * t * t - 2 * t)
+            at, slope = ([sum(w * p[k] for w, p in zip(ws, (a, into, b, out_of))) for k in range(len(a))] for ws in (h, d))
+            out.append((at, slope))
+    return out
+
+
+def amphora(columns=64, steps=3):
+    """A turned vessel with two handles, as an OBJ with normals and texture coordinates: u once around, from behind; v from
+    the foot, 0, to the lip, 0.95; what is above has one colour."""
+    text = ["# Written by scenes/generate.py: amphora.", "s 1"]
+    faces, count = [], 0
+
+    def vertex(position, normal, uv):
+        nonlocal count
+        text.append("v {:.4f} {:.4f} {:.4f}".format(*position))
+        text.append("vt {:.4f} {:.4f}".format(*uv))
+        text.append("vn {:.3f} {:.3f} {:.3f}".format(*normal))
+        count += 1
+        return count
+
+    def surface(rows):
+        for low, high in zip(rows, rows[1:]):
+            for j in range(len(low) - 1):
+                corners = [low[j], low[j + 1], high[j + 1], high[j]]
+                # On the axis all positions are one.
+                if low[j] in pole:
+                    corners.pop(0)
+                elif high[j] in pole:
+                    corners.pop(3)
+                faces.append("f " + " ".join(f"{n}/{n}/{n}" for n in corners))
+
+    rows, pole = [], set()
+    for (radius, height), (across, up) in smooth_curve(AMPHORA, steps):
+        outside = len(rows) <= 17 * steps
+        length = math.hypot(across, up)
+        row = []
+        for j in range(columns + 1):
+            angle = 2.0 * math.pi * (j % columns) / columns
+            c, s = math.cos(angle), math.sin(angle)
+            # The texture's middle faces +z.
+            row.append(vertex(
+                [-radius * s, height, -radius * c],
+                [-up * s / length, -across / length, -up * c / length],
+                (j / columns, 0.95 * height / 3.12 if outside else 0.98),
+            ))  # fmt: skip
+        if radius < 1e-9:
+            pole.update(row)
+        rows.append(row)
+    surface(rows)
+    for side in (-1.0, 1.0):
+        path = [(0.28, 2.86), (0.46, 2.93), (0.66, 2.86), (0.76, 2.62), (0.74, 2.30), (0.66, 2.02)]
+        rows = []
+        for (across, height), (da, dh) in smooth_curve(path, 4):
+            length, row = math.hypot(da, dh), []
+            for j in range(13):
+                angle = 2.0 * math.pi * (j % 12) / 12
+                c, s = 0.085 * math.cos(angle), 0.055 * math.sin(angle)
+                # Flattened: wider along z.
+                n = unit([-s / 0.055**2 * dh / length, s / 0.055**2 * da / length, c / 0.085**2])
+                row.append(vertex(
+                    [side * (across - s * dh / length), height + s * da / length, side * c],
+                    [side * n[0], n[1], side * n[2]],
+                    (0.5, 0.98),
+                ))  # fmt: skip
+            rows.append(row)
+        surface(rows)
+    return ("\n".join(text + faces) + "\n").encode()
+
+
+def amphora_image(width=1024, height=256):
+    """What is painted on the amphora: bands, rays, a meander and waves, black on clay."""
+    clay, black, red = (188, 98, 54), (30, 25, 24), (132, 42, 30)
+    key = ["1111111.", "1.....1.", "1.111.1.", "1.1.1.1.", "1.1...1.", "1.11111.", "1.......", "11111111"]
+
+    def within(v, low, high):
+        return (v - low) / (high - low) if low <= v < high else None
+
+    def at(column, row):
+        u, v = (column + 0.5) / width, 1.0 - (row + 0.5) / height
+        t = within(v, 0.075, 0.20)
+        if t is not None:
+            # Rays that rise from the foot.
+            return int(abs(24.0 * u % 1.0 - 0.5) < 0.46 * (1.0 - t))
+        t = within(v, 0.25, 0.33)
+        if t is not None:
+            # Waves: circles that run into each other.
+            x = 28.0 * u % 1.0
+            return int(t < 0.15 or math.hypot(x - 0.5, 0.8 * (t - 0.15)) < 0.42 and math.hypot(x - 0.66, 0.8 * (t - 0.32)) > 0.26)
+        t = within(v, 0.385, 0.545)
+        if t is not None:
+            return int(key[min(7, int(8 * (1.0 - t)))][int(8 * 20 * u) % 8] == "1")
+        t = within(v, 0.60, 0.68)
+        if t is not None:
+            # Tongues at the shoulder.
+            x = abs(36.0 * u % 1.0 - 0.5)
+            return 2 * int(x < 0.30 and t > 0.3 or math.hypot(x, 1.5 * (t - 0.3)) < 0.30)
+        t = within(v, 0.77, 0.86)
+        if t is not None:
+            # A zigzag on the neck.
+            return int(abs(abs(2.0 * (12.0 * u % 1.0) - 1.0) - t) < 0.25)
+        for low, high in ((0.0, 0.06), (0.205, 0.235), (0.345, 0.365), (0.565, 0.58), (0.70, 0.745), (0.88, 1.01)):
+            if low <= v < high:
+                return 1
+        return 0
+
+    return png(width, height, [clay, black, red], [[at(x, y) for x in range(width)] for y in range(height)])
+
+
 FILES = {
     "weekend.ron": weekend,
     "next-week.ron": next_week,
     "textures/planet.png": planet,
     "textures/world.png": world,
     "textures/sky.hdr": sky,
+    "textures/amphora.png": amphora_image,
+    "meshes/knot.ply": knot,
+    "meshes/star.ply": star,
+    "meshes/amphora.obj": amphora,
 }
 
 
