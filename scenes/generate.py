@@ -550,9 +550,195 @@ def amphora_image(width=1024, height=256):
     return png(width, height, [clay, black, red], [[at(x, y) for x in range(width)] for y in range(height)])
 
 
+# --- instances.ron ----------------------------------------------------------------------------------------------------
+
+FOREST_SEED = 1854
+FOREST_HEAD = """\
+// A forest around a lake: {count} trees, instances of two meshes that are stored once, on a hill that is a third, under
+// the light of textures/sky.hdr.
+//
+// Written by scenes/generate.py: SplitMix64, seed {seed}.
+"""
+
+
+def ground(x, z):
+    """The hill's height: below 0 in the lake."""
+    away = math.hypot((x - 4.0) / 30.0, (z - 12.0) / 17.0)
+    rise = min(max((away - 0.75) / 2.6, 0.0), 1.0)
+    back = min(max((10.0 - z) / 90.0, 0.0), 1.0)
+    rough = fractal_noise(x / 22.0 + 50, 0.5, z / 22.0 + 50, 4, FOREST_SEED) - 0.45
+    shore = min(max((away - 0.8) * 3.0, -1.0), 0.25)
+    return shore + (3.0 + 15.0 * back) * rise * rise * (3.0 - 2.0 * rise) + 7.0 * rough * min(rise * 3.0, 1.0)
+
+
+def hill(across=150.0, near=62.0, far=-98.0, columns=112, rows=120):
+    """The ground, with normals; the texture coordinates are those of a colour in textures/foliage.png."""
+    vertices = []
+    for i in range(rows + 1):
+        for j in range(columns + 1):
+            x, z = across * (j / columns - 0.5), near + (far - near) * i / rows
+            y = ground(x, z)
+            slope = [(ground(x + dx, z + dz) - ground(x - dx, z - dz)) / 0.8 for dx, dz in ((0.4, 0.0), (0.0, 0.4))]
+            tone = 0.1 + 0.8 * fractal_noise(x / 6.0 + 9, 0.5, z / 6.0 + 9, 3, FOREST_SEED + 9)
+            vertices.append([x, y, z] + unit([-slope[0], 1.0, -slope[1]]) + [tone, TONES["ground"]])
+    stride = columns + 1
+    triangles = []
+    for i in range(rows):
+        for j in range(columns):
+            a = i * stride + j
+            triangles += [(a, a + 1, a + stride + 1), (a, a + stride + 1, a + stride)]
+    return ply(vertices, triangles, "x y z nx ny nz u v")
+
+
+# Rows of textures/foliage.png, by the v of their middle, and their colours from u = 0 to 1.
+FOLIAGE = {
+    "ground": ((82, 92, 48), (124, 122, 68), (160, 146, 92)),
+    "needles": ((38, 68, 46), (70, 112, 64), (120, 150, 80)),
+    "leaves": ((168, 86, 34), (214, 152, 52), (232, 200, 96)),
+    "bark": ((46, 34, 26), (84, 66, 52), (206, 200, 190)),
+}
+TONES = {name: 1.0 - (row + 0.5) / len(FOLIAGE) for row, name in enumerate(FOLIAGE)}
+
+
+def foliage():
+    """Bands of colour, wide enough that none bleeds into the next."""
+    steps, rows = 32, []
+    palette = []
+    for low, middle, high in FOLIAGE.values():
+        first = len(palette)
+        for i in range(steps):
+            t = 2.0 * i / (steps - 1)
+            a, b = (low, middle) if t < 1.0 else (middle, high)
+            palette.append(tuple(round(p + (q - p) * (t % 1.0 if t < 2.0 else 1.0)) for p, q in zip(a, b)))
+        rows += [[first + i for i in range(steps)]] * 4
+    return png(steps, len(rows), palette, rows)
+
+
+def stem(height, radius, tone, columns=7, rows=5):
+    """The vertices and triangles of a tapering stem, from a little below the ground."""
+    vertices, triangles = [], []
+    for i in range(rows):
+        t = i / (rows - 1)
+        for j in range(columns):
+            angle = 2.0 * math.pi * j / columns
+            r = radius * (1.0 - 0.93 * t)
+            vertices.append([r * math.cos(angle), -0.4 + (height + 0.4) * t, r * math.sin(angle), tone, TONES["bark"]])
+    for i in range(rows - 1):
+        for j in range(columns):
+            a, b = i * columns + j, i * columns + (j + 1) % columns
+            triangles += [(a, b + columns, b), (a, a + columns, b + columns)]
+    return vertices, triangles
+
+
+def fir():
+    """A fir 5 units high: whorls of boughs, each a bent strip with ragged edges that hang down."""
+    random = Random(FOREST_SEED + 1)
+    vertices, triangles = stem(4.9, 0.11, 0.35)
+    whorls = 25
+    for whorl in range(whorls):
+        t = whorl / (whorls - 1)
+        boughs = round(11 - 5 * t)
+        turn = random(0.0, 2.0 * math.pi)
+        for bough in range(boughs):
+            angle = turn + 2.0 * math.pi * (bough + random(-0.25, 0.25)) / boughs
+            length = (1.35 * (1.0 - t) ** 0.85 + 0.10) * random(0.8, 1.12)
+            base = 0.55 + 4.35 * t + random(-0.05, 0.05)
+            droop = random(0.35, 0.6) - 0.75 * t
+            out, side = (math.cos(angle), math.sin(angle)), (-math.sin(angle), math.cos(angle))
+            tone, first, steps = random(0.05, 0.6), len(vertices), 4
+            for i in range(steps):
+                f = i / (steps - 1)
+                width = 0.30 * length * (1.0 - f) ** 0.7 * (0.6 if i == 0 else 1.0) + 0.01
+                y = base - droop * length * f + 0.22 * length * f * f
+                for across in (-1.0, 0.0, 1.0):
+                    ragged = width * across * random(0.7, 1.25)
+                    along = length * f + (0.12 * length * random() if across else 0.0)
+                    vertices.append([
+                        along * out[0] + ragged * side[0], y - 0.45 * abs(ragged), along * out[1] + ragged * side[1],
+                        min(tone + 0.4 * f, 0.97), TONES["needles"],
+                    ])  # fmt: skip
+            for i in range(steps - 1):
+                for k in range(2):
+                    a = first + 3 * i + k
+                    triangles += [(a, a + 1, a + 4), (a, a + 4, a + 3)]
+    return ply(vertices, triangles, "x y z u v")
+
+
+def birch():
+    """A birch 4.5 units high in autumn: a crown of 1100 leaves, each two triangles, larger than life."""
+    random = Random(FOREST_SEED + 2)
+    vertices, triangles = stem(4.0, 0.07, 0.93)
+    for _ in range(1100):
+        while True:
+            p = [random(-1.0, 1.0) for _ in range(3)]
+            if 0.2 < dot(p, p) < 1.0:
+                break
+        # Clumps: leaves are drawn towards the points of a lattice.
+        p = [q + 0.10 * math.sin(9.0 * q + 2.0 * k) for k, q in enumerate(p)]
+        slim = 1.0 - 0.35 * p[1]
+        centre = [1.05 * p[0] * slim, 2.85 + 1.65 * p[1], 1.05 * p[2] * slim]
+        a = unit([random(-1.0, 1.0), random(-1.2, 0.2), random(-1.0, 1.0)])
+        b = unit(cross(a, [random(-1.0, 1.0), random(-1.0, 1.0), random(-1.0, 1.0)]))
+        size, tone, first = random(0.08, 0.15), min(max(0.5 + 0.25 * p[1] + random(-0.3, 0.3), 0.03), 0.97), len(vertices)
+        for s, t in ((-1.0, 0.0), (0.0, -0.6), (1.1, 0.0), (0.0, 0.6)):
+            vertices.append(add(add(centre, a, s * size), b, t * size) + [tone, TONES["leaves"]])
+        triangles += [(first, first + 1, first + 2), (first, first + 2, first + 3)]
+    return ply(vertices, triangles, "x y z u v")
+
+
+def forest():
+    random = Random(FOREST_SEED)
+    trees, cells = [], {}
+    for _ in range(60000):
+        if len(trees) == 2050:
+            break
+        x, z = round(random(-62.0, 62.0), 1), round(random(-92.0, 44.0), 1)
+        y = ground(x, z) - 0.05
+        # Nothing in the lake, nor between it and the camera, nor where the camera does not see it.
+        if z > 18.0 and abs(x) < 4.0 + 0.25 * (58.0 - z) or z > 40.0:
+            continue
+        wood = fractal_noise(x / 14.0 + 70, 0.5, z / 14.0 + 70, 3, FOREST_SEED + 3)
+        if y < 0.25 or wood < 0.40 or abs(x) > 14.0 + 0.5 * (58.0 - z):
+            continue
+        cell = math.floor(x / 2.0), math.floor(z / 2.0)
+        near = [other for i in (-1, 0, 1) for j in (-1, 0, 1) for other in cells.get((cell[0] + i, cell[1] + j), [])]
+        if any(math.dist((x, z), other) < 1.5 for other in near):
+            continue
+        cells.setdefault(cell, []).append((x, z))
+        kind = "birch" if random() < (0.75 if y < 2.2 else 0.45 if wood > 0.56 else 0.05) else "fir"
+        size = random(0.55, 1.0) if kind == "birch" else random(0.5, 1.25)
+        trees.append(
+            f"Transformed(by: [Scale({size:.2f}), RotateY({random(0.0, 360.0):.0f}), Translate(({x:g}, {y:.2f}, {z:g}))], "
+            f'object: Mesh(path: "meshes/{kind}.ply", material: "tree")),'
+        )
+    return (
+        FOREST_HEAD.format(seed=FOREST_SEED, count=len(trees))
+        + """\
+Scene(
+    image: (width: 960, height: 540),
+    camera: (look_from: (0, 10.5, 60), look_at: (0, 4.8, 0), vertical_fov: 30),
+    background: Image(path: "textures/sky.hdr"),
+    materials: {
+        "tree": Lambertian(albedo: Image(path: "textures/foliage.png")),
+        "water": Metal(albedo: Rgb(0.42, 0.50, 0.54), fuzz: 0.02),
+    },
+    objects: [
+        Mesh(path: "meshes/hill.ply", material: "tree"),
+        Quad(corner: (-60, 0, 40), u: (120, 0, 0), v: (0, 0, -60), material: "water"),
+"""
+        + "".join(f"        {tree}\n" for tree in trees)
+        + """\
+    ],
+    render: (samples: 500, max_depth: 30),
+)
+"""
+    ).encode()
+
+
 FILES = {
     "weekend.ron": weekend,
     "next-week.ron": next_week,
+    "instances.ron": forest,
     "textures/planet.png": planet,
     "textures/world.png": world,
     "textures/sky.hdr": sky,
@@ -560,6 +746,10 @@ FILES = {
     "meshes/knot.ply": knot,
     "meshes/star.ply": star,
     "meshes/amphora.obj": amphora,
+    "textures/foliage.png": foliage,
+    "meshes/hill.ply": hill,
+    "meshes/fir.ply": fir,
+    "meshes/birch.ply": birch,
 }
 
 
