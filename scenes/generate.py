@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Writes weekend.ron and the images under textures/.
+"""Writes weekend.ron, next-week.ron, instances.ron, the images under textures/ and the meshes under meshes/.
 
-    python3 scenes/generate.py
+    python3 scenes/generate.py [FILE ..]      # all of them, or those named as from here: textures/planet.png
 
 Python's own library suffices. All random numbers come from SplitMix64 (Steele, Lea, Flood, "Fast Splittable
 Pseudorandom Number Generators", OOPSLA 2014, figure 16) with the seed written beside its use.
@@ -10,6 +10,7 @@ Pseudorandom Number Generators", OOPSLA 2014, figure 16) with the seed written b
 import math
 import os
 import struct
+import sys
 import zlib
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -109,6 +110,81 @@ Scene(
     ).encode()
 
 
+# --- next-week.ron ----------------------------------------------------------------------------------------------------
+
+NEXT_WEEK_SEED = 2018
+NEXT_WEEK_HEAD = """\
+// The final scene of "Ray Tracing: The Next Week" (Shirley, Black, Hollasch, 2016-2024), without the motion of its orange
+// sphere: a floor of 400 boxes, a lamp, glass, fuzzy metal, a glass sphere filled with a blue medium, a thin fog over
+// everything, a made-up planet, marble, and a cube of 1000 small spheres.
+//
+// Written by scenes/generate.py: SplitMix64, seed {seed}, uniforms of 53 bits; first the height of every box within 1 .. 101,
+// by x and in it by z, then the centres of the small spheres within 0 .. 165. The lamp is met by chance alone until light
+// sampling is built: it takes thousands of samples.
+"""
+
+
+def next_week():
+    random = Random(NEXT_WEEK_SEED)
+    boxes = [
+        f'Box(min: ({x}, 0, {z}), max: ({x + 100}, {random(1.0, 101.0):.2f}, {z + 100}), material: "ground"),'
+        for x in range(-1000, 1000, 100)
+        for z in range(-1000, 1000, 100)
+    ]
+    spheres = [
+        "Sphere(center: ({:.2f}, {:.2f}, {:.2f}), radius: 10, material: \"white\"),".format(*(random(0.0, 165.0) for _ in range(3)))
+        for _ in range(1000)
+    ]
+
+    def lines(items, indent):
+        return "".join(" " * indent + item + "\n" for item in items)
+
+    return (
+        NEXT_WEEK_HEAD.format(seed=NEXT_WEEK_SEED)
+        + f"""\
+Scene(
+    image: (width: 800, height: 800),
+    camera: (look_from: (478, 278, -600), look_at: (278, 278, 0), vertical_fov: 40),
+    background: Solid((0, 0, 0)),
+    materials: {{
+        "ground": Lambertian(albedo: Rgb(0.48, 0.83, 0.53)),
+        "lamp": DiffuseLight(emit: Rgb(7, 7, 7)),
+        "orange": Lambertian(albedo: Rgb(0.7, 0.3, 0.1)),
+        "glass": Dielectric(ior: 1.5),
+        "metal": Metal(albedo: Rgb(0.8, 0.8, 0.9), fuzz: 1),
+        "planet": Lambertian(albedo: Image(path: "textures/world.png")),
+        "marble": Lambertian(albedo: Marble(scale: 0.2)),
+        "white": Lambertian(albedo: Rgb(0.73, 0.73, 0.73)),
+    }},
+    objects: [
+        Quad(corner: (123, 554, 147), u: (300, 0, 0), v: (0, 0, 265), material: "lamp"),
+        Sphere(center: (400, 400, 200), radius: 50, material: "orange"),
+        Sphere(center: (260, 150, 45), radius: 50, material: "glass"),
+        Sphere(center: (0, 150, 145), radius: 50, material: "metal"),
+        // The medium ends where its glass does.
+        Sphere(center: (360, 150, 145), radius: 70, material: "glass"),
+        Medium(
+            boundary: Sphere(center: (360, 150, 145), radius: 70),
+            density: 0.2, albedo: Rgb(0.2, 0.4, 0.9),
+        ),
+        Medium(
+            boundary: Sphere(center: (0, 0, 0), radius: 5000),
+            density: 0.0001, albedo: Rgb(1, 1, 1),
+        ),
+        Sphere(center: (400, 200, 400), radius: 100, material: "planet"),
+        Sphere(center: (220, 280, 300), radius: 80, material: "marble"),
+        Transformed(
+            by: [RotateY(15), Translate((-100, 270, 395))],
+            object: Group([
+{lines(spheres, 16)}            ]),
+        ),
+{lines(boxes, 8)}    ],
+    render: (samples: 5000, max_depth: 50),
+)
+"""
+    ).encode()
+
+
 # --- images -----------------------------------------------------------------------------------------------------------
 
 
@@ -157,9 +233,9 @@ def png(width, height, palette, indices):
 PLANET_SEED = 11
 
 
-def planet(width=512, height=256):
-    """A made-up planet, latitude-longitude, with a graticule every 30 degrees: the equator and the meridian in the middle
-    of the image are red, so that the map's place on a sphere can be read off a picture."""
+def planet(width=512, height=256, seed=PLANET_SEED, graticule=True):
+    """A made-up planet, latitude-longitude, with a graticule every 30 degrees if asked for: the equator and the meridian in
+    the middle of the image are red, so that the map's place on a sphere can be read off a picture."""
     sea = [(18 + 5 * i, 52 + 13 * i, 104 + 15 * i) for i in range(6)]
     land = [(62, 118, 58), (84, 132, 62), (118, 146, 74), (150, 146, 88), (168, 136, 94), (146, 112, 84)]
     ice, line, red = (238, 243, 247), (208, 214, 206), (206, 40, 34)
@@ -168,7 +244,7 @@ def planet(width=512, height=256):
     def at(column, row):
         longitude = 2.0 * math.pi * ((column + 0.5) / width - 0.5)
         latitude = math.pi * (0.5 - (row + 0.5) / height)
-        step, half = 30.0, 0.5 * 360.0 / width
+        step, half = 30.0, 0.5 * 360.0 / width * graticule
         degrees = math.degrees(longitude), math.degrees(latitude)
         if abs(degrees[1]) < 2 * half or (abs(degrees[0]) < 2 * half / max(math.cos(latitude), 0.05) and abs(degrees[1]) < 80):
             return len(palette) - 1
@@ -177,7 +253,7 @@ def planet(width=512, height=256):
             return len(palette) - 2
         x, z = math.cos(latitude) * math.cos(longitude), math.cos(latitude) * math.sin(longitude)
         y = math.sin(latitude)
-        height_here = fractal_noise(2.1 * x + 7, 2.1 * y + 7, 2.1 * z + 7, 5, PLANET_SEED) - 0.5
+        height_here = fractal_noise(2.1 * x + 7, 2.1 * y + 7, 2.1 * z + 7, 5, seed) - 0.5
         if abs(y) + 0.4 * height_here > 0.93:
             return len(palette) - 3
         if height_here < 0.02:
@@ -185,6 +261,13 @@ def planet(width=512, height=256):
         return 6 + min(5, int(26.0 * (height_here - 0.02)))
 
     return png(width, height, palette, [[at(x, y) for x in range(width)] for y in range(height)])
+
+
+WORLD_SEED = 23
+
+
+def world():
+    return planet(seed=WORLD_SEED, graticule=False)
 
 
 SKY_SEED = 40
@@ -225,11 +308,456 @@ def sky(width=256, height=128):
     return header + b"".join(rgbe(radiance(x, y)) for y in range(height) for x in range(width))
 
 
-def main():
-    for name, make in (("weekend.ron", weekend), ("textures/planet.png", planet), ("textures/sky.hdr", sky)):
+# --- meshes -----------------------------------------------------------------------------------------------------------
+
+
+def add(a, b, t=1.0):
+    return [p + t * q for p, q in zip(a, b)]
+
+
+def dot(a, b):
+    return sum(p * q for p, q in zip(a, b))
+
+
+def cross(a, b):
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+
+
+def unit(a):
+    length = math.sqrt(dot(a, a))
+    return [p / length for p in a]
+
+
+def ply(vertices, triangles, properties="x y z"):
+    """A binary PLY; `vertices` hold the values of the properties."""
+    assert len(vertices) < 1 << 16
+    head = ["ply", "format binary_little_endian 1.0", f"element vertex {len(vertices)}"]
+    head += [f"property float {name}" for name in properties.split()]
+    head += [f"element face {len(triangles)}", "property list uchar ushort vertex_indices", "end_header\n"]
+    count = len(properties.split())
+    return (
+        "\n".join(head).encode()
+        + b"".join(struct.pack(f"<{count}f", *vertex) for vertex in vertices)
+        + b"".join(struct.pack("<B3H", 3, *triangle) for triangle in triangles)
+    )
+
+
+def volume(vertices, triangles):
+    """Of a closed mesh; positive where its outside is where the winding is counter-clockwise."""
+    return sum(dot(vertices[a][:3], cross(vertices[b][:3], vertices[c][:3])) for a, b, c in triangles) / 6.0
+
+
+def ring_triangles(rows, columns):
+    """Of a closed tube of `rows` rings of `columns` vertices."""
+    out = []
+    for i in range(rows):
+        for j in range(columns):
+            a, b = i * columns + j, i * columns + (j + 1) % columns
+            c, d = (i + 1) % rows * columns + j, (i + 1) % rows * columns + (j + 1) % columns
+            out += [(a, b, d), (a, d, c)]
+    return out
+
+
+def knot(rows=400, columns=28, thickness=0.42):
+    """A trefoil on a torus of radii 2 and 0.8, a round tube with exact normals; it stands on y = 0, its axis along z."""
+
+    def curve(t):
+        ring = 2.0 + 0.8 * math.cos(3.0 * t)
+        return [ring * math.cos(2.0 * t), ring * math.sin(2.0 * t), 0.8 * math.sin(3.0 * t)]
+
+    vertices = []
+    for i in range(rows):
+        t = 2.0 * math.pi * i / rows
+        centre, ring = curve(t), 2.0 + 0.8 * math.cos(3.0 * t)
+        slope = -2.4 * math.sin(3.0 * t)
+        c, s = math.cos(2.0 * t), math.sin(2.0 * t)
+        tangent = unit([slope * c - 2.0 * ring * s, slope * s + 2.0 * ring * c, 2.4 * math.cos(3.0 * t)])
+        # The torus' normal, which is at right angles to every curve on it.
+        a = [math.cos(3.0 * t) * c, math.cos(3.0 * t) * s, math.sin(3.0 * t)]
+        b = cross(tangent, a)
+        for j in range(columns):
+            angle = 2.0 * math.pi * j / columns
+            normal = add([math.cos(angle) * p for p in a], b, math.sin(angle))
+            vertices.append(add(centre, normal, thickness) + normal)
+    low = min(vertex[1] for vertex in vertices)
+    for vertex in vertices:
+        vertex[1] -= low
+    triangles = ring_triangles(rows, columns)
+    assert volume(vertices, triangles) > 0.0
+    return ply(vertices, triangles, "x y z nx ny nz")
+
+
+def star():
+    """A small stellated dodecahedron of circumradius 1 around the origin, turned to stand on three of its tips."""
+    golden = (1.0 + math.sqrt(5.0)) / 2.0
+    tips = []
+    for p in (-1.0, 1.0):
+        for q in (-golden, golden):
+            tips += [unit(v) for v in ([0.0, p, q], [p, q, 0.0], [q, 0.0, p])]
+    edge = min(math.dist(tips[0], tip) for tip in tips[1:]) * 1.001
+    near = [[math.dist(a, b) < edge for b in tips] for a in tips]
+    first = next((i, j) for i in range(1, 12) for j in range(i) if near[0][i] and near[0][j] and near[i][j])
+    y = unit(add(add(tips[0], tips[first[0]]), tips[first[1]]))
+    x = unit(add(tips[0], y, -dot(tips[0], y)))
+    z = cross(x, y)
+    tips = [[dot(tip, x), dot(tip, y), dot(tip, z)] for tip in tips]
+    vertices, corners = list(tips), []
+    for i in range(12):
+        for j in range(i):
+            for k in range(j):
+                if near[i][j] and near[j][k] and near[i][k]:
+                    # A corner of the dodecahedron within: 1.4013 edges from the middle where the tips are 2.4899.
+                    middle = unit(add(add(tips[i], tips[j]), tips[k]))
+                    corners.append((i, j, k))
+                    vertices.append([0.562793 * p for p in middle])
+    triangles = []
+    for tip in range(12):
+        around = [n for n, corner in enumerate(corners) if tip in corner]
+        for m in around:
+            for n in around:
+                # Two corners of a pyramid's base that share an edge of it.
+                if m < n and len(set(corners[m]) & set(corners[n])) == 2:
+                    a, b, c = tip, 12 + m, 12 + n
+                    outward = dot(cross(add(vertices[b], vertices[a], -1), add(vertices[c], vertices[a], -1)), vertices[b])
+                    triangles.append((a, b, c) if outward > 0.0 else (a, c, b))
+    assert (len(vertices), len(triangles)) == (32, 60) and volume(vertices, triangles) > 0.0
+    return ply(vertices, triangles)
+
+
+# From the middle of the foot up the outside, over the lip and down the inside: radius and height.
+AMPHORA = [
+    (0.0, 0.0), (0.46, 0.0), (0.50, 0.03), (0.47, 0.09), (0.26, 0.17), (0.24, 0.22), (0.40, 0.42), (0.66, 0.80), (0.85, 1.20),
+    (0.90, 1.55), (0.82, 1.90), (0.58, 2.18), (0.38, 2.34), (0.31, 2.50), (0.30, 2.75), (0.33, 2.95), (0.44, 3.06), (0.46, 3.12),
+    (0.42, 3.16), (0.34, 3.10), (0.25, 2.92), (0.23, 2.50), (0.30, 2.30), (0.60, 2.00), (0.80, 1.55), (0.62, 0.90), (0.30, 0.45),
+    (0.0, 0.36),
+]  # fmt: skip
+
+
+def smooth_curve(points, steps):
+    """Catmull and Rom's spline through points of any dimension; with its derivatives."""
+    out = []
+    for i in range(len(points) - 1):
+        before, a, b, after = (points[min(max(k, 0), len(points) - 1)] for k in (i - 1, i, i + 1, i + 2))
+        into, out_of = ([0.5 * (q - p) for p, q in zip(*pair)] for pair in ((before, b), (a, after)))
+        for step in range(steps + (i == len(points) - 2)):
+            t = step / steps
+            h = (2 * t**3 - 3 * t**2 + 1, t**3 - 2 * t**2 + t, 3 * t**2 - 2 * t**3, t**3 - t**2)
+            d = (6 * t * t - 6 * t, 3 * t * t - 4 * t + 1, 6 * t - 6 * t * t, 3 * t * t - 2 * t)
+            at, slope = ([sum(w * p[k] for w, p in zip(ws, (a, into, b, out_of))) for k in range(len(a))] for ws in (h, d))
+            out.append((at, slope))
+    return out
+
+
+def amphora(columns=64, steps=3):
+    """A turned vessel with two handles, as an OBJ with normals and texture coordinates: u once around, from behind; v from
+    the foot, 0, to the lip, 0.95; what is above has one colour."""
+    text = ["# Written by scenes/generate.py: amphora.", "s 1"]
+    faces, count = [], 0
+
+    def vertex(position, normal, uv):
+        nonlocal count
+        text.append("v {:.4f} {:.4f} {:.4f}".format(*position))
+        text.append("vt {:.4f} {:.4f}".format(*uv))
+        text.append("vn {:.3f} {:.3f} {:.3f}".format(*normal))
+        count += 1
+        return count
+
+    def surface(rows):
+        for low, high in zip(rows, rows[1:]):
+            for j in range(len(low) - 1):
+                corners = [low[j], low[j + 1], high[j + 1], high[j]]
+                # On the axis all positions are one.
+                if low[j] in pole:
+                    corners.pop(0)
+                elif high[j] in pole:
+                    corners.pop(3)
+                faces.append("f " + " ".join(f"{n}/{n}/{n}" for n in corners))
+
+    rows, pole = [], set()
+    for (radius, height), (across, up) in smooth_curve(AMPHORA, steps):
+        outside = len(rows) <= 17 * steps
+        length = math.hypot(across, up)
+        row = []
+        for j in range(columns + 1):
+            angle = 2.0 * math.pi * (j % columns) / columns
+            c, s = math.cos(angle), math.sin(angle)
+            # The texture's middle faces +z.
+            row.append(vertex(
+                [-radius * s, height, -radius * c],
+                [-up * s / length, -across / length, -up * c / length],
+                (j / columns, 0.95 * height / 3.12 if outside else 0.98),
+            ))  # fmt: skip
+        if radius < 1e-9:
+            pole.update(row)
+        rows.append(row)
+    surface(rows)
+    for side in (-1.0, 1.0):
+        path = [(0.28, 2.86), (0.46, 2.93), (0.66, 2.86), (0.76, 2.62), (0.74, 2.30), (0.66, 2.02)]
+        rows = []
+        for (across, height), (da, dh) in smooth_curve(path, 4):
+            length, row = math.hypot(da, dh), []
+            for j in range(13):
+                angle = 2.0 * math.pi * (j % 12) / 12
+                c, s = 0.085 * math.cos(angle), 0.055 * math.sin(angle)
+                # Flattened: wider along z.
+                n = unit([-s / 0.055**2 * dh / length, s / 0.055**2 * da / length, c / 0.085**2])
+                row.append(vertex(
+                    [side * (across - s * dh / length), height + s * da / length, side * c],
+                    [side * n[0], n[1], side * n[2]],
+                    (0.5, 0.98),
+                ))  # fmt: skip
+            rows.append(row)
+        surface(rows)
+    return ("\n".join(text + faces) + "\n").encode()
+
+
+def amphora_image(width=1024, height=256):
+    """What is painted on the amphora: bands, rays, a meander and waves, black on clay."""
+    clay, black, red = (188, 98, 54), (30, 25, 24), (132, 42, 30)
+    key = ["1111111.", "1.....1.", "1.111.1.", "1.1.1.1.", "1.1...1.", "1.11111.", "1.......", "11111111"]
+
+    def within(v, low, high):
+        return (v - low) / (high - low) if low <= v < high else None
+
+    def at(column, row):
+        u, v = (column + 0.5) / width, 1.0 - (row + 0.5) / height
+        t = within(v, 0.075, 0.20)
+        if t is not None:
+            # Rays that rise from the foot.
+            return int(abs(24.0 * u % 1.0 - 0.5) < 0.46 * (1.0 - t))
+        t = within(v, 0.25, 0.33)
+        if t is not None:
+            # Waves: circles that run into each other.
+            x = 28.0 * u % 1.0
+            return int(t < 0.15 or math.hypot(x - 0.5, 0.8 * (t - 0.15)) < 0.42 and math.hypot(x - 0.66, 0.8 * (t - 0.32)) > 0.26)
+        t = within(v, 0.385, 0.545)
+        if t is not None:
+            return int(key[min(7, int(8 * (1.0 - t)))][int(8 * 20 * u) % 8] == "1")
+        t = within(v, 0.60, 0.68)
+        if t is not None:
+            # Tongues at the shoulder.
+            x = abs(36.0 * u % 1.0 - 0.5)
+            return 2 * int(x < 0.30 and t > 0.3 or math.hypot(x, 1.5 * (t - 0.3)) < 0.30)
+        t = within(v, 0.77, 0.86)
+        if t is not None:
+            # A zigzag on the neck.
+            return int(abs(abs(2.0 * (12.0 * u % 1.0) - 1.0) - t) < 0.25)
+        for low, high in ((0.0, 0.06), (0.205, 0.235), (0.345, 0.365), (0.565, 0.58), (0.70, 0.745), (0.88, 1.01)):
+            if low <= v < high:
+                return 1
+        return 0
+
+    return png(width, height, [clay, black, red], [[at(x, y) for x in range(width)] for y in range(height)])
+
+
+# --- instances.ron ----------------------------------------------------------------------------------------------------
+
+FOREST_SEED = 1854
+FOREST_HEAD = """\
+// A forest around a lake: {count} trees, instances of two meshes that are stored once, on a hill that is a third, under
+// the light of textures/sky.hdr.
+//
+// Written by scenes/generate.py: SplitMix64, seed {seed}.
+"""
+
+
+def ground(x, z):
+    """The hill's height: below 0 in the lake."""
+    away = math.hypot((x - 4.0) / 30.0, (z - 12.0) / 17.0)
+    rise = min(max((away - 0.75) / 2.6, 0.0), 1.0)
+    back = min(max((10.0 - z) / 90.0, 0.0), 1.0)
+    rough = fractal_noise(x / 22.0 + 50, 0.5, z / 22.0 + 50, 4, FOREST_SEED) - 0.45
+    shore = min(max((away - 0.8) * 3.0, -1.0), 0.25)
+    return shore + (3.0 + 15.0 * back) * rise * rise * (3.0 - 2.0 * rise) + 7.0 * rough * min(rise * 3.0, 1.0)
+
+
+def hill(across=150.0, near=62.0, far=-98.0, columns=112, rows=120):
+    """The ground, with normals; the texture coordinates are those of a colour in textures/foliage.png."""
+    vertices = []
+    for i in range(rows + 1):
+        for j in range(columns + 1):
+            x, z = across * (j / columns - 0.5), near + (far - near) * i / rows
+            y = ground(x, z)
+            slope = [(ground(x + dx, z + dz) - ground(x - dx, z - dz)) / 0.8 for dx, dz in ((0.4, 0.0), (0.0, 0.4))]
+            tone = 0.1 + 0.8 * fractal_noise(x / 6.0 + 9, 0.5, z / 6.0 + 9, 3, FOREST_SEED + 9)
+            vertices.append([x, y, z] + unit([-slope[0], 1.0, -slope[1]]) + [tone, TONES["ground"]])
+    stride = columns + 1
+    triangles = []
+    for i in range(rows):
+        for j in range(columns):
+            a = i * stride + j
+            triangles += [(a, a + 1, a + stride + 1), (a, a + stride + 1, a + stride)]
+    return ply(vertices, triangles, "x y z nx ny nz u v")
+
+
+# Rows of textures/foliage.png, by the v of their middle, and their colours from u = 0 to 1.
+FOLIAGE = {
+    "ground": ((82, 92, 48), (124, 122, 68), (160, 146, 92)),
+    "needles": ((38, 68, 46), (70, 112, 64), (120, 150, 80)),
+    "leaves": ((168, 86, 34), (214, 152, 52), (232, 200, 96)),
+    "bark": ((46, 34, 26), (84, 66, 52), (206, 200, 190)),
+}
+TONES = {name: 1.0 - (row + 0.5) / len(FOLIAGE) for row, name in enumerate(FOLIAGE)}
+
+
+def foliage():
+    """Bands of colour, wide enough that none bleeds into the next."""
+    steps, rows = 32, []
+    palette = []
+    for low, middle, high in FOLIAGE.values():
+        first = len(palette)
+        for i in range(steps):
+            t = 2.0 * i / (steps - 1)
+            a, b = (low, middle) if t < 1.0 else (middle, high)
+            palette.append(tuple(round(p + (q - p) * (t % 1.0 if t < 2.0 else 1.0)) for p, q in zip(a, b)))
+        rows += [[first + i for i in range(steps)]] * 4
+    return png(steps, len(rows), palette, rows)
+
+
+def stem(height, radius, tone, columns=7, rows=5):
+    """The vertices and triangles of a tapering stem, from a little below the ground."""
+    vertices, triangles = [], []
+    for i in range(rows):
+        t = i / (rows - 1)
+        for j in range(columns):
+            angle = 2.0 * math.pi * j / columns
+            r = radius * (1.0 - 0.93 * t)
+            vertices.append([r * math.cos(angle), -0.4 + (height + 0.4) * t, r * math.sin(angle), tone, TONES["bark"]])
+    for i in range(rows - 1):
+        for j in range(columns):
+            a, b = i * columns + j, i * columns + (j + 1) % columns
+            triangles += [(a, b + columns, b), (a, a + columns, b + columns)]
+    return vertices, triangles
+
+
+def fir():
+    """A fir 5 units high: whorls of boughs, each a bent strip with ragged edges that hang down."""
+    random = Random(FOREST_SEED + 1)
+    vertices, triangles = stem(4.9, 0.11, 0.35)
+    whorls = 25
+    for whorl in range(whorls):
+        t = whorl / (whorls - 1)
+        boughs = round(11 - 5 * t)
+        turn = random(0.0, 2.0 * math.pi)
+        for bough in range(boughs):
+            angle = turn + 2.0 * math.pi * (bough + random(-0.25, 0.25)) / boughs
+            length = (1.35 * (1.0 - t) ** 0.85 + 0.10) * random(0.8, 1.12)
+            base = 0.55 + 4.35 * t + random(-0.05, 0.05)
+            droop = random(0.35, 0.6) - 0.75 * t
+            out, side = (math.cos(angle), math.sin(angle)), (-math.sin(angle), math.cos(angle))
+            tone, first, steps = random(0.05, 0.6), len(vertices), 4
+            for i in range(steps):
+                f = i / (steps - 1)
+                width = 0.30 * length * (1.0 - f) ** 0.7 * (0.6 if i == 0 else 1.0) + 0.01
+                y = base - droop * length * f + 0.22 * length * f * f
+                for across in (-1.0, 0.0, 1.0):
+                    ragged = width * across * random(0.7, 1.25)
+                    along = length * f + (0.12 * length * random() if across else 0.0)
+                    vertices.append([
+                        along * out[0] + ragged * side[0], y - 0.45 * abs(ragged), along * out[1] + ragged * side[1],
+                        min(tone + 0.4 * f, 0.97), TONES["needles"],
+                    ])  # fmt: skip
+            for i in range(steps - 1):
+                for k in range(2):
+                    a = first + 3 * i + k
+                    triangles += [(a, a + 1, a + 4), (a, a + 4, a + 3)]
+    return ply(vertices, triangles, "x y z u v")
+
+
+def birch():
+    """A birch 4.5 units high in autumn: a crown of 1100 leaves, each two triangles, larger than life."""
+    random = Random(FOREST_SEED + 2)
+    vertices, triangles = stem(4.0, 0.07, 0.93)
+    for _ in range(1100):
+        while True:
+            p = [random(-1.0, 1.0) for _ in range(3)]
+            if 0.2 < dot(p, p) < 1.0:
+                break
+        # Clumps: leaves are drawn towards the points of a lattice.
+        p = [q + 0.10 * math.sin(9.0 * q + 2.0 * k) for k, q in enumerate(p)]
+        slim = 1.0 - 0.35 * p[1]
+        centre = [1.05 * p[0] * slim, 2.85 + 1.65 * p[1], 1.05 * p[2] * slim]
+        a = unit([random(-1.0, 1.0), random(-1.2, 0.2), random(-1.0, 1.0)])
+        b = unit(cross(a, [random(-1.0, 1.0), random(-1.0, 1.0), random(-1.0, 1.0)]))
+        size, tone, first = random(0.08, 0.15), min(max(0.5 + 0.25 * p[1] + random(-0.3, 0.3), 0.03), 0.97), len(vertices)
+        for s, t in ((-1.0, 0.0), (0.0, -0.6), (1.1, 0.0), (0.0, 0.6)):
+            vertices.append(add(add(centre, a, s * size), b, t * size) + [tone, TONES["leaves"]])
+        triangles += [(first, first + 1, first + 2), (first, first + 2, first + 3)]
+    return ply(vertices, triangles, "x y z u v")
+
+
+def forest():
+    random = Random(FOREST_SEED)
+    trees, cells = [], {}
+    for _ in range(60000):
+        if len(trees) == 2050:
+            break
+        x, z = round(random(-62.0, 62.0), 1), round(random(-92.0, 44.0), 1)
+        y = ground(x, z) - 0.05
+        # Nothing in the lake, nor between it and the camera, nor where the camera does not see it.
+        if z > 18.0 and abs(x) < 4.0 + 0.25 * (58.0 - z) or z > 40.0:
+            continue
+        wood = fractal_noise(x / 14.0 + 70, 0.5, z / 14.0 + 70, 3, FOREST_SEED + 3)
+        if y < 0.25 or wood < 0.40 or abs(x) > 14.0 + 0.5 * (58.0 - z):
+            continue
+        cell = math.floor(x / 2.0), math.floor(z / 2.0)
+        near = [other for i in (-1, 0, 1) for j in (-1, 0, 1) for other in cells.get((cell[0] + i, cell[1] + j), [])]
+        if any(math.dist((x, z), other) < 1.5 for other in near):
+            continue
+        cells.setdefault(cell, []).append((x, z))
+        kind = "birch" if random() < (0.75 if y < 2.2 else 0.45 if wood > 0.56 else 0.05) else "fir"
+        size = random(0.55, 1.0) if kind == "birch" else random(0.5, 1.25)
+        trees.append(
+            f"Transformed(by: [Scale({size:.2f}), RotateY({random(0.0, 360.0):.0f}), Translate(({x:g}, {y:.2f}, {z:g}))], "
+            f'object: Mesh(path: "meshes/{kind}.ply", material: "tree")),'
+        )
+    return (
+        FOREST_HEAD.format(seed=FOREST_SEED, count=len(trees))
+        + """\
+Scene(
+    image: (width: 960, height: 540),
+    camera: (look_from: (0, 10.5, 60), look_at: (0, 4.8, 0), vertical_fov: 30),
+    background: Image(path: "textures/sky.hdr"),
+    materials: {
+        "tree": Lambertian(albedo: Image(path: "textures/foliage.png")),
+        "water": Metal(albedo: Rgb(0.42, 0.50, 0.54), fuzz: 0.02),
+    },
+    objects: [
+        Mesh(path: "meshes/hill.ply", material: "tree"),
+        Quad(corner: (-60, 0, 40), u: (120, 0, 0), v: (0, 0, -60), material: "water"),
+"""
+        + "".join(f"        {tree}\n" for tree in trees)
+        + """\
+    ],
+    render: (samples: 500, max_depth: 30),
+)
+"""
+    ).encode()
+
+
+FILES = {
+    "weekend.ron": weekend,
+    "next-week.ron": next_week,
+    "instances.ron": forest,
+    "textures/planet.png": planet,
+    "textures/world.png": world,
+    "textures/sky.hdr": sky,
+    "textures/amphora.png": amphora_image,
+    "meshes/knot.ply": knot,
+    "meshes/star.ply": star,
+    "meshes/amphora.obj": amphora,
+    "textures/foliage.png": foliage,
+    "meshes/hill.ply": hill,
+    "meshes/fir.ply": fir,
+    "meshes/birch.ply": birch,
+}
+
+
+def main(names):
+    for name in names or FILES:
         with open(os.path.join(HERE, name), "wb") as file:
-            file.write(make())
+            file.write(FILES[name]())
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1:])

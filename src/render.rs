@@ -150,7 +150,13 @@ struct Stretch<'a> {
 /// The pipelines of a plan's `Bounce`.
 enum BouncePipelines {
     Fused(Pipeline),
-    Staged { intersect: Pipeline, medium: Option<Pipeline>, dispatch: Option<Pipeline>, scatter: Vec<Pipeline>, refill: Pipeline },
+    Staged {
+        intersect: Pipeline,
+        medium: Option<Pipeline>,
+        dispatch: Option<Pipeline>,
+        scatter: Vec<Pipeline>,
+        refill: Pipeline,
+    },
 }
 
 impl<'a> Renderer<'a> {

@@ -118,7 +118,7 @@ fn a_broken_link_is_found() {
 #[test]
 fn every_scene_loads_without_a_warning() {
     let scenes = files(&root().join("scenes"), "ron", false);
-    assert!(scenes.len() >= 6, "{scenes:?}");
+    assert!(scenes.len() >= 10, "{scenes:?}");
     for path in scenes {
         let scene = Scene::load(&path).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(scene.warnings(), Vec::<String>::new());

@@ -38,6 +38,8 @@ mod fresnel;
 mod materials;
 #[path = "functions/medium.rs"]
 mod medium;
+#[path = "functions/meshes.rs"]
+mod meshes;
 #[path = "functions/perlin.rs"]
 mod perlin;
 #[path = "functions/quad.rs"]

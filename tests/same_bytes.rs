@@ -132,7 +132,8 @@ impl Everything {
 fn octahedron() -> String {
     let mut text = String::new();
     for (x, y, z) in [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)] {
-        text += &format!("v {x} {y} {z}\nvn {x} {y} {z}\nvt {} {}\n", 0.3 + 0.4 * f64::from(x), 0.5 + 0.9 * f64::from(y));
+        text +=
+            &format!("v {x} {y} {z}\nvn {x} {y} {z}\nvt {} {}\n", 0.3 + 0.4 * f64::from(x), 0.5 + 0.9 * f64::from(y));
     }
     for [a, b, c] in [[5, 1, 3], [1, 6, 3], [6, 2, 3], [2, 5, 3], [1, 5, 4], [6, 1, 4], [2, 6, 4], [5, 2, 4]] {
         text += &format!("f {a}/{a}/{a} {b}/{b}/{b} {c}/{c}/{c}\n");

@@ -76,7 +76,9 @@ fn combinations() -> Vec<Features> {
     // Media in every set of boundaries, without anything else to hit, and beside each primitive.
     for boundaries in 1..=all(BOUNDARIES) {
         found.push(with_media(features(0, 0, 0, "solid", false), boundaries, false));
-        found.extend((0..PRIMITIVES.len()).map(|i| with_media(features(1 << i, 3, 0, "solid", false), boundaries, false)));
+        found.extend(
+            (0..PRIMITIVES.len()).map(|i| with_media(features(1 << i, 3, 0, "solid", false), boundaries, false)),
+        );
     }
     found.extend((0..TEXTURES.len()).map(|i| with_media(features(0, 0, 1 << i, "solid", false), 1, true)));
     for set in 0..=primitives {
@@ -104,7 +106,9 @@ fn every_combination_of_features_links_and_validates() {
                     // A closed mesh is made of triangles.
                     let of_mesh = kind == "triangle";
                     let names = BOUNDARIES.iter().zip(&features.boundaries);
-                    names.into_iter().any(|((name, _), used)| used.is_some() && (*name == kind || of_mesh && *name == "mesh"))
+                    names
+                        .into_iter()
+                        .any(|((name, _), used)| used.is_some() && (*name == kind || of_mesh && *name == "mesh"))
                 };
                 let lacking = [
                     unused(PRIMITIVES, &features.primitives, "geometry"),
@@ -144,7 +148,8 @@ fn every_file_under_shaders_is_used_by_some_plan() {
 
 /// Storage buffers that a kernel with everything on may bind, all tables in storage bindings. WebGPU promises 8, and so does
 /// the design; the queued and the fused kernels are over it, which is kept from growing here.
-const MOST_STORAGE_BUFFERS: [(Scatter, usize); 3] = [(Scatter::Linked, 10), (Scatter::Queues, 13), (Scatter::Fused, 15)];
+const MOST_STORAGE_BUFFERS: [(Scatter, usize); 3] =
+    [(Scatter::Linked, 10), (Scatter::Queues, 13), (Scatter::Fused, 15)];
 
 #[test]
 fn no_kernel_binds_too_many_storage_buffers() {

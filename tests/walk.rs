@@ -6,12 +6,18 @@ use std::path::Path;
 mod device;
 
 use gpu_rt::bvh::{self, Bounds, Quality};
-use gpu_rt::data::HIT_NOTHING;
+use gpu_rt::data::{HIT_NOTHING, PRIMITIVE_BIT};
 use gpu_rt::film::Film;
 use gpu_rt::flatten::flatten;
 use gpu_rt::plan::{Plan, Scatter};
 use gpu_rt::render::{Goal, Job, Next, Renderer, TuningWish};
 use gpu_rt::scene::Scene;
+
+const QUALITIES: [Quality; 3] = [Quality::Fast, Quality::Medium, Quality::Best];
+
+fn codes(count: usize) -> Vec<u32> {
+    (0..count as u32).map(|i| PRIMITIVE_BIT | i).collect()
+}
 
 /// A camera that looks at so many coincident lamps, and behind them one of another colour.
 fn coincident_lamps(count: usize) -> String {
@@ -60,22 +66,31 @@ fn every_primitive_is_in_the_tree_once() {
         ("one", vec![unit]),
         ("two", vec![unit, moved(3.0)]),
         ("a row", (0..1000).map(|i| moved(i as f32)).collect()),
+        (
+            "one line",
+            (0..10_000).map(|i| Bounds { min: glam::Vec3::X * i as f32, max: glam::Vec3::X * i as f32 }).collect(),
+        ),
         ("one place", vec![unit; 10_000]),
+        (
+            "the whole range",
+            (0..10_000).map(|i| Bounds { min: unit.max * (-3e34 * i as f32), max: unit.max * 3e38 }).collect(),
+        ),
         ("two places", (0..10_000).map(|i| moved((i % 2) as f32)).collect()),
         (
             "ever smaller",
             (0..100).map(|i| Bounds { min: glam::Vec3::ZERO, max: glam::Vec3::splat(0.5f32.powi(i)) }).collect(),
         ),
     ];
-    for (name, boxes) in many {
-        let codes: Vec<u32> = (0..boxes.len() as u32).map(|i| gpu_rt::data::PRIMITIVE_BIT | i).collect();
-        let tree = bvh::build(&boxes, &codes, Quality::default());
+    for (name, boxes, quality) in many.iter().flat_map(|(name, boxes)| QUALITIES.map(|quality| (name, boxes, quality)))
+    {
+        let codes = codes(boxes.len());
+        let tree = bvh::build(boxes, &codes, quality);
         let mut found = vec![0; boxes.len()];
         let mut open = vec![tree.root];
         let mut deepest = 0;
         while let Some(code) = open.pop() {
-            if code & gpu_rt::data::PRIMITIVE_BIT != 0 {
-                found[(code & !gpu_rt::data::PRIMITIVE_BIT) as usize] += 1;
+            if code & PRIMITIVE_BIT != 0 {
+                found[(code & !PRIMITIVE_BIT) as usize] += 1;
                 continue;
             }
             let node = tree.nodes[code as usize];
@@ -87,4 +102,35 @@ fn every_primitive_is_in_the_tree_once() {
         assert!(deepest <= tree.stack_size as usize + 1, "{name}: {deepest} waiting, {} reserved", tree.stack_size);
     }
     assert_eq!(bvh::build(&[], &[], Quality::default()).root, HIT_NOTHING);
+}
+
+/// The nodes are the same on every run and for any number of threads; and they fit the bytes that a mesh has for them.
+#[test]
+fn threads_change_nothing_in_the_tree() {
+    // Enough for several pieces of work, a part of them in one place.
+    let boxes: Vec<Bounds> = (0..100_000u32)
+        .map(|i| {
+            let at = |factor: u32| (i.wrapping_mul(factor) >> 8) as f32 / (1 << 24) as f32;
+            let min = match i % 8 {
+                0 => glam::Vec3::ZERO,
+                _ => glam::Vec3::new(at(2_654_435_769), at(2_246_822_519), at(3_266_489_917)),
+            };
+            Bounds { min, max: min + 0.01 }
+        })
+        .collect();
+    let codes = codes(boxes.len());
+    for quality in QUALITIES {
+        let one = bvh::build_with_threads(&boxes, &codes, quality, 1);
+        for threads in [2, 3, 16] {
+            assert!(bvh::build_with_threads(&boxes, &codes, quality, threads) == one, "{quality:?}, {threads} threads");
+        }
+        // Of 64 bytes each: 40 bytes a triangle is what there is room for.
+        assert!(one.nodes.len() * 64 < 40 * boxes.len(), "{quality:?}: {} nodes", one.nodes.len());
+    }
+    let codes: Vec<u32> = codes.into_iter().rev().collect();
+    let other = bvh::build_with_threads(&boxes, &codes, Quality::Medium, 1);
+    assert!(
+        other != bvh::build(&boxes, &self::codes(boxes.len()), Quality::Medium),
+        "the comparison sees a difference"
+    );
 }

@@ -27,13 +27,12 @@ fn to_mesh(instance: Instance, ray: Ray) -> Ray {
 
 // Bound of the error of a point of a mesh, in render space, as a ray that starts there sees it: the error within the mesh,
 // and the rounding on the way to render space and back.
-// There: 4 u for the turn (three products and two sums, from axes rounded themselves), 1 u for the scale, 1 u for the sum
-// with the place. Back: 1 u for the difference, 4 u for the turn, 2 u for the scale and its reciprocal; and since the axes
-// are off a right angle and unit length by 2 u each, turning back and forth is off by 4 u more. All are relative to the
-// point's coordinates in the mesh, scaled, but for the sums' share of the place's.
+// There: 4 u for the turn (three products and two sums, from axes rounded themselves) and 1 u for the scale. Back: 1 u for the
+// difference, 4 u for the turn, 2 u for the scale and its reciprocal; and since the axes are off a right angle and unit
+// length by 2 u each, turning back and forth is off by 4 u more. All are relative to the point's coordinates in the mesh,
+// scaled. What is relative to the place, the rounding of the sum with it, is half an ulp of the point's own coordinates: the
+// float further by which rays leave (geometry/offset) is more than that.
 fn instance_error(instance: Instance, point: vec3<f32>, error: f32) -> f32 {
     let p = abs(point);
-    let place = abs(instance.place);
-    let of_point = 16.0 * UNIT_ROUNDOFF * (p.x + p.y + p.z);
-    return instance.scale * (error + of_point) + 4.0 * UNIT_ROUNDOFF * max(max(place.x, place.y), place.z);
+    return instance.scale * (error + 16.0 * UNIT_ROUNDOFF * (p.x + p.y + p.z));
 }

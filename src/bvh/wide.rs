@@ -1,57 +1,13 @@
-//! Gathers a binary tree into nodes of four children, and quantises their boxes.
+//! Nodes of four children, their boxes quantised.
 
-use super::{Bounds, Branch, Bvh};
+use super::Bounds;
 use crate::data::{HIT_NOTHING, Node};
 
 /// Children of a node.
-const WIDTH: usize = 4;
-
-/// Lays a binary tree out as device nodes, depth first.
-pub fn gather<T: Clone>(root: T, look: impl Fn(&T) -> Branch<T>) -> Bvh {
-    let mut out = Bvh { nodes: Vec::new(), root: 0, stack_size: 0 };
-    // A place still to be laid out, the node and child that wait for its code, and the codes waiting above it.
-    let mut open = vec![(root, None::<(usize, usize)>, 0u32)];
-    while let Some((place, parent, waiting)) = open.pop() {
-        let code = match look(&place) {
-            Branch::Leaf(code) => code,
-            Branch::Inner(left, right) => {
-                let children = four(left, right, &look);
-                let here = out.nodes.len();
-                out.nodes.push(quantised(&children.iter().map(|(bounds, _)| *bounds).collect::<Vec<_>>()));
-                let waiting = waiting + children.len() as u32 - 1;
-                out.stack_size = out.stack_size.max(waiting);
-                let places = children.into_iter().enumerate().rev();
-                open.extend(places.map(|(i, (_, place))| (place, Some((here, i)), waiting)));
-                here as u32
-            }
-        };
-        match parent {
-            Some((node, child)) => out.nodes[node].children[child] = code,
-            None => out.root = code,
-        }
-    }
-    out
-}
-
-/// Opens the inner child with the largest surface until there are four children or leaves alone.
-fn four<T: Clone>(left: (Bounds, T), right: (Bounds, T), look: &impl Fn(&T) -> Branch<T>) -> Vec<(Bounds, T)> {
-    let mut children = vec![left, right];
-    while children.len() < WIDTH {
-        let largest = (0..children.len())
-            .filter_map(|i| match look(&children[i].1) {
-                Branch::Leaf(_) => None,
-                Branch::Inner(left, right) => Some((i, left, right)),
-            })
-            .max_by(|a, b| children[a.0].0.half_area().total_cmp(&children[b.0].0.half_area()));
-        let Some((i, left, right)) = largest else { break };
-        children[i] = left;
-        children.insert(i + 1, right);
-    }
-    children
-}
+pub const WIDTH: usize = 4;
 
 /// A node over such boxes, its codes still to come.
-fn quantised(boxes: &[Bounds]) -> Node {
+pub fn quantised(boxes: &[Bounds]) -> Node {
     let all = boxes.iter().skip(1).fold(boxes[0], |all, bounds| all.union(*bounds));
     let mut node = Node {
         origin: all.min.to_array(),
@@ -88,11 +44,13 @@ fn quantise_axis(node: &mut Node, boxes: &[Bounds], axis: usize, origin: f32, ex
     let (mut lows, mut highs) = (u32::MAX, 0);
     for (child, bounds) in boxes.iter().enumerate() {
         let step = |x: f32| (f64::from(x) - f64::from(origin)) / f64::from(scale);
-        let mut low = step(bounds.min[axis]).floor() as i64;
+        // Not below zero, so that to truncate is to round down.
+        let mut low = step(bounds.min[axis]) as i64;
         while low > 0 && plane(low) > bounds.min[axis] {
             low -= 1;
         }
-        let mut high = step(bounds.max[axis]).ceil() as i64;
+        let last = step(bounds.max[axis]);
+        let mut high = last as i64 + i64::from(last.fract() > 0.0);
         while high <= 255 && plane(high) < bounds.max[axis] {
             high += 1;
         }

@@ -2,14 +2,15 @@
 
 use serde_json::json;
 
-use super::{flatten_for, path_text, print_json, print_line};
+use super::{Target, flatten_for, path_text, planned, print_json, print_line};
 use crate::cli::CheckArgs;
 use crate::error::{Error, Result};
 use crate::flatten::Quality;
-use crate::plan::{Plan, Scatter};
+use crate::gpu::buffers::too_large;
+use crate::render::TuningWish;
 use crate::scene::Scene;
 
-/// Reads, validates and flattens the scene, and links its kernels.
+/// Reads, validates and flattens the scene, links its kernels, and compares its buffers with what the device here allows.
 pub fn run(args: &CheckArgs) -> Result<()> {
     match examine(args) {
         Ok((primitives, warnings)) => {
@@ -38,9 +39,14 @@ pub fn run(args: &CheckArgs) -> Result<()> {
 
 fn examine(args: &CheckArgs) -> Result<(usize, Vec<String>)> {
     let scene = Scene::load(&args.scene)?;
-    let (_, flat) = flatten_for(&scene, None, Quality::default())?;
-    Plan::new(&flat.features, Scatter::Linked)?;
-    Ok((flat.primitives as usize, scene.warnings()))
+    let (size, flat) = flatten_for(&scene, None, Quality::default())?;
+    let target = Target::find(None)?;
+    let (plan, tuning) = planned(&scene, size, &flat, &target, TuningWish::default())?;
+    let mut warnings = scene.warnings();
+    // Valid, and yet not to be rendered here.
+    let refused = too_large(&plan.buffers(&flat, &tuning), &target.limits);
+    warnings.extend(refused.into_iter().map(|why| format!("{}: {why}", target.name)));
+    Ok((flat.primitives as usize, warnings))
 }
 
 fn describe(error: &Error) -> serde_json::Value {

@@ -8,8 +8,11 @@ mod render;
 use std::path::Path;
 
 use crate::cli::{Cli, Command};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::flatten::{Flat, Quality, flatten_with};
+use crate::gpu::device::{AdapterName, Adapters, DeviceClass};
+use crate::plan::{Plan, Tables, Tuning};
+use crate::render::{Goal, Job, TuningWish, tuning};
 use crate::scene::Scene;
 
 /// Runs the command.
@@ -26,6 +29,41 @@ pub fn run(cli: &Cli, start: std::time::Instant) -> Result<()> {
 fn flatten_for(scene: &Scene, size: Option<(u32, u32)>, quality: Quality) -> Result<((u32, u32), Flat)> {
     let size = size.unwrap_or((scene.image.width, scene.image.height));
     Ok((size, flatten_with(scene, size, quality)?))
+}
+
+/// The device that a scene is planned for: the one that would render it, or none.
+struct Target {
+    name: String,
+    class: DeviceClass,
+    limits: wgpu::Limits,
+}
+
+impl Target {
+    /// The device of this index or name, or the default one; where there is none, the least that WebGPU promises.
+    fn find(wish: Option<&str>) -> Result<Target> {
+        match Adapters::find().choose(wish) {
+            Ok(adapter) => Ok(Target {
+                name: AdapterName::of(adapter).to_string(),
+                class: DeviceClass::of(adapter),
+                limits: adapter.limits(),
+            }),
+            Err(Error::Device(_)) => Ok(Target {
+                name: "no device here: WebGPU's default limits".to_string(),
+                class: DeviceClass::default(),
+                limits: wgpu::Limits::default(),
+            }),
+            Err(error) => Err(error),
+        }
+    }
+}
+
+/// The plan of a scene for a device, and the sizes that suit it.
+fn planned(scene: &Scene, size: (u32, u32), flat: &Flat, target: &Target, wish: TuningWish) -> Result<(Plan, Tuning)> {
+    let goal = Goal::Samples(scene.render.samples);
+    let job = Job { size, max_depth: scene.render.max_depth, seed: 0, first_sample: 0, goal };
+    let tuning = tuning(target.class, &job, wish);
+    let tables = Tables::new(flat, target.class.table_bytes());
+    Ok((Plan::with_tables(&flat.features, tuning.scatter, &tables)?, tuning))
 }
 
 /// A path as JSON holds it.

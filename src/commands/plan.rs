@@ -4,37 +4,23 @@ use std::path::Path;
 
 use serde_json::json;
 
-use super::{flatten_for, path_text, print_json, print_line};
+use super::{Target, flatten_for, path_text, planned, print_json, print_line};
 use crate::cli::PlanArgs;
 use crate::data::PATH_PLANES;
 use crate::error::{Error, Result};
-use crate::gpu::device::{AdapterName, Adapters, DeviceClass};
 use crate::output::atomic;
-use crate::plan::{Bounce, Plan, Scatter, Tables, Tuning};
-use crate::render::{Goal, Job, TuningWish, tuning};
+use crate::plan::{Bounce, Plan, Scatter, Tuning};
+use crate::render::TuningWish;
 use crate::scene::Scene;
 
 /// Prints the kernels and buffers, and why each is there.
 pub fn run(args: &PlanArgs) -> Result<()> {
     let scene = Scene::load(&args.scene)?;
     let (size, flat) = flatten_for(&scene, args.size, args.build.into())?;
-    // Sizes depend on the device; where there is none, those of WebGPU's least are planned for.
-    let adapters = Adapters::find();
-    let (device, class) = match adapters.choose(args.device.as_deref()) {
-        Ok(adapter) => (AdapterName::of(adapter).to_string(), DeviceClass::of(adapter)),
-        Err(Error::Device(_)) => ("no device here: WebGPU's default limits".to_string(), DeviceClass::default()),
-        Err(error) => return Err(error),
-    };
-    let job = Job {
-        size,
-        max_depth: scene.render.max_depth,
-        seed: 0,
-        first_sample: 0,
-        goal: Goal::Samples(scene.render.samples),
-    };
+    let target = Target::find(args.device.as_deref())?;
     let wish = TuningWish { scatter: args.scatter.map(Into::into), ..TuningWish::default() };
-    let tuning = tuning(class, &job, wish);
-    let plan = Plan::with_tables(&flat.features, tuning.scatter, &Tables::new(&flat, class.table_bytes()))?;
+    let (plan, tuning) = planned(&scene, size, &flat, &target, wish)?;
+    let device = &target.name;
     if let Some(folder) = &args.wgsl {
         write_shaders(folder, &plan)?;
     }

@@ -28,9 +28,7 @@ pub fn frame(texture: &Texture, (base, columns): (DVec3, DMat3), to_world: &Simi
         Texture::Rgb(..) => return None,
         Texture::Checker { scale, .. } => (reduce(base / scale, 2.0), columns * (1.0 / scale), 0.0),
         Texture::Noise { scale } => (reduce(base * scale, 256.0), columns * scale, 0.0),
-        Texture::Marble { scale } => {
-            (reduce(base, 256.0), columns, reduce(DVec3::splat(base.z * scale), TAU).z)
-        }
+        Texture::Marble { scale } => (reduce(base, 256.0), columns, reduce(DVec3::splat(base.z * scale), TAU).z),
         Texture::Image { .. } => (DVec3::ZERO, to_world.rotation.transpose(), 0.0),
     };
     Some(data::Frame {

@@ -10,9 +10,7 @@ use super::shapes::{error_bound, padded};
 use super::similarity::Similarity;
 use super::{Builder, binary_exponent, exp2, f32s};
 use crate::bvh::{self, Bounds};
-use crate::data::{
-    self, KIND_TRIANGLE, NO_NORMAL, NO_UVS, PRIMITIVE_BIT, PRIMITIVE_KIND_SHIFT,
-};
+use crate::data::{self, KIND_TRIANGLE, NO_NORMAL, NO_UVS, PRIMITIVE_BIT, PRIMITIVE_KIND_SHIFT};
 use crate::scene::Mesh;
 
 /// A mesh that has been laid out.
@@ -85,9 +83,11 @@ impl Builder<'_> {
         let vertices = mesh.positions.len() as u32;
         let positions: Vec<Vec3> = mesh.positions.iter().map(|p| ((*p - center) / unit).as_vec3()).collect();
         words.reserve(mesh.triangles.len() + positions.len() * if mesh.uvs.is_empty() { 1 } else { 2 });
-        words.extend((0..).zip(&mesh.triangles).map(|(number, [a, b, c])| {
-            [first_vertex + a, first_vertex + b, first_vertex + c, number]
-        }));
+        words.extend(
+            (0..)
+                .zip(&mesh.triangles)
+                .map(|(number, [a, b, c])| [first_vertex + a, first_vertex + b, first_vertex + c, number]),
+        );
         let normals = mesh.normals.iter().map(|n| octahedral(*n)).chain(std::iter::repeat(NO_NORMAL));
         words.extend(positions.iter().zip(normals).map(|(p, normal)| {
             let [x, y, z] = p.to_array().map(f32::to_bits);

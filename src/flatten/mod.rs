@@ -132,8 +132,7 @@ pub fn flatten_with(scene: &Scene, size: (u32, u32), quality: Quality) -> Result
     flat.add_background(scene, radiance_scale);
     flat.add_materials(scene, radiance_scale);
     let laid = vec![None; meshes.len()];
-    let mut builder =
-        Builder { scene, meshes, boxes, space, quality, laid, mesh_frames: HashMap::new(), flat };
+    let mut builder = Builder { scene, meshes, boxes, space, quality, laid, mesh_frames: HashMap::new(), flat };
     builder.add_primitives(&finder.placed);
     builder.add_media(&finder.media);
     let mut flat = builder.flat;

@@ -150,10 +150,8 @@ pub struct MeshBox {
 
 impl MeshBox {
     pub fn of(mesh: &Mesh) -> MeshBox {
-        let used = mesh.triangles.iter().flatten().filter_map(|&i| mesh.positions.get(i as usize));
-        let empty = MeshBox { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
-        let all = used.fold(empty, |all, &p| MeshBox { min: all.min.min(p), max: all.max.max(p) });
-        if all.min.x <= all.max.x { all } else { MeshBox { min: DVec3::ZERO, max: DVec3::ZERO } }
+        let (min, max) = mesh.bounds();
+        MeshBox { min, max }
     }
 
     pub fn center(&self) -> DVec3 {

@@ -135,4 +135,3 @@ fn quad_axes(u: DVec3, v: DVec3) -> (DVec3, DVec3, DVec3) {
     let w = n / n.length_squared();
     (n.normalize(), v.cross(w) / u_length, w.cross(u) / v_length)
 }
-

@@ -63,38 +63,40 @@ pub struct Buffers {
     named: BTreeMap<&'static str, wgpu::Buffer>,
 }
 
-/// Checks every buffer against what the device allows, before anything is allocated.
-///
-/// # Errors
-/// `Error::Device` naming the first buffer that does not fit, its bytes and the limit.
-pub fn check_limits(specs: &[BufferSpec<'_>], limits: &wgpu::Limits, device: &str) -> Result<()> {
-    for spec in specs {
+/// Says of every buffer that the device has no room for how many bytes it needs and how many are allowed. Nothing is
+/// allocated.
+pub fn too_large(specs: &[BufferSpec<'_>], limits: &wgpu::Limits) -> Vec<String> {
+    let too_large = |spec: &BufferSpec<'_>| {
         let uniform = spec.usage.contains(wgpu::BufferUsages::UNIFORM);
         let (limit, what) = match uniform {
             true => (limits.max_uniform_buffer_binding_size, "uniform"),
             false => (limits.max_storage_buffer_binding_size, "storage"),
         };
         let limit = limit.min(limits.max_buffer_size);
-        if spec.allocated() > limit {
-            return Err(Error::Device(format!(
-                "{device}: the buffer `{}` ({}) needs {} bytes, and the device allows {limit} to a {what} binding. Make \
-                 the scene smaller, or choose another device (`gpu-rt devices` lists them)",
-                spec.name,
-                spec.why,
-                spec.allocated(),
-            )));
-        }
-    }
-    Ok(())
+        (spec.allocated() > limit).then(|| {
+            let (name, why, bytes) = (spec.name, spec.why, spec.allocated());
+            format!(
+                "the buffer `{name}` ({why}) needs {bytes} bytes, and the device allows {limit} to a {what} binding"
+            )
+        })
+    };
+    specs.iter().filter_map(too_large).collect()
 }
 
 impl Buffers {
     /// Allocates and fills the buffers.
     ///
     /// # Errors
-    /// As [`check_limits`], and `Error::Device` where the device has too little memory.
+    /// `Error::Device` where a buffer is larger than the device allows, or all of them than its memory.
     pub fn create(device: &Device, specs: &[BufferSpec<'_>]) -> Result<Buffers> {
-        check_limits(specs, &device.limits, &device.name.to_string())?;
+        let refused = too_large(specs, &device.limits);
+        if !refused.is_empty() {
+            return Err(Error::Device(format!(
+                "{}: {}. Make the scene smaller, or choose another device (`gpu-rt devices` lists them)",
+                device.name,
+                refused.join("; ")
+            )));
+        }
         let scope = device.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let mut named = BTreeMap::new();
         for spec in specs {

@@ -440,6 +440,7 @@ impl Expr {
                     ("^", [a, b]) => a.powf(*b),
                     ("-", [a]) => -a,
                     ("sqrt", [a]) => a.sqrt(),
+                    ("exp", [a]) => a.exp(),
                     ("sin", [a]) => a.sin(),
                     ("cos", [a]) => a.cos(),
                     ("acos", [a]) => a.acos(),

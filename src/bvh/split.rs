@@ -1,0 +1,211 @@
+//! Splits groups of primitives by the surface area heuristic, its cuts sought between bins (Wald 2007, "On fast
+//! construction of SAH-based bounding volume hierarchies").
+
+use std::ops::Range;
+
+use glam::Vec3A;
+
+use super::Bounds;
+
+/// A primitive on its way into the tree. The code stands first: vector loads of `max` reach into what follows it, and a
+/// code read as a float is subnormal, which makes every operation on it slow.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct Item {
+    pub code: u32,
+    min: [f32; 3],
+    max: [f32; 3],
+    zero: u32,
+}
+
+impl Item {
+    pub fn new(bounds: &Bounds, code: u32) -> Item {
+        Item { code, min: bounds.min.to_array(), max: bounds.max.to_array(), zero: 0 }
+    }
+
+    /// The middle of its box; the sum of the halves cannot overflow.
+    fn middle(&self) -> Vec3A {
+        0.5 * Vec3A::from_array(self.min) + 0.5 * Vec3A::from_array(self.max)
+    }
+}
+
+/// A box that grows around others.
+#[derive(Clone, Copy)]
+pub struct Hull {
+    min: Vec3A,
+    max: Vec3A,
+}
+
+impl Hull {
+    const EMPTY: Hull = Hull { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
+
+    fn add(&mut self, min: Vec3A, max: Vec3A) {
+        self.min = self.min.min(min);
+        self.max = self.max.max(max);
+    }
+
+    /// Half the surface.
+    pub fn half_area(&self) -> f32 {
+        let d = self.max - self.min;
+        d.x * d.y + d.y * d.z + d.z * d.x
+    }
+}
+
+impl From<Hull> for Bounds {
+    fn from(hull: Hull) -> Bounds {
+        Bounds { min: hull.min.into(), max: hull.max.into() }
+    }
+}
+
+/// How cuts are sought.
+#[derive(Clone, Copy, Debug)]
+pub struct Search {
+    /// Bins of an axis, for groups that are not small: 16 or 32.
+    pub bins: usize,
+    /// Along all three axes instead of the longest alone.
+    pub all_axes: bool,
+}
+
+/// Some primitives, one at least, with the box around them and the one around their middles.
+pub struct Group<'a> {
+    pub items: &'a mut [Item],
+    pub bounds: Hull,
+    middles: Hull,
+}
+
+/// A plane between two bins of an axis.
+struct Cut {
+    axis: usize,
+    low: f32,
+    scale: f32,
+    bin: f32,
+}
+
+impl<'a> Group<'a> {
+    pub fn new(items: &'a mut [Item]) -> Group<'a> {
+        let (mut bounds, mut middles) = (Hull::EMPTY, Hull::EMPTY);
+        for item in items.iter() {
+            bounds.add(item.min.into(), item.max.into());
+            middles.add(item.middle(), item.middle());
+        }
+        Group { items, bounds, middles }
+    }
+
+    /// Each primitive for itself.
+    pub fn singles(self) -> impl Iterator<Item = Group<'a>> {
+        self.items.chunks_mut(1).map(Group::new)
+    }
+
+    /// Two groups, where the cost of walking is least. The bins of a small group need not be many.
+    pub fn split(self, search: &Search) -> [Group<'a>; 2] {
+        let cut = match (self.items.len(), search.bins) {
+            (0..=6, _) => self.best::<4>(search),
+            (7..=24, _) => self.best::<8>(search),
+            (_, 0..=16) => self.best::<16>(search),
+            _ => self.best::<32>(search),
+        };
+        match cut {
+            Some(cut) => self.partition(&cut),
+            None => self.halve(),
+        }
+    }
+
+    /// Two halves along the longest axis.
+    pub fn halve(self) -> [Group<'a>; 2] {
+        let axis = longest(self.middles.max - self.middles.min);
+        let half = self.items.len() / 2;
+        self.items.select_nth_unstable_by(half, |a, b| a.middle()[axis].total_cmp(&b.middle()[axis]));
+        let (low, high) = self.items.split_at_mut(half);
+        [Group::new(low), Group::new(high)]
+    }
+
+    /// The cut of least cost. None where there is nothing to choose by: all middles in one bin, surfaces that are zero or
+    /// infinite.
+    fn best<const BINS: usize>(&self, search: &Search) -> Option<Cut> {
+        let extent = self.middles.max - self.middles.min;
+        // Just less than the bins, so that the last middle is in the last one.
+        let scale = Vec3A::splat(BINS as f32 * (1.0 - 1e-6)) / extent;
+        let scale = Vec3A::select(scale.is_finite_mask(), scale, Vec3A::ZERO);
+        let axes = match search.all_axes {
+            true => 0..3,
+            false => longest(extent)..longest(extent) + 1,
+        };
+        let bins = self.bins::<BINS>(axes.clone(), scale);
+        let mut best: Option<(f32, Cut)> = None;
+        for axis in axes {
+            // The costs of what lies above each cut, from the top down, then of what lies below, from the bottom up.
+            let mut above = [0.0; BINS];
+            let (mut hull, mut items) = (Hull::EMPTY, 0);
+            for bin in (1..BINS).rev() {
+                let (bounds, count) = bins[axis][bin];
+                hull.add(bounds.min, bounds.max);
+                items += count;
+                above[bin] = cost(&hull, items);
+            }
+            let (mut hull, mut items) = (Hull::EMPTY, 0);
+            for bin in 1..BINS {
+                let (bounds, count) = bins[axis][bin - 1];
+                hull.add(bounds.min, bounds.max);
+                items += count;
+                let cost = cost(&hull, items) + above[bin];
+                if cost < best.as_ref().map_or(f32::INFINITY, |(least, _)| *least) {
+                    let cut = Cut { axis, low: self.middles.min[axis], scale: scale[axis], bin: bin as f32 };
+                    best = Some((cost, cut));
+                }
+            }
+        }
+        best.filter(|(cost, _)| *cost > 0.0).map(|(_, cut)| cut)
+    }
+
+    /// The boxes around the primitives of each bin, and their numbers.
+    fn bins<const BINS: usize>(&self, axes: Range<usize>, scale: Vec3A) -> [[(Hull, u32); BINS]; 3] {
+        let mut bins = [[(Hull::EMPTY, 0); BINS]; 3];
+        for item in self.items.iter() {
+            let place = ((item.middle() - self.middles.min) * scale).to_array();
+            for axis in axes.clone() {
+                let (hull, count) = &mut bins[axis][(place[axis] as i32 as usize).min(BINS - 1)];
+                hull.add(item.min.into(), item.max.into());
+                *count += 1;
+            }
+        }
+        bins
+    }
+
+    /// The groups on either side of a cut.
+    fn partition(self, cut: &Cut) -> [Group<'a>; 2] {
+        let mut sides = [(Hull::EMPTY, Hull::EMPTY); 2];
+        let (mut low, mut high) = (0, self.items.len());
+        while low < high {
+            let item = self.items[low];
+            let middle = item.middle();
+            // What decides about the bin, in the same arithmetic.
+            let above = (middle[cut.axis] - cut.low) * cut.scale >= cut.bin;
+            let (bounds, middles) = &mut sides[usize::from(above)];
+            bounds.add(item.min.into(), item.max.into());
+            middles.add(middle, middle);
+            if above {
+                high -= 1;
+                self.items.swap(low, high);
+            } else {
+                low += 1;
+            }
+        }
+        let (below, above) = self.items.split_at_mut(low);
+        let [(bounds, middles), (bounds_above, middles_above)] = sides;
+        [Group { items: below, bounds, middles }, Group { items: above, bounds: bounds_above, middles: middles_above }]
+    }
+}
+
+/// What a ray that meets a group's parent pays for the group, in parts of what it pays for one box; infinite where the
+/// group is empty.
+fn cost(hull: &Hull, items: u32) -> f32 {
+    match items {
+        0 => f32::INFINITY,
+        _ => hull.half_area() * items as f32,
+    }
+}
+
+/// The axis of the largest extent.
+fn longest(extent: Vec3A) -> usize {
+    (0..3).max_by(|&a, &b| extent[a].total_cmp(&extent[b])).unwrap_or(0)
+}

@@ -1,0 +1,74 @@
+//@ use scene/traverse
+//@ use scene/surfaces
+//@ use choice/shading
+// The nearest hit of a ray by the walk through both levels and by asking every face of every instance; and the nearest hit
+// of a second ray, which leaves from there.
+struct In {
+    origin: vec3<f32>,
+    root: u32,
+    direction: vec3<f32>,
+    // Whether every face is to be asked.
+    ask: u32,
+    leaving: vec3<f32>,
+    padding: u32,
+}
+
+struct Out {
+    walked: Hit,
+    asked: Hit,
+    point: vec3<f32>,
+    again: f32,
+    normal: vec3<f32>,
+    again_code: u32,
+    start: vec3<f32>,
+    again_instance: u32,
+}
+
+const INSTANCES: u32 = ${instances}u;
+const FACES: u32 = ${faces}u;
+
+@group(0) @binding(21) var<storage, read> input: array<In>;
+@group(0) @binding(22) var<storage, read_write> output: array<Out>;
+
+fn ask_all(ray: Ray) -> Hit {
+    var asked = Hit(HIT_NOTHING, NO_INSTANCE, VERY_FAR, 0u);
+    for (var i = 0u; i < INSTANCES; i++) {
+        let here = to_mesh(instances[i], ray);
+        let inverse = slab_inverse(here.direction);
+        for (var face = 0u; face < FACES; face++) {
+            let code = PRIMITIVE_BIT | KIND_TRIANGLE << PRIMITIVE_KIND_SHIFT | face;
+            let t = primitive_distance(code, here, inverse);
+            if t != NO_HIT && t < asked.t {
+                asked = Hit(code, i, t, 0u);
+            }
+        }
+    }
+    return asked;
+}
+
+fn run(row: u32) {
+    let given = input[row];
+    let ray = Ray(given.origin, given.direction);
+    var out: Out;
+    out.walked = nearest_hit(ray, given.root);
+    out.asked = out.walked;
+    if given.ask != 0u {
+        out.asked = ask_all(ray);
+    }
+    out.again = NO_HIT;
+    let hit = out.walked;
+    if hit.code != HIT_NOTHING && any(given.leaving != vec3<f32>(0.0)) {
+        let surface = surface_at(hit.code, hit.instance, ray, hit.t);
+        let facing = select(-surface.normal, surface.normal, dot(ray.direction, surface.normal) < 0.0);
+        let shading = shading_normal(hit.code, hit.instance, surface, ray.direction, facing);
+        let start = leaving_point(hit.code, hit.instance, surface, facing, shading, given.leaving);
+        let second = nearest_hit(Ray(start, given.leaving), given.root);
+        out.point = surface.point;
+        out.normal = surface.normal;
+        out.start = start;
+        out.again = select(second.t, NO_HIT, second.code == HIT_NOTHING);
+        out.again_code = second.code;
+        out.again_instance = second.instance;
+    }
+    output[row] = out;
+}
