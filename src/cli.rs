@@ -67,9 +67,8 @@ pub struct RenderArgs {
     /// Write the image so far at this interval [30s, 5m, …].
     #[arg(long, value_name = "TIME", value_parser = duration, default_value = "60s")]
     pub checkpoint: Duration,
-    /// How light is found: `bsdf` follows the scattered rays until they meet it.
-    #[arg(long, value_enum, default_value_t = Integrator::Bsdf)]
-    pub integrator: Integrator,
+    #[command(flatten)]
+    pub light: LightArgs,
     /// How samples are placed: `independent` draws each by itself.
     #[arg(long, value_enum, default_value_t = Sampler::Independent)]
     pub sampler: Sampler,
@@ -84,6 +83,19 @@ pub struct RenderArgs {
     pub json: bool,
     #[command(flatten)]
     pub tuning: TuningArgs,
+}
+
+/// What changes the noise and never the expectation.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Noise (the expectation stays the same)")]
+pub struct LightArgs {
+    /// How light is found: `mis` also sends rays to the lights that there are; `bsdf` follows the scattered rays alone until
+    /// they meet one.
+    #[arg(long, value_enum, default_value_t = Integrator::Mis)]
+    pub integrator: Integrator,
+    /// Russian roulette: paths that have become dark are ended at random, and those that go on count for them.
+    #[arg(long, value_enum, default_value_t = Switch::On)]
+    pub roulette: Switch,
 }
 
 /// What changes the speed and never the image.
@@ -131,6 +143,8 @@ pub struct PlanArgs {
     /// How long the hierarchies over meshes and objects may take to build.
     #[arg(long, value_enum, default_value_t = BuildArg::Medium)]
     pub build: BuildArg,
+    #[command(flatten)]
+    pub light: LightArgs,
     /// Print one JSON object on stdout.
     #[arg(long)]
     pub json: bool,
@@ -153,8 +167,24 @@ pub struct DevicesArgs {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Switch {
+    On,
+    Off,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Integrator {
+    Mis,
     Bsdf,
+}
+
+impl Integrator {
+    pub fn name(self) -> &'static str {
+        match self {
+            Integrator::Mis => "mis",
+            Integrator::Bsdf => "bsdf",
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

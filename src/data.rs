@@ -12,6 +12,8 @@ pub const MAX_PRIMITIVES: usize = 1 << PRIMITIVE_KIND_SHIFT;
 /// The kinds of codes that have to do with meshes: a face, and a mesh placed in the scene.
 pub const KIND_TRIANGLE: u32 = 3;
 pub const KIND_INSTANCE: u32 = 4;
+/// The instance of what is no part of a mesh.
+pub const NO_INSTANCE: u32 = 0xffff_ffff;
 /// `Instance::to_uvs` of a mesh without texture coordinates.
 pub const NO_UVS: u32 = 0xffff_ffff;
 /// The normal of a vertex of a flat-shaded mesh.
@@ -24,8 +26,9 @@ pub const SLOT_IDLE: u32 = 0xffff_fffd;
 pub const NO_TEXTURE: u32 = 0xffff_ffff;
 /// Samples of a run at most; runs are cut at multiples of it.
 pub const RUN_LENGTH: u32 = 8;
-/// Planes of the slots' state, a vec4 of words each.
+/// Planes of the slots' state, a vec4 of words each; and with lights that are sampled.
 pub const PATH_PLANES: u32 = 5;
+pub const LIT_PATH_PLANES: u32 = 9;
 /// Words before the first queue.
 pub const QUEUE_HEADER: u32 = 8;
 
@@ -101,7 +104,7 @@ device_struct!(
         order: u32,
         material: u32,
         frame: u32,
-        padding: u32,
+        light: u32,
     }
 );
 
@@ -117,9 +120,9 @@ device_struct!(
         b_axis: [f32; 3],
         error: f32,
         u: [f32; 3],
-        padding0: u32,
+        light: u32,
         v: [f32; 3],
-        padding1: u32,
+        padding: u32,
     }
 );
 
@@ -133,7 +136,7 @@ device_struct!(
         x_axis: [f32; 3],
         frame: u32,
         y_axis: [f32; 3],
-        error: f32,
+        light: u32,
     }
 );
 
@@ -147,7 +150,7 @@ device_struct!(
         place: [f32; 3],
         frame: u32,
         scale: f32,
-        inverse_scale: f32,
+        to_light: u32,
         root: u32,
         to_uvs: u32,
     }
@@ -164,6 +167,20 @@ device_struct!(
         frame: u32,
         anisotropy: f32,
         one_minus_anisotropy: f32,
+    }
+);
+
+device_struct!(
+    /// Something that is sampled as a light.
+    Light {
+        code: u32,
+        instance: u32,
+        probability: f32,
+        threshold: f32,
+        other: u32,
+        padding0: u32,
+        padding1: u32,
+        padding2: u32,
     }
 );
 

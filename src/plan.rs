@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use crate::data::{self, PATH_PLANES, QUEUE_HEADER, RUN_LENGTH};
+use crate::data::{self, LIT_PATH_PLANES, PATH_PLANES, QUEUE_HEADER, RUN_LENGTH};
 use crate::error::Result;
 use crate::film::RunRecord;
 use crate::flatten::{BOUNDARIES, Features, Flat, MATERIALS, PRIMITIVES, TEXTURES};
@@ -59,7 +59,7 @@ impl Tables {
 }
 
 /// The scene's tables: name, contents, bytes of an element, purpose.
-fn tables(flat: &Flat) -> [(&'static str, Cow<'_, [u8]>, u64, &'static str); 9] {
+fn tables(flat: &Flat) -> [(&'static str, Cow<'_, [u8]>, u64, &'static str); 10] {
     fn table<'a, T: bytemuck::Pod>(
         name: &'static str,
         items: &'a [T],
@@ -74,6 +74,7 @@ fn tables(flat: &Flat) -> [(&'static str, Cow<'_, [u8]>, u64, &'static str); 9] 
         table("cuboids", &flat.cuboids, "boxes"),
         table("instances", &flat.instances, "where meshes stand"),
         table("media", &flat.media, "participating media"),
+        table("lights", &flat.lights, "lights that are sampled"),
         table("materials", &flat.materials, "materials"),
         table("textures", &flat.textures, "textures"),
         table("frames", &flat.frames, "where textured objects stand in their textures"),
@@ -99,6 +100,8 @@ pub struct Kernel {
 pub struct Plan {
     pub generate: Kernel,
     pub bounce: Bounce,
+    /// Planes of the slots' state, a vec4 of words each.
+    pub path_planes: u32,
     tables: Tables,
 }
 
@@ -119,6 +122,8 @@ pub struct Staged {
     pub dispatch: Option<Kernel>,
     /// One linked kernel, or one for each queue in the queues' order; none where there is nothing to hit.
     pub scatter: Vec<Kernel>,
+    /// Rays to lights; absent where there is none to sample.
+    pub shadow: Option<Kernel>,
     pub refill: Kernel,
 }
 
@@ -141,8 +146,12 @@ impl Plan {
         let always = "every render";
         let geometry = asked(PRIMITIVES, &features.primitives);
         let media = asked(&boundary_names(), &features.boundaries);
+        let lights = features.lights > 0;
+        let of_sky = features.emitting_sky.clone().unwrap_or_default();
+        let emitters = [asked(PRIMITIVES, &features.emitters), of_sky];
+        let emitters = emitters.into_iter().filter(|why| !why.is_empty()).collect::<Vec<_>>().join(", ");
         let all_materials = asked(MATERIALS, &features.materials);
-        let reasons = [&geometry, &all_materials, &media];
+        let reasons = [&geometry, &all_materials, &media, &emitters];
         let all_reasons = reasons.into_iter().filter(|why| !why.is_empty()).cloned().collect::<Vec<_>>().join("; ");
         let bounce = if scatter == Scatter::Fused && !empty {
             Bounce::Fused(Box::new(kernel("bounce", "bounce", &choices, &all_reasons)?))
@@ -163,10 +172,13 @@ impl Plan {
                     true => queued_scatters(features, &materials, &choices)?,
                     false => if_any(!empty, "scatter", "scatter", &all_materials)?.into_iter().collect(),
                 },
+                shadow: if_any(lights, "shadow", "shadow", &emitters)?,
                 refill: kernel("refill", "refill", &choices, always)?,
             }))
         };
-        Ok(Plan { generate: kernel("generate", "generate", &choices, always)?, bounce, tables: tables.clone() })
+        let path_planes = if lights { LIT_PATH_PLANES } else { PATH_PLANES };
+        let generate = kernel("generate", "generate", &choices, always)?;
+        Ok(Plan { generate, bounce, path_planes, tables: tables.clone() })
     }
 
     /// The kernels in the order in which a pass runs them.
@@ -175,8 +187,8 @@ impl Plan {
         match &self.bounce {
             Bounce::Fused(kernel) => all.push(kernel),
             Bounce::Staged(staged) => {
-                let Staged { intersect, medium, dispatch, scatter, refill } = &**staged;
-                all.extend(std::iter::once(intersect).chain(medium).chain(dispatch).chain(scatter));
+                let Staged { intersect, medium, dispatch, scatter, shadow, refill } = &**staged;
+                all.extend(std::iter::once(intersect).chain(medium).chain(dispatch).chain(scatter).chain(shadow));
                 all.push(refill);
             }
         }
@@ -205,8 +217,9 @@ impl Plan {
                 "runs started and finished, idle slots",
             ),
             BufferSpec::working("records", records, "finished runs on their way to the film"),
-            BufferSpec::working("paths", slots * u64::from(PATH_PLANES) * 16, "the state of the paths in flight"),
+            BufferSpec::working("paths", slots * u64::from(self.path_planes) * 16, "the state of the paths in flight"),
             BufferSpec::scene("texels", bytes(&flat.texels), "images"),
+            BufferSpec::scene("sky", bytes(&flat.sky), "the background's image as a distribution of directions"),
             BufferSpec::scene("meshes", bytes(&flat.meshes), "faces and vertices of meshes"),
             BufferSpec::working("queues", (u64::from(QUEUE_HEADER) + queues * slots) * 4, "a queue for each material"),
             BufferSpec::indirect("queue_args", queues * 16, "sizes of the queues' dispatches"),
@@ -270,6 +283,14 @@ fn choices(features: &Features, materials: &[Entry], queues: bool, tables: &Tabl
     let meshes: Vec<Entry> = meshes.map(|at| primitives.remove(at)).into_iter().collect();
     let boundaries = BOUNDARIES.iter().zip(&features.boundaries).filter(|(_, used)| used.is_some());
     let media = features.media > 0;
+    let lights = features.lights > 0;
+    // One entry or none: what is linked where there are lights, and of which kinds.
+    let only_if = |wanted: bool, name: &str| if wanted { closed(std::iter::once((name, 0))) } else { Vec::new() };
+    let mut emitters = entries(PRIMITIVES, &features.emitters);
+    let emitting_meshes = emitters.iter().any(|entry| entry.number == data::KIND_TRIANGLE);
+    emitters.retain(|entry| entry.number != data::KIND_TRIANGLE);
+    // The materials that answer to light from any direction.
+    let responders = materials.iter().filter(|entry| ["lambertian", "metal"].contains(&entry.name.as_str()));
     Choices {
         modules: BTreeMap::from([
             ("background", background),
@@ -279,6 +300,8 @@ fn choices(features: &Features, materials: &[Entry], queues: bool, tables: &Tabl
             ("shading", pick(features.smooth.is_some(), "scene/smooth_shading", "scene/flat_shading")),
             ("media", pick(media, "step/media", "step/no_media")),
             ("medium_albedo", pick(features.textured_media, "scene/textured_medium", "scene/plain_medium")),
+            ("roulette", pick(features.roulette, "step/roulette", "step/no_roulette")),
+            ("transmittance", pick(media, "scene/transmittance", "scene/clear_air")),
             ("walk", pick(materials.is_empty(), "scene/nothing", "scene/traverse")),
             ("sort", pick(queues, "slots/sort_by_material", "slots/no_sort")),
             ("turn", pick(queues, "slots/queue_turn", "slots/every_turn")),
@@ -286,6 +309,11 @@ fn choices(features: &Features, materials: &[Entry], queues: bool, tables: &Tabl
         lists: BTreeMap::from([
             ("primitive", primitives),
             ("mesh", meshes),
+            ("light", only_if(lights, "light")),
+            ("emitter", emitters),
+            ("emitting_mesh", only_if(emitting_meshes, "mesh")),
+            ("emitting_sky", only_if(features.emitting_sky.is_some(), "sky")),
+            ("responder", responders.cloned().collect()),
             ("boundary", closed(boundaries.map(|(boundary, _)| *boundary))),
             ("material", materials.to_vec()),
             ("texture", textures),
@@ -298,6 +326,9 @@ fn choices(features: &Features, materials: &[Entry], queues: bool, tables: &Tabl
                 // A walk that looks at all children has one more waiting at each level.
                 ("boundary_stack_size", (features.boundary_stack_size + 2).to_string()),
                 ("media", features.media.to_string()),
+                ("lights", features.lights.to_string()),
+                // Mesa 22.3 allows an invocation 65,535 iterations: for one walk, or for two, the other being a shadow ray's.
+                ("most_steps", if lights { "20000" } else { "48000" }.to_string()),
                 ("run_length", RUN_LENGTH.to_string()),
                 ("queues", materials.len().to_string()),
             ])
@@ -306,13 +337,14 @@ fn choices(features: &Features, materials: &[Entry], queues: bool, tables: &Tabl
 }
 
 /// The tables by name, and the names of the values that say how each is bound.
-const TABLES: [(&str, &str, &str); 9] = [
+const TABLES: [(&str, &str, &str); 10] = [
     ("nodes", "space_of_nodes", "size_of_nodes"),
     ("spheres", "space_of_spheres", "size_of_spheres"),
     ("quads", "space_of_quads", "size_of_quads"),
     ("cuboids", "space_of_cuboids", "size_of_cuboids"),
     ("instances", "space_of_instances", "size_of_instances"),
     ("media", "space_of_media", "size_of_media"),
+    ("lights", "space_of_lights", "size_of_lights"),
     ("materials", "space_of_materials", "size_of_materials"),
     ("textures", "space_of_textures", "size_of_textures"),
     ("frames", "space_of_frames", "size_of_frames"),
@@ -336,6 +368,9 @@ fn queued_scatters(features: &Features, materials: &[Entry], choices: &Choices) 
         .map(|(queue, material)| {
             let mut own = choices.clone();
             own.lists.insert("material", vec![Entry { closes: true, ..material.clone() }]);
+            if let Some(responders) = own.lists.get_mut("responder") {
+                responders.retain(|entry| entry.number == material.number);
+            }
             own.values.insert("queue", i32::to_string(&queue));
             let why = features.materials[material.number as usize].clone().unwrap_or_default();
             kernel(&format!("scatter_{}", material.name), "scatter", &own, &why)

@@ -131,8 +131,8 @@ impl BouncePipelines {
     fn pipelines(&self) -> impl Iterator<Item = &Pipeline> {
         let (stages, last) = match self {
             BouncePipelines::Fused(bounce) => (None, bounce),
-            BouncePipelines::Staged { intersect, medium, dispatch, scatter, refill } => {
-                (Some(std::iter::once(intersect).chain(medium).chain(dispatch).chain(scatter)), refill)
+            BouncePipelines::Staged { intersect, medium, dispatch, scatter, shadow, refill } => {
+                (Some(std::iter::once(intersect).chain(medium).chain(dispatch).chain(scatter).chain(shadow)), refill)
             }
         };
         stages.into_iter().flatten().chain(std::iter::once(last))
@@ -155,6 +155,7 @@ enum BouncePipelines {
         medium: Option<Pipeline>,
         dispatch: Option<Pipeline>,
         scatter: Vec<Pipeline>,
+        shadow: Option<Pipeline>,
         refill: Pipeline,
     },
 }
@@ -198,6 +199,7 @@ impl<'a> Renderer<'a> {
                 medium: staged.medium.as_ref().map(pipeline).transpose()?,
                 dispatch: staged.dispatch.as_ref().map(pipeline).transpose()?,
                 scatter: staged.scatter.iter().map(pipeline).collect::<Result<_>>()?,
+                shadow: staged.shadow.as_ref().map(pipeline).transpose()?,
                 refill: pipeline(&staged.refill)?,
             },
         };
@@ -373,7 +375,7 @@ impl<'a> Renderer<'a> {
         }
         match &self.bounce {
             BouncePipelines::Fused(bounce) => stages.push(Stage::all(bounce, groups)),
-            BouncePipelines::Staged { intersect, medium, dispatch, scatter, refill } => {
+            BouncePipelines::Staged { intersect, medium, dispatch, scatter, shadow, refill } => {
                 for _ in 0..bounces {
                     stages.push(Stage::all(intersect, groups));
                     stages.extend(medium.iter().map(|medium| Stage::all(medium, groups)));
@@ -384,6 +386,7 @@ impl<'a> Renderer<'a> {
                             stages.extend((0..).zip(scatter).map(|(queue, kernel)| Stage::queue(kernel, queue)));
                         }
                     }
+                    stages.extend(shadow.iter().map(|shadow| Stage::all(shadow, groups)));
                     stages.push(Stage::all(refill, groups));
                 }
             }

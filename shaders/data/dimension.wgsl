@@ -7,7 +7,9 @@ const DIMENSION_BLOCKS_PER_EVENT: u32 = 4u;
 
 // The blocks of one scattering event, in this order: direction, light, medium, roulette.
 const DIMENSION_SCATTER: u32 = 0u;
+const DIMENSION_LIGHT: u32 = 1u;
 const DIMENSION_MEDIUM: u32 = 2u;
+const DIMENSION_ROULETTE: u32 = 3u;
 
 fn event_dimension(event: u32, block: u32) -> u32 {
     return DIMENSION_FIRST_EVENT + event * DIMENSION_BLOCKS_PER_EVENT + block;

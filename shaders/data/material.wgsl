@@ -12,6 +12,8 @@ struct Material {
     texture: u32,
 }
 
+// Lambertian surfaces have no parameter: they always scatter to all sides.
+const LAMBERTIAN: u32 = 0u;
 const NO_TEXTURE: u32 = 0xffffffffu;
 
 // A ray arriving at a surface, as the materials see it.
@@ -36,6 +38,13 @@ struct Scatter {
     event: u32,
     direction: vec3<f32>,
     weight: vec3<f32>,
+}
+
+// How a surface answers to light from a direction: BSDF times cosine, and the density by which its material would have drawn
+// the direction.
+struct Response {
+    value: vec3<f32>,
+    pdf: f32,
 }
 
 fn absorbed() -> Scatter {

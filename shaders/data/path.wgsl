@@ -16,6 +16,17 @@ struct Path {
     sample: u32,
     // As in RunRecord.
     counts: u32,
+    //@ each light
+    // Radiance of the sample so far, by sampled lights.
+    radiance: vec3<f32>,
+    // Density of the last scattering's direction; 0 where no other direction was possible, and for the camera's rays.
+    pdf: f32,
+    // A ray on its way to a light, the light or NO_LIGHT, and what it brings per radiance if nothing is in its way.
+    shadow: Ray,
+    light: u32,
+    light_instance: u32,
+    light_weight: vec3<f32>,
+    //@ end
     // Radiance of the run's samples so far, and their rays.
     sum: vec3<f32>,
     rays: u32,

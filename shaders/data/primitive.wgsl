@@ -52,7 +52,8 @@ struct Sphere {
     order: u32,
     material: u32,
     frame: u32,
-    padding: u32,
+    // Its place among the lights, if it is one.
+    light: u32,
 }
 
 // A parallelogram corner + a u + b v, 0 <= a, b <= 1; a = (p - corner) . a_axis, and b likewise.
@@ -67,9 +68,10 @@ struct Quad {
     // Bound of the error of a point on the quad, in render space.
     error: f32,
     u: vec3<f32>,
-    padding0: u32,
+    // Its place among the lights, if it is one.
+    light: u32,
     v: vec3<f32>,
-    padding1: u32,
+    padding: u32,
 }
 
 // A cuboid about `center` with half its edges along the unit vectors x_axis, y_axis and x_axis × y_axis.
@@ -81,8 +83,8 @@ struct Cuboid {
     x_axis: vec3<f32>,
     frame: u32,
     y_axis: vec3<f32>,
-    // Bound of the error of a point on the cuboid, in render space.
-    error: f32,
+    // Its place among the lights, if it is one.
+    light: u32,
 }
 
 // A mesh placed in render space: turned, scaled and moved there from its own space, in which its box stands about the
@@ -97,7 +99,8 @@ struct Instance {
     place: vec3<f32>,
     frame: u32,
     scale: f32,
-    inverse_scale: f32,
+    // From a face's index to its place among the lights, if it is one.
+    to_light: u32,
     // Code of the mesh's root (data/primitive).
     root: u32,
     // From a vertex to its texture coordinates in `meshes`, or NO_UVS.

@@ -2,6 +2,7 @@
 //@ use data/primitive
 //@ use data/hit
 //@ use geometry/slab
+//@ use lib/float
 
 fn to_cuboid(cuboid: Cuboid, v: vec3<f32>) -> vec3<f32> {
     let z_axis = cross(cuboid.x_axis, cuboid.y_axis);
@@ -29,6 +30,14 @@ fn cuboid_distance(ray: Ray, cuboid: Cuboid) -> f32 {
     return select(t.y, t.x, t.x > 0.0);
 }
 
+// Bound of the error of a point on the cuboid, in render space: eight roundings of the largest coordinate of what it is
+// a sum of.
+fn cuboid_error(cuboid: Cuboid) -> f32 {
+    let c = abs(cuboid.center);
+    let h = cuboid.half_extent;
+    return 8.0 * UNIT_ROUNDOFF * (max(max(c.x, c.y), c.z) + (h.x + h.y + h.z));
+}
+
 // The face is the one whose crossing is t, found again by the same arithmetic; the point is put back onto it.
 fn cuboid_surface(ray: Ray, t: f32, cuboid: Cuboid) -> Surface {
     let s = cuboid_slab(ray, cuboid);
@@ -46,7 +55,7 @@ fn cuboid_surface(ray: Ray, t: f32, cuboid: Cuboid) -> Surface {
     var surface: Surface;
     surface.point = cuboid.center + (local.x * cuboid.x_axis + local.y * cuboid.y_axis + local.z * z_axis);
     surface.normal = outward.x * cuboid.x_axis + outward.y * cuboid.y_axis + outward.z * z_axis;
-    surface.error = cuboid.error;
+    surface.error = cuboid_error(cuboid);
     surface.material = cuboid.material;
     surface.frame = cuboid.frame;
     // From 0 at the low corner to 1, exactly so on the face.

@@ -19,9 +19,10 @@ fn from_mesh(instance: Instance, point: vec3<f32>) -> vec3<f32> {
 
 // The ray in the mesh's space. Its direction is not made a unit vector again, so that t means the same in both spaces.
 fn to_mesh(instance: Instance, ray: Ray) -> Ray {
+    let inverse_scale = 1.0 / instance.scale;
     return Ray(
-        instance.inverse_scale * turned_to_mesh(instance, ray.origin - instance.place),
-        instance.inverse_scale * turned_to_mesh(instance, ray.direction),
+        inverse_scale * turned_to_mesh(instance, ray.origin - instance.place),
+        inverse_scale * turned_to_mesh(instance, ray.direction),
     );
 }
 

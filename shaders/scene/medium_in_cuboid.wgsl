@@ -8,3 +8,11 @@ fn collision_in_cuboid(ray: Ray, index: u32, way: f32, limit: f32, steps: ptr<fu
     let t = inside.x + way;
     return select(NO_HIT, t, t < min(inside.y, limit));
 }
+
+//@ each light
+// The length of the way inside up to distance t.
+fn way_in_cuboid(ray: Ray, index: u32, t: f32, steps: ptr<function, u32>) -> f32 {
+    let inside = cuboid_interval(ray, cuboids[index]);
+    return max(min(inside.y, t) - inside.x, 0.0);
+}
+//@ end

@@ -89,3 +89,22 @@ fn collision_in_mesh(ray: Ray, index: u32, way: f32, limit: f32, steps: ptr<func
     }
     return NO_HIT;
 }
+
+//@ each light
+// The length of the way inside up to distance t, or WALK_CUT.
+fn way_in_mesh(ray: Ray, index: u32, t: f32, steps: ptr<function, u32>) -> f32 {
+    let instance = instances[index];
+    let here = to_mesh(instance, ray);
+    var way = 0.0;
+    var last = Crossing(0.0, 0xffffffffu, 0);
+    while last.t < t {
+        let next = next_crossing(here, instance.root, last, steps);
+        if *steps >= MOST_STEPS_OF_CROSSINGS {
+            return WALK_CUT;
+        }
+        way += select(0.0, min(next.t, t) - last.t, next.winding != 0);
+        last = next;
+    }
+    return way;
+}
+//@ end

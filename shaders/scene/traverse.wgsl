@@ -16,12 +16,12 @@ const STACK_SIZE: u32 = ${stack_size}u;
 
 // Mesa 22.3 ends all loops of an invocation after 65,535 iterations without a word; this many leave room for the others
 // (stage/bounce). A walk this long has met tens of thousands of objects in one place; its path is dropped and counted.
-const MOST_STEPS_OF_WALK: u32 = 48000u;
+const MOST_STEPS_OF_WALK: u32 = ${most_steps}u;
 
-// Nearest hit with t > 0. There is no least distance: rays start off the surfaces that they leave. Of two hits at one
+// Nearest hit with t > 0 and before `limit`; or, where any will do, the first one found. There is no least distance: rays start off the surfaces that they leave. Of two hits at one
 // distance the primitive that comes first in the scene wins, so that the order of the walk cannot show.
-fn nearest_hit(ray: Ray, root: u32) -> Hit {
-    var hit = Hit(HIT_NOTHING, NO_INSTANCE, VERY_FAR, 0u);
+fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
+    var hit = limit;
     if root == HIT_NOTHING {
         return hit;
     }
@@ -61,6 +61,9 @@ fn nearest_hit(ray: Ray, root: u32) -> Hit {
                     hit.code = code;
                     hit.instance = instance;
                     hit.t = t;
+                    if any_will_do {
+                        break;
+                    }
                 }
             }
         } else {
@@ -91,4 +94,8 @@ fn nearest_hit(ray: Ray, root: u32) -> Hit {
         code = nodes[next / 4u].children[next % 4u];
     }
     return hit;
+}
+
+fn nearest_hit(ray: Ray, root: u32) -> Hit {
+    return first_hit(ray, root, Hit(HIT_NOTHING, NO_INSTANCE, VERY_FAR, 0u), false);
 }

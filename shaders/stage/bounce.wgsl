@@ -28,6 +28,11 @@ fn bounce(@builtin(global_invocation_id) id: vec3<u32>) {
         if path.status < FIRST_STATUS {
             scatter_path(&path);
         }
+        //@ each light
+        if path.light != NO_LIGHT {
+            iterations += trace_shadow(&path);
+        }
+        //@ end
         if has_ended(path.status) {
             refill_path(&path);
             if path.status == SLOT_IDLE {

@@ -7,6 +7,11 @@
 //@ use medium/phase
 //@ use scene/media
 //@ use choice/medium_albedo
+//@ use choice/roulette
+//@ each light
+//@ use medium/phase_pdf
+//@ use step/light
+//@ end
 // Lets the media on the path's way to what its ray met scatter it before it gets there.
 
 const MEDIA: u32 = ${media}u;
@@ -47,10 +52,21 @@ fn cross_media(path: ptr<function, Path>) -> u32 {
     if events < settings.max_depth && any(throughput != vec3<f32>(0.0)) {
         let u = random4((*path).pixel, (*path).sample, event_dimension(events, DIMENSION_SCATTER), settings.seed);
         let direction = sample_phase(ray.direction, medium.anisotropy, medium.one_minus_anisotropy, u.xy);
+        //@ each light
+        let aim = aim_at_light(path, point);
+        let g = medium.anisotropy;
+        let share = phase_pdf(ray.direction, aim.direction, g, medium.one_minus_anisotropy);
+        let albedo = medium_albedo(medium, point);
+        send_shadow_ray(path, aim, point, albedo * share, share);
+        (*path).pdf = phase_pdf(ray.direction, direction, g, medium.one_minus_anisotropy);
+        //@ end
         (*path).ray = Ray(point, direction);
         (*path).status = RAY_READY;
-        (*path).throughput = throughput;
+        (*path).throughput = survivor(path, throughput);
         (*path).events = events + 1u;
+        if all((*path).throughput == vec3<f32>(0.0)) {
+            (*path).status = PATH_ENDED;
+        }
     } else {
         (*path).status = PATH_ENDED;
         (*path).throughput = vec3<f32>(0.0);

@@ -4,6 +4,9 @@
 //@ use choice/background
 //@ use lib/float
 //@ use step/start
+//@ each emitting_sky
+//@ use step/light
+//@ end
 // Whether the path has left the scene, ended on a surface, or cannot go on.
 fn has_ended(status: u32) -> bool {
     return status == HIT_NOTHING || status == PATH_ENDED || status == PATH_CUT;
@@ -13,8 +16,14 @@ fn has_ended(status: u32) -> bool {
 fn refill_path(path: ptr<function, Path>) {
     var radiance = (*path).throughput;
     if (*path).status == HIT_NOTHING {
+        //@ each emitting_sky
+        radiance *= share_of_met_light(path, HIT_NOTHING, NO_INSTANCE);
+        //@ end
         radiance *= background_radiance((*path).ray.direction);
     }
+    //@ each light
+    radiance += (*path).radiance;
+    //@ end
     // A sample that is not finite is dropped and counted by reason; the bits tell, since x != x may be assumed false.
     if (*path).status == PATH_CUT {
         (*path).counts += 0x1000000u;

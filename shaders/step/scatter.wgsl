@@ -7,7 +7,12 @@
 //@ use scene/materials
 //@ use scene/surfaces
 //@ use choice/colour
+//@ use choice/roulette
 //@ use choice/shading
+//@ each light
+//@ use scene/responses
+//@ use step/light
+//@ end
 // Lets the material of the surface that the path's ray met decide how the path goes on.
 fn scatter_path(path: ptr<function, Path>) {
     let ray = (*path).ray;
@@ -24,7 +29,23 @@ fn scatter_path(path: ptr<function, Path>) {
     let events = (*path).events;
     let u = random4((*path).pixel, (*path).sample, event_dimension(events, DIMENSION_SCATTER), settings.seed);
     let scattered = scatter_by_material(material, hit, u);
-    let throughput = (*path).throughput * scattered.weight;
+    //@ each light
+    let samples_lights = events < settings.max_depth && responds(material);
+    if samples_lights {
+        let aim = aim_at_light(path, surface.point);
+        let response = response_of_material(material, hit, aim.direction);
+        let origin = leaving_point(code, instance, surface, facing, shading, aim.direction);
+        send_shadow_ray(path, aim, origin, response.value, response.pdf);
+    }
+    if scattered.event == EMITTED {
+        (*path).throughput *= share_of_met_light(path, code, instance);
+    }
+    (*path).pdf = select(0.0, response_of_material(material, hit, scattered.direction).pdf, samples_lights);
+    //@ end
+    var throughput = (*path).throughput * scattered.weight;
+    if scattered.event == SCATTERED {
+        throughput = survivor(path, throughput);
+    }
     let goes_on = scattered.event == SCATTERED && events < settings.max_depth && any(throughput != vec3<f32>(0.0));
     if goes_on {
         let leaving = leaving_point(code, instance, surface, facing, shading, scattered.direction);

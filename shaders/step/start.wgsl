@@ -5,6 +5,9 @@
 //@ use bind/window
 //@ use bind/counters
 //@ use choice/camera
+//@ each light
+//@ use data/light
+//@ end
 //@ use lib/rng
 // Starting a sample, and a run.
 
@@ -29,6 +32,11 @@ fn start_sample(path: ptr<function, Path>) {
     (*path).status = RAY_READY;
     (*path).throughput = vec3<f32>(1.0);
     (*path).events = 0u;
+    //@ each light
+    (*path).radiance = vec3<f32>(0.0);
+    (*path).pdf = 0.0;
+    (*path).light = NO_LIGHT;
+    //@ end
 }
 
 // Takes the window's next run, or leaves the slot idle where there is none.

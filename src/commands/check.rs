@@ -5,7 +5,7 @@ use serde_json::json;
 use super::{Target, flatten_for, path_text, planned, print_json, print_line};
 use crate::cli::CheckArgs;
 use crate::error::{Error, Result};
-use crate::flatten::Quality;
+use crate::flatten::Wish;
 use crate::gpu::buffers::too_large;
 use crate::render::TuningWish;
 use crate::scene::Scene;
@@ -39,7 +39,7 @@ pub fn run(args: &CheckArgs) -> Result<()> {
 
 fn examine(args: &CheckArgs) -> Result<(usize, Vec<String>)> {
     let scene = Scene::load(&args.scene)?;
-    let (size, flat) = flatten_for(&scene, None, Quality::default())?;
+    let (size, flat) = flatten_for(&scene, None, Wish { sample_lights: true, roulette: true, ..Wish::default() })?;
     let target = Target::find(None)?;
     let (plan, tuning) = planned(&scene, size, &flat, &target, TuningWish::default())?;
     let mut warnings = scene.warnings();

@@ -7,9 +7,9 @@ mod render;
 
 use std::path::Path;
 
-use crate::cli::{Cli, Command};
+use crate::cli::{BuildArg, Cli, Command, Integrator, LightArgs, Switch};
 use crate::error::{Error, Result};
-use crate::flatten::{Flat, Quality, flatten_with};
+use crate::flatten::{Flat, Wish, flatten_with};
 use crate::gpu::device::{AdapterName, Adapters, DeviceClass};
 use crate::plan::{Plan, Tables, Tuning};
 use crate::render::{Goal, Job, TuningWish, tuning};
@@ -26,9 +26,15 @@ pub fn run(cli: &Cli, start: std::time::Instant) -> Result<()> {
 }
 
 /// The size of the image asked for, and the scene flattened for it.
-fn flatten_for(scene: &Scene, size: Option<(u32, u32)>, quality: Quality) -> Result<((u32, u32), Flat)> {
+fn flatten_for(scene: &Scene, size: Option<(u32, u32)>, wish: Wish) -> Result<((u32, u32), Flat)> {
     let size = size.unwrap_or((scene.image.width, scene.image.height));
-    Ok((size, flatten_with(scene, size, quality)?))
+    Ok((size, flatten_with(scene, size, wish)?))
+}
+
+/// What the command line asks of flattening.
+fn wish_of(build: BuildArg, light: &LightArgs) -> Wish {
+    let sample_lights = light.integrator == Integrator::Mis;
+    Wish { quality: build.into(), sample_lights, roulette: light.roulette == Switch::On }
 }
 
 /// The device that a scene is planned for: the one that would render it, or none.

@@ -4,9 +4,8 @@ use std::path::Path;
 
 use serde_json::json;
 
-use super::{Target, flatten_for, path_text, planned, print_json, print_line};
+use super::{Target, flatten_for, path_text, planned, print_json, print_line, wish_of};
 use crate::cli::PlanArgs;
-use crate::data::PATH_PLANES;
 use crate::error::{Error, Result};
 use crate::output::atomic;
 use crate::plan::{Bounce, Plan, Scatter, Tuning};
@@ -16,7 +15,7 @@ use crate::scene::Scene;
 /// Prints the kernels and buffers, and why each is there.
 pub fn run(args: &PlanArgs) -> Result<()> {
     let scene = Scene::load(&args.scene)?;
-    let (size, flat) = flatten_for(&scene, args.size, args.build.into())?;
+    let (size, flat) = flatten_for(&scene, args.size, wish_of(args.build, &args.light))?;
     let target = Target::find(args.device.as_deref())?;
     let wish = TuningWish { scatter: args.scatter.map(Into::into), ..TuningWish::default() };
     let (plan, tuning) = planned(&scene, size, &flat, &target, wish)?;
@@ -48,7 +47,7 @@ pub fn run(args: &PlanArgs) -> Result<()> {
             "scene": path_text(&args.scene),
             "device": device,
             "slots": tuning.slots,
-            "path_bytes_per_slot": PATH_PLANES * 16,
+            "path_bytes_per_slot": plan.path_planes * 16,
             "scatter": scatter_words(&plan, &tuning),
             "kernels": kernels,
             "buffers": buffers,
@@ -67,7 +66,7 @@ pub fn run(args: &PlanArgs) -> Result<()> {
         ));
     }
     print_line(&format!("scatter: {}", scatter_words(&plan, &tuning)));
-    print_line(&format!("path state: {} bytes a slot, {} slots", PATH_PLANES * 16, tuning.slots));
+    print_line(&format!("path state: {} bytes a slot, {} slots", plan.path_planes * 16, tuning.slots));
     print_line("buffers");
     for buffer in &buffers {
         print_line(&format!("  {:<12} {:>12} bytes  {}", buffer.name, buffer.allocated(), buffer.why));

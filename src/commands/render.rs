@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::json;
 
-use super::{flatten_for, path_text, print_json, tell};
+use super::{flatten_for, path_text, print_json, tell, wish_of};
 use crate::cli::{MOST_SAMPLES, RenderArgs};
 use crate::error::{Error, Result};
 use crate::film::{Film, Picture, Totals};
@@ -52,7 +52,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     let output = output_of(args)?;
     seconds.load = clock.lap();
 
-    let (size, flat) = flatten_for(&scene, args.size, args.tuning.build.into())?;
+    let (size, flat) = flatten_for(&scene, args.size, wish_of(args.tuning.build, &args.light))?;
     seconds.build = clock.lap();
 
     let adapters = Adapters::find();
@@ -320,7 +320,7 @@ impl About<'_> {
             text("scene", path_text(self.scene_file)),
             text("device", self.device.name.name.clone()),
             text("driver", self.device.name.driver.clone()),
-            text("integrator", "bsdf".to_string()),
+            text("integrator", self.args.light.integrator.name().to_string()),
             text("sampler", "independent".to_string()),
             int("seed", u64::from(self.job.seed)),
             int("max_depth", u64::from(self.job.max_depth)),
@@ -373,7 +373,7 @@ fn report(
         "first_sample": outcome.samples.start,
         "max_depth": about.job.max_depth,
         "seed": about.job.seed,
-        "integrator": "bsdf",
+        "integrator": about.args.light.integrator.name(),
         "sampler": "independent",
         "device": about.device.name.name,
         "driver": about.device.name.driver,

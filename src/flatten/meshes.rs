@@ -18,6 +18,8 @@ use crate::scene::Mesh;
 pub struct Laid {
     /// The code of its root.
     root: u32,
+    /// The index of its first face.
+    pub first_face: u32,
     to_uvs: u32,
     /// Codes that wait at most in a walk through its hierarchy.
     pub stack_size: u32,
@@ -58,7 +60,7 @@ impl Builder<'_> {
             place: f32s(place),
             frame,
             scale: scale as f32,
-            inverse_scale: (1.0 / scale) as f32,
+            to_light: 0,
             root: laid.root,
             to_uvs: laid.to_uvs,
         });
@@ -109,7 +111,7 @@ impl Builder<'_> {
         let bvh = bvh::build(&bounds, &codes, self.quality);
         let root = self.flat.add_nodes(bvh.root, bvh.nodes);
         let to_uvs = if mesh.uvs.is_empty() { NO_UVS } else { vertices };
-        Laid { root, to_uvs, stack_size: bvh.stack_size }
+        Laid { root, first_face, to_uvs, stack_size: bvh.stack_size }
     }
 }
 

@@ -4,6 +4,7 @@
 //! the same to the kernels however large it is and wherever it stands. Emission is scaled by a power of two likewise.
 
 mod frames;
+mod lights;
 mod media;
 mod meshes;
 mod place;
@@ -48,6 +49,14 @@ pub struct Features {
     pub boundaries: [Option<String>; BOUNDARIES.len()],
     /// Whether the albedo of some medium is a texture.
     pub textured_media: bool,
+    /// Kinds of primitive that are sampled as lights, by the numbers of `PRIMITIVES`.
+    pub emitters: [Option<String>; PRIMITIVES.len()],
+    /// Whether the image of the background is.
+    pub emitting_sky: Option<String>,
+    /// How many lights there are.
+    pub lights: u32,
+    /// Whether paths of small throughput are ended at random.
+    pub roulette: bool,
     /// How many media there are.
     pub media: u32,
     /// A file of shaders/background.
@@ -74,6 +83,9 @@ pub struct Flat {
     /// Faces, vertices and texture coordinates of all meshes, as shaders/bind/meshes says.
     pub meshes: Vec<[u32; 4]>,
     pub media: Vec<data::Medium>,
+    pub lights: Vec<data::Light>,
+    /// The image of the background as a distribution of directions, as shaders/bind/sky says.
+    pub sky: Vec<[u32; 4]>,
     pub materials: Vec<data::Material>,
     pub textures: Vec<data::Texture>,
     pub frames: Vec<data::Frame>,
@@ -85,18 +97,29 @@ pub struct Flat {
 }
 
 /// The most media: crossing them takes an iteration each of what an invocation is allowed (shaders/stage/bounce).
-const MOST_MEDIA: usize = 4096;
+const MOST_MEDIA: usize = 1024;
+
+/// What is asked of flattening beside the scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Wish {
+    /// Of the hierarchies; changes no image.
+    pub quality: Quality,
+    /// Whether rays are sent to lights (`--integrator mis`), where the scene has any that can be sampled.
+    pub sample_lights: bool,
+    /// Whether paths of small throughput are ended at random (`--roulette on`).
+    pub roulette: bool,
+}
 
 /// Flattens a scene for an image of `size` pixels.
 ///
 /// # Errors
 /// `Error::Scene` where there are more primitives than a code can name, or more media than a ray can cross.
 pub fn flatten(scene: &Scene, size: (u32, u32)) -> Result<Flat> {
-    flatten_with(scene, size, Quality::default())
+    flatten_with(scene, size, Wish::default())
 }
 
-/// The same, with a wish for the hierarchies.
-pub fn flatten_with(scene: &Scene, size: (u32, u32), quality: Quality) -> Result<Flat> {
+/// The same, as one wishes it.
+pub fn flatten_with(scene: &Scene, size: (u32, u32), wish: Wish) -> Result<Flat> {
     let mut features = Features::default();
     let mut finder = Finder::new(scene);
     for (i, object) in scene.objects.iter().enumerate() {
@@ -132,10 +155,14 @@ pub fn flatten_with(scene: &Scene, size: (u32, u32), quality: Quality) -> Result
     flat.add_background(scene, radiance_scale);
     flat.add_materials(scene, radiance_scale);
     let laid = vec![None; meshes.len()];
-    let mut builder = Builder { scene, meshes, boxes, space, quality, laid, mesh_frames: HashMap::new(), flat };
+    let mut builder = Builder { scene, meshes, boxes, space, quality: wish.quality, laid, mesh_frames: HashMap::new(), flat };
     builder.add_primitives(&finder.placed);
     builder.add_media(&finder.media);
+    if wish.sample_lights {
+        builder.add_lights(&finder.placed);
+    }
     let mut flat = builder.flat;
+    flat.features.roulette = wish.roulette;
     flat.features.thin_lens = camera.aperture > 0.0;
     Ok(flat)
 }

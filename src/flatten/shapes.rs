@@ -40,7 +40,7 @@ impl Builder<'_> {
                     order,
                     material,
                     frame,
-                    padding: 0,
+                    light: 0,
                 });
                 (self.flat.spheres.len() - 1, bounds)
             }
@@ -60,6 +60,7 @@ impl Builder<'_> {
                     material,
                     a_axis: f32s(a_axis),
                     frame,
+                    light: 0,
                     b_axis: f32s(b_axis),
                     error,
                     u: f32s(u),
@@ -85,7 +86,7 @@ impl Builder<'_> {
                     x_axis: f32s(axes.x_axis),
                     frame,
                     y_axis: f32s(axes.y_axis),
-                    error,
+                    light: 0,
                 });
                 (self.flat.cuboids.len() - 1, bounds)
             }

@@ -4,7 +4,7 @@
 //! with `//@`:
 //! - `//@ use lib/rng` joins that module once, before this one. `choice/x` is whatever module the plan chose for x.
 //! - `//@ each material` … `//@ end` repeats the lines between for every entry of that list. Within, `${name}` is the
-//!   entry's name, `${rank}` its place in the list, and `${case}` the selector of a switch: `case 2u`, or `default` for
+//!   entry's name, `${number}` its number, `${rank}` its place in the list, and `${case}` the selector of a switch: `case 2u`, or `default` for
 //!   an entry that closes it. A list of one entry or none makes its lines conditional.
 //! - `${value}` elsewhere is a value of the plan.
 //!
@@ -159,6 +159,7 @@ impl Linker<'_> {
                     for (number, line) in &body {
                         let line = line
                             .replace("${name}", &entry.name)
+                            .replace("${number}", &entry.number.to_string())
                             .replace("${rank}", &rank.to_string())
                             .replace("${case}", &case);
                         out.push((*number, line));

@@ -111,7 +111,7 @@ fn fault(cuboid: &Cuboid, origin: DVec3, direction: DVec3, t: f32) -> Option<Str
 /// Says what is wrong with a hit record.
 fn surface_fault(cuboid: &Cuboid, ray: &In, out: &Out) -> Option<String> {
     let exact_box = Exact::new(cuboid);
-    let error = f64::from(cuboid.error);
+    let error = error_of(cuboid);
     let at = exact_box.local(exact(out.point));
     let normal = exact_box.axes.transpose() * exact(out.normal);
     let axis = (0..3).max_by(|&a, &b| normal[a].abs().total_cmp(&normal[b].abs()))?;
@@ -171,6 +171,11 @@ fn faults(kernel: &Kernel, cuboids: &[Cuboid], rays: &[In]) -> (usize, Vec<Strin
         }
     }
     (hits, found)
+}
+
+/// The bound of the error of its points, as the shader has it.
+fn error_of(cuboid: &Cuboid) -> f64 {
+    8.0 * U * (exact(cuboid.center).abs().max_element() + exact(cuboid.half_extent).element_sum())
 }
 
 #[test]
@@ -269,9 +274,9 @@ fn leave(kernel: &Kernel) -> (usize, usize, usize) {
         } else {
             let at = Exact::new(cuboid);
             let chord =
-                at.span(exact(out.point), exact(out.leaving), f64::from(cuboid.error)).map_or(0.0, |span| span.1);
+                at.span(exact(out.point), exact(out.leaving), error_of(cuboid)).map_or(0.0, |span| span.1);
             // Shorter chords, at the edges, are within the errors of their ends.
-            if chord > 100.0 * f64::from(cuboid.error) / 0.05 {
+            if chord > 100.0 * error_of(cuboid) / 0.05 {
                 chords += usize::from(out.again == NO_HIT || (f64::from(out.again) / chord - 1.0).abs() > 0.1);
             }
         }
@@ -300,7 +305,6 @@ fn rays_along_the_axes_and_in_the_faces_are_decided() {
             half_extent: [0.1, 0.25, 0.7],
             x_axis: [1.0, 0.0, 0.0],
             y_axis: [0.0, 1.0, 0.0],
-            error: 1e-5,
             ..Cuboid::default()
         });
     }

@@ -1,0 +1,27 @@
+//@ use data/material
+//@ use lib/sampling
+// The density by which metal_scatter draws the direction: that of a point of the ball of radius fuzz about the tip of the
+// mirrored ray, integrated along the direction. With d the distances at which the direction's ray enters and leaves the
+// ball it is (d+^3 - d-^3) / (4 pi fuzz^3) (own derivation; docs/light-transport.md). In a form without cancellation for
+// small fuzz: with c the cosine to the mirrored ray and h = sqrt(fuzz^2 - s^2), d+^3 - d-^3 = 2 h (3 c^2 + h^2), and where
+// the origin lies in the ball, d- = 0. The value is the albedo times that; what falls below the surface is absorbed.
+fn metal_eval(material: Material, hit: Interaction, direction: vec3<f32>) -> Response {
+    let fuzz = material.parameter;
+    let mirrored = normalize(hit.incoming - 2.0 * dot(hit.incoming, hit.normal) * hit.normal);
+    let c = dot(mirrored, direction);
+    let across = direction - c * mirrored;
+    let h2 = fuzz * fuzz - dot(across, across);
+    if !(h2 > 0.0) || !(dot(direction, hit.normal) > 0.0) {
+        return Response(vec3<f32>(0.0), 0.0);
+    }
+    let h = sqrt(h2);
+    var cubes = 2.0 * h * (3.0 * c * c + h2);
+    if fuzz >= 1.0 && h > c {
+        let far = max(c + h, 0.0);
+        cubes = far * far * far;
+    } else if c < 0.0 {
+        return Response(vec3<f32>(0.0), 0.0);
+    }
+    let pdf = cubes / (4.0 * PI * fuzz * fuzz * fuzz);
+    return Response(hit.colour * pdf, pdf);
+}

@@ -1,0 +1,82 @@
+//@ use data/ray
+//@ use data/hit
+//@ use data/primitive
+//@ use bind/lights
+//@ use light/sample
+//@ use light/alias
+//@ each emitter
+//@ use light/${name}
+//@ use bind/${name}s
+//@ end
+//@ each emitting_mesh
+//@ use light/triangle
+//@ use scene/meshes
+//@ end
+//@ each emitting_sky
+//@ use scene/sky_light
+//@ end
+// The scene's lights, of just the kinds that it has.
+
+const LIGHTS: u32 = ${lights}u;
+
+// A light, chosen in proportion to its power.
+fn choose_light(u: f32) -> u32 {
+    let pick = alias_pick(u, LIGHTS);
+    let light = lights[pick.index];
+    return select(light.other, pick.index, pick.rest < light.threshold);
+}
+
+// A direction from a point to a light, with its density in solid angle.
+fn direction_to_light(light: Light, from_point: vec3<f32>, u: vec2<f32>) -> LightSample {
+    let index = primitive_index(light.code);
+    //@ each emitting_sky
+    if light.code == HIT_NOTHING {
+        return sky_light_sample(u);
+    }
+    //@ end
+    switch primitive_kind(light.code) {
+        //@ each emitter
+        case ${number}u: {
+            return ${name}_light_sample(from_point, ${name}s[index], u);
+        }
+        //@ end
+        //@ each emitting_mesh
+        case KIND_TRIANGLE: {
+            let corners = placed_corners(instances[light.instance], index);
+            return triangle_light_sample(from_point, corners.a, corners.b, corners.c, u);
+        }
+        //@ end
+        default: {
+            return LightSample(vec3<f32>(0.0), 0.0);
+        }
+    }
+}
+
+// The density by which the light that the direction meets is chosen and the direction drawn.
+fn light_density(code: u32, instance: u32, from_point: vec3<f32>, direction: vec3<f32>) -> f32 {
+    let index = primitive_index(code);
+    //@ each emitting_sky
+    if code == HIT_NOTHING {
+        return lights[LIGHTS - 1u].probability * sky_light_pdf(direction);
+    }
+    //@ end
+    switch primitive_kind(code) {
+        //@ each emitter
+        case ${number}u: {
+            let shape = ${name}s[index];
+            return lights[shape.light].probability * ${name}_light_pdf(from_point, direction, shape);
+        }
+        //@ end
+        //@ each emitting_mesh
+        case KIND_TRIANGLE: {
+            let placed = instances[instance];
+            let corners = placed_corners(placed, index);
+            let pdf = triangle_light_pdf(from_point, direction, corners.a, corners.b, corners.c);
+            return lights[placed.to_light + index].probability * pdf;
+        }
+        //@ end
+        default: {
+            return 0.0;
+        }
+    }
+}

@@ -1,0 +1,32 @@
+//@ use data/material
+//@ each responder
+//@ use material/${name}_eval
+//@ end
+// How materials answer to light from a given direction. Those that allow one direction alone do not.
+
+// Whether the material scatters into more directions than one.
+fn responds(material: Material) -> bool {
+    switch material.kind {
+        //@ each responder
+        case ${number}u: {
+            return material.parameter > 0.0 || ${number}u == LAMBERTIAN;
+        }
+        //@ end
+        default: {
+            return false;
+        }
+    }
+}
+
+fn response_of_material(material: Material, hit: Interaction, direction: vec3<f32>) -> Response {
+    switch material.kind {
+        //@ each responder
+        case ${number}u: {
+            return ${name}_eval(material, hit, direction);
+        }
+        //@ end
+        default: {
+            return Response(vec3<f32>(0.0), 0.0);
+        }
+    }
+}

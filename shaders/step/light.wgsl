@@ -1,0 +1,112 @@
+//@ use data/path
+//@ use data/dimension
+//@ use data/light
+//@ use bind/settings
+//@ use bind/materials
+//@ use lib/rng
+//@ use lib/float
+//@ use choice/walk
+//@ use choice/colour
+//@ use choice/transmittance
+//@ use scene/lights
+//@ use scene/surfaces
+//@ each emitting_sky
+//@ use choice/background
+//@ end
+// Light by sampling: at each event a ray towards a light, beside the one that goes on. Both ways can meet a light, and share it
+// by their densities (power_share), so that what either is bad at the other brings.
+
+// A light and a direction to it, for an event at a point.
+struct Aim {
+    light: u32,
+    direction: vec3<f32>,
+    // Of the light and the direction together; 0 where there is nothing to aim at.
+    pdf: f32,
+}
+
+fn aim_at_light(path: ptr<function, Path>, from_point: vec3<f32>) -> Aim {
+    let u = random4((*path).pixel, (*path).sample, event_dimension((*path).events, DIMENSION_LIGHT), settings.seed);
+    let index = choose_light(u.x);
+    let light = lights[index];
+    let sample = direction_to_light(light, from_point, u.yz);
+    return Aim(index, sample.direction, light.probability * sample.pdf);
+}
+
+// Sends a ray to the light, with what the event makes of its radiance.
+fn send_shadow_ray(path: ptr<function, Path>, aim: Aim, origin: vec3<f32>, response: vec3<f32>, pdf: f32) {
+    let weight = (*path).throughput * response * (power_share(aim.pdf, pdf) / aim.pdf);
+    if aim.pdf > 0.0 && any(weight > vec3<f32>(0.0)) {
+        let light = lights[aim.light];
+        (*path).shadow = Ray(origin, aim.direction);
+        (*path).light = light.code;
+        (*path).light_instance = light.instance;
+        (*path).light_weight = weight;
+    }
+}
+
+// The share that a light has which the path met by scattering: all of it, if it could not have been sampled.
+fn share_of_met_light(path: ptr<function, Path>, code: u32, instance: u32) -> f32 {
+    let pdf = (*path).pdf;
+    if !(pdf > 0.0) {
+        return 1.0;
+    }
+    return power_share(pdf, light_density(code, instance, (*path).ray.origin, (*path).ray.direction));
+}
+
+// What a shadow ray may meet at most: the light that it is sent to.
+fn limit_of_shadow(path: ptr<function, Path>) -> Hit {
+    let code = (*path).light;
+    if code == HIT_NOTHING {
+        return Hit(HIT_NOTHING, NO_INSTANCE, VERY_FAR, 0u);
+    }
+    var ray = (*path).shadow;
+    //@ each emitting_mesh
+    if primitive_kind(code) == KIND_TRIANGLE {
+        ray = to_mesh(instances[(*path).light_instance], ray);
+    }
+    //@ end
+    return Hit(code, (*path).light_instance, primitive_distance(code, ray, slab_inverse(ray.direction)), 0u);
+}
+
+// Takes the light in, where its shadow ray meets nothing before it; the result is the number of steps that took.
+fn trace_shadow(path: ptr<function, Path>) -> u32 {
+    let limit = limit_of_shadow(path);
+    let code = (*path).light;
+    (*path).light = NO_LIGHT;
+    (*path).rays += 1u;
+    // At its very limb a light can be missed by a ray aimed at it.
+    if !(limit.t > 0.0) {
+        return 1u;
+    }
+    let hit = first_hit((*path).shadow, settings.root, limit, true);
+    if hit.code != code || hit.instance != (*path).light_instance {
+        if hit.code == PATH_CUT {
+            (*path).status = PATH_CUT;
+        }
+        return hit.steps;
+    }
+    var steps = 0u;
+    let through = transmittance((*path).shadow, hit.t, &steps);
+    if through < 0.0 {
+        (*path).status = PATH_CUT;
+    } else {
+        (*path).radiance += (*path).light_weight * (through * emitted_along((*path).shadow, hit));
+    }
+    return hit.steps + steps;
+}
+
+// The radiance that a light sends back along a ray that meets it.
+fn emitted_along(ray: Ray, hit: Hit) -> vec3<f32> {
+    //@ each emitting_sky
+    if hit.code == HIT_NOTHING {
+        return background_radiance(ray.direction);
+    }
+    //@ end
+    let surface = surface_at(hit.code, hit.instance, ray, hit.t);
+    let material = materials[surface.material];
+    let front = dot(ray.direction, surface.normal) < 0.0;
+    if !front && material.parameter == 0.0 {
+        return vec3<f32>(0.0);
+    }
+    return surface_colour(material, hit.code, hit.instance, surface);
+}
