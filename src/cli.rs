@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use crate::data::Sampler;
 use crate::flatten::Quality;
 use crate::plan::Scatter;
 
@@ -70,9 +71,9 @@ pub struct RenderArgs {
     /// How light is found: `bsdf` follows the scattered rays until they meet it.
     #[arg(long, value_enum, default_value_t = Integrator::Bsdf)]
     pub integrator: Integrator,
-    /// How samples are placed: `independent` draws each by itself.
-    #[arg(long, value_enum, default_value_t = Sampler::Independent)]
-    pub sampler: Sampler,
+    /// How samples are placed: `sobol` spreads those of a pixel evenly, `independent` draws each by itself.
+    #[arg(long, value_enum, default_value_t = SamplerArg::Sobol)]
+    pub sampler: SamplerArg,
     /// Fail when a sample was rejected because it was not finite.
     #[arg(long)]
     pub strict: bool,
@@ -131,6 +132,9 @@ pub struct PlanArgs {
     /// How long the hierarchies over meshes and objects may take to build.
     #[arg(long, value_enum, default_value_t = BuildArg::Medium)]
     pub build: BuildArg,
+    /// How samples are placed.
+    #[arg(long, value_enum, default_value_t = SamplerArg::Sobol)]
+    pub sampler: SamplerArg,
     /// Print one JSON object on stdout.
     #[arg(long)]
     pub json: bool,
@@ -158,8 +162,18 @@ pub enum Integrator {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Sampler {
+pub enum SamplerArg {
+    Sobol,
     Independent,
+}
+
+impl From<SamplerArg> for Sampler {
+    fn from(arg: SamplerArg) -> Sampler {
+        match arg {
+            SamplerArg::Sobol => Sampler::Sobol,
+            SamplerArg::Independent => Sampler::Independent,
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

@@ -29,6 +29,25 @@ pub const PATH_PLANES: u32 = 5;
 /// Words before the first queue.
 pub const QUEUE_HEADER: u32 = 8;
 
+/// How the samples of a pixel are placed: a file of shaders/sampler.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Sampler {
+    /// Each by itself.
+    #[default]
+    Independent,
+    /// Owen-scrambled Sobol points, in two halves: even and odd runs.
+    Sobol,
+}
+
+impl Sampler {
+    pub fn name(self) -> &'static str {
+        match self {
+            Sampler::Independent => "independent",
+            Sampler::Sobol => "sobol",
+        }
+    }
+}
+
 /// Declares a struct for the device, with its fields' names kept for the layout test.
 macro_rules! device_struct {
     ($(#[$meta:meta])* $name:ident { $($field:ident: $ty:ty,)* }) => {

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use crate::data::{self, PATH_PLANES, QUEUE_HEADER, RUN_LENGTH};
+use crate::data::{self, PATH_PLANES, QUEUE_HEADER, RUN_LENGTH, Sampler};
 use crate::error::Result;
 use crate::film::RunRecord;
 use crate::flatten::{BOUNDARIES, Features, Flat, MATERIALS, PRIMITIVES, TEXTURES};
@@ -280,6 +280,7 @@ fn choices(features: &Features, materials: &[Entry], queues: bool, tables: &Tabl
             ("media", pick(media, "step/media", "step/no_media")),
             ("medium_albedo", pick(features.textured_media, "scene/textured_medium", "scene/plain_medium")),
             ("walk", pick(materials.is_empty(), "scene/nothing", "scene/traverse")),
+            ("sampler", pick(features.sampler == Sampler::Sobol, "sampler/sobol", "sampler/independent")),
             ("sort", pick(queues, "slots/sort_by_material", "slots/no_sort")),
             ("turn", pick(queues, "slots/queue_turn", "slots/every_turn")),
         ]),

@@ -27,6 +27,7 @@ fn modules() -> Vec<naga::Module> {
         stack_size: 8,
         boundary_stack_size: 8,
         smooth: Some("a test".to_string()),
+        sampler: data::Sampler::Sobol,
     };
     let features = Features {
         primitives: features.primitives.map(on),

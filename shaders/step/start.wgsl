@@ -5,7 +5,7 @@
 //@ use bind/window
 //@ use bind/counters
 //@ use choice/camera
-//@ use lib/rng
+//@ use choice/sampler
 // Starting a sample, and a run.
 
 // Pixels are handed out in strips of eight rows, each walked column by column, so that neighbouring slots start on

@@ -4,6 +4,7 @@ use serde_json::json;
 
 use super::{Target, flatten_for, path_text, planned, print_json, print_line};
 use crate::cli::CheckArgs;
+use crate::data::Sampler;
 use crate::error::{Error, Result};
 use crate::flatten::Quality;
 use crate::gpu::buffers::too_large;
@@ -39,7 +40,7 @@ pub fn run(args: &CheckArgs) -> Result<()> {
 
 fn examine(args: &CheckArgs) -> Result<(usize, Vec<String>)> {
     let scene = Scene::load(&args.scene)?;
-    let (size, flat) = flatten_for(&scene, None, Quality::default())?;
+    let (size, flat) = flatten_for(&scene, None, Quality::default(), Sampler::default())?;
     let target = Target::find(None)?;
     let (plan, tuning) = planned(&scene, size, &flat, &target, TuningWish::default())?;
     let mut warnings = scene.warnings();

@@ -8,6 +8,7 @@ mod render;
 use std::path::Path;
 
 use crate::cli::{Cli, Command};
+use crate::data::Sampler;
 use crate::error::{Error, Result};
 use crate::flatten::{Flat, Quality, flatten_with};
 use crate::gpu::device::{AdapterName, Adapters, DeviceClass};
@@ -26,9 +27,16 @@ pub fn run(cli: &Cli, start: std::time::Instant) -> Result<()> {
 }
 
 /// The size of the image asked for, and the scene flattened for it.
-fn flatten_for(scene: &Scene, size: Option<(u32, u32)>, quality: Quality) -> Result<((u32, u32), Flat)> {
+fn flatten_for(
+    scene: &Scene,
+    size: Option<(u32, u32)>,
+    quality: Quality,
+    sampler: Sampler,
+) -> Result<((u32, u32), Flat)> {
     let size = size.unwrap_or((scene.image.width, scene.image.height));
-    Ok((size, flatten_with(scene, size, quality)?))
+    let mut flat = flatten_with(scene, size, quality)?;
+    flat.features.sampler = sampler;
+    Ok((size, flat))
 }
 
 /// The device that a scene is planned for: the one that would render it, or none.

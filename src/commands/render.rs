@@ -10,6 +10,7 @@ use serde_json::json;
 
 use super::{flatten_for, path_text, print_json, tell};
 use crate::cli::{MOST_SAMPLES, RenderArgs};
+use crate::data::Sampler;
 use crate::error::{Error, Result};
 use crate::film::{Film, Picture, Totals};
 use crate::gpu::device::{Adapters, Device};
@@ -52,7 +53,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     let output = output_of(args)?;
     seconds.load = clock.lap();
 
-    let (size, flat) = flatten_for(&scene, args.size, args.tuning.build.into())?;
+    let (size, flat) = flatten_for(&scene, args.size, args.tuning.build.into(), args.sampler.into())?;
     seconds.build = clock.lap();
 
     let adapters = Adapters::find();
@@ -321,7 +322,7 @@ impl About<'_> {
             text("device", self.device.name.name.clone()),
             text("driver", self.device.name.driver.clone()),
             text("integrator", "bsdf".to_string()),
-            text("sampler", "independent".to_string()),
+            text("sampler", Sampler::from(self.args.sampler).name().to_string()),
             int("seed", u64::from(self.job.seed)),
             int("max_depth", u64::from(self.job.max_depth)),
             int("first_sample", u64::from(finish.samples.start)),
@@ -374,7 +375,7 @@ fn report(
         "max_depth": about.job.max_depth,
         "seed": about.job.seed,
         "integrator": "bsdf",
-        "sampler": "independent",
+        "sampler": Sampler::from(about.args.sampler).name(),
         "device": about.device.name.name,
         "driver": about.device.name.driver,
         "software": about.device.name.software,

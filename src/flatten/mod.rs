@@ -58,6 +58,8 @@ pub struct Features {
     pub stack_size: u32,
     /// The same of a walk through a mesh that bounds a medium.
     pub boundary_stack_size: u32,
+    /// The render's wish and not the scene's: flattening leaves it at its default.
+    pub sampler: data::Sampler,
 }
 
 /// A scene as the kernels see it.
