@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use crate::data::Sampler;
 use crate::flatten::Quality;
 use crate::plan::Scatter;
 
@@ -49,6 +50,10 @@ pub struct RenderArgs {
     /// no more than --spp where that is given.
     #[arg(long, value_name = "TIME", value_parser = duration)]
     pub time: Option<Duration>,
+    /// Render until the relative error that is told at the end is below this with 95 % confidence, such as 0.01 for 1 %: 16, 32, 64 …
+    /// samples, no more than --spp and --time where these are given.
+    #[arg(long, value_name = "E", value_parser = relative_error, conflicts_with = "samples")]
+    pub noise: Option<f64>,
     /// Image size in pixels [default: the scene's].
     #[arg(long, value_name = "WxH", value_parser = image_size)]
     pub size: Option<(u32, u32)>,
@@ -69,9 +74,6 @@ pub struct RenderArgs {
     pub checkpoint: Duration,
     #[command(flatten)]
     pub light: LightArgs,
-    /// How samples are placed: `independent` draws each by itself.
-    #[arg(long, value_enum, default_value_t = Sampler::Independent)]
-    pub sampler: Sampler,
     /// Fail when a sample was rejected because it was not finite.
     #[arg(long)]
     pub strict: bool,
@@ -96,6 +98,9 @@ pub struct LightArgs {
     /// Russian roulette: paths that have become dark are ended at random, and those that go on count for them.
     #[arg(long, value_enum, default_value_t = Switch::On)]
     pub roulette: Switch,
+    /// How samples are placed: `sobol` spreads those of a pixel evenly, `independent` draws each by itself.
+    #[arg(long, value_enum, default_value_t = SamplerArg::Sobol)]
+    pub sampler: SamplerArg,
 }
 
 /// What changes the speed and never the image.
@@ -188,8 +193,18 @@ impl Integrator {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Sampler {
+pub enum SamplerArg {
+    Sobol,
     Independent,
+}
+
+impl From<SamplerArg> for Sampler {
+    fn from(arg: SamplerArg) -> Sampler {
+        match arg {
+            SamplerArg::Sobol => Sampler::Sobol,
+            SamplerArg::Independent => Sampler::Independent,
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -263,6 +278,13 @@ fn image_size(text: &str) -> Result<(u32, u32), String> {
     match u64::from(width) * u64::from(height) <= 1 << 30 {
         true => Ok((width, height)),
         false => Err(expected()),
+    }
+}
+
+fn relative_error(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(error) if (1e-6..=1.0).contains(&error) => Ok(error),
+        _ => Err("expected a relative error from 0.000001 to 1, such as 0.01 for 1 %".to_string()),
     }
 }
 

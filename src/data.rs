@@ -26,11 +26,32 @@ pub const SLOT_IDLE: u32 = 0xffff_fffd;
 pub const NO_TEXTURE: u32 = 0xffff_ffff;
 /// Samples of a run at most; runs are cut at multiples of it.
 pub const RUN_LENGTH: u32 = 8;
+/// In `RunRecord::counts`: the run is an odd one.
+pub const ODD_RUN: u32 = 0x8000_0000;
 /// Planes of the slots' state, a vec4 of words each; and with lights that are sampled.
 pub const PATH_PLANES: u32 = 5;
 pub const LIT_PATH_PLANES: u32 = 9;
 /// Words before the first queue.
 pub const QUEUE_HEADER: u32 = 8;
+
+/// How the samples of a pixel are placed: a file of shaders/sampler.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Sampler {
+    /// Each by itself.
+    #[default]
+    Independent,
+    /// Owen-scrambled Sobol points, in two halves: even and odd runs.
+    Sobol,
+}
+
+impl Sampler {
+    pub fn name(self) -> &'static str {
+        match self {
+            Sampler::Independent => "independent",
+            Sampler::Sobol => "sobol",
+        }
+    }
+}
 
 /// Declares a struct for the device, with its fields' names kept for the layout test.
 macro_rules! device_struct {

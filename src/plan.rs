@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use crate::data::{self, LIT_PATH_PLANES, PATH_PLANES, QUEUE_HEADER, RUN_LENGTH};
+use crate::data::{self, LIT_PATH_PLANES, PATH_PLANES, QUEUE_HEADER, RUN_LENGTH, Sampler};
 use crate::error::Result;
 use crate::film::RunRecord;
 use crate::flatten::{BOUNDARIES, Features, Flat, MATERIALS, PRIMITIVES, TEXTURES};
@@ -303,6 +303,7 @@ fn choices(features: &Features, materials: &[Entry], queues: bool, tables: &Tabl
             ("roulette", pick(features.roulette, "step/roulette", "step/no_roulette")),
             ("transmittance", pick(media, "scene/transmittance", "scene/clear_air")),
             ("walk", pick(materials.is_empty(), "scene/nothing", "scene/traverse")),
+            ("sampler", pick(features.sampler == Sampler::Sobol, "sampler/sobol", "sampler/independent")),
             ("sort", pick(queues, "slots/sort_by_material", "slots/no_sort")),
             ("turn", pick(queues, "slots/queue_turn", "slots/every_turn")),
         ]),

@@ -46,6 +46,8 @@ mod perlin;
 mod quad;
 #[path = "functions/rng.rs"]
 mod rng;
+#[path = "functions/sampler.rs"]
+mod sampler;
 #[path = "functions/sampling.rs"]
 mod sampling;
 #[path = "functions/sphere.rs"]

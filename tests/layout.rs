@@ -27,6 +27,7 @@ fn modules() -> Vec<naga::Module> {
         stack_size: 8,
         boundary_stack_size: 8,
         smooth: Some("a test".to_string()),
+        sampler: data::Sampler::Sobol,
     };
     let features = Features {
         primitives: features.primitives.map(on),
@@ -188,6 +189,7 @@ fn every_constant_of_the_host_is_that_of_the_shaders() {
         ("KIND_INSTANCE", data::KIND_INSTANCE),
         ("RUN_LENGTH", data::RUN_LENGTH),
         ("QUEUE_HEADER", data::QUEUE_HEADER),
+        ("ODD_RUN", data::ODD_RUN),
     ]);
     for (name, value) in &same {
         assert_eq!(constant(&modules, name), Some(*value), "{name}");

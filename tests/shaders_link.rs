@@ -3,7 +3,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use gpu_rt::data::KIND_TRIANGLE;
+use gpu_rt::data::{KIND_TRIANGLE, Sampler};
 use gpu_rt::flatten::{BOUNDARIES, Features, MATERIALS, PRIMITIVES, TEXTURES};
 use gpu_rt::gpu::layout::BindingKind;
 use gpu_rt::gpu::link::{Choices, Embedded, Entry, Library, Linked, link};
@@ -47,6 +47,11 @@ fn smooth(features: Features) -> Features {
     Features { smooth: Some("a test".to_string()), ..features }
 }
 
+/// The same with Sobol points.
+fn sobol(features: Features) -> Features {
+    Features { sampler: Sampler::Sobol, ..features }
+}
+
 fn all<T>(names: &[T]) -> usize {
     (1 << names.len()) - 1
 }
@@ -59,7 +64,7 @@ fn everything() -> Features {
 /// Every set of primitives, of materials and of textures, every background and lens, each beside the least of the others;
 /// primitives with textures, which one kernel joins; nothing, and everything.
 fn combinations() -> Vec<Features> {
-    let mut found = vec![features(0, 0, 0, "solid", false), everything()];
+    let mut found = vec![features(0, 0, 0, "solid", false), everything(), sobol(everything())];
     let (primitives, materials, textures) = (all(PRIMITIVES), all(MATERIALS), all(TEXTURES));
     found.extend((1..=primitives).map(|set| features(set, 1, 0, "solid", false)));
     found.extend((1..=materials).map(|set| features(1, set, 0, "solid", false)));
@@ -165,6 +170,7 @@ fn no_kernel_binds_too_many_storage_buffers() {
 /// `choice/x` counts as the folder of the modules that a plan may choose.
 const MAY_USE: &[(&str, &[&str])] = &[
     ("lib", &["lib"]),
+    ("sampler", &["data", "lib"]),
     ("data", &["data", "lib"]),
     ("geometry", &["data", "geometry", "lib"]),
     ("medium", &["data", "geometry", "lib", "medium"]),
@@ -176,7 +182,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("background", &["bind", "data", "lib", "scene/texel"]),
     ("scene", &["bind", "data", "geometry", "lib", "material", "medium", "scene", "texture"]),
     ("slots", &["bind", "data", "lib", "scene", "slots"]),
-    ("step", &["background", "bind", "camera", "data", "geometry", "lib", "medium", "scene", "step"]),
+    ("step", &["background", "bind", "camera", "data", "geometry", "lib", "medium", "sampler", "scene", "step"]),
     (
         "stage",
         &["background", "bind", "camera", "data", "geometry", "lib", "material", "scene", "slots", "step", "texture"],
@@ -192,6 +198,7 @@ const CHOICES: &[(&str, &str)] = &[
     ("shading", "scene"),
     ("media", "step"),
     ("medium_albedo", "scene"),
+    ("sampler", "sampler"),
     ("walk", "scene"),
     ("sort", "slots"),
     ("turn", "slots"),
@@ -243,6 +250,7 @@ fn modules_use_what_their_folders_may() {
     for (module, used) in [
         ("lib/rng", "bind/settings"),
         ("lib/rng", "data/ray"),
+        ("sampler/sobol", "bind/settings"),
         ("data/ray", "bind/paths"),
         ("geometry/sphere", "scene/traverse"),
         ("material/metal", "slots/state"),

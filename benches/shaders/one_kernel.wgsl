@@ -9,7 +9,7 @@
 //@ use data/window
 //@ use choice/shading
 //@ use lib/float
-//@ use lib/rng
+//@ use choice/sampler
 //@ use scene/materials
 //@ use scene/surfaces
 //@ use scene/traverse

@@ -2,7 +2,10 @@
 // RUN_LENGTH; run i of the window belongs to sample block first_block + i / pixels.
 struct Window {
     first_block: u32,
-    // One past the last run of the window.
+    // Of a run's counts: it is an odd one. The counts proper end below that bit.
+const ODD_RUN: u32 = 0x80000000u;
+
+// One past the last run of the window.
     end: u32,
     // Bounces of a dispatch, where one kernel does several.
     bounces: u32,
@@ -32,7 +35,7 @@ struct RunRecord {
     g: f32,
     b: f32,
     pixel: u32,
-    // Accepted | rejected as NaN << 8 | rejected as infinite << 16 | rejected as cut short << 24.
+    // Accepted | rejected as NaN << 8 | rejected as infinite << 16 | rejected as cut short << 24 | ODD_RUN.
     counts: u32,
     rays: u32,
 }

@@ -1,4 +1,4 @@
-// Random numbers keyed by (pixel, sample, dimension, seed): a hash, so that no order of evaluation can change them.
+// A hash for random numbers, so that no order of evaluation can change them. What they are keyed by is the samplers' affair.
 
 // PCG4D: Jarzynski and Olano, "Hash Functions for GPU Rendering", JCGT 9(3), 2020, listing 3.
 fn pcg4d(key: vec4<u32>) -> vec4<u32> {
@@ -18,14 +18,4 @@ fn pcg4d(key: vec4<u32>) -> vec4<u32> {
 // Multiples of 2^-24 in [0, 1): the upper 24 bits, since a rounding conversion of all 32 can give exactly 1.
 fn unit_interval(bits: vec4<u32>) -> vec4<f32> {
     return vec4<f32>(bits >> vec4<u32>(8u)) * 0x1p-24f;
-}
-
-// Four words of random bits of the block `dimension` of a sample.
-fn random_words(pixel: u32, sample: u32, dimension: u32, seed: u32) -> vec4<u32> {
-    return pcg4d(vec4<u32>(pixel, sample, dimension, seed));
-}
-
-// Four independent uniforms of the block `dimension` of a sample.
-fn random4(pixel: u32, sample: u32, dimension: u32, seed: u32) -> vec4<f32> {
-    return unit_interval(random_words(pixel, sample, dimension, seed));
 }

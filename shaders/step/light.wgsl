@@ -3,7 +3,7 @@
 //@ use data/light
 //@ use bind/settings
 //@ use bind/materials
-//@ use lib/rng
+//@ use choice/sampler
 //@ use lib/float
 //@ use choice/walk
 //@ use choice/colour

@@ -2,6 +2,7 @@
 //@ use data/dimension
 //@ use data/primitive
 //@ use bind/settings
+//@ use choice/sampler
 //@ use lib/rng
 //@ use medium/free_flight
 //@ use medium/phase
@@ -18,6 +19,11 @@ const MEDIA: u32 = ${media}u;
 // Loop iterations of crossing them at most: one a medium, and the walks through meshes (scene/medium_in_mesh).
 const MOST_STEPS_OF_MEDIA: u32 = MEDIA + 8000u;
 
+// The first medium takes the sampler's own words, which may be stratified; the others a hash of them.
+fn words_of_medium(words: vec4<u32>, medium: u32) -> vec2<u32> {
+    return select(pcg4d(words + medium), words, medium == 0u).xy;
+}
+
 // Each medium draws the optical depth at which it alone would scatter the ray; the nearest scattering is the path's. Where
 // media overlap their densities add up by that: the first event of independent Poisson processes is one of the process
 // with the sum of their rates, and belongs to each with its share of the sum. The result is the number of steps it took.
@@ -32,7 +38,7 @@ fn cross_media(path: ptr<function, Path>) -> u32 {
     var scatterer = NO_MEDIUM;
     var steps = 0u;
     for (var i = 0u; i < MEDIA; i++) {
-        let depth = optical_depth(pcg4d(words + i).xy);
+        let depth = optical_depth(words_of_medium(words, i));
         let t = collision(media[i], ray, depth, nearest, &steps);
         if t == WALK_CUT {
             (*path).status = PATH_CUT;

@@ -1,7 +1,7 @@
 //@ use data/path
 //@ use data/dimension
 //@ use bind/settings
-//@ use lib/rng
+//@ use choice/sampler
 // Russian roulette (Arvo and Kirk, "Particle Transport and Image Synthesis", SIGGRAPH 1990): a path whose throughput has become
 // small goes on with a probability, and is worth more by as much if it does. The expectation stays.
 

@@ -3,7 +3,7 @@
 //@ use data/primitive
 //@ use bind/settings
 //@ use bind/materials
-//@ use lib/rng
+//@ use choice/sampler
 //@ use scene/materials
 //@ use scene/surfaces
 //@ use choice/colour

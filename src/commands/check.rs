@@ -4,6 +4,7 @@ use serde_json::json;
 
 use super::{Target, flatten_for, path_text, planned, print_json, print_line};
 use crate::cli::CheckArgs;
+use crate::data::Sampler;
 use crate::error::{Error, Result};
 use crate::flatten::Wish;
 use crate::gpu::buffers::too_large;
@@ -39,7 +40,7 @@ pub fn run(args: &CheckArgs) -> Result<()> {
 
 fn examine(args: &CheckArgs) -> Result<(usize, Vec<String>)> {
     let scene = Scene::load(&args.scene)?;
-    let (size, flat) = flatten_for(&scene, None, Wish { sample_lights: true, roulette: true, ..Wish::default() })?;
+    let (size, flat) = flatten_for(&scene, None, as_rendered())?;
     let target = Target::find(None)?;
     let (plan, tuning) = planned(&scene, size, &flat, &target, TuningWish::default())?;
     let mut warnings = scene.warnings();
@@ -47,6 +48,11 @@ fn examine(args: &CheckArgs) -> Result<(usize, Vec<String>)> {
     let refused = too_large(&plan.buffers(&flat, &tuning), &target.limits);
     warnings.extend(refused.into_iter().map(|why| format!("{}: {why}", target.name)));
     Ok((flat.primitives as usize, warnings))
+}
+
+/// What `render` asks for by default.
+fn as_rendered() -> Wish {
+    Wish { sample_lights: true, roulette: true, sampler: Sampler::Sobol, ..Wish::default() }
 }
 
 fn describe(error: &Error) -> serde_json::Value {

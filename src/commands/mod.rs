@@ -34,7 +34,7 @@ fn flatten_for(scene: &Scene, size: Option<(u32, u32)>, wish: Wish) -> Result<((
 /// What the command line asks of flattening.
 fn wish_of(build: BuildArg, light: &LightArgs) -> Wish {
     let sample_lights = light.integrator == Integrator::Mis;
-    Wish { quality: build.into(), sample_lights, roulette: light.roulette == Switch::On }
+    Wish { quality: build.into(), sample_lights, roulette: light.roulette == Switch::On, sampler: light.sampler.into() }
 }
 
 /// The device that a scene is planned for: the one that would render it, or none.

@@ -67,6 +67,8 @@ pub struct Features {
     pub stack_size: u32,
     /// The same of a walk through a mesh that bounds a medium.
     pub boundary_stack_size: u32,
+    /// The render's wish and not the scene's: flattening leaves it at its default.
+    pub sampler: data::Sampler,
 }
 
 /// A scene as the kernels see it.
@@ -108,6 +110,8 @@ pub struct Wish {
     pub sample_lights: bool,
     /// Whether paths of small throughput are ended at random (`--roulette on`).
     pub roulette: bool,
+    /// How the samples of a pixel are placed.
+    pub sampler: data::Sampler,
 }
 
 /// Flattens a scene for an image of `size` pixels.
@@ -163,6 +167,7 @@ pub fn flatten_with(scene: &Scene, size: (u32, u32), wish: Wish) -> Result<Flat>
     }
     let mut flat = builder.flat;
     flat.features.roulette = wish.roulette;
+    flat.features.sampler = wish.sampler;
     flat.features.thin_lens = camera.aperture > 0.0;
     Ok(flat)
 }

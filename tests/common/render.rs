@@ -6,7 +6,7 @@
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use gpu_rt::data::RUN_LENGTH;
+use gpu_rt::data::{RUN_LENGTH, Sampler};
 use gpu_rt::film::{Film, Picture, UNKNOWN_VARIANCE};
 use gpu_rt::flatten::flatten;
 use gpu_rt::plan::{Plan, Tables};
@@ -24,6 +24,8 @@ pub struct Ask {
     pub max_depth: Option<u32>,
     pub seed: u32,
     pub wish: TuningWish,
+    /// Independent unless asked otherwise: most statistics of the tests take runs for independent.
+    pub sampler: Sampler,
     /// All of the scene's tables in storage bindings, also where the device would take small ones as uniforms.
     pub storage_tables: bool,
 }
@@ -35,6 +37,10 @@ impl Ask {
 
     pub fn seed(self, seed: u32) -> Ask {
         Ask { seed, ..self }
+    }
+
+    pub fn sobol(self) -> Ask {
+        Ask { sampler: Sampler::Sobol, ..self }
     }
 
     pub fn size(self, width: u32, height: u32) -> Ask {
@@ -90,7 +96,8 @@ pub fn render(scene: &Scene, ask: &Ask) -> Shot {
 /// that are asked for elsewhere do not count.
 pub fn render_each(scene: &Scene, ask: &Ask, ranges: &[Range<u32>]) -> Vec<Shot> {
     let size = ask.size.unwrap_or((scene.image.width, scene.image.height));
-    let flat = flatten(scene, size).expect("the scene flattens");
+    let mut flat = flatten(scene, size).expect("the scene flattens");
+    flat.features.sampler = ask.sampler;
     let job = |samples: &Range<u32>| Job {
         size,
         max_depth: ask.max_depth.unwrap_or(scene.render.max_depth),
@@ -111,7 +118,7 @@ pub fn render_each(scene: &Scene, ask: &Ask, ranges: &[Range<u32>]) -> Vec<Shot>
         Renderer::new(device, &flat, &plan, &first, ask.wish, false).expect("the kernels compile and the buffers fit");
     let shots = ranges.iter().map(|samples| {
         let job = job(samples);
-        let mut film = Film::new(size.0, size.1, flat.radiance_exponent).expect("the film fits");
+        let mut film = Film::with_sampler(size.0, size.1, flat.radiance_exponent, ask.sampler).expect("the film fits");
         let mut watch = Watchdog::new(job.max_depth);
         let outcome = renderer.run(&job, &mut film, &mut |film, _| watch.look(film)).expect("the device renders");
         let shot = Shot { picture: film.develop(), film, outcome };

@@ -1,4 +1,4 @@
-//! lib/rng: the hash against an independent one, the unit interval, and the statistics of what comes out.
+//! lib/rng and sampler/independent: the hash against an independent one, the unit interval, and the statistics of what comes out.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -99,7 +99,7 @@ fn uniforms(kernel: &Kernel, keys: &[[u32; 4]]) -> Vec<[f32; 4]> {
 }
 
 /// Chi-square of one number's histogram.
-fn histogram(values: impl Iterator<Item = f32>, count: usize) -> f64 {
+pub fn histogram(values: impl Iterator<Item = f32>, count: usize) -> f64 {
     const BINS: usize = 1024;
     let mut cells = vec![0u64; BINS];
     values.for_each(|u| cells[((u * BINS as f32) as usize).min(BINS - 1)] += 1);
@@ -107,7 +107,7 @@ fn histogram(values: impl Iterator<Item = f32>, count: usize) -> f64 {
 }
 
 /// P-values of the pairs' joint histogram and of their correlation.
-fn joint(pairs: impl Iterator<Item = (f32, f32)>) -> [f64; 2] {
+pub fn joint(pairs: impl Iterator<Item = (f32, f32)>) -> [f64; 2] {
     const BINS: usize = 32;
     let mut cells = vec![0u64; BINS * BINS];
     let (mut count, mut sum) = (0.0, 0.0);

@@ -1,5 +1,5 @@
 //@ use medium/phase
-//@ use lib/rng
+//@ use sampler/independent
 // The cosine and the direction after scattering; of the numbers given, or of the row's own.
 struct In {
     incoming: vec3<f32>,

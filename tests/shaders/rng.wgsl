@@ -1,4 +1,5 @@
 //@ use lib/rng
+//@ use sampler/independent
 struct Out {
     bits: vec4<u32>,
     // The uniforms of the key (pixel, sample, dimension, seed).

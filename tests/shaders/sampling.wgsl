@@ -1,4 +1,4 @@
-//@ use lib/rng
+//@ use sampler/independent
 //@ use lib/sampling
 // Every map from uniforms; of those given, or of the row's own.
 struct Out {

@@ -1,5 +1,5 @@
 //@ use data/material
-//@ use lib/rng
+//@ use sampler/independent
 //@ use material/${material}
 // A material's answer to a ray: for the uniforms given, or many times for the rows' own.
 struct In {

@@ -6,7 +6,3 @@ fn pcg4d(key: vec4<u32>) -> vec4<u32> {
 fn unit_interval(bits: vec4<u32>) -> vec4<f32> {
     return vec4<f32>(bits) * 0x1p-32f;
 }
-
-fn random4(pixel: u32, sample: u32, dimension: u32, seed: u32) -> vec4<f32> {
-    return unit_interval(pcg4d(vec4<u32>(pixel, sample, dimension, seed)));
-}
