@@ -2,16 +2,15 @@
 // RUN_LENGTH; run i of the window belongs to sample block first_block + i / pixels.
 struct Window {
     first_block: u32,
-    // Of a run's counts: it is an odd one. The counts proper end below that bit.
-const ODD_RUN: u32 = 0x80000000u;
-
-// One past the last run of the window.
+    // One past the last run of the window.
     end: u32,
     // Bounces of a dispatch, where one kernel does several.
     bounces: u32,
 }
 
 const RUN_LENGTH: u32 = ${run_length}u;
+// Of a run's counts: it is an odd one. The counts proper end below that bit.
+const ODD_RUN: u32 = 0x80000000u;
 
 // One past the last sample of the run that a sample is part of.
 fn end_of_run(sample: u32, end_sample: u32) -> u32 {
