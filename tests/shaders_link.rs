@@ -173,6 +173,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("sampler", &["data", "lib"]),
     ("data", &["data", "lib"]),
     ("geometry", &["data", "geometry", "lib"]),
+    ("light", &["data", "geometry", "lib", "light"]),
     ("medium", &["data", "geometry", "lib", "medium"]),
     ("material", &["data", "geometry", "lib"]),
     ("medium", &["data", "geometry", "lib", "medium"]),

@@ -1,0 +1,91 @@
+//@ use geometry/cuboid
+//@ use light/quad
+//@ use lib/sampling
+// A box as a light: directions uniform in its solid angle, that of the up to three faces that are seen; one of them is
+// chosen in proportion to its own. From inside, uniform over all directions.
+
+// A box as seen from the point that is lit, in its own axes.
+struct SphericalCuboid {
+    // From the point to the centre.
+    center: vec3<f32>,
+    // Solid angles of the faces across x, y and z; all 0 from inside.
+    areas: vec3<f32>,
+}
+
+// The sides of the face across an axis that is turned towards the point: its corner and its edges.
+struct CuboidFace {
+    corner: vec3<f32>,
+    u: vec3<f32>,
+    v: vec3<f32>,
+}
+
+fn cuboid_face(center: vec3<f32>, half_extent: vec3<f32>, axis: u32) -> CuboidFace {
+    let unit = select(vec3<f32>(0.0), vec3<f32>(1.0), vec3<u32>(axis) == vec3<u32>(0u, 1u, 2u));
+    // Towards the point: against the centre.
+    let side = select(half_extent, -half_extent, center > vec3<f32>(0.0));
+    let corner = center + select(-half_extent, side, unit > vec3<f32>(0.0));
+    return CuboidFace(corner, 2.0 * half_extent * unit.zxy, 2.0 * half_extent * unit.yzx);
+}
+
+fn cuboid_face_area(center: vec3<f32>, half_extent: vec3<f32>, axis: u32) -> f32 {
+    let face = cuboid_face(center, half_extent, axis);
+    let seen = spherical_quad(face.corner, face.u, face.v);
+    return seen.areas.x + seen.areas.y;
+}
+
+fn spherical_cuboid(from_point: vec3<f32>, cuboid: Cuboid) -> SphericalCuboid {
+    let center = to_cuboid(cuboid, cuboid.center - from_point);
+    let h = cuboid.half_extent;
+    let outside = abs(center) > h;
+    var areas = vec3<f32>(0.0);
+    if outside.x {
+        areas.x = cuboid_face_area(center, h, 0u);
+    }
+    if outside.y {
+        areas.y = cuboid_face_area(center, h, 1u);
+    }
+    if outside.z {
+        areas.z = cuboid_face_area(center, h, 2u);
+    }
+    return SphericalCuboid(center, areas);
+}
+
+fn cuboid_light_sample(from_point: vec3<f32>, cuboid: Cuboid, u: vec2<f32>) -> LightSample {
+    let seen = spherical_cuboid(from_point, cuboid);
+    if !any(abs(seen.center) > cuboid.half_extent) {
+        return LightSample(sample_sphere(u), 0.25 / PI);
+    }
+    let area = seen.areas.x + seen.areas.y + seen.areas.z;
+    if !(area > 0.0) {
+        return NO_LIGHT_SAMPLE;
+    }
+    var part = u.x * area;
+    var axis = 0u;
+    if part >= seen.areas.x {
+        part -= seen.areas.x;
+        axis = 1u;
+        // The sum may have been rounded up beyond what is left.
+        if part >= seen.areas.y && seen.areas.z > 0.0 {
+            part = min(part - seen.areas.y, seen.areas.z);
+            axis = 2u;
+        } else if !(seen.areas.y > 0.0) {
+            part = seen.areas.x;
+            axis = 0u;
+        }
+    }
+    let face = cuboid_face(seen.center, cuboid.half_extent, axis);
+    let local = spherical_quad_direction(spherical_quad(face.corner, face.u, face.v), face.u, face.v, part, u.y);
+    let z_axis = cross(cuboid.x_axis, cuboid.y_axis);
+    let direction = normalize(local.x * cuboid.x_axis + local.y * cuboid.y_axis + local.z * z_axis);
+    return LightSample(direction, 1.0 / area);
+}
+
+// The density with which a direction that meets the box is sampled.
+fn cuboid_light_pdf(from_point: vec3<f32>, direction: vec3<f32>, cuboid: Cuboid) -> f32 {
+    let seen = spherical_cuboid(from_point, cuboid);
+    if !any(abs(seen.center) > cuboid.half_extent) {
+        return 0.25 / PI;
+    }
+    let area = seen.areas.x + seen.areas.y + seen.areas.z;
+    return select(0.0, 1.0 / area, area > 0.0);
+}

@@ -1,0 +1,57 @@
+//@ use data/primitive
+//@ use light/sample
+//@ use light/spherical
+// A parallelogram as a light: directions uniform in its solid angle, at any distance and size. It is the two triangles on
+// both sides of a diagonal, sampled as one fan about the corner, so that u.x goes on where it passes from one to the
+// other. Rectangles go the same way: the map of Ureña, Fajardo and King ("An Area-Preserving Parametrization for Spherical
+// Rectangles", EGSR 2013) needs sums of four arc cosines less 2 pi, which leave no digits in f32 for quads far away.
+
+// A parallelogram as seen from the point that is lit.
+struct SphericalQuad {
+    // The corner and the next ones around.
+    first: Corner,
+    second: Corner,
+    third: Corner,
+    fourth: Corner,
+    determinant: f32,
+    // Solid angles of first, second, third and of first, fourth, third.
+    areas: vec2<f32>,
+}
+
+fn spherical_quad(corner: vec3<f32>, u: vec3<f32>, v: vec3<f32>) -> SphericalQuad {
+    let first = corner_at(corner);
+    let second = corner_at(corner + u);
+    let third = corner_at(corner + (u + v));
+    let fourth = corner_at(corner + v);
+    let determinant = dot(corner, cross(u, v));
+    let areas = vec2<f32>(
+        spherical_area(first, second, third, abs(determinant)),
+        spherical_area(first, fourth, third, abs(determinant)),
+    );
+    return SphericalQuad(first, second, third, fourth, determinant, areas);
+}
+
+// The direction for a part of the solid angle.
+fn spherical_quad_direction(quad: SphericalQuad, u: vec3<f32>, v: vec3<f32>, part: f32, share: f32) -> vec3<f32> {
+    if part < quad.areas.x {
+        return spherical_direction(quad.first, quad.second, quad.third, u, v, quad.determinant, part, share);
+    }
+    let rest = max(quad.areas.y - (part - quad.areas.x), 0.0);
+    return spherical_direction(quad.first, quad.fourth, quad.third, v, u, -quad.determinant, rest, share);
+}
+
+fn quad_light_sample(from_point: vec3<f32>, quad: Quad, u: vec2<f32>) -> LightSample {
+    let seen = spherical_quad(quad.corner - from_point, quad.u, quad.v);
+    let area = seen.areas.x + seen.areas.y;
+    if !(area > 0.0) {
+        return NO_LIGHT_SAMPLE;
+    }
+    return LightSample(spherical_quad_direction(seen, quad.u, quad.v, u.x * area, u.y), 1.0 / area);
+}
+
+// The density with which a direction that meets the quad is sampled.
+fn quad_light_pdf(from_point: vec3<f32>, direction: vec3<f32>, quad: Quad) -> f32 {
+    let seen = spherical_quad(quad.corner - from_point, quad.u, quad.v);
+    let area = seen.areas.x + seen.areas.y;
+    return select(0.0, 1.0 / area, area > 0.0);
+}

@@ -1,0 +1,82 @@
+//@ use light/angle
+// Spherical triangles: their solid angle, and directions uniform in it. As Arvo samples them ("Stratified Sampling of
+// Spherical Triangles", SIGGRAPH 1995), the triangle p, a, c is cut by an arc from p to a point of the arc a c so that the
+// part beside a has a share of the solid angle, and the direction lies on that arc by its height. Arvo's formulas take the
+// angles of the triangle, whose sum less pi cancels for small ones; those here have tangents only.
+//
+// Own derivation. Let t be the unit tangent at a towards c, and m = p.a, q = p.t, n = |a.(p x t)|, m^2 + q^2 + n^2 = 1. For
+// the point a cos s + t sin s of the arc the formula of Van Oosterom and Strackee ("The Solid Angle of a Plane
+// Triangle", IEEE Trans. Biomed. Eng. 30(2), 1983, equation 8) gives for the part E
+//     tan(E/2) = n sin s / ((1 + m)(1 + cos s) + q sin s),   so   tan(s/2) = (1 + m) sin(E/2) / (n cos(E/2) - q sin(E/2)).
+// Put into the point's components seen from p, along the tangent at p towards a and across it, common factors left out,
+//     n (cos E - m) - q sin E   and   n sin E - q (1 - cos E),
+// which is the direction in which the arc leaves p. Close above a triangle n goes to 0 and the arcs to half circles,
+// but these go to the tangent of E/2 with all digits.
+
+// A corner as seen from the point that is lit.
+struct Corner {
+    direction: vec3<f32>,
+    distance: f32,
+}
+
+fn corner_at(offset: vec3<f32>) -> Corner {
+    let distance = length(offset);
+    return Corner(offset / distance, distance);
+}
+
+// Solid angle of the triangle of three corners; `volume` is the absolute value of their determinant.
+// 0 on the triangle's plane, and where the density's square would come near the end of f32's range.
+fn spherical_area(p: Corner, a: Corner, c: Corner, volume: f32) -> f32 {
+    let shape = volume / p.distance / a.distance / c.distance;
+    let beside = 1.0 + dot(p.direction, a.direction) + dot(a.direction, c.direction) + dot(c.direction, p.direction);
+    let area = 2.0 * angle_of(shape, beside);
+    return select(0.0, area, shape > 0x1p-59f);
+}
+
+// The direction for a part of the solid angle, and a share v of the height of the arc there. `to_a` leads from corner p to
+// a, `to_c` from a to c: differences of corners, which have more digits than those of directions.
+fn spherical_direction(
+    p: Corner,
+    a: Corner,
+    c: Corner,
+    to_a: vec3<f32>,
+    to_c: vec3<f32>,
+    determinant: f32,
+    part: f32,
+    v: f32,
+) -> vec3<f32> {
+    // The edges' components across the views to their beginnings.
+    let across_a = to_a - dot(p.direction, to_a) * p.direction;
+    let across_c = to_c - dot(a.direction, to_c) * a.direction;
+    let length_a = length(across_a);
+    let length_c = length(across_c);
+    if !(length_a > 0.0) || !(length_c > 0.0) {
+        return p.direction;
+    }
+    let tangent_a = across_a / length_a;
+    let side = cross(p.direction, tangent_a) * select(-1.0, 1.0, determinant > 0.0);
+    let m = dot(p.direction, a.direction);
+    let sine_a = length_a / a.distance;
+    // 1 + m and 1 - m, whose product is the sine's square: the smaller from the larger.
+    let above = select(sine_a * sine_a / (1.0 - m), 1.0 + m, m > 0.0);
+    let below = select(1.0 - m, sine_a * sine_a / (1.0 + m), m > 0.0);
+    let q = -dot(to_a, across_c) / (length_c * p.distance);
+    let n = abs(determinant) / p.distance / a.distance / length_c;
+
+    let whole = sine_and_rise(part);
+    let half = sine_and_rise(0.5 * part);
+    // tan(s/2) = y / x, scaled so that no square vanishes.
+    let y = half.x * above;
+    let x = max(n * (1.0 - half.y) - q * half.x, 0.0);
+    let largest = max(max(x, y), 0x1p-120f);
+    let t = vec2<f32>(x, y) / largest;
+    let scale = 2.0 / max(dot(t, t), 0x1p-120f);
+    // 1 - p.(a cos s + t sin s), and of it the share v.
+    let height = v * clamp(below + scale * t.y * (t.y * m - t.x * q), 0.0, 2.0);
+
+    let leaving = vec2<f32>(n * (below - whole.y) - q * whole.x, n * whole.x - q * whole.y);
+    let size = max(abs(leaving.x), abs(leaving.y));
+    let turned = select(vec2<f32>(1.0, 0.0), normalize(leaving / size), size > 0.0);
+    let tangent = turned.x * tangent_a + turned.y * side;
+    return normalize((1.0 - height) * p.direction + sqrt(height * (2.0 - height)) * tangent);
+}

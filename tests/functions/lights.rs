@@ -1,0 +1,660 @@
+//! light/*: directions towards a light against their density, and the density against closed forms in f64.
+
+use std::f64::consts::PI;
+
+use bytemuck::{Pod, Zeroable};
+use glam::DVec3;
+use gpu_rt::data::{Cuboid, Quad, Sphere};
+
+use crate::kernel::{Kernel, Setup, array};
+use crate::stats::{Random, chi_square, one_sample_t, sidak};
+use crate::vectors::{U, decades, exact, rounded, unit};
+
+/// False-alarm rate of each test here.
+const ALPHA: f64 = 1e-6;
+
+/// Draws for each configuration. Chi-square of 31 x 17 cells over 2^16 of them finds a density that is off by 6.6 % in the
+/// root mean square with a probability of 99.9 %.
+const DRAWS: usize = 1 << 16;
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+struct In {
+    from: [f32; 3],
+    shape: u32,
+    u: [f32; 2],
+    padding: [f32; 2],
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+struct Out {
+    direction: [f32; 3],
+    pdf: f32,
+    again: f32,
+    distance: f32,
+    padding: [f32; 2],
+}
+
+/// A kind of light: its module, and the name of its struct.
+type Kind = (&'static str, &'static str);
+
+const SPHERE: Kind = ("sphere", "Sphere");
+
+fn kernel((shape, name): Kind, draws: usize, replaced: &[(&str, &str)]) -> Kernel {
+    let draws = draws.to_string();
+    let values = [("shape", shape), ("type", name), ("draws", &*draws)];
+    Kernel::with("test/light", &Setup { replaced, values: &values, ..Setup::default() })
+}
+
+/// Many draws for each row; a few rows at a time, for a buffer's sake.
+fn draws<S: Pod>(kind: Kind, rows: &[In], shapes: &[S], replaced: &[(&str, &str)]) -> Vec<Out> {
+    let kernel = kernel(kind, DRAWS, replaced);
+    let shapes = array("shapes", shapes);
+    rows.chunks(32).flat_map(|rows| kernel.run_with(rows, rows.len() * DRAWS, std::slice::from_ref(&shapes))).collect()
+}
+
+/// The uniforms' ends in each dimension, and some between.
+fn ends() -> Vec<[f32; 2]> {
+    let all = [0.0, U as f32, 2f32.powi(-12), 0.3, 0.5, 1.0 - 2f32.powi(-12), 1.0 - U as f32];
+    all.into_iter().flat_map(|x| all.map(|y| [x, y])).collect()
+}
+
+/// Answers every row for all of [`ends`].
+fn at_ends<S: Pod>(kind: Kind, rows: &[In], shapes: &[S]) -> Vec<(In, Out)> {
+    let rows: Vec<In> = rows.iter().flat_map(|row| ends().into_iter().map(|u| In { u, ..*row })).collect();
+    let found = kernel(kind, 1, &[]).run_with::<_, Out>(&rows, rows.len(), &[array("shapes", shapes)]);
+    rows.into_iter().zip(found).collect()
+}
+
+fn bin(x: f64, bins: usize) -> usize {
+    ((x * bins as f64).max(0.0) as usize).min(bins - 1)
+}
+
+/// Spheres of all sizes with points at r/D of each of these.
+fn spheres(shares: &[f64], seed: u64) -> (Vec<In>, Vec<Sphere>) {
+    let mut random = Random(seed);
+    let (mut rows, mut shapes) = (Vec::new(), Vec::new());
+    for &share in shares {
+        let radius = decades(&mut random, -3.0, 1.0) as f32;
+        // The point near the origin, so that it has its digits where it is close to the sphere's surface.
+        let from = rounded(1e-3 * f64::from(radius) * unit(&mut random));
+        let center = rounded(exact(from) + f64::from(radius) / share * unit(&mut random));
+        rows.push(In { from, shape: shapes.len() as u32, ..In::default() });
+        shapes.push(Sphere { center, radius, ..Sphere::default() });
+    }
+    (rows, shapes)
+}
+
+/// Half angle of the cone: sine and 1 - cosine, of the numbers that the device has.
+fn cone(row: &In, sphere: &Sphere) -> (DVec3, f64, f64) {
+    let to_center = exact(sphere.center) - exact(row.from);
+    let sine = f64::from(sphere.radius) / to_center.length();
+    (to_center.normalize(), sine, if sine >= 1.0 { 2.0 } else { sine * sine / (1.0 + (1.0 - sine * sine).sqrt()) })
+}
+
+const SHARES: [f64; 20] = [
+    1e-8,
+    1e-7,
+    1e-6,
+    1e-5,
+    1e-4,
+    2e-4,
+    1e-3,
+    1e-2,
+    0.1,
+    0.3,
+    0.5,
+    0.7,
+    0.9,
+    0.99,
+    0.999,
+    0.9999,
+    0.99999,
+    0.999999,
+    1.0 - 5e-7,
+    1.0 - 1e-7,
+];
+
+#[test]
+fn a_spheres_density_is_that_of_its_cone() {
+    let wrong = |replaced: &[(&str, &str)]| {
+        let (mut rows, mut shapes) = (Vec::new(), Vec::new());
+        for seed in 0..20 {
+            let (more, spheres) = spheres(&SHARES, 600 + seed);
+            rows.extend(more.iter().map(|row| In { shape: row.shape + shapes.len() as u32, ..*row }));
+            shapes.extend(spheres);
+        }
+        let found = kernel(SPHERE, 1, replaced).run_with::<_, Out>(&rows, rows.len(), &[array("shapes", &shapes)]);
+        let mut wrong = 0;
+        for (row, out) in rows.iter().zip(&found) {
+            let (_, sine, height) = cone(row, &shapes[row.shape as usize]);
+            let pdf = f64::from(out.pdf);
+            // The sine is off by 4 u; d(height) / height is (1 + cos) / cos of that where the cosine is not small, and at
+            // most the root of twice what 1 - sine is off by. 8 u more for the quotients.
+            let cos = 1.0 - height;
+            let bound = 8.0 * U + (8.0 * U / cos.max(1e-300)).min((8.0 * U).sqrt());
+            // Within 8 u of the surface the point may count as inside, where the density is that of all directions.
+            let inside = sine > 1.0 - 8.0 * U && (pdf * 4.0 * PI - 1.0).abs() < 4.0 * U;
+            let right = inside || (pdf * 2.0 * PI * height - 1.0).abs() < bound;
+            wrong += u32::from(!(right && out.pdf == out.again));
+        }
+        wrong
+    };
+    assert_eq!(wrong(&[]), 0);
+    let textbook = wrong(&[("light/sphere", "test/control/light_sphere_textbook")]);
+    assert!(textbook > 100, "{textbook}");
+}
+
+/// The distribution of cells around the axis, by height and azimuth: p-values of each configuration.
+fn sphere_cells(rows: &[In], shapes: &[Sphere], found: &[Out], by: fn(f64) -> f64) -> Vec<f64> {
+    let one = |(row, found): (&In, &[Out])| {
+        let sphere = &shapes[row.shape as usize];
+        let (axis, sine, height) = cone(row, sphere);
+        // The cone is drawn narrower by 12 u (light/sphere).
+        let narrower = if sine < 1.0 { (1.0 - 12.0 * U / sine).powi(2) } else { 1.0 };
+        let (x, y) = axis.any_orthonormal_pair();
+        const RINGS: usize = 31;
+        const SECTORS: usize = 17;
+        let mut cells = vec![0u64; RINGS * SECTORS];
+        for out in found {
+            let direction = exact(out.direction).normalize();
+            // 1 - cos, with its digits.
+            let rise = (direction - axis).length_squared() / 2.0 / narrower;
+            let azimuth = direction.dot(y).atan2(direction.dot(x)) / (2.0 * PI) + 0.5;
+            cells[bin(by(rise / height), RINGS) * SECTORS + bin(azimuth, SECTORS)] += 1;
+        }
+        chi_square(&cells, &vec![found.len() as f64 / cells.len() as f64; cells.len()], 1)
+    };
+    rows.iter().zip(found.chunks(DRAWS)).map(one).collect()
+}
+
+#[test]
+fn a_spheres_directions_are_uniform_in_its_cone() {
+    // Below, the directions' own rounding of some 2 u moves more than what chi-square finds.
+    let shares: Vec<f64> = SHARES.into_iter().filter(|s| (1e-4..0.9999999).contains(s)).chain([1.5, 20.0]).collect();
+    let (rows, shapes) = spheres(&shares, 620);
+    let found = draws(SPHERE, &rows, &shapes, &[]);
+    for (share, p) in shares.iter().zip(sphere_cells(&rows, &shapes, &found, |x| x)) {
+        assert!(p > sidak(ALPHA, shares.len()), "r/D {share}: p = {p:e}");
+    }
+    // As if the cosine's distribution were a little off.
+    for (share, p) in shares.iter().zip(sphere_cells(&rows, &shapes, &found, |x| x.powf(0.9))) {
+        assert!(p < ALPHA, "r/D {share}: p = {p:e}");
+    }
+}
+
+#[test]
+fn a_sphere_lights_a_surface_as_the_closed_form_says() {
+    let (rows, shapes) = spheres(&SHARES, 640);
+    let test = |replaced: &[(&str, &str)]| {
+        let found = draws(SPHERE, &rows, &shapes, replaced);
+        let mut wrong = 0;
+        for ((row, share), found) in rows.iter().zip(SHARES).zip(found.chunks(DRAWS)) {
+            let (axis, sine, height) = cone(row, &shapes[row.shape as usize]);
+            // A plane that faces the centre sees all of the sphere: pi (r/D)^2. A hit is one by the shape's own test.
+            // Further than 1e-6 the test of the ray itself does not tell: there only the density.
+            let sees = |out: &Out| share < 2e-6 || out.distance != -1.0;
+            let values: Vec<f64> = found
+                .iter()
+                .map(|out| {
+                    let cos = exact(out.direction).dot(axis).max(0.0);
+                    if sees(out) { cos / f64::from(out.pdf) / (PI * sine * sine) } else { 0.0 }
+                })
+                .collect();
+            let test = one_sample_t(&values, 1.0);
+            // Beside the noise, the density's own bound (see above) and the narrower cone.
+            let bound = 40.0 * U + (8.0 * U / (1.0 - height).max(1e-300)).min((8.0 * U).sqrt());
+            let missed = found.iter().filter(|out| !sees(out)).count();
+            let right = test.p > sidak(ALPHA, SHARES.len()) || test.difference.abs() < bound;
+            let contact = share > 1.0 - 4.0 * U;
+            // From outside every direction meets the sphere. Near contact the limb's directions change little of the
+            // distance by which they pass it, and a few may miss; closer than 8 u they are all directions.
+            let met = missed == 0 || share > 0.9999 && missed < DRAWS / 1000 || contact;
+            wrong += u32::from(!right || !met);
+        }
+        wrong
+    };
+    assert_eq!(test(&[]), 0);
+    assert!(test(&[("light/sphere", "test/control/light_sphere_textbook")]) > 3);
+}
+
+#[test]
+fn a_spheres_samples_are_numbers_at_the_ends() {
+    let mut shares = SHARES.to_vec();
+    shares.extend([1.0, 1.0 + 1e-7, 1.5, 1e3, 1e8, 1e-9, 1e-12, 1e-20]);
+    let (mut rows, mut shapes) = spheres(&shares, 660);
+    // At the centre itself, and seen along each axis.
+    rows.push(In { from: shapes[3].center, shape: 3, ..In::default() });
+    for i in 0..6 {
+        let mut from = [0.0; 3];
+        from[i % 3] = if i < 3 { 2.0 } else { -2.0 };
+        rows.push(In { from, shape: shapes.len() as u32, ..In::default() });
+    }
+    shapes.push(Sphere { radius: 1.0, ..Sphere::default() });
+    for (row, out) in at_ends(SPHERE, &rows, &shapes) {
+        let length = exact(out.direction).length();
+        assert!((length - 1.0).abs() < 1e-6 && out.pdf.is_finite() && out.pdf >= 0.0, "{row:?} {out:?}");
+        assert_eq!(out.pdf, out.again, "{row:?} {out:?}");
+        assert!((out.pdf * out.pdf).is_finite(), "{row:?} {out:?}");
+    }
+}
+
+const TRIANGLE: Kind = ("triangle", "Triangle");
+const QUAD: Kind = ("quad", "Quad");
+const CUBOID: Kind = ("cuboid", "Cuboid");
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+struct Triangle {
+    a: [f32; 3],
+    padding0: f32,
+    b: [f32; 3],
+    padding1: f32,
+    c: [f32; 3],
+    padding2: f32,
+}
+
+/// A flat light of three or four corners in f64, as the device has it: a + x (b - a) + y (c - b), with y <= x for a
+/// triangle, and c - b for d - a for a parallelogram.
+#[derive(Clone, Copy, Debug)]
+struct Flat {
+    a: DVec3,
+    along: DVec3,
+    across: DVec3,
+    triangle: bool,
+}
+
+/// The solid angle of a triangle (Van Oosterom and Strackee 1983, equation 8).
+fn solid_angle(from: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
+    let (p, q, r) = (a - from, b - from, c - from);
+    // Of differences, that it keeps its digits far away.
+    let volume = p.dot((b - a).cross(c - b)).abs();
+    let (x, y, z) = (p.length(), q.length(), r.length());
+    2.0 * volume.atan2(x * y * z + p.dot(q) * z + q.dot(r) * x + r.dot(p) * y)
+}
+
+impl Flat {
+    fn corners(&self) -> Vec<DVec3> {
+        let (b, c) = (self.a + self.along, self.a + self.along + self.across);
+        if self.triangle { vec![self.a, b, c] } else { vec![self.a, b, c, self.a + self.across] }
+    }
+
+    fn solid_angle(&self, from: DVec3) -> f64 {
+        let corners = self.corners();
+        corners[1..].windows(2).map(|two| solid_angle(from, [self.a, two[0], two[1]])).sum()
+    }
+
+    fn normal(&self) -> DVec3 {
+        self.along.cross(self.across).normalize()
+    }
+
+    /// Irradiance of unit radiance on a surface with this normal above which all of the light lies: half the sum of the
+    /// edges' angles times the cosines of their planes' normals (Lambert 1760; Arvo 1994, section 2).
+    fn irradiance(&self, from: DVec3, normal: DVec3) -> f64 {
+        let corners = self.corners();
+        let edges = (0..corners.len()).map(|i| {
+            let (p, q) = (corners[i] - from, corners[(i + 1) % corners.len()] - from);
+            // p x q by their difference.
+            let plane = p.cross(corners[(i + 1) % corners.len()] - corners[i]);
+            plane.length().atan2(p.dot(q)) * plane.normalize_or_zero().dot(normal)
+        });
+        (edges.sum::<f64>() / 2.0).abs()
+    }
+
+    /// Where a direction meets the light's plane: x, and y or, of a triangle, y / x.
+    fn place(&self, from: DVec3, direction: DVec3) -> (f64, f64) {
+        let n = self.along.cross(self.across);
+        let t = (self.a - from).dot(n) / direction.dot(n);
+        let on = t * direction - (self.a - from);
+        let n2 = n.length_squared();
+        let (x, y) = (on.cross(self.across).dot(n) / n2, self.along.cross(on).dot(n) / n2);
+        (x, if self.triangle { y / x } else { y })
+    }
+
+    /// The part between these places, by its corners.
+    fn part(&self, x: [f64; 2], y: [f64; 2]) -> [DVec3; 4] {
+        let at = |x: f64, y: f64| self.a + x * self.along + if self.triangle { x * y } else { y } * self.across;
+        [at(x[0], y[0]), at(x[1], y[0]), at(x[1], y[1]), at(x[0], y[1])]
+    }
+}
+
+/// Cuts of 0..1: some evenly, some around a place at distances that double.
+fn cuts(around: f64, width: f64) -> Vec<f64> {
+    let mut cuts: Vec<f64> = (0..=7).map(|i| f64::from(i) / 7.0).collect();
+    for i in -1..4 {
+        cuts.extend([-1.0, 1.0].map(|side| around + side * width * 2f64.powi(i)));
+    }
+    cuts.retain(|x| (0.0..=1.0).contains(x));
+    cuts.sort_by(f64::total_cmp);
+    cuts.dedup_by(|x, y| (*x - *y).abs() < 1e-9);
+    cuts
+}
+
+/// Points from which flat lights are looked at. Heights in sizes of the light above its middle, and at angles with it.
+fn views(random: &mut Random, size: f64, normal: DVec3, middle: DVec3, along: DVec3) -> Vec<(f64, DVec3)> {
+    let mut found = Vec::new();
+    for height in [1e-4, 1e-3, 1e-2, 0.1, 0.3, 1.0, 3.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6] {
+        let side = if random.below(2) == 0 { 1.0 } else { -1.0 };
+        found.push((height, middle + side * height * size * normal));
+        let tilted = (side * normal + 1.5 * random.uniform() * unit(random)).normalize();
+        found.push((height, middle + height * size * tilted));
+    }
+    // Edge-on, from beside the light, and close above an edge.
+    for height in [0.3, 1e-2, 1e-3, 1e-4] {
+        found.push((2.0, middle + 2.0 * size * along + height * size * normal));
+        found.push((20.0, middle - 20.0 * size * (along + height * normal)));
+        found.push((height, middle + 0.5 * size * along + height * size * normal));
+    }
+    found
+}
+
+struct Case {
+    row: In,
+    /// The light's sides that are seen.
+    flats: Vec<Flat>,
+    /// Distance from the middle or height, in sizes.
+    far: f64,
+    /// Roundings on the way to a corner, in those of an offset from the point.
+    steps: f64,
+}
+
+/// Lights of all sizes, some of them ten times as long as wide, some oblique, and what looks at them.
+fn flats(triangle: bool, seed: u64) -> (Vec<Case>, Vec<Triangle>, Vec<Quad>) {
+    let mut random = Random(seed);
+    let (mut cases, mut triangles, mut quads) = (Vec::new(), Vec::new(), Vec::new());
+    for shape in 0..4 {
+        let size = decades(&mut random, -3.0, 1.0);
+        let along = size * unit(&mut random);
+        let width = [1.0, 0.8, 0.1, 0.7][shape];
+        let mut across = width * size * along.cross(unit(&mut random)).normalize();
+        if shape >= 1 {
+            across += [0.0, 0.4, 0.3, -0.6][shape] * along;
+        }
+        let (along, across) = (rounded(along), rounded(across));
+        let middle = [2.0 / 3.0, 1.0 / 3.0].map(|x| if triangle { x } else { 0.45 });
+        let corner = rounded(-middle[0] * exact(along) - middle[1] * exact(across));
+        let of_shape = shape as u32;
+        let flat = if triangle {
+            let b = rounded(exact(corner) + exact(along));
+            let c = rounded(exact(b) + exact(across));
+            triangles.push(Triangle { a: corner, b, c, ..Triangle::default() });
+            Flat { a: exact(corner), along: exact(b) - exact(corner), across: exact(c) - exact(b), triangle }
+        } else {
+            let (u, v) = (exact(along), exact(across));
+            let n = u.cross(v);
+            let w = n / n.length_squared();
+            quads.push(Quad {
+                corner,
+                normal: rounded(n.normalize()),
+                a_axis: rounded(v.cross(w)),
+                b_axis: rounded(w.cross(u)),
+                u: along,
+                v: across,
+                error: (8.0 * U * 3.0 * size) as f32,
+                ..Quad::default()
+            });
+            Flat { a: exact(corner), along: u, across: v, triangle }
+        };
+        for (far, from) in views(&mut random, size, flat.normal(), DVec3::ZERO, flat.along.normalize()) {
+            cases.push(Case {
+                row: In { from: rounded(from), shape: of_shape, ..In::default() },
+                flats: vec![flat],
+                far,
+                steps: 1.0,
+            });
+        }
+    }
+    (cases, triangles, quads)
+}
+
+/// Bound of the relative error of a solid angle 2 atan2(V, B) in f32, with V and B over the product of the lengths, for a
+/// triangle whose corners are off by 2 u of the `reach` of the sums that they come from. Each direction is then off by
+/// d = 2 u reach / its length + 3 u, and V by the corner's offset and 8 u of its product with the edges' cross product and
+/// 6 u of V, B by twice the sum of the d and 8 u; angle_of by 10 u.
+fn area_error(from: DVec3, [a, b, c]: [DVec3; 3], reach: f64) -> f64 {
+    let (p, q, r) = ((a - from).length(), (b - from).length(), (c - from).length());
+    let n = (b - a).cross(c - b).length();
+    let directions: f64 = [p, q, r].iter().map(|length| 2.0 * U * reach / length + 3.0 * U).sum();
+    let volume = (a - from).dot((b - a).cross(c - b)).abs() / (p * q * r);
+    let off_volume = 10.0 * U * (b - a).length() * (c - b).length().max((a - c).length()) / (q * r)
+        + (2.0 * U * reach / p) * n / (q * r)
+        + (directions + 6.0 * U) * volume;
+    let off_beside = 2.0 * directions + 8.0 * U;
+    let beside = 1.0
+        + ((a - from).dot(b - from) / (p * q))
+        + ((b - from).dot(c - from) / (q * r))
+        + ((c - from).dot(a - from) / (r * p));
+    let squared = volume * volume + beside * beside;
+    2.0 * (beside.abs() * off_volume + volume * off_beside) / squared + 10.0 * U * solid_angle(from, [a, b, c])
+}
+
+impl Case {
+    fn from(&self) -> DVec3 {
+        exact(self.row.from)
+    }
+
+    /// The solid angle, and a bound of the relative error of the density.
+    fn solid_angle(&self) -> (f64, f64) {
+        let from = self.from();
+        let (mut whole, mut off) = (0.0, 0.0);
+        for flat in &self.flats {
+            let corners = flat.corners();
+            let reach = self.steps * ((flat.a - from).length() + flat.along.length() + flat.across.length());
+            whole += flat.solid_angle(from);
+            off += corners[1..].windows(2).map(|two| area_error(from, [flat.a, two[0], two[1]], reach)).sum::<f64>();
+        }
+        (whole, off / whole + 4.0 * U)
+    }
+}
+
+/// How the cases of a light differ from what they must be: densities that are wrong, configurations whose directions are
+/// not uniform, and whose irradiance is not Lambert's.
+fn compare<S: Pod>(kind: Kind, cases: &[Case], shapes: &[S], replaced: &[(&str, &str)]) -> [u32; 3] {
+    let rows: Vec<In> = cases.iter().map(|case| case.row).collect();
+    let found = draws(kind, &rows, shapes, replaced);
+    let threshold = sidak(ALPHA, cases.len());
+    let mut wrong = [0; 3];
+    for (case, found) in cases.iter().zip(found.chunks(DRAWS)) {
+        let from = case.from();
+        let (whole, error) = case.solid_angle();
+        if error > 0.1 {
+            // So nearly edge-on that the solid angle has no digits, whatever the form.
+            continue;
+        }
+        let density = |out: &Out| out.pdf == out.again && (f64::from(out.pdf) * whole - 1.0).abs() < error;
+        wrong[0] += u32::from(!found.iter().all(density));
+
+        let (p, told) = uniformity(case, found, whole);
+        wrong[1] += u32::from(told && p < threshold);
+
+        // On a surface that sees all of the light: that faces its plane or, of several sides, its middle.
+        let middle = case.flats.iter().map(|flat| flat.a + 0.5 * (flat.along + flat.across) - from).sum::<DVec3>();
+        let first = &case.flats[0];
+        let normal = match case.flats.len() {
+            1 => first.normal() * (first.a - from).dot(first.normal()).signum(),
+            _ => middle.normalize(),
+        };
+        if !case.flats.iter().all(|flat| flat.corners().iter().all(|corner| (*corner - from).dot(normal) > 0.0)) {
+            continue;
+        }
+        let lambert: f64 = case.flats.iter().map(|flat| flat.irradiance(from, normal)).sum();
+        let values: Vec<f64> =
+            found.iter().map(|out| exact(out.direction).dot(normal).max(0.0) / f64::from(out.pdf) / lambert).collect();
+        let test = one_sample_t(&values, 1.0);
+        // Beside the noise, the density's error, and the direction's of 3 u by the cosine.
+        let off = error + 4.0 * U * whole / lambert;
+        wrong[2] += u32::from(!(test.p > threshold || test.difference.abs() < off));
+    }
+    wrong
+}
+
+/// The p-value of the directions' being uniform, by cells of the light's sides, and whether it can be told.
+fn uniformity(case: &Case, found: &[Out], whole: f64) -> (f64, bool) {
+    let from = case.from();
+    let mut expected = Vec::new();
+    let mut grids = Vec::new();
+    let mut told = case.far <= 1e4;
+    for flat in &case.flats {
+        let foot = flat.place(from, flat.normal());
+        let height = (flat.a - from).dot(flat.normal()).abs();
+        let (xs, ys) = (cuts(foot.0, height / flat.along.length()), cuts(foot.1, height / flat.across.length()));
+        grids.push((expected.len(), xs.clone(), ys.clone()));
+        for x in xs.windows(2) {
+            for y in ys.windows(2) {
+                let [a, b, c, d] = flat.part([x[0], x[1]], [y[0], y[1]]);
+                let share = (solid_angle(from, [a, b, c]) + solid_angle(from, [a, c, d])) / whole;
+                expected.push(share * found.len() as f64);
+            }
+        }
+        // Further away, and at flatter angles, the roundings of the directions carry too many over the cells' edges.
+        let size = flat.along.length().min(flat.across.length());
+        let distance = flat.corners().iter().map(|corner| (*corner - from).length()).fold(0.0, f64::max);
+        told &= case.far < 1.0 || U * distance * distance / (size * height) < 2e-4;
+    }
+    let mut cells = vec![0u64; expected.len()];
+    let cell = |cuts: &[f64], at: f64| cuts.partition_point(|cut| *cut <= at).clamp(1, cuts.len() - 1) - 1;
+    for out in found {
+        // The side that the direction meets, or passes by least.
+        let places = case.flats.iter().zip(&grids).map(|(flat, grid)| {
+            let (x, y) = flat.place(from, exact(out.direction));
+            let outside = (-x).max(x - 1.0).max(-y).max(y - 1.0);
+            (if outside.is_nan() { f64::MAX } else { outside.max(0.0) }, x, y, grid)
+        });
+        let (_, x, y, (first, xs, ys)) = places.min_by(|a, b| a.0.total_cmp(&b.0)).expect("a light has a side");
+        cells[first + cell(xs, x) * (ys.len() - 1) + cell(ys, y)] += 1;
+    }
+    (chi_square(&cells, &expected, 1), told)
+}
+
+/// Unit directions and finite densities, the same from both functions, whatever the uniforms.
+fn ends_are_numbers<S: Pod>(kind: Kind, rows: &[In], shapes: &[S]) {
+    for (row, out) in at_ends(kind, rows, shapes) {
+        let length = exact(out.direction).length();
+        assert!((length - 1.0).abs() < 1e-6 && out.pdf.is_finite() && out.pdf >= 0.0, "{row:?} {out:?}");
+        assert_eq!(out.pdf, out.again, "{row:?} {out:?}");
+        assert!((out.pdf * out.pdf).is_finite(), "{row:?} {out:?}");
+    }
+}
+
+/// Points in the light's plane, on its edges and corners, an ulp beside them, and 1e6 sizes away.
+fn awkward(flats: &[Flat], random: &mut Random) -> Vec<In> {
+    let mut rows = Vec::new();
+    for (shape, flat) in (0..).zip(flats) {
+        let size = flat.along.length();
+        let places = [
+            (0.0, 0.0),
+            (1.0, 0.0),
+            (1.0, 1.0),
+            (0.5, 0.0),
+            (0.5, 0.5),
+            (1.0, 0.5),
+            (0.6, 0.3),
+            (3.0, 0.0),
+            (-2.0, 1.0),
+        ];
+        for (x, y) in places {
+            let on = flat.a + x * flat.along + y * flat.across;
+            for height in [0.0, 1e-9, 1e-7, 1e-6, 1e-5, 1e-3] {
+                rows.push(In { from: rounded(on + height * size * flat.normal()), shape, ..In::default() });
+            }
+            rows.push(In { from: rounded(on + 1e-7 * size * unit(random)), shape, ..In::default() });
+        }
+        rows.push(In { from: rounded(1e6 * size * unit(random)), shape, ..In::default() });
+        rows.push(In { from: rounded(1e12 * size * unit(random)), shape, ..In::default() });
+        rows.push(In { from: rounded(1e6 * flat.along), shape, ..In::default() });
+    }
+    rows
+}
+
+/// The light of each shape.
+fn own_flats(cases: &[Case]) -> Vec<Flat> {
+    let mut found: Vec<(u32, Flat)> = cases.iter().map(|case| (case.row.shape, case.flats[0])).collect();
+    found.dedup_by_key(|(shape, _)| *shape);
+    found.into_iter().map(|(_, flat)| flat).collect()
+}
+
+#[test]
+fn a_triangles_directions_are_uniform_and_light_as_lambert_says() {
+    let (cases, shapes, _) = flats(true, 680);
+    assert_eq!(compare(TRIANGLE, &cases, &shapes, &[]), [0; 3]);
+    let planted = compare(TRIANGLE, &cases, &shapes, &[("light/spherical", "test/control/light_spherical_planar")]);
+    assert!(planted[0] > 20 && planted[1] > 20 && planted[2] > 10, "{planted:?}");
+    ends_are_numbers(TRIANGLE, &awkward(&own_flats(&cases), &mut Random(681)), &shapes);
+}
+
+#[test]
+fn a_quads_directions_are_uniform_and_light_as_lambert_says() {
+    let (cases, _, shapes) = flats(false, 690);
+    assert_eq!(compare(QUAD, &cases, &shapes, &[]), [0; 3]);
+    let planted = compare(QUAD, &cases, &shapes, &[("light/spherical", "test/control/light_spherical_planar")]);
+    assert!(planted[0] > 20 && planted[1] > 20 && planted[2] > 10, "{planted:?}");
+    ends_are_numbers(QUAD, &awkward(&own_flats(&cases), &mut Random(691)), &shapes);
+}
+
+/// Boxes of all sizes, some flat and some long, turned any way, and what looks at them from outside.
+fn cuboids(seed: u64) -> (Vec<Case>, Vec<Cuboid>) {
+    let mut random = Random(seed);
+    let (mut cases, mut shapes) = (Vec::new(), Vec::new());
+    for shape in 0..3 {
+        let size = decades(&mut random, -3.0, 1.0);
+        let half = [[0.5, 0.5, 0.5], [0.5, 0.3, 0.05], [0.5, 0.1, 0.2]][shape].map(|x| (x * size) as f32);
+        let x = unit(&mut random);
+        let y = x.cross(unit(&mut random)).normalize();
+        let cuboid = Cuboid { half_extent: half, x_axis: rounded(x), y_axis: rounded(y), ..Cuboid::default() };
+        let axes = [exact(cuboid.x_axis), exact(cuboid.y_axis), exact(cuboid.x_axis).cross(exact(cuboid.y_axis))];
+        let reach = [0, 1, 2].map(|i| f64::from(half[i]) * axes[i]);
+        let mut from_points = views(&mut random, size, axes[0], reach[0], axes[1]);
+        for far in [0.6, 1.0, 3.0, 100.0, 1e4, 1e6] {
+            from_points.extend([0; 3].map(|_| (far, (0.9 + far) * size * unit(&mut random))));
+        }
+        for (far, from) in from_points {
+            let from = rounded(from);
+            let local = axes.map(|axis| axis.dot(exact(from)));
+            let mut flats = Vec::new();
+            for i in 0..3 {
+                // On which side of the face the point lies must be beyond its rounding.
+                if local[i].abs() > f64::from(half[i]) {
+                    let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+                    let a = local[i].signum() * reach[i] - reach[j] - reach[k];
+                    flats.push(Flat { a, along: 2.0 * reach[j], across: 2.0 * reach[k], triangle: false });
+                }
+            }
+            if flats.is_empty() {
+                continue;
+            }
+            // The turn into the box's axes takes three roundings of each product, and the axes are off by one.
+            cases.push(Case { row: In { from, shape: shape as u32, ..In::default() }, flats, far, steps: 4.0 });
+        }
+        shapes.push(cuboid);
+    }
+    (cases, shapes)
+}
+
+#[test]
+fn a_cuboids_directions_are_uniform_and_light_as_lambert_says() {
+    let (cases, shapes) = cuboids(700);
+    assert!(cases.iter().filter(|case| case.flats.len() == 3).count() > 20);
+    assert_eq!(compare(CUBOID, &cases, &shapes, &[]), [0; 3]);
+    let planted = compare(CUBOID, &cases, &shapes, &[("light/spherical", "test/control/light_spherical_planar")]);
+    assert!(planted[0] > 10 && planted[1] > 20 && planted[2] > 10, "{planted:?}");
+    // Inside, on faces, edges and corners, and beside them.
+    let mut random = Random(701);
+    let mut rows = Vec::new();
+    for (index, shape) in (0..).zip(&shapes) {
+        let axes = [exact(shape.x_axis), exact(shape.y_axis), exact(shape.x_axis).cross(exact(shape.y_axis))];
+        for i in 0..125 {
+            let at = [i % 5, i / 5 % 5, i / 25].map(|x| [-1.0, -0.4, 0.0, 1.0, 5.0][x]);
+            let from: DVec3 = (0..3).map(|i| at[i] * f64::from(shape.half_extent[i]) * axes[i]).sum();
+            for off in [0.0, 1e-7, 1e-5] {
+                let off = off * f64::from(shape.half_extent[0]) * unit(&mut random);
+                rows.push(In { from: rounded(from + off), shape: index, ..In::default() });
+            }
+        }
+    }
+    ends_are_numbers(CUBOID, &rows, &shapes);
+    let inside = In { from: rounded(0.3 * f64::from(shapes[0].half_extent[0]) * unit(&mut random)), ..In::default() };
+    for (_, out) in at_ends(CUBOID, &[inside], &shapes) {
+        assert!((f64::from(out.pdf) * 4.0 * PI - 1.0).abs() < 4.0 * U && out.distance > 0.0, "{out:?}");
+    }
+}
