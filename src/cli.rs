@@ -50,6 +50,10 @@ pub struct RenderArgs {
     /// no more than --spp where that is given.
     #[arg(long, value_name = "TIME", value_parser = duration)]
     pub time: Option<Duration>,
+    /// Render until the relative error that is told at the end is below this with 95 % confidence, such as 0.01 for 1 %: 16, 32, 64 …
+    /// samples, no more than --spp and --time where these are given.
+    #[arg(long, value_name = "E", value_parser = relative_error, conflicts_with = "samples")]
+    pub noise: Option<f64>,
     /// Image size in pixels [default: the scene's].
     #[arg(long, value_name = "WxH", value_parser = image_size)]
     pub size: Option<(u32, u32)>,
@@ -247,6 +251,13 @@ fn image_size(text: &str) -> Result<(u32, u32), String> {
     match u64::from(width) * u64::from(height) <= 1 << 30 {
         true => Ok((width, height)),
         false => Err(expected()),
+    }
+}
+
+fn relative_error(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(error) if (1e-6..=1.0).contains(&error) => Ok(error),
+        _ => Err("expected a relative error from 0.000001 to 1, such as 0.01 for 1 %".to_string()),
     }
 }
 

@@ -24,6 +24,8 @@ pub const SLOT_IDLE: u32 = 0xffff_fffd;
 pub const NO_TEXTURE: u32 = 0xffff_ffff;
 /// Samples of a run at most; runs are cut at multiples of it.
 pub const RUN_LENGTH: u32 = 8;
+/// In `RunRecord::counts`: the run is an odd one.
+pub const ODD_RUN: u32 = 0x8000_0000;
 /// Planes of the slots' state, a vec4 of words each.
 pub const PATH_PLANES: u32 = 5;
 /// Words before the first queue.

@@ -3,7 +3,7 @@
 //! The device delivers sums over short runs of samples in f32. Here they are added as integers of a fixed scale (a sum of integers is
 //! the same in any order and split), together with the sums of squares that the error estimate needs.
 
-use crate::data::RUN_LENGTH;
+use crate::data::{ODD_RUN, RUN_LENGTH, Sampler};
 use crate::error::{Error, Result};
 
 /// What [`Picture::variance`] holds where the variance is not known: the largest finite f32. An image file must hold finite values, 0
@@ -18,6 +18,8 @@ const SQUARE_FRACTION: i32 = 96;
 const MAX_EXPONENT: i32 = 300;
 /// The share of the image's mean luminance that keeps dark pixels from ruling the relative error (design.md, section 2).
 const DARK_PIXEL_FLOOR: f64 = 0.01;
+/// The standard error, as a share, up to which a stated relative error is called reliable.
+const RELIABLE: f64 = 0.1;
 /// Luminance of linear Rec. 709 (ITU-R BT.709-6, item 3.2).
 const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
 
@@ -30,7 +32,7 @@ pub struct RunRecord {
     /// Index of the pixel: row 0 on top, `y * width + x`.
     pub pixel: u32,
     /// Accepted samples | rejected as NaN << 8 | rejected as infinite << 16 | rejected as cut short << 24; their sum is
-    /// at most [`RUN_LENGTH`].
+    /// at most [`RUN_LENGTH`]. And [`ODD_RUN`] where the run is one of odd number.
     pub counts: u32,
     /// Rays traced for the run.
     pub rays: u32,
@@ -39,7 +41,7 @@ pub struct RunRecord {
 impl RunRecord {
     /// `[accepted, NaN, infinite, cut short]`, or nothing where they cannot be the counts of one run.
     fn counts(&self) -> Option<[u32; 4]> {
-        let counts = self.counts.to_le_bytes().map(u32::from);
+        let counts = (self.counts & !ODD_RUN).to_le_bytes().map(u32::from);
         (counts.iter().sum::<u32>() <= RUN_LENGTH).then_some(counts)
     }
 }
@@ -78,12 +80,13 @@ pub struct Totals {
 struct Pixel {
     /// Σ s over runs, s the run's sum, in units of 2^-[`SUM_FRACTION`].
     sum: [u128; 3],
-    /// Σ s²/n over runs, n the run's accepted samples, in units of 2^-[`SQUARE_FRACTION`].
-    squares: [u128; 3],
+    /// What tells the variance. Of independent samples: Σ s²/n over runs, n the run's accepted samples, in units of
+    /// 2^-[`SQUARE_FRACTION`]. Of Sobol points: Σ s over odd runs, in the units of `sum`.
+    spread: [u128; 3],
     /// Accepted samples.
     samples: u64,
-    /// Runs with at least one accepted sample.
-    runs: u32,
+    /// Of independent samples: runs with at least one accepted sample. Of Sobol points: accepted samples of odd runs.
+    replicates: u32,
     rejected: u32,
 }
 
@@ -96,20 +99,49 @@ impl Pixel {
         self.sum[channel] as f64 * exp2(-SUM_FRACTION) / self.samples as f64
     }
 
-    /// The variance of the pixel's mean, in device units squared, from its runs as replicates of unequal size: with N = Σ n, K runs and
+    /// The variance of the pixel's mean, in device units squared. Unknown with less than two replicates, or where a total has saturated.
+    fn variance(&self, channel: usize, sampler: Sampler) -> Option<f64> {
+        let saturated = self.sum[channel] == u128::MAX || self.spread[channel] == u128::MAX;
+        match (saturated || !self.has_replicates(sampler), sampler) {
+            (true, _) => None,
+            (false, Sampler::Independent) => Some(self.variance_of_runs(channel)),
+            (false, Sampler::Sobol) => Some(self.variance_of_halves(channel)),
+        }
+    }
+
+    fn has_replicates(&self, sampler: Sampler) -> bool {
+        match sampler {
+            Sampler::Independent => self.replicates >= 2,
+            Sampler::Sobol => {
+                self.replicates > 0 && u64::from(self.replicates) < self.samples && self.replicates < u32::MAX
+            }
+        }
+    }
+
+    /// From the even runs' mean A and the odd ones' B, of a and b samples, N in all: v = a b (A - B)² / N². The halves are scrambled
+    /// apart, and so independent, whatever is between the points of one: with variances V and W of their means, E[(A - B)²] = V + W,
+    /// while the pixel's mean a A/N + b B/N has the variance (a² V + b² W) / N². With a = b both agree. Where the last run is missing
+    /// on one side, v is right if V and W are as 1/a to 1/b, as for independent samples; where the larger half is better than
+    /// that, v is too large, by a factor of a/b at most (own derivation: V a = W b gives v; V = 0 gives v = a b W / N² for b² W / N²).
+    fn variance_of_halves(&self, channel: usize) -> f64 {
+        let (odd, all) = (u64::from(self.replicates), self.samples);
+        let even = all - odd;
+        // Means are rounded down by 2^-88 at most, so that nothing cancels but equal digits.
+        let mean_odd = self.spread[channel] / u128::from(odd);
+        let mean_even = (self.sum[channel] - self.spread[channel].min(self.sum[channel])) / u128::from(even);
+        let difference = mean_odd.abs_diff(mean_even) as f64 * exp2(-SUM_FRACTION);
+        let weights = (even as f64 / all as f64) * (odd as f64 / all as f64);
+        weights * difference * difference
+    }
+
+    /// From the runs as replicates of unequal size: with N = Σ n, K runs and
     /// Q = Σ s²/n − (Σ s)²/N, it is Q / ((K − 1) N). Own derivation: for independent samples of mean μ and variance σ²,
     /// E[Σ s²/n] = K σ² + N μ² and E[(Σ s)²/N] = σ² + N μ², so that E[Q] = (K − 1) σ², while the mean's variance is σ²/N.
-    ///
-    /// Unknown with less than two runs, or where a total has saturated.
-    fn variance(&self, channel: usize) -> Option<f64> {
-        let (sum, squares) = (self.sum[channel], self.squares[channel]);
-        if self.runs < 2 || sum == u128::MAX || squares == u128::MAX {
-            return None;
-        }
+    fn variance_of_runs(&self, channel: usize) -> f64 {
         // Q ≥ 0 by the Cauchy–Schwarz inequality; only the rounding of the squares could take it below.
-        let spread = squares.saturating_sub(square_over(sum, self.samples));
-        let divisor = f64::from(self.runs - 1) * self.samples as f64;
-        Some(spread as f64 * exp2(-SQUARE_FRACTION) / divisor)
+        let spread = self.spread[channel].saturating_sub(square_over(self.sum[channel], self.samples));
+        let divisor = f64::from(self.replicates - 1) * self.samples as f64;
+        spread as f64 * exp2(-SQUARE_FRACTION) / divisor
     }
 
     fn reject(&mut self, samples: u32) {
@@ -123,7 +155,7 @@ impl Pixel {
 /// any rounding, smaller ones are rounded to 2^-88, and 2^30 samples of mean 1000 fit. Its sum of squares holds 2^-96 to 2^32: the
 /// variance is exact for samples from about 2^-36 on and fades below 2^-46; one run of sum 2^17, 2^20 samples of 64 or 2^30 of 2
 /// fit. Beyond, the total saturates (a saturating sum of numbers that are not negative is still the same in any order) and the
-/// variance is reported as unknown. So the device's unit should be about the radiance of the brightest thing that is often seen.
+/// variance is reported as unknown. (Of Sobol points the sums of squares are not kept; the difference of the halves is exact to 2^-88.) So the device's unit should be about the radiance of the brightest thing that is often seen.
 ///
 /// Memory: 112 bytes a pixel.
 #[derive(Clone, Debug, PartialEq)]
@@ -131,15 +163,24 @@ pub struct Film {
     width: u32,
     height: u32,
     exponent: i32,
+    sampler: Sampler,
     pixels: Vec<Pixel>,
     totals: Totals,
 }
 
 impl Film {
-    /// An empty film. Device radiance times 2^exponent is scene radiance; the exponent is within ±300.
+    /// An empty film of independent samples.
+    ///
+    /// # Errors
+    /// As of [`Film::with_sampler`].
+    pub fn new(width: u32, height: u32, exponent: i32) -> Result<Film> {
+        Film::with_sampler(width, height, exponent, Sampler::Independent)
+    }
+
+    /// An empty film. The sampler decides what the error is told by: runs, or the difference of two halves. Device radiance times 2^exponent is scene radiance; the exponent is within ±300.
     ///
     /// Fails where the image has no pixels, more than 2^32, or more than the memory holds.
-    pub fn new(width: u32, height: u32, exponent: i32) -> Result<Film> {
+    pub fn with_sampler(width: u32, height: u32, exponent: i32, sampler: Sampler) -> Result<Film> {
         let count = u64::from(width) * u64::from(height);
         // The device names pixels by u32.
         if count == 0 || count > 1 << 32 {
@@ -162,7 +203,13 @@ impl Film {
         let mut pixels = Vec::new();
         pixels.try_reserve_exact(count).map_err(|_| too_large())?;
         pixels.resize(count, Pixel::default());
-        Ok(Film { width, height, exponent, pixels, totals: Totals::default() })
+        Ok(Film { width, height, exponent, sampler, pixels, totals: Totals::default() })
+    }
+
+    /// Takes everything back.
+    pub fn clear(&mut self) {
+        self.pixels.fill(Pixel::default());
+        self.totals = Totals::default();
     }
 
     pub fn width(&self) -> u32 {
@@ -217,15 +264,26 @@ impl Film {
             pixel.reject(accepted);
             return;
         }
+        let odd = record.counts & ODD_RUN != 0;
         for channel in 0..3 {
             let s = f64::from(record.sum[channel]);
-            // The square of an f32 is exact in f64, and so is its quotient by the n of a full run, 8.
-            let square = s * s / f64::from(accepted);
-            pixel.sum[channel] = pixel.sum[channel].saturating_add(to_fixed(s, SUM_FRACTION));
-            pixel.squares[channel] = pixel.squares[channel].saturating_add(to_fixed(square, SQUARE_FRACTION));
+            let sum = to_fixed(s, SUM_FRACTION);
+            let spread = match self.sampler {
+                // The square of an f32 is exact in f64, and so is its quotient by the n of a full run, 8.
+                Sampler::Independent => to_fixed(s * s / f64::from(accepted), SQUARE_FRACTION),
+                Sampler::Sobol if odd => sum,
+                Sampler::Sobol => 0,
+            };
+            pixel.sum[channel] = pixel.sum[channel].saturating_add(sum);
+            pixel.spread[channel] = pixel.spread[channel].saturating_add(spread);
         }
         pixel.samples += u64::from(accepted);
-        pixel.runs = pixel.runs.saturating_add(1);
+        let replicates = match self.sampler {
+            Sampler::Independent => 1,
+            Sampler::Sobol if odd => accepted,
+            Sampler::Sobol => 0,
+        };
+        pixel.replicates = pixel.replicates.saturating_add(replicates);
     }
 
     /// Counts a record's samples as rejected and takes nothing else from it.
@@ -240,20 +298,27 @@ impl Film {
 
     /// Adds another film of the same image. It is the same as if this film had got the other's records too.
     pub fn merge(&mut self, other: &Film) -> Result<()> {
-        let shape = |film: &Film| (film.width, film.height, film.exponent);
+        let shape = |film: &Film| (film.width, film.height, film.exponent, film.sampler);
         if shape(self) != shape(other) {
             return Err(Error::Usage(format!(
-                "films of different images cannot be joined: {} x {} pixels of scale 2^{} and {} x {} of 2^{}",
-                self.width, self.height, self.exponent, other.width, other.height, other.exponent
+                "films of different images cannot be joined: {} x {} pixels of scale 2^{} ({}) and {} x {} of 2^{} ({})",
+                self.width,
+                self.height,
+                self.exponent,
+                self.sampler.name(),
+                other.width,
+                other.height,
+                other.exponent,
+                other.sampler.name()
             )));
         }
         for (mine, theirs) in self.pixels.iter_mut().zip(&other.pixels) {
             for channel in 0..3 {
                 mine.sum[channel] = mine.sum[channel].saturating_add(theirs.sum[channel]);
-                mine.squares[channel] = mine.squares[channel].saturating_add(theirs.squares[channel]);
+                mine.spread[channel] = mine.spread[channel].saturating_add(theirs.spread[channel]);
             }
             mine.samples += theirs.samples;
-            mine.runs = mine.runs.saturating_add(theirs.runs);
+            mine.replicates = mine.replicates.saturating_add(theirs.replicates);
             mine.reject(theirs.rejected);
         }
         self.totals.paths += other.totals.paths;
@@ -276,7 +341,7 @@ impl Film {
             variance: self
                 .pixels
                 .iter()
-                .map(|p| channels.map(|c| variance_to_f32(p.variance(c), scale * scale)))
+                .map(|p| channels.map(|c| variance_to_f32(p.variance(c, self.sampler), scale * scale)))
                 .collect(),
             samples: self.pixels.iter().map(|p| u32::try_from(p.samples).unwrap_or(u32::MAX)).collect(),
             rejected: self.pixels.iter().map(|p| p.rejected).collect(),
@@ -287,28 +352,90 @@ impl Film {
     /// mean, Ī the image's mean luminance (design.md, section 2). It is taken channel by channel, so that v and I belong to the same
     /// quantity and the file's layers suffice to compute it: the variance of a luminance would need the channels' covariance.
     ///
-    /// Pixels that have rejected samples and less than two runs are left out, lest one broken pixel hides the error of all others.
-    /// Nothing while any other pixel has less than two runs, where a total has saturated, and for an image without light.
+    /// Pixels that have rejected samples and less than two replicates are left out, lest one broken pixel hides the error of all others.
+    /// Nothing while any other pixel has less than two, where a total has saturated, and for an image without light.
     pub fn relative_error(&self) -> Option<f64> {
+        self.error_estimate(0.5).map(|estimate| estimate.value)
+    }
+
+    /// The relative error, and the bound that the true one is above with a probability of `level` only.
+    ///
+    /// With x the mean of v / (I² + 0.01 Ī²) over a pixel's channels, T = Σ x over n pixels is what is estimated. Pixels are independent,
+    /// since random numbers are keyed by them. So its variance is the sum of theirs, and E[(x − y)²] = Var x + Var y + (E x − E y)²
+    /// for two of them: D = Σ (x − y)² over pairs of neighbours is what Var T is at most on average, and little more where
+    /// neighbours are alike, whatever the distribution of x is, and however its channels hang together (von Neumann, Annals of
+    /// Mathematical Statistics 12(4), 1941, of successive differences). As a sum of scaled chi-squares, T is one of about
+    /// ν = 2 T²/D degrees of freedom (Satterthwaite, Biometrics Bulletin 2(6), 1946, equation 17), so that T ν / χ²_ν(level) is the bound.
+    ///
+    /// The relative error is known to sqrt(1/(2ν)) of itself. Where that is more than a tenth, ν < 50, few pixels carry the sum, as
+    /// rare bright paths make it: one that has a share s of T makes ν at most 2/s² or so. Then what has not been seen yet may be
+    /// more than what has, and the estimate is called unreliable.
+    pub fn error_estimate(&self, level: f64) -> Option<ErrorEstimate> {
         let luminance = |p: &Pixel| (0..3).map(|c| LUMINANCE[c] * p.mean(c)).sum::<f64>();
         let mean_luminance = self.pixels.iter().map(luminance).sum::<f64>() / self.pixels.len() as f64;
         if mean_luminance <= 0.0 {
             return None;
         }
         let floor = DARK_PIXEL_FLOOR * mean_luminance * mean_luminance;
-        let (mut total, mut terms) = (0.0, 0u64);
+        let (mut total, mut pixels) = (0.0, 0u64);
+        let (mut differences, mut waiting) = (0.0, None);
         for pixel in &self.pixels {
-            if pixel.runs < 2 && pixel.rejected > 0 {
+            if pixel.rejected > 0 && !pixel.has_replicates(self.sampler) {
                 continue;
             }
+            let mut x = 0.0;
             for channel in 0..3 {
                 let mean = pixel.mean(channel);
-                total += pixel.variance(channel)? / (mean * mean + floor);
-                terms += 1;
+                x += pixel.variance(channel, self.sampler)? / (3.0 * (mean * mean + floor));
+            }
+            total += x;
+            pixels += 1;
+            match waiting.take() {
+                None => waiting = Some(x),
+                Some(other) => differences += (x - other) * (x - other),
             }
         }
-        (terms > 0).then(|| (total / terms as f64).sqrt())
+        if pixels == 0 {
+            return None;
+        }
+        let in_pairs = (pixels / 2 * 2) as f64;
+        // A single pixel tells nothing about the error of its error.
+        let degrees = match (in_pairs > 0.0, total > 0.0 || differences > 0.0) {
+            (false, _) => 0.0,
+            (true, false) => f64::INFINITY,
+            (true, true) => 2.0 * total * total / (differences * pixels as f64 / in_pairs),
+        };
+        let value = (total / pixels as f64).sqrt();
+        Some(ErrorEstimate {
+            value,
+            bound: value / lower_chi_square(degrees, level).sqrt(),
+            reliable: 0.5 / degrees <= RELIABLE * RELIABLE,
+        })
     }
+}
+
+/// The relative error of an image ([`Film::error_estimate`]).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ErrorEstimate {
+    pub value: f64,
+    /// What the true error is below, but for the probability asked; infinite where nothing is known.
+    pub bound: f64,
+    /// Whether enough pixels tell it.
+    pub reliable: bool,
+}
+
+/// The quantile at `level` ≤ 1/2 of a chi-square variable over its degrees of freedom, by Wilson and Hilferty's cube (PNAS 17(12), 1931;
+/// Abramowitz and Stegun, 26.4.17). It is too low for few degrees, half of the true one at 2, which errs on the safe side.
+fn lower_chi_square(degrees: f64, level: f64) -> f64 {
+    if degrees <= 0.0 {
+        return 0.0;
+    }
+    // Abramowitz and Stegun, 26.2.23: to 4.5e-4.
+    let t = (-2.0 * level.clamp(1e-300, 0.5).ln()).sqrt();
+    let top = 2.515_517 + t * (0.802_853 + t * 0.010_328);
+    let z = top / (1.0 + t * (1.432_788 + t * (0.189_269 + t * 0.001_308))) - t;
+    let spread = 2.0 / (9.0 * degrees);
+    (1.0 - spread + z * spread.sqrt()).max(0.0).powi(3)
 }
 
 /// A developed image: linear scene radiance, row 0 on top. Every value is finite.

@@ -33,6 +33,8 @@ pub enum Goal {
     Samples(u32),
     /// As many as fit until then, but one at least and `end` at most.
     Until { deadline: Instant, end: u32 },
+    /// Until the relative error is below `error`, but `end` at most, and no more than fit until the deadline where there is one.
+    Noise { error: f64, deadline: Option<Instant>, end: u32 },
 }
 
 /// What the caller of a render wants next.
@@ -51,6 +53,8 @@ pub struct Outcome {
     pub interrupted: bool,
     /// Of an interrupted render: one past the last sample that any pixel has.
     pub stopped_at: Option<u32>,
+    /// Of a render until an error: what came of it.
+    pub noise: Option<Noise>,
     /// Seconds of the passes, from the first to the last.
     pub seconds: f64,
     /// Seconds until the first pass had ended.
@@ -58,6 +62,20 @@ pub struct Outcome {
     /// Seconds on the device by stage, where they were asked for and the device can tell.
     pub stages: Vec<(String, f64)>,
 }
+
+/// What came of a render until an error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Noise {
+    /// The probability that was left to the last look for finding the error below its bound by chance.
+    pub level: f64,
+    /// Whether the bound was below the error asked.
+    pub reached: bool,
+}
+
+/// The probability that a render until an error ends with a larger one, over all its looks.
+pub const NOISE_LEVEL: f64 = 0.05;
+/// The samples at which such a render looks first.
+const FIRST_LOOK: u32 = 2 * RUN_LENGTH;
 
 /// The share of a submission's target that a submission should take: long enough to hide what it costs to make one, short
 /// enough that no watchdog fires and no user waits.
@@ -69,7 +87,7 @@ pub fn tuning(device: DeviceClass, job: &Job, wish: TuningWish) -> Tuning {
         Goal::Samples(end) => {
             u64::from(job.size.0) * u64::from(job.size.1) * blocks(job.first_sample..end).len() as u64
         }
-        Goal::Until { .. } => u64::MAX,
+        Goal::Until { .. } | Goal::Noise { .. } => u64::MAX,
     };
     // A processor wants work for each core and the slots' state in its caches; a GPU wants paths enough to hide its
     // latencies. A slot should serve several runs, or the render is all tail.
@@ -87,6 +105,10 @@ pub fn tuning(device: DeviceClass, job: &Job, wish: TuningWish) -> Tuning {
         scatter: wish.scatter.unwrap_or(if device.software { Scatter::Fused } else { Scatter::Linked }),
         records_per_slot: room.clamp(2, 16) as u32,
     }
+}
+
+fn seconds_until(deadline: Instant) -> f64 {
+    deadline.saturating_duration_since(Instant::now()).as_secs_f64()
 }
 
 fn cores() -> u64 {
@@ -113,7 +135,6 @@ pub struct Renderer<'a> {
     device: &'a Device,
     settings: Settings,
     size: (u32, u32),
-    radiance_exponent: i32,
     tuning: Tuning,
     /// Bounces of the next submission, and whether their number is fixed.
     bounces: u32,
@@ -207,7 +228,6 @@ impl<'a> Renderer<'a> {
             device,
             settings,
             size: job.size,
-            radiance_exponent: flat.radiance_exponent,
             bounces: wish.bounces.unwrap_or(1),
             bounces_fixed: wish.bounces.is_some(),
             generate: pipeline(&plan.generate)?,
@@ -253,6 +273,7 @@ impl<'a> Renderer<'a> {
                 end
             }
             Goal::Until { deadline, end } => self.render_until(first..end, deadline, &mut stretch)?,
+            Goal::Noise { error, deadline, end } => self.render_noise(first..end, error, deadline, &mut stretch)?,
         };
         outcome.samples = first..outcome.stopped_at.unwrap_or(end).min(end);
         outcome.seconds = start.elapsed().as_secs_f64();
@@ -263,45 +284,107 @@ impl<'a> Renderer<'a> {
     }
 
     /// Renders as many samples as fit until the deadline, one at least; the result is one past the last.
-    ///
-    /// Their number is fixed before the last stretch begins, from the pace of those before it: to stop when a pass happens
-    /// to end would favour short paths.
     fn render_until(&mut self, most: Range<u32>, deadline: Instant, stretch: &mut Stretch<'_>) -> Result<u32> {
-        /// The shares of the time at whose end the pace is taken again; the last leaves room for its error.
-        const SHARES: [f64; 3] = [0.1, 0.7, 0.98];
-        let first = most.start;
-        self.render_samples(first..first + 1, stretch)?;
-        let seconds_left = || deadline.saturating_duration_since(Instant::now()).as_secs_f64();
-        let mut pace = 1.0 / stretch.start.elapsed().as_secs_f64().max(1e-6);
-        if pace * seconds_left() < 1.0 || most.len() <= 1 || stretch.outcome.interrupted {
-            return Ok(first + 1);
+        match self.render_pilot(&most, deadline, stretch)? {
+            Some(mut pace) => self.fill(most, deadline, &mut pace, stretch),
+            None => Ok(most.start + 1),
         }
-        // The pilot's runs of one sample would be parts of longer runs: those samples are rendered again.
-        *stretch.film = Film::new(self.size.0, self.size.1, self.radiance_exponent)?;
+    }
+
+    /// Renders one sample and takes it back: the result is the pace, samples a second. Nothing, where no other sample fits; then
+    /// the one stays.
+    fn render_pilot(&mut self, most: &Range<u32>, deadline: Instant, stretch: &mut Stretch<'_>) -> Result<Option<f64>> {
         let begin = Instant::now();
-        let all = seconds_left();
-        let mut done = first;
+        self.render_samples(most.start..most.start + 1, stretch)?;
+        let pace = 1.0 / begin.elapsed().as_secs_f64().max(1e-6);
+        if pace * seconds_until(deadline) < 1.0 || most.len() <= 1 || stretch.outcome.interrupted {
+            return Ok(None);
+        }
+        // Its runs of one sample would be parts of longer runs.
+        stretch.film.clear();
+        Ok(Some(pace))
+    }
+
+    /// Renders as many samples as fit until the deadline, which may be none; the result is one past the last.
+    ///
+    /// Their number is fixed before the last stretch begins, from the pace of the one before it: to stop when a pass happens
+    /// to end would favour short paths. The last stretch is short, so that an error of the pace does little, and ends within a
+    /// run: whole runs may be longer than what an error of the pace does.
+    fn fill(&mut self, most: Range<u32>, deadline: Instant, pace: &mut f64, stretch: &mut Stretch<'_>) -> Result<u32> {
+        /// The shares of the time at whose end the pace is taken again; the last leaves room for its error.
+        const SHARES: [f64; 4] = [0.1, 0.5, 0.85, 0.985];
+        let begin = Instant::now();
+        let all = seconds_until(deadline);
+        let mut done = most.start;
         for share in SHARES {
             let spent = begin.elapsed().as_secs_f64();
-            if done > first {
-                pace = f64::from(done - first) / spent.max(1e-6);
-            }
-            let fits = (pace * (share * all - spent)).max(0.0) as u32;
-            let whole = done.saturating_add(fits) / RUN_LENGTH * RUN_LENGTH;
-            let end = match done.saturating_add(fits) {
-                aim if aim >= most.end => most.end,
-                _ if whole > done => whole,
-                // Not even one block fits, now or later.
-                _ if done == first && share == SHARES[2] => done + fits.max(1),
-                _ => continue,
+            let fits = (*pace * (share * all - spent)).max(0.0) as u32;
+            let aim = done.saturating_add(fits).min(most.end);
+            let last = share == SHARES[SHARES.len() - 1];
+            let end = match last || aim == most.end {
+                true => aim,
+                false => aim / RUN_LENGTH * RUN_LENGTH,
             };
+            if end <= done {
+                continue;
+            }
             self.render_samples(done..end, stretch)?;
+            *pace = f64::from(end - done) / (begin.elapsed().as_secs_f64() - spent).max(1e-6);
             done = end;
             if stretch.outcome.interrupted || done == most.end {
                 break;
             }
         }
+        if done == most.start && stretch.film.totals().paths == 0 {
+            // The pilot was wrong about a second sample, and is gone.
+            self.render_samples(done..done + 1, stretch)?;
+            done += 1;
+        }
         Ok(done)
+    }
+
+    /// Renders until the relative error is below the one asked; the result is one past the last sample.
+    ///
+    /// The film is looked at when the number of samples has doubled. To stop at the first look that pleases would favour those that are
+    /// too low by chance: the k-th has a 2^-k-th of the probability of being wrong that all have together, by the union bound. Samples that
+    /// have been looked at stay: they are as good as others, and the image is that of `--spp` with their number.
+    fn render_noise(
+        &mut self,
+        most: Range<u32>,
+        error: f64,
+        deadline: Option<Instant>,
+        stretch: &mut Stretch<'_>,
+    ) -> Result<u32> {
+        let mut done = most.start;
+        let mut noise = Noise { level: NOISE_LEVEL / 2.0, reached: false };
+        let mut timed = None;
+        if let Some(deadline) = deadline {
+            match self.render_pilot(&most, deadline, stretch)? {
+                Some(pace) => timed = Some((deadline, pace)),
+                None => {
+                    stretch.outcome.noise = Some(noise);
+                    return Ok(done + 1);
+                }
+            }
+        }
+        let mut aim = FIRST_LOOK;
+        loop {
+            let end = most.end.min(most.start.saturating_add(aim));
+            done = match &mut timed {
+                Some((deadline, pace)) => self.fill(done..end, *deadline, pace, stretch)?,
+                None => {
+                    self.render_samples(done..end, stretch)?;
+                    end
+                }
+            };
+            noise.reached = stretch.film.error_estimate(noise.level).is_some_and(|found| found.bound < error);
+            stretch.outcome.noise = Some(noise);
+            if noise.reached || done < end || done == most.end || stretch.outcome.interrupted {
+                return Ok(done);
+            }
+            noise.level /= 2.0;
+            aim = aim.saturating_mul(2);
+        }
     }
 
     /// Renders a range of samples of every pixel.

@@ -189,6 +189,7 @@ fn every_constant_of_the_host_is_that_of_the_shaders() {
         ("KIND_INSTANCE", data::KIND_INSTANCE),
         ("RUN_LENGTH", data::RUN_LENGTH),
         ("QUEUE_HEADER", data::QUEUE_HEADER),
+        ("ODD_RUN", data::ODD_RUN),
     ]);
     for (name, value) in &same {
         assert_eq!(constant(&modules, name), Some(*value), "{name}");

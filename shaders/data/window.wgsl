@@ -10,6 +10,9 @@ struct Window {
 
 const RUN_LENGTH: u32 = ${run_length}u;
 
+// Of a run's counts: it is an odd one. The counts proper end below that bit.
+const ODD_RUN: u32 = 0x80000000u;
+
 // One past the last sample of the run that a sample is part of.
 fn end_of_run(sample: u32, end_sample: u32) -> u32 {
     return min((sample / RUN_LENGTH + 1u) * RUN_LENGTH, end_sample);
@@ -32,7 +35,7 @@ struct RunRecord {
     g: f32,
     b: f32,
     pixel: u32,
-    // Accepted | rejected as NaN << 8 | rejected as infinite << 16 | rejected as cut short << 24.
+    // Accepted | rejected as NaN << 8 | rejected as infinite << 16 | rejected as cut short << 24; and ODD_RUN.
     counts: u32,
     rays: u32,
 }

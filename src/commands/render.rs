@@ -12,13 +12,13 @@ use super::{flatten_for, path_text, print_json, tell};
 use crate::cli::{MOST_SAMPLES, RenderArgs};
 use crate::data::Sampler;
 use crate::error::{Error, Result};
-use crate::film::{Film, Picture, Totals};
+use crate::film::{ErrorEstimate, Film, Picture, Totals};
 use crate::gpu::device::{Adapters, Device};
 use crate::output::exr::{Attribute, write_exr};
 use crate::output::png::write_png;
 use crate::output::progress::{self, Loading, Progress, Status};
 use crate::plan::{Plan, Tables};
-use crate::render::{Goal, Job, Next, Outcome, Renderer, TuningWish, tuning};
+use crate::render::{Goal, Job, NOISE_LEVEL, Next, Noise, Outcome, Renderer, TuningWish, tuning};
 use crate::scene::Scene;
 
 /// Seconds of the parts of a render, as `--json` and the EXR's header report them.
@@ -76,7 +76,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     let mut renderer = Renderer::new(&device, &flat, &plan, &job, wish, args.tuning.profile)?;
     seconds.compile = clock.lap();
 
-    let mut film = Film::new(size.0, size.1, flat.radiance_exponent)?;
+    let mut film = Film::with_sampler(size.0, size.1, flat.radiance_exponent, flat.features.sampler)?;
     let stopped = stop_on_interrupt();
     let about = About { args, scene_file: &args.scene, device: &device, job: &job };
     let progress = Progress::new(args.quiet, progress_goal(&job));
@@ -89,10 +89,11 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
         next_checkpoint: Instant::now() + args.checkpoint,
         error: None,
         failed: None,
-        checkpoint: &|film: &Film, error: Option<f64>| {
+        checkpoint: &|film: &Film| {
             let each = film.totals().paths / (u64::from(film.width()) * u64::from(film.height()));
             let end = job.first_sample.saturating_add(u32::try_from(each).unwrap_or(u32::MAX));
-            let finish = Finish { error, samples: job.first_sample..end, ..Finish::of(film) };
+            let finish =
+                Finish { error: film.error_estimate(NOISE_LEVEL), samples: job.first_sample..end, ..Finish::of(film) };
             let attributes = about.attributes(&finish, &seconds);
             write_exr(&output.exr, &film.develop(), &attributes)
         },
@@ -111,7 +112,8 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
         Err(_) => Outcome { samples: job.first_sample..job.first_sample, ..Outcome::default() },
     };
     let finish = Finish {
-        error: film.relative_error(),
+        error: film.error_estimate(outcome.noise.map_or(NOISE_LEVEL, |noise| noise.level)),
+        noise: outcome.noise,
         complete: rendered.is_ok() && !outcome.interrupted,
         ..Finish::of(&film)
     };
@@ -206,12 +208,12 @@ fn check_place(path: &Path) -> Result<()> {
 
 fn job_of(args: &RenderArgs, scene: &Scene, size: (u32, u32), start: Instant) -> Job {
     let samples = args.samples.clone().unwrap_or(0..args.spp.unwrap_or(scene.render.samples));
-    let goal = match args.time {
-        None => Goal::Samples(samples.end),
-        Some(time) => Goal::Until {
-            deadline: start + time.saturating_sub(write_time(size)),
-            end: args.spp.unwrap_or(MOST_SAMPLES as u32),
-        },
+    let deadline = args.time.map(|time| start + time.saturating_sub(write_time(size)));
+    let end = args.spp.unwrap_or(MOST_SAMPLES as u32);
+    let goal = match (args.noise, deadline) {
+        (None, None) => Goal::Samples(samples.end),
+        (None, Some(deadline)) => Goal::Until { deadline, end },
+        (Some(error), deadline) => Goal::Noise { error, deadline, end },
     };
     Job {
         size,
@@ -231,6 +233,10 @@ fn progress_goal(job: &Job) -> progress::Goal {
     match job.goal {
         Goal::Samples(end) => progress::Goal::Samples { from: 0, to: u64::from(end - job.first_sample) },
         Goal::Until { deadline, .. } => progress::Goal::Time(deadline.saturating_duration_since(Instant::now())),
+        Goal::Noise { error, deadline, .. } => progress::Goal::Error {
+            below: error,
+            within: deadline.map(|deadline| deadline.saturating_duration_since(Instant::now())),
+        },
     }
 }
 
@@ -257,7 +263,7 @@ struct Watcher<'a> {
     interval: Duration,
     error: Option<f64>,
     failed: Option<Error>,
-    checkpoint: &'a dyn Fn(&Film, Option<f64>) -> Result<()>,
+    checkpoint: &'a dyn Fn(&Film) -> Result<()>,
 }
 
 impl Watcher<'_> {
@@ -271,7 +277,7 @@ impl Watcher<'_> {
         }
         if now >= self.next_checkpoint {
             // A checkpoint that fails is told at the end; the render is worth more than it.
-            self.failed = (self.checkpoint)(film, self.error).err();
+            self.failed = (self.checkpoint)(film).err();
             self.next_checkpoint = Instant::now() + self.interval;
         }
         let totals = film.totals();
@@ -292,13 +298,15 @@ impl Watcher<'_> {
 struct Finish {
     samples: Range<u32>,
     totals: Totals,
-    error: Option<f64>,
+    error: Option<ErrorEstimate>,
+    /// Of `--noise`: whether the error was reached.
+    noise: Option<Noise>,
     complete: bool,
 }
 
 impl Finish {
     fn of(film: &Film) -> Finish {
-        Finish { samples: 0..0, totals: film.totals(), error: None, complete: false }
+        Finish { samples: 0..0, totals: film.totals(), error: None, noise: None, complete: false }
     }
 }
 
@@ -339,7 +347,17 @@ impl About<'_> {
             float("seconds_compile", seconds.compile),
             float("seconds_render", seconds.render),
         ];
-        all.extend(finish.error.map(|error| float("relative_error", error)));
+        if let Some(error) = finish.error {
+            all.push(float("relative_error", error.value));
+            if error.bound.is_finite() {
+                all.push(float("relative_error_bound", error.bound));
+            }
+            all.push(int("reliable", u64::from(error.reliable)));
+        }
+        if let (Some(wish), Some(noise)) = (self.args.noise, finish.noise) {
+            all.push(float("noise", wish));
+            all.push(int("noise_reached", u64::from(noise.reached)));
+        }
         all
     }
 }
@@ -394,11 +412,16 @@ fn report(
         "paths_per_second": per_second(paths),
         "rays_per_second": per_second(rays),
         "rejected_samples": rejected.total(),
-        "relative_error": finish.error,
+        "relative_error": finish.error.map(|error| error.value),
+        "relative_error_bound": finish.error.map(|error| error.bound),
+        "reliable": finish.error.map(|error| error.reliable),
         "interrupted": outcome.interrupted,
         "kernels": kernels,
         "gpu_bytes": gpu_bytes,
     });
+    if let Some(noise) = finish.noise {
+        report["noise_reached"] = noise.reached.into();
+    }
     if about.args.tuning.profile {
         report["stage_seconds"] = stages.into();
     }
@@ -421,12 +444,33 @@ fn summarise(args: &RenderArgs, job: &Job, output: &Output<'_>, outcome: &Outcom
             false => outcome.stages.iter().for_each(|(name, s)| tell(&format!("stage {name}: {s:.3} s on the device"))),
         }
     }
+    if let Some(error) = finish.error.filter(|error| !error.reliable) {
+        tell(&format!(
+            "warning: the relative error is unreliable: few pixels make most of it, as rare bright paths do. It may be {} %",
+            percent(error.bound)
+        ));
+    }
+    if let (Some(wish), Some(noise)) = (args.noise, finish.noise) {
+        let bound = finish.error.map_or(f64::INFINITY, |error| error.bound);
+        let words = match noise.reached {
+            true => "was reached",
+            false => "was not reached",
+        };
+        tell(&format!(
+            "--noise {wish} {words}: the relative error is at most {} %, with 95 % confidence",
+            percent(bound)
+        ));
+    }
     let error = match finish.error {
-        Some(error) => format!("relative error {:.2} %", 100.0 * error),
+        Some(error) => format!("relative error {} %", percent(error.value)),
         None => "error unknown (it takes 9 samples a pixel, and light)".to_string(),
     };
     let samples = samples_done(outcome, finish, job);
     tell(&format!("{}: {samples} samples, {error}, {total:.1} s", output.exr.display()));
+}
+
+fn percent(share: f64) -> String {
+    format!("{:.2}", 100.0 * share)
 }
 
 /// Samples of each pixel; of an interrupted render the whole ones of the mean.

@@ -23,6 +23,8 @@ pub enum Goal {
     Samples { from: u64, to: u64 },
     /// After this time.
     Time(Duration),
+    /// When the relative error is below this, or after the time.
+    Error { below: f64, within: Option<Duration> },
 }
 
 /// Where the render stands.
@@ -154,7 +156,12 @@ impl Goal {
                 let (done, whole) = (status.samples_per_pixel.saturating_sub(from), to.saturating_sub(from));
                 done as f64 / whole.max(1) as f64
             }
-            Goal::Time(limit) => elapsed.as_secs_f64() / limit.as_secs_f64().max(f64::MIN_POSITIVE),
+            Goal::Time(limit) => share_of_time(elapsed, limit),
+            // The error falls with the root of the samples or faster.
+            Goal::Error { below, within } => {
+                let of_error = status.relative_error.map_or(0.0, |error| (below / error).powi(2));
+                of_error.max(within.map_or(0.0, |limit| share_of_time(elapsed, limit)))
+            }
         };
         share.min(1.0)
     }
@@ -163,7 +170,7 @@ impl Goal {
     fn remaining(&self, status: &Status, elapsed: Duration) -> Option<Duration> {
         match *self {
             Goal::Time(limit) => Some(limit.saturating_sub(elapsed)),
-            Goal::Samples { .. } => {
+            Goal::Samples { .. } | Goal::Error { .. } => {
                 let share = self.share(status, elapsed);
                 // Too long to be held in a duration is unknown too.
                 Duration::try_from_secs_f64(elapsed.as_secs_f64() * (1.0 - share) / share).ok()
@@ -178,11 +185,16 @@ fn describe(goal: &Goal, status: &Status, elapsed: Duration) -> String {
     let samples = match goal {
         Goal::Samples { to, .. } => format!("{done}/{to} spp"),
         Goal::Time(_) => format!("{done} spp"),
+        Goal::Error { below, .. } => format!("{done} spp until {} %", two_digits(100.0 * below)),
     };
     let speed = format!("{:.2} Mpaths/s", status.paths_per_second / 1e6);
     let error = status.relative_error.map(|error| format!("error {} %", two_digits(100.0 * error)));
     let remaining = goal.remaining(status, elapsed).map(|time| format!("ETA {}", FormattedDuration(time)));
     [Some(samples), Some(speed), error, remaining].into_iter().flatten().collect::<Vec<_>>().join("  ")
+}
+
+fn share_of_time(elapsed: Duration, limit: Duration) -> f64 {
+    elapsed.as_secs_f64() / limit.as_secs_f64().max(f64::MIN_POSITIVE)
 }
 
 /// As many decimals as two significant digits need, 4 at most.

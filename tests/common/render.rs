@@ -118,7 +118,7 @@ pub fn render_each(scene: &Scene, ask: &Ask, ranges: &[Range<u32>]) -> Vec<Shot>
         Renderer::new(device, &flat, &plan, &first, ask.wish, false).expect("the kernels compile and the buffers fit");
     let shots = ranges.iter().map(|samples| {
         let job = job(samples);
-        let mut film = Film::new(size.0, size.1, flat.radiance_exponent).expect("the film fits");
+        let mut film = Film::with_sampler(size.0, size.1, flat.radiance_exponent, ask.sampler).expect("the film fits");
         let mut watch = Watchdog::new(job.max_depth);
         let outcome = renderer.run(&job, &mut film, &mut |film, _| watch.look(film)).expect("the device renders");
         let shot = Shot { picture: film.develop(), film, outcome };
