@@ -7,10 +7,11 @@ mod render;
 #[path = "common/stats.rs"]
 mod stats;
 
+use gpu_rt::data::Sampler;
 use gpu_rt::film::Film;
 use gpu_rt::flatten::flatten;
 use gpu_rt::plan::{Plan, Scatter};
-use gpu_rt::render::{Goal, Job, NOISE_LEVEL, Next, Renderer, TuningWish};
+use gpu_rt::render::{Goal, Job, NOISE_LEVEL, Next, Outcome, Renderer, TuningWish};
 use gpu_rt::scene::Scene;
 use render::{Ask, Shot, render, scene};
 use stats::{one_sample_t, sidak, welch_t};
@@ -125,27 +126,44 @@ fn stated_variances_are_those_between_seeds() {
     let found = mean(&ratios(&|seed| Ask::spp(24).sobol().seed(seed)));
     println!("24 samples: {found}");
     assert!(found > 0.88 && found < 2.0 * 1.12, "{found}");
+    // The planted error: runs as replicates, which are better together than they are apart.
+    let as_runs = |seed| {
+        let (film, _) = onto_film(&scene, Goal::Samples(64), Sampler::Sobol, seed, Sampler::Independent);
+        film.error_estimate(0.5).expect("there is light").value.powi(2)
+    };
+    let as_halves = |seed| {
+        let (film, _) = onto_film(&scene, Goal::Samples(64), Sampler::Sobol, seed, Sampler::Sobol);
+        film.error_estimate(0.5).expect("there is light").value.powi(2)
+    };
+    let quotient = (0..8).map(as_runs).sum::<f64>() / (0..8).map(as_halves).sum::<f64>();
+    println!("64 samples, runs for halves: {quotient}");
+    assert!(quotient > 1.3, "{quotient}");
     let found = ratios(&|seed| Ask::spp(64).seed(seed));
     assert!((mean(&found) - 1.0).abs() < 0.12 && one_sample_t(&found, 1.3).p < ALPHA, "independent: {found:?}");
 }
 
 /// What a goal came to: the film, the samples, and what was found of the noise.
-fn until(scene: &Scene, goal: Goal, sampler: gpu_rt::data::Sampler) -> (Film, gpu_rt::render::Outcome) {
+fn until(scene: &Scene, goal: Goal, sampler: Sampler) -> (Film, Outcome) {
+    onto_film(scene, goal, sampler, 4, sampler)
+}
+
+/// The same, with a seed, and a film that takes the samples to be placed by another sampler.
+fn onto_film(scene: &Scene, goal: Goal, sampler: Sampler, seed: u32, of_film: Sampler) -> (Film, Outcome) {
     let size = (scene.image.width, scene.image.height);
     let mut flat = flatten(scene, size).expect("it flattens");
     flat.features.sampler = sampler;
     let plan = Plan::new(&flat.features, Scatter::Fused).expect("it links");
-    let job = Job { size, max_depth: 10, seed: 4, first_sample: 0, goal };
+    let job = Job { size, max_depth: 10, seed, first_sample: 0, goal };
     let mut renderer =
         Renderer::new(device::software(), &flat, &plan, &job, TuningWish::default(), false).expect("it fits");
-    let mut film = Film::with_sampler(size.0, size.1, flat.radiance_exponent, sampler).expect("it fits");
+    let mut film = Film::with_sampler(size.0, size.1, flat.radiance_exponent, of_film).expect("it fits");
     let outcome = renderer.run(&job, &mut film, &mut |_, _| Next::GoOn).expect("it renders");
     (film, outcome)
 }
 
 #[test]
 fn a_render_until_an_error_is_that_of_its_samples() {
-    use gpu_rt::data::Sampler::{Independent, Sobol};
+    use Sampler::{Independent, Sobol};
     let scene = room(THINGS[0].1);
     for (sampler, error) in [(Sobol, 0.05), (Independent, 0.06), (Sobol, 0.9)] {
         let (film, outcome) = until(&scene, Goal::Noise { error, deadline: None, end: 1 << 14 }, sampler);
