@@ -267,6 +267,8 @@ fn json_is_one_object_with_every_key() {
         assert!((number(&json, key) * seconds[3] / count - 1.0).abs() < 1e-6, "{key}");
     }
     assert!(number(&json, "relative_error") > 0.0);
+    assert!(number(&json, "relative_error_bound") > number(&json, "relative_error"));
+    assert!(json["reliable"].is_boolean() && json["sampler"] == "sobol");
     assert!(number(&json, "gpu_bytes") > 0.0);
     let kernels = json["kernels"].as_array().expect("a list of kernels");
     assert!(kernels.len() >= 2 && kernels.iter().all(Value::is_string), "{kernels:?}");
@@ -321,6 +323,37 @@ fn the_exr_holds_linear_floats_and_says_how_it_was_made() {
     {
         assert!((found / error - 1.0).abs() < 1e-5, "{found}, expected {error}");
     }
+}
+
+#[test]
+fn noise_ends_where_the_error_is_reached_and_says_so() {
+    let place = Place::new();
+    let ran = place.render(&["--noise", "0.02", "--json", "-o", "a.exr"]).exits(0);
+    let (json, image) = (ran.json(), place.exr("a.exr"));
+    let samples = json["samples_per_pixel"].as_u64().expect("a number");
+    assert!(samples.is_power_of_two() && samples >= 16, "{samples}");
+    assert_eq!((json["noise_reached"].as_bool(), attribute(&image, "gpu-rt:noise_reached")), (Some(true), "1"));
+    assert!(json["relative_error_bound"].as_f64().expect("a number") < 0.02);
+    for name in ["relative_error", "relative_error_bound"] {
+        let in_file: f64 = attribute(&image, &format!("gpu-rt:{name}")).parse().expect("a number");
+        assert!((in_file / json[name].as_f64().expect("a number") - 1.0).abs() < 1e-6, "{name}");
+    }
+    assert_eq!(attribute(&image, "gpu-rt:reliable") == "1", json["reliable"] == true);
+    assert!(ran.stderr.contains("--noise 0.02 was reached"), "{}", ran.stderr);
+    // It is the image of so many samples.
+    place.render(&["--spp", &samples.to_string(), "-o", "b.exr"]).exits(0);
+    assert!(place.exr("b.exr").rgb == image.rgb && place.exr("b.exr").variance == image.variance);
+    // --spp and --time end it before.
+    let ran = place.render(&["--noise", "0.0001", "--spp", "24", "-o", "c.exr"]).exits(0);
+    assert!(ran.stderr.contains("was not reached") && ran.last_line().contains("24 samples"), "{}", ran.stderr);
+    let ran = place.render(&["--noise", "0.000001", "--time", "0.5s", "-o", "d.exr"]).exits(0);
+    assert!(ran.stderr.contains("was not reached"), "{}", ran.stderr);
+    for nonsense in ["0", "-0.01", "nan", "inf", "2", "1e-9", "1%", ""] {
+        let ran = place.render(&[&format!("--noise={nonsense}"), "-o", "e.exr"]).exits(2);
+        assert!(ran.stderr.contains("noise"), "{nonsense}: {}", ran.stderr);
+    }
+    place.render(&["--noise", "0.1", "--samples", "0..16", "-o", "e.exr"]).exits(2);
+    assert!(!place.work().join("e.exr").exists());
 }
 
 #[test]
@@ -497,7 +530,6 @@ fn what_is_not_built_is_refused() {
     let place = Place::new();
     let sphere = "../scenes/sphere.ron";
     let commands: &[&[&str]] = &[
-        &["render", sphere, "--noise", "0.01"],
         &["render", sphere, "--resume"],
         &["render", sphere, "--integrator", "mis"],
         &["render", sphere, "--features", "all"],

@@ -227,6 +227,27 @@ fn slots_workgroups_and_submissions_do_not_show() {
 }
 
 #[test]
+fn slots_and_parts_do_not_show_with_sobol_points() {
+    use Scatter::{Fused, Linked, Queues};
+    let (_files, scene) = everything();
+    let ask = Ask::spp(24).sobol();
+    let usual = render(&scene, &ask);
+    assert!(!same(&usual, &render(&scene, &Ask::spp(24))), "the sampler changes the image");
+    for (scatter, slots, workgroup, bounces) in [(Fused, 97, 32, 7), (Linked, 4096, 64, 50), (Queues, 97, 256, 7)] {
+        let wish = TuningWish {
+            slots: Some(slots),
+            workgroup: Some(workgroup),
+            bounces: Some(bounces),
+            scatter: Some(scatter),
+        };
+        assert!(same(&usual, &render(&scene, &Ask { wish, ..ask.clone() })), "{wish:?}");
+    }
+    // Parity is that of the absolute number of a run; the first samples do not depend on how many there will be.
+    let parts = render_each(&scene, &ask, &[8..24, 0..8]);
+    assert!(joined([&parts[0].film, &parts[1].film]) == usual.film);
+}
+
+#[test]
 fn bindings_do_not_show() {
     let (_files, scene) = everything();
     let usual = render(&scene, &Ask::spp(16));
