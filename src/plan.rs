@@ -328,6 +328,8 @@ fn choices(features: &Features, materials: &[Entry], queues: bool, tables: &Tabl
                 ("boundary_stack_size", (features.boundary_stack_size + 2).to_string()),
                 ("media", features.media.to_string()),
                 ("lights", features.lights.to_string()),
+                ("sky_columns", features.sky_grid.0.to_string()),
+                ("sky_rows", features.sky_grid.1.to_string()),
                 // Mesa 22.3 allows an invocation 65,535 iterations: for one walk, or for two, the other being a shadow ray's.
                 ("most_steps", if lights { "20000" } else { "48000" }.to_string()),
                 ("run_length", RUN_LENGTH.to_string()),

@@ -23,11 +23,11 @@ const LIGHTS: u32 = ${lights}u;
 fn choose_light(u: f32) -> u32 {
     let pick = alias_pick(u, LIGHTS);
     let light = lights[pick.index];
-    return select(light.other, pick.index, pick.rest < light.threshold);
+    return alias_drawn(pick, light.threshold, light.other);
 }
 
 // A direction from a point to a light, with its density in solid angle.
-fn direction_to_light(light: Light, from_point: vec3<f32>, u: vec2<f32>) -> LightSample {
+fn direction_to_light(light: Light, from_point: vec3<f32>, u: vec3<f32>) -> LightSample {
     let index = primitive_index(light.code);
     //@ each emitting_sky
     if light.code == HIT_NOTHING {
@@ -37,13 +37,13 @@ fn direction_to_light(light: Light, from_point: vec3<f32>, u: vec2<f32>) -> Ligh
     switch primitive_kind(light.code) {
         //@ each emitter
         case ${number}u: {
-            return ${name}_light_sample(from_point, ${name}s[index], u);
+            return ${name}_light_sample(from_point, ${name}s[index], u.xy);
         }
         //@ end
         //@ each emitting_mesh
         case KIND_TRIANGLE: {
             let corners = placed_corners(instances[light.instance], index);
-            return triangle_light_sample(from_point, corners.a, corners.b, corners.c, u);
+            return triangle_light_sample(from_point, corners.a, corners.b, corners.c, u.xy);
         }
         //@ end
         default: {

@@ -28,7 +28,7 @@ fn aim_at_light(path: ptr<function, Path>, from_point: vec3<f32>) -> Aim {
     let u = random4((*path).pixel, (*path).sample, event_dimension((*path).events, DIMENSION_LIGHT), settings.seed);
     let index = choose_light(u.x);
     let light = lights[index];
-    let sample = direction_to_light(light, from_point, u.yz);
+    let sample = direction_to_light(light, from_point, u.yzw);
     return Aim(index, sample.direction, light.probability * sample.pdf);
 }
 

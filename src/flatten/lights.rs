@@ -8,7 +8,7 @@ use super::place::{Placed, Shape};
 use super::Builder;
 use crate::data::{self, HIT_NOTHING, KIND_TRIANGLE, PRIMITIVE_BIT, PRIMITIVE_KIND_SHIFT};
 use crate::lights::{AliasTable, SkyDistribution};
-use crate::scene::{Background, Material, Scene, Texture};
+use crate::scene::{Background, Bitmap, Material, Scene, Texture};
 
 /// A light before it has its place in the table.
 struct Emitter {
@@ -38,20 +38,25 @@ impl Builder<'_> {
         if let Background::Image { path } = &self.scene.background
             && let Some(bitmap) = self.scene.bitmaps.get(path)
         {
-            let sky = SkyDistribution::new(bitmap.width, bitmap.height, &bitmap.texels);
             // What the sky sends onto a disk as large as the scene, which has an extent of 1 in render space.
-            let power = PI * sky.integral();
-            if power > 0.0 {
+            let power = PI * integral_over_directions(bitmap);
+            if let Some(sky) = SkyDistribution::new(bitmap.width, bitmap.height, &bitmap.texels) {
                 self.flat.features.emitting_sky = Some("the background's image".to_string());
-                self.flat.sky = sky.words();
+                self.flat.features.sky_grid = (sky.columns, sky.rows);
+                self.flat.sky = sky.cells;
                 emitters.push(Emitter { code: HIT_NOTHING, instance: data::NO_INSTANCE, power });
             }
         }
         let powers: Vec<f64> = emitters.iter().map(|emitter| emitter.power).collect();
-        let table = AliasTable::new(&powers);
+        // Nothing where there is no light, or where there are more than a table can tell apart.
+        let Some(table) = AliasTable::new(&powers) else {
+            let features = &mut self.flat.features;
+            (features.emitters, features.emitting_sky) = (Default::default(), None);
+            return;
+        };
         self.flat.lights = emitters
             .iter()
-            .zip(table.entries())
+            .zip(&table.entries)
             .map(|(emitter, entry)| data::Light {
                 code: emitter.code,
                 instance: emitter.instance,
@@ -117,6 +122,17 @@ fn mean_radiance(scene: &Scene, material: &Material) -> Option<f64> {
         }),
         Texture::Noise { .. } | Texture::Marble { .. } => 0.5,
     })
+}
+
+/// The luminance of a latitude-longitude image, integrated over all directions.
+fn integral_over_directions(bitmap: &Bitmap) -> f64 {
+    let (width, height) = (bitmap.width as usize, f64::from(bitmap.height));
+    let rows = bitmap.texels.chunks(width.max(1)).enumerate().map(|(y, row)| {
+        let sum: f64 = row.iter().map(|t| luminance(DVec3::from_array(t.map(f64::from)))).sum();
+        let sine = (PI * (y as f64 + 0.5) / height).sin();
+        sum * sine * (2.0 * PI / width as f64) * (PI / height)
+    });
+    rows.sum()
 }
 
 /// Of a linear Rec. 709 colour.

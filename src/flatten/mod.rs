@@ -18,6 +18,7 @@ use glam::DVec3;
 use crate::bvh;
 use crate::data::{self, MAX_PRIMITIVES, NO_TEXTURE};
 use crate::error::Result;
+use crate::lights::SkyCell;
 use crate::scene::{Background, Bitmap, Camera, Material, Mesh, Scene, Texture};
 use meshes::Laid;
 use place::{Finder, MeshBox, Placed, PlacedMedium, extent};
@@ -53,6 +54,8 @@ pub struct Features {
     pub emitters: [Option<String>; PRIMITIVES.len()],
     /// Whether the image of the background is.
     pub emitting_sky: Option<String>,
+    /// Columns and rows of the grid that directions towards it are drawn from.
+    pub sky_grid: (u32, u32),
     /// How many lights there are.
     pub lights: u32,
     /// Whether paths of small throughput are ended at random.
@@ -86,8 +89,8 @@ pub struct Flat {
     pub meshes: Vec<[u32; 4]>,
     pub media: Vec<data::Medium>,
     pub lights: Vec<data::Light>,
-    /// The image of the background as a distribution of directions, as shaders/bind/sky says.
-    pub sky: Vec<[u32; 4]>,
+    /// The image of the background as a distribution of directions.
+    pub sky: Vec<SkyCell>,
     pub materials: Vec<data::Material>,
     pub textures: Vec<data::Texture>,
     pub frames: Vec<data::Frame>,

@@ -1,0 +1,2 @@
+//@ use light/sky
+@group(0) @binding(19) var<storage, read> sky: array<SkyCell>;

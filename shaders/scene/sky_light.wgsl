@@ -1,0 +1,16 @@
+//@ use bind/sky
+//@ use light/sky
+// The background's image as a light.
+
+const SKY_COLUMNS: u32 = ${sky_columns}u;
+const SKY_ROWS: u32 = ${sky_rows}u;
+
+fn sky_light_sample(u: vec3<f32>) -> LightSample {
+    let pick = alias_pick(u.z, SKY_COLUMNS * SKY_ROWS);
+    let choice = sky_choice(pick, sky[pick.index]);
+    return LightSample(sky_cell_direction(choice.index, SKY_COLUMNS, SKY_ROWS, u.xy), choice.pdf);
+}
+
+fn sky_light_pdf(direction: vec3<f32>) -> f32 {
+    return sky[sky_cell_at(direction, SKY_COLUMNS, SKY_ROWS)].density;
+}
