@@ -15,7 +15,7 @@ define install
 }
 endef
 
-.PHONY: render test lint toolchain
+.PHONY: render test test-long lint toolchain
 
 # The cover scene, in 50 s at most: out/weekend.exr is linear, out/weekend.png is for looking at.
 render: toolchain
@@ -34,6 +34,11 @@ test: toolchain
 	@[ -n "$(GPU_RT_TEST_DEVICE)" ] || $(GPU_RT) devices --json 2>/dev/null | grep -q '"software": true' || \
 		$(call install, libvulkan1 mesa-vulkan-drivers, no software Vulkan driver answers)
 	$(CARGO) test --release
+
+# What takes minutes: statistics of thousands of renders.
+test-long: export NODEVICE_SELECT = 1
+test-long: toolchain
+	$(CARGO) test --release --test long -- --ignored --nocapture
 
 lint: toolchain
 	$(CARGO) fmt --check

@@ -4,6 +4,8 @@
 mod device;
 #[path = "common/render.rs"]
 mod render;
+#[path = "common/rooms.rs"]
+mod rooms;
 #[path = "common/stats.rs"]
 mod stats;
 
@@ -13,52 +15,12 @@ use gpu_rt::flatten::flatten;
 use gpu_rt::plan::{Plan, Scatter};
 use gpu_rt::render::{Goal, Job, NOISE_LEVEL, Next, Outcome, Renderer, TuningWish};
 use gpu_rt::scene::Scene;
-use render::{Ask, Shot, render, scene};
+use render::{Ask, Shot, render};
+use rooms::{THINGS, room};
 use stats::{one_sample_t, sidak, welch_t};
 
 /// False-alarm rate of each test here.
 const ALPHA: f64 = 1e-6;
-
-/// A room of coloured walls, its ceiling a lamp, with `things` in it: much light, so that means are known well.
-fn room(things: &str) -> Scene {
-    scene(&format!(
-        "Scene(
-    image: (width: 16, height: 16),
-    camera: (look_from: (0, 0, 3.4), look_at: (0, 0, 0), vertical_fov: 40, aperture: 0.1, focus_distance: 3),
-    background: Solid((0.1, 0.1, 0.2)),
-    materials: {{
-        \"red\": Lambertian(albedo: Rgb(0.6, 0.1, 0.1)),
-        \"green\": Lambertian(albedo: Rgb(0.1, 0.6, 0.1)),
-        \"white\": Lambertian(albedo: Rgb(0.7, 0.7, 0.7)),
-        \"metal\": Metal(albedo: Rgb(0.8, 0.8, 0.9), fuzz: 0.3),
-        \"glass\": Dielectric(ior: 1.5),
-        \"lamp\": DiffuseLight(emit: Rgb(2, 2, 2)),
-    }},
-    objects: [
-        Quad(corner: (-1, -1, -1), u: (0, 0, 2), v: (0, 2, 0), material: \"red\"),
-        Quad(corner: (1, -1, 1), u: (0, 0, -2), v: (0, 2, 0), material: \"green\"),
-        Quad(corner: (-1, -1, -1), u: (2, 0, 0), v: (0, 2, 0), material: \"white\"),
-        Quad(corner: (-1, -1, 1), u: (2, 0, 0), v: (0, 0, -2), material: \"white\"),
-        Quad(corner: (-1, 1, -1), u: (2, 0, 0), v: (0, 0, 2), material: \"lamp\"),
-        {things}
-    ],
-    render: (samples: 16, max_depth: 10),
-)"
-    ))
-}
-
-const THINGS: [(&str, &str); 3] = [
-    ("a room", "Box(min: (-0.6, -1, -0.6), max: (0, 0.2, 0), material: \"white\"),"),
-    (
-        "glass",
-        "Sphere(center: (-0.4, -0.5, 0), radius: 0.5, material: \"glass\"), Sphere(center: (0.5, -0.6, 0.2), radius: 0.4, material: \"metal\"),",
-    ),
-    (
-        "smoke",
-        "Medium(boundary: Box(min: (-0.8, -1, -0.8), max: (0.8, 0.4, 0.6)), density: 1.5, albedo: Rgb(0.9, 0.8, 0.6), anisotropy: 0.3),
-         Medium(boundary: Sphere(center: (0, 0, 0), radius: 0.6), density: 2, albedo: Rgb(0.5, 0.8, 0.9)),",
-    ),
-];
 
 const TILE: u32 = 8;
 
