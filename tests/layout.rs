@@ -28,12 +28,18 @@ fn modules() -> Vec<naga::Module> {
         boundary_stack_size: 8,
         smooth: Some("a test".to_string()),
         sampler: data::Sampler::Sobol,
+        emitters: Default::default(),
+        emitting_sky: Some("a test".to_string()),
+        sky_grid: (4, 2),
+        lights: 5,
+        roulette: true,
     };
     let features = Features {
         primitives: features.primitives.map(on),
         materials: features.materials.map(on),
         textures: features.textures.map(on),
         boundaries: features.boundaries.map(on),
+        emitters: features.emitters.map(on),
         ..features
     };
     [Scatter::Fused, Scatter::Linked, Scatter::Queues]
@@ -85,7 +91,7 @@ fn host_structs() -> BTreeMap<&'static str, (Fields, usize)> {
             ),)*])
         };
     }
-    structs!(Settings Window Counters Node Sphere Quad Cuboid Instance Medium Material Texture Frame)
+    structs!(Settings Window Counters Node Sphere Quad Cuboid Instance Light Medium Material Texture Frame)
 }
 
 /// Names that src/data.rs declares behind a word, so that none can be added there and forgotten here.
@@ -185,6 +191,7 @@ fn every_constant_of_the_host_is_that_of_the_shaders() {
         ("NO_TEXTURE", data::NO_TEXTURE),
         ("NO_NORMAL", data::NO_NORMAL),
         ("NO_UVS", data::NO_UVS),
+        ("NO_INSTANCE", data::NO_INSTANCE),
         ("KIND_TRIANGLE", data::KIND_TRIANGLE),
         ("KIND_INSTANCE", data::KIND_INSTANCE),
         ("RUN_LENGTH", data::RUN_LENGTH),
@@ -200,7 +207,7 @@ fn every_constant_of_the_host_is_that_of_the_shaders() {
     let names = modules.iter().flat_map(|module| module.constants.iter().filter_map(|(_, c)| c.name.clone()));
     let planes: std::collections::BTreeSet<String> = names.filter(|name| name.starts_with("PLANE_")).collect();
     let numbers: std::collections::BTreeSet<_> = planes.iter().filter_map(|name| constant(&modules, name)).collect();
-    assert_eq!(numbers, (0..data::PATH_PLANES).collect());
+    assert_eq!(numbers, (0..data::LIT_PATH_PLANES).collect());
     // A queue's length stands before the queues, one word for each kind of material.
     assert!(data::QUEUE_HEADER as usize >= MATERIALS.len());
     // No primitive's code is a status: the kinds stop short of the last one.
@@ -211,7 +218,7 @@ fn every_constant_of_the_host_is_that_of_the_shaders() {
     assert!(data::PRIMITIVE_BIT | (kinds << data::PRIMITIVE_KIND_SHIFT) <= first);
     assert!([data::HIT_NOTHING, data::SLOT_IDLE].iter().all(|status| *status >= first));
 
-    let mut listed: Vec<&str> = same.keys().copied().chain(["MAX_PRIMITIVES", "PATH_PLANES", "FIELDS"]).collect();
+    let mut listed: Vec<&str> = same.keys().copied().chain(["MAX_PRIMITIVES", "PATH_PLANES", "LIT_PATH_PLANES", "FIELDS"]).collect();
     listed.sort_unstable();
     let mut names = declared("pub const ");
     names.sort_unstable();

@@ -42,6 +42,18 @@ fn with_media(features: Features, boundaries: usize, textured_media: bool) -> Fe
     Features { boundaries: on(boundaries), textured_media, media: count, boundary_stack_size: 8, ..features }
 }
 
+/// The same with these emitters sampled as lights, and Russian roulette.
+fn lit(features: Features, emitters: usize, sky: bool) -> Features {
+    Features {
+        emitters: on(emitters),
+        emitting_sky: sky.then(|| "a test".to_string()),
+        lights: emitters.count_ones() + u32::from(sky),
+        sky_grid: (4, 2),
+        roulette: true,
+        ..features
+    }
+}
+
 /// The same with smooth meshes.
 fn smooth(features: Features) -> Features {
     Features { smooth: Some("a test".to_string()), ..features }
@@ -58,7 +70,7 @@ fn all<T>(names: &[T]) -> usize {
 
 fn everything() -> Features {
     let surfaces = features(all(PRIMITIVES), all(MATERIALS), all(TEXTURES), "image", true);
-    with_media(smooth(surfaces), all(BOUNDARIES), true)
+    lit(with_media(smooth(surfaces), all(BOUNDARIES), true), all(PRIMITIVES), true)
 }
 
 /// Every set of primitives, of materials and of textures, every background and lens, each beside the least of the others;
@@ -91,6 +103,13 @@ fn combinations() -> Vec<Features> {
             found.push(smooth(features(set, materials, 0, "solid", false)));
         }
     }
+    // Every kind of light, beside every set of materials and in media.
+    for emitters in 0..=primitives {
+        let surfaces = features(emitters.max(1), materials, 0, "image", false);
+        found.extend([lit(surfaces.clone(), emitters, true), lit(surfaces.clone(), emitters.max(1), false)]);
+        found.push(lit(with_media(surfaces, 1 + emitters % all(BOUNDARIES), false), emitters.max(1), false));
+    }
+    found.extend((1..=materials).map(|set| lit(features(1, set, 0, "solid", false), 1, false)));
     found
 }
 
@@ -154,7 +173,7 @@ fn every_file_under_shaders_is_used_by_some_plan() {
 /// Storage buffers that a kernel with everything on may bind, all tables in storage bindings. WebGPU promises 8, and so does
 /// the design; the queued and the fused kernels are over it, which is kept from growing here.
 const MOST_STORAGE_BUFFERS: [(Scatter, usize); 3] =
-    [(Scatter::Linked, 10), (Scatter::Queues, 13), (Scatter::Fused, 15)];
+    [(Scatter::Linked, 14), (Scatter::Queues, 16), (Scatter::Fused, 19)];
 
 #[test]
 fn no_kernel_binds_too_many_storage_buffers() {
@@ -176,14 +195,13 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("light", &["data", "geometry", "lib", "light"]),
     ("medium", &["data", "geometry", "lib", "medium"]),
     ("material", &["data", "geometry", "lib"]),
-    ("medium", &["data", "geometry", "lib", "medium"]),
-    ("bind", &["data"]),
+    ("bind", &["data", "light/sky"]),
     ("texture", &["data", "lib", "scene/texel"]),
     ("camera", &["bind", "camera", "data", "lib"]),
     ("background", &["bind", "data", "lib", "scene/texel"]),
-    ("scene", &["bind", "data", "geometry", "lib", "material", "medium", "scene", "texture"]),
+    ("scene", &["bind", "data", "geometry", "lib", "light", "material", "medium", "scene", "texture"]),
     ("slots", &["bind", "data", "lib", "scene", "slots"]),
-    ("step", &["background", "bind", "camera", "data", "geometry", "lib", "medium", "sampler", "scene", "step"]),
+    ("step", &["background", "bind", "camera", "data", "geometry", "lib", "light", "medium", "sampler", "scene", "step"]),
     (
         "stage",
         &["background", "bind", "camera", "data", "geometry", "lib", "material", "scene", "slots", "step", "texture"],
@@ -199,6 +217,8 @@ const CHOICES: &[(&str, &str)] = &[
     ("shading", "scene"),
     ("media", "step"),
     ("medium_albedo", "scene"),
+    ("roulette", "step"),
+    ("transmittance", "scene"),
     ("sampler", "sampler"),
     ("walk", "scene"),
     ("sort", "slots"),

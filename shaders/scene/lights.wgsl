@@ -52,14 +52,9 @@ fn direction_to_light(light: Light, from_point: vec3<f32>, u: vec3<f32>) -> Ligh
     }
 }
 
-// The density by which the light that the direction meets is chosen and the direction drawn.
+// The density by which the primitive that the direction meets is chosen as a light and the direction drawn.
 fn light_density(code: u32, instance: u32, from_point: vec3<f32>, direction: vec3<f32>) -> f32 {
     let index = primitive_index(code);
-    //@ each emitting_sky
-    if code == HIT_NOTHING {
-        return lights[LIGHTS - 1u].probability * sky_light_pdf(direction);
-    }
-    //@ end
     switch primitive_kind(code) {
         //@ each emitter
         case ${number}u: {

@@ -1,3 +1,4 @@
+//@ use bind/lights
 //@ use bind/sky
 //@ use light/sky
 // The background's image as a light.
@@ -11,6 +12,7 @@ fn sky_light_sample(u: vec3<f32>) -> LightSample {
     return LightSample(sky_cell_direction(choice.index, SKY_COLUMNS, SKY_ROWS, u.xy), choice.pdf);
 }
 
-fn sky_light_pdf(direction: vec3<f32>) -> f32 {
-    return sky[sky_cell_at(direction, SKY_COLUMNS, SKY_ROWS)].density;
+// The density by which the sky is chosen, the last light of all, and the direction drawn.
+fn sky_density(direction: vec3<f32>) -> f32 {
+    return lights[${lights}u - 1u].probability * sky[sky_cell_at(direction, SKY_COLUMNS, SKY_ROWS)].density;
 }

@@ -5,7 +5,7 @@
 //@ use lib/float
 //@ use step/start
 //@ each emitting_sky
-//@ use step/light
+//@ use step/sky_share
 //@ end
 // Whether the path has left the scene, ended on a surface, or cannot go on.
 fn has_ended(status: u32) -> bool {
@@ -17,7 +17,7 @@ fn refill_path(path: ptr<function, Path>) {
     var radiance = (*path).throughput;
     if (*path).status == HIT_NOTHING {
         //@ each emitting_sky
-        radiance *= share_of_met_light(path, HIT_NOTHING, NO_INSTANCE);
+        radiance *= share_of_met_sky(path);
         //@ end
         radiance *= background_radiance((*path).ray.direction);
     }
