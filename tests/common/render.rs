@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use gpu_rt::data::{RUN_LENGTH, Sampler};
 use gpu_rt::film::{Film, Picture, UNKNOWN_VARIANCE};
-use gpu_rt::flatten::flatten;
+use gpu_rt::flatten::{Wish, flatten_with};
 use gpu_rt::plan::{Plan, Tables};
 use gpu_rt::render::{Goal, Job, Next, Outcome, Renderer, TuningWish, tuning};
 use gpu_rt::scene::Scene;
@@ -26,6 +26,10 @@ pub struct Ask {
     pub wish: TuningWish,
     /// Independent unless asked otherwise: most statistics of the tests take runs for independent.
     pub sampler: Sampler,
+    /// Whether rays are sent to lights.
+    pub sample_lights: bool,
+    /// Whether dark paths are ended at random.
+    pub roulette: bool,
     /// All of the scene's tables in storage bindings, also where the device would take small ones as uniforms.
     pub storage_tables: bool,
 }
@@ -41,6 +45,11 @@ impl Ask {
 
     pub fn sobol(self) -> Ask {
         Ask { sampler: Sampler::Sobol, ..self }
+    }
+
+    /// Sending rays to lights.
+    pub fn mis(self) -> Ask {
+        Ask { sample_lights: true, ..self }
     }
 
     pub fn size(self, width: u32, height: u32) -> Ask {
@@ -96,8 +105,9 @@ pub fn render(scene: &Scene, ask: &Ask) -> Shot {
 /// that are asked for elsewhere do not count.
 pub fn render_each(scene: &Scene, ask: &Ask, ranges: &[Range<u32>]) -> Vec<Shot> {
     let size = ask.size.unwrap_or((scene.image.width, scene.image.height));
-    let mut flat = flatten(scene, size).expect("the scene flattens");
-    flat.features.sampler = ask.sampler;
+    let Ask { sampler, sample_lights, roulette, .. } = *ask;
+    let wish = Wish { sampler, sample_lights, roulette, ..Wish::default() };
+    let flat = flatten_with(scene, size, wish).expect("the scene flattens");
     let job = |samples: &Range<u32>| Job {
         size,
         max_depth: ask.max_depth.unwrap_or(scene.render.max_depth),

@@ -1,0 +1,223 @@
+//! Ways to estimate one expectation: rays sent to lights beside those that are scattered (mis) or not (bsdf), dark paths ended at random
+//! or not. Each pair renders the same scenes with different seeds, and may differ by noise alone, in tiles and in the mean.
+//!
+//! Noise without rare values is what the comparison is for: lamps here are large, or the room is bright. Lamps that scattered rays hardly
+//! meet have a closed form instead (`a_lamp_that_nothing_meets_by_chance`).
+
+#[path = "common/device.rs"]
+mod device;
+#[path = "common/render.rs"]
+mod render;
+#[path = "common/stats.rs"]
+mod stats;
+
+use std::f64::consts::PI;
+use std::fmt::Write;
+
+use gpu_rt::flatten::{Wish, flatten_with};
+use gpu_rt::plan::{Plan, Scatter};
+use gpu_rt::render::TuningWish;
+use gpu_rt::scene::Scene;
+use image::{Rgb, Rgb32FImage};
+use render::{Ask, render, same_expectation, scene, scene_in};
+
+const ALPHA: f64 = 1e-6;
+
+/// A room of grey walls, open to the front, with a lamp and other things in it.
+fn room(background: &str, materials: &str, objects: &str, depth: u32) -> String {
+    format!(
+        "Scene(
+    image: (width: 16, height: 16),
+    camera: (look_from: (0, 1, 3.6), look_at: (0, 0.95, 0), vertical_fov: 38),
+    background: {background},
+    materials: {{
+        \"wall\": Lambertian(albedo: Rgb(0.7, 0.6, 0.5)),
+        \"lamp\": DiffuseLight(emit: Rgb(4, 3, 2), two_sided: false),
+        {materials}
+    }},
+    objects: [
+        Quad(corner: (-1, 0, -1), u: (0, 0, 2), v: (2, 0, 0), material: \"wall\"),
+        Quad(corner: (-1, 0, -1), u: (2, 0, 0), v: (0, 2, 0), material: \"wall\"),
+        Quad(corner: (-1, 0, 1), u: (0, 0, -2), v: (0, 2, 0), material: \"wall\"),
+        Quad(corner: (1, 0, -1), u: (0, 0, 2), v: (0, 2, 0), material: \"wall\"),
+        {objects}
+    ],
+    render: (samples: 512, max_depth: {depth}),
+)"
+    )
+}
+
+const CEILING: &str = "Quad(corner: (-0.6, 1.99, -0.6), u: (1.2, 0, 0), v: (0, 0, 1.2), material: \"lamp\"),";
+
+/// A closed mesh, an octahedron, as an OBJ file.
+const OCTAHEDRON: &str = "v 1 0 0\nv -1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\nf 5 1 3\nf 1 6 3\nf 6 2 3\nf 2 5 3\nf 1 5 4\nf 6 1 4\n\
+                          f 2 6 4\nf 5 2 4\n";
+
+/// Scenes by name: all kinds of lights, of materials that answer to them, media, and the sky.
+fn scenes() -> Vec<(&'static str, Scene)> {
+    let black = "Solid((0, 0, 0))";
+    let plain = |text: &str| scene(text);
+    let mut many = String::new();
+    for i in 0..64 {
+        let (x, z) = (f64::from(i % 8) * 0.25 - 0.87, f64::from(i / 8) * 0.25 - 0.87);
+        write!(many, "Sphere(center: ({x}, {}, {z}), radius: 0.06, material: \"{}\"),", 1.6 + 0.01 * f64::from(i % 5), if i % 3 == 0 { "lamp" } else { "dim" })
+            .expect("a string takes text");
+    }
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    std::fs::write(folder.path().join("octahedron.obj"), OCTAHEDRON).expect("the mesh is written");
+    let sky = Rgb32FImage::from_fn(16, 8, |x, y| match (x, y) {
+        (3, 2) => Rgb([20.0, 15.0, 10.0]),
+        (_, 0..=3) => Rgb([0.5, 0.6, 0.8]),
+        _ => Rgb([0.1, 0.1, 0.1]),
+    });
+    image::DynamicImage::from(sky).save(folder.path().join("sky.hdr")).expect("the sky is written");
+    let metal = "\"metal\": Metal(albedo: Rgb(0.9, 0.8, 0.7), fuzz: 0.4), \"rough\": Metal(albedo: Rgb(0.9, 0.8, 0.7), fuzz: 1),";
+    let found = vec![
+        ("a room", plain(&room(black, "", &format!("{CEILING} Box(min: (-0.5, 0, -0.5), max: (0.1, 0.8, 0.1), material: \"wall\"),"), 8))),
+        (
+            "metals",
+            plain(&room(
+                "Solid((0.2, 0.2, 0.2))",
+                metal,
+                &format!(
+                    "{CEILING} Sphere(center: (-0.5, 0.5, 0), radius: 0.45, material: \"metal\"),
+                     Sphere(center: (0.5, 0.5, 0), radius: 0.45, material: \"rough\"),"
+                ),
+                8,
+            )),
+        ),
+        (
+            "glass",
+            plain(&room(
+                "Solid((0.2, 0.2, 0.2))",
+                "\"glass\": Dielectric(ior: 1.5), \"mirror\": Metal(albedo: Rgb(0.9, 0.9, 0.9), fuzz: 0),",
+                &format!(
+                    "{CEILING} Sphere(center: (-0.5, 0.5, 0), radius: 0.4, material: \"glass\"),
+                     Sphere(center: (0.5, 0.5, 0), radius: 0.4, material: \"mirror\"),"
+                ),
+                8,
+            )),
+        ),
+        ("many lights", plain(&room(black, "\"dim\": DiffuseLight(emit: Rgb(1, 1, 2)),", &many, 4))),
+        (
+            "lamps of all shapes",
+            scene_in(
+                folder.path(),
+                &room(
+                    black,
+                    "\"both\": DiffuseLight(emit: Checker(scale: 0.2, even: (6, 3, 1), odd: (1, 2, 5))),",
+                    "Box(min: (-0.8, 0.1, -0.7), max: (-0.3, 0.5, -0.2), material: \"both\"),
+                     Transformed(by: [Scale(0.35), RotateY(20), Translate((0.4, 1.4, 0))], object: Mesh(path: \"octahedron.obj\", material: \"lamp\")),
+                     Sphere(center: (0.5, 0.4, 0.3), radius: 0.25, material: \"both\"),",
+                    4,
+                ),
+            ),
+        ),
+        (
+            "smoke",
+            scene_in(
+                folder.path(),
+                &room(
+                    black,
+                    "",
+                    &format!(
+                        "{CEILING} Medium(boundary: Box(min: (-0.8, 0, -0.8), max: (0, 1.2, 0.4)), density: 2, albedo: Rgb(0.9, 0.8, 0.7), anisotropy: 0.5),
+                         Medium(boundary: Sphere(center: (0.3, 0.7, 0.2), radius: 0.5), density: 3, albedo: Rgb(0.5, 0.8, 0.9)),
+                         Medium(boundary: Transformed(by: [Scale(0.4), Translate((0.5, 1.2, -0.3))], object: Mesh(path: \"octahedron.obj\")), density: 4, albedo: Rgb(0.9, 0.9, 0.9), anisotropy: -0.4),"
+                    ),
+                    8,
+                ),
+            ),
+        ),
+        ("a sky", scene_in(folder.path(), &room("Image(path: \"sky.hdr\")", metal, "Sphere(center: (0, 0.5, 0), radius: 0.5, material: \"metal\"),", 6))),
+    ];
+    found
+}
+
+#[test]
+fn sending_rays_to_lights_changes_no_expectation() {
+    for (name, scene) in scenes() {
+        let bsdf = render(&scene, &Ask::spp(8192).seed(1));
+        let mis = render(&scene, &Ask::spp(512).seed(2).mis());
+        same_expectation(&bsdf, &mis, 1e-5, ALPHA).unwrap_or_else(|error| panic!("{name}: {error}"));
+        // A light's share off by a tenth, as of a wrong density, would be a few percent of the image: one is planted.
+        let planted = mis.changed(|_, _, rgb| rgb.map(|v| 1.04 * v));
+        assert!(same_expectation(&bsdf, &planted, 1e-5, ALPHA).is_err(), "{name}: 4 % more light is not found");
+        // Cut after few events, each way sees the same part of the light.
+        let bsdf = render(&scene, &Ask::spp(4096).seed(3).depth(1));
+        let mis = render(&scene, &Ask::spp(512).seed(4).depth(1).mis());
+        same_expectation(&bsdf, &mis, 1e-5, ALPHA).unwrap_or_else(|error| panic!("{name} at depth 1: {error}"));
+    }
+}
+
+#[test]
+fn roulette_changes_no_expectation() {
+    for (name, scene) in scenes() {
+        let off = render(&scene, &Ask::spp(512).seed(5).mis());
+        let on = render(&scene, &Ask { roulette: true, ..Ask::spp(512).seed(6).mis() });
+        same_expectation(&off, &on, 1e-5, ALPHA).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let planted = on.changed(|_, _, rgb| rgb.map(|v| 0.96 * v));
+        assert!(same_expectation(&off, &planted, 1e-5, ALPHA).is_err(), "{name}: 4 % less light is not found");
+    }
+}
+
+#[test]
+fn lights_make_an_image_of_the_same_bytes_however_the_work_is_cut() {
+    for (name, scene) in scenes() {
+        let ask = Ask { roulette: true, ..Ask::spp(16).seed(7).mis().sobol() };
+        let usual = render(&scene, &ask);
+        let bits = |shot: &render::Shot| shot.picture.rgb.as_flattened().iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+        for scatter in [Scatter::Linked, Scatter::Queues] {
+            let wish = TuningWish { slots: Some(77), workgroup: Some(32), scatter: Some(scatter), bounces: Some(3) };
+            let other = render(&scene, &Ask { wish, ..ask.clone() });
+            assert!(bits(&usual) == bits(&other), "{name}: {scatter:?} delivers other bytes");
+        }
+        let other = render(&scene, &Ask { seed: 8, ..ask.clone() });
+        assert!(bits(&usual) != bits(&other), "{name}: another seed delivers the same bytes");
+    }
+}
+
+/// A floor under a tiny spherical lamp, which nothing meets by chance: L = a Le (r/D)² cos, D the distance of the lamp's middle; exact for a
+/// Lambertian floor wherever the whole lamp is above it.
+#[test]
+fn a_lamp_that_nothing_meets_by_chance() {
+    for radius in [1e-2, 1e-4, 1e-6, 1e-8] {
+        let emit = 1.0 / (radius * radius);
+        let scene = scene(&format!(
+            "Scene(image: (width: 8, height: 8),
+                camera: (look_from: (0.3, 1, 0.2), look_at: (0.3, 0, 0.2), up: (0, 0, -1), vertical_fov: 2),
+                background: Solid((0, 0, 0)),
+                materials: {{ \"floor\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5)), \"lamp\": DiffuseLight(emit: Rgb({emit:e}, {emit:e}, {emit:e})) }},
+                objects: [Quad(corner: (-2, 0, 2), u: (4, 0, 0), v: (0, 0, -4), material: \"floor\"),
+                          Sphere(center: (0, 0.7, 0), radius: {radius:e}, material: \"lamp\")],
+                render: (samples: 64, max_depth: 1))"
+        ));
+        let shot = render(&scene, &Ask::spp(64).seed(9).mis());
+        let d2 = 0.3f64 * 0.3 + 0.2 * 0.2 + 0.7 * 0.7;
+        let expected = 0.5 * (0.7 / d2.sqrt()) / d2;
+        let found = shot.mean_of_all().value[0];
+        // Over the two degrees of the image the value changes by 2 %, nearly linearly about its middle; the rest is second order. The
+        // density is right to 2e-5 for the smallest lamp: its sine is off by rounding, and by as much the radius in render space.
+        assert!((found / expected - 1.0).abs() < 1e-3, "radius {radius:e}: {found}, expected {expected}");
+        assert!(PI * expected > 0.0);
+    }
+}
+
+#[test]
+fn scenes_without_lights_to_sample_have_no_code_for_it() {
+    let wish = Wish { sample_lights: true, ..Wish::default() };
+    let text = room("Gradient(bottom: (1, 1, 1), top: (0.5, 0.6, 1))", "", "Sphere(center: (0, 0.5, 0), radius: 0.5, material: \"wall\"),", 8);
+    let flat = flatten_with(&scene(&text), (16, 16), wish).expect("it flattens");
+    assert_eq!((flat.features.lights, flat.lights.len()), (0, 0));
+    for scatter in [Scatter::Fused, Scatter::Linked, Scatter::Queues] {
+        let plan = Plan::new(&flat.features, scatter).expect("it links");
+        for kernel in plan.kernels() {
+            let of_lights = |module: &&String| module.starts_with("light/") || module.contains("shadow") || *module == "step/light";
+            assert_eq!(kernel.linked.modules.iter().find(of_lights), None, "{}", kernel.name);
+        }
+    }
+    let lit = flatten_with(&scene(&text.replace("Sphere(", &format!("{CEILING} Sphere("))), (16, 16), wish).expect("it flattens");
+    assert_eq!(lit.features.lights, 1);
+    let plan = Plan::new(&lit.features, Scatter::Linked).expect("it links");
+    assert!(plan.kernels().iter().any(|kernel| kernel.name == "shadow"));
+}
