@@ -1,0 +1,220 @@
+//! What the host prepares so that lights can be drawn by chance: tables for the alias method, and the sky's distribution.
+
+use std::f64::consts::PI;
+
+use bytemuck::{Pod, Zeroable};
+
+/// The values that a uniform number on the device may have: multiples of 2^-24.
+const UNIFORMS: u64 = 1 << 24;
+
+/// The most entries of a table: each is drawn by at least one of the uniforms, which then takes at most 1/16 of them.
+pub const MAX_ENTRIES: usize = 1 << 20;
+
+/// The most cells of the sky's grid. 2^16 are 1 MiB of entries, and leave 256 uniforms a cell on average.
+pub const MAX_CELLS: usize = 1 << 16;
+
+/// An entry of a table for the alias method, as the device reads it (shaders/light/alias.wgsl).
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct AliasEntry {
+    /// The entry itself is drawn where the rest of the uniform is below this.
+    pub threshold: f32,
+    /// The entry that is drawn otherwise.
+    pub alias: u32,
+    /// With what probability this entry is drawn, by whatever way; exact.
+    pub probability: f32,
+    /// The same of the alias.
+    pub alias_probability: f32,
+}
+
+/// A table for the alias method: probabilities in proportion to weights, in whole multiples of 2^-24, so that they are
+/// exactly those with which the device draws.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AliasTable {
+    pub entries: Vec<AliasEntry>,
+}
+
+/// How many of the uniforms each weight gets: in proportion, but at least one for each that is positive.
+fn apportion(weights: &[f64]) -> Option<Vec<u64>> {
+    if weights.len() > MAX_ENTRIES || weights.iter().any(|w| !w.is_finite() || *w < 0.0) {
+        return None;
+    }
+    // By the largest, so that the sum can neither overflow nor vanish.
+    let largest = weights.iter().copied().fold(0.0, f64::max);
+    let sum: f64 = weights.iter().map(|w| w / largest).sum();
+    if largest == 0.0 {
+        return None;
+    }
+    let positive = weights.iter().filter(|w| **w > 0.0).count() as u64;
+    let excess = |w: f64| ((w / largest) / sum * UNIFORMS as f64 - 1.0).max(0.0);
+    let whole: f64 = weights.iter().map(|w| excess(*w)).sum();
+    let rest = UNIFORMS - positive;
+    // Rounded as running totals, which leaves every part within one of its share and their sum exact.
+    let last = weights.iter().rposition(|w| excess(*w) > 0.0)?;
+    let (mut total, mut given) = (0.0, 0);
+    let parts = weights.iter().enumerate().map(|(i, &w)| {
+        total += excess(w);
+        let until = if i >= last { rest } else { (((total / whole) * rest as f64) as u64).min(rest) };
+        let part = until - given;
+        given = until;
+        part + u64::from(w > 0.0)
+    });
+    Some(parts.collect())
+}
+
+impl AliasTable {
+    /// Nothing where no weight is positive, where one is negative or no number, or where they are more than [`MAX_ENTRIES`].
+    pub fn new(weights: &[f64]) -> Option<AliasTable> {
+        let wanted = apportion(weights)?;
+        let count = wanted.len() as u64;
+        // An entry is found by the uniforms k from ceil(i 2^24 / n) on; k n = i 2^24 + the rest, which grows by n.
+        let first = |i: u64| (i * UNIFORMS).div_ceil(count);
+        // Vose, "A Linear Algorithm for Generating Random Numbers with a Given Distribution", IEEE Trans. Softw. Eng. 17(9),
+        // 1991, in integers: entries that want less than what finds them are filled up by those that want more.
+        let found_by: Vec<u64> = (0..count).map(|i| first(i + 1) - first(i)).collect();
+        let mut left = wanted.clone();
+        let (mut less, mut more) = (Vec::new(), Vec::new());
+        for (i, (wants, found)) in wanted.iter().zip(&found_by).enumerate() {
+            if wants < found { less.push(i) } else { more.push(i) }
+        }
+        let mut own = found_by.clone();
+        let mut alias: Vec<usize> = (0..wanted.len()).collect();
+        while let Some(i) = less.pop() {
+            // The sums are equal, so that where one wants less another wants more.
+            let Some(&from) = more.last() else { break };
+            own[i] = left[i];
+            alias[i] = from;
+            left[from] -= found_by[i] - left[i];
+            if left[from] < found_by[from] {
+                more.pop();
+                less.push(from);
+            }
+        }
+        let share = |draws: u64| (draws as f64 / UNIFORMS as f64) as f32;
+        let entry = |i: usize| {
+            let rest = first(i as u64) * count - i as u64 * UNIFORMS;
+            let threshold = match own[i] {
+                0 => 0,
+                all if all == found_by[i] => UNIFORMS,
+                some => rest + (some - 1) * count + 1,
+            };
+            AliasEntry {
+                threshold: share(threshold),
+                alias: alias[i] as u32,
+                probability: share(wanted[i]),
+                alias_probability: share(wanted[alias[i]]),
+            }
+        };
+        Some(AliasTable { entries: (0..wanted.len()).map(entry).collect() })
+    }
+}
+
+/// A cell of the sky's grid, as the device reads it (shaders/light/sky.wgsl).
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct SkyCell {
+    pub threshold: f32,
+    pub alias: u32,
+    /// Probability over the cell's solid angle.
+    pub density: f32,
+    pub alias_density: f32,
+}
+
+/// By what chance directions towards the sky are drawn: cells of a grid over its image, by the luminance of what the
+/// kernels interpolate there times the cell's solid angle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SkyDistribution {
+    pub columns: u32,
+    pub rows: u32,
+    /// Row by row, from the top.
+    pub cells: Vec<SkyCell>,
+}
+
+/// The texels that are interpolated between x0 and x1, counted in texels, with the integral of each one's share (a tent one
+/// texel high and two wide about its centre).
+fn tents(x0: f64, x1: f64) -> impl Iterator<Item = (i64, f64)> {
+    // The integral of the tent from its beginning to t.
+    let until = |t: f64| match t.clamp(-1.0, 1.0) {
+        t if t < 0.0 => 0.5 * (t + 1.0) * (t + 1.0),
+        t => 1.0 - 0.5 * (1.0 - t) * (1.0 - t),
+    };
+    let (first, last) = ((x0 - 0.5).floor() as i64, (x1 + 0.5).floor() as i64);
+    (first..=last).filter_map(move |i| {
+        let centre = i as f64 + 0.5;
+        let share = until(x1 - centre) - until(x0 - centre);
+        (share > 0.0).then_some((i, share))
+    })
+}
+
+impl SkyDistribution {
+    /// Nothing where the image is black everywhere, empty, or of another size than it says. What is negative or no number
+    /// counts as black.
+    pub fn new(width: u32, height: u32, texels: &[[f32; 3]]) -> Option<SkyDistribution> {
+        let (w, h) = (width as usize, height as usize);
+        if w == 0 || h == 0 || w.checked_mul(h) != Some(texels.len()) {
+            return None;
+        }
+        // The finest grid of whole texels that has few enough cells.
+        let block = (1..).find(|block| w.div_ceil(*block) * h.div_ceil(*block) <= MAX_CELLS)?;
+        let (columns, rows) = (w.div_ceil(block), h.div_ceil(block));
+        let luminance = |[r, g, b]: [f32; 3]| {
+            // Rec. 709.
+            let y = 0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b);
+            let lit = [r, g, b].iter().any(|x| *x > 0.0);
+            if y.is_finite() && lit { y.max(0.0) } else { 0.0 }
+        };
+        // The mean of what is interpolated over each cell, one direction after the other.
+        let (wide, high) = (w as f64 / columns as f64, h as f64 / rows as f64);
+        let across: Vec<Vec<(usize, f64)>> = (0..columns)
+            .map(|c| {
+                let tents = tents(c as f64 * wide, (c + 1) as f64 * wide);
+                tents.map(|(x, share)| (x.rem_euclid(w as i64) as usize, share / wide)).collect()
+            })
+            .collect();
+        let mut weights = vec![0.0; columns * rows];
+        let mut row = vec![0.0; columns];
+        let mut line = vec![0.0; w];
+        // Every line of texels gives to the cells that its tents reach.
+        let mut given: Vec<Vec<(usize, f64)>> = vec![Vec::new(); h];
+        for r in 0..rows {
+            for (y, share) in tents(r as f64 * high, (r + 1) as f64 * high) {
+                given[y.clamp(0, h as i64 - 1) as usize].push((r, share / high));
+            }
+        }
+        for (y, given) in given.iter().enumerate() {
+            for (to, texel) in line.iter_mut().zip(&texels[y * w..]) {
+                *to = luminance(*texel);
+            }
+            for (to, shares) in row.iter_mut().zip(&across) {
+                *to = shares.iter().map(|(x, share)| share * line[*x]).sum();
+            }
+            for (r, share) in given {
+                for (to, mean) in weights[r * columns..].iter_mut().zip(&row) {
+                    *to += share * mean;
+                }
+            }
+        }
+        // 2 pi / columns times the cosines' difference, as a product.
+        let solid_angles: Vec<f64> = (0..rows)
+            .map(|r| {
+                let step = 0.5 * PI / rows as f64;
+                4.0 * PI / columns as f64 * step.sin() * ((2 * r + 1) as f64 * step).sin()
+            })
+            .collect();
+        for (i, weight) in weights.iter_mut().enumerate() {
+            *weight *= solid_angles[i / columns];
+        }
+        let table = AliasTable::new(&weights)?;
+        let cell = |(i, entry): (usize, &AliasEntry)| {
+            let alias = entry.alias as usize;
+            SkyCell {
+                threshold: entry.threshold,
+                alias: entry.alias,
+                density: (f64::from(entry.probability) / solid_angles[i / columns]) as f32,
+                alias_density: (f64::from(entry.alias_probability) / solid_angles[alias / columns]) as f32,
+            }
+        };
+        let cells = table.entries.iter().enumerate().map(cell).collect();
+        Some(SkyDistribution { columns: columns as u32, rows: rows as u32, cells })
+    }
+}
