@@ -684,12 +684,7 @@ fn drawn(entries: &[host::AliasEntry], replaced: &[(&str, &str)]) -> Vec<u64> {
 fn weights() -> Vec<Vec<f64>> {
     let mut random = Random(710);
     let mut some = |count: usize, low: f64| (0..count).map(|_| decades(&mut random, low, 0.0)).collect::<Vec<_>>();
-    let mut sparse = some(1000, -3.0);
-    for i in 0..1000 {
-        if i % 3 != 1 {
-            sparse[i] = 0.0;
-        }
-    }
+    let sparse = some(1000, -3.0).into_iter().enumerate().map(|(i, w)| if i % 3 == 1 { w } else { 0.0 }).collect();
     let mut one = vec![1e-12; 4097];
     one[4000] = 1e20;
     let huge = some(7, -2.0).iter().map(|w| w * 1e308).collect();
