@@ -6,6 +6,10 @@ use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use gpu_rt::data::{Cuboid, Quad, Sphere};
 
+// The host's side of the tables, which asks nothing of the rest of the program.
+#[path = "../../src/lights.rs"]
+mod host;
+
 use crate::kernel::{Kernel, Setup, array};
 use crate::stats::{Random, chi_square, one_sample_t, sidak};
 use crate::vectors::{U, decades, exact, rounded, unit};
@@ -656,5 +660,266 @@ fn a_cuboids_directions_are_uniform_and_light_as_lambert_says() {
     let inside = In { from: rounded(0.3 * f64::from(shapes[0].half_extent[0]) * unit(&mut random)), ..In::default() };
     for (_, out) in at_ends(CUBOID, &[inside], &shapes) {
         assert!((f64::from(out.pdf) * 4.0 * PI - 1.0).abs() < 4.0 * U && out.distance > 0.0, "{out:?}");
+    }
+}
+
+const UNIFORMS: usize = 1 << 24;
+
+/// How often each entry is drawn by all 2^24 uniforms.
+fn drawn(entries: &[host::AliasEntry], replaced: &[(&str, &str)]) -> Vec<u64> {
+    // The buffer may be longer than the table.
+    let count = entries.len().to_string();
+    let values = [("count", &*count)];
+    let kernel = Kernel::with("test/light_alias", &Setup { replaced, values: &values, ..Setup::default() });
+    let mut counts = vec![0; entries.len()];
+    for found in kernel.run_with::<_, [u32; 8]>(entries, UNIFORMS / 8, &[]) {
+        for index in found {
+            counts[index as usize] += 1;
+        }
+    }
+    counts
+}
+
+/// Weights over many decades, and even ones; counts that divide 2^24, and those that do not.
+fn weights() -> Vec<Vec<f64>> {
+    let mut random = Random(710);
+    let mut some = |count: usize, low: f64| (0..count).map(|_| decades(&mut random, low, 0.0)).collect::<Vec<_>>();
+    let sparse = some(1000, -3.0).into_iter().enumerate().map(|(i, w)| if i % 3 == 1 { w } else { 0.0 }).collect();
+    let mut one = vec![1e-12; 4097];
+    one[4000] = 1e20;
+    let huge = some(7, -2.0).iter().map(|w| w * 1e308).collect();
+    let (few, many, wide) = (some(3, -1.0), some(100_003, -2.0), some(65_536, -9.0));
+    vec![vec![1.0], vec![0.0, 2.5], vec![1.0; 24], few, many, wide, sparse, one, huge, vec![1e-310; 5]]
+}
+
+/// All uniforms there are, so nothing of it is left to chance.
+#[test]
+fn tables_are_drawn_with_exactly_the_probabilities_that_they_state() {
+    for weights in weights() {
+        let table = host::AliasTable::new(&weights).expect("some weight is positive");
+        let counts = drawn(&table.entries, &[]);
+        let largest = weights.iter().copied().fold(0.0, f64::max);
+        let sum: f64 = weights.iter().map(|w| w / largest).sum();
+        let positive = weights.iter().filter(|w| **w > 0.0).count() as f64;
+        for ((entry, count), weight) in table.entries.iter().zip(&counts).zip(&weights) {
+            assert_eq!(f64::from(entry.probability) * UNIFORMS as f64, *count as f64);
+            assert_eq!(entry.alias_probability, table.entries[entry.alias as usize].probability);
+            assert_eq!(*count > 0, *weight > 0.0);
+            // One of each goes to those that would have none: what is left is smaller by their share at most.
+            let wanted = weight / largest / sum * UNIFORMS as f64;
+            assert!((*count as f64 - wanted).abs() <= 2.0 + wanted * positive / UNIFORMS as f64, "{count} of {wanted}");
+        }
+        assert_eq!(counts.iter().sum::<u64>(), UNIFORMS as u64);
+    }
+    // The product rounded to f32, as it is usually done.
+    let table = host::AliasTable::new(&weights()[4]).expect("some weight is positive");
+    let counts = drawn(&table.entries, &[("light/alias", "test/control/light_alias_rounded")]);
+    let off =
+        |(entry, count): &(&host::AliasEntry, &u64)| f64::from(entry.probability) * UNIFORMS as f64 != **count as f64;
+    assert!(table.entries.iter().zip(&counts).filter(off).count() > 1000);
+}
+
+#[test]
+fn tables_of_nothing_are_none() {
+    assert_eq!(host::AliasTable::new(&[]), None);
+    assert_eq!(host::AliasTable::new(&[0.0, 0.0]), None);
+    assert_eq!(host::AliasTable::new(&[1.0, -1.0]), None);
+    assert_eq!(host::AliasTable::new(&[1.0, f64::NAN]), None);
+    assert_eq!(host::AliasTable::new(&[1.0, f64::INFINITY]), None);
+    assert_eq!(host::AliasTable::new(&vec![1.0; host::MAX_ENTRIES + 1]), None);
+    assert_eq!(host::SkyDistribution::new(2, 1, &[[0.0; 3]; 2]), None);
+    assert_eq!(host::SkyDistribution::new(2, 2, &[[1.0; 3]; 2]), None);
+    assert_eq!(host::SkyDistribution::new(0, 0, &[]), None);
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+struct SkyIn {
+    u: [f32; 3],
+    columns: u32,
+    rows: u32,
+    padding: [u32; 3],
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+struct SkyOut {
+    direction: [f32; 3],
+    pdf: f32,
+    /// The cell that was drawn, and the one found by the direction.
+    drawn: u32,
+    found: u32,
+    /// The density of the latter.
+    again: f32,
+    padding: u32,
+}
+
+fn sky_kernel(keyed: bool, replaced: &[(&str, &str)]) -> Kernel {
+    let values = [("keyed", if keyed { "true" } else { "false" })];
+    Kernel::with("test/light_sky", &Setup { replaced, values: &values, ..Setup::default() })
+}
+
+/// An image of texels over three decades, a third of them black, with a sun of a few texels.
+fn sky(width: usize, height: usize, random: &mut Random) -> Vec<[f32; 3]> {
+    let mut texels: Vec<[f32; 3]> = (0..width * height)
+        .map(|i| [0; 3].map(|_| if i % 3 == 0 { 0.0 } else { decades(random, -2.0, 1.0) as f32 }))
+        .collect();
+    texels[width * (height / 4) + width / 3] = [3e3, 3e3, 2e3];
+    texels
+}
+
+fn solid_angle_of_row(row: usize, rows: usize, columns: usize) -> f64 {
+    let edge = |row: usize| PI * row as f64 / rows as f64;
+    2.0 * PI / columns as f64 * (edge(row).cos() - edge(row + 1).cos())
+}
+
+/// A direction's place on the image: shares from the left and from the top (lib/sphere_map), and the height 0..1 in the
+/// cell by its solid angle.
+fn place(direction: DVec3, columns: usize, rows: usize) -> (f64, f64) {
+    let around = 0.5 + direction.x.atan2(-direction.z) / (2.0 * PI);
+    let down = direction.x.hypot(direction.z).atan2(direction.y) / PI;
+    (around * columns as f64, down * rows as f64)
+}
+
+const SKIES: [(usize, usize); 7] = [(1, 1), (2, 1), (8, 4), (64, 32), (63, 31), (1000, 7), (1024, 512)];
+
+#[test]
+fn the_skys_density_is_that_of_its_radiance_and_never_zero_under_it() {
+    let mut random = Random(720);
+    for (width, height) in SKIES {
+        let texels = if width == 1 { vec![[0.5, 0.0, 0.0]] } else { sky(width, height, &mut random) };
+        let sky = host::SkyDistribution::new(width as u32, height as u32, &texels).expect("it is not black");
+        let (columns, rows) = (sky.columns as usize, sky.rows as usize);
+        assert!(columns * rows == sky.cells.len() && sky.cells.len() <= host::MAX_CELLS);
+        let whole: f64 = (0..rows * columns)
+            .map(|i| f64::from(sky.cells[i].density) * solid_angle_of_row(i / columns, rows, columns))
+            .sum();
+        // Probabilities that add up to exactly 1, each rounded with its density.
+        assert!((whole - 1.0).abs() < 2.0 * U, "{width} x {height}: {whole}");
+        let luminance = |x: i64, y: i64| {
+            let texel = texels[y.clamp(0, height as i64 - 1) as usize * width + x.rem_euclid(width as i64) as usize];
+            0.2126 * f64::from(texel[0]) + 0.7152 * f64::from(texel[1]) + 0.0722 * f64::from(texel[2])
+        };
+        // What the kernels interpolate at a place (lib/bilinear), and the mean of that over each cell from 8 x 8 places.
+        let at = |x: f64, y: f64| {
+            let (left, top) = ((x - 0.5).floor(), (y - 0.5).floor());
+            let (s, t) = (x - 0.5 - left, y - 0.5 - top);
+            let (i, j) = (left as i64, top as i64);
+            (1.0 - t) * ((1.0 - s) * luminance(i, j) + s * luminance(i + 1, j))
+                + t * ((1.0 - s) * luminance(i, j + 1) + s * luminance(i + 1, j + 1))
+        };
+        let (wide, high) = (width as f64 / columns as f64, height as f64 / rows as f64);
+        let means: Vec<f64> = (0..columns * rows)
+            .map(|i| {
+                let places = (0..64).map(|k| ((k % 8) as f64 / 8.0 + 0.0625, (k / 8) as f64 / 8.0 + 0.0625));
+                places
+                    .map(|(s, t)| at(((i % columns) as f64 + s) * wide, ((i / columns) as f64 + t) * high))
+                    .sum::<f64>()
+                    / 64.0
+            })
+            .collect();
+        let solid = |i: usize| solid_angle_of_row(i / columns, rows, columns);
+        let sum: f64 = means.iter().enumerate().map(|(i, mean)| mean * solid(i)).sum();
+        for (i, (cell, mean)) in sky.cells.iter().zip(&means).enumerate() {
+            assert_eq!(cell.density > 0.0, *mean > 0.0, "{width} x {height}, cell {i}");
+            assert_eq!(cell.alias_density, sky.cells[cell.alias as usize].density);
+            // Eight midpoints a side of a function that is linear in each half of a texel are right where a cell is a texel;
+            // with larger ones they are not. Two draws of 2^24 for the rounding, one of each cell for those without.
+            if columns == width {
+                let wanted = mean / sum;
+                let off = 2.0 * U / solid(i) + wanted * (2e-6 + (columns * rows) as f64 * U);
+                assert!((f64::from(cell.density) - wanted).abs() < off, "{width} x {height}, cell {i}");
+                // With its neighbour's radiance it would be another.
+                let other = means[(i + 1) % means.len()] / sum;
+                assert!(
+                    width < 8 || (other / wanted - 1.0).abs() < 0.5 || (f64::from(cell.density) - other).abs() > off
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn sky_directions_are_uniform_in_cells_drawn_by_their_probability() {
+    const DRAWS: usize = 1 << 19;
+    let mut random = Random(730);
+    let grids = [(64usize, 32usize), (63, 31), (1000, 7), (256, 128)];
+    for (width, height) in grids {
+        let texels = sky(width, height, &mut random);
+        let sky = host::SkyDistribution::new(width as u32, height as u32, &texels).expect("it is not black");
+        let row = SkyIn { columns: sky.columns, rows: sky.rows, ..SkyIn::default() };
+        let found: Vec<SkyOut> = sky_kernel(true, &[]).run_with(&[row], DRAWS, &[array("cells", &sky.cells)]);
+        let mut counts = vec![0u64; sky.cells.len()];
+        let mut within = [vec![0u64; 31 * 17], vec![0u64; 31 * 17]];
+        let mut elsewhere = 0;
+        for out in &found {
+            let cell = &sky.cells[out.drawn as usize];
+            assert_eq!(out.pdf, cell.density);
+            counts[out.drawn as usize] += 1;
+            let (column, row) = (out.drawn as usize % width, out.drawn as usize / width);
+            let direction = exact(out.direction);
+            let (x, y) = place(direction.normalize(), width, height);
+            let edge = |row: usize| (PI * row as f64 / height as f64).cos();
+            // Of the cosine, by differences of the angle so that the poles keep their digits.
+            let by = |angle: f64| (PI * angle / height as f64).cos();
+            let share = (edge(row) - by(y)) / (edge(row) - edge(row + 1));
+            within[0][bin(share, 31) * 17 + bin(x - column as f64, 17)] += 1;
+            // As if rows were uniform by their angle.
+            within[1][bin(y - row as f64, 31) * 17 + bin(x - column as f64, 17)] += 1;
+            if out.found != out.drawn {
+                elsewhere += 1;
+                // It was rounded over the edge: a direction is off by 4 u, sin and cos by 2e-7, an angle by 8 u; around the
+                // poles over the sine.
+                let sine = direction.x.hypot(direction.z);
+                let near = |t: f64, cells: usize, off: f64| (t - t.round()).abs() < off * cells as f64;
+                let at_edge = near(x, width, 1e-7 / sine.min(1.0) + 2e-7) || near(y, height, 3e-7);
+                assert!(at_edge, "{width} x {height}: {out:?} at {x}, {y}");
+            } else {
+                assert_eq!(out.pdf, out.again);
+            }
+        }
+        let expected: Vec<f64> = (0..sky.cells.len())
+            .map(|i| f64::from(sky.cells[i].density) * solid_angle_of_row(i / width, height, width) * DRAWS as f64)
+            .collect();
+        let p = chi_square(&counts, &expected, 1);
+        assert!(p > sidak(ALPHA, 8), "{width} x {height}: p = {p:e}");
+        let even = vec![DRAWS as f64 / (31.0 * 17.0); 31 * 17];
+        let p = chi_square(&within[0], &even, 1);
+        assert!(p > sidak(ALPHA, 8), "{width} x {height}, within cells: p = {p:e}");
+        // Two edges of each kind, 3e-7 wide in cells of 1 / n; twice that for the poles.
+        let share = elsewhere as f64 / DRAWS as f64;
+        assert!(share < 4.0 * 3e-7 * (width + height) as f64, "{width} x {height}: {share:e}");
+        // The neighbours' counts, and rows that are not uniform by the cosine where they are few.
+        counts.rotate_left(1);
+        assert!(chi_square(&counts, &expected, 1) < ALPHA);
+        assert!(height > 7 || chi_square(&within[1], &even, 1) < ALPHA);
+    }
+}
+
+#[test]
+fn sky_samples_are_numbers_at_the_ends() {
+    let last = 1.0 - U as f32;
+    let ends = [0.0, U as f32, 0.25, 0.5, 0.75, last];
+    let mut random = Random(740);
+    for (width, height) in SKIES {
+        let texels = sky(width, height, &mut random);
+        let sky = host::SkyDistribution::new(width as u32, height as u32, &texels).expect("it is not black");
+        let mut rows = Vec::new();
+        for x in ends {
+            for y in ends {
+                rows.extend(ends.map(|z| SkyIn {
+                    u: [x, y, z],
+                    columns: sky.columns,
+                    rows: sky.rows,
+                    ..SkyIn::default()
+                }));
+            }
+        }
+        let found: Vec<SkyOut> = sky_kernel(false, &[]).run_with(&rows, rows.len(), &[array("cells", &sky.cells)]);
+        for (row, out) in rows.iter().zip(found) {
+            let length = exact(out.direction).length();
+            assert!((length - 1.0).abs() < 4.0 * U && out.pdf.is_finite() && out.pdf > 0.0, "{row:?} {out:?}");
+            assert!((out.found as usize) < sky.cells.len(), "{row:?} {out:?}");
+        }
     }
 }
