@@ -1,3 +1,4 @@
+//@ use data/ray
 //@ use geometry/cuboid
 //@ use light/quad
 //@ use lib/sampling
@@ -88,4 +89,9 @@ fn cuboid_light_pdf(from_point: vec3<f32>, direction: vec3<f32>, cuboid: Cuboid)
     }
     let area = seen.areas.x + seen.areas.y + seen.areas.z;
     return select(0.0, 1.0 / area, area > 0.0);
+}
+
+// About how far the near side of the cuboid is along a ray that passes it by.
+fn cuboid_light_distance(ray: Ray, cuboid: Cuboid) -> f32 {
+    return dot(cuboid.center - ray.origin, ray.direction) - length(cuboid.half_extent);
 }

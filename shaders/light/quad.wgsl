@@ -1,3 +1,4 @@
+//@ use data/ray
 //@ use data/primitive
 //@ use light/sample
 //@ use light/spherical
@@ -54,4 +55,9 @@ fn quad_light_pdf(from_point: vec3<f32>, direction: vec3<f32>, quad: Quad) -> f3
     let seen = spherical_quad(quad.corner - from_point, quad.u, quad.v);
     let area = seen.areas.x + seen.areas.y;
     return select(0.0, 1.0 / area, area > 0.0);
+}
+
+// How far the plane of the quad is along a ray that passes it by.
+fn quad_light_distance(ray: Ray, quad: Quad) -> f32 {
+    return dot(quad.corner - ray.origin, quad.normal) / dot(ray.direction, quad.normal);
 }

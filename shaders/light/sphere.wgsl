@@ -1,3 +1,4 @@
+//@ use data/ray
 //@ use data/primitive
 //@ use light/sample
 //@ use lib/basis
@@ -66,4 +67,9 @@ fn sphere_light_sample(from_point: vec3<f32>, sphere: Sphere, u: vec2<f32>) -> L
 fn sphere_light_pdf(from_point: vec3<f32>, direction: vec3<f32>, sphere: Sphere) -> f32 {
     let cone = sphere_cone(from_point, sphere);
     return select(0.0, sphere_cone_pdf(cone), cone.sine > SPHERE_LEAST_SINE);
+}
+
+// About how far the near side of the sphere is along a ray that passes it by.
+fn sphere_light_distance(ray: Ray, sphere: Sphere) -> f32 {
+    return dot(sphere.center - ray.origin, ray.direction) - sphere.radius;
 }

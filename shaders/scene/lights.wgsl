@@ -52,6 +52,28 @@ fn direction_to_light(light: Light, from_point: vec3<f32>, u: vec3<f32>) -> Ligh
     }
 }
 
+// About how far it is to a primitive along a ray that passes it by, in its mesh's space where it is a face.
+fn distance_to_light(code: u32, ray: Ray) -> f32 {
+    let index = primitive_index(code);
+    switch primitive_kind(code) {
+        //@ each emitter
+        case ${number}u: {
+            return ${name}_light_distance(ray, ${name}s[index]);
+        }
+        //@ end
+        //@ each emitting_mesh
+        case KIND_TRIANGLE: {
+            let corners = corners_of(meshes[index]);
+            let normal = triangle_cross(corners.a, corners.b, corners.c);
+            return dot(corners.a - ray.origin, normal) / dot(ray.direction, normal);
+        }
+        //@ end
+        default: {
+            return NO_HIT;
+        }
+    }
+}
+
 // The density by which the primitive that the direction meets is chosen as a light and the direction drawn.
 fn light_density(code: u32, instance: u32, from_point: vec3<f32>, direction: vec3<f32>) -> f32 {
     let index = primitive_index(code);

@@ -17,7 +17,17 @@ fn medium(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     load_throughput(slot, &path);
     load_sample(slot, &path);
+    //@ each light
+    load_radiance(slot, &path);
+    path.light = NO_LIGHT;
+    //@ end
     cross_media(&path);
+    //@ each light
+    store_radiance(slot, &path);
+    if path.light != NO_LIGHT {
+        store_shadow(slot, &path);
+    }
+    //@ end
     store_ray(slot, &path);
     store_throughput(slot, &path);
     sort_slot(slot, path.status, path.instance);

@@ -65,7 +65,10 @@ fn limit_of_shadow(path: ptr<function, Path>) -> Hit {
         ray = to_mesh(instances[(*path).light_instance], ray);
     }
     //@ end
-    return Hit(code, (*path).light_instance, primitive_distance(code, ray, slab_inverse(ray.direction)), 0u);
+    let t = primitive_distance(code, ray, slab_inverse(ray.direction));
+    // A direction drawn towards a light that is tiny from here, or near the edge of any, can pass it by its rounding. It counts all
+    // the same, for its density says that it was drawn: only something before the light can take it away.
+    return Hit(code, (*path).light_instance, select(distance_to_light(code, ray), t, t != NO_HIT), 0u);
 }
 
 // Takes the light in, where its shadow ray meets nothing before it; the result is the number of steps that took.
@@ -74,7 +77,6 @@ fn trace_shadow(path: ptr<function, Path>) -> u32 {
     let code = (*path).light;
     (*path).light = NO_LIGHT;
     (*path).rays += 1u;
-    // At its very limb a light can be missed by a ray aimed at it.
     if !(limit.t > 0.0) {
         return 1u;
     }
