@@ -101,7 +101,7 @@ device_struct!(
 
 device_struct!(
     /// What the device counts for the host.
-    Counters { next: u32, records: u32, idle: u32, }
+    Counters { next: u32, records: u32, idle: u32, too_deep: u32, too_deep_low: u32, too_deep_high: u32, }
 );
 
 device_struct!(

@@ -53,6 +53,8 @@ pub struct Outcome {
     pub interrupted: bool,
     /// Of an interrupted render: one past the last sample that any pixel has.
     pub stopped_at: Option<u32>,
+    /// Paths that max_depth ended.
+    pub too_deep: TooDeep,
     /// Of a render until an error: what came of it.
     pub noise: Option<Noise>,
     /// Seconds of the passes, from the first to the last.
@@ -76,6 +78,23 @@ pub struct Noise {
 pub const NOISE_LEVEL: f64 = 0.05;
 /// The samples at which such a render looks first.
 const FIRST_LOOK: u32 = 2 * RUN_LENGTH;
+
+/// What max_depth cut off. The throughput of such a path is what it could still have brought of the light that it would have met.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TooDeep {
+    pub paths: u64,
+    /// The sum of the largest components of their throughput.
+    pub throughput: f64,
+}
+
+impl TooDeep {
+    /// What has been counted since the last reading.
+    fn add(&mut self, now: &Counters, before: &Counters) {
+        let sum = |c: &Counters| u64::from(c.too_deep_high) << 32 | u64::from(c.too_deep_low);
+        self.paths += u64::from(now.too_deep.wrapping_sub(before.too_deep));
+        self.throughput += sum(now).wrapping_sub(sum(before)) as f64 / 65_536.0;
+    }
+}
 
 /// The share of a submission's target that a submission should take: long enough to hide what it costs to make one, short
 /// enough that no watchdog fires and no user waits.
@@ -304,6 +323,7 @@ impl<'a> Renderer<'a> {
         }
         // Its runs of one sample would be parts of longer runs.
         stretch.film.clear();
+        stretch.outcome.too_deep = TooDeep::default();
         Ok(Some(pace))
     }
 
@@ -413,6 +433,7 @@ impl<'a> Renderer<'a> {
         self.write("counters", bytemuck::bytes_of(&Counters::default()))?;
         let most_bounces = self.most_bounces(samples);
         let mut starting = true;
+        let mut before = Counters::default();
         loop {
             let bounces = self.bounces.clamp(1, most_bounces);
             window.bounces = bounces;
@@ -427,6 +448,8 @@ impl<'a> Renderer<'a> {
             }
             self.accumulate(counters.records, stretch.film)?;
             let Stretch { film, watch, start, outcome } = stretch;
+            outcome.too_deep.add(&counters, &before);
+            before = counters;
             if outcome.first_pass == 0.0 {
                 outcome.first_pass = start.elapsed().as_secs_f64();
             }

@@ -60,8 +60,13 @@ fn scenes() -> Vec<(&'static str, Scene)> {
     let mut many = String::new();
     for i in 0..64 {
         let (x, z) = (f64::from(i % 8) * 0.25 - 0.87, f64::from(i / 8) * 0.25 - 0.87);
-        write!(many, "Sphere(center: ({x}, {}, {z}), radius: 0.06, material: \"{}\"),", 1.6 + 0.01 * f64::from(i % 5), if i % 3 == 0 { "lamp" } else { "dim" })
-            .expect("a string takes text");
+        write!(
+            many,
+            "Sphere(center: ({x}, {}, {z}), radius: 0.06, material: \"{}\"),",
+            1.6 + 0.01 * f64::from(i % 5),
+            if i % 3 == 0 { "lamp" } else { "dim" }
+        )
+        .expect("a string takes text");
     }
     let folder = tempfile::tempdir().expect("a temporary folder");
     std::fs::write(folder.path().join("octahedron.obj"), OCTAHEDRON).expect("the mesh is written");
@@ -166,7 +171,8 @@ fn lights_make_an_image_of_the_same_bytes_however_the_work_is_cut() {
     for (name, scene) in scenes() {
         let ask = Ask { roulette: true, ..Ask::spp(16).seed(7).mis().sobol() };
         let usual = render(&scene, &ask);
-        let bits = |shot: &render::Shot| shot.picture.rgb.as_flattened().iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+        let bits =
+            |shot: &render::Shot| shot.picture.rgb.as_flattened().iter().map(|v| v.to_bits()).collect::<Vec<_>>();
         for scatter in [Scatter::Linked, Scatter::Queues] {
             let wish = TuningWish { slots: Some(77), workgroup: Some(32), scatter: Some(scatter), bounces: Some(3) };
             let other = render(&scene, &Ask { wish, ..ask.clone() });
@@ -206,17 +212,24 @@ fn a_lamp_that_nothing_meets_by_chance() {
 #[test]
 fn scenes_without_lights_to_sample_have_no_code_for_it() {
     let wish = Wish { sample_lights: true, ..Wish::default() };
-    let text = room("Gradient(bottom: (1, 1, 1), top: (0.5, 0.6, 1))", "", "Sphere(center: (0, 0.5, 0), radius: 0.5, material: \"wall\"),", 8);
+    let text = room(
+        "Gradient(bottom: (1, 1, 1), top: (0.5, 0.6, 1))",
+        "",
+        "Sphere(center: (0, 0.5, 0), radius: 0.5, material: \"wall\"),",
+        8,
+    );
     let flat = flatten_with(&scene(&text), (16, 16), wish).expect("it flattens");
     assert_eq!((flat.features.lights, flat.lights.len()), (0, 0));
     for scatter in [Scatter::Fused, Scatter::Linked, Scatter::Queues] {
         let plan = Plan::new(&flat.features, scatter).expect("it links");
         for kernel in plan.kernels() {
-            let of_lights = |module: &&String| module.starts_with("light/") || module.contains("shadow") || *module == "step/light";
+            let of_lights =
+                |module: &&String| module.starts_with("light/") || module.contains("shadow") || *module == "step/light";
             assert_eq!(kernel.linked.modules.iter().find(of_lights), None, "{}", kernel.name);
         }
     }
-    let lit = flatten_with(&scene(&text.replace("Sphere(", &format!("{CEILING} Sphere("))), (16, 16), wish).expect("it flattens");
+    let lit = flatten_with(&scene(&text.replace("Sphere(", &format!("{CEILING} Sphere("))), (16, 16), wish)
+        .expect("it flattens");
     assert_eq!(lit.features.lights, 1);
     let plan = Plan::new(&lit.features, Scatter::Linked).expect("it links");
     assert!(plan.kernels().iter().any(|kernel| kernel.name == "shadow"));

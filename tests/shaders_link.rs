@@ -201,7 +201,10 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("background", &["bind", "data", "lib", "scene/texel"]),
     ("scene", &["bind", "data", "geometry", "lib", "light", "material", "medium", "scene", "texture"]),
     ("slots", &["bind", "data", "lib", "scene", "slots"]),
-    ("step", &["background", "bind", "camera", "data", "geometry", "lib", "light", "medium", "sampler", "scene", "step"]),
+    (
+        "step",
+        &["background", "bind", "camera", "data", "geometry", "lib", "light", "medium", "sampler", "scene", "step"],
+    ),
     (
         "stage",
         &["background", "bind", "camera", "data", "geometry", "lib", "material", "scene", "slots", "step", "texture"],

@@ -15,7 +15,7 @@ struct Light {
 }
 
 // What stands for the code of a light where none is asked.
-const NO_LIGHT: u32 = 0xfffffffau;
+const NO_LIGHT: u32 = 0xfffffff9u;
 
 // The share of a light in what a direction brings, of two ways to draw that direction: the power heuristic with exponent 2
 // (Veach and Guibas, "Optimally Combining Sampling Techniques for Monte Carlo Rendering", SIGGRAPH 1995, section 4.1), by the

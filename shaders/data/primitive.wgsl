@@ -19,7 +19,9 @@ const SLOT_IDLE: u32 = 0xfffffffdu;
 const RAY_READY: u32 = 0xfffffffcu;
 // The walk through the BVH was given up as too long: the path is worth nothing.
 const PATH_CUT: u32 = 0xfffffffbu;
-const FIRST_STATUS: u32 = PATH_CUT;
+// The path would have gone on beyond max_depth; its throughput stands where it stood.
+const PATH_TOO_DEEP: u32 = 0xfffffffau;
+const FIRST_STATUS: u32 = PATH_TOO_DEEP;
 
 fn primitive_kind(code: u32) -> u32 {
     return (code >> PRIMITIVE_KIND_SHIFT) & 7u;

@@ -25,6 +25,10 @@ struct Counters {
     records: atomic<u32>,
     // Slots without a run.
     idle: atomic<u32>,
+    // Paths that max_depth ended, and the sum of the largest component of their throughput in units of 2^-16, in two words.
+    too_deep: atomic<u32>,
+    too_deep_low: atomic<u32>,
+    too_deep_high: atomic<u32>,
 }
 
 // A finished run.

@@ -74,8 +74,8 @@ fn cross_media(path: ptr<function, Path>) -> u32 {
             (*path).status = PATH_ENDED;
         }
     } else {
-        (*path).status = PATH_ENDED;
-        (*path).throughput = vec3<f32>(0.0);
+        (*path).status = select(PATH_ENDED, PATH_TOO_DEEP, any(throughput != vec3<f32>(0.0)));
+        (*path).throughput = throughput;
     }
     return MEDIA + steps;
 }

@@ -9,7 +9,18 @@
 //@ end
 // Whether the path has left the scene, ended on a surface, or cannot go on.
 fn has_ended(status: u32) -> bool {
-    return status == HIT_NOTHING || status == PATH_ENDED || status == PATH_CUT;
+    return status == HIT_NOTHING || status == PATH_ENDED || status == PATH_TOO_DEEP || status == PATH_CUT;
+}
+
+// Counts a path that max_depth ended, with what it could still have brought of any light.
+fn count_too_deep(throughput: vec3<f32>) {
+    let most = clamp(max(max(throughput.x, throughput.y), throughput.z), 0.0, 32768.0);
+    let added = u32(most * 65536.0);
+    let before = atomicAdd(&counters.too_deep_low, added);
+    if before + added < before {
+        atomicAdd(&counters.too_deep_high, 1u);
+    }
+    atomicAdd(&counters.too_deep, 1u);
 }
 
 // Takes the radiance of a path that ended into its run, and starts the next sample or run.
@@ -20,6 +31,10 @@ fn refill_path(path: ptr<function, Path>) {
         radiance *= share_of_met_sky(path);
         //@ end
         radiance *= background_radiance((*path).ray.direction);
+    }
+    if (*path).status == PATH_TOO_DEEP {
+        count_too_deep(radiance);
+        radiance = vec3<f32>(0.0);
     }
     //@ each light
     radiance += (*path).radiance;

@@ -53,6 +53,9 @@ fn scatter_path(path: ptr<function, Path>) {
         (*path).status = RAY_READY;
         (*path).throughput = throughput;
         (*path).events = events + 1u;
+    } else if scattered.event == SCATTERED && any(throughput != vec3<f32>(0.0)) {
+        (*path).status = PATH_TOO_DEEP;
+        (*path).throughput = throughput;
     } else {
         (*path).status = PATH_ENDED;
         (*path).throughput = select(vec3<f32>(0.0), throughput, scattered.event == EMITTED);

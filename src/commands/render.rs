@@ -412,6 +412,8 @@ fn report(
         "paths_per_second": per_second(paths),
         "rays_per_second": per_second(rays),
         "rejected_samples": rejected.total(),
+        "cut_paths": outcome.too_deep.paths,
+        "cut_throughput": outcome.too_deep.throughput / (outcome.too_deep.paths.max(1) as f64),
         "relative_error": finish.error.map(|error| error.value),
         "relative_error_bound": finish.error.map(|error| error.bound),
         "reliable": finish.error.map(|error| error.reliable),
@@ -432,6 +434,18 @@ fn report(
 fn summarise(args: &RenderArgs, job: &Job, output: &Output<'_>, outcome: &Outcome, finish: &Finish, total: f64) {
     if finish.totals.rejected.total() > 0 {
         tell(&format!("warning: {}", rejected_words(&finish.totals)));
+    }
+    let cut = outcome.too_deep;
+    if cut.paths > 0 {
+        let (paths, mean) = (finish.totals.paths.max(1) as f64, cut.throughput / cut.paths as f64);
+        tell(&format!(
+            "{} of {} paths were cut at max_depth {}, with a mean throughput of {mean:.2e}: on the mean of the image what is missing is \
+             at most {:.2e} of the radiance that they would have met",
+            cut.paths,
+            finish.totals.paths,
+            job.max_depth,
+            cut.throughput / paths
+        ));
     }
     if let Some(time) = args.time
         && total > time.as_secs_f64()

@@ -162,7 +162,8 @@ pub fn flatten_with(scene: &Scene, size: (u32, u32), wish: Wish) -> Result<Flat>
     flat.add_background(scene, radiance_scale);
     flat.add_materials(scene, radiance_scale);
     let laid = vec![None; meshes.len()];
-    let mut builder = Builder { scene, meshes, boxes, space, quality: wish.quality, laid, mesh_frames: HashMap::new(), flat };
+    let mut builder =
+        Builder { scene, meshes, boxes, space, quality: wish.quality, laid, mesh_frames: HashMap::new(), flat };
     builder.add_primitives(&finder.placed);
     builder.add_media(&finder.media);
     if wish.sample_lights {

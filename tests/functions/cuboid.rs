@@ -273,8 +273,7 @@ fn leave(kernel: &Kernel) -> (usize, usize, usize) {
             again += usize::from(out.again != NO_HIT);
         } else {
             let at = Exact::new(cuboid);
-            let chord =
-                at.span(exact(out.point), exact(out.leaving), error_of(cuboid)).map_or(0.0, |span| span.1);
+            let chord = at.span(exact(out.point), exact(out.leaving), error_of(cuboid)).map_or(0.0, |span| span.1);
             // Shorter chords, at the edges, are within the errors of their ends.
             if chord > 100.0 * error_of(cuboid) / 0.05 {
                 chords += usize::from(out.again == NO_HIT || (f64::from(out.again) / chord - 1.0).abs() > 0.1);
