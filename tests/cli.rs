@@ -531,7 +531,6 @@ fn what_is_not_built_is_refused() {
     let sphere = "../scenes/sphere.ron";
     let commands: &[&[&str]] = &[
         &["render", sphere, "--resume"],
-        &["render", sphere, "--integrator", "mis"],
         &["render", sphere, "--features", "all"],
         &["plan", sphere, "--features", "all"],
         &["compare", "a.exr", "b.exr"],
