@@ -1,5 +1,5 @@
 //@ use test/light_${shape}
-//@ use lib/rng
+//@ use sampler/independent
 // Directions towards a light and their densities; for the uniforms given, or for many of the row's own.
 struct In {
     from_point: vec3<f32>,

@@ -1,5 +1,5 @@
 //@ use light/sky
-//@ use lib/rng
+//@ use sampler/independent
 // A direction towards the sky, the cells in which it was drawn and is found; for the uniforms given, or the row's own.
 struct In {
     u: vec3<f32>,
