@@ -60,8 +60,34 @@ fn scenes() -> Vec<(&'static str, Scene)> {
     let mut many = String::new();
     for i in 0..64 {
         let (x, z) = (f64::from(i % 8) * 0.25 - 0.87, f64::from(i / 8) * 0.25 - 0.87);
-        write!(many, "Sphere(center: ({x}, {}, {z}), radius: 0.06, material: \"{}\"),", 1.6 + 0.01 * f64::from(i % 5), if i % 3 == 0 { "lamp" } else { "dim" })
-            .expect("a string takes text");
+        write!(
+            many,
+            "Sphere(center: ({x}, {}, {z}), radius: 0.06, material: \"{}\"),",
+            1.6 + 0.01 * f64::from(i % 5),
+            if i % 3 == 0 { "lamp" } else { "dim" }
+        )
+        .expect("a string takes text");
+    }
+    // Enough for the tree over lights: a ceiling of tiles, some of which shine upwards as well.
+    let (mut tiles, mut shades) = (String::new(), String::new());
+    for i in 0..300 {
+        let (x, z) = (f64::from(i % 20) * 0.095 - 0.95, f64::from(i / 20) * 0.125 - 0.95);
+        write!(
+            tiles,
+            "Quad(corner: ({x}, 1.9, {z}), u: (0.09, 0, 0), v: (0, 0, 0.12), material: \"tile{}\"),",
+            i * 7 % 5
+        )
+        .expect("a string takes text");
+    }
+    for i in 0..5 {
+        let emit = 0.5 * 2f64.powi(i);
+        write!(
+            shades,
+            "\"tile{i}\": DiffuseLight(emit: Rgb({emit}, 1, {}), two_sided: {}),",
+            4.0 - 0.5 * emit.min(6.0),
+            i == 3
+        )
+        .expect("a string takes text");
     }
     let folder = tempfile::tempdir().expect("a temporary folder");
     std::fs::write(folder.path().join("octahedron.obj"), OCTAHEDRON).expect("the mesh is written");
@@ -129,6 +155,25 @@ fn scenes() -> Vec<(&'static str, Scene)> {
                 ),
             ),
         ),
+        (
+            "a tree over lights",
+            plain(&room(black, &shades, &format!("{tiles} Box(min: (-0.5, 0, -0.5), max: (0.1, 0.8, 0.1), material: \"wall\"),"), 4)),
+        ),
+        (
+            "a tree, a sky and smoke",
+            scene_in(
+                folder.path(),
+                &room(
+                    "Image(path: \"sky.hdr\")",
+                    &shades,
+                    &format!(
+                        "{tiles} Medium(boundary: Box(min: (-0.8, 0, -0.8), max: (0, 1.2, 0.4)), density: 2, albedo: Rgb(0.9, 0.8, 0.7), anisotropy: 0.5),
+                         Transformed(by: [Scale(0.3), RotateY(20), Translate((0.4, 0.6, 0))], object: Mesh(path: \"octahedron.obj\", material: \"lamp\")),"
+                    ),
+                    4,
+                ),
+            ),
+        ),
         ("a sky", scene_in(folder.path(), &room("Image(path: \"sky.hdr\")", metal, "Sphere(center: (0, 0.5, 0), radius: 0.5, material: \"metal\"),", 6))),
     ];
     found
@@ -166,7 +211,8 @@ fn lights_make_an_image_of_the_same_bytes_however_the_work_is_cut() {
     for (name, scene) in scenes() {
         let ask = Ask { roulette: true, ..Ask::spp(16).seed(7).mis().sobol() };
         let usual = render(&scene, &ask);
-        let bits = |shot: &render::Shot| shot.picture.rgb.as_flattened().iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+        let bits =
+            |shot: &render::Shot| shot.picture.rgb.as_flattened().iter().map(|v| v.to_bits()).collect::<Vec<_>>();
         for scatter in [Scatter::Linked, Scatter::Queues] {
             let wish = TuningWish { slots: Some(77), workgroup: Some(32), scatter: Some(scatter), bounces: Some(3) };
             let other = render(&scene, &Ask { wish, ..ask.clone() });
@@ -206,17 +252,24 @@ fn a_lamp_that_nothing_meets_by_chance() {
 #[test]
 fn scenes_without_lights_to_sample_have_no_code_for_it() {
     let wish = Wish { sample_lights: true, ..Wish::default() };
-    let text = room("Gradient(bottom: (1, 1, 1), top: (0.5, 0.6, 1))", "", "Sphere(center: (0, 0.5, 0), radius: 0.5, material: \"wall\"),", 8);
+    let text = room(
+        "Gradient(bottom: (1, 1, 1), top: (0.5, 0.6, 1))",
+        "",
+        "Sphere(center: (0, 0.5, 0), radius: 0.5, material: \"wall\"),",
+        8,
+    );
     let flat = flatten_with(&scene(&text), (16, 16), wish).expect("it flattens");
     assert_eq!((flat.features.lights, flat.lights.len()), (0, 0));
     for scatter in [Scatter::Fused, Scatter::Linked, Scatter::Queues] {
         let plan = Plan::new(&flat.features, scatter).expect("it links");
         for kernel in plan.kernels() {
-            let of_lights = |module: &&String| module.starts_with("light/") || module.contains("shadow") || *module == "step/light";
+            let of_lights =
+                |module: &&String| module.starts_with("light/") || module.contains("shadow") || *module == "step/light";
             assert_eq!(kernel.linked.modules.iter().find(of_lights), None, "{}", kernel.name);
         }
     }
-    let lit = flatten_with(&scene(&text.replace("Sphere(", &format!("{CEILING} Sphere("))), (16, 16), wish).expect("it flattens");
+    let lit = flatten_with(&scene(&text.replace("Sphere(", &format!("{CEILING} Sphere("))), (16, 16), wish)
+        .expect("it flattens");
     assert_eq!(lit.features.lights, 1);
     let plan = Plan::new(&lit.features, Scatter::Linked).expect("it links");
     assert!(plan.kernels().iter().any(|kernel| kernel.name == "shadow"));
