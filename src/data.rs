@@ -199,9 +199,21 @@ device_struct!(
         probability: f32,
         threshold: f32,
         other: u32,
+        trail: u32,
         padding0: u32,
         padding1: u32,
-        padding2: u32,
+    }
+);
+
+device_struct!(
+    /// A node of the tree over the lights.
+    LightNode {
+        center: [f32; 3],
+        radius: f32,
+        power: f32,
+        axis: u32,
+        cos_spread: f32,
+        child: u32,
     }
 );
 

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use crate::data::{self, LIT_PATH_PLANES, PATH_PLANES, QUEUE_HEADER, RUN_LENGTH, Sampler};
 use crate::error::Result;
 use crate::film::RunRecord;
-use crate::flatten::{BOUNDARIES, Features, Flat, MATERIALS, PRIMITIVES, TEXTURES};
+use crate::flatten::{BOUNDARIES, Features, Flat, MATERIALS, PRIMITIVES, TEXTURES, TREE_LIGHTS};
 use crate::gpu::buffers::BufferSpec;
 use crate::gpu::layout::{self, Binding};
 use crate::gpu::link::{Choices, Embedded, Entry, Linked, link};
@@ -59,7 +59,7 @@ impl Tables {
 }
 
 /// The scene's tables: name, contents, bytes of an element, purpose.
-fn tables(flat: &Flat) -> [(&'static str, Cow<'_, [u8]>, u64, &'static str); 10] {
+fn tables(flat: &Flat) -> [(&'static str, Cow<'_, [u8]>, u64, &'static str); 11] {
     fn table<'a, T: bytemuck::Pod>(
         name: &'static str,
         items: &'a [T],
@@ -75,6 +75,7 @@ fn tables(flat: &Flat) -> [(&'static str, Cow<'_, [u8]>, u64, &'static str); 10]
         table("instances", &flat.instances, "where meshes stand"),
         table("media", &flat.media, "participating media"),
         table("lights", &flat.lights, "lights that are sampled"),
+        table("light_nodes", &flat.light_nodes, "the tree over them"),
         table("materials", &flat.materials, "materials"),
         table("textures", &flat.textures, "textures"),
         table("frames", &flat.frames, "where textured objects stand in their textures"),
@@ -301,6 +302,7 @@ fn choices(features: &Features, materials: &[Entry], queues: bool, tables: &Tabl
             ("media", pick(media, "step/media", "step/no_media")),
             ("medium_albedo", pick(features.textured_media, "scene/textured_medium", "scene/plain_medium")),
             ("roulette", pick(features.roulette, "step/roulette", "step/no_roulette")),
+            ("light_choice", pick(lights && features.lights >= TREE_LIGHTS, "scene/light_tree", "scene/light_alias")),
             ("transmittance", pick(media, "scene/transmittance", "scene/clear_air")),
             ("walk", pick(materials.is_empty(), "scene/nothing", "scene/traverse")),
             ("sampler", pick(features.sampler == Sampler::Sobol, "sampler/sobol", "sampler/independent")),
@@ -340,7 +342,7 @@ fn choices(features: &Features, materials: &[Entry], queues: bool, tables: &Tabl
 }
 
 /// The tables by name, and the names of the values that say how each is bound.
-const TABLES: [(&str, &str, &str); 10] = [
+const TABLES: [(&str, &str, &str); 11] = [
     ("nodes", "space_of_nodes", "size_of_nodes"),
     ("spheres", "space_of_spheres", "size_of_spheres"),
     ("quads", "space_of_quads", "size_of_quads"),
@@ -348,6 +350,7 @@ const TABLES: [(&str, &str, &str); 10] = [
     ("instances", "space_of_instances", "size_of_instances"),
     ("media", "space_of_media", "size_of_media"),
     ("lights", "space_of_lights", "size_of_lights"),
+    ("light_nodes", "space_of_light_nodes", "size_of_light_nodes"),
     ("materials", "space_of_materials", "size_of_materials"),
     ("textures", "space_of_textures", "size_of_textures"),
     ("frames", "space_of_frames", "size_of_frames"),

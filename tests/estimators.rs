@@ -68,6 +68,27 @@ fn scenes() -> Vec<(&'static str, Scene)> {
         )
         .expect("a string takes text");
     }
+    // Enough for the tree over lights: a ceiling of tiles, some of which shine upwards as well.
+    let (mut tiles, mut shades) = (String::new(), String::new());
+    for i in 0..300 {
+        let (x, z) = (f64::from(i % 20) * 0.095 - 0.95, f64::from(i / 20) * 0.125 - 0.95);
+        write!(
+            tiles,
+            "Quad(corner: ({x}, 1.9, {z}), u: (0.09, 0, 0), v: (0, 0, 0.12), material: \"tile{}\"),",
+            i * 7 % 5
+        )
+        .expect("a string takes text");
+    }
+    for i in 0..5 {
+        let emit = 0.5 * 2f64.powi(i);
+        write!(
+            shades,
+            "\"tile{i}\": DiffuseLight(emit: Rgb({emit}, 1, {}), two_sided: {}),",
+            4.0 - 0.5 * emit.min(6.0),
+            i == 3
+        )
+        .expect("a string takes text");
+    }
     let folder = tempfile::tempdir().expect("a temporary folder");
     std::fs::write(folder.path().join("octahedron.obj"), OCTAHEDRON).expect("the mesh is written");
     let sky = Rgb32FImage::from_fn(16, 8, |x, y| match (x, y) {
@@ -131,6 +152,25 @@ fn scenes() -> Vec<(&'static str, Scene)> {
                          Medium(boundary: Transformed(by: [Scale(0.4), Translate((0.5, 1.2, -0.3))], object: Mesh(path: \"octahedron.obj\")), density: 4, albedo: Rgb(0.9, 0.9, 0.9), anisotropy: -0.4),"
                     ),
                     8,
+                ),
+            ),
+        ),
+        (
+            "a tree over lights",
+            plain(&room(black, &shades, &format!("{tiles} Box(min: (-0.5, 0, -0.5), max: (0.1, 0.8, 0.1), material: \"wall\"),"), 4)),
+        ),
+        (
+            "a tree, a sky and smoke",
+            scene_in(
+                folder.path(),
+                &room(
+                    "Image(path: \"sky.hdr\")",
+                    &shades,
+                    &format!(
+                        "{tiles} Medium(boundary: Box(min: (-0.8, 0, -0.8), max: (0, 1.2, 0.4)), density: 2, albedo: Rgb(0.9, 0.8, 0.7), anisotropy: 0.5),
+                         Transformed(by: [Scale(0.3), RotateY(20), Translate((0.4, 0.6, 0))], object: Mesh(path: \"octahedron.obj\", material: \"lamp\")),"
+                    ),
+                    4,
                 ),
             ),
         ),

@@ -34,6 +34,8 @@ mod float;
 mod frames;
 #[path = "functions/fresnel.rs"]
 mod fresnel;
+#[path = "functions/light_tree.rs"]
+mod light_tree;
 #[path = "functions/lights.rs"]
 mod lights;
 #[path = "functions/materials.rs"]

@@ -31,7 +31,7 @@ fn modules() -> Vec<naga::Module> {
         emitters: Default::default(),
         emitting_sky: Some("a test".to_string()),
         sky_grid: (4, 2),
-        lights: 5,
+        lights: 1000,
         roulette: true,
     };
     let features = Features {
@@ -91,7 +91,7 @@ fn host_structs() -> BTreeMap<&'static str, (Fields, usize)> {
             ),)*])
         };
     }
-    structs!(Settings Window Counters Node Sphere Quad Cuboid Instance Light Medium Material Texture Frame)
+    structs!(Settings Window Counters Node Sphere Quad Cuboid Instance Light LightNode Medium Material Texture Frame)
 }
 
 /// Names that src/data.rs declares behind a word, so that none can be added there and forgotten here.

@@ -3,7 +3,7 @@
 //@ use data/primitive
 //@ use bind/lights
 //@ use light/sample
-//@ use light/alias
+//@ use choice/light_choice
 //@ each emitter
 //@ use light/${name}
 //@ use bind/${name}s
@@ -16,15 +16,6 @@
 //@ use scene/sky_light
 //@ end
 // The scene's lights, of just the kinds that it has.
-
-const LIGHTS: u32 = ${lights}u;
-
-// A light, chosen in proportion to its power.
-fn choose_light(u: f32) -> u32 {
-    let pick = alias_pick(u, LIGHTS);
-    let light = lights[pick.index];
-    return alias_drawn(pick, light.threshold, light.other);
-}
 
 // A direction from a point to a light, with its density in solid angle.
 fn direction_to_light(light: Light, from_point: vec3<f32>, u: vec3<f32>) -> LightSample {
@@ -81,7 +72,7 @@ fn light_density(code: u32, instance: u32, from_point: vec3<f32>, direction: vec
         //@ each emitter
         case ${number}u: {
             let shape = ${name}s[index];
-            return lights[shape.light].probability * ${name}_light_pdf(from_point, direction, shape);
+            return light_probability(shape.light, from_point) * ${name}_light_pdf(from_point, direction, shape);
         }
         //@ end
         //@ each emitting_mesh
@@ -89,7 +80,7 @@ fn light_density(code: u32, instance: u32, from_point: vec3<f32>, direction: vec
             let placed = instances[instance];
             let corners = placed_corners(placed, index);
             let pdf = triangle_light_pdf(from_point, direction, corners.a, corners.b, corners.c);
-            return lights[placed.to_light + index].probability * pdf;
+            return light_probability(placed.to_light + index, from_point) * pdf;
         }
         //@ end
         default: {

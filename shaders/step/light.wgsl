@@ -26,10 +26,10 @@ struct Aim {
 
 fn aim_at_light(path: ptr<function, Path>, from_point: vec3<f32>) -> Aim {
     let u = random4((*path).pixel, (*path).sample, event_dimension((*path).events, DIMENSION_LIGHT), settings.seed);
-    let index = choose_light(u.x);
-    let light = lights[index];
+    let choice = choose_light(from_point, u.x);
+    let light = lights[choice.index];
     let sample = direction_to_light(light, from_point, u.yzw);
-    return Aim(index, sample.direction, light.probability * sample.pdf);
+    return Aim(choice.index, sample.direction, choice.probability * sample.pdf);
 }
 
 // Sends a ray to the light, with what the event makes of its radiance.

@@ -5,16 +5,42 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use super::Builder;
+use super::light_tree::{Bounded, LightTree};
 use super::place::{Placed, Shape};
 use crate::data::{self, HIT_NOTHING, KIND_TRIANGLE, PRIMITIVE_BIT, PRIMITIVE_KIND_SHIFT};
 use crate::lights::{AliasTable, SkyDistribution};
 use crate::scene::{Background, Bitmap, Material, Scene, Texture};
+
+/// From so many lights on one is chosen by the tree (docs/performance.md): the fewest of which two are at a place, whether or not one is
+/// the sky.
+pub const TREE_LIGHTS: u32 = 3;
+
+/// By the tree, the sky is chosen at least and at most so often where there are other lights.
+const SKY_SHARES: (f64, f64) = (0.1, 0.9);
 
 /// A light before it has its place in the table.
 struct Emitter {
     code: u32,
     instance: u32,
     power: f64,
+    /// Where it is; nothing of the sky.
+    place: Option<Place>,
+}
+
+/// Corners of the box around a light, in render space, and its normal; none where it shines to all sides.
+struct Place {
+    low: DVec3,
+    high: DVec3,
+    normal: Option<DVec3>,
+    two_sided: bool,
+}
+
+impl Place {
+    fn around(points: &[DVec3], normal: Option<DVec3>, two_sided: bool) -> Place {
+        let low = points.iter().fold(DVec3::INFINITY, |low, p| low.min(*p));
+        let high = points.iter().fold(DVec3::NEG_INFINITY, |high, p| high.max(*p));
+        Place { low, high, normal: normal.and_then(DVec3::try_normalize), two_sided }
+    }
 }
 
 impl Builder<'_> {
@@ -44,7 +70,7 @@ impl Builder<'_> {
                 self.flat.features.emitting_sky = Some("the background's image".to_string());
                 self.flat.features.sky_grid = (sky.columns, sky.rows);
                 self.flat.sky = sky.cells;
-                emitters.push(Emitter { code: HIT_NOTHING, instance: data::NO_INSTANCE, power });
+                emitters.push(Emitter { code: HIT_NOTHING, instance: data::NO_INSTANCE, power, place: None });
             }
         }
         let powers: Vec<f64> = emitters.iter().map(|emitter| emitter.power).collect();
@@ -67,34 +93,70 @@ impl Builder<'_> {
             })
             .collect();
         self.flat.features.lights = self.flat.lights.len() as u32;
+        if self.flat.features.lights >= TREE_LIGHTS {
+            self.add_light_tree(&emitters);
+        }
+    }
+
+    /// Builds the tree over the lights that are somewhere.
+    fn add_light_tree(&mut self, emitters: &[Emitter]) {
+        let bounded = |emitter: &Emitter| {
+            let place = emitter.place.as_ref()?;
+            let (axis, spread) = place.normal.map_or((DVec3::Z, PI), |normal| (normal, 0.0));
+            let Place { low, high, two_sided, .. } = *place;
+            Some(Bounded { low, high, axis, spread, two_sided, power: emitter.power })
+        };
+        let bounded: Vec<Bounded> = emitters.iter().filter_map(bounded).collect();
+        let tree = LightTree::new(&bounded);
+        for (light, trail) in self.flat.lights.iter_mut().zip(tree.trails) {
+            light.trail = trail;
+        }
+        self.flat.light_nodes = tree.nodes;
+        if let Some(Emitter { power, place: None, .. }) = emitters.last()
+            && let Some(sky) = self.flat.lights.last_mut()
+        {
+            let all: f64 = emitters.iter().map(|emitter| emitter.power).sum();
+            sky.probability = (power / all).clamp(SKY_SHARES.0, SKY_SHARES.1) as f32;
+        }
     }
 
     /// Adds a primitive, or all faces of a mesh; `radiance` is the luminance that it sends out on the mean.
     fn add_emitter(&mut self, primitive: &Placed, index: u32, radiance: f64, emitters: &mut Vec<Emitter>) {
         let scale = primitive.to_world.scale * self.space.scale;
         let light = emitters.len() as u32;
-        let two_sided = match &self.scene.materials[primitive.material as usize].1 {
-            Material::DiffuseLight { two_sided: true, .. } => 2.0,
-            _ => 1.0,
-        };
-        let mut push = |code, instance, area: f64, sides: f64| {
-            emitters.push(Emitter { code, instance, power: PI * radiance * area * sides });
+        let two_sided = matches!(
+            self.scene.materials[primitive.material as usize].1,
+            Material::DiffuseLight { two_sided: true, .. }
+        );
+        let (space, to_world) = (self.space, primitive.to_world);
+        let point = |p: DVec3| space.point(to_world.point(p));
+        let mut push = |code, instance, area: f64, place: Place| {
+            let sides = if place.two_sided && place.normal.is_some() { 2.0 } else { 1.0 };
+            emitters.push(Emitter { code, instance, power: PI * radiance * area * sides, place: Some(place) });
         };
         let code = primitive.shape.code(index as usize);
         match primitive.shape {
             // Closed shapes are mostly seen from outside.
-            Shape::Sphere { radius, .. } => {
+            Shape::Sphere { center, radius } => {
                 self.flat.spheres[index as usize].light = light;
-                push(code, data::NO_INSTANCE, 4.0 * PI * (radius * scale).powi(2), 1.0);
+                let (middle, reach) = (point(center), DVec3::splat(radius * scale));
+                let place = Place::around(&[middle - reach, middle + reach], None, two_sided);
+                push(code, data::NO_INSTANCE, 4.0 * PI * (radius * scale).powi(2), place);
             }
-            Shape::Quad { u, v, .. } => {
+            Shape::Quad { corner, u, v } => {
                 self.flat.quads[index as usize].light = light;
-                push(code, data::NO_INSTANCE, u.cross(v).length() * scale * scale, two_sided);
+                let corners = [corner, corner + u, corner + v, corner + u + v].map(point);
+                let place = Place::around(&corners, Some(to_world.vector(u).cross(to_world.vector(v))), two_sided);
+                push(code, data::NO_INSTANCE, u.cross(v).length() * scale * scale, place);
             }
             Shape::Cuboid { min, max } => {
                 self.flat.cuboids[index as usize].light = light;
                 let d = (max - min) * scale;
-                push(code, data::NO_INSTANCE, 2.0 * (d.x * d.y + d.y * d.z + d.z * d.x), 1.0);
+                let corner = |i: usize| {
+                    point(DVec3::from_array(std::array::from_fn(|k| if i >> k & 1 == 0 { min[k] } else { max[k] })))
+                };
+                let place = Place::around(&std::array::from_fn::<_, 8, _>(corner), None, two_sided);
+                push(code, data::NO_INSTANCE, 2.0 * (d.x * d.y + d.y * d.z + d.z * d.x), place);
             }
             Shape::Mesh(mesh) => {
                 let first_face = self.laid(mesh).first_face;
@@ -102,8 +164,10 @@ impl Builder<'_> {
                 let mesh = self.meshes[mesh];
                 for (face, corners) in (first_face..).zip(&mesh.triangles) {
                     let [a, b, c] = corners.map(|corner| mesh.positions[corner as usize]);
-                    let area = 0.5 * (b - a).cross(c - a).length() * scale * scale;
-                    push(PRIMITIVE_BIT | KIND_TRIANGLE << PRIMITIVE_KIND_SHIFT | face, index, area, two_sided);
+                    let across = (b - a).cross(c - a);
+                    let area = 0.5 * across.length() * scale * scale;
+                    let place = Place::around(&[a, b, c].map(point), Some(to_world.vector(across)), two_sided);
+                    push(PRIMITIVE_BIT | KIND_TRIANGLE << PRIMITIVE_KIND_SHIFT | face, index, area, place);
                 }
             }
         }

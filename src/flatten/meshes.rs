@@ -127,7 +127,7 @@ impl super::Flat {
 }
 
 /// A unit vector in the octahedral map, as shaders/lib/octahedral reads it.
-fn octahedral(n: Vec3) -> u32 {
+pub fn octahedral(n: Vec3) -> u32 {
     let n = n / (n.x.abs() + n.y.abs() + n.z.abs());
     let sign = |x: f32| if x >= 0.0 { 1.0 } else { -1.0 };
     let (x, y) = match n.z < 0.0 {

@@ -4,6 +4,7 @@
 //! the same to the kernels however large it is and wherever it stands. Emission is scaled by a power of two likewise.
 
 mod frames;
+mod light_tree;
 mod lights;
 mod media;
 mod meshes;
@@ -25,6 +26,7 @@ use place::{Finder, MeshBox, Placed, PlacedMedium, extent};
 use similarity::Similarity;
 
 pub use bvh::Quality;
+pub use lights::TREE_LIGHTS;
 
 /// The kinds of primitive by number; each is a file of shaders/geometry. Triangles are the faces of meshes.
 pub const PRIMITIVES: &[&str] = &["sphere", "quad", "cuboid", "triangle"];
@@ -89,6 +91,8 @@ pub struct Flat {
     pub meshes: Vec<[u32; 4]>,
     pub media: Vec<data::Medium>,
     pub lights: Vec<data::Light>,
+    /// The tree over them; empty where they are few.
+    pub light_nodes: Vec<data::LightNode>,
     /// The image of the background as a distribution of directions.
     pub sky: Vec<SkyCell>,
     pub materials: Vec<data::Material>,

@@ -1,0 +1,93 @@
+//@ use bind/lights
+//@ use bind/light_nodes
+//@ use lib/octahedral
+// Lights chosen by what they can bring to a point: down a tree over them, at each node to the child on the left with the
+// left one's share of both importances (Conty Estevez and Kulla, "Importance Sampling of Many Lights with Adaptive Tree
+// Splitting", HPG 2018; src/flatten/light_tree.rs).
+
+const LAST_LIGHT: u32 = ${lights}u - 1u;
+
+// The power of a node's lights over the squared distance, times the largest cosine that any of their normals can have to
+// the point (section 4.2): a bound of the irradiance, but for a distance that nodes around the point do not have. The
+// point's own normal is not asked, so that a path that meets a light need not remember it.
+fn light_node_importance(node: LightNode, from_point: vec3<f32>) -> f32 {
+    let to_point = from_point - node.center;
+    let distance2 = dot(to_point, to_point);
+    let radius2 = node.radius * node.radius;
+    // Between the axis and the direction to the point.
+    var cosine = dot(unit_from_octahedral(node.axis), to_point) * inverseSqrt(max(distance2, 0x1p-100f));
+    cosine = select(cosine, abs(cosine), (node.child & LIGHT_NODE_TWO_SIDED) != 0u);
+    let sine = sqrt(max(1.0 - cosine * cosine, 0.0));
+    // The angle less the spread, where it is beyond.
+    let spread_sine = sqrt(max(1.0 - node.cos_spread * node.cos_spread, 0.0));
+    let beyond = cosine < node.cos_spread;
+    let less_cosine = select(1.0, cosine * node.cos_spread + sine * spread_sine, beyond);
+    let less_sine = select(0.0, sine * node.cos_spread - cosine * spread_sine, beyond);
+    // Less what the node takes of the directions from the point. In it, all is possible.
+    let seen_sine2 = radius2 / max(distance2, radius2);
+    let seen_cosine = sqrt(1.0 - seen_sine2);
+    let turned = less_cosine * seen_cosine + less_sine * sqrt(seen_sine2);
+    let open = distance2 <= radius2 || less_cosine >= seen_cosine;
+    return node.power * max(select(turned, 1.0, open), 0.0) / max(max(distance2, radius2), 0x1p-80f);
+}
+
+// The probability of the first of a pair. Either keeps a chance where both can matter, however little.
+fn light_node_share(pair: u32, from_point: vec3<f32>) -> f32 {
+    let left = light_node_importance(light_nodes[pair], from_point);
+    let right = light_node_importance(light_nodes[pair + 1u], from_point);
+    if left == 0.0 || right == 0.0 {
+        // Where nothing matters, anything is right.
+        return select(select(0.0, 1.0, left > 0.0), 0.5, left == right);
+    }
+    return clamp(left / (left + right), 0x1p-20f, 1.0 - 0x1p-20f);
+}
+
+// The sky, the last light, is at no place; it is chosen before all others or not.
+fn choose_light(from_point: vec3<f32>, u: f32) -> LightChoice {
+    var rest = u;
+    var probability = 1.0;
+    //@ each emitting_sky
+    let of_sky = lights[LAST_LIGHT].probability;
+    if u < of_sky {
+        return LightChoice(LAST_LIGHT, of_sky);
+    }
+    probability = 1.0 - of_sky;
+    rest = (u - of_sky) / probability;
+    //@ end
+    var child = 0u;
+    while (child & LIGHT_NODE_LEAF) == 0u {
+        let pair = child & LIGHT_NODE_INDEX;
+        let share = light_node_share(pair, from_point);
+        // Rounded up to 1, the rest would take the second of a pair that has no chance.
+        rest = min(rest, 1.0 - 0x1p-24f);
+        let second = rest >= share;
+        let taken = select(share, 1.0 - share, second);
+        probability *= taken;
+        rest = select(rest, rest - share, second) / taken;
+        child = light_nodes[pair + u32(second)].child;
+    }
+    return LightChoice(child & LIGHT_NODE_INDEX, probability);
+}
+
+// The probability that a light is chosen: down the same way.
+fn light_probability(index: u32, from_point: vec3<f32>) -> f32 {
+    var probability = 1.0;
+    //@ each emitting_sky
+    let of_sky = lights[LAST_LIGHT].probability;
+    if index == LAST_LIGHT {
+        return of_sky;
+    }
+    probability = 1.0 - of_sky;
+    //@ end
+    var trail = lights[index].trail;
+    var child = 0u;
+    while (child & LIGHT_NODE_LEAF) == 0u {
+        let pair = child & LIGHT_NODE_INDEX;
+        let share = light_node_share(pair, from_point);
+        let second = (trail & 1u) != 0u;
+        probability *= select(share, 1.0 - share, second);
+        trail >>= 1u;
+        child = light_nodes[pair + u32(second)].child;
+    }
+    return probability;
+}

@@ -1,0 +1,198 @@
+//! A hierarchy over the lights, by which shaders/scene/light_tree chooses one that is near and turned towards a point: Conty Estevez and
+//! Kulla, "Importance Sampling of Many Lights with Adaptive Tree Splitting", HPG 2018.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use glam::{DQuat, DVec3};
+
+use super::meshes::octahedral;
+use crate::data;
+
+/// Of a node's `child`, as in shaders/data/light: it is a light, not a pair of nodes; and it shines on both sides.
+const LEAF: u32 = 0x8000_0000;
+const TWO_SIDED: u32 = 0x4000_0000;
+/// A light's trail is one word.
+const DEEPEST: u32 = 32;
+const BINS: usize = 12;
+
+/// Where lights are, and the cone around all directions in which they are turned. What they send goes a quarter turn beyond.
+#[derive(Clone, Copy, Debug)]
+pub struct Bounded {
+    pub low: DVec3,
+    pub high: DVec3,
+    pub axis: DVec3,
+    /// Half angle of the cone; pi where there is no side on which they are dark.
+    pub spread: f64,
+    /// Shines against the cone as it does along it.
+    pub two_sided: bool,
+    pub power: f64,
+}
+
+impl Bounded {
+    fn middle(&self) -> DVec3 {
+        0.5 * (self.low + self.high)
+    }
+
+    fn joined(&self, other: &Bounded) -> Bounded {
+        let (mut a, mut b) = (*self, *other);
+        // Of one that shines on both sides the nearer axis.
+        if a.axis.dot(b.axis) < 0.0 {
+            match (a.two_sided, b.two_sided) {
+                (_, true) => b.axis = -b.axis,
+                (true, _) => a.axis = -a.axis,
+                _ => {}
+            }
+        }
+        let (axis, spread) = joined_cone((a.axis, a.spread), (b.axis, b.spread));
+        Bounded {
+            low: a.low.min(b.low),
+            high: a.high.max(b.high),
+            axis,
+            spread,
+            two_sided: a.two_sided || b.two_sided,
+            power: a.power + b.power,
+        }
+    }
+
+    /// What a cut is sought to make small: power, times surface, times the directions that light goes to (section 4.4).
+    fn cost(&self) -> f64 {
+        let d = self.high - self.low;
+        let surface = d.x * d.y + d.y * d.z + d.z * d.x;
+        let (sine, cosine) = self.spread.sin_cos();
+        let reach = (self.spread + FRAC_PI_2).min(PI);
+        let beyond = 2.0 * reach * sine - (self.spread - 2.0 * reach).cos() - 2.0 * self.spread * sine + cosine;
+        let directions = 2.0 * PI * (1.0 - cosine) + FRAC_PI_2 * beyond;
+        self.power * surface * directions * if self.two_sided { 2.0 } else { 1.0 }
+    }
+}
+
+/// The least cone around two.
+fn joined_cone((a, a_spread): (DVec3, f64), (b, b_spread): (DVec3, f64)) -> (DVec3, f64) {
+    let between = a.dot(b).clamp(-1.0, 1.0).acos();
+    if (between + b_spread).min(PI) <= a_spread {
+        return (a, a_spread);
+    }
+    if (between + a_spread).min(PI) <= b_spread {
+        return (b, b_spread);
+    }
+    let spread = 0.5 * (a_spread + between + b_spread);
+    let turn = a.cross(b).normalize_or_zero();
+    if spread >= PI || turn == DVec3::ZERO {
+        return (a, PI);
+    }
+    (DQuat::from_axis_angle(turn, spread - a_spread) * a, spread)
+}
+
+/// The hierarchy as the device reads it.
+#[derive(Clone, Debug, Default)]
+pub struct LightTree {
+    /// In pairs; those under the root are the first. Nothing where there are fewer than two lights.
+    pub nodes: Vec<data::LightNode>,
+    /// The way to each light, from the lowest bit on: whether it goes to the second of a pair.
+    pub trails: Vec<u32>,
+}
+
+impl LightTree {
+    pub fn new(lights: &[Bounded]) -> LightTree {
+        let mut tree = LightTree { nodes: Vec::new(), trails: vec![0; lights.len()] };
+        let mut order: Vec<usize> = (0..lights.len()).collect();
+        let brightest = lights.iter().map(|light| light.power).fold(0.0, f64::max);
+        if lights.len() > 1 {
+            tree.grow(lights, &mut order, 1.0 / brightest, (0, 0));
+        }
+        tree
+    }
+
+    /// Grows a pair of nodes under one that is so deep, and all below; the result is the pair's first index and its bounds.
+    fn grow(
+        &mut self,
+        lights: &[Bounded],
+        order: &mut [usize],
+        unit: f64,
+        (depth, trail): (u32, u32),
+    ) -> (u32, Bounded) {
+        let pair = self.nodes.len();
+        self.nodes.extend([data::LightNode::default(); 2]);
+        let at = cut(lights, order, depth);
+        let (left, right) = order.split_at_mut(at);
+        let mut bounds = [lights[left[0]], lights[right[0]]];
+        for (side, part) in [left, right].into_iter().enumerate() {
+            let trail = trail | (side as u32) << depth;
+            let child = match part {
+                [light] => {
+                    self.trails[*light] = trail;
+                    LEAF | *light as u32
+                }
+                _ => {
+                    let (child, of_all) = self.grow(lights, part, unit, (depth + 1, trail));
+                    bounds[side] = of_all;
+                    child
+                }
+            };
+            self.nodes[pair + side] = node(&bounds[side], unit, child);
+        }
+        (pair as u32, bounds[0].joined(&bounds[1]))
+    }
+}
+
+/// Orders lights so that those of the first child come first, and tells how many they are: neither none nor all.
+fn cut(lights: &[Bounded], order: &mut [usize], depth: u32) -> usize {
+    let half = order.len() / 2;
+    let middles = order.iter().map(|&i| lights[i].middle());
+    let (low, high) = middles.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
+    let extent = high - low;
+    let bin = |axis: usize, i: usize| {
+        let share = (lights[i].middle()[axis] - low[axis]) / extent[axis];
+        ((share * BINS as f64) as usize).min(BINS - 1)
+    };
+    let mut best: Option<(f64, usize, usize)> = None;
+    // Halves from where on they just end within the trail.
+    let halves_left = usize::BITS - (order.len() - 1).leading_zeros();
+    if depth + halves_left + 1 < DEEPEST {
+        for axis in (0..3).filter(|&axis| extent[axis] > 0.0) {
+            let mut bins: [Option<Bounded>; BINS] = [None; BINS];
+            let join = |sum: Option<Bounded>, next: &Bounded| Some(sum.map_or(*next, |sum| sum.joined(next)));
+            for &i in &*order {
+                let bin = &mut bins[bin(axis, i)];
+                *bin = join(*bin, &lights[i]);
+            }
+            // Long and thin nodes are worse than their surface tells.
+            let shape = extent.max_element() / extent[axis];
+            for first_right in 1..BINS {
+                let side = |part: &[Option<Bounded>]| part.iter().flatten().fold(None, join);
+                if let (Some(left), Some(right)) = (side(&bins[..first_right]), side(&bins[first_right..])) {
+                    let cost = shape * (left.cost() + right.cost());
+                    if best.is_none_or(|(least, ..)| cost < least) {
+                        best = Some((cost, axis, first_right));
+                    }
+                }
+            }
+        }
+    }
+    match best {
+        Some((_, axis, first_right)) => {
+            order.sort_by_key(|&i| (bin(axis, i) >= first_right, i));
+            order.partition_point(|&i| bin(axis, i) < first_right)
+        }
+        None => {
+            let axis = extent.max_position();
+            order.sort_by(|&i, &j| lights[i].middle()[axis].total_cmp(&lights[j].middle()[axis]).then(i.cmp(&j)));
+            half
+        }
+    }
+}
+
+fn node(bounds: &Bounded, unit: f64, child: u32) -> data::LightNode {
+    // Rounding may neither turn a light away nor make one vanish that is there.
+    const LEAST_POWER: f64 = 1e-30;
+    const ROUNDING: f64 = 1e-4;
+    let power = if bounds.power > 0.0 { (bounds.power * unit).max(LEAST_POWER) } else { 0.0 };
+    data::LightNode {
+        center: bounds.middle().as_vec3().to_array(),
+        radius: (0.5 * (bounds.high - bounds.low).length() * (1.0 + 1e-6)) as f32,
+        power: power as f32,
+        axis: octahedral(bounds.axis.as_vec3()),
+        cos_spread: (bounds.spread + ROUNDING).min(PI).cos() as f32,
+        child: child | if bounds.two_sided { TWO_SIDED } else { 0 },
+    }
+}
