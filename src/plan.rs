@@ -333,7 +333,7 @@ fn choices(features: &Features, materials: &[Entry], queues: bool, tables: &Tabl
                 ("sky_columns", features.sky_grid.0.to_string()),
                 ("sky_rows", features.sky_grid.1.to_string()),
                 // Mesa 22.3 allows an invocation 65,535 iterations: for one walk, or for two, the other being a shadow ray's.
-                ("most_steps", if lights { "20000" } else { "48000" }.to_string()),
+                ("most_steps", if lights { "19000" } else { "48000" }.to_string()),
                 ("run_length", RUN_LENGTH.to_string()),
                 ("queues", materials.len().to_string()),
             ])

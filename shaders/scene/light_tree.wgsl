@@ -42,22 +42,27 @@ fn light_node_share(pair: u32, from_point: vec3<f32>) -> f32 {
     return clamp(left / (left + right), 0x1p-20f, 1.0 - 0x1p-20f);
 }
 
+// Levels for which one uniform serves: at each it loses as many of its 24 digits as the choice tells. Beyond, the other one
+// goes on, or lights deep in a large tree would be chosen more or less often than their probability says.
+const LEVELS_OF_ONE_UNIFORM: u32 = 10u;
+
 // The sky, the last light, is at no place; it is chosen before all others or not.
-fn choose_light(from_point: vec3<f32>, u: f32) -> LightChoice {
-    var rest = u;
+fn choose_light(from_point: vec3<f32>, u: vec2<f32>) -> LightChoice {
+    var rest = u.x;
     var probability = 1.0;
     //@ each emitting_sky
     let of_sky = lights[LAST_LIGHT].probability;
-    if u < of_sky {
+    if u.x < of_sky {
         return LightChoice(LAST_LIGHT, of_sky);
     }
     probability = 1.0 - of_sky;
-    rest = (u - of_sky) / probability;
+    rest = (u.x - of_sky) / probability;
     //@ end
     var child = 0u;
-    while (child & LIGHT_NODE_LEAF) == 0u {
+    for (var level = 0u; (child & LIGHT_NODE_LEAF) == 0u; level++) {
         let pair = child & LIGHT_NODE_INDEX;
         let share = light_node_share(pair, from_point);
+        rest = select(rest, u.y, level == LEVELS_OF_ONE_UNIFORM);
         // Rounded up to 1, the rest would take the second of a pair that has no chance.
         rest = min(rest, 1.0 - 0x1p-24f);
         let second = rest >= share;

@@ -26,7 +26,7 @@ struct Aim {
 
 fn aim_at_light(path: ptr<function, Path>, from_point: vec3<f32>) -> Aim {
     let u = random4((*path).pixel, (*path).sample, event_dimension((*path).events, DIMENSION_LIGHT), settings.seed);
-    let choice = choose_light(from_point, u.x);
+    let choice = choose_light(from_point, u.xw);
     let light = lights[choice.index];
     let sample = direction_to_light(light, from_point, u.yzw);
     return Aim(choice.index, sample.direction, choice.probability * sample.pdf);

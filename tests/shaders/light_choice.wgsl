@@ -20,7 +20,7 @@ struct Out {
 
 fn run(row: u32) {
     let from_point = input[row / ${draws}u].from_point;
-    let choice = choose_light(from_point, random4(row, 0u, 0u, 1u).x);
+    let choice = choose_light(from_point, random4(row, 0u, 0u, 1u).xw);
     let of_row = light_probability((row % ${draws}u) % ${lights}u, from_point);
     output[row] = Out(choice.index, choice.probability, light_probability(choice.index, from_point), of_row);
 }
