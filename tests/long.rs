@@ -16,8 +16,8 @@ use rooms::{THINGS, room};
 /// How many renders there are of each scene and sampler: a share of 95 % of them has a standard error of 0.7 %.
 const RENDERS: u32 = 1000;
 /// The stated error divides by the pixel's own mean, which goes together with its variance where bright samples are rare: what is
-/// stated is too low by a share that falls with the square of the error. In the smoke at 64 samples, with an error of 19 %, it is
-/// 2.3 % too low, and its bound holds in 88 % of renders; at 256, with 9 %, 0.6 % and 92 %.
+/// stated is too low by a share that falls with the square of the error. In the smoke without light sampling, at 64
+/// samples with an error of 19 %, it is 2.3 % too low, and its bound holds in 88 % of renders; at 256, with 9 %, 0.6 % and 92 %.
 const SAMPLES: u32 = 256;
 
 /// The true relative error, of the variances between a thousand renders, is below the stated bound in 95 % of them, but for 2 % up and
@@ -34,7 +34,7 @@ fn stated_errors_are_true() {
             let (mut sums, mut squares) = (vec![0.0; count], vec![0.0; count]);
             let mut stated = Vec::new();
             for seed in 0..RENDERS {
-                let shot = render(&scene, &Ask { sampler, ..Ask::spp(SAMPLES).seed(seed) });
+                let shot = render(&scene, &Ask { sampler, ..Ask::spp(SAMPLES).seed(seed).mis() });
                 for (i, value) in shot.picture.rgb.as_flattened().iter().enumerate() {
                     sums[i] += f64::from(*value);
                     squares[i] += f64::from(*value).powi(2);
@@ -64,7 +64,7 @@ fn stated_errors_are_true() {
                 share(&|found| found.reliable)
             );
             let most = if sampler == Sampler::Sobol { 0.97 } else { 1.0 };
-            assert!((0.90..=most).contains(&covered), "{name}, {sampler:?}: covered in {covered}");
+            assert!((0.93..=most).contains(&covered), "{name}, {sampler:?}: covered in {covered}");
             // The planted error: the estimate without its bound.
             assert!(share(&|found| truth <= found.value) < 0.8, "{name}, {sampler:?}: the estimate passes for a bound");
             assert!(width < if sampler == Sampler::Sobol { 1.2 } else { 1.07 }, "{name}, {sampler:?}: bound {width}");
