@@ -11,13 +11,13 @@ mod kernel;
 #[path = "common/stats.rs"]
 mod stats;
 
-#[path = "functions/vectors.rs"]
+#[path = "common/vectors.rs"]
 mod vectors;
 
-#[path = "functions/trace.rs"]
+#[path = "common/trace.rs"]
 mod trace;
 
-#[path = "functions/scenes.rs"]
+#[path = "common/scenes.rs"]
 mod scenes;
 
 #[path = "functions/basis.rs"]
@@ -54,8 +54,6 @@ mod rng;
 mod sampler;
 #[path = "functions/sampling.rs"]
 mod sampling;
-#[path = "functions/sphere.rs"]
-mod sphere;
 #[path = "functions/textures.rs"]
 mod textures;
 #[path = "functions/triangle.rs"]

@@ -1,0 +1,67 @@
+//! What happens to the numbers at the extremes: a table of cells, each with a range of inputs, an oracle, a limit and the figure that
+//! was achieved. The run writes docs/extremes.md.
+//!
+//! Cells of functions run kernels that import the shader files that render, and compare with f64; cells of scenes compare renders with
+//! closed forms or with each other.
+
+#[path = "common/device.rs"]
+mod device;
+#[path = "common/kernel.rs"]
+mod kernel;
+#[path = "common/stats.rs"]
+mod stats;
+#[path = "common/trace.rs"]
+mod trace;
+#[path = "common/vectors.rs"]
+mod vectors;
+
+#[path = "extremes/sphere.rs"]
+mod sphere;
+#[path = "extremes/table.rs"]
+mod table;
+
+use std::fs;
+use std::path::Path;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use table::{Cell, FORMS, document, faults};
+
+/// Who fills cells.
+const CELLS: &[fn() -> Vec<Cell>] = &[sphere::cells];
+
+#[test]
+fn every_cell_is_within_its_limit() {
+    let cells = run(CELLS);
+    let text = document(&cells, &device::software().name.driver);
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/extremes.md");
+    // Beside and renamed, so that whoever reads it meanwhile reads a whole one.
+    let fresh = path.with_extension("md.new");
+    fs::write(&fresh, text).and_then(|()| fs::rename(&fresh, &path)).expect("docs/extremes.md can be written");
+    let faults = faults(&cells, FORMS);
+    assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
+}
+
+/// All cells, in the order of the list, on two threads: the host's part of one goes on while the device has the other's.
+fn run(fillers: &[fn() -> Vec<Cell>]) -> Vec<Cell> {
+    let next = AtomicUsize::new(0);
+    let found: Vec<Mutex<Vec<Cell>>> = fillers.iter().map(|_| Mutex::default()).collect();
+    std::thread::scope(|scope| {
+        for _ in 0..2 {
+            scope.spawn(|| {
+                while let Some((fill, place)) = take(fillers, &found, next.fetch_add(1, Ordering::Relaxed)) {
+                    *place.lock().expect("nobody panics with it") = fill();
+                }
+            });
+        }
+    });
+    found.into_iter().flat_map(|cells| cells.into_inner().expect("every thread has ended well")).collect()
+}
+
+fn take<'a>(
+    fillers: &'a [fn() -> Vec<Cell>],
+    found: &'a [Mutex<Vec<Cell>>],
+    index: usize,
+) -> Option<(&'a fn() -> Vec<Cell>, &'a Mutex<Vec<Cell>>)> {
+    Some((fillers.get(index)?, found.get(index)?))
+}

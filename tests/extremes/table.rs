@@ -1,0 +1,231 @@
+//! The table of extremes: what a cell is, which rows there must be, and the document that is made of them.
+
+use std::fmt::Write as _;
+
+/// What is driven to its extremes. Every row must have a cell, or the run fails.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Row {
+    Scale,
+    Offset,
+    Distance,
+    Radius,
+    Leaving,
+    Gap,
+    Grazing,
+    Index,
+    Fuzz,
+    Albedo,
+    OpticalDepth,
+    Anisotropy,
+    LightSize,
+    Radiance,
+    FieldOfView,
+    Aperture,
+    Focus,
+    Basis,
+    Uniforms,
+    Noise,
+    Objects,
+    CameraInside,
+    ImageSize,
+    Samples,
+    Rejection,
+}
+
+/// The rows, with what each is called.
+pub const ROWS: &[(Row, &str)] = &[
+    (Row::Scale, "scale of the whole scene"),
+    (Row::Offset, "place of the whole scene"),
+    (Row::Distance, "distance over radius, D/r"),
+    (Row::Radius, "radius"),
+    (Row::Leaving, "rays that leave what they met"),
+    (Row::Gap, "gaps between surfaces"),
+    (Row::Grazing, "grazing hits"),
+    (Row::Index, "index of refraction"),
+    (Row::Fuzz, "fuzz"),
+    (Row::Albedo, "albedo and depth"),
+    (Row::OpticalDepth, "optical depth"),
+    (Row::Anisotropy, "anisotropy"),
+    (Row::LightSize, "size of a light over its distance, r/D"),
+    (Row::Radiance, "radiance"),
+    (Row::FieldOfView, "vertical_fov"),
+    (Row::Aperture, "aperture"),
+    (Row::Focus, "focus_distance"),
+    (Row::Basis, "bases around a normal"),
+    (Row::Uniforms, "random numbers at their ends"),
+    (Row::Noise, "Perlin noise far out"),
+    (Row::Objects, "number of objects"),
+    (Row::CameraInside, "cameras on and in things"),
+    (Row::ImageSize, "size of the image"),
+    (Row::Samples, "number of samples"),
+    (Row::Rejection, "samples that are no numbers"),
+];
+
+pub const TEXTBOOK_SPHERE: &str = "textbook's sphere";
+pub const FIXED_T_MIN: &str = "fixed t_min";
+pub const OFFSET_BY_BITS: &str = "offset of 256 ulps";
+pub const SCHLICK: &str = "Schlick's reflectance";
+pub const RUNNING_SUM: &str = "running sum in f32";
+pub const MEAN_OF_SQUARES: &str = "variance as E[x²] - E[x]²";
+pub const FRISVAD: &str = "Frisvad's basis";
+pub const ONE_MINUS_COS: &str = "cone by 1 - cos";
+pub const LOG_OF_ONE_MINUS: &str = "free flight by log(1 - u)";
+pub const COMPARED_NAN: &str = "NaN test by x != x";
+
+/// The worst forms known. Each must be planted in a cell and found there.
+pub const FORMS: &[&str] = &[
+    TEXTBOOK_SPHERE,
+    FIXED_T_MIN,
+    OFFSET_BY_BITS,
+    SCHLICK,
+    RUNNING_SUM,
+    MEAN_OF_SQUARES,
+    FRISVAD,
+    ONE_MINUS_COS,
+    LOG_OF_ONE_MINUS,
+    COMPARED_NAN,
+];
+
+/// One range of one row: what was measured there, and what it must not be above.
+pub struct Cell {
+    pub row: Row,
+    /// The inputs: `"D/r = 1e3"`.
+    pub range: String,
+    /// What is measured, with its unit.
+    pub figure: &'static str,
+    /// What the figure may be at most.
+    pub limit: f64,
+    /// Where the limit comes from, in a sentence.
+    pub because: &'static str,
+    /// What was measured.
+    pub achieved: f64,
+    /// What a known wrong form would have achieved in its place, by name. Each must be above the limit.
+    pub planted: Vec<(&'static str, f64)>,
+}
+
+impl Cell {
+    pub fn new(row: Row, range: impl Into<String>, figure: &'static str, limit: f64, because: &'static str) -> Cell {
+        Cell { row, range: range.into(), figure, limit, because, achieved: f64::NAN, planted: Vec::new() }
+    }
+
+    pub fn achieved(self, achieved: f64) -> Cell {
+        Cell { achieved, ..self }
+    }
+
+    /// Adds a wrong form with its figure.
+    pub fn planted(mut self, form: &'static str, figure: f64) -> Cell {
+        self.planted.push((form, figure));
+        self
+    }
+
+    /// What is wrong with the cell. A figure that is no number holds nothing.
+    fn faults(&self) -> Vec<String> {
+        let place = format!("{:?}, {}: {}", self.row, self.range, self.figure);
+        let mut all = Vec::new();
+        let holds = |figure: f64| figure <= self.limit;
+        if !holds(self.achieved) {
+            all.push(format!("{place}: {:e} is over the limit of {:e}", self.achieved, self.limit));
+        }
+        for (form, figure) in &self.planted {
+            if holds(*figure) {
+                all.push(format!("{place}: the {form} is not found: {figure:e} is within {:e}", self.limit));
+            }
+        }
+        all
+    }
+}
+
+/// Everything that is wrong with the cells: over a limit, or a row or form that has none. Empty where all is well.
+pub fn faults(cells: &[Cell], forms: &[&str]) -> Vec<String> {
+    let mut all: Vec<String> = cells.iter().flat_map(Cell::faults).collect();
+    for (row, name) in ROWS {
+        if !cells.iter().any(|cell| cell.row == *row) {
+            all.push(format!("{row:?} ({name}) has no cell"));
+        }
+    }
+    for form in forms {
+        if !cells.iter().any(|cell| cell.planted.iter().any(|(name, _)| name == form)) {
+            all.push(format!("the {form} is planted nowhere"));
+        }
+    }
+    all
+}
+
+/// The document: docs/extremes.md.
+pub fn document(cells: &[Cell], driver: &str) -> String {
+    let mut text = format!(
+        "# Extremes\n\n\
+         What happens to the numbers at the ends of their ranges. Written by `cargo test --release --test extremes`, which fails where\n\
+         a figure is over its limit, a row is missing, or a known wrong form is not found; do not edit.\n\n\
+         Measured on {driver}. u = 2^-24 is the relative error of one operation in f32.\n"
+    );
+    for (row, name) in ROWS {
+        let mine: Vec<&Cell> = cells.iter().filter(|cell| cell.row == *row).collect();
+        let _ = write!(text, "\n## {}{}\n", name[..1].to_uppercase(), &name[1..]);
+        let mut figures: Vec<&str> = Vec::new();
+        for cell in &mine {
+            if !figures.contains(&cell.figure) {
+                figures.push(cell.figure);
+            }
+        }
+        for figure in figures {
+            let cells: Vec<&&Cell> = mine.iter().filter(|cell| cell.figure == figure).collect();
+            let _ = write!(text, "\n{figure}. {}\n\n", cells[0].because);
+            text.push_str("| range | limit | achieved | wrong forms, planted |\n|---|---|---|---|\n");
+            for cell in cells {
+                let planted: Vec<String> =
+                    cell.planted.iter().map(|(form, figure)| format!("{form}: {}", short(*figure))).collect();
+                let _ = writeln!(
+                    text,
+                    "| {} | {} | {} | {} |",
+                    cell.range,
+                    short(cell.limit),
+                    short(cell.achieved),
+                    planted.join("; ")
+                );
+            }
+        }
+    }
+    text
+}
+
+/// Two digits.
+fn short(value: f64) -> String {
+    match value {
+        0.0 => "0".to_string(),
+        v if (0.01..1e4).contains(&v.abs()) && v.fract() == 0.0 => format!("{v}"),
+        v => format!("{v:.1e}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn full() -> Vec<Cell> {
+        ROWS.iter().map(|(row, _)| Cell::new(*row, "all", "error", 1.0, "").achieved(0.5)).collect()
+    }
+
+    #[test]
+    fn a_table_that_is_full_and_within_its_limits_has_no_faults() {
+        assert_eq!(faults(&full(), &[]), Vec::<String>::new());
+    }
+
+    #[test]
+    fn what_is_over_its_limit_missing_or_not_found_is_a_fault() {
+        let over = |achieved| {
+            let mut cells = full();
+            cells[3].achieved = achieved;
+            faults(&cells, &[]).len()
+        };
+        assert_eq!((over(1.1), over(f64::NAN), over(f64::INFINITY)), (1, 1, 1));
+        let mut missing = full();
+        missing.remove(5);
+        assert_eq!(faults(&missing, &[]).len(), 1);
+        let mut planted = full();
+        let first = planted.remove(0).planted("textbook", 0.9);
+        planted.insert(0, first);
+        assert_eq!(faults(&planted, &["textbook"]).len(), 1, "a wrong form within the limit");
+        assert_eq!(faults(&full(), &["textbook"]).len(), 1, "a wrong form that nobody planted");
+    }
+}
