@@ -6,8 +6,14 @@
 
 #[path = "common/device.rs"]
 mod device;
+#[path = "common/everything.rs"]
+mod everything;
 #[path = "common/kernel.rs"]
 mod kernel;
+#[path = "common/render.rs"]
+mod render;
+#[path = "common/scenes.rs"]
+mod scenes;
 #[path = "common/stats.rs"]
 mod stats;
 #[path = "common/trace.rs"]
@@ -15,10 +21,14 @@ mod trace;
 #[path = "common/vectors.rs"]
 mod vectors;
 
+#[path = "extremes/places.rs"]
+mod places;
 #[path = "extremes/sphere.rs"]
 mod sphere;
 #[path = "extremes/table.rs"]
 mod table;
+#[path = "extremes/views.rs"]
+mod views;
 
 use std::fs;
 use std::path::Path;
@@ -28,7 +38,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use table::{Cell, FORMS, document, faults};
 
 /// Who fills cells.
-const CELLS: &[fn() -> Vec<Cell>] = &[sphere::cells];
+const CELLS: &[fn() -> Vec<Cell>] = &[sphere::cells, places::cells, views::cells];
 
 #[test]
 fn every_cell_is_within_its_limit() {
