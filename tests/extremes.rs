@@ -21,6 +21,8 @@ mod trace;
 #[path = "common/vectors.rs"]
 mod vectors;
 
+#[path = "extremes/film.rs"]
+mod film;
 #[path = "extremes/places.rs"]
 mod places;
 #[path = "extremes/sphere.rs"]
@@ -38,7 +40,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use table::{Cell, FORMS, document, faults};
 
 /// Who fills cells.
-const CELLS: &[fn() -> Vec<Cell>] = &[sphere::cells, places::cells, views::cells];
+const CELLS: &[fn() -> Vec<Cell>] = &[sphere::cells, places::cells, views::cells, film::cells];
 
 #[test]
 fn every_cell_is_within_its_limit() {
