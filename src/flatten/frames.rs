@@ -5,13 +5,13 @@ use std::f64::consts::TAU;
 use glam::{DMat3, DVec3};
 
 use super::f32s;
-use super::place::{MeshBox, Shape};
+use super::place::{AxisBox, Shape};
 use super::similarity::Similarity;
 use crate::data;
 use crate::scene::Texture;
 
 /// The place of a shape's own coordinates in the object's own space: base + columns · local.
-pub fn local_to_object(shape: &Shape, rotation: &DMat3, boxes: &[MeshBox]) -> (DVec3, DMat3) {
+pub fn local_to_object(shape: &Shape, rotation: &DMat3, boxes: &[AxisBox]) -> (DVec3, DMat3) {
     match *shape {
         // A sphere's own coordinates are its normal in the world.
         Shape::Sphere { center, radius } => (center, rotation.transpose() * radius),

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::Builder;
 use super::light_tree::{Bounded, LightTree};
-use super::place::{Placed, Shape};
+use super::place::{AxisBox, Placed, Shape};
 use crate::data::{self, HIT_NOTHING, KIND_TRIANGLE, PRIMITIVE_BIT, PRIMITIVE_KIND_SHIFT};
 use crate::lights::{AliasTable, SkyDistribution};
 use crate::scene::{Background, Bitmap, Material, Scene, Texture};
@@ -27,19 +27,16 @@ struct Emitter {
     place: Option<Place>,
 }
 
-/// Corners of the box around a light, in render space, and its normal; none where it shines to all sides.
+/// The box around a light, in render space, and its normal; none where it shines to all sides.
 struct Place {
-    low: DVec3,
-    high: DVec3,
+    around: AxisBox,
     normal: Option<DVec3>,
     two_sided: bool,
 }
 
 impl Place {
-    fn around(points: &[DVec3], normal: Option<DVec3>, two_sided: bool) -> Place {
-        let low = points.iter().fold(DVec3::INFINITY, |low, p| low.min(*p));
-        let high = points.iter().fold(DVec3::NEG_INFINITY, |high, p| high.max(*p));
-        Place { low, high, normal: normal.and_then(DVec3::try_normalize), two_sided }
+    fn of(points: impl IntoIterator<Item = DVec3>, normal: Option<DVec3>, two_sided: bool) -> Place {
+        Place { around: AxisBox::around(points), normal: normal.and_then(DVec3::try_normalize), two_sided }
     }
 }
 
@@ -103,8 +100,8 @@ impl Builder<'_> {
         let bounded = |emitter: &Emitter| {
             let place = emitter.place.as_ref()?;
             let (axis, spread) = place.normal.map_or((DVec3::Z, PI), |normal| (normal, 0.0));
-            let Place { low, high, two_sided, .. } = *place;
-            Some(Bounded { low, high, axis, spread, two_sided, power: emitter.power })
+            let Place { around, two_sided, .. } = *place;
+            Some(Bounded { around, axis, spread, two_sided, power: emitter.power })
         };
         let bounded: Vec<Bounded> = emitters.iter().filter_map(bounded).collect();
         let tree = LightTree::new(&bounded);
@@ -140,22 +137,19 @@ impl Builder<'_> {
             Shape::Sphere { center, radius } => {
                 self.flat.spheres[index as usize].light = light;
                 let (middle, reach) = (point(center), DVec3::splat(radius * scale));
-                let place = Place::around(&[middle - reach, middle + reach], None, two_sided);
+                let place = Place::of([middle - reach, middle + reach], None, two_sided);
                 push(code, data::NO_INSTANCE, 4.0 * PI * (radius * scale).powi(2), place);
             }
             Shape::Quad { corner, u, v } => {
                 self.flat.quads[index as usize].light = light;
                 let corners = [corner, corner + u, corner + v, corner + u + v].map(point);
-                let place = Place::around(&corners, Some(to_world.vector(u).cross(to_world.vector(v))), two_sided);
+                let place = Place::of(corners, Some(to_world.vector(u).cross(to_world.vector(v))), two_sided);
                 push(code, data::NO_INSTANCE, u.cross(v).length() * scale * scale, place);
             }
             Shape::Cuboid { min, max } => {
                 self.flat.cuboids[index as usize].light = light;
                 let d = (max - min) * scale;
-                let corner = |i: usize| {
-                    point(DVec3::from_array(std::array::from_fn(|k| if i >> k & 1 == 0 { min[k] } else { max[k] })))
-                };
-                let place = Place::around(&std::array::from_fn::<_, 8, _>(corner), None, two_sided);
+                let place = Place::of(AxisBox { min, max }.corners().map(point), None, two_sided);
                 push(code, data::NO_INSTANCE, 2.0 * (d.x * d.y + d.y * d.z + d.z * d.x), place);
             }
             Shape::Mesh(mesh) => {
@@ -166,7 +160,7 @@ impl Builder<'_> {
                     let [a, b, c] = corners.map(|corner| mesh.positions[corner as usize]);
                     let across = (b - a).cross(c - a);
                     let area = 0.5 * across.length() * scale * scale;
-                    let place = Place::around(&[a, b, c].map(point), Some(to_world.vector(across)), two_sided);
+                    let place = Place::of([a, b, c].map(point), Some(to_world.vector(across)), two_sided);
                     push(PRIMITIVE_BIT | KIND_TRIANGLE << PRIMITIVE_KIND_SHIFT | face, index, area, place);
                 }
             }

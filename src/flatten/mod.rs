@@ -22,7 +22,7 @@ use crate::error::Result;
 use crate::lights::SkyCell;
 use crate::scene::{Background, Bitmap, Camera, Material, Mesh, Scene, Texture};
 use meshes::Laid;
-use place::{Finder, MeshBox, Placed, PlacedMedium, extent};
+use place::{AxisBox, Finder, Placed, PlacedMedium, extent};
 use similarity::Similarity;
 
 pub use bvh::Quality;
@@ -153,7 +153,7 @@ pub fn flatten_with(scene: &Scene, size: (u32, u32), wish: Wish) -> Result<Flat>
         let message = format!("{} media, expected {MOST_MEDIA} at most", finder.media.len());
         return Err(scene.error(&[], message));
     }
-    let boxes: Vec<MeshBox> = meshes.iter().map(|mesh| MeshBox::of(mesh)).collect();
+    let boxes: Vec<AxisBox> = meshes.iter().map(|mesh| AxisBox::of(mesh)).collect();
 
     let camera = &scene.camera;
     let length_exponent = binary_exponent(extent(camera, &finder, &boxes));
@@ -185,7 +185,7 @@ struct Builder<'a> {
     scene: &'a Scene,
     /// In the order of their paths.
     meshes: Vec<&'a Mesh>,
-    boxes: Vec<MeshBox>,
+    boxes: Vec<AxisBox>,
     space: RenderSpace,
     quality: Quality,
     /// The meshes that have been laid out.
