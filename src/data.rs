@@ -1,5 +1,5 @@
-//! The host's side of the structs under shaders/data. WGSL is the source; tests/layout.rs compares every field here with
-//! naga's reflection of it.
+//! The host's side of the structs under shaders/data, and the little that all of the host shares. WGSL is the source of the
+//! structs; tests/layout.rs compares every field here with naga's reflection of it.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -33,6 +33,11 @@ pub const PATH_PLANES: u32 = 5;
 pub const LIT_PATH_PLANES: u32 = 9;
 /// Words before the first queue.
 pub const QUEUE_HEADER: u32 = 8;
+
+/// Luminance of a linear Rec. 709 colour (ITU-R BT.709-6, item 3.2).
+pub fn luminance([r, g, b]: [f64; 3]) -> f64 {
+    0.2126 * r + 0.7152 * g + 0.0722 * b
+}
 
 /// How the samples of a pixel are placed: a file of shaders/sampler.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

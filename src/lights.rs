@@ -4,6 +4,8 @@ use std::f64::consts::PI;
 
 use bytemuck::{Pod, Zeroable};
 
+use crate::data::luminance;
+
 /// The values that a uniform number on the device may have: multiples of 2^-24.
 const UNIFORMS: u64 = 1 << 24;
 
@@ -157,10 +159,9 @@ impl SkyDistribution {
         // The finest grid of whole texels that has few enough cells.
         let block = (1..).find(|block| w.div_ceil(*block) * h.div_ceil(*block) <= MAX_CELLS)?;
         let (columns, rows) = (w.div_ceil(block), h.div_ceil(block));
-        let luminance = |[r, g, b]: [f32; 3]| {
-            // Rec. 709.
-            let y = 0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b);
-            let lit = [r, g, b].iter().any(|x| *x > 0.0);
+        let brightness = |texel: [f32; 3]| {
+            let y = luminance(texel.map(f64::from));
+            let lit = texel.iter().any(|x| *x > 0.0);
             if y.is_finite() && lit { y.max(0.0) } else { 0.0 }
         };
         // The mean of what is interpolated over each cell, one direction after the other.
@@ -183,7 +184,7 @@ impl SkyDistribution {
         }
         for (y, given) in given.iter().enumerate() {
             for (to, texel) in line.iter_mut().zip(&texels[y * w..]) {
-                *to = luminance(*texel);
+                *to = brightness(*texel);
             }
             for (to, shares) in row.iter_mut().zip(&across) {
                 *to = shares.iter().map(|(x, share)| share * line[*x]).sum();

@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::Builder;
 use super::light_tree::{Bounded, LightTree};
 use super::place::{AxisBox, Placed, Shape};
-use crate::data::{self, HIT_NOTHING, KIND_TRIANGLE, PRIMITIVE_BIT, PRIMITIVE_KIND_SHIFT};
+use crate::data::{self, HIT_NOTHING, KIND_TRIANGLE, PRIMITIVE_BIT, PRIMITIVE_KIND_SHIFT, luminance};
 use crate::lights::{AliasTable, SkyDistribution};
 use crate::scene::{Background, Bitmap, Material, Scene, Texture};
 
@@ -172,11 +172,11 @@ impl Builder<'_> {
 fn mean_radiance(scene: &Scene, material: &Material) -> Option<f64> {
     let Material::DiffuseLight { emit, .. } = material else { return None };
     Some(match emit {
-        Texture::Rgb(r, g, b) => luminance(DVec3::new(*r, *g, *b)),
-        Texture::Checker { even, odd, .. } => luminance(0.5 * (*even + *odd)),
+        Texture::Rgb(r, g, b) => luminance([*r, *g, *b]),
+        Texture::Checker { even, odd, .. } => luminance((0.5 * (*even + *odd)).to_array()),
         Texture::Image { path } => scene.bitmaps.get(path).map_or(0.0, |bitmap| {
             let sum: DVec3 = bitmap.texels.iter().map(|t| DVec3::from_array(t.map(f64::from))).sum();
-            luminance(sum / bitmap.texels.len().max(1) as f64)
+            luminance((sum / bitmap.texels.len().max(1) as f64).to_array())
         }),
         Texture::Noise { .. } | Texture::Marble { .. } => 0.5,
     })
@@ -186,14 +186,9 @@ fn mean_radiance(scene: &Scene, material: &Material) -> Option<f64> {
 fn integral_over_directions(bitmap: &Bitmap) -> f64 {
     let (width, height) = (bitmap.width as usize, f64::from(bitmap.height));
     let rows = bitmap.texels.chunks(width.max(1)).enumerate().map(|(y, row)| {
-        let sum: f64 = row.iter().map(|t| luminance(DVec3::from_array(t.map(f64::from)))).sum();
+        let sum: f64 = row.iter().map(|t| luminance(t.map(f64::from))).sum();
         let sine = (PI * (y as f64 + 0.5) / height).sin();
         sum * sine * (2.0 * PI / width as f64) * (PI / height)
     });
     rows.sum()
-}
-
-/// Of a linear Rec. 709 colour.
-fn luminance(c: DVec3) -> f64 {
-    c.dot(DVec3::new(0.2126, 0.7152, 0.0722))
 }

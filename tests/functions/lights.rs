@@ -5,10 +5,7 @@ use std::f64::consts::PI;
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use gpu_rt::data::{Cuboid, Quad, Sphere};
-
-// The host's side of the tables, which asks nothing of the rest of the program.
-#[path = "../../src/lights.rs"]
-mod host;
+use gpu_rt::lights as host;
 
 use crate::kernel::{Kernel, Setup, array};
 use crate::stats::{Random, chi_square, one_sample_t, sidak};
