@@ -34,6 +34,11 @@ pub const LIT_PATH_PLANES: u32 = 9;
 /// Words before the first queue.
 pub const QUEUE_HEADER: u32 = 8;
 
+/// The code of the primitive at this index among its kind.
+pub fn primitive_code(kind: u32, index: u32) -> u32 {
+    PRIMITIVE_BIT | kind << PRIMITIVE_KIND_SHIFT | index
+}
+
 /// Luminance of a linear Rec. 709 colour (ITU-R BT.709-6, item 3.2).
 pub fn luminance([r, g, b]: [f64; 3]) -> f64 {
     0.2126 * r + 0.7152 * g + 0.0722 * b

@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::Builder;
 use super::light_tree::{Bounded, LightTree};
 use super::place::{AxisBox, Placed, Shape};
-use crate::data::{self, HIT_NOTHING, KIND_TRIANGLE, PRIMITIVE_BIT, PRIMITIVE_KIND_SHIFT, luminance};
+use crate::data::{self, HIT_NOTHING, KIND_TRIANGLE, luminance, primitive_code};
 use crate::lights::{AliasTable, SkyDistribution};
 use crate::scene::{Background, Bitmap, Material, Scene, Texture};
 
@@ -161,7 +161,7 @@ impl Builder<'_> {
                     let across = (b - a).cross(c - a);
                     let area = 0.5 * across.length() * scale * scale;
                     let place = Place::of([a, b, c].map(point), Some(to_world.vector(across)), two_sided);
-                    push(PRIMITIVE_BIT | KIND_TRIANGLE << PRIMITIVE_KIND_SHIFT | face, index, area, place);
+                    push(primitive_code(KIND_TRIANGLE, face), index, area, place);
                 }
             }
         }

@@ -10,7 +10,7 @@ use super::shapes::{error_bound, padded};
 use super::similarity::Similarity;
 use super::{Builder, binary_exponent, exp2, f32s};
 use crate::bvh::{self, Bounds};
-use crate::data::{self, KIND_TRIANGLE, NO_NORMAL, NO_UVS, PRIMITIVE_BIT, PRIMITIVE_KIND_SHIFT};
+use crate::data::{self, KIND_TRIANGLE, NO_NORMAL, NO_UVS, PRIMITIVE_BIT, primitive_code};
 use crate::scene::Mesh;
 
 /// A mesh that has been laid out.
@@ -104,8 +104,7 @@ impl Builder<'_> {
                 Bounds { min: a.min(b).min(c), max: a.max(b).max(c) }
             })
             .collect();
-        let code = |face: u32| PRIMITIVE_BIT | KIND_TRIANGLE << PRIMITIVE_KIND_SHIFT | face;
-        let codes: Vec<u32> = (first_face..first_vertex).map(code).collect();
+        let codes: Vec<u32> = (first_face..first_vertex).map(|face| primitive_code(KIND_TRIANGLE, face)).collect();
         let bvh = bvh::build(&bounds, &codes, self.quality);
         let root = self.flat.add_nodes(bvh.root, bvh.nodes);
         let to_uvs = if mesh.uvs.is_empty() { NO_UVS } else { vertices };

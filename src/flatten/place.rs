@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use super::similarity::Similarity;
-use crate::data::{KIND_INSTANCE, KIND_TRIANGLE, PRIMITIVE_BIT, PRIMITIVE_KIND_SHIFT};
+use crate::data::{KIND_INSTANCE, KIND_TRIANGLE, primitive_code};
 use crate::scene::{Camera, Mesh, Object, Scene, Texture};
 
 /// A primitive in world space, and what its texture needs to know of its own space.
@@ -57,7 +57,7 @@ impl Shape {
 
     /// The code of the shape at this index among its kind.
     pub fn code(&self, index: usize) -> u32 {
-        PRIMITIVE_BIT | self.code_kind() << PRIMITIVE_KIND_SHIFT | index as u32
+        primitive_code(self.code_kind(), index as u32)
     }
 }
 
