@@ -53,8 +53,8 @@ impl Builder<'_> {
             let (name, material) = &self.scene.materials[primitive.material as usize];
             let Some(radiance) = mean_radiance(self.scene, material) else { continue };
             if radiance > 0.0 {
-                let asked = format!("\"{name}\" at {}", self.scene.material_location(name));
-                self.flat.features.emitters[kind].get_or_insert(asked);
+                let asked = || format!("\"{name}\" at {}", self.scene.material_location(name));
+                self.flat.features.emitters[kind].get_or_insert_with(asked);
                 self.add_emitter(primitive, index, radiance, &mut emitters);
             }
         }

@@ -72,7 +72,7 @@ pub struct Features {
     pub stack_size: u32,
     /// The same of a walk through a mesh that bounds a medium.
     pub boundary_stack_size: u32,
-    /// The render's wish and not the scene's: flattening leaves it at its default.
+    /// How the samples of a pixel are placed; a wish, as roulette is, and nothing of the scene.
     pub sampler: data::Sampler,
 }
 
@@ -231,17 +231,12 @@ impl Builder<'_> {
 /// Notes what a primitive requires.
 fn note(features: &mut Features, scene: &Scene, object: usize, primitive: &Placed) {
     let (name, material) = &scene.materials[primitive.material as usize];
-    let asked = |slot: &mut Option<String>, what: &dyn Fn() -> String| {
-        if slot.is_none() {
-            *slot = Some(what());
-        }
-    };
     let at_object = || scene.object_location(object).to_string();
     let at_material = || format!("\"{name}\" at {}", scene.material_location(name));
-    asked(&mut features.primitives[primitive.shape.kind()], &at_object);
-    asked(&mut features.materials[material_kind(material)], &at_material);
+    features.primitives[primitive.shape.kind()].get_or_insert_with(at_object);
+    features.materials[material_kind(material)].get_or_insert_with(at_material);
     if let Some(kind) = colour_texture(material).and_then(texture_kind) {
-        asked(&mut features.textures[kind], &at_material);
+        features.textures[kind].get_or_insert_with(at_material);
     }
 }
 

@@ -105,7 +105,7 @@ impl Builder<'_> {
             return frame;
         }
         let place = local_to_object(shape, &to_world.rotation, &self.boxes);
-        let Some(frame) = frame(texture, place, to_world) else { return 0 };
+        let Some(frame) = frame(texture, place, &to_world.rotation) else { return 0 };
         let index = self.flat.add_frame(frame);
         if let Some(key) = shared {
             self.mesh_frames.insert(key, index);
