@@ -44,15 +44,17 @@ impl Builder<'_> {
     /// Makes lights of the primitives that emit, in their order, and of the background's image.
     pub fn add_lights(&mut self, placed: &[Placed]) {
         let mut emitters = Vec::new();
+        let materials = &self.scene.materials;
+        let radiances: Vec<_> = materials.iter().map(|(_, material)| mean_radiance(self.scene, material)).collect();
         // The index of each primitive among its kind, counted as they were added.
         let mut counts = [0u32; 4];
         for primitive in placed {
             let kind = primitive.shape.kind();
             let index = counts[kind];
             counts[kind] += 1;
-            let (name, material) = &self.scene.materials[primitive.material as usize];
-            let Some(radiance) = mean_radiance(self.scene, material) else { continue };
+            let radiance = radiances[primitive.material as usize];
             if radiance > 0.0 {
+                let (name, _) = &materials[primitive.material as usize];
                 let asked = || format!("\"{name}\" at {}", self.scene.material_location(name));
                 self.flat.features.emitters[kind].get_or_insert_with(asked);
                 self.add_emitter(primitive, index, radiance, &mut emitters);
@@ -168,10 +170,10 @@ impl Builder<'_> {
     }
 }
 
-/// The luminance of what a material sends out on the mean; nothing for those that send out nothing.
-fn mean_radiance(scene: &Scene, material: &Material) -> Option<f64> {
-    let Material::DiffuseLight { emit, .. } = material else { return None };
-    Some(match emit {
+/// The luminance of what a material sends out on the mean.
+fn mean_radiance(scene: &Scene, material: &Material) -> f64 {
+    let Material::DiffuseLight { emit, .. } = material else { return 0.0 };
+    match emit {
         Texture::Rgb(r, g, b) => luminance([*r, *g, *b]),
         Texture::Checker { even, odd, .. } => luminance((0.5 * (*even + *odd)).to_array()),
         Texture::Image { path } => scene.bitmaps.get(path).map_or(0.0, |bitmap| {
@@ -179,7 +181,7 @@ fn mean_radiance(scene: &Scene, material: &Material) -> Option<f64> {
             luminance((sum / bitmap.texels.len().max(1) as f64).to_array())
         }),
         Texture::Noise { .. } | Texture::Marble { .. } => 0.5,
-    })
+    }
 }
 
 /// The luminance of a latitude-longitude image, integrated over all directions.
