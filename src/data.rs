@@ -24,6 +24,9 @@ pub const HIT_NOTHING: u32 = 0xffff_ffff;
 pub const SLOT_IDLE: u32 = 0xffff_fffd;
 /// `Material::texture` where the colour is the material's own.
 pub const NO_TEXTURE: u32 = 0xffff_ffff;
+/// Of `LightNode::child`: it is a light, not a pair of nodes; and what it leads to shines on both sides.
+pub const LIGHT_NODE_LEAF: u32 = 0x8000_0000;
+pub const LIGHT_NODE_TWO_SIDED: u32 = 0x4000_0000;
 /// Samples of a run at most; runs are cut at multiples of it.
 pub const RUN_LENGTH: u32 = 8;
 /// In `RunRecord::counts`: the run is an odd one.
@@ -224,6 +227,16 @@ device_struct!(
         axis: u32,
         cos_spread: f32,
         child: u32,
+    }
+);
+
+device_struct!(
+    /// A cell of the grid over the sky, by which directions towards it are drawn.
+    SkyCell {
+        threshold: f32,
+        alias_index: u32,
+        density: f32,
+        alias_density: f32,
     }
 );
 

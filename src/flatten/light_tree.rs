@@ -7,11 +7,8 @@ use glam::{DQuat, DVec3};
 
 use super::meshes::octahedral;
 use super::place::AxisBox;
-use crate::data;
+use crate::data::{self, LIGHT_NODE_LEAF, LIGHT_NODE_TWO_SIDED};
 
-/// Of a node's `child`, as in shaders/data/light: it is a light, not a pair of nodes; and it shines on both sides.
-const LEAF: u32 = 0x8000_0000;
-const TWO_SIDED: u32 = 0x4000_0000;
 /// A light's trail is one word.
 const DEEPEST: u32 = 32;
 const BINS: usize = 12;
@@ -116,7 +113,7 @@ impl LightTree {
             let child = match part {
                 [light] => {
                     self.trails[*light] = trail;
-                    LEAF | *light as u32
+                    LIGHT_NODE_LEAF | *light as u32
                 }
                 _ => {
                     let (child, of_all) = self.grow(lights, part, unit, (depth + 1, trail));
@@ -188,6 +185,6 @@ fn node(bounds: &Bounded, unit: f64, child: u32) -> data::LightNode {
         power: power as f32,
         axis: octahedral(bounds.axis.as_vec3()),
         cos_spread: (bounds.spread + ROUNDING).min(PI).cos() as f32,
-        child: child | if bounds.two_sided { TWO_SIDED } else { 0 },
+        child: child | if bounds.two_sided { LIGHT_NODE_TWO_SIDED } else { 0 },
     }
 }

@@ -19,7 +19,6 @@ use glam::DVec3;
 use crate::bvh;
 use crate::data::{self, MAX_PRIMITIVES, NO_TEXTURE};
 use crate::error::Result;
-use crate::lights::SkyCell;
 use crate::scene::{Background, Bitmap, Camera, Material, Mesh, Scene, Texture};
 use meshes::Laid;
 use place::{AxisBox, Finder, Placed, PlacedMedium, extent};
@@ -94,7 +93,7 @@ pub struct Flat {
     /// The tree over them; empty where they are few.
     pub light_nodes: Vec<data::LightNode>,
     /// The image of the background as a distribution of directions.
-    pub sky: Vec<SkyCell>,
+    pub sky: Vec<data::SkyCell>,
     pub materials: Vec<data::Material>,
     pub textures: Vec<data::Texture>,
     pub frames: Vec<data::Frame>,

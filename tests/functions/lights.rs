@@ -669,7 +669,8 @@ fn drawn(entries: &[host::AliasEntry], replaced: &[(&str, &str)]) -> Vec<u64> {
     let values = [("count", &*count)];
     let kernel = Kernel::with("test/light_alias", &Setup { replaced, values: &values, ..Setup::default() });
     let mut counts = vec![0; entries.len()];
-    for found in kernel.run_with::<_, [u32; 8]>(entries, UNIFORMS / 8, &[]) {
+    let input: Vec<[u32; 2]> = entries.iter().map(|entry| [entry.threshold.to_bits(), entry.alias]).collect();
+    for found in kernel.run_with::<_, [u32; 8]>(&input, UNIFORMS / 8, &[]) {
         for index in found {
             counts[index as usize] += 1;
         }
@@ -819,7 +820,7 @@ fn the_skys_density_is_that_of_its_radiance_and_never_zero_under_it() {
         let sum: f64 = means.iter().enumerate().map(|(i, mean)| mean * solid(i)).sum();
         for (i, (cell, mean)) in sky.cells.iter().zip(&means).enumerate() {
             assert_eq!(cell.density > 0.0, *mean > 0.0, "{width} x {height}, cell {i}");
-            assert_eq!(cell.alias_density, sky.cells[cell.alias as usize].density);
+            assert_eq!(cell.alias_density, sky.cells[cell.alias_index as usize].density);
             // Eight midpoints a side of a function that is linear in each half of a texel are right where a cell is a texel;
             // with larger ones they are not. Two draws of 2^24 for the rounding, one of each cell for those without.
             if columns == width {
