@@ -29,7 +29,8 @@ pub use lights::TREE_LIGHTS;
 
 /// The kinds of primitive by number; each is a file of shaders/geometry. Triangles are the faces of meshes.
 pub const PRIMITIVES: &[&str] = &["sphere", "quad", "cuboid", "triangle"];
-/// The kinds of boundary that media have, with the kinds of their codes; each is a file `scene/medium_in_…`.
+/// The kinds of boundary that media have, with the kinds of their codes. Convex ones are files of shaders/medium; the mesh, which a ray may
+/// enter many times, is `scene/medium_in_mesh`.
 pub const BOUNDARIES: &[(&str, u32)] = &[("sphere", 0), ("cuboid", 2), ("mesh", data::KIND_INSTANCE)];
 /// The kinds of material by number; each is a file of shaders/material.
 pub const MATERIALS: &[&str] = &["lambertian", "metal", "dielectric", "diffuse_light"];
