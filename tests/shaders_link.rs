@@ -365,6 +365,13 @@ fn the_linkers_errors_name_file_and_line() {
     assert_fault(&[("test/root", "\nconst A: u32 = ${length}u;\n")], "shaders/test/root.wgsl:2:", "length");
     assert_fault(&[("test/root", "\n\nconst A: u32 = ${size;\n")], "shaders/test/root.wgsl:3:", "without `}`");
     assert_fault(&[], "shaders/(the plan).wgsl:0:", "test/root");
+    for wrong in ["//@ uses lib/rng", "//@use lib/rng", "//@ use", "//@", "//@ End", "//@ ends"] {
+        let about = format!("`{wrong}` is no directive");
+        let texts = [format!("fn f() {{}}\n    {wrong}\n"), format!("//@ each animal\n{wrong}\n//@ end\n")];
+        for text in texts {
+            assert_fault(&[("test/root", text.leak())], "shaders/test/root.wgsl:2:", &about);
+        }
+    }
 }
 
 #[test]

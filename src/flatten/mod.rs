@@ -21,10 +21,9 @@ use glam::DVec3;
 use crate::bvh;
 use crate::data::{self, MAX_PRIMITIVES, NO_TEXTURE};
 use crate::error::Result;
-use crate::lights::SkyCell;
 use crate::scene::{Background, Bitmap, Material, Mesh, Scene, Texture};
 use meshes::Laid;
-use place::{Finder, MeshBox, Placed, PlacedMedium, extent};
+use place::{AxisBox, Finder, Placed, PlacedMedium, extent};
 use view::{RenderSpace, View};
 
 pub use bvh::Quality;
@@ -32,7 +31,8 @@ pub use lights::TREE_LIGHTS;
 
 /// The kinds of primitive by number; each is a file of shaders/geometry. Triangles are the faces of meshes.
 pub const PRIMITIVES: &[&str] = &["sphere", "quad", "cuboid", "triangle"];
-/// The kinds of boundary that media have, with the kinds of their codes; each is a file `scene/medium_in_…`.
+/// The kinds of boundary that media have, with the kinds of their codes. Convex ones are files of shaders/medium; the mesh, which a ray may
+/// enter many times, is `scene/medium_in_mesh`.
 pub const BOUNDARIES: &[(&str, u32)] = &[("sphere", 0), ("cuboid", 2), ("mesh", data::KIND_INSTANCE)];
 /// The kinds of material by number; each is a file of shaders/material.
 pub const MATERIALS: &[&str] = &["lambertian", "metal", "dielectric", "diffuse_light"];
@@ -76,7 +76,7 @@ pub struct Features {
     pub stack_size: u32,
     /// The same of a walk through a mesh that bounds a medium.
     pub boundary_stack_size: u32,
-    /// The render's wish and not the scene's: flattening leaves it at its default.
+    /// How the samples of a pixel are placed; a wish, as roulette is, and nothing of the scene.
     pub sampler: data::Sampler,
 }
 
@@ -98,7 +98,7 @@ pub struct Flat {
     /// The tree over them; empty where they are few.
     pub light_nodes: Vec<data::LightNode>,
     /// The image of the background as a distribution of directions.
-    pub sky: Vec<SkyCell>,
+    pub sky: Vec<data::SkyCell>,
     pub materials: Vec<data::Material>,
     pub textures: Vec<data::Texture>,
     pub frames: Vec<data::Frame>,
@@ -158,7 +158,7 @@ pub fn flatten_with(scene: &Scene, size: (u32, u32), wish: Wish) -> Result<Flat>
         let message = format!("{} media, expected {MOST_MEDIA} at most", finder.media.len());
         return Err(scene.error(&[], message));
     }
-    let boxes: Vec<MeshBox> = meshes.iter().map(|mesh| MeshBox::of(mesh)).collect();
+    let boxes: Vec<AxisBox> = meshes.iter().map(|mesh| AxisBox::of(mesh)).collect();
 
     let length_exponent = binary_exponent(extent(view.eye, 0.5 * scene.camera.aperture, &finder, &boxes));
     let space = RenderSpace { eye: view.eye, scale: exp2(-length_exponent) };
@@ -190,7 +190,7 @@ struct Builder<'a> {
     scene: &'a Scene,
     /// In the order of their paths.
     meshes: Vec<&'a Mesh>,
-    boxes: Vec<MeshBox>,
+    boxes: Vec<AxisBox>,
     space: RenderSpace,
     quality: Quality,
     /// The meshes that have been laid out.
@@ -236,17 +236,12 @@ impl Builder<'_> {
 /// Notes what a primitive requires.
 fn note(features: &mut Features, scene: &Scene, object: usize, primitive: &Placed) {
     let (name, material) = &scene.materials[primitive.material as usize];
-    let asked = |slot: &mut Option<String>, what: &dyn Fn() -> String| {
-        if slot.is_none() {
-            *slot = Some(what());
-        }
-    };
     let at_object = || scene.object_location(object).to_string();
     let at_material = || format!("\"{name}\" at {}", scene.material_location(name));
-    asked(&mut features.primitives[primitive.shape.kind()], &at_object);
-    asked(&mut features.materials[material_kind(material)], &at_material);
+    features.primitives[primitive.shape.kind()].get_or_insert_with(at_object);
+    features.materials[material_kind(material)].get_or_insert_with(at_material);
     if let Some(kind) = colour_texture(material).and_then(texture_kind) {
-        asked(&mut features.textures[kind], &at_material);
+        features.textures[kind].get_or_insert_with(at_material);
     }
 }
 
