@@ -110,6 +110,7 @@ device_struct!(
         padding1: u32,
         world_z: [f32; 3],
         padding2: u32,
+        few: [u32; 4],
     }
 );
 

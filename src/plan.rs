@@ -275,6 +275,11 @@ fn choices(features: &Features, materials: &[Entry], queues: bool, tables: &Tabl
         "image" => "background/image",
         _ => "background/solid",
     };
+    let walk = match features {
+        _ if materials.is_empty() => "scene/nothing",
+        Features { few: true, .. } => "scene/few",
+        _ => "scene/traverse",
+    };
     let image_texture = textures.iter().any(|texture| texture.name == "image");
     let pick = |condition, yes, no| if condition { yes } else { no };
     // The faces of meshes are tested, told apart and shaded beside the other primitives; `mesh` is a list of its own, so that
@@ -304,7 +309,7 @@ fn choices(features: &Features, materials: &[Entry], queues: bool, tables: &Tabl
             ("roulette", pick(features.roulette, "step/roulette", "step/no_roulette")),
             ("light_choice", pick(lights && features.lights >= TREE_LIGHTS, "scene/light_tree", "scene/light_alias")),
             ("transmittance", pick(media, "scene/transmittance", "scene/clear_air")),
-            ("walk", pick(materials.is_empty(), "scene/nothing", "scene/traverse")),
+            ("walk", walk),
             ("sampler", pick(features.sampler == Sampler::Sobol, "sampler/sobol", "sampler/independent")),
             ("sort", pick(queues, "slots/sort_by_material", "slots/no_sort")),
             ("turn", pick(queues, "slots/queue_turn", "slots/every_turn")),

@@ -83,12 +83,20 @@ fn turned(features: Features) -> Features {
     Features { turned: true, ..features }
 }
 
+/// The same with so few primitives that all are asked.
+fn few(features: Features) -> Features {
+    Features { few: true, ..features }
+}
+
 /// Every set of primitives, of materials and of textures, every background and lens, each beside the least of the others;
 /// primitives with textures, which one kernel joins; nothing, and everything.
 fn combinations() -> Vec<Features> {
     let mut found = vec![features(0, 0, 0, "solid", false), everything(), sobol(everything())];
     let (primitives, materials, textures) = (all(PRIMITIVES), all(MATERIALS), all(TEXTURES));
     found.extend((1..=primitives).map(|set| features(set, 1, 0, "solid", false)));
+    // Without meshes, which have a hierarchy of their own.
+    found.extend((1..1 << KIND_TRIANGLE).map(|set| few(features(set, 1, 0, "solid", false))));
+    found.push(few(lit(with_media(features(7, materials, 0, "solid", false), 1, false), 7, false)));
     found.extend((1..=materials).map(|set| features(1, set, 0, "solid", false)));
     found.extend((0..=textures).map(|set| features(1, 1, set, "solid", false)));
     for background in BACKGROUNDS {

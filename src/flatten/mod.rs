@@ -72,6 +72,8 @@ pub struct Features {
     pub thin_lens: bool,
     /// Whether render space has the camera's axes and not the world's.
     pub turned: bool,
+    /// Whether all primitives are asked of every ray: they are few, and none of them a mesh.
+    pub few: bool,
     /// Codes that wait at most in a walk through the BVH.
     pub stack_size: u32,
     /// The same of a walk through a mesh that bounds a medium.
@@ -111,6 +113,11 @@ pub struct Flat {
 
 /// The most media: crossing them takes an iteration each of what an invocation is allowed (shaders/stage/bounce).
 const MOST_MEDIA: usize = 1024;
+
+/// The most primitives that are asked of every ray, without a walk through the hierarchy: as many as a node has children, and as many
+/// as this where a ray meets the boxes of at least so many on average (`bvh::crossings`), as in a room. Measured in docs/performance.md.
+const MOST_OF_FEW: usize = 24;
+const LEAST_CROSSINGS: f32 = 1.25;
 
 /// What is asked of flattening beside the scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -207,6 +214,11 @@ impl Builder<'_> {
             (0..).zip(placed).map(|(order, primitive)| self.add_primitive(primitive, order)).unzip();
         let bvh = bvh::build(&bounds, &codes, self.quality);
         self.flat.primitives = placed.len() as u32;
+        let flat = &mut self.flat;
+        let crowded = placed.len() <= MOST_OF_FEW && bvh::crossings(&bounds) >= LEAST_CROSSINGS;
+        flat.features.few = (placed.len() <= bvh::WIDTH || crowded) && flat.instances.is_empty();
+        // Before those that bound media are added.
+        flat.settings.few = [flat.spheres.len(), flat.quads.len(), flat.cuboids.len(), 0].map(|count| count as u32);
         self.flat.settings.root = self.flat.add_nodes(bvh.root, bvh.nodes);
         // In a mesh the walk keeps what waits outside of it.
         let within = self.laid.iter().flatten().map(|mesh| mesh.stack_size).max().unwrap_or(0);
