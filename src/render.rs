@@ -88,6 +88,11 @@ pub struct TooDeep {
 }
 
 impl TooDeep {
+    /// The mean throughput of a path that was cut.
+    pub fn mean(&self) -> f64 {
+        self.throughput / self.paths.max(1) as f64
+    }
+
     /// What has been counted since the last reading.
     fn add(&mut self, now: &Counters, before: &Counters) {
         let sum = |c: &Counters| u64::from(c.too_deep_high) << 32 | u64::from(c.too_deep_low);
