@@ -279,7 +279,8 @@ impl<'a> Renderer<'a> {
         self.device.wait(self.device.queue.submit([encoder.finish()]))
     }
 
-    /// Renders until the goal is reached, calling `watch` with the film and the samples aimed at after each submission.
+    /// Renders until the goal is reached, calling `watch` with the film and the samples aimed at after each submission. The job may be
+    /// another one than the renderer was made for, of the same size.
     ///
     /// # Errors
     /// `Error::Device` where the device fails; the film keeps the runs that were finished before.
@@ -292,6 +293,7 @@ impl<'a> Renderer<'a> {
         let mut outcome = Outcome::default();
         let start = Instant::now();
         let first = job.first_sample;
+        self.settings = Settings { max_depth: job.max_depth, seed: job.seed, ..self.settings };
         let mut stretch = Stretch { film, watch, start, outcome: &mut outcome };
         let end = match job.goal {
             Goal::Samples(end) => {
