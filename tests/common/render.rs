@@ -104,19 +104,33 @@ pub fn render(scene: &Scene, ask: &Ask) -> Shot {
 /// Renders several ranges of samples, one after the other by the same kernels and buffers, each onto a film of its own. The samples
 /// that are asked for elsewhere do not count.
 pub fn render_each(scene: &Scene, ask: &Ask, ranges: &[Range<u32>]) -> Vec<Shot> {
+    let mut shots = Vec::new();
+    render_all(scene, ask, ranges.iter().map(|samples| (ask.seed, samples.clone())), |shot| shots.push(shot));
+    shots
+}
+
+/// The same of several seeds and ranges; each shot is handed over when it is there.
+pub fn render_all(
+    scene: &Scene,
+    ask: &Ask,
+    wanted: impl Iterator<Item = (u32, Range<u32>)>,
+    mut take: impl FnMut(Shot),
+) {
     let size = ask.size.unwrap_or((scene.image.width, scene.image.height));
     let Ask { sampler, sample_lights, roulette, .. } = *ask;
     let wish = Wish { sampler, sample_lights, roulette, ..Wish::default() };
     let flat = flatten_with(scene, size, wish).expect("the scene flattens");
-    let job = |samples: &Range<u32>| Job {
+    let job = |seed: u32, samples: &Range<u32>| Job {
         size,
         max_depth: ask.max_depth.unwrap_or(scene.render.max_depth),
-        seed: ask.seed,
+        seed,
         first_sample: samples.start,
         goal: Goal::Samples(samples.end),
     };
     let device = software();
-    let first = job(&ranges[0]);
+    let mut wanted = wanted.peekable();
+    let (seed, samples) = wanted.peek().expect("something is asked for");
+    let first = job(*seed, samples);
     let class = device.class();
     let scatter = tuning(class, &first, ask.wish).scatter;
     let tables = match ask.storage_tables {
@@ -126,16 +140,15 @@ pub fn render_each(scene: &Scene, ask: &Ask, ranges: &[Range<u32>]) -> Vec<Shot>
     let plan = Plan::with_tables(&flat.features, scatter, &tables).expect("the kernels link");
     let mut renderer =
         Renderer::new(device, &flat, &plan, &first, ask.wish, false).expect("the kernels compile and the buffers fit");
-    let shots = ranges.iter().map(|samples| {
-        let job = job(samples);
+    for (seed, samples) in wanted {
+        let job = job(seed, &samples);
         let mut film = Film::with_sampler(size.0, size.1, flat.radiance_exponent, ask.sampler).expect("the film fits");
         let mut watch = Watchdog::new(job.max_depth);
         let outcome = renderer.run(&job, &mut film, &mut |film, _| watch.look(film)).expect("the device renders");
         let shot = Shot { picture: film.develop(), film, outcome };
-        shot.check_counts(size, samples);
-        shot
-    });
-    shots.collect()
+        shot.check_counts(size, &samples);
+        take(shot);
+    }
 }
 
 /// Fails a render that would never end, by a count of submissions and not by time.
