@@ -4,21 +4,41 @@
 //! Cells of functions run kernels that import the shader files that render, and compare with f64; cells of scenes compare renders with
 //! closed forms or with each other.
 
+#[path = "common/cuboids.rs"]
+mod cuboids;
 #[path = "common/device.rs"]
 mod device;
+#[path = "common/instances.rs"]
+mod instances;
 #[path = "common/kernel.rs"]
 mod kernel;
+#[path = "common/quads.rs"]
+mod quads;
+#[path = "common/scenes.rs"]
+mod scenes;
 #[path = "common/stats.rs"]
 mod stats;
 #[path = "common/trace.rs"]
 mod trace;
+#[path = "common/triangles.rs"]
+mod triangles;
 #[path = "common/vectors.rs"]
 mod vectors;
 
+#[path = "extremes/basis.rs"]
+mod basis;
+#[path = "extremes/cuboid.rs"]
+mod cuboid;
+#[path = "extremes/instance.rs"]
+mod instance;
+#[path = "extremes/quad.rs"]
+mod quad;
 #[path = "extremes/sphere.rs"]
 mod sphere;
 #[path = "extremes/table.rs"]
 mod table;
+#[path = "extremes/triangle.rs"]
+mod triangle;
 
 use std::fs;
 use std::path::Path;
@@ -27,8 +47,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use table::{Cell, FORMS, document, faults};
 
+type Filler = fn() -> Vec<Cell>;
+
 /// Who fills cells.
-const CELLS: &[fn() -> Vec<Cell>] = &[sphere::cells];
+const CELLS: &[Filler] = &[sphere::cells, quad::cells, cuboid::cells, triangle::cells, instance::cells, basis::cells];
 
 #[test]
 fn every_cell_is_within_its_limit() {
@@ -43,7 +65,7 @@ fn every_cell_is_within_its_limit() {
 }
 
 /// All cells, in the order of the list, on two threads: the host's part of one goes on while the device has the other's.
-fn run(fillers: &[fn() -> Vec<Cell>]) -> Vec<Cell> {
+fn run(fillers: &[Filler]) -> Vec<Cell> {
     let next = AtomicUsize::new(0);
     let found: Vec<Mutex<Vec<Cell>>> = fillers.iter().map(|_| Mutex::default()).collect();
     std::thread::scope(|scope| {
@@ -59,9 +81,9 @@ fn run(fillers: &[fn() -> Vec<Cell>]) -> Vec<Cell> {
 }
 
 fn take<'a>(
-    fillers: &'a [fn() -> Vec<Cell>],
+    fillers: &'a [Filler],
     found: &'a [Mutex<Vec<Cell>>],
     index: usize,
-) -> Option<(&'a fn() -> Vec<Cell>, &'a Mutex<Vec<Cell>>)> {
+) -> Option<(&'a Filler, &'a Mutex<Vec<Cell>>)> {
     Some((fillers.get(index)?, found.get(index)?))
 }
