@@ -33,9 +33,19 @@ fn sphere_distance(ray: Ray, sphere: Sphere) -> f32 {
     return select(select(NO_HIT, t.y, t.y > 0.0), t.x, t.x > 0.0);
 }
 
-// The point is put back onto the sphere along its normal, which leaves only the rounding of centre + r n.
+// The point is put back onto the sphere along its normal, which leaves only the rounding of centre + r n. The normal is found
+// from the foot of the perpendicular and half the chord, and not from o + t d: t is off by u times the distance, which far
+// away is the sphere's own size. What the foot has along the ray is the error of k; it is taken out again.
 fn sphere_surface(ray: Ray, t: f32, sphere: Sphere) -> Surface {
-    let normal = normalize(ray.origin + t * ray.direction - sphere.center);
+    let f = ray.origin - sphere.center;
+    let dd = dot(ray.direction, ray.direction);
+    let foot = f - (dot(f, ray.direction) / dd) * ray.direction;
+    let perpendicular = foot - (dot(foot, ray.direction) / dd) * ray.direction;
+    let l = length(perpendicular);
+    let h = sqrt(max((sphere.radius + l) * (sphere.radius - l), 0.0) / dd);
+    // From inside the far end of the chord is met, from outside the near one: as their product tells sphere_crossings.
+    let along = select(-h, h, length(f) < sphere.radius);
+    let normal = normalize(perpendicular + along * ray.direction);
     var surface: Surface;
     surface.point = sphere.center + sphere.radius * normal;
     surface.normal = normal;
