@@ -14,6 +14,8 @@ mod instances;
 mod kernel;
 #[path = "common/quads.rs"]
 mod quads;
+#[path = "common/render.rs"]
+mod render;
 #[path = "common/scenes.rs"]
 mod scenes;
 #[path = "common/stats.rs"]
@@ -27,8 +29,12 @@ mod vectors;
 
 #[path = "extremes/basis.rs"]
 mod basis;
+#[path = "extremes/crowds.rs"]
+mod crowds;
 #[path = "extremes/cuboid.rs"]
 mod cuboid;
+#[path = "extremes/geometry.rs"]
+mod geometry;
 #[path = "extremes/instance.rs"]
 mod instance;
 #[path = "extremes/quad.rs"]
@@ -50,7 +56,21 @@ use table::{Cell, FORMS, document, faults};
 type Filler = fn() -> Vec<Cell>;
 
 /// Who fills cells.
-const CELLS: &[Filler] = &[sphere::cells, quad::cells, cuboid::cells, triangle::cells, instance::cells, basis::cells];
+const CELLS: &[Filler] = &[
+    sphere::cells,
+    quad::cells,
+    cuboid::cells,
+    triangle::cells,
+    instance::cells,
+    basis::cells,
+    geometry::gaps,
+    geometry::gaps_by_rays,
+    geometry::distances,
+    geometry::radii,
+    geometry::grazing,
+    geometry::cameras,
+    crowds::cells,
+];
 
 #[test]
 fn every_cell_is_within_its_limit() {
