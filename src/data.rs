@@ -163,7 +163,7 @@ device_struct!(
         u: [f32; 3],
         light: u32,
         v: [f32; 3],
-        padding: u32,
+        error_across: f32,
     }
 );
 

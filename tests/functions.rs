@@ -20,8 +20,15 @@ mod trace;
 #[path = "common/scenes.rs"]
 mod scenes;
 
-#[path = "functions/basis.rs"]
-mod basis;
+#[path = "common/cuboids.rs"]
+mod cuboids;
+#[path = "common/instances.rs"]
+mod instances;
+#[path = "common/quads.rs"]
+mod quads;
+#[path = "common/triangles.rs"]
+mod triangles;
+
 #[path = "functions/bounds.rs"]
 mod bounds;
 #[path = "functions/camera.rs"]

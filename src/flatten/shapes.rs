@@ -50,6 +50,7 @@ impl Builder<'_> {
                 let (normal, a_axis, b_axis) = quad_axes(u, v);
                 let around = AxisBox::around([corner, corner + u, corner + v, corner + u + v]);
                 let error = error_bound(&[corner.as_vec3(), u.as_vec3(), v.as_vec3()]);
+                let error_across = error_across(corner.as_vec3(), u.as_vec3(), v.as_vec3(), normal);
                 let bounds = padded(around.min.as_vec3(), around.max.as_vec3(), error);
                 self.flat.quads.push(data::Quad {
                     corner: f32s(corner),
@@ -63,7 +64,7 @@ impl Builder<'_> {
                     error,
                     u: f32s(u),
                     v: f32s(v),
-                    ..data::Quad::default()
+                    error_across,
                 });
                 (self.flat.quads.len() - 1, bounds)
             }
@@ -119,6 +120,15 @@ impl Builder<'_> {
 pub fn error_bound(summands: &[Vec3]) -> f32 {
     const UNIT_ROUNDOFF: f32 = f32::EPSILON / 2.0;
     8.0 * UNIT_ROUNDOFF * summands.iter().map(|v| v.abs().max_element()).sum::<f32>()
+}
+
+/// A bound of the rounding of a quad's point along its normal, and of the next distance's from there. Own derivation, in units of
+/// roundoff, each component as often as the normal has it: `u` and `v` are rounded, multiplied, added, and added to the corner (4 of both
+/// and 1 of the corner); the next difference, its product with a rounded normal, and two sums (5 of both). One more of the corner for what
+/// the sum of both does to a last digit. A floor has nothing of its length in it: its normal has nothing along that.
+fn error_across(corner: Vec3, u: Vec3, v: Vec3, normal: DVec3) -> f32 {
+    let reach = 2.0 * corner.abs() + 10.0 * (u.abs() + v.abs());
+    (0.5 * f32::EPSILON) * normal.as_vec3().abs().dot(reach)
 }
 
 pub fn padded(min: Vec3, max: Vec3, by: f32) -> Bounds {
