@@ -8,6 +8,14 @@
 mod device;
 #[path = "common/kernel.rs"]
 mod kernel;
+#[path = "common/light_kernel.rs"]
+mod light_kernel;
+#[path = "common/oracles.rs"]
+mod oracles;
+#[path = "common/render.rs"]
+mod render;
+#[path = "common/scenes.rs"]
+mod scenes;
 #[path = "common/stats.rs"]
 mod stats;
 #[path = "common/trace.rs"]
@@ -15,10 +23,24 @@ mod trace;
 #[path = "common/vectors.rs"]
 mod vectors;
 
+#[path = "extremes/albedo.rs"]
+mod albedo;
+#[path = "extremes/fresnel.rs"]
+mod fresnel;
+#[path = "extremes/fuzz.rs"]
+mod fuzz;
+#[path = "extremes/lights.rs"]
+mod lights;
+#[path = "extremes/media.rs"]
+mod media;
+#[path = "extremes/noise.rs"]
+mod noise;
 #[path = "extremes/sphere.rs"]
 mod sphere;
 #[path = "extremes/table.rs"]
 mod table;
+#[path = "extremes/uniforms.rs"]
+mod uniforms;
 
 use std::fs;
 use std::path::Path;
@@ -28,7 +50,16 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use table::{Cell, FORMS, document, faults};
 
 /// Who fills cells.
-const CELLS: &[fn() -> Vec<Cell>] = &[sphere::cells];
+const CELLS: &[fn() -> Vec<Cell>] = &[
+    sphere::cells,
+    fresnel::cells,
+    fuzz::cells,
+    albedo::cells,
+    media::cells,
+    lights::cells,
+    uniforms::cells,
+    noise::cells,
+];
 
 #[test]
 fn every_cell_is_within_its_limit() {
