@@ -3,7 +3,7 @@
 //! The device delivers sums over short runs of samples in f32. Here they are added as integers of a fixed scale (a sum of integers is
 //! the same in any order and split), together with the sums of squares that the error estimate needs.
 
-use crate::data::{ODD_RUN, RUN_LENGTH, Sampler};
+use crate::data::{ODD_RUN, RUN_LENGTH, Sampler, luminance};
 use crate::error::{Error, Result};
 
 /// What [`Picture::variance`] holds where the variance is not known: the largest finite f32. An image file must hold finite values, 0
@@ -20,8 +20,6 @@ const MAX_EXPONENT: i32 = 300;
 const DARK_PIXEL_FLOOR: f64 = 0.01;
 /// The standard error, as a share, up to which a stated relative error is called reliable.
 const RELIABLE: f64 = 0.1;
-/// Luminance of linear Rec. 709 (ITU-R BT.709-6, item 3.2).
-const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
 
 /// One run as the device delivers it.
 #[repr(C)]
@@ -371,7 +369,7 @@ impl Film {
     /// rare bright paths make it: one that has a share s of T makes ν at most 2/s² or so. Then what has not been seen yet may be
     /// more than what has, and the estimate is called unreliable.
     pub fn error_estimate(&self, level: f64) -> Option<ErrorEstimate> {
-        let luminance = |p: &Pixel| (0..3).map(|c| LUMINANCE[c] * p.mean(c)).sum::<f64>();
+        let luminance = |p: &Pixel| luminance(std::array::from_fn(|c| p.mean(c)));
         let mean_luminance = self.pixels.iter().map(luminance).sum::<f64>() / self.pixels.len() as f64;
         if mean_luminance <= 0.0 {
             return None;

@@ -6,6 +6,8 @@
 
 #[path = "common/device.rs"]
 mod device;
+#[path = "common/everything.rs"]
+mod everything;
 #[path = "common/kernel.rs"]
 mod kernel;
 #[path = "common/light_kernel.rs"]
@@ -25,6 +27,8 @@ mod vectors;
 
 #[path = "extremes/albedo.rs"]
 mod albedo;
+#[path = "extremes/film.rs"]
+mod film;
 #[path = "extremes/fresnel.rs"]
 mod fresnel;
 #[path = "extremes/fuzz.rs"]
@@ -35,12 +39,16 @@ mod lights;
 mod media;
 #[path = "extremes/noise.rs"]
 mod noise;
+#[path = "extremes/places.rs"]
+mod places;
 #[path = "extremes/sphere.rs"]
 mod sphere;
 #[path = "extremes/table.rs"]
 mod table;
 #[path = "extremes/uniforms.rs"]
 mod uniforms;
+#[path = "extremes/views.rs"]
+mod views;
 
 use std::fs;
 use std::path::Path;
@@ -49,9 +57,14 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use table::{Cell, FORMS, document, faults};
 
+type Filler = fn() -> Vec<Cell>;
+
 /// Who fills cells.
-const CELLS: &[fn() -> Vec<Cell>] = &[
+const CELLS: &[Filler] = &[
     sphere::cells,
+    places::cells,
+    views::cells,
+    film::cells,
     fresnel::cells,
     fuzz::cells,
     albedo::cells,
@@ -74,7 +87,7 @@ fn every_cell_is_within_its_limit() {
 }
 
 /// All cells, in the order of the list, on two threads: the host's part of one goes on while the device has the other's.
-fn run(fillers: &[fn() -> Vec<Cell>]) -> Vec<Cell> {
+fn run(fillers: &[Filler]) -> Vec<Cell> {
     let next = AtomicUsize::new(0);
     let found: Vec<Mutex<Vec<Cell>>> = fillers.iter().map(|_| Mutex::default()).collect();
     std::thread::scope(|scope| {
@@ -90,9 +103,9 @@ fn run(fillers: &[fn() -> Vec<Cell>]) -> Vec<Cell> {
 }
 
 fn take<'a>(
-    fillers: &'a [fn() -> Vec<Cell>],
+    fillers: &'a [Filler],
     found: &'a [Mutex<Vec<Cell>>],
     index: usize,
-) -> Option<(&'a fn() -> Vec<Cell>, &'a Mutex<Vec<Cell>>)> {
+) -> Option<(&'a Filler, &'a Mutex<Vec<Cell>>)> {
     Some((fillers.get(index)?, found.get(index)?))
 }

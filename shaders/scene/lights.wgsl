@@ -54,7 +54,7 @@ fn distance_to_light(code: u32, ray: Ray) -> f32 {
         //@ end
         //@ each emitting_mesh
         case KIND_TRIANGLE: {
-            let corners = corners_of(meshes[index]);
+            let corners = corners_of(index);
             let normal = triangle_cross(corners.a, corners.b, corners.c);
             return dot(corners.a - ray.origin, normal) / dot(ray.direction, normal);
         }

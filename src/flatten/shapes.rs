@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::frames::{frame, local_to_object};
-use super::place::{Placed, Shape};
+use super::place::{AxisBox, Placed, Shape};
 use super::similarity::Similarity;
 use super::{Builder, colour_texture, f32s};
 use crate::bvh::Bounds;
@@ -48,11 +48,9 @@ impl Builder<'_> {
                 let corner = space.point(to_world.point(corner));
                 let (u, v) = (vector(u), vector(v));
                 let (normal, a_axis, b_axis) = quad_axes(u, v);
-                let corners = [corner, corner + u, corner + v, corner + u + v].map(|p| p.as_vec3());
-                let low = corners.iter().fold(corners[0], |low, p| low.min(*p));
-                let high = corners.iter().fold(corners[0], |high, p| high.max(*p));
+                let around = AxisBox::around([corner, corner + u, corner + v, corner + u + v]);
                 let error = error_bound(&[corner.as_vec3(), u.as_vec3(), v.as_vec3()]);
-                let bounds = padded(low, high, error);
+                let bounds = padded(around.min.as_vec3(), around.max.as_vec3(), error);
                 self.flat.quads.push(data::Quad {
                     corner: f32s(corner),
                     order,
@@ -107,7 +105,7 @@ impl Builder<'_> {
             return frame;
         }
         let place = local_to_object(shape, &to_world.rotation, &self.boxes);
-        let Some(frame) = frame(texture, place, to_world) else { return 0 };
+        let Some(frame) = frame(texture, place, &to_world.rotation) else { return 0 };
         let index = self.flat.add_frame(frame);
         if let Some(key) = shared {
             self.mesh_frames.insert(key, index);

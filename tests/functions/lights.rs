@@ -5,10 +5,7 @@ use std::f64::consts::PI;
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use gpu_rt::data::{Cuboid, Quad, Sphere};
-
-// The host's side of the tables, which asks nothing of the rest of the program.
-#[path = "../../src/lights.rs"]
-mod host;
+use gpu_rt::lights as host;
 
 use crate::kernel::{Kernel, Setup, array};
 use crate::light_kernel::{
@@ -475,7 +472,8 @@ fn drawn(entries: &[host::AliasEntry], replaced: &[(&str, &str)]) -> Vec<u64> {
     let values = [("count", &*count)];
     let kernel = Kernel::with("test/light_alias", &Setup { replaced, values: &values, ..Setup::default() });
     let mut counts = vec![0; entries.len()];
-    for found in kernel.run_with::<_, [u32; 8]>(entries, UNIFORMS / 8, &[]) {
+    let input: Vec<[u32; 2]> = entries.iter().map(|entry| [entry.threshold.to_bits(), entry.alias]).collect();
+    for found in kernel.run_with::<_, [u32; 8]>(&input, UNIFORMS / 8, &[]) {
         for index in found {
             counts[index as usize] += 1;
         }
@@ -625,7 +623,7 @@ fn the_skys_density_is_that_of_its_radiance_and_never_zero_under_it() {
         let sum: f64 = means.iter().enumerate().map(|(i, mean)| mean * solid(i)).sum();
         for (i, (cell, mean)) in sky.cells.iter().zip(&means).enumerate() {
             assert_eq!(cell.density > 0.0, *mean > 0.0, "{width} x {height}, cell {i}");
-            assert_eq!(cell.alias_density, sky.cells[cell.alias as usize].density);
+            assert_eq!(cell.alias_density, sky.cells[cell.alias_index as usize].density);
             // Eight midpoints a side of a function that is linear in each half of a texel are right where a cell is a texel;
             // with larger ones they are not. Two draws of 2^24 for the rounding, one of each cell for those without.
             if columns == width {
