@@ -14,6 +14,10 @@ mod everything;
 mod instances;
 #[path = "common/kernel.rs"]
 mod kernel;
+#[path = "common/light_kernel.rs"]
+mod light_kernel;
+#[path = "common/oracles.rs"]
+mod oracles;
 #[path = "common/quads.rs"]
 mod quads;
 #[path = "common/render.rs"]
@@ -29,6 +33,8 @@ mod triangles;
 #[path = "common/vectors.rs"]
 mod vectors;
 
+#[path = "extremes/albedo.rs"]
+mod albedo;
 #[path = "extremes/basis.rs"]
 mod basis;
 #[path = "extremes/crowds.rs"]
@@ -37,10 +43,20 @@ mod crowds;
 mod cuboid;
 #[path = "extremes/film.rs"]
 mod film;
+#[path = "extremes/fresnel.rs"]
+mod fresnel;
+#[path = "extremes/fuzz.rs"]
+mod fuzz;
 #[path = "extremes/geometry.rs"]
 mod geometry;
 #[path = "extremes/instance.rs"]
 mod instance;
+#[path = "extremes/lights.rs"]
+mod lights;
+#[path = "extremes/media.rs"]
+mod media;
+#[path = "extremes/noise.rs"]
+mod noise;
 #[path = "extremes/places.rs"]
 mod places;
 #[path = "extremes/quad.rs"]
@@ -51,6 +67,8 @@ mod sphere;
 mod table;
 #[path = "extremes/triangle.rs"]
 mod triangle;
+#[path = "extremes/uniforms.rs"]
+mod uniforms;
 #[path = "extremes/views.rs"]
 mod views;
 
@@ -81,6 +99,13 @@ const CELLS: &[Filler] = &[
     places::cells,
     views::cells,
     film::cells,
+    fresnel::cells,
+    fuzz::cells,
+    albedo::cells,
+    media::cells,
+    lights::cells,
+    uniforms::cells,
+    noise::cells,
 ];
 
 #[test]

@@ -8,6 +8,10 @@
 mod device;
 #[path = "common/kernel.rs"]
 mod kernel;
+#[path = "common/light_kernel.rs"]
+mod light_kernel;
+#[path = "common/oracles.rs"]
+mod oracles;
 #[path = "common/stats.rs"]
 mod stats;
 
@@ -39,8 +43,6 @@ mod cuboid;
 mod float;
 #[path = "functions/frames.rs"]
 mod frames;
-#[path = "functions/fresnel.rs"]
-mod fresnel;
 #[path = "functions/light_tree.rs"]
 mod light_tree;
 #[path = "functions/lights.rs"]

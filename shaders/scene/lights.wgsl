@@ -65,6 +65,21 @@ fn distance_to_light(code: u32, ray: Ray) -> f32 {
     }
 }
 
+// Whether a ray that was sent to a light arrives at its front, where its normal is this.
+fn arrives_at_front(code: u32, ray: Ray, normal: vec3<f32>) -> bool {
+    let index = primitive_index(code);
+    switch primitive_kind(code) {
+        //@ each emitter
+        case ${number}u: {
+            return ${name}_light_front(ray, normal, ${name}s[index]);
+        }
+        //@ end
+        default: {
+            return dot(ray.direction, normal) < 0.0;
+        }
+    }
+}
+
 // The density by which the primitive that the direction meets is chosen as a light and the direction drawn.
 fn light_density(code: u32, instance: u32, from_point: vec3<f32>, direction: vec3<f32>) -> f32 {
     let index = primitive_index(code);

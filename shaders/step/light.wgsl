@@ -97,7 +97,7 @@ fn trace_shadow(path: ptr<function, Path>) -> u32 {
     return hit.steps + steps;
 }
 
-// The radiance that a light sends back along a ray that meets it.
+// The radiance that a light sends back along a ray that was sent to it.
 fn emitted_along(ray: Ray, hit: Hit) -> vec3<f32> {
     //@ each emitting_sky
     if hit.code == HIT_NOTHING {
@@ -106,8 +106,7 @@ fn emitted_along(ray: Ray, hit: Hit) -> vec3<f32> {
     //@ end
     let surface = surface_at(hit.code, hit.instance, ray, hit.t);
     let material = materials[surface.material];
-    let front = dot(ray.direction, surface.normal) < 0.0;
-    if !front && material.parameter == 0.0 {
+    if material.parameter == 0.0 && !arrives_at_front(hit.code, ray, surface.normal) {
         return vec3<f32>(0.0);
     }
     return surface_colour(material, hit.code, hit.instance, surface);

@@ -9,7 +9,9 @@ use std::path::{Path, PathBuf};
 use gpu_rt::data::{RUN_LENGTH, Sampler};
 use gpu_rt::film::{Film, Picture, UNKNOWN_VARIANCE};
 use gpu_rt::flatten::{Wish, flatten_with};
-use gpu_rt::plan::{Plan, Tables};
+use gpu_rt::gpu::layout;
+use gpu_rt::gpu::link::{Choices, Library, link};
+use gpu_rt::plan::{Bounce, Plan, Tables, choices_of};
 use gpu_rt::render::{Goal, Job, Next, Outcome, Renderer, TuningWish, tuning};
 use gpu_rt::scene::Scene;
 
@@ -117,6 +119,28 @@ pub fn render_all(
     mut take: impl FnMut(Shot),
 ) {
     let size = ask.size.unwrap_or((scene.image.width, scene.image.height));
+    render_with(scene, ask, wanted, None, |shot| {
+        shot.check_counts(size, &shot.outcome.samples);
+        take(shot);
+    });
+}
+
+/// The same with kernels that are linked from another library, in which errors can be planted; whoever looks at it checks the counts.
+pub fn render_linked(scene: &Scene, ask: &Ask, ranges: &[Range<u32>], library: &dyn Library) -> Vec<Shot> {
+    let mut shots = Vec::new();
+    let wanted = ranges.iter().map(|samples| (ask.seed, samples.clone()));
+    render_with(scene, ask, wanted, Some(library), |shot| shots.push(shot));
+    shots
+}
+
+fn render_with(
+    scene: &Scene,
+    ask: &Ask,
+    wanted: impl Iterator<Item = (u32, Range<u32>)>,
+    library: Option<&dyn Library>,
+    mut take: impl FnMut(Shot),
+) {
+    let size = ask.size.unwrap_or((scene.image.width, scene.image.height));
     let Ask { sampler, sample_lights, roulette, .. } = *ask;
     let wish = Wish { sampler, sample_lights, roulette, ..Wish::default() };
     let flat = flatten_with(scene, size, wish).expect("the scene flattens");
@@ -137,7 +161,10 @@ pub fn render_all(
         true => Tables::default(),
         false => Tables::new(&flat, class.table_bytes()),
     };
-    let plan = Plan::with_tables(&flat.features, scatter, &tables).expect("the kernels link");
+    let mut plan = Plan::with_tables(&flat.features, scatter, &tables).expect("the kernels link");
+    if let Some(library) = library {
+        relink(&mut plan, library, &choices_of(&flat.features, &tables));
+    }
     let mut renderer =
         Renderer::new(device, &flat, &plan, &first, ask.wish, false).expect("the kernels compile and the buffers fit");
     for (seed, samples) in wanted {
@@ -145,9 +172,23 @@ pub fn render_all(
         let mut film = Film::with_sampler(size.0, size.1, flat.radiance_exponent, ask.sampler).expect("the film fits");
         let mut watch = Watchdog::new(job.max_depth);
         let outcome = renderer.run(&job, &mut film, &mut |film, _| watch.look(film)).expect("the device renders");
-        let shot = Shot { picture: film.develop(), film, outcome };
-        shot.check_counts(size, &samples);
-        take(shot);
+        take(Shot { picture: film.develop(), film, outcome });
+    }
+}
+
+/// Renders by kernels from another library.
+pub fn render_planted(scene: &Scene, ask: &Ask, library: &dyn Library) -> Shot {
+    let samples = ask.samples.clone().unwrap_or(0..scene.render.samples);
+    render_linked(scene, ask, &[samples], library).remove(0)
+}
+
+/// Links the kernels of a plan from another library.
+fn relink(plan: &mut Plan, library: &dyn Library, choices: &Choices) {
+    let Bounce::Fused(bounce) = &mut plan.bounce else { panic!("the software device fuses its kernels") };
+    for kernel in [&mut plan.generate, bounce] {
+        kernel.linked = link(library, &format!("stage/{}", kernel.stage), choices).expect("the kernel links");
+        kernel.module = kernel.linked.validate().expect("the kernel is valid").0;
+        kernel.bindings = layout::bindings(&kernel.module).expect("the kernel has bindings");
     }
 }
 

@@ -12,7 +12,7 @@ use gpu_rt::plan::{Tables, choices_of};
 use gpu_rt::scene::Scene;
 
 use crate::kernel::{Kernel, Setup, array};
-use crate::perlin::{perlin, turbulence};
+use crate::oracles::{perlin, turbulence};
 use crate::scenes::triple;
 use crate::stats::Random;
 use crate::textures::Image;
