@@ -95,7 +95,10 @@ fn combinations() -> Vec<Features> {
     let (primitives, materials, textures) = (all(PRIMITIVES), all(MATERIALS), all(TEXTURES));
     found.extend((1..=primitives).map(|set| features(set, 1, 0, "solid", false)));
     // Without meshes, which have a hierarchy of their own.
-    found.extend((1..1 << KIND_TRIANGLE).map(|set| few(features(set, 1, 0, "solid", false))));
+    for set in 1..1 << KIND_TRIANGLE {
+        let surfaces = few(features(set, 1, 0, "solid", false));
+        found.extend([lit(surfaces.clone(), set, false), surfaces]);
+    }
     found.push(few(lit(with_media(features(7, materials, 0, "solid", false), 1, false), 7, false)));
     found.extend((1..=materials).map(|set| features(1, set, 0, "solid", false)));
     found.extend((0..=textures).map(|set| features(1, 1, set, "solid", false)));
