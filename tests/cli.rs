@@ -869,13 +869,51 @@ fn devices_are_listed_with_drivers_and_limits() {
 }
 
 #[test]
-#[ignore = "the numerics probe is not built yet"]
 fn devices_report_the_numerics_probe() {
     let place = Place::new();
     let json = place.run(&["devices", "--json"]).exits(0).json();
-    for device in json["devices"].as_array().expect("a list") {
-        assert!(device["numerics"].is_object(), "{device}");
+    let devices = json["devices"].as_array().expect("a list");
+    for device in devices {
+        let numerics = &device["numerics"];
+        assert!(numerics.is_object(), "{device}");
+        for name in [
+            "two_sum",
+            "two_sum_barrier",
+            "two_product_barrier",
+            "fma_fused",
+            "contraction",
+            "nan_compares",
+            "nan_fails_comparisons",
+            "nan_by_bits",
+            "subnormals",
+            "words_reach_one",
+            "uniforms_exact",
+            "edge_signs",
+        ] {
+            assert!(numerics[name].is_boolean(), "{name}: {numerics}");
+        }
+        for name in ["loop_iterations", "log_error", "log_relative_error", "sin_error", "sin_error_far"] {
+            assert!(numerics[name].is_number(), "{name}: {numerics}");
+        }
+        assert!(numerics["conversion"].is_string(), "{numerics}");
     }
+    let text = place.run(&["devices"]).exits(0).stdout;
+    for words in ["two-sum", "fma", "x != x", "subnormals", "loops", "log", "sin", "u32 to f32", "signs of edges"] {
+        let lines = text.lines().filter(|line| line.trim_start().starts_with("numerics: ") && line.contains(words));
+        assert_eq!(lines.count(), devices.len(), "{words}: {text}");
+    }
+}
+
+/// What a render found of its device goes with its image, and is what `devices` says of it.
+#[test]
+fn a_render_says_what_the_numerics_probe_found() {
+    let place = Place::new();
+    let report = place.render(&["--json"]).exits(0).json();
+    let header: Value = serde_json::from_str(attribute(&place.exr("sphere.exr"), "gpu-rt:numerics")).expect("JSON");
+    assert_eq!(report["numerics"], header);
+    let listed = place.run(&["devices", "--json"]).exits(0).json();
+    let same = |device: &Value| device["driver"] == report["driver"] && device["numerics"] == header;
+    assert!(listed["devices"].as_array().expect("a list").iter().any(same), "{listed}\n{header}");
 }
 
 /// Without any driver: check and plan work, render and devices say what to install, and nobody panics.
