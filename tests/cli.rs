@@ -397,6 +397,45 @@ fn strict_passes_where_no_sample_is_rejected() {
     place.render(&["--strict"]).exits(0);
 }
 
+/// More faces in one place than a walk may take steps, on any driver: every sample that looks there is cut short, and none beside.
+#[test]
+fn rejected_samples_are_reported_and_strict_fails() {
+    const TOGETHER: usize = 600;
+    let place = Place::new();
+    let face = "3 0 1 2\n".repeat(TOGETHER);
+    let mesh = format!(
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face {TOGETHER}\n\
+         property list uchar int vertex_indices\nend_header\n-1 -1 0\n9 -1 0\n-1 9 0\n{face}"
+    );
+    place.scene("faces.ply", &mesh);
+    let objects = "Mesh(path: \"faces.ply\", material: \"grey\"),".repeat(TOGETHER);
+    let scene = place.scene(
+        "many.ron",
+        &format!(
+            "Scene(image: (width: 4, height: 2),
+             camera: (look_from: (-1, 0, 3), look_at: (-1, 0, 0), vertical_fov: 20),
+             background: Solid((0.5, 0.5, 0.5)),
+             materials: {{ \"grey\": Lambertian(albedo: Rgb(0.5, 0.4, 0.3)) }}, objects: [{objects}],
+             render: (samples: 8, max_depth: 2))"
+        ),
+    );
+    let render = ["render", &scene, "--device", software(), "-o", "a.exr"];
+    // Half of the 8 pixels, with 8 samples each.
+    let words = "32 of 64 samples were rejected: 0 were not a number, 0 infinite, 32 cut short";
+    let ran = place.run(&[&render[..], &["--json"]].concat()).exits(0);
+    assert!(ran.stderr.contains(words), "{}", ran.stderr);
+    assert_eq!(ran.json()["rejected_samples"], 32);
+    let ran = place.run(&[&render[..], &["--strict", "--json", "--quiet"]].concat()).exits(1);
+    assert_eq!(ran.json()["rejected_samples"], 32, "the report comes all the same");
+    assert!(ran.last_line().contains("--strict") && ran.last_line().contains(words), "{}", ran.stderr);
+    // And so does the image, with the rejected samples of each pixel.
+    let image = place.exr("a.exr");
+    assert_eq!(image.rejected, Some([0, 0, 8, 8].repeat(2)));
+    assert_eq!(image.samples, Some([8, 8, 0, 0].repeat(2)));
+    assert_eq!(attribute(&image, "gpu-rt:rejected_cut"), "32");
+    assert_eq!([image.rgb[0], image.rgb[3]], [[0.5; 3], [0.0; 3]]);
+}
+
 /// Any sizes that the command line takes make the same image, or are refused before anything is rendered.
 #[test]
 fn many_slots_and_small_workgroups_render_or_are_refused() {
