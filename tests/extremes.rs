@@ -8,6 +8,8 @@
 mod device;
 #[path = "common/kernel.rs"]
 mod kernel;
+#[path = "common/planted.rs"]
+mod planted;
 #[path = "common/stats.rs"]
 mod stats;
 #[path = "common/trace.rs"]
@@ -15,6 +17,8 @@ mod trace;
 #[path = "common/vectors.rs"]
 mod vectors;
 
+#[path = "extremes/rejection.rs"]
+mod rejection;
 #[path = "extremes/sphere.rs"]
 mod sphere;
 #[path = "extremes/table.rs"]
@@ -25,10 +29,12 @@ use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use table::{Cell, FORMS, document, faults};
+use table::{COMPARED_NAN, Cell, FORMS, document, faults};
+
+type Filler = fn() -> Vec<Cell>;
 
 /// Who fills cells.
-const CELLS: &[fn() -> Vec<Cell>] = &[sphere::cells];
+const CELLS: &[Filler] = &[sphere::cells, rejection::cells];
 
 #[test]
 fn every_cell_is_within_its_limit() {
@@ -38,12 +44,15 @@ fn every_cell_is_within_its_limit() {
     // Beside and renamed, so that whoever reads it meanwhile reads a whole one.
     let fresh = path.with_extension("md.new");
     fs::write(&fresh, text).and_then(|()| fs::rename(&fresh, &path)).expect("docs/extremes.md can be written");
-    let faults = faults(&cells, FORMS);
+    // A driver without the flaw that makes a form wrong shows nothing of it.
+    let shown = |form: &&&str| **form != COMPARED_NAN || rejection::folds();
+    let forms: Vec<&str> = FORMS.iter().filter(shown).copied().collect();
+    let faults = faults(&cells, &forms);
     assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
 }
 
 /// All cells, in the order of the list, on two threads: the host's part of one goes on while the device has the other's.
-fn run(fillers: &[fn() -> Vec<Cell>]) -> Vec<Cell> {
+fn run(fillers: &[Filler]) -> Vec<Cell> {
     let next = AtomicUsize::new(0);
     let found: Vec<Mutex<Vec<Cell>>> = fillers.iter().map(|_| Mutex::default()).collect();
     std::thread::scope(|scope| {
@@ -59,9 +68,9 @@ fn run(fillers: &[fn() -> Vec<Cell>]) -> Vec<Cell> {
 }
 
 fn take<'a>(
-    fillers: &'a [fn() -> Vec<Cell>],
+    fillers: &'a [Filler],
     found: &'a [Mutex<Vec<Cell>>],
     index: usize,
-) -> Option<(&'a fn() -> Vec<Cell>, &'a Mutex<Vec<Cell>>)> {
+) -> Option<(&'a Filler, &'a Mutex<Vec<Cell>>)> {
     Some((fillers.get(index)?, found.get(index)?))
 }
