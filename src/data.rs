@@ -91,6 +91,12 @@ device_struct!(
         background_width: u32,
         background_top: [f32; 3],
         background_height: u32,
+        world_x: [f32; 3],
+        padding0: u32,
+        world_y: [f32; 3],
+        padding1: u32,
+        world_z: [f32; 3],
+        padding2: u32,
     }
 );
 

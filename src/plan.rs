@@ -295,6 +295,7 @@ fn choices(features: &Features, materials: &[Entry], queues: bool, tables: &Tabl
     Choices {
         modules: BTreeMap::from([
             ("background", background),
+            ("axes", pick(features.turned, "scene/camera_axes", "scene/world_axes")),
             ("camera", pick(features.thin_lens, "camera/thin_lens", "camera/pinhole")),
             ("colour", pick(textures.is_empty(), "scene/plain_colour", "scene/textured_colour")),
             ("uv", pick(image_texture, "scene/uv", "scene/no_uv")),

@@ -6,10 +6,16 @@
 
 #[path = "common/device.rs"]
 mod device;
+#[path = "common/everything.rs"]
+mod everything;
 #[path = "common/kernel.rs"]
 mod kernel;
 #[path = "common/planted.rs"]
 mod planted;
+#[path = "common/render.rs"]
+mod render;
+#[path = "common/scenes.rs"]
+mod scenes;
 #[path = "common/stats.rs"]
 mod stats;
 #[path = "common/trace.rs"]
@@ -17,12 +23,18 @@ mod trace;
 #[path = "common/vectors.rs"]
 mod vectors;
 
+#[path = "extremes/film.rs"]
+mod film;
+#[path = "extremes/places.rs"]
+mod places;
 #[path = "extremes/rejection.rs"]
 mod rejection;
 #[path = "extremes/sphere.rs"]
 mod sphere;
 #[path = "extremes/table.rs"]
 mod table;
+#[path = "extremes/views.rs"]
+mod views;
 
 use std::fs;
 use std::path::Path;
@@ -34,7 +46,7 @@ use table::{COMPARED_NAN, Cell, FORMS, document, faults};
 type Filler = fn() -> Vec<Cell>;
 
 /// Who fills cells.
-const CELLS: &[Filler] = &[sphere::cells, rejection::cells];
+const CELLS: &[Filler] = &[sphere::cells, places::cells, views::cells, film::cells, rejection::cells];
 
 #[test]
 fn every_cell_is_within_its_limit() {

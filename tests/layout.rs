@@ -25,6 +25,7 @@ fn modules() -> Vec<naga::Module> {
         media: 3,
         background: "image",
         thin_lens: true,
+        turned: true,
         stack_size: 8,
         boundary_stack_size: 8,
         smooth: Some("a test".to_string()),

@@ -78,6 +78,11 @@ fn everything() -> Features {
     lit(with_media(smooth(surfaces), all(BOUNDARIES), true), all(PRIMITIVES), true)
 }
 
+/// The same with render space turned to the camera's axes.
+fn turned(features: Features) -> Features {
+    Features { turned: true, ..features }
+}
+
 /// Every set of primitives, of materials and of textures, every background and lens, each beside the least of the others;
 /// primitives with textures, which one kernel joins; nothing, and everything.
 fn combinations() -> Vec<Features> {
@@ -89,6 +94,7 @@ fn combinations() -> Vec<Features> {
     for background in BACKGROUNDS {
         found.extend([false, true].map(|lens| features(1, 1, 0, background, lens)));
         found.push(features(0, 0, 0, background, true));
+        found.push(turned(features(1, 1, 0, background, false)));
     }
     for primitive in 0..PRIMITIVES.len() {
         for texture in 0..TEXTURES.len() {
@@ -119,7 +125,7 @@ fn combinations() -> Vec<Features> {
         let of_each = (1..=primitives).map(|emitters| lit(features(emitters, 1, 0, "image", false), emitters, sky));
         found.extend(of_each.map(many_lights));
     }
-    found.push(many_lights(everything()));
+    found.extend([many_lights(everything()), turned(everything())]);
     found
 }
 
@@ -212,7 +218,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("bind", &["data", "light/sky"]),
     ("texture", &["data", "lib", "scene/texel"]),
     ("camera", &["bind", "camera", "data", "lib"]),
-    ("background", &["bind", "data", "lib", "scene/texel"]),
+    ("background", &["bind", "choice/axes", "data", "lib", "scene/texel"]),
     ("scene", &["bind", "data", "geometry", "lib", "light", "material", "medium", "scene", "texture"]),
     ("slots", &["bind", "data", "lib", "scene", "slots"]),
     (
@@ -228,6 +234,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
 /// Where the modules behind `choice/x` live.
 const CHOICES: &[(&str, &str)] = &[
     ("background", "background"),
+    ("axes", "scene"),
     ("camera", "camera"),
     ("colour", "scene"),
     ("uv", "scene"),

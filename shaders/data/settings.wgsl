@@ -24,4 +24,11 @@ struct Settings {
     background_width: u32,
     background_top: vec3<f32>,
     background_height: u32,
+    // The world's axes in render space.
+    world_x: vec3<f32>,
+    padding0: u32,
+    world_y: vec3<f32>,
+    padding1: u32,
+    world_z: vec3<f32>,
+    padding2: u32,
 }

@@ -1,5 +1,6 @@
 //@ use bind/lights
 //@ use bind/sky
+//@ use choice/axes
 //@ use light/sky
 // The background's image as a light.
 
@@ -9,10 +10,11 @@ const SKY_ROWS: u32 = ${sky_rows}u;
 fn sky_light_sample(u: vec3<f32>) -> LightSample {
     let pick = alias_pick(u.z, SKY_COLUMNS * SKY_ROWS);
     let choice = sky_choice(pick, sky[pick.index]);
-    return LightSample(sky_cell_direction(choice.index, SKY_COLUMNS, SKY_ROWS, u.xy), choice.pdf);
+    let direction = sky_cell_direction(choice.index, SKY_COLUMNS, SKY_ROWS, u.xy);
+    return LightSample(from_world(direction), choice.pdf);
 }
 
 // The density by which the sky is chosen, the last light of all, and the direction drawn.
 fn sky_density(direction: vec3<f32>) -> f32 {
-    return lights[${lights}u - 1u].probability * sky[sky_cell_at(direction, SKY_COLUMNS, SKY_ROWS)].density;
+    return lights[${lights}u - 1u].probability * sky[sky_cell_at(to_world(direction), SKY_COLUMNS, SKY_ROWS)].density;
 }

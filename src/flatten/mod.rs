@@ -1,7 +1,8 @@
 //! From the scene, in f64 and scene units, to the arrays that the kernels read, in f32 and render space.
 //!
 //! Render space has the camera at the origin and is scaled by a power of two to an extent near 1, so that a scene looks
-//! the same to the kernels however large it is and wherever it stands. Emission is scaled by a power of two likewise.
+//! the same to the kernels however large it is and wherever it stands. Where pixels are very small it has the camera's
+//! axes (`view`). Emission is scaled by a power of two likewise.
 
 mod frames;
 mod light_tree;
@@ -11,6 +12,7 @@ mod meshes;
 mod place;
 mod shapes;
 mod similarity;
+mod view;
 
 use std::collections::HashMap;
 
@@ -20,10 +22,10 @@ use crate::bvh;
 use crate::data::{self, MAX_PRIMITIVES, NO_TEXTURE};
 use crate::error::Result;
 use crate::lights::SkyCell;
-use crate::scene::{Background, Bitmap, Camera, Material, Mesh, Scene, Texture};
+use crate::scene::{Background, Bitmap, Material, Mesh, Scene, Texture};
 use meshes::Laid;
 use place::{Finder, MeshBox, Placed, PlacedMedium, extent};
-use similarity::Similarity;
+use view::{RenderSpace, View};
 
 pub use bvh::Quality;
 pub use lights::TREE_LIGHTS;
@@ -68,6 +70,8 @@ pub struct Features {
     pub background: &'static str,
     /// Whether the lens has a diameter.
     pub thin_lens: bool,
+    /// Whether render space has the camera's axes and not the world's.
+    pub turned: bool,
     /// Codes that wait at most in a walk through the BVH.
     pub stack_size: u32,
     /// The same of a walk through a mesh that bounds a medium.
@@ -133,9 +137,10 @@ pub fn flatten(scene: &Scene, size: (u32, u32)) -> Result<Flat> {
 pub fn flatten_with(scene: &Scene, size: (u32, u32), wish: Wish) -> Result<Flat> {
     let mut features = Features::default();
     let mut finder = Finder::new(scene);
+    let view = View::new(&scene.camera, size);
     for (i, object) in scene.objects.iter().enumerate() {
         let (first, first_medium) = (finder.placed.len(), finder.media.len());
-        finder.place(object, &Similarity::IDENTITY);
+        finder.place(object, &view.to_space);
         for primitive in &finder.placed[first..] {
             note(&mut features, scene, i, primitive);
         }
@@ -155,14 +160,13 @@ pub fn flatten_with(scene: &Scene, size: (u32, u32), wish: Wish) -> Result<Flat>
     }
     let boxes: Vec<MeshBox> = meshes.iter().map(|mesh| MeshBox::of(mesh)).collect();
 
-    let camera = &scene.camera;
-    let length_exponent = binary_exponent(extent(camera, &finder, &boxes));
-    let space = RenderSpace { eye: camera.look_from, scale: exp2(-length_exponent) };
+    let length_exponent = binary_exponent(extent(view.eye, 0.5 * scene.camera.aperture, &finder, &boxes));
+    let space = RenderSpace { eye: view.eye, scale: exp2(-length_exponent) };
     let radiance_exponent = binary_exponent(brightest(scene));
     let radiance_scale = exp2(-radiance_exponent);
 
     let mut flat = Flat { features, radiance_exponent, ..Flat::default() };
-    flat.settings = camera_settings(camera, &space, size);
+    flat.settings = view.settings(&space);
     flat.add_background(scene, radiance_scale);
     flat.add_materials(scene, radiance_scale);
     let laid = vec![None; meshes.len()];
@@ -176,7 +180,8 @@ pub fn flatten_with(scene: &Scene, size: (u32, u32), wish: Wish) -> Result<Flat>
     let mut flat = builder.flat;
     flat.features.roulette = wish.roulette;
     flat.features.sampler = wish.sampler;
-    flat.features.thin_lens = camera.aperture > 0.0;
+    flat.features.thin_lens = scene.camera.aperture > 0.0;
+    flat.features.turned = view.turned;
     Ok(flat)
 }
 
@@ -295,42 +300,8 @@ fn exp2(e: i32) -> f64 {
     2.0_f64.powi(e)
 }
 
-/// The camera at the origin and lengths scaled by a power of two.
-#[derive(Clone, Copy)]
-struct RenderSpace {
-    eye: DVec3,
-    scale: f64,
-}
-
-impl RenderSpace {
-    fn point(&self, p: DVec3) -> DVec3 {
-        (p - self.eye) * self.scale
-    }
-}
-
 fn f32s(v: DVec3) -> [f32; 3] {
     v.as_vec3().to_array()
-}
-
-fn camera_settings(camera: &Camera, space: &RenderSpace, (width, height): (u32, u32)) -> data::Settings {
-    let unit = |v: DVec3| (v / v.abs().max_element()).normalize();
-    let backward = unit(camera.look_from - camera.look_at);
-    let right = unit(unit(camera.up).cross(backward));
-    let up = backward.cross(right);
-    let pixel = 2.0 * (0.5 * camera.vertical_fov).to_radians().tan() / f64::from(height);
-    let focus = camera.focus_distance.unwrap_or((camera.look_at - camera.look_from).length());
-    let lens_radius = 0.5 * camera.aperture * space.scale;
-    data::Settings {
-        forward: f32s(-backward),
-        image_width: width,
-        pixel_x: f32s(pixel * right),
-        image_height: height,
-        pixel_y: f32s(-pixel * up),
-        lens_x: f32s(lens_radius * right),
-        lens_y: f32s(lens_radius * up),
-        inverse_focus: (1.0 / (focus * space.scale)) as f32,
-        ..data::Settings::default()
-    }
 }
 
 /// Number among `MATERIALS`.

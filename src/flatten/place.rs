@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::similarity::Similarity;
 use crate::data::{KIND_INSTANCE, KIND_TRIANGLE, PRIMITIVE_BIT, PRIMITIVE_KIND_SHIFT};
-use crate::scene::{Camera, Mesh, Object, Scene, Texture};
+use crate::scene::{Mesh, Object, Scene, Texture};
 
 /// A primitive in world space, and what its texture needs to know of its own space.
 pub struct Placed {
@@ -166,10 +166,10 @@ impl MeshBox {
     }
 }
 
-/// The farthest that anything reaches from the eye along an axis; 1 where there is nothing.
-pub fn extent(camera: &Camera, finder: &Finder<'_>, boxes: &[MeshBox]) -> f64 {
+/// The farthest that anything reaches from the eye along an axis, the lens included; 1 where there is nothing.
+pub fn extent(eye: DVec3, lens_radius: f64, finder: &Finder<'_>, boxes: &[MeshBox]) -> f64 {
     let reach = |shape: &Shape, to_world: &Similarity| {
-        let from_eye = |p: DVec3| (to_world.point(p) - camera.look_from).abs().max_element();
+        let from_eye = |p: DVec3| (to_world.point(p) - eye).abs().max_element();
         let farthest = |points: &[DVec3]| points.iter().fold(0.0, |far, p| from_eye(*p).max(far));
         match *shape {
             Shape::Sphere { center, radius } => from_eye(center) + to_world.scale * radius,
@@ -180,6 +180,6 @@ pub fn extent(camera: &Camera, finder: &Finder<'_>, boxes: &[MeshBox]) -> f64 {
     };
     let primitives = finder.placed.iter().map(|placed| reach(&placed.shape, &placed.to_world));
     let media = finder.media.iter().map(|medium| reach(&medium.boundary, &medium.to_world));
-    let far = primitives.chain(media).fold(0.5 * camera.aperture, f64::max);
+    let far = primitives.chain(media).fold(lens_radius, f64::max);
     if far > 0.0 { far } else { 1.0 }
 }

@@ -1,5 +1,7 @@
 //! Primitives as the host makes them for the device, from a scene's text.
 
+#![allow(dead_code)]
+
 use std::fmt::Write;
 use std::path::Path;
 

@@ -262,7 +262,7 @@ fn directions_map_to_their_places_on_sphere_and_sky() {
 }
 
 fn background(module: &'static str, settings: &Settings, texels: &[[f32; 3]], rows: &[[f32; 4]]) -> Vec<Colour> {
-    let setup = Setup { choices: &[("background", module)], ..Setup::default() };
+    let setup = Setup { choices: &[("background", module), ("axes", "scene/world_axes")], ..Setup::default() };
     let more = [uniform("settings", settings), array("texels", texels)];
     Kernel::with("test/background", &setup).run_with(rows, rows.len(), &more)
 }

@@ -1,0 +1,10 @@
+//@ use bind/settings
+// Render space has the axes of the camera: the world's are the rows of a rotation.
+fn to_world(direction: vec3<f32>) -> vec3<f32> {
+    return vec3<f32>(
+        dot(settings.world_x, direction), dot(settings.world_y, direction), dot(settings.world_z, direction));
+}
+
+fn from_world(direction: vec3<f32>) -> vec3<f32> {
+    return direction.x * settings.world_x + (direction.y * settings.world_y + direction.z * settings.world_z);
+}

@@ -1,0 +1,8 @@
+// Render space has the axes of the world.
+fn to_world(direction: vec3<f32>) -> vec3<f32> {
+    return direction;
+}
+
+fn from_world(direction: vec3<f32>) -> vec3<f32> {
+    return direction;
+}

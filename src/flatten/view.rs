@@ -1,0 +1,82 @@
+//! The camera, and the space that it sees.
+
+use glam::{DMat3, DVec3};
+
+use super::f32s;
+use super::similarity::Similarity;
+use crate::data;
+use crate::scene::Camera;
+
+/// The width of a pixel, in units of the distance to it, below which render space gets the camera's axes. In the world's axes a
+/// direction's components are rounded by 2^-25 at least near 1: below 2^-17 that moves a ray by more than 1/256 of a pixel. In the camera's
+/// axes what is across the view is small, and has all of its digits however narrow the view is.
+const NARROW_PIXEL: f64 = 1.0 / (1u64 << 17) as f64;
+
+/// The camera at the origin and lengths scaled by a power of two.
+#[derive(Clone, Copy)]
+pub struct RenderSpace {
+    pub eye: DVec3,
+    pub scale: f64,
+}
+
+impl RenderSpace {
+    pub fn point(&self, p: DVec3) -> DVec3 {
+        (p - self.eye) * self.scale
+    }
+}
+
+/// The camera where it stands in the space that objects are placed in.
+pub struct View<'a> {
+    camera: &'a Camera,
+    size: (u32, u32),
+    /// To the right, upwards and backwards.
+    axes: DMat3,
+    /// Width of a pixel at distance 1.
+    pixel: f64,
+    /// From the world to that space, which is the world but for its axes.
+    pub to_space: Similarity,
+    /// Whether it has the camera's axes.
+    pub turned: bool,
+    pub eye: DVec3,
+}
+
+impl View<'_> {
+    /// The view of an image of `size` pixels.
+    pub fn new(camera: &Camera, size: (u32, u32)) -> View<'_> {
+        let unit = |v: DVec3| (v / v.abs().max_element()).normalize();
+        let backward = unit(camera.look_from - camera.look_at);
+        let right = unit(unit(camera.up).cross(backward));
+        let axes = DMat3::from_cols(right, backward.cross(right), backward);
+        let pixel = 2.0 * (0.5 * camera.vertical_fov).to_radians().tan() / f64::from(size.1);
+        let turned = pixel < NARROW_PIXEL;
+        let to_space = match turned {
+            true => Similarity { rotation: axes.transpose(), ..Similarity::IDENTITY },
+            false => Similarity::IDENTITY,
+        };
+        let axes = to_space.rotation * axes;
+        View { camera, size, axes, pixel, eye: to_space.point(camera.look_from), to_space, turned }
+    }
+
+    /// What kernels are told of it.
+    pub fn settings(&self, space: &RenderSpace) -> data::Settings {
+        let View { camera, pixel, to_space, .. } = self;
+        // The camera's own axes are exact where they are the space's.
+        let axes = if self.turned { DMat3::IDENTITY } else { self.axes };
+        let focus = camera.focus_distance.unwrap_or((camera.look_at - camera.look_from).length());
+        let lens_radius = 0.5 * camera.aperture * space.scale;
+        data::Settings {
+            forward: f32s(-axes.z_axis),
+            image_width: self.size.0,
+            pixel_x: f32s(*pixel * axes.x_axis),
+            image_height: self.size.1,
+            pixel_y: f32s(-*pixel * axes.y_axis),
+            lens_x: f32s(lens_radius * axes.x_axis),
+            lens_y: f32s(lens_radius * axes.y_axis),
+            inverse_focus: (1.0 / (focus * space.scale)) as f32,
+            world_x: f32s(to_space.rotation.x_axis),
+            world_y: f32s(to_space.rotation.y_axis),
+            world_z: f32s(to_space.rotation.z_axis),
+            ..data::Settings::default()
+        }
+    }
+}
