@@ -88,18 +88,18 @@ pub struct RenderArgs {
 }
 
 /// What changes the noise and never the expectation.
-#[derive(Clone, Debug, Args)]
+#[derive(Clone, Debug, Default, Args)]
 #[command(next_help_heading = "Noise (the expectation stays the same)")]
 pub struct LightArgs {
     /// How light is found: `mis` also sends rays to the lights that there are; `bsdf` follows the scattered rays alone until
     /// they meet one.
-    #[arg(long, value_enum, default_value_t = Integrator::Mis)]
+    #[arg(long, value_enum, default_value_t)]
     pub integrator: Integrator,
     /// Russian roulette: paths that have become dark are ended at random, and those that go on count for them.
-    #[arg(long, value_enum, default_value_t = Switch::On)]
+    #[arg(long, value_enum, default_value_t)]
     pub roulette: Switch,
     /// How samples are placed: `sobol` spreads those of a pixel evenly, `independent` draws each by itself.
-    #[arg(long, value_enum, default_value_t = SamplerArg::Sobol)]
+    #[arg(long, value_enum, default_value_t)]
     pub sampler: SamplerArg,
 }
 
@@ -121,7 +121,7 @@ pub struct TuningArgs {
     #[arg(long, value_enum)]
     pub scatter: Option<ScatterArg>,
     /// How long the hierarchies over meshes and objects may take to build, for how fast rays find their way through them.
-    #[arg(long, value_enum, default_value_t = BuildArg::Medium)]
+    #[arg(long, value_enum, default_value_t)]
     pub build: BuildArg,
     /// Measure the seconds of each stage on the device; costs a pass for each dispatch.
     #[arg(long)]
@@ -146,7 +146,7 @@ pub struct PlanArgs {
     #[arg(long, value_enum)]
     pub scatter: Option<ScatterArg>,
     /// How long the hierarchies over meshes and objects may take to build.
-    #[arg(long, value_enum, default_value_t = BuildArg::Medium)]
+    #[arg(long, value_enum, default_value_t)]
     pub build: BuildArg,
     #[command(flatten)]
     pub light: LightArgs,
@@ -171,14 +171,16 @@ pub struct DevicesArgs {
     pub json: bool,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Switch {
+    #[default]
     On,
     Off,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Integrator {
+    #[default]
     Mis,
     Bsdf,
 }
@@ -192,8 +194,9 @@ impl Integrator {
     }
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum SamplerArg {
+    #[default]
     Sobol,
     Independent,
 }
@@ -214,9 +217,10 @@ pub enum ScatterArg {
     Queues,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum BuildArg {
     Fast,
+    #[default]
     Medium,
     Best,
 }

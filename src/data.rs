@@ -1,5 +1,5 @@
-//! The host's side of the structs under shaders/data. WGSL is the source; tests/layout.rs compares every field here with
-//! naga's reflection of it.
+//! The host's side of the structs under shaders/data, and the little that all of the host shares. WGSL is the source of the
+//! structs; tests/layout.rs compares every field here with naga's reflection of it.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -24,6 +24,9 @@ pub const HIT_NOTHING: u32 = 0xffff_ffff;
 pub const SLOT_IDLE: u32 = 0xffff_fffd;
 /// `Material::texture` where the colour is the material's own.
 pub const NO_TEXTURE: u32 = 0xffff_ffff;
+/// Of `LightNode::child`: it is a light, not a pair of nodes; and what it leads to shines on both sides.
+pub const LIGHT_NODE_LEAF: u32 = 0x8000_0000;
+pub const LIGHT_NODE_TWO_SIDED: u32 = 0x4000_0000;
 /// Samples of a run at most; runs are cut at multiples of it.
 pub const RUN_LENGTH: u32 = 8;
 /// In `RunRecord::counts`: the run is an odd one.
@@ -33,6 +36,16 @@ pub const PATH_PLANES: u32 = 5;
 pub const LIT_PATH_PLANES: u32 = 9;
 /// Words before the first queue.
 pub const QUEUE_HEADER: u32 = 8;
+
+/// The code of the primitive at this index among its kind.
+pub fn primitive_code(kind: u32, index: u32) -> u32 {
+    PRIMITIVE_BIT | kind << PRIMITIVE_KIND_SHIFT | index
+}
+
+/// Luminance of a linear Rec. 709 colour (ITU-R BT.709-6, item 3.2).
+pub fn luminance([r, g, b]: [f64; 3]) -> f64 {
+    0.2126 * r + 0.7152 * g + 0.0722 * b
+}
 
 /// How the samples of a pixel are placed: a file of shaders/sampler.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -97,6 +110,7 @@ device_struct!(
         padding1: u32,
         world_z: [f32; 3],
         padding2: u32,
+        few: [u32; 4],
     }
 );
 
@@ -149,7 +163,7 @@ device_struct!(
         u: [f32; 3],
         light: u32,
         v: [f32; 3],
-        padding: u32,
+        error_across: f32,
     }
 );
 
@@ -220,6 +234,16 @@ device_struct!(
         axis: u32,
         cos_spread: f32,
         child: u32,
+    }
+);
+
+device_struct!(
+    /// A cell of the grid over the sky, by which directions towards it are drawn.
+    SkyCell {
+        threshold: f32,
+        alias_index: u32,
+        density: f32,
+        alias_density: f32,
     }
 );
 

@@ -3,7 +3,7 @@
 //! The device delivers sums over short runs of samples in f32. Here they are added as integers of a fixed scale (a sum of integers is
 //! the same in any order and split), together with the sums of squares that the error estimate needs.
 
-use crate::data::{ODD_RUN, RUN_LENGTH, Sampler};
+use crate::data::{ODD_RUN, RUN_LENGTH, Sampler, luminance};
 use crate::error::{Error, Result};
 
 /// What [`Picture::variance`] holds where the variance is not known: the largest finite f32. An image file must hold finite values, 0
@@ -20,8 +20,6 @@ const MAX_EXPONENT: i32 = 300;
 const DARK_PIXEL_FLOOR: f64 = 0.01;
 /// The standard error, as a share, up to which a stated relative error is called reliable.
 const RELIABLE: f64 = 0.1;
-/// Luminance of linear Rec. 709 (ITU-R BT.709-6, item 3.2).
-const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
 
 /// One run as the device delivers it.
 #[repr(C)]
@@ -147,6 +145,37 @@ impl Pixel {
     fn reject(&mut self, samples: u32) {
         self.rejected = self.rejected.saturating_add(samples);
     }
+
+    fn add(&mut self, other: &Pixel) {
+        for channel in 0..3 {
+            self.sum[channel] = self.sum[channel].saturating_add(other.sum[channel]);
+            self.spread[channel] = self.spread[channel].saturating_add(other.spread[channel]);
+        }
+        self.samples += other.samples;
+        self.replicates = self.replicates.saturating_add(other.replicates);
+        self.reject(other.rejected);
+    }
+
+    /// What is left without a part of it. Exact, where no total has saturated.
+    fn without(&self, part: &Pixel) -> Pixel {
+        let less = |all: [u128; 3], part: [u128; 3]| [0, 1, 2].map(|c| all[c].saturating_sub(part[c]));
+        Pixel {
+            sum: less(self.sum, part.sum),
+            spread: less(self.spread, part.spread),
+            samples: self.samples - part.samples,
+            replicates: self.replicates - part.replicates,
+            rejected: self.rejected - part.rejected,
+        }
+    }
+
+    /// A pixel's term of the squared relative error, the mean of v / (I² + floor) over its channels: with v of this one, I of `mean_of`.
+    fn term(&self, mean_of: &Pixel, sampler: Sampler, floor: f64) -> Option<f64> {
+        let term = |channel| {
+            let mean = mean_of.mean(channel);
+            Some(self.variance(channel, sampler)? / (3.0 * (mean * mean + floor)))
+        };
+        Some(term(0)? + term(1)? + term(2)?)
+    }
 }
 
 /// The exact totals of a whole image.
@@ -157,7 +186,7 @@ impl Pixel {
 /// fit. Beyond, the total saturates (a saturating sum of numbers that are not negative is still the same in any order) and the
 /// variance is reported as unknown. (Of Sobol points the sums of squares are not kept; the difference of the halves is exact to 2^-88.) So the device's unit should be about the radiance of the brightest thing that is often seen.
 ///
-/// Memory: 112 bytes a pixel.
+/// Memory: 112 bytes a pixel of Sobol points, 224 of independent samples.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
     width: u32,
@@ -165,6 +194,8 @@ pub struct Film {
     exponent: i32,
     sampler: Sampler,
     pixels: Vec<Pixel>,
+    /// Of independent samples: what the odd runs have of all that is in `pixels`, for the error of the error. Else empty.
+    odd: Vec<Pixel>,
     totals: Totals,
 }
 
@@ -193,22 +224,31 @@ impl Film {
                 "the scene's radiance has the scale 2^{exponent}: expected 2^-300 to 2^300"
             )));
         }
+        let parts = match sampler {
+            Sampler::Independent => 2,
+            Sampler::Sobol => 1,
+        };
         let too_large = || {
-            let gib = count as f64 * size_of::<Pixel>() as f64 / exp2(30);
+            let gib = parts as f64 * count as f64 * size_of::<Pixel>() as f64 / exp2(30);
             Error::Usage(format!(
                 "an image of {width} x {height} pixels needs {gib:.1} GiB of memory, which cannot be had; use a smaller --size"
             ))
         };
         let count = usize::try_from(count).map_err(|_| too_large())?;
-        let mut pixels = Vec::new();
-        pixels.try_reserve_exact(count).map_err(|_| too_large())?;
-        pixels.resize(count, Pixel::default());
-        Ok(Film { width, height, exponent, sampler, pixels, totals: Totals::default() })
+        let empty = |count| {
+            let mut pixels = Vec::new();
+            pixels.try_reserve_exact(count).map_err(|_| too_large())?;
+            pixels.resize(count, Pixel::default());
+            Ok(pixels)
+        };
+        let (pixels, odd) = (empty(count)?, empty((parts - 1) * count)?);
+        Ok(Film { width, height, exponent, sampler, pixels, odd, totals: Totals::default() })
     }
 
     /// Takes everything back.
     pub fn clear(&mut self) {
         self.pixels.fill(Pixel::default());
+        self.odd.fill(Pixel::default());
         self.totals = Totals::default();
     }
 
@@ -265,25 +305,26 @@ impl Film {
             return;
         }
         let odd = record.counts & ODD_RUN != 0;
+        let mut run = Pixel { samples: u64::from(accepted), ..Pixel::default() };
         for channel in 0..3 {
             let s = f64::from(record.sum[channel]);
-            let sum = to_fixed(s, SUM_FRACTION);
-            let spread = match self.sampler {
+            run.sum[channel] = to_fixed(s, SUM_FRACTION);
+            run.spread[channel] = match self.sampler {
                 // The square of an f32 is exact in f64, and so is its quotient by the n of a full run, 8.
                 Sampler::Independent => to_fixed(s * s / f64::from(accepted), SQUARE_FRACTION),
-                Sampler::Sobol if odd => sum,
+                Sampler::Sobol if odd => run.sum[channel],
                 Sampler::Sobol => 0,
             };
-            pixel.sum[channel] = pixel.sum[channel].saturating_add(sum);
-            pixel.spread[channel] = pixel.spread[channel].saturating_add(spread);
         }
-        pixel.samples += u64::from(accepted);
-        let replicates = match self.sampler {
+        run.replicates = match self.sampler {
             Sampler::Independent => 1,
             Sampler::Sobol if odd => accepted,
             Sampler::Sobol => 0,
         };
-        pixel.replicates = pixel.replicates.saturating_add(replicates);
+        pixel.add(&run);
+        if odd && let Some(part) = self.odd.get_mut(record.pixel as usize) {
+            part.add(&run);
+        }
     }
 
     /// Counts a record's samples as rejected and takes nothing else from it.
@@ -312,15 +353,8 @@ impl Film {
                 other.sampler.name()
             )));
         }
-        for (mine, theirs) in self.pixels.iter_mut().zip(&other.pixels) {
-            for channel in 0..3 {
-                mine.sum[channel] = mine.sum[channel].saturating_add(theirs.sum[channel]);
-                mine.spread[channel] = mine.spread[channel].saturating_add(theirs.spread[channel]);
-            }
-            mine.samples += theirs.samples;
-            mine.replicates = mine.replicates.saturating_add(theirs.replicates);
-            mine.reject(theirs.rejected);
-        }
+        let theirs = other.pixels.iter().chain(&other.odd);
+        self.pixels.iter_mut().chain(&mut self.odd).zip(theirs).for_each(|(mine, theirs)| mine.add(theirs));
         self.totals.paths += other.totals.paths;
         self.totals.rays += other.totals.rays;
         self.totals.rejected.nan += other.totals.rejected.nan;
@@ -361,56 +395,97 @@ impl Film {
     /// The relative error, and the bound that the true one is above with a probability of `level` only.
     ///
     /// With x the mean of v / (I² + 0.01 Ī²) over a pixel's channels, T = Σ x over n pixels is what is estimated. Pixels are independent,
-    /// since random numbers are keyed by them. So its variance is the sum of theirs, and E[(x − y)²] = Var x + Var y + (E x − E y)²
-    /// for two of them: D = Σ (x − y)² over pairs of neighbours is what Var T is at most on average, and little more where
-    /// neighbours are alike, whatever the distribution of x is, and however its channels hang together (von Neumann, Annals of
-    /// Mathematical Statistics 12(4), 1941, of successive differences). As a sum of scaled chi-squares, T is one of about
-    /// ν = 2 T²/D degrees of freedom (Satterthwaite, Biometrics Bulletin 2(6), 1946, equation 17), so that T ν / χ²_ν(level) is the bound.
+    /// since random numbers are keyed by them, so that Var T = Σ Var x. What is at hand of it is D, with E[D] ≥ Var T:
     ///
-    /// The relative error is known to sqrt(1/(2ν)) of itself. Where that is more than a tenth, ν < 50, few pixels carry the sum, as
-    /// rare bright paths make it: one that has a share s of T makes ν at most 2/s² or so. Then what has not been seen yet may be
-    /// more than what has, and the estimate is called unreliable.
+    /// - Of two halves, D = ⅔ Σ x² (own derivation). With the halves' differences normal, of variances C_cc and covariances C_cd, x = Σ
+    ///   w_c d_c² has Var x = 2 Σ w_c w_d C_cd² ≤ 2 (E x)², since C_cd² ≤ C_cc C_dd; and so E[x²] = Var x + (E x)² ≥ 3/2 Var x. With
+    ///   equality where the channels vary together. Differences of heavier tails than normal ones have more: Var x < E[x²], 3/2 of D, at
+    ///   most.
+    /// - Of independent samples the even and the odd runs give two estimates of each x. Scaled to what all runs have, X of the even ones
+    ///   and Y of the odd ones, of samples of the shares a and b of all, they differ by nothing but chance: (X - Y)² a b has the
+    ///   expectation of Var x, whatever the distribution, if runs are many. Of R runs, it is too large by (R - 1)/(R - 2) at most, with
+    ///   normal runs.
+    ///
+    /// To compare a pixel with its neighbours, as if they were alike, is not good enough: of independent samples what they truly differ
+    /// in outweighs what they differ in by chance, and of two halves, it is known less well than by all x.
+    ///
+    /// Of independent samples T is known so well (to 1 or 2 % at 256 samples of 256 pixels) that its own bias matters: I goes together
+    /// with v where bright samples are rare. It falls as 1/N, so that the halves have twice as much, and x + δ, δ = Z - (a X + b Y), none
+    /// in that order (Quenouille, Biometrika 43(3/4), 1956). Z is a X + b Y with both halves' v over the whole pixel's I: in place of x,
+    /// whose v has the difference of the halves too, it leaves that chance out of δ. What δ has of it may go together with x: D = Σ (|X -
+    /// Y| √(a b) + |δ|)², as if they had a correlation of up to E|y| E|z| = 2/π, of two normal ones.
+    ///
+    /// As a sum of scaled chi-squares, T is one of about ν = 2 (E T)²/Var T degrees of freedom (Satterthwaite, Biometrics Bulletin 2(6),
+    /// 1946, equation 17), so that T ν / χ²_ν(level) is the bound. Since E[T²] = (E T)² + Var T, ν is 2 T²/D - 2: 1 of a single pixel of
+    /// two halves.
+    ///
+    /// The relative error is known to sqrt(1/(2ν)) of itself. Where that is more than a tenth, ν < 50, few pixels carry the sum, as rare
+    /// bright paths make it: one that has a share s of T makes ν at most 3/s² or so. Then what has not been seen yet may be more than
+    /// what has, and the estimate is called unreliable.
     pub fn error_estimate(&self, level: f64) -> Option<ErrorEstimate> {
-        let luminance = |p: &Pixel| (0..3).map(|c| LUMINANCE[c] * p.mean(c)).sum::<f64>();
+        let luminance = |p: &Pixel| luminance(std::array::from_fn(|c| p.mean(c)));
         let mean_luminance = self.pixels.iter().map(luminance).sum::<f64>() / self.pixels.len() as f64;
         if mean_luminance <= 0.0 {
             return None;
         }
         let floor = DARK_PIXEL_FLOOR * mean_luminance * mean_luminance;
-        let (mut total, mut pixels) = (0.0, 0u64);
-        let (mut differences, mut waiting) = (0.0, None);
-        for pixel in &self.pixels {
+        let (mut total, mut squares, mut pixels) = (0.0, 0.0, 0u64);
+        // Nothing, where a pixel has not two runs in each half.
+        let mut halves = (self.sampler == Sampler::Independent).then_some(Halves::default());
+        for (index, pixel) in self.pixels.iter().enumerate() {
             if pixel.rejected > 0 && !pixel.has_replicates(self.sampler) {
                 continue;
             }
-            let mut x = 0.0;
-            for channel in 0..3 {
-                let mean = pixel.mean(channel);
-                x += pixel.variance(channel, self.sampler)? / (3.0 * (mean * mean + floor));
-            }
+            let x = pixel.term(pixel, self.sampler, floor)?;
             total += x;
+            squares += x * x;
             pixels += 1;
-            match waiting.take() {
-                None => waiting = Some(x),
-                Some(other) => differences += (x - other) * (x - other),
-            }
+            halves = halves.and_then(|halves| halves.with(pixel, self.odd.get(index)?, floor));
         }
         if pixels == 0 {
             return None;
         }
-        let in_pairs = (pixels / 2 * 2) as f64;
-        // A single pixel tells nothing about the error of its error.
-        let degrees = match (in_pairs > 0.0, total > 0.0 || differences > 0.0) {
-            (false, _) => 0.0,
-            (true, false) => f64::INFINITY,
-            (true, true) => 2.0 * total * total / (differences * pixels as f64 / in_pairs),
+        let (corrected, variance) = match halves {
+            Some(halves) => (total + halves.correction, halves.variance),
+            None => (total, 2.0 / 3.0 * squares),
         };
-        let value = (total / pixels as f64).sqrt();
-        Some(ErrorEstimate {
-            value,
-            bound: value / lower_chi_square(degrees, level).sqrt(),
-            reliable: 0.5 / degrees <= RELIABLE * RELIABLE,
-        })
+        // Halves that agree to the last bit, though there is noise, are too few to tell anything.
+        let degrees = match (total > 0.0, corrected > 0.0 && variance > 0.0) {
+            (true, true) => (2.0 * corrected * corrected / variance - 2.0).max(0.0),
+            (true, false) => 0.0,
+            (false, _) => f64::INFINITY,
+        };
+        let error = |total: f64| (total / pixels as f64).sqrt();
+        let bound = match degrees > 0.0 {
+            true => error(corrected) / lower_chi_square(degrees, level).sqrt(),
+            false => f64::INFINITY,
+        };
+        Some(ErrorEstimate { value: error(total), bound, reliable: 0.5 / degrees <= RELIABLE * RELIABLE })
+    }
+}
+
+/// What the even and the odd runs tell of an estimated sum over pixels ([`Film::error_estimate`]).
+#[derive(Clone, Copy, Debug, Default)]
+struct Halves {
+    /// Σ δ: what takes the sum's bias from it.
+    correction: f64,
+    /// D: the variance of the corrected sum.
+    variance: f64,
+}
+
+impl Halves {
+    /// These with another pixel; nothing where it has less than two runs in a half.
+    fn with(self, pixel: &Pixel, odd: &Pixel, floor: f64) -> Option<Halves> {
+        let even = pixel.without(odd);
+        let share = |half: &Pixel| half.samples as f64 / pixel.samples as f64;
+        let (a, b) = (share(&even), share(odd));
+        // By samples, variances of a half's mean are a or b of that of the pixel's.
+        let term = |half: &Pixel, mean_of: &Pixel| half.term(mean_of, Sampler::Independent, floor);
+        let (of_even, of_odd) = (a * term(&even, &even)?, b * term(odd, odd)?);
+        let pooled = a * a * term(&even, pixel)? + b * b * term(odd, pixel)?;
+        let change = pooled - a * of_even - b * of_odd;
+        let deviation = (of_even - of_odd).abs() * (a * b).sqrt() + change.abs();
+        Some(Halves { correction: self.correction + change, variance: self.variance + deviation * deviation })
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use bytemuck::{Pod, Zeroable};
+use crate::data::{SkyCell, luminance};
 
 /// The values that a uniform number on the device may have: multiples of 2^-24.
 const UNIFORMS: u64 = 1 << 24;
@@ -13,9 +13,8 @@ pub const MAX_ENTRIES: usize = 1 << 20;
 /// The most cells of the sky's grid. 2^16 are 1 MiB of entries, and leave 256 uniforms a cell on average.
 pub const MAX_CELLS: usize = 1 << 16;
 
-/// An entry of a table for the alias method, as the device reads it (shaders/light/alias.wgsl).
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+/// An entry of a table for the alias method (shaders/light/alias.wgsl).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AliasEntry {
     /// The entry itself is drawn where the rest of the uniform is below this.
     pub threshold: f32,
@@ -109,17 +108,6 @@ impl AliasTable {
     }
 }
 
-/// A cell of the sky's grid, as the device reads it (shaders/light/sky.wgsl).
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct SkyCell {
-    pub threshold: f32,
-    pub alias: u32,
-    /// Probability over the cell's solid angle.
-    pub density: f32,
-    pub alias_density: f32,
-}
-
 /// By what chance directions towards the sky are drawn: cells of a grid over its image, by the luminance of what the
 /// kernels interpolate there times the cell's solid angle.
 #[derive(Clone, Debug, PartialEq)]
@@ -157,10 +145,9 @@ impl SkyDistribution {
         // The finest grid of whole texels that has few enough cells.
         let block = (1..).find(|block| w.div_ceil(*block) * h.div_ceil(*block) <= MAX_CELLS)?;
         let (columns, rows) = (w.div_ceil(block), h.div_ceil(block));
-        let luminance = |[r, g, b]: [f32; 3]| {
-            // Rec. 709.
-            let y = 0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b);
-            let lit = [r, g, b].iter().any(|x| *x > 0.0);
+        let brightness = |texel: [f32; 3]| {
+            let y = luminance(texel.map(f64::from));
+            let lit = texel.iter().any(|x| *x > 0.0);
             if y.is_finite() && lit { y.max(0.0) } else { 0.0 }
         };
         // The mean of what is interpolated over each cell, one direction after the other.
@@ -183,7 +170,7 @@ impl SkyDistribution {
         }
         for (y, given) in given.iter().enumerate() {
             for (to, texel) in line.iter_mut().zip(&texels[y * w..]) {
-                *to = luminance(*texel);
+                *to = brightness(*texel);
             }
             for (to, shares) in row.iter_mut().zip(&across) {
                 *to = shares.iter().map(|(x, share)| share * line[*x]).sum();
@@ -209,7 +196,7 @@ impl SkyDistribution {
             let alias = entry.alias as usize;
             SkyCell {
                 threshold: entry.threshold,
-                alias: entry.alias,
+                alias_index: entry.alias,
                 density: (f64::from(entry.probability) / solid_angles[i / columns]) as f32,
                 alias_density: (f64::from(entry.alias_probability) / solid_angles[alias / columns]) as f32,
             }

@@ -275,21 +275,25 @@ fn choices(features: &Features, materials: &[Entry], queues: bool, tables: &Tabl
         "image" => "background/image",
         _ => "background/solid",
     };
+    let walk = match features {
+        _ if materials.is_empty() => "scene/nothing",
+        Features { few: true, .. } => "scene/few",
+        _ => "scene/traverse",
+    };
     let image_texture = textures.iter().any(|texture| texture.name == "image");
     let pick = |condition, yes, no| if condition { yes } else { no };
     // The faces of meshes are tested, told apart and shaded beside the other primitives; `mesh` is a list of its own, so that
-    // what meshes alone need stands in the same files.
-    let mut primitives = entries(PRIMITIVES, &features.primitives);
-    let meshes = primitives.iter().position(|entry| entry.number == data::KIND_TRIANGLE);
-    let meshes: Vec<Entry> = meshes.map(|at| primitives.remove(at)).into_iter().collect();
+    // what meshes alone need stands in the same files. So it is with lights and with boundaries of media.
+    let of_meshes = |entry: &Entry| [data::KIND_TRIANGLE, data::KIND_INSTANCE].contains(&entry.number);
+    let split = |all: Vec<Entry>| all.into_iter().partition::<Vec<_>, _>(of_meshes);
+    let (meshes, primitives) = split(entries(PRIMITIVES, &features.primitives));
+    let (emitting_meshes, emitters) = split(entries(PRIMITIVES, &features.emitters));
     let boundaries = BOUNDARIES.iter().zip(&features.boundaries).filter(|(_, used)| used.is_some());
+    let (mesh_boundaries, convex_boundaries) = split(closed(boundaries.map(|(boundary, _)| *boundary)));
     let media = features.media > 0;
     let lights = features.lights > 0;
     // One entry or none: what is linked where there are lights, and of which kinds.
     let only_if = |wanted: bool, name: &str| if wanted { closed(std::iter::once((name, 0))) } else { Vec::new() };
-    let mut emitters = entries(PRIMITIVES, &features.emitters);
-    let emitting_meshes = emitters.iter().any(|entry| entry.number == data::KIND_TRIANGLE);
-    emitters.retain(|entry| entry.number != data::KIND_TRIANGLE);
     // The materials that answer to light from any direction.
     let responders = materials.iter().filter(|entry| ["lambertian", "metal"].contains(&entry.name.as_str()));
     Choices {
@@ -305,7 +309,7 @@ fn choices(features: &Features, materials: &[Entry], queues: bool, tables: &Tabl
             ("roulette", pick(features.roulette, "step/roulette", "step/no_roulette")),
             ("light_choice", pick(lights && features.lights >= TREE_LIGHTS, "scene/light_tree", "scene/light_alias")),
             ("transmittance", pick(media, "scene/transmittance", "scene/clear_air")),
-            ("walk", pick(materials.is_empty(), "scene/nothing", "scene/traverse")),
+            ("walk", walk),
             ("sampler", pick(features.sampler == Sampler::Sobol, "sampler/sobol", "sampler/independent")),
             ("sort", pick(queues, "slots/sort_by_material", "slots/no_sort")),
             ("turn", pick(queues, "slots/queue_turn", "slots/every_turn")),
@@ -315,10 +319,11 @@ fn choices(features: &Features, materials: &[Entry], queues: bool, tables: &Tabl
             ("mesh", meshes),
             ("light", only_if(lights, "light")),
             ("emitter", emitters),
-            ("emitting_mesh", only_if(emitting_meshes, "mesh")),
+            ("emitting_mesh", emitting_meshes),
             ("emitting_sky", only_if(features.emitting_sky.is_some(), "sky")),
             ("responder", responders.cloned().collect()),
-            ("boundary", closed(boundaries.map(|(boundary, _)| *boundary))),
+            ("convex_boundary", convex_boundaries),
+            ("mesh_boundary", mesh_boundaries),
             ("material", materials.to_vec()),
             ("texture", textures),
         ]),

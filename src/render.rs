@@ -88,6 +88,11 @@ pub struct TooDeep {
 }
 
 impl TooDeep {
+    /// The mean throughput of a path that was cut.
+    pub fn mean(&self) -> f64 {
+        self.throughput / self.paths.max(1) as f64
+    }
+
     /// What has been counted since the last reading.
     fn add(&mut self, now: &Counters, before: &Counters) {
         let sum = |c: &Counters| u64::from(c.too_deep_high) << 32 | u64::from(c.too_deep_low);
@@ -274,7 +279,8 @@ impl<'a> Renderer<'a> {
         self.device.wait(self.device.queue.submit([encoder.finish()]))
     }
 
-    /// Renders until the goal is reached, calling `watch` with the film and the samples aimed at after each submission.
+    /// Renders until the goal is reached, calling `watch` with the film and the samples aimed at after each submission. The job may be
+    /// another one than the renderer was made for, of the same size.
     ///
     /// # Errors
     /// `Error::Device` where the device fails; the film keeps the runs that were finished before.
@@ -287,6 +293,7 @@ impl<'a> Renderer<'a> {
         let mut outcome = Outcome::default();
         let start = Instant::now();
         let first = job.first_sample;
+        self.settings = Settings { max_depth: job.max_depth, seed: job.seed, ..self.settings };
         let mut stretch = Stretch { film, watch, start, outcome: &mut outcome };
         let end = match job.goal {
             Goal::Samples(end) => {

@@ -203,6 +203,10 @@ fn render_ends_with_path_samples_error_and_time() {
     };
     let percent: f64 = attribute(&place.exr("picture one.exr"), "gpu-rt:relative_error").parse().unwrap();
     assert!((number_before("%") - 100.0 * percent).abs() <= 0.0051, "{line}, {percent}");
+    // With its bound, and what it is not about.
+    let bound: f64 = attribute(&place.exr("picture one.exr"), "gpu-rt:relative_error_bound").parse().unwrap();
+    assert!(line.contains(&format!("below {:.2} %)", 100.0 * bound)) && bound > percent, "{line}, {bound}");
+    assert!(ran.stderr.contains("it excludes what max_depth cut off"), "{}", ran.stderr);
     assert!(number_before("s") >= 0.0);
     // A software driver is warned about.
     let devices = place.run(&["devices", "--json"]).exits(0).json();
@@ -298,6 +302,23 @@ fn the_exr_holds_linear_floats_and_says_how_it_was_made() {
         let seconds = attribute(&image, &format!("gpu-rt:{name}"));
         assert!(seconds.parse::<f64>().is_ok_and(|seconds| seconds >= 0.0), "{name}: {seconds}");
     }
+    // The error with its bound, how sure that is, what it is not about, and how much of that is known.
+    for name in ["relative_error", "relative_error_bound", "relative_error_confidence", "cut_paths", "cut_throughput"] {
+        let (in_file, in_json) = (attribute(&image, &format!("gpu-rt:{name}")), &json[name]);
+        let in_file: f64 = in_file.parse().unwrap_or_else(|_| panic!("{name}: {in_file}"));
+        assert!(
+            in_json.as_f64().is_some_and(|value| (in_file - value).abs() <= 1e-9 * value),
+            "{name}: {in_file}, {in_json}"
+        );
+    }
+    assert_eq!(attribute(&image, "gpu-rt:relative_error_excludes"), json["relative_error_excludes"]);
+    assert_eq!(json["relative_error_confidence"], 0.95);
+    assert_eq!(attribute(&image, "gpu-rt:reliable") == "1", json["reliable"] == true);
+    let cut = |depth: &str| {
+        place.render(&["-o", "cut.exr", "--max-depth", depth]).exits(0);
+        attribute(&place.exr("cut.exr"), "gpu-rt:cut_paths").parse::<u64>().expect("a number")
+    };
+    assert!(cut("0") > 0 && cut("50") < cut("0"), "{} and {}", cut("0"), cut("50"));
     // The first part has R, G and B as 32-bit floats; what else there is has names of its own.
     let meta = exr::meta::MetaData::read_from_file(place.work().join("sphere.exr"), false).expect("an EXR");
     let channels = &meta.headers[0].channels.list;

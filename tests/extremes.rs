@@ -4,12 +4,22 @@
 //! Cells of functions run kernels that import the shader files that render, and compare with f64; cells of scenes compare renders with
 //! closed forms or with each other.
 
+#[path = "common/cuboids.rs"]
+mod cuboids;
 #[path = "common/device.rs"]
 mod device;
 #[path = "common/everything.rs"]
 mod everything;
+#[path = "common/instances.rs"]
+mod instances;
 #[path = "common/kernel.rs"]
 mod kernel;
+#[path = "common/light_kernel.rs"]
+mod light_kernel;
+#[path = "common/oracles.rs"]
+mod oracles;
+#[path = "common/quads.rs"]
+mod quads;
 #[path = "common/render.rs"]
 mod render;
 #[path = "common/scenes.rs"]
@@ -18,15 +28,47 @@ mod scenes;
 mod stats;
 #[path = "common/trace.rs"]
 mod trace;
+#[path = "common/triangles.rs"]
+mod triangles;
 #[path = "common/vectors.rs"]
 mod vectors;
 
+#[path = "extremes/albedo.rs"]
+mod albedo;
+#[path = "extremes/basis.rs"]
+mod basis;
+#[path = "extremes/crowds.rs"]
+mod crowds;
+#[path = "extremes/cuboid.rs"]
+mod cuboid;
+#[path = "extremes/film.rs"]
+mod film;
+#[path = "extremes/fresnel.rs"]
+mod fresnel;
+#[path = "extremes/fuzz.rs"]
+mod fuzz;
+#[path = "extremes/geometry.rs"]
+mod geometry;
+#[path = "extremes/instance.rs"]
+mod instance;
+#[path = "extremes/lights.rs"]
+mod lights;
+#[path = "extremes/media.rs"]
+mod media;
+#[path = "extremes/noise.rs"]
+mod noise;
 #[path = "extremes/places.rs"]
 mod places;
+#[path = "extremes/quad.rs"]
+mod quad;
 #[path = "extremes/sphere.rs"]
 mod sphere;
 #[path = "extremes/table.rs"]
 mod table;
+#[path = "extremes/triangle.rs"]
+mod triangle;
+#[path = "extremes/uniforms.rs"]
+mod uniforms;
 #[path = "extremes/views.rs"]
 mod views;
 
@@ -37,8 +79,34 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use table::{Cell, FORMS, document, faults};
 
+type Filler = fn() -> Vec<Cell>;
+
 /// Who fills cells.
-const CELLS: &[fn() -> Vec<Cell>] = &[sphere::cells, places::cells, views::cells];
+const CELLS: &[Filler] = &[
+    sphere::cells,
+    quad::cells,
+    cuboid::cells,
+    triangle::cells,
+    instance::cells,
+    basis::cells,
+    geometry::gaps,
+    geometry::gaps_by_rays,
+    geometry::distances,
+    geometry::radii,
+    geometry::grazing,
+    geometry::cameras,
+    crowds::cells,
+    places::cells,
+    views::cells,
+    film::cells,
+    fresnel::cells,
+    fuzz::cells,
+    albedo::cells,
+    media::cells,
+    lights::cells,
+    uniforms::cells,
+    noise::cells,
+];
 
 #[test]
 fn every_cell_is_within_its_limit() {
@@ -53,7 +121,7 @@ fn every_cell_is_within_its_limit() {
 }
 
 /// All cells, in the order of the list, on two threads: the host's part of one goes on while the device has the other's.
-fn run(fillers: &[fn() -> Vec<Cell>]) -> Vec<Cell> {
+fn run(fillers: &[Filler]) -> Vec<Cell> {
     let next = AtomicUsize::new(0);
     let found: Vec<Mutex<Vec<Cell>>> = fillers.iter().map(|_| Mutex::default()).collect();
     std::thread::scope(|scope| {
@@ -69,9 +137,9 @@ fn run(fillers: &[fn() -> Vec<Cell>]) -> Vec<Cell> {
 }
 
 fn take<'a>(
-    fillers: &'a [fn() -> Vec<Cell>],
+    fillers: &'a [Filler],
     found: &'a [Mutex<Vec<Cell>>],
     index: usize,
-) -> Option<(&'a fn() -> Vec<Cell>, &'a Mutex<Vec<Cell>>)> {
+) -> Option<(&'a Filler, &'a Mutex<Vec<Cell>>)> {
     Some((fillers.get(index)?, found.get(index)?))
 }

@@ -8,6 +8,10 @@
 mod device;
 #[path = "common/kernel.rs"]
 mod kernel;
+#[path = "common/light_kernel.rs"]
+mod light_kernel;
+#[path = "common/oracles.rs"]
+mod oracles;
 #[path = "common/stats.rs"]
 mod stats;
 
@@ -20,8 +24,15 @@ mod trace;
 #[path = "common/scenes.rs"]
 mod scenes;
 
-#[path = "functions/basis.rs"]
-mod basis;
+#[path = "common/cuboids.rs"]
+mod cuboids;
+#[path = "common/instances.rs"]
+mod instances;
+#[path = "common/quads.rs"]
+mod quads;
+#[path = "common/triangles.rs"]
+mod triangles;
+
 #[path = "functions/bounds.rs"]
 mod bounds;
 #[path = "functions/camera.rs"]
@@ -32,8 +43,6 @@ mod cuboid;
 mod float;
 #[path = "functions/frames.rs"]
 mod frames;
-#[path = "functions/fresnel.rs"]
-mod fresnel;
 #[path = "functions/light_tree.rs"]
 mod light_tree;
 #[path = "functions/lights.rs"]

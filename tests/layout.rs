@@ -25,6 +25,7 @@ fn modules() -> Vec<naga::Module> {
         background: "image",
         thin_lens: true,
         turned: true,
+        few: false,
         stack_size: 8,
         boundary_stack_size: 8,
         smooth: Some("a test".to_string()),
@@ -92,7 +93,7 @@ fn host_structs() -> BTreeMap<&'static str, (Fields, usize)> {
             ),)*])
         };
     }
-    structs!(Settings Window Counters Node Sphere Quad Cuboid Instance Light LightNode Medium Material Texture Frame)
+    structs!(Settings Window Counters Node Sphere Quad Cuboid Instance Light LightNode SkyCell Medium Material Texture Frame)
 }
 
 /// Names that src/data.rs declares behind a word, so that none can be added there and forgotten here.
@@ -195,6 +196,8 @@ fn every_constant_of_the_host_is_that_of_the_shaders() {
         ("NO_INSTANCE", data::NO_INSTANCE),
         ("KIND_TRIANGLE", data::KIND_TRIANGLE),
         ("KIND_INSTANCE", data::KIND_INSTANCE),
+        ("LIGHT_NODE_LEAF", data::LIGHT_NODE_LEAF),
+        ("LIGHT_NODE_TWO_SIDED", data::LIGHT_NODE_TWO_SIDED),
         ("RUN_LENGTH", data::RUN_LENGTH),
         ("QUEUE_HEADER", data::QUEUE_HEADER),
         ("ODD_RUN", data::ODD_RUN),
@@ -205,6 +208,8 @@ fn every_constant_of_the_host_is_that_of_the_shaders() {
     // Those that the shaders say in other words.
     let mask = constant(&modules, "PRIMITIVE_INDEX_MASK").expect("it is in data/primitive");
     assert_eq!(data::MAX_PRIMITIVES as u64, u64::from(mask) + 1);
+    let bits = data::LIGHT_NODE_LEAF | data::LIGHT_NODE_TWO_SIDED;
+    assert_eq!(constant(&modules, "LIGHT_NODE_INDEX"), Some(!bits));
     let names = modules.iter().flat_map(|module| module.constants.iter().filter_map(|(_, c)| c.name.clone()));
     let planes: std::collections::BTreeSet<String> = names.filter(|name| name.starts_with("PLANE_")).collect();
     let numbers: std::collections::BTreeSet<_> = planes.iter().filter_map(|name| constant(&modules, name)).collect();

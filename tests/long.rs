@@ -2,6 +2,8 @@
 
 #[path = "common/device.rs"]
 mod device;
+#[path = "closed_form/expect.rs"]
+mod expect;
 #[path = "common/render.rs"]
 mod render;
 #[path = "common/rooms.rs"]
@@ -9,66 +11,261 @@ mod rooms;
 #[path = "common/stats.rs"]
 mod stats;
 
+use std::fs;
+
+use expect::Expectations;
 use gpu_rt::data::Sampler;
-use render::{Ask, render};
+use gpu_rt::film::{ErrorEstimate, Film};
+use render::{Ask, render_all, scene, scene_folder};
 use rooms::{THINGS, room};
+use stats::{mean_and_variance, normal_two_sided};
+
+const SAMPLERS: [Sampler; 2] = [Sampler::Sobol, Sampler::Independent];
 
 /// How many renders there are of each scene and sampler: a share of 95 % of them has a standard error of 0.7 %.
 const RENDERS: u32 = 1000;
-/// The stated error divides by the pixel's own mean, which goes together with its variance where bright samples are rare: what is
-/// stated is too low by a share that falls with the square of the error. In the smoke without light sampling, at 64
-/// samples with an error of 19 %, it is 2.3 % too low, and its bound holds in 88 % of renders; at 256, with 9 %, 0.6 % and 92 %.
 const SAMPLES: u32 = 256;
 
-/// The true relative error, of the variances between a thousand renders, is below the stated bound in 95 % of them, but for 2 % up and
-/// 5 % down: three standard errors, and what Satterthwaite's and Wilson and Hilferty's approximations are off by. The stated error is within a quarter of it.
-/// Of independent samples each pixel's error is known so well that what neighbours truly differ in outweighs what they differ in by
-/// chance: there the bound holds more often, and costs a few percent.
+/// The true relative error is below the stated bound in 93 to 97 % of a thousand renders: 95 %, and three standard errors. The stated
+/// error is within a quarter of the true one, but for one in a hundred.
+///
+/// The true one is that of the thousand renders' mean variance, over their mean image: stated variances are unbiased (tests/film.rs), and
+/// a thousand of them are known better than the variance between a thousand renders, whose 0.2 % would matter beside the 1 % to which a
+/// single render of independent samples states its error. Both must agree within 1 %.
 #[test]
 #[ignore = "takes minutes"]
 fn stated_errors_are_true() {
     for (name, things) in THINGS {
-        for sampler in [Sampler::Sobol, Sampler::Independent] {
+        for sampler in SAMPLERS {
             let scene = room(things);
             let count = (scene.image.width * scene.image.height) as usize * 3;
-            let (mut sums, mut squares) = (vec![0.0; count], vec![0.0; count]);
+            let (mut sums, mut squares, mut variances) = (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
             let mut stated = Vec::new();
-            for seed in 0..RENDERS {
-                let shot = render(&scene, &Ask { sampler, ..Ask::spp(SAMPLES).seed(seed).mis() });
-                for (i, value) in shot.picture.rgb.as_flattened().iter().enumerate() {
+            let ask = Ask { sampler, ..Ask::default().mis() };
+            render_all(&scene, &ask, (0..RENDERS).map(|seed| (seed, 0..SAMPLES)), |shot| {
+                let values = shot.picture.rgb.as_flattened().iter().zip(shot.picture.variance.as_flattened());
+                for (i, (value, variance)) in values.enumerate() {
                     sums[i] += f64::from(*value);
                     squares[i] += f64::from(*value).powi(2);
+                    variances[i] += f64::from(*variance);
                 }
                 stated.push(shot.film.error_estimate(0.05).expect("there is light"));
-            }
+            });
             // Doubles: the variance is a hundredth of the square or so, and 11 digits of it are left.
             let n = f64::from(RENDERS);
             let means: Vec<f64> = sums.iter().map(|sum| sum / n).collect();
             let luminance = |rgb: &[f64]| 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
             let mean_luminance = means.chunks(3).map(luminance).sum::<f64>() / (count / 3) as f64;
-            let term = |(square, mean): (&f64, &f64)| {
-                let variance = (square / n - mean * mean) * n / (n - 1.0);
-                variance / (mean * mean + 0.01 * mean_luminance * mean_luminance)
+            let error = |variance: &dyn Fn(usize) -> f64| {
+                let term = |i: usize| variance(i) / (means[i] * means[i] + 0.01 * mean_luminance * mean_luminance);
+                ((0..count).map(term).sum::<f64>() / count as f64).sqrt()
             };
-            let truth = (squares.iter().zip(&means).map(term).sum::<f64>() / count as f64).sqrt();
-            let share = |holds: &dyn Fn(&gpu_rt::film::ErrorEstimate) -> bool| {
-                stated.iter().filter(|found| holds(found)).count() as f64 / n
-            };
+            let truth = error(&|i| variances[i] / n);
+            let between = error(&|i| (squares[i] / n - means[i] * means[i]) * n / (n - 1.0));
+            let share =
+                |holds: &dyn Fn(&ErrorEstimate) -> bool| stated.iter().filter(|found| holds(found)).count() as f64 / n;
             let covered = share(&|found| truth <= found.bound);
             let close = share(&|found| (0.8..=1.25).contains(&(found.value / truth)));
             let ratio = stated.iter().map(|found| found.value / truth).sum::<f64>() / n;
             let width = stated.iter().map(|found| found.bound / found.value).sum::<f64>() / n;
             println!(
-                "{name}, {sampler:?}: true error {truth:.5}, covered {covered:.3}, stated/true {ratio:.3}, within a quarter {close:.3}, \
-                 bound/stated {width:.3}, reliable {:.3}",
+                "{name}, {sampler:?}: true error {truth:.5}, between renders by {:.4}, covered {covered:.3}, stated/true {ratio:.4}, within \
+                 a quarter {close:.3}, bound/stated {width:.3}, reliable {:.3}",
+                between / truth,
                 share(&|found| found.reliable)
             );
-            let most = if sampler == Sampler::Sobol { 0.97 } else { 1.0 };
-            assert!((0.93..=most).contains(&covered), "{name}, {sampler:?}: covered in {covered}");
+            assert!((between / truth - 1.0).abs() < 0.01, "{name}, {sampler:?}: {between}, {truth}");
+            assert!((0.93..=0.97).contains(&covered), "{name}, {sampler:?}: covered in {covered}");
             // The planted error: the estimate without its bound.
             assert!(share(&|found| truth <= found.value) < 0.8, "{name}, {sampler:?}: the estimate passes for a bound");
-            assert!(width < if sampler == Sampler::Sobol { 1.2 } else { 1.07 }, "{name}, {sampler:?}: bound {width}");
-            assert!((ratio - 1.0).abs() < 0.1 && close > 0.99, "{name}, {sampler:?}: {ratio}, {close}");
+            assert!(width < if sampler == Sampler::Sobol { 1.2 } else { 1.04 }, "{name}, {sampler:?}: bound {width}");
+            assert!((ratio - 1.0).abs() < 0.02 && close > 0.99, "{name}, {sampler:?}: {ratio}, {close}");
+        }
+    }
+}
+
+/// Scenes of scenes/test, and what the slope of Sobol points is to be below. What depends on the place in the pixel alone and smoothly:
+/// -3/2 in theory (Owen, Annals of Statistics 25(4), 1997). On a direction too, smoothly: between that and -1/2, which is what remains of
+/// how the two go together. On whether a ray meets a lamp: little better than -1/2.
+const SCENES: [(&str, f64); 3] = [("mirror_sphere", -1.3), ("lambertian_gradient", -0.75), ("floor_quad_light", -0.55)];
+const SIZE: (u32, u32) = (16, 16);
+const SEEDS: u32 = 6;
+/// Samples are doubled from 2^4 to 2^16.
+const DOUBLINGS: std::ops::RangeInclusive<u32> = 4..=16;
+/// False-alarm rate of a test for a floor.
+const ALPHA: f64 = 1e-6;
+
+/// A film, and the image that it should hold.
+struct Against<'a> {
+    film: &'a Film,
+    expected: &'a [[f64; 3]],
+    /// A planted error: what the pixel of a number is multiplied by.
+    planted: &'a dyn Fn(usize) -> f64,
+}
+
+impl Against<'_> {
+    /// Of each pixel the means over channels of the deviation over the image's mean, its square, and the variance stated of it.
+    fn pixels(&self) -> Vec<[f64; 3]> {
+        let picture = self.film.develop();
+        let mean =
+            |channel: usize| self.expected.iter().map(|rgb| rgb[channel]).sum::<f64>() / self.expected.len() as f64;
+        let means = [0, 1, 2].map(mean);
+        let pixel = |i: usize| {
+            let mut sums = [0.0; 3];
+            for (channel, mean) in means.iter().enumerate() {
+                let expected = self.expected[i][channel];
+                let value = f64::from(picture.rgb[i][channel]) * (self.planted)(i);
+                let deviation = (value - expected) / mean;
+                let variance = f64::from(picture.variance[i][channel]) / (mean * mean);
+                [deviation, deviation * deviation, variance].iter().zip(&mut sums).for_each(|(x, sum)| *sum += x / 3.0);
+            }
+            sums
+        };
+        (0..picture.rgb.len()).map(pixel).collect()
+    }
+
+    /// The root of the mean square of the deviations.
+    fn error(&self) -> f64 {
+        let pixels = self.pixels();
+        (pixels.iter().map(|pixel| pixel[1]).sum::<f64>() / pixels.len() as f64).sqrt()
+    }
+}
+
+/// The slope of a line through points at 0, 1, 2 …, by least squares.
+fn slope(values: &[f64]) -> f64 {
+    let middle = (values.len() as f64 - 1.0) / 2.0;
+    let moments = values.iter().enumerate().map(|(i, y)| (i as f64 - middle, y));
+    let (xy, xx) = moments.fold((0.0, 0.0), |(xy, xx), (x, y)| (xy + x * y, xx + x * x));
+    xy / xx
+}
+
+/// A floor: an error b that more samples do not take away. A pixel's deviation then has the expected square Var + b², and the stated
+/// variance v is unbiased for Var: the mean of d² - v over pixels and seeds, which are independent, is b² on average, whatever the
+/// sampler and however fast its error falls. A b that has a sign shows in the mean of d sooner.
+struct Floor {
+    /// The mean of d² - v, and the standard error of that.
+    square: f64,
+    of_square: f64,
+    /// The mean of d, and the standard error of that.
+    mean: f64,
+    of_mean: f64,
+}
+
+impl Floor {
+    fn of(pixels: &[[f64; 3]]) -> Floor {
+        let column = |of: &dyn Fn(&[f64; 3]) -> f64| {
+            let (mean, variance) = mean_and_variance(&pixels.iter().map(of).collect::<Vec<_>>());
+            (mean, (variance / pixels.len() as f64).sqrt())
+        };
+        let (square, of_square) = column(&|pixel| pixel[1] - pixel[2]);
+        let (mean, of_mean) = column(&|pixel| pixel[0]);
+        Floor { square, of_square, mean, of_mean }
+    }
+
+    /// Whether there is more than what f32 does to a sum, by either of them.
+    fn is_found(&self) -> bool {
+        let by_square = (self.square - ROUNDING * ROUNDING) / self.of_square;
+        let by_mean = ((self.mean.abs() - ROUNDING) / self.of_mean).max(0.0);
+        (by_square > 0.0 && normal_two_sided(by_square) < ALPHA) || normal_two_sided(by_mean) < ALPHA
+    }
+
+    /// What b is below, but for a probability of ALPHA or so: 4.8 standard errors.
+    fn bound(&self) -> f64 {
+        (self.square.max(0.0) + 4.8 * self.of_square).sqrt()
+    }
+}
+
+/// As in tests/closed_form: less than 16 roundings of f32.
+const ROUNDING: f64 = 1e-6;
+
+/// The error against the closed form falls with the samples, from 16 to 65,536, as their root where they are independent, faster where
+/// they are spread, and to no floor. A line is fitted to the logarithms of each seed's errors, where they are well above rounding; six
+/// seeds tell how well its slope is known.
+#[test]
+#[ignore = "takes minutes"]
+fn errors_fall_as_they_should_and_to_no_floor() {
+    for (name, steep) in SCENES {
+        let text = fs::read_to_string(scene_folder().join(name).with_extension("ron")).expect("the scene is there");
+        let scene = scene(&text);
+        let expectations = Expectations::parse(&text).expect("it says what it expects");
+        // A pixel by its quarters. Where it is what it is as a whole to 1e-6, the quadrature is better than that by 2^8 (its error is of the
+        // eighth order): far better than all errors here.
+        let whole = expectations.of_every(SIZE, &scene.camera);
+        let quarters = expectations.of_every((2 * SIZE.0, 2 * SIZE.1), &scene.camera);
+        let width = SIZE.0 as usize;
+        let pixel = |i: usize| {
+            let quarter = |k: usize| quarters[(2 * (i / width) + k / 2) * 2 * width + 2 * (i % width) + k % 2];
+            [0, 1, 2].map(|channel| (0..4).map(|k| quarter(k)[channel]).sum::<f64>() / 4.0)
+        };
+        let expected: Vec<[f64; 3]> = (0..whole.len()).map(pixel).collect();
+        for (rgb, whole) in expected.iter().zip(&whole) {
+            assert!((0..3).all(|c| (whole[c] / rgb[c] - 1.0).abs() < 1e-6), "{name}: {whole:?} and {rgb:?}");
+        }
+        for sampler in SAMPLERS {
+            let what = format!("{name}, {sampler:?}");
+            let ask = Ask { sampler, ..Ask::default().mis().size(SIZE.0, SIZE.1) };
+            let ends = || DOUBLINGS.map(|k| 1u32 << k);
+            let starts = std::iter::once(0).chain(ends());
+            let ranges: Vec<_> = starts.zip(ends()).map(|(start, end)| start..end).collect();
+            let wanted = (0..SEEDS).flat_map(|seed| ranges.iter().map(move |range| (seed, range.clone())));
+            // The films of all samples so far, seed by seed.
+            let mut films: Vec<Vec<Film>> = Vec::new();
+            render_all(&scene, &ask, wanted, |shot| {
+                match films.last_mut().filter(|of_seed| of_seed.len() < ranges.len()) {
+                    Some(of_seed) => {
+                        let mut film = of_seed.last().expect("one at least").clone();
+                        film.merge(&shot.film).expect("of one image");
+                        of_seed.push(film);
+                    }
+                    None => films.push(vec![shot.film]),
+                }
+            });
+            let errors = |planted: &dyn Fn(usize) -> f64| -> Vec<Vec<f64>> {
+                let error = |film| Against { film, expected: &expected, planted }.error();
+                films.iter().map(|of_seed| of_seed.iter().map(error).collect()).collect()
+            };
+            let slopes = |errors: &[Vec<f64>]| -> Vec<f64> {
+                let of_noise = |of_seed: &Vec<f64>| -> Vec<f64> {
+                    of_seed.iter().take_while(|&&e| e > 10.0 * ROUNDING).map(|e| e.log2()).collect()
+                };
+                errors.iter().map(|of_seed| slope(&of_noise(of_seed))).collect()
+            };
+            let true_errors = errors(&|_| 1.0);
+            let found = slopes(&true_errors);
+            let (mean, variance) = mean_and_variance(&found);
+            let of_mean = (variance / f64::from(SEEDS)).sqrt();
+            let (first, last) = (true_errors[0][0], true_errors[0][ranges.len() - 1]);
+            println!("{what}: error {first:.2e} to {last:.2e}, slope {mean:.4} ± {of_mean:.4}");
+            match sampler {
+                Sampler::Independent => {
+                    assert!(of_mean < 0.01 && (mean + 0.5).abs() < 0.03, "{what}: {found:?}");
+                    // The planted error: a floor of twice the last error.
+                    let planted = slopes(&errors(&|_| 1.0 + 2.0 * last));
+                    assert!((mean_and_variance(&planted).0 + 0.5).abs() > 0.03, "{what}: {planted:?}");
+                }
+                Sampler::Sobol => assert!(mean + 3.0 * of_mean < steep, "{what}: {found:?}"),
+            }
+
+            let floor = |planted: &dyn Fn(usize) -> f64| {
+                let last = films.iter().map(|of_seed| of_seed.last().expect("one at least"));
+                let pixels = last.flat_map(|film| Against { film, expected: &expected, planted }.pixels());
+                Floor::of(&pixels.collect::<Vec<_>>())
+            };
+            let found = floor(&|_| 1.0);
+            println!(
+                "{what}: at 65,536 samples d² - v is {:.1e} ± {:.1e}, so that a floor is below {:.1e}; d is {:.1e} ± {:.1e}",
+                found.square,
+                found.of_square,
+                found.bound(),
+                found.mean,
+                found.of_mean
+            );
+            assert!(!found.is_found(), "{what}: a floor");
+            // The planted errors: a thousandth of everything, and one that has no mean.
+            assert!(floor(&|_| 1.001).is_found(), "{what}: 0.1 % is not found");
+            let checks = |i: usize| if (i + i / SIZE.0 as usize).is_multiple_of(2) { 1.0 } else { -1.0 };
+            let share = found.bound().max(1e-5);
+            assert!(floor(&|i| 1.0 + 2.0 * share * checks(i)).is_found(), "{what}: a pattern of {share} is not found");
         }
     }
 }

@@ -83,12 +83,23 @@ fn turned(features: Features) -> Features {
     Features { turned: true, ..features }
 }
 
+/// The same with so few primitives that all are asked.
+fn few(features: Features) -> Features {
+    Features { few: true, ..features }
+}
+
 /// Every set of primitives, of materials and of textures, every background and lens, each beside the least of the others;
 /// primitives with textures, which one kernel joins; nothing, and everything.
 fn combinations() -> Vec<Features> {
     let mut found = vec![features(0, 0, 0, "solid", false), everything(), sobol(everything())];
     let (primitives, materials, textures) = (all(PRIMITIVES), all(MATERIALS), all(TEXTURES));
     found.extend((1..=primitives).map(|set| features(set, 1, 0, "solid", false)));
+    // Without meshes, which have a hierarchy of their own.
+    for set in 1..1 << KIND_TRIANGLE {
+        let surfaces = few(features(set, 1, 0, "solid", false));
+        found.extend([lit(surfaces.clone(), set, false), surfaces]);
+    }
+    found.push(few(lit(with_media(features(7, materials, 0, "solid", false), 1, false), 7, false)));
     found.extend((1..=materials).map(|set| features(1, set, 0, "solid", false)));
     found.extend((0..=textures).map(|set| features(1, 1, set, "solid", false)));
     for background in BACKGROUNDS {
@@ -365,6 +376,13 @@ fn the_linkers_errors_name_file_and_line() {
     assert_fault(&[("test/root", "\nconst A: u32 = ${length}u;\n")], "shaders/test/root.wgsl:2:", "length");
     assert_fault(&[("test/root", "\n\nconst A: u32 = ${size;\n")], "shaders/test/root.wgsl:3:", "without `}`");
     assert_fault(&[], "shaders/(the plan).wgsl:0:", "test/root");
+    for wrong in ["//@ uses lib/rng", "//@use lib/rng", "//@ use", "//@", "//@ End", "//@ ends"] {
+        let about = format!("`{wrong}` is no directive");
+        let texts = [format!("fn f() {{}}\n    {wrong}\n"), format!("//@ each animal\n{wrong}\n//@ end\n")];
+        for text in texts {
+            assert_fault(&[("test/root", text.leak())], "shaders/test/root.wgsl:2:", &about);
+        }
+    }
 }
 
 #[test]

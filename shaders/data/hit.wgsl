@@ -1,6 +1,6 @@
 // The hit record: where a ray met a surface, as its primitive tells it.
 struct Surface {
-    // On the surface, in render space, with coordinates off by `error` at most.
+    // On the surface, in render space; off it by `error` at most, with what the next distance from there is off.
     point: vec3<f32>,
     error: f32,
     // Unit normal on the surface's own side: outwards, or u x v of a quad.

@@ -12,8 +12,6 @@ struct Material {
     texture: u32,
 }
 
-// Lambertian surfaces have no parameter: they always scatter to all sides.
-const LAMBERTIAN: u32 = 0u;
 const NO_TEXTURE: u32 = 0xffffffffu;
 
 // A ray arriving at a surface, as the materials see it.

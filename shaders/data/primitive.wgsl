@@ -73,7 +73,8 @@ struct Quad {
     // Its place among the lights, if it is one.
     light: u32,
     v: vec3<f32>,
-    padding: u32,
+    // Bound of that error along the normal, and of the next distance's from there.
+    error_across: f32,
 }
 
 // A cuboid about `center` with half its edges along the unit vectors x_axis, y_axis and x_axis × y_axis.

@@ -31,4 +31,6 @@ struct Settings {
     padding1: u32,
     world_z: vec3<f32>,
     padding2: u32,
+    // How many primitives of each kind there are, where they are so few that all are asked (scene/few).
+    few: vec4<u32>,
 }

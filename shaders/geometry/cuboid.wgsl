@@ -30,12 +30,16 @@ fn cuboid_distance(ray: Ray, cuboid: Cuboid) -> f32 {
     return select(t.y, t.x, t.x > 0.0);
 }
 
-// Bound of the error of a point on the cuboid, in render space: eight roundings of the largest coordinate of what it is
-// a sum of.
-fn cuboid_error(cuboid: Cuboid) -> f32 {
-    let c = abs(cuboid.center);
+// Bound of the error of a point on a face along its normal, and of the next distance's from there. Own derivation, in units of
+// roundoff, of the half edges as vectors h and the centre c, each component as often as the normal has it: the point is off by 3 |h|
+// and, with the centre added, by |c| + |h|; the next origin within the box by |h| of the difference, and 3 |h| of the products and
+// sums; the axes are rounded and off a right angle by 2 |h| there and back each. Where the box lies along the axes, all but one of the
+// half edges have nothing along the normal.
+fn cuboid_error(cuboid: Cuboid, normal: vec3<f32>) -> f32 {
+    let z_axis = cross(cuboid.x_axis, cuboid.y_axis);
     let h = cuboid.half_extent;
-    return 8.0 * UNIT_ROUNDOFF * (max(max(c.x, c.y), c.z) + (h.x + h.y + h.z));
+    let reach = h.x * abs(cuboid.x_axis) + h.y * abs(cuboid.y_axis) + h.z * abs(z_axis);
+    return UNIT_ROUNDOFF * dot(abs(normal), 2.0 * abs(cuboid.center) + 12.0 * reach);
 }
 
 // The face is the one whose crossing is t, found again by the same arithmetic; the point is put back onto it.
@@ -55,7 +59,7 @@ fn cuboid_surface(ray: Ray, t: f32, cuboid: Cuboid) -> Surface {
     var surface: Surface;
     surface.point = cuboid.center + (local.x * cuboid.x_axis + local.y * cuboid.y_axis + local.z * z_axis);
     surface.normal = outward.x * cuboid.x_axis + outward.y * cuboid.y_axis + outward.z * z_axis;
-    surface.error = cuboid_error(cuboid);
+    surface.error = cuboid_error(cuboid, surface.normal);
     surface.material = cuboid.material;
     surface.frame = cuboid.frame;
     // From 0 at the low corner to 1, exactly so on the face.

@@ -33,7 +33,7 @@ fn quad_surface(ray: Ray, t: f32, quad: Quad) -> Surface {
     var surface: Surface;
     surface.point = quad.corner + (a * quad.u + b * quad.v);
     surface.normal = quad.normal;
-    surface.error = quad.error;
+    surface.error = quad.error_across;
     surface.material = quad.material;
     surface.frame = quad.frame;
     surface.local = vec3<f32>(a, b, 0.0);

@@ -58,7 +58,9 @@ fn sphere_distance(ray: Ray, sphere: Sphere) -> f32 {
 fn sphere_surface(ray: Ray, t: f32, sphere: Sphere) -> Surface {
     let foot = sphere_foot(ray, sphere);
     let h = sqrt(max(foot.discriminant, 0.0));
-    let normal = normalize(foot.perpendicular + select(-h, h, t > foot.k) * ray.direction);
+    // From inside the far end of the chord is met, from outside the near one: as their product tells sphere_crossings.
+    let along = select(-h, h, length(ray.origin - sphere.center) < sphere.radius);
+    let normal = normalize(foot.perpendicular + along * ray.direction);
     var surface: Surface;
     surface.point = sphere.center + sphere.radius * normal;
     surface.normal = normal;

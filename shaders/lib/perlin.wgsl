@@ -13,7 +13,8 @@ fn lattice_gradient(cell: vec3<i32>) -> vec3<f32> {
 fn perlin(point: vec3<f32>) -> f32 {
     let base = floor(point);
     let f = point - base;
-    let cell = vec3<i32>(base);
+    // Reduced by the period first, which is exact: beyond 2^31 there are no integers to convert to.
+    let cell = vec3<i32>(base - 256.0 * floor(base * 0x1p-8f));
     let fade = f * f * (3.0 - 2.0 * f);
     var sum = 0.0;
     for (var corner = 0; corner < 8; corner++) {

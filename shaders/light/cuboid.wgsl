@@ -91,6 +91,11 @@ fn cuboid_light_pdf(from_point: vec3<f32>, direction: vec3<f32>, cuboid: Cuboid)
     return select(0.0, 1.0 / area, area > 0.0);
 }
 
+// Whether a ray to the box comes from outside.
+fn cuboid_light_front(ray: Ray, normal: vec3<f32>, cuboid: Cuboid) -> bool {
+    return dot(ray.direction, normal) < 0.0;
+}
+
 // About how far the near side of the cuboid is along a ray that passes it by.
 fn cuboid_light_distance(ray: Ray, cuboid: Cuboid) -> f32 {
     return dot(cuboid.center - ray.origin, ray.direction) - length(cuboid.half_extent);

@@ -57,6 +57,11 @@ fn quad_light_pdf(from_point: vec3<f32>, direction: vec3<f32>, quad: Quad) -> f3
     return select(0.0, 1.0 / area, area > 0.0);
 }
 
+// Whether a ray to the quad arrives on the side of its normal.
+fn quad_light_front(ray: Ray, normal: vec3<f32>, quad: Quad) -> bool {
+    return dot(ray.direction, normal) < 0.0;
+}
+
 // How far the plane of the quad is along a ray that passes it by.
 fn quad_light_distance(ray: Ray, quad: Quad) -> f32 {
     return dot(quad.corner - ray.origin, quad.normal) / dot(ray.direction, quad.normal);

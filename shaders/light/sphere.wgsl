@@ -69,6 +69,12 @@ fn sphere_light_pdf(from_point: vec3<f32>, direction: vec3<f32>, sphere: Sphere)
     return select(0.0, sphere_cone_pdf(cone), cone.sine > SPHERE_LEAST_SINE);
 }
 
+// Whether a ray to the sphere comes from outside. The normal where it arrives does not tell: of a sphere that is tiny from the
+// ray's origin it has no digits.
+fn sphere_light_front(ray: Ray, normal: vec3<f32>, sphere: Sphere) -> bool {
+    return length(ray.origin - sphere.center) > sphere.radius;
+}
+
 // About how far the near side of the sphere is along a ray that passes it by.
 fn sphere_light_distance(ray: Ray, sphere: Sphere) -> f32 {
     return dot(sphere.center - ray.origin, ray.direction) - sphere.radius;

@@ -1,5 +1,9 @@
 //@ use data/material
 //@ use lib/sampling
+fn lambertian_responds(material: Material) -> bool {
+    return true;
+}
+
 // The Lambertian BSDF times cosine, and the density by which lambertian_scatter draws the direction.
 fn lambertian_eval(material: Material, hit: Interaction, direction: vec3<f32>) -> Response {
     let cosine = max(dot(direction, hit.normal), 0.0);

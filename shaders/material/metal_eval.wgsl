@@ -1,5 +1,10 @@
 //@ use data/material
 //@ use lib/sampling
+// Without fuzz it is a mirror.
+fn metal_responds(material: Material) -> bool {
+    return material.parameter > 0.0;
+}
+
 // The density by which metal_scatter draws the direction: that of a point of the ball of radius fuzz about the tip of the
 // mirrored ray, integrated along the direction. With d the distances at which the direction's ray enters and leaves the
 // ball it is (d+^3 - d-^3) / (4 pi fuzz^3) (own derivation; docs/light-transport.md). In a form without cancellation for

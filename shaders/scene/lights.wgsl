@@ -54,13 +54,28 @@ fn distance_to_light(code: u32, ray: Ray) -> f32 {
         //@ end
         //@ each emitting_mesh
         case KIND_TRIANGLE: {
-            let corners = corners_of(meshes[index]);
+            let corners = corners_of(index);
             let normal = triangle_cross(corners.a, corners.b, corners.c);
             return dot(corners.a - ray.origin, normal) / dot(ray.direction, normal);
         }
         //@ end
         default: {
             return NO_HIT;
+        }
+    }
+}
+
+// Whether a ray that was sent to a light arrives at its front, where its normal is this.
+fn arrives_at_front(code: u32, ray: Ray, normal: vec3<f32>) -> bool {
+    let index = primitive_index(code);
+    switch primitive_kind(code) {
+        //@ each emitter
+        case ${number}u: {
+            return ${name}_light_front(ray, normal, ${name}s[index]);
+        }
+        //@ end
+        default: {
+            return dot(ray.direction, normal) < 0.0;
         }
     }
 }

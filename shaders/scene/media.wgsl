@@ -3,8 +3,12 @@
 //@ use data/medium
 //@ use data/primitive
 //@ use bind/media
-//@ each boundary
-//@ use scene/medium_in_${name}
+//@ each convex_boundary
+//@ use medium/${name}
+//@ use bind/${name}s
+//@ end
+//@ each mesh_boundary
+//@ use scene/medium_in_mesh
 //@ end
 // Where media scatter rays.
 
@@ -14,9 +18,14 @@ fn collision(medium: Medium, ray: Ray, depth: f32, limit: f32, steps: ptr<functi
     let way = depth / medium.density;
     let index = primitive_index(medium.boundary);
     switch primitive_kind(medium.boundary) {
-        //@ each boundary
+        //@ each convex_boundary
         ${case}: {
-            return collision_in_${name}(ray, index, way, limit, steps);
+            return collision_within(${name}_interval(ray, ${name}s[index]), way, limit);
+        }
+        //@ end
+        //@ each mesh_boundary
+        ${case}: {
+            return collision_in_mesh(ray, index, way, limit, steps);
         }
         //@ end
     }

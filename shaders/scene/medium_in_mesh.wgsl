@@ -12,9 +12,6 @@
 // The deepest that the stack can get in such a mesh's BVH.
 const CROSSING_STACK_SIZE: u32 = ${boundary_stack_size}u;
 
-// Steps of all walks along one ray, in all media (stage/bounce).
-const MOST_STEPS_OF_CROSSINGS: u32 = 8000u;
-
 // Where a ray crosses a closed mesh.
 struct Crossing {
     t: f32,

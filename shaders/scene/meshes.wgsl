@@ -8,13 +8,16 @@
 //@ use geometry/slab
 // The faces of meshes.
 
+// A vector for each corner of a face.
 struct Corners {
     a: vec3<f32>,
     b: vec3<f32>,
     c: vec3<f32>,
 }
 
-fn corners_of(face: vec4<u32>) -> Corners {
+// Where they are, in the mesh's space.
+fn corners_of(index: u32) -> Corners {
+    let face = meshes[index];
     let a = bitcast<vec3<f32>>(meshes[face.x].xyz);
     let b = bitcast<vec3<f32>>(meshes[face.y].xyz);
     let c = bitcast<vec3<f32>>(meshes[face.z].xyz);
@@ -23,7 +26,7 @@ fn corners_of(face: vec4<u32>) -> Corners {
 
 // Where a ray in the mesh's space meets a face.
 fn face_hit(ray: Ray, inverse: vec3<f32>, index: u32) -> TriangleHit {
-    let corners = corners_of(meshes[index]);
+    let corners = corners_of(index);
     return triangle_hit(shear_along(ray, inverse), corners.a, corners.b, corners.c);
 }
 
@@ -38,7 +41,7 @@ fn blend(weights: vec3<f32>, corners: Corners) -> vec3<f32> {
 
 // The point of a face in the mesh's space.
 fn mesh_point(index: u32, weights: vec3<f32>) -> vec3<f32> {
-    return blend(weights, corners_of(meshes[index]));
+    return blend(weights, corners_of(index));
 }
 
 // Unit normal on the side from which the corners run counter-clockwise.
@@ -49,14 +52,14 @@ fn face_normal(corners: Corners) -> vec3<f32> {
 //@ each emitting_mesh
 // The corners of a face in render space.
 fn placed_corners(instance: Instance, index: u32) -> Corners {
-    let corners = corners_of(meshes[index]);
+    let corners = corners_of(index);
     return Corners(from_mesh(instance, corners.a), from_mesh(instance, corners.b), from_mesh(instance, corners.c));
 }
 
 //@ end
 // The hit record of a ray that meets the face; the point is put back onto it.
 fn mesh_surface(ray: Ray, instance: Instance, index: u32) -> Surface {
-    let corners = corners_of(meshes[index]);
+    let corners = corners_of(index);
     let here = to_mesh(instance, ray);
     let hit = triangle_hit(shear_along(here, slab_inverse(here.direction)), corners.a, corners.b, corners.c);
     let point = blend(hit.barycentric, corners);

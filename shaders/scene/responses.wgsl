@@ -9,7 +9,7 @@ fn responds(material: Material) -> bool {
     switch material.kind {
         //@ each responder
         case ${number}u: {
-            return material.parameter > 0.0 || ${number}u == LAMBERTIAN;
+            return ${name}_responds(material);
         }
         //@ end
         default: {

@@ -10,15 +10,9 @@ fn is_smooth(code: u32) -> bool {
     return primitive_kind(code) == KIND_TRIANGLE && meshes[meshes[primitive_index(code)].x].w != NO_NORMAL;
 }
 
-struct Normals {
-    a: vec3<f32>,
-    b: vec3<f32>,
-    c: vec3<f32>,
-}
-
-fn normals_of(code: u32) -> Normals {
+fn normals_of(code: u32) -> Corners {
     let face = meshes[primitive_index(code)];
-    return Normals(
+    return Corners(
         unit_from_octahedral(meshes[face.x].w),
         unit_from_octahedral(meshes[face.y].w),
         unit_from_octahedral(meshes[face.z].w),
@@ -33,9 +27,7 @@ fn shading_normal(code: u32, instance: u32, surface: Surface, incoming: vec3<f32
         return facing;
     }
     let normals = normals_of(code);
-    let weights = surface.local;
-    let sum = weights.x * normals.a + weights.y * normals.b + weights.z * normals.c;
-    let turned = from_mesh_turned(instances[instance], sum);
+    let turned = from_mesh_turned(instances[instance], blend(surface.local, normals));
     let sided = select(-turned, turned, dot(facing, surface.normal) > 0.0);
     let bent = sided - max(dot(sided, incoming), 0.0) * incoming;
     // Opposite normals can cancel.
@@ -63,7 +55,7 @@ fn leaving_point(
     if dot(direction, shading) < 0.0 {
         return leave_surface(surface.point, surface.error, facing, -facing);
     }
-    let corners = corners_of(meshes[primitive_index(code)]);
+    let corners = corners_of(primitive_index(code));
     let normals = normals_of(code);
     let weights = surface.local;
     let point = blend(weights, corners);
@@ -76,6 +68,6 @@ fn leaving_point(
     );
     let by = side * weights * max(below, vec3<f32>(0.0));
     let placed = instances[instance];
-    let lift = placed.scale * from_mesh_turned(placed, by.x * normals.a + by.y * normals.b + by.z * normals.c);
+    let lift = placed.scale * from_mesh_turned(placed, blend(by, normals));
     return leave_surface(surface.point + lift, surface.error, facing, facing);
 }

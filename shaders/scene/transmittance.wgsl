@@ -2,8 +2,12 @@
 //@ use data/medium
 //@ use data/primitive
 //@ use bind/media
-//@ each boundary
-//@ use scene/medium_in_${name}
+//@ each convex_boundary
+//@ use medium/${name}
+//@ use bind/${name}s
+//@ end
+//@ each mesh_boundary
+//@ use scene/medium_in_mesh
 //@ end
 // The share of light that gets through all media on the way to distance t; WALK_CUT where that took too many steps to find out.
 fn transmittance(ray: Ray, t: f32, steps: ptr<function, u32>) -> f32 {
@@ -13,9 +17,14 @@ fn transmittance(ray: Ray, t: f32, steps: ptr<function, u32>) -> f32 {
         let index = primitive_index(medium.boundary);
         var way = 0.0;
         switch primitive_kind(medium.boundary) {
-            //@ each boundary
+            //@ each convex_boundary
             ${case}: {
-                way = way_in_${name}(ray, index, t, steps);
+                way = way_within(${name}_interval(ray, ${name}s[index]), t);
+            }
+            //@ end
+            //@ each mesh_boundary
+            ${case}: {
+                way = way_in_mesh(ray, index, t, steps);
             }
             //@ end
         }

@@ -60,12 +60,15 @@ fn limit_of_shadow(path: ptr<function, Path>) -> Hit {
         return Hit(HIT_NOTHING, NO_INSTANCE, VERY_FAR, 0u);
     }
     var ray = (*path).shadow;
+    // Asked for by faces of meshes alone.
+    var inverse = vec3<f32>(0.0);
     //@ each emitting_mesh
     if primitive_kind(code) == KIND_TRIANGLE {
         ray = to_mesh(instances[(*path).light_instance], ray);
+        inverse = slab_inverse(ray.direction);
     }
     //@ end
-    let t = primitive_distance(code, ray, slab_inverse(ray.direction));
+    let t = primitive_distance(code, ray, inverse);
     // A direction drawn towards a light that is tiny from here, or near the edge of any, can pass it by its rounding. It counts all
     // the same, for its density says that it was drawn: only something before the light can take it away.
     return Hit(code, (*path).light_instance, select(distance_to_light(code, ray), t, t != NO_HIT), 0u);
@@ -97,7 +100,7 @@ fn trace_shadow(path: ptr<function, Path>) -> u32 {
     return hit.steps + steps;
 }
 
-// The radiance that a light sends back along a ray that meets it.
+// The radiance that a light sends back along a ray that was sent to it.
 fn emitted_along(ray: Ray, hit: Hit) -> vec3<f32> {
     //@ each emitting_sky
     if hit.code == HIT_NOTHING {
@@ -106,8 +109,7 @@ fn emitted_along(ray: Ray, hit: Hit) -> vec3<f32> {
     //@ end
     let surface = surface_at(hit.code, hit.instance, ray, hit.t);
     let material = materials[surface.material];
-    let front = dot(ray.direction, surface.normal) < 0.0;
-    if !front && material.parameter == 0.0 {
+    if material.parameter == 0.0 && !arrives_at_front(hit.code, ray, surface.normal) {
         return vec3<f32>(0.0);
     }
     return surface_colour(material, hit.code, hit.instance, surface);

@@ -1,5 +1,6 @@
 //@ use data/path
 //@ use data/dimension
+//@ use data/medium
 //@ use data/primitive
 //@ use bind/settings
 //@ use choice/sampler
@@ -16,8 +17,8 @@
 // Lets the media on the path's way to what its ray met scatter it before it gets there.
 
 const MEDIA: u32 = ${media}u;
-// Loop iterations of crossing them at most: one a medium, and the walks through meshes (scene/medium_in_mesh).
-const MOST_STEPS_OF_MEDIA: u32 = MEDIA + 8000u;
+// Loop iterations of crossing them at most: one a medium, and the walks through meshes.
+const MOST_STEPS_OF_MEDIA: u32 = MEDIA + MOST_STEPS_OF_CROSSINGS;
 
 // The first medium takes the sampler's own words, which may be stratified; the others a hash of them.
 fn words_of_medium(words: vec4<u32>, medium: u32) -> vec2<u32> {

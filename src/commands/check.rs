@@ -2,11 +2,9 @@
 
 use serde_json::json;
 
-use super::{Target, flatten_for, path_text, planned, print_json, print_line};
-use crate::cli::CheckArgs;
-use crate::data::Sampler;
+use super::{Target, flatten_for, path_text, planned, print_json, print_line, wish_of};
+use crate::cli::{BuildArg, CheckArgs, LightArgs};
 use crate::error::{Error, Result};
-use crate::flatten::Wish;
 use crate::gpu::buffers::too_large;
 use crate::render::TuningWish;
 use crate::scene::Scene;
@@ -40,7 +38,8 @@ pub fn run(args: &CheckArgs) -> Result<()> {
 
 fn examine(args: &CheckArgs) -> Result<(usize, Vec<String>)> {
     let scene = Scene::load(&args.scene)?;
-    let (size, flat) = flatten_for(&scene, None, as_rendered())?;
+    // As `render` does by default.
+    let (size, flat) = flatten_for(&scene, None, wish_of(BuildArg::default(), &LightArgs::default()))?;
     let target = Target::find(None)?;
     let (plan, tuning) = planned(&scene, size, &flat, &target, TuningWish::default())?;
     let mut warnings = scene.warnings();
@@ -49,11 +48,6 @@ fn examine(args: &CheckArgs) -> Result<(usize, Vec<String>)> {
     let refused = too_large(&plan.buffers(&flat, &tuning), &target.limits);
     warnings.extend(refused.into_iter().map(|why| format!("{}: {why}", target.name)));
     Ok((flat.primitives as usize, warnings))
-}
-
-/// What `render` asks for by default.
-fn as_rendered() -> Wish {
-    Wish { sample_lights: true, roulette: true, sampler: Sampler::Sobol, ..Wish::default() }
 }
 
 fn describe(error: &Error) -> serde_json::Value {

@@ -18,7 +18,7 @@ use crate::output::exr::{Attribute, write_exr};
 use crate::output::png::write_png;
 use crate::output::progress::{self, Loading, Progress, Status};
 use crate::plan::{Plan, Tables};
-use crate::render::{Goal, Job, NOISE_LEVEL, Next, Noise, Outcome, Renderer, TuningWish, tuning};
+use crate::render::{Goal, Job, NOISE_LEVEL, Next, Noise, Outcome, Renderer, TooDeep, TuningWish, tuning};
 use crate::scene::Scene;
 
 /// Seconds of the parts of a render, as `--json` and the EXR's header report them.
@@ -117,6 +117,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     let finish = Finish {
         error: film.error_estimate(outcome.noise.map_or(NOISE_LEVEL, |noise| noise.level)),
         noise: outcome.noise,
+        too_deep: rendered.is_ok().then_some(outcome.too_deep),
         complete: rendered.is_ok() && !outcome.interrupted,
         ..Finish::of(&film)
     };
@@ -296,6 +297,10 @@ impl Watcher<'_> {
     }
 }
 
+/// What the stated error is not about, in words.
+const EXCLUDED: &str =
+    "what max_depth cut off (cut_paths), rejected samples, light that no sample has met, and rounding (about 1e-6)";
+
 /// What a film came to.
 #[derive(Clone, Debug)]
 struct Finish {
@@ -304,12 +309,14 @@ struct Finish {
     error: Option<ErrorEstimate>,
     /// Of `--noise`: whether the error was reached.
     noise: Option<Noise>,
+    /// What max_depth cut off; unknown before the end.
+    too_deep: Option<TooDeep>,
     complete: bool,
 }
 
 impl Finish {
     fn of(film: &Film) -> Finish {
-        Finish { samples: 0..0, totals: film.totals(), error: None, noise: None, complete: false }
+        Finish { samples: 0..0, totals: film.totals(), error: None, noise: None, too_deep: None, complete: false }
     }
 }
 
@@ -355,7 +362,13 @@ impl About<'_> {
             if error.bound.is_finite() {
                 all.push(float("relative_error_bound", error.bound));
             }
+            all.push(float("relative_error_confidence", 1.0 - NOISE_LEVEL));
+            all.push(text("relative_error_excludes", EXCLUDED.to_string()));
             all.push(int("reliable", u64::from(error.reliable)));
+        }
+        if let Some(cut) = finish.too_deep {
+            all.push(int("cut_paths", cut.paths));
+            all.push(float("cut_throughput", cut.mean()));
         }
         if let (Some(wish), Some(noise)) = (self.args.noise, finish.noise) {
             all.push(float("noise", wish));
@@ -416,9 +429,11 @@ fn report(
         "rays_per_second": per_second(rays),
         "rejected_samples": rejected.total(),
         "cut_paths": outcome.too_deep.paths,
-        "cut_throughput": outcome.too_deep.throughput / (outcome.too_deep.paths.max(1) as f64),
+        "cut_throughput": outcome.too_deep.mean(),
         "relative_error": finish.error.map(|error| error.value),
         "relative_error_bound": finish.error.map(|error| error.bound),
+        "relative_error_confidence": finish.error.map(|_| 1.0 - NOISE_LEVEL),
+        "relative_error_excludes": finish.error.map(|_| EXCLUDED),
         "reliable": finish.error.map(|error| error.reliable),
         "interrupted": outcome.interrupted,
         "kernels": kernels,
@@ -440,7 +455,7 @@ fn summarise(args: &RenderArgs, job: &Job, output: &Output<'_>, outcome: &Outcom
     }
     let cut = outcome.too_deep;
     if cut.paths > 0 {
-        let (paths, mean) = (finish.totals.paths.max(1) as f64, cut.throughput / cut.paths as f64);
+        let (paths, mean) = (finish.totals.paths.max(1) as f64, cut.mean());
         tell(&format!(
             "{} of {} paths were cut at max_depth {}, with a mean throughput of {mean:.2e}: on the mean of the image what is missing is \
              at most {:.2e} of the radiance that they would have met",
@@ -478,7 +493,13 @@ fn summarise(args: &RenderArgs, job: &Job, output: &Output<'_>, outcome: &Outcom
             percent(bound)
         ));
     }
+    if finish.error.is_some() {
+        tell(&format!("the relative error is that of noise; it excludes {EXCLUDED}"));
+    }
     let error = match finish.error {
+        Some(error) if error.bound.is_finite() => {
+            format!("relative error {} % (95 % sure: below {} %)", percent(error.value), percent(error.bound))
+        }
         Some(error) => format!("relative error {} %", percent(error.value)),
         None => "error unknown (it takes 9 samples a pixel, and light)".to_string(),
     };

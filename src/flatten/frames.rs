@@ -5,13 +5,12 @@ use std::f64::consts::TAU;
 use glam::{DMat3, DVec3};
 
 use super::f32s;
-use super::place::{MeshBox, Shape};
-use super::similarity::Similarity;
+use super::place::{AxisBox, Shape};
 use crate::data;
 use crate::scene::Texture;
 
 /// The place of a shape's own coordinates in the object's own space: base + columns · local.
-pub fn local_to_object(shape: &Shape, rotation: &DMat3, boxes: &[MeshBox]) -> (DVec3, DMat3) {
+pub fn local_to_object(shape: &Shape, rotation: &DMat3, boxes: &[AxisBox]) -> (DVec3, DMat3) {
     match *shape {
         // A sphere's own coordinates are its normal in the world.
         Shape::Sphere { center, radius } => (center, rotation.transpose() * radius),
@@ -22,14 +21,15 @@ pub fn local_to_object(shape: &Shape, rotation: &DMat3, boxes: &[MeshBox]) -> (D
 }
 
 /// The frame of a texture: the point p(local) = base + columns · local in the object's own space, in the texture's units,
-/// its base reduced by the texture's period in f64. A plain colour needs none.
-pub fn frame(texture: &Texture, (base, columns): (DVec3, DMat3), to_world: &Similarity) -> Option<data::Frame> {
+/// its base reduced by the texture's period in f64. For an image the object's rotation alone is undone, for the normals of spheres. A
+/// plain colour needs none.
+pub fn frame(texture: &Texture, (base, columns): (DVec3, DMat3), rotation: &DMat3) -> Option<data::Frame> {
     let (base, columns, phase) = match *texture {
         Texture::Rgb(..) => return None,
         Texture::Checker { scale, .. } => (reduce(base / scale, 2.0), columns * (1.0 / scale), 0.0),
         Texture::Noise { scale } => (reduce(base * scale, 256.0), columns * scale, 0.0),
         Texture::Marble { scale } => (reduce(base, 256.0), columns, reduce(DVec3::splat(base.z * scale), TAU).z),
-        Texture::Image { .. } => (DVec3::ZERO, to_world.rotation.transpose(), 0.0),
+        Texture::Image { .. } => (DVec3::ZERO, rotation.transpose(), 0.0),
     };
     Some(data::Frame {
         x: f32s(columns.x_axis),

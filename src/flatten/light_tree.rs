@@ -6,11 +6,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use glam::{DQuat, DVec3};
 
 use super::meshes::octahedral;
-use crate::data;
+use super::place::AxisBox;
+use crate::data::{self, LIGHT_NODE_LEAF, LIGHT_NODE_TWO_SIDED};
 
-/// Of a node's `child`, as in shaders/data/light: it is a light, not a pair of nodes; and it shines on both sides.
-const LEAF: u32 = 0x8000_0000;
-const TWO_SIDED: u32 = 0x4000_0000;
 /// A light's trail is one word.
 const DEEPEST: u32 = 32;
 const BINS: usize = 12;
@@ -18,8 +16,7 @@ const BINS: usize = 12;
 /// Where lights are, and the cone around all directions in which they are turned. What they send goes a quarter turn beyond.
 #[derive(Clone, Copy, Debug)]
 pub struct Bounded {
-    pub low: DVec3,
-    pub high: DVec3,
+    pub around: AxisBox,
     pub axis: DVec3,
     /// Half angle of the cone; pi where there is no side on which they are dark.
     pub spread: f64,
@@ -29,10 +26,6 @@ pub struct Bounded {
 }
 
 impl Bounded {
-    fn middle(&self) -> DVec3 {
-        0.5 * (self.low + self.high)
-    }
-
     fn joined(&self, other: &Bounded) -> Bounded {
         let (mut a, mut b) = (*self, *other);
         // Of one that shines on both sides the nearer axis.
@@ -45,8 +38,7 @@ impl Bounded {
         }
         let (axis, spread) = joined_cone((a.axis, a.spread), (b.axis, b.spread));
         Bounded {
-            low: a.low.min(b.low),
-            high: a.high.max(b.high),
+            around: a.around.union(b.around),
             axis,
             spread,
             two_sided: a.two_sided || b.two_sided,
@@ -56,7 +48,7 @@ impl Bounded {
 
     /// What a cut is sought to make small: power, times surface, times the directions that light goes to (section 4.4).
     fn cost(&self) -> f64 {
-        let d = self.high - self.low;
+        let d = self.around.max - self.around.min;
         let surface = d.x * d.y + d.y * d.z + d.z * d.x;
         let (sine, cosine) = self.spread.sin_cos();
         let reach = (self.spread + FRAC_PI_2).min(PI);
@@ -121,7 +113,7 @@ impl LightTree {
             let child = match part {
                 [light] => {
                     self.trails[*light] = trail;
-                    LEAF | *light as u32
+                    LIGHT_NODE_LEAF | *light as u32
                 }
                 _ => {
                     let (child, of_all) = self.grow(lights, part, unit, (depth + 1, trail));
@@ -138,11 +130,11 @@ impl LightTree {
 /// Orders lights so that those of the first child come first, and tells how many they are: neither none nor all.
 fn cut(lights: &[Bounded], order: &mut [usize], depth: u32) -> usize {
     let half = order.len() / 2;
-    let middles = order.iter().map(|&i| lights[i].middle());
-    let (low, high) = middles.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
-    let extent = high - low;
+    let middle = |i: usize| lights[i].around.center();
+    let middles = AxisBox::around(order.iter().map(|&i| middle(i)));
+    let extent = middles.max - middles.min;
     let bin = |axis: usize, i: usize| {
-        let share = (lights[i].middle()[axis] - low[axis]) / extent[axis];
+        let share = (middle(i)[axis] - middles.min[axis]) / extent[axis];
         ((share * BINS as f64) as usize).min(BINS - 1)
     };
     let mut best: Option<(f64, usize, usize)> = None;
@@ -176,7 +168,7 @@ fn cut(lights: &[Bounded], order: &mut [usize], depth: u32) -> usize {
         }
         None => {
             let axis = extent.max_position();
-            order.sort_by(|&i, &j| lights[i].middle()[axis].total_cmp(&lights[j].middle()[axis]).then(i.cmp(&j)));
+            order.sort_by(|&i, &j| middle(i)[axis].total_cmp(&middle(j)[axis]).then(i.cmp(&j)));
             half
         }
     }
@@ -188,11 +180,11 @@ fn node(bounds: &Bounded, unit: f64, child: u32) -> data::LightNode {
     const ROUNDING: f64 = 1e-4;
     let power = if bounds.power > 0.0 { (bounds.power * unit).max(LEAST_POWER) } else { 0.0 };
     data::LightNode {
-        center: bounds.middle().as_vec3().to_array(),
-        radius: (0.5 * (bounds.high - bounds.low).length() * (1.0 + 1e-6)) as f32,
+        center: bounds.around.center().as_vec3().to_array(),
+        radius: (0.5 * (bounds.around.max - bounds.around.min).length() * (1.0 + 1e-6)) as f32,
         power: power as f32,
         axis: octahedral(bounds.axis.as_vec3()),
         cos_spread: (bounds.spread + ROUNDING).min(PI).cos() as f32,
-        child: child | if bounds.two_sided { TWO_SIDED } else { 0 },
+        child: child | if bounds.two_sided { LIGHT_NODE_TWO_SIDED } else { 0 },
     }
 }

@@ -6,8 +6,8 @@ use glam::DVec3;
 
 use super::Builder;
 use super::light_tree::{Bounded, LightTree};
-use super::place::{Placed, Shape};
-use crate::data::{self, HIT_NOTHING, KIND_TRIANGLE, PRIMITIVE_BIT, PRIMITIVE_KIND_SHIFT};
+use super::place::{AxisBox, Placed, Shape};
+use crate::data::{self, HIT_NOTHING, KIND_TRIANGLE, luminance, primitive_code};
 use crate::lights::{AliasTable, SkyDistribution};
 use crate::scene::{Background, Bitmap, Material, Scene, Texture};
 
@@ -27,19 +27,16 @@ struct Emitter {
     place: Option<Place>,
 }
 
-/// Corners of the box around a light, in render space, and its normal; none where it shines to all sides.
+/// The box around a light, in render space, and its normal; none where it shines to all sides.
 struct Place {
-    low: DVec3,
-    high: DVec3,
+    around: AxisBox,
     normal: Option<DVec3>,
     two_sided: bool,
 }
 
 impl Place {
-    fn around(points: &[DVec3], normal: Option<DVec3>, two_sided: bool) -> Place {
-        let low = points.iter().fold(DVec3::INFINITY, |low, p| low.min(*p));
-        let high = points.iter().fold(DVec3::NEG_INFINITY, |high, p| high.max(*p));
-        Place { low, high, normal: normal.and_then(DVec3::try_normalize), two_sided }
+    fn of(points: impl IntoIterator<Item = DVec3>, normal: Option<DVec3>, two_sided: bool) -> Place {
+        Place { around: AxisBox::around(points), normal: normal.and_then(DVec3::try_normalize), two_sided }
     }
 }
 
@@ -47,17 +44,19 @@ impl Builder<'_> {
     /// Makes lights of the primitives that emit, in their order, and of the background's image.
     pub fn add_lights(&mut self, placed: &[Placed]) {
         let mut emitters = Vec::new();
+        let materials = &self.scene.materials;
+        let radiances: Vec<_> = materials.iter().map(|(_, material)| mean_radiance(self.scene, material)).collect();
         // The index of each primitive among its kind, counted as they were added.
         let mut counts = [0u32; 4];
         for primitive in placed {
             let kind = primitive.shape.kind();
             let index = counts[kind];
             counts[kind] += 1;
-            let (name, material) = &self.scene.materials[primitive.material as usize];
-            let Some(radiance) = mean_radiance(self.scene, material) else { continue };
+            let radiance = radiances[primitive.material as usize];
             if radiance > 0.0 {
-                let asked = format!("\"{name}\" at {}", self.scene.material_location(name));
-                self.flat.features.emitters[kind].get_or_insert(asked);
+                let (name, _) = &materials[primitive.material as usize];
+                let asked = || format!("\"{name}\" at {}", self.scene.material_location(name));
+                self.flat.features.emitters[kind].get_or_insert_with(asked);
                 self.add_emitter(primitive, index, radiance, &mut emitters);
             }
         }
@@ -103,8 +102,8 @@ impl Builder<'_> {
         let bounded = |emitter: &Emitter| {
             let place = emitter.place.as_ref()?;
             let (axis, spread) = place.normal.map_or((DVec3::Z, PI), |normal| (normal, 0.0));
-            let Place { low, high, two_sided, .. } = *place;
-            Some(Bounded { low, high, axis, spread, two_sided, power: emitter.power })
+            let Place { around, two_sided, .. } = *place;
+            Some(Bounded { around, axis, spread, two_sided, power: emitter.power })
         };
         let bounded: Vec<Bounded> = emitters.iter().filter_map(bounded).collect();
         let tree = LightTree::new(&bounded);
@@ -140,22 +139,19 @@ impl Builder<'_> {
             Shape::Sphere { center, radius } => {
                 self.flat.spheres[index as usize].light = light;
                 let (middle, reach) = (point(center), DVec3::splat(radius * scale));
-                let place = Place::around(&[middle - reach, middle + reach], None, two_sided);
+                let place = Place::of([middle - reach, middle + reach], None, two_sided);
                 push(code, data::NO_INSTANCE, 4.0 * PI * (radius * scale).powi(2), place);
             }
             Shape::Quad { corner, u, v } => {
                 self.flat.quads[index as usize].light = light;
                 let corners = [corner, corner + u, corner + v, corner + u + v].map(point);
-                let place = Place::around(&corners, Some(to_world.vector(u).cross(to_world.vector(v))), two_sided);
+                let place = Place::of(corners, Some(to_world.vector(u).cross(to_world.vector(v))), two_sided);
                 push(code, data::NO_INSTANCE, u.cross(v).length() * scale * scale, place);
             }
             Shape::Cuboid { min, max } => {
                 self.flat.cuboids[index as usize].light = light;
                 let d = (max - min) * scale;
-                let corner = |i: usize| {
-                    point(DVec3::from_array(std::array::from_fn(|k| if i >> k & 1 == 0 { min[k] } else { max[k] })))
-                };
-                let place = Place::around(&std::array::from_fn::<_, 8, _>(corner), None, two_sided);
+                let place = Place::of(AxisBox { min, max }.corners().map(point), None, two_sided);
                 push(code, data::NO_INSTANCE, 2.0 * (d.x * d.y + d.y * d.z + d.z * d.x), place);
             }
             Shape::Mesh(mesh) => {
@@ -166,40 +162,35 @@ impl Builder<'_> {
                     let [a, b, c] = corners.map(|corner| mesh.positions[corner as usize]);
                     let across = (b - a).cross(c - a);
                     let area = 0.5 * across.length() * scale * scale;
-                    let place = Place::around(&[a, b, c].map(point), Some(to_world.vector(across)), two_sided);
-                    push(PRIMITIVE_BIT | KIND_TRIANGLE << PRIMITIVE_KIND_SHIFT | face, index, area, place);
+                    let place = Place::of([a, b, c].map(point), Some(to_world.vector(across)), two_sided);
+                    push(primitive_code(KIND_TRIANGLE, face), index, area, place);
                 }
             }
         }
     }
 }
 
-/// The luminance of what a material sends out on the mean; nothing for those that send out nothing.
-fn mean_radiance(scene: &Scene, material: &Material) -> Option<f64> {
-    let Material::DiffuseLight { emit, .. } = material else { return None };
-    Some(match emit {
-        Texture::Rgb(r, g, b) => luminance(DVec3::new(*r, *g, *b)),
-        Texture::Checker { even, odd, .. } => luminance(0.5 * (*even + *odd)),
+/// The luminance of what a material sends out on the mean.
+fn mean_radiance(scene: &Scene, material: &Material) -> f64 {
+    let Material::DiffuseLight { emit, .. } = material else { return 0.0 };
+    match emit {
+        Texture::Rgb(r, g, b) => luminance([*r, *g, *b]),
+        Texture::Checker { even, odd, .. } => luminance((0.5 * (*even + *odd)).to_array()),
         Texture::Image { path } => scene.bitmaps.get(path).map_or(0.0, |bitmap| {
             let sum: DVec3 = bitmap.texels.iter().map(|t| DVec3::from_array(t.map(f64::from))).sum();
-            luminance(sum / bitmap.texels.len().max(1) as f64)
+            luminance((sum / bitmap.texels.len().max(1) as f64).to_array())
         }),
         Texture::Noise { .. } | Texture::Marble { .. } => 0.5,
-    })
+    }
 }
 
 /// The luminance of a latitude-longitude image, integrated over all directions.
 fn integral_over_directions(bitmap: &Bitmap) -> f64 {
     let (width, height) = (bitmap.width as usize, f64::from(bitmap.height));
     let rows = bitmap.texels.chunks(width.max(1)).enumerate().map(|(y, row)| {
-        let sum: f64 = row.iter().map(|t| luminance(DVec3::from_array(t.map(f64::from)))).sum();
+        let sum: f64 = row.iter().map(|t| luminance(t.map(f64::from))).sum();
         let sine = (PI * (y as f64 + 0.5) / height).sin();
         sum * sine * (2.0 * PI / width as f64) * (PI / height)
     });
     rows.sum()
-}
-
-/// Of a linear Rec. 709 colour.
-fn luminance(c: DVec3) -> f64 {
-    c.dot(DVec3::new(0.2126, 0.7152, 0.0722))
 }

@@ -27,7 +27,7 @@ impl Builder<'_> {
             Texture::Rgb(r, g, b) => (DVec3::new(*r, *g, *b), NO_TEXTURE),
             texture => (DVec3::ONE, self.flat.add_texture(self.scene, texture, 1.0)),
         };
-        let frame = frame(albedo, (base, to_own), own).map_or(0, |frame| self.flat.add_frame(frame));
+        let frame = frame(albedo, (base, to_own), &own.rotation).map_or(0, |frame| self.flat.add_frame(frame));
         self.flat.media.push(data::Medium {
             center: f32s(self.space.point(center)),
             // No smaller than what a quotient by it can stand for.

@@ -5,12 +5,12 @@
 
 use glam::Vec3;
 
-use super::place::MeshBox;
+use super::place::AxisBox;
 use super::shapes::{error_bound, padded};
 use super::similarity::Similarity;
 use super::{Builder, binary_exponent, exp2, f32s};
 use crate::bvh::{self, Bounds};
-use crate::data::{self, KIND_TRIANGLE, NO_NORMAL, NO_UVS, PRIMITIVE_BIT, PRIMITIVE_KIND_SHIFT};
+use crate::data::{self, KIND_TRIANGLE, NO_NORMAL, NO_UVS, PRIMITIVE_BIT, primitive_code};
 use crate::scene::Mesh;
 
 /// A mesh that has been laid out.
@@ -25,8 +25,8 @@ pub struct Laid {
     pub stack_size: u32,
 }
 
-impl MeshBox {
-    /// Length of a unit of the mesh's space.
+impl AxisBox {
+    /// Length of a unit of the space of a mesh with this box.
     pub fn unit(&self) -> f64 {
         let half = 0.5 * (self.max - self.min).max_element();
         if half > 0.0 { exp2(binary_exponent(half)) } else { 1.0 }
@@ -49,9 +49,7 @@ impl Builder<'_> {
         let place = self.space.point(to_world.point(around.center()));
         let axes = to_world.rotation;
         let error = error_bound(&[place.as_vec3(), Vec3::splat((3.0 * scale) as f32)]);
-        let corners = around.corners().map(|p| self.space.point(to_world.point(p)).as_vec3());
-        let low = corners.iter().fold(corners[0], |low, p| low.min(*p));
-        let high = corners.iter().fold(corners[0], |high, p| high.max(*p));
+        let placed = AxisBox::around(around.corners().map(|p| self.space.point(to_world.point(p))));
         self.flat.instances.push(data::Instance {
             x_axis: f32s(axes.x_axis),
             order,
@@ -64,7 +62,7 @@ impl Builder<'_> {
             root: laid.root,
             to_uvs: laid.to_uvs,
         });
-        (self.flat.instances.len() - 1, padded(low, high, error))
+        (self.flat.instances.len() - 1, padded(placed.min.as_vec3(), placed.max.as_vec3(), error))
     }
 
     /// The mesh laid out, now or before.
@@ -77,7 +75,7 @@ impl Builder<'_> {
         laid
     }
 
-    fn lay_out(&mut self, mesh: &Mesh, around: MeshBox) -> Laid {
+    fn lay_out(&mut self, mesh: &Mesh, around: AxisBox) -> Laid {
         let (center, unit) = (around.center(), around.unit());
         let words = &mut self.flat.meshes;
         let first_face = words.len() as u32;
@@ -106,8 +104,7 @@ impl Builder<'_> {
                 Bounds { min: a.min(b).min(c), max: a.max(b).max(c) }
             })
             .collect();
-        let code = |face: u32| PRIMITIVE_BIT | KIND_TRIANGLE << PRIMITIVE_KIND_SHIFT | face;
-        let codes: Vec<u32> = (first_face..first_vertex).map(code).collect();
+        let codes: Vec<u32> = (first_face..first_vertex).map(|face| primitive_code(KIND_TRIANGLE, face)).collect();
         let bvh = bvh::build(&bounds, &codes, self.quality);
         let root = self.flat.add_nodes(bvh.root, bvh.nodes);
         let to_uvs = if mesh.uvs.is_empty() { NO_UVS } else { vertices };

@@ -22,10 +22,9 @@ use glam::DVec3;
 use crate::bvh;
 use crate::data::{self, MAX_PRIMITIVES, NO_TEXTURE};
 use crate::error::Result;
-use crate::lights::SkyCell;
 use crate::scene::{Background, Bitmap, Material, Mesh, Scene, Texture};
 use meshes::Laid;
-use place::{Finder, MeshBox, Placed, PlacedMedium, extent};
+use place::{AxisBox, Finder, Placed, PlacedMedium, extent};
 use view::{RenderSpace, View};
 
 pub use bvh::Quality;
@@ -33,7 +32,8 @@ pub use lights::TREE_LIGHTS;
 
 /// The kinds of primitive by number; each is a file of shaders/geometry. Triangles are the faces of meshes.
 pub const PRIMITIVES: &[&str] = &["sphere", "quad", "cuboid", "triangle"];
-/// The kinds of boundary that media have, with the kinds of their codes; each is a file `scene/medium_in_…`.
+/// The kinds of boundary that media have, with the kinds of their codes. Convex ones are files of shaders/medium; the mesh, which a ray may
+/// enter many times, is `scene/medium_in_mesh`.
 pub const BOUNDARIES: &[(&str, u32)] = &[("sphere", 0), ("cuboid", 2), ("mesh", data::KIND_INSTANCE)];
 /// The kinds of material by number; each is a file of shaders/material.
 pub const MATERIALS: &[&str] = &["lambertian", "metal", "dielectric", "diffuse_light"];
@@ -73,11 +73,13 @@ pub struct Features {
     pub thin_lens: bool,
     /// Whether render space has the camera's axes and not the world's.
     pub turned: bool,
+    /// Whether all primitives are asked of every ray: they are few, and none of them a mesh.
+    pub few: bool,
     /// Codes that wait at most in a walk through the BVH.
     pub stack_size: u32,
     /// The same of a walk through a mesh that bounds a medium.
     pub boundary_stack_size: u32,
-    /// The render's wish and not the scene's: flattening leaves it at its default.
+    /// How the samples of a pixel are placed; a wish, as roulette is, and nothing of the scene.
     pub sampler: data::Sampler,
 }
 
@@ -99,7 +101,7 @@ pub struct Flat {
     /// The tree over them; empty where they are few.
     pub light_nodes: Vec<data::LightNode>,
     /// The image of the background as a distribution of directions.
-    pub sky: Vec<SkyCell>,
+    pub sky: Vec<data::SkyCell>,
     pub materials: Vec<data::Material>,
     pub textures: Vec<data::Texture>,
     pub frames: Vec<data::Frame>,
@@ -114,6 +116,11 @@ pub struct Flat {
 
 /// The most media: crossing them takes an iteration each of what an invocation is allowed (shaders/stage/bounce).
 const MOST_MEDIA: usize = 1024;
+
+/// The most primitives that are asked of every ray, without a walk through the hierarchy: as many as a node has children, and as many
+/// as this where a ray meets the boxes of at least so many on average (`bvh::crossings`), as in a room. Measured in docs/performance.md.
+const MOST_OF_FEW: usize = 24;
+const LEAST_CROSSINGS: f32 = 1.25;
 
 /// What is asked of flattening beside the scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -161,7 +168,7 @@ pub fn flatten_with(scene: &Scene, size: (u32, u32), wish: Wish) -> Result<Flat>
         let message = format!("{} media, expected {MOST_MEDIA} at most", finder.media.len());
         return Err(scene.error(&[], message));
     }
-    let boxes: Vec<MeshBox> = meshes.iter().map(|mesh| MeshBox::of(mesh)).collect();
+    let boxes: Vec<AxisBox> = meshes.iter().map(|mesh| AxisBox::of(mesh)).collect();
 
     let extent = extent(view.eye, view.lens_radius(), &finder, &boxes);
     let emissions = emissions(scene);
@@ -211,7 +218,7 @@ struct Builder<'a> {
     scene: &'a Scene,
     /// In the order of their paths.
     meshes: Vec<&'a Mesh>,
-    boxes: &'a [MeshBox],
+    boxes: &'a [AxisBox],
     space: RenderSpace,
     quality: Quality,
     /// The meshes that have been laid out.
@@ -228,6 +235,11 @@ impl Builder<'_> {
             (0..).zip(placed).map(|(order, primitive)| self.add_primitive(primitive, order)).unzip();
         let bvh = bvh::build(&bounds, &codes, self.quality);
         self.flat.primitives = placed.len() as u32;
+        let flat = &mut self.flat;
+        let crowded = placed.len() <= MOST_OF_FEW && bvh::crossings(&bounds) >= LEAST_CROSSINGS;
+        flat.features.few = (placed.len() <= bvh::WIDTH || crowded) && flat.instances.is_empty();
+        // Before those that bound media are added.
+        flat.settings.few = [flat.spheres.len(), flat.quads.len(), flat.cuboids.len(), 0].map(|count| count as u32);
         self.flat.settings.root = self.flat.add_nodes(bvh.root, bvh.nodes);
         // In a mesh the walk keeps what waits outside of it.
         let within = self.laid.iter().flatten().map(|mesh| mesh.stack_size).max().unwrap_or(0);
@@ -257,17 +269,12 @@ impl Builder<'_> {
 /// Notes what a primitive requires.
 fn note(features: &mut Features, scene: &Scene, object: usize, primitive: &Placed) {
     let (name, material) = &scene.materials[primitive.material as usize];
-    let asked = |slot: &mut Option<String>, what: &dyn Fn() -> String| {
-        if slot.is_none() {
-            *slot = Some(what());
-        }
-    };
     let at_object = || scene.object_location(object).to_string();
     let at_material = || format!("\"{name}\" at {}", scene.material_location(name));
-    asked(&mut features.primitives[primitive.shape.kind()], &at_object);
-    asked(&mut features.materials[material_kind(material)], &at_material);
+    features.primitives[primitive.shape.kind()].get_or_insert_with(at_object);
+    features.materials[material_kind(material)].get_or_insert_with(at_material);
     if let Some(kind) = colour_texture(material).and_then(texture_kind) {
-        asked(&mut features.textures[kind], &at_material);
+        features.textures[kind].get_or_insert_with(at_material);
     }
 }
 

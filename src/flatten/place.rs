@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use super::similarity::Similarity;
-use crate::data::{KIND_INSTANCE, KIND_TRIANGLE, PRIMITIVE_BIT, PRIMITIVE_KIND_SHIFT};
+use crate::data::{KIND_INSTANCE, KIND_TRIANGLE, primitive_code};
 use crate::scene::{Mesh, Object, Scene, Texture};
 
 /// A primitive in world space, and what its texture needs to know of its own space.
@@ -57,7 +57,7 @@ impl Shape {
 
     /// The code of the shape at this index among its kind.
     pub fn code(&self, index: usize) -> u32 {
-        PRIMITIVE_BIT | self.code_kind() << PRIMITIVE_KIND_SHIFT | index as u32
+        primitive_code(self.code_kind(), index as u32)
     }
 }
 
@@ -141,17 +141,28 @@ impl<'a> Finder<'a> {
     }
 }
 
-/// The box around a mesh in its own space.
+/// A box along the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MeshBox {
+pub struct AxisBox {
     pub min: DVec3,
     pub max: DVec3,
 }
 
-impl MeshBox {
-    pub fn of(mesh: &Mesh) -> MeshBox {
+impl AxisBox {
+    /// The smallest one around a mesh, in the mesh's own space.
+    pub fn of(mesh: &Mesh) -> AxisBox {
         let (min, max) = mesh.bounds();
-        MeshBox { min, max }
+        AxisBox { min, max }
+    }
+
+    /// The smallest one around points.
+    pub fn around(points: impl IntoIterator<Item = DVec3>) -> AxisBox {
+        let nothing = AxisBox { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
+        points.into_iter().fold(nothing, |around, p| around.union(AxisBox { min: p, max: p }))
+    }
+
+    pub fn union(self, other: AxisBox) -> AxisBox {
+        AxisBox { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
     pub fn center(&self) -> DVec3 {
@@ -167,7 +178,7 @@ impl MeshBox {
 }
 
 /// The farthest that a shape reaches from the eye along an axis.
-pub fn reach(shape: &Shape, to_world: &Similarity, eye: DVec3, boxes: &[MeshBox]) -> f64 {
+pub fn reach(shape: &Shape, to_world: &Similarity, eye: DVec3, boxes: &[AxisBox]) -> f64 {
     let from_eye = |p: DVec3| (to_world.point(p) - eye).abs().max_element();
     let farthest = |points: &[DVec3]| points.iter().fold(0.0, |far, p| from_eye(*p).max(far));
     match *shape {
@@ -179,7 +190,7 @@ pub fn reach(shape: &Shape, to_world: &Similarity, eye: DVec3, boxes: &[MeshBox]
 }
 
 /// The same of all that there is, the lens included; 1 where there is nothing.
-pub fn extent(eye: DVec3, lens_radius: f64, finder: &Finder<'_>, boxes: &[MeshBox]) -> f64 {
+pub fn extent(eye: DVec3, lens_radius: f64, finder: &Finder<'_>, boxes: &[AxisBox]) -> f64 {
     let primitives = finder.placed.iter().map(|placed| reach(&placed.shape, &placed.to_world, eye, boxes));
     let media = finder.media.iter().map(|medium| reach(&medium.boundary, &medium.to_world, eye, boxes));
     let far = primitives.chain(media).fold(lens_radius, f64::max);

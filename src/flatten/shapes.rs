@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::frames::{frame, local_to_object};
-use super::place::{Placed, Shape};
+use super::place::{AxisBox, Placed, Shape};
 use super::similarity::Similarity;
 use super::{Builder, colour_texture, f32s};
 use crate::bvh::Bounds;
@@ -48,11 +48,10 @@ impl Builder<'_> {
                 let corner = space.point(to_world.point(corner));
                 let (u, v) = (vector(u), vector(v));
                 let (normal, a_axis, b_axis) = quad_axes(u, v);
-                let corners = [corner, corner + u, corner + v, corner + u + v].map(|p| p.as_vec3());
-                let low = corners.iter().fold(corners[0], |low, p| low.min(*p));
-                let high = corners.iter().fold(corners[0], |high, p| high.max(*p));
+                let around = AxisBox::around([corner, corner + u, corner + v, corner + u + v]);
                 let error = error_bound(&[corner.as_vec3(), u.as_vec3(), v.as_vec3()]);
-                let bounds = padded(low, high, error);
+                let error_across = error_across(corner.as_vec3(), u.as_vec3(), v.as_vec3(), normal);
+                let bounds = padded(around.min.as_vec3(), around.max.as_vec3(), error);
                 self.flat.quads.push(data::Quad {
                     corner: f32s(corner),
                     order,
@@ -65,7 +64,7 @@ impl Builder<'_> {
                     error,
                     u: f32s(u),
                     v: f32s(v),
-                    ..data::Quad::default()
+                    error_across,
                 });
                 (self.flat.quads.len() - 1, bounds)
             }
@@ -107,7 +106,7 @@ impl Builder<'_> {
             return frame;
         }
         let place = local_to_object(shape, &to_world.rotation, self.boxes);
-        let Some(frame) = frame(texture, place, to_world) else { return 0 };
+        let Some(frame) = frame(texture, place, &to_world.rotation) else { return 0 };
         let index = self.flat.add_frame(frame);
         if let Some(key) = shared {
             self.mesh_frames.insert(key, index);
@@ -121,6 +120,15 @@ impl Builder<'_> {
 pub fn error_bound(summands: &[Vec3]) -> f32 {
     const UNIT_ROUNDOFF: f32 = f32::EPSILON / 2.0;
     8.0 * UNIT_ROUNDOFF * summands.iter().map(|v| v.abs().max_element()).sum::<f32>()
+}
+
+/// A bound of the rounding of a quad's point along its normal, and of the next distance's from there. Own derivation, in units of
+/// roundoff, each component as often as the normal has it: `u` and `v` are rounded, multiplied, added, and added to the corner (4 of both
+/// and 1 of the corner); the next difference, its product with a rounded normal, and two sums (5 of both). One more of the corner for what
+/// the sum of both does to a last digit. A floor has nothing of its length in it: its normal has nothing along that.
+fn error_across(corner: Vec3, u: Vec3, v: Vec3, normal: DVec3) -> f32 {
+    let reach = 2.0 * corner.abs() + 10.0 * (u.abs() + v.abs());
+    (0.5 * f32::EPSILON) * normal.as_vec3().abs().dot(reach)
 }
 
 pub fn padded(min: Vec3, max: Vec3, by: f32) -> Bounds {

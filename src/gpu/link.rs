@@ -8,6 +8,8 @@
 //!   an entry that closes it. A list of one entry or none makes its lines conditional.
 //! - `${value}` elsewhere is a value of the plan.
 //!
+//! Other lines that start with `//@` are errors.
+//!
 //! A line table tells which file and line each line of the result came from, so that naga's errors can name them.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -78,7 +80,7 @@ impl Embedded {
 /// Links `root` with everything it uses.
 ///
 /// # Errors
-/// `Error::Shader` naming the file and line of a directive that names a module, list or value which does not exist.
+/// `Error::Shader` naming the file and line of a directive that is none, or names a module, list or value which does not exist.
 pub fn link(library: &dyn Library, root: &str, choices: &Choices) -> Result<Linked> {
     let mut linker = Linker {
         library,
@@ -165,6 +167,8 @@ impl Linker<'_> {
                         out.push((*number, line));
                     }
                 }
+            } else if line.trim().starts_with("//@") && !directive.is_some_and(|d| d.starts_with("use ")) {
+                return Err(fault(module, number, &format!("`{}` is no directive of the linker", line.trim())));
             } else if let Some((_, body)) = &mut block {
                 body.push((number, line));
             } else {

@@ -1,5 +1,8 @@
 //! What a scene of scenes/test expects of its image, as its leading comment says it (scenes/test/README.md has the grammar).
 
+// Each test crate compiles its own copy of this file and uses a part of it.
+#![allow(dead_code)]
+
 use std::collections::HashMap;
 use std::f64::consts::PI;
 
@@ -120,6 +123,13 @@ impl Expectations {
         depths.sort();
         depths.dedup();
         depths
+    }
+
+    /// What is expected of every pixel of an image of this size, at the scene's own depth.
+    pub fn of_every(&self, (width, height): (u32, u32), camera: &Camera) -> Vec<[f64; 3]> {
+        let whole = |e: &&Expectation| (e.depth, e.area, e.within) == (None, Area::Every, None);
+        let expectation = self.list.iter().find(whole).expect("it expects something of every pixel");
+        self.image(expectation, &Picture { width, height, ..Picture::default() }, camera)
     }
 
     /// Whether anything but black is expected at this depth.

@@ -25,6 +25,8 @@ pub struct Overlay {
     tests: &'static BTreeMap<String, String>,
     /// Production modules, and the modules that stand in for them.
     replaced: BTreeMap<String, String>,
+    /// Production modules with texts of their own.
+    rewritten: BTreeMap<String, String>,
 }
 
 impl Overlay {
@@ -50,7 +52,16 @@ impl Overlay {
             assert!(Embedded.module(production).is_some(), "there is no module {production} to replace");
         }
         let replaced = replaced.iter().map(|(name, stand_in)| (name.to_string(), stand_in.to_string())).collect();
-        Overlay { tests, replaced }
+        Overlay { tests, replaced, rewritten: BTreeMap::new() }
+    }
+
+    /// The same with a change of a production module's text.
+    pub fn rewritten(mut self, production: &str, change: impl Fn(&str) -> String) -> Overlay {
+        let own = Embedded.module(production).unwrap_or_else(|| panic!("there is no module {production} to rewrite"));
+        let text = change(own);
+        assert_ne!(text, own, "{production} is as before");
+        self.rewritten.insert(production.to_string(), text);
+        self
     }
 }
 
@@ -58,7 +69,8 @@ impl Library for Overlay {
     fn module(&self, name: &str) -> Option<&str> {
         static PRODUCTION: Embedded = Embedded;
         let name = self.replaced.get(name).map_or(name, String::as_str);
-        self.tests.get(name).map(String::as_str).or_else(|| PRODUCTION.module(name))
+        let own = self.rewritten.get(name).or_else(|| self.tests.get(name));
+        own.map(String::as_str).or_else(|| PRODUCTION.module(name))
     }
 }
 

@@ -9,7 +9,9 @@ use std::path::{Path, PathBuf};
 use gpu_rt::data::{RUN_LENGTH, Sampler};
 use gpu_rt::film::{Film, Picture, UNKNOWN_VARIANCE};
 use gpu_rt::flatten::{Wish, flatten_with};
-use gpu_rt::plan::{Plan, Tables};
+use gpu_rt::gpu::layout;
+use gpu_rt::gpu::link::{Choices, Library, link};
+use gpu_rt::plan::{Bounce, Plan, Tables, choices_of};
 use gpu_rt::render::{Goal, Job, Next, Outcome, Renderer, TuningWish, tuning};
 use gpu_rt::scene::Scene;
 
@@ -104,38 +106,90 @@ pub fn render(scene: &Scene, ask: &Ask) -> Shot {
 /// Renders several ranges of samples, one after the other by the same kernels and buffers, each onto a film of its own. The samples
 /// that are asked for elsewhere do not count.
 pub fn render_each(scene: &Scene, ask: &Ask, ranges: &[Range<u32>]) -> Vec<Shot> {
+    let mut shots = Vec::new();
+    render_all(scene, ask, ranges.iter().map(|samples| (ask.seed, samples.clone())), |shot| shots.push(shot));
+    shots
+}
+
+/// The same of several seeds and ranges; each shot is handed over when it is there.
+pub fn render_all(
+    scene: &Scene,
+    ask: &Ask,
+    wanted: impl Iterator<Item = (u32, Range<u32>)>,
+    mut take: impl FnMut(Shot),
+) {
+    let size = ask.size.unwrap_or((scene.image.width, scene.image.height));
+    render_with(scene, ask, wanted, None, |shot| {
+        shot.check_counts(size, &shot.outcome.samples);
+        take(shot);
+    });
+}
+
+/// The same with kernels that are linked from another library, in which errors can be planted; whoever looks at it checks the counts.
+pub fn render_linked(scene: &Scene, ask: &Ask, ranges: &[Range<u32>], library: &dyn Library) -> Vec<Shot> {
+    let mut shots = Vec::new();
+    let wanted = ranges.iter().map(|samples| (ask.seed, samples.clone()));
+    render_with(scene, ask, wanted, Some(library), |shot| shots.push(shot));
+    shots
+}
+
+fn render_with(
+    scene: &Scene,
+    ask: &Ask,
+    wanted: impl Iterator<Item = (u32, Range<u32>)>,
+    library: Option<&dyn Library>,
+    mut take: impl FnMut(Shot),
+) {
     let size = ask.size.unwrap_or((scene.image.width, scene.image.height));
     let Ask { sampler, sample_lights, roulette, .. } = *ask;
     let wish = Wish { sampler, sample_lights, roulette, ..Wish::default() };
     let flat = flatten_with(scene, size, wish).expect("the scene flattens");
-    let job = |samples: &Range<u32>| Job {
+    let job = |seed: u32, samples: &Range<u32>| Job {
         size,
         max_depth: ask.max_depth.unwrap_or(scene.render.max_depth),
-        seed: ask.seed,
+        seed,
         first_sample: samples.start,
         goal: Goal::Samples(samples.end),
     };
     let device = software();
-    let first = job(&ranges[0]);
+    let mut wanted = wanted.peekable();
+    let (seed, samples) = wanted.peek().expect("something is asked for");
+    let first = job(*seed, samples);
     let class = device.class();
     let scatter = tuning(class, &first, ask.wish).scatter;
     let tables = match ask.storage_tables {
         true => Tables::default(),
         false => Tables::new(&flat, class.table_bytes()),
     };
-    let plan = Plan::with_tables(&flat.features, scatter, &tables).expect("the kernels link");
+    let mut plan = Plan::with_tables(&flat.features, scatter, &tables).expect("the kernels link");
+    if let Some(library) = library {
+        relink(&mut plan, library, &choices_of(&flat.features, &tables));
+    }
     let mut renderer =
         Renderer::new(device, &flat, &plan, &first, ask.wish, false).expect("the kernels compile and the buffers fit");
-    let shots = ranges.iter().map(|samples| {
-        let job = job(samples);
+    for (seed, samples) in wanted {
+        let job = job(seed, &samples);
         let mut film = Film::with_sampler(size.0, size.1, flat.radiance_exponent, ask.sampler).expect("the film fits");
         let mut watch = Watchdog::new(job.max_depth);
         let outcome = renderer.run(&job, &mut film, &mut |film, _| watch.look(film)).expect("the device renders");
-        let shot = Shot { picture: film.develop(), film, outcome };
-        shot.check_counts(size, samples);
-        shot
-    });
-    shots.collect()
+        take(Shot { picture: film.develop(), film, outcome });
+    }
+}
+
+/// Renders by kernels from another library.
+pub fn render_planted(scene: &Scene, ask: &Ask, library: &dyn Library) -> Shot {
+    let samples = ask.samples.clone().unwrap_or(0..scene.render.samples);
+    render_linked(scene, ask, &[samples], library).remove(0)
+}
+
+/// Links the kernels of a plan from another library.
+fn relink(plan: &mut Plan, library: &dyn Library, choices: &Choices) {
+    let Bounce::Fused(bounce) = &mut plan.bounce else { panic!("the software device fuses its kernels") };
+    for kernel in [&mut plan.generate, bounce] {
+        kernel.linked = link(library, &format!("stage/{}", kernel.stage), choices).expect("the kernel links");
+        kernel.module = kernel.linked.validate().expect("the kernel is valid").0;
+        kernel.bindings = layout::bindings(&kernel.module).expect("the kernel has bindings");
+    }
 }
 
 /// Fails a render that would never end, by a count of submissions and not by time.

@@ -1,5 +1,6 @@
 //! Primitives as the host makes them for the device, from a scene's text.
 
+// Each test crate compiles its own copy of this file and uses a part of it.
 #![allow(dead_code)]
 
 use std::fmt::Write;

@@ -1,9 +1,13 @@
 //! Rays against one primitive, on the device: tests/shaders/trace.wgsl.
 
+// Each test crate compiles its own copy of this file and uses a part of it.
+#![allow(dead_code)]
+
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
 use crate::kernel::{Kernel, Setup, array};
+use crate::stats::Random;
 use crate::vectors::rounded;
 
 /// `NO_HIT` of shaders/data/hit.wgsl.
@@ -43,6 +47,12 @@ pub struct Out {
     pub u: f32,
     pub leaving: [f32; 3],
     pub v: f32,
+}
+
+/// The direction of a second ray at this cosine with the normal, in a basis around it: anywhere around, on the side that is asked for.
+pub fn leaving(random: &mut Random, cosine: f64, outwards: bool) -> [f32; 3] {
+    let (sin, phi) = ((1.0 - cosine * cosine).sqrt(), random.uniform() * std::f64::consts::TAU);
+    rounded(DVec3::new(sin * phi.cos(), sin * phi.sin(), if outwards { cosine } else { -cosine }))
 }
 
 /// The kernel for a kind of primitive, with some production modules replaced.

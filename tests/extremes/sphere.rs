@@ -1,12 +1,14 @@
 //! geometry/sphere: which rays hit, how far away, and what happens to the rays that leave.
 
+use std::f64::consts::TAU;
+
 use glam::DVec3;
 use gpu_rt::data::Sphere;
 
 use crate::kernel::Kernel;
 use crate::stats::Random;
-use crate::table::{Cell, FIXED_T_MIN, OFFSET_BY_BITS, Row, TEXTBOOK_SPHERE};
-use crate::trace::{In, NO_HIT, trace, tracer, tracer_with_surface};
+use crate::table::{Cell, FIXED_T_MIN, NO_OFFSET, OFFSET_BY_BITS, Row, TEXTBOOK_SPHERE};
+use crate::trace::{In, NO_HIT, leaving, trace, tracer, tracer_with_surface};
 use crate::vectors::{U, decades, exact, quantile, rounded, unit};
 
 /// Both roots of |o + t d - c| = r in f64, or the miss, by the perpendicular from the centre: good to 1e-16 (D/r)^2.
@@ -51,6 +53,8 @@ struct Verdict {
     median: f64,
     /// Largest error of the distance over its bound (`distance_is_right_within`).
     worst_distance: f64,
+    /// Largest error of the normal over its bound.
+    worst_normal: f64,
 }
 
 /// The error of the line's distance from the centre, in radii, for a sphere `distance` radii away. The rounding of
@@ -69,10 +73,15 @@ fn judge(kernel: &Kernel, distance: f64) -> Verdict {
             aimed(&mut random, i, distance, distance, impact)
         })
         .unzip();
+    compare(kernel, distance, impact_error(distance), &spheres, &rays)
+}
+
+/// Compares what a tracer makes of rays from so many radii away with f64; `of_l` is the error of a line's distance from the centre.
+fn compare(kernel: &Kernel, distance: f64, of_l: f64, spheres: &[Sphere], rays: &[In]) -> Verdict {
     let mut wrong = 0;
     let mut errors = Vec::new();
-    let (mut worst_decision, mut worst_distance) = (0.0f64, 0.0f64);
-    for ((out, sphere), ray) in trace(kernel, &spheres, &rays).iter().zip(&spheres).zip(&rays) {
+    let (mut worst_decision, mut worst_distance, mut worst_normal) = (0.0f64, 0.0f64, 0.0f64);
+    for ((out, sphere), ray) in trace(kernel, spheres, rays).iter().zip(spheres).zip(rays) {
         let roots = roots(ray, sphere);
         let hit = out.t != NO_HIT;
         if hit != (roots.impact <= 1.0) {
@@ -83,21 +92,25 @@ fn judge(kernel: &Kernel, distance: f64) -> Verdict {
             let expected = if roots.near > 0.0 { roots.near } else { roots.far };
             let error = (f64::from(out.t) - expected).abs() / radius;
             // k is off by 8 u D; h = sqrt(1 - l^2) by l / h times the error of l, or its root where h is smaller still.
-            let of_l = impact_error(distance);
             let h = (roots.far - roots.near) / (2.0 * radius);
-            let bound = 8.0 * U * distance.max(1.0) + of_l / h.max(of_l.sqrt());
-            worst_distance = worst_distance.max(error / bound);
+            let of_h = of_l / h.max(of_l.sqrt());
+            worst_distance = worst_distance.max(error / (8.0 * U * distance.max(1.0) + of_h));
             errors.push(error);
+            let at = exact(ray.origin) + expected * exact(ray.direction) - exact(sphere.center);
+            let off = (exact(out.normal) - at.normalize()).length();
+            worst_normal = worst_normal.max(off / (of_l + of_h + 8.0 * U));
         }
     }
     let median = quantile(&mut errors, 0.5);
-    Verdict { wrong: f64::from(wrong) / RAYS as f64, worst_decision, median, worst_distance }
+    Verdict { wrong: f64::from(wrong) / rays.len() as f64, worst_decision, median, worst_distance, worst_normal }
 }
 
 /// The table's cells of spheres.
 pub fn cells() -> Vec<Cell> {
     let mut all = distances();
+    all.extend(on_the_axis());
     all.extend(leavings());
+    all.extend(grazing());
     all
 }
 
@@ -149,6 +162,68 @@ fn distances() -> Vec<Cell> {
             &|v| v.worst_distance,
             distance >= 1e1,
         ));
+        all.push(cell(
+            "Spheres: largest error of the normal over its bound",
+            1.0,
+            "The bound is that of the line's place, and over the half chord once more (`compare`).",
+            &|v| v.worst_normal,
+            false,
+        ));
+    }
+    all
+}
+
+/// Spheres of radius 1 near the axis of view, where space is turned with the camera: what a telescope sees. The rays start at the origin.
+fn on_axis(kernel: &Kernel, distance: f64) -> Verdict {
+    const RAYS: usize = 20_000;
+    let mut random = Random(5);
+    let (spheres, rays): (Vec<_>, Vec<_>) = (0..RAYS)
+        .map(|i| {
+            let (at, aim, phi) = (3.0 * unit(&mut random), 1.05 * random.uniform(), TAU * random.uniform());
+            let sphere =
+                Sphere { center: rounded(DVec3::new(at.x, at.y, -distance)), radius: 1.0, ..Sphere::default() };
+            let target = exact(sphere.center) + aim * DVec3::new(phi.cos(), phi.sin(), 0.0);
+            (sphere, In::new(i, DVec3::ZERO, target.normalize()))
+        })
+        .unzip();
+    compare(kernel, distance, AXIS_ERROR, &spheres, &rays)
+}
+
+/// The error of a line's distance from the centre where both lie within a few radii of the axis: across it nothing is larger than those few
+/// radii, 4 here, and a difference, two products and two sums round in it; along it the error of the foot is taken out again.
+const AXIS_ERROR: f64 = 4.0 * 6.0 * U;
+
+fn on_the_axis() -> Vec<Cell> {
+    let own = tracer("sphere", &[]);
+    let textbook = tracer("sphere", &[("geometry/sphere", "test/control/sphere_textbook")]);
+    let by_distance = tracer_with_surface("sphere", "sphere_surface_by_t", "test/control/sphere_by_t", &[]);
+    let mut all = Vec::new();
+    for exponent in 1..=8 {
+        let distance = 10f64.powi(exponent);
+        let range = format!("D/r = 1e{exponent}");
+        let (found, wrong, by_distance) =
+            (on_axis(&own, distance), on_axis(&textbook, distance), on_axis(&by_distance, distance));
+        let cell = Cell::new(
+            Row::Distance,
+            &range,
+            "Spheres near the axis of view: how far from the edge, in radii, a ray's line is that was decided wrongly, at most",
+            AXIS_ERROR,
+            "Across the axis no number is larger than 4 radii, and six roundings take part: 24 u.",
+        );
+        let cell = cell.achieved(found.worst_decision);
+        all.push(if exponent >= 3 { cell.planted(TEXTBOOK_SPHERE, wrong.worst_decision) } else { cell });
+        let cell = Cell::new(
+            Row::Distance,
+            &range,
+            "Spheres near the axis of view: largest error of the normal, over its bound",
+            1.0,
+            "That error, and over the half chord once more.",
+        );
+        let cell = cell.achieved(found.worst_normal);
+        all.push(match exponent >= 4 {
+            true => cell.planted("normal from the distance along the ray", by_distance.worst_normal),
+            false => cell,
+        });
     }
     all
 }
@@ -290,6 +365,64 @@ fn leavings() -> Vec<Cell> {
                     .planted("point that is not put back onto the sphere", wrong(leave(&unprojected, radius, ratio)));
             }
             all.push(cell);
+        }
+    }
+    all
+}
+
+/// Rays that leave spheres with their centres at `ratio` radii from the origin of space, at cosines within these decades: how many met the sphere
+/// again that went out, and of those that went in how many left to the wrong side, or lost their chord, or found its end elsewhere than rounding
+/// allows.
+fn graze(kernel: &Kernel, ratio: f64, cosines: (f64, f64)) -> f64 {
+    const RAYS: usize = 10_000;
+    let mut random = Random(6);
+    let (spheres, rays): (Vec<_>, Vec<_>) = (0..RAYS)
+        .map(|i| {
+            let (sphere, mut ray) = aimed(&mut random, i, ratio, 3.0, 0.0);
+            ray.direction = rounded((exact(ray.direction) + 0.3 * random.uniform() * unit(&mut random)).normalize());
+            let cosine = decades(&mut random, cosines.0, cosines.1);
+            ray.leaving = leaving(&mut random, cosine, i % 2 == 0);
+            (sphere, ray)
+        })
+        .unzip();
+    let (mut hits, mut wrong) = (0, 0);
+    for ((out, sphere), ray) in trace(kernel, &spheres, &rays).iter().zip(&spheres).zip(&rays) {
+        if out.t == NO_HIT {
+            continue;
+        }
+        hits += 1;
+        let outwards = (exact(out.start) - exact(out.point)).dot(exact(out.normal)) >= 0.0;
+        let cosine = exact(out.leaving).dot(exact(out.normal));
+        let wrong_side = cosine.abs() > 8.0 * U && outwards != (cosine > 0.0);
+        let second = In { origin: out.start, direction: out.leaving, ..*ray };
+        let (roots, radius) = (roots(&second, sphere), f64::from(sphere.radius));
+        let (of_l, h) = (impact_error(1.0), (roots.far - roots.near) / (2.0 * radius));
+        let bound = radius * (8.0 * U + of_l / h.max(of_l.sqrt()));
+        let off = (f64::from(out.again) - roots.far).abs();
+        let lost = out.again == NO_HIT || off > bound;
+        wrong += usize::from(wrong_side || if outwards { out.again != NO_HIT } else { lost });
+    }
+    assert!(hits > RAYS * 9 / 10, "{hits} hits");
+    wrong as f64
+}
+
+fn grazing() -> Vec<Cell> {
+    let own = tracer("sphere", &[]);
+    let without = tracer("sphere", &[("geometry/offset", "test/control/offset_none")]);
+    let mut all = Vec::new();
+    for ratio in [0.0, 1.0, 100.0] {
+        for exponent in 0..7 {
+            let decade = f64::from(exponent);
+            let cosines = (-decade - 1.0, -decade);
+            let range = format!("1e-{} to 1e-{exponent}, {ratio} radii from the origin", exponent + 1);
+            let figure = "Spheres by the cosine at which rays leave: rays of 10 000 that met their own sphere again or lost their chord";
+            let because = "The offset is above the bound of the error, and the chord from there, at least sqrt(8 ε r), is found to the error \
+                           of its half, 6 u over it: none.";
+            all.push(
+                Cell::new(Row::Grazing, range, figure, 0.0, because)
+                    .achieved(graze(&own, ratio, cosines))
+                    .planted(NO_OFFSET, graze(&without, ratio, cosines)),
+            );
         }
     }
     all

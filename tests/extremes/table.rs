@@ -64,6 +64,8 @@ pub const ROWS: &[(Row, &str)] = &[
 pub const TEXTBOOK_SPHERE: &str = "textbook's sphere";
 pub const FIXED_T_MIN: &str = "fixed t_min";
 pub const OFFSET_BY_BITS: &str = "offset of 256 ulps";
+/// Not among the forms that must be planted: nobody uses it.
+pub const NO_OFFSET: &str = "no offset";
 pub const SCHLICK: &str = "Schlick's reflectance";
 pub const RUNNING_SUM: &str = "running sum in f32";
 pub const MEAN_OF_SQUARES: &str = "variance as E[x²] - E[x]²";

@@ -241,7 +241,7 @@ fn sizes() -> Vec<Cell> {
     );
     for (fov, samples) in [(40.0, 4096), (179.0, 4096)] {
         let shot = render_sky(1, 1, fov, samples);
-        let half = (0.5 * fov as f64).to_radians().tan();
+        let half = (0.5 * fov).to_radians().tan();
         let expected = integrated((1, 1), fov, |d| radiance(d.x, d.y))[0];
         let spread = half.min(1.0) / 2.0;
         all.push(

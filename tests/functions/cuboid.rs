@@ -1,85 +1,14 @@
-//! geometry/cuboid: which rays hit, how far away, edges and corners, faces and their coordinates, and the rays that leave.
+//! geometry/cuboid: which rays hit, how far away, edges, corners, faces and their coordinates. The rays that leave are in
+//! tests/extremes.
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use gpu_rt::data::Cuboid;
 
+use crate::cuboids::{Exact, assorted, error_of, rays_at};
 use crate::kernel::Kernel;
-use crate::scenes::{flat, triple};
 use crate::stats::Random;
 use crate::trace::{In, NO_HIT, Out, trace, tracer};
 use crate::vectors::{U, decades, exact, rounded, unit};
-
-/// Boxes turned any way, with a longest edge of 1e-4 to 1e5 and the others down to 1e-3 of it, their centres up to 1000
-/// such edges from the origin of space. Every fourth is not turned.
-fn assorted(random: &mut Random, count: usize) -> Vec<Cuboid> {
-    let texts: Vec<String> = (0..count)
-        .map(|i| {
-            let size = decades(random, -4.0, 5.0);
-            let mut edge = |from: f64| size * decades(random, from, 0.0);
-            let from = if i % 2 == 0 { 0.0 } else { -3.0 };
-            let edges = DVec3::new(edge(from), edge(from), edge(from));
-            let low = size * decades(random, -2.0, 3.0) * unit(random);
-            let cuboid = format!("Box(min: {}, max: {}, material: \"m\")", triple(low), triple(low + edges));
-            if i % 4 == 0 {
-                return cuboid;
-            }
-            // About the box's own middle, to keep it where it is.
-            let (middle, axis, degrees) = (low + 0.5 * edges, unit(random), 360.0 * random.uniform());
-            format!(
-                "Transformed(by: [Translate({}), Rotate(axis: {}, degrees: {degrees:?}), Translate({})], object: {cuboid})",
-                triple(-middle),
-                triple(axis),
-                triple(middle)
-            )
-        })
-        .collect();
-    flat(&texts).cuboids
-}
-
-/// A cuboid in f64: its axes as columns, the centre and half its edges.
-struct Exact {
-    axes: DMat3,
-    center: DVec3,
-    half: DVec3,
-}
-
-impl Exact {
-    fn new(cuboid: &Cuboid) -> Exact {
-        let (x, y) = (exact(cuboid.x_axis), exact(cuboid.y_axis));
-        let axes = DMat3::from_cols(x, y, x.cross(y));
-        Exact { axes, center: exact(cuboid.center), half: exact(cuboid.half_extent) }
-    }
-
-    /// Along the axes from the centre.
-    fn local(&self, point: DVec3) -> DVec3 {
-        self.axes.transpose() * (point - self.center)
-    }
-
-    /// Where a line is within the box with its faces moved out by `grown`: the distances of entry and exit, or nothing.
-    fn span(&self, origin: DVec3, direction: DVec3, grown: f64) -> Option<(f64, f64)> {
-        let (o, d) = (self.local(origin), self.axes.transpose() * direction);
-        let half = self.half + grown;
-        let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
-        for i in 0..3 {
-            if d[i] == 0.0 {
-                if o[i].abs() > half[i] {
-                    return None;
-                }
-                continue;
-            }
-            let (a, b) = ((-half[i] - o[i]) / d[i], (half[i] - o[i]) / d[i]);
-            enter = enter.max(a.min(b));
-            leave = leave.min(a.max(b));
-        }
-        (enter <= leave).then_some((enter, leave))
-    }
-
-    /// How far f32 may misplace the faces along a ray: the rounding of the origin and of t times the direction in the
-    /// box's axes. Each is a difference, a cross product and a dot product, 6 u of its length, and a division.
-    fn blur(&self, origin: DVec3) -> f64 {
-        8.0 * U * (2.0 * (origin - self.center).length() + 2.0 * self.half.length())
-    }
-}
 
 /// Says what is wrong with the answer to a ray, by the box with its faces moved out and in by the blur of f32.
 fn fault(cuboid: &Cuboid, origin: DVec3, direction: DVec3, t: f32) -> Option<String> {
@@ -140,25 +69,6 @@ fn surface_fault(cuboid: &Cuboid, ray: &In, out: &Out) -> Option<String> {
         .map(|i| format!("local {local}, expected {expected} at {i}"))
 }
 
-/// Rays at points in and a little outside boxes, from outside and inside.
-fn rays_at(random: &mut Random, cuboids: &[Cuboid], count: usize) -> Vec<In> {
-    let mut cube = |reach: f64| (2.0 * DVec3::new(random.uniform(), random.uniform(), random.uniform()) - 1.0) * reach;
-    let places: Vec<(DVec3, DVec3)> = (0..count).map(|_| (cube(1.05), cube(0.95))).collect();
-    places
-        .into_iter()
-        .enumerate()
-        .map(|(i, (target, inside))| {
-            let at = Exact::new(&cuboids[i % cuboids.len()]);
-            let target = at.center + at.axes * (target * at.half);
-            let origin = match i % 3 {
-                0 => at.center + at.axes * (inside * at.half),
-                _ => target + at.half.length() * decades(random, -1.0, 3.0) * unit(random),
-            };
-            In::new(i % cuboids.len(), origin, (target - origin).normalize())
-        })
-        .collect()
-}
-
 fn faults(kernel: &Kernel, cuboids: &[Cuboid], rays: &[In]) -> (usize, Vec<String>) {
     let mut hits = 0;
     let mut found = Vec::new();
@@ -173,15 +83,10 @@ fn faults(kernel: &Kernel, cuboids: &[Cuboid], rays: &[In]) -> (usize, Vec<Strin
     (hits, found)
 }
 
-/// The bound of the error of its points, as the shader has it.
-fn error_of(cuboid: &Cuboid) -> f64 {
-    8.0 * U * (exact(cuboid.center).abs().max_element() + exact(cuboid.half_extent).element_sum())
-}
-
 #[test]
 fn cuboid_hits_are_decided_and_placed_to_the_last_digits() {
     let mut random = Random(21);
-    let cuboids = assorted(&mut random, 3000);
+    let cuboids = assorted(&mut random, 3000, 3.0, (-2.0, 3.0));
     let rays = rays_at(&mut random, &cuboids, 60_000);
     let kernel = tracer("cuboid", &[]);
     let (hits, found) = faults(&kernel, &cuboids, &rays);
@@ -225,7 +130,7 @@ fn rays_at_edges(random: &mut Random, cuboids: &[Cuboid], count: usize) -> Vec<I
 #[test]
 fn no_ray_slips_through_the_edges_and_corners_of_a_cuboid() {
     let mut random = Random(22);
-    let cuboids = assorted(&mut random, 3000);
+    let cuboids = assorted(&mut random, 3000, 3.0, (-2.0, 3.0));
     let rays = rays_at_edges(&mut random, &cuboids, 100_000);
     let (mut hits, mut lost) = (0, 0);
     for (ray, out) in rays.iter().zip(&trace(&tracer("cuboid", &[]), &cuboids, &rays)) {
@@ -248,50 +153,6 @@ fn no_ray_slips_through_the_edges_and_corners_of_a_cuboid() {
     // Rays that only touch an edge may enter and find no way out: they are outside by less than the blur. About half of
     // the edges are at the box's outline, where a touch is a matter of rounding.
     assert!(hits > 50_000 && lost * 4 < hits, "{hits} hits, {lost} without an exit");
-}
-
-/// Rays that met a box and leave it at cosines from 0.05 to 1 with the face's normal, out and in: how many, how many of
-/// those outwards met it again, and how many chords of those inwards were lost or off by 10 %.
-fn leave(kernel: &Kernel) -> (usize, usize, usize) {
-    let mut random = Random(23);
-    let cuboids = assorted(&mut random, 3000);
-    let mut rays = rays_at(&mut random, &cuboids, 60_000);
-    for ray in &mut rays {
-        let cos = 0.05 + 0.95 * random.uniform();
-        let side = if random.below(2) == 0 { 1.0 } else { -1.0 };
-        let (sin, phi) = ((1.0 - cos * cos).sqrt(), random.uniform() * std::f64::consts::TAU);
-        ray.leaving = rounded(DVec3::new(sin * phi.cos(), sin * phi.sin(), side * cos));
-    }
-    let (mut hits, mut again, mut chords) = (0, 0, 0);
-    for (ray, out) in rays.iter().zip(&trace(kernel, &cuboids, &rays)) {
-        let cuboid = &cuboids[ray.primitive as usize];
-        if out.t == NO_HIT {
-            continue;
-        }
-        hits += 1;
-        if ray.leaving[2] > 0.0 {
-            again += usize::from(out.again != NO_HIT);
-        } else {
-            let at = Exact::new(cuboid);
-            let chord = at.span(exact(out.point), exact(out.leaving), error_of(cuboid)).map_or(0.0, |span| span.1);
-            // Shorter chords, at the edges, are within the errors of their ends.
-            if chord > 100.0 * error_of(cuboid) / 0.05 {
-                chords += usize::from(out.again == NO_HIT || (f64::from(out.again) / chord - 1.0).abs() > 0.1);
-            }
-        }
-    }
-    (hits, again, chords)
-}
-
-#[test]
-fn rays_leave_cuboids_of_all_sizes() {
-    let (hits, again, chords) = leave(&tracer("cuboid", &[]));
-    assert!(hits > 50_000);
-    assert_eq!((again, chords), (0, 0), "re-hits and lost chords of {hits}");
-    let (_, again, chords) = leave(&tracer("cuboid", &[("geometry/offset", "test/control/offset_none")]));
-    assert!(again > 1000 && chords > 100, "{again} {chords}");
-    let (_, _, chords) = leave(&tracer("cuboid", &[("geometry/offset", "test/control/offset_by_bits")]));
-    assert!(chords > 1000, "{chords}");
 }
 
 #[test]

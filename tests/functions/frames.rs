@@ -6,13 +6,13 @@ use std::fmt::Write;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec3};
-use gpu_rt::data::{PRIMITIVE_BIT, PRIMITIVE_KIND_SHIFT};
+use gpu_rt::data::primitive_code;
 use gpu_rt::flatten::{Flat, flatten};
 use gpu_rt::plan::{Tables, choices_of};
 use gpu_rt::scene::Scene;
 
 use crate::kernel::{Kernel, Setup, array};
-use crate::perlin::{perlin, turbulence};
+use crate::oracles::{perlin, turbulence};
 use crate::scenes::triple;
 use crate::stats::Random;
 use crate::textures::Image;
@@ -206,7 +206,7 @@ fn textures_are_evaluated_in_their_objects_own_space() {
             let away = (side * normal + 0.5 * unit(&mut random)).normalize();
             rays.push(In {
                 origin: rounded((target + 2.0 * away) * to_render),
-                code: PRIMITIVE_BIT | kind << PRIMITIVE_KIND_SHIFT | index,
+                code: primitive_code(kind, index),
                 direction: rounded(-away),
                 padding: 0,
             });

@@ -5,149 +5,20 @@ use std::f64::consts::PI;
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use gpu_rt::data::{Cuboid, Quad, Sphere};
-
-// The host's side of the tables, which asks nothing of the rest of the program.
-#[path = "../../src/lights.rs"]
-mod host;
+use gpu_rt::lights as host;
 
 use crate::kernel::{Kernel, Setup, array};
+use crate::light_kernel::{
+    CUBOID, DRAWS, In, Kind, Out, QUAD, SHARES, SPHERE, TRIANGLE, Triangle, at_ends, cone, draws, spheres,
+};
 use crate::stats::{Random, chi_square, one_sample_t, sidak};
 use crate::vectors::{U, decades, exact, rounded, unit};
 
 /// False-alarm rate of each test here.
 const ALPHA: f64 = 1e-6;
 
-/// Draws for each configuration. Chi-square of 31 x 17 cells over 2^16 of them finds a density that is off by 6.6 % in the
-/// root mean square with a probability of 99.9 %.
-const DRAWS: usize = 1 << 16;
-
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct In {
-    from: [f32; 3],
-    shape: u32,
-    u: [f32; 2],
-    padding: [f32; 2],
-}
-
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct Out {
-    direction: [f32; 3],
-    pdf: f32,
-    again: f32,
-    distance: f32,
-    padding: [f32; 2],
-}
-
-/// A kind of light: its module, and the name of its struct.
-type Kind = (&'static str, &'static str);
-
-const SPHERE: Kind = ("sphere", "Sphere");
-
-fn kernel((shape, name): Kind, draws: usize, replaced: &[(&str, &str)]) -> Kernel {
-    let draws = draws.to_string();
-    let values = [("shape", shape), ("type", name), ("draws", &*draws)];
-    Kernel::with("test/light", &Setup { replaced, values: &values, ..Setup::default() })
-}
-
-/// Many draws for each row; a few rows at a time, for a buffer's sake.
-fn draws<S: Pod>(kind: Kind, rows: &[In], shapes: &[S], replaced: &[(&str, &str)]) -> Vec<Out> {
-    let kernel = kernel(kind, DRAWS, replaced);
-    let shapes = array("shapes", shapes);
-    rows.chunks(32).flat_map(|rows| kernel.run_with(rows, rows.len() * DRAWS, std::slice::from_ref(&shapes))).collect()
-}
-
-/// The uniforms' ends in each dimension, and some between.
-fn ends() -> Vec<[f32; 2]> {
-    let all = [0.0, U as f32, 2f32.powi(-12), 0.3, 0.5, 1.0 - 2f32.powi(-12), 1.0 - U as f32];
-    all.into_iter().flat_map(|x| all.map(|y| [x, y])).collect()
-}
-
-/// Answers every row for all of [`ends`].
-fn at_ends<S: Pod>(kind: Kind, rows: &[In], shapes: &[S]) -> Vec<(In, Out)> {
-    let rows: Vec<In> = rows.iter().flat_map(|row| ends().into_iter().map(|u| In { u, ..*row })).collect();
-    let found = kernel(kind, 1, &[]).run_with::<_, Out>(&rows, rows.len(), &[array("shapes", shapes)]);
-    rows.into_iter().zip(found).collect()
-}
-
 fn bin(x: f64, bins: usize) -> usize {
     ((x * bins as f64).max(0.0) as usize).min(bins - 1)
-}
-
-/// Spheres of all sizes with points at r/D of each of these.
-fn spheres(shares: &[f64], seed: u64) -> (Vec<In>, Vec<Sphere>) {
-    let mut random = Random(seed);
-    let (mut rows, mut shapes) = (Vec::new(), Vec::new());
-    for &share in shares {
-        let radius = decades(&mut random, -3.0, 1.0) as f32;
-        // The point near the origin, so that it has its digits where it is close to the sphere's surface.
-        let from = rounded(1e-3 * f64::from(radius) * unit(&mut random));
-        let center = rounded(exact(from) + f64::from(radius) / share * unit(&mut random));
-        rows.push(In { from, shape: shapes.len() as u32, ..In::default() });
-        shapes.push(Sphere { center, radius, ..Sphere::default() });
-    }
-    (rows, shapes)
-}
-
-/// Half angle of the cone: sine and 1 - cosine, of the numbers that the device has.
-fn cone(row: &In, sphere: &Sphere) -> (DVec3, f64, f64) {
-    let to_center = exact(sphere.center) - exact(row.from);
-    let sine = f64::from(sphere.radius) / to_center.length();
-    (to_center.normalize(), sine, if sine >= 1.0 { 2.0 } else { sine * sine / (1.0 + (1.0 - sine * sine).sqrt()) })
-}
-
-const SHARES: [f64; 20] = [
-    1e-8,
-    1e-7,
-    1e-6,
-    1e-5,
-    1e-4,
-    2e-4,
-    1e-3,
-    1e-2,
-    0.1,
-    0.3,
-    0.5,
-    0.7,
-    0.9,
-    0.99,
-    0.999,
-    0.9999,
-    0.99999,
-    0.999999,
-    1.0 - 5e-7,
-    1.0 - 1e-7,
-];
-
-#[test]
-fn a_spheres_density_is_that_of_its_cone() {
-    let wrong = |replaced: &[(&str, &str)]| {
-        let (mut rows, mut shapes) = (Vec::new(), Vec::new());
-        for seed in 0..20 {
-            let (more, spheres) = spheres(&SHARES, 600 + seed);
-            rows.extend(more.iter().map(|row| In { shape: row.shape + shapes.len() as u32, ..*row }));
-            shapes.extend(spheres);
-        }
-        let found = kernel(SPHERE, 1, replaced).run_with::<_, Out>(&rows, rows.len(), &[array("shapes", &shapes)]);
-        let mut wrong = 0;
-        for (row, out) in rows.iter().zip(&found) {
-            let (_, sine, height) = cone(row, &shapes[row.shape as usize]);
-            let pdf = f64::from(out.pdf);
-            // The sine is off by 4 u; d(height) / height is (1 + cos) / cos of that where the cosine is not small, and at
-            // most the root of twice what 1 - sine is off by. 8 u more for the quotients.
-            let cos = 1.0 - height;
-            let bound = 8.0 * U + (8.0 * U / cos.max(1e-300)).min((8.0 * U).sqrt());
-            // Within 8 u of the surface the point may count as inside, where the density is that of all directions.
-            let inside = sine > 1.0 - 8.0 * U && (pdf * 4.0 * PI - 1.0).abs() < 4.0 * U;
-            let right = inside || (pdf * 2.0 * PI * height - 1.0).abs() < bound;
-            wrong += u32::from(!(right && out.pdf == out.again));
-        }
-        wrong
-    };
-    assert_eq!(wrong(&[]), 0);
-    let textbook = wrong(&[("light/sphere", "test/control/light_sphere_textbook")]);
-    assert!(textbook > 100, "{textbook}");
 }
 
 /// The distribution of cells around the axis, by height and azimuth: p-values of each configuration.
@@ -186,77 +57,6 @@ fn a_spheres_directions_are_uniform_in_its_cone() {
     for (share, p) in shares.iter().zip(sphere_cells(&rows, &shapes, &found, |x| x.powf(0.9))) {
         assert!(p < ALPHA, "r/D {share}: p = {p:e}");
     }
-}
-
-#[test]
-fn a_sphere_lights_a_surface_as_the_closed_form_says() {
-    let (rows, shapes) = spheres(&SHARES, 640);
-    let test = |replaced: &[(&str, &str)]| {
-        let found = draws(SPHERE, &rows, &shapes, replaced);
-        let mut wrong = 0;
-        for ((row, share), found) in rows.iter().zip(SHARES).zip(found.chunks(DRAWS)) {
-            let (axis, sine, height) = cone(row, &shapes[row.shape as usize]);
-            // A plane that faces the centre sees all of the sphere: pi (r/D)^2. A hit is one by the shape's own test.
-            // Further than 1e-6 the test of the ray itself does not tell: there only the density.
-            let sees = |out: &Out| share < 2e-6 || out.distance != -1.0;
-            let values: Vec<f64> = found
-                .iter()
-                .map(|out| {
-                    let cos = exact(out.direction).dot(axis).max(0.0);
-                    if sees(out) { cos / f64::from(out.pdf) / (PI * sine * sine) } else { 0.0 }
-                })
-                .collect();
-            let test = one_sample_t(&values, 1.0);
-            // Beside the noise, the density's own bound (see above) and the narrower cone.
-            let bound = 40.0 * U + (8.0 * U / (1.0 - height).max(1e-300)).min((8.0 * U).sqrt());
-            let missed = found.iter().filter(|out| !sees(out)).count();
-            let right = test.p > sidak(ALPHA, SHARES.len()) || test.difference.abs() < bound;
-            let contact = share > 1.0 - 4.0 * U;
-            // From outside every direction meets the sphere. Near contact the limb's directions change little of the
-            // distance by which they pass it, and a few may miss; closer than 8 u they are all directions.
-            let met = missed == 0 || share > 0.9999 && missed < DRAWS / 1000 || contact;
-            wrong += u32::from(!right || !met);
-        }
-        wrong
-    };
-    assert_eq!(test(&[]), 0);
-    assert!(test(&[("light/sphere", "test/control/light_sphere_textbook")]) > 3);
-}
-
-#[test]
-fn a_spheres_samples_are_numbers_at_the_ends() {
-    let mut shares = SHARES.to_vec();
-    shares.extend([1.0, 1.0 + 1e-7, 1.5, 1e3, 1e8, 1e-9, 1e-12, 1e-20]);
-    let (mut rows, mut shapes) = spheres(&shares, 660);
-    // At the centre itself, and seen along each axis.
-    rows.push(In { from: shapes[3].center, shape: 3, ..In::default() });
-    for i in 0..6 {
-        let mut from = [0.0; 3];
-        from[i % 3] = if i < 3 { 2.0 } else { -2.0 };
-        rows.push(In { from, shape: shapes.len() as u32, ..In::default() });
-    }
-    shapes.push(Sphere { radius: 1.0, ..Sphere::default() });
-    for (row, out) in at_ends(SPHERE, &rows, &shapes) {
-        let length = exact(out.direction).length();
-        assert!((length - 1.0).abs() < 1e-6 && out.pdf.is_finite() && out.pdf >= 0.0, "{row:?} {out:?}");
-        assert_eq!(out.pdf, out.again, "{row:?} {out:?}");
-        assert!((out.pdf * out.pdf).is_finite(), "{row:?} {out:?}");
-    }
-}
-
-const TRIANGLE: Kind = ("triangle", "Triangle");
-const QUAD: Kind = ("quad", "Quad");
-const CUBOID: Kind = ("cuboid", "Cuboid");
-
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct Triangle {
-    a: [f32; 3],
-    padding0: f32,
-    b: [f32; 3],
-    padding1: f32,
-    c: [f32; 3],
-    padding2: f32,
 }
 
 /// A flat light of three or four corners in f64, as the device has it: a + x (b - a) + y (c - b), with y <= x for a
@@ -672,7 +472,8 @@ fn drawn(entries: &[host::AliasEntry], replaced: &[(&str, &str)]) -> Vec<u64> {
     let values = [("count", &*count)];
     let kernel = Kernel::with("test/light_alias", &Setup { replaced, values: &values, ..Setup::default() });
     let mut counts = vec![0; entries.len()];
-    for found in kernel.run_with::<_, [u32; 8]>(entries, UNIFORMS / 8, &[]) {
+    let input: Vec<[u32; 2]> = entries.iter().map(|entry| [entry.threshold.to_bits(), entry.alias]).collect();
+    for found in kernel.run_with::<_, [u32; 8]>(&input, UNIFORMS / 8, &[]) {
         for index in found {
             counts[index as usize] += 1;
         }
@@ -822,7 +623,7 @@ fn the_skys_density_is_that_of_its_radiance_and_never_zero_under_it() {
         let sum: f64 = means.iter().enumerate().map(|(i, mean)| mean * solid(i)).sum();
         for (i, (cell, mean)) in sky.cells.iter().zip(&means).enumerate() {
             assert_eq!(cell.density > 0.0, *mean > 0.0, "{width} x {height}, cell {i}");
-            assert_eq!(cell.alias_density, sky.cells[cell.alias as usize].density);
+            assert_eq!(cell.alias_density, sky.cells[cell.alias_index as usize].density);
             // Eight midpoints a side of a function that is linear in each half of a texel are right where a cell is a texel;
             // with larger ones they are not. Two draws of 2^24 for the rounding, one of each cell for those without.
             if columns == width {

@@ -6,8 +6,8 @@ use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use gpu_rt::data::Material;
 
-use crate::fresnel::fresnel;
 use crate::kernel::{Kernel, Setup};
+use crate::oracles::{fresnel, metal_density};
 use crate::stats::{Random, chi_square, normal_two_sided, sidak};
 use crate::vectors::{U, decades, exact, rounded, unit};
 
@@ -148,18 +148,6 @@ fn lambertian_light_never_goes_below_the_surface() {
     }
 }
 
-/// Density of the metal lobe's directions over the sphere at an angle with its axis: (d+^3 - d-^3) / (4 pi fuzz^3), for a
-/// line through the eye of the lobe is within the ball of radius fuzz around the mirror direction from d- to d+.
-fn metal_density(theta: f64, fuzz: f64) -> f64 {
-    let root2 = fuzz * fuzz - theta.sin().powi(2);
-    if root2 <= 0.0 || theta >= 0.5 * PI {
-        return 0.0;
-    }
-    let (cos, root) = (theta.cos(), root2.sqrt());
-    let nearer = if fuzz >= 1.0 && root > cos { 0.0 } else { cos - root };
-    ((cos + root).powi(3) - nearer.powi(3)) / (4.0 * PI * fuzz.powi(3))
-}
-
 /// Shares of the cells around the mirror direction, of what lies above the surface, and last what is absorbed. The
 /// direction at `theta` and azimuth phi, counted from the normal's side, is above the surface where
 /// cos theta cos i + sin theta sin i cos phi > 0.
@@ -239,36 +227,6 @@ fn metal_scatters_by_the_density_of_its_lobe() {
             assert!(fuzz == 1.0 || p(metal_shares(fuzz, cos, cone)) < threshold, "fuzz {fuzz}, cosine {cos}");
         }
     }
-}
-
-#[test]
-fn metal_without_fuzz_is_a_mirror() {
-    let mut random = Random(74);
-    let rows: Vec<In> = (0..5000)
-        .map(|_| {
-            let cos = decades(&mut random, -4.0, 0.0);
-            let (normal, incoming) = arriving(&mut random, cos);
-            let u = [0; 4].map(|_| random.uniform() as f32).map(|u| u.min(1.0 - U as f32));
-            In { incoming: rounded(incoming), normal: rounded(normal), colour: [1.0; 3], u, ..In::default() }
-        })
-        .collect();
-    let worst = |fuzz: f32| {
-        let rows: Vec<In> = rows
-            .iter()
-            .map(|row| In { material: Material { parameter: fuzz, ..Material::default() }, ..*row })
-            .collect();
-        let found = once("metal", &[]).run::<_, Out>(&rows);
-        rows.iter().zip(found).fold(0.0f64, |worst, (row, out)| {
-            assert_eq!(out.event, SCATTERED, "{row:?}");
-            let (incoming, normal) = (exact(row.incoming), exact(row.normal));
-            let expected = (incoming - 2.0 * incoming.dot(normal) * normal).normalize();
-            worst.max((exact(out.direction) - expected).length())
-        })
-    };
-    // A dot product and twice its multiple, then normalize.
-    assert!(worst(0.0) <= 16.0 * U, "{} u", worst(0.0) / U);
-    // The planted fuzz stays above the surface for cosines above it alone.
-    assert!(worst(5e-5) > 16.0 * U);
 }
 
 /// With the host's constants, rounded from f64.

@@ -1,120 +1,13 @@
-//! The two-level walk: it finds what asking every face of every instance finds, to the bit, at any scale and place; and rays that leave
-//! an instance do not meet the face that they left, whatever transform placed it.
+//! The two-level walk: it finds what asking every face of every instance finds, to the bit, at any scale and place. The rays that leave
+//! instances are in tests/extremes.
 
-use std::collections::HashMap;
-use std::fmt::Write;
-use std::path::Path;
-
-use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
-use gpu_rt::flatten::{Flat, flatten};
-use gpu_rt::plan::{Tables, choices_of};
-use gpu_rt::scene::Scene;
+use gpu_rt::flatten::Flat;
 
-use crate::kernel::{Kernel, Setup, array};
+use crate::instances::{In, NOTHING, Out, ball_file, flat_around, kernel, run};
 use crate::scenes::triple;
 use crate::stats::Random;
 use crate::vectors::{decades, exact, rounded, unit};
-
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct In {
-    origin: [f32; 3],
-    root: u32,
-    direction: [f32; 3],
-    ask: u32,
-    leaving: [f32; 3],
-    padding: u32,
-}
-
-/// As the shader's Hit: code, instance, t as bits, steps.
-type Hit = [u32; 4];
-
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct Out {
-    walked: Hit,
-    asked: Hit,
-    point: [f32; 3],
-    again: f32,
-    normal: [f32; 3],
-    again_code: u32,
-    start: [f32; 3],
-    again_instance: u32,
-}
-
-const NOTHING: u32 = u32::MAX;
-
-/// The corners and faces of an octahedron, each face cut into four so many times; on the unit sphere.
-fn ball(cuts: u32) -> (Vec<DVec3>, Vec<[usize; 3]>) {
-    let mut corners = vec![DVec3::X, -DVec3::X, DVec3::Y, -DVec3::Y, DVec3::Z, -DVec3::Z];
-    let mut faces = vec![[4, 0, 2], [0, 5, 2], [5, 1, 2], [1, 4, 2], [0, 4, 3], [5, 0, 3], [1, 5, 3], [4, 1, 3]];
-    for _ in 0..cuts {
-        let mut middles = HashMap::new();
-        let mut middle = |a: usize, b: usize, corners: &mut Vec<DVec3>| {
-            *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
-                corners.push((corners[a] + corners[b]).normalize());
-                corners.len() - 1
-            })
-        };
-        faces = faces
-            .iter()
-            .flat_map(|&[a, b, c]| {
-                let (ab, bc, ca) = (middle(a, b, &mut corners), middle(b, c, &mut corners), middle(c, a, &mut corners));
-                [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
-            })
-            .collect();
-    }
-    (corners, faces)
-}
-
-/// The ball as an OBJ file, stretched along its axes.
-fn ball_file(cuts: u32, stretch: DVec3) -> String {
-    let (corners, faces) = ball(cuts);
-    let mut text = String::new();
-    for p in corners {
-        let p = stretch * p;
-        writeln!(text, "v {:?} {:?} {:?}", p.x, p.y, p.z).expect("a string takes text");
-    }
-    for [a, b, c] in faces {
-        writeln!(text, "f {} {} {}", a + 1, b + 1, c + 1).expect("a string takes text");
-    }
-    text
-}
-
-/// Objects of the material "m" around a camera at `eye`, with "ball.obj" beside the scene.
-fn flat_around(eye: DVec3, mesh: &str, objects: &[String]) -> Flat {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    std::fs::write(folder.path().join("ball.obj"), mesh).expect("the mesh is written");
-    let at = eye + DVec3::X * eye.abs().max_element().max(1.0);
-    let text = format!(
-        "Scene(image: (width: 16, height: 16), camera: (look_from: {}, look_at: {}, vertical_fov: 40),\n\
-         background: Solid((1, 1, 1)), materials: {{\"m\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5))}}, objects: [{}])",
-        triple(eye),
-        triple(at),
-        objects.join(",\n")
-    );
-    let scene = Scene::parse(&text, &folder.path().join("test.ron")).unwrap_or_else(|error| panic!("{error}"));
-    assert_eq!(scene.location(&[]).file, folder.path().join(Path::new("test.ron")));
-    flatten(&scene, (16, 16)).expect("the test's scene is small")
-}
-
-fn kernel(flat: &Flat, faces: usize, replaced: &[(&str, &str)]) -> Kernel {
-    let plan = choices_of(&flat.features, &Tables::default());
-    let (instances, faces) = (flat.instances.len().to_string(), faces.to_string());
-    let values = [("instances", &*instances), ("faces", &*faces)];
-    Kernel::with("test/meshes", &Setup { plan, values: &values, replaced, ..Setup::default() })
-}
-
-fn run(kernel: &Kernel, flat: &Flat, rays: &[In]) -> Vec<Out> {
-    let tables = [
-        array("nodes", &flat.nodes),
-        array("spheres", &flat.spheres),
-        array("instances", &flat.instances),
-        array("meshes", &flat.meshes),
-    ];
-    kernel.run_with(rays, rays.len(), &tables)
-}
 
 /// Instances of a ball of any size and turn within `extent` of the origin, all scaled and moved.
 fn crowd(random: &mut Random, count: usize, extent: f64, scale: f64, shift: DVec3) -> Vec<String> {
@@ -189,64 +82,4 @@ fn the_walk_finds_what_asking_every_face_finds() {
         assert!(missed > 20, "{missed}");
     }
     assert_eq!(asked, 1_000_000);
-}
-
-/// Rays from the eye at a ball of a relative size, placed by a transform; what happens to those that leave it again. The result is
-/// how many there were, and how many met the face that they left, met the ball though they left it outwards, and lost the inside though
-/// they went in.
-fn leave(random: &mut Random, size: f64, place: f64, replaced: &[(&str, &str)]) -> [usize; 4] {
-    const RAYS: usize = 20_000;
-    let mesh = ball_file(3, DVec3::ONE);
-    let center = place * unit(random);
-    let object = format!(
-        "Transformed(by: [Rotate(axis: {}, degrees: 77), Scale({size:?}), Translate({})], object: Mesh(path: \"ball.obj\", \
-         material: \"m\"))",
-        triple(unit(random)),
-        triple(center)
-    );
-    let flat = flat_around(DVec3::ZERO, &mesh, &[object]);
-    let instance = flat.instances[0];
-    let (at, radius) = (exact(instance.place), f64::from(instance.scale));
-    let rays: Vec<In> = (0..RAYS)
-        .map(|i| {
-            let target = at + 0.9 * radius * random.uniform() * unit(random);
-            let origin = target + 3.0 * radius * unit(random);
-            let direction = rounded((target - origin).normalize());
-            let leaving = rounded(unit(random));
-            let origin = if i % 2 == 0 { rounded(origin) } else { rounded(at + 0.5 * radius * unit(random)) };
-            In { origin, direction, root: flat.settings.root, leaving, ..In::default() }
-        })
-        .collect();
-    let found = run(&kernel(&flat, 8 * 64, replaced), &flat, &rays);
-    let mut counts = [0; 4];
-    for (out, ray) in found.iter().zip(&rays) {
-        if out.walked[0] == NOTHING {
-            continue;
-        }
-        let cosine = exact(ray.leaving).dot(exact(out.normal));
-        counts[0] += 1;
-        counts[1] += usize::from(out.again >= 0.0 && out.again_code == out.walked[0]);
-        counts[2] += usize::from(cosine > 0.0 && out.again >= 0.0);
-        // At less than a tenth to the surface, a facet's chord is as short as what rounding moves a point by.
-        counts[3] += usize::from(cosine < -0.1 && out.again < 0.0);
-    }
-    counts
-}
-
-#[test]
-fn rays_that_leave_an_instance_do_not_meet_it_again() {
-    let mut random = Random(62);
-    // The size of the ball, and the distance of its middle from the eye. Beyond a ratio of 1e5 the inside of the ball is some hundred
-    // floats wide, and chords near its edge are lost.
-    for (size, place) in
-        [(1.0, 0.0), (1.0, 1.0), (1e-4, 0.0), (1e4, 3e3), (1e-4, 1e-2), (1.0, 1e3), (1e-4, 1.0), (1e4, 1e8)]
-    {
-        let [rays, same, outwards, lost] = leave(&mut random, size, place, &[]);
-        assert!(rays > 10_000, "{rays}");
-        assert_eq!([same, outwards, lost], [0, 0, 0], "size {size:e} at {place:e}, of {rays}");
-    }
-    // Without the offset many do.
-    let planted = [("geometry/offset", "test/control/offset_none")];
-    let [rays, same, ..] = leave(&mut random, 1.0, 1e3, &planted);
-    assert!(same > 100, "{same} of {rays}");
 }

@@ -3,41 +3,9 @@
 use glam::DVec3;
 
 use crate::kernel::{Kernel, Setup};
-use crate::rng::pcg4d;
+use crate::oracles::{NOISE_ERROR, perlin, turbulence};
 use crate::stats::{Random, one_sample_t};
 use crate::vectors::{U, rounded, unit};
-
-/// How far the noise may be off in f32.
-pub const NOISE_ERROR: f64 = 20.0 * U;
-
-/// The gradient at a lattice point: the hash of its coordinates modulo 256 as a point of the cube, made unit.
-fn gradient(cell: [i64; 3]) -> DVec3 {
-    let [x, y, z] = cell.map(|c| c.rem_euclid(256) as u32);
-    let bits = pcg4d([x, y, z, 0x9e37_79b9]);
-    let coordinate = |word: u32| (2.0 * f64::from(word >> 8) + 1.0) / 16_777_216.0 - 1.0;
-    DVec3::new(coordinate(bits[0]), coordinate(bits[1]), coordinate(bits[2])).normalize()
-}
-
-/// Gradient noise in f64, with the cubic fade.
-pub fn perlin(p: DVec3) -> f64 {
-    let base = p.floor();
-    let f = p - base;
-    let fade = f * f * (3.0 - 2.0 * f);
-    let mut sum = 0.0;
-    for corner in 0..8 {
-        let step = [corner & 1, corner >> 1 & 1, corner >> 2];
-        let at = DVec3::new(step[0] as f64, step[1] as f64, step[2] as f64);
-        let weight = at * fade + (1.0 - at) * (1.0 - fade);
-        let cell = [base.x as i64 + step[0], base.y as i64 + step[1], base.z as i64 + step[2]];
-        sum += weight.element_product() * gradient(cell).dot(f - at);
-    }
-    sum
-}
-
-/// The absolute value of seven octaves, each half as strong and twice as fine as the one before.
-pub fn turbulence(p: DVec3) -> f64 {
-    (0..7).map(|octave| perlin(p * f64::from(1 << octave)) / f64::from(1 << octave)).sum::<f64>().abs()
-}
 
 fn evaluate(kernel: &Kernel, points: &[DVec3]) -> Vec<[f32; 2]> {
     let rows: Vec<[f32; 4]> = points.iter().map(|p| rounded(*p)).map(|[x, y, z]| [x, y, z, 0.0]).collect();

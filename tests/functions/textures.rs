@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3};
 use gpu_rt::data::{Settings, Texture};
 
 use crate::kernel::{Kernel, Setup, array, uniform};
-use crate::perlin::{NOISE_ERROR, perlin, turbulence};
+use crate::oracles::{NOISE_ERROR, perlin, turbulence};
 use crate::stats::Random;
 use crate::vectors::{U, decades, exact, rounded, unit};
 

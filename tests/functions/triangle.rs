@@ -1,63 +1,14 @@
-//! geometry/triangle: closed meshes without holes or double walls, distances and weights, and the rays that leave.
+//! geometry/triangle: closed meshes without holes or double walls, distances and weights. The rays that leave are in tests/extremes.
 
 use std::collections::HashMap;
 
-use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
-use crate::kernel::{Kernel, Setup, array};
+use crate::kernel::Kernel;
 use crate::stats::Random;
 use crate::trace::NO_HIT;
+use crate::triangles::{Corners, In, Out, stout, trace, tracer};
 use crate::vectors::{U, decades, exact, rounded, unit};
-
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct In {
-    origin: [f32; 3],
-    first: u32,
-    direction: [f32; 3],
-    count: u32,
-    leaving: [f32; 3],
-    padding: u32,
-}
-
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct Out {
-    back: u32,
-    front: u32,
-    nearest: u32,
-    t: f32,
-    barycentric: [f32; 3],
-    again: f32,
-    error: f32,
-    padding: [f32; 3],
-}
-
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct Corners([[f32; 4]; 3]);
-
-impl Corners {
-    fn new(corners: [DVec3; 3]) -> Corners {
-        Corners(corners.map(|p| {
-            let [x, y, z] = rounded(p);
-            [x, y, z, 0.0]
-        }))
-    }
-
-    fn exact(&self) -> [DVec3; 3] {
-        self.0.map(|[x, y, z, _]| exact([x, y, z]))
-    }
-}
-
-fn tracer(replaced: &[(&str, &str)]) -> Kernel {
-    Kernel::with("test/triangle", &Setup { replaced, ..Setup::default() })
-}
-
-fn trace(kernel: &Kernel, triangles: &[Corners], rays: &[In]) -> Vec<Out> {
-    kernel.run_with(rays, rays.len(), &[array("triangles", triangles)])
-}
 
 /// A closed mesh around the origin, counter-clockwise as seen from outside.
 struct Mesh {
@@ -243,16 +194,6 @@ fn every_ray_from_inside_a_closed_mesh_leaves_it_once() {
     }
 }
 
-/// A triangle with no angle below some 20 degrees and a longest edge near `size`.
-fn stout(random: &mut Random, size: f64) -> [DVec3; 3] {
-    let (x, axis) = (unit(random), unit(random));
-    let y = x.cross(axis).normalize();
-    [0.0, 1.0, 2.0].map(|i: f64| {
-        let angle = (i + 0.3 * random.uniform()) * std::f64::consts::TAU / 3.0;
-        0.55 * size * (0.8 + 0.4 * random.uniform()) * (angle.cos() * x + angle.sin() * y)
-    })
-}
-
 /// Where a line meets a triangle's plane in f64, and the weights there.
 fn crossing(origin: DVec3, direction: DVec3, [a, b, c]: [DVec3; 3]) -> (f64, [f64; 3]) {
     let normal = (b - a).cross(c - a);
@@ -330,56 +271,4 @@ fn distances_and_weights_are_right_to_the_last_digits() {
     assert!(check(&off.collect::<Vec<_>>()) > 10_000);
     let swapped = found.iter().map(|out| Out { front: out.back, back: out.front, ..*out });
     assert!(check(&swapped.collect::<Vec<_>>()) > 10_000);
-}
-
-/// Rays that meet triangles of all sizes and places, needles among them down to 1e-5 of their length, and leave them at
-/// cosines from 1e-6 to 1: how many, and how many of them met the triangle again.
-fn leave(kernel: &Kernel, away: impl Fn(f64) -> f64) -> (usize, usize) {
-    const RAYS: usize = 200_000;
-    let mut random = Random(73);
-    let (mut triangles, mut rays) = (Vec::new(), Vec::new());
-    for i in 0..RAYS {
-        let size = decades(&mut random, -6.0, 6.0);
-        let mut corners = stout(&mut random, size);
-        if i % 2 == 0 {
-            // One vertex to within a share of another.
-            let (one, other) = (i / 2 % 3, (i / 2 + 1) % 3);
-            corners[one] = corners[other] + decades(&mut random, -5.0, 0.0) * (corners[one] - corners[other]);
-        }
-        let place = away(size) * decades(&mut random, -3.0, 0.0) * unit(&mut random);
-        let corners = Corners::new(corners.map(|p| p + place));
-        let [a, b, c] = corners.exact();
-        let normal = (b - a).cross(c - a).normalize();
-        let (v, w) = (random.uniform(), random.uniform());
-        let (v, w) = if v + w > 1.0 { (1.0 - v, 1.0 - w) } else { (v, w) };
-        let target = a + v * (b - a) + w * (c - a);
-        let origin = rounded(target + size * decades(&mut random, -2.0, 1.0) * unit(&mut random));
-        let cos = decades(&mut random, -6.0, 0.0) * if i % 4 < 2 { 1.0 } else { -1.0 };
-        // Along the plane, half of them along the longest way.
-        let along = if i % 8 < 4 { (b - a) - (c - b) } else { unit(&mut random) };
-        let along = (along - along.dot(normal) * normal).normalize();
-        let leaving = rounded(cos * normal + (1.0 - cos * cos).sqrt() * along);
-        triangles.push(corners);
-        let direction = rounded((target - exact(origin)).normalize());
-        rays.push(In { origin, direction, first: i as u32, count: 1, leaving, ..In::default() });
-    }
-    let (mut hits, mut again) = (0, 0);
-    for out in &trace(kernel, &triangles, &rays) {
-        hits += usize::from(out.t != NO_HIT);
-        again += usize::from(out.again != NO_HIT);
-    }
-    (hits, again)
-}
-
-#[test]
-fn rays_leave_triangles_of_all_sizes() {
-    let kernel = tracer(&[]);
-    let without = tracer(&[("geometry/offset", "test/control/offset_none")]);
-    for (name, far) in [("near the origin", 1.0), ("up to 1000 sizes off", 1e3)] {
-        let (hits, again) = leave(&kernel, |size| far * size);
-        assert!(hits > 100_000, "{name}: {hits} hits");
-        assert_eq!(again, 0, "{name}: re-hits of {hits}");
-        let (_, again) = leave(&without, |size| far * size);
-        assert!(again > 1000, "{name}: {again} re-hits without an offset");
-    }
 }

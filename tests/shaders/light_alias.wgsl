@@ -3,8 +3,6 @@
 struct Entry {
     threshold: f32,
     alias_index: u32,
-    probability: f32,
-    alias_probability: f32,
 }
 
 struct Out {

@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 
-use super::place::{MeshBox, Placed, PlacedMedium, Shape};
+use super::place::{AxisBox, Placed, PlacedMedium, Shape};
 use super::similarity::Similarity;
 use super::view::View;
 use crate::scene::{Material, Object, Scene, Texture};
@@ -24,7 +24,7 @@ pub struct Found<'a> {
     pub scene: &'a Scene,
     pub placed: &'a [Placed],
     pub media: &'a [PlacedMedium<'a>],
-    pub boxes: &'a [MeshBox],
+    pub boxes: &'a [AxisBox],
     pub view: &'a View<'a>,
     /// The farthest that anything reaches from the camera along an axis.
     pub extent: f64,

@@ -1,0 +1,34 @@
+//@ use data/ray
+//@ use data/hit
+//@ use data/primitive
+//@ use bind/settings
+//@ use scene/primitives
+//@ use lib/float
+// The nearest primitive along a ray in a scene of so few that all are asked, without a hierarchy: every lane asks the same one at a time.
+
+// Nearest hit with t > 0 and before `limit`; or, where any will do, the first one found. Of two hits at one distance the primitive
+// that comes first in the scene wins.
+fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
+    var hit = limit;
+    //@ each primitive
+    for (var index = 0u; index < settings.few[${number}u]; index += 1u) {
+        let t = ${name}_distance(ray, ${name}s[index]);
+        if t != NO_HIT && t <= hit.t {
+            let code = PRIMITIVE_BIT | ${number}u << PRIMITIVE_KIND_SHIFT | index;
+            if t < hit.t || comes_before(code, NO_INSTANCE, hit) {
+                hit.code = code;
+                hit.instance = NO_INSTANCE;
+                hit.t = t;
+                if any_will_do {
+                    return hit;
+                }
+            }
+        }
+    }
+    //@ end
+    return hit;
+}
+
+fn nearest_hit(ray: Ray, root: u32) -> Hit {
+    return first_hit(ray, root, Hit(HIT_NOTHING, NO_INSTANCE, VERY_FAR, 0u), false);
+}

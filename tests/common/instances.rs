@@ -1,0 +1,117 @@
+//! Rays against instances of a ball of triangles, on the device: tests/shaders/meshes.wgsl.
+
+// Each test crate compiles its own copy of this file and uses a part of it.
+#![allow(dead_code)]
+
+use std::collections::HashMap;
+use std::fmt::Write;
+use std::path::Path;
+
+use bytemuck::{Pod, Zeroable};
+use glam::DVec3;
+use gpu_rt::flatten::{Flat, flatten};
+use gpu_rt::plan::{Tables, choices_of};
+use gpu_rt::scene::Scene;
+
+use crate::kernel::{Kernel, Setup, array};
+use crate::scenes::triple;
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct In {
+    pub origin: [f32; 3],
+    pub root: u32,
+    pub direction: [f32; 3],
+    pub ask: u32,
+    pub leaving: [f32; 3],
+    pub padding: u32,
+}
+
+/// As the shader's Hit: code, instance, t as bits, steps.
+pub type Hit = [u32; 4];
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct Out {
+    pub walked: Hit,
+    pub asked: Hit,
+    pub point: [f32; 3],
+    pub again: f32,
+    pub normal: [f32; 3],
+    pub again_code: u32,
+    pub start: [f32; 3],
+    pub again_instance: u32,
+}
+
+pub const NOTHING: u32 = u32::MAX;
+
+/// The corners and faces of an octahedron, each face cut into four so many times; on the unit sphere.
+pub fn ball(cuts: u32) -> (Vec<DVec3>, Vec<[usize; 3]>) {
+    let mut corners = vec![DVec3::X, -DVec3::X, DVec3::Y, -DVec3::Y, DVec3::Z, -DVec3::Z];
+    let mut faces = vec![[4, 0, 2], [0, 5, 2], [5, 1, 2], [1, 4, 2], [0, 4, 3], [5, 0, 3], [1, 5, 3], [4, 1, 3]];
+    for _ in 0..cuts {
+        let mut middles = HashMap::new();
+        let mut middle = |a: usize, b: usize, corners: &mut Vec<DVec3>| {
+            *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
+                corners.push((corners[a] + corners[b]).normalize());
+                corners.len() - 1
+            })
+        };
+        faces = faces
+            .iter()
+            .flat_map(|&[a, b, c]| {
+                let (ab, bc, ca) = (middle(a, b, &mut corners), middle(b, c, &mut corners), middle(c, a, &mut corners));
+                [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+            })
+            .collect();
+    }
+    (corners, faces)
+}
+
+/// The ball as an OBJ file, stretched along its axes.
+pub fn ball_file(cuts: u32, stretch: DVec3) -> String {
+    let (corners, faces) = ball(cuts);
+    let mut text = String::new();
+    for p in corners {
+        let p = stretch * p;
+        writeln!(text, "v {:?} {:?} {:?}", p.x, p.y, p.z).expect("a string takes text");
+    }
+    for [a, b, c] in faces {
+        writeln!(text, "f {} {} {}", a + 1, b + 1, c + 1).expect("a string takes text");
+    }
+    text
+}
+
+/// Objects of the material "m" around a camera at `eye`, with "ball.obj" beside the scene.
+pub fn flat_around(eye: DVec3, mesh: &str, objects: &[String]) -> Flat {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    std::fs::write(folder.path().join("ball.obj"), mesh).expect("the mesh is written");
+    let at = eye + DVec3::X * eye.abs().max_element().max(1.0);
+    let text = format!(
+        "Scene(image: (width: 16, height: 16), camera: (look_from: {}, look_at: {}, vertical_fov: 40),\n\
+         background: Solid((1, 1, 1)), materials: {{\"m\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5))}}, objects: [{}])",
+        triple(eye),
+        triple(at),
+        objects.join(",\n")
+    );
+    let scene = Scene::parse(&text, &folder.path().join("test.ron")).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(scene.location(&[]).file, folder.path().join(Path::new("test.ron")));
+    flatten(&scene, (16, 16)).expect("the test's scene is small")
+}
+
+pub fn kernel(flat: &Flat, faces: usize, replaced: &[(&str, &str)]) -> Kernel {
+    let plan = choices_of(&flat.features, &Tables::default());
+    let (instances, faces) = (flat.instances.len().to_string(), faces.to_string());
+    let values = [("instances", &*instances), ("faces", &*faces)];
+    Kernel::with("test/meshes", &Setup { plan, values: &values, replaced, ..Setup::default() })
+}
+
+pub fn run(kernel: &Kernel, flat: &Flat, rays: &[In]) -> Vec<Out> {
+    let tables = [
+        array("nodes", &flat.nodes),
+        array("spheres", &flat.spheres),
+        array("instances", &flat.instances),
+        array("meshes", &flat.meshes),
+    ];
+    kernel.run_with(rays, rays.len(), &tables)
+}

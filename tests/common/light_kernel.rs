@@ -1,0 +1,125 @@
+//! Directions towards lights on the device, by the kernel tests/shaders/light.wgsl; and spheres as lights in f64.
+
+// Each test crate compiles its own copy of this file and uses a part of it.
+#![allow(dead_code)]
+
+use bytemuck::{Pod, Zeroable};
+use glam::DVec3;
+use gpu_rt::data::Sphere;
+
+use crate::kernel::{Kernel, Setup, array};
+use crate::stats::Random;
+use crate::vectors::{U, decades, exact, rounded, unit};
+
+/// Draws for each configuration. Chi-square of 31 x 17 cells over 2^16 of them finds a density that is off by 6.6 % in the
+/// root mean square with a probability of 99.9 %.
+pub const DRAWS: usize = 1 << 16;
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct In {
+    pub from: [f32; 3],
+    pub shape: u32,
+    pub u: [f32; 2],
+    pub padding: [f32; 2],
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct Out {
+    pub direction: [f32; 3],
+    pub pdf: f32,
+    pub again: f32,
+    pub distance: f32,
+    pub padding: [f32; 2],
+}
+
+/// A kind of light: its module, and the name of its struct.
+pub type Kind = (&'static str, &'static str);
+
+pub const SPHERE: Kind = ("sphere", "Sphere");
+pub const TRIANGLE: Kind = ("triangle", "Triangle");
+pub const QUAD: Kind = ("quad", "Quad");
+pub const CUBOID: Kind = ("cuboid", "Cuboid");
+
+pub fn kernel((shape, name): Kind, draws: usize, replaced: &[(&str, &str)]) -> Kernel {
+    let draws = draws.to_string();
+    let values = [("shape", shape), ("type", name), ("draws", &*draws)];
+    Kernel::with("test/light", &Setup { replaced, values: &values, ..Setup::default() })
+}
+
+/// Many draws for each row; a few rows at a time, for a buffer's sake.
+pub fn draws<S: Pod>(kind: Kind, rows: &[In], shapes: &[S], replaced: &[(&str, &str)]) -> Vec<Out> {
+    let kernel = kernel(kind, DRAWS, replaced);
+    let shapes = array("shapes", shapes);
+    rows.chunks(32).flat_map(|rows| kernel.run_with(rows, rows.len() * DRAWS, std::slice::from_ref(&shapes))).collect()
+}
+
+/// The uniforms' ends in each dimension, and some between.
+pub fn ends() -> Vec<[f32; 2]> {
+    let all = [0.0, U as f32, 2f32.powi(-12), 0.3, 0.5, 1.0 - 2f32.powi(-12), 1.0 - U as f32];
+    all.into_iter().flat_map(|x| all.map(|y| [x, y])).collect()
+}
+
+/// Answers every row for all of [`ends`].
+pub fn at_ends<S: Pod>(kind: Kind, rows: &[In], shapes: &[S]) -> Vec<(In, Out)> {
+    let rows: Vec<In> = rows.iter().flat_map(|row| ends().into_iter().map(|u| In { u, ..*row })).collect();
+    let found = kernel(kind, 1, &[]).run_with::<_, Out>(&rows, rows.len(), &[array("shapes", shapes)]);
+    rows.into_iter().zip(found).collect()
+}
+
+/// Spheres of all sizes with points at r/D of each of these.
+pub fn spheres(shares: &[f64], seed: u64) -> (Vec<In>, Vec<Sphere>) {
+    let mut random = Random(seed);
+    let (mut rows, mut shapes) = (Vec::new(), Vec::new());
+    for &share in shares {
+        let radius = decades(&mut random, -3.0, 1.0) as f32;
+        // The point near the origin, so that it has its digits where it is close to the sphere's surface.
+        let from = rounded(1e-3 * f64::from(radius) * unit(&mut random));
+        let center = rounded(exact(from) + f64::from(radius) / share * unit(&mut random));
+        rows.push(In { from, shape: shapes.len() as u32, ..In::default() });
+        shapes.push(Sphere { center, radius, ..Sphere::default() });
+    }
+    (rows, shapes)
+}
+
+/// Half angle of the cone: sine and 1 - cosine, of the numbers that the device has.
+pub fn cone(row: &In, sphere: &Sphere) -> (DVec3, f64, f64) {
+    let to_center = exact(sphere.center) - exact(row.from);
+    let sine = f64::from(sphere.radius) / to_center.length();
+    (to_center.normalize(), sine, if sine >= 1.0 { 2.0 } else { sine * sine / (1.0 + (1.0 - sine * sine).sqrt()) })
+}
+
+pub const SHARES: [f64; 20] = [
+    1e-8,
+    1e-7,
+    1e-6,
+    1e-5,
+    1e-4,
+    2e-4,
+    1e-3,
+    1e-2,
+    0.1,
+    0.3,
+    0.5,
+    0.7,
+    0.9,
+    0.99,
+    0.999,
+    0.9999,
+    0.99999,
+    0.999999,
+    1.0 - 5e-7,
+    1.0 - 1e-7,
+];
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct Triangle {
+    pub a: [f32; 3],
+    pub padding0: f32,
+    pub b: [f32; 3],
+    pub padding1: f32,
+    pub c: [f32; 3],
+    pub padding2: f32,
+}

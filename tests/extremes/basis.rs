@@ -1,0 +1,89 @@
+//! lib/basis: orthonormal around every unit vector, also near the poles.
+
+use bytemuck::{Pod, Zeroable};
+use glam::DVec3;
+
+use crate::kernel::{Kernel, Setup};
+use crate::stats::Random;
+use crate::table::{Cell, FRISVAD, Row};
+use crate::vectors::{U, exact, rounded, unit};
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+struct Out {
+    tangent: [f32; 3],
+    padding0: u32,
+    bitangent: [f32; 3],
+    padding1: u32,
+    place: [f32; 3],
+    padding2: u32,
+}
+
+/// The largest of the deviations from unit length and from right angles, without bound where the basis is left-handed; and the largest
+/// error of a place in the basis.
+fn worst(kernel: &Kernel, normals: &[DVec3]) -> (f64, f64) {
+    let rows: Vec<[f32; 4]> = normals.iter().map(|n| rounded(*n)).map(|[x, y, z]| [x, y, z, 0.0]).collect();
+    let (mut angle, mut place) = (0.0f64, 0.0f64);
+    for ([x, y, z, _], out) in rows.iter().zip(kernel.run::<_, Out>(&rows)) {
+        let (n, t, b) = (exact([*x, *y, *z]), exact(out.tangent), exact(out.bitangent));
+        let off = [t.length() - 1.0, b.length() - 1.0, t.dot(b), t.dot(n), b.dot(n)];
+        angle = off.iter().fold(angle, |worst, off| worst.max(off.abs()));
+        if t.cross(b).dot(n) <= 0.0 {
+            angle = f64::INFINITY;
+        }
+        place = place.max((exact(out.place) - (t + 2.0 * b + 3.0 * n)).length());
+    }
+    (angle, place)
+}
+
+/// Unit vectors so far beside the pole at z.
+fn beside(random: &mut Random, z: f64, across: f64) -> Vec<DVec3> {
+    let beside = |at: DVec3| DVec3::new(at.x, at.y, z * (1.0 - at.x * at.x - at.y * at.y).sqrt());
+    (0..200).map(|_| beside(across * unit(random))).collect()
+}
+
+/// The table's cells of bases.
+pub fn cells() -> Vec<Cell> {
+    const FIGURE: &str = "Largest deviation from unit lengths, right angles and a right-handed basis";
+    const BECAUSE: &str = "The vector's own length is off by 1.5 u, which the form passes on twice, and some roundings of numbers below 1: 8 u.";
+    let mut random = Random(52);
+    let own = Kernel::new("test/basis");
+    let replaced = [("lib/basis", "test/control/basis_frisvad")];
+    let frisvad = Kernel::with("test/basis", &Setup { replaced: &replaced, ..Setup::default() });
+    let cell = |range: String, normals: &[DVec3]| {
+        Cell::new(Row::Basis, range, FIGURE, 8.0 * U, BECAUSE).achieved(worst(&own, normals).0)
+    };
+    let everywhere: Vec<DVec3> = (0..5000).map(|_| unit(&mut random)).collect();
+    let mut all = vec![
+        cell("everywhere".to_string(), &everywhere),
+        Cell::new(
+            Row::Basis,
+            "everywhere",
+            "Largest error of the place (1, 2, 3) of a basis",
+            16.0 * U,
+            "Three products of up to 3, and their sums: 16 u.",
+        )
+        .achieved(worst(&own, &everywhere).1),
+    ];
+    for z in [1.0, -1.0] {
+        for exponent in [1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 20] {
+            let normals = beside(&mut random, z, 10f64.powi(-exponent));
+            let found = cell(format!("z near {z}, xy = 1e-{exponent}"), &normals);
+            // 1 + z cancels; and where z counts as -1, the basis is that of the pole itself.
+            all.push(match z < 0.0 && exponent <= 6 {
+                true => found.planted(FRISVAD, worst(&frisvad, &normals).0),
+                false => found,
+            });
+        }
+        let zeros = [(0.0, 0.0), (-0.0, 0.0), (0.0, -0.0), (-0.0, -0.0), (1e-40, 0.0), (0.0, -1e-40)];
+        let zeros = zeros.map(|(x, y)| DVec3::new(x, y, z));
+        all.push(cell(format!("z = {z}, xy = 0, -0 and 1e-40"), &zeros));
+        // On the equator, where the sign of z decides.
+        let equator = [DVec3::new(0.6, 0.8, 1e-30 * z), DVec3::new(-0.8, 0.6, 0.0 * z), DVec3::new(0.0, 1.0, 0.0 * z)];
+        all.push(cell(
+            format!("z = {}0 and {}1e-30", ["", "-"][usize::from(z < 0.0)], ["", "-"][usize::from(z < 0.0)]),
+            &equator,
+        ));
+    }
+    all
+}

@@ -1,0 +1,235 @@
+//! No object, one, a million, and ten thousand in one place.
+
+use std::io::Write;
+
+use bytemuck::{Pod, Zeroable};
+use glam::{DVec3, Vec3};
+use gpu_rt::bvh::{self, Bounds, Quality};
+use gpu_rt::data::{PRIMITIVE_BIT, Sphere};
+use gpu_rt::flatten::Flat;
+use gpu_rt::plan::{Tables, choices_of};
+
+use crate::geometry::{farthest, scene};
+use crate::kernel::{Kernel, Setup, array};
+use crate::render::{Ask, render, scene_in};
+use crate::scenes::flat;
+use crate::stats::Random;
+use crate::table::{Cell, Row};
+use crate::vectors::{U, decades, exact, rounded, unit};
+
+const MILLION: usize = 1 << 20;
+
+/// The table's cells of how many objects there are.
+pub fn cells() -> Vec<Cell> {
+    let mut all = few();
+    all.extend(coincident());
+    all.push(triangles());
+    all.push(spheres());
+    all
+}
+
+const CAMERA: &str = "(look_from: (1.08, 1.44, 2.4), look_at: (0, 0, 0), vertical_fov: 20)";
+
+fn few() -> Vec<Cell> {
+    let one = "Sphere(center: (0, 0, 0), radius: 1, material: \"grey\")";
+    [("0", "", 1.0), ("1", one, 0.5)]
+        .map(|(range, objects, expected)| {
+            let shot = render(&scene(CAMERA, 1.0, objects), &Ask::spp(64));
+            let figure = "Farthest from the light of the sky, or from what a convex body of albedo 0.5 has of it";
+            let because = "Every path brings the same: none.";
+            Cell::new(Row::Objects, range, figure, 0.0, because).achieved(farthest(&shot, expected))
+        })
+        .into()
+}
+
+/// Bodies in one place, of which the first is grey and the others are lamps.
+fn coincident() -> Vec<Cell> {
+    let bodies = [
+        ("spheres", 10_000, "Sphere(center: (0, 0, 0), radius: 1, material: \"ITS\")"),
+        ("quads", 10_000, "Quad(corner: (-2, -2, 0), u: (4, 0, 0), v: (0, 4, 0), material: \"ITS\")"),
+        ("boxes", 10_000, "Box(min: (-1, -1, -1), max: (1, 1, 1), material: \"ITS\")"),
+        // A walk may take 48,000 steps, and through each of these it takes some ten.
+        ("meshes", 2000, "Transformed(by: [Scale(1.1)], object: Mesh(path: \"ball.obj\", material: \"ITS\"))"),
+    ];
+    bodies
+        .map(|(name, count, body)| {
+            let pixels = |count: usize, first: &str| {
+                let all = body.replace("ITS", first) + "," + &(body.replace("ITS", "both") + ",").repeat(count - 1);
+                let shot = render(&scene(CAMERA, 1.0, &all), &Ask::spp(8).size(8, 8));
+                shot.picture.rgb.into_flattened()
+            };
+            let one = pixels(1, "grey");
+            let differ =
+                |other: Vec<f32>| one.iter().zip(other).map(|(a, b)| f64::from((a - b).abs())).fold(0.0, f64::max);
+            Cell::new(
+                Row::Objects,
+                format!("{count} coincident {name}"),
+                "Farthest from the image of the one that stands first in the file",
+                0.0,
+                "Of two hits at one distance the first in the file wins: none.",
+            )
+            .achieved(differ(pixels(count, "grey")))
+            .planted("image of another of them", differ(pixels(count, "both")))
+        })
+        .into()
+}
+
+/// A plate of 2^20 triangles with its vertices moved about within it, all of it a lamp: no ray passes between them.
+fn triangles() -> Cell {
+    const SIDES: [usize; 2] = [1024, 512];
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut random = Random(81);
+    let mut bytes = format!(
+        "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\n\
+         element face {}\nproperty list uchar uint vertex_indices\nend_header\n",
+        (SIDES[0] + 1) * (SIDES[1] + 1),
+        MILLION,
+    )
+    .into_bytes();
+    for i in 0..=SIDES[0] {
+        for j in 0..=SIDES[1] {
+            let at = DVec3::new(i as f64, j as f64, 0.0) + 0.3 * unit(&mut random);
+            for x in rounded(at / SIDES[1] as f64 - DVec3::new(1.0, 0.5, 0.0)) {
+                bytes.extend(x.to_le_bytes());
+            }
+        }
+    }
+    let at = |i: usize, j: usize| (i * (SIDES[1] + 1) + j) as u32;
+    for i in 0..SIDES[0] {
+        for j in 0..SIDES[1] {
+            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+            for face in [[a, b, c], [a, c, d]] {
+                bytes.push(3);
+                face.iter().for_each(|corner| bytes.extend(corner.to_le_bytes()));
+            }
+        }
+    }
+    let mut file = std::fs::File::create(folder.path().join("plate.ply")).expect("the mesh is created");
+    file.write_all(&bytes).expect("the mesh is written");
+    let scene = scene_in(
+        folder.path(),
+        "Scene(image: (width: 64, height: 64), camera: (look_from: (0.1, 0.2, 1), look_at: (0, 0, 0), vertical_fov: 40),
+         background: Solid((0, 0, 0)), materials: { \"both\": DiffuseLight(emit: Rgb(1, 1, 1)) },
+         objects: [Transformed(by: [RotateX(10)], object: Mesh(path: \"plate.ply\", material: \"both\"))])",
+    );
+    let shot = render(&scene, &Ask::spp(8));
+    Cell::new(
+        Row::Objects,
+        "2^20 triangles of a mesh",
+        "Light that gets lost between them, at most",
+        0.0,
+        "A ray that meets an edge meets one of its two triangles: none.",
+    )
+    .achieved(farthest(&shot, 1.0))
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+struct Ray {
+    origin: [f32; 3],
+    root: u32,
+    direction: [f32; 3],
+    padding: u32,
+}
+
+/// 2^20 spheres of radii over two decades in a ball around the eye: the walk, against every one of them in f64.
+fn spheres() -> Cell {
+    const RAYS: usize = 128;
+    let mut random = Random(82);
+    let spheres: Vec<Sphere> = (0..MILLION)
+        .map(|order| {
+            let center = rounded(random.uniform().cbrt() * unit(&mut random));
+            let radius = decades(&mut random, -4.5, -2.5) as f32;
+            Sphere { center, radius, order: order as u32, ..Sphere::default() }
+        })
+        .collect();
+    let bounds: Vec<Bounds> = spheres
+        .iter()
+        .map(|sphere| {
+            let (center, reach) = (Vec3::from(sphere.center), sphere.radius + 16.0 * U as f32);
+            Bounds { min: center - reach, max: center + reach }
+        })
+        .collect();
+    let codes: Vec<u32> = (0..MILLION as u32).map(|i| PRIMITIVE_BIT | i).collect();
+    let tree = bvh::build(&bounds, &codes, Quality::default());
+    let rays: Vec<Ray> = (0..RAYS)
+        .map(|_| {
+            let origin = rounded(0.9 * random.uniform() * unit(&mut random));
+            Ray { origin, direction: rounded(unit(&mut random)), root: tree.root, padding: 0 }
+        })
+        .collect();
+    // Linked as for a scene of spheres alone, with a stack for this tree.
+    let one = flat(&["Sphere(center: (0, 0, -2), radius: 1, material: \"m\")".to_string()]);
+    let mut features = one.features.clone();
+    features.stack_size = tree.stack_size.max(1);
+    let plan = choices_of(&features, &Tables::default());
+    let values = [("spheres", "0"), ("quads", "0"), ("cuboids", "0")];
+    let kernel = Kernel::with("test/walk", &Setup { plan, values: &values, ..Setup::default() });
+    let walk = |nodes: &[gpu_rt::data::Node]| -> Vec<[[u32; 4]; 2]> {
+        let none = Flat::default();
+        let tables = [
+            array("nodes", nodes),
+            array("spheres", &spheres),
+            array("quads", &none.quads),
+            array("cuboids", &none.cuboids),
+        ];
+        kernel.run_with(&rays, rays.len(), &tables)
+    };
+    // Nearest crossing ahead in f64; what is within the error of the edge, or of the distance of another, may be decided either way.
+    let truth: Vec<(f64, f64)> = rays.iter().map(|ray| nearest(ray, &spheres)).collect();
+    let wrong = |found: &[[[u32; 4]; 2]]| {
+        let off = found.iter().zip(&truth).filter(|([walked, _], (surely, maybe))| {
+            let t = if walked[0] == u32::MAX { f64::INFINITY } else { f64::from(f32::from_bits(walked[2])) };
+            !(t >= maybe - 1e-5 && t <= surely + 1e-5)
+        });
+        off.count() as f64
+    };
+    let found = walk(&tree.nodes);
+    assert!(found.iter().filter(|[walked, _]| walked[0] != u32::MAX).count() > RAYS / 4);
+    let smaller: Vec<_> = tree
+        .nodes
+        .iter()
+        .map(|node| {
+            let shrink = |word: u32| (0..4).map(|i| (word >> (8 * i) & 255).saturating_sub(40) << (8 * i)).sum();
+            gpu_rt::data::Node { high: node.high.map(shrink), ..*node }
+        })
+        .collect();
+    Cell::new(
+        Row::Objects,
+        "2^20 spheres",
+        "Rays of 128 whose nearest hit is not that of asking every sphere in f64",
+        0.0,
+        "The hierarchy's boxes are widened by the rounding that the walk does: none.",
+    )
+    .achieved(wrong(&found))
+    .planted("boxes a sixth too small", wrong(&walk(&smaller)))
+}
+
+/// The nearest hit in f64 of spheres that are surely met, and of those that may be: lines within 1e-6 of the edge.
+fn nearest(ray: &Ray, spheres: &[Sphere]) -> (f64, f64) {
+    let (o, d) = (exact(ray.origin), exact(ray.direction));
+    let (mut surely, mut maybe) = (f64::INFINITY, f64::INFINITY);
+    for sphere in spheres {
+        let f = o - exact(sphere.center);
+        let k = -f.dot(d);
+        let (l2, r) = ((f + k * d).length_squared(), f64::from(sphere.radius));
+        if l2 > (r + 1e-6) * (r + 1e-6) {
+            continue;
+        }
+        let first = |r: f64| {
+            let h = (r * r - l2).max(0.0).sqrt();
+            if k - h > 0.0 {
+                k - h
+            } else if k + h > 0.0 {
+                k + h
+            } else {
+                f64::INFINITY
+            }
+        };
+        maybe = maybe.min(first(r + 1e-6));
+        if l2 < (r - 1e-6) * (r - 1e-6) {
+            surely = surely.min(first(r - 1e-6));
+        }
+    }
+    (surely, maybe)
+}

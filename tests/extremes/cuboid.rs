@@ -1,0 +1,82 @@
+//! geometry/cuboid: rays that leave boxes, at all angles.
+
+use crate::cuboids::{Exact, assorted, error_of, rays_at};
+use crate::kernel::Kernel;
+use crate::stats::Random;
+use crate::table::{Cell, NO_OFFSET, OFFSET_BY_BITS, Row};
+use crate::trace::{NO_HIT, leaving, trace, tracer};
+use crate::vectors::{U, decades, exact};
+
+/// Rays that met a box and leave it, out and in, at cosines with the face's normal within these decades: those that left to the
+/// wrong side, those of the rays outwards that met it again, and of those inwards whose chord was lost or off by 10 %.
+fn leave(kernel: &Kernel, aspect: f64, place: (f64, f64), cosines: (f64, f64)) -> f64 {
+    let mut random = Random(23);
+    let cuboids = assorted(&mut random, 3000, aspect, place);
+    let mut rays = rays_at(&mut random, &cuboids, 10_000);
+    for ray in &mut rays {
+        let cosine = decades(&mut random, cosines.0, cosines.1);
+        let outwards = random.below(2) == 0;
+        ray.leaving = leaving(&mut random, cosine, outwards);
+    }
+    let (mut hits, mut wrong_side, mut again, mut chords) = (0, 0, 0, 0);
+    for (ray, out) in rays.iter().zip(&trace(kernel, &cuboids, &rays)) {
+        let cuboid = &cuboids[ray.primitive as usize];
+        if out.t == NO_HIT {
+            continue;
+        }
+        hits += 1;
+        // The side that it left to. Along the face, to within the rounding of the direction and of its product with the normal, either will do.
+        let outwards = (exact(out.start) - exact(out.point)).dot(exact(out.normal)) >= 0.0;
+        let cosine = exact(out.leaving).dot(exact(out.normal));
+        wrong_side += usize::from(cosine.abs() > 8.0 * U && outwards != (cosine > 0.0));
+        if outwards {
+            again += usize::from(out.again != NO_HIT);
+        } else {
+            let (at, error) = (Exact::new(cuboid), error_of(cuboid));
+            let chord = at.span(exact(out.point), exact(out.leaving), error).map_or(0.0, |span| span.1);
+            // Shorter chords, at the edges, are within the errors of their ends.
+            if chord > 2000.0 * error {
+                chords += usize::from(out.again == NO_HIT || (f64::from(out.again) / chord - 1.0).abs() > 0.1);
+            }
+        }
+    }
+    assert!(hits > 6000, "{hits} hits");
+    (wrong_side + again + chords) as f64
+}
+
+/// The table's cells of boxes.
+pub fn cells() -> Vec<Cell> {
+    const BECAUSE: &str =
+        "The offset is above the bound of the point's error, and below a tenth of the chords judged: none.";
+    let own = tracer("cuboid", &[]);
+    let without = tracer("cuboid", &[("geometry/offset", "test/control/offset_none")]);
+    let by_bits = tracer("cuboid", &[("geometry/offset", "test/control/offset_by_bits")]);
+    let mut all = Vec::new();
+    for aspect in [0, 3, 6] {
+        for (name, place) in [("up to 1", (-2.0, 0.0)), ("1e2", (1.9, 2.1)), ("1e4", (3.9, 4.1))] {
+            let range = format!("edges down to 1e-{aspect} of the longest, {name} edges from the origin");
+            let figure =
+                "Boxes: rays of 10 000 that met their own box again or lost their chord inside, cosines from 0.05 to 1";
+            let (aspect, cosines) = (f64::from(aspect), (-1.3, 0.0));
+            let mut cell = Cell::new(Row::Leaving, range, figure, 0.0, BECAUSE)
+                .achieved(leave(&own, aspect, place, cosines))
+                .planted(NO_OFFSET, leave(&without, aspect, place, cosines));
+            if place.0 < 3.0 {
+                cell = cell.planted(OFFSET_BY_BITS, leave(&by_bits, aspect, place, cosines));
+            }
+            all.push(cell);
+        }
+    }
+    for exponent in 1..7 {
+        let decade = f64::from(exponent);
+        let cosines = (-decade - 1.0, -decade);
+        let range = format!("1e-{} to 1e-{exponent}", exponent + 1);
+        let figure = "Boxes by the cosine at which rays leave: rays of 10 000 that met their own box again or lost their chord inside";
+        all.push(
+            Cell::new(Row::Grazing, range, figure, 0.0, BECAUSE)
+                .achieved(leave(&own, 1.0, (-2.0, 1.0), cosines))
+                .planted(NO_OFFSET, leave(&without, 1.0, (-2.0, 1.0), cosines)),
+        );
+    }
+    all
+}

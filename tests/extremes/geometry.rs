@@ -1,0 +1,600 @@
+//! Surfaces close to each other, seen from afar, grazed, and around the camera: whole scenes whose light is known exactly.
+
+use std::fmt::Write;
+
+use glam::DVec3;
+use gpu_rt::data::Sphere;
+use gpu_rt::scene::{Background, Scene};
+
+use crate::instances::ball_file;
+use crate::kernel::Kernel;
+use crate::render::{Ask, Shot, render, scene_in};
+use crate::scenes::{flat, triple};
+use crate::stats::Random;
+use crate::table::{Cell, FIXED_T_MIN, OFFSET_BY_BITS, Row};
+use crate::trace::{In, NO_HIT, trace, tracer};
+use crate::vectors::{U, exact, unit};
+
+/// A scene of materials "clear" (glass of index 1), "lamp" (1 on its outside, black inside), "both" (1 on both sides), "grey" (a
+/// Lambertian of 0.5), "mirror", "glass", and "weak" glass that traps no light in boxes; with the mesh "ball.obj" beside it.
+pub fn scene(camera: &str, sky: f64, objects: &str) -> Scene {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    if objects.contains("ball.obj") {
+        std::fs::write(folder.path().join("ball.obj"), ball_file(3, DVec3::ONE)).expect("the mesh is written");
+    }
+    let text = format!(
+        "Scene(image: (width: 16, height: 16), camera: {camera}, background: Solid(({sky:?}, {sky:?}, {sky:?})), materials: {{
+            \"clear\": Dielectric(ior: 1), \"glass\": Dielectric(ior: 1.5),
+            \"lamp\": DiffuseLight(emit: Rgb(1, 1, 1), two_sided: false), \"both\": DiffuseLight(emit: Rgb(1, 1, 1)), \"mirror\": Metal(albedo: Rgb(1, 1, 1), fuzz: 0),
+            \"weak\": Dielectric(ior: 1.2),
+            \"grey\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5)) }}, objects: [{objects}])"
+    );
+    scene_in(folder.path(), &text)
+}
+
+/// The farthest that any value of the image is from what all of them should be.
+pub fn farthest(shot: &Shot, expected: f64) -> f64 {
+    shot.picture.rgb.as_flattened().iter().map(|v| (f64::from(*v) - expected).abs()).fold(0.0, f64::max)
+}
+
+/// Two surfaces one behind the other as the camera sees them.
+struct Pair {
+    name: &'static str,
+    camera: &'static str,
+    /// The text of both for a gap and their materials, the one in front first.
+    objects: fn(f64, &str, &str) -> String,
+    /// The least gap, as a power of ten, that f32 holds there.
+    least: i32,
+}
+
+fn tilted(object: &str) -> String {
+    format!("Transformed(by: [RotateX(20), RotateY(35), RotateZ(-50)], object: {object})")
+}
+
+const PAIRS: &[Pair] = &[
+    Pair {
+        name: "floors of 10 x 10 seen from a height of 0.05",
+        camera: "(look_from: (0.1, 0.05, 0.2), look_at: (0.9, -0.8, 0.1), vertical_fov: 40)",
+        objects: |gap, front, back| {
+            let below = -gap;
+            format!(
+                "Quad(corner: (-5, 0, -5), u: (0, 0, 10), v: (10, 0, 0), material: \"{front}\"),
+                 Quad(corner: (-5, {below:?}, -5), u: (0, 0, 10), v: (10, 0, 0), material: \"{back}\")"
+            )
+        },
+        least: 7,
+    },
+    Pair {
+        name: "spheres of radius 0.01 seen from 0.03, above a floor of 10 x 10",
+        camera: "(look_from: (0.0108, 0.0144, 0.024), look_at: (0, 0, 0), vertical_fov: 25)",
+        objects: |gap, front, back| {
+            let inner = 0.01 - gap;
+            format!(
+                "Sphere(center: (0, 0, 0), radius: 0.01, material: \"{front}\"), Sphere(center: (0, 0, 0), radius: {inner:?}, material: \"{back}\"),
+                 Quad(corner: (-5, -1, -5), u: (0, 0, 10), v: (10, 0, 0), material: \"grey\")"
+            )
+        },
+        least: 7,
+    },
+    Pair {
+        name: "spheres of radius 1 seen from 3 away",
+        camera: "(look_from: (1.08, 1.44, 2.4), look_at: (0, 0, 0), vertical_fov: 25)",
+        objects: |gap, front, back| {
+            let inner = 1.0 - gap;
+            format!(
+                "Sphere(center: (0, 0, 0), radius: 1, material: \"{front}\"), Sphere(center: (0, 0, 0), radius: {inner:?}, material: \"{back}\")"
+            )
+        },
+        least: 5,
+    },
+    Pair {
+        name: "spheres of radius 1 seen from their middle",
+        camera: "(look_from: (0, 0, 0), look_at: (0.3, 0.5, -0.7), vertical_fov: 120)",
+        objects: |gap, front, back| {
+            let (outer, back) = (1.0 + gap, back.replace("lamp", "both"));
+            format!(
+                "Sphere(center: (0, 0, 0), radius: 1, material: \"{front}\"), Sphere(center: (0, 0, 0), radius: {outer:?}, material: \"{back}\")"
+            )
+        },
+        least: 6,
+    },
+    Pair {
+        name: "floors of 10 x 10 seen from a height of 1",
+        camera: "(look_from: (0.1, 1, 0.2), look_at: (0.9, 0, 0.1), vertical_fov: 40)",
+        objects: |gap, front, back| {
+            let below = -gap;
+            format!(
+                "Quad(corner: (-5, 0, -5), u: (0, 0, 10), v: (10, 0, 0), material: \"{front}\"),
+                 Quad(corner: (-5, {below:?}, -5), u: (0, 0, 10), v: (10, 0, 0), material: \"{back}\")"
+            )
+        },
+        least: 6,
+    },
+    Pair {
+        name: "tilted quads of 10 x 10 seen from 1 away",
+        camera: "(look_from: (0, 0, 0), look_at: (0.4, -1, 0.3), vertical_fov: 40)",
+        objects: |gap, front, back| {
+            let below = -1.0 - gap;
+            format!(
+                "Transformed(by: [RotateX(20), RotateZ(-10)], object: Group([
+                 Quad(corner: (-5, -1, -5), u: (0, 0, 10), v: (10, 0, 0), material: \"{front}\"),
+                 Quad(corner: (-5, {below:?}, -5), u: (0, 0, 10), v: (10, 0, 0), material: \"{back}\")]))"
+            )
+        },
+        least: 5,
+    },
+    Pair {
+        name: "boxes of edge 2 seen from 3 away",
+        camera: "(look_from: (1.08, 1.44, 2.4), look_at: (0, 0, 0), vertical_fov: 20)",
+        objects: |gap, front, back| {
+            let half = 1.0 - gap;
+            format!(
+                "Box(min: (-1, -1, -1), max: (1, 1, 1), material: \"{front}\"),
+                 Box(min: (-{half:?}, -{half:?}, -{half:?}), max: ({half:?}, {half:?}, {half:?}), material: \"{back}\")"
+            )
+        },
+        least: 5,
+    },
+    Pair {
+        name: "tilted boxes of edge 2 seen from 3 away",
+        camera: "(look_from: (1.08, 1.44, 2.4), look_at: (0, 0, 0), vertical_fov: 20)",
+        objects: |gap, front, back| {
+            let half = 1.0 - gap;
+            let mut text = tilted(&format!("Box(min: (-1, -1, -1), max: (1, 1, 1), material: \"{front}\")"));
+            let inner = format!(
+                "Box(min: (-{half:?}, -{half:?}, -{half:?}), max: ({half:?}, {half:?}, {half:?}), material: \"{back}\")"
+            );
+            write!(text, ", {}", tilted(&inner)).expect("a string takes text");
+            text
+        },
+        least: 5,
+    },
+    Pair {
+        name: "meshes of 512 triangles and radius 1 seen from 3 away",
+        camera: "(look_from: (1.08, 1.44, 2.4), look_at: (0, 0, 0), vertical_fov: 20)",
+        objects: |gap, front, back| {
+            let inner = 1.0 - gap;
+            tilted(&format!("Mesh(path: \"ball.obj\", material: \"{front}\")"))
+                + ", "
+                + &tilted(&format!(
+                    "Transformed(by: [Scale({inner:?})], object: Mesh(path: \"ball.obj\", material: \"{back}\"))"
+                ))
+        },
+        least: 5,
+    },
+];
+
+/// Not in general position, and in it.
+const DIRECTIONS: [(&str, DVec3); 2] = [("", DVec3::NEG_Z), (", in general position", DVec3::new(-0.36, -0.48, -0.8))];
+
+/// The table's cells of gaps, as whole scenes.
+pub fn gaps() -> Vec<Cell> {
+    let mut all = Vec::new();
+    for pair in PAIRS {
+        let shot =
+            |gap: f64, front, back| render(&scene(pair.camera, 0.0, &(pair.objects)(gap, front, back)), &Ask::spp(64));
+        for exponent in 1..=pair.least {
+            let gap = 10f64.powi(-exponent);
+            let cell = Cell::new(
+                Row::Gap,
+                format!("1e-{exponent} between {}", pair.name),
+                "Light of a lamp lost behind a clear surface in front of it, at most",
+                0.0,
+                "The ray that leaves the front starts off it by a bound of some u of its place and size, less than the gap: none.",
+            );
+            // The inner one is inside the outer one only where it is smaller.
+            if gap < 0.01 || !pair.name.contains("0.01") {
+                all.push(cell.achieved(farthest(&shot(gap, "clear", "lamp"), 1.0)));
+            }
+        }
+        let gap = 10f64.powi(-pair.least);
+        let cell = Cell::new(
+            Row::Gap,
+            format!("1e-{} between {}", pair.least, pair.name),
+            "Light of a lamp that passes a grey surface in front of it, at most",
+            0.0,
+            "Distances to both are off by less than the gap: none.",
+        );
+        all.push(cell.achieved(farthest(&shot(gap, "grey", "lamp"), 0.0)));
+    }
+    all
+}
+
+/// The table's cells of gaps, ray by ray: with the wrong forms, which no scene can be rendered by.
+pub fn gaps_by_rays() -> Vec<Cell> {
+    const RAYS: usize = 1000;
+    let sphere = |radius: f64| format!("Sphere(center: (0, 0, 0), radius: {radius:?}, material: \"m\")");
+    let quad =
+        |height: f64| format!("Quad(corner: (-5, {height:?}, -5), u: (0, 0, 10), v: (10, 0, 0), material: \"m\")");
+    let mut all = Vec::new();
+    for exponent in 1..=6 {
+        let gap = 10f64.powi(-exponent);
+        let spheres = flat(&[sphere(1.0), sphere(1.0 + gap)]).spheres;
+        let quads = flat(&[quad(-1.0), quad(-1.0 - gap)]).quads;
+        let mut random = Random(91);
+        let rays: Vec<In> = (0..RAYS)
+            .map(|_| {
+                let mut direction = unit(&mut random);
+                // At the floor at 30 degrees or more.
+                direction.y = -direction.y.abs().max(0.6);
+                In::new(0, DVec3::ZERO, direction.normalize())
+            })
+            .collect();
+        let lost = |kind: &str, replaced: &[(&str, &str)]| {
+            let kernel = tracer(kind, replaced);
+            match kind {
+                "sphere" => passed(&kernel, &spheres, &rays),
+                _ => passed(&kernel, &quads, &rays),
+            }
+        };
+        for (name, kind) in
+            [("spheres of radius 1 from their middle", "sphere"), ("floors of 10 x 10 from a height of 1", "quad")]
+        {
+            let cell = Cell::new(
+                Row::Gap,
+                format!("1e-{exponent} between {name}"),
+                "Rays of 1000 that go on behind the first of two surfaces and miss the second",
+                0.0,
+                "As of the scenes: none.",
+            );
+            let mut cell = cell.achieved(lost(kind, &[]));
+            if exponent >= 4 {
+                cell = cell.planted(FIXED_T_MIN, lost(kind, &[("geometry/offset", "test/control/offset_fixed")]));
+            }
+            if exponent >= 6 {
+                cell = cell.planted(OFFSET_BY_BITS, lost(kind, &[("geometry/offset", "test/control/offset_by_bits")]));
+            }
+            all.push(cell);
+        }
+    }
+    all
+}
+
+/// Rays that go on behind the first of two primitives and miss the second.
+fn passed<P: bytemuck::Pod>(kernel: &Kernel, two: &[P], rays: &[In]) -> f64 {
+    let second: Vec<In> = trace(kernel, two, rays)
+        .iter()
+        .map(|out| {
+            assert!(out.t != NO_HIT, "every ray meets the first");
+            In { origin: out.start, direction: out.leaving, primitive: 1, ..In::default() }
+        })
+        .collect();
+    trace(kernel, two, &second).iter().filter(|out| out.t == NO_HIT).count() as f64
+}
+
+/// A camera at `from` that looks in a direction, with so many degrees from top to bottom.
+fn looking(from: DVec3, towards: DVec3, degrees: f64) -> String {
+    let up = if towards.x.abs() + towards.z.abs() < 1e-9 { DVec3::X } else { DVec3::Y };
+    let (at, from, up) = (triple(from + towards), triple(from), triple(up));
+    format!("(look_from: {from}, look_at: {at}, up: {up}, vertical_fov: {degrees:?})")
+}
+
+fn ball(center: DVec3, radius: f64, material: &str) -> String {
+    format!("Sphere(center: {}, radius: {radius:?}, material: \"{material}\")", triple(center))
+}
+
+/// The table's cells of spheres seen from afar, as whole scenes: an image two diameters high with the ball in its middle.
+pub fn distances() -> Vec<Cell> {
+    let mut all = Vec::new();
+    for (place, direction) in DIRECTIONS {
+        for exponent in 1..=7 {
+            let distance = 10f64.powi(exponent);
+            // In general position directions are off by u, and the picture by u D radii.
+            if direction != DVec3::NEG_Z && exponent > 5 {
+                continue;
+            }
+            let degrees = 2.0 * (2.0 / distance).atan().to_degrees();
+            let objects = ball(distance * direction, 1.0, "grey");
+            let shot = render(&scene(&looking(DVec3::ZERO, direction, degrees), 1.0, &objects), &Ask::spp(64));
+            // The cone that touches the ball, in the plane through its middle; the image is 16 square radii.
+            let silhouette = std::f64::consts::PI * distance * distance / (distance * distance - 1.0);
+            let expected = 1.0 - 0.5 * silhouette / 16.0;
+            // Of the 256 pixels some 40 are mixed; the mean of 64 draws of a half is off by at most half of that in each.
+            let noise = 40f64.sqrt() * 0.25 / 8.0 / 256.0;
+            let blur = if direction == DVec3::NEG_Z { 0.0 } else { 2.0 * U * distance };
+            let cell = Cell::new(
+                Row::Distance,
+                format!("D/r = 1e{exponent}{place}"),
+                "Spheres in scenes: error of the mean of an image of a grey ball in the sky",
+                5.0 * noise + blur * silhouette / 16.0,
+                "Five standard errors of the 40 pixels on the edge, and in general position the rounding of directions, u D radii.",
+            );
+            all.push(cell.achieved((shot.mean_of_all().value[0] - expected).abs()));
+        }
+    }
+    for exponent in 2..=7 {
+        let distance = 10f64.powi(exponent);
+        let degrees = 2.0 * (2.0 / distance).atan().to_degrees();
+        let scene =
+            scene(&looking(DVec3::ZERO, DVec3::NEG_Z, degrees), 1.0, &ball(distance * DVec3::NEG_Z, 1.0, "mirror"));
+        let mut sloped = scene;
+        sloped.background = Background::Gradient { bottom: DVec3::ZERO, top: DVec3::ONE };
+        let shot = render(&sloped, &Ask::spp(1024));
+        let half = |rows| shot.mean(0..16, rows).value[0];
+        // The mirror sends a ray that meets it at height y and ρ from the axis to 2 y sqrt(1 - ρ²) up: over the upper half of
+        // the disk the mean is 1/2, and with the sky around it 1/2 ± (π / 2) / 8 / 4.
+        let expected = std::f64::consts::PI / 32.0;
+        let cell = Cell::new(
+            Row::Distance,
+            format!("D/r = 1e{exponent}"),
+            "Spheres in scenes: relative error of what a mirror ball shows above less what it shows below, in a sky from 0 to 1",
+            0.03 + 10.0 / distance,
+            "Five standard errors: values in the ball spread by 0.3 at most, 0.13 over the image; 2^17 samples a half. And the sky around \
+             the ball, up to 2 r/D above the horizon: 10 r/D of the difference.",
+        );
+        all.push(cell.achieved(((half(0..8) - half(8..16)) / expected - 1.0).abs()));
+    }
+    all
+}
+
+/// The table's cells of radii.
+pub fn radii() -> Vec<Cell> {
+    let mut all = Vec::new();
+    for exponent in -6..=7 {
+        let radius = 10f64.powi(exponent);
+        let direction = DIRECTIONS[1].1;
+        let objects =
+            ball(4.0 * radius * direction, radius, "grey") + ", " + &ball(DVec3::new(2.0, 3.0, 1.0), 1.0, "both");
+        let shot = render(&scene(&looking(DVec3::ZERO, direction, 15.0), 1.0, &objects), &Ask::spp(64));
+        let cell = Cell::new(
+            Row::Radius,
+            format!("r = 1e{exponent}"),
+            "Grey balls seen from 4 radii, beside a lamp of radius 1 as bright as the sky: farthest from half of that",
+            0.0,
+            "Every path meets the ball once and the light next: none.",
+        );
+        all.push(cell.achieved(farthest(&shot, 0.5)));
+    }
+    let kernel = tracer("sphere", &[]);
+    for exponent in 0..=6 {
+        let ground = Ground::new(10f64.powi(exponent));
+        let cell = Cell::new(
+            Row::Radius,
+            format!("r = 1e{exponent}"),
+            "Ground spheres from a height h of 1.2345: largest relative error of the distance within 45 degrees of straight down",
+            4.0 * U * (ground.radius / HEIGHT + 1.0) * std::f64::consts::SQRT_2 + 16.0 * U,
+            "The centre and the radius are rounded, and the length of o - c by 2 u: 4 u (r + h) of the height, over the cosine.",
+        );
+        let larger: Vec<Sphere> =
+            ground.spheres.iter().map(|sphere| Sphere { radius: sphere.radius * (1.0 + 2e-6), ..*sphere }).collect();
+        let achieved = ground.worst(&kernel, &ground.spheres);
+        all.push(cell.achieved(achieved).planted("radius 2e-6 too large", ground.worst(&kernel, &larger)));
+    }
+    all
+}
+
+const HEIGHT: f64 = 1.2345;
+
+/// Large spheres in all directions, `HEIGHT` away from the eye.
+struct Ground {
+    radius: f64,
+    downs: Vec<DVec3>,
+    /// In render space.
+    spheres: Vec<Sphere>,
+    scale: f64,
+}
+
+impl Ground {
+    fn new(radius: f64) -> Ground {
+        let mut random = Random(92);
+        let downs: Vec<DVec3> = (0..20).map(|_| unit(&mut random)).collect();
+        let texts: Vec<String> = downs.iter().map(|down| ball((radius + HEIGHT) * *down, radius, "m")).collect();
+        let spheres = flat(&texts).spheres;
+        let scale = 2f64.powf((f64::from(spheres[0].radius) / radius).log2().round());
+        Ground { radius, downs, spheres, scale }
+    }
+
+    /// The largest relative error of a distance, of rays within 45 degrees of straight down.
+    fn worst(&self, kernel: &Kernel, spheres: &[Sphere]) -> f64 {
+        let (mut random, r) = (Random(93), self.radius);
+        let rays: Vec<In> = (0..4000)
+            .map(|i| {
+                let down = self.downs[i % self.downs.len()];
+                In::new(
+                    i % self.downs.len(),
+                    DVec3::ZERO,
+                    (down + 0.7 * random.uniform() * unit(&mut random)).normalize(),
+                )
+            })
+            .collect();
+        let mut worst = 0.0f64;
+        for (ray, out) in rays.iter().zip(&trace(kernel, spheres, &rays)) {
+            let d = exact(ray.direction);
+            let along = (r + HEIGHT) * self.downs[ray.primitive as usize].dot(d);
+            // What the eye's place makes of the sphere's equation, without its cancellation.
+            let power = HEIGHT * (2.0 * r + HEIGHT);
+            let root = (along * along - power * d.length_squared()).sqrt();
+            // At the limb of small ones little is known of the distance.
+            if root > 0.5 * r {
+                let t = if out.t == NO_HIT { f64::INFINITY } else { f64::from(out.t) / self.scale };
+                worst = worst.max((t * (along + root) / power - 1.0).abs());
+            }
+        }
+        worst
+    }
+}
+
+/// The table's cells of floors that are grazed by the eye and by light, as whole scenes.
+pub fn grazing() -> Vec<Cell> {
+    let mut all = Vec::new();
+    for exponent in 1..=7 {
+        let angle = 10f64.powi(-exponent);
+        // From a height of `angle` over a grey floor that ends 1 ahead: its edge is at `angle` below the horizon, three quarters down.
+        let camera = looking(DVec3::ZERO, DVec3::NEG_Z, 2.0 * (2.0 * angle).atan().to_degrees());
+        let floor = format!("Quad(corner: (-1, -{angle:?}, -1), u: (0, 0, 1.5), v: (2, 0, 0), material: \"grey\")");
+        let shot = render(&scene(&camera, 1.0, &floor), &Ask::spp(64));
+        let off = |rows: std::ops::Range<u32>, expected: f64| {
+            rows.flat_map(|y| (0..16).map(move |x| (x, y)))
+                .map(|(x, y)| (shot.pixel(x, y)[0] - expected).abs())
+                .fold(0.0, f64::max)
+        };
+        let cell = Cell::new(
+            Row::Grazing,
+            format!("1e-{exponent}"),
+            "Floors in scenes, by the angle at which the eye sees them: farthest from half of the sky's light on the floor, and from all of it above",
+            0.0,
+            "Heights are exact relative to themselves; the edge reaches out by 1/64 of the floor at most, a tenth of a row: none.",
+        );
+        all.push(cell.achieved(off(0..11, 1.0).max(off(12..16, 0.5))));
+    }
+    for exponent in 1..=7 {
+        let angle = 10f64.powi(-exponent);
+        // A lamp 1 away, from half to one and a half times `angle` above the floor; the eye right above, at a hundredth of it.
+        let (height, low) = (0.01 * angle, 0.5 * angle);
+        let objects = format!(
+            "Quad(corner: (-{height:?}, 0, -{height:?}), u: (0, 0, {0:?}), v: ({0:?}, 0, 0), material: \"grey\"),
+             Quad(corner: (1, {low:?}, -0.1), u: (0, 0, 0.2), v: (0, {angle:?}, 0), material: \"both\")",
+            2.0 * height
+        );
+        let camera = looking(height * DVec3::Y, DVec3::NEG_Y, 40.0);
+        let shot = render(&scene(&camera, 0.0, &objects), &Ask::spp(64).mis());
+        // a/π times the integral of y / d⁴ over the lamp, by Simpson's rule in z, and in y exactly for the smallest part of it.
+        let steps = 200;
+        let inner = |z: f64| {
+            let (y0, y1) = (low, low + angle);
+            // (1 / (1 + y0² + z²) - 1 / (1 + y1² + z²)) / 2, without its cancellation.
+            0.5 * (y1 - y0) * (y1 + y0) / ((1.0 + y0 * y0 + z * z) * (1.0 + y1 * y1 + z * z))
+        };
+        let integral: f64 = (0..=steps)
+            .map(|i| {
+                let weight = if i == 0 || i == steps {
+                    1.0
+                } else if i % 2 == 1 {
+                    4.0
+                } else {
+                    2.0
+                };
+                weight * inner(-0.1 + 0.2 * f64::from(i) / f64::from(steps))
+            })
+            .sum::<f64>()
+            * 0.2
+            / (3.0 * f64::from(steps));
+        let expected = 0.5 / std::f64::consts::PI * integral;
+        let cell = Cell::new(
+            Row::Grazing,
+            format!("1e-{exponent}"),
+            "Floors in scenes, by the angle at which light reaches them: relative error of their light",
+            0.012,
+            "Five standard errors: cosines spread by 0.29 of their mean, 2^14 samples; and what the lamp's distance varies by over the floor.",
+        );
+        all.push(cell.achieved((shot.mean_of_all().value[0] / expected - 1.0).abs()));
+    }
+    all
+}
+
+/// The table's cells of cameras on and in things.
+pub fn cameras() -> Vec<Cell> {
+    let mut all = on_surfaces();
+    all.extend(inside_glass());
+    all.extend(inside_media());
+    all
+}
+
+fn on_surfaces() -> Vec<Cell> {
+    let mut all = Vec::new();
+    let on = |height: f64| {
+        let (top, general) = (-height, DIRECTIONS[1].1);
+        [
+            (
+                "a floor",
+                DVec3::NEG_Y,
+                format!("Quad(corner: (-5, {top:?}, -5), u: (0, 0, 10), v: (10, 0, 0), material: \"grey\")"),
+            ),
+            ("a box", DVec3::NEG_Y, format!("Box(min: (-1, -1, -1), max: (1, {top:?}, 1), material: \"grey\")")),
+            ("a sphere", DVec3::NEG_Y, ball((1.0 + height) * DVec3::NEG_Y, 1.0, "grey")),
+            ("a sphere in general position", general, ball((1.0 + height) * general, 1.0, "grey")),
+            (
+                "a mesh",
+                DVec3::NEG_Y,
+                format!(
+                    "Transformed(by: [Translate((0, {:?}, 0))], object: Mesh(path: \"ball.obj\", material: \"grey\"))",
+                    -1.0 - height
+                ),
+            ),
+        ]
+    };
+    for (name, down, objects) in on(0.0) {
+        // In general position nobody can say on which side of the sphere the eye is.
+        if name.contains("general") {
+            continue;
+        }
+        let shot = render(&scene(&looking(DVec3::ZERO, -down, 90.0), 1.0, &objects), &Ask::spp(64));
+        let cell = Cell::new(
+            Row::CameraInside,
+            format!("on {name}"),
+            "The eye on a surface, looking away from it: farthest from the light of the sky",
+            0.0,
+            "A hit at a distance of 0 is none: none.",
+        );
+        all.push(cell.achieved(farthest(&shot, 1.0)));
+    }
+    for exponent in [1, 3, 5, 6, 7, 20] {
+        let height = 10f64.powi(-exponent);
+        for (name, down, objects) in on(height) {
+            // What has its place far below knows the height to 4 u of that.
+            if exponent > 6 && !name.contains("floor") && !(name == "a box" && exponent < 7) {
+                continue;
+            }
+            let shot = render(&scene(&looking(DVec3::ZERO, down, 40.0), 1.0, &objects), &Ask::spp(64));
+            let cell = Cell::new(
+                Row::CameraInside,
+                format!("1e-{exponent} above {name}"),
+                "The eye above a grey surface of size 1, looking down: farthest from half of the sky's light",
+                0.0,
+                "Every path meets it once and the sky next: none.",
+            );
+            all.push(cell.achieved(farthest(&shot, 0.5)));
+        }
+    }
+    all
+}
+
+fn inside_glass() -> Vec<Cell> {
+    let mut all = Vec::new();
+    let mut push = |range: String, objects: String, towards: DVec3| {
+        let shot = render(&scene(&looking(DVec3::ZERO, towards, 120.0), 1.0, &objects), &Ask::spp(64).depth(1000));
+        let cell = Cell::new(
+            Row::CameraInside,
+            range,
+            "The eye inside glass in a sky of 1: farthest from 1",
+            0.0,
+            "Every path comes out in the end, with all of its light: none.",
+        );
+        all.push(cell.achieved(farthest(&shot, 1.0)));
+    };
+    let direction = DIRECTIONS[1].1;
+    for place in [0.0, 0.3, 0.6] {
+        // Farther out some paths are caught by total reflection for ever.
+        let range = format!("in a ball of index 1.5, {place} radii from its middle");
+        push(range, ball(place * direction, 1.0, "glass"), DVec3::NEG_Z);
+    }
+    for exponent in [1, 2, 3, 4, 5, 6] {
+        let depth = 10f64.powi(-exponent);
+        let objects = ball((1.0 - depth) * direction, 1.0, "clear");
+        push(format!("in a ball of index 1, 1e-{exponent} below its surface"), objects.clone(), direction);
+        push(format!("in a ball of index 1, 1e-{exponent} below its surface, looking out"), objects, -direction);
+        let cuboid = format!("Box(min: (-1, -1, -1), max: (1, {depth:?}, 1), material: \"weak\")");
+        push(format!("in a box of index 1.2, 1e-{exponent} below its face"), tilted(&cuboid), DVec3::NEG_Z);
+    }
+    all
+}
+
+fn inside_media() -> Vec<Cell> {
+    let mut all = Vec::new();
+    for exponent in [0, 1, 3, 5, 6, 7] {
+        let depth = 10f64.powi(-exponent);
+        let boundary = format!("Sphere(center: {}, radius: 1)", triple((1.0 - depth) * DIRECTIONS[1].1));
+        let objects = format!("Medium(boundary: {boundary}, density: 2, albedo: Rgb(1, 1, 1))");
+        let camera = looking(DVec3::ZERO, DIRECTIONS[1].1, 150.0);
+        let shot = render(&scene(&camera, 1.0, &objects), &Ask::spp(64).depth(1000));
+        let cell = Cell::new(
+            Row::CameraInside,
+            format!("in a ball of fog of optical radius 2, 1e-{exponent} below its surface"),
+            "The eye inside a medium of albedo 1 in a sky of 1: farthest from 1",
+            0.0,
+            "Every path comes out in the end, with all of its light: none.",
+        );
+        all.push(cell.achieved(farthest(&shot, 1.0)));
+    }
+    all
+}

@@ -1,0 +1,194 @@
+//! lib/perlin and the frames of textures: noise far from the origin of its space.
+
+use bytemuck::{Pod, Zeroable};
+use glam::DVec3;
+use gpu_rt::data::PRIMITIVE_BIT;
+use gpu_rt::flatten::flatten;
+use gpu_rt::plan::{Tables, choices_of};
+
+use crate::kernel::{Kernel, Setup, array};
+use crate::oracles::{NOISE_ERROR, perlin, turbulence};
+use crate::render::scene;
+use crate::stats::Random;
+use crate::table::{Cell, Row};
+use crate::vectors::{exact, rounded, unit};
+
+const LINEAR: (&str, &str) = ("lib/perlin", "test/control/perlin_linear");
+const PLANTED: &str = "truncated cells, no fade, a period of 255";
+
+/// The table's cells of noise.
+pub fn cells() -> Vec<Cell> {
+    let mut all = values();
+    all.extend(seams());
+    all.extend(far_objects());
+    all
+}
+
+fn kernels() -> [Kernel; 2] {
+    [&[][..], &[LINEAR]].map(|replaced| Kernel::with("test/perlin", &Setup { replaced, ..Setup::default() }))
+}
+
+fn evaluate(kernel: &Kernel, points: &[DVec3]) -> Vec<[f64; 2]> {
+    let rows: Vec<[f32; 4]> = points.iter().map(|p| rounded(*p)).map(|[x, y, z]| [x, y, z, 0.0]).collect();
+    kernel.run::<_, [f32; 2]>(&rows).into_iter().map(|out| out.map(f64::from)).collect()
+}
+
+/// Points whose coordinates f32 holds exactly, up to this far away on each axis.
+fn points(random: &mut Random, count: usize, reach: f64) -> Vec<DVec3> {
+    let mut coordinate = || f64::from(((2.0 * random.uniform() - 1.0) * reach) as f32);
+    (0..count).map(|_| DVec3::new(coordinate(), coordinate(), coordinate())).collect()
+}
+
+/// Noise and turbulence of the very numbers given, cells counted in integers of 64 bits.
+fn values() -> Vec<Cell> {
+    let [own, linear] = kernels();
+    let mut random = Random(81);
+    let mut all = Vec::new();
+    for reach in [1e-7, 1.0, 128.0, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9] {
+        let mut points = points(&mut random, 5000, reach);
+        points.extend([0.0, -0.0, 1e-40, -1e-40].map(DVec3::splat));
+        let worst = |kernel: &Kernel| {
+            evaluate(kernel, &points).iter().zip(&points).fold([0.0f64; 2], |worst, (found, &p)| {
+                let off = [found[0] - perlin(p), found[1] - turbulence(p)];
+                [worst[0].max(off[0].abs()), worst[1].max(off[1].abs())]
+            })
+        };
+        let (found, wrong) = (worst(&own), worst(&linear));
+        let planted = |cell: Cell, i: usize| if reach < 1.0 { cell } else { cell.planted(PLANTED, wrong[i]) };
+        let cell = |figure, limit, because| Cell::new(Row::Noise, format!("p up to {reach:e}"), figure, limit, because);
+        all.push(planted(
+            cell(
+                "Largest error of Perlin noise",
+                NOISE_ERROR,
+                "Eight products of a weight and a dot product below 1.8, some ten roundings each; the weights' sum is 1.",
+            )
+            .achieved(found[0]),
+            0,
+        ));
+        all.push(planted(
+            cell("Largest error of turbulence, seven octaves", 2.0 * NOISE_ERROR, "Octave i adds 2^-i of that.")
+                .achieved(found[1]),
+            1,
+        ));
+    }
+    all
+}
+
+/// The planes between cells, across zero and far away: one step of the numbers to each side.
+fn seams() -> Vec<Cell> {
+    let [own, linear] = kernels();
+    let mut random = Random(84);
+    let mut all = Vec::new();
+    for reach in [1.0, 128.0, 1e3, 1e4, 1e5, 1e6] {
+        // Steps that f32 holds at this distance.
+        let step = (2.0 * reach * 2f64.powi(-23)).log2().ceil().exp2().max(2f64.powi(-10));
+        let mut pairs = Vec::new();
+        for (i, p) in points(&mut random, 3000, reach).into_iter().enumerate() {
+            let axis = i % 3;
+            for side in [-1.0, 1.0] {
+                let mut at = p;
+                at[axis] = (if i % 2 == 0 { 0.0 } else { p[axis].round() }) + side * step;
+                pairs.push(at);
+            }
+        }
+        let worst = |kernel: &Kernel| {
+            evaluate(kernel, &pairs).chunks_exact(2).fold(0.0f64, |worst, v| worst.max((v[1][0] - v[0][0]).abs()))
+        };
+        // Slopes are below 10: the gradients' own mean, and 1.5 along each axis times the difference of two mean products.
+        let cell = Cell::new(
+            Row::Noise,
+            format!("p up to {reach:e}, {step:.0e} to each side"),
+            "Largest step of Perlin noise across a plane between cells",
+            2.0 * step * 10.0 + 2.0 * NOISE_ERROR,
+            "A slope of 10 at most, over two steps of the numbers.",
+        )
+        .achieved(worst(&own));
+        all.push(if step < 0.03 { cell.planted(PLANTED, worst(&linear)) } else { cell });
+    }
+    all
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+struct In {
+    origin: [f32; 3],
+    code: u32,
+    direction: [f32; 3],
+    padding: u32,
+}
+
+/// Spheres of radius 1 so far from the origin of their own space, moved back before the camera: the host reduces the place by
+/// the noise's period before it becomes f32.
+fn far_objects() -> Vec<Cell> {
+    const SCALE: f64 = 4.0;
+    const SPHERES: usize = 20;
+    let mut random = Random(112);
+    let mut all = Vec::new();
+    for far in [0.0, 1e3, 1e6, 1e9] {
+        // Whole numbers, so that the sphere's own centre is exact at any of these distances.
+        let centers: Vec<DVec3> = (0..SPHERES).map(|_| (far * unit(&mut random)).round()).collect();
+        let objects: Vec<String> = centers
+            .iter()
+            .map(|c| {
+                let triple = |v: DVec3| format!("({:?}, {:?}, {:?})", v.x, v.y, v.z);
+                let sphere = format!("Sphere(center: {}, radius: 1, material: \"m\")", triple(*c));
+                format!("Transformed(by: [Translate({})], object: {sphere})", triple(-*c))
+            })
+            .collect();
+        let scene = scene(&format!(
+            "Scene(image: (width: 16, height: 16), background: Solid((1, 1, 1)),
+             camera: (look_from: (0, 0, 0), look_at: (0, 0, -1), vertical_fov: 40),
+             materials: {{\"m\": Lambertian(albedo: Noise(scale: {SCALE}))}}, objects: [{}])",
+            objects.join(", ")
+        ));
+        let flat = flatten(&scene, (16, 16)).expect("the test's scene is small");
+        let to_render = f64::from(flat.spheres[0].radius);
+        let (mut rays, mut places) = (Vec::new(), Vec::new());
+        for (index, center) in (0u32..).zip(&centers) {
+            for _ in 0..200 {
+                let n = unit(&mut random);
+                rays.push(In {
+                    origin: rounded(2.0 * n * to_render),
+                    code: PRIMITIVE_BIT | index,
+                    direction: rounded(-n),
+                    padding: 0,
+                });
+                places.push((*center, n));
+            }
+        }
+        let plan = choices_of(&flat.features, &Tables::default());
+        let kernel = Kernel::with("test/colour", &Setup { plan, ..Setup::default() });
+        let buffers = [
+            array("spheres", &flat.spheres),
+            array("materials", &flat.materials),
+            array("textures", &flat.textures),
+            array("frames", &flat.frames),
+        ];
+        let found = kernel.run_with::<_, [f32; 4]>(&rays, rays.len(), &buffers);
+        // The place as it is, and as it would be in f32: cells are counted in integers in both.
+        let worst = |in_f32: bool| {
+            places.iter().zip(&found).fold(0.0f64, |worst, ((center, n), out)| {
+                // The period, taken off in integers, leaves the place its digits in f64 too.
+                let whole = (SCALE * *center).to_array().map(|x| x.rem_euclid(256.0));
+                let p = SCALE * *n + DVec3::from_array(whole);
+                let expected = 0.5 * (1.0 + perlin(p));
+                let told = match in_f32 {
+                    true => 0.5 * (1.0 + perlin(exact(rounded(SCALE * (*center + *n))))),
+                    false => f64::from(out[0]),
+                };
+                worst.max((told - expected).abs())
+            })
+        };
+        // The point on the sphere is off by 4 u of its radius and distance, the ray's by 8 u, reduced places up to 256 by u.
+        let cell = Cell::new(
+            Row::Noise,
+            format!("object {far:e} from the origin of its space"),
+            "Largest error of a noise texture on a sphere that lies far out in its own space",
+            0.5 * (10.0 * (SCALE * 16.0 + 256.0) * crate::vectors::U + NOISE_ERROR),
+            "A slope of 10 at most, times the error of the place: 16 u on the sphere and u of the 256 to which the host reduces it.",
+        )
+        .achieved(worst(false));
+        all.push(if far >= 1e6 { cell.planted("place in f32, not reduced by the host", worst(true)) } else { cell });
+    }
+    all
+}

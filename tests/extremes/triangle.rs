@@ -1,0 +1,72 @@
+//! geometry/triangle: rays that leave triangles, at all angles.
+
+use crate::kernel::Kernel;
+use crate::stats::Random;
+use crate::table::{Cell, NO_OFFSET, Row};
+use crate::trace::NO_HIT;
+use crate::triangles::{Corners, In, stout, trace, tracer};
+use crate::vectors::{decades, rounded, unit};
+
+/// Rays that meet triangles of all sizes, every second a needle down to 1e-5 of its length, up to `far` sizes from the origin, and leave
+/// them at cosines within these decades: how many met the triangle again.
+fn leave(kernel: &Kernel, far: f64, cosines: (f64, f64)) -> f64 {
+    const RAYS: usize = 20_000;
+    let mut random = Random(73);
+    let (mut triangles, mut rays) = (Vec::new(), Vec::new());
+    for i in 0..RAYS {
+        let size = decades(&mut random, -6.0, 6.0);
+        let mut corners = stout(&mut random, size);
+        if i % 2 == 0 {
+            // One vertex to within a share of another.
+            let (one, other) = (i / 2 % 3, (i / 2 + 1) % 3);
+            corners[one] = corners[other] + decades(&mut random, -5.0, 0.0) * (corners[one] - corners[other]);
+        }
+        let place = far * size * decades(&mut random, -3.0, 0.0) * unit(&mut random);
+        let corners = Corners::new(corners.map(|p| p + place));
+        let [a, b, c] = corners.exact();
+        let normal = (b - a).cross(c - a).normalize_or(unit(&mut random));
+        let (v, w) = (random.uniform(), random.uniform());
+        let (v, w) = if v + w > 1.0 { (1.0 - v, 1.0 - w) } else { (v, w) };
+        let target = a + v * (b - a) + w * (c - a);
+        let origin = rounded(target + size * decades(&mut random, -2.0, 1.0) * unit(&mut random));
+        let cos = decades(&mut random, cosines.0, cosines.1) * if i % 4 < 2 { 1.0 } else { -1.0 };
+        // Along the plane, half of them along the longest way.
+        let along = if i % 8 < 4 { (b - a) - (c - b) } else { unit(&mut random) };
+        let along = (along - along.dot(normal) * normal).normalize_or(unit(&mut random));
+        let leaving = rounded(cos * normal + (1.0 - cos * cos).sqrt() * along);
+        triangles.push(corners);
+        let direction = rounded((target - crate::vectors::exact(origin)).normalize());
+        rays.push(In { origin, direction, first: i as u32, count: 1, leaving, ..In::default() });
+    }
+    let found = trace(kernel, &triangles, &rays);
+    let hits = found.iter().filter(|out| out.t != NO_HIT);
+    let count = hits.clone().count();
+    assert!(count > RAYS / 4, "{count} hits");
+    hits.filter(|out| out.again != NO_HIT).count() as f64
+}
+
+/// The table's cells of triangles.
+pub fn cells() -> Vec<Cell> {
+    const BECAUSE: &str =
+        "The offset is above the bound of the point's error and of the next distance's (geometry/triangle): none.";
+    let own = tracer(&[]);
+    let without = tracer(&[("geometry/offset", "test/control/offset_none")]);
+    let cell = |row, range: String, figure, far, cosines| {
+        Cell::new(row, range, figure, 0.0, BECAUSE)
+            .achieved(leave(&own, far, cosines))
+            .planted(NO_OFFSET, leave(&without, far, cosines))
+    };
+    let mut all = Vec::new();
+    for far in [1.0, 1e1, 1e2, 1e3] {
+        let figure =
+            "Triangles, needles among them: rays of 20 000 that met their own triangle again, cosines from 0.01 to 1";
+        all.push(cell(Row::Leaving, format!("up to {far} sizes from the origin"), figure, far, (-2.0, 0.0)));
+    }
+    for exponent in 1..7 {
+        let decade = f64::from(exponent);
+        let figure = "Triangles by the cosine at which rays leave: rays of 20 000 that met their own triangle again";
+        let range = format!("1e-{} to 1e-{exponent}", exponent + 1);
+        all.push(cell(Row::Grazing, range, figure, 1.0, (-decade - 1.0, -decade)));
+    }
+    all
+}
