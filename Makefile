@@ -35,10 +35,10 @@ test: toolchain
 		$(call install, libvulkan1 mesa-vulkan-drivers, no software Vulkan driver answers)
 	$(CARGO) test --release
 
-# What takes minutes: statistics of thousands of renders.
+# What takes minutes: statistics of thousands of renders, and 1e9 paths through all scenes.
 test-long: export NODEVICE_SELECT = 1
 test-long: toolchain
-	$(CARGO) test --release --test long -- --ignored --nocapture
+	$(CARGO) test --release --test long --test long_paths -- --ignored --nocapture
 
 lint: toolchain
 	$(CARGO) fmt --check

@@ -299,6 +299,7 @@ impl<'a> Walk<'a> {
             module: &module,
             bindings: &bindings,
             workgroup: WORKGROUP,
+            constants: &[],
         };
         let pipeline = Pipeline::new(device, &spec, &buffers)?;
         Ok(Walk { device, buffers, pipeline, readback: Readback::new(device, "met", met) })

@@ -61,6 +61,7 @@ impl<'a> OneKernel<'a> {
             module: &module,
             bindings: &bindings,
             workgroup,
+            constants: &[],
         };
         let pipeline = Pipeline::new(device, &spec, &buffers)?;
         let settings = Settings { max_depth: job.max_depth, seed: job.seed, slots: 1, ..flat.settings };

@@ -286,3 +286,47 @@ device_struct!(
         padding2: u32,
     }
 );
+
+device_struct!(
+    /// One line of the numerics probe's questions.
+    Trial {
+        x: f32,
+        y: f32,
+        product: f32,
+        angle: f32,
+        far_angle: f32,
+        log_of: f32,
+        word: u32,
+        special: u32,
+        least: u32,
+        subnormal: u32,
+        zero: u32,
+        loops: u32,
+        p_x: f32,
+        p_y: f32,
+        q_x: f32,
+        q_y: f32,
+    }
+);
+
+device_struct!(
+    /// What the driver makes of one.
+    Answer {
+        sum_error: u32,
+        sum_error_barrier: u32,
+        product_error_barrier: u32,
+        fma_error: u32,
+        contracted: u32,
+        sine: u32,
+        far_sine: u32,
+        logarithm: u32,
+        converted: u32,
+        uniform_of_32: u32,
+        uniform_of_24: u32,
+        said_of_special: u32,
+        made_subnormal: u32,
+        from_subnormal: u32,
+        edge_sign: i32,
+        loop_state: u32,
+    }
+);

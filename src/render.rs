@@ -10,6 +10,7 @@ use crate::flatten::Flat;
 use crate::gpu::buffers::{Buffers, Readback};
 use crate::gpu::device::{Device, DeviceClass};
 use crate::gpu::pipeline::{Pipeline, PipelineSpec};
+use crate::gpu::probe;
 use crate::gpu::timing::{MAX_PASSES, Timing};
 use crate::plan::{Bounce, Kernel, Plan, Scatter, Tuning};
 
@@ -209,7 +210,8 @@ impl<'a> Renderer<'a> {
     /// Allocates the buffers and compiles the kernels.
     ///
     /// # Errors
-    /// `Error::Device` where a buffer exceeds the device's limits or memory, or a kernel does not compile.
+    /// `Error::Device` where a buffer exceeds the device's limits or memory, a kernel does not compile, or one relies on what the
+    /// numerics probe does not find.
     pub fn new(
         device: &'a Device,
         flat: &Flat,
@@ -226,6 +228,13 @@ impl<'a> Renderer<'a> {
                 tuning.slots, tuning.workgroup, device.name
             )));
         }
+        let numerics = probe::numerics(device)?;
+        let allowed = |kernel: &Kernel| numerics.allow(device, &kernel.name, &kernel.linked);
+        plan.kernels().into_iter().try_for_each(allowed)?;
+        let most_steps = numerics.most_steps().map(f64::from);
+        let of_steps = |name| most_steps.map(|most| (name, most));
+        let constants: Vec<_> =
+            ["MOST_STEPS_OF_WALK", "MOST_STEPS_OF_CROSSINGS"].into_iter().filter_map(of_steps).collect();
         let buffers = Buffers::create(device, &plan.buffers(flat, &tuning))?;
         let pipeline = |kernel: &Kernel| {
             let spec = PipelineSpec {
@@ -234,6 +243,7 @@ impl<'a> Renderer<'a> {
                 module: &kernel.module,
                 bindings: &kernel.bindings,
                 workgroup: tuning.workgroup,
+                constants: &constants,
             };
             Pipeline::new(device, &spec, &buffers)
         };

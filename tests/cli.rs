@@ -418,6 +418,45 @@ fn strict_passes_where_no_sample_is_rejected() {
     place.render(&["--strict"]).exits(0);
 }
 
+/// More faces in one place than a walk may take steps, on any driver: every sample that looks there is cut short, and none beside.
+#[test]
+fn rejected_samples_are_reported_and_strict_fails() {
+    const TOGETHER: usize = 600;
+    let place = Place::new();
+    let face = "3 0 1 2\n".repeat(TOGETHER);
+    let mesh = format!(
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face {TOGETHER}\n\
+         property list uchar int vertex_indices\nend_header\n-1 -1 0\n9 -1 0\n-1 9 0\n{face}"
+    );
+    place.scene("faces.ply", &mesh);
+    let objects = "Mesh(path: \"faces.ply\", material: \"grey\"),".repeat(TOGETHER);
+    let scene = place.scene(
+        "many.ron",
+        &format!(
+            "Scene(image: (width: 4, height: 2),
+             camera: (look_from: (-1, 0, 3), look_at: (-1, 0, 0), vertical_fov: 20),
+             background: Solid((0.5, 0.5, 0.5)),
+             materials: {{ \"grey\": Lambertian(albedo: Rgb(0.5, 0.4, 0.3)) }}, objects: [{objects}],
+             render: (samples: 8, max_depth: 2))"
+        ),
+    );
+    let render = ["render", &scene, "--device", software(), "-o", "a.exr"];
+    // Half of the 8 pixels, with 8 samples each.
+    let words = "32 of 64 samples were rejected: 0 were not a number, 0 infinite, 32 cut short";
+    let ran = place.run(&[&render[..], &["--json"]].concat()).exits(0);
+    assert!(ran.stderr.contains(words), "{}", ran.stderr);
+    assert_eq!(ran.json()["rejected_samples"], 32);
+    let ran = place.run(&[&render[..], &["--strict", "--json", "--quiet"]].concat()).exits(1);
+    assert_eq!(ran.json()["rejected_samples"], 32, "the report comes all the same");
+    assert!(ran.last_line().contains("--strict") && ran.last_line().contains(words), "{}", ran.stderr);
+    // And so does the image, with the rejected samples of each pixel.
+    let image = place.exr("a.exr");
+    assert_eq!(image.rejected, Some([0, 0, 8, 8].repeat(2)));
+    assert_eq!(image.samples, Some([8, 8, 0, 0].repeat(2)));
+    assert_eq!(attribute(&image, "gpu-rt:rejected_cut"), "32");
+    assert_eq!([image.rgb[0], image.rgb[3]], [[0.5; 3], [0.0; 3]]);
+}
+
 /// Any sizes that the command line takes make the same image, or are refused before anything is rendered.
 #[test]
 fn many_slots_and_small_workgroups_render_or_are_refused() {
@@ -784,7 +823,7 @@ fn plan_lists_what_the_scene_requires_and_no_more() {
     let buffers = json["buffers"].as_array().expect("buffers");
     let bytes: u64 = buffers.iter().map(|buffer| buffer["bytes"].as_u64().expect("bytes")).sum();
     assert_eq!(json["gpu_bytes"], bytes);
-    for name in names.iter().chain(&["spheres", "nodes"]) {
+    for name in names.iter().chain(&["spheres", "records"]) {
         assert!(text.contains(name), "{name} in {text}");
     }
     // Which object asked.
@@ -890,13 +929,51 @@ fn devices_are_listed_with_drivers_and_limits() {
 }
 
 #[test]
-#[ignore = "the numerics probe is not built yet"]
 fn devices_report_the_numerics_probe() {
     let place = Place::new();
     let json = place.run(&["devices", "--json"]).exits(0).json();
-    for device in json["devices"].as_array().expect("a list") {
-        assert!(device["numerics"].is_object(), "{device}");
+    let devices = json["devices"].as_array().expect("a list");
+    for device in devices {
+        let numerics = &device["numerics"];
+        assert!(numerics.is_object(), "{device}");
+        for name in [
+            "two_sum",
+            "two_sum_barrier",
+            "two_product_barrier",
+            "fma_fused",
+            "contraction",
+            "nan_compares",
+            "nan_fails_comparisons",
+            "nan_by_bits",
+            "subnormals",
+            "words_reach_one",
+            "uniforms_exact",
+            "edge_signs",
+        ] {
+            assert!(numerics[name].is_boolean(), "{name}: {numerics}");
+        }
+        for name in ["loop_iterations", "log_error", "log_relative_error", "sin_error", "sin_error_far"] {
+            assert!(numerics[name].is_number(), "{name}: {numerics}");
+        }
+        assert!(numerics["conversion"].is_string(), "{numerics}");
     }
+    let text = place.run(&["devices"]).exits(0).stdout;
+    for words in ["two-sum", "fma", "x != x", "subnormals", "loops", "log", "sin", "u32 to f32", "signs of edges"] {
+        let lines = text.lines().filter(|line| line.trim_start().starts_with("numerics: ") && line.contains(words));
+        assert_eq!(lines.count(), devices.len(), "{words}: {text}");
+    }
+}
+
+/// What a render found of its device goes with its image, and is what `devices` says of it.
+#[test]
+fn a_render_says_what_the_numerics_probe_found() {
+    let place = Place::new();
+    let report = place.render(&["--json"]).exits(0).json();
+    let header: Value = serde_json::from_str(attribute(&place.exr("sphere.exr"), "gpu-rt:numerics")).expect("JSON");
+    assert_eq!(report["numerics"], header);
+    let listed = place.run(&["devices", "--json"]).exits(0).json();
+    let same = |device: &Value| device["driver"] == report["driver"] && device["numerics"] == header;
+    assert!(listed["devices"].as_array().expect("a list").iter().any(same), "{listed}\n{header}");
 }
 
 /// Without any driver: check and plan work, render and devices say what to install, and nobody panics.

@@ -61,6 +61,8 @@ mod noise;
 mod places;
 #[path = "extremes/quad.rs"]
 mod quad;
+#[path = "extremes/rejection.rs"]
+mod rejection;
 #[path = "extremes/sphere.rs"]
 mod sphere;
 #[path = "extremes/table.rs"]
@@ -77,7 +79,7 @@ use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use table::{Cell, FORMS, document, faults};
+use table::{COMPARED_NAN, Cell, FORMS, document, faults};
 
 type Filler = fn() -> Vec<Cell>;
 
@@ -99,6 +101,7 @@ const CELLS: &[Filler] = &[
     places::cells,
     views::cells,
     film::cells,
+    rejection::cells,
     fresnel::cells,
     fuzz::cells,
     albedo::cells,
@@ -116,7 +119,10 @@ fn every_cell_is_within_its_limit() {
     // Beside and renamed, so that whoever reads it meanwhile reads a whole one.
     let fresh = path.with_extension("md.new");
     fs::write(&fresh, text).and_then(|()| fs::rename(&fresh, &path)).expect("docs/extremes.md can be written");
-    let faults = faults(&cells, FORMS);
+    // A driver without the flaw that makes a form wrong shows nothing of it.
+    let shown = |form: &&&str| **form != COMPARED_NAN || rejection::folds();
+    let forms: Vec<&str> = FORMS.iter().filter(shown).copied().collect();
+    let faults = faults(&cells, &forms);
     assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
 }
 

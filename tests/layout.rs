@@ -7,12 +7,13 @@ use gpu_rt::data;
 use gpu_rt::film::RunRecord;
 use gpu_rt::flatten::{Features, MATERIALS};
 use gpu_rt::gpu::layout::members;
+use gpu_rt::gpu::link::{Choices, Embedded, link};
 use gpu_rt::plan::{Plan, Scatter};
 
 /// Name, offset and bytes of each field.
 type Fields = Vec<(String, usize, usize)>;
 
-/// The modules of every production kernel with every feature on.
+/// The modules of every production kernel with every feature on, and the numerics probe's.
 fn modules() -> Vec<naga::Module> {
     let on = |_| Some("a test".to_string());
     let features = Features {
@@ -44,12 +45,15 @@ fn modules() -> Vec<naga::Module> {
         emitters: features.emitters.map(on),
         ..features
     };
+    let probe = link(&Embedded, "stage/probe", &Choices::default()).expect("the probe links");
+    let (probe, _) = probe.validate().expect("the probe is valid");
     [Scatter::Fused, Scatter::Linked, Scatter::Queues]
         .into_iter()
         .flat_map(|scatter| {
             let plan = Plan::new(&features, scatter).expect("everything links");
             plan.kernels().into_iter().map(|kernel| kernel.module.clone()).collect::<Vec<_>>()
         })
+        .chain(std::iter::once(probe))
         .collect()
 }
 
@@ -93,7 +97,7 @@ fn host_structs() -> BTreeMap<&'static str, (Fields, usize)> {
             ),)*])
         };
     }
-    structs!(Settings Window Counters Node Sphere Quad Cuboid Instance Light LightNode SkyCell Medium Material Texture Frame)
+    structs!(Settings Window Counters Node Sphere Quad Cuboid Instance Light LightNode SkyCell Medium Material Texture Frame Trial Answer)
 }
 
 /// Names that src/data.rs declares behind a word, so that none can be added there and forgotten here.

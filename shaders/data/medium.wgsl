@@ -18,6 +18,6 @@ struct Medium {
 
 // What stands for a distance that could not be found within the steps that a ray may take.
 const WALK_CUT: f32 = -2.0;
-// Steps of the walks through meshes along one ray at most, in all media together (stage/bounce).
-const MOST_STEPS_OF_CROSSINGS: u32 = 8000u;
+// Steps of the walks through meshes along one ray at most, in all media together, where loops have a limit (stage/bounce).
+const STEPS_OF_CROSSINGS: u32 = 8000u;
 const NO_MEDIUM: u32 = 0xffffffffu;

@@ -1,6 +1,7 @@
 //@ use data/ray
 //@ use data/hit
 //@ use lib/float
+//@ relies on signs
 // Rays against triangles: no ray passes between triangles that share an edge or a vertex, and none meets two of them there.
 // The vertices are sheared so that the ray runs along z, and three edge functions tell on which sides of the edges the
 // origin of the x, y plane lies (Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013). Here

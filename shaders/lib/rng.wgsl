@@ -1,3 +1,4 @@
+//@ relies on uniforms
 // A hash for random numbers, so that no order of evaluation can change them. What they are keyed by is the samplers' affair.
 
 // PCG4D: Jarzynski and Olano, "Hash Functions for GPU Rendering", JCGT 9(3), 2020, listing 3.

@@ -1,3 +1,4 @@
+//@ relies on sine
 // Maps from uniforms in [0, 1) to the distributions that the renderer draws from.
 
 const PI: f32 = 3.14159265358979;

@@ -1,3 +1,4 @@
+//@ relies on uniforms
 // The alias method (Walker, "An Efficient Method for Generating Discrete Random Variables with General Distributions", ACM
 // TOMS 3(3), 1977): an entry is found in one step, and it or the other one that it names is drawn. In integers, so that
 // the probabilities that the host states (src/lights.rs) are the exact ones.

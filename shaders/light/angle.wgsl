@@ -1,3 +1,4 @@
+//@ relies on sine
 // Angles to the last digits. WGSL promises 4096 ulp for atan2 and an absolute 7e-5 for acos, and drivers use that up; a
 // solid angle that is a sum of such angles less pi has no digits at all where it is small.
 

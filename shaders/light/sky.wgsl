@@ -2,6 +2,7 @@
 //@ use light/angle
 //@ use light/sample
 //@ use lib/sampling
+//@ relies on sine
 // The sky's image as a light: a cell of a grid over it is drawn by the alias method, and a direction uniform in the cell's
 // solid angle. What is loaded is one entry of four words a sample, and one for the density of a direction.
 // The grid lies as the image does (lib/sphere_map): rows from +y down, columns around from +z through -x, -z and +x.

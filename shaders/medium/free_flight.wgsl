@@ -1,3 +1,5 @@
+//@ relies on uniforms
+//@ relies on logarithm
 // The optical depth to the next event in a medium.
 
 // Exponentially distributed with mean 1: -ln(1 - U), where U is 48 random bits, the upper 24 of each word. One word alone

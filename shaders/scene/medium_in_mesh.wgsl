@@ -7,10 +7,14 @@
 //@ use geometry/bounds
 //@ use scene/meshes
 //@ use lib/float
+//@ relies on loops
 // Media bounded by closed meshes, which a ray may enter and leave any number of times.
 
 // The deepest that the stack can get in such a mesh's BVH.
 const CROSSING_STACK_SIZE: u32 = ${boundary_stack_size}u;
+
+// Steps of all walks along one ray, in all media (stage/bounce). More where the numerics probe finds no limit on loops.
+override MOST_STEPS_OF_CROSSINGS: u32 = STEPS_OF_CROSSINGS;
 
 // Where a ray crosses a closed mesh.
 struct Crossing {

@@ -8,6 +8,7 @@
 //@ use geometry/instance
 //@ end
 //@ use lib/float
+//@ relies on loops
 // The nearest primitive along a ray.
 
 // The deepest that the stack can get in this scene's BVH. A text constant, since WGSL sizes no private array by an
@@ -16,7 +17,8 @@ const STACK_SIZE: u32 = ${stack_size}u;
 
 // Mesa 22.3 ends all loops of an invocation after 65,535 iterations without a word; this many leave room for the others
 // (stage/bounce). A walk this long has met tens of thousands of objects in one place; its path is dropped and counted.
-const MOST_STEPS_OF_WALK: u32 = ${most_steps}u;
+// More where the numerics probe finds no such limit.
+override MOST_STEPS_OF_WALK: u32 = ${most_steps}u;
 
 // Nearest hit with t > 0 and before `limit`; or, where any will do, the first one found. There is no least distance: rays start off the surfaces that they leave. Of two hits at one
 // distance the primitive that comes first in the scene wins, so that the order of the walk cannot show.

@@ -3,6 +3,7 @@
 //@ use choice/media
 //@ use step/scatter
 //@ use step/refill
+//@ relies on loops
 // Intersect, cross media, scatter and refill linked into one kernel, several bounces a dispatch: where the state of a path costs more
 // to store and load than its divergence does, as on software drivers.
 override WORKGROUP_SIZE: u32 = 64u;

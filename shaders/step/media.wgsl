@@ -18,7 +18,7 @@
 
 const MEDIA: u32 = ${media}u;
 // Loop iterations of crossing them at most: one a medium, and the walks through meshes.
-const MOST_STEPS_OF_MEDIA: u32 = MEDIA + MOST_STEPS_OF_CROSSINGS;
+const MOST_STEPS_OF_MEDIA: u32 = MEDIA + STEPS_OF_CROSSINGS;
 
 // The first medium takes the sampler's own words, which may be stratified; the others a hash of them.
 fn words_of_medium(words: vec4<u32>, medium: u32) -> vec2<u32> {

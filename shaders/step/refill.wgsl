@@ -7,6 +7,7 @@
 //@ each emitting_sky
 //@ use step/sky_share
 //@ end
+//@ relies on bits
 // Whether the path has left the scene, ended on a surface, or cannot go on.
 fn has_ended(status: u32) -> bool {
     return status == HIT_NOTHING || status == PATH_ENDED || status == PATH_TOO_DEEP || status == PATH_CUT;

@@ -1,5 +1,6 @@
 //@ use data/texture
 //@ use lib/perlin
+//@ relies on sine
 // Stripes along the object's z, bent by turbulence: 0.5 (1 + sin(scale z + 10 turbulence(p))).
 fn marble_colour(texture: Texture, place: TexturePoint) -> vec3<f32> {
     let angle = texture.parameter * place.along_z + place.phase + 10.0 * turbulence(place.point);

@@ -5,18 +5,20 @@ use serde_json::json;
 use super::{print_json, print_line};
 use crate::cli::DevicesArgs;
 use crate::error::Result;
-use crate::gpu::device::Adapters;
+use crate::gpu::device::{Adapters, Device};
+use crate::gpu::probe::{LOOPS, Numerics, numerics};
 
-/// Lists the adapters, their drivers and the limits that decide whether a scene fits.
+/// Lists the adapters, their drivers, the limits that decide whether a scene fits, and what the numerics probe finds.
 pub fn run(args: &DevicesArgs) -> Result<()> {
     let adapters = Adapters::find();
     // The error of choosing says what to install.
     let chosen = adapters.index_of_choice(None)?;
     let names = adapters.names();
+    let found: Vec<Result<Numerics>> = (0..names.len()).map(|index| probe(&adapters, index)).collect();
     if args.json {
         let devices: Vec<_> = (0..)
-            .zip(&names)
-            .map(|(index, (name, limits)): (usize, _)| {
+            .zip(names.iter().zip(&found))
+            .map(|(index, ((name, limits), found)): (usize, _)| {
                 json!({
                     "index": index,
                     "name": name.name,
@@ -31,13 +33,17 @@ pub fn run(args: &DevicesArgs) -> Result<()> {
                         "storage_buffers_per_stage": limits.max_storage_buffers_per_shader_stage,
                         "workgroup_invocations": limits.max_compute_invocations_per_workgroup,
                     },
+                    "numerics": match found {
+                        Ok(found) => json!(found),
+                        Err(error) => json!({ "error": error.to_string() }),
+                    },
                 })
             })
             .collect();
         print_json(&json!({ "devices": devices }));
         return Ok(());
     }
-    for (index, (name, limits)) in names.iter().enumerate() {
+    for (index, ((name, limits), found)) in names.iter().zip(&found).enumerate() {
         let mark = if index == chosen { "  (default)" } else { "" };
         print_line(&format!("{index}: {name}{mark}"));
         print_line(&format!(
@@ -47,6 +53,59 @@ pub fn run(args: &DevicesArgs) -> Result<()> {
             limits.max_storage_buffers_per_shader_stage,
             limits.max_compute_invocations_per_workgroup,
         ));
+        match found {
+            Ok(found) => words(found).iter().for_each(|line| print_line(&format!("   {line}"))),
+            Err(error) => print_line(&format!("   numerics: {error}")),
+        }
     }
     Ok(())
+}
+
+/// What the probe finds of one adapter.
+fn probe(adapters: &Adapters, index: usize) -> Result<Numerics> {
+    let device = Device::open(adapters.choose(Some(&index.to_string()))?)?;
+    numerics(&device).cloned()
+}
+
+/// The findings in words, a line each group; and what is refused because of them.
+fn words(found: &Numerics) -> Vec<String> {
+    let pick = |holds: bool, yes: &'static str, no: &'static str| if holds { yes } else { no };
+    let mut lines = vec![
+        format!(
+            "numerics: two-sum {}, {} behind a uniform, two-product {} there; fma {}, x * y - z {}",
+            pick(found.two_sum, "exact", "undone by the compiler"),
+            pick(found.two_sum_barrier, "exact", "undone"),
+            pick(found.two_product_barrier, "exact", "inexact"),
+            pick(found.fma_fused, "fused", "not fused"),
+            pick(found.contraction, "contracted", "not contracted"),
+        ),
+        format!(
+            "numerics: x != x is {} of a NaN, its comparisons are {}, its bits {}; subnormals are {}",
+            found.nan_compares,
+            pick(found.nan_fails_comparisons, "false", "not all false"),
+            pick(found.nan_by_bits, "tell it", "do not tell it"),
+            pick(found.subnormals, "kept", "flushed"),
+        ),
+        match found.loop_iterations >= LOOPS {
+            true => format!("numerics: loops did all of {LOOPS} iterations"),
+            false => format!("numerics: loops end after {} iterations", found.loop_iterations),
+        },
+        format!(
+            "numerics: log is off by {:.1e} on [0.5, 1), near 1 by {:.1e} of itself; sin by {:.1e} within [-pi, pi], by {:.1e} up to 1e6",
+            found.log_error, found.log_relative_error, found.sin_error, found.sin_error_far,
+        ),
+        format!(
+            "numerics: u32 to f32 rounds {}, u * 2^-32 {} 1; 24 bits are {}; signs of edges are {}",
+            found.conversion.name(),
+            pick(found.words_reach_one, "reaches", "stays below"),
+            pick(found.uniforms_exact, "exact", "inexact"),
+            pick(found.edge_signs, "exact", "wrong"),
+        ),
+    ];
+    lines.extend(
+        found
+            .lacking()
+            .map(|property| format!("numerics: kernels that rely on it are refused: this driver {}", property.without)),
+    );
+    lines
 }

@@ -14,6 +14,7 @@ use crate::data::Sampler;
 use crate::error::{Error, Result};
 use crate::film::{ErrorEstimate, Film, Picture, Totals};
 use crate::gpu::device::{Adapters, Device};
+use crate::gpu::probe::{Numerics, numerics};
 use crate::output::exr::{Attribute, write_exr};
 use crate::output::png::write_png;
 use crate::output::progress::{self, Loading, Progress, Status};
@@ -81,7 +82,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
 
     let mut film = Film::with_sampler(size.0, size.1, flat.radiance_exponent, flat.features.sampler)?;
     let stopped = stop_on_interrupt();
-    let about = About { args, scene_file: &args.scene, device: &device, job: &job };
+    let about = About { args, scene_file: &args.scene, device: &device, numerics: numerics(&device)?, job: &job };
     let progress = Progress::new(args.quiet, progress_goal(&job));
     let mut watcher = Watcher {
         progress: &progress,
@@ -325,6 +326,7 @@ struct About<'a> {
     args: &'a RenderArgs,
     scene_file: &'a Path,
     device: &'a Device,
+    numerics: &'a Numerics,
     job: &'a Job,
 }
 
@@ -339,6 +341,7 @@ impl About<'_> {
             text("scene", path_text(self.scene_file)),
             text("device", self.device.name.name.clone()),
             text("driver", self.device.name.driver.clone()),
+            text("numerics", json!(self.numerics).to_string()),
             text("integrator", self.args.light.integrator.name().to_string()),
             text("sampler", Sampler::from(self.args.light.sampler).name().to_string()),
             int("seed", u64::from(self.job.seed)),
@@ -413,6 +416,7 @@ fn report(
         "device": about.device.name.name,
         "driver": about.device.name.driver,
         "software": about.device.name.software,
+        "numerics": about.numerics,
         "seconds": {
             "load": seconds.load,
             "build": seconds.build,

@@ -1,8 +1,9 @@
 //! Adapters and devices.
 
 use std::fmt;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
+use super::probe::Numerics;
 use crate::error::{Error, Result};
 
 /// The adapters that this machine offers, in the order that `--device INDEX` counts.
@@ -150,6 +151,8 @@ pub struct Device {
     pub limits: wgpu::Limits,
     /// Whether timestamps can be written.
     pub timestamps: bool,
+    /// What [`super::probe::numerics`] has found.
+    pub numerics: OnceLock<Numerics>,
     /// The first thing that went wrong outside a call that could report it.
     fault: Arc<Mutex<Option<String>>>,
 }
@@ -186,7 +189,7 @@ impl Device {
                 keep_first(&lost, format!("the device was lost: {message}"));
             }
         });
-        Ok(Device { name, device, queue, limits, timestamps, fault })
+        Ok(Device { name, device, queue, limits, timestamps, numerics: OnceLock::new(), fault })
     }
 
     /// What sizes suit it.

@@ -7,6 +7,7 @@
 //!   entry's name, `${number}` its number, `${rank}` its place in the list, and `${case}` the selector of a switch: `case 2u`, or `default` for
 //!   an entry that closes it. A list of one entry or none makes its lines conditional.
 //! - `${value}` elsewhere is a value of the plan.
+//! - `//@ relies on loops` says that the module is right only on drivers with that property ([`super::probe::PROPERTIES`]).
 //!
 //! Other lines that start with `//@` are errors.
 //!
@@ -16,6 +17,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use include_dir::{Dir, include_dir};
 
+use super::probe::PROPERTIES;
 use crate::error::{Error, Result};
 
 static SHADERS: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/shaders");
@@ -44,6 +46,8 @@ pub struct Linked {
     pub text: String,
     pub lines: Vec<(String, usize)>,
     pub modules: Vec<String>,
+    /// What of the driver its modules rely on: a property's name, and the module.
+    pub relies: Vec<(String, String)>,
 }
 
 /// Where module texts come from: the shaders compiled into the program, and in tests more beside them.
@@ -86,7 +90,13 @@ pub fn link(library: &dyn Library, root: &str, choices: &Choices) -> Result<Link
         library,
         choices,
         done: BTreeSet::new(),
-        linked: Linked { root: root.to_string(), text: String::new(), lines: Vec::new(), modules: Vec::new() },
+        linked: Linked {
+            root: root.to_string(),
+            text: String::new(),
+            lines: Vec::new(),
+            modules: Vec::new(),
+            relies: Vec::new(),
+        },
     };
     linker.join(root, "(the plan)", 0)?;
     Ok(linker.linked)
@@ -124,6 +134,12 @@ impl Linker<'_> {
         for (number, line) in &lines {
             if let Some(used) = line.trim().strip_prefix("//@ use ") {
                 self.join(used.trim(), module, *number)?;
+            }
+            if let Some(property) = line.trim().strip_prefix("//@ relies on ") {
+                if !PROPERTIES.iter().any(|known| known.name == property) {
+                    return Err(fault(module, *number, &format!("the probe knows no property `{property}`")));
+                }
+                self.linked.relies.push((property.to_string(), module.to_string()));
             }
         }
         for (number, line) in lines {
@@ -167,7 +183,9 @@ impl Linker<'_> {
                         out.push((*number, line));
                     }
                 }
-            } else if line.trim().starts_with("//@") && !directive.is_some_and(|d| d.starts_with("use ")) {
+            } else if line.trim().starts_with("//@")
+                && !directive.is_some_and(|d| JOINED.iter().any(|start| d.starts_with(start)))
+            {
                 return Err(fault(module, number, &format!("`{}` is no directive of the linker", line.trim())));
             } else if let Some((_, body)) = &mut block {
                 body.push((number, line));
@@ -199,6 +217,9 @@ impl Linker<'_> {
         Ok(out)
     }
 }
+
+/// How the directives begin that stay until modules are joined.
+const JOINED: [&str; 2] = ["use ", "relies on "];
 
 fn fault(module: &str, line: usize, message: &str) -> Error {
     Error::Shader(format!("shaders/{module}.wgsl:{line}: {message}"))

@@ -5,4 +5,5 @@ pub mod device;
 pub mod layout;
 pub mod link;
 pub mod pipeline;
+pub mod probe;
 pub mod timing;

@@ -22,6 +22,8 @@ pub struct PipelineSpec<'a> {
     pub module: &'a naga::Module,
     pub bindings: &'a BTreeMap<String, Binding>,
     pub workgroup: u32,
+    /// Values of override constants; of those that the kernel lacks nothing comes.
+    pub constants: &'a [(&'a str, f64)],
 }
 
 impl Pipeline {
@@ -48,13 +50,17 @@ impl Pipeline {
             bind_group_layouts: &[Some(&layout)],
             immediate_size: 0,
         });
+        let declared = |name: &str| spec.module.overrides.iter().any(|(_, known)| known.name.as_deref() == Some(name));
+        let workgroup = ("WORKGROUP_SIZE", f64::from(spec.workgroup));
+        let given = spec.constants.iter().copied().filter(|(name, _)| declared(name));
+        let constants: Vec<_> = std::iter::once(workgroup).chain(given).collect();
         let pipeline = wgpu_device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(spec.name),
             layout: Some(&pipeline_layout),
             module: &module,
             entry_point: Some(spec.entry_point),
             compilation_options: wgpu::PipelineCompilationOptions {
-                constants: &[("WORKGROUP_SIZE", f64::from(spec.workgroup))],
+                constants: &constants,
                 ..wgpu::PipelineCompilationOptions::default()
             },
             cache: None,

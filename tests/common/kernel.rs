@@ -141,6 +141,7 @@ impl Kernel {
             module: &self.module,
             bindings: &self.bindings,
             workgroup: WORKGROUP,
+            constants: &[],
         };
         let pipeline = Pipeline::new(device, &spec, &buffers).expect("the test kernel compiles");
         let readback = Readback::new(device, "output", bytes);

@@ -11,7 +11,7 @@ use gpu_rt::film::{Film, Picture, UNKNOWN_VARIANCE};
 use gpu_rt::flatten::{Wish, flatten_with};
 use gpu_rt::gpu::layout;
 use gpu_rt::gpu::link::{Choices, Library, link};
-use gpu_rt::plan::{Bounce, Plan, Tables, choices_of};
+use gpu_rt::plan::{Bounce, Kernel, Plan, Tables, choices_of};
 use gpu_rt::render::{Goal, Job, Next, Outcome, Renderer, TuningWish, tuning};
 use gpu_rt::scene::Scene;
 
@@ -184,11 +184,19 @@ pub fn render_planted(scene: &Scene, ask: &Ask, library: &dyn Library) -> Shot {
 
 /// Links the kernels of a plan from another library.
 fn relink(plan: &mut Plan, library: &dyn Library, choices: &Choices) {
-    let Bounce::Fused(bounce) = &mut plan.bounce else { panic!("the software device fuses its kernels") };
-    for kernel in [&mut plan.generate, bounce] {
+    let relink = |kernel: &mut Kernel| {
         kernel.linked = link(library, &format!("stage/{}", kernel.stage), choices).expect("the kernel links");
-        kernel.module = kernel.linked.validate().expect("the kernel is valid").0;
+        kernel.module = kernel.linked.validate().unwrap_or_else(|error| panic!("{error}")).0;
         kernel.bindings = layout::bindings(&kernel.module).expect("the kernel has bindings");
+    };
+    relink(&mut plan.generate);
+    match &mut plan.bounce {
+        Bounce::Fused(bounce) => relink(bounce),
+        Bounce::Staged(staged) => {
+            assert!(staged.medium.is_none() && staged.dispatch.is_none(), "these have choices of their own");
+            let stages = std::iter::once(&mut staged.intersect).chain(&mut staged.scatter).chain(&mut staged.shadow);
+            stages.chain([&mut staged.refill]).for_each(relink);
+        }
     }
 }
 

@@ -1,0 +1,2 @@
+//@ use data/trial
+@group(0) @binding(25) var<uniform> trials: array<Trial, 64>;

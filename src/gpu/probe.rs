@@ -1,0 +1,377 @@
+//! What a driver makes of arithmetic that WGSL leaves open, or that drivers get wrong: one dispatch of a small kernel
+//! (shaders/stage/probe.wgsl), whose answers are compared with the right ones bit by bit. Shaders say what they rely on,
+//! and a kernel with a shader that relies on what the driver lacks is refused.
+
+use std::f64::consts::PI;
+
+use serde::Serialize;
+
+use super::buffers::{BufferSpec, Buffers, Readback};
+use super::device::Device;
+use super::layout;
+use super::link::{Choices, Embedded, Linked, link};
+use super::pipeline::{Pipeline, PipelineSpec};
+use crate::data::{Answer, Trial};
+use crate::error::Result;
+
+/// Trials of the probe, one an invocation.
+pub const TRIALS: usize = 64;
+/// Iterations of the loop that finds whether they have a limit.
+pub const LOOPS: u32 = 70_000;
+/// The iterations that kernels are made for: those that Mesa 22.3 allows an invocation in all of its loops.
+pub const LOOPS_NEEDED: u32 = 65_535;
+
+/// What the probe has found of a driver.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Numerics {
+    /// Knuth's two-sum as it is written gives the rounding error. False where the compiler takes `(x + y) - x` for `y`.
+    pub two_sum: bool,
+    /// It does with its intermediate values hidden behind a uniform 0.
+    pub two_sum_barrier: bool,
+    /// So does Dekker's two-product.
+    pub two_product_barrier: bool,
+    /// `fma(x, y, z)` rounds once.
+    pub fma_fused: bool,
+    /// `x * y - z` is made an fma.
+    pub contraction: bool,
+    /// `x != x` is true of a NaN. False where the compiler assumes that there is none.
+    pub nan_compares: bool,
+    /// `<` and `>=` are false of a NaN, and the negation of `>=` true.
+    pub nan_fails_comparisons: bool,
+    /// The tests by bits (lib/float) tell NaN and infinity from numbers.
+    pub nan_by_bits: bool,
+    /// Of the 70 000 iterations asked for in a loop, those that were done. A driver that did all has no limit that is known.
+    pub loop_iterations: u32,
+    /// Numbers below 2^-126 are computed with, in and out. Else they are flushed to 0 somewhere.
+    pub subnormals: bool,
+    /// How a word of 32 bits becomes a float.
+    pub conversion: Rounding,
+    /// A random word times 2^-32 can be 1: the conversion rounds up.
+    pub words_reach_one: bool,
+    /// The upper 24 bits of a word times 2^-24 are exact, and so below 1.
+    pub uniforms_exact: bool,
+    /// The largest absolute error of log on [0.5, 1); WGSL promises 2^-21, 4.8e-7.
+    pub log_error: f64,
+    /// The largest relative error of log there: where its argument is near 1, the digits are gone.
+    pub log_relative_error: f64,
+    /// The largest absolute error of sin within [-pi, pi]; WGSL promises 2^-11, 4.9e-4.
+    pub sin_error: f64,
+    /// The same for arguments up to 1e6, of which WGSL promises nothing.
+    pub sin_error_far: f64,
+    /// Edge functions (geometry/triangle) have the sign of the exact difference.
+    pub edge_signs: bool,
+}
+
+/// How integers become floats.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rounding {
+    /// Ties to even.
+    Nearest,
+    TowardsZero,
+    Neither,
+}
+
+impl Rounding {
+    pub fn name(self) -> &'static str {
+        match self {
+            Rounding::Nearest => "to nearest",
+            Rounding::TowardsZero => "towards zero",
+            Rounding::Neither => "in a way of its own",
+        }
+    }
+}
+
+impl Serialize for Rounding {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
+
+/// Something that a shader may rely on: `//@ relies on NAME`.
+#[derive(Clone, Copy, Debug)]
+pub struct Property {
+    pub name: &'static str,
+    pub holds: fn(&Numerics) -> bool,
+    /// What a driver without it does, to follow on its name.
+    pub without: &'static str,
+}
+
+/// All that a shader may rely on.
+pub const PROPERTIES: [Property; 6] = [
+    Property {
+        name: "loops",
+        holds: |found| found.loop_iterations >= LOOPS_NEEDED.min(LOOPS),
+        without: "ends loops before 65,535 iterations",
+    },
+    Property {
+        name: "uniforms",
+        holds: |found| found.uniforms_exact,
+        without: "converts integers of 24 bits inexactly, so that random numbers could be 1",
+    },
+    Property {
+        name: "bits",
+        holds: |found| found.nan_by_bits,
+        without: "does not tell NaN and infinity from numbers by their bits",
+    },
+    Property {
+        name: "sine",
+        // WGSL, section 15.7.4.
+        holds: |found| found.sin_error <= 1.0 / 2048.0,
+        without: "computes sin within [-pi, pi] with a larger error than the 2^-11 that WGSL allows",
+    },
+    Property {
+        name: "logarithm",
+        holds: |found| found.log_error <= 1.0 / 2_097_152.0,
+        without: "computes log between 0.5 and 1 with a larger error than the 2^-21 that WGSL allows",
+    },
+    Property {
+        name: "signs",
+        holds: |found| found.edge_signs,
+        without: "gets signs of differences of products wrong, on which meshes without gaps rest",
+    },
+];
+
+impl Numerics {
+    /// The steps that a walk through the tree is allowed, where loops have no limit: a bound for what no scene should ask
+    /// for, so that a dispatch ends. Where loops have one the kernels' own defaults hold.
+    pub fn most_steps(&self) -> Option<u32> {
+        (self.loop_iterations >= LOOPS).then_some(1 << 18)
+    }
+
+    /// The properties that a driver with these findings lacks.
+    pub fn lacking(&self) -> impl Iterator<Item = &'static Property> {
+        PROPERTIES.iter().filter(|property| !(property.holds)(self))
+    }
+
+    /// Whether a kernel has what it relies on.
+    ///
+    /// # Errors
+    /// `Error::Device` naming the driver, the shader and what it relies on.
+    pub fn allow(&self, device: &Device, kernel: &str, linked: &Linked) -> Result<()> {
+        for property in self.lacking() {
+            if let Some((_, module)) = linked.relies.iter().find(|(name, _)| name == property.name) {
+                return Err(device.failed(&format!(
+                    "this driver {}. The kernel {kernel} relies on it (`{}`, in shaders/{module}.wgsl), and its image would be \
+                     wrong. Update the driver, or choose another device: `gpu-rt devices` shows what each can do",
+                    property.without, property.name
+                )));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What the probe finds of this device; it runs once.
+///
+/// # Errors
+/// `Error::Device` where the device fails.
+pub fn numerics(device: &Device) -> Result<&Numerics> {
+    match device.numerics.get() {
+        Some(found) => Ok(found),
+        None => {
+            let trials = trials();
+            let answers = ask(device, &trials)?;
+            Ok(device.numerics.get_or_init(|| judge(&trials, &answers)))
+        }
+    }
+}
+
+/// The answers of this device.
+pub fn ask(device: &Device, trials: &[Trial]) -> Result<Vec<Answer>> {
+    let linked = link(&Embedded, "stage/probe", &Choices::default())?;
+    let (module, _) = linked.validate()?;
+    let bindings = layout::bindings(&module)?;
+    let bytes = size_of_val(trials) as u64;
+    let why = "the numerics probe";
+    let mut questions = BufferSpec::uniform("trials", bytes, why);
+    questions.contents = bytemuck::cast_slice(trials).into();
+    let answers_bytes = (trials.len() * size_of::<Answer>()) as u64;
+    let buffers = Buffers::create(device, &[questions, BufferSpec::working("answers", answers_bytes, why)])?;
+    let spec = PipelineSpec {
+        name: "probe",
+        entry_point: "probe",
+        module: &module,
+        bindings: &bindings,
+        workgroup: TRIALS as u32,
+        constants: &[],
+    };
+    let pipeline = Pipeline::new(device, &spec, &buffers)?;
+    let readback = Readback::new(device, "answers", answers_bytes);
+    let mut encoder = device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("probe") });
+    {
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+        pipeline.dispatch(&mut pass, 1);
+    }
+    readback.copy(&mut encoder, buffers.get("answers")?, answers_bytes);
+    let submission = device.queue.submit([encoder.finish()]);
+    readback.read(device, submission, answers_bytes, bytemuck::pod_collect_to_vec)
+}
+
+/// The questions: always the same.
+pub fn trials() -> Vec<Trial> {
+    let mut random = Random(1);
+    (0..TRIALS).map(|index| trial(index, &mut random)).collect()
+}
+
+fn trial(index: usize, random: &mut Random) -> Trial {
+    // NaNs of either sign, quiet and signalling; infinities; and numbers beside them.
+    const SPECIAL: [u32; 8] =
+        [0x7fc0_0000, 0xffc0_0001, 0x7f80_0001, 0xffff_ffff, 0x7f80_0000, 0xff80_0000, 0x7f7f_ffff, 0x4000_0000];
+    // Ties, words that round up to 2^32, and words of 24 bits.
+    const WORDS: [u32; 8] =
+        [0xffff_ffff, 0xffff_ff80, 0xffff_ff7f, 0x0100_0001, 0x0100_0003, 0x8000_0080, 0x00ff_ffff, 0];
+    let share = index as f64 / (TRIALS - 1) as f64;
+    let (x, y) = loop {
+        let small = random.float(-12, -1);
+        let (x, y) = if index.is_multiple_of(2) { (random.float(0, 1), small) } else { (small, random.float(0, 1)) };
+        if error_of_sum(x, y) != 0.0 && error_of_product(x, y) != 0.0 {
+            break (x, y);
+        }
+    };
+    let [p, q] = loop {
+        let (p, q_y) = ([random.float(-3, 3), random.float(-3, 3)], random.float(-3, 3));
+        let q = [(f64::from(p[0]) * f64::from(q_y) / f64::from(p[1])) as f32, q_y];
+        if exact_edge_sign(p, q) != 0 {
+            break [p, q];
+        }
+    };
+    Trial {
+        x,
+        y,
+        product: x * y,
+        // The f32 nearest to pi lies beyond it.
+        angle: (((2.0 * share - 1.0) * PI) as f32).clamp(-(PI as f32).next_down(), (PI as f32).next_down()),
+        far_angle: 10f64.powf(1.0 + 5.0 * share) as f32,
+        // 1 - 2^-1 to 1 - 2^-24, and between.
+        log_of: match index {
+            0..24 => 1.0 - 2f32.powi(-1 - index as i32),
+            _ => (1.0 - 0.5 * share) as f32,
+        },
+        word: WORDS.get(index).copied().unwrap_or_else(|| random.bits()),
+        special: SPECIAL[index % SPECIAL.len()],
+        // A 16th of it has all of its digits, unless it is flushed.
+        least: 0x0080_0000 | (random.bits() & 0x007f_fff0),
+        subnormal: 1 | (random.bits() & 0x007f_ffff),
+        zero: 0,
+        loops: if index == 0 { LOOPS } else { 0 },
+        p_x: p[0],
+        p_y: p[1],
+        q_x: q[0],
+        q_y: q[1],
+    }
+}
+
+/// What answers say of a driver.
+pub fn judge(trials: &[Trial], answers: &[Answer]) -> Numerics {
+    let whole = answers.len() == trials.len();
+    let all = |right: &dyn Fn(&Trial, &Answer) -> bool| {
+        whole && trials.iter().zip(answers).all(|(trial, answer)| right(trial, answer))
+    };
+    let any = |wrong: &dyn Fn(&Trial, &Answer) -> bool| !all(&|trial, answer| !wrong(trial, answer));
+    let largest = |error: &dyn Fn(&Trial, &Answer) -> f64| {
+        let errors = trials.iter().zip(answers).map(|(trial, answer)| error(trial, answer));
+        // A NaN is as wrong as can be.
+        let none = if whole { 0.0 } else { f64::INFINITY };
+        errors.fold(none, |most: f64, error| if error.is_nan() { f64::INFINITY } else { most.max(error) })
+    };
+    let off = |bits: u32, right: f64| (f64::from(f32::from_bits(bits)) - right).abs();
+    let of_nan = |trial: &Trial, answer: &Answer, said: u32| {
+        let asked = answer.said_of_special & 0b1110;
+        !f32::from_bits(trial.special).is_nan()
+            || if said == 1 { answer.said_of_special & 1 == 1 } else { asked == said }
+    };
+    let log = |trial: &Trial| f64::from(trial.log_of).ln();
+    let nearest = all(&|trial, answer| answer.converted == (trial.word as f32).to_bits());
+    let towards_zero = all(&|trial, answer| answer.converted == truncated(trial.word).to_bits());
+    Numerics {
+        two_sum: all(&|trial, answer| answer.sum_error == error_of_sum(trial.x, trial.y).to_bits()),
+        two_sum_barrier: all(&|trial, answer| answer.sum_error_barrier == error_of_sum(trial.x, trial.y).to_bits()),
+        two_product_barrier: all(&|trial, answer| {
+            answer.product_error_barrier == error_of_product(trial.x, trial.y).to_bits()
+        }),
+        fma_fused: all(&|trial, answer| answer.fma_error == error_of_product(trial.x, trial.y).to_bits()),
+        contraction: any(&|_, answer| answer.contracted & 0x7fff_ffff != 0),
+        nan_compares: all(&|trial, answer| of_nan(trial, answer, 1)),
+        nan_fails_comparisons: all(&|trial, answer| of_nan(trial, answer, 0b1000)),
+        nan_by_bits: all(&|trial, answer| {
+            let special = f32::from_bits(trial.special);
+            let right = u32::from(special.is_nan()) << 4 | u32::from(special.is_infinite()) << 5;
+            answer.said_of_special & 0b11_0000 == right
+        }),
+        loop_iterations: answers.first().map_or(0, |answer| loops_until(answer.loop_state)),
+        subnormals: all(&|trial, answer| {
+            let made = f64::from(f32::from_bits(trial.least)) / 16.0;
+            let from = f64::from(f32::from_bits(trial.subnormal)) * 16_777_216.0;
+            answer.made_subnormal == (made as f32).to_bits() && answer.from_subnormal == (from as f32).to_bits()
+        }),
+        conversion: match (nearest, towards_zero) {
+            (true, _) => Rounding::Nearest,
+            (_, true) => Rounding::TowardsZero,
+            _ => Rounding::Neither,
+        },
+        words_reach_one: any(&|_, answer| f32::from_bits(answer.uniform_of_32) >= 1.0),
+        uniforms_exact: all(&|trial, answer| {
+            answer.uniform_of_24 == ((trial.word >> 8) as f32 / 16_777_216.0).to_bits()
+        }),
+        log_error: largest(&|trial, answer| off(answer.logarithm, log(trial))),
+        log_relative_error: largest(&|trial, answer| off(answer.logarithm, log(trial)) / log(trial).abs()),
+        sin_error: largest(&|trial, answer| off(answer.sine, f64::from(trial.angle).sin())),
+        sin_error_far: largest(&|trial, answer| off(answer.far_sine, f64::from(trial.far_angle).sin())),
+        edge_signs: all(&|trial, answer| {
+            answer.edge_sign == exact_edge_sign([trial.p_x, trial.p_y], [trial.q_x, trial.q_y])
+        }),
+    }
+}
+
+/// x + y less its rounding to f32; exact for exponents that are 24 apart at most, as their sum in f64 is.
+fn error_of_sum(x: f32, y: f32) -> f32 {
+    let exact = f64::from(x) + f64::from(y);
+    (exact - f64::from(exact as f32)) as f32
+}
+
+/// The same of x y, whose digits are 48 at most.
+fn error_of_product(x: f32, y: f32) -> f32 {
+    let exact = f64::from(x) * f64::from(y);
+    (exact - f64::from(exact as f32)) as f32
+}
+
+/// The sign of p.x q.y - p.y q.x; the products are exact in f64.
+fn exact_edge_sign(p: [f32; 2], q: [f32; 2]) -> i32 {
+    let product = |a: f32, b: f32| f64::from(a) * f64::from(b);
+    product(p[0], q[1]).total_cmp(&product(p[1], q[0])) as i32
+}
+
+/// The float with the word's upper 24 digits.
+fn truncated(word: u32) -> f32 {
+    let digits = 32 - word.leading_zeros();
+    let dropped = digits.saturating_sub(24);
+    (word >> dropped << dropped) as f32
+}
+
+/// After how many steps the probe's generator is in this state; 0 where it is in none that is its own.
+fn loops_until(state: u32) -> u32 {
+    let step = |state: &u32| Some(state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
+    let found = std::iter::successors(Some(1), step).take(LOOPS as usize + 1).position(|reached| reached == state);
+    found.unwrap_or_default() as u32
+}
+
+/// Numbers for the trials: SplitMix64 (Steele, Lea and Flood, OOPSLA 2014).
+struct Random(u64);
+
+impl Random {
+    fn bits(&mut self) -> u32 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 32) as u32
+    }
+
+    /// All 24 digits random, of either sign, with an exponent from `low` on and below `high`.
+    fn float(&mut self, low: i32, high: i32) -> f32 {
+        let digits = self.bits();
+        let exponent = low + (self.bits() % (high - low) as u32) as i32;
+        let size = (1.0 + f64::from(digits & 0x007f_ffff) / 8_388_608.0) * 2f64.powi(exponent);
+        if digits >> 31 == 0 { size as f32 } else { -size as f32 }
+    }
+}
