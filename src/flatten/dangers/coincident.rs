@@ -8,7 +8,7 @@ use std::collections::HashSet;
 
 use glam::{DVec2, DVec3, Vec3};
 
-use super::{At, Body, Danger, Found, Kind, OTHER, U, Worst, name, short};
+use super::{At, Body, Danger, Found, Kind, OTHER, U, Worst, name, normal, short};
 use crate::flatten::place::Shape;
 
 /// Comparisons a surface in a plane, and for all of a plane.
@@ -50,7 +50,7 @@ impl<'a> Spheres<'a> {
 
     pub fn see(&mut self, number: usize, body: &Body) {
         if let Shape::Sphere { .. } = body.shape {
-            let center = (body.place.as_vec3() + Vec3::ZERO).to_array().map(f32::to_bits);
+            let center = ((body.place / self.found.extent).as_vec3() + Vec3::ZERO).to_array().map(f32::to_bits);
             self.centers.push((hash(center), number as u32));
         }
     }
@@ -124,9 +124,9 @@ impl Repeated {
 /// A plane that a surface lies in.
 #[derive(Clone, Copy)]
 struct Plane {
-    /// Of its distance from the camera, as f32; they have its order.
+    /// Of its distance from the camera in extents of the scene, as f32; they have its order.
     bits: u32,
-    /// How far rounding may move it.
+    /// How far rounding may move it, in extents.
     rounding: f32,
     /// A number made of its normal.
     normal: u32,
@@ -141,7 +141,7 @@ struct Tilt {
 }
 
 impl Tilt {
-    /// Each coordinate of the place is rounded, and half of a box.
+    /// Each coordinate of the place is rounded, and half of a box; both in extents of the scene.
     fn new(normal: DVec3, place: DVec3, half: f64) -> Tilt {
         let rounding = 2.0 * U * (normal.abs().dot(place.abs()) + half);
         Tilt { rounding: rounding as f32, normal: hash(steps(normal.abs()).map(|step| step as u32)) }
@@ -224,11 +224,13 @@ impl<'a> Planes<'a> {
 
     pub fn see(&mut self, number: usize, body: &Body, kind: Kind) {
         let place = body.place;
+        let share = 1.0 / self.found.extent;
         match *body.shape {
             Shape::Quad { u, v, .. } => {
                 let (u, v) = body.edges(u, v);
-                let n = u.cross(v).normalize_or_zero();
-                self.planes.push(Plane::new(n.dot(place), &Tilt::new(n, place, 0.0), number as u32 * SIDES + QUAD));
+                let n = normal(u, v);
+                let tilt = Tilt::new(n, share * place, 0.0);
+                self.planes.push(Plane::new(share * n.dot(place), &tilt, number as u32 * SIDES + QUAD));
             }
             Shape::Cuboid { .. } => {
                 if self.planes.is_empty() {
@@ -240,11 +242,11 @@ impl<'a> Planes<'a> {
                 let middle = axes.transpose() * place;
                 let inside = (middle.abs() - half).max_element() < 0.0;
                 for axis in 0..3 {
-                    let tilt = Tilt::new(axes.col(axis), place, half[axis]);
+                    let tilt = Tilt::new(axes.col(axis), share * place, share * half[axis]);
                     for (low, outward) in [(0, middle[axis] + half[axis]), (1, half[axis] - middle[axis])] {
                         if kind.glass || inside || outward < 0.0 {
                             let side = number as u32 * SIDES + 2 * axis as u32 + low;
-                            self.planes.push(Plane::new(outward, &tilt, side));
+                            self.planes.push(Plane::new(share * outward, &tilt, side));
                         }
                     }
                 }
@@ -305,7 +307,7 @@ impl<'a> Planes<'a> {
             Shape::Quad { u, v, .. } => {
                 let (u, v) = body.edges(u, v);
                 let p = body.place;
-                (u.cross(v).normalize_or_zero(), [p, p + u, p + u + v, p + v], false)
+                (normal(u, v), [p, p + u, p + u + v, p + v], false)
             }
             _ => {
                 let half = body.half_sides(self.found)?;
@@ -325,7 +327,7 @@ impl<'a> Planes<'a> {
         let key = steps(normal);
         let turned = key.into_iter().find(|step| *step != 0)? < 0;
         let (normal, key) = if turned { (-normal, steps(-normal)) } else { (normal, key) };
-        let (distance, rounding) = (normal.dot(corners[0]), f64::from(plane.rounding));
+        let (distance, rounding) = (normal.dot(corners[0]), f64::from(plane.rounding) * self.found.extent);
         Some(Side { owner, normal, turned, key, distance, rounding, hidden, corners })
     }
 

@@ -5,7 +5,7 @@
 
 use glam::DVec3;
 
-use super::{At, Body, Danger, Found, Kind, OTHER, U, Worst, name, power_of_two, short};
+use super::{At, Body, Danger, Found, Kind, OTHER, U, Worst, name, normal, power_of_two, short};
 use crate::flatten::place::{Placed, Shape};
 
 /// So many emitters are looked for within things, and with so many comparisons for each thing.
@@ -43,7 +43,7 @@ pub fn turned_away(found: &Found, kinds: &[Kind]) -> Option<Danger> {
         let body = Body::new(found, &placed.shape, &placed.to_world);
         let Shape::Quad { u, v, .. } = placed.shape else { continue };
         let (u, v) = body.edges(u, v);
-        let n = u.cross(v).normalize_or_zero();
+        let n = normal(u, v);
         let farthest = DVec3::select(n.cmpge(DVec3::ZERO), high, low);
         let rounding = 8.0 * U * n.abs().dot(low.abs().max(high.abs()));
         if n.dot(farthest - body.place) <= rounding {

@@ -6,6 +6,7 @@
 mod coincident;
 mod emitters;
 mod sizes;
+mod surfaces;
 
 use std::collections::BTreeMap;
 
@@ -18,6 +19,7 @@ use crate::scene::{Material, Object, Scene, Texture};
 use coincident::{Planes, Spheres};
 use emitters::Walls;
 use sizes::Sizes;
+use surfaces::Surfaces;
 
 /// What is known of a scene when its objects have been placed.
 pub struct Found<'a> {
@@ -36,6 +38,7 @@ pub struct Found<'a> {
 pub fn warnings(found: &Found) -> Vec<String> {
     let kinds: Vec<Kind> = found.scene.materials.iter().map(|(_, material)| Kind::of(material)).collect();
     let mut sizes = Sizes::new(found);
+    let mut surfaces = Surfaces::new(found);
     let mut spheres = Spheres::new(found);
     let mut planes = Planes::new(found, &kinds);
     let mut walls = Walls::new(found, &kinds);
@@ -44,11 +47,13 @@ pub fn warnings(found: &Found) -> Vec<String> {
         let body = Body::new(found, &placed.shape, &placed.to_world);
         let kind = kinds[placed.material as usize];
         sizes.see(number, &body, kind);
+        surfaces.see(number, &body);
         spheres.see(number, &body);
         planes.see(number, &body, kind);
         walls.see(number, &body, kind);
     }
     let mut dangers = sizes.dangers();
+    dangers.extend(surfaces.dangers());
     dangers.extend(spheres.danger());
     dangers.extend(planes.dangers());
     dangers.extend(emitters::turned_away(found, &kinds));
@@ -253,6 +258,11 @@ impl<'a> Body<'a> {
             }
         }
     }
+}
+
+/// The unit normal of a parallelogram, however large or small its edges are.
+fn normal(u: DVec3, v: DVec3) -> DVec3 {
+    u.normalize_or_zero().cross(v.normalize_or_zero()).normalize_or_zero()
 }
 
 /// The kind of a shape in words.
