@@ -43,6 +43,7 @@ fn examine(args: &CheckArgs) -> Result<(usize, Vec<String>)> {
     let target = Target::find(None)?;
     let (plan, tuning) = planned(&scene, size, &flat, &target, TuningWish::default())?;
     let mut warnings = scene.warnings();
+    warnings.extend_from_slice(&flat.warnings);
     // Valid, and yet not to be rendered here.
     let refused = too_large(&plan.buffers(&flat, &tuning), &target.limits);
     warnings.extend(refused.into_iter().map(|why| format!("{}: {why}", target.name)));

@@ -55,6 +55,9 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     seconds.load = clock.lap();
 
     let (size, flat) = flatten_for(&scene, args.size, wish_of(args.tuning.build, &args.light))?;
+    if !args.quiet {
+        flat.warnings.iter().for_each(|warning| tell(&format!("warning: {warning}")));
+    }
     seconds.build = clock.lap();
 
     let adapters = Adapters::find();

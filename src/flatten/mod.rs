@@ -4,6 +4,7 @@
 //! the same to the kernels however large it is and wherever it stands. Where pixels are very small it has the camera's
 //! axes (`view`). Emission is scaled by a power of two likewise.
 
+mod dangers;
 mod frames;
 mod light_tree;
 mod lights;
@@ -109,6 +110,8 @@ pub struct Flat {
     pub primitives: u32,
     /// Device radiance times 2 to this power is the scene's radiance.
     pub radiance_exponent: i32,
+    /// Where the scene's numbers are dangerous, each with its place in the file, the number and what to do.
+    pub warnings: Vec<String>,
 }
 
 /// The most media: crossing them takes an iteration each of what an invocation is allowed (shaders/stage/bounce).
@@ -167,9 +170,21 @@ pub fn flatten_with(scene: &Scene, size: (u32, u32), wish: Wish) -> Result<Flat>
     }
     let boxes: Vec<AxisBox> = meshes.iter().map(|mesh| AxisBox::of(mesh)).collect();
 
-    let length_exponent = binary_exponent(extent(view.eye, 0.5 * scene.camera.aperture, &finder, &boxes));
+    let extent = extent(view.eye, view.lens_radius(), &finder, &boxes);
+    let emissions = emissions(scene);
+    let found = dangers::Found {
+        scene,
+        placed: &finder.placed,
+        media: &finder.media,
+        boxes: &boxes,
+        view: &view,
+        extent,
+        emissions: &emissions,
+    };
+    let length_exponent = binary_exponent(extent);
     let space = RenderSpace { eye: view.eye, scale: exp2(-length_exponent) };
-    let radiance_exponent = binary_exponent(brightest(scene));
+    let brightest = emissions.iter().fold(0.0, |most, (_, radiance)| radiance.max(most));
+    let radiance_exponent = binary_exponent(if brightest > 0.0 { brightest } else { 1.0 });
     let radiance_scale = exp2(-radiance_exponent);
 
     let mut flat = Flat { features, radiance_exponent, ..Flat::default() };
@@ -178,13 +193,19 @@ pub fn flatten_with(scene: &Scene, size: (u32, u32), wish: Wish) -> Result<Flat>
     flat.add_materials(scene, radiance_scale);
     let laid = vec![None; meshes.len()];
     let mut builder =
-        Builder { scene, meshes, boxes, space, quality: wish.quality, laid, mesh_frames: HashMap::new(), flat };
-    builder.add_primitives(&finder.placed);
-    builder.add_media(&finder.media);
-    if wish.sample_lights {
-        builder.add_lights(&finder.placed);
-    }
+        Builder { scene, meshes, boxes: &boxes, space, quality: wish.quality, laid, mesh_frames: HashMap::new(), flat };
+    // Dangers are looked for while the hierarchies are built.
+    let looked = std::thread::scope(|scope| {
+        let looking = scope.spawn(|| dangers::warnings(&found));
+        builder.add_primitives(&finder.placed);
+        builder.add_media(&finder.media);
+        if wish.sample_lights {
+            builder.add_lights(&finder.placed);
+        }
+        looking.join()
+    });
     let mut flat = builder.flat;
+    flat.warnings = looked.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
     flat.features.roulette = wish.roulette;
     flat.features.sampler = wish.sampler;
     flat.features.thin_lens = scene.camera.aperture > 0.0;
@@ -197,7 +218,7 @@ struct Builder<'a> {
     scene: &'a Scene,
     /// In the order of their paths.
     meshes: Vec<&'a Mesh>,
-    boxes: Vec<AxisBox>,
+    boxes: &'a [AxisBox],
     space: RenderSpace,
     quality: Quality,
     /// The meshes that have been laid out.
@@ -271,25 +292,25 @@ fn note_medium(features: &mut Features, scene: &Scene, object: usize, medium: &P
     }
 }
 
-/// The largest component of anything that shines; 1 where nothing does.
-fn brightest(scene: &Scene) -> f64 {
+/// The largest component of what each material emits, by its number, and of the background.
+fn emissions(scene: &Scene) -> Vec<(Option<usize>, f64)> {
     let bitmap = |path: &String| scene.bitmaps.get(path).map_or(0.0, brightest_texel);
     let sky = match &scene.background {
         Background::Solid(colour) => colour.max_element(),
         Background::Gradient { bottom, top } => bottom.max(*top).max_element(),
         Background::Image { path } => bitmap(path),
     };
-    let light = |(_, material): &(String, Material)| match material {
-        Material::DiffuseLight { emit, .. } => match emit {
+    let light = |(number, (_, material)): (usize, &(String, Material))| {
+        let Material::DiffuseLight { emit, .. } = material else { return None };
+        let radiance = match emit {
             Texture::Rgb(r, g, b) => r.max(*g).max(*b),
             Texture::Checker { even, odd, .. } => even.max(*odd).max_element(),
             Texture::Image { path } => bitmap(path),
             Texture::Noise { .. } | Texture::Marble { .. } => 1.0,
-        },
-        _ => 0.0,
+        };
+        Some((Some(number), radiance))
     };
-    let most = scene.materials.iter().map(light).fold(sky, f64::max);
-    if most > 0.0 { most } else { 1.0 }
+    scene.materials.iter().enumerate().filter_map(light).chain([(None, sky)]).collect()
 }
 
 fn brightest_texel(bitmap: &Bitmap) -> f64 {

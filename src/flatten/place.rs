@@ -177,20 +177,22 @@ impl AxisBox {
     }
 }
 
-/// The farthest that anything reaches from the eye along an axis, the lens included; 1 where there is nothing.
+/// The farthest that a shape reaches from the eye along an axis.
+pub fn reach(shape: &Shape, to_world: &Similarity, eye: DVec3, boxes: &[AxisBox]) -> f64 {
+    let from_eye = |p: DVec3| (to_world.point(p) - eye).abs().max_element();
+    let farthest = |points: &[DVec3]| points.iter().fold(0.0, |far, p| from_eye(*p).max(far));
+    match *shape {
+        Shape::Sphere { center, radius } => from_eye(center) + to_world.scale * radius,
+        Shape::Quad { corner, u, v } => farthest(&[corner, corner + u, corner + v, corner + u + v]),
+        Shape::Cuboid { min, max } => from_eye(0.5 * (min + max)) + to_world.scale * (0.5 * (max - min)).length(),
+        Shape::Mesh(mesh) => farthest(&boxes[mesh].corners()),
+    }
+}
+
+/// The same of all that there is, the lens included; 1 where there is nothing.
 pub fn extent(eye: DVec3, lens_radius: f64, finder: &Finder<'_>, boxes: &[AxisBox]) -> f64 {
-    let reach = |shape: &Shape, to_world: &Similarity| {
-        let from_eye = |p: DVec3| (to_world.point(p) - eye).abs().max_element();
-        let farthest = |points: &[DVec3]| points.iter().fold(0.0, |far, p| from_eye(*p).max(far));
-        match *shape {
-            Shape::Sphere { center, radius } => from_eye(center) + to_world.scale * radius,
-            Shape::Quad { corner, u, v } => farthest(&[corner, corner + u, corner + v, corner + u + v]),
-            Shape::Cuboid { min, max } => from_eye(0.5 * (min + max)) + to_world.scale * (0.5 * (max - min)).length(),
-            Shape::Mesh(mesh) => farthest(&boxes[mesh].corners()),
-        }
-    };
-    let primitives = finder.placed.iter().map(|placed| reach(&placed.shape, &placed.to_world));
-    let media = finder.media.iter().map(|medium| reach(&medium.boundary, &medium.to_world));
+    let primitives = finder.placed.iter().map(|placed| reach(&placed.shape, &placed.to_world, eye, boxes));
+    let media = finder.media.iter().map(|medium| reach(&medium.boundary, &medium.to_world, eye, boxes));
     let far = primitives.chain(media).fold(lens_radius, f64::max);
     if far > 0.0 { far } else { 1.0 }
 }

@@ -105,7 +105,7 @@ impl Builder<'_> {
         if let Some(&frame) = shared.and_then(|key| self.mesh_frames.get(&key)) {
             return frame;
         }
-        let place = local_to_object(shape, &to_world.rotation, &self.boxes);
+        let place = local_to_object(shape, &to_world.rotation, self.boxes);
         let Some(frame) = frame(texture, place, &to_world.rotation) else { return 0 };
         let index = self.flat.add_frame(frame);
         if let Some(key) = shared {

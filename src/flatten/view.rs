@@ -28,11 +28,11 @@ impl RenderSpace {
 /// The camera where it stands in the space that objects are placed in.
 pub struct View<'a> {
     camera: &'a Camera,
-    size: (u32, u32),
+    pub size: (u32, u32),
     /// To the right, upwards and backwards.
-    axes: DMat3,
+    pub axes: DMat3,
     /// Width of a pixel at distance 1.
-    pixel: f64,
+    pub pixel: f64,
     /// From the world to that space, which is the world but for its axes.
     pub to_space: Similarity,
     /// Whether it has the camera's axes.
@@ -57,13 +57,17 @@ impl View<'_> {
         View { camera, size, axes, pixel, eye: to_space.point(camera.look_from), to_space, turned }
     }
 
+    pub fn lens_radius(&self) -> f64 {
+        0.5 * self.camera.aperture
+    }
+
     /// What kernels are told of it.
     pub fn settings(&self, space: &RenderSpace) -> data::Settings {
         let View { camera, pixel, to_space, .. } = self;
         // The camera's own axes are exact where they are the space's.
         let axes = if self.turned { DMat3::IDENTITY } else { self.axes };
         let focus = camera.focus_distance.unwrap_or((camera.look_at - camera.look_from).length());
-        let lens_radius = 0.5 * camera.aperture * space.scale;
+        let lens_radius = self.lens_radius() * space.scale;
         data::Settings {
             forward: f32s(-axes.z_axis),
             image_width: self.size.0,

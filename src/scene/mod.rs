@@ -19,9 +19,10 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use crate::error::{Error, Location, Result};
-use source::{Place, Source};
+use source::Source;
 
 pub use mesh::{Mesh, OnProgress, OpenEdges};
+pub use source::Place;
 pub use spans::Step;
 pub use types::*;
 
@@ -82,7 +83,35 @@ impl Scene {
         self.location(&[Step::Field("materials"), Step::Key(name)])
     }
 
-    /// What is allowed and yet likely to disappoint: each with file:line:column, the number and what to do.
+    /// Calls `visitor` with every object, those in others too, in the file's order, and its place: that of the variant, as
+    /// in `objects[3].Group[0].Sphere`.
+    pub fn visit_objects(&self, visitor: &mut dyn FnMut(&Place, &Object)) {
+        let walked = visit::visit_all(&self.top().field("objects"), &self.objects, &mut |at, object| {
+            visitor(at, object);
+            Ok(())
+        });
+        debug_assert!(walked.is_ok(), "nothing in it fails");
+    }
+
+    /// Where the material's texture stands in the scene file, or the material if it has none, and the path there.
+    pub fn spot_of_texture(&self, name: &str, material: &Material) -> (Location, String) {
+        let top = self.top();
+        let materials = top.field("materials");
+        let at = materials.key(name);
+        let at = at.variant(material.name());
+        match material.texture() {
+            Some(slot) => at.field(slot.field).spot(),
+            None => at.spot(),
+        }
+    }
+
+    /// The same of the background.
+    pub fn spot_of_background(&self) -> (Location, String) {
+        self.top().field("background").spot()
+    }
+
+    /// What is allowed and yet likely to disappoint: each with file:line:column, the number and what to do. What only
+    /// shows when objects are in their places is told by flattening.
     pub fn warnings(&self) -> Vec<String> {
         warn::warnings(self)
     }

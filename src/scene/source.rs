@@ -164,9 +164,15 @@ impl<'a> Place<'a> {
         self.error(format!("expected {expected}, found {found}"))
     }
 
+    /// Where this value stands, and its path as messages show it.
+    pub fn spot(&self) -> (Location, String) {
+        let steps = self.steps();
+        (self.source.location_of(&steps), field(&steps))
+    }
+
     /// A warning's text: like an error's, but about something allowed.
     pub fn warning(&self, message: &str) -> String {
-        let steps = self.steps();
-        format!("{}: {}: {message}", self.source.location_of(&steps), field(&steps))
+        let (location, field) = self.spot();
+        format!("{location}: {field}: {message}")
     }
 }

@@ -21,7 +21,7 @@ pub fn warnings(scene: &Scene) -> Vec<String> {
         if !used.contains(name.as_str()) {
             warnings.push(at.warning("no object uses this material: use it or remove it"));
         }
-        warnings.extend(about_material(&at.variant(material.name()), material));
+        warnings.extend(about_material(scene, &at.variant(material.name()), material));
     }
     if scene.objects.is_empty() {
         let message = "there are 0 objects, so that the image shows the background alone: add objects";
@@ -46,7 +46,7 @@ pub fn warnings(scene: &Scene) -> Vec<String> {
     warnings
 }
 
-fn about_material(at: &Place, material: &Material) -> Option<String> {
+fn about_material(scene: &Scene, at: &Place, material: &Material) -> Option<String> {
     if let Material::Dielectric { ior } = material {
         let near = *ior != 1.0 && (ior - 1.0).abs() < NEAR_ONE;
         let message = format!(
@@ -55,11 +55,29 @@ fn about_material(at: &Place, material: &Material) -> Option<String> {
         );
         return near.then(|| at.field("ior").warning(&message));
     }
-    let slot = material.texture().filter(|slot| slot.usage == Use::Albedo)?;
+    let slot = material.texture()?;
+    if slot.usage == Use::Radiance {
+        let is_black = match slot.texture {
+            Texture::Rgb(r, g, b) => r.max(*g).max(*b) == 0.0,
+            Texture::Checker { even, odd, .. } => even.max(*odd).max_element() == 0.0,
+            Texture::Image { path } => {
+                scene.bitmaps.get(path).is_some_and(|image| image.texels.iter().flatten().all(|c| *c == 0.0))
+            }
+            Texture::Noise { .. } | Texture::Marble { .. } => false,
+        };
+        let message =
+            "an emission of 0 is no light: raise it, or write Lambertian(albedo: Rgb(0, 0, 0)) for a black surface";
+        return is_black.then(|| at.field(slot.field).warning(message));
+    }
     let is_white = match slot.texture {
         Texture::Rgb(r, g, b) => [*r, *g, *b].contains(&1.0),
         Texture::Checker { even, odd, .. } => even.max(*odd).max_element() == 1.0,
-        _ => false,
+        // A white place here and there is nothing to warn of.
+        Texture::Image { path } => scene
+            .bitmaps
+            .get(path)
+            .is_some_and(|image| (0..3).any(|channel| image.texels.iter().all(|texel| texel[channel] >= 1.0))),
+        Texture::Noise { .. } | Texture::Marble { .. } => false,
     };
     let message = "an albedo of 1 absorbs nothing, so that paths in a closed scene end only at max_depth: write \
                    0.99 or less unless that is meant";

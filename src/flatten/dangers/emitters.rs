@@ -1,0 +1,219 @@
+//! Emitters that no path can reach, and those too faint beside others.
+//!
+//! Decided are the cases that geometry alone decides: a light that shines to one side, with nothing on that side; and a closed opaque
+//! sphere or box between a light and the camera.
+
+use glam::DVec3;
+
+use super::{At, Body, Danger, Found, Kind, OTHER, U, Worst, name, normal, power_of_two, short};
+use crate::flatten::place::{Placed, Shape};
+
+/// So many emitters are looked for within things, and with so many comparisons for each thing.
+const MOST_EMITTERS: usize = 4096;
+const TESTS_EACH: usize = 1;
+/// Emitters are filed in so many strips along x.
+const STRIPS: usize = 1024;
+/// So many things around the camera are looked at.
+const MOST_AROUND: usize = 8;
+/// The largest share between the brightest emitter and another.
+const LARGEST_SHARE: f64 = (1u64 << 60) as f64;
+
+/// One-sided quads with all of the scene behind them, the camera too.
+pub fn turned_away(found: &Found, kinds: &[Kind]) -> Option<Danger> {
+    let shines = |kind: Kind| kind.light && kind.one_sided;
+    if !kinds.iter().any(|kind| shines(*kind)) {
+        return None;
+    }
+    let one_sided = |number: &usize| {
+        let placed = &found.placed[*number];
+        shines(kinds[placed.material as usize]) && matches!(placed.shape, Shape::Quad { .. })
+    };
+    let mut lights = (0..found.placed.len()).filter(one_sided).peekable();
+    lights.peek()?;
+    let lens = DVec3::splat(found.view.lens_radius());
+    let primitives = found.placed.iter().map(|placed| (&placed.shape, &placed.to_world));
+    let media = found.media.iter().map(|medium| (&medium.boundary, &medium.to_world));
+    let (low, high) = primitives.chain(media).fold((-lens, lens), |(low, high), (shape, to_world)| {
+        let (l, h) = Body::new(found, shape, to_world).bounds(found);
+        (low.min(l), high.max(h))
+    });
+    let mut worst = Worst::default();
+    for number in lights {
+        let placed = &found.placed[number];
+        let body = Body::new(found, &placed.shape, &placed.to_world);
+        let Shape::Quad { u, v, .. } = placed.shape else { continue };
+        let (u, v) = body.edges(u, v);
+        let n = normal(u, v);
+        let farthest = DVec3::select(n.cmpge(DVec3::ZERO), high, low);
+        let rounding = 8.0 * U * n.abs().dot(low.abs().max(high.abs()));
+        if n.dot(farthest - body.place) <= rounding {
+            worst.note(-(number as f64), At::Primitive(number));
+        }
+    }
+    let message = "a light that shines to one side, and all of the scene is on its other side: exchange u and v to turn it round, or \
+                   make it two_sided";
+    worst.danger(|at| Danger { at, field: "", message: message.to_string(), other: None, more: 0 })
+}
+
+/// A light among those that are looked for, and a ball around it.
+#[derive(Clone, Copy)]
+struct Emitter {
+    number: usize,
+    center: DVec3,
+    radius: f64,
+}
+
+/// Emitters within a closed opaque thing, the camera outside; or the camera within, and the emitter outside.
+pub struct Walls<'a> {
+    found: &'a Found<'a>,
+    /// By the x of their centres.
+    emitters: Vec<Emitter>,
+    /// The first of them in each of `STRIPS` strips from the least x to the largest, or beyond.
+    starts: Vec<u32>,
+    least_x: f64,
+    /// Strips in a unit of length.
+    strips: f64,
+    /// The least radius of a ball around one.
+    smallest: f64,
+    /// Comparisons that are left.
+    tests: usize,
+    /// Things around the camera.
+    around: usize,
+    worst: Worst<(At, At, bool)>,
+}
+
+impl<'a> Walls<'a> {
+    pub fn new(found: &'a Found<'a>, kinds: &[Kind]) -> Walls<'a> {
+        let mut emitters: Vec<Emitter> = Vec::new();
+        if kinds.iter().any(|kind| kind.light) {
+            let lights = (0..found.placed.len()).filter(|number| kinds[found.placed[*number].material as usize].light);
+            emitters.extend(lights.take(MOST_EMITTERS).map(|number| {
+                let Placed { shape, to_world, .. } = &found.placed[number];
+                let (center, radius) = Body::new(found, shape, to_world).ball(found);
+                Emitter { number, center, radius }
+            }));
+            emitters.sort_unstable_by(|a, b| a.center.x.total_cmp(&b.center.x));
+        }
+        let least_x = emitters.first().map_or(0.0, |emitter| emitter.center.x);
+        let width = emitters.last().map_or(0.0, |emitter| emitter.center.x) - least_x;
+        let strips = if width > 0.0 { STRIPS as f64 / width } else { 0.0 };
+        let edge = |strip: usize| least_x + strip as f64 / strips;
+        let start = |strip| emitters.partition_point(|emitter| strips > 0.0 && emitter.center.x < edge(strip));
+        Walls {
+            found,
+            starts: (0..STRIPS).map(|strip| start(strip) as u32).collect(),
+            least_x,
+            strips,
+            smallest: emitters.iter().map(|emitter| emitter.radius).fold(f64::INFINITY, f64::min),
+            emitters,
+            tests: TESTS_EACH * (found.placed.len() + 1000),
+            around: 0,
+            worst: Worst::default(),
+        }
+    }
+
+    pub fn see(&mut self, number: usize, wall: &Body, kind: Kind) {
+        if self.emitters.is_empty() || self.tests == 0 || kind.glass {
+            return;
+        }
+        let Some(depth) = depth_in(self.found, wall, DVec3::ZERO) else { return };
+        let lens = self.found.view.lens_radius();
+        let (least_x, strips) = (self.least_x, self.strips);
+        let strip = |x: f64| (((x - least_x) * strips) as usize).min(STRIPS - 1);
+        let mut note = |emitter: &Emitter, around_camera: bool| {
+            if emitter.number != number {
+                let (at, other) = (At::Primitive(emitter.number), At::Primitive(number));
+                self.worst.note(-(emitter.number as f64), (at, other, around_camera));
+            }
+        };
+        if depth > lens && self.around < MOST_AROUND {
+            self.around += 1;
+            let outside = |emitter: &&Emitter| {
+                depth_in(self.found, wall, emitter.center).is_some_and(|depth| -depth > emitter.radius)
+            };
+            self.emitters.iter().filter(outside).for_each(|emitter| note(emitter, true));
+        } else if depth < -lens {
+            let (_, reach) = wall.ball(self.found);
+            if reach <= self.smallest {
+                return;
+            }
+            let from = self.starts.get(strip(wall.place.x - reach)).map_or(0, |start| *start as usize);
+            for emitter in &self.emitters[from..] {
+                if emitter.center.x > wall.place.x + reach || self.tests == 0 {
+                    break;
+                }
+                self.tests -= 1;
+                let apart = (emitter.center - wall.place).abs();
+                if apart.y < reach && apart.z < reach && emitter.radius < reach && is_within(self.found, wall, emitter)
+                {
+                    note(emitter, false);
+                }
+            }
+        }
+    }
+
+    pub fn danger(self) -> Option<Danger> {
+        let found = self.found;
+        self.worst.danger(|(at, other, around_camera)| {
+            let shape = match other {
+                At::Primitive(number) => name(&found.placed[number].shape),
+                _ => "thing",
+            };
+            let (around, beyond) = if around_camera { ("the camera", "light") } else { ("it", "camera") };
+            let message = format!(
+                "no path reaches this light: the opaque {shape} at {OTHER} is closed around {around}, and the {beyond} is \
+                 outside: remove the light, or open what is around"
+            );
+            Danger { at, field: "", message, other: Some(other), more: 0 }
+        })
+    }
+}
+
+/// Whether all of an emitter is within a sphere or box.
+fn is_within(found: &Found, wall: &Body, emitter: &Emitter) -> bool {
+    let inside = |p: DVec3, least: f64| depth_in(found, wall, p).is_some_and(|depth| depth > least);
+    if !inside(emitter.center, 0.0) {
+        return false;
+    }
+    let Placed { shape, to_world, .. } = &found.placed[emitter.number];
+    match shape {
+        Shape::Sphere { .. } => inside(emitter.center, emitter.radius),
+        _ => Body::new(found, shape, to_world).corners(found).into_iter().all(|p| inside(p, 0.0)),
+    }
+}
+
+/// How deep within a sphere or box a point is, at least; negative outside, and there no more than the distance. Nothing of shapes that
+/// are not closed.
+fn depth_in(found: &Found, wall: &Body, p: DVec3) -> Option<f64> {
+    match *wall.shape {
+        Shape::Sphere { radius, .. } => Some(wall.to_world.scale * radius - p.distance(wall.place)),
+        Shape::Cuboid { .. } => {
+            let half = wall.half_sides(found)?;
+            Some((half - (wall.to_world.rotation.transpose() * (p - wall.place)).abs()).min_element())
+        }
+        Shape::Quad { .. } | Shape::Mesh(_) => None,
+    }
+}
+
+/// Emitters so much fainter than the brightest that the film has few digits for them.
+pub fn too_faint(found: &Found) -> Option<Danger> {
+    let at = |material: Option<usize>| material.map_or(At::Background, At::Emit);
+    let (brightest, most) = found.emissions.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let mut worst = Worst::default();
+    for &(material, radiance) in found.emissions {
+        if radiance > 0.0 && most / radiance > LARGEST_SHARE {
+            worst.note(most / radiance, (at(material), radiance));
+        }
+    }
+    worst.danger(|(at_it, radiance)| {
+        let message = format!(
+            "a radiance of {} is {} of that at {OTHER}, {}: the film has one unit for the whole image, in which less than {} of \
+             the brightest keeps few digits: render what differs so much in scenes of their own",
+            short(radiance),
+            power_of_two(radiance / most),
+            short(most),
+            power_of_two(1.0 / LARGEST_SHARE)
+        );
+        Danger { at: at_it, field: "", message, other: Some(at(brightest)), more: 0 }
+    })
+}

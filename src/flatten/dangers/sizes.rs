@@ -1,0 +1,203 @@
+//! Lengths that f32 cannot hold: features lost in the rounding of their place, scenes of too many sizes, and media thicker than their
+//! places are resolved.
+
+use glam::DVec3;
+
+use super::{At, Body, Danger, Found, Kind, U, Worst, power_of_two, short};
+use crate::flatten::place::{Shape, reach};
+
+/// The least share of its distance that a feature may be, eight roundings of its place: there its shape is off by an eighth.
+const LEAST_SHARE: f64 = 8.0 * U;
+/// The same of a sphere's radius: there its outline is off by 2 u over this, an eightieth of the radius.
+const LEAST_SPHERE: f64 = 1e-5;
+/// The least share of the extent that a feature may be.
+const SMALLEST_SHARE: f64 = 1.0 / (1u64 << 40) as f64;
+/// The largest share of a medium's mean free path by which places in it may be rounded.
+const PATH_SHARE: f64 = 0.1;
+
+/// The name of a size, as a message calls it, with the field that holds it.
+pub type Name = (&'static str, &'static str);
+
+#[derive(Clone, Copy)]
+struct Small {
+    at: At,
+    name: Name,
+    size: f64,
+    distance: f64,
+    /// The coordinate whose rounding shows, or the distance.
+    coordinate: f64,
+    /// The least share of that that it may be.
+    share: f64,
+}
+
+/// What is found of sizes.
+pub struct Sizes<'a> {
+    found: &'a Found<'a>,
+    /// A feature may be no smaller.
+    smallest: f64,
+    lost: Worst<Small>,
+    tiny: Worst<(At, Name, f64)>,
+}
+
+impl<'a> Sizes<'a> {
+    pub fn new(found: &'a Found<'a>) -> Sizes<'a> {
+        Sizes { found, smallest: SMALLEST_SHARE * found.extent, lost: Worst::default(), tiny: Worst::default() }
+    }
+
+    pub fn see(&mut self, number: usize, body: &Body, kind: Kind) {
+        self.measure(At::Primitive(number), body, kind.glass);
+    }
+
+    /// `deep` says whether rays pass through.
+    fn measure(&mut self, at: At, body: &Body, deep: bool) {
+        let (size, name) = size_of(self.found, body, f64::min);
+        if size < least_share(body.shape) * body.place.length()
+            && let Some(small) = lost_in_rounding(self.found, at, body, deep)
+        {
+            self.lost.note(small.coordinate / small.size, small);
+        }
+        if size < self.smallest {
+            self.tiny.note(self.smallest / size, (at, name, size));
+        }
+    }
+
+    pub fn dangers(mut self) -> Vec<Danger> {
+        let found = self.found;
+        let mut dense = Worst::default();
+        for (number, medium) in found.media.iter().enumerate() {
+            let at = At::Medium(number);
+            self.measure(at, &Body::new(found, &medium.boundary, &medium.to_world), true);
+            let far = reach(&medium.boundary, &medium.to_world, found.view.eye, found.boxes);
+            let share = medium.density * U * far;
+            if share > PATH_SHARE {
+                dense.note(share, (at, medium.density, far));
+            }
+        }
+        let tiny = self.tiny.danger(|of| tell_tiny(of, found.extent));
+        let all = [self.lost.danger(tell_lost), tiny, dense.danger(tell_dense)];
+        all.into_iter().flatten().collect()
+    }
+}
+
+/// A length of a shape that is meant to be seen: the least of its sizes or the largest, as `choose` has it. A mesh may be flat: what counts
+/// is the longest side of the box around it.
+pub fn size_of(found: &Found, body: &Body, choose: fn(f64, f64) -> f64) -> (f64, Name) {
+    let (size, name) = match *body.shape {
+        Shape::Sphere { radius, .. } => (radius, RADIUS),
+        Shape::Quad { u, v, .. } => {
+            let (u, v) = (u.length(), v.length());
+            let chosen = choose(u, v);
+            (chosen, if chosen == u { U_EDGE } else { V_EDGE })
+        }
+        Shape::Cuboid { min, max } => {
+            let sides = max - min;
+            (choose(choose(sides.x, sides.y), sides.z), SIDE)
+        }
+        Shape::Mesh(mesh) => ((found.boxes[mesh].max - found.boxes[mesh].min).max_element(), SIZE),
+    };
+    (body.to_world.scale * size, name)
+}
+
+const RADIUS: Name = ("a radius", "radius");
+const U_EDGE: Name = ("an edge", "u");
+const V_EDGE: Name = ("an edge", "v");
+const SIDE: Name = ("a side", "");
+const SIZE: Name = ("a size", "");
+
+/// The least share of its distance that a shape's sizes may be.
+fn least_share(shape: &Shape) -> f64 {
+    match shape {
+        Shape::Sphere { .. } => LEAST_SPHERE,
+        _ => LEAST_SHARE,
+    }
+}
+
+/// The coordinates of a place whose rounding shows. Where render space has the camera's axes, opaque things lose nothing
+/// by the rounding of their depth: what is seen of them lies across the view. (Rays that pass through cross them in depth.)
+pub fn shown(found: &Found, place: DVec3, deep: bool) -> DVec3 {
+    let across = DVec3::new(1.0, 1.0, if found.view.turned && !deep { 0.0 } else { 1.0 });
+    place.abs() * across
+}
+
+/// Whether a feature is smaller than the rounding of its place allows. Along a direction a coordinate x is rounded by u |x|; a sphere's outline
+/// is off by what rounds its distance, whatever the direction. `deep` says whether rays pass through.
+fn lost_in_rounding(found: &Found, at: At, body: &Body, deep: bool) -> Option<Small> {
+    let place = shown(found, body.place, deep);
+    let distance = body.place.length();
+    let along = |size: f64, axis: DVec3, name: Name| Small {
+        at,
+        name,
+        size,
+        distance,
+        coordinate: place.dot(axis.abs()),
+        share: LEAST_SHARE,
+    };
+    let axes = body.to_world.rotation;
+    let (size, name) = size_of(found, body, f64::min);
+    let features = match *body.shape {
+        Shape::Sphere { .. } => {
+            vec![Small { at, name, size, distance, coordinate: place.length(), share: LEAST_SPHERE }]
+        }
+        Shape::Mesh(_) => vec![Small { at, name, size, distance, coordinate: place.max_element(), share: LEAST_SHARE }],
+        Shape::Quad { u, v, .. } => {
+            let (u, v) = body.edges(u, v);
+            vec![along(u.length(), u.normalize_or_zero(), U_EDGE), along(v.length(), v.normalize_or_zero(), V_EDGE)]
+        }
+        Shape::Cuboid { min, max } => {
+            let sides = body.to_world.scale * (max - min);
+            (0..3).map(|axis| along(sides[axis], axes.col(axis), SIDE)).collect()
+        }
+    };
+    let lost = features.into_iter().filter(|small| small.size < small.share * small.coordinate);
+    lost.max_by(|a, b| (a.coordinate / a.size).total_cmp(&(b.coordinate / b.size)))
+}
+
+fn tell_lost(Small { at, name: (name, field), size, distance, coordinate, share }: Small) -> Danger {
+    let outline = 2.0 * U * coordinate;
+    let consequence = match size < LEAST_SHARE * coordinate {
+        true => format!("f32 rounds its place by up to {}, so that its shape is lost", short(U * coordinate)),
+        false => {
+            format!("f32 rounds its outline by up to {}, {} % of that", short(outline), short(100.0 * outline / size))
+        }
+    };
+    let message = format!(
+        "{name} of {} at a distance of {} from the camera: {consequence}: make it larger than {}, bring it nearer or leave it out",
+        short(size),
+        short(distance),
+        short(share * coordinate)
+    );
+    Danger { at, field: field_of(at, field), message, other: None, more: 0 }
+}
+
+fn tell_tiny((at, (name, field), size): (At, Name, f64), extent: f64) -> Danger {
+    let message = format!(
+        "{name} of {} is {} of the scene's extent of {}, expected {} at least: leave out what is so small, or what is \
+         so far",
+        short(size),
+        power_of_two(size / extent),
+        short(extent),
+        power_of_two(SMALLEST_SHARE)
+    );
+    Danger { at, field: field_of(at, field), message, other: None, more: 0 }
+}
+
+fn tell_dense((at, density, far): (At, f64, f64)) -> Danger {
+    let message = format!(
+        "a density of {} is a mean free path of {}, and f32 rounds places up to {} from the camera by {}: light that enters or \
+         leaves it is scattered wrongly: write a density below {}, or a surface in its place",
+        short(density),
+        short(1.0 / density),
+        short(far),
+        short(U * far),
+        short(PATH_SHARE / (U * far))
+    );
+    Danger { at, field: "density", message, other: None, more: 0 }
+}
+
+/// A medium's size is its boundary's.
+fn field_of(at: At, field: &'static str) -> &'static str {
+    match at {
+        At::Medium(_) => "boundary",
+        _ => field,
+    }
+}

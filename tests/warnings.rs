@@ -1,0 +1,540 @@
+//! Warnings about numbers that are allowed and dangerous: each at its place, with the number and what to do, and none for a twin scene
+//! just on the other side of its limit.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use gpu_rt::flatten::flatten;
+use gpu_rt::scene::Scene;
+
+/// Marks in a scene's text where the warning is expected; it is taken out before parsing.
+const MARK: char = '§';
+
+/// A camera 5 units before the origin, one above it, and a telescope from far away.
+const BEFORE: &str = "(look_from: (0, 0, 5), look_at: (0, 0, 0), vertical_fov: 40)";
+const ABOVE: &str = "(look_from: (0, 1, 5), look_at: (0, 0, 0), vertical_fov: 40)";
+const FAR: &str = "(look_from: (0, 0, 1e7), look_at: (0, 0, 0), vertical_fov: 40)";
+const TELESCOPE: &str = "(look_from: (0, 0, 1e7), look_at: (0, 0, 0), vertical_fov: 2e-5)";
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// A scene of such objects, with materials of every kind.
+fn scene(camera: &str, objects: &str) -> String {
+    format!(
+        "Scene(
+    image: (width: 400, height: 300),
+    camera: {camera},
+    background: Solid((1, 1, 1)),
+    materials: {{
+        \"grey\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5)), \"steel\": Metal(albedo: Rgb(0.5, 0.5, 0.5)),
+        \"glass\": Dielectric(ior: 1.5), \"lamp\": DiffuseLight(emit: Rgb(15, 15, 15)),
+        \"spot\": DiffuseLight(emit: Rgb(15, 15, 15), two_sided: false),
+    }},
+    objects: [
+        {objects}
+    ],
+)
+"
+    )
+}
+
+/// What flattening says of a text, marks and all.
+fn warnings(text: &str) -> Vec<String> {
+    let scene = Scene::parse(&text.replace(MARK, ""), &root().join("x.ron")).unwrap_or_else(|e| panic!("{e}\n{text}"));
+    let size = (scene.image.width, scene.image.height);
+    flatten(&scene, size).unwrap_or_else(|e| panic!("{e}")).warnings
+}
+
+/// Why the warnings about a marked text are not just one, there, about this field, in these words.
+fn fault(text: &str, field: &str, words: &[&str]) -> Result<(), String> {
+    let (before, _) = text.split_once(MARK).unwrap_or_else(|| panic!("no mark in {text}"));
+    let line = before.split('\n').count();
+    let column = before.chars().rev().take_while(|c| *c != '\n').count() + 1;
+    let found = warnings(text);
+    let [warning] = &found[..] else { return Err(format!("expected one warning: {found:#?}\n{text}")) };
+    let start = format!("{}:{line}:{column}: {field}: ", root().join("x.ron").display());
+    let Some(message) = warning.strip_prefix(&start) else { return Err(format!("expected {start}..: {warning}")) };
+    match words.iter().find(|word| !message.contains(*word)) {
+        Some(word) => Err(format!("expected the words {word:?}: {warning}")),
+        None => Ok(()),
+    }
+}
+
+fn assert_warns(text: &str, field: &str, words: &[&str]) {
+    fault(text, field, words).unwrap_or_else(|fault| panic!("{fault}"));
+}
+
+fn assert_silent(text: &str) {
+    assert_eq!(warnings(text), Vec::<String>::new(), "{text}");
+}
+
+#[test]
+fn features_below_the_rounding_of_their_place() {
+    let sphere =
+        |r: &str, material: &str| format!("Sphere(center: (0, 0, 0), radius: §{r}, material: \"{material}\"),");
+    let words =
+        ["a radius of 2.3e-6 at a distance of 5", "by up to 2.98e-7, so that its shape is lost", "bring it nearer"];
+    assert_warns(&scene(BEFORE, &sphere("2.3e-6", "grey")), "objects[0].Sphere.radius", &words);
+    // Each along its own direction, in which the camera is near or far.
+    let cuboid = |max: &str| scene(BEFORE, &format!("§Box(min: (0, 0, 0), max: {max}, material: \"grey\"),"));
+    assert_warns(&cuboid("(1, 1, 2.3e-6)"), "objects[0].Box", &["a side of 2.3e-6", "larger than 2.384e-6"]);
+    assert_silent(&cuboid("(1, 1, 2.4e-6)"));
+    assert_silent(&cuboid("(2.3e-6, 1, 1)"));
+    let quad = |u: &str| {
+        scene(BEFORE, &format!("Quad(corner: (1, 0, 0), u: (0, 1, 0), v: §({u}, 0, 0), material: \"grey\"),"))
+    };
+    assert_warns(&quad("4.7e-7"), "objects[0].Quad.v", &["an edge of 4.7e-7", "larger than 4.768e-7"]);
+    assert_silent(&quad("4.8e-7"));
+    let mesh = |scale: &str| {
+        let mesh = "§Mesh(path: \"scenes/meshes/star.ply\", material: \"grey\")";
+        scene(BEFORE, &format!("Transformed(by: [Scale({scale})], object: {mesh}),"))
+    };
+    assert_warns(&mesh("1e-7"), "objects[0].Transformed.object.Mesh", &["a size of", "at a distance of 5"]);
+    assert_silent(&mesh("1e-5"));
+}
+
+#[test]
+fn spheres_whose_outline_is_rounded() {
+    let sphere = |r: &str| format!("Sphere(center: (0, 0, 0), radius: §{r}, material: \"grey\"),");
+    // Twice u times the distance of 5.
+    let words =
+        ["a radius of 4.9e-5 at a distance of 5", "outline by up to 5.96e-7, 1.216 % of that", "larger than 5e-5"];
+    assert_warns(&scene(BEFORE, &sphere("4.9e-5")), "objects[0].Sphere.radius", &words);
+    assert_silent(&scene(BEFORE, &sphere("5.1e-5")));
+    // By the distance, whatever the direction, and on the axis of a narrow view by nothing.
+    let aside = "(look_from: (30, 40, 120), look_at: (0, 0, 0), vertical_fov: 40)";
+    let words = ["at a distance of 130", "outline by up to 1.55e-5, 1.211 % of that", "larger than 0.0013"];
+    assert_warns(&scene(aside, &sphere("0.00128")), "objects[0].Sphere.radius", &words);
+    assert_silent(&scene(aside, &sphere("0.00132")));
+    assert_silent(&scene(&aside.replace("40)", "1e-4)"), &sphere("0.00128")));
+}
+
+#[test]
+fn spheres_with_the_camera_near_their_surface() {
+    let ground = |r: &str| {
+        let sphere = format!("Sphere(center: (0, -{r}, 0), radius: §{r}, material: \"grey\"),");
+        scene("(look_from: (0, 1, 0), look_at: (0, 2, 1), vertical_fov: 40)", &sphere)
+    };
+    let field = "objects[0].Sphere.radius";
+    let words = [
+        "a radius of 42000, and the camera is 1 from",
+        "by up to 0.01001, 1.001 % of that",
+        "farther from it than 1.00",
+    ];
+    assert_warns(&ground("42000"), field, &words);
+    assert_silent(&ground("41900"));
+    // 4 u r is 1 at 4.19e6.
+    assert_warns(&ground("4.1e6"), field, &["by up to 0.9775, 97.75 % of that"]);
+    let words = ["by up to 1.001, so that the picture may be wrong", "which side of it the camera is", "write a quad"];
+    assert_warns(&ground("4.2e6"), field, &words);
+    // From within, and on it.
+    let within = ground("42000").replace("(0, 1, 0)", "(0, -1, 0)").replace("(0, 2, 1)", "(0, -2, 1)");
+    assert_warns(&within, field, &["the camera is 1 from its surface", "1.001 %"]);
+    let upon = ground("1").replace("(0, 1, 0)", "(0, 0, 0)");
+    assert_warns(&upon, field, &["the camera is 0 from its surface", "the picture may be wrong"]);
+}
+
+#[test]
+fn a_telescope_keeps_what_lies_across_the_view() {
+    let sphere = |material: &str| format!("Sphere(center: (0, 0, 0), radius: §1, material: \"{material}\"),");
+    let words = ["a radius of 1 at a distance of 1e7", "by up to 0.596", "larger than 100"];
+    assert_warns(&scene(FAR, &sphere("grey")), "objects[0].Sphere.radius", &words);
+    assert_silent(&scene(TELESCOPE, &sphere("grey")));
+    // Rays through it cross it in depth.
+    assert_warns(&scene(TELESCOPE, &sphere("glass")), "objects[0].Sphere.radius", &words);
+    let aside = "Sphere(center: (3e6, 0, 0), radius: §1, material: \"grey\"),";
+    assert_warns(&scene(TELESCOPE, aside), "objects[0].Sphere.radius", &["by up to 0.1788"]);
+}
+
+#[test]
+fn warnings_stand_at_the_innermost_object() {
+    let inner = "Sphere(center: (0, 0, 0), radius: §1e-6, material: \"grey\")";
+    let ball = "Sphere(center: (0, 0, 0), radius: 1, material: \"grey\")";
+    let fog = "Medium(boundary: Sphere(center: (0, 0, 0), radius: 1), density: 1, albedo: Rgb(1, 1, 1))";
+    let nothing = fog.replace("density: 1", "density: 0");
+    let group = format!("{ball}, {fog}, {nothing},\n Transformed(by: [Scale(2)], object: Group([{ball}, {inner}])),");
+    let field = "objects[3].Transformed.object.Group[1].Sphere.radius";
+    assert_warns(&scene(BEFORE, &group), field, &["a radius of 2e-6"]);
+    let boundary = fog.replace("Sphere(center: (0, 0, 0), radius: 1)", "§Sphere(center: (0, 0, 0), radius: 1e-6)");
+    assert_warns(&scene(BEFORE, &format!("{ball}, {nothing}, {boundary}")), "objects[2].Medium.boundary", &["of 1e-6"]);
+}
+
+#[test]
+fn of_a_kind_the_worst_is_told_and_the_others_are_counted() {
+    let sphere = |x: usize, r: &str| format!("Sphere(center: ({x}, 0, 0), radius: {r}, material: \"grey\"),\n");
+    let many: String = (0..42).map(|x| sphere(x, if x == 20 { "§1e-8" } else { "1e-7" })).collect();
+    let words = ["a radius of 1e-8 ", "(and 41 more like it)"];
+    assert_warns(&scene(BEFORE, &many), "objects[20].Sphere.radius", &words);
+    let two: String = (0..2).map(|x| sphere(x, if x == 1 { "§1e-8" } else { "1e-7" })).collect();
+    assert_warns(&scene(BEFORE, &two), "objects[1].Sphere.radius", &["(and 1 more like it)"]);
+}
+
+#[test]
+fn surfaces_rounded_by_more_than_a_pixel() {
+    let ground = |r: &str| format!("Sphere(center: (0, -{r}, 0), radius: §{r}, material: \"grey\"),");
+    let words = ["a sphere with a radius of 9500", "off by up to 0.00453, 1.0", " pixels: make it smaller than"];
+    assert_warns(&scene(ABOVE, &ground("9500")), "objects[0].Sphere.radius", &words);
+    assert_silent(&scene(ABOVE, &ground("9000")));
+    // Out of sight.
+    assert_silent(&scene(&ABOVE.replace("look_at: (0, 0, 0)", "look_at: (0, 5, 0)"), &ground("9500")));
+    let quad = |s: f64| {
+        let (corner, side) = (format!("({:?}, 0, {:?})", -s, -s), 2.0 * s);
+        format!("Quad(corner: {corner}, u: §({side:?}, 0, 0), v: (0, 0, {side:?}), material: \"grey\"),")
+    };
+    assert_warns(&scene(ABOVE, &quad(1e9)), "objects[0].Quad.u", &["an edge of 2e9", "off by up to 2384, "]);
+    assert_warns(&scene(ABOVE, &quad(1900.0)), "objects[0].Quad.u", &["an edge of 3800"]);
+    assert_silent(&scene(ABOVE, &quad(1800.0)));
+    let cuboid = |s: f64| {
+        format!("§Box(min: ({:?}, {:?}, {:?}), max: ({s:?}, 0, {s:?}), material: \"grey\"),", -s, -2.0 * s, -s)
+    };
+    assert_warns(&scene(ABOVE, &cuboid(2400.0)), "objects[0].Box", &["a box with a side of 4800"]);
+    assert_silent(&scene(ABOVE, &cuboid(2250.0)));
+    let folder = tempfile::tempdir().unwrap_or_else(|e| panic!("{e}"));
+    let mesh = |s: f64| {
+        let path = folder.path().join(format!("{s}.obj"));
+        let corners = format!("v 0 0 0\nv {s} 0 {s}\nv {s} 0 -{s}\nv -{s} 0 -{s}\n");
+        fs::write(&path, corners + "f 1 2 3\nf 1 3 4\n").unwrap_or_else(|e| panic!("{e}"));
+        scene(ABOVE, &format!("§Mesh(path: {path:?}, material: \"grey\"),"))
+    };
+    let words = ["a mesh with a size of 2e6 is seen from a distance of 5.099", "off by up to 1.431, 115"];
+    assert_warns(&mesh(1e6), "objects[0].Mesh", &words);
+    assert_silent(&mesh(6000.0));
+}
+
+#[test]
+fn ranges_of_more_than_2_to_the_40() {
+    let grain = |r: &str| {
+        let ball = "Sphere(center: (0, 0, 0), radius: 1, material: \"grey\"),";
+        scene(BEFORE, &format!("{ball} Sphere(center: (0, 0, 4.9999999), radius: §{r}, material: \"grey\"),"))
+    };
+    let words = ["a radius of 5.4e-12 is 2^-40 of the scene's extent of 6", "expected 2^-40 at least", "leave out"];
+    assert_warns(&grain("5.4e-12"), "objects[1].Sphere.radius", &words);
+    assert_silent(&grain("5.5e-12"));
+}
+
+#[test]
+fn media_whose_free_path_is_shorter_than_rounding() {
+    let fog = |density: &str| {
+        let boundary = "boundary: Sphere(center: (0, 0, 0), radius: 1)";
+        scene(BEFORE, &format!("Medium({boundary}, density: §{density}, albedo: Rgb(0.5, 0.5, 0.5)),"))
+    };
+    let words =
+        ["a density of 280000", "a mean free path of 3.571e-6", "up to 6 from the camera by 3.576e-7", "below 279600"];
+    assert_warns(&fog("280000"), "objects[0].Medium.density", &words);
+    assert_silent(&fog("279000"));
+}
+
+#[test]
+fn spheres_that_coincide() {
+    let pair = |r: &str, material: &str| {
+        let first = "Sphere(center: (0, 0, 0), radius: 1, material: \"grey\"),";
+        scene(BEFORE, &format!("{first}\n§Sphere(center: (0, 0, 0), radius: {r}, material: \"{material}\"),"))
+    };
+    let field = "objects[1].Sphere";
+    assert_warns(
+        &pair("1", "steel"),
+        field,
+        &["another material at", "x.ron:11:9 that coincides with it", "remove one"],
+    );
+    assert_warns(&pair("1.0000014", "steel"), field, &["is 1.4e-6 off, less than what f32 rounds by there, 1.431e-6"]);
+    assert_silent(&pair("1.0000015", "steel"));
+    assert_silent(&pair("1", "grey"));
+    // What fills glass is no surface.
+    let boundary = "boundary: Sphere(center: (0, 0, 0), radius: 1)";
+    let filled = format!(
+        "Sphere(center: (0, 0, 0), radius: 1, material: \"glass\"), Medium({boundary}, density: 1, albedo: Rgb(1, 1, 1)),"
+    );
+    assert_silent(&scene(BEFORE, &filled));
+}
+
+/// A quad of two by two over the height y, from (x, z) on.
+fn tile(x: f64, y: f64, z: f64, material: &str) -> String {
+    format!("Quad(corner: ({x:?}, {y:?}, {z:?}), u: (2, 0, 0), v: (0, 0, 2), material: \"{material}\"),")
+}
+
+#[test]
+fn quads_that_overlap_in_a_plane() {
+    let floor = tile(-1.0, 0.0, -1.0, "grey");
+    let with = |other: &str| scene(ABOVE, &format!("{floor}\n{other}"));
+    let rug = |x: f64, y: f64, material: &str| with(&format!("§{}", tile(x, y, 0.5, material)));
+    let words =
+        ["overlaps with that of the quad at", "x.ron:11:9", "coincides", "the file where that ties", "cut one out"];
+    assert_warns(&rug(0.0, 0.0, "steel"), "objects[1].Quad", &words);
+    assert_warns(&rug(0.0, 2.3e-7, "steel"), "objects[1].Quad", &["is 2.3e-7 off, less than", "2.384e-7"]);
+    assert_silent(&rug(0.0, 2.5e-7, "steel"));
+    assert_silent(&rug(0.0, 0.0, "grey"));
+    // Side by side, and turned about so that only the boxes around them overlap.
+    assert_silent(&rug(1.0, 0.0, "steel"));
+    let turned = |x: f64| {
+        let quad = format!("§Quad(corner: ({x:?}, 0, 0.1), u: (1, 0, 1), v: (1, 0, -1), material: \"steel\")");
+        with(&format!("{quad},"))
+    };
+    assert_silent(&turned(0.9 + 0.15));
+    assert_warns(&turned(0.8), "objects[1].Quad", &["overlaps"]);
+    // The same far away and turned, where f64 rounds too.
+    let moved = |y: f64| {
+        let [one, other] = [&floor, &tile(0.0, y, 0.5, "steel")].map(|quad| quad.trim_end_matches(',').to_string());
+        let by = "by: [Rotate(axis: (1, 2, 3), degrees: 50), Translate((1e6, 2e6, 3e6))]";
+        let camera = "(look_from: (1e6, 2e6, 3000005), look_at: (1e6, 2e6, 3e6), vertical_fov: 40)";
+        scene(camera, &format!("Transformed({by}, object: {one}),\nTransformed({by}, object: §{other}),"))
+    };
+    assert_warns(&moved(0.0), "objects[1].Transformed.object.Quad", &["coincides"]);
+    assert_silent(&moved(1e-5));
+}
+
+#[test]
+fn lights_back_to_back() {
+    let pair = |material: &str, y: f64| {
+        let balls = [2, -2].map(|y| format!("Sphere(center: (0, {y}, 0), radius: 1, material: \"grey\"),")).concat();
+        let other = format!("Quad(corner: (-1, {y:?}, -1), u: (0, 0, 2), v: (2, 0, 0), material: \"{material}\"),");
+        scene(
+            ABOVE,
+            &format!(
+                "{}\n{}§{other}",
+                tile(-1.0, 0.0, -1.0, material).replace("u: (2, 0, 0), v: (0, 0, 2)", "u: (0, 0, 2), v: (2, 0, 0)"),
+                balls
+            ),
+        )
+    };
+    let opposed = |material, y| {
+        let text = pair(material, y);
+        text.replacen("u: (0, 0, 2), v: (2, 0, 0)", "u: (2, 0, 0), v: (0, 0, 2)", 1)
+    };
+    let words = ["back to back with the one at", "x.ron:11:9", "more than 2.384e-7 apart", "two_sided"];
+    assert_warns(&opposed("spot", 0.0), "objects[3].Quad", &words);
+    assert_silent(&opposed("lamp", 0.0));
+    assert_silent(&opposed("spot", 0.001));
+    assert_silent(&pair("spot", 0.0));
+}
+
+#[test]
+fn boxes_that_share_a_plane() {
+    let cuboid =
+        |min: &str, max: &str, material: &str| format!("Box(min: {min}, max: {max}, material: \"{material}\"),");
+    let floor = tile(-1.0, 0.0, -1.0, "grey");
+    let block = cuboid("(-0.5, 0, -0.5)", "(0.5, 1, 0.5)", "steel");
+    // It may rest on a floor, and against another; what hides the floor from below is seen there.
+    assert_silent(&scene(ABOVE, &format!("{floor}\n{block}")));
+    assert_silent(&scene(ABOVE, &format!("{block}\n{}", cuboid("(0.5, 0, -0.5)", "(1.5, 0.9, 0.5)", "grey"))));
+    assert_silent(&scene(ABOVE, &format!("{block}\n{}", cuboid("(0.5, 0, -0.5)", "(1.5, 1, 0.5)", "grey"))));
+    let below = "(look_from: (0, -1, 5), look_at: (0, 0, 0), vertical_fov: 40)";
+    assert_warns(&scene(below, &format!("{floor}\n§{block}")), "objects[1].Box", &["that of the quad at", "coincides"]);
+    let lid = tile(-1.0, 1.0, -1.0, "grey");
+    let up = ABOVE.replace("(0, 1, 5)", "(0, 3, 5)");
+    assert_warns(&scene(&up, &format!("{block}\n§{lid}")), "objects[1].Quad", &["that of the box at"]);
+    assert_warns(&scene(&up, &format!("{block}\n§{}", block.replace("steel", "grey"))), "objects[1].Box", &["box at"]);
+    // In a room, flush with its wall: a picture is seen or not, a cupboard hides the wall.
+    let room = cuboid("(-6, -6, -6)", "(6, 6, 6)", "grey");
+    let picture = "Quad(corner: (-1, -1, -6), u: (2, 0, 0), v: (0, 2, 0), material: \"steel\"),";
+    assert_warns(&scene(BEFORE, &format!("{room}\n§{picture}")), "objects[1].Quad", &["that of the box at"]);
+    assert_silent(&scene(BEFORE, &format!("{room}\n{}", cuboid("(-1, -1, -6)", "(1, 1, -5)", "steel"))));
+    // Glass that stands on what comes later in the file sees through it.
+    let glass = block.replace("steel", "glass");
+    let words = ["this glass touches the quad at", "x.ron:12:1", "list the glass after it"];
+    assert_warns(&scene(ABOVE, &format!("§{glass}\n{floor}")), "objects[0].Box", &words);
+    assert_silent(&scene(ABOVE, &format!("{floor}\n{glass}")));
+    let fog = "Medium(boundary: Box(min: (-0.5, 0, -0.5), max: (0.5, 1, 0.5)), density: 1, albedo: Rgb(1, 1, 1)),";
+    assert_silent(&scene(ABOVE, &format!("{glass}\n{fog}\n{}", tile(-1.0, -0.1, -1.0, "grey"))));
+}
+
+#[test]
+fn many_tiles_in_a_plane() {
+    let tiles = |mark: Option<usize>| -> String {
+        let tile = |i: usize| {
+            let (x, z) = ((i % 30) as f64 * 2.0, (i / 30) as f64 * 2.0);
+            let x = if Some(i) == mark { x - 0.5 } else { x };
+            let quad = tile(x - 30.0, 0.0, -z, if (i % 30 + i / 30).is_multiple_of(2) { "grey" } else { "steel" });
+            format!("{}{quad}\n", if Some(i) == mark { "§" } else { "" })
+        };
+        (0..900).map(tile).collect()
+    };
+    assert_silent(&scene(ABOVE, &tiles(None)));
+    assert_warns(&scene(ABOVE, &tiles(Some(444))), "objects[444].Quad", &["overlaps with that of the quad at"]);
+    // One under all of them.
+    let floor = "Quad(corner: (-40, 0, -60), u: (100, 0, 0), v: (0, 0, 70), material: \"glass\"),";
+    let found = warnings(&scene(ABOVE, &format!("{}{floor}", tiles(None))));
+    assert!(found.len() == 1 && found[0].contains("more like it"), "{found:?}");
+}
+
+#[test]
+fn lights_that_no_path_reaches() {
+    let with = |light: &str, around: &str, material: &str| {
+        let around = around.replace("..", &format!("material: \"{material}\""));
+        scene(BEFORE, &format!("§{light}\n{around}"))
+    };
+    let lamp = "Sphere(center: (0, 0, 0), radius: 0.5, material: \"lamp\"),";
+    let quad = "Quad(corner: (-0.3, 0, -0.3), u: (0.6, 0, 0), v: (0, 0, 0.6), material: \"lamp\"),";
+    let ball = "Sphere(center: (0.1, 0, 0), radius: 0.61, ..),";
+    let cuboid = "Transformed(by: [RotateY(30)], object: Box(min: (-0.51, -0.51, -0.51), max: (0.51, 1, 1), ..)),";
+    for (light, kind) in [(lamp, "Sphere"), (quad, "Quad")] {
+        for (around, name) in [(ball, "sphere"), (cuboid, "box")] {
+            let words = [&*format!("the opaque {name} at"), "x.ron:12:", "around it, and the camera is outside"];
+            assert_warns(&with(light, around, "steel"), &format!("objects[0].{kind}"), &words);
+            assert_silent(&with(light, around, "glass"));
+        }
+    }
+    // One that sticks out is reached.
+    assert_silent(&with(lamp, &ball.replace("0.61", "0.59"), "grey"));
+    assert_silent(&with(lamp, &cuboid.replace("-0.51", "-0.49"), "grey"));
+    assert_silent(&with(quad, &ball.replace("0.61", "0.49"), "grey"));
+    // The camera within.
+    let room = "Box(min: (-6, -6, -6), max: (6, 6, 6), ..),";
+    let beyond = "Sphere(center: (0, 0, -8), radius: 1, material: \"lamp\"),";
+    assert_silent(&with(lamp, room, "grey"));
+    assert_warns(&with(beyond, room, "grey"), "objects[0].Sphere", &["around the camera, and the light is outside"]);
+    assert_silent(&with(&beyond.replace("-8", "-6.5"), room, "grey"));
+}
+
+#[test]
+fn lights_that_face_away_from_everything() {
+    let spot = |u: &str, v: &str, material: &str| {
+        let ball = "Sphere(center: (0, 0, 0), radius: 1, material: \"grey\"),";
+        scene(BEFORE, &format!("{ball} §Quad(corner: (-1, 3, -1), u: {u}, v: {v}, material: \"{material}\"),"))
+    };
+    let (x, z) = ("(2, 0, 0)", "(0, 0, 2)");
+    assert_warns(
+        &spot(z, x, "spot"),
+        "objects[1].Quad",
+        &["all of the scene is on its other side", "exchange u and v"],
+    );
+    assert_silent(&spot(x, z, "spot"));
+    assert_silent(&spot(z, x, "lamp"));
+}
+
+#[test]
+fn lights_too_faint_beside_others() {
+    let lights = |faint: &str| {
+        let lights = "Sphere(center: (0, 0, 0), radius: 1, material: \"lamp\"),";
+        scene(BEFORE, lights)
+            .replace("\"grey\":", &format!("\"faint\": DiffuseLight(emit: §Rgb(0, {faint}, 0)), \"grey\":"))
+    };
+    let words = ["a radiance of 1.29e-17 is 2^-60 of that at", "x.ron:8:", "scenes of their own"];
+    assert_warns(&lights("1.29e-17"), "materials[\"faint\"].DiffuseLight.emit", &words);
+    assert_silent(&lights("1.31e-17"));
+    let sky = lights("1").replace('§', "").replace("background: Solid((1, 1, 1))", "background: §Solid((0, 1e-18, 0))");
+    assert_warns(&sky, "background", &["a radiance of 1e-18"]);
+}
+
+#[test]
+fn lights_of_no_emission() {
+    let of = |emit: &str| {
+        let lamp = "Sphere(center: (0, 0, 0), radius: 1, material: \"lamp\"),";
+        let text = scene(BEFORE, lamp)
+            .replace("\"lamp\": DiffuseLight(emit: Rgb(15, 15, 15))", &format!("\"lamp\": DiffuseLight(emit: {emit})"));
+        let scene = Scene::parse(&text, Path::new("x.ron")).unwrap_or_else(|e| panic!("{e}"));
+        scene.warnings().into_iter().filter(|warning| !warning.contains("no object uses")).collect::<Vec<_>>()
+    };
+    let found = of("Rgb(0, 0, 0)");
+    assert!(
+        found.len() == 1 && found[0].starts_with("x.ron:7:67: materials[\"lamp\"].DiffuseLight.emit: an emission of 0"),
+        "{found:?}"
+    );
+    assert_eq!(of("Rgb(0, 1e-30, 0)"), Vec::<String>::new());
+}
+
+/// Only one scene is dangerous: it shows that a light is black from behind.
+#[test]
+fn the_scenes_that_come_with_it_are_safe() {
+    let files = |folder: &str| -> Vec<PathBuf> {
+        let entries = fs::read_dir(root().join(folder)).unwrap_or_else(|e| panic!("{folder}: {e}"));
+        let paths = entries.map(|entry| entry.unwrap_or_else(|e| panic!("{folder}: {e}")).path());
+        paths.filter(|path| path.extension().is_some_and(|ending| ending == "ron")).collect()
+    };
+    let mut seen = 0;
+    for path in ["scenes", "scenes/test", "tests/references"].into_iter().flat_map(files) {
+        let scene = Scene::load(&path).unwrap_or_else(|e| panic!("{e}"));
+        let (width, height) = (scene.image.width, scene.image.height);
+        let expected = usize::from(path.ends_with("one_sided_quads.ron"));
+        // As large as the file says, and as on a wall.
+        for factor in [1, 4] {
+            let flat = flatten(&scene, (factor * width, factor * height)).unwrap_or_else(|e| panic!("{e}"));
+            assert_eq!(flat.warnings.len(), expected, "{:#?}", flat.warnings);
+        }
+        seen += 1;
+    }
+    assert!(seen > 40, "{seen} scenes");
+}
+
+/// Whatever its numbers are, a scene is flattened, and warnings have numbers in them.
+#[test]
+fn the_ends_of_what_numbers_may_be() {
+    let (large, small) = ("1e90", "1e-90");
+    let mut scenes = vec![scene(BEFORE, ""), scene(BEFORE, "Group([]), Group([Group([Group([])])]),")];
+    for (place, size) in [(large, large), (large, small), (small, small), (small, large), ("0", small), ("0", large)] {
+        let at = format!("({place}, {place}, {place})");
+        let ball = format!("Sphere(center: {at}, radius: {size}, material: \"lamp\"),");
+        let quad = format!("Quad(corner: {at}, u: ({size}, 0, 0), v: (0, {size}, 0), material: \"spot\"),");
+        let other = quad.replace("spot", "glass");
+        let cuboid =
+            format!("Box(min: (-{size}, -{size}, -{size}), max: ({size}, {size}, {size}), material: \"grey\"),");
+        let fog = format!(
+            "Medium(boundary: {}, density: {size}, albedo: Rgb(1, 1, 1)),",
+            ball.replace(", material: \"lamp\"),", ")")
+        );
+        let all = [ball, quad, other, cuboid, fog];
+        scenes.extend(all.iter().map(|object| scene(BEFORE, object)));
+        scenes.push(scene(BEFORE, &format!("Group([{}]),", all.concat())));
+        let far = BEFORE.replace("(0, 0, 5)", &format!("(0, 0, {place})")).replace("(0, 0, 0)", "(0, 0, -1)");
+        scenes.push(scene(&far, &all.concat()));
+    }
+    let mut flattened = 0;
+    for text in &scenes {
+        // What is out of range as a whole is refused.
+        let scene = Scene::parse(text, &root().join("x.ron"));
+        let Ok(flat) = scene.and_then(|scene| flatten(&scene, (40, 30))) else { continue };
+        for warning in &flat.warnings {
+            assert!(!["NaN", "inf", "{"].iter().any(|wrong| warning.contains(wrong)), "{warning}");
+        }
+        flattened += 1;
+    }
+    assert!(flattened * 4 > scenes.len() * 3, "{flattened} of {}", scenes.len());
+}
+
+/// The same scene warns of the same whatever its unit of length is.
+#[test]
+fn warnings_do_not_depend_on_the_unit() {
+    let of = |unit: f64| {
+        let p = |x: f64, y: f64, z: f64| format!("({:e}, {:e}, {:e})", unit * x, unit * y, unit * z);
+        let camera = format!("(look_from: {}, look_at: {}, vertical_fov: 40)", p(0.0, 1.0, 5.0), p(0.0, 0.0, 0.0));
+        let floor = |material: &str| {
+            let edges = format!("u: {}, v: {}", p(2.0, 0.0, 0.0), p(0.0, 0.0, 2.0));
+            format!("Quad(corner: {}, {edges}, material: \"{material}\"),", p(-1.0, 0.0, -1.0))
+        };
+        let ball = |r: f64, material: &str| {
+            format!("Sphere(center: {}, radius: {:e}, material: \"{material}\"),", p(0.0, 2.0, 0.0), unit * r)
+        };
+        let objects = [floor("grey"), floor("steel"), ball(0.5, "grey"), ball(0.5, "steel"), ball(1e-7, "lamp")];
+        warnings(&scene(&camera, &objects.concat())).len()
+    };
+    assert_eq!(of(1.0), 4);
+    for unit in [1e-60, 1e-30, 1e30, 1e60] {
+        assert_eq!(of(unit), 4, "{unit}");
+    }
+}
+
+/// A search that ends early, so that it may miss something, ends.
+#[test]
+fn crowds_are_flattened_in_time() {
+    let n = 3000;
+    let stack = |i: usize| tile(-1.0, 0.0, -1.0, if i.is_multiple_of(2) { "grey" } else { "steel" }) + "\n";
+    let shells =
+        |i: usize| format!("Sphere(center: (0, 0, 0), radius: {:?}, material: \"lamp\"),\n", 1.0 + i as f64 * 1e-5);
+    for text in [(0..n).map(stack).collect::<String>(), (0..n).map(shells).collect()] {
+        let begun = std::time::Instant::now();
+        let found = warnings(&scene(ABOVE, &text));
+        assert!(!found.is_empty() && begun.elapsed().as_secs() < 5, "{found:?} in {:?}", begun.elapsed());
+    }
+}
+
+#[test]
+fn a_wrong_expectation_is_reported() {
+    let bad = |r: &str| scene(BEFORE, &format!("Sphere(center: (0, 0, 0), radius: {r}, material: \"grey\"),"));
+    let field = "objects[0].Sphere.radius";
+    assert_eq!(fault(&bad("§1e-6"), field, &["1e-6"]), Ok(()));
+    assert!(fault(&bad("§1"), field, &[]).is_err());
+    assert!(fault(&bad("1e-6§"), field, &[]).is_err());
+    assert!(fault(&bad("§1e-6"), "objects[0].Sphere", &[]).is_err());
+    assert!(fault(&bad("§1e-6"), field, &["2e-6"]).is_err());
+}
