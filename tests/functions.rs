@@ -33,6 +33,8 @@ mod quads;
 #[path = "common/triangles.rs"]
 mod triangles;
 
+#[path = "functions/angle.rs"]
+mod angle;
 #[path = "functions/bounds.rs"]
 mod bounds;
 #[path = "functions/camera.rs"]

@@ -1,12 +1,11 @@
-//@ relies on sine
+//@ use lib/angle
 // Maps from uniforms in [0, 1) to the distributions that the renderer draws from.
 
 const PI: f32 = 3.14159265358979;
 
-// A point on the unit circle. The angle stays within [-pi, pi), the only range where WGSL promises sin and cos anything.
+// A point on the unit circle, from (-1, 0) around.
 fn sample_circle(u: f32) -> vec2<f32> {
-    let phi = (2.0 * u - 1.0) * PI;
-    return vec2<f32>(cos(phi), sin(phi));
+    return circle_point(u - 0.5);
 }
 
 // Uniform over the unit disk, by area.

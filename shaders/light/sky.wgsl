@@ -1,8 +1,7 @@
 //@ use light/alias
-//@ use light/angle
 //@ use light/sample
-//@ use lib/sampling
-//@ relies on sine
+//@ use lib/angle
+//@ use lib/sphere_map
 // The sky's image as a light: a cell of a grid over it is drawn by the alias method, and a direction uniform in the cell's
 // solid angle. What is loaded is one entry of four words a sample, and one for the density of a direction.
 // The grid lies as the image does (lib/sphere_map): rows from +y down, columns around from +z through -x, -z and +x.
@@ -35,22 +34,21 @@ fn sky_cell_direction(index: u32, columns: u32, rows: u32, u: vec2<f32>) -> vec3
     let row = index / columns;
     let below = row >= rows - row;
     let from_pole = f32(select(row, rows - 1u - row, below));
-    let step = 0.5 * PI / f32(rows);
-    let edge = sin(from_pole * step);
-    let height = edge * edge + u.y * (sin(step) * sin(min((2.0 * from_pole + 1.0) * step, PI)));
+    // In turns, as circle_point takes them.
+    let step = 0.25 / f32(rows);
+    let edge = circle_point(from_pole * step).y;
+    let height = edge * edge + u.y * (circle_point(step).y * circle_point(min((2.0 * from_pole + 1.0) * step, 0.5)).y);
     let across = 2.0 * sqrt(height * max(1.0 - height, 0.0));
     let y = 1.0 - 2.0 * height;
-    // The angle from -z towards +x, in [-pi, pi).
-    let turn = (2.0 * ((f32(column) + u.x) / f32(columns)) - 1.0) * PI;
-    return normalize(vec3<f32>(across * sin(turn), select(y, -y, below), -across * cos(turn)));
+    // From -z towards +x.
+    let around = across * circle_point((f32(column) + u.x) / f32(columns) - 0.5);
+    return normalize(vec3<f32>(around.y, select(y, -y, below), -around.x));
 }
 
 // The cell in which a direction lies.
 fn sky_cell_at(direction: vec3<f32>, columns: u32, rows: u32) -> u32 {
-    let turn = angle_of(abs(direction.x), -direction.z) / (2.0 * PI);
-    let around = 0.5 + select(turn, -turn, direction.x < 0.0);
-    let down = angle_of(length(direction.xz), direction.y) / PI;
-    let column = min(u32(around * f32(columns)), columns - 1u);
-    let row = min(u32(down * f32(rows)), rows - 1u);
+    let place = sky_place(direction);
+    let column = min(u32(place.x * f32(columns)), columns - 1u);
+    let row = min(u32(place.y * f32(rows)), rows - 1u);
     return row * columns + column;
 }

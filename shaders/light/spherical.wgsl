@@ -1,4 +1,4 @@
-//@ use light/angle
+//@ use lib/angle
 // Spherical triangles: their solid angle, and directions uniform in it. As Arvo samples them ("Stratified Sampling of
 // Spherical Triangles", SIGGRAPH 1995), the triangle p, a, c is cut by an arc from p to a point of the arc a c so that the
 // part beside a has a share of the solid angle, and the direction lies on that arc by its height. Arvo's formulas take the

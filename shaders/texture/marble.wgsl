@@ -1,14 +1,14 @@
 //@ use data/texture
 //@ use lib/perlin
-//@ relies on sine
+//@ use lib/angle
 // Stripes along the object's z, bent by turbulence: 0.5 (1 + sin(scale z + 10 turbulence(p))).
 fn marble_colour(texture: Texture, place: TexturePoint) -> vec3<f32> {
     let angle = texture.parameter * place.along_z + place.phase + 10.0 * turbulence(place.point);
-    return texture.first * (0.5 * (1.0 + sin(within_one_turn(angle))));
+    return texture.first * (0.5 * (1.0 + circle_point(within_one_turn(angle) * 0.15915494).y));
 }
 
-// The angle less whole turns, in [-pi, pi]: WGSL promises nothing of sin elsewhere. The turn is split in two, the first
-// part short enough that its multiples are exact (Cody and Waite, "Software Manual for the Elementary Functions", 1980).
+// The angle less whole turns, in [-pi, pi]. The turn is split in two, the first part short enough that its multiples are exact
+// (Cody and Waite, "Software Manual for the Elementary Functions", 1980).
 fn within_one_turn(angle: f32) -> f32 {
     let turns = round(angle * 0.15915494);
     return (angle - turns * 6.28125) - turns * 0.0019353072;

@@ -97,7 +97,7 @@ pub struct Property {
 }
 
 /// All that a shader may rely on.
-pub const PROPERTIES: [Property; 6] = [
+pub const PROPERTIES: [Property; 5] = [
     Property {
         name: "loops",
         holds: |found| found.loop_iterations >= LOOPS_NEEDED.min(LOOPS),
@@ -112,12 +112,6 @@ pub const PROPERTIES: [Property; 6] = [
         name: "bits",
         holds: |found| found.nan_by_bits,
         without: "does not tell NaN and infinity from numbers by their bits",
-    },
-    Property {
-        name: "sine",
-        // WGSL, section 15.7.4.
-        holds: |found| found.sin_error <= 1.0 / 2048.0,
-        without: "computes sin within [-pi, pi] with a larger error than the 2^-11 that WGSL allows",
     },
     Property {
         name: "logarithm",

@@ -161,8 +161,8 @@ pub fn cells() -> Vec<Cell> {
         let cell = |figure, limit, because| Cell::new(Row::Fuzz, &range, figure, limit, because);
         let found = cell(
             "Largest error of a direction, times |m + fuzz b|, cosines 1e-4 to 1",
-            16.0 * U + 2f64.powf(-10.4) * fuzz,
-            "A dot product and twice its multiple and normalize, twice: 16 u. The point b: WGSL's sin and cos are off by 2^-11, exp2 and log2 by 2^-18.",
+            16.0 * U + (8.0 * U + 2f64.powi(-18)) * fuzz,
+            "A dot product and twice its multiple and normalize, twice: 16 u. The point b: 8 u, and exp2 and log2 by 2^-18 of it.",
         )
         .achieved(direction_error(fuzz, &[]));
         all.push(match fuzz {

@@ -358,7 +358,7 @@ fn cosines() -> Vec<Cell> {
                 let along = direction.dot(exact(row.incoming));
                 let cos = if expected[0] < 1.0 { 1.0 - expected[0] } else { expected[1] - 1.0 };
                 let sin2 = expected[0] * expected[1];
-                let bound = 16.0 * U + 26.0 * U + 2f64.powf(-10.5) * sin2;
+                let bound = 16.0 * U + 26.0 * U + 8.0 * U * sin2;
                 let off = ((direction.length() - 1.0).abs() / (8.0 * U)).max((along - cos).abs() / bound);
                 worst[1] = if off.is_nan() { f64::MAX } else { worst[1].max(off) };
             }
@@ -379,7 +379,7 @@ fn cosines() -> Vec<Cell> {
             range(g),
             "Largest error of the new direction's cosine and length, over its bound",
             1.0,
-            "26 u of the cosine, 16 u of basis, sum and normalize; WGSL's sin and cos may be off by 2^-11, which changes the length by 2^-10.5 sin². 8 u of the length.",
+            "26 u of the cosine, 16 u of basis, sum and normalize, 8 u of the point on the circle. 8 u of the length.",
         )
         .achieved(own[1]);
         all.push(if g.abs() == 1e-8 { cell.planted(TEXTBOOK, textbook[1]) } else { cell });

@@ -410,15 +410,15 @@ struct Maps {
 fn maps() -> Vec<Cell> {
     let values = [("keyed", "false")];
     let kernel = Kernel::with("test/sampling", &Setup { values: &values, ..Setup::default() });
-    // WGSL's sin and cos are off by 2^-11 each.
-    const SINE: f64 = 1e-3;
+    // A root, a point on the circle (4 u) and a product, squared.
+    const OFF: f64 = 16.0 * U;
     type Judge = fn(&Maps) -> bool;
     let judges: [(&str, Judge); 5] = [
-        ("disk (lens)", |out| f64::from(out.disk[0]).hypot(f64::from(out.disk[1])) < 1.0 + SINE),
-        ("circle", |out| (f64::from(out.circle[0]).hypot(f64::from(out.circle[1])) - 1.0).abs() < SINE),
-        ("hemisphere", |out| (exact(out.hemisphere).length() - 1.0).abs() < SINE && out.hemisphere[2] > 2e-4),
-        ("sphere", |out| (exact(out.sphere).length() - 1.0).abs() < SINE),
-        ("ball, cube root", |out| exact(out.ball).length() < 1.0 + SINE && (0.0..1.0 + 1e-5).contains(&out.root)),
+        ("disk (lens)", |out| f64::from(out.disk[0]).hypot(f64::from(out.disk[1])) < 1.0 + OFF),
+        ("circle", |out| (f64::from(out.circle[0]).hypot(f64::from(out.circle[1])) - 1.0).abs() < OFF),
+        ("hemisphere", |out| (exact(out.hemisphere).length() - 1.0).abs() < OFF && out.hemisphere[2] > 2e-4),
+        ("sphere", |out| (exact(out.sphere).length() - 1.0).abs() < OFF),
+        ("ball, cube root", |out| exact(out.ball).length() < 1.0 + 1e-5 && (0.0..1.0 + 1e-5).contains(&out.root)),
     ];
     let found = |ends| kernel.run::<_, Maps>(&fours(ends).collect::<Vec<_>>());
     let (own, with_one) = (found(ENDS), found(WITH_ONE));

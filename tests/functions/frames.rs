@@ -16,7 +16,7 @@ use crate::oracles::{perlin, turbulence};
 use crate::scenes::triple;
 use crate::stats::Random;
 use crate::textures::Image;
-use crate::vectors::{exact, rounded, unit};
+use crate::vectors::{U, exact, rounded, unit};
 
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
@@ -146,17 +146,17 @@ fn expected(object: &Object, place: &Place, texels: &[[f32; 3]]) -> Option<(f64,
         }
         // Slopes are below 10 (tests/functions/perlin.rs).
         1 => Some((0.5 * (1.0 + perlin(NOISE_SCALE * p)), 0.5 * 10.0 * NOISE_SCALE * POINT)),
-        // Ten times seven octaves of one slope; and sin to 2^-11.
+        // Ten times seven octaves of one slope; and the sine to 4 u.
         2 => {
             let angle = MARBLE_SCALE * p.z + 10.0 * turbulence(p);
-            Some((0.5 * (1.0 + angle.sin()), 5e-4 + 0.5 * (10.0 * 7.0 * 10.0 + MARBLE_SCALE) * POINT))
+            Some((0.5 * (1.0 + angle.sin()), 4.0 * U + 0.5 * (10.0 * 7.0 * 10.0 + MARBLE_SCALE) * POINT))
         }
-        // A texel is a sixteenth of the width; atan2's 2e-4 (tests/functions/textures.rs) and the point, larger at the poles.
+        // A texel is a sixteenth of the width; the angle by 10 π u (tests/functions/textures.rs) and the point, larger at the poles.
         _ => {
             let image = Image { first: 0, width: 16, height: 8 };
             let polar = place.normal.x.hypot(place.normal.z).max(1e-3);
             let colour = image.at(texels, place.uv.0, place.uv.1, place.wraps);
-            let turn = if place.wraps { 2e-4 + POINT / polar } else { 2.0 * POINT };
+            let turn = if place.wraps { 10.0 * PI * U + POINT / polar } else { 2.0 * POINT };
             Some((colour.x, 32.0 * turn))
         }
     }

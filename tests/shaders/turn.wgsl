@@ -1,4 +1,5 @@
 //@ use texture/marble
+//@ use lib/angle
 // An angle less whole turns, and its sine.
 struct Out {
     angle: f32,
@@ -10,5 +11,5 @@ struct Out {
 
 fn run(row: u32) {
     let angle = within_one_turn(input[row]);
-    output[row] = Out(angle, sin(angle));
+    output[row] = Out(angle, circle_point(angle * 0.15915494).y);
 }

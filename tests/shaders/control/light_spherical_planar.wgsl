@@ -1,4 +1,5 @@
-// Wrong on purpose: directions to points uniform over the area, with the density in solid angle of the whole.
+// Wrong on purpose: directions to points uniform over the area, with the density in solid angle of the whole, and that from the sum of
+// the angles less pi, which has no digits where it is small (Girard).
 struct Corner {
     direction: vec3<f32>,
     distance: f32,
@@ -10,9 +11,12 @@ fn corner_at(offset: vec3<f32>) -> Corner {
 }
 
 fn spherical_area(p: Corner, a: Corner, c: Corner, volume: f32) -> f32 {
-    let shape = volume / p.distance / a.distance / c.distance;
-    let beside = 1.0 + dot(p.direction, a.direction) + dot(a.direction, c.direction) + dot(c.direction, p.direction);
-    return 2.0 * atan2(shape, beside);
+    let sides = array(
+        normalize(cross(p.direction, a.direction)),
+        normalize(cross(a.direction, c.direction)),
+        normalize(cross(c.direction, p.direction)),
+    );
+    return acos(-dot(sides[0], sides[1])) + acos(-dot(sides[1], sides[2])) + acos(-dot(sides[2], sides[0])) - 3.14159265;
 }
 
 fn spherical_direction(

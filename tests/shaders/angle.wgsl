@@ -1,0 +1,22 @@
+//@ use lib/angle
+// A point on the circle after so many turns; sine and 1 - cosine of an angle, and the angle of a point.
+struct In {
+    turns: f32,
+    angle: f32,
+    point: vec2<f32>,
+}
+
+struct Out {
+    on_circle: vec2<f32>,
+    sine_and_rise: vec2<f32>,
+    angle: f32,
+    padding: f32,
+}
+
+@group(0) @binding(21) var<storage, read> input: array<In>;
+@group(0) @binding(22) var<storage, read_write> output: array<Out>;
+
+fn run(row: u32) {
+    let asked = input[row];
+    output[row] = Out(circle_point(asked.turns), sine_and_rise(asked.angle), angle_of(asked.point.y, asked.point.x), 0.0);
+}
