@@ -15,7 +15,7 @@ define install
 }
 endef
 
-.PHONY: render test test-long lint toolchain
+.PHONY: render test test-long test-drivers lint toolchain
 
 # The cover scene, in 50 s at most: out/weekend.exr is linear, out/weekend.png is for looking at.
 render: toolchain
@@ -39,6 +39,10 @@ test: toolchain
 test-long: export NODEVICE_SELECT = 1
 test-long: toolchain
 	$(CARGO) test --release --test long --test long_paths -- --ignored --nocapture
+
+# The same tests on several drivers, fetched and not installed: a second opinion on every number.
+test-drivers: toolchain
+	tests/drivers/matrix.sh
 
 lint: toolchain
 	$(CARGO) fmt --check
