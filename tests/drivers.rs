@@ -4,13 +4,16 @@
 use std::fs;
 use std::process::Command;
 
-const KNOWN: &str = "# A comment | of | no use\nslow | walk::deep | allows 10\nother | walk::wide | of another driver\n";
+const KNOWN: &str =
+    "# A comment | of | no use\nslow | walk::deep | allows 10\nother | walk::wide | of another driver\n";
 
 /// A log of two binaries, the second with a test `deep` that ended so.
 fn log(deep: &str) -> String {
     let (verdict, message) = match deep {
         "" => ("ok", String::new()),
-        message => ("FAILED", format!("\nfailures:\n\n---- deep stdout ----\n\nthread 'deep' panicked:\n{message}\n\n")),
+        message => {
+            ("FAILED", format!("\nfailures:\n\n---- deep stdout ----\n\nthread 'deep' panicked:\n{message}\n\n"))
+        }
     };
     format!(
         "    Finished `release` profile\n     Running tests/cli.rs (target/cli-0)\n\nrunning 1 test\ntest help ... ok\n\
