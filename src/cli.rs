@@ -1,5 +1,6 @@
 //! The command line: what can be asked, and how it is read.
 
+use std::fmt;
 use std::ops::Range;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -8,6 +9,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::data::Sampler;
 use crate::flatten::Quality;
+use crate::knobs::{self, Class, Knob};
 use crate::plan::Scatter;
 
 /// A path tracer on the GPU, and without one.
@@ -42,8 +44,8 @@ pub struct RenderArgs {
     /// Also write a tone-mapped picture.
     #[arg(long, value_name = "FILE.png")]
     pub png: Option<PathBuf>,
-    /// Samples per pixel [default: the scene's].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_SAMPLES))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_SAMPLES),
+          help = knobs::SPP.help(), help_heading = Class::Noise.heading())]
     pub spp: Option<u32>,
     /// Sample indices A to B - 1 of each pixel, to split a render over machines.
     #[arg(long, value_name = "A..B", value_parser = sample_range, conflicts_with_all = ["spp", "time"])]
@@ -56,11 +58,10 @@ pub struct RenderArgs {
     /// samples, no more than --spp and --time where these are given.
     #[arg(long, value_name = "E", value_parser = relative_error, conflicts_with = "samples")]
     pub noise: Option<f64>,
-    /// Image size in pixels [default: the scene's].
-    #[arg(long, value_name = "WxH", value_parser = image_size)]
-    pub size: Option<(u32, u32)>,
-    /// Scattering events of a path at most [default: the scene's]. Fewer than the scene's own biases the result.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
+    #[arg(long, value_name = "WxH|N%", value_parser = image_size, help = knobs::SIZE.help(), help_heading = Class::Noise.heading())]
+    pub size: Option<Size>,
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1_000_000),
+          help = knobs::MAX_DEPTH.help(), help_heading = Class::Bias.heading())]
     pub max_depth: Option<u32>,
     /// Seed of the random numbers.
     #[arg(long, value_name = "N", default_value_t = 0)]
@@ -75,7 +76,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "TIME", value_parser = duration, default_value = "60s")]
     pub checkpoint: Duration,
     #[command(flatten)]
-    pub light: LightArgs,
+    pub trade: TradeArgs,
     /// Fail when a sample was rejected because it was not finite.
     #[arg(long)]
     pub strict: bool,
@@ -89,25 +90,48 @@ pub struct RenderArgs {
     pub tuning: TuningArgs,
 }
 
-/// What changes the noise and never the expectation.
+/// The settings that trade one thing for another and that change what is linked for a scene, or how it is laid out.
 #[derive(Clone, Debug, Default, Args)]
-#[command(next_help_heading = "Noise (the expectation stays the same)")]
-pub struct LightArgs {
-    /// How light is found: `mis` also sends rays to the lights that there are; `bsdf` follows the scattered rays alone until
-    /// they meet one.
-    #[arg(long, value_enum, default_value_t)]
+pub struct TradeArgs {
+    #[arg(long, value_enum, default_value_t, help = knobs::INTEGRATOR.help(), help_heading = Class::Noise.heading())]
     pub integrator: Integrator,
-    /// Russian roulette: paths that have become dark are ended at random, and those that go on count for them.
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value_t, help = knobs::ROULETTE.help(), help_heading = Class::Noise.heading())]
     pub roulette: Switch,
-    /// How samples are placed: `sobol` spreads those of a pixel evenly, `independent` draws each by itself.
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value_t, help = knobs::SAMPLER.help(), help_heading = Class::Noise.heading())]
     pub sampler: SamplerArg,
+    #[arg(long, value_enum, default_value_t, help = knobs::FRESNEL.help(), help_heading = Class::Bias.heading())]
+    pub fresnel: Fresnel,
+    #[arg(long, value_name = "off|N", default_value_t, value_parser = clamp_limit, help = knobs::CLAMP.help(), help_heading = Class::Bias.heading())]
+    pub clamp: Clamp,
+    #[arg(long, value_enum, default_value_t, help = knobs::OFFSET.help(), help_heading = Class::Numerics.heading())]
+    pub offset: Offset,
+    #[arg(long, value_enum, default_value_t, help = knobs::PRECISION.help(), help_heading = Class::Numerics.heading())]
+    pub precision: Precision,
+    #[arg(long, value_enum, default_value_t, help = knobs::BUILD.help(), help_heading = Class::Exact.heading())]
+    pub build: BuildArg,
+}
+
+impl RenderArgs {
+    /// The knobs whose values bias the result or are less exact, with those values as they are given.
+    pub fn biases(&self, depth_of_scene: u32) -> Vec<(&'static Knob, String)> {
+        let TradeArgs { fresnel, clamp, offset, precision, .. } = &self.trade;
+        let cut = self.max_depth.filter(|depth| *depth < depth_of_scene);
+        [
+            cut.map(|depth| (&knobs::MAX_DEPTH, depth.to_string())),
+            (*fresnel == Fresnel::Schlick).then(|| (&knobs::FRESNEL, "schlick".to_string())),
+            clamp.0.map(|_| (&knobs::CLAMP, clamp.to_string())),
+            (*offset == Offset::Fast).then(|| (&knobs::OFFSET, "fast".to_string())),
+            (*precision == Precision::Fast).then(|| (&knobs::PRECISION, "fast".to_string())),
+        ]
+        .into_iter()
+        .flatten()
+        .collect()
+    }
 }
 
 /// What changes the speed and never the image.
 #[derive(Clone, Debug, Args)]
-#[command(next_help_heading = "Speed (the image stays the same to the byte)")]
+#[command(next_help_heading = Class::Exact.heading())]
 pub struct TuningArgs {
     /// Paths in flight [default: by the device and the image].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 24))]
@@ -122,9 +146,6 @@ pub struct TuningArgs {
     /// queue for each material [default: by the device].
     #[arg(long, value_enum)]
     pub scatter: Option<ScatterArg>,
-    /// How long the hierarchies over meshes and objects may take to build, for how fast rays find their way through them.
-    #[arg(long, value_enum, default_value_t)]
-    pub build: BuildArg,
     /// Measure the seconds of each stage on the device; costs a pass for each dispatch.
     #[arg(long)]
     pub profile: bool,
@@ -172,9 +193,8 @@ pub struct PlanArgs {
     /// Write the linked shaders into this folder.
     #[arg(long, value_name = "DIR")]
     pub wgsl: Option<PathBuf>,
-    /// Image size in pixels [default: the scene's].
-    #[arg(long, value_name = "WxH", value_parser = image_size)]
-    pub size: Option<(u32, u32)>,
+    #[arg(long, value_name = "WxH|N%", value_parser = image_size, help = knobs::SIZE.help(), help_heading = Class::Noise.heading())]
+    pub size: Option<Size>,
     /// The device whose sizes to plan for.
     #[arg(long, value_name = "INDEX|NAME")]
     pub device: Option<String>,
@@ -182,11 +202,8 @@ pub struct PlanArgs {
     /// queue for each material [default: by the device].
     #[arg(long, value_enum)]
     pub scatter: Option<ScatterArg>,
-    /// How long the hierarchies over meshes and objects may take to build.
-    #[arg(long, value_enum, default_value_t)]
-    pub build: BuildArg,
     #[command(flatten)]
-    pub light: LightArgs,
+    pub trade: TradeArgs,
     /// Print one JSON object on stdout.
     #[arg(long)]
     pub json: bool,
@@ -243,6 +260,60 @@ impl From<SamplerArg> for Sampler {
         match arg {
             SamplerArg::Sobol => Sampler::Sobol,
             SamplerArg::Independent => Sampler::Independent,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Fresnel {
+    #[default]
+    Exact,
+    Schlick,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Offset {
+    #[default]
+    Robust,
+    Fast,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Precision {
+    #[default]
+    Strict,
+    Fast,
+}
+
+/// The most radiance of a contribution of indirect light, in the scene's units; nothing where that is not limited.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Clamp(pub Option<f64>);
+
+impl fmt::Display for Clamp {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            None => f.write_str("off"),
+            Some(limit) => write!(f, "{limit}"),
+        }
+    }
+}
+
+/// The size of an image, in pixels or as a share of the scene's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Size {
+    Pixels(u32, u32),
+    Share(f64),
+}
+
+impl Size {
+    /// In pixels, at least one each way.
+    pub fn of(self, (width, height): (u32, u32)) -> (u32, u32) {
+        match self {
+            Size::Pixels(width, height) => (width, height),
+            Size::Share(share) => {
+                let part = |n: u32| ((f64::from(n) * share).round() as u32).max(1);
+                (part(width), part(height))
+            }
         }
     }
 }
@@ -310,15 +381,30 @@ fn duration(text: &str) -> Result<Duration, String> {
     }
 }
 
-/// The limits of an image's size, as for a scene's `image`.
-fn image_size(text: &str) -> Result<(u32, u32), String> {
-    let expected = || "expected WIDTHxHEIGHT from 1x1 to 65536x65536, 2^30 pixels at most, such as 640x360".to_string();
+/// The limits of an image's size, as for a scene's `image`; a share makes it no larger than the scene's.
+fn image_size(text: &str) -> Result<Size, String> {
+    let expected = || {
+        "expected WIDTHxHEIGHT from 1x1 to 65536x65536, 2^30 pixels at most, such as 640x360, or a share of the scene's up to 100%"
+            .to_string()
+    };
+    if let Some(percent) = text.strip_suffix('%') {
+        let share = percent.parse::<f64>().ok().filter(|percent| *percent > 0.0 && *percent <= 100.0);
+        return share.map(|percent| Size::Share(percent / 100.0)).ok_or_else(expected);
+    }
     let (width, height) = text.split_once(['x', 'X']).ok_or_else(expected)?;
     let number = |text: &str| text.parse::<u32>().ok().filter(|n| (1..=65_536).contains(n)).ok_or_else(expected);
     let (width, height) = (number(width)?, number(height)?);
     match u64::from(width) * u64::from(height) <= 1 << 30 {
-        true => Ok((width, height)),
+        true => Ok(Size::Pixels(width, height)),
         false => Err(expected()),
+    }
+}
+
+fn clamp_limit(text: &str) -> Result<Clamp, String> {
+    match (text, text.parse::<f64>()) {
+        ("off", _) => Ok(Clamp(None)),
+        (_, Ok(limit)) if limit > 0.0 && limit.is_finite() => Ok(Clamp(Some(limit))),
+        _ => Err("expected `off` or a radiance above 0, such as 10".to_string()),
     }
 }
 

@@ -105,7 +105,7 @@ device_struct!(
         background_top: [f32; 3],
         background_height: u32,
         world_x: [f32; 3],
-        padding0: u32,
+        indirect_limit: f32,
         world_y: [f32; 3],
         padding1: u32,
         world_z: [f32; 3],

@@ -16,6 +16,7 @@ const NEVER: &[(&str, &[&str])] = &[
     ("output", &["gpu", "scene", "flatten", "plan", "render", "commands", "cli"]),
     ("data", &["gpu", "scene", "flatten", "plan", "render", "film", "output", "commands", "cli"]),
     ("error", &["gpu", "scene", "flatten", "plan", "render", "film", "output", "commands", "cli"]),
+    ("knobs", &["gpu", "scene", "flatten", "plan", "render", "bvh", "film", "output", "commands", "cli"]),
     ("cli", &["commands"]),
 ];
 

@@ -36,6 +36,10 @@ fn modules() -> Vec<naga::Module> {
         sky_grid: (4, 2),
         lights: 1000,
         roulette: true,
+        schlick: true,
+        clamp: true,
+        fast_offset: true,
+        fast_precision: true,
     };
     let features = Features {
         primitives: features.primitives.map(on),

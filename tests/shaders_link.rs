@@ -88,6 +88,17 @@ fn few(features: Features) -> Features {
     Features { few: true, ..features }
 }
 
+/// The same with one of the settings that approximate, by its number.
+fn approximate(features: Features, number: usize) -> Features {
+    let on = |n| n == number;
+    Features { schlick: on(0), clamp: on(1), fast_offset: on(2), fast_precision: on(3), ..features }
+}
+
+/// The same with all of them.
+fn approximate_all(features: Features) -> Features {
+    Features { schlick: true, clamp: true, fast_offset: true, fast_precision: true, ..features }
+}
+
 /// Every set of primitives, of materials and of textures, every background and lens, each beside the least of the others;
 /// primitives with textures, which one kernel joins; nothing, and everything.
 fn combinations() -> Vec<Features> {
@@ -137,6 +148,22 @@ fn combinations() -> Vec<Features> {
         found.extend(of_each.map(many_lights));
     }
     found.extend([many_lights(everything()), turned(everything())]);
+    // What approximates: each beside the least and everything, with lights and without; all of it beside every kind.
+    for number in 0..4 {
+        let (spheres, media) = (features(1, materials, 0, "solid", false), features(0, 0, 0, "solid", false));
+        found.extend(
+            [spheres.clone(), lit(spheres, 1, false), with_media(media, 1, false), everything()]
+                .map(|f| approximate(f, number)),
+        );
+    }
+    found.extend(
+        (1..=primitives).map(|set| approximate_all(lit(features(set, materials, 0, "image", false), set, true))),
+    );
+    found.extend((1..=materials).map(|set| approximate_all(features(1, set, 0, "solid", false))));
+    found.extend(
+        (1..=all(BOUNDARIES)).map(|set| approximate_all(with_media(features(1, 1, 0, "solid", false), set, false))),
+    );
+    found.extend([approximate_all(everything()), approximate_all(many_lights(everything()))]);
     found
 }
 
@@ -166,6 +193,19 @@ fn every_combination_of_features_links_and_validates() {
                     unused(MATERIALS, &features.materials, "material"),
                     unused(TEXTURES, &features.textures, "texture"),
                 ];
+                // Nor what approximates, unless it was asked for, nor Fresnel's reflection without what reflects by it.
+                let glass = features.materials[2].is_some();
+                assert_eq!(MATERIALS[2], "dielectric");
+                for (module, asked) in [
+                    ("lib/fresnel", glass && !features.schlick),
+                    ("lib/fresnel_schlick", glass && features.schlick),
+                    ("step/clamp", features.clamp),
+                    ("geometry/offset_fast", features.fast_offset),
+                    ("geometry/sphere_chord_fast", features.fast_precision),
+                ] {
+                    let linked = kernel.linked.modules.iter().any(|linked| linked == module);
+                    assert!(asked || !linked, "{}: {module} is linked: {features:?}", kernel.name);
+                }
                 for module in lacking.concat() {
                     if module.strip_prefix("geometry/").is_some_and(bounds) {
                         continue;
@@ -254,6 +294,10 @@ const CHOICES: &[(&str, &str)] = &[
     ("medium_albedo", "scene"),
     ("light_choice", "scene"),
     ("roulette", "step"),
+    ("clamp", "step"),
+    ("fresnel", "lib"),
+    ("offset", "geometry"),
+    ("sphere_chord", "geometry"),
     ("transmittance", "scene"),
     ("sampler", "sampler"),
     ("walk", "scene"),

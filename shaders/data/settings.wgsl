@@ -26,7 +26,8 @@ struct Settings {
     background_height: u32,
     // The world's axes in render space.
     world_x: vec3<f32>,
-    padding0: u32,
+    // The most that a contribution of indirect light may be, in device radiance, where that is limited (step/clamp).
+    indirect_limit: f32,
     world_y: vec3<f32>,
     padding1: u32,
     world_z: vec3<f32>,

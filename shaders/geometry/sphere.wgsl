@@ -3,49 +3,7 @@
 //@ use data/hit
 //@ use lib/float
 //@ use lib/sphere_map
-
-// Where a ray's line comes nearest to the centre of a sphere.
-struct SphereFoot {
-    // From the centre.
-    perpendicular: vec3<f32>,
-    // Distance along the ray.
-    k: f32,
-    // The square of half the chord, in lengths of the direction; negative where the line misses the sphere.
-    discriminant: f32,
-}
-
-// The discriminant is (r + l)(r - l) with l the length of the perpendicular from the centre to the ray, which keeps its
-// digits where b^2 - ac has none (Haines, Günther, Akenine-Möller, "Precision Improvements for Ray/Sphere Intersection", Ray Tracing
-// Gems, ch. 7). What rounding has left of the ray's direction in the perpendicular, up to 8 u D, is taken out by the same step
-// again (own derivation: "twice is enough", Parlett, The Symmetric Eigenvalue Problem, section 6.9): it would count by its square,
-// which is the sphere's own size from D = 1e6 r on.
-fn sphere_foot(ray: Ray, sphere: Sphere) -> SphereFoot {
-    let d = ray.direction;
-    let f = ray.origin - sphere.center;
-    let inverse = 1.0 / dot(d, d);
-    let k = -dot(f, d) * inverse;
-    let rough = f + k * d;
-    let rest = -dot(rough, d) * inverse;
-    let perpendicular = rough + rest * d;
-    let l = length(perpendicular);
-    return SphereFoot(perpendicular, k + rest, (sphere.radius + l) * (sphere.radius - l) * inverse);
-}
-
-// Distances at which the ray's line meets the sphere, the smaller first, or twice NO_HIT. A tangent from where it touches
-// gives no numbers, which fail every comparison. The root that would cancel is found from the product of the roots.
-fn sphere_crossings(ray: Ray, sphere: Sphere) -> vec2<f32> {
-    let foot = sphere_foot(ray, sphere);
-    if !(foot.discriminant >= 0.0) {
-        return vec2<f32>(NO_HIT);
-    }
-    let h = sqrt(foot.discriminant);
-    let far_from_zero = foot.k + select(-h, h, foot.k >= 0.0);
-    let d = ray.direction;
-    let length_f = length(ray.origin - sphere.center);
-    let product = (length_f - sphere.radius) * (length_f + sphere.radius) / dot(d, d);
-    let near_to_zero = product / far_from_zero;
-    return vec2<f32>(min(far_from_zero, near_to_zero), max(far_from_zero, near_to_zero));
-}
+//@ use choice/sphere_chord
 
 // Distance to the sphere's nearest point in front of the origin, or NO_HIT.
 fn sphere_distance(ray: Ray, sphere: Sphere) -> f32 {
@@ -53,14 +11,9 @@ fn sphere_distance(ray: Ray, sphere: Sphere) -> f32 {
     return select(select(NO_HIT, t.y, t.y > 0.0), t.x, t.x > 0.0);
 }
 
-// The normal is the perpendicular and half a chord, not the point at t: that one is off by the rounding of t, which of a small sphere
-// far away is as large as the sphere. The point is put onto the sphere along it, which leaves only the rounding of centre + r n.
+// The point is put onto the sphere along the normal, which leaves only the rounding of centre + r n.
 fn sphere_surface(ray: Ray, t: f32, sphere: Sphere) -> Surface {
-    let foot = sphere_foot(ray, sphere);
-    let h = sqrt(max(foot.discriminant, 0.0));
-    // From inside the far end of the chord is met, from outside the near one: as their product tells sphere_crossings.
-    let along = select(-h, h, length(ray.origin - sphere.center) < sphere.radius);
-    let normal = normalize(foot.perpendicular + along * ray.direction);
+    let normal = sphere_normal(ray, t, sphere);
     var surface: Surface;
     surface.point = sphere.center + sphere.radius * normal;
     surface.normal = normal;

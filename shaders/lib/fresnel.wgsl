@@ -1,12 +1,5 @@
-// Refraction and Fresnel reflection at a smooth boundary, in a form without cancellation as the relative index
-// approaches 1.
-
-struct Refraction {
-    // Reflected share of unpolarised light.
-    reflectance: f32,
-    // Cosine of the transmitted ray with the inverted normal; 0 under total internal reflection.
-    cos_transmitted: f32,
-}
+//@ use lib/refraction
+// Fresnel reflection at a smooth boundary, in a form without cancellation as the relative index approaches 1.
 
 // cos_incident in [0, 1]; contrast = (eta - 1)(eta + 1), eta the index of the far side relative to the near one.
 // With c = cos_incident and g = sqrt(contrast + c^2) = eta cos_transmitted, the amplitude of the perpendicular
@@ -27,9 +20,4 @@ fn fresnel(cos_incident: f32, eta: f32, contrast: f32) -> Refraction {
     let ratio = (c * g - s2) / (c * g + s2);
     let reflectance = 0.5 * perpendicular * perpendicular * (1.0 + ratio * ratio);
     return Refraction(min(reflectance, 1.0), g / eta);
-}
-
-// The transmitted direction by Snell's law; normal on the side of the incoming ray.
-fn refract_by(incoming: vec3<f32>, normal: vec3<f32>, cos_incident: f32, eta: f32, cos_transmitted: f32) -> vec3<f32> {
-    return normalize(incoming / eta + (cos_incident / eta - cos_transmitted) * normal);
 }

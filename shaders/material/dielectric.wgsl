@@ -1,6 +1,6 @@
 //@ use data/material
-//@ use lib/fresnel
-// A smooth boundary of a clear solid. Reflects with the probability of exact Fresnel reflectance, else refracts, so that
+//@ use choice/fresnel
+// A smooth boundary of a clear solid. Reflects with the probability of its reflectance, else refracts, so that
 // the weight is 1. Radiance is not scaled by the index squared: sensor and lights share one medium.
 fn dielectric_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scatter {
     let ior = material.parameter;

@@ -1,6 +1,6 @@
 //@ use data/hit
 //@ use data/primitive
-//@ use geometry/offset
+//@ use choice/offset
 //@ use scene/meshes
 //@ use lib/octahedral
 // Meshes with vertex normals look smooth: light scatters about the interpolated normal, and rays leave from the smooth

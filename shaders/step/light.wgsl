@@ -8,6 +8,7 @@
 //@ use choice/walk
 //@ use choice/colour
 //@ use choice/transmittance
+//@ use choice/clamp
 //@ use scene/lights
 //@ use scene/surfaces
 //@ each emitting_sky
@@ -40,7 +41,7 @@ fn send_shadow_ray(path: ptr<function, Path>, aim: Aim, origin: vec3<f32>, respo
         (*path).shadow = Ray(origin, aim.direction);
         (*path).light = light.code;
         (*path).light_instance = light.instance;
-        (*path).light_weight = weight;
+        (*path).light_weight = weight_of_light(weight, (*path).events);
     }
 }
 
@@ -95,7 +96,7 @@ fn trace_shadow(path: ptr<function, Path>) -> u32 {
     if through < 0.0 {
         (*path).status = PATH_CUT;
     } else {
-        (*path).radiance += (*path).light_weight * (through * emitted_along((*path).shadow, hit));
+        (*path).radiance += limited_light((*path).light_weight * (through * emitted_along((*path).shadow, hit)));
     }
     return hit.steps + steps;
 }

@@ -2,6 +2,7 @@
 //@ use data/primitive
 //@ use bind/records
 //@ use choice/background
+//@ use choice/clamp
 //@ use lib/float
 //@ use step/start
 //@ each emitting_sky
@@ -37,6 +38,7 @@ fn refill_path(path: ptr<function, Path>) {
         count_too_deep(radiance);
         radiance = vec3<f32>(0.0);
     }
+    radiance = limited_indirect(radiance, (*path).events);
     //@ each light
     radiance += (*path).radiance;
     //@ end

@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::{Target, flatten_for, path_text, planned, print_json, print_line, wish_of};
-use crate::cli::{BuildArg, CheckArgs, LightArgs};
+use crate::cli::{CheckArgs, TradeArgs};
 use crate::error::{Error, Result};
 use crate::gpu::buffers::too_large;
 use crate::render::TuningWish;
@@ -39,7 +39,7 @@ pub fn run(args: &CheckArgs) -> Result<()> {
 fn examine(args: &CheckArgs) -> Result<(usize, Vec<String>)> {
     let scene = Scene::load(&args.scene)?;
     // As `render` does by default.
-    let (size, flat) = flatten_for(&scene, None, wish_of(BuildArg::default(), &LightArgs::default()))?;
+    let (size, flat) = flatten_for(&scene, None, wish_of(&TradeArgs::default()))?;
     let target = Target::find(None)?;
     let (plan, tuning) = planned(&scene, size, &flat, &target, TuningWish::default())?;
     let mut warnings = scene.warnings();

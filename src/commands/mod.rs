@@ -10,7 +10,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::cli::{BuildArg, Cli, Command, Integrator, LightArgs, Switch};
+use crate::cli::{Cli, Command, Fresnel, Integrator, Offset, Precision, Size, Switch, TradeArgs};
 use crate::error::{Error, Result};
 use crate::flatten::{Flat, Wish, flatten_with};
 use crate::gpu::device::{AdapterName, Adapters, Device, DeviceClass};
@@ -30,15 +30,24 @@ pub fn run(cli: &Cli, start: std::time::Instant) -> Result<()> {
 }
 
 /// The size of the image asked for, and the scene flattened for it.
-fn flatten_for(scene: &Scene, size: Option<(u32, u32)>, wish: Wish) -> Result<((u32, u32), Flat)> {
-    let size = size.unwrap_or((scene.image.width, scene.image.height));
+fn flatten_for(scene: &Scene, size: Option<Size>, wish: Wish) -> Result<((u32, u32), Flat)> {
+    let of_scene = (scene.image.width, scene.image.height);
+    let size = size.map_or(of_scene, |size| size.of(of_scene));
     Ok((size, flatten_with(scene, size, wish)?))
 }
 
 /// What the command line asks of flattening.
-fn wish_of(build: BuildArg, light: &LightArgs) -> Wish {
-    let sample_lights = light.integrator == Integrator::Mis;
-    Wish { quality: build.into(), sample_lights, roulette: light.roulette == Switch::On, sampler: light.sampler.into() }
+fn wish_of(trade: &TradeArgs) -> Wish {
+    Wish {
+        quality: trade.build.into(),
+        sample_lights: trade.integrator == Integrator::Mis,
+        roulette: trade.roulette == Switch::On,
+        sampler: trade.sampler.into(),
+        schlick: trade.fresnel == Fresnel::Schlick,
+        clamp: trade.clamp.0,
+        fast_offset: trade.offset == Offset::Fast,
+        fast_precision: trade.precision == Precision::Fast,
+    }
 }
 
 /// The device that a scene is planned for: the one that would render it, or none.

@@ -15,7 +15,7 @@ use crate::scene::Scene;
 /// Prints the kernels and buffers, and why each is there.
 pub fn run(args: &PlanArgs) -> Result<()> {
     let scene = Scene::load(&args.scene)?;
-    let (size, flat) = flatten_for(&scene, args.size, wish_of(args.build, &args.light))?;
+    let (size, flat) = flatten_for(&scene, args.size, wish_of(&args.trade))?;
     let target = Target::find(args.device.as_deref())?;
     let wish = TuningWish { scatter: args.scatter.map(Into::into), ..TuningWish::default() };
     let (plan, tuning) = planned(&scene, size, &flat, &target, wish)?;

@@ -50,10 +50,15 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     if !args.quiet {
         scene.warnings().iter().for_each(|warning| tell(&format!("warning: {warning}")));
     }
+    let biases = args.biases(scene.render.max_depth);
+    if !args.quiet {
+        biases.iter().for_each(|(knob, value)| tell(&format!("warning: {}", knob.warning(value))));
+    }
+    let biases: Vec<String> = biases.iter().map(|(knob, value)| knob.option(value)).collect();
     let output = output_of(args)?;
     seconds.load = clock.lap();
 
-    let (size, flat) = flatten_for(&scene, args.size, wish_of(args.tuning.build, &args.light))?;
+    let (size, flat) = flatten_for(&scene, args.size, wish_of(&args.trade))?;
     if !args.quiet {
         flat.warnings.iter().for_each(|warning| tell(&format!("warning: {warning}")));
     }
@@ -77,7 +82,14 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
 
     let mut film = Film::with_sampler(size.0, size.1, flat.radiance_exponent, flat.features.sampler)?;
     let stopped = stop_on_interrupt();
-    let about = About { args, scene_file: &args.scene, device: &device, numerics: numerics(&device)?, job: &job };
+    let about = About {
+        args,
+        scene_file: &args.scene,
+        device: &device,
+        numerics: numerics(&device)?,
+        job: &job,
+        biases: &biases,
+    };
     let progress = Progress::new(args.quiet, progress_goal(&job));
     let mut watcher = Watcher {
         progress: &progress,
@@ -131,7 +143,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
         print_json(&report(&about, &output, &outcome, &finish, &seconds, total, &kernels, gpu_bytes));
     }
     if !args.quiet {
-        summarise(args, &job, &output, &outcome, &finish, total);
+        summarise(&about, &output, &outcome, &finish, total);
     }
     if args.strict && finish.totals.rejected.total() > 0 {
         return Err(Error::Strict(format!("--strict: {}", rejected_words(&finish.totals))));
@@ -280,7 +292,7 @@ impl Watcher<'_> {
     }
 }
 
-/// What the stated error is not about, in words.
+/// What the stated error of any render is not about, in words.
 const EXCLUDED: &str =
     "what max_depth cut off (cut_paths), rejected samples, light that no sample has met, and rounding (about 1e-6)";
 
@@ -310,9 +322,19 @@ struct About<'a> {
     device: &'a Device,
     numerics: &'a Numerics,
     job: &'a Job,
+    /// The options that bias the result or are less exact, as they were given.
+    biases: &'a [String],
 }
 
 impl About<'_> {
+    /// What the stated error is not about, in words.
+    fn excluded(&self) -> String {
+        match self.biases {
+            [] => EXCLUDED.to_string(),
+            biases => format!("{EXCLUDED}, and what {} did", biases.join(", ")),
+        }
+    }
+
     /// The EXR's header.
     fn attributes(&self, finish: &Finish, seconds: &Seconds) -> Vec<(String, Attribute)> {
         let text = |name: &str, text: String| (format!("gpu-rt:{name}"), Attribute::Text(text));
@@ -324,8 +346,8 @@ impl About<'_> {
             text("device", self.device.name.name.clone()),
             text("driver", self.device.name.driver.clone()),
             text("numerics", json!(self.numerics).to_string()),
-            text("integrator", self.args.light.integrator.name().to_string()),
-            text("sampler", Sampler::from(self.args.light.sampler).name().to_string()),
+            text("integrator", self.args.trade.integrator.name().to_string()),
+            text("sampler", Sampler::from(self.args.trade.sampler).name().to_string()),
             int("seed", u64::from(self.job.seed)),
             int("max_depth", u64::from(self.job.max_depth)),
             int("first_sample", u64::from(finish.samples.start)),
@@ -348,8 +370,11 @@ impl About<'_> {
                 all.push(float("relative_error_bound", error.bound));
             }
             all.push(float("relative_error_confidence", 1.0 - NOISE_LEVEL));
-            all.push(text("relative_error_excludes", EXCLUDED.to_string()));
+            all.push(text("relative_error_excludes", self.excluded()));
             all.push(int("reliable", u64::from(error.reliable)));
+        }
+        if !self.biases.is_empty() {
+            all.push(text("biases", self.biases.join(", ")));
         }
         if let Some(cut) = finish.too_deep {
             all.push(int("cut_paths", cut.paths));
@@ -393,8 +418,9 @@ fn report(
         "first_sample": outcome.samples.start,
         "max_depth": about.job.max_depth,
         "seed": about.job.seed,
-        "integrator": about.args.light.integrator.name(),
-        "sampler": Sampler::from(about.args.light.sampler).name(),
+        "integrator": about.args.trade.integrator.name(),
+        "sampler": Sampler::from(about.args.trade.sampler).name(),
+        "biases": about.biases,
         "device": about.device.name.name,
         "driver": about.device.name.driver,
         "software": about.device.name.software,
@@ -419,7 +445,7 @@ fn report(
         "relative_error": finish.error.map(|error| error.value),
         "relative_error_bound": finish.error.map(|error| error.bound),
         "relative_error_confidence": finish.error.map(|_| 1.0 - NOISE_LEVEL),
-        "relative_error_excludes": finish.error.map(|_| EXCLUDED),
+        "relative_error_excludes": finish.error.map(|_| about.excluded()),
         "reliable": finish.error.map(|error| error.reliable),
         "interrupted": outcome.interrupted,
         "kernels": kernels,
@@ -435,7 +461,8 @@ fn report(
 }
 
 /// The last line, and before it what the user should know.
-fn summarise(args: &RenderArgs, job: &Job, output: &Output<'_>, outcome: &Outcome, finish: &Finish, total: f64) {
+fn summarise(about: &About<'_>, output: &Output<'_>, outcome: &Outcome, finish: &Finish, total: f64) {
+    let About { args, job, .. } = about;
     if finish.totals.rejected.total() > 0 {
         tell(&format!("warning: {}", rejected_words(&finish.totals)));
     }
@@ -480,7 +507,7 @@ fn summarise(args: &RenderArgs, job: &Job, output: &Output<'_>, outcome: &Outcom
         ));
     }
     if finish.error.is_some() {
-        tell(&format!("the relative error is that of noise; it excludes {EXCLUDED}"));
+        tell(&format!("the relative error is that of noise; it excludes {}", about.excluded()));
     }
     let error = match finish.error {
         Some(error) if error.bound.is_finite() => {

@@ -81,6 +81,32 @@ pub struct Features {
     pub boundary_stack_size: u32,
     /// How the samples of a pixel are placed; a wish, as roulette is, and nothing of the scene.
     pub sampler: data::Sampler,
+    /// Whether clear solids reflect by Schlick's approximation: where there are any.
+    pub schlick: bool,
+    /// Whether contributions of indirect light are limited.
+    pub clamp: bool,
+    /// Whether rays leave surfaces by a fraction of the distance: where there are any.
+    pub fast_offset: bool,
+    /// Whether spheres are met by the textbook's formula: where there are any.
+    pub fast_precision: bool,
+}
+
+impl Features {
+    /// Notes what is wished, where the scene has what it is about.
+    fn wish(&mut self, wish: &Wish) {
+        self.roulette = wish.roulette;
+        self.sampler = wish.sampler;
+        let used = |kinds: &[Option<String>], names: &[&str], name| {
+            names.iter().zip(kinds).any(|(known, used)| *known == name && used.is_some())
+        };
+        let boundaries: Vec<&str> = BOUNDARIES.iter().map(|(name, _)| *name).collect();
+        let spheres = used(&self.primitives, PRIMITIVES, "sphere") || used(&self.boundaries, &boundaries, "sphere");
+        let surfaces = self.primitives.iter().any(Option::is_some);
+        self.schlick = wish.schlick && used(&self.materials, MATERIALS, "dielectric");
+        self.clamp = wish.clamp.is_some() && (surfaces || self.media > 0);
+        self.fast_offset = wish.fast_offset && surfaces;
+        self.fast_precision = wish.fast_precision && spheres;
+    }
 }
 
 /// A scene as the kernels see it.
@@ -123,7 +149,7 @@ const MOST_OF_FEW: usize = 24;
 const LEAST_CROSSINGS: f32 = 1.25;
 
 /// What is asked of flattening beside the scene.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Wish {
     /// Of the hierarchies; changes no image.
     pub quality: Quality,
@@ -133,6 +159,14 @@ pub struct Wish {
     pub roulette: bool,
     /// How the samples of a pixel are placed.
     pub sampler: data::Sampler,
+    /// Clear solids reflect by Schlick's approximation (`--fresnel schlick`).
+    pub schlick: bool,
+    /// The most radiance that a contribution of indirect light may have, in the scene's units (`--clamp`).
+    pub clamp: Option<f64>,
+    /// Rays leave surfaces by a fraction of the distance (`--offset fast`).
+    pub fast_offset: bool,
+    /// Spheres are met by the textbook's formula (`--precision fast`).
+    pub fast_precision: bool,
 }
 
 /// Flattens a scene for an image of `size` pixels.
@@ -206,8 +240,12 @@ pub fn flatten_with(scene: &Scene, size: (u32, u32), wish: Wish) -> Result<Flat>
     });
     let mut flat = builder.flat;
     flat.warnings = looked.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
-    flat.features.roulette = wish.roulette;
-    flat.features.sampler = wish.sampler;
+    flat.features.wish(&wish);
+    if let Some(limit) = wish.clamp {
+        // In device radiance; beyond what f32 holds it is as good as the least or the most.
+        let limit = (radiance_scale * limit).clamp(f64::from(f32::MIN_POSITIVE), f64::from(f32::MAX));
+        flat.settings.indirect_limit = limit as f32;
+    }
     flat.features.thin_lens = scene.camera.aperture > 0.0;
     flat.features.turned = view.turned;
     Ok(flat)

@@ -1,5 +1,8 @@
 //! A scene with everything in it, by its scale, place and brightness; and what it takes for two renders to be the same.
 
+// Each test crate compiles its own copy of this file and uses a part of it.
+#![allow(dead_code)]
+
 use gpu_rt::scene::Scene;
 use image::{Rgb, RgbImage};
 use tempfile::TempDir;
@@ -53,6 +56,17 @@ impl Everything {
     /// Every primitive, every material, every texture, a lens, and a sky; objects inside others; two of them coincident; media in
     /// every kind of boundary, overlapping, textured, and one that fills a glass sphere.
     pub fn scene(&self, world: World) -> Scene {
+        scene_in(self.0.path(), &self.text(world))
+    }
+
+    /// Its file, beside the files that it names.
+    pub fn file(&self, world: World) -> std::path::PathBuf {
+        let path = self.0.path().join("everything.ron");
+        std::fs::write(&path, self.text(world)).expect("the scene is written");
+        path
+    }
+
+    fn text(&self, world: World) -> String {
         let World { scale, shift: [x, y, z], brightness, camera_shift, lamp } = world;
         let length = |l: f64| format!("{:e}", l * scale);
         let point = |p: [f64; 3]| {
@@ -60,7 +74,7 @@ impl Everything {
             format!("({a:e}, {b:e}, {c:e})")
         };
         let colour = |c: [f64; 3]| c.map(|v| format!("{:e}", v * brightness)).join(", ");
-        let text = format!(
+        format!(
             "Scene(
     image: (width: 12, height: 9),
     camera: (look_from: {from}, look_at: {at}, up: (0.1, 1, 0), vertical_fov: 35, aperture: {aperture}, focus_distance: {focus}),
@@ -109,8 +123,7 @@ impl Everything {
             lamp = colour([5.0 * lamp, 4.0 * lamp, 3.0 * lamp]),
             even = colour([1.0, 0.0, 0.5]),
             odd = colour([0.0, 2.0, 0.5]),
-        );
-        scene_in(self.0.path(), &text)
+        )
     }
 }
 

@@ -74,6 +74,14 @@ impl Library for Overlay {
     }
 }
 
+/// The modules that a plan chooses where nothing else is asked.
+const USUAL: [(&str, &str); 4] = [
+    ("clamp", "step/no_clamp"),
+    ("fresnel", "lib/fresnel"),
+    ("offset", "geometry/offset"),
+    ("sphere_chord", "geometry/sphere_chord"),
+];
+
 /// A test kernel, linked and validated.
 pub struct Kernel {
     name: String,
@@ -103,6 +111,9 @@ impl Kernel {
     /// Links `test/NAME`, whose `run(row)` is called once for every row of input.
     pub fn with(name: &'static str, setup: &Setup<'_>) -> Kernel {
         let mut choices = setup.plan.clone();
+        for (choice, module) in USUAL {
+            choices.modules.entry(choice).or_insert(module);
+        }
         choices.modules.extend(setup.choices.iter().copied());
         choices.modules.insert("kernel", name);
         choices.values.extend(setup.values.iter().map(|(name, value)| (*name, value.to_string())));

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use gpu_rt::data::{RUN_LENGTH, Sampler};
 use gpu_rt::film::{Film, Picture, UNKNOWN_VARIANCE};
-use gpu_rt::flatten::{Wish, flatten_with};
+use gpu_rt::flatten::{Quality, Wish, flatten_with};
 use gpu_rt::gpu::layout;
 use gpu_rt::gpu::link::{Choices, Library, link};
 use gpu_rt::plan::{Bounce, Kernel, Plan, Tables, choices_of};
@@ -28,12 +28,25 @@ pub struct Ask {
     pub wish: TuningWish,
     /// Independent unless asked otherwise: most statistics of the tests take runs for independent.
     pub sampler: Sampler,
+    /// Of the hierarchies.
+    pub quality: Quality,
     /// Whether rays are sent to lights.
     pub sample_lights: bool,
     /// Whether dark paths are ended at random.
     pub roulette: bool,
+    /// What approximates: Schlick's form, limited indirect light, rays that leave by a fraction of the distance, the textbook's spheres.
+    pub approximations: Approximations,
     /// All of the scene's tables in storage bindings, also where the device would take small ones as uniforms.
     pub storage_tables: bool,
+}
+
+/// The settings that bias or are less exact, none of them by default.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Approximations {
+    pub schlick: bool,
+    pub clamp: Option<f64>,
+    pub fast_offset: bool,
+    pub fast_precision: bool,
 }
 
 impl Ask {
@@ -142,7 +155,9 @@ fn render_with(
 ) {
     let size = ask.size.unwrap_or((scene.image.width, scene.image.height));
     let Ask { sampler, sample_lights, roulette, .. } = *ask;
-    let wish = Wish { sampler, sample_lights, roulette, ..Wish::default() };
+    let Approximations { schlick, clamp, fast_offset, fast_precision } = ask.approximations;
+    let quality = ask.quality;
+    let wish = Wish { quality, sampler, sample_lights, roulette, schlick, clamp, fast_offset, fast_precision };
     let flat = flatten_with(scene, size, wish).expect("the scene flattens");
     let job = |seed: u32, samples: &Range<u32>| Job {
         size,

@@ -1,0 +1,14 @@
+// Every contribution counts as it is.
+fn limited_indirect(contribution: vec3<f32>, events: u32) -> vec3<f32> {
+    return contribution;
+}
+
+//@ each light
+fn weight_of_light(weight: vec3<f32>, events: u32) -> vec3<f32> {
+    return weight;
+}
+
+fn limited_light(contribution: vec3<f32>) -> vec3<f32> {
+    return contribution;
+}
+//@ end
