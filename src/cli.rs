@@ -24,6 +24,8 @@ pub struct Cli {
 pub enum Command {
     /// Render a scene to a linear EXR.
     Render(RenderArgs),
+    /// Measure what the settings of render trade on a scene: seconds against noise and bias.
+    Tradeoff(TradeoffArgs),
     /// Measure how a render's error falls with samples and seconds, against a reference: CSV and plot.
     Converge(ConvergeArgs),
     /// Show what a scene requires: kernels, buffers and bytes, and what asked for each.
@@ -152,6 +154,36 @@ pub struct TuningArgs {
 }
 
 #[derive(Debug, Args)]
+pub struct TradeoffArgs {
+    /// The scene file.
+    pub scene: PathBuf,
+    /// The time that all of it may take, compiling included.
+    #[arg(long, value_name = "TIME", value_parser = duration, default_value = "120s")]
+    pub budget: Duration,
+    /// An image to measure against, of any renderer [default: the pooled samples of all unbiased settings].
+    #[arg(long, value_name = "R.exr")]
+    pub reference: Option<PathBuf>,
+    /// The settings to sweep, by their options' names [default: all].
+    #[arg(long, value_name = "A,B,…", value_delimiter = ',')]
+    pub knobs: Vec<String>,
+    /// The folder for tradeoff.csv, tradeoff.json and index.html, made where there is none [default: SCENE-tradeoff].
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Seed of the random numbers.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u32,
+    /// The device, by its index or a part of its name as `gpu-rt devices` lists them.
+    #[arg(long, value_name = "INDEX|NAME")]
+    pub device: Option<String>,
+    /// Say nothing but the results and errors.
+    #[arg(long)]
+    pub quiet: bool,
+    /// Print one JSON object on stdout.
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Args)]
 pub struct ConvergeArgs {
     /// The scene file.
     pub scene: PathBuf,
@@ -177,7 +209,7 @@ pub struct ConvergeArgs {
     #[arg(long, value_name = "INDEX|NAME")]
     pub device: Option<String>,
     #[command(flatten)]
-    pub light: LightArgs,
+    pub trade: TradeArgs,
     /// Say nothing but errors.
     #[arg(long)]
     pub quiet: bool,

@@ -17,6 +17,7 @@ const NEVER: &[(&str, &[&str])] = &[
     ("data", &["gpu", "scene", "flatten", "plan", "render", "film", "output", "commands", "cli"]),
     ("error", &["gpu", "scene", "flatten", "plan", "render", "film", "output", "commands", "cli"]),
     ("knobs", &["gpu", "scene", "flatten", "plan", "render", "bvh", "film", "output", "commands", "cli"]),
+    ("tradeoff", &["commands", "cli"]),
     ("cli", &["commands"]),
 ];
 

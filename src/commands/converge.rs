@@ -7,7 +7,7 @@ use std::sync::atomic::Ordering;
 use serde_json::json;
 
 use super::{flatten_for, open_device, path_text, print_json, print_line, stop_on_interrupt, tell, wish_of};
-use crate::cli::{BuildArg, ConvergeArgs};
+use crate::cli::{ConvergeArgs, Size};
 use crate::data::Sampler;
 use crate::error::{Error, Result};
 use crate::film::{Film, UNKNOWN_VARIANCE};
@@ -40,7 +40,7 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
     let scene = Scene::load(&args.scene)?;
     let (csv, plot) = outputs(args)?;
     let size = (reference.width, reference.height);
-    let (size, flat) = flatten_for(&scene, Some(size), wish_of(BuildArg::default(), &args.light))?;
+    let (size, flat) = flatten_for(&scene, Some(Size::Pixels(size.0, size.1)), wish_of(&args.trade))?;
     let device = open_device(args.device.as_deref(), args.quiet)?;
 
     let end = args.spp.unwrap_or(scene.render.samples);
@@ -219,8 +219,8 @@ fn report(args: &ConvergeArgs, device: &str, steps: &[Step], own_error: Option<f
             "scene": path_text(&args.scene),
             "reference": path_text(&args.reference),
             "device": device,
-            "integrator": args.light.integrator.name(),
-            "sampler": Sampler::from(args.light.sampler).name(),
+            "integrator": args.trade.integrator.name(),
+            "sampler": Sampler::from(args.trade.sampler).name(),
             "seed": args.seed,
             "steps": rows,
             "relmse_of_reference": own_error,

@@ -5,6 +5,7 @@ mod converge;
 mod devices;
 mod plan;
 mod render;
+mod tradeoff;
 
 use std::path::Path;
 use std::sync::Arc;
@@ -25,6 +26,7 @@ pub fn run(cli: &Cli, start: std::time::Instant) -> Result<()> {
         Command::Converge(args) => converge::run(args),
         Command::Plan(args) => plan::run(args),
         Command::Check(args) => check::run(args),
+        Command::Tradeoff(args) => tradeoff::run(args, start),
         Command::Devices(args) => devices::run(args),
     }
 }

@@ -1,0 +1,179 @@
+//! What the blocks of a sweep say of every setting: seconds, noise, bias, time to an error, and where that puts it beside the others.
+
+use super::model::{Model, Standing, falling, standings};
+use super::replicates::{Estimate, Pixels, noise, signed_bias, squared_bias};
+use super::sweep::{Block, LEVEL, Setting, Subject, Sweep};
+use crate::knobs::Class;
+
+/// relMSE to reach.
+pub const TARGETS: [f64; 3] = [1e-1, 1e-2, 1e-3];
+/// The probability that any unbiased setting at all is called biased.
+const FALSE_ALARMS: f64 = 0.05;
+
+/// What is known of a setting.
+#[derive(Clone, Debug)]
+pub struct Measured {
+    pub setting: Setting,
+    /// Blocks of [`LEVEL`] samples that it and the defaults have.
+    pub rounds: usize,
+    pub seconds_compile: f64,
+    /// Of a sample a pixel: the median over the rounds, and half their interquartile range.
+    pub seconds: f64,
+    pub seconds_spread: f64,
+    pub model: Model,
+    /// The mean's bias against the defaults, relative; with sign.
+    pub signed: Estimate,
+    /// relMSE of the bias, pixel by pixel.
+    pub squared: Estimate,
+    /// Whether either is more than noise, all settings and both tests taken into account.
+    pub biased: bool,
+    /// Whether few pixels make most of its noise, so that estimates of it are too low.
+    pub reliable: bool,
+    /// Seconds to the targets.
+    pub times: [Option<f64>; TARGETS.len()],
+    pub standing: Standing,
+}
+
+impl Measured {
+    /// 1 / (relative variance of a sample × its seconds) (Pharr, Jakob, Humphreys, PBR 4th ed., section 2.1.4), at [`LEVEL`] samples.
+    pub fn efficiency(&self) -> f64 {
+        let samples = f64::from(LEVEL);
+        let variance = samples * (self.model.error(samples) - self.model.squared_bias);
+        1.0 / (variance * self.model.seconds)
+    }
+
+    /// Where it stands, in words.
+    pub fn verdict(&self) -> String {
+        let standing = match self.standing {
+            Standing::Front => "on the front",
+            Standing::Dominated => "dominated",
+            Standing::NeverReaches => "cannot reach",
+        };
+        let mut words = vec![standing];
+        match (self.biased, self.setting.class()) {
+            (true, Class::Noise | Class::Exact) => words.push("biased, and declared not to be: a defect"),
+            (true, _) => words.push("biased"),
+            (false, _) => {}
+        }
+        if !self.reliable {
+            words.push("unreliable: rare bright paths");
+        }
+        words.join(", ")
+    }
+}
+
+/// The median.
+pub fn median(values: &[f64]) -> f64 {
+    quantile(values, 0.5)
+}
+
+fn quantile(values: &[f64], share: f64) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let at = share * (sorted.len().saturating_sub(1)) as f64;
+    let (low, high) = (at.floor() as usize, at.ceil() as usize);
+    match sorted.get(high) {
+        Some(above) => sorted[low] + (above - sorted[low]) * (at - low as f64),
+        None => f64::NAN,
+    }
+}
+
+/// The mean of all images of unbiased settings, weighed by their samples, without those of one subject: no image is judged by itself.
+pub fn pooled(sweep: &Sweep<'_>, without: Option<usize>) -> Option<Pixels> {
+    let unbiased = |subject: &Subject<'_>| matches!(subject.setting.class(), Class::Exact | Class::Noise);
+    let mut sum = vec![[0.0f64; 3]; sweep.size.0 as usize * sweep.size.1 as usize];
+    let mut weight = 0.0;
+    for (i, subject) in sweep.subjects.iter().enumerate() {
+        if Some(i) == without || !unbiased(subject) {
+            continue;
+        }
+        for (samples, blocks) in &subject.blocks {
+            for block in blocks {
+                let n = f64::from(*samples);
+                weight += n;
+                for (sum, pixel) in sum.iter_mut().zip(&block.image) {
+                    (0..3).for_each(|c| sum[c] += n * f64::from(pixel[c]));
+                }
+            }
+        }
+    }
+    (weight > 0.0).then(|| sum.iter().map(|pixel| pixel.map(|v| (v / weight) as f32)).collect())
+}
+
+/// Judges every subject that has three rounds; the others are noted as not measured. The defaults come first.
+pub fn judge(sweep: &mut Sweep<'_>, reference: &Pixels) -> Vec<Measured> {
+    let mut found: Vec<Measured> = Vec::new();
+    let mut missing = Vec::new();
+    for subject in &sweep.subjects {
+        match measured(subject, &sweep.subjects[0], reference) {
+            Some(measured) => found.push(measured),
+            None => missing.push(subject.setting.clone()),
+        }
+    }
+    for setting in missing {
+        sweep.leave_out(setting, "the budget did not reach it");
+    }
+    // Each of two tests of each setting beside the defaults (Šidák, JASA 62(318), 1967).
+    let tests = 2.0 * found.len().saturating_sub(1).max(1) as f64;
+    let level = 1.0 - (1.0 - FALSE_ALARMS).powf(1.0 / tests);
+    for measured in &mut found {
+        measured.biased = measured.signed.p() < level || (measured.squared.value > 0.0 && measured.squared.p() / 2.0 < level);
+        // What is declared unbiased and not found otherwise has none.
+        let unbiased = matches!(measured.setting.class(), Class::Exact | Class::Noise) && !measured.biased;
+        if !unbiased {
+            measured.model.squared_bias = measured.squared.value.max(0.0);
+            measured.model.squared_bias_upper = measured.squared.upper().max(0.0);
+        }
+        measured.times = TARGETS.map(|target| measured.model.seconds_to(target));
+    }
+    let times: Vec<Vec<Option<f64>>> = found.iter().map(|measured| measured.times.to_vec()).collect();
+    for (measured, standing) in found.iter_mut().zip(standings(&times)) {
+        measured.standing = standing;
+    }
+    found
+}
+
+fn measured(subject: &Subject<'_>, defaults: &Subject<'_>, reference: &Pixels) -> Option<Measured> {
+    let images = |blocks: &[Block]| blocks.iter().map(|block| block.image.clone()).collect::<Vec<_>>();
+    let own = subject.blocks.get(&LEVEL)?;
+    let base = defaults.blocks.get(&LEVEL)?;
+    let rounds = own.len().min(base.len());
+    let (own_images, base_images) = (images(&own[..rounds]), images(&base[..rounds]));
+    let levels: Vec<(u32, Estimate)> = subject
+        .blocks
+        .iter()
+        .filter_map(|(samples, blocks)| Some((*samples, noise(&images(blocks), reference)?)))
+        .collect();
+    let (c, exponent) = falling(&levels).or_else(|| {
+        // No noise at all: a scene of one colour.
+        let silent = levels.iter().all(|(_, noise)| noise.value <= 0.0);
+        (silent && !levels.is_empty()).then_some((0.0, 1.0))
+    })?;
+    let pace: Vec<f64> = own.iter().map(|block| block.seconds / f64::from(LEVEL)).collect();
+    let seconds = median(&pace);
+    Some(Measured {
+        setting: subject.setting.clone(),
+        rounds,
+        seconds_compile: subject.seconds_compile,
+        seconds,
+        seconds_spread: 0.5 * (quantile(&pace, 0.75) - quantile(&pace, 0.25)),
+        model: Model { squared_bias: 0.0, squared_bias_upper: 0.0, noise: c, exponent, seconds },
+        signed: signed_bias(&own_images, &base_images, reference)?,
+        squared: squared_bias(&own_images, &base_images, reference)?,
+        biased: false,
+        reliable: own.iter().all(|block| block.reliable != Some(false)),
+        times: [None; TARGETS.len()],
+        standing: Standing::NeverReaches,
+    })
+}
+
+/// The setting that reaches each target soonest.
+pub fn recommended(found: &[Measured]) -> [Option<&Measured>; TARGETS.len()] {
+    std::array::from_fn(|target| {
+        let reaching = found.iter().filter(|measured| measured.reliable && measured.times[target].is_some());
+        reaching.min_by(|a, b| {
+            let time = |measured: &Measured| measured.times[target].unwrap_or(f64::INFINITY);
+            time(a).total_cmp(&time(b))
+        })
+    })
+}

@@ -1,0 +1,307 @@
+//! The report in words and numbers: the table on the terminal, CSV, JSON, and what is recommended.
+
+use serde_json::{Value, json};
+
+use super::judge::{Measured, TARGETS, recommended};
+use super::sweep::{LEVEL, Unmeasured};
+use crate::knobs::Class;
+
+/// All that the report is made of.
+#[derive(Clone, Debug)]
+pub struct Report {
+    pub scene: String,
+    pub device: String,
+    pub driver: String,
+    pub size: (u32, u32),
+    /// What the scene or the reference has.
+    pub whole_size: (u32, u32),
+    pub seed: u32,
+    pub budget: f64,
+    /// Spent until the report.
+    pub seconds: f64,
+    /// The file, or none where the unbiased settings' own images are pooled.
+    pub reference: Option<String>,
+    /// relMSE that the reference has by its own noise, where that is known.
+    pub error_of_reference: Option<f64>,
+    /// Relative difference of the defaults' mean from a reference that was given, and half its 95 % interval.
+    pub against_reference: Option<(f64, f64)>,
+    pub interrupted: bool,
+    /// The defaults first.
+    pub measured: Vec<Measured>,
+    pub unmeasured: Vec<Unmeasured>,
+}
+
+/// A class as the tables call it.
+pub fn class_name(class: Class) -> &'static str {
+    match class {
+        Class::Exact => "exact",
+        Class::Noise => "noise",
+        Class::Bias => "bias",
+        Class::Numerics => "numerics",
+    }
+}
+
+/// 1e-2 and the like.
+pub fn target_name(target: f64) -> String {
+    format!("{target:e}")
+}
+
+/// Seconds with three digits, or a dash where the target is not reached.
+pub fn time_text(seconds: Option<f64>) -> String {
+    match seconds {
+        None => "never".to_string(),
+        Some(s) if s >= 100.0 => format!("{s:.0} s"),
+        Some(s) if s >= 1.0 => format!("{s:.1} s"),
+        Some(s) => format!("{:.0} ms", 1e3 * s),
+    }
+}
+
+/// The signed bias in percent with its interval.
+pub fn bias_text(measured: &Measured) -> String {
+    let (value, half) = (100.0 * measured.signed.value, 100.0 * measured.signed.half_width());
+    match measured.signed.error == 0.0 && measured.signed.value == 0.0 {
+        true => "0".to_string(),
+        false => format!("{value:+.2} ± {half:.2} %"),
+    }
+}
+
+impl Report {
+    /// The measured settings by their time to the middle target, then to the last, then to the first.
+    pub fn sorted(&self) -> Vec<&Measured> {
+        let mut sorted: Vec<&Measured> = self.measured.iter().collect();
+        let time = |measured: &Measured, i: usize| measured.times[i].unwrap_or(f64::INFINITY);
+        sorted.sort_by(|a, b| {
+            let by = |i| time(a, i).total_cmp(&time(b, i));
+            by(1).then(by(2)).then(by(0))
+        });
+        sorted
+    }
+
+    /// A sentence for each target.
+    pub fn advice(&self) -> Vec<String> {
+        let sentence = |(target, best): (f64, Option<&Measured>)| {
+            let target = target_name(target);
+            let Some(best) = best else {
+                return format!("relMSE {target}: no reliable setting reaches it");
+            };
+            let index = TARGETS.iter().position(|t| target_name(*t) == target).unwrap_or_default();
+            let time = time_text(best.times[index]);
+            let cost = match (best.biased, best.signed.value < 0.0) {
+                (true, true) => format!("loses {:.1} % of the light", -100.0 * best.signed.value),
+                (true, false) => format!("adds {:.1} % of light", 100.0 * best.signed.value),
+                (false, _) if best.signed.error == 0.0 => "no bias".to_string(),
+                (false, _) => format!("no bias found, of the mean within ± {:.1} %", 100.0 * best.signed.half_width()),
+            };
+            let what = match best.setting.knob {
+                None => "the defaults".to_string(),
+                Some(_) => format!("`{}`", best.setting.name()),
+            };
+            format!("to reach relMSE {target} use {what}: {time}, {cost}")
+        };
+        TARGETS.into_iter().zip(recommended(&self.measured)).map(sentence).collect()
+    }
+
+    /// What the numbers hold for and what they rest on.
+    pub fn basis(&self) -> Vec<String> {
+        let (w, h) = self.size;
+        let mut lines = vec![format!(
+            "measured at {w}x{h} on {} ({}), {} rounds of {LEVEL} samples; on another device the advice may be another",
+            self.device,
+            self.driver,
+            self.measured.first().map_or(0, |defaults| defaults.rounds)
+        )];
+        if self.whole_size != self.size {
+            let times = f64::from(self.whole_size.0) * f64::from(self.whole_size.1) / (f64::from(w) * f64::from(h));
+            let (w, h) = self.whole_size;
+            lines.push(format!("an image of {w}x{h} has {times:.1} times the pixels, and takes about so many times the seconds"));
+        }
+        lines.push(match (&self.reference, self.error_of_reference) {
+            (Some(file), Some(own)) => format!("the reference is {file}; its own noise is a relMSE of {own:.1e}"),
+            (Some(file), None) => format!("the reference is {file}; its own noise is not known"),
+            (None, _) => "biases are against the defaults, with the same random numbers; pictures are compared with the pooled samples \
+                          of all unbiased settings but the one judged"
+                .to_string(),
+        });
+        if let Some((off, half)) = self.against_reference {
+            let (off, half) = (100.0 * off, 100.0 * half);
+            lines.push(format!("the defaults' mean is {off:+.2} ± {half:.2} % off the reference's"));
+        }
+        if self.interrupted {
+            lines.push("interrupted: what was measured until then".to_string());
+        }
+        lines
+    }
+
+    /// The table for the terminal.
+    pub fn table(&self) -> String {
+        let mut rows = vec![[
+            "setting".to_string(),
+            "gives up".into(),
+            "s/sample".into(),
+            "variance".into(),
+            "bias of the mean".into(),
+            "to 1e-1".into(),
+            "to 1e-2".into(),
+            "to 1e-3".into(),
+            "efficiency".into(),
+            "verdict".into(),
+        ]];
+        let base = self.measured.first().map_or(1.0, Measured::efficiency);
+        for measured in self.sorted() {
+            let [a, b, c] = measured.times.map(time_text);
+            rows.push([
+                measured.setting.name(),
+                class_name(measured.setting.class()).into(),
+                format!("{:.4}", measured.seconds),
+                format!("{:.3}", measured.model.noise),
+                bias_text(measured),
+                a,
+                b,
+                c,
+                format!("{:.2}", measured.efficiency() / base),
+                measured.verdict(),
+            ]);
+        }
+        let widths: [usize; 10] =
+            std::array::from_fn(|column| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0));
+        let line = |row: &[String; 10]| {
+            let cells = row.iter().zip(widths).enumerate().map(|(column, (cell, width))| match column {
+                0 | 1 | 9 => format!("{cell:<width$}"),
+                _ => format!("{cell:>width$}"),
+            });
+            cells.collect::<Vec<_>>().join("  ").trim_end().to_string()
+        };
+        let mut lines: Vec<String> = rows.iter().map(line).collect();
+        lines.extend(self.unmeasured.iter().map(|left| format!("{}  not measured: {}", left.setting.name(), left.why)));
+        lines.join("\n")
+    }
+
+    /// A row for every setting.
+    pub fn csv(&self) -> String {
+        let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
+        let mut text = String::from(
+            "setting,knob,value,class,gives_up,measured,rounds,seconds_compile,seconds_per_sample,seconds_spread,variance_1spp,exponent,\
+             bias,bias_half_width,squared_bias,squared_bias_upper,biased,reliable,seconds_to_1e-1,seconds_to_1e-2,seconds_to_1e-3,\
+             efficiency,verdict\n",
+        );
+        let known = |value: Option<f64>| value.map_or(String::new(), |v| v.to_string());
+        for measured in self.sorted() {
+            let Measured { setting, model, .. } = measured;
+            let [a, b, c] = measured.times.map(known);
+            let cells = [
+                quoted(&setting.name()),
+                setting.knob.map_or("", |knob| knob.name).to_string(),
+                setting.value.clone(),
+                class_name(setting.class()).to_string(),
+                quoted(setting.knob.map_or("", |knob| knob.gives_up)),
+                "true".to_string(),
+                measured.rounds.to_string(),
+                measured.seconds_compile.to_string(),
+                measured.seconds.to_string(),
+                measured.seconds_spread.to_string(),
+                model.noise.to_string(),
+                model.exponent.to_string(),
+                measured.signed.value.to_string(),
+                measured.signed.half_width().to_string(),
+                measured.squared.value.to_string(),
+                measured.squared.upper().to_string(),
+                measured.biased.to_string(),
+                measured.reliable.to_string(),
+                a,
+                b,
+                c,
+                measured.efficiency().to_string(),
+                quoted(&measured.verdict()),
+            ];
+            text += &cells.join(",");
+            text.push('\n');
+        }
+        for left in &self.unmeasured {
+            let knob = left.setting.knob;
+            let name = quoted(&left.setting.name());
+            let gives_up = quoted(knob.map_or("", |knob| knob.gives_up));
+            let class = class_name(left.setting.class());
+            let (knob, value) = (knob.map_or("", |knob| knob.name), &left.setting.value);
+            let why = quoted(&format!("not measured: {}", left.why));
+            text += &format!("{name},{knob},{value},{class},{gives_up},false{}{why}\n", ",".repeat(17));
+        }
+        text
+    }
+
+    pub fn json(&self) -> Value {
+        let settings: Vec<Value> = self
+            .sorted()
+            .into_iter()
+            .map(|measured| {
+                let Measured { setting, model, .. } = measured;
+                let half = measured.signed.half_width();
+                json!({
+                    "setting": setting.name(),
+                    "knob": setting.knob.map(|knob| knob.name),
+                    "value": setting.value,
+                    "class": class_name(setting.class()),
+                    "gives_up": setting.knob.map(|knob| knob.gives_up),
+                    "measured": true,
+                    "rounds": measured.rounds,
+                    "seconds_compile": measured.seconds_compile,
+                    "seconds_per_sample": measured.seconds,
+                    "seconds_spread": measured.seconds_spread,
+                    "variance_1spp": model.noise,
+                    "exponent": model.exponent,
+                    "bias": measured.signed.value,
+                    "bias_interval": [measured.signed.value - half, measured.signed.value + half],
+                    "squared_bias": measured.squared.value,
+                    "squared_bias_upper": measured.squared.upper(),
+                    "biased": measured.biased,
+                    "reliable": measured.reliable,
+                    "seconds_to": TARGETS.iter().zip(measured.times).map(|(target, time)| json!({"relmse": target, "seconds": time}))
+                        .collect::<Vec<_>>(),
+                    "efficiency": measured.efficiency(),
+                    "verdict": measured.verdict(),
+                })
+            })
+            .chain(self.unmeasured.iter().map(|left| {
+                json!({
+                    "setting": left.setting.name(),
+                    "knob": left.setting.knob.map(|knob| knob.name),
+                    "value": left.setting.value,
+                    "class": class_name(left.setting.class()),
+                    "gives_up": left.setting.knob.map(|knob| knob.gives_up),
+                    "measured": false,
+                    "verdict": format!("not measured: {}", left.why),
+                })
+            }))
+            .collect();
+        let best = recommended(&self.measured);
+        let recommendations: Vec<Value> = TARGETS
+            .iter()
+            .enumerate()
+            .zip(self.advice())
+            .map(|((i, target), words)| {
+                json!({
+                    "relmse": target,
+                    "setting": best[i].map(|measured| measured.setting.name()),
+                    "seconds": best[i].and_then(|measured| measured.times[i]),
+                    "samples": best[i].and_then(|measured| Some(measured.times[i]? / measured.model.seconds)),
+                    "words": words,
+                })
+            })
+            .collect();
+        json!({
+            "scene": self.scene,
+            "device": self.device,
+            "driver": self.driver,
+            "width": self.size.0,
+            "height": self.size.1,
+            "seed": self.seed,
+            "budget": self.budget,
+            "seconds": self.seconds,
+            "reference": self.reference,
+            "relmse_of_reference": self.error_of_reference,
+            "defaults_against_reference": self.against_reference.map(|(off, half)| json!({"bias": off, "half_width": half})),
+            "interrupted": self.interrupted,
+            "settings": settings,
+            "recommendations": recommendations,
+        })
+    }
+}

@@ -1,0 +1,260 @@
+//! The measuring itself: all settings in turn, round after round with new random numbers, until the time is spent.
+
+use std::collections::BTreeMap;
+use std::time::{Duration, Instant};
+
+use super::replicates::Pixels;
+use crate::error::Result;
+use crate::film::Film;
+use crate::flatten::{Flat, Wish, flatten_with};
+use crate::gpu::device::Device;
+use crate::knobs::{Class, Knob, SIZE};
+use crate::plan::{Plan, Tables};
+use crate::render::{Goal, Job, Next, Renderer, TuningWish, tuning};
+use crate::scene::Scene;
+
+/// Samples a pixel of the blocks of a round. The middle one is the one that biases are measured with.
+pub const LEVELS: [u32; 3] = [4, 16, 64];
+/// The level of which every round has a block, as of the first; the last is dear, and has one in so many rounds.
+pub const LEVEL: u32 = LEVELS[1];
+const ROUNDS_OF_LAST: usize = 4;
+/// What a round costs in samples a pixel, on the mean.
+pub const SAMPLES_OF_ROUND: f64 = (LEVELS[0] + LEVELS[1]) as f64 + LEVELS[2] as f64 / ROUNDS_OF_LAST as f64;
+
+/// The defaults with one knob turned, or the defaults themselves.
+#[derive(Clone, Debug)]
+pub struct Setting {
+    /// None for the defaults.
+    pub knob: Option<&'static Knob>,
+    /// The knob's value, as its option takes it.
+    pub value: String,
+    pub wish: Wish,
+    pub max_depth: u32,
+    /// The image's sides over those of the sweep.
+    pub scale: f64,
+}
+
+impl Setting {
+    /// `--clamp 10`, or `defaults`.
+    pub fn name(&self) -> String {
+        self.knob.map_or("defaults".to_string(), |knob| knob.option(&self.value))
+    }
+
+    /// What it gives up, by its knob's declaration.
+    pub fn class(&self) -> Class {
+        match self.knob {
+            None => Class::Exact,
+            // Beside an image of all its pixels one of fewer lacks detail, however many samples it has.
+            Some(knob) if knob.name == SIZE.name => Class::Bias,
+            Some(knob) => knob.class,
+        }
+    }
+}
+
+/// One image and how long it took.
+#[derive(Clone, Debug)]
+pub struct Block {
+    pub image: Pixels,
+    /// Of the passes alone.
+    pub seconds: f64,
+    /// Whether the film trusts its own error (`ErrorEstimate::reliable`); unknown with few samples.
+    pub reliable: Option<bool>,
+}
+
+/// A setting under measurement.
+pub struct Subject<'a> {
+    pub setting: Setting,
+    renderer: Renderer<'a>,
+    film: Film,
+    size: (u32, u32),
+    /// Building its hierarchies and compiling its kernels.
+    pub seconds_compile: f64,
+    /// By samples a pixel, in the order of the rounds: the n-th blocks of all subjects have the same random numbers.
+    pub blocks: BTreeMap<u32, Vec<Block>>,
+}
+
+/// A setting that is not measured, and why.
+#[derive(Clone, Debug)]
+pub struct Unmeasured {
+    pub setting: Setting,
+    pub why: String,
+}
+
+/// All that is measured, the defaults first.
+pub struct Sweep<'a> {
+    pub size: (u32, u32),
+    pub subjects: Vec<Subject<'a>>,
+    pub unmeasured: Vec<Unmeasured>,
+    device: &'a Device,
+    scene: &'a Scene,
+    seed: u32,
+    /// What the defaults come to, for telling which settings do nothing to this scene.
+    defaults: Option<Linked>,
+}
+
+/// What a setting makes of a scene, where that decides its image and its speed.
+struct Linked {
+    flat: Flat,
+    max_depth: u32,
+}
+
+impl Linked {
+    fn is(&self, other: &Linked) -> bool {
+        let bytes = |linked: &Linked| bytemuck::bytes_of(&linked.flat.settings).to_vec();
+        self.flat.features == other.flat.features
+            && bytes(self) == bytes(other)
+            && bytemuck::cast_slice::<_, u8>(&self.flat.nodes) == bytemuck::cast_slice::<_, u8>(&other.flat.nodes)
+            && self.max_depth == other.max_depth
+    }
+}
+
+impl<'a> Sweep<'a> {
+    /// A sweep of nothing yet, over images of that size.
+    pub fn new(device: &'a Device, scene: &'a Scene, size: (u32, u32), seed: u32) -> Sweep<'a> {
+        Sweep { size, subjects: Vec::new(), unmeasured: Vec::new(), device, scene, seed, defaults: None }
+    }
+
+    /// Compiles a setting, the defaults first. One that does nothing to this scene, or that the device does not take, is noted as not
+    /// measured.
+    ///
+    /// # Errors
+    /// Where the defaults themselves fail.
+    pub fn add(&mut self, setting: Setting) -> Result<()> {
+        let is_first = self.defaults.is_none();
+        match self.compile(&setting) {
+            Ok(Some(subject)) => self.subjects.push(subject),
+            Ok(None) => {
+                let why = "does nothing to this scene".to_string();
+                self.unmeasured.push(Unmeasured { setting, why });
+            }
+            Err(error) if is_first => return Err(error),
+            Err(error) => self.unmeasured.push(Unmeasured { setting, why: error.to_string() }),
+        }
+        Ok(())
+    }
+
+    /// Notes a setting as not measured.
+    pub fn leave_out(&mut self, setting: Setting, why: &str) {
+        self.unmeasured.push(Unmeasured { setting, why: why.to_string() });
+    }
+
+    fn compile(&mut self, setting: &Setting) -> Result<Option<Subject<'a>>> {
+        let begin = Instant::now();
+        let side = |side: u32| ((f64::from(side) * setting.scale).round() as u32).max(1);
+        let size = (side(self.size.0), side(self.size.1));
+        let flat = flatten_with(self.scene, size, setting.wish)?;
+        let linked = Linked { flat, max_depth: setting.max_depth };
+        if let Some(defaults) = &self.defaults
+            && size == self.size
+            && linked.is(defaults)
+        {
+            return Ok(None);
+        }
+        let flat = &linked.flat;
+        let job = self.job(size, setting.max_depth, LEVEL, 0);
+        let class = self.device.class();
+        let tables = Tables::new(flat, class.table_bytes());
+        let wish = TuningWish::default();
+        let plan = Plan::with_tables(&flat.features, tuning(class, &job, wish).scatter, &tables)?;
+        let renderer = Renderer::new(self.device, flat, &plan, &job, wish, false)?;
+        let film = Film::with_sampler(size.0, size.1, flat.radiance_exponent, flat.features.sampler)?;
+        let subject = Subject {
+            setting: setting.clone(),
+            renderer,
+            film,
+            size,
+            seconds_compile: begin.elapsed().as_secs_f64(),
+            blocks: BTreeMap::new(),
+        };
+        self.defaults.get_or_insert(linked);
+        Ok(Some(subject))
+    }
+
+    fn job(&self, size: (u32, u32), max_depth: u32, samples: u32, seed: u32) -> Job {
+        Job { size, max_depth, seed, first_sample: 0, goal: Goal::Samples(samples) }
+    }
+
+    /// An image of one subject, at the size of the sweep; nothing where it was interrupted.
+    pub fn image(&mut self, subject: usize, samples: u32, seed: u32, stop: &dyn Fn() -> bool) -> Result<Option<Block>> {
+        let Subject { size, setting, .. } = &self.subjects[subject];
+        let job = self.job(*size, setting.max_depth, samples, seed);
+        let whole = self.size;
+        let Subject { renderer, film, size, .. } = &mut self.subjects[subject];
+        film.clear();
+        let outcome = renderer.run(&job, film, &mut |_, _| if stop() { Next::Stop } else { Next::GoOn })?;
+        if outcome.interrupted {
+            return Ok(None);
+        }
+        let image = enlarged(&film.develop().rgb, *size, whole);
+        let reliable = film.error_estimate(0.05).map(|estimate| estimate.reliable);
+        Ok(Some(Block { image, seconds: outcome.seconds, reliable }))
+    }
+
+    /// Rounds of blocks of every subject until the time is over, the stop is asked for, or `most` rounds are done. The order turns from round
+    /// to round, so that a machine that slows down or speeds up does so to all of them.
+    ///
+    /// # Errors
+    /// Where the device fails.
+    pub fn measure(
+        &mut self,
+        until: Instant,
+        most: usize,
+        stop: &dyn Fn() -> bool,
+        progress: &mut dyn FnMut(usize, &str),
+    ) -> Result<()> {
+        for round in 0..most {
+            let levels = LEVELS.iter().filter(|level| **level != LEVELS[2] || round % ROUNDS_OF_LAST == 0);
+            for (i, &level) in levels.enumerate() {
+                // No two blocks of one sweep share a seed, and no block shares one with --seed's own image.
+                let seed = self.seed.wrapping_add(1 + (round * LEVELS.len() + i) as u32);
+                for turn in 0..self.subjects.len() {
+                    let subject = (turn + round) % self.subjects.len();
+                    progress(round, &self.subjects[subject].setting.name());
+                    if stop() || Instant::now() + self.expected(subject, level) > until {
+                        return Ok(());
+                    }
+                    match self.image(subject, level, seed, stop)? {
+                        Some(block) => self.subjects[subject].blocks.entry(level).or_default().push(block),
+                        None => return Ok(()),
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// How long a block is expected to take, from those before.
+    fn expected(&self, subject: usize, level: u32) -> Duration {
+        let known = self.subjects[subject].blocks.iter().filter_map(|(samples, blocks)| {
+            let last = blocks.last()?;
+            Some(last.seconds * f64::from(level) / f64::from(*samples))
+        });
+        Duration::from_secs_f64(known.last().unwrap_or(0.0))
+    }
+}
+
+/// An image scaled up by repeating its pixels.
+fn enlarged(image: &Pixels, (width, height): (u32, u32), to: (u32, u32)) -> Pixels {
+    if (width, height) == to {
+        return image.clone();
+    }
+    let place = |at: u32, from: u32, to: u32| (u64::from(at) * u64::from(from) / u64::from(to)) as usize;
+    let rows = (0..to.1).map(|y| place(y, height, to.1) * width as usize);
+    rows.flat_map(|row| (0..to.0).map(move |x| image[row + place(x, width, to.0)])).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn enlarged_images_repeat_their_pixels() {
+        let image: Pixels = (0..6).map(|i| [i as f32; 3]).collect();
+        let grey = |image: Pixels| image.iter().map(|p| p[0] as i32).collect::<Vec<_>>();
+        assert_eq!(grey(enlarged(&image, (3, 2), (3, 2))), [0, 1, 2, 3, 4, 5]);
+        assert_eq!(
+            grey(enlarged(&image, (3, 2), (6, 4))),
+            [0, 0, 1, 1, 2, 2, 0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5, 3, 3, 4, 4, 5, 5]
+        );
+    }
+}
