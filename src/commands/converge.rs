@@ -11,7 +11,7 @@ use crate::cli::{ConvergeArgs, Size};
 use crate::data::Sampler;
 use crate::error::{Error, Result};
 use crate::film::{Film, UNKNOWN_VARIANCE};
-use crate::metrics;
+use crate::metrics::error as metrics;
 use crate::output::atomic;
 use crate::output::exr::{ExrImage, read_exr};
 use crate::output::plot::{Curve, Plot, svg};

@@ -11,6 +11,7 @@ use super::{open_device, path_text, print_json, print_line, stop_on_interrupt, t
 use crate::cli::{Cli, Command, RenderArgs, Size, TradeoffArgs};
 use crate::error::{Error, Result};
 use crate::film::UNKNOWN_VARIANCE;
+use crate::gpu::device::Device;
 use crate::knobs::{KNOBS, Knob, MAX_DEPTH, SIZE, SPP};
 use crate::metrics::error::{relative_variance, relmse};
 use crate::metrics::flip::error_map;
@@ -19,22 +20,26 @@ use crate::output::exr::{ExrImage, read_exr};
 use crate::output::png;
 use crate::output::progress::Loading;
 use crate::scene::Scene;
-use crate::tradeoff::judge::{Measured, TARGETS, judge, pooled};
+use crate::tradeoff::judge::{Measured, judge, median, pooled};
 use crate::tradeoff::page::{Shown, html};
-use crate::tradeoff::replicates::{Pixels, signed_bias};
+use crate::tradeoff::replicates::{Pixels, noise, signed_bias};
 use crate::tradeoff::report::Report;
-use crate::tradeoff::sweep::{LEVEL, SAMPLES_OF_ROUND, Setting, Sweep};
+use crate::tradeoff::sweep::{Block, LEVEL, LEVELS, SAMPLES_OF_ROUND, Setting, Subject, Sweep};
 
 /// The most pixels of the images that are measured: more tell the same about the settings.
 const MOST_PIXELS: f64 = 65_536.0;
 /// The fewest, below which an image is no picture of its scene.
 const FEWEST_PIXELS: f64 = 1_024.0;
 /// The rounds that the size is chosen for, and the most that are done.
-const ROUNDS: (f64, usize) = (10.0, 32);
-/// The share of the budget after which compiling ends, and that after which measuring ends. The rest is for pictures and the report.
-const COMPILING: f64 = 0.4;
-const MEASURING: f64 = 0.85;
-/// Pixels of the pilot that finds what a sample costs.
+const ROUNDS: f64 = 12.0;
+const MOST_ROUNDS: usize = 32;
+/// The shares of the budget after which the pilot ends, compiling at the size that is measured, measuring, and the calibration by the
+/// whole size. The rest is for pictures and the report.
+const PILOT: f64 = 0.3;
+const COMPILING: f64 = 0.5;
+const MEASURING: f64 = 0.8;
+const CALIBRATING: f64 = 0.9;
+/// Pixels of the pilot that finds what each setting costs.
 const PILOT_PIXELS: f64 = 4_096.0;
 
 /// Measures and reports.
@@ -52,37 +57,53 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     let stop = || stopped.load(Ordering::Relaxed);
     let at = |share: f64| start + Duration::from_secs_f64(share * args.budget.as_secs_f64());
 
-    let settings = settings_of(&scene, &knobs)?;
-    let (compiled, size) = pilot(args, &scene, &device, whole, reference.is_some(), settings.len(), start)?;
-    let mut sweep = Sweep::new(&device, &scene, size, args.seed);
     let mut loading = Loading::new(args.quiet);
-    for (i, setting) in settings.into_iter().enumerate() {
-        loading.update(&format!("compiling {}", setting.name()), i as u64, knobs.len() as u64);
-        // One more may take as long as the first did.
-        match i > 0 && (stop() || Instant::now() + compiled > at(COMPILING)) {
-            true => sweep.leave_out(setting, "the budget did not reach it"),
-            false => sweep.add(setting)?,
+    let mut progress = |words: &str| {
+        let share = start.elapsed().as_secs_f64() / args.budget.as_secs_f64();
+        loading.show(words, share.min(1.0));
+    };
+    // First small, which tells what each setting costs; then at the size that the rest of the budget is enough for.
+    let exact = reference.is_some();
+    let begin = Instant::now();
+    let small = size_of(whole, PILOT_PIXELS, exact);
+    let mut pilot = Sweep::new(&device, &scene, small, args.seed);
+    compile(&mut pilot, settings_of(&scene, &knobs)?, at(PILOT), &stop, &mut progress)?;
+    pilot.measure(at(PILOT), 1, &stop, &mut |_, name| progress(&format!("pilot: {name}")))?;
+    let left = at(MEASURING).saturating_duration_since(Instant::now()).saturating_sub(begin.elapsed() / 2);
+    let size = size_of(whole, pixels_for(&pilot, left.as_secs_f64()), exact);
+    let mut sweep = match size == small {
+        true => pilot,
+        false => {
+            let mut sweep = Sweep::new(&device, &scene, size, args.seed);
+            sweep.unmeasured = pilot.unmeasured;
+            let settings = pilot.subjects.into_iter().map(|subject| subject.setting).collect();
+            compile(&mut sweep, settings, at(COMPILING), &stop, &mut progress)?;
+            sweep
         }
-    }
-    let rounds = ROUNDS.1;
-    sweep.measure(at(MEASURING), rounds, &stop, &mut |round, name| {
-        loading.update(&format!("round {}: {name}", round + 1), start.elapsed().as_secs(), args.budget.as_secs());
+    };
+    sweep.measure(at(MEASURING), MOST_ROUNDS, &stop, &mut |round, name| {
+        progress(&format!("round {}: {name}", round + 1))
     })?;
+    let whole_over_small = match size == whole {
+        true => None,
+        false => calibrate(&mut sweep, &scene, &device, whole, at(CALIBRATING), &stop)?,
+    };
     drop(loading);
 
     let smaller = reference.as_ref().map(|image| shrunk(image, size));
     let truth = smaller.clone().or_else(|| pooled(&sweep, None)).ok_or_else(|| too_short(args))?;
-    let measured = judge(&mut sweep, &truth);
+    let measured = judge(&mut sweep, &truth, whole_over_small.unwrap_or((1.0, 1.0)));
     if measured.is_empty() {
         return Err(too_short(args));
     }
     let shown = pictures(&mut sweep, &measured, smaller.as_ref(), at(1.0), &stop)?;
     let report = Report {
-        scene: path_text(&args.scene),
+        scene: args.scene.file_name().unwrap_or_default().to_string_lossy().into_owned(),
         device: device.name.name.clone(),
         driver: device.name.driver.clone(),
         size,
         whole_size: whole,
+        calibration: whole_over_small,
         seed: args.seed,
         budget: args.budget.as_secs_f64(),
         seconds: start.elapsed().as_secs_f64(),
@@ -112,7 +133,9 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
 
 fn too_short(args: &TradeoffArgs) -> Error {
     let budget = args.budget.as_secs_f64();
-    Error::Usage(format!("--budget {budget} s: the defaults alone took longer than that three times over; give it more"))
+    Error::Usage(format!(
+        "--budget {budget} s: the defaults alone took longer than that three times over; give it more"
+    ))
 }
 
 /// The knobs asked for, all by default. Samples are what every setting is measured over.
@@ -183,33 +206,86 @@ fn settings_of(scene: &Scene, knobs: &[&'static Knob]) -> Result<Vec<Setting>> {
     Ok(settings)
 }
 
-/// The size to measure at, so that the budget holds as many rounds as it should, and how long the defaults took to compile.
-fn pilot(
-    args: &TradeoffArgs,
+/// Compiles the settings in turn, as far as the time goes.
+fn compile(
+    sweep: &mut Sweep<'_>,
+    settings: Vec<Setting>,
+    until: Instant,
+    stop: &dyn Fn() -> bool,
+    progress: &mut dyn FnMut(&str),
+) -> Result<()> {
+    // One more may take as long as the last did.
+    let mut last = Duration::ZERO;
+    for (i, setting) in settings.into_iter().enumerate() {
+        progress(&format!("compiling {}", setting.name()));
+        if i > 0 && (stop() || Instant::now() + last > until) {
+            sweep.leave_out(setting, "the budget did not reach it");
+            continue;
+        }
+        let begin = Instant::now();
+        sweep.add(setting)?;
+        last = begin.elapsed();
+    }
+    Ok(())
+}
+
+/// The pixels that so many seconds are enough for, by what a round of the pilot took.
+fn pixels_for(pilot: &Sweep<'_>, seconds: f64) -> f64 {
+    let of_sample = |subject: &Subject<'_>| {
+        let (samples, blocks) = subject.blocks.iter().next_back()?;
+        Some(blocks.last()?.seconds / f64::from(*samples))
+    };
+    let known: Vec<f64> = pilot.subjects.iter().filter_map(of_sample).collect();
+    // What the pilot did not reach is taken to cost what the others do.
+    let of_all = known.iter().sum::<f64>() * pilot.subjects.len() as f64 / known.len().max(1) as f64;
+    let of_pixel = of_all / (f64::from(pilot.size.0) * f64::from(pilot.size.1));
+    (seconds / (of_pixel * SAMPLES_OF_ROUND * ROUNDS)).clamp(FEWEST_PIXELS, MOST_PIXELS)
+}
+
+/// What the defaults take and how noisy they are at the whole size, over the same at the sweep's: seconds of a sample, and relMSE by
+/// noise. All settings are taken to change alike. Nothing where the time is not enough.
+fn calibrate(
+    sweep: &mut Sweep<'_>,
     scene: &Scene,
-    device: &crate::gpu::device::Device,
+    device: &Device,
     whole: (u32, u32),
-    exact: bool,
-    settings: usize,
-    start: Instant,
-) -> Result<(Duration, (u32, u32))> {
-    let small = size_of(whole, PILOT_PIXELS, exact);
-    let mut sweep = Sweep::new(device, scene, small, args.seed);
-    let begin = Instant::now();
-    sweep.add(settings_of(scene, &[])?.remove(0))?;
-    let compiled = begin.elapsed();
-    let block = sweep.image(0, LEVEL, args.seed, &|| false)?;
-    let seconds = block.map_or(1.0, |block| block.seconds) / f64::from(LEVEL);
-    let pixel = seconds / (f64::from(small.0) * f64::from(small.1));
-    // Settings without short cuts take longer than the defaults; so much on the mean.
-    const DEARER: f64 = 1.3;
-    let left = (MEASURING * args.budget.as_secs_f64()
-        - start.elapsed().as_secs_f64()
-        - compiled.as_secs_f64() * settings as f64)
-        .max(0.2 * args.budget.as_secs_f64());
-    let of_pixel = pixel * DEARER * SAMPLES_OF_ROUND * ROUNDS.0 * settings as f64;
-    let pixels = (left / of_pixel).clamp(FEWEST_PIXELS, MOST_PIXELS);
-    Ok((compiled, size_of(whole, pixels, exact)))
+    until: Instant,
+    stop: &dyn Fn() -> bool,
+) -> Result<Option<(f64, f64)>> {
+    const SAMPLES: u32 = LEVELS[0];
+    const IMAGES: u32 = 3;
+    let Some(defaults) = sweep.subjects.first() else { return Ok(None) };
+    let Some(blocks) = defaults.blocks.get(&SAMPLES).filter(|blocks| blocks.len() >= 3) else { return Ok(None) };
+    let area = |size: (u32, u32)| f64::from(size.0) * f64::from(size.1);
+    let small_seconds = median(&blocks.iter().map(|block| block.seconds).collect::<Vec<_>>());
+    let expected = Duration::from_secs_f64(small_seconds * area(whole) / area(sweep.size) * f64::from(IMAGES));
+    if stop() || Instant::now() + expected + Duration::from_secs_f64(defaults.seconds_compile) > until {
+        return Ok(None);
+    }
+    let (mut large, setting) = (Sweep::new(device, scene, whole, 0), defaults.setting.clone());
+    large.add(setting)?;
+    let mut found = Vec::new();
+    for seed in 0..IMAGES {
+        match large.image(0, SAMPLES, sweep.seed.wrapping_sub(2 + seed), stop)? {
+            Some(block) => found.push(block),
+            None => return Ok(None),
+        }
+    }
+    let seconds = median(&found.iter().map(|block| block.seconds).collect::<Vec<_>>()) / small_seconds;
+    let noise_of = |blocks: &[Block]| {
+        let images: Vec<Pixels> = blocks.iter().map(|block| block.image.clone()).collect();
+        Some(noise(&images, &mean_of(&images))?.value)
+    };
+    let ratio = noise_of(&found).zip(noise_of(&blocks[..IMAGES as usize])).map(|(large, small)| large / small);
+    Ok(Some((seconds, ratio.filter(|ratio| ratio.is_finite() && *ratio > 0.0).unwrap_or(1.0))))
+}
+
+fn mean_of(images: &[Pixels]) -> Pixels {
+    let mut sum = vec![[0.0f64; 3]; images.first().map_or(0, Vec::len)];
+    for image in images {
+        sum.iter_mut().zip(image).for_each(|(sum, p)| (0..3).for_each(|c| sum[c] += f64::from(p[c])));
+    }
+    sum.iter().map(|p| p.map(|v| (v / images.len() as f64) as f32)).collect()
 }
 
 /// The whole size divided so that about so many pixels are left; by a common divisor of both sides where pixels must be whole ones.
@@ -264,13 +340,14 @@ fn pictures(
     until: Instant,
     stop: &dyn Fn() -> bool,
 ) -> Result<Vec<Shown>> {
-    let same_time = measured[0].seconds * f64::from(LEVEL);
+    let pace = |found: &Measured| found.seconds_here;
+    let same_time = pace(&measured[0]) * f64::from(LEVEL);
     let mut shown = Vec::new();
     for found in measured {
-        let of = |subject: &crate::tradeoff::sweep::Subject<'_>| subject.setting.name() == found.setting.name();
+        let of = |subject: &Subject<'_>| subject.setting.name() == found.setting.name();
         let Some(subject) = sweep.subjects.iter().position(of) else { continue };
-        let samples = ((same_time / found.seconds).round() as u32).max(1);
-        let takes = Duration::from_secs_f64(found.seconds * f64::from(samples));
+        let samples = ((same_time / pace(found)).round() as u32).max(1);
+        let takes = Duration::from_secs_f64(pace(found) * f64::from(samples));
         if stop() || Instant::now() + takes > until {
             break;
         }
@@ -288,8 +365,8 @@ fn pictures(
             seconds: block.seconds,
             relmse: relmse(&block.image, &truth).unwrap_or(f64::NAN),
             flip,
-            picture: png::picture(sweep.size, &block.image)?,
-            flip_map: png::heatmap(sweep.size, &map)?,
+            picture: png::picture(sweep.size, &block.image).unwrap_or_default(),
+            flip_map: png::heatmap(sweep.size, &map).unwrap_or_default(),
         });
     }
     Ok(shown)
@@ -301,6 +378,3 @@ fn write(folder: &Path, report: &Report, shown: &[Shown]) -> Result<()> {
     file("tradeoff.json", &format!("{:#}\n", report.json()))?;
     file("index.html", &html(report, shown)?)
 }
-
-// The targets' names stand in options and columns.
-const _: () = assert!(TARGETS.len() == 3);

@@ -24,6 +24,21 @@ pub struct Plot<'a> {
 
 const SIZE: (u32, u32) = (900, 600);
 
+/// Colours that are told apart on white, by most people with colour blindness too: M. Okabe and K. Ito's ("Color Universal Design", 2008)
+/// without yellow, and darker ones of them.
+const COLOURS: [RGBColor; 10] = [
+    RGBColor(0, 0, 0),
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(230, 159, 0),
+    RGBColor(86, 180, 233),
+    RGBColor(110, 60, 0),
+    RGBColor(90, 40, 110),
+    RGBColor(120, 120, 120),
+];
+
 /// The plot as an SVG document, both axes logarithmic.
 ///
 /// # Errors
@@ -52,8 +67,11 @@ fn draw(plot: &Plot<'_>, area: &DrawingArea<SVGBackend<'_>, plotters::coord::Shi
         ends.0 / 1.5..ends.1 * 1.5
     };
     area.fill(&WHITE)?;
-    let mut chart = ChartBuilder::on(area)
-        .caption(plot.title, ("sans-serif", 22))
+    let mut builder = ChartBuilder::on(area);
+    if !plot.title.is_empty() {
+        builder.caption(plot.title, ("sans-serif", 22));
+    }
+    let mut chart = builder
         .margin(16)
         .x_label_area_size(48)
         .y_label_area_size(72)
@@ -68,7 +86,7 @@ fn draw(plot: &Plot<'_>, area: &DrawingArea<SVGBackend<'_>, plotters::coord::Shi
         .light_line_style(BLACK.mix(0.06))
         .draw()?;
     for (i, curve) in plot.curves.iter().enumerate() {
-        let colour = Palette99::pick(i).to_rgba();
+        let colour = COLOURS[i % COLOURS.len()];
         let points = shown(curve);
         chart
             .draw_series(LineSeries::new(points.iter().copied(), colour.stroke_width(if i == 0 { 2 } else { 1 })))?

@@ -128,6 +128,15 @@ impl Loading {
         Loading { quiet, start: Instant::now(), display: None }
     }
 
+    /// What is going on, and how much of it is done.
+    pub fn show(&mut self, words: &str, share: f64) {
+        if self.quiet || self.start.elapsed() < MOMENT {
+            return;
+        }
+        let display = self.display.get_or_insert_with(|| Display::for_stderr(self.start));
+        display.show(share, || words.to_string());
+    }
+
     /// `done` of the `whole` bytes of a file are read. May be called as often as is convenient.
     pub fn update(&mut self, file: &Path, done: u64, whole: u64) {
         if self.quiet || self.start.elapsed() < MOMENT {

@@ -1,6 +1,6 @@
 //! What the blocks of a sweep say of every setting: seconds, noise, bias, time to an error, and where that puts it beside the others.
 
-use super::model::{Model, Standing, falling, standings};
+use super::model::{DOUBT, Model, Standing, falling, standings};
 use super::replicates::{Estimate, Pixels, noise, signed_bias, squared_bias};
 use super::sweep::{Block, LEVEL, Setting, Subject, Sweep};
 use crate::knobs::Class;
@@ -17,7 +17,9 @@ pub struct Measured {
     /// Blocks of [`LEVEL`] samples that it and the defaults have.
     pub rounds: usize,
     pub seconds_compile: f64,
-    /// Of a sample a pixel: the median over the rounds, and half their interquartile range.
+    /// Of a sample a pixel at the size of the sweep: the median over the rounds.
+    pub seconds_here: f64,
+    /// The same at the whole size, and half the interquartile range.
     pub seconds: f64,
     pub seconds_spread: f64,
     pub model: Model,
@@ -40,6 +42,14 @@ impl Measured {
         let samples = f64::from(LEVEL);
         let variance = samples * (self.model.error(samples) - self.model.squared_bias);
         1.0 / (variance * self.model.seconds)
+    }
+
+    /// What it is, within a sentence.
+    pub fn named(&self) -> String {
+        match self.setting.knob {
+            None => "the defaults".to_string(),
+            Some(_) => format!("`{}`", self.setting.name()),
+        }
     }
 
     /// Where it stands, in words.
@@ -100,12 +110,13 @@ pub fn pooled(sweep: &Sweep<'_>, without: Option<usize>) -> Option<Pixels> {
     (weight > 0.0).then(|| sum.iter().map(|pixel| pixel.map(|v| (v / weight) as f32)).collect())
 }
 
-/// Judges every subject that has three rounds; the others are noted as not measured. The defaults come first.
-pub fn judge(sweep: &mut Sweep<'_>, reference: &Pixels) -> Vec<Measured> {
+/// Judges every subject that has three rounds; the others are noted as not measured. The defaults come first. `whole` is what seconds and
+/// noise are at the size that the scene asks for, over those at the sweep's.
+pub fn judge(sweep: &mut Sweep<'_>, reference: &Pixels, whole: (f64, f64)) -> Vec<Measured> {
     let mut found: Vec<Measured> = Vec::new();
     let mut missing = Vec::new();
     for subject in &sweep.subjects {
-        match measured(subject, &sweep.subjects[0], reference) {
+        match measured(subject, &sweep.subjects[0], reference, whole) {
             Some(measured) => found.push(measured),
             None => missing.push(subject.setting.clone()),
         }
@@ -117,7 +128,8 @@ pub fn judge(sweep: &mut Sweep<'_>, reference: &Pixels) -> Vec<Measured> {
     let tests = 2.0 * found.len().saturating_sub(1).max(1) as f64;
     let level = 1.0 - (1.0 - FALSE_ALARMS).powf(1.0 / tests);
     for measured in &mut found {
-        measured.biased = measured.signed.p() < level || (measured.squared.value > 0.0 && measured.squared.p() / 2.0 < level);
+        measured.biased =
+            measured.signed.p() < level || (measured.squared.value > 0.0 && measured.squared.p() / 2.0 < level);
         // What is declared unbiased and not found otherwise has none.
         let unbiased = matches!(measured.setting.class(), Class::Exact | Class::Noise) && !measured.biased;
         if !unbiased {
@@ -133,7 +145,12 @@ pub fn judge(sweep: &mut Sweep<'_>, reference: &Pixels) -> Vec<Measured> {
     found
 }
 
-fn measured(subject: &Subject<'_>, defaults: &Subject<'_>, reference: &Pixels) -> Option<Measured> {
+fn measured(
+    subject: &Subject<'_>,
+    defaults: &Subject<'_>,
+    reference: &Pixels,
+    (slower, noisier): (f64, f64),
+) -> Option<Measured> {
     let images = |blocks: &[Block]| blocks.iter().map(|block| block.image.clone()).collect::<Vec<_>>();
     let own = subject.blocks.get(&LEVEL)?;
     let base = defaults.blocks.get(&LEVEL)?;
@@ -150,14 +167,16 @@ fn measured(subject: &Subject<'_>, defaults: &Subject<'_>, reference: &Pixels) -
         (silent && !levels.is_empty()).then_some((0.0, 1.0))
     })?;
     let pace: Vec<f64> = own.iter().map(|block| block.seconds / f64::from(LEVEL)).collect();
-    let seconds = median(&pace);
+    let seconds_here = median(&pace);
+    let seconds = slower * seconds_here;
     Some(Measured {
         setting: subject.setting.clone(),
         rounds,
         seconds_compile: subject.seconds_compile,
+        seconds_here,
         seconds,
-        seconds_spread: 0.5 * (quantile(&pace, 0.75) - quantile(&pace, 0.25)),
-        model: Model { squared_bias: 0.0, squared_bias_upper: 0.0, noise: c, exponent, seconds },
+        seconds_spread: slower * 0.5 * (quantile(&pace, 0.75) - quantile(&pace, 0.25)),
+        model: Model { squared_bias: 0.0, squared_bias_upper: 0.0, noise: noisier * c, exponent, seconds },
         signed: signed_bias(&own_images, &base_images, reference)?,
         squared: squared_bias(&own_images, &base_images, reference)?,
         biased: false,
@@ -167,13 +186,22 @@ fn measured(subject: &Subject<'_>, defaults: &Subject<'_>, reference: &Pixels) -
     })
 }
 
-/// The setting that reaches each target soonest.
+/// The setting that reaches a target soonest, of those that are reliable and meet a condition.
+pub fn soonest(found: &[Measured], target: usize, condition: impl Fn(&Measured) -> bool) -> Option<&Measured> {
+    let time = |measured: &Measured| measured.times[target].unwrap_or(f64::INFINITY);
+    let reaching = found.iter().filter(|m| m.reliable && m.times[target].is_some() && condition(m));
+    reaching.min_by(|a, b| time(a).total_cmp(&time(b)))
+}
+
+/// What is advised for each target: the soonest, or the defaults or another unbiased setting that is as soon within the doubt of timings.
 pub fn recommended(found: &[Measured]) -> [Option<&Measured>; TARGETS.len()] {
     std::array::from_fn(|target| {
-        let reaching = found.iter().filter(|measured| measured.reliable && measured.times[target].is_some());
-        reaching.min_by(|a, b| {
-            let time = |measured: &Measured| measured.times[target].unwrap_or(f64::INFINITY);
-            time(a).total_cmp(&time(b))
-        })
+        let time = |measured: &Measured| measured.times[target].unwrap_or(f64::INFINITY);
+        let best = soonest(found, target, |_| true)?;
+        let near = |measured: &&Measured| time(measured) < DOUBT * time(best);
+        let defaults = soonest(found, target, |m| m.setting.knob.is_none()).filter(near);
+        let faithful =
+            soonest(found, target, |m| matches!(m.setting.class(), Class::Exact | Class::Noise)).filter(near);
+        Some(defaults.or(faithful).unwrap_or(best))
     })
 }

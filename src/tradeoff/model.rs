@@ -116,8 +116,7 @@ mod tests {
 
     #[test]
     fn seconds_to_a_target_know_of_the_bias() {
-        let model =
-            Model { squared_bias: 1e-3, squared_bias_upper: 2e-3, noise: 0.8, exponent: 1.0, seconds: 0.5 };
+        let model = Model { squared_bias: 1e-3, squared_bias_upper: 2e-3, noise: 0.8, exponent: 1.0, seconds: 0.5 };
         assert!((model.seconds_to(1e-2).unwrap() - 0.5 * 100.0).abs() < 1e-9);
         assert_eq!(model.seconds_to(2e-3), None);
         assert!((model.error(100.0) - 9e-3).abs() < 1e-12);

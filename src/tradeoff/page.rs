@@ -33,7 +33,7 @@ p.note, li.note { color: var(--soft); }
 .wide { overflow-x: auto; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; white-space: nowrap; }
 th, td { text-align: right; padding: .3rem .7rem; border-bottom: 1px solid var(--line); }
-th:first-child, td:first-child, th:nth-child(2), td:nth-child(2), td:last-child, th:last-child { text-align: left; }
+th:nth-child(-n+3), td:nth-child(-n+3) { text-align: left; }
 tr.front td { background: var(--front); }
 figure { margin: 1rem 0; background: #fff; border: 1px solid var(--line); border-radius: 6px; }
 figure svg { display: block; width: 100%; height: auto; }
@@ -67,8 +67,8 @@ pub fn html(report: &Report, shown: &[Shown]) -> Result<String> {
         let _ = writeln!(page, "<li class=\"note\">{}</li>", escaped(&words));
     }
     let _ = write!(page, "</ul>\n<h2>Error against time</h2>\n<figure>\n{}</figure>\n", plot(report)?);
-    page += "<p class=\"note\">Measured noise and bias, and the lines bias² + c N^-p through them. A line that ends level is a bias that no \
-             time removes.</p>\n";
+    page += "<p class=\"note\">bias² + c N^-p, by the measured bias and the noise measured at 4, 16 and 64 samples. A line that ends level is a bias that no \
+             time removes. Of what is dominated only the biased settings are drawn.</p>\n";
     page += &table(report);
     if !shown.is_empty() {
         page += "<h2>The same time for each</h2>\n<div class=\"pictures\">\n";
@@ -95,7 +95,14 @@ pub fn html(report: &Report, shown: &[Shown]) -> Result<String> {
     for knob in all.filter_map(|setting| setting.knob) {
         if !told.contains(&knob.name) {
             told.push(knob.name);
-            let _ = writeln!(page, "<li><code>--{}</code> ({}): {} {}</li>", knob.name, class_name(knob.class), escaped(knob.about), escaped(knob.gives_up));
+            let _ = writeln!(
+                page,
+                "<li><code>--{}</code> ({}): {} {}</li>",
+                knob.name,
+                class_name(knob.class),
+                escaped(knob.about),
+                escaped(knob.gives_up)
+            );
         }
     }
     page += "</ul>\n</body>\n</html>\n";
@@ -105,7 +112,10 @@ pub fn html(report: &Report, shown: &[Shown]) -> Result<String> {
 /// Error against seconds of what is on the front, and of what is not biased or biased most.
 fn plot(report: &Report) -> Result<String> {
     let mut curves: Vec<Curve> = Vec::new();
-    for measured in report.sorted() {
+    let mut sorted = report.sorted();
+    // The defaults in front; the others keep their order.
+    sorted.sort_by_key(|measured| measured.setting.knob.is_some());
+    for measured in sorted {
         if measured.standing == Standing::Dominated && measured.setting.knob.is_some() && !measured.biased {
             continue;
         }
@@ -122,20 +132,21 @@ fn plot(report: &Report) -> Result<String> {
 
 fn table(report: &Report) -> String {
     let mut text = String::from(
-        "<h2>All settings</h2>\n<div class=\"wide\"><table>\n<tr><th>setting<th>gives up<th>ms a sample<th>variance, 1 sample<th>p\
+        "<h2>All settings</h2>\n<div class=\"wide\"><table>\n<tr><th>setting<th>verdict<th>gives up<th>ms a sample<th>variance, 1 sample<th>p\
          <th>bias of the mean<th>bias², relMSE",
     );
     for target in TARGETS {
         let _ = write!(text, "<th>to {}", target_name(target));
     }
-    text += "<th>efficiency<th>verdict\n";
+    text += "<th>efficiency\n";
     let base = report.measured.first().map_or(1.0, Measured::efficiency);
     for measured in report.sorted() {
         let class = if measured.standing == Standing::Front { " class=\"front\"" } else { "" };
         let _ = write!(
             text,
-            "<tr{class}><td>{}<td>{}<td>{:.2} ± {:.2}<td>{:.3}<td>{:.2}<td>{}<td>{:.1e}",
+            "<tr{class}><td>{}<td>{}<td>{}<td>{:.2} ± {:.2}<td>{:.3}<td>{:.2}<td>{}<td>{:.1e}",
             escaped(&measured.setting.name()),
+            escaped(&measured.verdict()),
             class_name(measured.setting.class()),
             1e3 * measured.seconds,
             1e3 * measured.seconds_spread,
@@ -147,16 +158,16 @@ fn table(report: &Report) -> String {
         for time in measured.times {
             let _ = write!(text, "<td>{}", time_text(time));
         }
-        let _ = writeln!(text, "<td>{:.2}<td>{}", measured.efficiency() / base, escaped(&measured.verdict()));
+        let _ = writeln!(text, "<td>{:.2}", measured.efficiency() / base);
     }
     for left in &report.unmeasured {
         let _ = writeln!(
             text,
-            "<tr><td>{}<td>{}{}<td>not measured: {}",
+            "<tr><td>{}<td>not measured: {}<td>{}{}",
             escaped(&left.setting.name()),
+            escaped(&left.why),
             class_name(left.setting.class()),
-            "<td>".repeat(6 + TARGETS.len()),
-            escaped(&left.why)
+            "<td>".repeat(6 + TARGETS.len())
         );
     }
     text += "</table></div>\n<p class=\"note\">Sorted by the time to 1e-2. Green: on the front, no other setting reaches every target as soon. \

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::judge::{Measured, TARGETS, recommended};
+use super::judge::{Measured, TARGETS, recommended, soonest};
 use super::sweep::{LEVEL, Unmeasured};
 use crate::knobs::Class;
 
@@ -15,6 +15,9 @@ pub struct Report {
     pub size: (u32, u32),
     /// What the scene or the reference has.
     pub whole_size: (u32, u32),
+    /// Seconds of a sample and relMSE by noise at the whole size over those at the measured one, of the defaults; none where that was
+    /// not measured.
+    pub calibration: Option<(f64, f64)>,
     pub seed: u32,
     pub budget: f64,
     /// Spent until the report.
@@ -61,7 +64,11 @@ pub fn bias_text(measured: &Measured) -> String {
     let (value, half) = (100.0 * measured.signed.value, 100.0 * measured.signed.half_width());
     match measured.signed.error == 0.0 && measured.signed.value == 0.0 {
         true => "0".to_string(),
-        false => format!("{value:+.2} ± {half:.2} %"),
+        false => {
+            // Two digits of the interval.
+            let digits = (1.0 - half.abs().max(1e-9).log10().floor()).clamp(1.0, 8.0) as usize;
+            format!("{value:+.digits$} ± {half:.digits$} %")
+        }
     }
 }
 
@@ -92,11 +99,13 @@ impl Report {
                 (false, _) if best.signed.error == 0.0 => "no bias".to_string(),
                 (false, _) => format!("no bias found, of the mean within ± {:.1} %", 100.0 * best.signed.half_width()),
             };
-            let what = match best.setting.knob {
-                None => "the defaults".to_string(),
-                Some(_) => format!("`{}`", best.setting.name()),
+            let what = best.named();
+            let faithful = soonest(&self.measured, index, |measured| !measured.biased);
+            let besides = match faithful.filter(|_| best.biased) {
+                Some(other) => format!("; without bias, {}: {}", other.named(), time_text(other.times[index])),
+                None => String::new(),
             };
-            format!("to reach relMSE {target} use {what}: {time}, {cost}")
+            format!("to reach relMSE {target} use {what}: {time}, {cost}{besides}")
         };
         TARGETS.into_iter().zip(recommended(&self.measured)).map(sentence).collect()
     }
@@ -110,10 +119,16 @@ impl Report {
             self.driver,
             self.measured.first().map_or(0, |defaults| defaults.rounds)
         )];
-        if self.whole_size != self.size {
-            let times = f64::from(self.whole_size.0) * f64::from(self.whole_size.1) / (f64::from(w) * f64::from(h));
-            let (w, h) = self.whole_size;
-            lines.push(format!("an image of {w}x{h} has {times:.1} times the pixels, and takes about so many times the seconds"));
+        let (w, h) = self.whole_size;
+        match self.calibration {
+            _ if self.whole_size == self.size => {}
+            Some((slower, noisier)) => lines.push(format!(
+                "all seconds are those of {w}x{h}: of the defaults a sample takes {slower:.1} times as long there and has {noisier:.2} times the \
+                 noise, both measured, and the other settings are taken to change alike"
+            )),
+            None => lines.push(format!(
+                "{w}x{h} was not reached by the budget: all seconds are those of the smaller size, and about in proportion to the pixels"
+            )),
         }
         lines.push(match (&self.reference, self.error_of_reference) {
             (Some(file), Some(own)) => format!("the reference is {file}; its own noise is a relMSE of {own:.1e}"),
@@ -136,6 +151,7 @@ impl Report {
     pub fn table(&self) -> String {
         let mut rows = vec![[
             "setting".to_string(),
+            "verdict".into(),
             "gives up".into(),
             "s/sample".into(),
             "variance".into(),
@@ -144,13 +160,13 @@ impl Report {
             "to 1e-2".into(),
             "to 1e-3".into(),
             "efficiency".into(),
-            "verdict".into(),
         ]];
         let base = self.measured.first().map_or(1.0, Measured::efficiency);
         for measured in self.sorted() {
             let [a, b, c] = measured.times.map(time_text);
             rows.push([
                 measured.setting.name(),
+                measured.verdict(),
                 class_name(measured.setting.class()).into(),
                 format!("{:.4}", measured.seconds),
                 format!("{:.3}", measured.model.noise),
@@ -159,14 +175,13 @@ impl Report {
                 b,
                 c,
                 format!("{:.2}", measured.efficiency() / base),
-                measured.verdict(),
             ]);
         }
         let widths: [usize; 10] =
             std::array::from_fn(|column| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0));
         let line = |row: &[String; 10]| {
             let cells = row.iter().zip(widths).enumerate().map(|(column, (cell, width))| match column {
-                0 | 1 | 9 => format!("{cell:<width$}"),
+                0..=2 => format!("{cell:<width$}"),
                 _ => format!("{cell:>width$}"),
             });
             cells.collect::<Vec<_>>().join("  ").trim_end().to_string()

@@ -87,7 +87,7 @@ pub struct Sweep<'a> {
     pub unmeasured: Vec<Unmeasured>,
     device: &'a Device,
     scene: &'a Scene,
-    seed: u32,
+    pub seed: u32,
     /// What the defaults come to, for telling which settings do nothing to this scene.
     defaults: Option<Linked>,
 }
