@@ -24,6 +24,8 @@ pub struct Cli {
 pub enum Command {
     /// Render a scene to a linear EXR.
     Render(RenderArgs),
+    /// Measure how a render's error falls with samples and seconds, against a reference: CSV and plot.
+    Converge(ConvergeArgs),
     /// Show what a scene requires: kernels, buffers and bytes, and what asked for each.
     Plan(PlanArgs),
     /// Validate a scene without a GPU.
@@ -149,6 +151,41 @@ pub struct TuningArgs {
     /// Measure the seconds of each stage on the device; costs a pass for each dispatch.
     #[arg(long)]
     pub profile: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct ConvergeArgs {
+    /// The scene file.
+    pub scene: PathBuf,
+    /// The image to measure against, of any renderer; its size is rendered.
+    #[arg(long, value_name = "R.exr")]
+    pub reference: PathBuf,
+    /// The folder for SCENE-converge.csv and SCENE-converge.svg, made where there is none.
+    #[arg(short, long, value_name = "DIR", default_value = ".")]
+    pub output: PathBuf,
+    /// Samples per pixel at the end [default: the scene's].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_SAMPLES))]
+    pub spp: Option<u32>,
+    /// Begin no further doubling of the samples that would end later than this after the first [30s, 5m, …].
+    #[arg(long, value_name = "TIME", value_parser = duration)]
+    pub time: Option<Duration>,
+    /// Scattering events of a path at most [default: the scene's]. Fewer than the scene's own biases the result.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
+    pub max_depth: Option<u32>,
+    /// Seed of the random numbers.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u32,
+    /// The device, by its index or a part of its name as `gpu-rt devices` lists them.
+    #[arg(long, value_name = "INDEX|NAME")]
+    pub device: Option<String>,
+    #[command(flatten)]
+    pub light: LightArgs,
+    /// Say nothing but errors.
+    #[arg(long)]
+    pub quiet: bool,
+    /// Print one JSON object on stdout.
+    #[arg(long)]
+    pub json: bool,
 }
 
 #[derive(Debug, Args)]

@@ -17,6 +17,20 @@ pub fn relmse(a: &[[f32; 3]], b: &[[f32; 3]]) -> Option<f64> {
     mean(a, b, |a, b| (a - b) * (a - b) / (b * b + RELATIVE_FLOOR))
 }
 
+/// The relMSE that a picture of these variances has by its noise: mean over pixels and channels of v / (b² + 0.01).
+///
+/// Nothing where the images differ in size or are empty.
+pub fn relative_variance(variance: &[[f32; 3]], reference: &[[f32; 3]]) -> Option<f64> {
+    mean(variance, reference, |v, b| v / (b * b + RELATIVE_FLOOR))
+}
+
+/// Signed difference of the means: that of a − b over that of b, over pixels and channels.
+///
+/// Nothing where the images differ in size or are empty; infinite or NaN where b is black on the mean.
+pub fn mean_difference(a: &[[f32; 3]], b: &[[f32; 3]]) -> Option<f64> {
+    Some(mean(a, b, |a, b| a - b)? / mean(b, b, |b, _| b)?)
+}
+
 fn mean(a: &[[f32; 3]], b: &[[f32; 3]], error: impl Fn(f64, f64) -> f64) -> Option<f64> {
     if a.len() != b.len() || a.is_empty() {
         return None;

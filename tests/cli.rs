@@ -597,6 +597,45 @@ fn bad_arguments_are_refused() {
     }
 }
 
+#[test]
+fn converge_measures_the_images_that_render_writes() {
+    let place = Place::new();
+    place.render(&["--spp", "512", "--seed", "7", "-o", "reference.exr"]).exits(0);
+    place.render(&["--spp", "24", "-o", "last.exr"]).exits(0);
+    let sphere = place.render_sphere();
+    let converge = [&["converge"], &sphere[1..], &["--reference", "reference.exr"]].concat();
+    let ran = place.run(&[&converge[..], &["--spp", "24", "-o", "plots"]].concat()).exits(0);
+    let csv = fs::read_to_string(place.work().join("plots/sphere-converge.csv")).expect("the table is there");
+    let rows: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
+    assert_eq!(rows[0], ["samples", "seconds", "mse", "rmse", "relmse", "mean_difference", "relative_error"]);
+    let samples: Vec<&str> = rows[1..].iter().map(|row| row[0]).collect();
+    assert_eq!(samples, ["1", "2", "4", "8", "16", "24"]);
+    // A line on the terminal for each, below their names.
+    assert_eq!(ran.stdout.lines().count(), rows.len(), "{}", ran.stdout);
+    assert!(fs::read_to_string(place.work().join("plots/sphere-converge.svg")).unwrap().contains("<svg"));
+
+    // The error falls, time passes, and the last image is, but for where its sums were cut, that of `render`.
+    let number = |row: &[&str], column: usize| row[column].parse::<f64>().expect("a number");
+    assert!(rows[1..].windows(2).all(|two| number(&two[0], 1) < number(&two[1], 1)), "{csv}");
+    assert!(number(&rows[6], 4) < 0.2 * number(&rows[1], 4), "{csv}");
+    let (last, reference) = (place.exr("last.exr"), place.exr("reference.exr"));
+    let relmse = gpu_rt::metrics::relmse(&last.rgb, &reference.rgb).expect("of one size");
+    assert!((number(&rows[6], 4) / relmse - 1.0).abs() < 1e-5, "{csv}: {relmse}");
+    let json = place.run(&[&converge[..], &["--spp", "24", "--json"]].concat()).exits(0).json();
+    assert_eq!(json["steps"].as_array().map(Vec::len), Some(6));
+    assert!(json["relmse_of_reference"].as_f64().is_some_and(|own| own > 0.0 && own < relmse), "{json}");
+    // Other light is found: the same at half the albedo.
+    let darker = place.scene("darker.ron", &SPHERE.replace("0.5, 0.4, 0.3", "0.25, 0.2, 0.15"));
+    let found = place.run(&["converge", &darker, "--device", software(), "--reference", "reference.exr", "--json"]);
+    let found = found.exits(0).json();
+    assert!(found["steps"][4]["mean_difference"].as_f64().is_some_and(|off| off < -0.05), "{found}");
+
+    for (reference, words) in [("none.exr", "none.exr: cannot read"), ("../scenes/sphere.ron", "cannot read")] {
+        let ran = place.run(&[&["converge"], &sphere[1..], &["--reference", reference]].concat()).exits(2);
+        assert!(ran.stderr.contains(words), "{}", ran.stderr);
+    }
+}
+
 /// What the contract lists and is not built yet is refused, never ignored. Each goes from here when it is built.
 #[test]
 fn what_is_not_built_is_refused() {
@@ -609,7 +648,6 @@ fn what_is_not_built_is_refused() {
         &["compare", "a.exr", "b.exr"],
         &["merge", "a.exr", "b.exr", "-o", "c.exr"],
         &["tradeoff", sphere],
-        &["converge", sphere, "--reference", "r.exr"],
     ];
     for command in commands {
         let ran = place.run(command).exits(2);

@@ -1,16 +1,19 @@
 //! The commands of the program, one a file.
 
 mod check;
+mod converge;
 mod devices;
 mod plan;
 mod render;
 
 use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::cli::{Cli, Command, Fresnel, Integrator, Offset, Precision, Size, Switch, TradeArgs};
 use crate::error::{Error, Result};
 use crate::flatten::{Flat, Wish, flatten_with};
-use crate::gpu::device::{AdapterName, Adapters, DeviceClass};
+use crate::gpu::device::{AdapterName, Adapters, Device, DeviceClass};
 use crate::plan::{Plan, Tables, Tuning};
 use crate::render::{Goal, Job, TuningWish, tuning};
 use crate::scene::Scene;
@@ -19,6 +22,7 @@ use crate::scene::Scene;
 pub fn run(cli: &Cli, start: std::time::Instant) -> Result<()> {
     match &cli.command {
         Command::Render(args) => render::run(args, start),
+        Command::Converge(args) => converge::run(args),
         Command::Plan(args) => plan::run(args),
         Command::Check(args) => check::run(args),
         Command::Devices(args) => devices::run(args),
@@ -79,6 +83,29 @@ fn planned(scene: &Scene, size: (u32, u32), flat: &Flat, target: &Target, wish: 
     let tuning = tuning(target.class, &job, wish);
     let tables = Tables::new(flat, target.class.table_bytes());
     Ok((Plan::with_tables(&flat.features, tuning.scatter, &tables)?, tuning))
+}
+
+/// The device asked for, opened; a software driver is told of.
+fn open_device(wish: Option<&str>, quiet: bool) -> Result<Device> {
+    let adapters = Adapters::find();
+    let device = Device::open(adapters.choose(wish)?)?;
+    if device.name.software && !quiet {
+        tell(&format!("warning: {} is a software driver: the processor does a GPU's work", device.name));
+    }
+    Ok(device)
+}
+
+/// Set by the first interrupt; the second ends the program at once.
+fn stop_on_interrupt() -> Arc<AtomicBool> {
+    let stopped = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&stopped);
+    // Without a handler an interrupt ends the program, which is no worse than before.
+    let _ = ctrlc::set_handler(move || {
+        if flag.swap(true, Ordering::Relaxed) {
+            std::process::exit(1);
+        }
+    });
+    stopped
 }
 
 /// A path as JSON holds it.

@@ -2,18 +2,17 @@
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use serde_json::json;
 
-use super::{flatten_for, path_text, print_json, tell, wish_of};
+use super::{flatten_for, open_device, path_text, print_json, stop_on_interrupt, tell, wish_of};
 use crate::cli::{MOST_SAMPLES, RenderArgs};
 use crate::data::Sampler;
 use crate::error::{Error, Result};
 use crate::film::{ErrorEstimate, Film, Picture, Totals};
-use crate::gpu::device::{Adapters, Device};
+use crate::gpu::device::Device;
 use crate::gpu::probe::{Numerics, numerics};
 use crate::output::exr::{Attribute, write_exr};
 use crate::output::png::write_png;
@@ -65,11 +64,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     }
     seconds.build = clock.lap();
 
-    let adapters = Adapters::find();
-    let device = Device::open(adapters.choose(args.device.as_deref())?)?;
-    if device.name.software && !args.quiet {
-        tell(&format!("warning: {} is a software driver: the processor does a GPU's work", device.name));
-    }
+    let device = open_device(args.device.as_deref(), args.quiet)?;
     seconds.open = clock.lap();
 
     let job = job_of(args, &scene, size, start);
@@ -255,19 +250,6 @@ fn progress_goal(job: &Job) -> progress::Goal {
             within: deadline.map(|deadline| deadline.saturating_duration_since(Instant::now())),
         },
     }
-}
-
-/// Set by the first interrupt; the second ends the program at once.
-fn stop_on_interrupt() -> Arc<AtomicBool> {
-    let stopped = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&stopped);
-    // Without a handler an interrupt ends the program, which is no worse than before.
-    let _ = ctrlc::set_handler(move || {
-        if flag.swap(true, Ordering::Relaxed) {
-            std::process::exit(1);
-        }
-    });
-    stopped
 }
 
 /// Looks at the film after each submission: shows progress, writes checkpoints, passes interrupts on.

@@ -1,4 +1,5 @@
 pub mod atomic;
 pub mod exr;
+pub mod plot;
 pub mod png;
 pub mod progress;

@@ -1,0 +1,242 @@
+//! `gpu-rt converge`: the error of a render at 1, 2, 4 … samples against a reference, and the seconds that each took.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+
+use serde_json::json;
+
+use super::{flatten_for, open_device, path_text, print_json, print_line, stop_on_interrupt, tell, wish_of};
+use crate::cli::{BuildArg, ConvergeArgs};
+use crate::data::Sampler;
+use crate::error::{Error, Result};
+use crate::film::{Film, UNKNOWN_VARIANCE};
+use crate::metrics;
+use crate::output::atomic;
+use crate::output::exr::{ExrImage, read_exr};
+use crate::output::plot::{Curve, Plot, svg};
+use crate::plan::{Plan, Tables};
+use crate::render::{Goal, Job, Next, Renderer, TuningWish, tuning};
+use crate::scene::Scene;
+
+/// The render after so many samples.
+#[derive(Clone, Copy, Debug)]
+struct Step {
+    samples: u32,
+    /// Of the passes up to here: neither compiling nor measuring.
+    seconds: f64,
+    mse: f64,
+    relmse: f64,
+    /// Mean over pixels and channels of image less reference, over that of the reference; none where that is black.
+    mean_difference: Option<f64>,
+    /// What the render itself says of its noise (`Film::relative_error`); unknown with few samples.
+    relative_error: Option<f64>,
+}
+
+/// Renders with doubled numbers of samples onto one film, and measures it in between.
+pub fn run(args: &ConvergeArgs) -> Result<()> {
+    let reference = read_exr(&args.reference)?;
+    let own_error = error_of_reference(&reference);
+    let scene = Scene::load(&args.scene)?;
+    let (csv, plot) = outputs(args)?;
+    let size = (reference.width, reference.height);
+    let (size, flat) = flatten_for(&scene, Some(size), wish_of(BuildArg::default(), &args.light))?;
+    let device = open_device(args.device.as_deref(), args.quiet)?;
+
+    let end = args.spp.unwrap_or(scene.render.samples);
+    let max_depth = args.max_depth.unwrap_or(scene.render.max_depth);
+    let job = Job { size, max_depth, seed: args.seed, first_sample: 0, goal: Goal::Samples(end) };
+    let class = device.class();
+    let tables = Tables::new(&flat, class.table_bytes());
+    let wish = TuningWish::default();
+    let plan = Plan::with_tables(&flat.features, tuning(class, &job, wish).scatter, &tables)?;
+    let mut renderer = Renderer::new(&device, &flat, &plan, &job, wish, false)?;
+    let mut film = Film::with_sampler(size.0, size.1, flat.radiance_exponent, flat.features.sampler)?;
+
+    let stopped = stop_on_interrupt();
+    let mut steps: Vec<Step> = Vec::new();
+    let (mut done, mut seconds) = (0, 0.0);
+    while done < end {
+        let next = if done == 0 { 1 } else { done.saturating_mul(2).min(end) };
+        if let Some(time) = args.time
+            && done > 0
+            && seconds * f64::from(next) / f64::from(done) > time.as_secs_f64()
+        {
+            break;
+        }
+        let part = Job { first_sample: done, goal: Goal::Samples(next), ..job };
+        let mut go_on = |_: &Film, _: &std::ops::Range<u32>| match stopped.load(Ordering::Relaxed) {
+            true => Next::Stop,
+            false => Next::GoOn,
+        };
+        let outcome = renderer.run(&part, &mut film, &mut go_on)?;
+        if outcome.interrupted {
+            break;
+        }
+        (done, seconds) = (next, seconds + outcome.seconds);
+        let step = measure(&film, &reference, done, seconds)?;
+        if !args.quiet && !args.json {
+            if steps.is_empty() {
+                print_line(&header());
+            }
+            print_line(&line(&step));
+        }
+        steps.push(step);
+    }
+    if steps.is_empty() {
+        return Err(Error::Interrupted("interrupted before the first sample; nothing has been written".into()));
+    }
+    write(&csv, &table(&steps))?;
+    let name = args.scene.file_name().unwrap_or_default().to_string_lossy();
+    let title = format!("{name} on {}", device.name.driver);
+    write(&plot, &svg(&drawing(&title, &steps, own_error))?)?;
+    report(args, &device.name.to_string(), &steps, own_error, (&csv, &plot));
+    match stopped.load(Ordering::Relaxed) {
+        true => Err(Error::Interrupted(format!("interrupted; {} holds the samples so far", csv.display()))),
+        false => Ok(()),
+    }
+}
+
+/// The files to write, in a folder that is there.
+fn outputs(args: &ConvergeArgs) -> Result<(PathBuf, PathBuf)> {
+    let failed = |error: std::io::Error| Error::File {
+        path: args.output.clone(),
+        action: "write",
+        reason: format!("{error}; nothing has been rendered"),
+    };
+    std::fs::create_dir_all(&args.output).map_err(failed)?;
+    let stem = args.scene.file_stem().unwrap_or_default().to_string_lossy();
+    let file = |ending: &str| args.output.join(format!("{stem}-converge.{ending}"));
+    Ok((file("csv"), file("svg")))
+}
+
+fn write(path: &Path, text: &str) -> Result<()> {
+    atomic::replace(path, |file| file.write_all(text.as_bytes()))
+}
+
+/// The relMSE that a reference has itself by its noise, where its file tells the variance.
+fn error_of_reference(reference: &ExrImage) -> Option<f64> {
+    let variance = reference.variance.as_ref()?;
+    if variance.as_flattened().contains(&UNKNOWN_VARIANCE) {
+        return None;
+    }
+    metrics::relative_variance(variance, &reference.rgb)
+}
+
+fn measure(film: &Film, reference: &ExrImage, samples: u32, seconds: f64) -> Result<Step> {
+    let picture = film.develop();
+    let found = |value: Option<f64>| value.filter(|value| value.is_finite());
+    let not_numbers =
+        || Error::Usage("the reference holds pixels that are no finite numbers, so that it measures nothing".into());
+    Ok(Step {
+        samples,
+        seconds,
+        mse: found(metrics::mse(&picture.rgb, &reference.rgb)).ok_or_else(not_numbers)?,
+        relmse: found(metrics::relmse(&picture.rgb, &reference.rgb)).ok_or_else(not_numbers)?,
+        mean_difference: found(metrics::mean_difference(&picture.rgb, &reference.rgb)),
+        relative_error: film.relative_error(),
+    })
+}
+
+/// The exponent p of an error that falls as N^-p, over the steps from 8 samples on: least squares of logarithms.
+fn slope(steps: &[Step], own_error: f64) -> Option<f64> {
+    let known = steps.iter().filter(|step| step.samples >= 8 && step.relmse > own_error);
+    let points: Vec<(f64, f64)> =
+        known.map(|step| (f64::from(step.samples).ln(), (step.relmse - own_error).ln())).collect();
+    let n = points.len() as f64;
+    let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / n;
+    let (x, y) = (mean(|p| p.0), mean(|p| p.1));
+    let along: f64 = points.iter().map(|p| (p.0 - x) * (p.0 - x)).sum();
+    let both: f64 = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
+    (points.len() >= 3).then(|| -both / along)
+}
+
+fn drawing<'a>(title: &'a str, steps: &[Step], own_error: Option<f64>) -> Plot<'a> {
+    let curve = |name: &str, of: &dyn Fn(&Step) -> f64| Curve {
+        name: name.into(),
+        points: steps.iter().map(|step| (step.seconds, of(step))).collect(),
+    };
+    let mut curves = vec![curve("relMSE against the reference", &|step| step.relmse)];
+    if let Some(own) = own_error {
+        curves.push(curve("relMSE of the reference itself", &|_| own));
+        curves.push(curve("less that", &|step| step.relmse - own));
+    }
+    Plot { title, x: "seconds of rendering", y: "relMSE", curves }
+}
+
+const COLUMNS: [&str; 7] = ["samples", "seconds", "mse", "rmse", "relmse", "mean_difference", "relative_error"];
+
+fn table(steps: &[Step]) -> String {
+    let rows = steps.iter().map(|step| {
+        let known = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
+        format!(
+            "{},{},{},{},{},{},{}\n",
+            step.samples,
+            step.seconds,
+            step.mse,
+            step.mse.sqrt(),
+            step.relmse,
+            known(step.mean_difference),
+            known(step.relative_error)
+        )
+    });
+    format!("{}\n{}", COLUMNS.join(","), rows.collect::<String>())
+}
+
+fn header() -> String {
+    format!("{:>8} {:>10} {:>10} {:>10} {:>12}", "samples", "seconds", "RMSE", "relMSE", "mean, % off")
+}
+
+fn line(step: &Step) -> String {
+    format!(
+        "{:>8} {:>10.3} {:>10.3e} {:>10.3e} {:>12}",
+        step.samples,
+        step.seconds,
+        step.mse.sqrt(),
+        step.relmse,
+        step.mean_difference.map_or("-".into(), |off| format!("{:+.3}", 100.0 * off))
+    )
+}
+
+fn report(args: &ConvergeArgs, device: &str, steps: &[Step], own_error: Option<f64>, (csv, plot): (&Path, &Path)) {
+    let slope = slope(steps, own_error.unwrap_or(0.0));
+    if args.json {
+        let rows: Vec<_> = steps
+            .iter()
+            .map(|step| {
+                json!({
+                    "samples": step.samples,
+                    "seconds": step.seconds,
+                    "mse": step.mse,
+                    "rmse": step.mse.sqrt(),
+                    "relmse": step.relmse,
+                    "mean_difference": step.mean_difference,
+                    "relative_error": step.relative_error,
+                })
+            })
+            .collect();
+        print_json(&json!({
+            "scene": path_text(&args.scene),
+            "reference": path_text(&args.reference),
+            "device": device,
+            "integrator": args.light.integrator.name(),
+            "sampler": Sampler::from(args.light.sampler).name(),
+            "seed": args.seed,
+            "steps": rows,
+            "relmse_of_reference": own_error,
+            "relmse_falls_as": slope.map(|p| -p),
+            "csv": path_text(csv),
+            "plot": path_text(plot),
+        }));
+    }
+    if args.quiet {
+        return;
+    }
+    if let Some(own) = own_error {
+        tell(&format!("the reference's own noise is a relMSE of {own:.2e}; what is not far above it says little"));
+    }
+    if let Some(p) = slope {
+        tell(&format!("relMSE falls as N^-{p:.2} from 8 samples on"));
+    }
+    tell(&format!("{} and {}", csv.display(), plot.display()));
+}

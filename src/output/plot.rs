@@ -1,0 +1,117 @@
+//! Plots as SVG: curves over logarithmic axes.
+
+use plotters::prelude::*;
+
+use crate::error::{Error, Result};
+
+/// A curve and its points.
+#[derive(Clone, Debug)]
+pub struct Curve {
+    pub name: String,
+    /// x and y, both above 0; others are left out.
+    pub points: Vec<(f64, f64)>,
+}
+
+/// What a plot shows.
+#[derive(Clone, Debug)]
+pub struct Plot<'a> {
+    pub title: &'a str,
+    pub x: &'a str,
+    pub y: &'a str,
+    /// In the legend's order; the first is drawn with points.
+    pub curves: Vec<Curve>,
+}
+
+const SIZE: (u32, u32) = (900, 600);
+
+/// The plot as an SVG document, both axes logarithmic.
+///
+/// # Errors
+/// `Error::Usage` where no curve has a point.
+pub fn svg(plot: &Plot<'_>) -> Result<String> {
+    let mut text = String::new();
+    let drawn = draw(plot, &SVGBackend::with_string(&mut text, SIZE).into_drawing_area());
+    drawn.map_err(|error| Error::Usage(format!("the plot cannot be drawn: {error}")))?;
+    Ok(text)
+}
+
+type Drawn = std::result::Result<(), Box<dyn std::error::Error>>;
+
+fn draw(plot: &Plot<'_>, area: &DrawingArea<SVGBackend<'_>, plotters::coord::Shift>) -> Drawn {
+    let shown = |curve: &Curve| {
+        let good = |(x, y): &&(f64, f64)| *x > 0.0 && *y > 0.0 && x.is_finite() && y.is_finite();
+        curve.points.iter().filter(good).copied().collect::<Vec<_>>()
+    };
+    let all: Vec<(f64, f64)> = plot.curves.iter().flat_map(shown).collect();
+    if all.is_empty() {
+        return Err("it has no points".into());
+    }
+    // A little wider than the points, so that none is on the frame.
+    let range = |of: fn(&(f64, f64)) -> f64| {
+        let ends = all.iter().map(of).fold((f64::MAX, f64::MIN_POSITIVE), |(a, b), v| (a.min(v), b.max(v)));
+        ends.0 / 1.5..ends.1 * 1.5
+    };
+    area.fill(&WHITE)?;
+    let mut chart = ChartBuilder::on(area)
+        .caption(plot.title, ("sans-serif", 22))
+        .margin(16)
+        .x_label_area_size(48)
+        .y_label_area_size(72)
+        .build_cartesian_2d(range(|p| p.0).log_scale(), range(|p| p.1).log_scale())?;
+    chart
+        .configure_mesh()
+        .x_desc(plot.x)
+        .y_desc(plot.y)
+        .x_label_formatter(&short)
+        .y_label_formatter(&short)
+        .label_style(("sans-serif", 15))
+        .light_line_style(BLACK.mix(0.06))
+        .draw()?;
+    for (i, curve) in plot.curves.iter().enumerate() {
+        let colour = Palette99::pick(i).to_rgba();
+        let points = shown(curve);
+        chart
+            .draw_series(LineSeries::new(points.iter().copied(), colour.stroke_width(if i == 0 { 2 } else { 1 })))?
+            .label(&curve.name)
+            .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(2)));
+        if i == 0 {
+            chart.draw_series(points.iter().map(|point| Circle::new(*point, 4, colour.filled())))?;
+        }
+    }
+    chart
+        .configure_series_labels()
+        .label_font(("sans-serif", 15))
+        .background_style(WHITE.mix(0.9))
+        .border_style(BLACK.mix(0.3))
+        .position(SeriesLabelPosition::UpperRight)
+        .draw()?;
+    area.present()?;
+    Ok(())
+}
+
+/// 1e-3 for what is far from 1, plain digits near it.
+fn short(value: &f64) -> String {
+    match (1e-2..1e4).contains(value) {
+        true => format!("{value}"),
+        false => format!("{value:e}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_plot_holds_its_words_and_every_point_that_can_be_shown() {
+        let curve = |points: &[(f64, f64)]| Curve { name: "relMSE".into(), points: points.to_vec() };
+        let plot = |curves| Plot { title: "cornell & smoke", x: "seconds", y: "error", curves };
+        let text = svg(&plot(vec![curve(&[(0.1, 1.0), (1.0, 0.1), (10.0, 0.0), (f64::NAN, 1.0)])])).unwrap();
+        for word in ["<svg", "cornell &amp; smoke", "seconds", "error", "relMSE"] {
+            assert!(text.contains(word), "{word} in {text}");
+        }
+        assert_eq!(text.matches("<circle").count(), 2);
+        // One point is a plot too; none is an error.
+        assert!(svg(&plot(vec![curve(&[(1.0, 1.0)])])).is_ok());
+        assert!(svg(&plot(vec![curve(&[(1.0, 0.0)])])).unwrap_err().to_string().contains("no points"));
+    }
+}
