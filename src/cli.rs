@@ -47,7 +47,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "FILE.png")]
     pub png: Option<PathBuf>,
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_SAMPLES),
-          help = knobs::SPP.help(), help_heading = Class::Noise.heading())]
+          help = knobs::SPP.help(), help_heading = knobs::SPP.class.heading())]
     pub spp: Option<u32>,
     /// Sample indices A to B - 1 of each pixel, to split a render over machines.
     #[arg(long, value_name = "A..B", value_parser = sample_range, conflicts_with_all = ["spp", "time"])]
@@ -60,10 +60,11 @@ pub struct RenderArgs {
     /// samples, no more than --spp and --time where these are given.
     #[arg(long, value_name = "E", value_parser = relative_error, conflicts_with = "samples")]
     pub noise: Option<f64>,
-    #[arg(long, value_name = "WxH|N%", value_parser = image_size, help = knobs::SIZE.help(), help_heading = Class::Noise.heading())]
+    #[arg(long, value_name = "WxH|N%", value_parser = image_size,
+          help = knobs::SIZE.help(), help_heading = knobs::SIZE.class.heading())]
     pub size: Option<Size>,
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1_000_000),
-          help = knobs::MAX_DEPTH.help(), help_heading = Class::Bias.heading())]
+          help = knobs::MAX_DEPTH.help(), help_heading = knobs::MAX_DEPTH.class.heading())]
     pub max_depth: Option<u32>,
     /// Seed of the random numbers.
     #[arg(long, value_name = "N", default_value_t = 0)]
@@ -95,21 +96,22 @@ pub struct RenderArgs {
 /// The settings that trade one thing for another and that change what is linked for a scene, or how it is laid out.
 #[derive(Clone, Debug, Default, Args)]
 pub struct TradeArgs {
-    #[arg(long, value_enum, default_value_t, help = knobs::INTEGRATOR.help(), help_heading = Class::Noise.heading())]
+    #[arg(long, value_enum, default_value_t, help = knobs::INTEGRATOR.help(), help_heading = knobs::INTEGRATOR.class.heading())]
     pub integrator: Integrator,
-    #[arg(long, value_enum, default_value_t, help = knobs::ROULETTE.help(), help_heading = Class::Noise.heading())]
+    #[arg(long, value_enum, default_value_t, help = knobs::ROULETTE.help(), help_heading = knobs::ROULETTE.class.heading())]
     pub roulette: Switch,
-    #[arg(long, value_enum, default_value_t, help = knobs::SAMPLER.help(), help_heading = Class::Noise.heading())]
+    #[arg(long, value_enum, default_value_t, help = knobs::SAMPLER.help(), help_heading = knobs::SAMPLER.class.heading())]
     pub sampler: SamplerArg,
-    #[arg(long, value_enum, default_value_t, help = knobs::FRESNEL.help(), help_heading = Class::Bias.heading())]
+    #[arg(long, value_enum, default_value_t, help = knobs::FRESNEL.help(), help_heading = knobs::FRESNEL.class.heading())]
     pub fresnel: Fresnel,
-    #[arg(long, value_name = "off|N", default_value_t, value_parser = clamp_limit, help = knobs::CLAMP.help(), help_heading = Class::Bias.heading())]
+    #[arg(long, value_name = "off|N", default_value_t, value_parser = clamp_limit,
+          help = knobs::CLAMP.help(), help_heading = knobs::CLAMP.class.heading())]
     pub clamp: Clamp,
-    #[arg(long, value_enum, default_value_t, help = knobs::OFFSET.help(), help_heading = Class::Numerics.heading())]
+    #[arg(long, value_enum, default_value_t, help = knobs::OFFSET.help(), help_heading = knobs::OFFSET.class.heading())]
     pub offset: Offset,
-    #[arg(long, value_enum, default_value_t, help = knobs::PRECISION.help(), help_heading = Class::Numerics.heading())]
+    #[arg(long, value_enum, default_value_t, help = knobs::PRECISION.help(), help_heading = knobs::PRECISION.class.heading())]
     pub precision: Precision,
-    #[arg(long, value_enum, default_value_t, help = knobs::BUILD.help(), help_heading = Class::Exact.heading())]
+    #[arg(long, value_enum, default_value_t, help = knobs::BUILD.help(), help_heading = knobs::BUILD.class.heading())]
     pub build: BuildArg,
 }
 
@@ -225,7 +227,8 @@ pub struct PlanArgs {
     /// Write the linked shaders into this folder.
     #[arg(long, value_name = "DIR")]
     pub wgsl: Option<PathBuf>,
-    #[arg(long, value_name = "WxH|N%", value_parser = image_size, help = knobs::SIZE.help(), help_heading = Class::Noise.heading())]
+    #[arg(long, value_name = "WxH|N%", value_parser = image_size,
+          help = knobs::SIZE.help(), help_heading = knobs::SIZE.class.heading())]
     pub size: Option<Size>,
     /// The device whose sizes to plan for.
     #[arg(long, value_name = "INDEX|NAME")]

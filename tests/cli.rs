@@ -395,6 +395,11 @@ fn options_override_the_scene() {
     assert!(rgb(&["--max-depth", "0"]).rgb != usual.rgb);
     let small = rgb(&["--size", "7x3", "--spp", "9"]);
     assert_eq!((small.width, small.height, small.samples), (7, 3, Some(vec![9; 21])));
+    let half = rgb(&["--size", "50%", "--spp", "9"]);
+    assert_eq!((half.width, half.height), (10, 6));
+    let least = rgb(&["--size", "0.1%", "--spp", "9"]);
+    assert_eq!((least.width, least.height), (1, 1));
+    assert!(rgb(&["--size", "100%"]).rgb == usual.rgb);
     assert_eq!(rgb(&["--samples", "3..30"]).samples, Some(vec![27; 240]));
 }
 
@@ -558,6 +563,14 @@ fn bad_arguments_are_refused() {
         &["render", sphere, "--size", "5"],
         &["render", sphere, "--size", "99999x2"],
         &["render", sphere, "--size", "65536x65536"],
+        &["render", sphere, "--size", "0%"],
+        &["render", sphere, "--size", "101%"],
+        &["render", sphere, "--size", "nan%"],
+        &["render", sphere, "--clamp", "0"],
+        &["render", sphere, "--clamp=-1"],
+        &["render", sphere, "--clamp", "nan"],
+        &["render", sphere, "--clamp", "inf"],
+        &["render", sphere, "--fresnel", "cubic"],
         &["render", sphere, "--max-depth", "-1"],
         &["render", sphere, "--seed", "4294967296"],
         &["render", sphere, "--exposure", "nan"],

@@ -17,6 +17,7 @@ use std::process::Command;
 use clap::CommandFactory;
 use everything::{Everything, World};
 use gpu_rt::cli::Cli;
+use gpu_rt::flatten::{Wish, flatten_with};
 use gpu_rt::gpu::device::Adapters;
 use gpu_rt::knobs::{Class, KNOBS, Knob};
 use gpu_rt::output::exr::{ExrImage, read_exr};
@@ -112,6 +113,37 @@ fn the_command_line_says_what_the_table_says() {
     names.sort_unstable();
     names.dedup();
     assert_eq!(names.len(), KNOBS.len(), "a knob is declared twice");
+}
+
+/// What is asked for is linked where the scene has what it is about, and nowhere else.
+#[test]
+fn settings_ask_for_nothing_that_the_scene_lacks() {
+    let text = |objects: &str| {
+        format!(
+            "Scene(image: (width: 4, height: 4), camera: (look_from: (0, 0, 3), look_at: (0, 0, 0), vertical_fov: 50),
+                background: Solid((1, 1, 1)),
+                materials: {{ \"grey\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5)), \"glass\": Dielectric(ior: 1.5) }},
+                objects: [{objects}], render: (samples: 1))"
+        )
+    };
+    let wish = Wish { schlick: true, clamp: Some(1.0), fast_offset: true, fast_precision: true, ..Wish::default() };
+    let asked = |objects: &str, wish: Wish| {
+        let features = flatten_with(&render::scene(&text(objects)), (4, 4), wish).expect("it flattens").features;
+        [features.schlick, features.clamp, features.fast_offset, features.fast_precision]
+    };
+    let box_of = |material: &str| format!("Box(min: (0, 0, 0), max: (1, 1, 1), material: \"{material}\")");
+    let sphere = "Sphere(center: (0, 0, 0), radius: 1, material: \"grey\")";
+    let smoke = "Medium(boundary: Sphere(center: (0, 0, 0), radius: 1), density: 1, albedo: Rgb(1, 1, 1))";
+    for (objects, expected) in [
+        ("", [false, false, false, false]),
+        (box_of("grey").as_str(), [false, true, true, false]),
+        (box_of("glass").as_str(), [true, true, true, false]),
+        (sphere, [false, true, true, true]),
+        (smoke, [false, true, false, true]),
+    ] {
+        assert_eq!(asked(objects, wish), expected, "{objects}");
+        assert_eq!(asked(objects, Wish::default()), [false; 4], "{objects}");
+    }
 }
 
 // The program
@@ -320,7 +352,7 @@ const CAUSTIC: &str = "Scene(
     materials: {
         \"wall\": Lambertian(albedo: Rgb(0.9, 0.8, 0.85)),
         \"glass\": Dielectric(ior: 1.5),
-        \"lamp\": DiffuseLight(emit: Rgb(10000, 8000, 6000)),
+        \"lamp\": DiffuseLight(emit: Rgb(1000, 800, 600)),
     },
     objects: [
         Quad(corner: (-1, 0, -1), u: (0, 0, 2), v: (2, 0, 0), material: \"wall\"),
@@ -329,7 +361,7 @@ const CAUSTIC: &str = "Scene(
         Quad(corner: (1, 0, -1), u: (0, 0, 2), v: (0, 2, 0), material: \"wall\"),
         Quad(corner: (-1, 2, -1), u: (2, 0, 0), v: (0, 0, 2), material: \"wall\"),
         Sphere(center: (0, 0.5, 0), radius: 0.4, material: \"glass\"),
-        Sphere(center: (0, 1.7, 0), radius: 0.08, material: \"lamp\"),
+        Sphere(center: (0, 1.7, 0), radius: 0.2, material: \"lamp\"),
     ],
     render: (samples: 256, max_depth: 50),
 )";

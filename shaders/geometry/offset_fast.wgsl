@@ -3,8 +3,8 @@
 // of its error is computed. What is smaller than the fraction of its distance loses its inside and its contacts, and a shape that is many
 // thousand times as large as its distance meets the rays that leave it again.
 
-// Spheres up to some hundreds of their distance in size, such as the ground of "Ray Tracing in One Weekend", have an error
-// below this: 4 u (|c| + r).
+// Above the bound of a sphere, 4 u (|c| + r), where its radius is up to 128 times its distance, as that of the ground of "Ray Tracing in
+// One Weekend" is.
 const OFFSET_FRACTION: f32 = 0x1p-14f;
 
 fn leave_surface(point: vec3<f32>, error: f32, normal: vec3<f32>, direction: vec3<f32>) -> vec3<f32> {
