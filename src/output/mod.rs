@@ -1,4 +1,5 @@
 pub mod atomic;
 pub mod exr;
+mod magma;
 pub mod png;
 pub mod progress;
