@@ -24,6 +24,8 @@ pub struct Cli {
 pub enum Command {
     /// Render a scene to a linear EXR.
     Render(RenderArgs),
+    /// Measure the error of an image against a reference, and tell it from noise.
+    Compare(CompareArgs),
     /// Measure what the settings of render trade on a scene: seconds against noise and bias.
     Tradeoff(TradeoffArgs),
     /// Measure how a render's error falls with samples and seconds, against a reference: CSV and plot.
@@ -218,6 +220,60 @@ pub struct ConvergeArgs {
     /// Print one JSON object on stdout.
     #[arg(long)]
     pub json: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct CompareArgs {
+    /// The EXR to judge.
+    #[arg(value_name = "A.exr")]
+    pub image: PathBuf,
+    /// The reference: an EXR of the same size. Any renderer's will do.
+    #[arg(value_name = "B.exr")]
+    pub reference: PathBuf,
+    /// Also write a picture of where the images look different: FLIP's error, black for none, pale yellow for the most.
+    #[arg(long, value_name = "FILE.png")]
+    pub heatmap: Option<PathBuf>,
+    /// Fail, with exit status 1, when this metric is above the value, such as relmse=0.01. Of mse, rmse, relmse, relmse_trimmed, flip
+    /// and mean_difference (without its sign); can be given several times. Fails too where a pixel is not finite.
+    #[arg(long, value_name = "METRIC=VALUE", value_parser = limit)]
+    pub fail_above: Vec<Limit>,
+    /// Print one JSON object on stdout.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// What `--fail-above` asks for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limit {
+    pub metric: Metric,
+    pub value: f64,
+}
+
+/// The metrics that are errors: zero is best.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Metric {
+    Mse,
+    Rmse,
+    Relmse,
+    RelmseTrimmed,
+    Flip,
+    MeanDifference,
+}
+
+impl Metric {
+    pub const ALL: [Metric; 6] =
+        [Metric::Mse, Metric::Rmse, Metric::Relmse, Metric::RelmseTrimmed, Metric::Flip, Metric::MeanDifference];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Metric::Mse => "mse",
+            Metric::Rmse => "rmse",
+            Metric::Relmse => "relmse",
+            Metric::RelmseTrimmed => "relmse_trimmed",
+            Metric::Flip => "flip",
+            Metric::MeanDifference => "mean_difference",
+        }
+    }
 }
 
 #[derive(Debug, Args)]
@@ -447,6 +503,21 @@ fn relative_error(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(error) if (1e-6..=1.0).contains(&error) => Ok(error),
         _ => Err("expected a relative error from 0.000001 to 1, such as 0.01 for 1 %".to_string()),
+    }
+}
+
+fn limit(text: &str) -> Result<Limit, String> {
+    let names = || Metric::ALL.map(Metric::name).join(", ");
+    let (name, value) =
+        text.split_once('=').ok_or_else(|| format!("expected METRIC=VALUE, METRIC one of {}", names()))?;
+    if name == "psnr" {
+        return Err("psnr is the higher the better; its opposites are mse, and flip for what the eye sees".to_string());
+    }
+    let metric = Metric::ALL.into_iter().find(|metric| metric.name() == name);
+    let metric = metric.ok_or_else(|| format!("{name} is none of {}", names()))?;
+    match value.parse::<f64>() {
+        Ok(value) if value >= 0.0 && value.is_finite() => Ok(Limit { metric, value }),
+        _ => Err(format!("expected a number from 0 on as the limit of {name}, such as {name}=0.01")),
     }
 }
 

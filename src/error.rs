@@ -43,6 +43,9 @@ pub enum Error {
     /// `--strict` was given and samples were rejected.
     #[error("{0}")]
     Strict(String),
+    /// `--fail-above` was given and a metric is above its limit.
+    #[error("{0}")]
+    Limit(String),
     /// The user stopped the work before it was done; what was done is kept.
     #[error("{0}")]
     Interrupted(String),

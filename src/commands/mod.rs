@@ -1,6 +1,7 @@
 //! The commands of the program, one a file.
 
 mod check;
+mod compare;
 mod converge;
 mod devices;
 mod plan;
@@ -23,6 +24,7 @@ use crate::scene::Scene;
 pub fn run(cli: &Cli, start: std::time::Instant) -> Result<()> {
     match &cli.command {
         Command::Render(args) => render::run(args, start),
+        Command::Compare(args) => compare::run(args),
         Command::Converge(args) => converge::run(args),
         Command::Plan(args) => plan::run(args),
         Command::Check(args) => check::run(args),
@@ -108,6 +110,38 @@ fn stop_on_interrupt() -> Arc<AtomicBool> {
         }
     });
     stopped
+}
+
+/// Whether a file can be put there. What has not been done yet is said where it cannot.
+fn check_place(path: &Path, undone: &str) -> Result<()> {
+    let folder = match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    if path.file_name().is_none() || path.is_dir() || !folder.is_dir() {
+        return Err(Error::Usage(format!(
+            "{}: expected the name of a file in a folder that exists; {undone}",
+            path.display()
+        )));
+    }
+    // Devices and pipes are written as they are; a file is made anew beside the old one.
+    if path.exists() && !path.is_file() {
+        return Ok(());
+    }
+    match tempfile::tempfile_in(folder) {
+        Ok(_) => Ok(()),
+        Err(error) => {
+            Err(Error::File { path: path.to_path_buf(), action: "write", reason: format!("{error}; {undone}") })
+        }
+    }
+}
+
+/// Whether two paths are one file. Files that exist are compared as files, so that two spellings of one path are found out.
+fn same_file(a: &Path, b: &Path) -> bool {
+    match (a.canonicalize(), b.canonicalize()) {
+        (Ok(a), Ok(b)) => a == b && a.is_file(),
+        _ => a == b,
+    }
 }
 
 /// A path as JSON holds it.

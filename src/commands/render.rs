@@ -7,7 +7,9 @@ use std::time::{Duration, Instant};
 
 use serde_json::json;
 
-use super::{flatten_for, open_device, path_text, print_json, stop_on_interrupt, tell, wish_of};
+use super::{
+    check_place, flatten_for, open_device, path_text, print_json, same_file, stop_on_interrupt, tell, wish_of,
+};
 use crate::cli::{MOST_SAMPLES, RenderArgs};
 use crate::data::Sampler;
 use crate::error::{Error, Result};
@@ -176,46 +178,15 @@ fn output_of(args: &RenderArgs) -> Result<Output<'_>> {
         }
     };
     let places: Vec<&Path> = std::iter::once(exr.as_path()).chain(args.png.as_deref()).collect();
-    places.iter().try_for_each(|place| check_place(place))?;
-    // Files that exist are compared as files, so that two spellings of one path are found out.
-    let same = |a: &Path, b: &Path| match (a.canonicalize(), b.canonicalize()) {
-        (Ok(a), Ok(b)) => a == b && a.is_file(),
-        _ => a == b,
-    };
-    let twice = args.png.as_deref().is_some_and(|png| same(&exr, png));
-    if twice || places.iter().any(|place| same(place, &args.scene)) {
+    places.iter().try_for_each(|place| check_place(place, "nothing has been rendered"))?;
+    let twice = args.png.as_deref().is_some_and(|png| same_file(&exr, png));
+    if twice || places.iter().any(|place| same_file(place, &args.scene)) {
         return Err(Error::Usage(format!(
             "{}: expected different files for the scene, the EXR and the PNG; nothing has been rendered",
             exr.display()
         )));
     }
     Ok(Output { exr, png: args.png.as_deref(), exposure: args.exposure })
-}
-
-/// Whether a file can be put there.
-fn check_place(path: &Path) -> Result<()> {
-    let folder = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
-    if path.file_name().is_none() || path.is_dir() || !folder.is_dir() {
-        return Err(Error::Usage(format!(
-            "{}: expected the name of a file in a folder that exists; nothing has been rendered",
-            path.display()
-        )));
-    }
-    // Devices and pipes are written as they are; a file is made anew beside the old one.
-    if path.exists() && !path.is_file() {
-        return Ok(());
-    }
-    match tempfile::tempfile_in(folder) {
-        Ok(_) => Ok(()),
-        Err(error) => Err(Error::File {
-            path: path.to_path_buf(),
-            action: "write",
-            reason: format!("{error}; nothing has been rendered"),
-        }),
-    }
 }
 
 fn job_of(args: &RenderArgs, scene: &Scene, size: (u32, u32), start: Instant) -> Job {

@@ -1,5 +1,6 @@
 pub mod atomic;
 pub mod exr;
+mod magma;
 pub mod plot;
 pub mod png;
 pub mod progress;

@@ -5,28 +5,56 @@ use std::path::Path;
 
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 
+use crate::data::srgb;
 use crate::error::{Error, Result};
 use crate::film::Picture;
-use crate::output::atomic;
+use crate::output::{atomic, magma::magma};
 
 /// Exposures beyond ±this make every f32 white or black.
 const MAX_EXPOSURE: f64 = 300.0;
 
 /// Writes the picture as an 8-bit sRGB PNG, brightened by 2^`exposure_ev`, tone-mapped by [`neutral`].
 pub fn write_png(path: &Path, picture: &Picture, exposure_ev: f64) -> Result<()> {
-    let failed =
-        |error: image::ImageError| Error::File { path: path.to_owned(), action: "write", reason: error.to_string() };
     if exposure_ev.is_nan() {
         return Err(Error::Usage("the exposure is not a number".into()));
     }
     let exposure = exposure_ev.clamp(-MAX_EXPOSURE, MAX_EXPOSURE).exp2();
-    let pixels: Vec<[u8; 3]> = picture.rgb.iter().map(|rgb| encode(rgb.map(|v| f64::from(v) * exposure))).collect();
-    // Encoded in memory, where it is small beside the film: so no error of the disk can be lost inside the encoder.
-    let mut bytes = Vec::new();
-    PngEncoder::new(&mut bytes)
-        .write_image(pixels.as_flattened(), picture.width, picture.height, ExtendedColorType::Rgb8)
-        .map_err(failed)?;
+    let bytes = compress((picture.width, picture.height), &shown(&picture.rgb, exposure));
+    let bytes = bytes.map_err(|reason| failed(path, reason))?;
     atomic::replace(path, |file| file.write_all(&bytes))
+}
+
+/// Writes values of 0..1, row 0 on top, as a PNG in the magma colours: from black through red to pale yellow.
+pub fn write_heatmap(path: &Path, size: (u32, u32), values: &[f32]) -> Result<()> {
+    let bytes = heatmap(size, values).map_err(|reason| failed(path, reason))?;
+    atomic::replace(path, |file| file.write_all(&bytes))
+}
+
+/// A picture as [`write_png`] has it, as the bytes of a PNG; or why there is none.
+pub fn picture(size: (u32, u32), rgb: &[[f32; 3]]) -> std::result::Result<Vec<u8>, String> {
+    compress(size, &shown(rgb, 1.0))
+}
+
+/// What [`write_heatmap`] writes; or why there is nothing.
+pub fn heatmap(size: (u32, u32), values: &[f32]) -> std::result::Result<Vec<u8>, String> {
+    compress(size, &values.iter().map(|&value| magma(f64::from(value))).collect::<Vec<_>>())
+}
+
+fn shown(rgb: &[[f32; 3]], exposure: f64) -> Vec<[u8; 3]> {
+    rgb.iter().map(|rgb| encode(rgb.map(|v| f64::from(v) * exposure))).collect()
+}
+
+fn failed(path: &Path, reason: String) -> Error {
+    Error::File { path: path.to_owned(), action: "write", reason }
+}
+
+/// In memory, where it is small beside the film: so no error of the disk can be lost inside the encoder.
+fn compress((width, height): (u32, u32), pixels: &[[u8; 3]]) -> std::result::Result<Vec<u8>, String> {
+    let mut bytes = Vec::new();
+    let written =
+        PngEncoder::new(&mut bytes).write_image(pixels.as_flattened(), width, height, ExtendedColorType::Rgb8);
+    written.map_err(|error| error.to_string())?;
+    Ok(bytes)
 }
 
 /// Linear radiance to the screen's bytes.
@@ -57,11 +85,6 @@ fn neutral(color: [f64; 3]) -> [f64; 3] {
     let new_peak = 1.0 - range * range / (peak + range - SHOULDER);
     let white = 1.0 - 1.0 / (DESATURATION * (peak - new_peak) + 1.0);
     color.map(|v| v * (new_peak / peak) * (1.0 - white) + new_peak * white)
-}
-
-/// The sRGB transfer function (IEC 61966-2-1:1999), linear 0..1 to encoded 0..1.
-fn srgb(linear: f64) -> f64 {
-    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
 #[cfg(test)]

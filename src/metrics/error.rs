@@ -1,7 +1,9 @@
-//! How far an image is from another: mean square errors over pixels and channels of linear radiance.
+//! How far an image is from another: mean square errors over pixels and channels, of linear radiance and of what a screen shows.
+
+use crate::data::srgb;
 
 /// What keeps dark pixels from ruling the relative error; in radiance squared (design.md, section 2).
-const RELATIVE_FLOOR: f64 = 0.01;
+pub const RELATIVE_FLOOR: f64 = 0.01;
 
 /// Mean square error: mean over pixels and channels of (a − b)².
 ///
@@ -15,6 +17,32 @@ pub fn mse(a: &[[f32; 3]], b: &[[f32; 3]]) -> Option<f64> {
 /// Nothing where the images differ in size or are empty. A NaN or infinite input makes the result so.
 pub fn relmse(a: &[[f32; 3]], b: &[[f32; 3]]) -> Option<f64> {
     mean(a, b, |a, b| (a - b) * (a - b) / (b * b + RELATIVE_FLOOR))
+}
+
+/// The relative mean square error without the 0.1 % of the pixels (rounded down to whole ones) whose error is the largest: a few rare
+/// bright paths, which rule the untrimmed one, do not count. For looking at, not for proving: what is wrong in few pixels goes too.
+///
+/// Nothing where the images differ in size or are empty. A NaN or infinite input makes the result so, if not trimmed.
+pub fn relmse_trimmed(a: &[[f32; 3]], b: &[[f32; 3]]) -> Option<f64> {
+    if a.len() != b.len() || a.is_empty() {
+        return None;
+    }
+    let of_pixel = |(a, b): (&[f32; 3], &[f32; 3])| relmse(&[*a], &[*b]);
+    let mut errors: Vec<f64> = a.iter().zip(b).filter_map(of_pixel).collect();
+    // Fewer than all pixels, since a thousandth of them is: the place is in range.
+    let kept = errors.len() - errors.len() / 1000;
+    errors.select_nth_unstable_by(kept - 1, f64::total_cmp);
+    Some(errors[..kept].iter().sum::<f64>() / kept as f64)
+}
+
+/// Peak signal-to-noise ratio in dB of both images clamped to 0..1 and sRGB-encoded: 10 log10(1 / MSE), the peak being 1. Infinite
+/// where the images look alike.
+///
+/// Nothing where the images differ in size or are empty.
+pub fn psnr(a: &[[f32; 3]], b: &[[f32; 3]]) -> Option<f64> {
+    // In this order a NaN becomes 0.
+    let shown = |v: f64| srgb(v.max(0.0).min(1.0));
+    mean(a, b, |a, b| (shown(a) - shown(b)).powi(2)).map(|error| -10.0 * error.log10())
 }
 
 /// The relMSE that a picture of these variances has by its noise: mean over pixels and channels of v / (b² + 0.01).
@@ -65,9 +93,30 @@ mod tests {
     }
 
     #[test]
+    fn trimming_takes_the_worst_thousandth() {
+        let b = vec![[1.0f32; 3]; 2500];
+        let mut a = b.clone();
+        (a[7], a[1300], a[2400]) = ([1e6; 3], [2.0; 3], [f32::INFINITY; 3]);
+        // Two pixels go, and one of error 1/1.01 is left.
+        assert!(close(relmse_trimmed(&a, &b), 1.0 / 1.01 / 2498.0));
+        // Below 1000 pixels nothing goes.
+        assert_eq!(relmse_trimmed(&a[1600..], &b[1600..]), Some(f64::INFINITY));
+        assert!(close(relmse_trimmed(&A, &B), relmse(&A, &B).unwrap()));
+    }
+
+    #[test]
+    fn psnr_is_of_what_a_screen_shows() {
+        // sRGB of 0.214041 is 0.5, of 1 is 1: an MSE of 1/4.
+        assert!(psnr(&[[0.214_041_14; 3]], &[[7.0; 3]]).is_some_and(|db| (db - 6.0206).abs() < 1e-4));
+        assert_eq!(psnr(&[[3.0, -1.0, 0.5]], &[[1.0, 0.0, 0.5]]), Some(f64::INFINITY));
+    }
+
+    #[test]
     fn images_that_cannot_be_compared_have_no_error() {
         assert_eq!(mse(&A, &B[..1]), None);
         assert_eq!(relmse(&[], &[]), None);
+        assert_eq!((relmse_trimmed(&[], &[]), psnr(&[], &[])), (None, None));
+        assert_eq!((relmse_trimmed(&A, &B[..1]), psnr(&A, &B[..1])), (None, None));
     }
 
     #[test]

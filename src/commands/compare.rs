@@ -1,0 +1,271 @@
+//! `gpu-rt compare`: the error of an image against a reference.
+
+use serde_json::{Value, json};
+
+use super::{check_place, path_text, print_json, print_line, same_file, tell};
+use crate::cli::{CompareArgs, Limit, Metric};
+use crate::error::{Error, Result};
+use crate::film::UNKNOWN_VARIANCE;
+use crate::metrics::difference::{CONFIDENCE, Difference, Estimate, Images, LEVEL, QUANTITIES, Source, difference};
+use crate::metrics::error::{mse, psnr, relmse, relmse_trimmed};
+use crate::metrics::flip::error_map;
+use crate::metrics::verdict::verdict;
+use crate::output::exr::{ExrImage, read_exr};
+use crate::output::png::write_heatmap;
+
+/// Reads both images, prints how they differ, and fails where that is more than the limits asked for.
+pub fn run(args: &CompareArgs) -> Result<()> {
+    if let Some(heatmap) = &args.heatmap {
+        check_place(heatmap, "nothing has been compared")?;
+        if [&args.image, &args.reference].into_iter().any(|image| same_file(image, heatmap)) {
+            return Err(Error::Usage(format!("{}: expected another file than the images", heatmap.display())));
+        }
+    }
+    let (mut a, mut b) = (read_exr(&args.image)?, read_exr(&args.reference)?);
+    if (a.width, a.height) != (b.width, b.height) {
+        return Err(Error::Usage(format!(
+            "{} has {} x {} pixels and {} has {} x {}: expected images of one size",
+            args.image.display(),
+            a.width,
+            a.height,
+            args.reference.display(),
+            b.width,
+            b.height
+        )));
+    }
+    let pixels = Pixels::of(&a, &b);
+    let variances = known_variance(&a).zip(known_variance(&b)).map(|(a, b)| [a, b]);
+    let (width, height) = (a.width as usize, a.height as usize);
+    let images = Images { width, height, a: &a.rgb, b: &b.rgb, variances };
+    let difference = difference(&images).ok_or_else(|| {
+        Error::Usage(format!(
+            "{} and {}: no pixel is finite in both, so that there is nothing to compare",
+            args.image.display(),
+            args.reference.display()
+        ))
+    })?;
+    let broken: Vec<usize> = (0..width * height).filter(|&pixel| !images.counts(pixel)).collect();
+
+    // Means are over what counts; pictures keep their shape, with black where a pixel does not count.
+    if !broken.is_empty() {
+        for &pixel in &broken {
+            (a.rgb[pixel], b.rgb[pixel]) = ([0.0; 3], [0.0; 3]);
+        }
+    }
+    let mut map = error_map(width, &a.rgb, &b.rgb);
+    for &pixel in &broken {
+        map[pixel] = 0.0;
+    }
+    let counted = (map.len() - broken.len()) as f64;
+    let flip = map.iter().copied().map(f64::from).sum::<f64>() / counted;
+    if let Some(heatmap) = &args.heatmap {
+        for &pixel in &broken {
+            map[pixel] = 1.0;
+        }
+        write_heatmap(heatmap, (a.width, a.height), &map)?;
+    }
+    drop(map);
+    for image in [&mut a.rgb, &mut b.rgb] {
+        remove(image, &broken);
+    }
+    let unequal = || Error::Usage("the images hold fewer pixels than they say".to_string());
+    let errors = Errors {
+        mse: mse(&a.rgb, &b.rgb).ok_or_else(unequal)?,
+        relmse: relmse(&a.rgb, &b.rgb).ok_or_else(unequal)?,
+        relmse_trimmed: relmse_trimmed(&a.rgb, &b.rgb).ok_or_else(unequal)?,
+        psnr: psnr(&a.rgb, &b.rgb).ok_or_else(unequal)?,
+        flip,
+        mean_difference: difference.means[0].0.mean,
+    };
+    let mut words = verdict(&difference);
+    if !broken.is_empty() {
+        words += &format!(" (without {})", pixels.broken_words());
+        tell(&format!("warning: {}: left out", pixels.broken_words()));
+    }
+    match args.json {
+        true => print_json(&report(args, &errors, &difference, &pixels, &words)),
+        false => print_table(&errors, &difference, &pixels, &words),
+    }
+    check(&args.fail_above, &errors, &pixels)
+}
+
+/// Removes the pixels at these places, which rise.
+fn remove(image: &mut Vec<[f32; 3]>, places: &[usize]) {
+    let (mut pixel, mut left) = (0, places);
+    image.retain(|_| {
+        let keep = left.first() != Some(&pixel);
+        if !keep {
+            left = &left[1..];
+        }
+        pixel += 1;
+        keep
+    });
+}
+
+/// The variances of an image's pixels, where all of them are known.
+fn known_variance(image: &ExrImage) -> Option<&[[f32; 3]]> {
+    let variance = image.variance.as_deref()?;
+    variance.as_flattened().iter().all(|v| (0.0..UNKNOWN_VARIANCE).contains(v)).then_some(variance)
+}
+
+/// How many pixels there are, and how many of each image are unusual.
+struct Pixels {
+    count: usize,
+    /// In the image, in the reference, and in either.
+    not_finite: [usize; 3],
+    negative: [usize; 2],
+}
+
+impl Pixels {
+    fn of(a: &ExrImage, b: &ExrImage) -> Pixels {
+        let broken = |rgb: &[f32; 3]| rgb.iter().any(|v| !v.is_finite());
+        let count = |image: &[[f32; 3]], is: &dyn Fn(&[f32; 3]) -> bool| image.iter().filter(|rgb| is(rgb)).count();
+        let negative = |rgb: &[f32; 3]| rgb.iter().any(|v| *v < 0.0);
+        let either = a.rgb.iter().zip(&b.rgb).filter(|(a, b)| broken(a) || broken(b)).count();
+        Pixels {
+            count: a.rgb.len(),
+            not_finite: [count(&a.rgb, &broken), count(&b.rgb, &broken), either],
+            negative: [count(&a.rgb, &negative), count(&b.rgb, &negative)],
+        }
+    }
+
+    fn broken_words(&self) -> String {
+        let [a, b, either] = self.not_finite;
+        format!("{either} of {} pixels that are NaN or infinite: {a} of A, {b} of B", self.count)
+    }
+}
+
+/// The errors of A against B.
+struct Errors {
+    mse: f64,
+    relmse: f64,
+    relmse_trimmed: f64,
+    /// In dB; infinite where the images look alike.
+    psnr: f64,
+    flip: f64,
+    /// Of the luminance.
+    mean_difference: f64,
+}
+
+impl Errors {
+    fn of(&self, metric: Metric) -> f64 {
+        match metric {
+            Metric::Mse => self.mse,
+            Metric::Rmse => self.mse.sqrt(),
+            Metric::Relmse => self.relmse,
+            Metric::RelmseTrimmed => self.relmse_trimmed,
+            Metric::Flip => self.flip,
+            Metric::MeanDifference => self.mean_difference.abs(),
+        }
+    }
+}
+
+/// Fails where a metric is above its limit. Pixels that are left out have no error, and so no limit allows for them.
+fn check(limits: &[Limit], errors: &Errors, pixels: &Pixels) -> Result<()> {
+    let above = limits.iter().filter(|limit| errors.of(limit.metric) > limit.value);
+    let mut words: Vec<String> = above
+        .map(|limit| format!("{} is {:.4e}, above {}", limit.metric.name(), errors.of(limit.metric), limit.value))
+        .collect();
+    if !limits.is_empty() && pixels.not_finite[2] > 0 {
+        words.push(pixels.broken_words());
+    }
+    match words.is_empty() {
+        true => Ok(()),
+        false => Err(Error::Limit(format!("--fail-above: {}", words.join("; ")))),
+    }
+}
+
+/// The interval that holds the true difference; nothing where so few pixels do not tell.
+fn interval(estimate: &Estimate) -> Option<[f64; 2]> {
+    let half = estimate.half_width();
+    half.is_finite().then(|| [estimate.mean - half, estimate.mean + half])
+}
+
+fn source_words(source: Source) -> &'static str {
+    match source {
+        Source::Variances => "variance layers",
+        Source::Pairs => "paired differences",
+        Source::SharedNoise => "paired differences (the images share their noise)",
+    }
+}
+
+fn report(args: &CompareArgs, errors: &Errors, difference: &Difference, pixels: &Pixels, words: &str) -> Value {
+    let [(mean, _), colours @ ..] = &difference.means;
+    // JSON has no infinity.
+    let finite = |value: f64| value.is_finite().then_some(value);
+    let relative = |value: f64| (mean.reference > 0.0).then(|| value / mean.reference);
+    let colours: serde_json::Map<String, Value> = colours
+        .iter()
+        .zip(&QUANTITIES[1..])
+        .map(|((mean, p), quantity)| {
+            let value = json!({"mean_difference": mean.mean, "interval": interval(mean), "reference_mean": mean.reference, "p": p});
+            (quantity.name().to_string(), value)
+        })
+        .collect();
+    let local = difference.local.map(|local| {
+        let [left, top, width, height] = local.tile;
+        json!({
+            "left": left, "top": top, "width": width, "height": height,
+            "quantity": local.quantity.name(),
+            "mean_difference": local.estimate.mean,
+            "interval": interval(&local.estimate),
+            "reference_mean": local.estimate.reference,
+            "p": local.p,
+        })
+    });
+    json!({
+        "image": path_text(&args.image),
+        "reference": path_text(&args.reference),
+        "mse": errors.mse,
+        "rmse": errors.mse.sqrt(),
+        "relmse": errors.relmse,
+        "relmse_trimmed": errors.relmse_trimmed,
+        "psnr": finite(errors.psnr),
+        "flip": errors.flip,
+        "mean_difference": mean.mean,
+        "interval": interval(mean),
+        "confidence": CONFIDENCE,
+        "reference_mean": mean.reference,
+        "relative_mean_difference": relative(mean.mean),
+        "relative_interval": interval(mean).and_then(|[low, high]| Some([relative(low)?, relative(high)?])),
+        "interval_from": source_words(difference.source),
+        "colours": colours,
+        "largest_local_difference": local,
+        "identical": difference.identical,
+        "p": difference.p,
+        "level": LEVEL,
+        "pixels": {
+            "compared": pixels.count - pixels.not_finite[2],
+            "not_finite": {"image": pixels.not_finite[0], "reference": pixels.not_finite[1]},
+            "negative": {"image": pixels.negative[0], "reference": pixels.negative[1]},
+        },
+        "verdict": words,
+    })
+}
+
+fn print_table(errors: &Errors, difference: &Difference, pixels: &Pixels, words: &str) {
+    let line = |name: &str, text: String| print_line(&format!("{name:<16} {text}"));
+    line("MSE", format!("{:.4e}", errors.mse));
+    line("RMSE", format!("{:.4e}", errors.mse.sqrt()));
+    line("relMSE", format!("{:.4e}", errors.relmse));
+    line("relMSE, trimmed", format!("{:.4e}   without the worst 0.1 % of the pixels", errors.relmse_trimmed));
+    line(
+        "PSNR",
+        match errors.psnr.is_finite() {
+            true => format!("{:.2} dB", errors.psnr),
+            false => "infinite".to_string(),
+        },
+    );
+    line("FLIP", format!("{:.5}", errors.flip));
+    let (mean, _) = &difference.means[0];
+    let bounds = match interval(mean) {
+        Some([low, high]) => format!("95 % interval {low:+.3e} to {high:+.3e}, by {}", source_words(difference.source)),
+        None => "its error is unknown".to_string(),
+    };
+    line("mean difference", format!("{:+.4e}   {bounds}", mean.mean));
+    let [a, b] = pixels.negative;
+    if a + b > 0 {
+        line("negative pixels", format!("{a} of A, {b} of B"));
+    }
+    print_line(words);
+}

@@ -1,0 +1,449 @@
+//! Whether the difference of two images is more than noise: on the whole, in one colour, or in one place.
+//!
+//! What is compared are the means over the whole image of luminance, red, green and blue, and the same four over each tile of a grid.
+//! Every mean difference comes with a standard error of a known number of degrees of freedom, and so with a p-value by Student's t:
+//! how often noise alone would make a difference of at least this size. docs/accuracy.md derives it and has the measurements.
+
+use super::student;
+use crate::data::luminance;
+
+/// Differences with a p-value below this are called more than noise.
+pub const LEVEL: f64 = 0.01;
+/// The probability of an interval that is stated.
+pub const CONFIDENCE: f64 = 0.95;
+
+/// The least and the largest side of a tile in pixels.
+const TILE: (usize, usize) = (4, 16);
+/// Cells along each side of a tile.
+const CELLS: usize = 4;
+/// What the largest of [`CELLS`]² normal numbers takes from the mean of the others, in standard errors of that: its expectation, 1.766,
+/// over √15.
+const WORST_CELL: f64 = 0.456;
+/// With fewer tiles than this, cells are the replicates of the whole image.
+const ENOUGH_TILES: usize = 32;
+/// The share of pixels that differ by more than their standard error, below which two images are said to share their noise. Of
+/// independent ones it is a third to a half (of a normal variable over its standard deviation, known or estimated by one square).
+const SHARED: f64 = 0.16;
+/// Fewer noisy pixels than this do not tell.
+const ENOUGH_PIXELS: usize = 64;
+
+/// How the tests share the false alarms: the mean luminance, the mean of each colour, and all tiles together.
+const SHARE_LUMINANCE: f64 = 0.5;
+const SHARE_COLOUR: f64 = 1.0 / 18.0;
+const SHARE_TILES: f64 = 1.0 / 3.0;
+
+/// What of the pixels is compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    Luminance,
+    Red,
+    Green,
+    Blue,
+}
+
+pub const QUANTITIES: [Quantity; 4] = [Quantity::Luminance, Quantity::Red, Quantity::Green, Quantity::Blue];
+
+impl Quantity {
+    fn of(self, rgb: [f64; 3]) -> f64 {
+        match self {
+            Quantity::Luminance => luminance(rgb),
+            Quantity::Red => rgb[0],
+            Quantity::Green => rgb[1],
+            Quantity::Blue => rgb[2],
+        }
+    }
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Quantity::Luminance => "luminance",
+            Quantity::Red => "red",
+            Quantity::Green => "green",
+            Quantity::Blue => "blue",
+        }
+    }
+}
+
+/// Two images of one size. Radiance, row 0 on top.
+#[derive(Clone, Copy, Debug)]
+pub struct Images<'a> {
+    pub width: usize,
+    pub height: usize,
+    pub a: &'a [[f32; 3]],
+    /// The reference.
+    pub b: &'a [[f32; 3]],
+    /// Variances of the pixels' values in a and in b, where both are known.
+    pub variances: Option<[&'a [[f32; 3]]; 2]>,
+}
+
+impl Images<'_> {
+    /// Whether the pixel counts: it is finite in both.
+    pub fn counts(&self, pixel: usize) -> bool {
+        self.a[pixel].iter().chain(&self.b[pixel]).all(|v| v.is_finite())
+    }
+
+    /// The variance of a quantity's difference at a pixel. How the channels of a pixel vary together is not known: as one, which is the
+    /// most that they can, and nearly what they do where paths carry all three (Cauchy and Schwarz: Var Σ w c ≤ (Σ w σ)²).
+    fn variance(&self, quantity: Quantity, pixel: usize) -> Option<f64> {
+        let of = |variance: &[[f32; 3]]| quantity.of(variance[pixel].map(|v| f64::from(v).sqrt())).powi(2);
+        self.variances.map(|[a, b]| of(a) + of(b))
+    }
+}
+
+/// Where the standard errors come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// The variances in the files.
+    Variances,
+    /// How the paired differences a − b are spread over the image.
+    Pairs,
+    /// The same, although the files have variances: pixels differ by much less, as of two images that share their random numbers.
+    SharedNoise,
+}
+
+/// A mean difference a − b.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    pub mean: f64,
+    /// The mean of b there.
+    pub reference: f64,
+    /// Standard error of `mean`; infinite where nothing tells it.
+    pub error: f64,
+    /// Degrees of freedom of the error.
+    pub degrees: f64,
+}
+
+impl Estimate {
+    /// The probability of a difference at least as large, if there were only noise.
+    pub fn p(&self) -> f64 {
+        match (self.mean == 0.0, self.error == 0.0) {
+            (true, _) => 1.0,
+            (false, true) => 0.0,
+            (false, false) => student::two_sided(self.mean / self.error, self.degrees),
+        }
+    }
+
+    /// Half of the interval that holds the true difference with a probability of [`CONFIDENCE`].
+    pub fn half_width(&self) -> f64 {
+        match self.error == 0.0 {
+            true => 0.0,
+            false => self.error * student::quantile(1.0 - CONFIDENCE, self.degrees),
+        }
+    }
+}
+
+/// The most significant difference in a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Local {
+    /// The tile in pixels: left, top, width, height.
+    pub tile: [usize; 4],
+    pub quantity: Quantity,
+    pub estimate: Estimate,
+    /// As if it were the only test: corrected for how many tiles there are, and for the tests beside.
+    pub p: f64,
+}
+
+/// What the comparison came to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Difference {
+    pub source: Source,
+    /// Every pixel that counts is the same in both.
+    pub identical: bool,
+    /// In the order of [`QUANTITIES`], with the p-value as of [`Local::p`].
+    pub means: [(Estimate, f64); 4],
+    /// Nothing where the image is a single tile.
+    pub local: Option<Local>,
+    /// Of all tests together: the least of theirs.
+    pub p: f64,
+}
+
+/// Sums over a cell, a tile or the whole, of one quantity.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sums {
+    pixels: f64,
+    difference: f64,
+    reference: f64,
+    /// Σ v and Σ v².
+    variance: f64,
+    variance2: f64,
+}
+
+impl Sums {
+    fn add(&mut self, other: &Sums) {
+        self.pixels += other.pixels;
+        self.difference += other.difference;
+        self.reference += other.reference;
+        self.variance += other.variance;
+        self.variance2 += other.variance2;
+    }
+
+    fn of(parts: &[Sums]) -> Sums {
+        parts.iter().fold(Sums::default(), |mut sums, part| {
+            sums.add(part);
+            sums
+        })
+    }
+
+    fn mean(&self) -> f64 {
+        self.difference / self.pixels
+    }
+
+    /// A standard error that rounding to f32 leaves in any case, even where there is no noise.
+    fn rounding(&self) -> f64 {
+        f64::from(f32::EPSILON) * ((self.reference / self.pixels).abs() + self.mean().abs())
+    }
+
+    /// From the pixels' variances: their sum. Each of them is an estimate, of one degree of freedom at least (two halves), and so v² has
+    /// the expectation of 3/2 of its variance at least; the sum then has 2 (E Σ v)² / Var Σ v = 3 (Σ v)² / Σ v² − 2 degrees of freedom
+    /// or more (Satterthwaite, Biometrics Bulletin 2(6), 1946). Where few bright pixels make the sum, it says so by having few.
+    fn noise_by_variances(&self) -> Noise {
+        let degrees = match self.variance2 > 0.0 {
+            true => (3.0 * self.variance * self.variance / self.variance2 - 2.0).max(1.0),
+            false => f64::INFINITY,
+        };
+        Noise { variance: self.variance / (self.pixels * self.pixels), degrees }
+    }
+
+    /// From how the parts' means are spread around the whole's, each by its share of the pixels: Σ (n/N)² (m − M)² · J/(J − 1).
+    fn noise_by_parts(&self, parts: &[Sums]) -> Noise {
+        let filled = parts.iter().filter(|part| part.pixels > 0.0);
+        let (mut spread, mut count) = (0.0, 0.0);
+        for part in filled {
+            let deviation = part.pixels / self.pixels * (part.mean() - self.mean());
+            spread += deviation * deviation;
+            count += 1.0;
+        }
+        match count > 1.0 {
+            true => Noise { variance: spread * count / (count - 1.0), degrees: count - 1.0 },
+            false => Noise { variance: f64::INFINITY, degrees: 1.0 },
+        }
+    }
+
+    /// Of a tile or what is left of one, by its pixels' variances or by its cells.
+    fn noise(&self, cells: &[Sums], source: Source) -> Noise {
+        match source {
+            Source::Variances => self.noise_by_variances(),
+            Source::Pairs | Source::SharedNoise => self.noise_by_parts(cells),
+        }
+    }
+
+    fn estimate(&self, noise: Noise) -> Estimate {
+        let error = (noise.variance + self.rounding().powi(2)).sqrt();
+        Estimate {
+            mean: self.mean(),
+            reference: self.reference / self.pixels,
+            error: if self.difference == 0.0 && noise.variance == 0.0 { 0.0 } else { error },
+            degrees: noise.degrees,
+        }
+    }
+}
+
+/// The variance of a mean, and how well it is known.
+#[derive(Clone, Copy, Debug)]
+struct Noise {
+    variance: f64,
+    degrees: f64,
+}
+
+/// Tiles of nearly equal size that cover the image, of [`CELLS`] × [`CELLS`] cells each.
+struct Grid {
+    width: usize,
+    height: usize,
+    columns: usize,
+    rows: usize,
+}
+
+impl Grid {
+    /// 64 tiles, as long as these have a side of 4 to 16 pixels.
+    fn new(width: usize, height: usize) -> Grid {
+        let side = ((width * height) as f64).sqrt() / 8.0;
+        let side = (side as usize).clamp(TILE.0, TILE.1);
+        Grid { width, height, columns: (width / side).max(1), rows: (height / side).max(1) }
+    }
+
+    fn tiles(&self) -> usize {
+        self.columns * self.rows
+    }
+
+    /// Where a pixel lies along an axis of `length` pixels: its tile, and its cell in that.
+    fn part(at: usize, length: usize, tiles: usize) -> (usize, usize) {
+        let cell = at * tiles * CELLS / length;
+        (cell / CELLS, cell % CELLS)
+    }
+
+    /// Left, top, width and height of a tile.
+    fn place(&self, tile: usize) -> [usize; 4] {
+        let edge = |at: usize, length: usize, tiles: usize| (at * length).div_ceil(tiles);
+        let (column, row) = (tile % self.columns, tile / self.columns);
+        let (left, top) = (edge(column, self.width, self.columns), edge(row, self.height, self.rows));
+        let (right, bottom) = (edge(column + 1, self.width, self.columns), edge(row + 1, self.height, self.rows));
+        [left, top, right - left, bottom - top]
+    }
+
+    /// A tile and those around it.
+    fn around(&self, tile: usize) -> impl Iterator<Item = usize> + '_ {
+        let (column, row) = (tile % self.columns, tile / self.columns);
+        let near = |at: usize, count: usize| at.saturating_sub(1)..(at + 2).min(count);
+        near(row, self.rows)
+            .flat_map(move |row| near(column, self.columns).map(move |column| row * self.columns + column))
+    }
+
+    /// The sums of a quantity in each cell, tile by tile.
+    fn sums(&self, images: &Images<'_>, quantity: Quantity) -> Vec<[Sums; CELLS * CELLS]> {
+        let mut cells = vec![[Sums::default(); CELLS * CELLS]; self.tiles()];
+        let columns: Vec<_> = (0..self.width).map(|x| Grid::part(x, self.width, self.columns)).collect();
+        for y in 0..self.height {
+            let (row, cell_row) = Grid::part(y, self.height, self.rows);
+            for (x, (column, cell_column)) in columns.iter().enumerate() {
+                let pixel = y * self.width + x;
+                if !images.counts(pixel) {
+                    continue;
+                }
+                let [a, b] = [images.a, images.b].map(|image| quantity.of(image[pixel].map(f64::from)));
+                let variance = images.variance(quantity, pixel).unwrap_or(0.0);
+                cells[row * self.columns + column][cell_row * CELLS + cell_column].add(&Sums {
+                    pixels: 1.0,
+                    difference: a - b,
+                    reference: b,
+                    variance,
+                    variance2: variance * variance,
+                });
+            }
+        }
+        cells
+    }
+}
+
+/// The sums of one quantity at every scale.
+struct Scales {
+    cells: Vec<[Sums; CELLS * CELLS]>,
+    tiles: Vec<Sums>,
+    whole: Sums,
+}
+
+impl Scales {
+    fn new(grid: &Grid, images: &Images<'_>, quantity: Quantity) -> Scales {
+        let cells = grid.sums(images, quantity);
+        let tiles: Vec<Sums> = cells.iter().map(|cells| Sums::of(cells)).collect();
+        let whole = Sums::of(&tiles);
+        Scales { cells, tiles, whole }
+    }
+
+    /// Of the whole, by paired differences. Tiles are better replicates than pixels: what neighbouring pixels have in common, by a filter
+    /// wider than one of them, is within a tile nearly all.
+    fn noise_by_pairs(&self) -> Noise {
+        match self.tiles.len() >= ENOUGH_TILES {
+            true => self.whole.noise_by_parts(&self.tiles),
+            false => self.whole.noise_by_parts(self.cells.as_flattened()),
+        }
+    }
+
+    fn noise(&self, source: Source) -> Noise {
+        match source {
+            Source::Variances => self.whole.noise_by_variances(),
+            Source::Pairs | Source::SharedNoise => self.noise_by_pairs(),
+        }
+    }
+
+    /// Of each tile that has pixels which count.
+    fn tile_noise(&self, source: Source) -> Vec<Option<Noise>> {
+        let of =
+            |(tile, cells): (&Sums, &[Sums; CELLS * CELLS])| (tile.pixels > 0.0).then(|| tile.noise(cells, source));
+        self.tiles.iter().zip(&self.cells).map(of).collect()
+    }
+
+    /// A tile without the cell that makes most of its difference.
+    fn without_worst_cell(&self, tile: usize) -> (Sums, Vec<Sums>) {
+        let sign = self.tiles[tile].difference.signum();
+        let mut cells: Vec<Sums> = self.cells[tile].iter().copied().filter(|cell| cell.pixels > 0.0).collect();
+        cells.sort_by(|a, b| f64::total_cmp(&(sign * a.difference), &(sign * b.difference)));
+        cells.pop();
+        (Sums::of(&cells), cells)
+    }
+}
+
+/// Compares the images. Nothing, where no pixel is finite in both.
+pub fn difference(images: &Images<'_>) -> Option<Difference> {
+    let pixels = images.width * images.height;
+    let mut counted = (0..pixels).filter(|&pixel| images.counts(pixel)).peekable();
+    counted.peek()?;
+    let identical = counted.all(|pixel| images.a[pixel] == images.b[pixel]);
+    let grid = Grid::new(images.width, images.height);
+    let scales = QUANTITIES.map(|quantity| Scales::new(&grid, images, quantity));
+    let source = source(images);
+    let means = [0, 1, 2, 3].map(|i| {
+        let estimate = scales[i].whole.estimate(scales[i].noise(source));
+        let share = if i == 0 { SHARE_LUMINANCE } else { SHARE_COLOUR };
+        (estimate, corrected(estimate.p(), share))
+    });
+    let local = (grid.tiles() > 1).then(|| local(&grid, &scales, source)).flatten();
+    let least = means.iter().map(|(_, p)| *p).chain(local.map(|local| local.p)).fold(1.0, f64::min);
+    Some(Difference { source, identical, means, local, p: least })
+}
+
+/// What the errors are to be taken from. Pixels vote by number: sums of squares would be ruled by the few that hold most of the noise.
+fn source(images: &Images<'_>) -> Source {
+    if images.variances.is_none() {
+        return Source::Pairs;
+    }
+    let (mut noisy, mut beyond) = (0, 0);
+    for pixel in (0..images.width * images.height).filter(|&pixel| images.counts(pixel)) {
+        let of = |image: &[[f32; 3]]| luminance(image[pixel].map(f64::from));
+        let variance = images.variance(Quantity::Luminance, pixel).unwrap_or(0.0);
+        let difference = of(images.a) - of(images.b);
+        noisy += usize::from(variance > 0.0);
+        beyond += usize::from(variance > 0.0 && difference * difference > variance);
+    }
+    match noisy >= ENOUGH_PIXELS && (beyond as f64) < SHARED * noisy as f64 {
+        true => Source::SharedNoise,
+        false => Source::Variances,
+    }
+}
+
+/// The p-value of one of many tests that has this share of the false alarms: with it, the probability of any p-value below x is x at
+/// most, if the tests are independent or vary together (Šidák, JASA 62(318), 1967, with weights).
+fn corrected(p: f64, share: f64) -> f64 {
+    // 1 − (1 − p)^(1/share)
+    -((-p).ln_1p() / share).exp_m1()
+}
+
+/// The tile that differs most.
+///
+/// Its noise is not taken to be less than that of the tiles around it: where a rare path has not met a tile, the tile is darker than it
+/// should be and looks free of noise as well, but its neighbours have met it. And it must differ without its worst cell too: a pixel whose
+/// two halves agree by chance has a variance that says nothing, and such a pixel may hold most of a tile's noise.
+fn local(grid: &Grid, scales: &[Scales; 4], source: Source) -> Option<Local> {
+    let share = SHARE_TILES / (QUANTITIES.len() * grid.tiles()) as f64;
+    let mut worst: Option<Local> = None;
+    for (quantity, scales) in QUANTITIES.into_iter().zip(scales) {
+        let noise = scales.tile_noise(source);
+        for (tile, sums) in scales.tiles.iter().enumerate() {
+            let Some(own) = noise[tile] else { continue };
+            let near = grid.around(tile).filter_map(|near| Some((scales.tiles[near].pixels, noise[near]?)));
+            // The variance of a pixel, not of a mean, since tiles differ in size.
+            let (total, count) =
+                near.fold((0.0, 0.0), |(total, count), (pixels, noise)| (total + noise.variance * pixels, count + 1.0));
+            let estimate = |sums: &Sums, own: Noise| {
+                let variance = own.variance.max(total / count / sums.pixels);
+                sums.estimate(Noise { variance, degrees: own.degrees })
+            };
+            let whole = estimate(sums, own);
+            let p = corrected(whole.p(), share);
+            if worst.is_some_and(|worst| p >= worst.p) {
+                continue;
+            }
+            let (rest, cells) = scales.without_worst_cell(tile);
+            let p = match rest.pixels > 0.0 && rest.difference * sums.difference > 0.0 {
+                true => {
+                    let mut rest = estimate(&rest, rest.noise(&cells, source));
+                    rest.mean += WORST_CELL * rest.error.copysign(rest.mean);
+                    p.max(corrected(rest.p(), share))
+                }
+                false => 1.0,
+            };
+            if worst.is_none_or(|worst| p < worst.p) {
+                worst = Some(Local { tile: grid.place(tile), quantity, estimate: whole, p });
+            }
+        }
+    }
+    worst
+}

@@ -1,0 +1,151 @@
+//! What a comparison came to, in one sentence.
+
+use super::difference::{Difference, Estimate, LEVEL, Local, QUANTITIES, Quantity};
+
+/// Says whether A differs from B by more than noise, and how. The sentence contains "noise only", or else "brighter" or "darker", said
+/// of A.
+pub fn verdict(difference: &Difference) -> String {
+    let [(luminance, p), colours @ ..] = &difference.means;
+    let local = difference.local.filter(|local| local.p < LEVEL);
+    let around = |local: Local| format!(", most clearly around {}", place(&local));
+    if difference.identical {
+        return "A differs by noise only, p = 1: the images are identical".to_string();
+    }
+    if luminance.error.is_infinite() {
+        return match luminance.mean == 0.0 {
+            true => "A differs by noise only, as far as the mean of so few pixels tells".to_string(),
+            false => format!("A is {}, and so few pixels do not tell how much of that is noise", amount(luminance)),
+        };
+    }
+    if *p < LEVEL {
+        return format!("A is {}{}", amount(luminance), local.map(around).unwrap_or_default());
+    }
+    let differ = colours.iter().zip(&QUANTITIES[1..]).filter(|((_, p), _)| *p < LEVEL);
+    let words: Vec<String> =
+        differ.map(|((mean, _), quantity)| format!("{} in {}", amount(mean), quantity.name())).collect();
+    match (words.is_empty(), local) {
+        (false, _) => format!("A is {}{}", words.join(", "), local.map(around).unwrap_or_default()),
+        (true, Some(local)) => {
+            let colour = match local.quantity {
+                Quantity::Luminance => String::new(),
+                colour => format!(" in {}", colour.name()),
+            };
+            format!(
+                "A is {}{colour} around {}, p = {}; on the mean of the image it is not",
+                amount(&local.estimate),
+                place(&local),
+                probability(local.p)
+            )
+        }
+        (true, None) => format!("A differs by noise only, p = {}", probability(difference.p)),
+    }
+}
+
+/// The middle of a tile.
+fn place(local: &Local) -> String {
+    let [left, top, width, height] = local.tile;
+    format!("pixel ({}, {})", left + width / 2, top + height / 2)
+}
+
+/// "darker by 1.2 ± 0.1 %", of the reference's mean; "darker by 0.012 ± 0.001" where that is none.
+fn amount(estimate: &Estimate) -> String {
+    let direction = if estimate.mean < 0.0 { "darker" } else { "brighter" };
+    let (mean, half) = (estimate.mean.abs(), estimate.half_width());
+    match estimate.reference > 0.0 {
+        true => {
+            let percent = 100.0 / estimate.reference;
+            format!("{direction} by {} %", with_error(mean * percent, half * percent))
+        }
+        false => format!("{direction} by {}", with_error(mean, half)),
+    }
+}
+
+/// A number with its error, to as many digits as the error has a meaning.
+fn with_error(value: f64, error: f64) -> String {
+    // Where the error is nothing beside the value or not known, three digits of the value do.
+    let known = error.is_finite() && error > 0.0;
+    let step = if known { error.max(value * 1e-3) } else { value * 1e-1 };
+    if !(1e-6..1e9).contains(&step) {
+        return if known { format!("{value:.3e} ± {error:.1e}") } else { format!("{value:.3e}") };
+    }
+    // 0.12 to 0.0951 with two digits, others with one.
+    let digits = -step.log10().floor() as i32;
+    let digits = if step * 10f64.powi(digits) < 2.0 { digits + 1 } else { digits };
+    let digits = usize::try_from(digits).unwrap_or(0);
+    match error.is_finite() {
+        true => format!("{value:.digits$} ± {error:.digits$}"),
+        false => format!("{value:.digits$}"),
+    }
+}
+
+/// A p-value in words' precision.
+fn probability(p: f64) -> String {
+    match p {
+        p if p >= 0.1 => format!("{p:.2}"),
+        p if p >= 0.01 => format!("{p:.3}"),
+        p if p >= 0.001 => format!("{p:.4}"),
+        p if p >= 1e-99 => format!("{p:.0e}"),
+        _ => "0".to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::metrics::difference::Source;
+
+    fn estimate(mean: f64, error: f64) -> Estimate {
+        Estimate { mean, reference: 0.5, error, degrees: 1e6 }
+    }
+
+    fn nothing() -> Difference {
+        Difference {
+            source: Source::Variances,
+            identical: false,
+            means: [(estimate(0.0001, 0.0002), 0.9); 4],
+            local: None,
+            p: 0.412,
+        }
+    }
+
+    #[test]
+    fn sentences() {
+        assert_eq!(verdict(&nothing()), "A differs by noise only, p = 0.41");
+        assert_eq!(
+            verdict(&Difference { identical: true, ..nothing() }),
+            "A differs by noise only, p = 1: the images are identical"
+        );
+        let mut darker = nothing();
+        darker.means[0] = (estimate(-0.006, 0.000_5), 1e-30);
+        assert_eq!(verdict(&darker), "A is darker by 1.20 ± 0.20 %");
+        let tile =
+            Local { tile: [16, 32, 16, 15], quantity: Quantity::Red, estimate: estimate(0.05, 0.003), p: 3.21e-8 };
+        darker.local = Some(tile);
+        assert_eq!(verdict(&darker), "A is darker by 1.20 ± 0.20 %, most clearly around pixel (24, 39)");
+        let expected =
+            "A is brighter by 10.0 ± 1.2 % in red around pixel (24, 39), p = 3e-8; on the mean of the image it is not";
+        assert_eq!(verdict(&Difference { local: Some(tile), ..nothing() }), expected);
+        let mut coloured = nothing();
+        coloured.means[1] = (estimate(0.005, 0.000_1), 1e-9);
+        coloured.means[3] = (estimate(-0.02, 0.001), 1e-9);
+        assert_eq!(verdict(&coloured), "A is brighter by 1.00 ± 0.04 % in red, darker by 4.0 ± 0.4 % in blue");
+        // Black references have no percents, and single pixels no errors.
+        let mut black = nothing();
+        black.means[0] = (Estimate { reference: 0.0, ..estimate(0.02, 0.001) }, 1e-9);
+        assert_eq!(verdict(&black), "A is brighter by 0.0200 ± 0.0020");
+        black.means[0].0.error = f64::INFINITY;
+        assert_eq!(verdict(&black), "A is brighter by 0.020, and so few pixels do not tell how much of that is noise");
+    }
+
+    #[test]
+    fn numbers_of_any_size_can_be_said() {
+        for value in [0.0, 1e-300, 1e-7, 0.003, 1.0, 99.96, 1e8, 1e20, 1e300] {
+            for error in [0.0, 1e-300, 1e-6, 0.02, 7.0, 1e30, f64::INFINITY] {
+                let text = with_error(value, error);
+                assert!(text.len() < 40 && !text.contains("NaN"), "{value} {error}: {text}");
+            }
+        }
+        let said = [1.0, 0.412, 0.0512, 0.004_12, 3.2e-7, 1e-200, 0.0].map(probability);
+        assert_eq!(said, ["1.00", "0.41", "0.051", "0.0041", "3e-7", "0", "0"]);
+    }
+}
