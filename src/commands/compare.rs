@@ -47,10 +47,8 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     let broken: Vec<usize> = (0..width * height).filter(|&pixel| !images.counts(pixel)).collect();
 
     // Means are over what counts; pictures keep their shape, with black where a pixel does not count.
-    if !broken.is_empty() {
-        for &pixel in &broken {
-            (a.rgb[pixel], b.rgb[pixel]) = ([0.0; 3], [0.0; 3]);
-        }
+    for &pixel in &broken {
+        (a.rgb[pixel], b.rgb[pixel]) = ([0.0; 3], [0.0; 3]);
     }
     let mut map = error_map(width, &a.rgb, &b.rgb);
     for &pixel in &broken {
@@ -178,7 +176,7 @@ fn check(limits: &[Limit], errors: &Errors, pixels: &Pixels) -> Result<()> {
 /// The interval that holds the true difference; nothing where so few pixels do not tell.
 fn interval(estimate: &Estimate) -> Option<[f64; 2]> {
     let half = estimate.half_width();
-    half.is_finite().then(|| [estimate.mean - half, estimate.mean + half])
+    half.is_finite().then_some([estimate.mean - half, estimate.mean + half])
 }
 
 fn source_words(source: Source) -> &'static str {

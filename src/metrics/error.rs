@@ -1,6 +1,6 @@
 //! How far an image is from another: mean square errors over pixels and channels, of linear radiance and of what a screen shows.
 
-use crate::data::srgb;
+use crate::data::{srgb, unit};
 
 /// What keeps dark pixels from ruling the relative error; in radiance squared (design.md, section 2).
 pub const RELATIVE_FLOOR: f64 = 0.01;
@@ -40,8 +40,7 @@ pub fn relmse_trimmed(a: &[[f32; 3]], b: &[[f32; 3]]) -> Option<f64> {
 ///
 /// Nothing where the images differ in size or are empty.
 pub fn psnr(a: &[[f32; 3]], b: &[[f32; 3]]) -> Option<f64> {
-    // In this order a NaN becomes 0.
-    let shown = |v: f64| srgb(v.max(0.0).min(1.0));
+    let shown = |v: f64| srgb(unit(v));
     mean(a, b, |a, b| (shown(a) - shown(b)).powi(2)).map(|error| -10.0 * error.log10())
 }
 

@@ -11,6 +11,8 @@ use std::f64::consts::PI;
 use std::ops::Range;
 use std::sync::Mutex;
 
+use crate::data::unit;
+
 /// Of a display 0.7 m away that shows 3840 pixels on 0.7 m, the paper's default (section 4): 67.02.
 pub const PIXELS_PER_DEGREE: f64 = 0.7 * (3840.0 / 0.7) * (PI / 180.0);
 
@@ -141,7 +143,7 @@ impl Flip {
     }
 
     fn error_map(&self, width: usize, a: &[[f32; 3]], b: &[[f32; 3]]) -> Vec<f32> {
-        let height = if width == 0 { 0 } else { a.len().min(b.len()) / width };
+        let height = a.len().min(b.len()).checked_div(width).unwrap_or(0);
         let mut map = vec![0.0; width * height];
         if map.is_empty() {
             return map;
@@ -180,7 +182,7 @@ impl Flip {
         for y in 0..band.len() + 2 * margin {
             let y = (band.start + y).saturating_sub(margin).min(height - 1);
             for (x, colour) in image[y * width..(y + 1) * width].iter().enumerate() {
-                let channels = opponent(colour.map(|v| f64::from(v).max(0.0).min(1.0)));
+                let channels = opponent(colour.map(|v| unit(f64::from(v))));
                 opponents.iter_mut().zip(channels).for_each(|(row, channel)| row[margin + x] = channel);
             }
             for row in &mut opponents {
@@ -232,7 +234,7 @@ impl Flip {
             let point = (a.point[x] - b.point[x]).abs();
             let feature = (edge.max(point) * std::f64::consts::FRAC_1_SQRT_2).sqrt();
             // Section 4.3. No difference of colour is none at all, and the feature's can be over 1 by rounding only.
-            *out = colour.max(0.0).min(1.0).powf(1.0 - feature.min(1.0)) as f32;
+            *out = unit(colour).powf(1.0 - feature.min(1.0)) as f32;
         }
     }
 }
@@ -246,9 +248,9 @@ const TO_XYZ: [[f64; 3]; 3] = [
 
 /// Its inverse.
 const FROM_XYZ: [[f64; 3]; 3] = [
-    [3.241_003_232_976_358_7, -1.537_398_969_488_785_5, -0.498_615_881_996_362_92],
-    [-0.969_224_252_202_516_62, 1.875_929_983_695_175_9, 0.041_554_226_340_084_724],
-    [0.055_639_419_851_975_444, -0.204_011_206_123_909_97, 1.057_148_977_187_533_5],
+    [3.241_003_232_976_358_7, -1.537_398_969_488_785_5, -0.498_615_881_996_362_9],
+    [-0.969_224_252_202_516_6, 1.875_929_983_695_176, 0.041_554_226_340_084_724],
+    [0.055_639_419_851_975_444, -0.204_011_206_123_91, 1.057_148_977_187_533_5],
 ];
 
 fn product(matrix: &[[f64; 3]; 3], v: [f64; 3]) -> [f64; 3] {

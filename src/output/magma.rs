@@ -1,6 +1,8 @@
 //! The colours of an error map: magma, whose lightness rises evenly with the value (S. van der Walt and N. Smith, "A better default
 //! colormap for matplotlib", SciPy 2015).
 
+use crate::data::unit;
+
 /// Polynomials of degree 6 through the published table of 256 sRGB colours, the constant first; off by 5 of 255 at most (M. Zucker,
 /// "matplotlib colormaps", 2019, in the public domain).
 const POLYNOMIALS: [[f64; 3]; 7] = [
@@ -15,7 +17,7 @@ const POLYNOMIALS: [[f64; 3]; 7] = [
 
 /// The sRGB bytes of a value, clamped to 0..1.
 pub fn magma(value: f64) -> [u8; 3] {
-    let t = value.max(0.0).min(1.0);
+    let t = unit(value);
     // `as` saturates.
     [0, 1, 2].map(|channel| {
         let sum = POLYNOMIALS.iter().rev().fold(0.0, |sum, powers| sum * t + powers[channel]);
