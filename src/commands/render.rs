@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::json;
 
-use super::{flatten_for, open_device, path_text, print_json, stop_on_interrupt, tell, wish_of};
+use super::{flatten_for, open_device, path_text, print_json, stop_on_interrupt, tell, tell_biases, wish_of};
 use crate::cli::{MOST_SAMPLES, RenderArgs};
 use crate::data::Sampler;
 use crate::error::{Error, Result};
@@ -50,11 +50,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     if !args.quiet {
         scene.warnings().iter().for_each(|warning| tell(&format!("warning: {warning}")));
     }
-    let biases = args.biases(scene.render.max_depth);
-    if !args.quiet {
-        biases.iter().for_each(|(knob, value)| tell(&format!("warning: {}", knob.warning(value))));
-    }
-    let biases: Vec<String> = biases.iter().map(|(knob, value)| knob.option(value)).collect();
+    let biases = tell_biases(&args.trade, args.max_depth, &scene, args.quiet);
     let output = output_of(args)?;
     seconds.load = clock.lap();
 
