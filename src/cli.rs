@@ -117,11 +117,11 @@ pub struct TradeArgs {
     pub build: BuildArg,
 }
 
-impl RenderArgs {
-    /// The knobs whose values bias the result or are less exact, with those values as they are given.
-    pub fn biases(&self, depth_of_scene: u32) -> Vec<(&'static Knob, String)> {
-        let TradeArgs { fresnel, clamp, offset, precision, .. } = &self.trade;
-        let cut = self.max_depth.filter(|depth| *depth < depth_of_scene);
+impl TradeArgs {
+    /// The knobs whose values bias the result or are less exact, with those values as they are given: these, and the `--max-depth` beside them.
+    pub fn biases(&self, max_depth: Option<u32>, depth_of_scene: u32) -> Vec<(&'static Knob, String)> {
+        let TradeArgs { fresnel, clamp, offset, precision, .. } = self;
+        let cut = max_depth.filter(|depth| *depth < depth_of_scene);
         [
             cut.map(|depth| (&knobs::MAX_DEPTH, depth.to_string())),
             (*fresnel == Fresnel::Schlick).then(|| (&knobs::FRESNEL, "schlick".to_string())),
@@ -198,13 +198,14 @@ pub struct ConvergeArgs {
     #[arg(short, long, value_name = "DIR", default_value = ".")]
     pub output: PathBuf,
     /// Samples per pixel at the end [default: the scene's].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_SAMPLES))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_SAMPLES),
+          help_heading = knobs::SPP.class.heading())]
     pub spp: Option<u32>,
     /// Begin no further doubling of the samples that would end later than this after the first [30s, 5m, …].
     #[arg(long, value_name = "TIME", value_parser = duration)]
     pub time: Option<Duration>,
-    /// Scattering events of a path at most [default: the scene's]. Fewer than the scene's own biases the result.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1_000_000),
+          help = knobs::MAX_DEPTH.help(), help_heading = knobs::MAX_DEPTH.class.heading())]
     pub max_depth: Option<u32>,
     /// Seed of the random numbers.
     #[arg(long, value_name = "N", default_value_t = 0)]

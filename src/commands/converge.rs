@@ -6,7 +6,9 @@ use std::sync::atomic::Ordering;
 
 use serde_json::json;
 
-use super::{flatten_for, open_device, path_text, print_json, print_line, stop_on_interrupt, tell, wish_of};
+use super::{
+    flatten_for, open_device, path_text, print_json, print_line, stop_on_interrupt, tell, tell_biases, wish_of,
+};
 use crate::cli::{ConvergeArgs, Size};
 use crate::data::Sampler;
 use crate::error::{Error, Result};
@@ -38,6 +40,7 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
     let reference = read_exr(&args.reference)?;
     let own_error = error_of_reference(&reference);
     let scene = Scene::load(&args.scene)?;
+    let biases = tell_biases(&args.trade, args.max_depth, &scene, args.quiet);
     let (csv, plot) = outputs(args)?;
     let size = (reference.width, reference.height);
     let (size, flat) = flatten_for(&scene, Some(Size::Pixels(size.0, size.1)), wish_of(&args.trade))?;
@@ -90,7 +93,7 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
     let name = args.scene.file_name().unwrap_or_default().to_string_lossy();
     let title = format!("{name} on {}", device.name.driver);
     write(&plot, &svg(&drawing(&title, &steps, own_error))?)?;
-    report(args, &device.name.to_string(), &steps, own_error, (&csv, &plot));
+    report(args, &biases, &device.name.to_string(), &steps, own_error, (&csv, &plot));
     match stopped.load(Ordering::Relaxed) {
         true => Err(Error::Interrupted(format!("interrupted; {} holds the samples so far", csv.display()))),
         false => Ok(()),
@@ -198,7 +201,14 @@ fn line(step: &Step) -> String {
     )
 }
 
-fn report(args: &ConvergeArgs, device: &str, steps: &[Step], own_error: Option<f64>, (csv, plot): (&Path, &Path)) {
+fn report(
+    args: &ConvergeArgs,
+    biases: &[String],
+    device: &str,
+    steps: &[Step],
+    own_error: Option<f64>,
+    (csv, plot): (&Path, &Path),
+) {
     let slope = slope(steps, own_error.unwrap_or(0.0));
     if args.json {
         let rows: Vec<_> = steps
@@ -222,6 +232,7 @@ fn report(args: &ConvergeArgs, device: &str, steps: &[Step], own_error: Option<f
             "integrator": args.trade.integrator.name(),
             "sampler": Sampler::from(args.trade.sampler).name(),
             "seed": args.seed,
+            "biases": biases,
             "steps": rows,
             "relmse_of_reference": own_error,
             "relmse_falls_as": slope.map(|p| -p),

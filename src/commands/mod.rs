@@ -54,6 +54,15 @@ fn wish_of(trade: &TradeArgs) -> Wish {
     }
 }
 
+/// Says which settings bias the result or are less exact, unless nothing is to be said; the result is these options as they were given.
+fn tell_biases(trade: &TradeArgs, max_depth: Option<u32>, scene: &Scene, quiet: bool) -> Vec<String> {
+    let biases = trade.biases(max_depth, scene.render.max_depth);
+    if !quiet {
+        biases.iter().for_each(|(knob, value)| tell(&format!("warning: {}", knob.warning(value))));
+    }
+    biases.iter().map(|(knob, value)| knob.option(value)).collect()
+}
+
 /// The device that a scene is planned for: the one that would render it, or none.
 struct Target {
     name: String,

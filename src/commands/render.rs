@@ -8,7 +8,8 @@ use std::time::{Duration, Instant};
 use serde_json::json;
 
 use super::{
-    check_place, flatten_for, open_device, path_text, print_json, same_file, stop_on_interrupt, tell, wish_of,
+    check_place, flatten_for, open_device, path_text, print_json, same_file, stop_on_interrupt, tell, tell_biases,
+    wish_of,
 };
 use crate::cli::{MOST_SAMPLES, RenderArgs};
 use crate::data::Sampler;
@@ -52,11 +53,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     if !args.quiet {
         scene.warnings().iter().for_each(|warning| tell(&format!("warning: {warning}")));
     }
-    let biases = args.biases(scene.render.max_depth);
-    if !args.quiet {
-        biases.iter().for_each(|(knob, value)| tell(&format!("warning: {}", knob.warning(value))));
-    }
-    let biases: Vec<String> = biases.iter().map(|(knob, value)| knob.option(value)).collect();
+    let biases = tell_biases(&args.trade, args.max_depth, &scene, args.quiet);
     let output = output_of(args)?;
     seconds.load = clock.lap();
 

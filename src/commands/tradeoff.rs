@@ -295,7 +295,7 @@ fn size_of((width, height): (u32, u32), pixels: f64, exact: bool) -> (u32, u32) 
         let divides = |by: &u32| width % by == 0 && height % by == 0;
         let by = (1..=width.min(height)).filter(divides).find(|by| f64::from(*by) >= times);
         // None does: as small as it goes.
-        let by = by.or_else(|| (1..=width.min(height)).filter(divides).next_back()).unwrap_or(1);
+        let by = by.or_else(|| (1..=width.min(height)).rfind(divides)).unwrap_or(1);
         return (width / by, height / by);
     }
     let side = |side: u32| ((f64::from(side) / times).round() as u32).max(1);

@@ -196,7 +196,7 @@ mod tests {
         let mut random = Random(5);
         let baseline = random.images(8, 0.5, 0.01);
         let moved = |image: &Pixels| {
-            let sign = |i: usize| if i % 2 == 0 { 0.02 } else { -0.02 };
+            let sign = |i: usize| if i.is_multiple_of(2) { 0.02 } else { -0.02 };
             image.iter().enumerate().map(|(i, p)| p.map(|v| v + sign(i))).collect()
         };
         let setting: Vec<Pixels> = baseline.iter().map(moved).collect();

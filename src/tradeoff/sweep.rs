@@ -225,11 +225,11 @@ impl<'a> Sweep<'a> {
 
     /// How long a block is expected to take, from those before.
     fn expected(&self, subject: usize, level: u32) -> Duration {
-        let known = self.subjects[subject].blocks.iter().filter_map(|(samples, blocks)| {
+        let mut known = self.subjects[subject].blocks.iter().filter_map(|(samples, blocks)| {
             let last = blocks.last()?;
             Some(last.seconds * f64::from(level) / f64::from(*samples))
         });
-        Duration::from_secs_f64(known.last().unwrap_or(0.0))
+        Duration::from_secs_f64(known.next_back().unwrap_or(0.0))
     }
 }
 
