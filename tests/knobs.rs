@@ -606,6 +606,27 @@ fn an_offset_by_the_distance_fails_on_what_is_small_from_afar() {
 
 // What a render says of its settings
 
+/// With all of them, too, the image does not depend on how the kernels are linked and the work is cut.
+#[test]
+fn what_approximates_is_the_same_to_the_byte_however_it_is_linked() {
+    let place = Place::new();
+    let (_files, scene) = dim_everything();
+    let all = ["--fresnel", "schlick", "--clamp", "0.3", "--offset", "fast", "--precision", "fast", "--spp", "16"];
+    let shot = |more: &[&str]| bits(&place.render(&scene, &[all.as_slice(), more].concat()).image);
+    let usual = shot(&["--scatter", "fused"]);
+    for scatter in ["linked", "queues"] {
+        assert!(shot(&["--scatter", scatter, "--slots", "97", "--bounces", "7"]) == usual, "{scatter}");
+    }
+    // Each of them shows.
+    for (option, default) in
+        [("--fresnel", "exact"), ("--clamp", "off"), ("--offset", "robust"), ("--precision", "strict")]
+    {
+        let options: Vec<&str> =
+            all.chunks(2).flat_map(|pair| [pair[0], if pair[0] == option { default } else { pair[1] }]).collect();
+        assert!(bits(&place.render(&scene, &options).image) != usual, "{option}");
+    }
+}
+
 #[test]
 fn a_render_with_a_setting_that_biases_says_so() {
     let place = Place::new();
