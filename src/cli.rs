@@ -152,6 +152,9 @@ pub struct TuningArgs {
     /// queue for each material [default: by the device].
     #[arg(long, value_enum)]
     pub scatter: Option<ScatterArg>,
+    /// What kernels are linked with: just what the scene requires, or everything that a scene can require.
+    #[arg(long, value_enum, default_value_t)]
+    pub features: FeaturesArg,
     /// Measure the seconds of each stage on the device; costs a pass for each dispatch.
     #[arg(long)]
     pub profile: bool,
@@ -294,6 +297,9 @@ pub struct PlanArgs {
     /// queue for each material [default: by the device].
     #[arg(long, value_enum)]
     pub scatter: Option<ScatterArg>,
+    /// What kernels are linked with: just what the scene requires, or everything that a scene can require.
+    #[arg(long, value_enum, default_value_t)]
+    pub features: FeaturesArg,
     #[command(flatten)]
     pub trade: TradeArgs,
     /// Print one JSON object on stdout.
@@ -415,6 +421,13 @@ pub enum ScatterArg {
     Fused,
     Linked,
     Queues,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum FeaturesArg {
+    #[default]
+    Scene,
+    All,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]

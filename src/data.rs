@@ -31,9 +31,6 @@ pub const LIGHT_NODE_TWO_SIDED: u32 = 0x4000_0000;
 pub const RUN_LENGTH: u32 = 8;
 /// In `RunRecord::counts`: the run is an odd one.
 pub const ODD_RUN: u32 = 0x8000_0000;
-/// Planes of the slots' state, a vec4 of words each; and with lights that are sampled.
-pub const PATH_PLANES: u32 = 5;
-pub const LIT_PATH_PLANES: u32 = 9;
 /// Words before the first queue.
 pub const QUEUE_HEADER: u32 = 8;
 
@@ -94,7 +91,7 @@ macro_rules! device_struct {
 }
 
 device_struct!(
-    /// What one render is told.
+    /// What one render is told. Kernels have the members that they need, each found by its name ([`crate::gpu::layout::pack`]).
     Settings {
         forward: [f32; 3],
         image_width: u32,
@@ -102,25 +99,24 @@ device_struct!(
         image_height: u32,
         pixel_y: [f32; 3],
         max_depth: u32,
-        lens_x: [f32; 3],
         seed: u32,
-        lens_y: [f32; 3],
-        root: u32,
         first_sample: u32,
         end_sample: u32,
         slots: u32,
-        inverse_focus: f32,
         background_bottom: [f32; 3],
+        root: u32,
+        lens_x: [f32; 3],
+        inverse_focus: f32,
+        lens_y: [f32; 3],
         background_width: u32,
-        background_top: [f32; 3],
         background_height: u32,
+        background_top: [f32; 3],
         world_x: [f32; 3],
-        indirect_limit: f32,
         world_y: [f32; 3],
-        padding1: u32,
         world_z: [f32; 3],
-        padding2: u32,
+        indirect_limit: f32,
         few: [u32; 4],
+        background: u32,
     }
 );
 

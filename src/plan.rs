@@ -3,12 +3,12 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use crate::data::{self, LIT_PATH_PLANES, PATH_PLANES, QUEUE_HEADER, RUN_LENGTH, Sampler};
+use crate::data::{self, QUEUE_HEADER, RUN_LENGTH, Sampler};
 use crate::error::Result;
 use crate::film::RunRecord;
-use crate::flatten::{BOUNDARIES, Features, Flat, MATERIALS, PRIMITIVES, TEXTURES, TREE_LIGHTS};
+use crate::flatten::{BACKGROUNDS, BOUNDARIES, Features, Flat, MATERIALS, PRIMITIVES, TEXTURES, TREE_LIGHTS};
 use crate::gpu::buffers::BufferSpec;
-use crate::gpu::layout::{self, Binding};
+use crate::gpu::layout::{self, Binding, Member};
 use crate::gpu::link::{Choices, Embedded, Entry, Linked, link};
 
 /// How the stages of a bounce are linked into kernels. The image does not depend on it.
@@ -101,9 +101,64 @@ pub struct Kernel {
 pub struct Plan {
     pub generate: Kernel,
     pub bounce: Bounce,
-    /// Planes of the slots' state, a vec4 of words each.
-    pub path_planes: u32,
+    /// What slots keep of their paths from one dispatch to the next.
+    pub path_fields: Vec<PathField>,
+    pub settings: SettingsLayout,
     tables: Tables,
+}
+
+/// The settings as the kernels of a plan have them: just the members that they need.
+#[derive(Clone, Debug)]
+pub struct SettingsLayout(Vec<Member>);
+
+impl SettingsLayout {
+    pub fn of(module: &naga::Module) -> Result<SettingsLayout> {
+        Ok(SettingsLayout(layout::members(module, "Settings")?.map_or_else(Vec::new, |(members, _)| members)))
+    }
+
+    /// Each member in its place, by its name.
+    pub fn bytes(&self, settings: &data::Settings) -> Vec<u8> {
+        layout::pack(&self.0, data::Settings::FIELDS, bytemuck::bytes_of(settings))
+    }
+}
+
+/// A field of the paths' state: words of 32 bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PathField {
+    /// Of the constant that says where it begins.
+    pub name: &'static str,
+    pub words: u32,
+    pub what: &'static str,
+}
+
+/// The fields that kernels hand to each other. The fused kernel keeps to itself what lies between a ray and its scattering.
+fn path_fields(features: &Features, fused: bool) -> Vec<PathField> {
+    let field = |wanted: bool, name, words, what| wanted.then_some(PathField { name, words, what });
+    let lit = features.lights > 0;
+    let meshes = features.primitives[data::KIND_TRIANGLE as usize].is_some();
+    let mesh_lights = features.emitters[data::KIND_TRIANGLE as usize].is_some();
+    let all = [
+        field(true, "WORD_OF_ORIGIN", 3, "where the ray starts"),
+        field(true, "WORD_OF_DIRECTION", 3, "its direction"),
+        field(true, "WORD_OF_STATUS", 1, "what the path is doing, or what its ray has met"),
+        field(true, "WORD_OF_THROUGHPUT", 3, "the share of the light met next that reaches the camera"),
+        field(true, "WORD_OF_EVENTS", 1, "scattering events so far"),
+        field(true, "WORD_OF_PIXEL", 1, "the pixel"),
+        field(true, "WORD_OF_SAMPLE", 1, "the sample of the pixel"),
+        field(true, "WORD_OF_COUNTS", 1, "samples of the run, accepted and rejected"),
+        field(true, "WORD_OF_SUM", 3, "their radiance"),
+        field(true, "WORD_OF_RAYS", 1, "their rays"),
+        field(lit, "WORD_OF_RADIANCE", 3, "radiance of the sample so far, by lights that were sampled"),
+        field(lit, "WORD_OF_PDF", 1, "density of the last scattering's direction"),
+        field(!fused, "WORD_OF_T", 1, "distance to what the ray has met"),
+        field(!fused && meshes, "WORD_OF_INSTANCE", 1, "the mesh that it is part of"),
+        field(!fused && lit, "WORD_OF_SHADOW_ORIGIN", 3, "where the ray to a light starts"),
+        field(!fused && lit, "WORD_OF_SHADOW_DIRECTION", 3, "its direction"),
+        field(!fused && lit, "WORD_OF_LIGHT", 1, "the light"),
+        field(!fused && lit, "WORD_OF_LIGHT_WEIGHT", 3, "what it brings per radiance, if nothing is in its way"),
+        field(!fused && mesh_lights, "WORD_OF_LIGHT_INSTANCE", 1, "the mesh that the light is part of"),
+    ];
+    all.into_iter().flatten().collect()
 }
 
 /// From a ray to what becomes of it.
@@ -143,7 +198,8 @@ impl Plan {
         let empty = materials.is_empty();
         // A queue each is no use where there is one material.
         let queues = scatter == Scatter::Queues && materials.len() > 1;
-        let choices = choices(features, &materials, queues, tables);
+        let fused = scatter == Scatter::Fused && !empty;
+        let choices = choices(features, &materials, Bounces { fused, queues }, tables);
         let always = "every render";
         let geometry = asked(PRIMITIVES, &features.primitives);
         let media = asked(&boundary_names(), &features.boundaries);
@@ -154,20 +210,15 @@ impl Plan {
         let all_materials = asked(MATERIALS, &features.materials);
         let reasons = [&geometry, &all_materials, &media, &emitters];
         let all_reasons = reasons.into_iter().filter(|why| !why.is_empty()).cloned().collect::<Vec<_>>().join("; ");
-        let bounce = if scatter == Scatter::Fused && !empty {
+        let bounce = if fused {
             Bounce::Fused(Box::new(kernel("bounce", "bounce", &choices, &all_reasons)?))
         } else {
             let if_any = |wanted: bool, name: &str, stage, why: &str| {
                 wanted.then(|| kernel(name, stage, &choices, why)).transpose()
             };
-            // Slots are sorted when it is known what becomes of their rays: after the media, where there are any.
-            let mut intersect = choices.clone();
-            if features.media > 0 {
-                intersect.modules.insert("sort", "slots/no_sort");
-            }
             Bounce::Staged(Box::new(Staged {
-                intersect: kernel("intersect", "intersect", &intersect, if empty { always } else { &geometry })?,
-                medium: if_any(features.media > 0, "medium", "medium", &media)?,
+                intersect: kernel("intersect", "intersect", &choices, if empty { always } else { &geometry })?,
+                medium: if_any(features.media > 0 || features.every, "medium", "medium", &media)?,
                 dispatch: if_any(queues, "dispatch", "dispatch", "a queue for each material")?,
                 scatter: match queues {
                     true => queued_scatters(features, &materials, &choices)?,
@@ -177,9 +228,14 @@ impl Plan {
                 refill: kernel("refill", "refill", &choices, always)?,
             }))
         };
-        let path_planes = if lights { LIT_PATH_PLANES } else { PATH_PLANES };
         let generate = kernel("generate", "generate", &choices, always)?;
-        Ok(Plan { generate, bounce, path_planes, tables: tables.clone() })
+        let settings = SettingsLayout::of(&generate.module)?;
+        Ok(Plan { generate, bounce, path_fields: path_fields(features, fused), settings, tables: tables.clone() })
+    }
+
+    /// Bytes of the state of one slot's path.
+    pub fn path_bytes(&self) -> u64 {
+        self.path_fields.iter().map(|field| u64::from(field.words) * 4).sum()
     }
 
     /// The kernels in the order in which a pass runs them.
@@ -218,7 +274,7 @@ impl Plan {
                 "runs started and finished, idle slots",
             ),
             BufferSpec::working("records", records, "finished runs on their way to the film"),
-            BufferSpec::working("paths", slots * u64::from(self.path_planes) * 16, "the state of the paths in flight"),
+            BufferSpec::working("paths", slots * self.path_bytes(), "the state of the paths in flight"),
             BufferSpec::scene("texels", bytes(&flat.texels), "images"),
             BufferSpec::scene("sky", bytes(&flat.sky), "the background's image as a distribution of directions"),
             BufferSpec::scene("meshes", bytes(&flat.meshes), "faces and vertices of meshes"),
@@ -265,15 +321,23 @@ fn asked(names: &[&str], used: &[Option<String>]) -> String {
 
 /// What a kernel over all materials of the scene is linked with: for benchmarks and tests that link their own.
 pub fn choices_of(features: &Features, tables: &Tables) -> Choices {
-    choices(features, &entries(MATERIALS, &features.materials), false, tables)
+    choices(features, &entries(MATERIALS, &features.materials), Bounces { fused: true, queues: false }, tables)
 }
 
-fn choices(features: &Features, materials: &[Entry], queues: bool, tables: &Tables) -> Choices {
+/// How the steps of a bounce are cut into kernels.
+#[derive(Clone, Copy)]
+struct Bounces {
+    fused: bool,
+    queues: bool,
+}
+
+fn choices(features: &Features, materials: &[Entry], bounces: Bounces, tables: &Tables) -> Choices {
+    let Bounces { fused, queues } = bounces;
     let textures = entries(TEXTURES, &features.textures);
-    let background = match features.background {
-        "gradient" => "background/gradient",
-        "image" => "background/image",
-        _ => "background/solid",
+    let backgrounds = entries(BACKGROUNDS, &features.backgrounds);
+    let (own_background, other_backgrounds) = match backgrounds.split_last() {
+        Some((own, others)) => (vec![own.clone()], others.to_vec()),
+        None => (Vec::new(), Vec::new()),
     };
     let walk = match features {
         _ if materials.is_empty() => "scene/nothing",
@@ -290,7 +354,7 @@ fn choices(features: &Features, materials: &[Entry], queues: bool, tables: &Tabl
     let (emitting_meshes, emitters) = split(entries(PRIMITIVES, &features.emitters));
     let boundaries = BOUNDARIES.iter().zip(&features.boundaries).filter(|(_, used)| used.is_some());
     let (mesh_boundaries, convex_boundaries) = split(closed(boundaries.map(|(boundary, _)| *boundary)));
-    let media = features.media > 0;
+    let media = features.media > 0 || features.every;
     let lights = features.lights > 0;
     // One entry or none: what is linked where there are lights, and of which kinds.
     let only_if = |wanted: bool, name: &str| if wanted { closed(std::iter::once((name, 0))) } else { Vec::new() };
@@ -298,30 +362,41 @@ fn choices(features: &Features, materials: &[Entry], queues: bool, tables: &Tabl
     let responders = materials.iter().filter(|entry| ["lambertian", "metal"].contains(&entry.name.as_str()));
     Choices {
         modules: BTreeMap::from([
-            ("background", background),
-            ("axes", pick(features.turned, "scene/camera_axes", "scene/world_axes")),
-            ("camera", pick(features.thin_lens, "camera/thin_lens", "camera/pinhole")),
+            ("axes", pick(features.turned.is_some(), "scene/camera_axes", "scene/world_axes")),
+            ("camera", pick(features.thin_lens.is_some(), "camera/thin_lens", "camera/pinhole")),
             ("colour", pick(textures.is_empty(), "scene/plain_colour", "scene/textured_colour")),
             ("uv", pick(image_texture, "scene/uv", "scene/no_uv")),
             ("shading", pick(features.smooth.is_some(), "scene/smooth_shading", "scene/flat_shading")),
-            ("media", pick(media, "step/media", "step/no_media")),
-            ("medium_albedo", pick(features.textured_media, "scene/textured_medium", "scene/plain_medium")),
+            ("medium_albedo", pick(features.textured_media.is_some(), "scene/textured_medium", "scene/plain_medium")),
             ("roulette", pick(features.roulette, "step/roulette", "step/no_roulette")),
             ("clamp", pick(features.clamp, "step/clamp", "step/no_clamp")),
             ("fresnel", pick(features.schlick, "lib/fresnel_schlick", "lib/fresnel")),
             ("offset", pick(features.fast_offset, "geometry/offset_fast", "geometry/offset")),
             ("sphere_chord", pick(features.fast_precision, "geometry/sphere_chord_fast", "geometry/sphere_chord")),
             ("light_choice", pick(lights && features.lights >= TREE_LIGHTS, "scene/light_tree", "scene/light_alias")),
-            ("transmittance", pick(media, "scene/transmittance", "scene/clear_air")),
             ("walk", walk),
             ("sampler", pick(features.sampler == Sampler::Sobol, "sampler/sobol", "sampler/independent")),
-            ("sort", pick(queues, "slots/sort_by_material", "slots/no_sort")),
-            ("turn", pick(queues, "slots/queue_turn", "slots/every_turn")),
         ]),
         lists: BTreeMap::from([
             ("primitive", primitives),
             ("mesh", meshes),
             ("light", only_if(lights, "light")),
+            ("staged_light", only_if(lights && !fused, "light")),
+            ("medium", only_if(media, "medium")),
+            ("queue", only_if(queues, "queue")),
+            // Slots are sorted when it is known what becomes of their rays: after the media, where there are any.
+            ("queue_of_hits", only_if(queues && !media, "queue")),
+            ("lens", only_if(features.thin_lens.is_some(), "lens")),
+            ("camera_axes", only_if(features.turned.is_some(), "camera_axes")),
+            ("clamp", only_if(features.clamp, "clamp")),
+            ("few", only_if(walk == "scene/few", "few")),
+            ("gradient_background", only_if(features.backgrounds[1].is_some(), "gradient")),
+            ("image_background", only_if(features.backgrounds[2].is_some(), "image")),
+            ("background", backgrounds),
+            ("several_backgrounds", only_if(!other_backgrounds.is_empty(), "several")),
+            ("own_background", own_background),
+            ("other_background", other_backgrounds),
+            ("path_field", field_places(&path_fields(features, fused))),
             ("emitter", emitters),
             ("emitting_mesh", emitting_meshes),
             ("emitting_sky", only_if(features.emitting_sky.is_some(), "sky")),
@@ -340,6 +415,7 @@ fn choices(features: &Features, materials: &[Entry], queues: bool, tables: &Tabl
                 ("boundary_stack_size", (features.boundary_stack_size + 2).to_string()),
                 ("media", features.media.to_string()),
                 ("lights", features.lights.to_string()),
+                ("sky_light", features.sky_light.to_string()),
                 ("sky_columns", features.sky_grid.0.to_string()),
                 ("sky_rows", features.sky_grid.1.to_string()),
                 // Mesa 22.3 allows an invocation 65,535 iterations: for one walk, or for two, the other being a shadow ray's.
@@ -349,6 +425,16 @@ fn choices(features: &Features, materials: &[Entry], queues: bool, tables: &Tabl
             ])
             .collect(),
     }
+}
+
+/// Each field's name, and the number of its first word.
+fn field_places(fields: &[PathField]) -> Vec<Entry> {
+    let first_words = fields.iter().scan(0, |next, field| {
+        let first = *next;
+        *next += field.words;
+        Some((field.name, first))
+    });
+    closed(first_words)
 }
 
 /// The tables by name, and the names of the values that say how each is bound.

@@ -12,7 +12,7 @@ use crate::gpu::device::{Device, DeviceClass};
 use crate::gpu::pipeline::{Pipeline, PipelineSpec};
 use crate::gpu::probe;
 use crate::gpu::timing::{MAX_PASSES, Timing};
-use crate::plan::{Bounce, Kernel, Plan, Scatter, Tuning};
+use crate::plan::{Bounce, Kernel, Plan, Scatter, SettingsLayout, Tuning};
 
 /// What is to be rendered of a scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -159,6 +159,7 @@ fn blocks(samples: Range<u32>) -> Range<u32> {
 pub struct Renderer<'a> {
     device: &'a Device,
     settings: Settings,
+    settings_layout: SettingsLayout,
     size: (u32, u32),
     tuning: Tuning,
     /// Bounces of the next submission, and whether their number is fixed.
@@ -263,6 +264,7 @@ impl<'a> Renderer<'a> {
         let renderer = Renderer {
             device,
             settings,
+            settings_layout: plan.settings.clone(),
             size: job.size,
             bounces: wish.bounces.unwrap_or(1),
             bounces_fixed: wish.bounces.is_some(),
@@ -430,7 +432,7 @@ impl<'a> Renderer<'a> {
     fn render_samples(&mut self, samples: Range<u32>, stretch: &mut Stretch<'_>) -> Result<()> {
         self.settings.first_sample = samples.start;
         self.settings.end_sample = samples.end;
-        self.write("settings", bytemuck::bytes_of(&self.settings))?;
+        self.write("settings", &self.settings_layout.bytes(&self.settings))?;
         let pixels = self.size.0 * self.size.1;
         // Runs of a window are counted in 32 bits, with room for each slot to ask once too often.
         let window_blocks = ((1u32 << 31) / pixels).max(1);

@@ -2,7 +2,7 @@
 //@ use bind/window
 //@ use bind/records
 //@ use bind/materials
-//@ use choice/background
+//@ use scene/background
 //@ use choice/camera
 //@ use choice/colour
 //@ use data/dimension
@@ -27,12 +27,12 @@ fn radiance_of(pixel: u32, sample: u32, rays: ptr<function, u32>) -> vec3<f32> {
         if hit.code == HIT_NOTHING {
             return throughput * background_radiance(ray.direction);
         }
-        let surface = surface_at(hit.code, hit.instance, ray, hit.t);
+        let surface = surface_at(hit, ray);
         let material = materials[surface.material];
         let front = dot(ray.direction, surface.normal) < 0.0;
         let facing = select(-surface.normal, surface.normal, front);
-        let shading = shading_normal(hit.code, hit.instance, surface, ray.direction, facing);
-        let colour = surface_colour(material, hit.code, hit.instance, surface);
+        let shading = shading_normal(hit, surface, ray.direction, facing);
+        let colour = surface_colour(material, hit, surface);
         let u = random4(pixel, sample, event_dimension(events, DIMENSION_SCATTER), settings.seed);
         let scattered = scatter_by_material(material, Interaction(ray.direction, shading, front, colour), u);
         throughput *= scattered.weight;
@@ -42,7 +42,7 @@ fn radiance_of(pixel: u32, sample: u32, rays: ptr<function, u32>) -> vec3<f32> {
         if scattered.event == ABSORBED || events >= settings.max_depth || all(throughput == vec3<f32>(0.0)) {
             break;
         }
-        let leaving = leaving_point(hit.code, hit.instance, surface, facing, shading, scattered.direction);
+        let leaving = leaving_point(hit, surface, facing, shading, scattered.direction);
         ray = Ray(leaving, scattered.direction);
     }
     return vec3<f32>(0.0);

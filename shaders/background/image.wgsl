@@ -3,7 +3,7 @@
 //@ use lib/sphere_map
 //@ use scene/texel
 // The radiance of the sky where a ray leaves the scene: a latitude-longitude image, the first of the scene's texels.
-fn background_radiance(direction: vec3<f32>) -> vec3<f32> {
+fn image_background(direction: vec3<f32>) -> vec3<f32> {
     let at = sky_place(to_world(direction));
     return settings.background_bottom
         * image_at(0u, settings.background_width, settings.background_height, at.x, at.y, true);

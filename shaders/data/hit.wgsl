@@ -20,13 +20,3 @@ struct SurfaceUv {
     uv: vec2<f32>,
     wraps: bool,
 }
-
-// What a ray meets first.
-struct Hit {
-    code: u32,
-    // The mesh that a triangle is part of.
-    instance: u32,
-    t: f32,
-    // Nodes and primitives looked at.
-    steps: u32,
-}

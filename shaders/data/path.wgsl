@@ -1,4 +1,5 @@
 //@ use data/ray
+//@ use data/found
 // A path on its way, and the run that it is a sample of.
 struct Path {
     ray: Ray,
@@ -8,8 +9,10 @@ struct Path {
     status: u32,
     // The share of the light met next that reaches the camera; of an ended path its radiance.
     throughput: vec3<f32>,
+    //@ each mesh
     // With a triangle's code: the instance that it is part of.
     instance: u32,
+    //@ end
     // Scattering events so far.
     events: u32,
     pixel: u32,
@@ -24,10 +27,22 @@ struct Path {
     // A ray on its way to a light, the light or NO_LIGHT, and what it brings per radiance if nothing is in its way.
     shadow: Ray,
     light: u32,
-    light_instance: u32,
     light_weight: vec3<f32>,
+    //@ end
+    //@ each emitting_mesh
+    // With a triangle's code for the light: the instance that it is part of.
+    light_instance: u32,
     //@ end
     // Radiance of the run's samples so far, and their rays.
     sum: vec3<f32>,
     rays: u32,
+}
+
+// What the path's ray met.
+fn path_hit(path: ptr<function, Path>) -> Hit {
+    var hit = hit_at((*path).status, (*path).t);
+    //@ each mesh
+    hit.instance = (*path).instance;
+    //@ end
+    return hit;
 }

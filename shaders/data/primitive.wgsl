@@ -110,7 +110,6 @@ struct Instance {
     to_uvs: u32,
 }
 
-const NO_INSTANCE: u32 = 0xffffffffu;
 const NO_UVS: u32 = 0xffffffffu;
 // What stands for the normal of a vertex of a flat-shaded mesh.
 const NO_NORMAL: u32 = 0x80008000u;

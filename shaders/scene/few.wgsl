@@ -1,5 +1,6 @@
 //@ use data/ray
 //@ use data/hit
+//@ use data/found
 //@ use data/primitive
 //@ use bind/settings
 //@ use scene/primitives
@@ -14,11 +15,9 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
     for (var index = 0u; index < settings.few[${number}u]; index += 1u) {
         let t = ${name}_distance(ray, ${name}s[index]);
         if t != NO_HIT && t <= hit.t {
-            let code = PRIMITIVE_BIT | ${number}u << PRIMITIVE_KIND_SHIFT | index;
-            if t < hit.t || comes_before(code, NO_INSTANCE, hit) {
-                hit.code = code;
-                hit.instance = NO_INSTANCE;
-                hit.t = t;
+            let candidate = hit_at(PRIMITIVE_BIT | ${number}u << PRIMITIVE_KIND_SHIFT | index, t);
+            if t < hit.t || comes_before(candidate, hit) {
+                hit = candidate;
                 if any_will_do {
                     return hit;
                 }
@@ -30,5 +29,5 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
 }
 
 fn nearest_hit(ray: Ray, root: u32) -> Hit {
-    return first_hit(ray, root, Hit(HIT_NOTHING, NO_INSTANCE, VERY_FAR, 0u), false);
+    return first_hit(ray, root, hit_at(HIT_NOTHING, VERY_FAR), false);
 }

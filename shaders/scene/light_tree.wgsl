@@ -5,7 +5,7 @@
 // left one's share of both importances (Conty Estevez and Kulla, "Importance Sampling of Many Lights with Adaptive Tree
 // Splitting", HPG 2018; src/flatten/light_tree.rs).
 
-const LAST_LIGHT: u32 = ${lights}u - 1u;
+const SKY_LIGHT: u32 = ${sky_light}u;
 
 // The power of a node's lights over the squared distance, times the largest cosine that any of their normals can have to
 // the point (section 4.2): a bound of the irradiance, but for a distance that nodes around the point do not have. The
@@ -51,9 +51,9 @@ fn choose_light(from_point: vec3<f32>, u: vec2<f32>) -> LightChoice {
     var rest = u.x;
     var probability = 1.0;
     //@ each emitting_sky
-    let of_sky = lights[LAST_LIGHT].probability;
+    let of_sky = lights[SKY_LIGHT].probability;
     if u.x < of_sky {
-        return LightChoice(LAST_LIGHT, of_sky);
+        return LightChoice(SKY_LIGHT, of_sky);
     }
     probability = 1.0 - of_sky;
     rest = (u.x - of_sky) / probability;
@@ -78,8 +78,8 @@ fn choose_light(from_point: vec3<f32>, u: vec2<f32>) -> LightChoice {
 fn light_probability(index: u32, from_point: vec3<f32>) -> f32 {
     var probability = 1.0;
     //@ each emitting_sky
-    let of_sky = lights[LAST_LIGHT].probability;
-    if index == LAST_LIGHT {
+    let of_sky = lights[SKY_LIGHT].probability;
+    if index == SKY_LIGHT {
         return of_sky;
     }
     probability = 1.0 - of_sky;

@@ -1,5 +1,6 @@
 //@ use data/ray
 //@ use data/hit
+//@ use data/found
 //@ use data/primitive
 //@ use bind/lights
 //@ use light/sample
@@ -81,9 +82,9 @@ fn arrives_at_front(code: u32, ray: Ray, normal: vec3<f32>) -> bool {
 }
 
 // The density by which the primitive that the direction meets is chosen as a light and the direction drawn.
-fn light_density(code: u32, instance: u32, from_point: vec3<f32>, direction: vec3<f32>) -> f32 {
-    let index = primitive_index(code);
-    switch primitive_kind(code) {
+fn light_density(hit: Hit, from_point: vec3<f32>, direction: vec3<f32>) -> f32 {
+    let index = primitive_index(hit.code);
+    switch primitive_kind(hit.code) {
         //@ each emitter
         case ${number}u: {
             let shape = ${name}s[index];
@@ -92,7 +93,7 @@ fn light_density(code: u32, instance: u32, from_point: vec3<f32>, direction: vec
         //@ end
         //@ each emitting_mesh
         case KIND_TRIANGLE: {
-            let placed = instances[instance];
+            let placed = instances[hit.instance];
             let corners = placed_corners(placed, index);
             let pdf = triangle_light_pdf(from_point, direction, corners.a, corners.b, corners.c);
             return light_probability(placed.to_light + index, from_point) * pdf;

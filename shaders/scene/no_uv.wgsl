@@ -1,5 +1,6 @@
 //@ use data/hit
+//@ use data/found
 // No texture of this scene asks for coordinates.
-fn surface_uv(code: u32, instance: u32, point: vec3<f32>, local: vec3<f32>) -> SurfaceUv {
+fn surface_uv(hit: Hit, point: vec3<f32>, local: vec3<f32>) -> SurfaceUv {
     return SurfaceUv(vec2<f32>(0.0), false);
 }

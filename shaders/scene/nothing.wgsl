@@ -1,5 +1,5 @@
 //@ use data/ray
-//@ use data/hit
+//@ use data/found
 //@ use data/primitive
 //@ use lib/float
 // A scene without objects: every ray leaves it.
@@ -8,5 +8,5 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
 }
 
 fn nearest_hit(ray: Ray, root: u32) -> Hit {
-    return Hit(HIT_NOTHING, NO_INSTANCE, VERY_FAR, 1u);
+    return hit_at(HIT_NOTHING, VERY_FAR);
 }

@@ -1,6 +1,7 @@
 //@ use data/hit
+//@ use data/found
 //@ use data/material
 // The colour of a surface of a scene without textures.
-fn surface_colour(material: Material, code: u32, instance: u32, surface: Surface) -> vec3<f32> {
+fn surface_colour(material: Material, hit: Hit, surface: Surface) -> vec3<f32> {
     return material.colour;
 }

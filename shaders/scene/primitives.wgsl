@@ -1,5 +1,5 @@
 //@ use data/ray
-//@ use data/hit
+//@ use data/found
 //@ use data/primitive
 //@ each primitive
 //@ use geometry/${name}
@@ -30,9 +30,9 @@ fn primitive_distance(code: u32, ray: Ray, inverse: vec3<f32>) -> f32 {
 }
 
 // Place among the scene's primitives; of a triangle that of its instance.
-fn primitive_order(code: u32, instance: u32) -> u32 {
-    let index = primitive_index(code);
-    switch primitive_kind(code) {
+fn primitive_order(hit: Hit) -> u32 {
+    let index = primitive_index(hit.code);
+    switch primitive_kind(hit.code) {
         //@ each primitive
         ${case}: {
             return ${name}s[index].order;
@@ -40,20 +40,20 @@ fn primitive_order(code: u32, instance: u32) -> u32 {
         //@ end
         //@ each mesh
         ${case}: {
-            return instances[instance].order;
+            return instances[hit.instance].order;
         }
         //@ end
     }
 }
 
-// Whether a primitive comes before the one hit at the same distance: by their places in the scene, and within a mesh by
+// Whether a primitive comes before another one at the same distance: by their places in the scene, and within a mesh by
 // the faces' numbers in its file.
-fn comes_before(code: u32, instance: u32, hit: Hit) -> bool {
-    let order = primitive_order(code, instance);
-    let other = primitive_order(hit.code, hit.instance);
+fn comes_before(candidate: Hit, hit: Hit) -> bool {
+    let order = primitive_order(candidate);
+    let other = primitive_order(hit);
     //@ each mesh
     if order == other {
-        return face_number(primitive_index(code)) < face_number(primitive_index(hit.code));
+        return face_number(primitive_index(candidate.code)) < face_number(primitive_index(hit.code));
     }
     //@ end
     return order < other;

@@ -16,5 +16,5 @@ fn sky_light_sample(u: vec3<f32>) -> LightSample {
 
 // The density by which the sky is chosen, the last light of all, and the direction drawn.
 fn sky_density(direction: vec3<f32>) -> f32 {
-    return lights[${lights}u - 1u].probability * sky[sky_cell_at(to_world(direction), SKY_COLUMNS, SKY_ROWS)].density;
+    return lights[${sky_light}u].probability * sky[sky_cell_at(to_world(direction), SKY_COLUMNS, SKY_ROWS)].density;
 }

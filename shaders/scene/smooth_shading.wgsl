@@ -1,4 +1,5 @@
 //@ use data/hit
+//@ use data/found
 //@ use data/primitive
 //@ use choice/offset
 //@ use scene/meshes
@@ -22,12 +23,12 @@ fn normals_of(code: u32) -> Corners {
 // The normal that the material sees; `facing` is the surface's own, on the side that the ray came from. Near a silhouette the
 // interpolated normal can face away from the ray, and would send a mirrored one into the surface: it is bent back until
 // the ray grazes it.
-fn shading_normal(code: u32, instance: u32, surface: Surface, incoming: vec3<f32>, facing: vec3<f32>) -> vec3<f32> {
-    if !is_smooth(code) {
+fn shading_normal(hit: Hit, surface: Surface, incoming: vec3<f32>, facing: vec3<f32>) -> vec3<f32> {
+    if !is_smooth(hit.code) {
         return facing;
     }
-    let normals = normals_of(code);
-    let turned = from_mesh_turned(instances[instance], blend(surface.local, normals));
+    let normals = normals_of(hit.code);
+    let turned = from_mesh_turned(instances[hit.instance], blend(surface.local, normals));
     let sided = select(-turned, turned, dot(facing, surface.normal) > 0.0);
     let bent = sided - max(dot(sided, incoming), 0.0) * incoming;
     // Opposite normals can cancel.
@@ -42,21 +43,20 @@ fn shading_normal(code: u32, instance: u32, surface: Surface, incoming: vec3<f32
 // mean of its projections onto the tangent planes of the vertices, weighted as the normals are
 // (Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II, ch. 4).
 fn leaving_point(
-    code: u32,
-    instance: u32,
+    hit: Hit,
     surface: Surface,
     facing: vec3<f32>,
     shading: vec3<f32>,
     direction: vec3<f32>,
 ) -> vec3<f32> {
-    if !is_smooth(code) {
+    if !is_smooth(hit.code) {
         return leave_surface(surface.point, surface.error, surface.normal, direction);
     }
     if dot(direction, shading) < 0.0 {
         return leave_surface(surface.point, surface.error, facing, -facing);
     }
-    let corners = corners_of(primitive_index(code));
-    let normals = normals_of(code);
+    let corners = corners_of(primitive_index(hit.code));
+    let normals = normals_of(hit.code);
     let weights = surface.local;
     let point = blend(weights, corners);
     // Seen from behind, the tangent planes are approached from their other side.
@@ -67,7 +67,7 @@ fn leaving_point(
         dot(corners.c - point, normals.c),
     );
     let by = side * weights * max(below, vec3<f32>(0.0));
-    let placed = instances[instance];
+    let placed = instances[hit.instance];
     let lift = placed.scale * from_mesh_turned(placed, blend(by, normals));
     return leave_surface(surface.point + lift, surface.error, facing, facing);
 }

@@ -1,5 +1,6 @@
 //@ use data/ray
 //@ use data/hit
+//@ use data/found
 //@ use data/primitive
 //@ each primitive
 //@ use geometry/${name}
@@ -9,27 +10,27 @@
 //@ use bind/instances
 //@ use scene/meshes
 //@ end
-// The hit record of a ray that meets the primitive at distance t; `instance` is the mesh that a triangle is part of.
-fn surface_at(code: u32, instance: u32, ray: Ray, t: f32) -> Surface {
-    let index = primitive_index(code);
-    switch primitive_kind(code) {
+// The hit record where a ray meets a primitive.
+fn surface_at(hit: Hit, ray: Ray) -> Surface {
+    let index = primitive_index(hit.code);
+    switch primitive_kind(hit.code) {
         //@ each primitive
         ${case}: {
-            return ${name}_surface(ray, t, ${name}s[index]);
+            return ${name}_surface(ray, hit.t, ${name}s[index]);
         }
         //@ end
         //@ each mesh
         ${case}: {
-            return mesh_surface(ray, instances[instance], index);
+            return mesh_surface(ray, instances[hit.instance], index);
         }
         //@ end
     }
 }
 
 // Index of the primitive's material.
-fn material_index(code: u32, instance: u32) -> u32 {
-    let index = primitive_index(code);
-    switch primitive_kind(code) {
+fn material_index(hit: Hit) -> u32 {
+    let index = primitive_index(hit.code);
+    switch primitive_kind(hit.code) {
         //@ each primitive
         ${case}: {
             return ${name}s[index].material;
@@ -37,7 +38,7 @@ fn material_index(code: u32, instance: u32) -> u32 {
         //@ end
         //@ each mesh
         ${case}: {
-            return instances[instance].material;
+            return instances[hit.instance].material;
         }
         //@ end
     }

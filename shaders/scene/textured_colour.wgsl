@@ -1,4 +1,5 @@
 //@ use data/hit
+//@ use data/found
 //@ use data/material
 //@ use data/primitive
 //@ use scene/textures
@@ -7,18 +8,18 @@
 //@ use scene/meshes
 //@ end
 // The colour of a surface: the material's own, or that of its texture at the point in the object's space.
-fn surface_colour(material: Material, code: u32, instance: u32, surface: Surface) -> vec3<f32> {
+fn surface_colour(material: Material, hit: Hit, surface: Surface) -> vec3<f32> {
     if material.texture == NO_TEXTURE {
         return material.colour;
     }
     let frame = frames[surface.frame];
     var local = surface.local;
     //@ each mesh
-    if primitive_kind(code) == KIND_TRIANGLE {
-        local = mesh_point(primitive_index(code), local);
+    if primitive_kind(hit.code) == KIND_TRIANGLE {
+        local = mesh_point(primitive_index(hit.code), local);
     }
     //@ end
     let offset = along_frame(frame, local);
-    let uv = surface_uv(code, instance, frame.origin + offset, surface.local);
+    let uv = surface_uv(hit, frame.origin + offset, surface.local);
     return texture_colour(material.texture, frame, offset, uv);
 }

@@ -1,5 +1,6 @@
 //@ use data/ray
 //@ use data/hit
+//@ use data/found
 //@ use data/primitive
 //@ use bind/nodes
 //@ use geometry/bounds
@@ -30,8 +31,8 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
     // The ray in the space of the nodes that are walked: the scene's, or that of the mesh that has been entered.
     var here = ray;
     var inverse = slab_inverse(ray.direction);
-    var instance = NO_INSTANCE;
     //@ each mesh
+    var instance = NO_INSTANCE;
     // The stack's depth when the mesh was entered.
     var entered_at = 0u;
     //@ end
@@ -59,10 +60,13 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
             //@ end
             let t = primitive_distance(code, here, inverse);
             if t != NO_HIT && t <= hit.t {
-                if t < hit.t || comes_before(code, instance, hit) {
-                    hit.code = code;
-                    hit.instance = instance;
-                    hit.t = t;
+                var candidate = hit_at(code, t);
+                //@ each mesh
+                candidate.instance = instance;
+                //@ end
+                if t < hit.t || comes_before(candidate, hit) {
+                    candidate.steps = hit.steps;
+                    hit = candidate;
                     if any_will_do {
                         break;
                     }
@@ -99,5 +103,5 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
 }
 
 fn nearest_hit(ray: Ray, root: u32) -> Hit {
-    return first_hit(ray, root, Hit(HIT_NOTHING, NO_INSTANCE, VERY_FAR, 0u), false);
+    return first_hit(ray, root, hit_at(HIT_NOTHING, VERY_FAR), false);
 }

@@ -1,4 +1,5 @@
 //@ use data/hit
+//@ use data/found
 //@ use data/primitive
 //@ each primitive
 //@ use geometry/${name}
@@ -7,8 +8,8 @@
 //@ use scene/meshes
 //@ end
 // Texture coordinates of a place on a primitive; `point` is its image in the frame.
-fn surface_uv(code: u32, instance: u32, point: vec3<f32>, local: vec3<f32>) -> SurfaceUv {
-    switch primitive_kind(code) {
+fn surface_uv(hit: Hit, point: vec3<f32>, local: vec3<f32>) -> SurfaceUv {
+    switch primitive_kind(hit.code) {
         //@ each primitive
         ${case}: {
             return ${name}_uv(point, local);
@@ -16,7 +17,7 @@ fn surface_uv(code: u32, instance: u32, point: vec3<f32>, local: vec3<f32>) -> S
         //@ end
         //@ each mesh
         ${case}: {
-            return mesh_uv(instances[instance], primitive_index(code), local);
+            return mesh_uv(instances[hit.instance], primitive_index(hit.code), local);
         }
         //@ end
     }

@@ -5,7 +5,7 @@
 // One scatter kernel for each material: an invocation for each slot in its queue. Turns past the end name no slot.
 const QUEUE: u32 = ${queue}u;
 
-fn slot_of_turn(turn: u32) -> u32 {
+fn queued_slot(turn: u32) -> u32 {
     if turn >= queue_args[QUEUE].w {
         return settings.slots;
     }

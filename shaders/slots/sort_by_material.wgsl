@@ -1,3 +1,4 @@
+//@ use data/found
 //@ use bind/queues
 //@ use bind/materials
 //@ use bind/settings
@@ -16,11 +17,11 @@ fn queue_of(kind: u32) -> u32 {
     }
 }
 
-fn sort_slot(slot: u32, code: u32, instance: u32) {
-    if code >= FIRST_STATUS {
+fn sort_slot(slot: u32, hit: Hit) {
+    if hit.code >= FIRST_STATUS {
         return;
     }
-    let queue = queue_of(materials[material_index(code, instance)].kind);
+    let queue = queue_of(materials[material_index(hit)].kind);
     let turn = atomicAdd(&queues[queue], 1u);
     atomicStore(&queues[queue_place(queue, turn, settings.slots)], slot);
 }

@@ -1,132 +1,121 @@
 //@ use bind/paths
 //@ use bind/settings
 //@ use data/path
-// The state of the slots' paths in memory: planes of a vec4 of words a slot.
-
-const PLANE_ORIGIN: u32 = 0u; // the ray's origin; t of its hit
-const PLANE_DIRECTION: u32 = 1u; // the ray's direction; status
-const PLANE_THROUGHPUT: u32 = 2u; // throughput; events
-const PLANE_SAMPLE: u32 = 3u; // pixel; sample; instance of the hit; counts
-const PLANE_SUM: u32 = 4u; // sum; rays
 //@ each light
-const PLANE_RADIANCE: u32 = 5u; // radiance; pdf
-const PLANE_SHADOW_ORIGIN: u32 = 6u; // the shadow ray's origin; light
-const PLANE_SHADOW_DIRECTION: u32 = 7u; // its direction; the light's instance
-const PLANE_LIGHT: u32 = 8u; // the light's weight
+//@ use data/light
+//@ end
+// The state of the slots' paths in memory, of just the fields that this scene's kernels hand to each other (src/plan.rs lists them):
+// a field's words one behind the other, each word of all slots together, so that neighbouring slots read neighbouring words.
+
+//@ each path_field
+const ${name}: u32 = ${number}u;
 //@ end
 
-fn place(plane: u32, slot: u32) -> u32 {
-    return plane * settings.slots + slot;
+fn load_word(word: u32, slot: u32) -> u32 {
+    return paths[word * settings.slots + slot];
 }
 
-fn vector_of(word: vec4<u32>) -> vec3<f32> {
-    return bitcast<vec3<f32>>(word.xyz);
+fn store_word(word: u32, slot: u32, value: u32) {
+    paths[word * settings.slots + slot] = value;
 }
 
-fn word_of(vector: vec3<f32>, last: u32) -> vec4<u32> {
-    return vec4<u32>(bitcast<vec3<u32>>(vector), last);
+fn load_vector(word: u32, slot: u32) -> vec3<f32> {
+    return bitcast<vec3<f32>>(
+        vec3<u32>(load_word(word, slot), load_word(word + 1u, slot), load_word(word + 2u, slot)));
+}
+
+fn store_vector(word: u32, slot: u32, vector: vec3<f32>) {
+    let words = bitcast<vec3<u32>>(vector);
+    store_word(word, slot, words.x);
+    store_word(word + 1u, slot, words.y);
+    store_word(word + 2u, slot, words.z);
 }
 
 fn load_status(slot: u32) -> u32 {
-    return paths[place(PLANE_DIRECTION, slot)].w;
+    return load_word(WORD_OF_STATUS, slot);
 }
 
 fn store_status(slot: u32, status: u32) {
-    paths[place(PLANE_DIRECTION, slot)].w = status;
+    store_word(WORD_OF_STATUS, slot, status);
 }
 
 fn load_ray(slot: u32, path: ptr<function, Path>) {
-    let origin = paths[place(PLANE_ORIGIN, slot)];
-    let direction = paths[place(PLANE_DIRECTION, slot)];
-    (*path).ray = Ray(vector_of(origin), vector_of(direction));
-    (*path).t = bitcast<f32>(origin.w);
-    (*path).status = direction.w;
+    (*path).ray = Ray(load_vector(WORD_OF_ORIGIN, slot), load_vector(WORD_OF_DIRECTION, slot));
+    (*path).status = load_status(slot);
 }
 
 fn store_ray(slot: u32, path: ptr<function, Path>) {
-    paths[place(PLANE_ORIGIN, slot)] = word_of((*path).ray.origin, bitcast<u32>((*path).t));
-    paths[place(PLANE_DIRECTION, slot)] = word_of((*path).ray.direction, (*path).status);
-}
-
-fn store_hit(slot: u32, path: ptr<function, Path>) {
-    paths[place(PLANE_ORIGIN, slot)].w = bitcast<u32>((*path).t);
-    store_status(slot, (*path).status);
-    //@ each mesh
-    paths[place(PLANE_SAMPLE, slot)].z = (*path).instance;
-    //@ end
+    store_vector(WORD_OF_ORIGIN, slot, (*path).ray.origin);
+    store_vector(WORD_OF_DIRECTION, slot, (*path).ray.direction);
+    store_word(WORD_OF_STATUS, slot, (*path).status);
 }
 
 fn load_throughput(slot: u32, path: ptr<function, Path>) {
-    let word = paths[place(PLANE_THROUGHPUT, slot)];
-    (*path).throughput = vector_of(word);
-    (*path).events = word.w;
+    (*path).throughput = load_vector(WORD_OF_THROUGHPUT, slot);
+    (*path).events = load_word(WORD_OF_EVENTS, slot);
 }
 
 fn store_throughput(slot: u32, path: ptr<function, Path>) {
-    paths[place(PLANE_THROUGHPUT, slot)] = word_of((*path).throughput, (*path).events);
+    store_vector(WORD_OF_THROUGHPUT, slot, (*path).throughput);
+    store_word(WORD_OF_EVENTS, slot, (*path).events);
 }
 
 fn load_sample(slot: u32, path: ptr<function, Path>) {
-    let word = paths[place(PLANE_SAMPLE, slot)];
-    (*path).pixel = word.x;
-    (*path).sample = word.y;
-    (*path).instance = word.z;
-    (*path).counts = word.w;
+    (*path).pixel = load_word(WORD_OF_PIXEL, slot);
+    (*path).sample = load_word(WORD_OF_SAMPLE, slot);
 }
 
 fn store_sample(slot: u32, path: ptr<function, Path>) {
-    paths[place(PLANE_SAMPLE, slot)] = vec4<u32>((*path).pixel, (*path).sample, (*path).instance, (*path).counts);
+    store_word(WORD_OF_PIXEL, slot, (*path).pixel);
+    store_word(WORD_OF_SAMPLE, slot, (*path).sample);
 }
 
-fn load_sum(slot: u32, path: ptr<function, Path>) {
-    let word = paths[place(PLANE_SUM, slot)];
-    (*path).sum = vector_of(word);
-    (*path).rays = word.w;
+fn load_run(slot: u32, path: ptr<function, Path>) {
+    (*path).counts = load_word(WORD_OF_COUNTS, slot);
+    (*path).sum = load_vector(WORD_OF_SUM, slot);
+    load_rays(slot, path);
 }
 
-fn store_sum(slot: u32, path: ptr<function, Path>) {
-    paths[place(PLANE_SUM, slot)] = word_of((*path).sum, (*path).rays);
+fn store_run(slot: u32, path: ptr<function, Path>) {
+    store_word(WORD_OF_COUNTS, slot, (*path).counts);
+    store_vector(WORD_OF_SUM, slot, (*path).sum);
+    store_rays(slot, path);
 }
 
-//@ each light
+fn load_rays(slot: u32, path: ptr<function, Path>) {
+    (*path).rays = load_word(WORD_OF_RAYS, slot);
+}
+
+fn store_rays(slot: u32, path: ptr<function, Path>) {
+    store_word(WORD_OF_RAYS, slot, (*path).rays);
+}
+
 fn load_radiance(slot: u32, path: ptr<function, Path>) {
-    let word = paths[place(PLANE_RADIANCE, slot)];
-    (*path).radiance = vector_of(word);
-    (*path).pdf = bitcast<f32>(word.w);
+    (*path).radiance = load_vector(WORD_OF_RADIANCE, slot);
 }
 
 fn store_radiance(slot: u32, path: ptr<function, Path>) {
-    paths[place(PLANE_RADIANCE, slot)] = word_of((*path).radiance, bitcast<u32>((*path).pdf));
+    store_vector(WORD_OF_RADIANCE, slot, (*path).radiance);
 }
 
-fn load_light(slot: u32) -> u32 {
-    return paths[place(PLANE_SHADOW_ORIGIN, slot)].w;
+fn load_pdf(slot: u32, path: ptr<function, Path>) {
+    (*path).pdf = bitcast<f32>(load_word(WORD_OF_PDF, slot));
 }
 
-fn load_shadow(slot: u32, path: ptr<function, Path>) {
-    let origin = paths[place(PLANE_SHADOW_ORIGIN, slot)];
-    let direction = paths[place(PLANE_SHADOW_DIRECTION, slot)];
-    (*path).shadow = Ray(vector_of(origin), vector_of(direction));
-    (*path).light = origin.w;
-    (*path).light_instance = direction.w;
-    (*path).light_weight = vector_of(paths[place(PLANE_LIGHT, slot)]);
+fn store_pdf(slot: u32, path: ptr<function, Path>) {
+    store_word(WORD_OF_PDF, slot, bitcast<u32>((*path).pdf));
 }
 
-fn store_shadow(slot: u32, path: ptr<function, Path>) {
-    paths[place(PLANE_SHADOW_ORIGIN, slot)] = word_of((*path).shadow.origin, (*path).light);
-    paths[place(PLANE_SHADOW_DIRECTION, slot)] = word_of((*path).shadow.direction, (*path).light_instance);
-    paths[place(PLANE_LIGHT, slot)] = word_of((*path).light_weight, 0u);
-}
-//@ end
-
+// Between bounces: all that a path is when it has a new ray.
 fn load_path(slot: u32, path: ptr<function, Path>) {
     load_ray(slot, path);
     load_throughput(slot, path);
     load_sample(slot, path);
-    load_sum(slot, path);
+    load_run(slot, path);
     //@ each light
     load_radiance(slot, path);
-    load_shadow(slot, path);
+    load_pdf(slot, path);
+    (*path).light = NO_LIGHT;
     //@ end
 }
 
@@ -134,9 +123,9 @@ fn store_path(slot: u32, path: ptr<function, Path>) {
     store_ray(slot, path);
     store_throughput(slot, path);
     store_sample(slot, path);
-    store_sum(slot, path);
+    store_run(slot, path);
     //@ each light
     store_radiance(slot, path);
-    store_shadow(slot, path);
+    store_pdf(slot, path);
     //@ end
 }

@@ -1,6 +1,8 @@
 //@ use slots/state
 //@ use step/trace
-//@ use choice/media
+//@ each medium
+//@ use step/media
+//@ end
 //@ use step/scatter
 //@ use step/refill
 //@ relies on loops
@@ -10,7 +12,7 @@ override WORKGROUP_SIZE: u32 = 64u;
 
 // Loop iterations after which an invocation leaves its bounces to the next dispatch: with the longest walks
 // (scene/traverse, step/media) still to come they stay below the 65,535 that Mesa 22.3 allows an invocation.
-const MOST_ITERATIONS: u32 = 16384u - MOST_STEPS_OF_MEDIA;
+const MOST_ITERATIONS: u32 = 16384u;
 // The most that shading takes: seven octaves of noise over eight corners.
 const ITERATIONS_OF_SHADING: u32 = 64u;
 
@@ -23,9 +25,14 @@ fn bounce(@builtin(global_invocation_id) id: vec3<u32>) {
     var path: Path;
     load_path(slot, &path);
     var iterations = 0u;
+    //@ each medium
+    iterations = MOST_STEPS_OF_MEDIA;
+    //@ end
     for (var i = 0u; i < window.bounces && iterations < MOST_ITERATIONS; i++) {
         iterations += trace(&path) + ITERATIONS_OF_SHADING;
+        //@ each medium
         iterations += cross_media(&path);
+        //@ end
         if path.status < FIRST_STATUS {
             scatter_path(&path);
         }

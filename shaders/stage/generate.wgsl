@@ -1,5 +1,8 @@
 //@ use slots/state
 //@ use step/start
+//@ each staged_light
+//@ use slots/between
+//@ end
 // Gives every slot a run, when none has one.
 override WORKGROUP_SIZE: u32 = 64u;
 
@@ -12,4 +15,7 @@ fn generate(@builtin(global_invocation_id) id: vec3<u32>) {
     var path: Path;
     start_run(&path);
     store_path(slot, &path);
+    //@ each staged_light
+    store_no_light(slot);
+    //@ end
 }

@@ -1,6 +1,8 @@
-//@ use slots/state
+//@ use slots/between
 //@ use step/trace
-//@ use choice/sort
+//@ each queue_of_hits
+//@ use slots/sort_by_material
+//@ end
 // Finds what each slot's ray meets first.
 override WORKGROUP_SIZE: u32 = 64u;
 
@@ -17,5 +19,7 @@ fn intersect(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     trace(&path);
     store_hit(slot, &path);
-    sort_slot(slot, path.status, path.instance);
+    //@ each queue_of_hits
+    sort_slot(slot, path_hit(&path));
+    //@ end
 }

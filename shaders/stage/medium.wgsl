@@ -1,6 +1,8 @@
-//@ use slots/state
+//@ use slots/between
 //@ use step/media
-//@ use choice/sort
+//@ each queue
+//@ use slots/sort_by_material
+//@ end
 // Lets media scatter the slots' rays before they reach what they met.
 override WORKGROUP_SIZE: u32 = 64u;
 
@@ -11,24 +13,26 @@ fn medium(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     var path: Path;
-    load_ray(slot, &path);
+    load_hit(slot, &path);
     if path.status == SLOT_IDLE {
         return;
     }
     load_throughput(slot, &path);
     load_sample(slot, &path);
     //@ each light
-    load_radiance(slot, &path);
+    load_pdf(slot, &path);
     path.light = NO_LIGHT;
     //@ end
     cross_media(&path);
     //@ each light
-    store_radiance(slot, &path);
+    store_pdf(slot, &path);
     if path.light != NO_LIGHT {
         store_shadow(slot, &path);
     }
     //@ end
     store_ray(slot, &path);
     store_throughput(slot, &path);
-    sort_slot(slot, path.status, path.instance);
+    //@ each queue
+    sort_slot(slot, path_hit(&path));
+    //@ end
 }

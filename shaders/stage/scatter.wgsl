@@ -1,29 +1,34 @@
-//@ use slots/state
+//@ use slots/between
 //@ use step/scatter
-//@ use choice/turn
+//@ each queue
+//@ use slots/queue_turn
+//@ end
 // Scatters the slots whose rays met a surface.
 override WORKGROUP_SIZE: u32 = 64u;
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn scatter(@builtin(global_invocation_id) id: vec3<u32>) {
-    let slot = slot_of_turn(id.x);
+    var slot = id.x;
+    //@ each queue
+    slot = queued_slot(id.x);
+    //@ end
     if slot >= settings.slots {
         return;
     }
     var path: Path;
-    load_ray(slot, &path);
+    load_hit(slot, &path);
     if path.status >= FIRST_STATUS {
         return;
     }
     load_throughput(slot, &path);
     load_sample(slot, &path);
     //@ each light
-    load_radiance(slot, &path);
+    load_pdf(slot, &path);
     path.light = NO_LIGHT;
     //@ end
     scatter_path(&path);
     //@ each light
-    store_radiance(slot, &path);
+    store_pdf(slot, &path);
     if path.light != NO_LIGHT {
         store_shadow(slot, &path);
     }

@@ -1,4 +1,4 @@
-//@ use slots/state
+//@ use slots/between
 //@ use step/light
 // Traces the slots' shadow rays, and takes in the light that they find.
 override WORKGROUP_SIZE: u32 = 64u;
@@ -10,7 +10,15 @@ fn shadow(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     var path: Path;
-    load_path(slot, &path);
+    path.status = load_status(slot);
+    load_shadow(slot, &path);
+    load_radiance(slot, &path);
+    load_rays(slot, &path);
     trace_shadow(&path);
-    store_path(slot, &path);
+    store_radiance(slot, &path);
+    store_rays(slot, &path);
+    store_no_light(slot);
+    if path.status == PATH_CUT {
+        store_status(slot, PATH_CUT);
+    }
 }

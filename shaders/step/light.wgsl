@@ -1,3 +1,4 @@
+//@ use data/found
 //@ use data/path
 //@ use data/dimension
 //@ use data/light
@@ -7,12 +8,14 @@
 //@ use lib/float
 //@ use choice/walk
 //@ use choice/colour
-//@ use choice/transmittance
+//@ each medium
+//@ use scene/transmittance
+//@ end
 //@ use choice/clamp
 //@ use scene/lights
 //@ use scene/surfaces
 //@ each emitting_sky
-//@ use choice/background
+//@ use scene/background
 //@ end
 // Light by sampling: at each event a ray towards a light, beside the one that goes on. Both ways can meet a light, and share it
 // by their densities (power_share), so that what either is bad at the other brings.
@@ -40,25 +43,27 @@ fn send_shadow_ray(path: ptr<function, Path>, aim: Aim, origin: vec3<f32>, respo
         let light = lights[aim.light];
         (*path).shadow = Ray(origin, aim.direction);
         (*path).light = light.code;
+        //@ each emitting_mesh
         (*path).light_instance = light.instance;
+        //@ end
         (*path).light_weight = weight_of_light(weight, (*path).events);
     }
 }
 
 // The share that a light has which the path met by scattering: all of it, if it could not have been sampled.
-fn share_of_met_light(path: ptr<function, Path>, code: u32, instance: u32) -> f32 {
+fn share_of_met_light(path: ptr<function, Path>, hit: Hit) -> f32 {
     let pdf = (*path).pdf;
     if !(pdf > 0.0) {
         return 1.0;
     }
-    return power_share(pdf, light_density(code, instance, (*path).ray.origin, (*path).ray.direction));
+    return power_share(pdf, light_density(hit, (*path).ray.origin, (*path).ray.direction));
 }
 
 // What a shadow ray may meet at most: the light that it is sent to.
 fn limit_of_shadow(path: ptr<function, Path>) -> Hit {
     let code = (*path).light;
     if code == HIT_NOTHING {
-        return Hit(HIT_NOTHING, NO_INSTANCE, VERY_FAR, 0u);
+        return hit_at(HIT_NOTHING, VERY_FAR);
     }
     var ray = (*path).shadow;
     // Asked for by faces of meshes alone.
@@ -72,7 +77,11 @@ fn limit_of_shadow(path: ptr<function, Path>) -> Hit {
     let t = primitive_distance(code, ray, inverse);
     // A direction drawn towards a light that is tiny from here, or near the edge of any, can pass it by its rounding. It counts all
     // the same, for its density says that it was drawn: only something before the light can take it away.
-    return Hit(code, (*path).light_instance, select(distance_to_light(code, ray), t, t != NO_HIT), 0u);
+    var limit = hit_at(code, select(distance_to_light(code, ray), t, t != NO_HIT));
+    //@ each emitting_mesh
+    limit.instance = (*path).light_instance;
+    //@ end
+    return limit;
 }
 
 // Takes the light in, where its shadow ray meets nothing before it; the result is the number of steps that took.
@@ -85,19 +94,27 @@ fn trace_shadow(path: ptr<function, Path>) -> u32 {
         return 1u;
     }
     let hit = first_hit((*path).shadow, settings.root, limit, true);
-    if hit.code != code || hit.instance != (*path).light_instance {
+    var is_hidden = hit.code != code;
+    //@ each emitting_mesh
+    is_hidden |= hit.instance != limit.instance;
+    //@ end
+    if is_hidden {
         if hit.code == PATH_CUT {
             (*path).status = PATH_CUT;
         }
         return hit.steps;
     }
+    var radiance = emitted_along((*path).shadow, hit);
     var steps = 0u;
+    //@ each medium
     let through = transmittance((*path).shadow, hit.t, &steps);
-    if through < 0.0 {
+    if through == WALK_CUT {
         (*path).status = PATH_CUT;
-    } else {
-        (*path).radiance += limited_light((*path).light_weight * (through * emitted_along((*path).shadow, hit)));
+        radiance = vec3<f32>(0.0);
     }
+    radiance *= through;
+    //@ end
+    (*path).radiance += limited_light((*path).light_weight * radiance);
     return hit.steps + steps;
 }
 
@@ -108,10 +125,10 @@ fn emitted_along(ray: Ray, hit: Hit) -> vec3<f32> {
         return background_radiance(ray.direction);
     }
     //@ end
-    let surface = surface_at(hit.code, hit.instance, ray, hit.t);
+    let surface = surface_at(hit, ray);
     let material = materials[surface.material];
     if material.parameter == 0.0 && !arrives_at_front(hit.code, ray, surface.normal) {
         return vec3<f32>(0.0);
     }
-    return surface_colour(material, hit.code, hit.instance, surface);
+    return surface_colour(material, hit, surface);
 }

@@ -1,7 +1,7 @@
 //@ use data/path
 //@ use data/primitive
 //@ use bind/records
-//@ use choice/background
+//@ use scene/background
 //@ use choice/clamp
 //@ use lib/float
 //@ use step/start

@@ -16,31 +16,30 @@
 // Lets the material of the surface that the path's ray met decide how the path goes on.
 fn scatter_path(path: ptr<function, Path>) {
     let ray = (*path).ray;
-    let code = (*path).status;
-    let instance = (*path).instance;
-    let surface = surface_at(code, instance, ray, (*path).t);
+    let hit = path_hit(path);
+    let surface = surface_at(hit, ray);
     let material = materials[surface.material];
     let front = dot(ray.direction, surface.normal) < 0.0;
     let facing = select(-surface.normal, surface.normal, front);
-    let shading = shading_normal(code, instance, surface, ray.direction, facing);
-    let colour = surface_colour(material, code, instance, surface);
-    let hit = Interaction(ray.direction, shading, front, colour);
+    let shading = shading_normal(hit, surface, ray.direction, facing);
+    let colour = surface_colour(material, hit, surface);
+    let arriving = Interaction(ray.direction, shading, front, colour);
 
     let events = (*path).events;
     let u = random4((*path).pixel, (*path).sample, event_dimension(events, DIMENSION_SCATTER), settings.seed);
-    let scattered = scatter_by_material(material, hit, u);
+    let scattered = scatter_by_material(material, arriving, u);
     //@ each light
     let samples_lights = events < settings.max_depth && responds(material);
     if samples_lights {
         let aim = aim_at_light(path, surface.point);
-        let response = response_of_material(material, hit, aim.direction);
-        let origin = leaving_point(code, instance, surface, facing, shading, aim.direction);
+        let response = response_of_material(material, arriving, aim.direction);
+        let origin = leaving_point(hit, surface, facing, shading, aim.direction);
         send_shadow_ray(path, aim, origin, response.value, response.pdf);
     }
     if scattered.event == EMITTED {
-        (*path).throughput *= share_of_met_light(path, code, instance);
+        (*path).throughput *= share_of_met_light(path, hit);
     }
-    (*path).pdf = select(0.0, response_of_material(material, hit, scattered.direction).pdf, samples_lights);
+    (*path).pdf = select(0.0, response_of_material(material, arriving, scattered.direction).pdf, samples_lights);
     //@ end
     var throughput = (*path).throughput * scattered.weight;
     if scattered.event == SCATTERED {
@@ -48,7 +47,7 @@ fn scatter_path(path: ptr<function, Path>) {
     }
     let goes_on = scattered.event == SCATTERED && events < settings.max_depth && any(throughput != vec3<f32>(0.0));
     if goes_on {
-        let leaving = leaving_point(code, instance, surface, facing, shading, scattered.direction);
+        let leaving = leaving_point(hit, surface, facing, shading, scattered.direction);
         (*path).ray = Ray(leaving, scattered.direction);
         (*path).status = RAY_READY;
         (*path).throughput = throughput;

@@ -51,6 +51,7 @@ fn wish_of(trade: &TradeArgs) -> Wish {
         clamp: trade.clamp.0,
         fast_offset: trade.offset == Offset::Fast,
         fast_precision: trade.precision == Precision::Fast,
+        every_feature: false,
     }
 }
 

@@ -5,8 +5,9 @@ use std::path::Path;
 use serde_json::json;
 
 use super::{Target, flatten_for, path_text, planned, print_json, print_line, wish_of};
-use crate::cli::PlanArgs;
+use crate::cli::{FeaturesArg, PlanArgs};
 use crate::error::{Error, Result};
+use crate::flatten::Wish;
 use crate::output::atomic;
 use crate::plan::{Bounce, Plan, Scatter, Tuning};
 use crate::render::TuningWish;
@@ -15,7 +16,8 @@ use crate::scene::Scene;
 /// Prints the kernels and buffers, and why each is there.
 pub fn run(args: &PlanArgs) -> Result<()> {
     let scene = Scene::load(&args.scene)?;
-    let (size, flat) = flatten_for(&scene, args.size, wish_of(&args.trade))?;
+    let wish = Wish { every_feature: args.features == FeaturesArg::All, ..wish_of(&args.trade) };
+    let (size, flat) = flatten_for(&scene, args.size, wish)?;
     let target = Target::find(args.device.as_deref())?;
     let wish = TuningWish { scatter: args.scatter.map(Into::into), ..TuningWish::default() };
     let (plan, tuning) = planned(&scene, size, &flat, &target, wish)?;
@@ -47,7 +49,7 @@ pub fn run(args: &PlanArgs) -> Result<()> {
             "scene": path_text(&args.scene),
             "device": device,
             "slots": tuning.slots,
-            "path_bytes_per_slot": plan.path_planes * 16,
+            "path_bytes_per_slot": plan.path_bytes(),
             "scatter": scatter_words(&plan, &tuning),
             "kernels": kernels,
             "buffers": buffers,
@@ -66,7 +68,7 @@ pub fn run(args: &PlanArgs) -> Result<()> {
         ));
     }
     print_line(&format!("scatter: {}", scatter_words(&plan, &tuning)));
-    print_line(&format!("path state: {} bytes a slot, {} slots", plan.path_planes * 16, tuning.slots));
+    print_line(&format!("path state: {} bytes a slot, {} slots", plan.path_bytes(), tuning.slots));
     print_line("buffers");
     for buffer in &buffers {
         print_line(&format!("  {:<12} {:>12} bytes  {}", buffer.name, buffer.allocated(), buffer.why));

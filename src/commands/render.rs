@@ -11,10 +11,11 @@ use super::{
     check_place, flatten_for, open_device, path_text, print_json, same_file, stop_on_interrupt, tell, tell_biases,
     wish_of,
 };
-use crate::cli::{MOST_SAMPLES, RenderArgs};
+use crate::cli::{FeaturesArg, MOST_SAMPLES, RenderArgs};
 use crate::data::Sampler;
 use crate::error::{Error, Result};
 use crate::film::{ErrorEstimate, Film, Picture, Totals};
+use crate::flatten::Wish;
 use crate::gpu::device::Device;
 use crate::gpu::probe::{Numerics, numerics};
 use crate::output::exr::{Attribute, write_exr};
@@ -57,7 +58,8 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     let output = output_of(args)?;
     seconds.load = clock.lap();
 
-    let (size, flat) = flatten_for(&scene, args.size, wish_of(&args.trade))?;
+    let wish = Wish { every_feature: args.tuning.features == FeaturesArg::All, ..wish_of(&args.trade) };
+    let (size, flat) = flatten_for(&scene, args.size, wish)?;
     if !args.quiet {
         flat.warnings.iter().for_each(|warning| tell(&format!("warning: {warning}")));
     }

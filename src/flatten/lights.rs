@@ -66,7 +66,7 @@ impl Builder<'_> {
             // What the sky sends onto a disk as large as the scene, which has an extent of 1 in render space.
             let power = PI * integral_over_directions(bitmap);
             if let Some(sky) = SkyDistribution::new(bitmap.width, bitmap.height, &bitmap.texels) {
-                self.flat.features.emitting_sky = Some("the background's image".to_string());
+                self.flat.features.emitting_sky = self.flat.features.backgrounds[2].clone();
                 self.flat.features.sky_grid = (sky.columns, sky.rows);
                 self.flat.sky = sky.cells;
                 emitters.push(Emitter { code: HIT_NOTHING, instance: data::NO_INSTANCE, power, place: None });
@@ -92,6 +92,7 @@ impl Builder<'_> {
             })
             .collect();
         self.flat.features.lights = self.flat.lights.len() as u32;
+        self.flat.features.sky_light = self.flat.features.lights.saturating_sub(1);
         if self.flat.features.lights >= TREE_LIGHTS {
             self.add_light_tree(&emitters);
         }

@@ -5,6 +5,7 @@
 //! axes (`view`). Emission is scaled by a power of two likewise.
 
 mod dangers;
+mod features;
 mod frames;
 mod light_tree;
 mod lights;
@@ -22,92 +23,14 @@ use glam::DVec3;
 use crate::bvh;
 use crate::data::{self, MAX_PRIMITIVES, NO_TEXTURE};
 use crate::error::Result;
-use crate::scene::{Background, Bitmap, Material, Mesh, Scene, Texture};
+use crate::scene::{Background, Bitmap, Material, Mesh, Scene, Step, Texture};
 use meshes::Laid;
 use place::{AxisBox, Finder, Placed, PlacedMedium, extent};
 use view::{RenderSpace, View};
 
 pub use bvh::Quality;
+pub use features::{BACKGROUNDS, BOUNDARIES, Features, MATERIALS, PRIMITIVES, TEXTURES};
 pub use lights::TREE_LIGHTS;
-
-/// The kinds of primitive by number; each is a file of shaders/geometry. Triangles are the faces of meshes.
-pub const PRIMITIVES: &[&str] = &["sphere", "quad", "cuboid", "triangle"];
-/// The kinds of boundary that media have, with the kinds of their codes. Convex ones are files of shaders/medium; the mesh, which a ray may
-/// enter many times, is `scene/medium_in_mesh`.
-pub const BOUNDARIES: &[(&str, u32)] = &[("sphere", 0), ("cuboid", 2), ("mesh", data::KIND_INSTANCE)];
-/// The kinds of material by number; each is a file of shaders/material.
-pub const MATERIALS: &[&str] = &["lambertian", "metal", "dielectric", "diffuse_light"];
-/// The kinds of texture by number; each is a file of shaders/texture.
-pub const TEXTURES: &[&str] = &["checker", "image", "noise", "marble"];
-
-/// What of the renderer a scene requires, and for each thing the scene's object that asked first.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Features {
-    /// By the numbers of `PRIMITIVES`.
-    pub primitives: [Option<String>; PRIMITIVES.len()],
-    /// By the numbers of `MATERIALS`: of materials on objects, not of all that are defined.
-    pub materials: [Option<String>; MATERIALS.len()],
-    /// By the numbers of `TEXTURES`.
-    pub textures: [Option<String>; TEXTURES.len()],
-    /// Meshes with vertex normals, which are shaded smoothly.
-    pub smooth: Option<String>,
-    /// Boundaries of media, by their places in `BOUNDARIES`.
-    pub boundaries: [Option<String>; BOUNDARIES.len()],
-    /// Whether the albedo of some medium is a texture.
-    pub textured_media: bool,
-    /// Kinds of primitive that are sampled as lights, by the numbers of `PRIMITIVES`.
-    pub emitters: [Option<String>; PRIMITIVES.len()],
-    /// Whether the image of the background is.
-    pub emitting_sky: Option<String>,
-    /// Columns and rows of the grid that directions towards it are drawn from.
-    pub sky_grid: (u32, u32),
-    /// How many lights there are.
-    pub lights: u32,
-    /// Whether paths of small throughput are ended at random.
-    pub roulette: bool,
-    /// How many media there are.
-    pub media: u32,
-    /// A file of shaders/background.
-    pub background: &'static str,
-    /// Whether the lens has a diameter.
-    pub thin_lens: bool,
-    /// Whether render space has the camera's axes and not the world's.
-    pub turned: bool,
-    /// Whether all primitives are asked of every ray: they are few, and none of them a mesh.
-    pub few: bool,
-    /// Codes that wait at most in a walk through the BVH.
-    pub stack_size: u32,
-    /// The same of a walk through a mesh that bounds a medium.
-    pub boundary_stack_size: u32,
-    /// How the samples of a pixel are placed; a wish, as roulette is, and nothing of the scene.
-    pub sampler: data::Sampler,
-    /// Whether clear solids reflect by Schlick's approximation: where there are any.
-    pub schlick: bool,
-    /// Whether contributions of indirect light are limited.
-    pub clamp: bool,
-    /// Whether rays leave surfaces by a fraction of the distance: where there are any.
-    pub fast_offset: bool,
-    /// Whether spheres are met by the textbook's formula: where there are any.
-    pub fast_precision: bool,
-}
-
-impl Features {
-    /// Notes what is wished, where the scene has what it is about.
-    fn wish(&mut self, wish: &Wish) {
-        self.roulette = wish.roulette;
-        self.sampler = wish.sampler;
-        let used = |kinds: &[Option<String>], names: &[&str], name| {
-            names.iter().zip(kinds).any(|(known, used)| *known == name && used.is_some())
-        };
-        let boundaries: Vec<&str> = BOUNDARIES.iter().map(|(name, _)| *name).collect();
-        let spheres = used(&self.primitives, PRIMITIVES, "sphere") || used(&self.boundaries, &boundaries, "sphere");
-        let surfaces = self.primitives.iter().any(Option::is_some);
-        self.schlick = wish.schlick && used(&self.materials, MATERIALS, "dielectric");
-        self.clamp = wish.clamp.is_some() && (surfaces || self.media > 0);
-        self.fast_offset = wish.fast_offset && surfaces;
-        self.fast_precision = wish.fast_precision && spheres;
-    }
-}
 
 /// A scene as the kernels see it.
 #[derive(Clone, Debug, Default)]
@@ -167,6 +90,8 @@ pub struct Wish {
     pub fast_offset: bool,
     /// Spheres are met by the textbook's formula (`--precision fast`).
     pub fast_precision: bool,
+    /// Everything that a scene can require is taken to be required (`--features all`). The image is the same.
+    pub every_feature: bool,
 }
 
 /// Flattens a scene for an image of `size` pixels.
@@ -246,8 +171,12 @@ pub fn flatten_with(scene: &Scene, size: (u32, u32), wish: Wish) -> Result<Flat>
         let limit = (radiance_scale * limit).clamp(f64::from(f32::MIN_POSITIVE), f64::from(f32::MAX));
         flat.settings.indirect_limit = limit as f32;
     }
-    flat.features.thin_lens = scene.camera.aperture > 0.0;
-    flat.features.turned = view.turned;
+    let of_camera = |field: &str| format!("camera.{field} at {}", scene.location(&[Step::Field("camera"), Step::Field(field)]));
+    flat.features.thin_lens = (scene.camera.aperture > 0.0).then(|| of_camera("aperture"));
+    flat.features.turned = view.turned.then(|| of_camera("vertical_fov"));
+    if wish.every_feature {
+        flat.require_all(wish.sample_lights);
+    }
     Ok(flat)
 }
 
@@ -326,7 +255,7 @@ fn note_medium(features: &mut Features, scene: &Scene, object: usize, medium: &P
     }
     if let Some(kind) = texture_kind(medium.albedo) {
         features.textures[kind].get_or_insert_with(at_object);
-        features.textured_media = true;
+        features.textured_media.get_or_insert_with(at_object);
     }
 }
 
@@ -380,6 +309,15 @@ fn material_kind(material: &Material) -> usize {
     }
 }
 
+/// Number among `BACKGROUNDS`.
+fn background_kind(background: &Background) -> usize {
+    match background {
+        Background::Solid(_) => 0,
+        Background::Gradient { .. } => 1,
+        Background::Image { .. } => 2,
+    }
+}
+
 /// Number among `TEXTURES`; nothing for a plain colour, which is the material's own.
 fn texture_kind(texture: &Texture) -> Option<usize> {
     match texture {
@@ -402,18 +340,19 @@ fn colour_texture(material: &Material) -> Option<&Texture> {
 impl Flat {
     fn add_background(&mut self, scene: &Scene, radiance_scale: f64) {
         let settings = &mut self.settings;
+        let kind = background_kind(&scene.background);
+        settings.background = kind as u32;
+        self.features.backgrounds[kind] =
+            Some(format!("background at {}", scene.location(&[Step::Field("background")])));
         match &scene.background {
             Background::Solid(colour) => {
-                self.features.background = "solid";
                 settings.background_bottom = f32s(radiance_scale * *colour);
             }
             Background::Gradient { bottom, top } => {
-                self.features.background = "gradient";
                 settings.background_bottom = f32s(radiance_scale * *bottom);
                 settings.background_top = f32s(radiance_scale * *top);
             }
             Background::Image { path } => {
-                self.features.background = "image";
                 settings.background_bottom = [radiance_scale as f32; 3];
                 if let Some(bitmap) = scene.bitmaps.get(path) {
                     settings.background_width = bitmap.width;

@@ -73,6 +73,22 @@ pub fn members(module: &naga::Module, name: &str) -> Result<Option<(Vec<Member>,
     Ok(Some((members, *span)))
 }
 
+/// A struct's bytes with its members where a shader has them, taken by name from a host's struct: `fields` are the name, offset and bytes
+/// of each of its own. Of members that the host lacks the bytes are zero.
+pub fn pack(members: &[Member], fields: &[(&str, usize, usize)], host: &[u8]) -> Vec<u8> {
+    let end = members.iter().map(|member| member.offset + member.bytes).max().unwrap_or(0);
+    let mut packed = vec![0; end.next_multiple_of(16) as usize];
+    for member in members {
+        let field = fields.iter().find(|(name, _, bytes)| *name == member.name && *bytes == member.bytes as usize);
+        let bytes = field.and_then(|(_, offset, bytes)| host.get(*offset..offset + bytes));
+        let place = packed.get_mut(member.offset as usize..(member.offset + member.bytes) as usize);
+        if let (Some(bytes), Some(place)) = (bytes, place) {
+            place.copy_from_slice(bytes);
+        }
+    }
+    packed
+}
+
 fn layouts(module: &naga::Module) -> Result<Layouter> {
     let mut layouter = Layouter::default();
     layouter

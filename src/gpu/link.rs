@@ -11,6 +11,9 @@
 //!
 //! Other lines that start with `//@` are errors.
 //!
+//! Of what is joined, declarations that the entry point does not reach are left out, and comments ([`super::reach`]); a module of which
+//! nothing is left has not been linked.
+//!
 //! A line table tells which file and line each line of the result came from, so that naga's errors can name them.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -18,6 +21,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use include_dir::{Dir, include_dir};
 
 use super::probe::PROPERTIES;
+use super::reach;
 use crate::error::{Error, Result};
 
 static SHADERS: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/shaders");
@@ -97,9 +101,10 @@ pub fn link(library: &dyn Library, root: &str, choices: &Choices) -> Result<Link
             modules: Vec::new(),
             relies: Vec::new(),
         },
+        joined: Vec::new(),
     };
     linker.join(root, "(the plan)", 0)?;
-    Ok(linker.linked)
+    Ok(linker.finish())
 }
 
 /// The entries that a block of `each` is repeated for, and its lines with their numbers.
@@ -110,6 +115,8 @@ struct Linker<'a> {
     choices: &'a Choices,
     done: BTreeSet<String>,
     linked: Linked,
+    /// All lines, reached or not.
+    joined: Vec<String>,
 }
 
 impl Linker<'_> {
@@ -144,13 +151,32 @@ impl Linker<'_> {
         }
         for (number, line) in lines {
             if !line.trim_start().starts_with("//@") {
-                self.linked.text.push_str(&line);
-                self.linked.text.push('\n');
+                self.joined.push(line);
                 self.linked.lines.push((module.to_string(), number));
             }
         }
         self.linked.modules.push(module.to_string());
         Ok(())
+    }
+
+    /// Leaves out what the entry point does not reach.
+    fn finish(self) -> Linked {
+        let Linker { mut linked, joined, .. } = self;
+        let reached = reach::reached(&joined);
+        let mut places = Vec::with_capacity(joined.len());
+        let mut kept = BTreeSet::new();
+        for ((line, place), _) in joined.iter().zip(linked.lines).zip(reached).filter(|(_, reached)| *reached) {
+            linked.text.push_str(reach::code(line));
+            linked.text.push('\n');
+            if !kept.contains(&place.0) {
+                kept.insert(place.0.clone());
+            }
+            places.push(place);
+        }
+        linked.lines = places;
+        linked.modules.retain(|module| kept.contains(module));
+        linked.relies.retain(|(_, module)| kept.contains(module));
+        linked
     }
 
     /// Repeats the blocks of `each` and fills in the values; every line keeps the number it had in its file.
@@ -165,6 +191,9 @@ impl Linker<'_> {
                     .lists
                     .get(list.trim())
                     .ok_or_else(|| fault(module, number, &format!("the plan has no list `{}`", list.trim())))?;
+                if block.is_some() {
+                    return Err(fault(module, number, "`//@ each` within `//@ each`"));
+                }
                 block = Some((entries, Vec::new()));
             } else if directive == Some("end") {
                 let (entries, body) =

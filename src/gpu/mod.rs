@@ -6,4 +6,5 @@ pub mod layout;
 pub mod link;
 pub mod pipeline;
 pub mod probe;
+mod reach;
 pub mod timing;

@@ -1,3 +1,4 @@
+//@ use data/found
 //@ use scene/primitives
 //@ use scene/surfaces
 //@ use bind/materials
@@ -24,8 +25,8 @@ fn run(row: u32) {
     let t = primitive_distance(given.code, ray, 1.0 / ray.direction);
     var out = Out(vec3<f32>(-1.0), t);
     if t != NO_HIT {
-        let surface = surface_at(given.code, NO_INSTANCE, ray, t);
-        out.colour = surface_colour(materials[surface.material], given.code, NO_INSTANCE, surface);
+        let surface = surface_at(hit_at(given.code, t), ray);
+        out.colour = surface_colour(materials[surface.material], hit_at(given.code, t), surface);
     }
     output[row] = out;
 }

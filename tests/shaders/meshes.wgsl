@@ -1,3 +1,4 @@
+//@ use data/found
 //@ use scene/traverse
 //@ use scene/surfaces
 //@ use choice/shading
@@ -31,7 +32,7 @@ const FACES: u32 = ${faces}u;
 @group(0) @binding(22) var<storage, read_write> output: array<Out>;
 
 fn ask_all(ray: Ray) -> Hit {
-    var asked = Hit(HIT_NOTHING, NO_INSTANCE, VERY_FAR, 0u);
+    var asked = hit_at(HIT_NOTHING, VERY_FAR);
     for (var i = 0u; i < INSTANCES; i++) {
         let here = to_mesh(instances[i], ray);
         let inverse = slab_inverse(here.direction);
@@ -39,7 +40,8 @@ fn ask_all(ray: Ray) -> Hit {
             let code = PRIMITIVE_BIT | KIND_TRIANGLE << PRIMITIVE_KIND_SHIFT | face;
             let t = primitive_distance(code, here, inverse);
             if t != NO_HIT && t < asked.t {
-                asked = Hit(code, i, t, 0u);
+                asked = hit_at(code, t);
+                asked.instance = i;
             }
         }
     }
@@ -58,10 +60,10 @@ fn run(row: u32) {
     out.again = NO_HIT;
     let hit = out.walked;
     if hit.code != HIT_NOTHING && any(given.leaving != vec3<f32>(0.0)) {
-        let surface = surface_at(hit.code, hit.instance, ray, hit.t);
+        let surface = surface_at(hit, ray);
         let facing = select(-surface.normal, surface.normal, dot(ray.direction, surface.normal) < 0.0);
-        let shading = shading_normal(hit.code, hit.instance, surface, ray.direction, facing);
-        let start = leaving_point(hit.code, hit.instance, surface, facing, shading, given.leaving);
+        let shading = shading_normal(hit, surface, ray.direction, facing);
+        let start = leaving_point(hit, surface, facing, shading, given.leaving);
         let second = nearest_hit(Ray(start, given.leaving), given.root);
         out.point = surface.point;
         out.normal = surface.normal;

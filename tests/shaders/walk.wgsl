@@ -1,3 +1,4 @@
+//@ use data/found
 //@ use scene/traverse
 // The nearest hit of a ray by the walk through the BVH, and by asking every primitive.
 struct In {
@@ -8,8 +9,11 @@ struct In {
 }
 
 struct Out {
-    walked: Hit,
-    asked: Hit,
+    walked_code: u32,
+    walked_t: f32,
+    asked_code: u32,
+    asked_t: f32,
+    steps: u32,
 }
 
 // How many there are of each kind.
@@ -20,14 +24,13 @@ const COUNTS = array<u32, 3>(${spheres}u, ${quads}u, ${cuboids}u);
 
 fn run(row: u32) {
     let ray = Ray(input[row].origin, input[row].direction);
-    var asked = Hit(HIT_NOTHING, NO_INSTANCE, VERY_FAR, 0u);
+    var asked = hit_at(HIT_NOTHING, VERY_FAR);
     var order = 0xffffffffu;
     for (var kind = 0u; kind < 3u; kind++) {
         for (var i = 0u; i < COUNTS[kind]; i++) {
             let code = PRIMITIVE_BIT | kind << PRIMITIVE_KIND_SHIFT | i;
             let t = primitive_distance(code, ray, slab_inverse(ray.direction));
-            let own = primitive_order(code, NO_INSTANCE);
-            asked.steps += 1u;
+            let own = primitive_order(hit_at(code, t));
             if t != NO_HIT && (t < asked.t || (t == asked.t && own < order)) {
                 asked.code = code;
                 asked.t = t;
@@ -35,5 +38,6 @@ fn run(row: u32) {
             }
         }
     }
-    output[row] = Out(nearest_hit(ray, input[row].root), asked);
+    let walked = nearest_hit(ray, input[row].root);
+    output[row] = Out(walked.code, walked.t, asked.code, asked.t, walked.steps);
 }

@@ -1,0 +1,196 @@
+//! What a scene requires of the renderer.
+
+use super::Wish;
+use crate::data;
+
+/// The kinds of primitive by number; each is a file of shaders/geometry. Triangles are the faces of meshes.
+pub const PRIMITIVES: &[&str] = &["sphere", "quad", "cuboid", "triangle"];
+/// The kinds of boundary that media have, with the kinds of their codes. Convex ones are files of shaders/medium; the mesh, which a ray may
+/// enter many times, is `scene/medium_in_mesh`.
+pub const BOUNDARIES: &[(&str, u32)] = &[("sphere", 0), ("cuboid", 2), ("mesh", data::KIND_INSTANCE)];
+/// The kinds of material by number; each is a file of shaders/material.
+pub const MATERIALS: &[&str] = &["lambertian", "metal", "dielectric", "diffuse_light"];
+/// The kinds of texture by number; each is a file of shaders/texture.
+pub const TEXTURES: &[&str] = &["checker", "image", "noise", "marble"];
+/// The kinds of background by number; each is a file of shaders/background.
+pub const BACKGROUNDS: &[&str] = &["solid", "gradient", "image"];
+
+/// What of the renderer a scene requires, and for each thing the scene's object that asked first.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Features {
+    /// By the numbers of `PRIMITIVES`.
+    pub primitives: [Option<String>; PRIMITIVES.len()],
+    /// By the numbers of `MATERIALS`: of materials on objects, not of all that are defined.
+    pub materials: [Option<String>; MATERIALS.len()],
+    /// By the numbers of `TEXTURES`.
+    pub textures: [Option<String>; TEXTURES.len()],
+    /// Meshes with vertex normals, which are shaded smoothly.
+    pub smooth: Option<String>,
+    /// Boundaries of media, by their places in `BOUNDARIES`.
+    pub boundaries: [Option<String>; BOUNDARIES.len()],
+    /// Media whose albedo is a texture.
+    pub textured_media: Option<String>,
+    /// Kinds of primitive that are sampled as lights, by the numbers of `PRIMITIVES`.
+    pub emitters: [Option<String>; PRIMITIVES.len()],
+    /// Whether the image of the background is.
+    pub emitting_sky: Option<String>,
+    /// Columns and rows of the grid that directions towards it are drawn from.
+    pub sky_grid: (u32, u32),
+    /// How many lights there are.
+    pub lights: u32,
+    /// The place of the sky among them.
+    pub sky_light: u32,
+    /// Whether paths of small throughput are ended at random.
+    pub roulette: bool,
+    /// How many media there are.
+    pub media: u32,
+    /// By the numbers of `BACKGROUNDS`; a scene has one of its own.
+    pub backgrounds: [Option<String>; BACKGROUNDS.len()],
+    /// A lens with a diameter.
+    pub thin_lens: Option<String>,
+    /// Pixels so small that render space has the camera's axes and not the world's.
+    pub turned: Option<String>,
+    /// Whether all primitives are asked of every ray: they are few, and none of them a mesh.
+    pub few: bool,
+    /// Codes that wait at most in a walk through the BVH.
+    pub stack_size: u32,
+    /// The same of a walk through a mesh that bounds a medium.
+    pub boundary_stack_size: u32,
+    /// How the samples of a pixel are placed; a wish, as roulette is, and nothing of the scene.
+    pub sampler: data::Sampler,
+    /// Whether clear solids reflect by Schlick's approximation: where there are any.
+    pub schlick: bool,
+    /// Whether contributions of indirect light are limited.
+    pub clamp: bool,
+    /// Whether rays leave surfaces by a fraction of the distance: where there are any.
+    pub fast_offset: bool,
+    /// Whether spheres are met by the textbook's formula: where there are any.
+    pub fast_precision: bool,
+    /// Whether everything is taken to be required.
+    pub every: bool,
+}
+
+impl Features {
+    /// Notes what is wished, where the scene has what it is about.
+    pub(super) fn wish(&mut self, wish: &Wish) {
+        self.roulette = wish.roulette;
+        self.sampler = wish.sampler;
+        let used = |kinds: &[Option<String>], names: &[&str], name| {
+            names.iter().zip(kinds).any(|(known, used)| *known == name && used.is_some())
+        };
+        let boundaries: Vec<&str> = BOUNDARIES.iter().map(|(name, _)| *name).collect();
+        let spheres = used(&self.primitives, PRIMITIVES, "sphere") || used(&self.boundaries, &boundaries, "sphere");
+        let surfaces = self.primitives.iter().any(Option::is_some);
+        self.schlick = wish.schlick && used(&self.materials, MATERIALS, "dielectric");
+        self.clamp = wish.clamp.is_some() && (surfaces || self.media > 0);
+        self.fast_offset = wish.fast_offset && surfaces;
+        self.fast_precision = wish.fast_precision && spheres;
+    }
+
+    /// Everything that a scene can have, as asked for by `--features all`. Of what chooses between two ways, such as the number of
+    /// lights, the scene's own way stays, and so do the settings that approximate.
+    pub(super) fn add_all(&mut self, sample_lights: bool) {
+        let all = "--features all";
+        let add = |used: &mut Option<String>| {
+            used.get_or_insert_with(|| all.to_string());
+        };
+        let emitters = if sample_lights { self.emitters.as_mut_slice() } else { &mut [] };
+        let lists: [&mut [Option<String>]; 5] =
+            [&mut self.primitives, &mut self.materials, &mut self.textures, &mut self.boundaries, &mut self.backgrounds];
+        lists.into_iter().flatten().chain(emitters).for_each(add);
+        [&mut self.smooth, &mut self.textured_media, &mut self.thin_lens, &mut self.turned].into_iter().for_each(add);
+        if sample_lights {
+            add(&mut self.emitting_sky);
+        }
+        self.few = false;
+        self.every = true;
+        // Walks through meshes and their boundaries take as much as a mesh of millions of faces needs.
+        const DEEP: u32 = 48;
+        self.stack_size = self.stack_size.max(DEEP);
+        self.boundary_stack_size = self.boundary_stack_size.max(DEEP);
+    }
+
+    /// The scene's object, or the option, that asked for what a module of the shaders is for; nothing of modules that serve all renders.
+    pub fn asked_for(&self, module: &str) -> Option<&str> {
+        fn of<'a>(names: &[&str], used: &'a [Option<String>], name: &str) -> Option<&'a str> {
+            let place = names.iter().position(|known| *known == name)?;
+            used.get(place)?.as_deref()
+        }
+        let texture = || self.textures.iter().flatten().next().map(String::as_str);
+        let light = || self.emitters.iter().flatten().chain(&self.emitting_sky).next().map(String::as_str);
+        let medium = || self.boundaries.iter().flatten().next().map(String::as_str);
+        let boundaries: Vec<&str> = BOUNDARIES.iter().map(|(name, _)| *name).collect();
+        let boundary = |name| of(&boundaries, &self.boundaries, name);
+        let primitive = |name| of(PRIMITIVES, &self.primitives, name);
+        let (folder, name) = module.split_once('/')?;
+        let stem = name.split('_').next().unwrap_or(name);
+        match (folder, name) {
+            ("material", _) => of(MATERIALS, &self.materials, name.trim_end_matches("_eval")),
+            ("texture", _) => of(TEXTURES, &self.textures, name),
+            ("background", _) => of(BACKGROUNDS, &self.backgrounds, name),
+            ("bind", _) => primitive(name.trim_end_matches('s')).or_else(|| self.asked_for_table(name)),
+            ("geometry", "instance" | "slab") => primitive("triangle").or_else(|| boundary("mesh")),
+            ("geometry", _) => primitive(stem).or_else(|| boundary(stem)),
+            ("medium", "sphere" | "cuboid") => boundary(name),
+            ("medium", _) => medium(),
+            ("light", "sphere" | "quad" | "cuboid" | "triangle") => of(PRIMITIVES, &self.emitters, name),
+            ("light", "sky") | ("scene", "sky_light") | ("step", "sky_share") => self.emitting_sky.as_deref(),
+            ("light", _) => light(),
+            ("camera", "thin_lens") => self.thin_lens.as_deref(),
+            ("scene", "camera_axes") => self.turned.as_deref(),
+            ("scene", "smooth_shading") => self.smooth.as_deref(),
+            ("scene", "textured_medium") => self.textured_media.as_deref(),
+            ("scene", "medium_in_mesh") => boundary("mesh"),
+            ("scene", "meshes") => primitive("triangle").or_else(|| boundary("mesh")),
+            ("scene", "uv" | "texel") => of(TEXTURES, &self.textures, "image").or(self.emitting_sky.as_deref()),
+            ("scene", "textures" | "textured_colour") => texture(),
+            ("scene", "media" | "transmittance") | ("step", "media") | ("stage", "medium") => {
+                medium()
+            }
+            ("scene", "lights" | "light_tree" | "light_alias" | "responses") | ("step", "light") | ("stage", "shadow") => {
+                light()
+            }
+            ("step", "roulette") => Some("--roulette on, the default"),
+            ("step", "clamp") => Some("--clamp"),
+            ("lib", "fresnel_schlick") => Some("--fresnel schlick"),
+            ("lib", "fresnel" | "refraction") => of(MATERIALS, &self.materials, "dielectric"),
+            ("lib", "perlin") => {
+                of(TEXTURES, &self.textures, "noise").or_else(|| of(TEXTURES, &self.textures, "marble"))
+            }
+            _ => None,
+        }
+    }
+
+    /// The same of a table or buffer.
+    fn asked_for_table(&self, name: &str) -> Option<&str> {
+        match name {
+            "meshes" | "instances" => self.asked_for("scene/meshes"),
+            "media" => self.asked_for("step/media"),
+            "lights" | "light_nodes" => self.asked_for("step/light"),
+            "sky" => self.emitting_sky.as_deref(),
+            "textures" | "frames" => self.asked_for("scene/textures"),
+            "texels" => self.asked_for("scene/texel"),
+            "materials" => self.materials.iter().flatten().next().map(String::as_str),
+            _ => None,
+        }
+    }
+}
+
+impl super::Flat {
+    /// Everything is taken to be required, with tables for what the scene lacks that say so: a light that is never chosen, a sky that
+    /// sends nothing.
+    pub(super) fn require_all(&mut self, sample_lights: bool) {
+        self.features.add_all(sample_lights);
+        if sample_lights && self.sky.is_empty() {
+            self.sky.push(data::SkyCell::default());
+            self.features.sky_grid = (1, 1);
+            self.features.sky_light = self.features.lights;
+            self.lights.push(data::Light {
+                code: data::HIT_NOTHING,
+                instance: data::NO_INSTANCE,
+                ..data::Light::default()
+            });
+            self.features.lights = self.features.lights.max(1);
+        }
+    }
+}
