@@ -10,8 +10,8 @@ use gpu_rt::data::{RUN_LENGTH, Sampler};
 use gpu_rt::film::{Film, Picture, UNKNOWN_VARIANCE};
 use gpu_rt::flatten::{Quality, Wish, flatten_with};
 use gpu_rt::gpu::layout;
-use gpu_rt::gpu::link::{Choices, Library, link};
-use gpu_rt::plan::{Bounce, Kernel, Plan, Tables, choices_of};
+use gpu_rt::gpu::link::{Library, link};
+use gpu_rt::plan::{Bounce, Kernel, Plan, Staged, Tables};
 use gpu_rt::render::{Goal, Job, Next, Outcome, Renderer, TuningWish, tuning};
 use gpu_rt::scene::Scene;
 
@@ -38,6 +38,8 @@ pub struct Ask {
     pub approximations: Approximations,
     /// All of the scene's tables in storage bindings, also where the device would take small ones as uniforms.
     pub storage_tables: bool,
+    /// Kernels linked with everything that a scene can require.
+    pub every_feature: bool,
 }
 
 /// The settings that bias or are less exact, none of them by default.
@@ -157,7 +159,17 @@ fn render_with(
     let Ask { sampler, sample_lights, roulette, .. } = *ask;
     let Approximations { schlick, clamp, fast_offset, fast_precision } = ask.approximations;
     let quality = ask.quality;
-    let wish = Wish { quality, sampler, sample_lights, roulette, schlick, clamp, fast_offset, fast_precision };
+    let wish = Wish {
+        quality,
+        sampler,
+        sample_lights,
+        roulette,
+        schlick,
+        clamp,
+        fast_offset,
+        fast_precision,
+        every_feature: ask.every_feature,
+    };
     let flat = flatten_with(scene, size, wish).expect("the scene flattens");
     let job = |seed: u32, samples: &Range<u32>| Job {
         size,
@@ -178,7 +190,7 @@ fn render_with(
     };
     let mut plan = Plan::with_tables(&flat.features, scatter, &tables).expect("the kernels link");
     if let Some(library) = library {
-        relink(&mut plan, library, &choices_of(&flat.features, &tables));
+        relink(&mut plan, library);
     }
     let mut renderer =
         Renderer::new(device, &flat, &plan, &first, ask.wish, false).expect("the kernels compile and the buffers fit");
@@ -198,9 +210,9 @@ pub fn render_planted(scene: &Scene, ask: &Ask, library: &dyn Library) -> Shot {
 }
 
 /// Links the kernels of a plan from another library.
-fn relink(plan: &mut Plan, library: &dyn Library, choices: &Choices) {
+fn relink(plan: &mut Plan, library: &dyn Library) {
     let relink = |kernel: &mut Kernel| {
-        kernel.linked = link(library, &format!("stage/{}", kernel.stage), choices).expect("the kernel links");
+        kernel.linked = link(library, &format!("stage/{}", kernel.stage), &kernel.choices).expect("the kernel links");
         kernel.module = kernel.linked.validate().unwrap_or_else(|error| panic!("{error}")).0;
         kernel.bindings = layout::bindings(&kernel.module).expect("the kernel has bindings");
     };
@@ -208,9 +220,9 @@ fn relink(plan: &mut Plan, library: &dyn Library, choices: &Choices) {
     match &mut plan.bounce {
         Bounce::Fused(bounce) => relink(bounce),
         Bounce::Staged(staged) => {
-            assert!(staged.medium.is_none() && staged.dispatch.is_none(), "these have choices of their own");
-            let stages = std::iter::once(&mut staged.intersect).chain(&mut staged.scatter).chain(&mut staged.shadow);
-            stages.chain([&mut staged.refill]).for_each(relink);
+            let Staged { intersect, medium, dispatch, scatter, shadow, refill } = &mut **staged;
+            let stages = [intersect, refill].into_iter().chain(medium).chain(dispatch).chain(scatter).chain(shadow);
+            stages.for_each(relink);
         }
     }
 }
