@@ -8,9 +8,9 @@ use std::path::{Path, PathBuf};
 
 use gpu_rt::data::{RUN_LENGTH, Sampler};
 use gpu_rt::film::{Film, Picture, UNKNOWN_VARIANCE};
-use gpu_rt::flatten::{Quality, Wish, flatten_with};
+use gpu_rt::flatten::{Flat, Quality, Wish, flatten_with};
 use gpu_rt::gpu::layout;
-use gpu_rt::gpu::link::{Library, link};
+use gpu_rt::gpu::link::{Choices, Embedded, Library, link};
 use gpu_rt::plan::{Bounce, Kernel, Plan, Staged, Tables};
 use gpu_rt::render::{Goal, Job, Next, Outcome, Renderer, TuningWish, tuning};
 use gpu_rt::scene::Scene;
@@ -134,7 +134,7 @@ pub fn render_all(
     mut take: impl FnMut(Shot),
 ) {
     let size = ask.size.unwrap_or((scene.image.width, scene.image.height));
-    render_with(scene, ask, wanted, None, |shot| {
+    render_with(scene, ask, wanted, &Change::default(), |shot| {
         shot.check_counts(size, &shot.outcome.samples);
         take(shot);
     });
@@ -144,15 +144,34 @@ pub fn render_all(
 pub fn render_linked(scene: &Scene, ask: &Ask, ranges: &[Range<u32>], library: &dyn Library) -> Vec<Shot> {
     let mut shots = Vec::new();
     let wanted = ranges.iter().map(|samples| (ask.seed, samples.clone()));
-    render_with(scene, ask, wanted, Some(library), |shot| shots.push(shot));
+    render_with(scene, ask, wanted, &Change { library: Some(library), ..Change::default() }, |shot| shots.push(shot));
     shots
+}
+
+/// What a test changes between a scene and its kernels.
+#[derive(Default)]
+pub struct Change<'a> {
+    /// The tables that the kernels read.
+    pub flat: Option<&'a dyn Fn(&mut Flat)>,
+    /// What each kernel is linked with.
+    pub choices: Option<&'a dyn Fn(&mut Choices)>,
+    /// Where its modules come from.
+    pub library: Option<&'a dyn Library>,
+}
+
+/// Renders a scene that was changed.
+pub fn render_changed(scene: &Scene, ask: &Ask, change: &Change<'_>) -> Shot {
+    let samples = ask.samples.clone().unwrap_or(0..scene.render.samples);
+    let mut shots = Vec::new();
+    render_with(scene, ask, std::iter::once((ask.seed, samples)), change, |shot| shots.push(shot));
+    shots.remove(0)
 }
 
 fn render_with(
     scene: &Scene,
     ask: &Ask,
     wanted: impl Iterator<Item = (u32, Range<u32>)>,
-    library: Option<&dyn Library>,
+    change: &Change<'_>,
     mut take: impl FnMut(Shot),
 ) {
     let size = ask.size.unwrap_or((scene.image.width, scene.image.height));
@@ -170,7 +189,10 @@ fn render_with(
         fast_precision,
         every_feature: ask.every_feature,
     };
-    let flat = flatten_with(scene, size, wish).expect("the scene flattens");
+    let mut flat = flatten_with(scene, size, wish).expect("the scene flattens");
+    if let Some(change) = change.flat {
+        change(&mut flat);
+    }
     let job = |seed: u32, samples: &Range<u32>| Job {
         size,
         max_depth: ask.max_depth.unwrap_or(scene.render.max_depth),
@@ -189,9 +211,7 @@ fn render_with(
         false => Tables::new(&flat, class.table_bytes()),
     };
     let mut plan = Plan::with_tables(&flat.features, scatter, &tables).expect("the kernels link");
-    if let Some(library) = library {
-        relink(&mut plan, library);
-    }
+    relink(&mut plan, change);
     let mut renderer =
         Renderer::new(device, &flat, &plan, &first, ask.wish, false).expect("the kernels compile and the buffers fit");
     for (seed, samples) in wanted {
@@ -209,9 +229,16 @@ pub fn render_planted(scene: &Scene, ask: &Ask, library: &dyn Library) -> Shot {
     render_linked(scene, ask, &[samples], library).remove(0)
 }
 
-/// Links the kernels of a plan from another library.
-fn relink(plan: &mut Plan, library: &dyn Library) {
+/// Links the kernels of a plan another way.
+fn relink(plan: &mut Plan, change: &Change<'_>) {
+    if change.library.is_none() && change.choices.is_none() {
+        return;
+    }
+    let library = change.library.unwrap_or(&Embedded);
     let relink = |kernel: &mut Kernel| {
+        if let Some(change) = change.choices {
+            change(&mut kernel.choices);
+        }
         kernel.linked = link(library, &format!("stage/{}", kernel.stage), &kernel.choices).expect("the kernel links");
         kernel.module = kernel.linked.validate().unwrap_or_else(|error| panic!("{error}")).0;
         kernel.bindings = layout::bindings(&kernel.module).expect("the kernel has bindings");
