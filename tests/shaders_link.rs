@@ -480,3 +480,58 @@ fn modules_are_joined_once_and_lists_and_values_filled_in() {
     }
     linked.validate().expect("it is valid");
 }
+
+#[test]
+fn only_what_an_entry_point_reaches_is_kept() {
+    let inner = "// A comment.
+struct Kept {
+    // Another comment.
+    x: f32, // and a third
+    unused_like_a_member: f32,
+}
+struct Unused { x: Kept }
+const SIZE: u32 = 4u;
+const TWICE: u32 = 2u * SIZE;
+const LONE: u32 = 1u;
+override CHOSEN: u32 = 2u;
+@group(0) @binding(0)
+var<storage, read_write> words: array<u32>;
+@group(0) @binding(1) var<uniform> others: vec4<u32>;
+fn unused() -> u32 {
+    return LONE + others.x;
+}
+fn unused_like_a_member() {}
+fn helper(kept: Kept) -> f32 {
+    for (var i = 0u; i < TWICE; i++) { words[i] = CHOSEN; }
+    return kept.unused_like_a_member;
+}
+";
+    let root = "//@ use test/inner\n//@ use lib/rng\n@compute @workgroup_size(1)\nfn main() {\n    let x = helper(Kept(1.0, 2.0));\n}\n";
+    let linked = linked(&[("test/root", root), ("test/inner", inner)]).expect("it links");
+    for kept in [
+        "struct Kept",
+        "SIZE",
+        "TWICE",
+        "CHOSEN",
+        "var<storage",
+        "@binding(0)",
+        "fn helper",
+        "fn main",
+        "    x: f32,\n",
+    ] {
+        assert!(linked.text.contains(kept), "{kept} is missing:\n{}", linked.text);
+    }
+    for gone in ["Unused", "LONE", "others", "fn unused()", "fn unused_like", "omment", "third", "pcg4d", "@binding(1)"]
+    {
+        assert!(!linked.text.contains(gone), "{gone} is left:\n{}", linked.text);
+    }
+    assert_eq!(linked.modules, ["test/inner", "test/root"]);
+    linked.validate().expect("it is valid");
+    // Without an entry point everything stays, for whoever wants to see it.
+    let all = linked_all(inner);
+    assert!(all.contains("Unused") && all.contains("LONE") && all.contains("fn unused()"), "{all}");
+}
+
+fn linked_all(text: &'static str) -> String {
+    linked(&[("test/root", text)]).expect("it links").text
+}

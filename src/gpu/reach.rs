@@ -71,35 +71,31 @@ fn declarations(lines: &[String]) -> Vec<Declaration<'_>> {
     found
 }
 
-/// The words of a line, but for members; the first one behind what begins a declaration is its name.
+/// The words of a line, but for those that only name a member, a parameter or a variable of this declaration. The first one behind what begins a declaration, and behind `var`'s angle brackets, is its name.
 fn take_words<'a>(code: &'a str, declaration: &mut Declaration<'a>) {
     const KEYWORDS: [&str; 6] = ["fn", "const", "override", "struct", "alias", "var"];
     let is_word = |c: char| c.is_alphanumeric() || c == '_';
+    // `var<storage, read_write> name`: what stands between the brackets is no name.
+    let name_from = match code.split_once("var<").and_then(|(_, rest)| rest.split_once('>')) {
+        Some((_, rest)) => code.len() - rest.len(),
+        None => 0,
+    };
+    let is_case = code.trim_start().starts_with("case ");
     let mut behind_keyword = false;
-    let mut angles = 0;
-    let mut rest = code;
-    while let Some(start) = rest.find(|c: char| is_word(c) || c == '<' || c == '>') {
-        let before = rest[..start].chars().next_back();
-        let at = &rest[start..];
-        let end = at.find(|c| !is_word(c)).unwrap_or(at.len()).max(1);
-        let word = &at[..end];
-        rest = &at[end..];
-        match word {
-            // `var<uniform> name`: what stands between is no name.
-            "<" => angles += i32::from(behind_keyword),
-            ">" => angles -= i32::from(behind_keyword),
-            _ if declaration.name.is_none() && behind_keyword && angles == 0 => {
-                declaration.name = Some(word);
-                behind_keyword = false;
-            }
-            "compute" if before == Some('@') => {
-                declaration.words.insert("@compute");
-            }
-            _ if declaration.name.is_none() && KEYWORDS.contains(&word) => behind_keyword = true,
-            _ if before == Some('.') => {}
-            _ => {
-                declaration.words.insert(word);
-            }
+    let mut at = 0;
+    while let Some(start) = code[at..].find(is_word).map(|start| at + start) {
+        let end = code[start..].find(|c| !is_word(c)).map_or(code.len(), |length| start + length);
+        let word = &code[start..end];
+        let before = code[..start].chars().next_back();
+        at = end;
+        if declaration.name.is_none() && behind_keyword && start >= name_from {
+            declaration.name = Some(word);
+        } else if declaration.name.is_none() && KEYWORDS.contains(&word) {
+            behind_keyword = true;
+        } else if word == "compute" && before == Some('@') {
+            declaration.words.insert("@compute");
+        } else if before != Some('.') && (is_case || !code[end..].starts_with(':')) {
+            declaration.words.insert(word);
         }
     }
 }
