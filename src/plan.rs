@@ -101,6 +101,8 @@ pub struct Kernel {
     pub name: String,
     /// The entry point, and the file under shaders/stage.
     pub stage: &'static str,
+    /// What it was linked with.
+    pub choices: Choices,
     pub linked: Linked,
     pub module: naga::Module,
     pub bindings: BTreeMap<String, Binding>,
@@ -550,5 +552,6 @@ fn kernel(name: &str, stage: &'static str, choices: &Choices, why: &str) -> Resu
     let linked = link(&Embedded, &format!("stage/{stage}"), choices)?;
     let (module, _) = linked.validate()?;
     let bindings = layout::bindings(&module)?;
-    Ok(Kernel { name: name.to_string(), stage, linked, module, bindings, why: why.to_string() })
+    let choices = choices.clone();
+    Ok(Kernel { name: name.to_string(), stage, choices, linked, module, bindings, why: why.to_string() })
 }

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use gpu_rt::data;
 use gpu_rt::film::RunRecord;
 use gpu_rt::flatten::{Features, MATERIALS};
-use gpu_rt::gpu::layout::members;
+use gpu_rt::gpu::layout::{Member, members, pack};
 use gpu_rt::gpu::link::{Choices, Embedded, link};
 use gpu_rt::plan::{Plan, Scatter};
 
@@ -21,11 +21,11 @@ fn modules() -> Vec<naga::Module> {
         materials: Default::default(),
         textures: Default::default(),
         boundaries: Default::default(),
-        textured_media: true,
+        textured_media: Some("a test".to_string()),
         media: 3,
-        background: "image",
-        thin_lens: true,
-        turned: true,
+        backgrounds: Default::default(),
+        thin_lens: Some("a test".to_string()),
+        turned: Some("a test".to_string()),
         few: false,
         stack_size: 8,
         boundary_stack_size: 8,
@@ -35,11 +35,13 @@ fn modules() -> Vec<naga::Module> {
         emitting_sky: Some("a test".to_string()),
         sky_grid: (4, 2),
         lights: 1000,
+        sky_light: 999,
         roulette: true,
         schlick: true,
         clamp: true,
         fast_offset: true,
         fast_precision: true,
+        every: false,
     };
     let features = Features {
         primitives: features.primitives.map(on),
@@ -47,6 +49,7 @@ fn modules() -> Vec<naga::Module> {
         textures: features.textures.map(on),
         boundaries: features.boundaries.map(on),
         emitters: features.emitters.map(on),
+        backgrounds: features.backgrounds.map(on),
         ..features
     };
     let probe = link(&Embedded, "stage/probe", &Choices::default()).expect("the probe links");
@@ -101,7 +104,7 @@ fn host_structs() -> BTreeMap<&'static str, (Fields, usize)> {
             ),)*])
         };
     }
-    structs!(Settings Window Counters Node Sphere Quad Cuboid Instance Light LightNode SkyCell Medium Material Texture Frame Trial Answer)
+    structs!(Window Counters Node Sphere Quad Cuboid Instance Light LightNode SkyCell Medium Material Texture Frame Trial Answer)
 }
 
 /// Names that src/data.rs declares behind a word, so that none can be added there and forgotten here.
@@ -127,10 +130,47 @@ fn every_struct_of_the_host_is_laid_out_as_in_wgsl() {
         .filter_map(|call| call.lines().map(str::trim).find(|line| !line.is_empty() && !line.starts_with("///")))
         .filter_map(|line| line.split_whitespace().next())
         .collect();
-    let listed: Vec<&str> = structs.keys().copied().collect();
+    // The settings have a test of their own.
+    let mut listed: Vec<&str> = structs.keys().copied().chain(["Settings"]).collect();
+    listed.sort_unstable();
     let mut sorted = names.clone();
     sorted.sort_unstable();
     assert_eq!(sorted, listed, "src/data.rs declares structs that this test does not list, or the reverse");
+}
+
+/// The settings are placed by the names of their members, of which kernels have those that they need.
+#[test]
+fn every_setting_of_a_kernel_is_one_of_the_hosts() {
+    let modules = modules();
+    // Each byte tells where it comes from, so that a member in a wrong place shows.
+    let words: Vec<u32> = (1..).take(size_of::<data::Settings>() / 4).collect();
+    let host: &[u8] = bytemuck::cast_slice(&words);
+    let host_word = |name: &str| {
+        let (_, offset, bytes) = data::Settings::FIELDS.iter().find(|(field, ..)| *field == name)?;
+        Some((words[offset / 4], *bytes))
+    };
+    let mut seen = std::collections::BTreeSet::new();
+    for module in &modules {
+        let Some((members, size)) = members(module, "Settings").expect("naga lays it out") else { continue };
+        let packed = pack(&members, data::Settings::FIELDS, host);
+        assert!(packed.len() as u32 <= size);
+        for member in members {
+            let at = member.offset as usize;
+            let first = u32::from_le_bytes(packed[at..at + 4].try_into().expect("four bytes"));
+            assert_eq!(Some((first, member.bytes as usize)), host_word(&member.name), "{}", member.name);
+            seen.insert(member.name);
+        }
+    }
+    let fields: std::collections::BTreeSet<String> =
+        data::Settings::FIELDS.iter().map(|(name, ..)| name.to_string()).collect();
+    // A scene of few primitives is linked another way.
+    assert_eq!(fields.difference(&seen).collect::<Vec<_>>(), ["few"]);
+    // What the host lacks, or has in another size, is not taken from anywhere.
+    let odd = [
+        Member { name: "seed".to_string(), offset: 0, bytes: 8 },
+        Member { name: "sead".to_string(), offset: 8, bytes: 4 },
+    ];
+    assert_eq!(pack(&odd, data::Settings::FIELDS, host), [0; 16]);
 }
 
 #[test]
@@ -218,10 +258,6 @@ fn every_constant_of_the_host_is_that_of_the_shaders() {
     assert_eq!(data::MAX_PRIMITIVES as u64, u64::from(mask) + 1);
     let bits = data::LIGHT_NODE_LEAF | data::LIGHT_NODE_TWO_SIDED;
     assert_eq!(constant(&modules, "LIGHT_NODE_INDEX"), Some(!bits));
-    let names = modules.iter().flat_map(|module| module.constants.iter().filter_map(|(_, c)| c.name.clone()));
-    let planes: std::collections::BTreeSet<String> = names.filter(|name| name.starts_with("PLANE_")).collect();
-    let numbers: std::collections::BTreeSet<_> = planes.iter().filter_map(|name| constant(&modules, name)).collect();
-    assert_eq!(numbers, (0..data::LIT_PATH_PLANES).collect());
     // A queue's length stands before the queues, one word for each kind of material.
     assert!(data::QUEUE_HEADER as usize >= MATERIALS.len());
     // No primitive's code is a status: the kinds stop short of the last one.
@@ -232,8 +268,7 @@ fn every_constant_of_the_host_is_that_of_the_shaders() {
     assert!(data::PRIMITIVE_BIT | (kinds << data::PRIMITIVE_KIND_SHIFT) <= first);
     assert!([data::HIT_NOTHING, data::SLOT_IDLE].iter().all(|status| *status >= first));
 
-    let mut listed: Vec<&str> =
-        same.keys().copied().chain(["MAX_PRIMITIVES", "PATH_PLANES", "LIT_PATH_PLANES", "FIELDS"]).collect();
+    let mut listed: Vec<&str> = same.keys().copied().chain(["MAX_PRIMITIVES", "FIELDS"]).collect();
     listed.sort_unstable();
     let mut names = declared("pub const ");
     names.sort_unstable();

@@ -3,7 +3,7 @@
 
 // The texture coordinates of a sphere at its unit normal n: u = (atan2(-z, x) + pi) / 2 pi, v = acos(-y) / pi.
 fn sphere_uv_at(n: vec3<f32>) -> vec2<f32> {
-    let u = 0.5 + around(-n.z, n.x);
+    let u = 0.5 + turns_around(-n.z, n.x);
     let v = angle_of(length(n.xz), -n.y) * 0.31830989;
     return clamp(vec2<f32>(u, v), vec2<f32>(0.0), vec2<f32>(1.0));
 }
@@ -11,13 +11,13 @@ fn sphere_uv_at(n: vec3<f32>) -> vec2<f32> {
 // A latitude-longitude image of the sky: u and the way down from the top row, for a unit direction; +y on top, -z in the
 // middle, +x on the right half.
 fn sky_place(direction: vec3<f32>) -> vec2<f32> {
-    let u = 0.5 + around(direction.x, -direction.z);
+    let u = 0.5 + turns_around(direction.x, -direction.z);
     let down = angle_of(length(direction.xz), direction.y) * 0.31830989;
     return clamp(vec2<f32>(u, down), vec2<f32>(0.0), vec2<f32>(1.0));
 }
 
 // Turns from (1, 0) to (x, y), in [-1/2, 1/2].
-fn around(y: f32, x: f32) -> f32 {
+fn turns_around(y: f32, x: f32) -> f32 {
     let turns = angle_of(abs(y), x) * 0.15915494;
     return select(turns, -turns, y < 0.0);
 }

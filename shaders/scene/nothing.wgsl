@@ -3,10 +3,6 @@
 //@ use data/primitive
 //@ use lib/float
 // A scene without objects: every ray leaves it.
-fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
-    return limit;
-}
-
 fn nearest_hit(ray: Ray, root: u32) -> Hit {
     return hit_at(HIT_NOTHING, VERY_FAR);
 }

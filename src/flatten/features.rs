@@ -95,8 +95,13 @@ impl Features {
             used.get_or_insert_with(|| all.to_string());
         };
         let emitters = if sample_lights { self.emitters.as_mut_slice() } else { &mut [] };
-        let lists: [&mut [Option<String>]; 5] =
-            [&mut self.primitives, &mut self.materials, &mut self.textures, &mut self.boundaries, &mut self.backgrounds];
+        let lists: [&mut [Option<String>]; 5] = [
+            &mut self.primitives,
+            &mut self.materials,
+            &mut self.textures,
+            &mut self.boundaries,
+            &mut self.backgrounds,
+        ];
         lists.into_iter().flatten().chain(emitters).for_each(add);
         [&mut self.smooth, &mut self.textured_media, &mut self.thin_lens, &mut self.turned].into_iter().for_each(add);
         if sample_lights {
@@ -148,12 +153,10 @@ impl Features {
             ("scene", "meshes") => primitive("triangle").or_else(|| boundary("mesh")),
             ("scene", "uv" | "texel") => of(TEXTURES, &self.textures, "image").or(self.emitting_sky.as_deref()),
             ("scene", "textures" | "textured_colour") => texture(),
-            ("scene", "media" | "transmittance") | ("step", "media") | ("stage", "medium") => {
-                medium()
-            }
-            ("scene", "lights" | "light_tree" | "light_alias" | "responses") | ("step", "light") | ("stage", "shadow") => {
-                light()
-            }
+            ("scene", "media" | "transmittance") | ("step", "media") | ("stage", "medium") => medium(),
+            ("scene", "lights" | "light_tree" | "light_alias" | "responses")
+            | ("step", "light")
+            | ("stage", "shadow") => light(),
             ("step", "roulette") => Some("--roulette on, the default"),
             ("step", "clamp") => Some("--clamp"),
             ("lib", "fresnel_schlick") => Some("--fresnel schlick"),

@@ -171,7 +171,8 @@ pub fn flatten_with(scene: &Scene, size: (u32, u32), wish: Wish) -> Result<Flat>
         let limit = (radiance_scale * limit).clamp(f64::from(f32::MIN_POSITIVE), f64::from(f32::MAX));
         flat.settings.indirect_limit = limit as f32;
     }
-    let of_camera = |field: &str| format!("camera.{field} at {}", scene.location(&[Step::Field("camera"), Step::Field(field)]));
+    let of_camera =
+        |field: &str| format!("camera.{field} at {}", scene.location(&[Step::Field("camera"), Step::Field(field)]));
     flat.features.thin_lens = (scene.camera.aperture > 0.0).then(|| of_camera("aperture"));
     flat.features.turned = view.turned.then(|| of_camera("vertical_fov"));
     if wish.every_feature {

@@ -55,11 +55,8 @@ fn declarations(lines: &[String]) -> Vec<Declaration<'_>> {
         if open.is_none() && code.trim().is_empty() {
             continue;
         }
-        let declaration = open.get_or_insert_with(|| Declaration {
-            name: None,
-            lines: number..number,
-            words: BTreeSet::new(),
-        });
+        let declaration =
+            open.get_or_insert_with(|| Declaration { name: None, lines: number..number, words: BTreeSet::new() });
         declaration.lines.end = number + 1;
         take_words(code, declaration);
         for c in code.chars() {

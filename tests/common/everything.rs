@@ -59,6 +59,11 @@ impl Everything {
         scene_in(self.0.path(), &self.text(world))
     }
 
+    /// The folder of the files that its scenes name.
+    pub fn folder(&self) -> &std::path::Path {
+        self.0.path()
+    }
+
     /// Its file, beside the files that it names.
     pub fn file(&self, world: World) -> std::path::PathBuf {
         let path = self.0.path().join("everything.ron");

@@ -27,7 +27,7 @@ pub struct In {
     pub padding: u32,
 }
 
-/// As the shader's Hit: code, instance, t as bits, steps.
+/// Code, instance, t as bits, steps.
 pub type Hit = [u32; 4];
 
 #[repr(C)]

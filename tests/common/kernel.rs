@@ -10,10 +10,12 @@ use std::path::Path;
 use std::sync::OnceLock;
 
 use bytemuck::Pod;
+use gpu_rt::data::Settings;
 use gpu_rt::gpu::buffers::{BufferSpec, Buffers, Readback};
 use gpu_rt::gpu::layout::{self, Binding};
-use gpu_rt::gpu::link::{Choices, Embedded, Library, link};
+use gpu_rt::gpu::link::{Choices, Embedded, Entry, Library, link};
 use gpu_rt::gpu::pipeline::{Pipeline, PipelineSpec};
+use gpu_rt::plan::SettingsLayout;
 
 use crate::device;
 
@@ -82,6 +84,10 @@ const USUAL: [(&str, &str); 4] = [
     ("sphere_chord", "geometry/sphere_chord"),
 ];
 
+/// The lists that are empty where nothing else is asked, and those of the settings' members, which are all there.
+const NONE: [&str; 6] = ["mesh", "light", "emitting_mesh", "emitting_sky", "medium", "several_backgrounds"];
+const SETTINGS: [&str; 6] = ["lens", "gradient_background", "image_background", "camera_axes", "clamp", "few"];
+
 /// A test kernel, linked and validated.
 pub struct Kernel {
     name: String,
@@ -114,6 +120,13 @@ impl Kernel {
         for (choice, module) in USUAL {
             choices.modules.entry(choice).or_insert(module);
         }
+        for list in NONE {
+            choices.lists.entry(list).or_default();
+        }
+        for list in SETTINGS {
+            let one = || vec![Entry { name: list.to_string(), number: 0, closes: true }];
+            choices.lists.entry(list).or_insert_with(one);
+        }
         choices.modules.extend(setup.choices.iter().copied());
         choices.modules.insert("kernel", name);
         choices.values.extend(setup.values.iter().map(|(name, value)| (*name, value.to_string())));
@@ -122,6 +135,13 @@ impl Kernel {
         let (module, _) = linked.validate().unwrap_or_else(|error| panic!("{name}: {error}"));
         let bindings = layout::bindings(&module).unwrap_or_else(|error| panic!("{name}: {error}"));
         Kernel { name: name.to_string(), module, bindings }
+    }
+
+    /// The settings as this kernel has them.
+    pub fn settings(&self, settings: &Settings) -> BufferSpec<'static> {
+        let contents = SettingsLayout::of(&self.module).expect("the settings have a layout").bytes(settings);
+        let spec = BufferSpec::uniform("settings", contents.len() as u64, "the test");
+        BufferSpec { contents: contents.into(), ..spec }
     }
 
     /// Runs the kernel once for each row; one row of output for each of input.
@@ -165,13 +185,6 @@ impl Kernel {
         let submission = device.queue.submit([encoder.finish()]);
         readback.read(device, submission, bytes, bytemuck::pod_collect_to_vec::<u8, O>).expect("the test kernel runs")
     }
-}
-
-/// The bytes of a struct, as a uniform buffer.
-pub fn uniform<T: Pod>(name: &'static str, value: &T) -> BufferSpec<'static> {
-    let mut spec = BufferSpec::uniform(name, size_of::<T>() as u64, "the test");
-    spec.contents = bytemuck::bytes_of(value).to_vec().into();
-    spec
 }
 
 /// An array, as a buffer that kernels read.

@@ -8,10 +8,10 @@ use std::path::{Path, PathBuf};
 
 use gpu_rt::data::{RUN_LENGTH, Sampler};
 use gpu_rt::film::{Film, Picture, UNKNOWN_VARIANCE};
-use gpu_rt::flatten::{Quality, Wish, flatten_with};
+use gpu_rt::flatten::{Flat, Quality, Wish, flatten_with};
 use gpu_rt::gpu::layout;
-use gpu_rt::gpu::link::{Choices, Library, link};
-use gpu_rt::plan::{Bounce, Kernel, Plan, Tables, choices_of};
+use gpu_rt::gpu::link::{Choices, Embedded, Library, link};
+use gpu_rt::plan::{Bounce, Kernel, Plan, Staged, Tables};
 use gpu_rt::render::{Goal, Job, Next, Outcome, Renderer, TuningWish, tuning};
 use gpu_rt::scene::Scene;
 
@@ -38,6 +38,8 @@ pub struct Ask {
     pub approximations: Approximations,
     /// All of the scene's tables in storage bindings, also where the device would take small ones as uniforms.
     pub storage_tables: bool,
+    /// Kernels linked with everything that a scene can require.
+    pub every_feature: bool,
 }
 
 /// The settings that bias or are less exact, none of them by default.
@@ -132,7 +134,7 @@ pub fn render_all(
     mut take: impl FnMut(Shot),
 ) {
     let size = ask.size.unwrap_or((scene.image.width, scene.image.height));
-    render_with(scene, ask, wanted, None, |shot| {
+    render_with(scene, ask, wanted, &Change::default(), |shot| {
         shot.check_counts(size, &shot.outcome.samples);
         take(shot);
     });
@@ -142,23 +144,55 @@ pub fn render_all(
 pub fn render_linked(scene: &Scene, ask: &Ask, ranges: &[Range<u32>], library: &dyn Library) -> Vec<Shot> {
     let mut shots = Vec::new();
     let wanted = ranges.iter().map(|samples| (ask.seed, samples.clone()));
-    render_with(scene, ask, wanted, Some(library), |shot| shots.push(shot));
+    render_with(scene, ask, wanted, &Change { library: Some(library), ..Change::default() }, |shot| shots.push(shot));
     shots
+}
+
+/// What a test changes between a scene and its kernels.
+#[derive(Default)]
+pub struct Change<'a> {
+    /// The tables that the kernels read.
+    pub flat: Option<&'a dyn Fn(&mut Flat)>,
+    /// What each kernel is linked with.
+    pub choices: Option<&'a dyn Fn(&mut Choices)>,
+    /// Where its modules come from.
+    pub library: Option<&'a dyn Library>,
+}
+
+/// Renders a scene that was changed.
+pub fn render_changed(scene: &Scene, ask: &Ask, change: &Change<'_>) -> Shot {
+    let samples = ask.samples.clone().unwrap_or(0..scene.render.samples);
+    let mut shots = Vec::new();
+    render_with(scene, ask, std::iter::once((ask.seed, samples)), change, |shot| shots.push(shot));
+    shots.remove(0)
 }
 
 fn render_with(
     scene: &Scene,
     ask: &Ask,
     wanted: impl Iterator<Item = (u32, Range<u32>)>,
-    library: Option<&dyn Library>,
+    change: &Change<'_>,
     mut take: impl FnMut(Shot),
 ) {
     let size = ask.size.unwrap_or((scene.image.width, scene.image.height));
     let Ask { sampler, sample_lights, roulette, .. } = *ask;
     let Approximations { schlick, clamp, fast_offset, fast_precision } = ask.approximations;
     let quality = ask.quality;
-    let wish = Wish { quality, sampler, sample_lights, roulette, schlick, clamp, fast_offset, fast_precision };
-    let flat = flatten_with(scene, size, wish).expect("the scene flattens");
+    let wish = Wish {
+        quality,
+        sampler,
+        sample_lights,
+        roulette,
+        schlick,
+        clamp,
+        fast_offset,
+        fast_precision,
+        every_feature: ask.every_feature,
+    };
+    let mut flat = flatten_with(scene, size, wish).expect("the scene flattens");
+    if let Some(change) = change.flat {
+        change(&mut flat);
+    }
     let job = |seed: u32, samples: &Range<u32>| Job {
         size,
         max_depth: ask.max_depth.unwrap_or(scene.render.max_depth),
@@ -177,9 +211,7 @@ fn render_with(
         false => Tables::new(&flat, class.table_bytes()),
     };
     let mut plan = Plan::with_tables(&flat.features, scatter, &tables).expect("the kernels link");
-    if let Some(library) = library {
-        relink(&mut plan, library, &choices_of(&flat.features, &tables));
-    }
+    relink(&mut plan, change);
     let mut renderer =
         Renderer::new(device, &flat, &plan, &first, ask.wish, false).expect("the kernels compile and the buffers fit");
     for (seed, samples) in wanted {
@@ -197,10 +229,17 @@ pub fn render_planted(scene: &Scene, ask: &Ask, library: &dyn Library) -> Shot {
     render_linked(scene, ask, &[samples], library).remove(0)
 }
 
-/// Links the kernels of a plan from another library.
-fn relink(plan: &mut Plan, library: &dyn Library, choices: &Choices) {
+/// Links the kernels of a plan another way.
+fn relink(plan: &mut Plan, change: &Change<'_>) {
+    if change.library.is_none() && change.choices.is_none() {
+        return;
+    }
+    let library = change.library.unwrap_or(&Embedded);
     let relink = |kernel: &mut Kernel| {
-        kernel.linked = link(library, &format!("stage/{}", kernel.stage), choices).expect("the kernel links");
+        if let Some(change) = change.choices {
+            change(&mut kernel.choices);
+        }
+        kernel.linked = link(library, &format!("stage/{}", kernel.stage), &kernel.choices).expect("the kernel links");
         kernel.module = kernel.linked.validate().unwrap_or_else(|error| panic!("{error}")).0;
         kernel.bindings = layout::bindings(&kernel.module).expect("the kernel has bindings");
     };
@@ -208,9 +247,9 @@ fn relink(plan: &mut Plan, library: &dyn Library, choices: &Choices) {
     match &mut plan.bounce {
         Bounce::Fused(bounce) => relink(bounce),
         Bounce::Staged(staged) => {
-            assert!(staged.medium.is_none() && staged.dispatch.is_none(), "these have choices of their own");
-            let stages = std::iter::once(&mut staged.intersect).chain(&mut staged.scatter).chain(&mut staged.shadow);
-            stages.chain([&mut staged.refill]).for_each(relink);
+            let Staged { intersect, medium, dispatch, scatter, shadow, refill } = &mut **staged;
+            let stages = [intersect, refill].into_iter().chain(medium).chain(dispatch).chain(scatter).chain(shadow);
+            stages.for_each(relink);
         }
     }
 }

@@ -179,7 +179,7 @@ fn spheres() -> Cell {
     let truth: Vec<(f64, f64)> = rays.iter().map(|ray| nearest(ray, &spheres)).collect();
     let wrong = |found: &[[[u32; 4]; 2]]| {
         let off = found.iter().zip(&truth).filter(|([walked, _], (surely, maybe))| {
-            let t = if walked[0] == u32::MAX { f64::INFINITY } else { f64::from(f32::from_bits(walked[2])) };
+            let t = if walked[0] == u32::MAX { f64::INFINITY } else { f64::from(f32::from_bits(walked[1])) };
             !(t >= maybe - 1e-5 && t <= surely + 1e-5)
         });
         off.count() as f64

@@ -7,7 +7,7 @@ use glam::DVec3;
 use gpu_rt::data::{Cuboid, Material, Quad, RUN_LENGTH, Sampler, Sphere};
 use gpu_rt::flatten::flatten;
 
-use crate::kernel::{Kernel, Overlay, Setup, uniform};
+use crate::kernel::{Kernel, Overlay, Setup};
 use crate::light_kernel::{self, CUBOID, Kind, QUAD, SHARES, SPHERE, TRIANGLE, Triangle, spheres};
 use crate::media::{ASYMMETRIES, Scattered, Scattering, phase};
 use crate::render::{Ask, render_linked, scene};
@@ -468,7 +468,7 @@ fn camera() -> Cell {
                 })
                 .collect();
             let lens = exact(settings.lens_x).length();
-            for out in kernel.run_with::<_, CameraOut>(&rows, rows.len(), &[uniform("settings", &settings)]) {
+            for out in kernel.run_with::<_, CameraOut>(&rows, rows.len(), &[kernel.settings(&settings)]) {
                 let within = exact(out.origin).length() <= lens * (1.0 + 1e-3);
                 wrong += u32::from(!(is_unit(out.direction) && within));
             }

@@ -6,7 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use gpu_rt::data::Settings;
 
-use crate::kernel::{Kernel, Setup, uniform};
+use crate::kernel::{Kernel, Setup};
 use crate::scenes::{flat_with, triple};
 use crate::stats::{Random, chi_square};
 use crate::vectors::{U, decades, exact, unit};
@@ -125,7 +125,7 @@ fn pinhole_rays_go_through_their_places() {
         for _ in 0..5 {
             let camera = Camera::random(&mut random, vertical_fov);
             let rows = rows(&mut random, camera.size);
-            let found = kernel.run_with::<_, Out>(&rows, rows.len(), &[uniform("settings", &camera.settings())]);
+            let found = kernel.run_with::<_, Out>(&rows, rows.len(), &[kernel.settings(&camera.settings())]);
             for (row, out) in rows.iter().zip(&found) {
                 let (x, y) = place(row);
                 let off = |x: f64, y: f64| (exact(out.direction) - camera.towards(x, y).normalize()).length();
@@ -153,7 +153,7 @@ fn thin_lens_rays_of_a_place_meet_in_focus() {
             camera.aperture = decades(&mut random, -4.0, 1.0) * camera.focus_distance.min(1.0);
             let scale = camera.unit_of_render_space();
             let rows = rows(&mut random, camera.size);
-            let found = kernel.run_with::<_, Out>(&rows, rows.len(), &[uniform("settings", &camera.settings())]);
+            let found = kernel.run_with::<_, Out>(&rows, rows.len(), &[kernel.settings(&camera.settings())]);
             let [right, up, forward] = camera.axes();
             for (row, out) in rows.iter().zip(&found) {
                 let (x, y) = place(row);
@@ -176,7 +176,7 @@ fn thin_lens_rays_of_a_place_meet_in_focus() {
             }
             // The pinhole's rays do not meet there: the offset must bend the ray.
             let unbent = Settings { inverse_focus: 0.0, ..camera.settings() };
-            let found = kernel.run_with::<_, Out>(&rows, rows.len(), &[uniform("settings", &unbent)]);
+            let found = kernel.run_with::<_, Out>(&rows, rows.len(), &[kernel.settings(&unbent)]);
             let wrong = rows.iter().zip(&found).filter(|(row, out)| {
                 let (x, y) = place(row);
                 let towards = camera.focus_distance * camera.towards(x, y) - exact(out.origin) * scale;
@@ -200,7 +200,8 @@ fn rays_leave_all_parts_of_the_lens_alike() {
     let camera = Camera { aperture: 0.3, ..Camera::random(&mut random, 40.0) };
     let rows: Vec<In> =
         (0..RAYS).map(|_| In { u: [0; 4].map(|_| (random.bits() >> 40) as f32 * U as f32), ..In::default() }).collect();
-    let found = kernel("thin_lens").run_with::<_, Out>(&rows, RAYS, &[uniform("settings", &camera.settings())]);
+    let kernel = kernel("thin_lens");
+    let found = kernel.run_with::<_, Out>(&rows, RAYS, &[kernel.settings(&camera.settings())]);
     let [right, up, _] = camera.axes();
     let scale = camera.unit_of_render_space() / (0.5 * camera.aperture);
     let p = |share: fn(f64) -> f64| {

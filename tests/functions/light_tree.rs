@@ -74,6 +74,7 @@ fn lights(random: &mut Random, sky: bool) -> Flat {
     let mut flat = flatten_with(&scene, (16, 16), wish).expect("the test's scene is small");
     if sky {
         flat.features.emitting_sky = Some("a test".to_string());
+        flat.features.sky_light = flat.features.lights;
         flat.features.lights += 1;
         flat.lights.push(Light { code: u32::MAX, instance: NO_INSTANCE, probability: 0.3, ..Light::default() });
     }

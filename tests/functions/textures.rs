@@ -6,7 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, DVec3};
 use gpu_rt::data::{Settings, Texture};
 
-use crate::kernel::{Kernel, Setup, array, uniform};
+use crate::kernel::{Kernel, Setup, array};
 use crate::oracles::{NOISE_ERROR, perlin, turbulence};
 use crate::stats::Random;
 use crate::vectors::{U, decades, exact, rounded, unit};
@@ -260,10 +260,10 @@ fn directions_map_to_their_places_on_sphere_and_sky() {
     }
 }
 
-fn background(module: &'static str, settings: &Settings, texels: &[[f32; 3]], rows: &[[f32; 4]]) -> Vec<Colour> {
-    let setup = Setup { choices: &[("background", module), ("axes", "scene/world_axes")], ..Setup::default() };
-    let more = [uniform("settings", settings), array("texels", texels)];
-    Kernel::with("test/background", &setup).run_with(rows, rows.len(), &more)
+fn background(kind: &'static str, settings: &Settings, texels: &[[f32; 3]], rows: &[[f32; 4]]) -> Vec<Colour> {
+    let setup = Setup { values: &[("kind", kind)], choices: &[("axes", "scene/world_axes")], ..Setup::default() };
+    let kernel = Kernel::with("test/background", &setup);
+    kernel.run_with(rows, rows.len(), &[kernel.settings(settings), array("texels", texels)])
 }
 
 #[test]
@@ -271,11 +271,11 @@ fn backgrounds_shine_as_their_formulas_say() {
     let rows = directions();
     let settings =
         Settings { background_bottom: [1.0, 0.25, 0.5], background_top: [0.5, 0.75, 1e3], ..Settings::default() };
-    for out in background("background/solid", &settings, &[], &rows) {
+    for out in background("solid", &settings, &[], &rows) {
         assert_eq!(colour(&out), settings.background_bottom);
     }
     let (bottom, top) = (exact(settings.background_bottom), exact(settings.background_top));
-    for (row, out) in rows.iter().zip(background("background/gradient", &settings, &[], &rows)) {
+    for (row, out) in rows.iter().zip(background("gradient", &settings, &[], &rows)) {
         let expected = bottom.lerp(top, 0.5 * (f64::from(row[1]) + 1.0));
         let off = (exact(colour(&out)) - expected).abs() / bottom.max(top);
         assert!(off.max_element() <= 4.0 * U, "{row:?}: {out:?}");
@@ -291,7 +291,7 @@ fn backgrounds_shine_as_their_formulas_say() {
             [x, y, z, 0.0]
         })
         .collect();
-    for (i, out) in background("background/image", &sky, &texels, &centres).iter().enumerate() {
+    for (i, out) in background("image", &sky, &texels, &centres).iter().enumerate() {
         // Off by the error of atan2 in texels, times the texels' differences.
         let off = (exact(colour(out)) - bottom * DVec3::new(i as f64, 1.0, 0.0)).abs().max_element();
         assert!(off < 4.0 * ANGLE * 4.0, "{i}: {out:?}");

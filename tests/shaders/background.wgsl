@@ -1,4 +1,4 @@
-//@ use choice/background
+//@ use background/${kind}
 struct In {
     direction: vec3<f32>,
     padding: u32,
@@ -13,5 +13,5 @@ struct Out {
 @group(0) @binding(22) var<storage, read_write> output: array<Out>;
 
 fn run(row: u32) {
-    output[row] = Out(background_radiance(input[row].direction), 0u);
+    output[row] = Out(${kind}_background(input[row].direction), 0u);
 }

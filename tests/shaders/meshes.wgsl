@@ -15,8 +15,9 @@ struct In {
 }
 
 struct Out {
-    walked: Hit,
-    asked: Hit,
+    // Code, instance, t as bits, steps.
+    walked: vec4<u32>,
+    asked: vec4<u32>,
     point: vec3<f32>,
     again: f32,
     normal: vec3<f32>,
@@ -48,17 +49,21 @@ fn ask_all(ray: Ray) -> Hit {
     return asked;
 }
 
+fn words_of(hit: Hit) -> vec4<u32> {
+    return vec4<u32>(hit.code, hit.instance, bitcast<u32>(hit.t), hit.steps);
+}
+
 fn run(row: u32) {
     let given = input[row];
     let ray = Ray(given.origin, given.direction);
     var out: Out;
-    out.walked = nearest_hit(ray, given.root);
+    let hit = nearest_hit(ray, given.root);
+    out.walked = words_of(hit);
     out.asked = out.walked;
     if given.ask != 0u {
-        out.asked = ask_all(ray);
+        out.asked = words_of(ask_all(ray));
     }
     out.again = NO_HIT;
-    let hit = out.walked;
     if hit.code != HIT_NOTHING && any(given.leaving != vec3<f32>(0.0)) {
         let surface = surface_at(hit, ray);
         let facing = select(-surface.normal, surface.normal, dot(ray.direction, surface.normal) < 0.0);

@@ -8,12 +8,12 @@ struct In {
     padding: u32,
 }
 
+// Code, t as bits, steps.
 struct Out {
-    walked_code: u32,
-    walked_t: f32,
-    asked_code: u32,
-    asked_t: f32,
-    steps: u32,
+    walked: vec3<u32>,
+    padding0: u32,
+    asked: vec3<u32>,
+    padding1: u32,
 }
 
 // How many there are of each kind.
@@ -21,6 +21,10 @@ const COUNTS = array<u32, 3>(${spheres}u, ${quads}u, ${cuboids}u);
 
 @group(0) @binding(21) var<storage, read> input: array<In>;
 @group(0) @binding(22) var<storage, read_write> output: array<Out>;
+
+fn words_of(hit: Hit) -> vec3<u32> {
+    return vec3<u32>(hit.code, bitcast<u32>(hit.t), hit.steps);
+}
 
 fn run(row: u32) {
     let ray = Ray(input[row].origin, input[row].direction);
@@ -39,5 +43,5 @@ fn run(row: u32) {
         }
     }
     let walked = nearest_hit(ray, input[row].root);
-    output[row] = Out(walked.code, walked.t, asked.code, asked.t, walked.steps);
+    output[row] = Out(words_of(walked), 0u, words_of(asked), 0u);
 }

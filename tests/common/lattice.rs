@@ -1,0 +1,150 @@
+//! Scenes that span what a scene can require: each thing beside the least of the others, what works on each other in pairs, and all of it.
+
+// Each test crate compiles its own copy of this file and uses a part of it.
+#![allow(dead_code)]
+
+use gpu_rt::scene::Scene;
+use image::{Rgb, RgbImage};
+
+use super::everything::{Everything, World};
+use super::render::scene_in;
+
+/// What a scene of the lattice has in place of the least.
+#[derive(Clone, Copy)]
+struct Point {
+    name: &'static str,
+    camera: &'static str,
+    background: &'static str,
+    /// Materials beside `grey`.
+    materials: &'static str,
+    /// Objects beside the ground and a ball.
+    objects: &'static str,
+}
+
+const CAMERA: &str = "look_from: (0, 1, 4), look_at: (0, 0.5, 0), vertical_fov: 40";
+const LENS: &str = "look_from: (0, 1, 4), look_at: (0, 0.5, 0), vertical_fov: 40, aperture: 0.3";
+const GRADIENT: &str = "Gradient(bottom: (1, 1, 1), top: (0.5, 0.7, 1))";
+const DARK: &str = "Solid((0.01, 0.02, 0.03))";
+const SKY: &str = "Image(path: \"sky.png\")";
+/// In front of the camera, beside the ball.
+const BALL: &str = "Sphere(center: (0.9, 0.5, 0.4), radius: 0.4, material: \"more\"),";
+const QUAD: &str = "Quad(corner: (-1.5, 0.1, -0.5), u: (1, 0, 0.3), v: (0, 1.2, 0), material: \"more\"),";
+const CUBOID: &str = "Transformed(by: [RotateY(25), Translate((-1, 0, 0.5))], object: Box(min: (0, 0, 0), max: (0.6, 0.8, 0.5), material: \"more\")),";
+const SMOOTH: &str = "Transformed(by: [Scale(0.5), Translate((-0.9, 0.6, 0.5))], object: Mesh(path: \"octahedron.obj\", material: \"more\")),";
+const FLAT: &str =
+    "Transformed(by: [Scale(0.5), Translate((-0.9, 0.6, 0.5))], object: Mesh(path: \"flat.obj\", material: \"more\")),";
+const GREY: &str = "\"more\": Lambertian(albedo: Rgb(0.7, 0.3, 0.2)),";
+const GLASS: &str = "\"more\": Dielectric(ior: 1.5),";
+const STEEL: &str = "\"more\": Metal(albedo: Rgb(0.8, 0.7, 0.6), fuzz: 0.2),";
+const LAMP: &str = "\"more\": DiffuseLight(emit: Rgb(4, 3, 2)),";
+const CHECKER: &str = "\"more\": Lambertian(albedo: Checker(scale: 0.3, even: (0.1, 0.2, 0.3), odd: (0.9, 0.8, 0.7))),";
+const IMAGE: &str = "\"more\": Lambertian(albedo: Image(path: \"image.png\")),";
+const NOISE: &str = "\"more\": Lambertian(albedo: Noise(scale: 3)),";
+const MARBLE: &str = "\"more\": Lambertian(albedo: Marble(scale: 4)),";
+
+/// The least but for these.
+const fn point(name: &'static str, background: &'static str, materials: &'static str, objects: &'static str) -> Point {
+    Point { name, camera: CAMERA, background, materials, objects }
+}
+
+const POINTS: &[Point] = &[
+    point("spheres", GRADIENT, GREY, BALL),
+    point("a solid background", DARK, GREY, BALL),
+    point("an image for a background", SKY, GREY, BALL),
+    point("quads", GRADIENT, GREY, QUAD),
+    point("boxes", GRADIENT, GREY, CUBOID),
+    point("a flat mesh", GRADIENT, GREY, FLAT),
+    point("a smooth mesh", GRADIENT, GREY, SMOOTH),
+    point("metal", GRADIENT, STEEL, BALL),
+    point("glass", GRADIENT, GLASS, BALL),
+    point("a lamp", DARK, LAMP, BALL),
+    point("a rectangular lamp", DARK, LAMP, QUAD),
+    point("a mesh as a lamp", DARK, LAMP, FLAT),
+    point("a checker", GRADIENT, CHECKER, BALL),
+    point("an image on a box", GRADIENT, IMAGE, CUBOID),
+    point("noise", GRADIENT, NOISE, BALL),
+    point("marble on a mesh", GRADIENT, MARBLE, FLAT),
+    Point { camera: LENS, ..point("a lens", GRADIENT, GREY, BALL) },
+    Point {
+        camera: "look_from: (0, 0.5, 4), look_at: (0, 0.5, 0), vertical_fov: 0.001",
+        ..point("a narrow view", SKY, GREY, BALL)
+    },
+    point(
+        "a medium",
+        GRADIENT,
+        GREY,
+        "Medium(boundary: Sphere(center: (0.9, 0.5, 0.4), radius: 0.4), density: 2, albedo: Rgb(0.9, 0.8, 0.7), anisotropy: 0.5),",
+    ),
+    point(
+        "a textured medium in a box, under a lamp",
+        DARK,
+        LAMP,
+        "Quad(corner: (-1, 3, -1), u: (2, 0, 0), v: (0, 0, 2), material: \"more\"),
+         Medium(boundary: Box(min: (-2, 0, -1), max: (2, 1.5, 1)), density: 0.4, albedo: Checker(scale: 0.3, even: (0.9, 0.9, 0.9), odd: (0.2, 0.5, 0.2))),",
+    ),
+    point(
+        "a medium in a mesh",
+        GRADIENT,
+        GREY,
+        "Medium(boundary: Transformed(by: [Scale(0.8), Translate((0.5, 0.8, 0.5))], object: Mesh(path: \"flat.obj\")), density: 2, albedo: Rgb(0.9, 0.8, 0.7)),",
+    ),
+    point(
+        "four lamps, a sky and glass",
+        SKY,
+        "\"more\": DiffuseLight(emit: Rgb(4, 3, 2), two_sided: false), \"glass\": Dielectric(ior: 1.5),",
+        "Sphere(center: (1.5, 1, 0), radius: 0.1, material: \"more\"), Sphere(center: (-1.5, 1, 0), radius: 0.1, material: \"more\"),
+         Quad(corner: (-1, 2, -1), u: (0.3, 0, 0), v: (0, 0, 0.3), material: \"more\"), Box(min: (0, 2, 0), max: (0.1, 2.1, 0.1), material: \"more\"),
+         Sphere(center: (0.9, 0.5, 0.6), radius: 0.4, material: \"glass\"),",
+    ),
+    Point {
+        camera: LENS,
+        ..point(
+            "glass and textured metal behind a lens",
+            GRADIENT,
+            "\"more\": Metal(albedo: Image(path: \"image.png\"), fuzz: 0), \"glass\": Dielectric(ior: 1.5),",
+            "Sphere(center: (0.9, 0.5, 0.6), radius: 0.4, material: \"glass\"),
+             Quad(corner: (-1.5, 0.1, -0.5), u: (1, 0, 0.3), v: (0, 1.2, 0), material: \"more\"),",
+        )
+    },
+];
+
+/// The images and meshes live as long as this.
+pub struct Lattice {
+    everything: Everything,
+}
+
+impl Lattice {
+    pub fn new() -> Lattice {
+        let everything = Everything::new();
+        let sky = RgbImage::from_fn(8, 4, |x, y| Rgb([(x * 30) as u8, 40 + (y * 50) as u8, 250 - (y * 60) as u8]));
+        sky.save(everything.folder().join("sky.png")).expect("the image is written");
+        Lattice { everything }
+    }
+
+    /// The scenes by name, from nothing to everything.
+    pub fn scenes(&self) -> Vec<(&'static str, Scene)> {
+        let empty =
+            "Scene(image: (width: 12, height: 9), camera: (look_from: (0, 1, 4), look_at: (0, 0, 0), vertical_fov: 40),
+            background: Gradient(bottom: (1, 1, 1), top: (0.5, 0.7, 1)), materials: {}, objects: [])";
+        let folder = self.everything.folder();
+        let of_points = POINTS.iter().map(|point| (point.name, scene_in(folder, &text(point))));
+        std::iter::once(("nothing", scene_in(folder, empty)))
+            .chain(of_points)
+            .chain([("everything", self.everything.scene(World::default()))])
+            .collect()
+    }
+}
+
+fn text(point: &Point) -> String {
+    let Point { camera, background, materials, objects, .. } = point;
+    format!(
+        "Scene(image: (width: 12, height: 9), camera: ({camera}), background: {background},
+        materials: {{ \"grey\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5)), {materials} }},
+        objects: [
+            Sphere(center: (0, -100, 0), radius: 100, material: \"grey\"),
+            Sphere(center: (0, 0.5, 0), radius: 0.5, material: \"grey\"),
+            {objects}
+        ],
+        render: (samples: 16, max_depth: 8))"
+    )
+}

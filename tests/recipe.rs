@@ -1,0 +1,113 @@
+//! A material that is not in the program, added in the four steps of docs/architecture.md: its shader file, its entry in the list of
+//! materials, what its loader makes of the scene's numbers, and nothing else.
+
+#[path = "common/device.rs"]
+mod device;
+#[path = "common/render.rs"]
+mod render;
+#[path = "common/stats.rs"]
+mod stats;
+
+use std::collections::BTreeMap;
+
+use gpu_rt::flatten::{Flat, MATERIALS};
+use gpu_rt::gpu::link::{Choices, Embedded, Entry, Library};
+use gpu_rt::plan::Scatter;
+use gpu_rt::render::TuningWish;
+use render::{Ask, Change, Shot, render, render_changed, scene};
+
+/// Step 1: the shader file. A retroreflector sends all light back to where it came from.
+const RETROREFLECTOR: &str = "//@ use data/material
+// A retroreflector: light goes back the way it came, less what its colour takes.
+fn retroreflector_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scatter {
+    return Scatter(SCATTERED, -hit.incoming, hit.colour * material.parameter);
+}
+";
+const NAME: &str = "retroreflector";
+/// The share of the light that is not lost.
+const GAIN: f32 = 0.75;
+
+/// The production shaders and the new file.
+struct Beside(BTreeMap<String, String>);
+
+impl Library for Beside {
+    fn module(&self, name: &str) -> Option<&str> {
+        self.0.get(name).map(String::as_str).or_else(|| Embedded.module(name))
+    }
+}
+
+/// Step 2: its name and number in the list of materials, which the linker goes through wherever materials are told apart.
+fn listed(choices: &mut Choices) {
+    let materials = choices.lists.get_mut("material").expect("the plan has the list");
+    materials.iter_mut().for_each(|entry| entry.closes = false);
+    materials.push(Entry { name: NAME.to_string(), number: MATERIALS.len() as u32, closes: true });
+}
+
+/// Step 3: what its loader writes into the scene's table, here in place of the material that the scene file names.
+fn loaded(flat: &mut Flat) {
+    let material = &mut flat.materials[0];
+    (material.kind, material.parameter) = (MATERIALS.len() as u32, GAIN);
+}
+
+/// A ball that the whole image shows, before a sky from `bottom` to `top`.
+fn ball(bottom: &str, top: &str, objects: &str) -> gpu_rt::scene::Scene {
+    scene(&format!(
+        "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 0, 4), look_at: (0, 0, 0), vertical_fov: 10),
+        background: Gradient(bottom: {bottom}, top: {top}),
+        materials: {{ \"toy\": Lambertian(albedo: Rgb(0.5, 0.25, 1)), \"glass\": Dielectric(ior: 1.5) }},
+        objects: [{objects}], render: (samples: 16, max_depth: 50))"
+    ))
+}
+
+const BALL: &str = "Sphere(center: (0, 0, 0), radius: 1, material: \"toy\"),";
+
+fn shot(objects: &str, scatter: Scatter, shader: &str) -> Shot {
+    let library = Beside(BTreeMap::from([(format!("material/{NAME}"), shader.to_string())]));
+    let change = Change { flat: Some(&loaded), choices: Some(&listed), library: Some(&library) };
+    let wish = TuningWish { scatter: Some(scatter), ..TuningWish::default() };
+    render_changed(&ball("(1, 0.5, 0.2)", "(0, 0.5, 2)", objects), &Ask { wish, ..Ask::default() }, &change)
+}
+
+/// Pixels that are off what the retroreflector must show: the sky behind the camera, where a ray that goes back by direction -d finds what
+/// one by direction d finds in a sky that stands on its head. Two renders of the same samples, so that there is no noise; the radiance is a
+/// product of two more roundings here, and the direction came back with one in each component: 2^-21 of the value holds them all.
+fn wrong(shot: &Shot) -> usize {
+    let upside_down = render(&ball("(0, 0.5, 2)", "(1, 0.5, 0.2)", ""), &Ask::default());
+    let albedo = [0.5, 0.25, 1.0];
+    let pixels = shot.picture.rgb.iter().zip(&upside_down.picture.rgb);
+    let off = pixels.filter(|(shown, sky)| {
+        (0..3).any(|c| {
+            let expected = f64::from(sky[c]) * albedo[c] * f64::from(GAIN);
+            (f64::from(shown[c]) - expected).abs() > 2f64.powi(-21) * expected
+        })
+    });
+    off.count()
+}
+
+#[test]
+fn a_material_is_added_by_the_recipe() {
+    for scatter in [Scatter::Fused, Scatter::Linked] {
+        assert_eq!(wrong(&shot(BALL, scatter, RETROREFLECTOR)), 0, "{scatter:?}");
+        // Beside another material, which the camera does not see.
+        let both = format!("{BALL} Sphere(center: (0, 9, 0), radius: 1, material: \"glass\"),");
+        assert_eq!(wrong(&shot(&both, scatter, RETROREFLECTOR)), 0, "{scatter:?}, two materials");
+        // One percent more light, and a ray that goes straight on, are found.
+        let brighter = RETROREFLECTOR.replace("material.parameter", "material.parameter * 1.01");
+        assert_eq!(wrong(&shot(BALL, scatter, &brighter)), 256, "{scatter:?}, brighter");
+        let onward = RETROREFLECTOR.replace("-hit.incoming", "reflect(hit.incoming, hit.normal)");
+        assert!(wrong(&shot(BALL, scatter, &onward)) > 200, "{scatter:?}, a mirror");
+    }
+}
+
+/// An error in the new file names it, with its line.
+#[test]
+fn errors_name_the_new_file() {
+    let library =
+        Beside(BTreeMap::from([(format!("material/{NAME}"), RETROREFLECTOR.replace("hit.colour", "hit.hue"))]));
+    let flat = gpu_rt::flatten::flatten(&ball("(1, 1, 1)", "(1, 1, 1)", BALL), (16, 16)).expect("the scene flattens");
+    let mut choices = gpu_rt::plan::choices_of(&flat.features, &gpu_rt::plan::Tables::default());
+    listed(&mut choices);
+    let linked = gpu_rt::gpu::link::link(&library, "stage/bounce", &choices).expect("it links");
+    let error = linked.validate().map(|_| ()).expect_err("it has no such member").to_string();
+    assert!(error.starts_with("shaders/material/retroreflector.wgsl:4:"), "{error}");
+}
