@@ -287,6 +287,10 @@ pub struct PlanArgs {
     /// Write the linked shaders into this folder.
     #[arg(long, value_name = "DIR")]
     pub wgsl: Option<PathBuf>,
+    /// Say of this kernel why each part of it is there: its modules, and what uses and asked for them; its bindings, the path state
+    /// that it loads or stores, its constants. With --json: of the kernels list this one alone.
+    #[arg(long, value_name = "KERNEL")]
+    pub why: Option<String>,
     #[arg(long, value_name = "WxH|N%", value_parser = image_size,
           help = knobs::SIZE.help(), help_heading = knobs::SIZE.class.heading())]
     pub size: Option<Size>,

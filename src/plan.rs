@@ -1,5 +1,8 @@
 //! What this scene requires: which kernels, linked from which modules, and which buffers, each with the reason.
 
+mod report;
+mod text;
+
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
@@ -10,6 +13,15 @@ use crate::flatten::{BACKGROUNDS, BOUNDARIES, Features, Flat, MATERIALS, PRIMITI
 use crate::gpu::buffers::BufferSpec;
 use crate::gpu::layout::{self, Binding, Member};
 use crate::gpu::link::{Choices, Embedded, Entry, Linked, link};
+
+pub use report::{Buffer, Choice, Constant, KernelReport, Module, Report};
+
+/// The reason of what no scene can do without.
+const EVERY_RENDER: &str = "every render";
+/// The reason of what sorts slots into queues.
+const QUEUES: &str = "--scatter queues";
+/// The reason of what stages hand to each other where they are kernels of their own.
+const A_KERNEL_A_STAGE: &str = "a kernel a stage";
 
 /// How the stages of a bounce are linked into kernels. The image does not depend on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -118,6 +130,12 @@ impl SettingsLayout {
         Ok(SettingsLayout(layout::members(module, "Settings")?.map_or_else(Vec::new, |(members, _)| members)))
     }
 
+    /// How many they are with their padding.
+    fn size(&self) -> u64 {
+        let end = self.0.iter().map(|member| member.offset + member.bytes).max().unwrap_or(0);
+        u64::from(end).next_multiple_of(16)
+    }
+
     /// Each member in its place, by its name.
     pub fn bytes(&self, settings: &data::Settings) -> Vec<u8> {
         layout::pack(&self.0, data::Settings::FIELDS, bytemuck::bytes_of(settings))
@@ -125,40 +143,63 @@ impl SettingsLayout {
 }
 
 /// A field of the paths' state: words of 32 bits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PathField {
     /// Of the constant that says where it begins.
     pub name: &'static str,
     pub words: u32,
     pub what: &'static str,
+    /// What asked for it.
+    pub why: String,
+}
+
+impl PathField {
+    /// "shadow origin" of WORD_OF_SHADOW_ORIGIN.
+    pub fn label(&self) -> String {
+        self.name.trim_start_matches("WORD_OF_").to_lowercase().replace('_', " ")
+    }
+
+    pub fn bytes(&self) -> u64 {
+        u64::from(self.words) * 4
+    }
 }
 
 /// The fields that kernels hand to each other. The fused kernel keeps to itself what lies between a ray and its scattering.
 fn path_fields(features: &Features, fused: bool) -> Vec<PathField> {
-    let field = |wanted: bool, name, words, what| wanted.then_some(PathField { name, words, what });
-    let lit = features.lights > 0;
-    let meshes = features.primitives[data::KIND_TRIANGLE as usize].is_some();
-    let mesh_lights = features.emitters[data::KIND_TRIANGLE as usize].is_some();
+    let field = |why: Option<&str>, name, words, what| Some(PathField { name, words, what, why: why?.to_string() });
+    let always = Some(EVERY_RENDER);
+    let lights = (features.lights > 0).then(|| features.asked_for("step/light").unwrap_or(EVERY_RENDER));
+    let triangle = data::KIND_TRIANGLE as usize;
+    let [meshes, mesh_lights] = [&features.primitives, &features.emitters].map(|used| used[triangle].as_deref());
+    // What only stages that are kernels of their own hand on: for all scenes, or beside that for what some of them ask.
+    let staged = |why: Option<&str>| why.filter(|_| !fused).map(|why| format!("{A_KERNEL_A_STAGE}, and {why}"));
+    let (staged_lights, staged_meshes, staged_mesh_lights) = (staged(lights), staged(meshes), staged(mesh_lights));
+    let own_kernels = (!fused).then_some(A_KERNEL_A_STAGE);
     let all = [
-        field(true, "WORD_OF_ORIGIN", 3, "where the ray starts"),
-        field(true, "WORD_OF_DIRECTION", 3, "its direction"),
-        field(true, "WORD_OF_STATUS", 1, "what the path is doing, or what its ray has met"),
-        field(true, "WORD_OF_THROUGHPUT", 3, "the share of the light met next that reaches the camera"),
-        field(true, "WORD_OF_EVENTS", 1, "scattering events so far"),
-        field(true, "WORD_OF_PIXEL", 1, "the pixel"),
-        field(true, "WORD_OF_SAMPLE", 1, "the sample of the pixel"),
-        field(true, "WORD_OF_COUNTS", 1, "samples of the run, accepted and rejected"),
-        field(true, "WORD_OF_SUM", 3, "their radiance"),
-        field(true, "WORD_OF_RAYS", 1, "their rays"),
-        field(lit, "WORD_OF_RADIANCE", 3, "radiance of the sample so far, by lights that were sampled"),
-        field(lit, "WORD_OF_PDF", 1, "density of the last scattering's direction"),
-        field(!fused, "WORD_OF_T", 1, "distance to what the ray has met"),
-        field(!fused && meshes, "WORD_OF_INSTANCE", 1, "the mesh that it is part of"),
-        field(!fused && lit, "WORD_OF_SHADOW_ORIGIN", 3, "where the ray to a light starts"),
-        field(!fused && lit, "WORD_OF_SHADOW_DIRECTION", 3, "its direction"),
-        field(!fused && lit, "WORD_OF_LIGHT", 1, "the light"),
-        field(!fused && lit, "WORD_OF_LIGHT_WEIGHT", 3, "what it brings per radiance, if nothing is in its way"),
-        field(!fused && mesh_lights, "WORD_OF_LIGHT_INSTANCE", 1, "the mesh that the light is part of"),
+        field(always, "WORD_OF_ORIGIN", 3, "where the ray starts"),
+        field(always, "WORD_OF_DIRECTION", 3, "its direction"),
+        field(always, "WORD_OF_STATUS", 1, "what the path is doing, or what its ray has met"),
+        field(always, "WORD_OF_THROUGHPUT", 3, "the share of the light met next that reaches the camera"),
+        field(always, "WORD_OF_EVENTS", 1, "scattering events so far"),
+        field(always, "WORD_OF_PIXEL", 1, "the pixel"),
+        field(always, "WORD_OF_SAMPLE", 1, "the sample of the pixel"),
+        field(always, "WORD_OF_COUNTS", 1, "samples of the run, accepted and rejected"),
+        field(always, "WORD_OF_SUM", 3, "their radiance"),
+        field(always, "WORD_OF_RAYS", 1, "their rays"),
+        field(lights, "WORD_OF_RADIANCE", 3, "radiance of the sample so far, by lights that were sampled"),
+        field(lights, "WORD_OF_PDF", 1, "density of the last scattering's direction"),
+        field(own_kernels, "WORD_OF_T", 1, "distance to what the ray has met"),
+        field(staged_meshes.as_deref(), "WORD_OF_INSTANCE", 1, "the mesh that it is part of"),
+        field(staged_lights.as_deref(), "WORD_OF_SHADOW_ORIGIN", 3, "where the ray to a light starts"),
+        field(staged_lights.as_deref(), "WORD_OF_SHADOW_DIRECTION", 3, "its direction"),
+        field(staged_lights.as_deref(), "WORD_OF_LIGHT", 1, "the light"),
+        field(
+            staged_lights.as_deref(),
+            "WORD_OF_LIGHT_WEIGHT",
+            3,
+            "what it brings per radiance, if nothing is in its way",
+        ),
+        field(staged_mesh_lights.as_deref(), "WORD_OF_LIGHT_INSTANCE", 1, "the mesh that the light is part of"),
     ];
     all.into_iter().flatten().collect()
 }
@@ -202,14 +243,14 @@ impl Plan {
         let queues = scatter == Scatter::Queues && materials.len() > 1;
         let fused = scatter == Scatter::Fused && !empty;
         let choices = choices(features, &materials, Bounces { fused, queues }, tables);
-        let always = "every render";
-        let geometry = asked(PRIMITIVES, &features.primitives);
-        let media = asked(&boundary_names(), &features.boundaries);
+        let always = EVERY_RENDER;
+        let geometry = asked(PRIMITIVES, &features.primitives, "");
+        let media = asked(&boundary_names(), &features.boundaries, " medium");
         let lights = features.lights > 0;
-        let of_sky = features.emitting_sky.clone().unwrap_or_default();
-        let emitters = [asked(PRIMITIVES, &features.emitters), of_sky];
+        let of_sky = asked(&["sky"], std::slice::from_ref(&features.emitting_sky), " light");
+        let emitters = [asked(PRIMITIVES, &features.emitters, " light"), of_sky];
         let emitters = emitters.into_iter().filter(|why| !why.is_empty()).collect::<Vec<_>>().join(", ");
-        let all_materials = asked(MATERIALS, &features.materials);
+        let all_materials = asked(MATERIALS, &features.materials, "");
         let reasons = [&geometry, &all_materials, &media, &emitters];
         let all_reasons = reasons.into_iter().filter(|why| !why.is_empty()).cloned().collect::<Vec<_>>().join("; ");
         let bounce = if fused {
@@ -221,7 +262,7 @@ impl Plan {
             Bounce::Staged(Box::new(Staged {
                 intersect: kernel("intersect", "intersect", &choices, if empty { always } else { &geometry })?,
                 medium: if_any(features.media > 0 || features.every, "medium", "medium", &media)?,
-                dispatch: if_any(queues, "dispatch", "dispatch", "a queue for each material")?,
+                dispatch: if_any(queues, "dispatch", "dispatch", &format!("a queue for each material ({QUEUES})"))?,
                 scatter: match queues {
                     true => queued_scatters(features, &materials, &choices)?,
                     false => if_any(!empty, "scatter", "scatter", &all_materials)?.into_iter().collect(),
@@ -237,7 +278,7 @@ impl Plan {
 
     /// Bytes of the state of one slot's path.
     pub fn path_bytes(&self) -> u64 {
-        self.path_fields.iter().map(|field| u64::from(field.words) * 4).sum()
+        self.path_fields.iter().map(PathField::bytes).sum()
     }
 
     /// The kernels in the order in which a pass runs them.
@@ -266,26 +307,47 @@ impl Plan {
     pub fn buffers<'a>(&self, flat: &'a Flat, tuning: &Tuning) -> Vec<BufferSpec<'a>> {
         let slots = u64::from(tuning.slots);
         let queues = self.queues();
-        let records = slots * u64::from(tuning.records_per_slot) * size_of::<RunRecord>() as u64;
+        let record_bytes = size_of::<RunRecord>() as u64;
+        let runs = u64::from(tuning.records_per_slot);
+        let path_bytes = self.path_bytes();
+        let header = u64::from(QUEUE_HEADER);
+        let array = |name, contents: Cow<'a, [u8]>, stride: u64, why| {
+            let size = format!("{} x {stride} bytes", contents.len() as u64 / stride);
+            BufferSpec::scene(name, contents, why).made_of(size)
+        };
         let all = [
-            BufferSpec::uniform("settings", size_of::<data::Settings>() as u64, "camera, sky and limits of the render"),
+            BufferSpec::uniform("settings", self.settings.size(), "camera, sky and limits of the render"),
             BufferSpec::uniform("window", size_of::<data::Window>() as u64, "the runs that may start now"),
             BufferSpec::working(
                 "counters",
                 size_of::<data::Counters>() as u64,
                 "runs started and finished, idle slots",
             ),
-            BufferSpec::working("records", records, "finished runs on their way to the film"),
-            BufferSpec::working("paths", slots * self.path_bytes(), "the state of the paths in flight"),
-            BufferSpec::scene("texels", bytes(&flat.texels), "images"),
-            BufferSpec::scene("sky", bytes(&flat.sky), "the background's image as a distribution of directions"),
-            BufferSpec::scene("meshes", bytes(&flat.meshes), "faces and vertices of meshes"),
-            BufferSpec::working("queues", (u64::from(QUEUE_HEADER) + queues * slots) * 4, "a queue for each material"),
-            BufferSpec::indirect("queue_args", queues * 16, "sizes of the queues' dispatches"),
+            BufferSpec::working("records", slots * runs * record_bytes, "finished runs on their way to the film")
+                .made_of(format!("{slots} slots x {runs} runs x {record_bytes} bytes")),
+            BufferSpec::working("paths", slots * path_bytes, "the state of the paths in flight")
+                .made_of(format!("{slots} slots x {path_bytes} bytes")),
+            array("texels", bytes(&flat.texels), element_bytes(&flat.texels), "images"),
+            array(
+                "sky",
+                bytes(&flat.sky),
+                element_bytes(&flat.sky),
+                "the background's image as a distribution of directions",
+            ),
+            array("meshes", bytes(&flat.meshes), element_bytes(&flat.meshes), "faces and vertices of meshes"),
+            BufferSpec::working("queues", (header + queues * slots) * 4, "a queue for each material")
+                .made_of(format!("({queues} queues x {slots} slots + {header}) x 4 bytes")),
+            BufferSpec::indirect("queue_args", queues * 16, "sizes of the queues' dispatches")
+                .made_of(format!("{queues} queues x 16 bytes")),
         ];
         let tables = tables(flat).map(|(name, contents, stride, why)| match self.tables.uniform.get(name) {
-            Some(elements) => BufferSpec::table(name, contents, elements * stride, why),
-            None => BufferSpec::scene(name, contents, why),
+            Some(elements) => {
+                let count = contents.len() as u64 / stride;
+                let room = if *elements > count { format!(", room for {elements}") } else { String::new() };
+                BufferSpec::table(name, contents, elements * stride, why)
+                    .made_of(format!("{count} x {stride} bytes{room}"))
+            }
+            None => array(name, contents, stride, why),
         });
         let kernels = self.kernels();
         let bound = |spec: &BufferSpec| kernels.iter().any(|kernel| kernel.bindings.contains_key(spec.name));
@@ -295,6 +357,10 @@ impl Plan {
 
 fn bytes<T: bytemuck::Pod>(items: &[T]) -> Cow<'_, [u8]> {
     Cow::Borrowed(bytemuck::cast_slice(items))
+}
+
+fn element_bytes<T>(_: &[T]) -> u64 {
+    size_of::<T>() as u64
 }
 
 /// The entries of a list of kinds that the scene uses; the last one closes a switch over them.
@@ -315,9 +381,9 @@ fn boundary_names() -> Vec<&'static str> {
     BOUNDARIES.iter().map(|(name, _)| *name).collect()
 }
 
-/// "sphere (objects.ron:3:9), quad (…)"
-fn asked(names: &[&str], used: &[Option<String>]) -> String {
-    let each = names.iter().zip(used).filter_map(|(name, used)| Some(format!("{name} ({})", used.as_ref()?)));
+/// "sphere light (objects.ron:3:9), quad light (…)"
+fn asked(names: &[&str], used: &[Option<String>], suffix: &str) -> String {
+    let each = names.iter().zip(used).filter_map(|(name, used)| Some(format!("{name}{suffix} ({})", used.as_ref()?)));
     each.collect::<Vec<_>>().join(", ")
 }
 

@@ -165,8 +165,13 @@ fn print_json(object: &serde_json::Value) {
 }
 
 fn print_line(text: &str) {
+    print_text(&format!("{text}\n"));
+}
+
+/// Prints text that ends its own lines.
+fn print_text(text: &str) {
     use std::io::Write;
-    let _ = writeln!(std::io::stdout(), "{text}");
+    let _ = std::io::stdout().write_all(text.as_bytes());
 }
 
 /// Prints a line on stderr. Nobody may be listening, which is no failure.

@@ -2,14 +2,14 @@
 
 use std::path::Path;
 
-use serde_json::json;
+use serde_json::{Map, Value, json};
 
-use super::{Target, flatten_for, path_text, planned, print_json, print_line, wish_of};
+use super::{Target, flatten_for, path_text, planned, print_json, print_text, wish_of};
 use crate::cli::{FeaturesArg, PlanArgs};
 use crate::error::{Error, Result};
 use crate::flatten::Wish;
 use crate::output::atomic;
-use crate::plan::{Bounce, Plan, Scatter, Tuning};
+use crate::plan::{Buffer, Constant, KernelReport, Module, PathField, Plan, Report};
 use crate::render::TuningWish;
 use crate::scene::Scene;
 
@@ -21,75 +21,95 @@ pub fn run(args: &PlanArgs) -> Result<()> {
     let target = Target::find(args.device.as_deref())?;
     let wish = TuningWish { scatter: args.scatter.map(Into::into), ..TuningWish::default() };
     let (plan, tuning) = planned(&scene, size, &flat, &target, wish)?;
-    let device = &target.name;
+    let mut report = Report::new(&plan, &flat, &tuning, &target.limits);
+    let why = args.why.as_deref();
+    if let Some(name) = why.filter(|name| report.kernels.iter().all(|kernel| kernel.name != *name)) {
+        let names: Vec<&str> = report.kernels.iter().map(|kernel| kernel.name.as_str()).collect();
+        return Err(Error::Usage(format!("--why {name}: expected a kernel of this plan: {}", names.join(", "))));
+    }
     if let Some(folder) = &args.wgsl {
         write_shaders(folder, &plan)?;
     }
-    let buffers = plan.buffers(&flat, &tuning);
-    let total: u64 = buffers.iter().map(|buffer| buffer.allocated()).sum();
+    report.measure(&plan, &tuning)?;
     if args.json {
-        let kernels: Vec<_> = plan
-            .kernels()
-            .iter()
-            .map(|kernel| {
-                json!({
-                    "name": kernel.name,
-                    "why": kernel.why,
-                    "modules": kernel.linked.modules,
-                    "wgsl_bytes": kernel.linked.text.len(),
-                    "bindings": kernel.bindings.keys().collect::<Vec<_>>(),
-                })
-            })
-            .collect();
-        let buffers: Vec<_> = buffers
-            .iter()
-            .map(|buffer| json!({"name": buffer.name, "bytes": buffer.allocated(), "why": buffer.why}))
-            .collect();
-        print_json(&json!({
-            "scene": path_text(&args.scene),
-            "device": device,
-            "slots": tuning.slots,
-            "path_bytes_per_slot": plan.path_bytes(),
-            "scatter": scatter_words(&plan, &tuning),
-            "kernels": kernels,
-            "buffers": buffers,
-            "gpu_bytes": total,
-        }));
+        print_json(&as_json(&report, &path_text(&args.scene), &target.name, why));
         return Ok(());
     }
-    print_line(&format!("{} on {device}", args.scene.display()));
-    print_line("kernels");
-    for kernel in plan.kernels() {
-        let modules = kernel.linked.modules.len();
-        let bytes = kernel.linked.text.len();
-        print_line(&format!(
-            "  {:<22} {modules:>2} modules, {bytes:>6} bytes of WGSL; for {}",
-            kernel.name, kernel.why
-        ));
-    }
-    print_line(&format!("scatter: {}", scatter_words(&plan, &tuning)));
-    print_line(&format!("path state: {} bytes a slot, {} slots", plan.path_bytes(), tuning.slots));
-    print_line("buffers");
-    for buffer in &buffers {
-        print_line(&format!("  {:<12} {:>12} bytes  {}", buffer.name, buffer.allocated(), buffer.why));
-    }
-    print_line(&format!("  {:<12} {total:>12} bytes", "in all"));
+    let text = why.and_then(|kernel| report.why(kernel)).unwrap_or_else(|| report.text());
+    print_text(&format!("{} on {}\n{text}", args.scene.display(), target.name));
     Ok(())
 }
 
-fn scatter_words(plan: &Plan, tuning: &Tuning) -> String {
-    match (&plan.bounce, tuning.scatter) {
-        (Bounce::Fused(_), _) => {
-            "fused: a processor pays more for storing a path's state than for its divergence (docs/performance.md)"
-                .to_string()
-        }
-        (Bounce::Staged(staged), _) if staged.scatter.is_empty() => "none: there is nothing to hit".to_string(),
-        (Bounce::Staged(staged), _) if staged.dispatch.is_some() => {
-            format!("queues: a kernel and a queue for each of {} materials", staged.scatter.len())
-        }
-        (Bounce::Staged(_), Scatter::Queues) => "linked: with one material there is nothing to sort".to_string(),
-        (Bounce::Staged(_), _) => "linked: one kernel for all materials".to_string(),
-    }
+/// The whole report; of the kernels just the one asked about, if one was.
+fn as_json(report: &Report, scene: &str, device: &str, why: Option<&str>) -> Value {
+    let asked = |kernel: &&KernelReport| why.is_none_or(|name| kernel.name == name);
+    let kernels: Vec<_> = report.kernels.iter().filter(asked).map(|kernel| kernel_json(report, kernel)).collect();
+    let choices: Map<String, Value> =
+        report.choices.iter().map(|choice| (choice.name.to_string(), json!(choice.module))).collect();
+    let features: Vec<_> =
+        report.features.iter().map(|(name, asked_by)| json!({"name": name, "asked_by": asked_by})).collect();
+    json!({
+        "scene": scene,
+        "device": device,
+        "features": features,
+        "left_out": report.left_out,
+        "choices": choices,
+        "slots": report.slots,
+        "path_bytes_per_slot": report.path_bytes(),
+        "path_fields": report.path_fields.iter().map(field_json).collect::<Vec<_>>(),
+        "scatter": report.scatter,
+        "kernels": kernels,
+        "constants": report.constants.iter().map(constant_json).collect::<Vec<_>>(),
+        "buffers": report.buffers.iter().map(buffer_json).collect::<Vec<_>>(),
+        "gpu_bytes": report.gpu_bytes(),
+    })
+}
+
+fn kernel_json(report: &Report, kernel: &KernelReport) -> Value {
+    let module = |module: &Module| json!({"name": module.name, "used_by": module.used_by, "asked_by": module.asked_by});
+    json!({
+        "name": kernel.name,
+        "why": kernel.why,
+        "features": kernel.features,
+        "modules": kernel.modules.iter().map(module).collect::<Vec<_>>(),
+        "wgsl_bytes": kernel.wgsl_bytes,
+        "spirv_bytes": kernel.size.map(|size| size.bytes),
+        "spirv_instructions": kernel.size.map(|size| size.instructions),
+        "bindings": kernel.bindings.iter().map(|(name, _)| name).collect::<Vec<_>>(),
+        "storage_buffers": kernel.storage_buffers(),
+        "storage_buffers_limit": kernel.storage_limit,
+        "path_fields": kernel.path_fields.iter().map(PathField::label).collect::<Vec<_>>(),
+        "constants": report.constants_of(&kernel.name).iter().map(|constant| &constant.name).collect::<Vec<_>>(),
+    })
+}
+
+fn field_json(field: &PathField) -> Value {
+    json!({"name": field.label(), "bytes": field.bytes(), "what": field.what, "asked_by": field.why})
+}
+
+fn constant_json(constant: &Constant) -> Value {
+    let value = constant.value.parse::<u64>().map_or_else(|_| json!(constant.value), |value| json!(value));
+    json!({
+        "name": constant.name,
+        "value": value,
+        "what": constant.what,
+        "override": constant.is_override,
+        "asked_by": constant.asked_by,
+        "kernels": constant.kernels,
+    })
+}
+
+fn buffer_json(buffer: &Buffer) -> Value {
+    json!({
+        "name": buffer.name,
+        "bytes": buffer.bytes,
+        "why": buffer.what,
+        "size": buffer.size,
+        "binding": buffer.binding,
+        "limit": buffer.limit,
+        "fits": buffer.fits(),
+        "asked_by": buffer.asked_by,
+    })
 }
 
 fn write_shaders(folder: &Path, plan: &Plan) -> Result<()> {

@@ -133,7 +133,11 @@ impl Features {
             ("material", _) => of(MATERIALS, &self.materials, name.trim_end_matches("_eval")),
             ("texture", _) => of(TEXTURES, &self.textures, name),
             ("background", _) => of(BACKGROUNDS, &self.backgrounds, name),
-            ("bind", _) => primitive(name.trim_end_matches('s')).or_else(|| self.asked_for_table(name)),
+            ("bind", "spheres" | "quads" | "cuboids") => {
+                let kind = name.trim_end_matches('s');
+                primitive(kind).or_else(|| boundary(kind))
+            }
+            ("bind", _) => self.asked_for_table(name),
             ("geometry", "instance" | "slab") => primitive("triangle").or_else(|| boundary("mesh")),
             ("geometry", _) => primitive(stem).or_else(|| boundary(stem)),
             ("medium", "sphere" | "cuboid") => boundary(name),

@@ -16,11 +16,20 @@ pub struct BufferSpec<'a> {
     pub usage: wgpu::BufferUsages,
     /// What it is for.
     pub why: &'static str,
+    /// What its bytes are, in words: "485 x 32 bytes".
+    pub size: String,
 }
 
 impl<'a> BufferSpec<'a> {
     fn new(name: &'static str, bytes: u64, usage: wgpu::BufferUsages, why: &'static str) -> BufferSpec<'a> {
-        BufferSpec { name, bytes, contents: Cow::Borrowed(&[]), usage: usage | wgpu::BufferUsages::COPY_DST, why }
+        let usage = usage | wgpu::BufferUsages::COPY_DST;
+        BufferSpec { name, bytes, contents: Cow::Borrowed(&[]), usage, why, size: format!("{bytes} bytes") }
+    }
+
+    /// Says what its bytes are.
+    #[must_use]
+    pub fn made_of(self, size: String) -> BufferSpec<'a> {
+        BufferSpec { size, ..self }
     }
 
     /// Small, read by all kernels, written by the host.
@@ -52,11 +61,29 @@ impl<'a> BufferSpec<'a> {
 
     /// The bytes allocated: a binding may not be empty, and copies go by fours.
     pub fn allocated(&self) -> u64 {
-        // No struct is larger than this, so that an array without elements still satisfies its binding.
-        const LEAST: u64 = 256;
         self.bytes.max(LEAST).next_multiple_of(4)
     }
+
+    /// How it is bound: "uniform" or "storage".
+    pub fn binding(&self) -> &'static str {
+        match self.usage.contains(wgpu::BufferUsages::UNIFORM) {
+            true => "uniform",
+            false => "storage",
+        }
+    }
+
+    /// The bytes that a device allows to its binding.
+    pub fn limit(&self, limits: &wgpu::Limits) -> u64 {
+        let binding = match self.usage.contains(wgpu::BufferUsages::UNIFORM) {
+            true => limits.max_uniform_buffer_binding_size,
+            false => limits.max_storage_buffer_binding_size,
+        };
+        binding.min(limits.max_buffer_size)
+    }
 }
+
+/// The least bytes of a buffer. No struct is larger than this, so that an array without elements still satisfies its binding.
+pub const LEAST: u64 = 256;
 
 /// The buffers of a render.
 pub struct Buffers {
@@ -67,12 +94,7 @@ pub struct Buffers {
 /// allocated.
 pub fn too_large(specs: &[BufferSpec<'_>], limits: &wgpu::Limits) -> Vec<String> {
     let too_large = |spec: &BufferSpec<'_>| {
-        let uniform = spec.usage.contains(wgpu::BufferUsages::UNIFORM);
-        let (limit, what) = match uniform {
-            true => (limits.max_uniform_buffer_binding_size, "uniform"),
-            false => (limits.max_storage_buffer_binding_size, "storage"),
-        };
-        let limit = limit.min(limits.max_buffer_size);
+        let (limit, what) = (spec.limit(limits), spec.binding());
         (spec.allocated() > limit).then(|| {
             let (name, why, bytes) = (spec.name, spec.why, spec.allocated());
             format!(

@@ -73,6 +73,24 @@ pub fn members(module: &naga::Module, name: &str) -> Result<Option<(Vec<Member>,
     Ok(Some((members, *span)))
 }
 
+/// The override constants by name, with the whole numbers that they have unless told otherwise.
+pub fn overrides(module: &naga::Module) -> BTreeMap<String, Option<u64>> {
+    let named = |(_, known): (_, &naga::Override)| {
+        let value = known.init.and_then(|init| whole_number(module, init));
+        Some((known.name.clone()?, value))
+    };
+    module.overrides.iter().filter_map(named).collect()
+}
+
+fn whole_number(module: &naga::Module, value: naga::Handle<naga::Expression>) -> Option<u64> {
+    match module.global_expressions[value] {
+        naga::Expression::Literal(naga::Literal::U32(value)) => Some(u64::from(value)),
+        naga::Expression::Literal(naga::Literal::I32(value)) => u64::try_from(value).ok(),
+        naga::Expression::Constant(constant) => whole_number(module, module.constants[constant].init),
+        _ => None,
+    }
+}
+
 /// A struct's bytes with its members where a shader has them, taken by name from a host's struct: `fields` are the name, offset and bytes
 /// of each of its own. Of members that the host lacks the bytes are zero.
 pub fn pack(members: &[Member], fields: &[(&str, usize, usize)], host: &[u8]) -> Vec<u8> {

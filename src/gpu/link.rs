@@ -12,11 +12,11 @@
 //! Other lines that start with `//@` are errors.
 //!
 //! Of what is joined, declarations that the entry point does not reach are left out, and comments ([`super::reach`]); a module of which
-//! nothing is left has not been linked.
+//! nothing is left has not been linked. Of what is left the result says who uses it, and which of the plan's choices and values it has.
 //!
 //! A line table tells which file and line each line of the result came from, so that naga's errors can name them.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 use include_dir::{Dir, include_dir};
 
@@ -52,6 +52,12 @@ pub struct Linked {
     pub modules: Vec<String>,
     /// What of the driver its modules rely on: a property's name, and the module.
     pub relies: Vec<(String, String)>,
+    /// For each module but the root the one that uses it, nearest to the root: going on from there leads to the root.
+    pub used_by: BTreeMap<String, String>,
+    /// The choices that it has, with the modules chosen.
+    pub choices: BTreeMap<&'static str, String>,
+    /// The plan's values that were filled into its lines.
+    pub values: BTreeMap<&'static str, String>,
 }
 
 /// Where module texts come from: the shaders compiled into the program, and in tests more beside them.
@@ -100,8 +106,13 @@ pub fn link(library: &dyn Library, root: &str, choices: &Choices) -> Result<Link
             lines: Vec::new(),
             modules: Vec::new(),
             relies: Vec::new(),
+            used_by: BTreeMap::new(),
+            choices: BTreeMap::new(),
+            values: BTreeMap::new(),
         },
         joined: Vec::new(),
+        uses: Vec::new(),
+        filled: Vec::new(),
     };
     linker.join(root, "(the plan)", 0)?;
     Ok(linker.finish())
@@ -110,6 +121,13 @@ pub fn link(library: &dyn Library, root: &str, choices: &Choices) -> Result<Link
 /// The entries that a block of `each` is repeated for, and its lines with their numbers.
 type Block<'a> = (&'a [Entry], Vec<(usize, &'a str)>);
 
+/// A line of a module, its number, and the names of the values filled in.
+struct Line {
+    number: usize,
+    text: String,
+    values: Vec<&'static str>,
+}
+
 struct Linker<'a> {
     library: &'a dyn Library,
     choices: &'a Choices,
@@ -117,19 +135,25 @@ struct Linker<'a> {
     linked: Linked,
     /// All lines, reached or not.
     joined: Vec<String>,
+    /// Which module uses which, in the order in which they were joined.
+    uses: Vec<(String, String)>,
+    /// Which line of `joined` has which value.
+    filled: Vec<(usize, &'static str)>,
 }
 
 impl Linker<'_> {
     fn join(&mut self, name: &str, user: &str, user_line: usize) -> Result<()> {
         let module = match name.strip_prefix("choice/") {
-            Some(choice) => self
-                .choices
-                .modules
-                .get(choice)
-                .copied()
-                .ok_or_else(|| fault(user, user_line, &format!("the plan chose no module for `{name}`")))?,
+            Some(choice) => {
+                let chosen = self.choices.modules.get_key_value(choice);
+                let (choice, module) =
+                    chosen.ok_or_else(|| fault(user, user_line, &format!("the plan chose no module for `{name}`")))?;
+                self.linked.choices.insert(choice, (*module).to_string());
+                module
+            }
             None => name,
         };
+        self.uses.push((user.to_string(), module.to_string()));
         if !self.done.insert(module.to_string()) {
             return Ok(());
         }
@@ -138,20 +162,21 @@ impl Linker<'_> {
             .module(module)
             .ok_or_else(|| fault(user, user_line, &format!("there is no module `{module}`")))?;
         let lines = self.expand(module, text)?;
-        for (number, line) in &lines {
-            if let Some(used) = line.trim().strip_prefix("//@ use ") {
+        for Line { number, text, .. } in &lines {
+            if let Some(used) = text.trim().strip_prefix("//@ use ") {
                 self.join(used.trim(), module, *number)?;
             }
-            if let Some(property) = line.trim().strip_prefix("//@ relies on ") {
+            if let Some(property) = text.trim().strip_prefix("//@ relies on ") {
                 if !PROPERTIES.iter().any(|known| known.name == property) {
                     return Err(fault(module, *number, &format!("the probe knows no property `{property}`")));
                 }
                 self.linked.relies.push((property.to_string(), module.to_string()));
             }
         }
-        for (number, line) in lines {
-            if !line.trim_start().starts_with("//@") {
-                self.joined.push(line);
+        for Line { number, text, values } in lines {
+            if !text.trim_start().starts_with("//@") {
+                self.filled.extend(values.into_iter().map(|value| (self.joined.len(), value)));
+                self.joined.push(text);
                 self.linked.lines.push((module.to_string(), number));
             }
         }
@@ -161,8 +186,10 @@ impl Linker<'_> {
 
     /// Leaves out what the entry point does not reach.
     fn finish(self) -> Linked {
-        let Linker { mut linked, joined, .. } = self;
+        let Linker { mut linked, joined, uses, filled, choices, .. } = self;
         let reached = reach::reached(&joined);
+        let values = filled.into_iter().filter(|(line, _)| reached[*line]);
+        linked.values = values.filter_map(|(_, name)| Some((name, choices.values.get(name)?.clone()))).collect();
         let mut places = Vec::with_capacity(joined.len());
         let mut kept = BTreeSet::new();
         for ((line, place), _) in joined.iter().zip(linked.lines).zip(reached).filter(|(_, reached)| *reached) {
@@ -176,11 +203,13 @@ impl Linker<'_> {
         linked.lines = places;
         linked.modules.retain(|module| kept.contains(module));
         linked.relies.retain(|(_, module)| kept.contains(module));
+        linked.choices.retain(|_, module| kept.contains(module));
+        linked.used_by = nearest_users(&linked.root, &uses, &kept);
         linked
     }
 
     /// Repeats the blocks of `each` and fills in the values; every line keeps the number it had in its file.
-    fn expand(&self, module: &str, text: &str) -> Result<Vec<(usize, String)>> {
+    fn expand(&self, module: &str, text: &str) -> Result<Vec<Line>> {
         let mut out = Vec::new();
         let mut block: Option<Block<'_>> = None;
         for (number, line) in (1..).zip(text.lines()) {
@@ -204,12 +233,12 @@ impl Linker<'_> {
                         false => format!("case {}u", entry.number),
                     };
                     for (number, line) in &body {
-                        let line = line
+                        let text = line
                             .replace("${name}", &entry.name)
                             .replace("${number}", &entry.number.to_string())
                             .replace("${rank}", &rank.to_string())
                             .replace("${case}", &case);
-                        out.push((*number, line));
+                        out.push(Line { number: *number, text, values: Vec::new() });
                     }
                 }
             } else if line.trim().starts_with("//@")
@@ -219,7 +248,7 @@ impl Linker<'_> {
             } else if let Some((_, body)) = &mut block {
                 body.push((number, line));
             } else {
-                out.push((number, self.fill(module, number, line)?));
+                out.push(self.fill(module, number, line)?);
             }
         }
         match block {
@@ -228,23 +257,44 @@ impl Linker<'_> {
         }
     }
 
-    fn fill(&self, module: &str, number: usize, line: &str) -> Result<String> {
+    fn fill(&self, module: &str, number: usize, line: &str) -> Result<Line> {
         let mut rest = line;
         let mut out = String::with_capacity(line.len());
+        let mut values = Vec::new();
         while let Some((before, after)) = rest.split_once("${") {
             let (name, tail) = after.split_once('}').ok_or_else(|| fault(module, number, "`${` without `}`"))?;
-            let value = self
-                .choices
-                .values
-                .get(name)
-                .ok_or_else(|| fault(module, number, &format!("the plan has no value `{name}`")))?;
+            let known = self.choices.values.get_key_value(name);
+            let (name, value) =
+                known.ok_or_else(|| fault(module, number, &format!("the plan has no value `{name}`")))?;
             out.push_str(before);
             out.push_str(value);
+            values.push(*name);
             rest = tail;
         }
         out.push_str(rest);
-        Ok(out)
+        Ok(Line { number, text: out, values })
     }
+}
+
+/// The user of each module that is kept, on a shortest way to the root; modules of which nothing is kept are passed over.
+fn nearest_users(root: &str, uses: &[(String, String)], kept: &BTreeSet<String>) -> BTreeMap<String, String> {
+    let mut users = BTreeMap::new();
+    let mut seen = BTreeSet::from([root]);
+    // A module, and the nearest kept one on the way to it.
+    let mut waiting = VecDeque::from([(root, root)]);
+    while let Some((module, nearest)) = waiting.pop_front() {
+        for (_, used) in uses.iter().filter(|(user, _)| user == module) {
+            if !seen.insert(used) {
+                continue;
+            }
+            let is_kept = kept.contains(used);
+            if is_kept {
+                users.insert(used.clone(), nearest.to_string());
+            }
+            waiting.push_back((used, if is_kept { used } else { nearest }));
+        }
+    }
+    users
 }
 
 /// How the directives begin that stay until modules are joined.

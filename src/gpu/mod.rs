@@ -7,4 +7,5 @@ pub mod link;
 pub mod pipeline;
 pub mod probe;
 mod reach;
+pub mod spirv;
 pub mod timing;

@@ -1,0 +1,58 @@
+//! How large a kernel is as the SPIR-V that Vulkan drivers are handed: a size that does not depend on names or on a driver.
+
+use naga::back::{PipelineConstants, pipeline_constants, spv};
+use naga::proc::{BoundsCheckPolicies, BoundsCheckPolicy};
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+
+use crate::error::{Error, Result};
+
+/// The size of a module of SPIR-V.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Size {
+    pub instructions: u64,
+    pub bytes: u64,
+}
+
+/// The size of a kernel with these values of its overrides; those that it lacks are passed over.
+///
+/// # Errors
+/// `Error::Shader` where naga does not write it: a defect of gpu-rt.
+pub fn size(module: &naga::Module, entry_point: &str, overrides: &[(&str, f64)]) -> Result<Size> {
+    let fault = |error: &dyn std::fmt::Display| Error::Shader(format!("{entry_point} as SPIR-V: {error}"));
+    let info = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(module);
+    let info = info.map_err(|error| fault(&error))?;
+    let declared = |name: &str| module.overrides.iter().any(|(_, known)| known.name.as_deref() == Some(name));
+    let given = overrides.iter().filter(|(name, _)| declared(name));
+    let constants: PipelineConstants = given.map(|(name, value)| (name.to_string(), *value)).collect();
+    let stage = naga::ShaderStage::Compute;
+    let resolved = pipeline_constants::process_overrides(module, &info, Some((stage, entry_point)), &constants);
+    let (module, info) = resolved.map_err(|error| fault(&error))?;
+    // As wgpu has kernels written: indices are checked, without names for debuggers.
+    let restrict = BoundsCheckPolicy::Restrict;
+    let options = spv::Options {
+        lang_version: (1, 3),
+        flags: spv::WriterFlags::empty(),
+        bounds_check_policies: BoundsCheckPolicies {
+            index: restrict,
+            buffer: restrict,
+            ..BoundsCheckPolicies::default()
+        },
+        ..spv::Options::default()
+    };
+    let pipeline = spv::PipelineOptions { shader_stage: stage, entry_point: entry_point.to_string() };
+    let words = spv::write_vec(&module, &info, &options, Some(&pipeline)).map_err(|error| fault(&error))?;
+    Ok(Size { instructions: instructions(&words), bytes: words.len() as u64 * 4 })
+}
+
+/// How many instructions follow the header of five words: each begins with its own number of words in the upper half of its first
+/// (SPIR-V specification, section 2.3).
+fn instructions(words: &[u32]) -> u64 {
+    const HEADER: usize = 5;
+    let mut at = HEADER;
+    let mut count = 0;
+    while let Some(first) = words.get(at) {
+        at += (first >> 16).max(1) as usize;
+        count += 1;
+    }
+    count
+}

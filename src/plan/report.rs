@@ -1,0 +1,394 @@
+//! A plan in words and numbers: what is there, how large, and which object of the scene or option asked for it.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::{A_KERNEL_A_STAGE, Bounce, EVERY_RENDER, Kernel, PathField, Plan, QUEUES, Scatter, Tuning, boundary_names};
+use crate::error::Result;
+use crate::flatten::{BACKGROUNDS, Features, Flat, MATERIALS, PRIMITIVES, TEXTURES};
+use crate::gpu::buffers::BufferSpec;
+use crate::gpu::layout::{self, BindingKind};
+use crate::gpu::spirv::{self, Size};
+
+/// A plan in words and numbers.
+#[derive(Clone, Debug)]
+pub struct Report {
+    /// What of the scene is linked, by its name, and what asked for it.
+    pub features: Vec<(String, String)>,
+    /// What a scene can ask for and this one does not.
+    pub left_out: Vec<String>,
+    pub choices: Vec<Choice>,
+    /// How the stages of a bounce are linked, and why so.
+    pub scatter: String,
+    pub kernels: Vec<KernelReport>,
+    pub slots: u32,
+    pub path_fields: Vec<PathField>,
+    pub constants: Vec<Constant>,
+    pub buffers: Vec<Buffer>,
+    /// The most bytes of a binding on the device, as uniform and as storage.
+    pub limits: [u64; 2],
+}
+
+/// One of several ways, decided for all kernels.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Choice {
+    pub name: &'static str,
+    pub module: String,
+}
+
+/// A kernel.
+#[derive(Clone, Debug)]
+pub struct KernelReport {
+    pub name: String,
+    /// The file of its entry point under shaders, without the ending.
+    pub root: String,
+    pub why: String,
+    /// Names of features of the scene that it has code of.
+    pub features: Vec<String>,
+    pub modules: Vec<Module>,
+    /// By name, and how each is bound.
+    pub bindings: Vec<(String, &'static str)>,
+    /// The most storage buffers that the device allows a kernel.
+    pub storage_limit: u64,
+    pub path_fields: Vec<PathField>,
+    pub wgsl_bytes: u64,
+    /// As SPIR-V, where it was measured.
+    pub size: Option<Size>,
+}
+
+/// A module of a kernel.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Module {
+    pub name: String,
+    /// The module that uses it; nothing of the kernel's root.
+    pub used_by: Option<String>,
+    /// The scene's object or the option that asked for it; nothing of what serves all renders.
+    pub asked_by: Option<String>,
+}
+
+/// A number that is part of the kernels' code, known when they are compiled.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Constant {
+    pub name: String,
+    pub value: String,
+    pub what: String,
+    pub asked_by: String,
+    /// Whether it is an override constant; else it stands in the text.
+    pub is_override: bool,
+    pub kernels: Vec<String>,
+}
+
+/// A buffer.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Buffer {
+    pub name: &'static str,
+    pub what: &'static str,
+    pub bytes: u64,
+    /// What determines them.
+    pub size: String,
+    /// "uniform" or "storage".
+    pub binding: &'static str,
+    /// The most bytes that the device allows it.
+    pub limit: u64,
+    pub asked_by: String,
+}
+
+impl Buffer {
+    pub fn fits(&self) -> bool {
+        self.bytes <= self.limit
+    }
+}
+
+impl Choice {
+    /// What was chosen, in a word: "yes" and "no" where it is that kind of choice.
+    pub fn answer(&self) -> String {
+        let name = self.module.rsplit('/').next().unwrap_or(&self.module);
+        // What is not approximate is called as its option calls it.
+        match name {
+            "fresnel" => return "exact".to_string(),
+            "offset" => return "robust".to_string(),
+            "sphere_chord" => return "strict".to_string(),
+            _ => {}
+        }
+        let own: Vec<&str> = self.name.split('_').collect();
+        let rest: Vec<&str> = name.split('_').filter(|word| !own.contains(word)).collect();
+        if rest.is_empty() { "yes".to_string() } else { rest.join(" ") }
+    }
+}
+
+impl KernelReport {
+    /// How many of its bindings are storage buffers.
+    pub fn storage_buffers(&self) -> u64 {
+        self.bindings.iter().filter(|(_, kind)| *kind != "uniform").count() as u64
+    }
+}
+
+impl Report {
+    /// Without the kernels' sizes, which take time ([`Report::measure`]).
+    pub fn new(plan: &Plan, flat: &Flat, tuning: &Tuning, limits: &wgpu::Limits) -> Report {
+        let features = &flat.features;
+        let kernels = plan.kernels();
+        let linked: BTreeSet<&String> = kernels.iter().flat_map(|kernel| &kernel.linked.modules).collect();
+        let known = known_features(features);
+        let (there, left_out): (Vec<_>, Vec<_>) = known.iter().partition(|known| linked.contains(&known.module));
+        let asked = |known: &&Known<'_>| Some((known.name.clone(), known.asked_by?.to_string()));
+        let choices: BTreeMap<_, _> = kernels.iter().flat_map(|kernel| &kernel.linked.choices).collect();
+        let of_kernel = |kernel: &&Kernel| KernelReport {
+            name: kernel.name.clone(),
+            root: kernel.linked.root.clone(),
+            why: kernel.why.clone(),
+            features: there
+                .iter()
+                .filter(|known| known.asked_by.is_some() && kernel.linked.modules.contains(&known.module))
+                .map(|known| known.name.clone())
+                .collect(),
+            modules: modules(kernel, features),
+            bindings: kernel.bindings.iter().map(|(name, binding)| (name.clone(), kind_word(binding.kind))).collect(),
+            storage_limit: u64::from(limits.max_storage_buffers_per_shader_stage),
+            path_fields: path_fields(kernel, plan),
+            wgsl_bytes: kernel.linked.text.len() as u64,
+            size: None,
+        };
+        let buffer = |spec: &BufferSpec<'_>| Buffer {
+            name: spec.name,
+            what: spec.why,
+            bytes: spec.allocated(),
+            size: spec.size.clone(),
+            binding: spec.binding(),
+            limit: spec.limit(limits),
+            asked_by: asked_for_buffer(features, spec.name),
+        };
+        Report {
+            features: there.iter().filter_map(asked).collect(),
+            left_out: left_out.iter().map(|known| known.name.clone()).collect(),
+            choices: choices.into_iter().map(|(name, module)| Choice { name, module: module.clone() }).collect(),
+            scatter: scatter_words(plan, tuning),
+            kernels: kernels.iter().map(of_kernel).collect(),
+            slots: tuning.slots,
+            path_fields: plan.path_fields.clone(),
+            constants: constants(&kernels, features, tuning),
+            buffers: plan.buffers(flat, tuning).iter().map(buffer).collect(),
+            limits: [limits.max_uniform_buffer_binding_size, limits.max_storage_buffer_binding_size]
+                .map(|limit| limit.min(limits.max_buffer_size)),
+        }
+    }
+
+    /// Takes the sizes of the kernels.
+    ///
+    /// # Errors
+    /// `Error::Shader` where a kernel is not written as SPIR-V: a defect of gpu-rt.
+    pub fn measure(&mut self, plan: &Plan, tuning: &Tuning) -> Result<()> {
+        for (report, kernel) in self.kernels.iter_mut().zip(plan.kernels()) {
+            let workgroup = [("WORKGROUP_SIZE", f64::from(tuning.workgroup))];
+            report.size = Some(spirv::size(&kernel.module, kernel.stage, &workgroup)?);
+        }
+        Ok(())
+    }
+
+    pub fn path_bytes(&self) -> u64 {
+        self.path_fields.iter().map(PathField::bytes).sum()
+    }
+
+    /// Of all buffers.
+    pub fn gpu_bytes(&self) -> u64 {
+        self.buffers.iter().map(|buffer| buffer.bytes).sum()
+    }
+
+    /// The constants in the code of a kernel.
+    pub fn constants_of(&self, kernel: &str) -> Vec<&Constant> {
+        self.constants.iter().filter(|constant| constant.kernels.iter().any(|name| name == kernel)).collect()
+    }
+}
+
+/// Something that a scene can ask for: its name, what asked for it, and the module that is there just for it.
+struct Known<'a> {
+    name: String,
+    asked_by: Option<&'a str>,
+    module: String,
+}
+
+/// Everything that a scene can ask for.
+fn known_features(features: &Features) -> Vec<Known<'_>> {
+    fn kinds<'a>(
+        names: &[&'static str],
+        used: &'a [Option<String>],
+        folder: &'static str,
+        suffix: &'static str,
+    ) -> Vec<Known<'a>> {
+        let known = |(name, used): (&&str, &'a Option<String>)| Known {
+            name: format!("{name}{suffix}"),
+            asked_by: used.as_deref(),
+            module: format!("{folder}/{name}"),
+        };
+        names.iter().zip(used).map(known).collect()
+    }
+    fn one<'a>(name: &str, used: &'a Option<String>, module: &str) -> Known<'a> {
+        Known { name: name.to_string(), asked_by: used.as_deref(), module: module.to_string() }
+    }
+    let mut all = kinds(PRIMITIVES, &features.primitives, "geometry", "");
+    all.push(one("smooth shading", &features.smooth, "scene/smooth_shading"));
+    all.extend(kinds(MATERIALS, &features.materials, "material", ""));
+    all.extend(kinds(TEXTURES, &features.textures, "texture", " texture"));
+    let mut media = kinds(&boundary_names(), &features.boundaries, "medium", " medium");
+    media.iter_mut().filter(|known| known.module == "medium/mesh").for_each(|mesh| {
+        mesh.module = "scene/medium_in_mesh".to_string();
+    });
+    all.extend(media);
+    all.push(one("textured medium", &features.textured_media, "scene/textured_medium"));
+    all.extend(kinds(PRIMITIVES, &features.emitters, "light", " light"));
+    all.push(one("sky light", &features.emitting_sky, "light/sky"));
+    all.extend(kinds(BACKGROUNDS, &features.backgrounds, "background", " background"));
+    all.push(one("thin lens", &features.thin_lens, "camera/thin_lens"));
+    all.push(one("camera axes", &features.turned, "scene/camera_axes"));
+    all
+}
+
+/// The modules of a kernel, each behind the one that uses it.
+fn modules(kernel: &Kernel, features: &Features) -> Vec<Module> {
+    let linked = &kernel.linked;
+    let mut users: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    for name in linked.modules.iter().filter(|name| **name != linked.root) {
+        let user = linked.used_by.get(name).unwrap_or(&linked.root);
+        users.entry(user).or_default().push(name);
+    }
+    let mut ordered = Vec::with_capacity(linked.modules.len());
+    let mut waiting = vec![(linked.root.as_str(), None)];
+    while let Some((name, user)) = waiting.pop() {
+        ordered.push(Module {
+            name: name.to_string(),
+            used_by: user.map(str::to_string),
+            asked_by: asked_for_module(features, name).map(str::to_string),
+        });
+        let mut used = users.remove(name).unwrap_or_default();
+        used.sort_unstable_by(|a, b| b.cmp(a));
+        waiting.extend(used.into_iter().map(|used| (used, Some(name))));
+    }
+    ordered
+}
+
+/// The fields of the paths' state that a kernel loads or stores.
+fn path_fields(kernel: &Kernel, plan: &Plan) -> Vec<PathField> {
+    let names: BTreeSet<&str> =
+        kernel.module.constants.iter().filter_map(|(_, constant)| constant.name.as_deref()).collect();
+    plan.path_fields.iter().filter(|field| names.contains(field.name)).cloned().collect()
+}
+
+fn asked_for_module<'a>(features: &'a Features, module: &str) -> Option<&'a str> {
+    features.asked_for(module).or(match module {
+        "bind/queues"
+        | "bind/queue_args"
+        | "bind/queue_turns"
+        | "data/queue"
+        | "slots/queue_turn"
+        | "slots/sort_by_material"
+        | "stage/dispatch" => Some(QUEUES),
+        "geometry/offset_fast" => Some("--offset fast"),
+        "geometry/sphere_chord_fast" => Some("--precision fast"),
+        "sampler/sobol" => Some("--sampler sobol"),
+        "sampler/independent" => Some("--sampler independent"),
+        "slots/between" => Some(A_KERNEL_A_STAGE),
+        "bind/nodes" | "scene/traverse" | "scene/few" | "scene/primitives" | "scene/surfaces" => {
+            first_surface(features)
+        }
+        _ => None,
+    })
+}
+
+fn asked_for_buffer(features: &Features, name: &str) -> String {
+    let asked = match name {
+        "queues" | "queue_args" => Some(QUEUES),
+        "nodes" => first_surface(features).or_else(|| features.asked_for("scene/medium_in_mesh")),
+        _ => features.asked_for(&format!("bind/{name}")),
+    };
+    asked.unwrap_or(EVERY_RENDER).to_string()
+}
+
+/// An object that rays can hit: a mesh, which makes walks long, or else the first of any kind.
+fn first_surface(features: &Features) -> Option<&str> {
+    let mesh = features.asked_for("geometry/triangle");
+    mesh.or_else(|| features.primitives.iter().flatten().next().map(String::as_str))
+}
+
+fn kind_word(kind: BindingKind) -> &'static str {
+    match kind {
+        BindingKind::Uniform => "uniform",
+        BindingKind::Read => "storage, read",
+        BindingKind::ReadWrite => "storage, read and written",
+    }
+}
+
+/// The numbers that the plan filled into lines of some kernel, and the override constants that some kernel has.
+fn constants(kernels: &[&Kernel], features: &Features, tuning: &Tuning) -> Vec<Constant> {
+    let mut found: Vec<Constant> = Vec::new();
+    let mut add = |kernel: &Kernel, constant: Constant| {
+        let same = |known: &&mut Constant| known.name == constant.name && known.value == constant.value;
+        match found.iter_mut().find(same) {
+            Some(known) => known.kernels.push(kernel.name.clone()),
+            None => found.push(Constant { kernels: vec![kernel.name.clone()], ..constant }),
+        }
+    };
+    for kernel in kernels {
+        for (name, default) in layout::overrides(&kernel.module) {
+            let value = if name == "WORKGROUP_SIZE" { Some(u64::from(tuning.workgroup)) } else { default };
+            let (what, asked_by) = about_constant(&name, features);
+            let value = value.map_or_else(|| "?".to_string(), |value| value.to_string());
+            add(kernel, Constant { name, value, what, asked_by, is_override: true, kernels: Vec::new() });
+        }
+    }
+    for kernel in kernels {
+        for (name, value) in &kernel.linked.values {
+            // How a table is bound is told with the buffers; the steps of a walk are an override's value.
+            if name.starts_with("space_of_") || *name == "most_steps" || value.is_empty() {
+                continue;
+            }
+            let (what, asked_by) = about_constant(name, features);
+            let value = value.trim_start_matches([',', ' ']).to_string();
+            let (name, is_override) = (name.to_string(), false);
+            add(kernel, Constant { name, value, what, asked_by, is_override, kernels: Vec::new() });
+        }
+    }
+    found
+}
+
+/// What a constant is, and what asked for it.
+fn about_constant(name: &str, features: &Features) -> (String, String) {
+    if let Some(table) = name.strip_prefix("size_of_") {
+        return (format!("elements that the binding `{table}` has room for"), asked_for_buffer(features, table));
+    }
+    let mesh_media = features.asked_for("scene/medium_in_mesh");
+    let sky = features.asked_for("light/sky");
+    let (what, asked_by) = match name {
+        "WORKGROUP_SIZE" => ("invocations of a workgroup", None),
+        "MOST_STEPS_OF_WALK" => (
+            "steps after which a walk is given up; 262144 where the driver's loops have no limit",
+            first_surface(features),
+        ),
+        "MOST_STEPS_OF_CROSSINGS" => ("the same of all walks through the meshes that bound media", mesh_media),
+        "stack_size" => ("what waits at most in a walk through the hierarchy", first_surface(features)),
+        "boundary_stack_size" => ("the same in a mesh that bounds a medium", mesh_media),
+        "media" => ("media that rays cross", features.asked_for("step/media")),
+        "lights" => ("lights to choose from", features.asked_for("step/light")),
+        "sky_light" => ("the place of the sky among the lights", sky),
+        "sky_columns" => ("columns of the grid that directions to the sky are drawn from", sky),
+        "sky_rows" => ("rows of that grid", sky),
+        "run_length" => ("samples of a run at most", None),
+        "queues" => ("queues that slots are sorted into", Some(QUEUES)),
+        "queue" => ("the queue that the kernel serves", Some(QUEUES)),
+        _ => ("", None),
+    };
+    (what.to_string(), asked_by.unwrap_or(EVERY_RENDER).to_string())
+}
+
+fn scatter_words(plan: &Plan, tuning: &Tuning) -> String {
+    match (&plan.bounce, tuning.scatter) {
+        (Bounce::Fused(_), _) => {
+            "fused: a processor pays more for storing a path's state than for its divergence (docs/performance.md)"
+                .to_string()
+        }
+        (Bounce::Staged(staged), _) if staged.scatter.is_empty() => "none: there is nothing to hit".to_string(),
+        (Bounce::Staged(staged), _) if staged.dispatch.is_some() => {
+            format!("queues: a kernel and a queue for each of {} materials", staged.scatter.len())
+        }
+        (Bounce::Staged(_), Scatter::Queues) => "linked: with one material there is nothing to sort".to_string(),
+        (Bounce::Staged(_), _) => "linked: one kernel for all materials".to_string(),
+    }
+}

@@ -1,0 +1,231 @@
+//! A report as text for a terminal.
+
+use std::collections::BTreeMap;
+
+use super::PathField;
+use super::report::{Buffer, Constant, KernelReport, Module, Report};
+use crate::gpu::buffers::LEAST;
+
+/// Columns that paragraphs are broken at; tables are as wide as they are.
+const WIDTH: usize = 110;
+
+impl Report {
+    /// All that a user sees at a glance.
+    pub fn text(&self) -> String {
+        let mut out = String::new();
+        out += "\nasked for\n";
+        out += &table(self.features.iter().map(|(name, asked_by)| vec![name.clone(), asked_by.clone()]), &[]);
+        let answers =
+            self.choices.iter().map(|choice| format!("{} {}", choice.name.replace('_', " "), choice.answer()));
+        out += &paragraph("chosen", answers);
+        if !self.left_out.is_empty() {
+            out += &paragraph("left out", by_last_word(&self.left_out));
+        }
+
+        out += "\nkernels\n";
+        out += &self.kernel_table();
+        out += &format!("  scatter: {}\n", self.scatter);
+
+        out += &format!("\npath state: {} bytes a slot\n", self.path_bytes());
+        out += &table(by_reason(&self.path_fields), &[0]);
+
+        out += "\nconstants\n";
+        out += &constant_table(&self.constants.iter().collect::<Vec<_>>());
+
+        let [uniform, storage] = self.limits;
+        let total = self.gpu_bytes();
+        out += &format!(
+            "\nbuffers: {total} bytes, each {LEAST} at least; the device allows {uniform} to a uniform binding, {storage} to a \
+             storage binding\n"
+        );
+        out += &table(self.buffers.iter().map(|buffer| buffer_row(buffer, None)), &[1]);
+        out
+    }
+
+    /// Why a kernel has what it has; nothing where there is no kernel of that name.
+    pub fn why(&self, name: &str) -> Option<String> {
+        let kernel = self.kernels.iter().find(|kernel| kernel.name == name)?;
+        let mut out = format!("\n{name}: for {}\n", kernel.why);
+        if let Some(size) = kernel.size {
+            let wgsl = kernel.wgsl_bytes;
+            let (instructions, bytes) = (size.instructions, size.bytes);
+            out += &format!("  {instructions} instructions and {bytes} bytes of SPIR-V, {wgsl} bytes of WGSL\n");
+        }
+        let modules = &kernel.modules;
+        out += &format!(
+            "\nmodules: {} files of shaders/, each below the one that uses it, and what asked for it\n",
+            modules.len()
+        );
+        let row = |module: &Module| {
+            let indent = "  ".repeat(depth(modules, module));
+            vec![format!("{indent}{}", module.name), module.asked_by.clone().unwrap_or_default()]
+        };
+        out += &table(modules.iter().map(row), &[]);
+
+        out += "\nbindings: bytes and what they are\n";
+        let bound = kernel.bindings.iter().filter_map(|(name, kind)| {
+            let buffer = self.buffers.iter().find(|buffer| buffer.name == name)?;
+            Some(buffer_row(buffer, Some(kind)))
+        });
+        out += &table(bound, &[1]);
+        out += &storage_notice(kernel);
+
+        if !kernel.path_fields.is_empty() {
+            out += "\npath state that it loads or stores\n";
+            let row = |field: &PathField| {
+                vec![field.label(), format!("{} bytes", field.bytes()), field.what.to_string(), field.why.clone()]
+            };
+            out += &table(kernel.path_fields.iter().map(row), &[1]);
+        }
+
+        out += "\nconstants\n";
+        out += &constant_table(&self.constants_of(name));
+        Some(out)
+    }
+
+    fn kernel_table(&self) -> String {
+        let measured = self.kernels.iter().any(|kernel| kernel.size.is_some());
+        let sizes =
+            |kernel: &KernelReport| kernel.size.map(|size| [size.instructions, size.bytes].map(|n| n.to_string()));
+        let header = ["", "instructions", "SPIR-V bytes", "modules", "buffers", "for"].map(str::to_string);
+        let row = |kernel: &KernelReport| {
+            let [instructions, bytes] = sizes(kernel).unwrap_or_default();
+            let modules = kernel.modules.len().to_string();
+            let buffers = kernel.bindings.len().to_string();
+            let always = (kernel.features.is_empty() || kernel.why == super::EVERY_RENDER).then(|| kernel.why.clone());
+            let reason: Vec<String> = always.into_iter().chain(by_last_word(&kernel.features)).collect();
+            [kernel.name.clone(), instructions, bytes, modules, buffers, reason.join(", ")]
+        };
+        let rows = std::iter::once(header).chain(self.kernels.iter().map(row)).map(|row| {
+            let keep = |(i, cell)| (measured || ![1, 2].contains(&i)).then_some(cell);
+            row.into_iter().enumerate().filter_map(keep).collect::<Vec<_>>()
+        });
+        let right: &[usize] = if measured { &[1, 2, 3, 4] } else { &[1, 2] };
+        let notices: String = self.kernels.iter().map(storage_notice).collect();
+        table(rows, right) + &notices
+    }
+}
+
+/// Says that a kernel binds more storage buffers than the device allows.
+fn storage_notice(kernel: &KernelReport) -> String {
+    let (bound, limit) = (kernel.storage_buffers(), kernel.storage_limit);
+    match bound > limit {
+        true => {
+            format!("  OVER THE LIMIT: {} binds {bound} storage buffers, and the device allows {limit}\n", kernel.name)
+        }
+        false => String::new(),
+    }
+}
+
+/// How many modules lead from a kernel's root to this one.
+fn depth(modules: &[Module], module: &Module) -> usize {
+    let user_of = |name: &str| modules.iter().find(|module| module.name == name)?.used_by.as_deref();
+    // A chain is no longer than there are modules.
+    std::iter::successors(module.used_by.as_deref(), |name| user_of(name)).take(modules.len()).count()
+}
+
+/// The fields with one reason in one row.
+fn by_reason(fields: &[PathField]) -> Vec<Vec<String>> {
+    let mut rows: Vec<(&str, u64, Vec<String>)> = Vec::new();
+    for field in fields {
+        let named = format!("{} {}", field.label(), field.bytes());
+        match rows.iter_mut().find(|(why, ..)| *why == field.why) {
+            Some((_, bytes, names)) => {
+                *bytes += field.bytes();
+                names.push(named);
+            }
+            None => rows.push((&field.why, field.bytes(), vec![named])),
+        }
+    }
+    rows.into_iter()
+        .map(|(why, bytes, names)| vec![bytes.to_string(), format!("{}: {why}", names.join(", "))])
+        .collect()
+}
+
+/// "noise/marble texture" of "noise texture" and "marble texture" that follow each other.
+fn by_last_word(names: &[String]) -> Vec<String> {
+    let mut groups: Vec<(Vec<&str>, Option<&str>)> = Vec::new();
+    for name in names {
+        let (first, last) = name.rsplit_once(' ').map_or((name.as_str(), None), |(first, last)| (first, Some(last)));
+        match groups.last_mut() {
+            Some((firsts, of_group)) if last.is_some() && *of_group == last => firsts.push(first),
+            _ => groups.push((vec![first], last)),
+        }
+    }
+    let joined = |(firsts, last): (Vec<&str>, Option<&str>)| {
+        firsts.join("/") + &last.map(|last| format!(" {last}")).unwrap_or_default()
+    };
+    groups.into_iter().map(joined).collect()
+}
+
+/// A row a constant, those of one name together; the sizes of tables in one row.
+fn constant_table(constants: &[&Constant]) -> String {
+    let is_table = |constant: &&&Constant| constant.name.starts_with("size_of_");
+    let mut values: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    constants.iter().for_each(|constant| values.entry(&constant.name).or_default().push(&constant.value));
+    let row = |constant: &&Constant| {
+        let value = values.remove(constant.name.as_str())?.join(", ");
+        let name = constant.name.to_lowercase().replace('_', " ");
+        Some(vec![name, value, constant.what.clone(), constant.asked_by.clone()])
+    };
+    let rows: Vec<_> = constants.iter().filter(|constant| !is_table(constant)).filter_map(row).collect();
+    let tables = constants.iter().filter(is_table);
+    let sizes: Vec<String> =
+        tables.map(|table| format!("{} {}", table.name.trim_start_matches("size_of_"), table.value)).collect();
+    let mut out = table(rows, &[1]);
+    if !sizes.is_empty() {
+        out += &paragraph("room in uniform tables", sizes);
+    }
+    out
+}
+
+fn buffer_row(buffer: &Buffer, kind: Option<&str>) -> Vec<String> {
+    let over = match buffer.fits() {
+        true => String::new(),
+        false => format!("  OVER THE LIMIT: the device allows {} bytes", buffer.limit),
+    };
+    vec![
+        buffer.name.to_string(),
+        buffer.bytes.to_string(),
+        kind.unwrap_or(buffer.binding).to_string(),
+        buffer.size.clone(),
+        // Of the table of spheres nobody needs to be told that it holds spheres.
+        if buffer.what == buffer.name { String::new() } else { buffer.what.to_string() },
+        format!("{}{over}", buffer.asked_by),
+    ]
+}
+
+/// Rows with their columns aligned, the `right` ones at their ends.
+fn table(rows: impl IntoIterator<Item = Vec<String>>, right: &[usize]) -> String {
+    let rows: Vec<Vec<String>> = rows.into_iter().collect();
+    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
+    let width = |column: usize| rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count()).max();
+    let widths: Vec<usize> = (0..columns).map(|column| width(column).unwrap_or(0)).collect();
+    let line = |row: &Vec<String>| {
+        let cells = row.iter().enumerate().zip(&widths).map(|((column, cell), width)| match right.contains(&column) {
+            true => format!("  {cell:>width$}"),
+            false => format!("  {cell:<width$}"),
+        });
+        cells.collect::<String>().trim_end().to_string() + "\n"
+    };
+    rows.iter().map(line).collect()
+}
+
+/// "  name: item, item, …", broken into lines.
+fn paragraph(name: &str, items: impl IntoIterator<Item = String>) -> String {
+    let mut out = String::new();
+    let mut line = format!("  {name}:");
+    let mut separator = "";
+    for item in items {
+        line += separator;
+        if line.chars().count() + 1 + item.chars().count() > WIDTH {
+            out += &line;
+            out += "\n";
+            line = "   ".to_string();
+        }
+        line += " ";
+        line += &item;
+        separator = ",";
+    }
+    out + &line + "\n"
+}
