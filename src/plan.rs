@@ -164,6 +164,9 @@ impl PathField {
     }
 }
 
+/// The most bytes that they are, of any scene.
+pub const MOST_PATH_BYTES: u64 = 140;
+
 /// The fields that kernels hand to each other. The fused kernel keeps to itself what lies between a ray and its scattering.
 fn path_fields(features: &Features, fused: bool) -> Vec<PathField> {
     let field = |why: Option<&str>, name, words, what| Some(PathField { name, words, what, why: why?.to_string() });

@@ -12,7 +12,7 @@ use crate::gpu::device::{Device, DeviceClass};
 use crate::gpu::pipeline::{Pipeline, PipelineSpec};
 use crate::gpu::probe;
 use crate::gpu::timing::{MAX_PASSES, Timing};
-use crate::plan::{Bounce, Kernel, Plan, Scatter, SettingsLayout, Tuning};
+use crate::plan::{Bounce, Kernel, MOST_PATH_BYTES, Plan, Scatter, SettingsLayout, Tuning};
 
 /// What is to be rendered of a scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -120,6 +120,8 @@ pub fn tuning(device: DeviceClass, job: &Job, wish: TuningWish) -> Tuning {
         true => (2048, 4096 * cores().clamp(2, 16)),
         false => (65_536, 1 << 20),
     };
+    // Their state is one buffer.
+    let most = most.min(device.max_binding_bytes / MOST_PATH_BYTES).max(fewest);
     let slots = wish.slots.unwrap_or((runs / 8).clamp(fewest, most) as u32).max(1);
     let record = size_of::<RunRecord>() as u64;
     let room = device.max_binding_bytes / (u64::from(slots) * record);

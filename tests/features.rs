@@ -16,9 +16,10 @@ use std::collections::{BTreeSet, HashSet};
 
 use everything::same;
 use gpu_rt::flatten::{Flat, Wish, flatten_with};
+use gpu_rt::gpu::device::DeviceClass;
 use gpu_rt::gpu::link::{Choices, Embedded, Library, Linked, link};
-use gpu_rt::plan::{Plan, Scatter};
-use gpu_rt::render::TuningWish;
+use gpu_rt::plan::{MOST_PATH_BYTES, Plan, Scatter};
+use gpu_rt::render::{Goal, Job, TuningWish, tuning};
 use gpu_rt::scene::Scene;
 use lattice::Lattice;
 use naga::compact::{KeepUnused, compact};
@@ -66,6 +67,31 @@ fn everything_on_changes_no_byte() {
     // It could have told: the scenes' images differ.
     let shots: Vec<_> = scenes.iter().take(3).map(|(_, scene)| render(scene, &usual(Scatter::Fused))).collect();
     assert!(!same(&shots[0], &shots[1]) && !same(&shots[1], &shots[2]));
+}
+
+/// The number of slots is bounded by the largest state that any scene's paths have; a GPU that allows no more than WebGPU promises has room
+/// for what is chosen for it.
+#[test]
+fn the_state_of_all_slots_has_room() {
+    let lattice = Lattice::new();
+    let every = Wish { every_feature: true, ..wish() };
+    let mut most = 0;
+    for (name, scene) in lattice.scenes() {
+        for (wish, scatter) in [(wish(), Scatter::Linked), (every, Scatter::Linked), (every, Scatter::Queues)] {
+            let flat = flatten_with(&scene, (3840, 2160), wish).expect("the scene flattens");
+            let plan = Plan::new(&flat.features, scatter).expect("the kernels link");
+            let goal = Goal::Samples(1 << 16);
+            let job = Job { size: (3840, 2160), max_depth: 50, seed: 0, first_sample: 0, goal };
+            let class = DeviceClass::default();
+            let sizes = tuning(class, &job, TuningWish { scatter: Some(scatter), ..TuningWish::default() });
+            assert!(sizes.slots > 900_000, "{name}: {} slots", sizes.slots);
+            for buffer in plan.buffers(&flat, &sizes) {
+                assert!(buffer.allocated() <= class.max_binding_bytes, "{name}: {} has {}", buffer.name, buffer.bytes);
+            }
+            most = most.max(plan.path_bytes());
+        }
+    }
+    assert_eq!(most, MOST_PATH_BYTES);
 }
 
 /// With everything on, a scene of nothing much has every kernel, and each of the modules that some scene has.

@@ -44,6 +44,7 @@ const SAME_IMAGE: &[(&str, Option<&str>)] = &[
     ("workgroup", Some("8")),
     ("bounces", Some("3")),
     ("scatter", Some("queues")),
+    ("features", Some("all")),
     ("profile", None),
 ];
 
