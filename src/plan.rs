@@ -1,6 +1,7 @@
 //! What this scene requires: which kernels, linked from which modules, and which buffers, each with the reason.
 
 mod report;
+mod state;
 mod text;
 
 use std::borrow::Cow;
@@ -15,6 +16,8 @@ use crate::gpu::layout::{self, Binding, Member};
 use crate::gpu::link::{Choices, Embedded, Entry, Linked, link};
 
 pub use report::{Buffer, Choice, Constant, KernelReport, Module, Report};
+pub use state::{MOST_PATH_BYTES, PathField};
+use state::{path_fields, places};
 
 /// The reason of what no scene can do without.
 const EVERY_RENDER: &str = "every render";
@@ -142,71 +145,6 @@ impl SettingsLayout {
     }
 }
 
-/// A field of the paths' state: words of 32 bits.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct PathField {
-    /// Of the constant that says where it begins.
-    pub name: &'static str,
-    pub words: u32,
-    pub what: &'static str,
-    /// What asked for it.
-    pub why: String,
-}
-
-impl PathField {
-    /// "shadow origin" of WORD_OF_SHADOW_ORIGIN.
-    pub fn label(&self) -> String {
-        self.name.trim_start_matches("WORD_OF_").to_lowercase().replace('_', " ")
-    }
-
-    pub fn bytes(&self) -> u64 {
-        u64::from(self.words) * 4
-    }
-}
-
-/// The most bytes that they are, of any scene.
-pub const MOST_PATH_BYTES: u64 = 140;
-
-/// The fields that kernels hand to each other. The fused kernel keeps to itself what lies between a ray and its scattering.
-fn path_fields(features: &Features, fused: bool) -> Vec<PathField> {
-    let field = |why: Option<&str>, name, words, what| Some(PathField { name, words, what, why: why?.to_string() });
-    let always = Some(EVERY_RENDER);
-    let lights = (features.lights > 0).then(|| features.asked_for("step/light").unwrap_or(EVERY_RENDER));
-    let triangle = data::KIND_TRIANGLE as usize;
-    let [meshes, mesh_lights] = [&features.primitives, &features.emitters].map(|used| used[triangle].as_deref());
-    // What only stages that are kernels of their own hand on: for all scenes, or beside that for what some of them ask.
-    let staged = |why: Option<&str>| why.filter(|_| !fused).map(|why| format!("{A_KERNEL_A_STAGE}, and {why}"));
-    let (staged_lights, staged_meshes, staged_mesh_lights) = (staged(lights), staged(meshes), staged(mesh_lights));
-    let own_kernels = (!fused).then_some(A_KERNEL_A_STAGE);
-    let all = [
-        field(always, "WORD_OF_ORIGIN", 3, "where the ray starts"),
-        field(always, "WORD_OF_DIRECTION", 3, "its direction"),
-        field(always, "WORD_OF_STATUS", 1, "what the path is doing, or what its ray has met"),
-        field(always, "WORD_OF_THROUGHPUT", 3, "the share of the light met next that reaches the camera"),
-        field(always, "WORD_OF_EVENTS", 1, "scattering events so far"),
-        field(always, "WORD_OF_PIXEL", 1, "the pixel"),
-        field(always, "WORD_OF_SAMPLE", 1, "the sample of the pixel"),
-        field(always, "WORD_OF_COUNTS", 1, "samples of the run, accepted and rejected"),
-        field(always, "WORD_OF_SUM", 3, "their radiance"),
-        field(always, "WORD_OF_RAYS", 1, "their rays"),
-        field(lights, "WORD_OF_RADIANCE", 3, "radiance of the sample so far, by lights that were sampled"),
-        field(lights, "WORD_OF_PDF", 1, "density of the last scattering's direction"),
-        field(own_kernels, "WORD_OF_T", 1, "distance to what the ray has met"),
-        field(staged_meshes.as_deref(), "WORD_OF_INSTANCE", 1, "the mesh that it is part of"),
-        field(staged_lights.as_deref(), "WORD_OF_SHADOW_ORIGIN", 3, "where the ray to a light starts"),
-        field(staged_lights.as_deref(), "WORD_OF_SHADOW_DIRECTION", 3, "its direction"),
-        field(staged_lights.as_deref(), "WORD_OF_LIGHT", 1, "the light"),
-        field(
-            staged_lights.as_deref(),
-            "WORD_OF_LIGHT_WEIGHT",
-            3,
-            "what it brings per radiance, if nothing is in its way",
-        ),
-        field(staged_mesh_lights.as_deref(), "WORD_OF_LIGHT_INSTANCE", 1, "the mesh that the light is part of"),
-    ];
-    all.into_iter().flatten().collect()
-}
-
 /// From a ray to what becomes of it.
 #[derive(Debug)]
 pub enum Bounce {
@@ -312,7 +250,8 @@ impl Plan {
         let queues = self.queues();
         let record_bytes = size_of::<RunRecord>() as u64;
         let runs = u64::from(tuning.records_per_slot);
-        let path_bytes = self.path_bytes();
+        let plane_bytes = places(&self.path_fields).plane_bytes(&self.path_fields);
+        let word_bytes = self.path_bytes() - plane_bytes;
         let header = u64::from(QUEUE_HEADER);
         let array = |name, contents: Cow<'a, [u8]>, stride: u64, why| {
             let size = format!("{} x {stride} bytes", contents.len() as u64 / stride);
@@ -328,8 +267,10 @@ impl Plan {
             ),
             BufferSpec::working("records", slots * runs * record_bytes, "finished runs on their way to the film")
                 .made_of(format!("{slots} slots x {runs} runs x {record_bytes} bytes")),
-            BufferSpec::working("paths", slots * path_bytes, "the state of the paths in flight")
-                .made_of(format!("{slots} slots x {path_bytes} bytes")),
+            BufferSpec::working("paths", slots * plane_bytes, "the state of the paths in flight")
+                .made_of(format!("{slots} slots x {plane_bytes} bytes")),
+            BufferSpec::working("path_words", slots * word_bytes, "what of that state fills no vec4")
+                .made_of(format!("{slots} slots x {word_bytes} bytes")),
             array("texels", bytes(&flat.texels), element_bytes(&flat.texels), "images"),
             array(
                 "sky",
@@ -431,6 +372,8 @@ fn choices(features: &Features, materials: &[Entry], bounces: Bounces, tables: &
     let only_if = |wanted: bool, name: &str| if wanted { closed(std::iter::once((name, 0))) } else { Vec::new() };
     // The materials that answer to light from any direction.
     let responders = materials.iter().filter(|entry| ["lambertian", "metal"].contains(&entry.name.as_str()));
+    let places = places(&path_fields(features, fused));
+    let numbered = |all: &[(&'static str, u32)]| closed(all.iter().copied());
     Choices {
         modules: BTreeMap::from([
             ("axes", pick(features.turned.is_some(), "scene/camera_axes", "scene/world_axes")),
@@ -467,7 +410,9 @@ fn choices(features: &Features, materials: &[Entry], bounces: Bounces, tables: &
             ("several_backgrounds", only_if(!other_backgrounds.is_empty(), "several")),
             ("own_background", own_background),
             ("other_background", other_backgrounds),
-            ("path_field", field_places(&path_fields(features, fused))),
+            ("path_plane", numbered(&places.planes)),
+            ("path_word", numbered(&places.words)),
+            ("other_path_word", numbered(&places.others)),
             ("emitter", emitters),
             ("emitting_mesh", emitting_meshes),
             ("emitting_sky", only_if(features.emitting_sky.is_some(), "sky")),
@@ -496,16 +441,6 @@ fn choices(features: &Features, materials: &[Entry], bounces: Bounces, tables: &
             ])
             .collect(),
     }
-}
-
-/// Each field's name, and the number of its first word.
-fn field_places(fields: &[PathField]) -> Vec<Entry> {
-    let first_words = fields.iter().scan(0, |next, field| {
-        let first = *next;
-        *next += field.words;
-        Some((field.name, first))
-    });
-    closed(first_words)
 }
 
 /// The tables by name, and the names of the values that say how each is bound.

@@ -1,120 +1,127 @@
 //@ use bind/paths
+//@ each other_path_word
+//@ use bind/path_words
+//@ end
 //@ use bind/settings
 //@ use data/path
 //@ each light
 //@ use data/light
 //@ end
-// The state of the slots' paths in memory, of just the fields that this scene's kernels hand to each other (src/plan.rs lists them):
-// a field's words one behind the other, each word of all slots together, so that neighbouring slots read neighbouring words.
+// The state of the slots' paths in memory, of just the fields that this scene's kernels hand to each other (src/plan/state.rs lists
+// them): planes of a vec4 of words a slot, which are read and written as a whole, and beside them the words that fill no plane. Nothing is
+// padded: the words behind vectors without a companion of their own belong to other fields.
 
-//@ each path_field
-const ${name}: u32 = ${number}u;
+//@ each path_plane
+const PLANE_OF_${name}: u32 = ${number}u;
 //@ end
 
-fn load_word(word: u32, slot: u32) -> u32 {
-    return paths[word * settings.slots + slot];
+fn place(plane: u32, slot: u32) -> u32 {
+    return plane * settings.slots + slot;
 }
 
-fn store_word(word: u32, slot: u32, value: u32) {
-    paths[word * settings.slots + slot] = value;
+fn vector_of(words: vec4<u32>) -> vec3<f32> {
+    return bitcast<vec3<f32>>(words.xyz);
 }
 
-fn load_vector(word: u32, slot: u32) -> vec3<f32> {
-    return bitcast<vec3<f32>>(
-        vec3<u32>(load_word(word, slot), load_word(word + 1u, slot), load_word(word + 2u, slot)));
+fn store_plane(plane: u32, slot: u32, vector: vec3<f32>, last: u32) {
+    paths[place(plane, slot)] = vec4<u32>(bitcast<vec3<u32>>(vector), last);
 }
 
-fn store_vector(word: u32, slot: u32, vector: vec3<f32>) {
+// A vector alone: the word behind it is another field's.
+fn store_vector(plane: u32, slot: u32, vector: vec3<f32>) {
     let words = bitcast<vec3<u32>>(vector);
-    store_word(word, slot, words.x);
-    store_word(word + 1u, slot, words.y);
-    store_word(word + 2u, slot, words.z);
+    paths[place(plane, slot)].x = words.x;
+    paths[place(plane, slot)].y = words.y;
+    paths[place(plane, slot)].z = words.z;
 }
 
+//@ each path_word
+fn load_${name}(slot: u32) -> u32 {
+    return paths[place(${number}u / 4u, slot)][${number}u % 4u];
+}
+
+fn store_${name}(slot: u32, value: u32) {
+    paths[place(${number}u / 4u, slot)][${number}u % 4u] = value;
+}
+
+//@ end
+//@ each other_path_word
+fn load_${name}(slot: u32) -> u32 {
+    return path_words[place(${number}u, slot)];
+}
+
+fn store_${name}(slot: u32, value: u32) {
+    path_words[place(${number}u, slot)] = value;
+}
+
+//@ end
 fn load_status(slot: u32) -> u32 {
-    return load_word(WORD_OF_STATUS, slot);
+    return paths[place(PLANE_OF_DIRECTION, slot)].w;
 }
 
 fn store_status(slot: u32, status: u32) {
-    store_word(WORD_OF_STATUS, slot, status);
+    paths[place(PLANE_OF_DIRECTION, slot)].w = status;
 }
 
 fn load_ray(slot: u32, path: ptr<function, Path>) {
-    (*path).ray = Ray(load_vector(WORD_OF_ORIGIN, slot), load_vector(WORD_OF_DIRECTION, slot));
-    (*path).status = load_status(slot);
+    let direction = paths[place(PLANE_OF_DIRECTION, slot)];
+    (*path).ray = Ray(vector_of(paths[place(PLANE_OF_ORIGIN, slot)]), vector_of(direction));
+    (*path).status = direction.w;
 }
 
 fn store_ray(slot: u32, path: ptr<function, Path>) {
-    store_vector(WORD_OF_ORIGIN, slot, (*path).ray.origin);
-    store_vector(WORD_OF_DIRECTION, slot, (*path).ray.direction);
-    store_word(WORD_OF_STATUS, slot, (*path).status);
+    store_vector(PLANE_OF_ORIGIN, slot, (*path).ray.origin);
+    store_plane(PLANE_OF_DIRECTION, slot, (*path).ray.direction, (*path).status);
 }
 
 fn load_throughput(slot: u32, path: ptr<function, Path>) {
-    (*path).throughput = load_vector(WORD_OF_THROUGHPUT, slot);
-    (*path).events = load_word(WORD_OF_EVENTS, slot);
+    let words = paths[place(PLANE_OF_THROUGHPUT, slot)];
+    (*path).throughput = vector_of(words);
+    (*path).events = words.w;
 }
 
 fn store_throughput(slot: u32, path: ptr<function, Path>) {
-    store_vector(WORD_OF_THROUGHPUT, slot, (*path).throughput);
-    store_word(WORD_OF_EVENTS, slot, (*path).events);
+    store_plane(PLANE_OF_THROUGHPUT, slot, (*path).throughput, (*path).events);
 }
 
-fn load_sample(slot: u32, path: ptr<function, Path>) {
-    (*path).pixel = load_word(WORD_OF_PIXEL, slot);
-    (*path).sample = load_word(WORD_OF_SAMPLE, slot);
-}
-
-fn store_sample(slot: u32, path: ptr<function, Path>) {
-    store_word(WORD_OF_PIXEL, slot, (*path).pixel);
-    store_word(WORD_OF_SAMPLE, slot, (*path).sample);
+fn load_sample_of_path(slot: u32, path: ptr<function, Path>) {
+    (*path).pixel = load_pixel(slot);
+    (*path).sample = load_sample(slot);
 }
 
 fn load_run(slot: u32, path: ptr<function, Path>) {
-    (*path).counts = load_word(WORD_OF_COUNTS, slot);
-    (*path).sum = load_vector(WORD_OF_SUM, slot);
-    load_rays(slot, path);
+    let words = paths[place(PLANE_OF_SUM, slot)];
+    (*path).sum = vector_of(words);
+    (*path).rays = words.w;
+    (*path).counts = load_counts(slot);
 }
 
-fn store_run(slot: u32, path: ptr<function, Path>) {
-    store_word(WORD_OF_COUNTS, slot, (*path).counts);
-    store_vector(WORD_OF_SUM, slot, (*path).sum);
-    store_rays(slot, path);
+fn load_rays(slot: u32) -> u32 {
+    return paths[place(PLANE_OF_SUM, slot)].w;
 }
 
-fn load_rays(slot: u32, path: ptr<function, Path>) {
-    (*path).rays = load_word(WORD_OF_RAYS, slot);
-}
-
-fn store_rays(slot: u32, path: ptr<function, Path>) {
-    store_word(WORD_OF_RAYS, slot, (*path).rays);
+fn store_rays(slot: u32, rays: u32) {
+    paths[place(PLANE_OF_SUM, slot)].w = rays;
 }
 
 fn load_radiance(slot: u32, path: ptr<function, Path>) {
-    (*path).radiance = load_vector(WORD_OF_RADIANCE, slot);
+    let words = paths[place(PLANE_OF_RADIANCE, slot)];
+    (*path).radiance = vector_of(words);
+    (*path).pdf = bitcast<f32>(words.w);
 }
 
 fn store_radiance(slot: u32, path: ptr<function, Path>) {
-    store_vector(WORD_OF_RADIANCE, slot, (*path).radiance);
-}
-
-fn load_pdf(slot: u32, path: ptr<function, Path>) {
-    (*path).pdf = bitcast<f32>(load_word(WORD_OF_PDF, slot));
-}
-
-fn store_pdf(slot: u32, path: ptr<function, Path>) {
-    store_word(WORD_OF_PDF, slot, bitcast<u32>((*path).pdf));
+    store_plane(PLANE_OF_RADIANCE, slot, (*path).radiance, bitcast<u32>((*path).pdf));
 }
 
 // Between bounces: all that a path is when it has a new ray.
 fn load_path(slot: u32, path: ptr<function, Path>) {
     load_ray(slot, path);
     load_throughput(slot, path);
-    load_sample(slot, path);
+    load_sample_of_path(slot, path);
     load_run(slot, path);
     //@ each light
     load_radiance(slot, path);
-    load_pdf(slot, path);
     (*path).light = NO_LIGHT;
     //@ end
 }
@@ -122,10 +129,11 @@ fn load_path(slot: u32, path: ptr<function, Path>) {
 fn store_path(slot: u32, path: ptr<function, Path>) {
     store_ray(slot, path);
     store_throughput(slot, path);
-    store_sample(slot, path);
-    store_run(slot, path);
+    store_pixel(slot, (*path).pixel);
+    store_sample(slot, (*path).sample);
+    store_plane(PLANE_OF_SUM, slot, (*path).sum, (*path).rays);
+    store_counts(slot, (*path).counts);
     //@ each light
     store_radiance(slot, path);
-    store_pdf(slot, path);
     //@ end
 }

@@ -21,14 +21,14 @@ fn scatter(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     load_throughput(slot, &path);
-    load_sample(slot, &path);
+    load_sample_of_path(slot, &path);
     //@ each light
-    load_pdf(slot, &path);
+    load_radiance(slot, &path);
     path.light = NO_LIGHT;
     //@ end
     scatter_path(&path);
     //@ each light
-    store_pdf(slot, &path);
+    store_radiance(slot, &path);
     if path.light != NO_LIGHT {
         store_shadow(slot, &path);
     }

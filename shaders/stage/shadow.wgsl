@@ -13,10 +13,10 @@ fn shadow(@builtin(global_invocation_id) id: vec3<u32>) {
     path.status = load_status(slot);
     load_shadow(slot, &path);
     load_radiance(slot, &path);
-    load_rays(slot, &path);
+    path.rays = load_rays(slot);
     trace_shadow(&path);
     store_radiance(slot, &path);
-    store_rays(slot, &path);
+    store_rays(slot, path.rays);
     store_no_light(slot);
     if path.status == PATH_CUT {
         store_status(slot, PATH_CUT);

@@ -267,9 +267,10 @@ fn modules(kernel: &Kernel, features: &Features) -> Vec<Module> {
 
 /// The fields of the paths' state that a kernel loads or stores.
 fn path_fields(kernel: &Kernel, plan: &Plan) -> Vec<PathField> {
-    let names: BTreeSet<&str> =
-        kernel.module.constants.iter().filter_map(|(_, constant)| constant.name.as_deref()).collect();
-    plan.path_fields.iter().filter(|field| names.contains(field.name)).cloned().collect()
+    let constants = kernel.module.constants.iter().filter_map(|(_, constant)| constant.name.as_deref());
+    let functions = kernel.module.functions.iter().filter_map(|(_, function)| function.name.as_deref());
+    let names: BTreeSet<&str> = constants.chain(functions).collect();
+    plan.path_fields.iter().filter(|field| field.is_used(|name| names.contains(name))).cloned().collect()
 }
 
 fn asked_for_module<'a>(features: &'a Features, module: &str) -> Option<&'a str> {

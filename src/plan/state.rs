@@ -1,0 +1,121 @@
+//! What slots keep of their paths from one dispatch to the next: just the fields that the kernels of a scene hand to each other, and where
+//! they lie.
+
+use super::{A_KERNEL_A_STAGE, EVERY_RENDER};
+use crate::data;
+use crate::flatten::Features;
+
+/// A field of the paths' state: words of 32 bits.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PathField {
+    /// As `shaders/slots` spells it.
+    pub name: &'static str,
+    pub words: u32,
+    /// The vector that it stands behind, where the two are read and written as one.
+    pub behind: Option<&'static str>,
+    pub what: &'static str,
+    /// What asked for it.
+    pub why: String,
+}
+
+impl PathField {
+    /// "shadow origin" of shadow_origin.
+    pub fn label(&self) -> String {
+        self.name.to_lowercase().replace('_', " ")
+    }
+
+    pub fn bytes(&self) -> u64 {
+        u64::from(self.words) * 4
+    }
+
+    /// Whether a kernel that has declarations of these names reads or writes it.
+    pub fn is_used(&self, has: impl Fn(&str) -> bool) -> bool {
+        match (self.words, self.behind) {
+            (1, None) => has(&format!("load_{}", self.name)) || has(&format!("store_{}", self.name)),
+            _ => has(&format!("PLANE_OF_{}", self.behind.unwrap_or(self.name))),
+        }
+    }
+}
+
+/// The most bytes that they are, of any scene.
+pub const MOST_PATH_BYTES: u64 = 140;
+
+/// The fields that kernels hand to each other. The fused kernel keeps to itself what lies between a ray and its scattering.
+pub fn path_fields(features: &Features, fused: bool) -> Vec<PathField> {
+    let always = Some(EVERY_RENDER);
+    let lights = (features.lights > 0).then(|| features.asked_for("step/light").unwrap_or(EVERY_RENDER));
+    let triangle = data::KIND_TRIANGLE as usize;
+    let [meshes, mesh_lights] = [&features.primitives, &features.emitters].map(|used| used[triangle].as_deref());
+    // What only stages that are kernels of their own hand on: for all scenes, or beside that for what some of them ask.
+    let staged = |why: Option<&str>| why.filter(|_| !fused).map(|why| format!("{A_KERNEL_A_STAGE}, and {why}"));
+    let (staged_lights, staged_meshes, staged_mesh_lights) = (staged(lights), staged(meshes), staged(mesh_lights));
+    let [staged_lights, staged_meshes, staged_mesh_lights] =
+        [&staged_lights, &staged_meshes, &staged_mesh_lights].map(|why| why.as_deref());
+    let own_kernels = (!fused).then_some(A_KERNEL_A_STAGE);
+    let field = |why: Option<&str>, name, words, behind, what| {
+        Some(PathField { name, words, behind, what, why: why?.to_string() })
+    };
+    let vector = |why, name, what| field(why, name, 3, None, what);
+    let behind = |why, vector, name, what| field(why, name, 1, Some(vector), what);
+    let word = |why, name, what| field(why, name, 1, None, what);
+    let all = [
+        vector(always, "ORIGIN", "where the ray starts"),
+        vector(always, "DIRECTION", "its direction"),
+        behind(always, "DIRECTION", "status", "what the path is doing, or what its ray has met"),
+        vector(always, "THROUGHPUT", "the share of the light met next that reaches the camera"),
+        behind(always, "THROUGHPUT", "events", "scattering events so far"),
+        vector(always, "SUM", "radiance of the run's samples"),
+        behind(always, "SUM", "rays", "their rays"),
+        vector(lights, "RADIANCE", "radiance of the sample so far, by lights that were sampled"),
+        behind(lights, "RADIANCE", "pdf", "density of the last scattering's direction"),
+        vector(staged_lights, "SHADOW_ORIGIN", "where the ray to a light starts"),
+        behind(staged_lights, "SHADOW_ORIGIN", "light", "the light"),
+        vector(staged_lights, "SHADOW_DIRECTION", "the direction of that ray"),
+        vector(staged_lights, "LIGHT_WEIGHT", "what the light brings per radiance, if nothing is in its way"),
+        word(own_kernels, "t", "distance to what the ray has met"),
+        word(always, "counts", "samples of the run, accepted and rejected"),
+        word(always, "pixel", "the pixel"),
+        word(always, "sample", "the sample of the pixel"),
+        word(staged_meshes, "instance", "the mesh that the ray has met a part of"),
+        word(staged_mesh_lights, "light_instance", "the mesh that the light is part of"),
+    ];
+    all.into_iter().flatten().collect()
+}
+
+/// Where the fields lie: names and numbers.
+#[derive(Clone, Debug, Default)]
+pub struct Places {
+    /// Vectors, by plane.
+    pub planes: Vec<(&'static str, u32)>,
+    /// Words in planes: four times the plane, and the component.
+    pub words: Vec<(&'static str, u32)>,
+    /// Words beside the planes.
+    pub others: Vec<(&'static str, u32)>,
+}
+
+/// Vectors have a plane each. Words without a vector of their own stand behind those that have none, then four to a plane; what is left
+/// fills no plane.
+pub fn places(fields: &[PathField]) -> Places {
+    let vectors: Vec<&PathField> = fields.iter().filter(|field| field.words > 1).collect();
+    let alone = |vector: &&PathField| !fields.iter().any(|field| field.behind == Some(vector.name));
+    let free: Vec<u32> =
+        (0..).zip(&vectors).filter(|(_, vector)| alone(vector)).map(|(plane, _)| plane * 4 + 3).collect();
+    let mut loose = fields.iter().filter(|field| field.words == 1 && field.behind.is_none()).map(|field| field.name);
+    let mut words: Vec<_> = free.into_iter().zip(loose.by_ref()).map(|(place, name)| (name, place)).collect();
+    let rest: Vec<&'static str> = loose.collect();
+    let (full, others) = rest.split_at(rest.len() / 4 * 4);
+    words.extend(full.iter().copied().zip(vectors.len() as u32 * 4..));
+    Places {
+        planes: vectors.iter().map(|vector| vector.name).zip(0..).collect(),
+        words,
+        others: others.iter().copied().zip(0..).collect(),
+    }
+}
+
+impl Places {
+    /// Bytes of a slot's planes.
+    pub fn plane_bytes(&self, fields: &[PathField]) -> u64 {
+        let all: u64 = fields.iter().map(PathField::bytes).sum();
+        all - 4 * self.others.len() as u64
+    }
+}
