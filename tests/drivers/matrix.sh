@@ -11,8 +11,11 @@ known=${KNOWN_FAILURES:-tests/drivers/known.txt}
 # What runs where. SwiftShader takes eight times as long: what asks the most of its arithmetic.
 tests_on() {
     case $1 in
-        swiftshader) echo cli closed_form extremes functions instances probe same_bytes walk ;;
-        *) echo bad_input cli closed_form estimators extremes film functions instances probe references same_bytes sobol walk ;;
+        swiftshader) echo cli closed_form extremes functions instances probe recipe same_bytes walk ;;
+        *)
+            echo bad_input cli closed_form estimators extremes features film functions instances knobs probe recipe references same_bytes \
+                sobol walk
+            ;;
     esac
 }
 
