@@ -5,7 +5,7 @@ set -euo pipefail
 cd "$(dirname "$0")/../.."
 
 drivers=(mesa-22.3.6 mesa-25.0.7 swiftshader)
-kept=target/drivers
+kept=$PWD/target/drivers
 known=${KNOWN_FAILURES:-tests/drivers/known.txt}
 
 # What runs where. SwiftShader takes eight times as long: what asks the most of its arithmetic.
@@ -26,7 +26,7 @@ fail() {
 
 # apt-get with lists of its own: Debian's as this machine has them, and the backports of the same mirror.
 apt_here() {
-    local state=$PWD/$kept/apt
+    local state=$kept/apt
     if [ ! -e "$state/sources.list" ]; then
         command -v apt-get >/dev/null || fail "there is no apt-get here: the packages of drivers are Debian's"
         local mirror
@@ -46,11 +46,10 @@ unpack() {
     [ ! -e "$into/done" ] || return 0
     rm -rf "$into"
     mkdir -p "$into"
-    local packages=$PWD/$into
-    apt_here update
+        apt_here update
     (cd "$into" && apt_here download "$@")
     local package
-    for package in "$packages"/*.deb; do
+    for package in "$into"/*.deb; do
         dpkg -x "$package" "$into"
         rm "$package"
     done
@@ -59,7 +58,7 @@ unpack() {
 
 # Fetches a driver and says by which manifest the Vulkan loader finds it.
 manifest_of() {
-    local into=$PWD/$kept/$1 library manifest missing
+    local into=$kept/$1 library manifest missing
     case $1 in
         mesa-22.3.6) unpack "$1" mesa-vulkan-drivers/bookworm libdrm2/bookworm libllvm15/bookworm ;;
         mesa-25.0.7) unpack "$1" mesa-vulkan-drivers/bookworm-backports libdrm2/bookworm-backports libllvm15/bookworm ;;
