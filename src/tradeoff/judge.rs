@@ -3,6 +3,7 @@
 use super::model::{DOUBT, Model, Standing, falling, standings};
 use super::replicates::{Estimate, Pixels, noise, signed_bias, squared_bias};
 use super::sweep::{Block, LEVEL, Setting, Subject, Sweep};
+use super::truth::{Distance, Truth};
 use crate::knobs::Class;
 
 /// relMSE to reach.
@@ -23,12 +24,14 @@ pub struct Measured {
     pub seconds: f64,
     pub seconds_spread: f64,
     pub model: Model,
-    /// The mean's bias against the defaults, relative; with sign.
+    /// The mean's bias, relative; with sign. Against the defaults, or against the reference where these differ from it.
     pub signed: Estimate,
     /// relMSE of the bias, pixel by pixel.
     pub squared: Estimate,
     /// Whether either is more than noise, all settings and both tests taken into account.
     pub biased: bool,
+    /// Whether biases are against the reference.
+    pub against_reference: bool,
     /// Whether few pixels make most of its noise, so that estimates of it are too low.
     pub reliable: bool,
     /// Seconds to the targets.
@@ -61,6 +64,7 @@ impl Measured {
         };
         let mut words = vec![standing];
         match (self.biased, self.setting.class()) {
+            (true, Class::Noise | Class::Exact) if self.against_reference => words.push("differs from the reference"),
             (true, Class::Noise | Class::Exact) => words.push("biased, and declared not to be: a defect"),
             (true, _) => words.push("biased"),
             (false, _) => {}
@@ -88,48 +92,55 @@ fn quantile(values: &[f64], share: f64) -> f64 {
     }
 }
 
-/// The mean of all images of unbiased settings, weighed by their samples, without those of one subject: no image is judged by itself.
-pub fn pooled(sweep: &Sweep<'_>, without: Option<usize>) -> Option<Pixels> {
-    let unbiased = |subject: &Subject<'_>| matches!(subject.setting.class(), Class::Exact | Class::Noise);
-    let mut sum = vec![[0.0f64; 3]; sweep.size.0 as usize * sweep.size.1 as usize];
-    let mut weight = 0.0;
-    for (i, subject) in sweep.subjects.iter().enumerate() {
-        if Some(i) == without || !unbiased(subject) {
-            continue;
-        }
-        for (samples, blocks) in &subject.blocks {
-            for block in blocks {
-                let n = f64::from(*samples);
-                weight += n;
-                for (sum, pixel) in sum.iter_mut().zip(&block.image) {
-                    (0..3).for_each(|c| sum[c] += n * f64::from(pixel[c]));
-                }
-            }
-        }
-    }
-    (weight > 0.0).then(|| sum.iter().map(|pixel| pixel.map(|v| (v / weight) as f32)).collect())
+/// What a sweep came to.
+#[derive(Clone, Debug, Default)]
+pub struct Judged {
+    /// The settings that have three rounds; the defaults first.
+    pub measured: Vec<Measured>,
+    /// How far the defaults are from a reference that was given and tells its noise, and whether that is more than the noise of both.
+    pub against_reference: Option<(Distance, bool)>,
+    /// The image that errors are relative to.
+    pub weights: Pixels,
 }
 
-/// Judges every subject that has three rounds; the others are noted as not measured. The defaults come first. `whole` is what seconds and
-/// noise are at the size that the scene asks for, over those at the sweep's.
-pub fn judge(sweep: &mut Sweep<'_>, reference: &Pixels, whole: (f64, f64)) -> Vec<Measured> {
-    let mut found: Vec<Measured> = Vec::new();
+/// Judges every subject that has three rounds; the others are noted as not measured, for that reason. `whole` is what seconds and noise are
+/// at the size that the scene asks for, over those at the sweep's.
+///
+/// Biases are against the defaults, which share their random numbers, so that most of the noise cancels. Where the defaults are not what a
+/// reference shows, they are no measure, and biases are against the reference.
+pub fn judge(sweep: &mut Sweep<'_>, reference: Option<&Truth>, whole: (f64, f64), unreached: &str) -> Judged {
+    let Some(weights) = weights(sweep, reference) else {
+        let all: Vec<Setting> = sweep.subjects.iter().map(|subject| subject.setting.clone()).collect();
+        all.into_iter().for_each(|setting| sweep.leave_out(setting, unreached));
+        return Judged::default();
+    };
+    let mut found: Vec<(usize, Measured)> = Vec::new();
     let mut missing = Vec::new();
-    for subject in &sweep.subjects {
-        match measured(subject, &sweep.subjects[0], reference, whole) {
-            Some(measured) => found.push(measured),
+    for (i, subject) in sweep.subjects.iter().enumerate() {
+        match measured(subject, &sweep.subjects[0], &weights, whole) {
+            Some(measured) => found.push((i, measured)),
             None => missing.push(subject.setting.clone()),
         }
     }
     for setting in missing {
-        sweep.leave_out(setting, "the budget did not reach it");
+        sweep.leave_out(setting, unreached);
     }
-    // Each of two tests of each setting beside the defaults (Šidák, JASA 62(318), 1967).
-    let tests = 2.0 * found.len().saturating_sub(1).max(1) as f64;
-    let level = 1.0 - (1.0 - FALSE_ALARMS).powf(1.0 / tests);
-    for measured in &mut found {
-        measured.biased =
-            measured.signed.p() < level || (measured.squared.value > 0.0 && measured.squared.p() / 2.0 < level);
+    let distance = |subject: usize| reference?.distance(&images(&sweep.subjects[subject]), &weights);
+    let of_defaults = distance(0);
+    // Two tests of each setting beside the defaults, and of these against the reference (Šidák, JASA 62(318), 1967).
+    let tests = 2 * (found.len().saturating_sub(1) + usize::from(of_defaults.is_some()));
+    let level = 1.0 - (1.0 - FALSE_ALARMS).powf(1.0 / tests.max(1) as f64);
+    let shows = |signed: &Estimate, squared: &Estimate| {
+        signed.p() < level || (squared.value > 0.0 && squared.p() / 2.0 < level)
+    };
+    let against_reference = of_defaults.map(|found| (found, shows(&found.signed, &found.squared)));
+    let differs = against_reference.is_some_and(|(_, differs)| differs);
+    for (subject, measured) in &mut found {
+        if let Some(distance) = differs.then(|| distance(*subject)).flatten() {
+            (measured.signed, measured.squared) = (distance.signed, distance.squared);
+            measured.against_reference = true;
+        }
+        measured.biased = shows(&measured.signed, &measured.squared);
         // What is declared unbiased and not found otherwise has none.
         let unbiased = matches!(measured.setting.class(), Class::Exact | Class::Noise) && !measured.biased;
         if !unbiased {
@@ -138,17 +149,33 @@ pub fn judge(sweep: &mut Sweep<'_>, reference: &Pixels, whole: (f64, f64)) -> Ve
         }
         measured.times = TARGETS.map(|target| measured.model.seconds_to(target));
     }
+    let mut found: Vec<Measured> = found.into_iter().map(|(_, measured)| measured).collect();
     let times: Vec<Vec<Option<f64>>> = found.iter().map(|measured| measured.times.to_vec()).collect();
     for (measured, standing) in found.iter_mut().zip(standings(&times)) {
         measured.standing = standing;
     }
-    found
+    Judged { measured: found, against_reference, weights }
+}
+
+/// The image that errors are relative to: the less noisy of the reference and the pooled samples. Where noise makes a pixel dark, its errors
+/// would look larger than they are.
+fn weights(sweep: &Sweep<'_>, reference: Option<&Truth>) -> Option<Pixels> {
+    let pooled = Truth::pooled(sweep, None)?;
+    let Some(reference) = reference else { return Some(pooled.image) };
+    let errors = reference.error(&pooled.image).zip(pooled.error(&pooled.image));
+    let noisier = errors.is_some_and(|(reference, pooled)| reference > pooled);
+    Some(if noisier { pooled.image } else { reference.image.clone() })
+}
+
+/// The images that biases are measured with.
+fn images(subject: &Subject<'_>) -> Vec<Pixels> {
+    subject.blocks.get(&LEVEL).map_or(Vec::new(), |blocks| blocks.iter().map(|block| block.image.clone()).collect())
 }
 
 fn measured(
     subject: &Subject<'_>,
     defaults: &Subject<'_>,
-    reference: &Pixels,
+    weights: &Pixels,
     (slower, noisier): (f64, f64),
 ) -> Option<Measured> {
     let images = |blocks: &[Block]| blocks.iter().map(|block| block.image.clone()).collect::<Vec<_>>();
@@ -159,7 +186,7 @@ fn measured(
     let levels: Vec<(u32, Estimate)> = subject
         .blocks
         .iter()
-        .filter_map(|(samples, blocks)| Some((*samples, noise(&images(blocks), reference)?)))
+        .filter_map(|(samples, blocks)| Some((*samples, noise(&images(blocks), weights)?)))
         .collect();
     let (c, exponent) = falling(&levels).or_else(|| {
         // No noise at all: a scene of one colour.
@@ -177,9 +204,10 @@ fn measured(
         seconds,
         seconds_spread: slower * 0.5 * (quantile(&pace, 0.75) - quantile(&pace, 0.25)),
         model: Model { squared_bias: 0.0, squared_bias_upper: 0.0, noise: noisier * c, exponent, seconds },
-        signed: signed_bias(&own_images, &base_images, reference)?,
-        squared: squared_bias(&own_images, &base_images, reference)?,
+        signed: signed_bias(&own_images, &base_images, weights)?,
+        squared: squared_bias(&own_images, &base_images, weights)?,
         biased: false,
+        against_reference: false,
         reliable: own.iter().all(|block| block.reliable != Some(false)),
         times: [None; TARGETS.len()],
         standing: Standing::NeverReaches,

@@ -7,22 +7,9 @@ use base64::engine::general_purpose::STANDARD;
 
 use super::judge::{Measured, TARGETS};
 use super::model::Standing;
-use super::report::{Report, bias_text, class_name, target_name, time_text};
+use super::report::{Report, bias_text, class_name, efficiency_text, target_name, time_text};
 use crate::error::Result;
 use crate::output::plot::{Curve, Plot, svg};
-
-/// A picture of a setting after the time that all pictures had.
-#[derive(Clone, Debug)]
-pub struct Shown {
-    pub setting: String,
-    pub samples: u32,
-    pub seconds: f64,
-    pub relmse: f64,
-    pub flip: f64,
-    /// PNG files.
-    pub picture: Vec<u8>,
-    pub flip_map: Vec<u8>,
-}
 
 const STYLE: &str = "
 :root { color-scheme: light dark; --ink: #1b1b1f; --paper: #ffffff; --line: #d6d6dc; --soft: #66666e; --front: #e7f4ea; }
@@ -47,11 +34,8 @@ fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
-/// The whole page.
-///
-/// # Errors
-/// Where the plot cannot be drawn.
-pub fn html(report: &Report, shown: &[Shown]) -> Result<String> {
+/// The whole page, with the plot where there is one.
+pub fn html(report: &Report, plot: Option<&str>) -> String {
     let mut page = String::new();
     let scene = escaped(&report.scene);
     let _ = write!(
@@ -66,13 +50,16 @@ pub fn html(report: &Report, shown: &[Shown]) -> Result<String> {
     for words in report.basis() {
         let _ = writeln!(page, "<li class=\"note\">{}</li>", escaped(&words));
     }
-    let _ = write!(page, "</ul>\n<h2>Error against time</h2>\n<figure>\n{}</figure>\n", plot(report)?);
-    page += "<p class=\"note\">bias² + c N^-p, by the measured bias and the noise measured at 4, 16 and 64 samples. A line that ends level is a bias that no \
+    page += "</ul>\n";
+    if let Some(plot) = plot {
+        let _ = write!(page, "<h2>Error against time</h2>\n<figure>\n{plot}</figure>\n");
+        page += "<p class=\"note\">bias² + c N^-p, by the measured bias and the noise measured at 4, 16 and 64 samples. A line that ends level is a bias that no \
              time removes. Of what is dominated only the biased settings are drawn.</p>\n";
+    }
     page += &table(report);
-    if !shown.is_empty() {
+    if !report.shown.is_empty() {
         page += "<h2>The same time for each</h2>\n<div class=\"pictures\">\n";
-        for picture in shown {
+        for picture in &report.shown {
             let data = |bytes: &[u8]| format!("data:image/png;base64,{}", STANDARD.encode(bytes));
             let name = escaped(&picture.setting);
             let _ = writeln!(
@@ -106,11 +93,14 @@ pub fn html(report: &Report, shown: &[Shown]) -> Result<String> {
         }
     }
     page += "</ul>\n</body>\n</html>\n";
-    Ok(page)
+    page
 }
 
-/// Error against seconds of what is on the front, and of what is not biased or biased most.
-fn plot(report: &Report) -> Result<String> {
+/// Error against seconds of what is on the front, and of what is biased; nothing where nothing has an error.
+///
+/// # Errors
+/// Where the plot cannot be drawn.
+pub fn plot(report: &Report) -> Result<Option<String>> {
     let mut curves: Vec<Curve> = Vec::new();
     let mut sorted = report.sorted();
     // The defaults in front; the others keep their order.
@@ -127,7 +117,11 @@ fn plot(report: &Report) -> Result<String> {
         let name = format!("{} (p {slope:.2})", measured.setting.name());
         curves.push(Curve { name, points: points.collect() });
     }
-    svg(&Plot { title: "", x: "seconds", y: "relMSE", curves })
+    curves.retain(|curve: &Curve| curve.points.iter().any(|point| point.1 > 0.0));
+    if curves.is_empty() {
+        return Ok(None);
+    }
+    svg(&Plot { title: "", x: "seconds", y: "relMSE", curves }).map(Some)
 }
 
 fn table(report: &Report) -> String {
@@ -158,7 +152,7 @@ fn table(report: &Report) -> String {
         for time in measured.times {
             let _ = write!(text, "<td>{}", time_text(time));
         }
-        let _ = writeln!(text, "<td>{:.2}", measured.efficiency() / base);
+        let _ = writeln!(text, "<td>{}", efficiency_text(measured, base));
     }
     for left in &report.unmeasured {
         let _ = writeln!(

@@ -3,7 +3,9 @@
 use serde_json::{Value, json};
 
 use super::judge::{Measured, TARGETS, recommended, soonest};
+use super::replicates::Estimate;
 use super::sweep::{LEVEL, Unmeasured};
+use super::truth::Distance;
 use crate::knobs::Class;
 
 /// All that the report is made of.
@@ -24,14 +26,31 @@ pub struct Report {
     pub seconds: f64,
     /// The file, or none where the unbiased settings' own images are pooled.
     pub reference: Option<String>,
-    /// relMSE that the reference has by its own noise, where that is known.
-    pub error_of_reference: Option<f64>,
-    /// Relative difference of the defaults' mean from a reference that was given, and half its 95 % interval.
-    pub against_reference: Option<(f64, f64)>,
+    /// relMSE that the reference, or what is pooled, has by its own noise, where that is known.
+    pub error_of_truth: Option<f64>,
+    /// Relative difference of the defaults' mean from a reference that was given. Where that does not tell its noise, of theirs alone.
+    pub against_reference: Option<Estimate>,
+    /// Where it does: how far the defaults are from it, and whether that is more than noise.
+    pub distance: Option<(Distance, bool)>,
     pub interrupted: bool,
     /// The defaults first.
     pub measured: Vec<Measured>,
     pub unmeasured: Vec<Unmeasured>,
+    pub shown: Vec<Shown>,
+}
+
+/// A picture of a setting after the time that all pictures had.
+#[derive(Clone, Debug)]
+pub struct Shown {
+    pub setting: String,
+    pub samples: u32,
+    pub seconds: f64,
+    /// Less that of what it is compared with.
+    pub relmse: f64,
+    pub flip: f64,
+    /// PNG files.
+    pub picture: Vec<u8>,
+    pub flip_map: Vec<u8>,
 }
 
 /// A class as the tables call it.
@@ -49,7 +68,7 @@ pub fn target_name(target: f64) -> String {
     format!("{target:e}")
 }
 
-/// Seconds with three digits, or a dash where the target is not reached.
+/// Seconds with two or three digits, or never.
 pub fn time_text(seconds: Option<f64>) -> String {
     match seconds {
         None => "never".to_string(),
@@ -57,6 +76,12 @@ pub fn time_text(seconds: Option<f64>) -> String {
         Some(s) if s >= 1.0 => format!("{s:.1} s"),
         Some(s) => format!("{:.0} ms", 1e3 * s),
     }
+}
+
+/// Efficiency over that of the defaults, or a dash where nothing is noisy.
+pub fn efficiency_text(measured: &Measured, defaults: f64) -> String {
+    let ratio = measured.efficiency() / defaults;
+    if ratio.is_finite() { format!("{ratio:.2}") } else { "-".to_string() }
 }
 
 /// The signed bias in percent with its interval.
@@ -89,6 +114,9 @@ impl Report {
         let sentence = |(target, best): (f64, Option<&Measured>)| {
             let target = target_name(target);
             let Some(best) = best else {
+                if self.measured.is_empty() {
+                    return format!("relMSE {target}: nothing was measured");
+                }
                 return format!("relMSE {target}: no reliable setting reaches it");
             };
             let index = TARGETS.iter().position(|t| target_name(*t) == target).unwrap_or_default();
@@ -130,21 +158,52 @@ impl Report {
                 "{w}x{h} was not reached by the budget: all seconds are those of the smaller size, and about in proportion to the pixels"
             )),
         }
-        lines.push(match (&self.reference, self.error_of_reference) {
-            (Some(file), Some(own)) => format!("the reference is {file}; its own noise is a relMSE of {own:.1e}"),
-            (Some(file), None) => format!("the reference is {file}; its own noise is not known"),
-            (None, _) => "biases are against the defaults, with the same random numbers; pictures are compared with the pooled samples \
-                          of all unbiased settings but the one judged"
-                .to_string(),
-        });
-        if let Some((off, half)) = self.against_reference {
-            let (off, half) = (100.0 * off, 100.0 * half);
-            lines.push(format!("the defaults' mean is {off:+.2} ± {half:.2} % off the reference's"));
-        }
+        lines.extend(self.measured_against());
         if self.interrupted {
             lines.push("interrupted: what was measured until then".to_string());
         }
         lines
+    }
+
+    /// What biases and the errors of pictures are against.
+    fn measured_against(&self) -> Vec<String> {
+        const TO_DEFAULTS: &str = "biases are against the defaults, with the same random numbers";
+        let own =
+            self.error_of_truth.map(|own| format!("its own noise, a relMSE of {own:.1e}, is subtracted from theirs"));
+        let Some(file) = &self.reference else {
+            let own = own.map_or(String::new(), |own| format!("; {own}"));
+            return vec![format!(
+                "{TO_DEFAULTS}; pictures are compared with the pooled samples of all unbiased settings but the one judged{own}"
+            )];
+        };
+        let mean = self.against_reference.map(|found| {
+            format!("the defaults' mean is {:+.2} ± {:.2} % off", 100.0 * found.value, 100.0 * found.half_width())
+        });
+        let mean = mean.map_or(String::new(), |words| format!("; {words}"));
+        let Some((distance, differs)) = &self.distance else {
+            return vec![
+                format!(
+                    "the reference is {file}, which does not tell its own noise: nothing is subtracted, and the pictures' errors include it"
+                ),
+                format!("{TO_DEFAULTS}, not the reference{mean} it, its noise left out of the interval"),
+            ];
+        };
+        let own = own.unwrap_or_default();
+        let squared = &distance.squared;
+        let far = format!(
+            "relMSE {:.1e}, at most {:.1e}, beyond the noise of both",
+            squared.value.max(0.0),
+            squared.upper().max(0.0)
+        );
+        vec![
+            format!("the reference is {file}; pictures are compared with it, and {own}"),
+            match differs {
+                false => format!("{TO_DEFAULTS}, which differ from the reference by noise only{mean}, with {far}"),
+                true => format!(
+                    "the defaults differ from the reference by more than noise{mean}, with {far}: all biases are against the reference"
+                ),
+            },
+        ]
     }
 
     /// The table for the terminal.
@@ -174,7 +233,7 @@ impl Report {
                 a,
                 b,
                 c,
-                format!("{:.2}", measured.efficiency() / base),
+                efficiency_text(measured, base),
             ]);
         }
         let widths: [usize; 10] =
@@ -264,6 +323,7 @@ impl Report {
                     "variance_1spp": model.noise,
                     "exponent": model.exponent,
                     "bias": measured.signed.value,
+                    "against": if measured.against_reference { "reference" } else { "defaults" },
                     "bias_interval": [measured.signed.value - half, measured.signed.value + half],
                     "squared_bias": measured.squared.value,
                     "squared_bias_upper": measured.squared.upper(),
@@ -312,11 +372,24 @@ impl Report {
             "budget": self.budget,
             "seconds": self.seconds,
             "reference": self.reference,
-            "relmse_of_reference": self.error_of_reference,
-            "defaults_against_reference": self.against_reference.map(|(off, half)| json!({"bias": off, "half_width": half})),
+            "relmse_of_reference": self.error_of_truth,
+            "defaults_against_reference": self.against_reference.map(|found| json!({
+                "bias": found.value,
+                "half_width": found.half_width(),
+                "squared_bias": self.distance.map(|(distance, _)| distance.squared.value),
+                "squared_bias_upper": self.distance.map(|(distance, _)| distance.squared.upper()),
+                "differs": self.distance.map(|(_, differs)| differs),
+            })),
             "interrupted": self.interrupted,
             "settings": settings,
             "recommendations": recommendations,
+            "equal_time": self.shown.iter().map(|shown| json!({
+                "setting": shown.setting,
+                "samples": shown.samples,
+                "seconds": shown.seconds,
+                "relmse": shown.relmse,
+                "flip": shown.flip,
+            })).collect::<Vec<_>>(),
         })
     }
 }
