@@ -10,7 +10,6 @@ use clap::Parser;
 use super::{open_device, path_text, print_json, print_line, stop_on_interrupt, tell, wish_of};
 use crate::cli::{Cli, Command, RenderArgs, Size, TradeoffArgs};
 use crate::error::{Error, Result};
-use crate::gpu::device::Device;
 use crate::knobs::{KNOBS, Knob, MAX_DEPTH, SIZE, SPP};
 use crate::metrics::flip::error_map;
 use crate::output::atomic;
@@ -18,29 +17,22 @@ use crate::output::exr::{ExrImage, read_exr};
 use crate::output::png;
 use crate::output::progress::Loading;
 use crate::scene::Scene;
-use crate::tradeoff::judge::{Judged, Measured, judge, median};
+use crate::tradeoff::extent::{FEWEST_PIXELS, affordable, calibrate, pixels_for, pixels_ratio, size_of};
+use crate::tradeoff::judge::{Judged, Measured, judge};
 use crate::tradeoff::page::{html, plot};
-use crate::tradeoff::replicates::{Estimate, Pixels, noise, signed_bias};
+use crate::tradeoff::replicates::{Estimate, Pixels, signed_bias};
 use crate::tradeoff::report::{Report, Shown};
-use crate::tradeoff::sweep::{
-    Block, FEWEST_ROUNDS, LEVEL, LEVELS, MOST_ROUNDS, SAMPLES_OF_ROUND, Setting, Subject, Sweep,
-};
+use crate::tradeoff::sweep::{FEWEST_ROUNDS, LEVEL, MOST_ROUNDS, Setting, Subject, Sweep};
 use crate::tradeoff::truth::Truth;
 
-/// The most pixels of the images that are measured: more tell the same about the settings.
-const MOST_PIXELS: f64 = 65_536.0;
-/// The fewest, below which an image is no picture of its scene.
-const FEWEST_PIXELS: f64 = 1_024.0;
-/// The rounds that the size is chosen for.
-const ROUNDS: f64 = 12.0;
 /// The shares of the budget after which the pilot ends, compiling at the size that is measured, measuring, and the calibration by the
 /// whole size. The rest is for pictures and the report.
 const PILOT: f64 = 0.3;
 const COMPILING: f64 = 0.5;
 const MEASURING: f64 = 0.8;
 const CALIBRATING: f64 = 0.9;
-/// Pixels of the pilot that finds what each setting costs.
-const PILOT_PIXELS: f64 = 4_096.0;
+/// Images that are larger than the pilot's by this at least are worth to compile everything once more.
+const WORTH_COMPILING: f64 = 2.0;
 
 /// Why a setting is not measured.
 const UNREACHED: &str = "the budget did not reach it";
@@ -68,15 +60,19 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     let mut progress = |words: &str| loading.show(words, share());
     // First small, which tells what each setting costs; then at the size that the rest of the budget is enough for.
     let exact = reference.is_some();
+    let mut pilot = Sweep::new(&device, &scene, size_of(whole, FEWEST_PIXELS, exact), seed);
     let begin = Instant::now();
-    let small = size_of(whole, PILOT_PIXELS, exact);
-    let mut pilot = Sweep::new(&device, &scene, small, seed);
     compile(&mut pilot, settings_of(&scene, &knobs)?, at(PILOT), &stop, &mut progress)?;
+    let compiling = begin.elapsed();
     pilot.measure(at(PILOT), 1, &stop, &mut |_, name| progress(&format!("pilot: {name}")))?;
-    let left = at(MEASURING).saturating_duration_since(Instant::now()).saturating_sub(begin.elapsed() / 2);
-    let size = size_of(whole, pixels_for(&pilot, left.as_secs_f64()), exact);
-    let mut sweep = match size == small {
-        true => pilot,
+    let left = at(MEASURING).saturating_duration_since(Instant::now());
+    let size = size_of(whole, pixels_for(&pilot, left.saturating_sub(compiling)), exact);
+    let mut sweep = match pixels_ratio(size, pilot.size) < WORTH_COMPILING {
+        true => {
+            let count = affordable(&pilot, left);
+            pilot.keep(count, UNREACHED);
+            pilot
+        }
         false => {
             let mut sweep = Sweep::new(&device, &scene, size, seed);
             sweep.unmeasured = pilot.unmeasured;
@@ -85,6 +81,7 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
             sweep
         }
     };
+    let size = sweep.size;
     let mut enough = false;
     sweep.measure(at(MEASURING), MOST_ROUNDS, &stop, &mut |round, name| {
         if round >= FEWEST_ROUNDS && !enough {
@@ -97,13 +94,15 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     })?;
     let whole_over_small = match size == whole {
         true => None,
-        false => calibrate(&mut sweep, &scene, &device, whole, at(CALIBRATING), &stop)?,
+        false => calibrate(&mut sweep, whole, at(CALIBRATING), &stop)?,
     };
     drop(loading);
 
     let reference = reference.map(|file| Truth::of_file(&file, size));
     let unreached = if stop() { INTERRUPTED } else { UNREACHED };
-    let judged = judge(&mut sweep, reference.as_ref(), whole_over_small.unwrap_or((1.0, 1.0)), unreached);
+    // Where that was not measured, the time is taken to be that of so many more pixels.
+    let over_small = whole_over_small.unwrap_or((pixels_ratio(whole, size), 1.0));
+    let judged = judge(&mut sweep, reference.as_ref(), over_small, unreached);
     if judged.measured.is_empty() && !stop() {
         return Err(too_short(args));
     }
@@ -173,7 +172,7 @@ fn seed_beside(wish: u32, reference: Option<&ExrImage>) -> u32 {
 fn too_short(args: &TradeoffArgs) -> Error {
     let budget = args.budget.as_secs_f64();
     Error::Usage(format!(
-        "--budget {budget} s: the defaults alone took longer than that three times over; give it more"
+        "--budget {budget} s: no setting was measured {FEWEST_ROUNDS} times beside the defaults within it; give it more, or fewer --knobs"
     ))
 }
 
@@ -266,81 +265,6 @@ fn compile(
         last = begin.elapsed();
     }
     Ok(())
-}
-
-/// The pixels that so many seconds are enough for, by what a round of the pilot took.
-fn pixels_for(pilot: &Sweep<'_>, seconds: f64) -> f64 {
-    let of_sample = |subject: &Subject<'_>| {
-        let (samples, blocks) = subject.blocks.iter().next_back()?;
-        Some(blocks.last()?.seconds / f64::from(*samples))
-    };
-    let known: Vec<f64> = pilot.subjects.iter().filter_map(of_sample).collect();
-    // What the pilot did not reach is taken to cost what the others do.
-    let of_all = known.iter().sum::<f64>() * pilot.subjects.len() as f64 / known.len().max(1) as f64;
-    let of_pixel = of_all / (f64::from(pilot.size.0) * f64::from(pilot.size.1));
-    (seconds / (of_pixel * SAMPLES_OF_ROUND * ROUNDS)).clamp(FEWEST_PIXELS, MOST_PIXELS)
-}
-
-/// What the defaults take and how noisy they are at the whole size, over the same at the sweep's: seconds of a sample, and relMSE by
-/// noise. All settings are taken to change alike. Nothing where the time is not enough.
-fn calibrate(
-    sweep: &mut Sweep<'_>,
-    scene: &Scene,
-    device: &Device,
-    whole: (u32, u32),
-    until: Instant,
-    stop: &dyn Fn() -> bool,
-) -> Result<Option<(f64, f64)>> {
-    const SAMPLES: u32 = LEVELS[0];
-    const IMAGES: u32 = 3;
-    let Some(defaults) = sweep.subjects.first() else { return Ok(None) };
-    let Some(blocks) = defaults.blocks.get(&SAMPLES).filter(|blocks| blocks.len() >= FEWEST_ROUNDS) else {
-        return Ok(None);
-    };
-    let area = |size: (u32, u32)| f64::from(size.0) * f64::from(size.1);
-    let small_seconds = median(&blocks.iter().map(|block| block.seconds).collect::<Vec<_>>());
-    let expected = Duration::from_secs_f64(small_seconds * area(whole) / area(sweep.size) * f64::from(IMAGES));
-    if stop() || Instant::now() + expected + Duration::from_secs_f64(defaults.seconds_compile) > until {
-        return Ok(None);
-    }
-    let (mut large, setting) = (Sweep::new(device, scene, whole, sweep.seed), defaults.setting.clone());
-    large.add(setting)?;
-    let mut found = Vec::new();
-    for image in 0..IMAGES {
-        match large.image(0, SAMPLES, Sweep::seed_before(sweep.seed, 1 + image), stop)? {
-            Some(block) => found.push(block),
-            None => return Ok(None),
-        }
-    }
-    let seconds = median(&found.iter().map(|block| block.seconds).collect::<Vec<_>>()) / small_seconds;
-    let noise_of = |blocks: &[Block]| {
-        let images: Vec<Pixels> = blocks.iter().map(|block| block.image.clone()).collect();
-        Some(noise(&images, &mean_of(&images))?.value)
-    };
-    let ratio = noise_of(&found).zip(noise_of(&blocks[..IMAGES as usize])).map(|(large, small)| large / small);
-    Ok(Some((seconds, ratio.filter(|ratio| ratio.is_finite() && *ratio > 0.0).unwrap_or(1.0))))
-}
-
-fn mean_of(images: &[Pixels]) -> Pixels {
-    let mut sum = vec![[0.0f64; 3]; images.first().map_or(0, Vec::len)];
-    for image in images {
-        sum.iter_mut().zip(image).for_each(|(sum, p)| (0..3).for_each(|c| sum[c] += f64::from(p[c])));
-    }
-    sum.iter().map(|p| p.map(|v| (v / images.len() as f64) as f32)).collect()
-}
-
-/// The whole size divided so that about so many pixels are left; by a common divisor of both sides where pixels must be whole ones.
-fn size_of((width, height): (u32, u32), pixels: f64, exact: bool) -> (u32, u32) {
-    let times = (f64::from(width) * f64::from(height) / pixels).sqrt().max(1.0);
-    if exact {
-        let divides = |by: &u32| width % by == 0 && height % by == 0;
-        let by = (1..=width.min(height)).filter(divides).find(|by| f64::from(*by) >= times);
-        // None does: as small as it goes.
-        let by = by.or_else(|| (1..=width.min(height)).rfind(divides)).unwrap_or(1);
-        return (width / by, height / by);
-    }
-    let side = |side: u32| ((f64::from(side) / times).round() as u32).max(1);
-    (side(width), side(height))
 }
 
 /// The defaults' mean against that of a reference whose noise is not known.

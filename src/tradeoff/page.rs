@@ -113,7 +113,7 @@ pub fn plot(report: &Report) -> Result<Option<String>> {
             let samples = f64::from(1u32 << power);
             (samples * measured.model.seconds, measured.model.error(samples))
         });
-        let slope = measured.model.exponent;
+        let slope = measured.model.noise.exponent;
         let name = format!("{} (p {slope:.2})", measured.setting.name());
         curves.push(Curve { name, points: points.collect() });
     }
@@ -144,8 +144,8 @@ fn table(report: &Report) -> String {
             class_name(measured.setting.class()),
             1e3 * measured.seconds,
             1e3 * measured.seconds_spread,
-            measured.model.noise,
-            measured.model.exponent,
+            measured.model.noise.noise,
+            measured.model.noise.exponent,
             bias_text(measured),
             measured.squared.value.max(0.0),
         );

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::judge::{Measured, TARGETS, recommended, soonest};
+use super::judge::{Measured, TARGETS, preferred, recommended};
 use super::replicates::Estimate;
 use super::sweep::{LEVEL, Unmeasured};
 use super::truth::Distance;
@@ -84,14 +84,18 @@ pub fn efficiency_text(measured: &Measured, defaults: f64) -> String {
     if ratio.is_finite() { format!("{ratio:.2}") } else { "-".to_string() }
 }
 
+/// Decimals that show two digits of a value.
+fn digits(value: f64) -> usize {
+    (1.0 - value.abs().max(1e-9).log10().floor()).clamp(1.0, 8.0) as usize
+}
+
 /// The signed bias in percent with its interval.
 pub fn bias_text(measured: &Measured) -> String {
     let (value, half) = (100.0 * measured.signed.value, 100.0 * measured.signed.half_width());
     match measured.signed.error == 0.0 && measured.signed.value == 0.0 {
         true => "0".to_string(),
         false => {
-            // Two digits of the interval.
-            let digits = (1.0 - half.abs().max(1e-9).log10().floor()).clamp(1.0, 8.0) as usize;
+            let digits = digits(half);
             format!("{value:+.digits$} ± {half:.digits$} %")
         }
     }
@@ -111,31 +115,47 @@ impl Report {
 
     /// A sentence for each target.
     pub fn advice(&self) -> Vec<String> {
-        let sentence = |(target, best): (f64, Option<&Measured>)| {
-            let target = target_name(target);
+        let sentence = |(index, best): (usize, Option<&Measured>)| {
+            let target = target_name(TARGETS[index]);
             let Some(best) = best else {
                 if self.measured.is_empty() {
                     return format!("relMSE {target}: nothing was measured");
                 }
-                return format!("relMSE {target}: no reliable setting reaches it");
+                let doubtful = preferred(&self.measured, index, |m| !m.biased && m.declared_unbiased());
+                let words = doubtful.map_or(String::new(), |m| {
+                    format!(
+                        "; {} would take {}, or more where rare bright paths were missed",
+                        m.named(),
+                        time_text(m.times[index])
+                    )
+                });
+                return format!("relMSE {target}: no reliable setting reaches it{words}");
             };
-            let index = TARGETS.iter().position(|t| target_name(*t) == target).unwrap_or_default();
             let time = time_text(best.times[index]);
+            let half = 100.0 * best.signed.half_width();
+            let digits = digits(half);
             let cost = match (best.biased, best.signed.value < 0.0) {
-                (true, true) => format!("loses {:.1} % of the light", -100.0 * best.signed.value),
-                (true, false) => format!("adds {:.1} % of light", 100.0 * best.signed.value),
+                (true, true) => {
+                    format!("loses {:.digits$} ± {half:.digits$} % of the light", -100.0 * best.signed.value)
+                }
+                (true, false) => format!("adds {:.digits$} ± {half:.digits$} % of light", 100.0 * best.signed.value),
                 (false, _) if best.signed.error == 0.0 => "no bias".to_string(),
-                (false, _) => format!("no bias found, of the mean within ± {:.1} %", 100.0 * best.signed.half_width()),
+                (false, _) => {
+                    format!(
+                        "off by {:+.digits$} ± {half:.digits$} % of the light, which may be noise",
+                        100.0 * best.signed.value
+                    )
+                }
             };
             let what = best.named();
-            let faithful = soonest(&self.measured, index, |measured| !measured.biased);
+            let faithful = preferred(&self.measured, index, |m| m.reliable && !m.biased && m.declared_unbiased());
             let besides = match faithful.filter(|_| best.biased) {
                 Some(other) => format!("; without bias, {}: {}", other.named(), time_text(other.times[index])),
                 None => String::new(),
             };
             format!("to reach relMSE {target} use {what}: {time}, {cost}{besides}")
         };
-        TARGETS.into_iter().zip(recommended(&self.measured)).map(sentence).collect()
+        recommended(&self.measured).into_iter().enumerate().map(sentence).collect()
     }
 
     /// What the numbers hold for and what they rest on.
@@ -155,7 +175,8 @@ impl Report {
                  noise, both measured, and the other settings are taken to change alike"
             )),
             None => lines.push(format!(
-                "{w}x{h} was not reached by the budget: all seconds are those of the smaller size, and about in proportion to the pixels"
+                "all seconds are those of {w}x{h}, which the budget did not reach: a sample is taken to take as many times as long there as there are \
+                 more pixels, with the same noise"
             )),
         }
         lines.extend(self.measured_against());
@@ -228,7 +249,7 @@ impl Report {
                 measured.verdict(),
                 class_name(measured.setting.class()).into(),
                 format!("{:.4}", measured.seconds),
-                format!("{:.3}", measured.model.noise),
+                format!("{:.3}", measured.model.noise.noise),
                 bias_text(measured),
                 a,
                 b,
@@ -273,8 +294,8 @@ impl Report {
                 measured.seconds_compile.to_string(),
                 measured.seconds.to_string(),
                 measured.seconds_spread.to_string(),
-                model.noise.to_string(),
-                model.exponent.to_string(),
+                model.noise.noise.to_string(),
+                model.noise.exponent.to_string(),
                 measured.signed.value.to_string(),
                 measured.signed.half_width().to_string(),
                 measured.squared.value.to_string(),
@@ -319,9 +340,10 @@ impl Report {
                     "rounds": measured.rounds,
                     "seconds_compile": measured.seconds_compile,
                     "seconds_per_sample": measured.seconds,
+                        "seconds_doubt": measured.seconds_doubt,
                     "seconds_spread": measured.seconds_spread,
-                    "variance_1spp": model.noise,
-                    "exponent": model.exponent,
+                    "variance_1spp": model.noise.noise,
+                    "exponent": model.noise.exponent,
                     "bias": measured.signed.value,
                     "against": if measured.against_reference { "reference" } else { "defaults" },
                     "bias_interval": [measured.signed.value - half, measured.signed.value + half],
@@ -329,6 +351,7 @@ impl Report {
                     "squared_bias_upper": measured.squared.upper(),
                     "biased": measured.biased,
                     "reliable": measured.reliable,
+                    "noise_doubt": measured.noise_doubt,
                     "seconds_to": TARGETS.iter().zip(measured.times).map(|(target, time)| json!({"relmse": target, "seconds": time}))
                         .collect::<Vec<_>>(),
                     "efficiency": measured.efficiency(),

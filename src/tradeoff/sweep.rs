@@ -23,6 +23,8 @@ pub const FEWEST_ROUNDS: usize = 3;
 pub const MOST_ROUNDS: usize = 32;
 /// What a round costs in samples a pixel, on the mean.
 pub const SAMPLES_OF_ROUND: f64 = (LEVELS[0] + LEVELS[1]) as f64 + LEVELS[2] as f64 / ROUNDS_OF_LAST as f64;
+/// What the fewest rounds cost.
+pub const SAMPLES_OF_FEWEST: f64 = (FEWEST_ROUNDS as u32 * (LEVELS[0] + LEVELS[1]) + LEVELS[2]) as f64;
 
 /// The defaults with one knob turned, or the defaults themselves.
 #[derive(Clone, Debug)]
@@ -152,6 +154,18 @@ impl<'a> Sweep<'a> {
             Err(error) => self.unmeasured.push(Unmeasured { setting, why: error.to_string() }),
         }
         Ok(())
+    }
+
+    /// Another sweep of the same scene with the same seed, of nothing yet.
+    pub fn of_size(&self, size: (u32, u32)) -> Sweep<'a> {
+        Sweep::new(self.device, self.scene, size, self.seed)
+    }
+
+    /// Keeps the first subjects; the others are not measured, for that reason.
+    pub fn keep(&mut self, count: usize, why: &str) {
+        for subject in self.subjects.split_off(count.min(self.subjects.len())) {
+            self.leave_out(subject.setting, why);
+        }
     }
 
     /// Notes a setting as not measured.
