@@ -83,7 +83,7 @@ impl Measured {
             (false, _) => {}
         }
         if !self.reliable {
-            words.push("unreliable: rare bright paths");
+            words.push("unreliable: rare bright paths, or too few rounds");
         }
         words.join(", ")
     }

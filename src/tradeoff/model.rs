@@ -108,8 +108,9 @@ pub enum Standing {
     NeverReaches,
 }
 
-/// Ratios of seconds nearer to 1 than this are no difference, however sure the timings are.
-const NO_DIFFERENCE: f64 = 1.05;
+/// Ratios of seconds nearer to 1 than this are no difference, however sure the timings are. Of five settings that do the same work one or two
+/// were 7 to 12 % slower in half of the sweeps, from the first round to the last (llvmpipe): so much lies in where memory happens to be.
+const NO_DIFFERENCE: f64 = 1.15;
 
 /// The ratio of seconds below which two settings are as soon as each other: two standard errors of it.
 pub fn doubt(a: f64, b: f64) -> f64 {

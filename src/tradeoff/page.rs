@@ -6,32 +6,54 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
 use super::judge::{Measured, TARGETS};
-use super::model::Standing;
-use super::report::{Report, bias_text, class_name, efficiency_text, target_name, time_text};
+use super::model::{Standing, doubt};
+use super::report::{
+    Report, bias_text, class_name, efficiency_text, relmse_text, seconds_text, target_name, time_text,
+};
+use super::sweep::LEVEL;
 use crate::error::Result;
 use crate::output::plot::{Curve, Plot, svg};
 
 const STYLE: &str = "
-:root { color-scheme: light dark; --ink: #1b1b1f; --paper: #ffffff; --line: #d6d6dc; --soft: #66666e; --front: #e7f4ea; }
-@media (prefers-color-scheme: dark) { :root { --ink: #e8e8ec; --paper: #17171b; --line: #3a3a42; --soft: #9a9aa4; --front: #1d3324; } }
-body { font: 16px/1.5 system-ui, sans-serif; color: var(--ink); background: var(--paper); margin: 2rem auto; padding: 0 1rem; max-width: 76rem; }
+:root { color-scheme: light dark; --ink: #1b1b1f; --paper: #ffffff; --line: #d6d6dc; --soft: #5c5c64; --front: #e7f4ea; }
+@media (prefers-color-scheme: dark) {
+  :root { --ink: #e8e8ec; --paper: #17171b; --line: #3a3a42; --soft: #a6a6b0; --front: #1d3324; }
+  figure svg { filter: invert(.91) hue-rotate(180deg); }
+}
+body { font: 16px/1.5 system-ui, sans-serif; color: var(--ink); background: var(--paper); margin: 2rem auto; padding: 0 1rem; max-width: 80rem; }
 h1 { font-size: 1.6rem; } h2 { font-size: 1.2rem; margin-top: 2.5rem; }
-p.note, li.note { color: var(--soft); }
+ul { padding-left: 1.2rem; } li { margin: .2rem 0; } code { white-space: nowrap; }
+p, li { max-width: 60rem; } p.note, li.note { color: var(--soft); }
 .wide { overflow-x: auto; }
-table { border-collapse: collapse; font-variant-numeric: tabular-nums; white-space: nowrap; }
-th, td { text-align: right; padding: .3rem .7rem; border-bottom: 1px solid var(--line); }
+table { border-collapse: collapse; font-size: .85rem; font-variant-numeric: tabular-nums; white-space: nowrap; }
+th, td { text-align: right; padding: .3rem .4rem; border-bottom: 1px solid var(--line); vertical-align: baseline; }
 th:nth-child(-n+3), td:nth-child(-n+3) { text-align: left; }
+th:first-child, td:first-child { position: sticky; left: 0; background: var(--paper); }
+td:nth-child(2) { white-space: normal; min-width: 11rem; }
 tr.front td { background: var(--front); }
-figure { margin: 1rem 0; background: #fff; border: 1px solid var(--line); border-radius: 6px; }
-figure svg { display: block; width: 100%; height: auto; }
-.pictures { display: grid; grid-template-columns: repeat(auto-fill, minmax(17rem, 1fr)); gap: 1.2rem; }
+figure { margin: 1rem 0; border: 1px solid var(--line); border-radius: 6px; overflow-x: auto; }
+figure svg { display: block; width: 100%; max-width: 60rem; min-width: 38rem; height: auto; margin: auto; }
+.pictures { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(17rem, 100%), 1fr)); gap: 1.2rem; }
 .pictures img { width: 100%; image-rendering: pixelated; display: block; border-radius: 4px; }
-.pictures .pair { display: grid; grid-template-columns: 1fr 1fr; gap: 2px; }
+.pictures .pair { display: grid; grid-template-columns: 1fr 1fr; gap: 2px; margin-bottom: .3rem; }
 ";
+
+/// The most curves that a plot has colours for.
+const MOST_CURVES: usize = 10;
 
 /// Text where HTML expects text.
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+/// The same, and what stands between backticks as code.
+fn marked(text: &str) -> String {
+    let parts: Vec<String> = text.split('`').map(escaped).collect();
+    let mark = |(i, part): (usize, &String)| match i % 2 {
+        0 => part.clone(),
+        _ => format!("<code>{part}</code>"),
+    };
+    parts.iter().enumerate().map(mark).collect()
 }
 
 /// The whole page, with the plot where there is one.
@@ -45,36 +67,41 @@ pub fn html(report: &Report, plot: Option<&str>) -> String {
          <h1>{scene}: speed and accuracy</h1>\n<ul>\n"
     );
     for words in report.advice() {
-        let _ = writeln!(page, "<li><strong>{}</strong></li>", escaped(&words));
+        let _ = writeln!(page, "<li><strong>{}</strong></li>", marked(&words));
     }
     for words in report.basis() {
-        let _ = writeln!(page, "<li class=\"note\">{}</li>", escaped(&words));
+        let _ = writeln!(page, "<li class=\"note\">{}</li>", marked(&words));
     }
     page += "</ul>\n";
     if let Some(plot) = plot {
         let _ = write!(page, "<h2>Error against time</h2>\n<figure>\n{plot}</figure>\n");
-        page += "<p class=\"note\">bias² + c N^-p, by the measured bias and the noise measured at 4, 16 and 64 samples. A line that ends level is a bias that no \
-             time removes. Of what is dominated only the biased settings are drawn.</p>\n";
+        let _ = writeln!(page, "<p class=\"note\">{}</p>", marked(&caption(report)));
     }
     page += &table(report);
     if !report.shown.is_empty() {
-        page += "<h2>The same time for each</h2>\n<div class=\"pictures\">\n";
+        let _ = write!(
+            page,
+            "<h2>The same time for each</h2>\n<p class=\"note\">{}x{} pixels, each setting with the whole number of samples nearest to the time that the \
+             defaults take for {LEVEL}; below, the time that it took. To the right of each its FLIP map: what an eye sees of the difference, from black \
+             (nothing) to white.</p>\n<div class=\"pictures\">\n",
+            report.size.0, report.size.1
+        );
         for picture in &report.shown {
             let data = |bytes: &[u8]| format!("data:image/png;base64,{}", STANDARD.encode(bytes));
             let name = escaped(&picture.setting);
             let _ = writeln!(
                 page,
                 "<div><div class=\"pair\"><img alt=\"{name}\" src=\"{}\"><img alt=\"FLIP of {name}\" src=\"{}\"></div><strong>{name}</strong><br>\
-                 {} samples, {}, relMSE {:.1e}, FLIP {:.3}</div>",
+                 {} samples, {}, relMSE {}, FLIP {:.3}</div>",
                 data(&picture.picture),
                 data(&picture.flip_map),
                 picture.samples,
                 time_text(Some(picture.seconds)),
-                picture.relmse,
+                relmse_text(picture.relmse),
                 picture.flip
             );
         }
-        page += "</div>\n<p class=\"note\">Right of each picture its FLIP map: what an eye sees of the difference, from black (nothing) to white.</p>\n";
+        page += "</div>\n";
     }
     page += "<h2>What the settings give up</h2>\n<ul>\n";
     let mut told: Vec<&str> = Vec::new();
@@ -87,8 +114,8 @@ pub fn html(report: &Report, plot: Option<&str>) -> String {
                 "<li><code>--{}</code> ({}): {} {}</li>",
                 knob.name,
                 class_name(knob.class),
-                escaped(knob.about),
-                escaped(knob.gives_up)
+                marked(knob.about),
+                marked(knob.gives_up)
             );
         }
     }
@@ -96,27 +123,54 @@ pub fn html(report: &Report, plot: Option<&str>) -> String {
     page
 }
 
-/// Error against seconds of what is on the front, and of what is biased; nothing where nothing has an error.
+/// What the plot draws: the defaults, then what is on the front, then the rest by their times; without what is as the defaults within the
+/// doubt of timings, which is the second list.
+fn drawn(report: &Report) -> (Vec<&Measured>, Vec<&Measured>) {
+    let Some(defaults) = report.measured.first() else { return (Vec::new(), Vec::new()) };
+    let alike = |a: Option<f64>, b: Option<f64>, doubt: f64| match (a, b) {
+        (Some(a), Some(b)) => a < doubt * b && b < doubt * a,
+        (a, b) => a == b,
+    };
+    let as_defaults = |measured: &&Measured| {
+        let doubt = doubt(measured.seconds_doubt, defaults.seconds_doubt);
+        measured.setting.knob.is_some()
+            && measured.times.iter().zip(defaults.times).all(|(own, theirs)| alike(*own, theirs, doubt))
+    };
+    let (same, mut others): (Vec<&Measured>, Vec<&Measured>) = report.sorted().into_iter().partition(as_defaults);
+    others.sort_by_key(|measured| (measured.setting.knob.is_some(), measured.standing != Standing::Front));
+    (others, same)
+}
+
+/// What the plot shows, in words.
+pub fn caption(report: &Report) -> String {
+    let (drawn, same) = drawn(report);
+    let names = |list: &[&Measured]| list.iter().map(|measured| measured.named()).collect::<Vec<_>>().join(", ");
+    let mut words = "relMSE is the mean over pixels and channels of (error)² / (value² + 0.01): 1e-2 is noise of about 10 %. The lines are bias² + c N^-p, by the \
+                     measured bias and the noise at 4, 16 and 64 samples; one that ends level has a bias that no time removes."
+        .to_string();
+    if drawn.len() > MOST_CURVES {
+        words += &format!(" Not drawn: {}.", names(&drawn[MOST_CURVES..]));
+    }
+    if !same.is_empty() {
+        words += &format!(" As the defaults within the doubt of timings: {}.", names(&same));
+    }
+    words
+}
+
+/// Error against seconds; nothing where nothing has an error.
 ///
 /// # Errors
 /// Where the plot cannot be drawn.
 pub fn plot(report: &Report) -> Result<Option<String>> {
-    let mut curves: Vec<Curve> = Vec::new();
-    let mut sorted = report.sorted();
-    // The defaults in front; the others keep their order.
-    sorted.sort_by_key(|measured| measured.setting.knob.is_some());
-    for measured in sorted {
-        if measured.standing == Standing::Dominated && measured.setting.knob.is_some() && !measured.biased {
-            continue;
-        }
+    let curve = |measured: &&Measured| {
         let points = (0..=12).map(|power| {
             let samples = f64::from(1u32 << power);
             (samples * measured.model.seconds, measured.model.error(samples))
         });
-        let slope = measured.model.noise.exponent;
-        let name = format!("{} (p {slope:.2})", measured.setting.name());
-        curves.push(Curve { name, points: points.collect() });
-    }
+        let name = format!("{} (p {:.2})", measured.setting.name(), measured.model.noise.exponent);
+        Curve { name, points: points.collect() }
+    };
+    let mut curves: Vec<Curve> = drawn(report).0.iter().take(MOST_CURVES).map(curve).collect();
     curves.retain(|curve: &Curve| curve.points.iter().any(|point| point.1 > 0.0));
     if curves.is_empty() {
         return Ok(None);
@@ -125,46 +179,47 @@ pub fn plot(report: &Report) -> Result<Option<String>> {
 }
 
 fn table(report: &Report) -> String {
-    let mut text = String::from(
-        "<h2>All settings</h2>\n<div class=\"wide\"><table>\n<tr><th>setting<th>verdict<th>gives up<th>ms a sample<th>variance, 1 sample<th>p\
-         <th>bias of the mean<th>bias², relMSE",
-    );
+    let mut text =
+        String::from("<h2>All settings</h2>\n<div class=\"wide\"><table>\n<tr><th>setting<th>verdict<th>gives up");
     for target in TARGETS {
         let _ = write!(text, "<th>to {}", target_name(target));
     }
-    text += "<th>efficiency\n";
+    text += "<th>bias of the mean<th>bias²<th>s / sample<th>noise<th>p<th>efficiency\n";
     let base = report.measured.first().map_or(1.0, Measured::efficiency);
     for measured in report.sorted() {
         let class = if measured.standing == Standing::Front { " class=\"front\"" } else { "" };
         let _ = write!(
             text,
-            "<tr{class}><td>{}<td>{}<td>{}<td>{:.2} ± {:.2}<td>{:.3}<td>{:.2}<td>{}<td>{:.1e}",
+            "<tr{class}><td>{}<td>{}<td>{}",
             escaped(&measured.setting.name()),
             escaped(&measured.verdict()),
             class_name(measured.setting.class()),
-            1e3 * measured.seconds,
-            1e3 * measured.seconds_spread,
-            measured.model.noise.noise,
-            measured.model.noise.exponent,
-            bias_text(measured),
-            measured.squared.value.max(0.0),
         );
         for time in measured.times {
             let _ = write!(text, "<td>{}", time_text(time));
         }
-        let _ = writeln!(text, "<td>{}", efficiency_text(measured, base));
+        let _ = writeln!(
+            text,
+            "<td>{}<td>{}<td>{}<td>{:.3}<td>{:.2}<td>{}",
+            bias_text(measured),
+            relmse_text(measured.model.squared_bias),
+            seconds_text(measured),
+            measured.model.noise.noise,
+            measured.model.noise.exponent,
+            efficiency_text(measured, base)
+        );
     }
     for left in &report.unmeasured {
         let _ = writeln!(
             text,
-            "<tr><td>{}<td>not measured: {}<td>{}{}",
+            "<tr><td>{}<td colspan=\"{}\">not measured: {}",
             escaped(&left.setting.name()),
-            escaped(&left.why),
-            class_name(left.setting.class()),
-            "<td>".repeat(6 + TARGETS.len())
+            8 + TARGETS.len(),
+            escaped(&left.why)
         );
     }
-    text += "</table></div>\n<p class=\"note\">Sorted by the time to 1e-2. Green: on the front, no other setting reaches every target as soon. \
-             Efficiency is 1 / (variance × seconds), over that of the defaults. p: the noise falls as N^-p.</p>\n";
+    text += "</table></div>\n<p class=\"note\">Sorted by the time to 1e-2. Green: on the front, no other setting reaches every target as soon. Noise and bias² are relMSE: \
+             noise extrapolated to one sample a pixel; it falls as N^-p. Behind ±: of the bias half its 95 % interval, of seconds half \
+             the interquartile range over the rounds. Efficiency is 1 / (noise × seconds), over that of the defaults.</p>\n";
     text
 }

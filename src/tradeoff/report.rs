@@ -68,10 +68,20 @@ pub fn target_name(target: f64) -> String {
     format!("{target:e}")
 }
 
-/// Seconds with two or three digits, or never.
+/// A relMSE with two digits. Less its reference's own noise it may come out below 0.
+pub fn relmse_text(relmse: f64) -> String {
+    match relmse {
+        ..=0.0 => "0".to_string(),
+        relmse => format!("{relmse:.1e}"),
+    }
+}
+
+/// A time with two or three digits, or never.
 pub fn time_text(seconds: Option<f64>) -> String {
     match seconds {
         None => "never".to_string(),
+        Some(s) if s >= 7200.0 => format!("{:.1} h", s / 3600.0),
+        Some(s) if s >= 600.0 => format!("{:.0} min", s / 60.0),
         Some(s) if s >= 100.0 => format!("{s:.0} s"),
         Some(s) if s >= 1.0 => format!("{s:.1} s"),
         Some(s) => format!("{:.0} ms", 1e3 * s),
@@ -82,6 +92,13 @@ pub fn time_text(seconds: Option<f64>) -> String {
 pub fn efficiency_text(measured: &Measured, defaults: f64) -> String {
     let ratio = measured.efficiency() / defaults;
     if ratio.is_finite() { format!("{ratio:.2}") } else { "-".to_string() }
+}
+
+/// Seconds of a sample, with how much they vary.
+pub fn seconds_text(measured: &Measured) -> String {
+    let (value, spread) = (measured.seconds, measured.seconds_spread);
+    let digits = digits(spread.max(1e-3 * value));
+    format!("{value:.digits$} ± {spread:.digits$}")
 }
 
 /// Decimals that show two digits of a value.
@@ -117,6 +134,8 @@ impl Report {
     pub fn advice(&self) -> Vec<String> {
         let sentence = |(index, best): (usize, Option<&Measured>)| {
             let target = target_name(TARGETS[index]);
+            let unbiased = |m: &Measured| !m.biased && m.declared_unbiased();
+            let doubtful = preferred(&self.measured, index, unbiased);
             let Some(best) = best else {
                 if self.measured.is_empty() {
                     return format!("relMSE {target}: nothing was measured");
@@ -148,12 +167,18 @@ impl Report {
                 }
             };
             let what = best.named();
-            let faithful = preferred(&self.measured, index, |m| m.reliable && !m.biased && m.declared_unbiased());
-            let besides = match faithful.filter(|_| best.biased) {
-                Some(other) => format!("; without bias, {}: {}", other.named(), time_text(other.times[index])),
-                None => String::new(),
+            let faithful = preferred(&self.measured, index, |m| m.reliable && unbiased(m));
+            let besides = match (faithful, doubtful) {
+                _ if best.declared_unbiased() && !best.biased => String::new(),
+                (Some(other), _) => format!("; without bias, {}: {}", other.named(), time_text(other.times[index])),
+                (None, Some(other)) => format!(
+                    "; without bias, {}: about {}, not known well",
+                    other.named(),
+                    time_text(other.times[index])
+                ),
+                (None, None) => String::new(),
             };
-            format!("to reach relMSE {target} use {what}: {time}, {cost}{besides}")
+            format!("To reach relMSE {target} use {what}: {time}, {cost}{besides}")
         };
         recommended(&self.measured).into_iter().enumerate().map(sentence).collect()
     }
@@ -234,7 +259,7 @@ impl Report {
             "verdict".into(),
             "gives up".into(),
             "s/sample".into(),
-            "variance".into(),
+            "noise".into(),
             "bias of the mean".into(),
             "to 1e-1".into(),
             "to 1e-2".into(),
@@ -248,7 +273,7 @@ impl Report {
                 measured.setting.name(),
                 measured.verdict(),
                 class_name(measured.setting.class()).into(),
-                format!("{:.4}", measured.seconds),
+                seconds_text(measured),
                 format!("{:.3}", measured.model.noise.noise),
                 bias_text(measured),
                 a,
