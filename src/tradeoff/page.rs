@@ -6,9 +6,10 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
 use super::judge::{Measured, TARGETS};
-use super::model::{Standing, doubt};
+use super::model::Standing;
 use super::report::{
-    Report, bias_text, class_name, efficiency_text, relmse_text, seconds_text, target_name, time_text,
+    CAPTION, MOST_CURVES, Report, bias_text, class_name, efficiency_text, relmse_text, seconds_text, target_name,
+    time_text,
 };
 use super::sweep::LEVEL;
 use crate::error::Result;
@@ -37,9 +38,6 @@ figure svg { display: block; width: 100%; max-width: 60rem; min-width: 38rem; he
 .pictures img { width: 100%; image-rendering: pixelated; display: block; border-radius: 4px; }
 .pictures .pair { display: grid; grid-template-columns: 1fr 1fr; gap: 2px; margin-bottom: .3rem; }
 ";
-
-/// The most curves that a plot has colours for.
-const MOST_CURVES: usize = 10;
 
 /// Text where HTML expects text.
 fn escaped(text: &str) -> String {
@@ -75,7 +73,11 @@ pub fn html(report: &Report, plot: Option<&str>) -> String {
     page += "</ul>\n";
     if let Some(plot) = plot {
         let _ = write!(page, "<h2>Error against time</h2>\n<figure>\n{plot}</figure>\n");
-        let _ = writeln!(page, "<p class=\"note\">{}</p>", marked(&caption(report)));
+        let _ = writeln!(
+            page,
+            "<p class=\"note\">{}</p>",
+            marked(&[&[CAPTION.to_string()], &report.left_out()[..]].concat().join(" "))
+        );
     }
     page += &table(report);
     if !report.shown.is_empty() {
@@ -123,46 +125,12 @@ pub fn html(report: &Report, plot: Option<&str>) -> String {
     page
 }
 
-/// What the plot draws: the defaults, then what is on the front, then the rest by their times; without what is as the defaults within the
-/// doubt of timings, which is the second list.
-fn drawn(report: &Report) -> (Vec<&Measured>, Vec<&Measured>) {
-    let Some(defaults) = report.measured.first() else { return (Vec::new(), Vec::new()) };
-    let alike = |a: Option<f64>, b: Option<f64>, doubt: f64| match (a, b) {
-        (Some(a), Some(b)) => a < doubt * b && b < doubt * a,
-        (a, b) => a == b,
-    };
-    let as_defaults = |measured: &&Measured| {
-        let doubt = doubt(measured.seconds_doubt, defaults.seconds_doubt);
-        measured.setting.knob.is_some()
-            && measured.times.iter().zip(defaults.times).all(|(own, theirs)| alike(*own, theirs, doubt))
-    };
-    let (same, mut others): (Vec<&Measured>, Vec<&Measured>) = report.sorted().into_iter().partition(as_defaults);
-    others.sort_by_key(|measured| (measured.setting.knob.is_some(), measured.standing != Standing::Front));
-    (others, same)
-}
-
-/// What the plot shows, in words.
-pub fn caption(report: &Report) -> String {
-    let (drawn, same) = drawn(report);
-    let names = |list: &[&Measured]| list.iter().map(|measured| measured.named()).collect::<Vec<_>>().join(", ");
-    let mut words = "relMSE is the mean over pixels and channels of (error)² / (value² + 0.01): 1e-2 is noise of about 10 %. The lines are bias² + c N^-p, by the \
-                     measured bias and the noise at 4, 16 and 64 samples; one that ends level has a bias that no time removes."
-        .to_string();
-    if drawn.len() > MOST_CURVES {
-        words += &format!(" Not drawn: {}.", names(&drawn[MOST_CURVES..]));
-    }
-    if !same.is_empty() {
-        words += &format!(" As the defaults within the doubt of timings: {}.", names(&same));
-    }
-    words
-}
-
 /// Error against seconds; nothing where nothing has an error.
 ///
 /// # Errors
 /// Where the plot cannot be drawn.
 pub fn plot(report: &Report) -> Result<Option<String>> {
-    let curve = |measured: &&Measured| {
+    let curve = |measured: &Measured| {
         let points = (0..=12).map(|power| {
             let samples = f64::from(1u32 << power);
             (samples * measured.model.seconds, measured.model.error(samples))
@@ -170,7 +138,7 @@ pub fn plot(report: &Report) -> Result<Option<String>> {
         let name = format!("{} (p {:.2})", measured.setting.name(), measured.model.noise.exponent);
         Curve { name, points: points.collect() }
     };
-    let mut curves: Vec<Curve> = drawn(report).0.iter().take(MOST_CURVES).map(curve).collect();
+    let mut curves: Vec<Curve> = report.drawn().0.into_iter().take(MOST_CURVES).map(curve).collect();
     curves.retain(|curve: &Curve| curve.points.iter().any(|point| point.1 > 0.0));
     if curves.is_empty() {
         return Ok(None);

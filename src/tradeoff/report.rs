@@ -3,6 +3,7 @@
 use serde_json::{Value, json};
 
 use super::judge::{Measured, TARGETS, preferred, recommended};
+use super::model::{Standing, doubt};
 use super::replicates::Estimate;
 use super::sweep::{LEVEL, Unmeasured};
 use super::truth::Distance;
@@ -52,6 +53,12 @@ pub struct Shown {
     pub picture: Vec<u8>,
     pub flip_map: Vec<u8>,
 }
+
+/// What a plot shows.
+pub const CAPTION: &str = "relMSE is the mean over pixels and channels of (error)² / (value² + 0.01): 1e-2 is noise of about 10 %. The lines are \
+                           bias² + c N^-p, by the measured bias and the noise at 4, 16 and 64 samples; one that ends level has a bias that no time removes.";
+/// The most curves that a plot has colours for.
+pub const MOST_CURVES: usize = 10;
 
 /// A class as the tables call it.
 pub fn class_name(class: Class) -> &'static str {
@@ -128,6 +135,38 @@ impl Report {
             by(1).then(by(2)).then(by(0))
         });
         sorted
+    }
+
+    /// What the plot draws: the defaults, then what is on the front, then the rest by their times; without what is as the defaults within the
+    /// doubt of timings, which is the second list.
+    pub fn drawn(&self) -> (Vec<&Measured>, Vec<&Measured>) {
+        let Some(defaults) = self.measured.first() else { return (Vec::new(), Vec::new()) };
+        let alike = |a: Option<f64>, b: Option<f64>, doubt: f64| match (a, b) {
+            (Some(a), Some(b)) => a < doubt * b && b < doubt * a,
+            (a, b) => a == b,
+        };
+        let as_defaults = |measured: &&Measured| {
+            let doubt = doubt(measured.seconds_doubt, defaults.seconds_doubt);
+            measured.setting.knob.is_some()
+                && measured.times.iter().zip(defaults.times).all(|(own, theirs)| alike(*own, theirs, doubt))
+        };
+        let (same, mut others): (Vec<&Measured>, Vec<&Measured>) = self.sorted().into_iter().partition(as_defaults);
+        others.sort_by_key(|measured| (measured.setting.knob.is_some(), measured.standing != Standing::Front));
+        (others, same)
+    }
+
+    /// What the plot leaves out.
+    pub fn left_out(&self) -> Vec<String> {
+        let (drawn, same) = self.drawn();
+        let names = |list: &[&Measured]| list.iter().map(|measured| measured.named()).collect::<Vec<_>>().join(", ");
+        let mut words = Vec::new();
+        if !same.is_empty() {
+            words.push(format!("As the defaults within the doubt of timings: {}.", names(&same)));
+        }
+        if drawn.len() > MOST_CURVES {
+            words.push(format!("Not drawn: {}.", names(&drawn[MOST_CURVES..])));
+        }
+        words
     }
 
     /// A sentence for each target.
@@ -416,6 +455,8 @@ impl Report {
             "driver": self.driver,
             "width": self.size.0,
             "height": self.size.1,
+            "whole_width": self.whole_size.0,
+            "whole_height": self.whole_size.1,
             "seed": self.seed,
             "budget": self.budget,
             "seconds": self.seconds,
@@ -429,6 +470,8 @@ impl Report {
                 "differs": self.distance.map(|(_, differs)| differs),
             })),
             "interrupted": self.interrupted,
+            "basis": self.basis(),
+            "left_out": self.left_out(),
             "settings": settings,
             "recommendations": recommendations,
             "equal_time": self.shown.iter().map(|shown| json!({
