@@ -15,7 +15,7 @@ define install
 }
 endef
 
-.PHONY: render test test-long test-drivers lint toolchain
+.PHONY: render test test-long test-drivers accuracy lint toolchain
 
 # The cover scene, in 50 s at most: out/weekend.exr is linear, out/weekend.png is for looking at.
 render: toolchain
@@ -43,6 +43,12 @@ test-long: toolchain
 # The same tests on several drivers, fetched and not installed: a second opinion on every number.
 test-drivers: toolchain
 	tests/drivers/matrix.sh
+
+# docs/accuracy.md with its plots, measured here: six scenes, each within the budget. `make accuracy BUDGET=30s` is quicker and knows less.
+BUDGET ?= 120s
+accuracy: export NODEVICE_SELECT = 1
+accuracy: toolchain
+	$(CARGO) bench --bench accuracy -- --budget $(BUDGET)
 
 lint: toolchain
 	$(CARGO) fmt --check

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes weekend.ron, next-week.ron, instances.ron, the images under textures/ and the meshes under meshes/.
+"""Writes weekend.ron, next-week.ron, instances.ron, lights.ron, the images under textures/ and the meshes under meshes/.
 
     python3 scenes/generate.py [FILE ..]      # all of them, or those named as from here: textures/planet.png
 
@@ -734,11 +734,118 @@ Scene(
 """
     ).encode()
 
+# --- lights.ron -------------------------------------------------------------------------------------------------------
+
+LIGHTS_SEED = 1895
+LIGHTS_HEAD = """\
+// A canal on the night of a feast: {lanterns} paper lanterns on strings across it, {floating} afloat, and {windows} lit windows; {lamps} lamps
+// in all, each of which lights what is near it.
+//
+// Written by scenes/generate.py: SplitMix64, seed {seed}.
+"""
+
+
+def canal():
+    random = Random(LIGHTS_SEED)
+    houses, lanterns, floating, windows = [], [], [], []
+    walls = ["ochre", "rose", "cream", "brick", "sage"]
+
+    def pick(items):
+        return items[min(int(random() * len(items)), len(items) - 1)]
+
+    for side in (-1.0, 1.0):
+        z, last = 9.0, None
+        while z > -62.0:
+            width, height, depth = random(4.0, 6.5), random(6.0, 10.5), random(0.0, 0.5)
+            wall = pick([name for name in walls if name != last])
+            last = wall
+            near, far = sorted((side * (5.6 + depth), side * 12.0))
+            houses.append(f'Box(min: ({near:.2f}, 0, {z - width:.2f}), max: ({far:.2f}, {height:.2f}, {z:.2f}), material: "{wall}"),')
+            # An eave that keeps the wall's top in the dark.
+            eave = sorted((side * (5.25 + depth), side * 12.0))
+            houses.append(
+                f'Box(min: ({eave[0]:.2f}, {height:.2f}, {z - width:.2f}), max: ({eave[1]:.2f}, {height + 0.25:.2f}, {z:.2f}), '
+                f'material: "slate"),'
+            )
+            columns, rows = max(2, round(width / 2.0)), int((height - 1.0) / 2.4)
+            face = side * (5.6 + depth - 0.01)
+            for row in range(rows):
+                for column in range(columns):
+                    at = z - width * (column + 0.5) / columns
+                    lit = random() < 0.42
+                    low, tall, wide = 1.1 + 2.4 * row, 1.35, 0.8
+                    # The normal is towards the canal: u x v.
+                    u = f"(0, 0, {side * wide:g})"
+                    corner = f"({face:.2f}, {low:.2f}, {at - side * wide / 2:.2f})"
+                    material = pick(["window", "window", "dim window"]) if lit else "dark window"
+                    windows.append((lit, f'Quad(corner: {corner}, u: {u}, v: (0, {tall:g}, 0), material: "{material}"),'))
+            z -= width
+
+    colours = ["amber", "amber", "white", "red", "blue", "green"]
+    strings = [(5.0 - 4.4 * i, random(4.6, 6.0), random(4.6, 6.0), random(-1.6, 1.6), random(0.9, 1.6)) for i in range(14)]
+    for z, left, right, slant, sag in strings:
+        for k in range(17):
+            t = (k + 0.5) / 17
+            x, along = -5.5 + 11.0 * t, 2.0 * t - 1.0
+            y = left + (right - left) * t - sag * (1.0 - along * along)
+            lanterns.append(f'Sphere(center: ({x:.2f}, {y:.2f}, {z + slant * along:.2f}), radius: 0.15, material: "{pick(colours)}"),')
+    placed = []
+    while len(floating) < 48:
+        x, z = random(-3.4, 3.4), random(-48.0, 3.0)
+        if all(math.dist((x, z), other) > 1.1 for other in placed):
+            placed.append((x, z))
+            floating.append(f'Sphere(center: ({x:.2f}, 0.07, {z:.2f}), radius: 0.13, material: "{pick(["amber", "amber", "white"])}"),')
+
+    lit = sum(1 for window in windows if window[0])
+    head = LIGHTS_HEAD.format(
+        seed=LIGHTS_SEED, lanterns=len(lanterns), floating=len(floating), windows=lit, lamps=len(lanterns) + len(floating) + lit
+    )
+
+    def lines(items):
+        return "".join(f"        {item}\n" for item in items)
+
+    return (
+        head
+        + f"""\
+Scene(
+    image: (width: 960, height: 540),
+    camera: (look_from: (0.9, 2.3, 11.5), look_at: (-0.3, 2.9, -14), vertical_fov: 46),
+    background: Gradient(bottom: (0.020, 0.016, 0.030), top: (0.003, 0.006, 0.020)),
+    materials: {{
+        "ochre": Lambertian(albedo: Rgb(0.72, 0.50, 0.26)),
+        "rose": Lambertian(albedo: Rgb(0.70, 0.42, 0.36)),
+        "cream": Lambertian(albedo: Rgb(0.78, 0.70, 0.56)),
+        "brick": Lambertian(albedo: Rgb(0.55, 0.24, 0.17)),
+        "sage": Lambertian(albedo: Rgb(0.46, 0.55, 0.42)),
+        "slate": Lambertian(albedo: Rgb(0.16, 0.15, 0.16)),
+        "stone": Lambertian(albedo: Noise(scale: 3)),
+        "water": Metal(albedo: Rgb(0.36, 0.44, 0.46), fuzz: 0.04),
+        "dark window": Metal(albedo: Rgb(0.10, 0.11, 0.13)),
+        "window": DiffuseLight(emit: Rgb(1.5, 0.95, 0.42), two_sided: false),
+        "dim window": DiffuseLight(emit: Rgb(0.55, 0.33, 0.15), two_sided: false),
+        "amber": DiffuseLight(emit: Rgb(13, 5.2, 1.1)),
+        "white": DiffuseLight(emit: Rgb(9, 7, 4.4)),
+        "red": DiffuseLight(emit: Rgb(12, 1.4, 0.7)),
+        "blue": DiffuseLight(emit: Rgb(1.1, 3.2, 12)),
+        "green": DiffuseLight(emit: Rgb(1.6, 9, 2.2)),
+    }},
+    objects: [
+        // The water, and a quay before the houses on either side.
+        Quad(corner: (-4, 0, 14), u: (8, 0, 0), v: (0, 0, -84), material: "water"),
+        Box(min: (-14, -1, -70), max: (-4, 0.35, 14), material: "stone"),
+        Box(min: (4, -1, -70), max: (14, 0.35, 14), material: "stone"),
+{lines(houses)}{lines(window for _, window in windows)}{lines(lanterns)}{lines(floating)}    ],
+    render: (samples: 500, max_depth: 20),
+)
+"""
+    ).encode()
+
 
 FILES = {
     "weekend.ron": weekend,
     "next-week.ron": next_week,
     "instances.ron": forest,
+    "lights.ron": canal,
     "textures/planet.png": planet,
     "textures/world.png": world,
     "textures/sky.hdr": sky,

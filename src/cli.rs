@@ -173,7 +173,7 @@ pub struct TradeoffArgs {
     /// The settings to sweep, by their options' names [default: all].
     #[arg(long, value_name = "A,B,…", value_delimiter = ',')]
     pub knobs: Vec<String>,
-    /// The folder for tradeoff.csv, tradeoff.json and index.html, made where there is none [default: SCENE-tradeoff].
+    /// The folder for index.html, plot.svg, tradeoff.csv and tradeoff.json, made where there is none [default: SCENE-tradeoff].
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
     /// Seed of the random numbers.

@@ -628,6 +628,10 @@ fn converge_measures_the_images_that_render_writes() {
     let json = place.run(&[&converge[..], &["--spp", "24", "--json"]].concat()).exits(0).json();
     assert_eq!(json["steps"].as_array().map(Vec::len), Some(6));
     assert!(json["relmse_of_reference"].as_f64().is_some_and(|own| own > 0.0 && own < relmse), "{json}");
+    // Its own noise would not be found.
+    assert!(!ran.stderr.contains("give another --seed"), "{}", ran.stderr);
+    let ran = place.run(&[&converge[..], &["--spp", "1", "--seed", "7"]].concat()).exits(0);
+    assert!(ran.stderr.contains("reference.exr was rendered with seed 7 too"), "{}", ran.stderr);
     // Other light is found: the same at half the albedo.
     let darker = place.scene("darker.ron", &SPHERE.replace("0.5, 0.4, 0.3", "0.25, 0.2, 0.15"));
     let found = place.run(&["converge", &darker, "--device", software(), "--reference", "reference.exr", "--json"]);
@@ -962,6 +966,63 @@ fn a_killed_render_leaves_its_last_checkpoint() {
     let image = place.exr("sphere.exr");
     assert_eq!((image.width, image.height), (20, 12));
     assert_eq!(attribute(&image, "gpu-rt:complete"), "0");
+}
+
+/// A measurement that is interrupted when `ready` says so of what it has said on stderr. The result is that, and the report.
+#[cfg(unix)]
+fn interrupted_tradeoff(place: &Place, ready: impl Fn(&str) -> bool) -> (String, Value) {
+    place.scene("large.ron", &SPHERE.replace("width: 20, height: 12", "width: 96, height: 96"));
+    let said = place.folder.path().join("said");
+    let arguments = ["tradeoff", "../scenes/large.ron", "--budget", "1h", "--knobs", "roulette,clamp"];
+    let mut command = place.command(&[&arguments[..], &["-o", "report", "--device", software()]].concat());
+    let mut child = command.stderr(fs::File::create(&said).unwrap()).spawn().expect("the program starts");
+    let start = Instant::now();
+    while !ready(&fs::read_to_string(&said).unwrap()) {
+        assert!(child.try_wait().unwrap().is_none(), "it ended");
+        if start.elapsed() > LIMIT {
+            let _ = child.kill();
+            panic!("it never comes so far");
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    interrupt(&child);
+    let ran = finish(child).exits(1);
+    let said = fs::read_to_string(&said).unwrap();
+    assert!(said.trim_end().ends_with("interrupted; report holds what was measured"), "{said}");
+    assert!(ran.stdout.starts_with("setting"), "{ran:?}");
+    let folder = place.work().join("report");
+    assert!(fs::read_to_string(folder.join("index.html")).unwrap().ends_with("</html>\n"));
+    let report = serde_json::from_slice(&fs::read(folder.join("tradeoff.json")).unwrap()).expect("an object");
+    let rows = fs::read_to_string(folder.join("tradeoff.csv")).unwrap().lines().count();
+    // The head, the defaults, roulette off, and three limits.
+    assert_eq!(rows, 1 + 5, "{report}");
+    (said, report)
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_tradeoff_reports_what_was_measured() {
+    let place = Place::new();
+    let (said, report) = interrupted_tradeoff(&place, |said| said.contains("3 rounds are measured"));
+    assert_eq!(report["interrupted"], true, "{said}");
+    let settings = report["settings"].as_array().unwrap();
+    assert!(settings.iter().all(|setting| setting["measured"] == true), "{report:#}");
+    assert!(settings.iter().all(|setting| (3..32).contains(&setting["rounds"].as_u64().unwrap())), "{report:#}");
+    assert!(place.work().join("report/plot.svg").exists());
+}
+
+#[cfg(unix)]
+#[test]
+fn a_tradeoff_that_is_interrupted_at_once_says_that_nothing_is_measured() {
+    let place = Place::new();
+    let folder = place.work().join("report");
+    let (said, report) = interrupted_tradeoff(&place, |_| folder.exists());
+    assert_eq!(report["interrupted"], true, "{said}");
+    for setting in report["settings"].as_array().unwrap() {
+        assert_eq!(setting["measured"], false, "{report:#}");
+        assert_eq!(setting["verdict"], "not measured: interrupted before it was", "{report:#}");
+    }
+    assert_eq!(report["recommendations"][1]["words"], "relMSE 1e-2: nothing was measured");
 }
 
 // Streams that are closed

@@ -1,6 +1,6 @@
 //! The verdict of a comparison, on images made of random numbers: how often it calls noise a difference, and which differences it finds.
 //!
-//! Renders are what it is made for, and docs/accuracy.md has how it fares with thousands of them; here the noise is of known kinds.
+//! Renders are what it is made for, and docs/comparing.md has how it fares with thousands of them; here the noise is of known kinds.
 
 #[path = "common/stats.rs"]
 mod stats;

@@ -17,8 +17,9 @@ use gpu_rt::knobs::{CLAMP, INTEGRATOR, ROULETTE, SAMPLER};
 use gpu_rt::metrics::error::relmse;
 use gpu_rt::output::exr::read_exr;
 use gpu_rt::scene::Scene;
-use gpu_rt::tradeoff::judge::{Measured, judge, pooled};
+use gpu_rt::tradeoff::judge::{Judged, judge};
 use gpu_rt::tradeoff::sweep::{Setting, Sweep};
+use gpu_rt::tradeoff::truth::Truth;
 use serde_json::Value;
 
 /// A room with a lamp in it and something of each kind of surface.
@@ -88,9 +89,9 @@ fn unbiased(scene: &Scene) -> Vec<Setting> {
     ]
 }
 
-/// Rounds of measurement of all settings, of which the last's images are then made brighter by a factor.
-fn measure(sweep: &mut Sweep<'_>, rounds: usize, planted: f32) -> Vec<Measured> {
-    sweep.subjects.iter_mut().for_each(|subject| subject.blocks.clear());
+/// Rounds of measurement of all settings with a seed, of which the last's images are then made brighter by a factor.
+fn measure(sweep: &mut Sweep<'_>, seed: u32, rounds: usize, planted: f32) {
+    sweep.begin_again(seed);
     let forever = Instant::now() + Duration::from_secs(3600);
     sweep.measure(forever, rounds, &|| false, &mut |_, _| {}).expect("the device renders");
     if let Some(last) = sweep.subjects.last_mut() {
@@ -98,8 +99,10 @@ fn measure(sweep: &mut Sweep<'_>, rounds: usize, planted: f32) -> Vec<Measured> 
             block.image.as_flattened_mut().iter_mut().for_each(|v| *v *= planted);
         }
     }
-    let truth = pooled(sweep, None).expect("there are images");
-    judge(sweep, &truth, (1.0, 1.0))
+}
+
+fn judged(sweep: &mut Sweep<'_>, reference: Option<&Truth>) -> Judged {
+    judge(sweep, reference, (1.0, 1.0), "")
 }
 
 #[test]
@@ -114,8 +117,8 @@ fn a_planted_bias_is_found_with_its_sign_and_size() {
             Setting { knob: Some(&CLAMP), value: "1e6".into(), wish: Wish { clamp: Some(1e6), ..wish() }, ..defaults };
         sweep.add(clamp).expect("it compiles");
         for (seed, bias) in [(1000, -0.005f32), (2000, 0.005)] {
-            sweep.seed = seed;
-            let found = measure(&mut sweep, 8, 1.0 + bias);
+            measure(&mut sweep, seed, 8, 1.0 + bias);
+            let found = judged(&mut sweep, None).measured;
             let [_, clamp] = &found[..] else { panic!("{name}: {found:?}") };
             let (value, half) = (clamp.signed.value, clamp.signed.half_width());
             // Relative to a reference that is itself off by half of it.
@@ -123,25 +126,45 @@ fn a_planted_bias_is_found_with_its_sign_and_size() {
             assert!(value * f64::from(bias) > 0.0 && clamp.verdict().contains("biased"), "{}", clamp.verdict());
         }
         // Without it there is none.
-        assert!(measure(&mut sweep, 8, 1.0).iter().all(|measured| !measured.biased), "{name}");
+        measure(&mut sweep, 2000, 8, 1.0);
+        assert!(judged(&mut sweep, None).measured.iter().all(|measured| !measured.biased), "{name}");
     }
 }
 
-/// Of 100 sweeps at most 11 may have a false alarm: with a probability of 5 % each, more do once in 170 times.
+/// Of 100 sweeps at most 11 may have a false alarm: with a probability of 5 % each, more do once in 170 times. So too against a reference
+/// that is as noisy as what it judges.
 #[test]
 fn settings_that_only_add_noise_are_not_called_biased() {
     const SWEEPS: u32 = 100;
     let scene = scene(ROOM);
+    let all = unbiased(&scene);
     let mut sweep = Sweep::new(device::software(), &scene, (12, 12), 0);
-    unbiased(&scene).into_iter().for_each(|setting| sweep.add(setting).expect("it compiles"));
-    let alarms = (0..SWEEPS).filter(|number| {
-        sweep.seed = 1 + 1000 * number;
-        let found = measure(&mut sweep, 6, 1.0);
+    let mut other = Sweep::new(device::software(), &scene, (12, 12), 0);
+    other.add(all[0].clone()).expect("it compiles");
+    all.into_iter().for_each(|setting| sweep.add(setting).expect("it compiles"));
+    let (mut alarms, mut with_reference, mut found_darker) = (0, 0, 0);
+    for number in 0..SWEEPS {
+        measure(&mut sweep, 1 + 1000 * number, 6, 1.0);
+        let found = judged(&mut sweep, None).measured;
         assert_eq!(found.len(), 4);
-        found.iter().any(|measured| measured.biased)
-    });
-    let alarms = alarms.count();
-    assert!(alarms <= 11, "{alarms} of {SWEEPS}");
+        alarms += u32::from(found.iter().any(|measured| measured.biased));
+
+        measure(&mut other, 501 + 1000 * number, 2, 1.0);
+        let mut reference = Truth::pooled(&other, None).expect("there are images");
+        let own = reference.error(&reference.image).expect("of two halves");
+        let noise = found[0].model.error(16.0);
+        assert!((0.05..2.0).contains(&(own / noise)), "the reference's noise is {own:e}, an image's {noise:e}");
+        let found = judged(&mut sweep, Some(&reference));
+        let (_, differs) = found.against_reference.expect("its noise is known");
+        with_reference += u32::from(differs || found.measured.iter().any(|measured| measured.biased));
+        // The control: one that shows another scene.
+        reference.image.as_flattened_mut().iter_mut().for_each(|v| *v *= 1.1);
+        let found = judged(&mut sweep, Some(&reference));
+        let (distance, differs) = found.against_reference.expect("its noise is known");
+        found_darker += u32::from(differs && distance.signed.value < 0.0);
+    }
+    assert!(alarms <= 11 && with_reference <= 11, "{alarms}, and against references {with_reference}, of {SWEEPS}");
+    assert!(found_darker >= 95, "{found_darker} of {SWEEPS}");
 }
 
 fn run(folder: &std::path::Path, arguments: &[&str]) -> (i32, String, String) {
@@ -222,4 +245,52 @@ fn the_program_reports_and_its_advice_is_kept() {
 
     let (status, _, stderr) = run(place.path(), &["tradeoff", "room.ron", "--knobs", "colour"]);
     assert!(status == 2 && stderr.contains("--knobs colour: expected names from"), "{status}: {stderr}");
+}
+
+#[test]
+fn the_noise_of_a_reference_is_stated_and_subtracted() {
+    let place = tempfile::tempdir().expect("a temporary folder");
+    std::fs::write(place.path().join("room.ron"), ROOM).expect("it is written");
+    let render = |spp: &str, seed: &str, out: &str| {
+        let options = ["render", "room.ron", "--size", "24x24", "-o", out, "--spp", spp, "--seed", seed];
+        let (status, _, stderr) = run(place.path(), &options);
+        assert_eq!(status, 0, "{stderr}");
+        read_exr(&place.path().join(out)).expect("it is read").rgb
+    };
+    let truth = render("4096", "1000", "truth.exr");
+    // As noisy as the blocks that are measured, and of a seed that is the sweep's too.
+    let noisy = render("16", "3", "noisy.exr");
+    let sweep = ["tradeoff", "room.ron", "--budget", "8s", "--knobs", "roulette,sampler,max-depth", "--json"];
+    let (status, stdout, stderr) = run(place.path(), &[&sweep[..], &["--reference", "noisy.exr"]].concat());
+    assert_eq!(status, 0, "{stderr}");
+    let json: Value = serde_json::from_str(&stdout).expect("one object");
+    assert!(json["seed"].as_u64().is_some_and(|seed| seed > 3), "{}", json["seed"]);
+    // Stated: of 1728 values with one degree of freedom, and with rare bright ones among them.
+    assert_eq!((&json["width"], &json["height"]), (&Value::from(24), &Value::from(24)));
+    let own = json["relmse_of_reference"].as_f64().expect("two halves tell it");
+    let is = relmse(&noisy, &truth).expect("of one size");
+    assert!((own / is - 1.0).abs() < 0.3, "{own:e} is stated, {is:e} is so");
+    // Subtracted: the picture of 16 samples is as noisy, and would be off by twice as much.
+    let shown = json["equal_time"].as_array().and_then(|all| all.iter().find(|shown| shown["setting"] == "defaults"));
+    let shown = shown.expect("the defaults have a picture");
+    assert_eq!(shown["samples"], 16);
+    let error = shown["relmse"].as_f64().expect("a number");
+    assert!((0.4..1.6).contains(&(error / is)), "{error:e} of an image of {is:e}");
+    let against = &json["defaults_against_reference"];
+    assert!(against["differs"] == false && against["squared_bias"].as_f64().is_some_and(|b| b < 0.5 * is), "{against}");
+    for setting in json["settings"].as_array().expect("settings") {
+        if setting["class"] == "noise" {
+            assert_eq!(setting["biased"], false, "{setting}");
+        }
+        if setting["setting"] == "--max-depth 1" {
+            assert!(
+                setting["biased"] == true && setting["bias"].as_f64().is_some_and(|bias| bias < -0.05),
+                "{setting}"
+            );
+        }
+    }
+    // Few samples are one replicate, and tell nothing.
+    render("8", "3", "noisy.exr");
+    let (status, _, stderr) = run(place.path(), &[&sweep[..6], &["--reference", "noisy.exr"]].concat());
+    assert!(status == 0 && stderr.contains("noisy.exr, which does not tell its own noise"), "{stderr}");
 }

@@ -41,6 +41,13 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
     let own_error = error_of_reference(&reference);
     let scene = Scene::load(&args.scene)?;
     let biases = tell_biases(&args.trade, args.max_depth, &scene, args.quiet);
+    if reference.seed() == Some(args.seed) && !args.quiet {
+        tell(&format!(
+            "warning: {} was rendered with seed {} too: what both have of its noise looks like no error; give another --seed",
+            args.reference.display(),
+            args.seed
+        ));
+    }
     let (csv, plot) = outputs(args)?;
     let size = (reference.width, reference.height);
     let (size, flat) = flatten_for(&scene, Some(Size::Pixels(size.0, size.1)), wish_of(&args.trade))?;

@@ -10,93 +10,108 @@ use clap::Parser;
 use super::{open_device, path_text, print_json, print_line, stop_on_interrupt, tell, wish_of};
 use crate::cli::{Cli, Command, RenderArgs, Size, TradeoffArgs};
 use crate::error::{Error, Result};
-use crate::film::UNKNOWN_VARIANCE;
-use crate::gpu::device::Device;
 use crate::knobs::{KNOBS, Knob, MAX_DEPTH, SIZE, SPP};
-use crate::metrics::error::{relative_variance, relmse};
 use crate::metrics::flip::error_map;
 use crate::output::atomic;
 use crate::output::exr::{ExrImage, read_exr};
 use crate::output::png;
 use crate::output::progress::Loading;
 use crate::scene::Scene;
-use crate::tradeoff::judge::{Measured, judge, median, pooled};
-use crate::tradeoff::page::{Shown, html};
-use crate::tradeoff::replicates::{Pixels, noise, signed_bias};
-use crate::tradeoff::report::Report;
-use crate::tradeoff::sweep::{Block, LEVEL, LEVELS, SAMPLES_OF_ROUND, Setting, Subject, Sweep};
+use crate::tradeoff::extent::{FEWEST_PIXELS, affordable, calibrate, pixels_for, pixels_ratio, size_of};
+use crate::tradeoff::judge::{Judged, Measured, judge};
+use crate::tradeoff::page::{html, plot};
+use crate::tradeoff::replicates::{Estimate, Pixels, signed_bias};
+use crate::tradeoff::report::{Report, Shown};
+use crate::tradeoff::sweep::{FEWEST_ROUNDS, LEVEL, MOST_ROUNDS, Setting, Subject, Sweep};
+use crate::tradeoff::truth::Truth;
 
-/// The most pixels of the images that are measured: more tell the same about the settings.
-const MOST_PIXELS: f64 = 65_536.0;
-/// The fewest, below which an image is no picture of its scene.
-const FEWEST_PIXELS: f64 = 1_024.0;
-/// The rounds that the size is chosen for, and the most that are done.
-const ROUNDS: f64 = 12.0;
-const MOST_ROUNDS: usize = 32;
 /// The shares of the budget after which the pilot ends, compiling at the size that is measured, measuring, and the calibration by the
 /// whole size. The rest is for pictures and the report.
 const PILOT: f64 = 0.3;
 const COMPILING: f64 = 0.5;
 const MEASURING: f64 = 0.8;
 const CALIBRATING: f64 = 0.9;
-/// Pixels of the pilot that finds what each setting costs.
-const PILOT_PIXELS: f64 = 4_096.0;
+/// Images that are larger than the pilot's by this at least are worth to compile everything once more.
+const WORTH_COMPILING: f64 = 2.0;
+
+/// Why a setting is not measured.
+const UNREACHED: &str = "the budget did not reach it";
+const INTERRUPTED: &str = "interrupted before it was";
 
 /// Measures and reports.
 pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
+    // From here on an interrupt ends the measuring, not the program.
+    let stopped = stop_on_interrupt();
+    let stop = || stopped.load(Ordering::Relaxed);
     let scene = Scene::load(&args.scene)?;
     let knobs = knobs_of(args)?;
-    let reference = args.reference.as_deref().map(read_exr).transpose()?;
+    let reference = args.reference.as_deref().map(reference_of).transpose()?;
     let whole = match &reference {
         Some(image) => (image.width, image.height),
         None => (scene.image.width, scene.image.height),
     };
+    let seed = seed_beside(args.seed, reference.as_ref());
     let folder = folder_of(args)?;
     let device = open_device(args.device.as_deref(), args.quiet)?;
-    let stopped = stop_on_interrupt();
-    let stop = || stopped.load(Ordering::Relaxed);
     let at = |share: f64| start + Duration::from_secs_f64(share * args.budget.as_secs_f64());
 
     let mut loading = Loading::new(args.quiet);
-    let mut progress = |words: &str| {
-        let share = start.elapsed().as_secs_f64() / args.budget.as_secs_f64();
-        loading.show(words, share.min(1.0));
-    };
+    let share = || (start.elapsed().as_secs_f64() / args.budget.as_secs_f64()).min(1.0);
+    let mut progress = |words: &str| loading.show(words, share());
     // First small, which tells what each setting costs; then at the size that the rest of the budget is enough for.
     let exact = reference.is_some();
+    let mut pilot = Sweep::new(&device, &scene, size_of(whole, FEWEST_PIXELS, exact), seed);
     let begin = Instant::now();
-    let small = size_of(whole, PILOT_PIXELS, exact);
-    let mut pilot = Sweep::new(&device, &scene, small, args.seed);
     compile(&mut pilot, settings_of(&scene, &knobs)?, at(PILOT), &stop, &mut progress)?;
+    let compiling = begin.elapsed();
     pilot.measure(at(PILOT), 1, &stop, &mut |_, name| progress(&format!("pilot: {name}")))?;
-    let left = at(MEASURING).saturating_duration_since(Instant::now()).saturating_sub(begin.elapsed() / 2);
-    let size = size_of(whole, pixels_for(&pilot, left.as_secs_f64()), exact);
-    let mut sweep = match size == small {
-        true => pilot,
+    let left = at(MEASURING).saturating_duration_since(Instant::now());
+    let size = size_of(whole, pixels_for(&pilot, left.saturating_sub(compiling)), exact);
+    let mut sweep = match pixels_ratio(size, pilot.size) < WORTH_COMPILING {
+        true => {
+            let count = affordable(&pilot, left);
+            pilot.keep(count, UNREACHED);
+            pilot
+        }
         false => {
-            let mut sweep = Sweep::new(&device, &scene, size, args.seed);
+            let mut sweep = Sweep::new(&device, &scene, size, seed);
             sweep.unmeasured = pilot.unmeasured;
             let settings = pilot.subjects.into_iter().map(|subject| subject.setting).collect();
             compile(&mut sweep, settings, at(COMPILING), &stop, &mut progress)?;
             sweep
         }
     };
+    let size = sweep.size;
+    let mut enough = false;
     sweep.measure(at(MEASURING), MOST_ROUNDS, &stop, &mut |round, name| {
-        progress(&format!("round {}: {name}", round + 1))
+        if round >= FEWEST_ROUNDS && !enough {
+            enough = true;
+            loading.message(&format!(
+                "{round} rounds are measured; more make it surer, and an interrupt ends it with what there is"
+            ));
+        }
+        loading.show(&format!("round {}: {name}", round + 1), share());
     })?;
     let whole_over_small = match size == whole {
         true => None,
-        false => calibrate(&mut sweep, &scene, &device, whole, at(CALIBRATING), &stop)?,
+        false => calibrate(&mut sweep, whole, at(CALIBRATING), &stop)?,
     };
     drop(loading);
 
-    let smaller = reference.as_ref().map(|image| shrunk(image, size));
-    let truth = smaller.clone().or_else(|| pooled(&sweep, None)).ok_or_else(|| too_short(args))?;
-    let measured = judge(&mut sweep, &truth, whole_over_small.unwrap_or((1.0, 1.0)));
-    if measured.is_empty() {
+    let reference = reference.map(|file| Truth::of_file(&file, size));
+    let unreached = if stop() { INTERRUPTED } else { UNREACHED };
+    // Where that was not measured, the time is taken to be that of so many more pixels.
+    let over_small = whole_over_small.unwrap_or((pixels_ratio(whole, size), 1.0));
+    let judged = judge(&mut sweep, reference.as_ref(), over_small, unreached);
+    if judged.measured.is_empty() && !stop() {
         return Err(too_short(args));
     }
-    let shown = pictures(&mut sweep, &measured, smaller.as_ref(), at(1.0), &stop)?;
+    let shown = pictures(&mut sweep, &judged, reference.as_ref(), at(1.0), &stop)?;
+    let truth = reference.clone().or_else(|| Truth::pooled(&sweep, None));
+    let against_defaults = |truth: &Truth| {
+        let found = judged.against_reference;
+        found.map(|(distance, _)| distance.signed).or_else(|| against(&sweep, truth))
+    };
     let report = Report {
         scene: args.scene.file_name().unwrap_or_default().to_string_lossy().into_owned(),
         device: device.name.name.clone(),
@@ -104,17 +119,19 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
         size,
         whole_size: whole,
         calibration: whole_over_small,
-        seed: args.seed,
+        seed,
         budget: args.budget.as_secs_f64(),
         seconds: start.elapsed().as_secs_f64(),
         reference: args.reference.as_deref().map(path_text),
-        error_of_reference: reference.as_ref().and_then(|image| error_of(image, size)),
-        against_reference: smaller.as_ref().and_then(|truth| against(&sweep, truth)),
+        error_of_truth: truth.as_ref().and_then(|truth| truth.error(&judged.weights)),
+        against_reference: reference.as_ref().and_then(against_defaults),
+        distance: judged.against_reference,
         interrupted: stop(),
-        measured,
+        measured: judged.measured,
         unmeasured: sweep.unmeasured.clone(),
+        shown,
     };
-    write(&folder, &report, &shown)?;
+    write(&folder, &report)?;
     if args.json {
         print_json(&report.json());
     } else {
@@ -131,10 +148,31 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     }
 }
 
+/// An image to measure against.
+fn reference_of(path: &Path) -> Result<ExrImage> {
+    let image = read_exr(path)?;
+    match image.rgb.as_flattened().iter().all(|v| v.is_finite()) {
+        true => Ok(image),
+        false => Err(Error::Usage(format!(
+            "{}: it holds pixels that are no finite numbers, so that it measures nothing",
+            path.display()
+        ))),
+    }
+}
+
+/// A seed from which on no image of the sweep shares its random numbers with a reference that was rendered by this program: what both
+/// have would look like no error at all.
+fn seed_beside(wish: u32, reference: Option<&ExrImage>) -> u32 {
+    match reference.and_then(ExrImage::seed) {
+        Some(taken) if Sweep::uses(wish, taken) => taken.wrapping_add(Sweep::SEEDS_BEFORE + 1),
+        _ => wish,
+    }
+}
+
 fn too_short(args: &TradeoffArgs) -> Error {
     let budget = args.budget.as_secs_f64();
     Error::Usage(format!(
-        "--budget {budget} s: the defaults alone took longer than that three times over; give it more"
+        "--budget {budget} s: no setting was measured {FEWEST_ROUNDS} times beside the defaults within it; give it more, or fewer --knobs"
     ))
 }
 
@@ -219,7 +257,7 @@ fn compile(
     for (i, setting) in settings.into_iter().enumerate() {
         progress(&format!("compiling {}", setting.name()));
         if i > 0 && (stop() || Instant::now() + last > until) {
-            sweep.leave_out(setting, "the budget did not reach it");
+            sweep.leave_out(setting, if stop() { INTERRUPTED } else { UNREACHED });
             continue;
         }
         let begin = Instant::now();
@@ -229,121 +267,25 @@ fn compile(
     Ok(())
 }
 
-/// The pixels that so many seconds are enough for, by what a round of the pilot took.
-fn pixels_for(pilot: &Sweep<'_>, seconds: f64) -> f64 {
-    let of_sample = |subject: &Subject<'_>| {
-        let (samples, blocks) = subject.blocks.iter().next_back()?;
-        Some(blocks.last()?.seconds / f64::from(*samples))
-    };
-    let known: Vec<f64> = pilot.subjects.iter().filter_map(of_sample).collect();
-    // What the pilot did not reach is taken to cost what the others do.
-    let of_all = known.iter().sum::<f64>() * pilot.subjects.len() as f64 / known.len().max(1) as f64;
-    let of_pixel = of_all / (f64::from(pilot.size.0) * f64::from(pilot.size.1));
-    (seconds / (of_pixel * SAMPLES_OF_ROUND * ROUNDS)).clamp(FEWEST_PIXELS, MOST_PIXELS)
-}
-
-/// What the defaults take and how noisy they are at the whole size, over the same at the sweep's: seconds of a sample, and relMSE by
-/// noise. All settings are taken to change alike. Nothing where the time is not enough.
-fn calibrate(
-    sweep: &mut Sweep<'_>,
-    scene: &Scene,
-    device: &Device,
-    whole: (u32, u32),
-    until: Instant,
-    stop: &dyn Fn() -> bool,
-) -> Result<Option<(f64, f64)>> {
-    const SAMPLES: u32 = LEVELS[0];
-    const IMAGES: u32 = 3;
-    let Some(defaults) = sweep.subjects.first() else { return Ok(None) };
-    let Some(blocks) = defaults.blocks.get(&SAMPLES).filter(|blocks| blocks.len() >= 3) else { return Ok(None) };
-    let area = |size: (u32, u32)| f64::from(size.0) * f64::from(size.1);
-    let small_seconds = median(&blocks.iter().map(|block| block.seconds).collect::<Vec<_>>());
-    let expected = Duration::from_secs_f64(small_seconds * area(whole) / area(sweep.size) * f64::from(IMAGES));
-    if stop() || Instant::now() + expected + Duration::from_secs_f64(defaults.seconds_compile) > until {
-        return Ok(None);
-    }
-    let (mut large, setting) = (Sweep::new(device, scene, whole, 0), defaults.setting.clone());
-    large.add(setting)?;
-    let mut found = Vec::new();
-    for seed in 0..IMAGES {
-        match large.image(0, SAMPLES, sweep.seed.wrapping_sub(2 + seed), stop)? {
-            Some(block) => found.push(block),
-            None => return Ok(None),
-        }
-    }
-    let seconds = median(&found.iter().map(|block| block.seconds).collect::<Vec<_>>()) / small_seconds;
-    let noise_of = |blocks: &[Block]| {
-        let images: Vec<Pixels> = blocks.iter().map(|block| block.image.clone()).collect();
-        Some(noise(&images, &mean_of(&images))?.value)
-    };
-    let ratio = noise_of(&found).zip(noise_of(&blocks[..IMAGES as usize])).map(|(large, small)| large / small);
-    Ok(Some((seconds, ratio.filter(|ratio| ratio.is_finite() && *ratio > 0.0).unwrap_or(1.0))))
-}
-
-fn mean_of(images: &[Pixels]) -> Pixels {
-    let mut sum = vec![[0.0f64; 3]; images.first().map_or(0, Vec::len)];
-    for image in images {
-        sum.iter_mut().zip(image).for_each(|(sum, p)| (0..3).for_each(|c| sum[c] += f64::from(p[c])));
-    }
-    sum.iter().map(|p| p.map(|v| (v / images.len() as f64) as f32)).collect()
-}
-
-/// The whole size divided so that about so many pixels are left; by a common divisor of both sides where pixels must be whole ones.
-fn size_of((width, height): (u32, u32), pixels: f64, exact: bool) -> (u32, u32) {
-    let times = (f64::from(width) * f64::from(height) / pixels).sqrt().max(1.0);
-    if exact {
-        let divides = |by: &u32| width % by == 0 && height % by == 0;
-        let by = (1..=width.min(height)).filter(divides).find(|by| f64::from(*by) >= times);
-        // None does: as small as it goes.
-        let by = by.or_else(|| (1..=width.min(height)).rfind(divides)).unwrap_or(1);
-        return (width / by, height / by);
-    }
-    let side = |side: u32| ((f64::from(side) / times).round() as u32).max(1);
-    (side(width), side(height))
-}
-
-/// The mean over blocks of pixels: with the box filter that is the very image of that size.
-fn shrunk(image: &ExrImage, size: (u32, u32)) -> Pixels {
-    let by = (image.width / size.0) as usize;
-    let sum = |x: usize, y: usize| {
-        let rows = (y * by..(y + 1) * by).map(|row| row * image.width as usize);
-        let pixels = rows.flat_map(|row| &image.rgb[row + x * by..row + (x + 1) * by]);
-        let sum = pixels.fold([0.0f64; 3], |sum, p| std::array::from_fn(|c| sum[c] + f64::from(p[c])));
-        sum.map(|v| (v / (by * by) as f64) as f32)
-    };
-    (0..size.1 as usize).flat_map(|y| (0..size.0 as usize).map(move |x| (x, y))).map(|(x, y)| sum(x, y)).collect()
-}
-
-/// The relMSE of a reference by its own noise at a size, where its file tells the variances.
-fn error_of(image: &ExrImage, size: (u32, u32)) -> Option<f64> {
-    let variance = image.variance.as_ref().filter(|v| !v.as_flattened().contains(&UNKNOWN_VARIANCE))?;
-    let by = f64::from(image.width / size.0);
-    let of_means = ExrImage { rgb: variance.clone(), width: image.width, height: image.height, ..ExrImage::default() };
-    // A mean of n pixels has an n-th of their mean variance.
-    relative_variance(&shrunk(&of_means, size), &shrunk(image, size)).map(|error| error / (by * by))
-}
-
-/// The defaults' mean against the reference's.
-fn against(sweep: &Sweep<'_>, truth: &Pixels) -> Option<(f64, f64)> {
+/// The defaults' mean against that of a reference whose noise is not known.
+fn against(sweep: &Sweep<'_>, truth: &Truth) -> Option<Estimate> {
     let blocks = sweep.subjects.first()?.blocks.get(&LEVEL)?;
     let images: Vec<Pixels> = blocks.iter().map(|block| block.image.clone()).collect();
-    let same = vec![truth.clone(); images.len()];
-    let found = signed_bias(&images, &same, truth)?;
-    Some((found.value, found.half_width()))
+    signed_bias(&images, &vec![truth.image.clone(); images.len()], &truth.image)
 }
 
 /// Every setting's picture after the time that the defaults take for a block, as far as the budget goes.
 fn pictures(
     sweep: &mut Sweep<'_>,
-    measured: &[Measured],
-    reference: Option<&Pixels>,
+    judged: &Judged,
+    reference: Option<&Truth>,
     until: Instant,
     stop: &dyn Fn() -> bool,
 ) -> Result<Vec<Shown>> {
     let pace = |found: &Measured| found.seconds_here;
-    let same_time = pace(&measured[0]) * f64::from(LEVEL);
+    let same_time = judged.measured.first().map_or(0.0, pace) * f64::from(LEVEL);
     let mut shown = Vec::new();
-    for found in measured {
+    for found in &judged.measured {
         let of = |subject: &Subject<'_>| subject.setting.name() == found.setting.name();
         let Some(subject) = sweep.subjects.iter().position(of) else { continue };
         let samples = ((same_time / pace(found)).round() as u32).max(1);
@@ -351,19 +293,19 @@ fn pictures(
         if stop() || Instant::now() + takes > until {
             break;
         }
-        let Some(block) = sweep.image(subject, samples, u32::MAX, stop)? else { break };
+        let Some(block) = sweep.image(subject, samples, Sweep::seed_before(sweep.seed, 0), stop)? else { break };
         let own = match reference {
             Some(truth) => Some(truth.clone()),
-            None => pooled(sweep, Some(subject)),
+            None => Truth::pooled(sweep, Some(subject)),
         };
         let Some(truth) = own else { break };
-        let map = error_map(sweep.size.0 as usize, &block.image, &truth);
+        let map = error_map(sweep.size.0 as usize, &block.image, &truth.image);
         let flip = map.iter().map(|&e| f64::from(e)).sum::<f64>() / map.len().max(1) as f64;
         shown.push(Shown {
             setting: found.setting.name(),
             samples,
             seconds: block.seconds,
-            relmse: relmse(&block.image, &truth).unwrap_or(f64::NAN),
+            relmse: truth.relmse_of(&block.image, &judged.weights),
             flip,
             picture: png::picture(sweep.size, &block.image).unwrap_or_default(),
             flip_map: png::heatmap(sweep.size, &map).unwrap_or_default(),
@@ -372,9 +314,13 @@ fn pictures(
     Ok(shown)
 }
 
-fn write(folder: &Path, report: &Report, shown: &[Shown]) -> Result<()> {
+fn write(folder: &Path, report: &Report) -> Result<()> {
     let file = |name: &str, text: &str| atomic::replace(&folder.join(name), |file| file.write_all(text.as_bytes()));
     file("tradeoff.csv", &report.csv())?;
     file("tradeoff.json", &format!("{:#}\n", report.json()))?;
-    file("index.html", &html(report, shown)?)
+    let plot = plot(report)?;
+    if let Some(plot) = &plot {
+        file("plot.svg", plot)?;
+    }
+    file("index.html", &html(report, plot.as_deref()))
 }

@@ -2,7 +2,7 @@
 //!
 //! What is compared are the means over the whole image of luminance, red, green and blue, and the same four over each tile of a grid.
 //! Every mean difference comes with a standard error of a known number of degrees of freedom, and so with a p-value by Student's t:
-//! how often noise alone would make a difference of at least this size. docs/accuracy.md derives it and has the measurements.
+//! how often noise alone would make a difference of at least this size. docs/comparing.md derives it and has the measurements.
 
 use super::student;
 use crate::data::luminance;

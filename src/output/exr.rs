@@ -145,6 +145,14 @@ pub struct ExrImage {
     pub attributes: Vec<(String, String)>,
 }
 
+impl ExrImage {
+    /// The seed that this program rendered it with. An image of the same seed has some of its noise.
+    pub fn seed(&self) -> Option<u32> {
+        let (_, text) = self.attributes.iter().find(|(name, _)| name == "gpu-rt:seed")?;
+        text.parse().ok()
+    }
+}
+
 type FlatLayer = Layer<AnyChannels<FlatSamples>>;
 
 /// Reads R, G and B, in half or float, of the first part that holds them; where none does, of the first layer `name.R`, `name.G`,

@@ -22,7 +22,11 @@ pub struct Plot<'a> {
     pub curves: Vec<Curve>,
 }
 
-const SIZE: (u32, u32) = (900, 600);
+const WIDTH: u32 = 900;
+const HEIGHT: u32 = 540;
+/// The legend stands below, where no curve is.
+const LEGEND_COLUMNS: usize = 3;
+const LEGEND_ROW: u32 = 24;
 
 /// Colours that are told apart on white, by most people with colour blindness too: M. Okabe and K. Ito's ("Color Universal Design", 2008)
 /// without yellow, and darker ones of them.
@@ -45,7 +49,9 @@ const COLOURS: [RGBColor; 10] = [
 /// `Error::Usage` where no curve has a point.
 pub fn svg(plot: &Plot<'_>) -> Result<String> {
     let mut text = String::new();
-    let drawn = draw(plot, &SVGBackend::with_string(&mut text, SIZE).into_drawing_area());
+    let rows = plot.curves.len().div_ceil(LEGEND_COLUMNS) as u32;
+    let size = (WIDTH, HEIGHT + rows * LEGEND_ROW + LEGEND_ROW / 2);
+    let drawn = draw(plot, &SVGBackend::with_string(&mut text, size).into_drawing_area());
     drawn.map_err(|error| Error::Usage(format!("the plot cannot be drawn: {error}")))?;
     Ok(text)
 }
@@ -67,7 +73,8 @@ fn draw(plot: &Plot<'_>, area: &DrawingArea<SVGBackend<'_>, plotters::coord::Shi
         ends.0 / 1.5..ends.1 * 1.5
     };
     area.fill(&WHITE)?;
-    let mut builder = ChartBuilder::on(area);
+    let (above, below) = area.split_vertically(HEIGHT);
+    let mut builder = ChartBuilder::on(&above);
     if !plot.title.is_empty() {
         builder.caption(plot.title, ("sans-serif", 22));
     }
@@ -88,21 +95,16 @@ fn draw(plot: &Plot<'_>, area: &DrawingArea<SVGBackend<'_>, plotters::coord::Shi
     for (i, curve) in plot.curves.iter().enumerate() {
         let colour = COLOURS[i % COLOURS.len()];
         let points = shown(curve);
-        chart
-            .draw_series(LineSeries::new(points.iter().copied(), colour.stroke_width(if i == 0 { 2 } else { 1 })))?
-            .label(&curve.name)
-            .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(2)));
+        let line = colour.stroke_width(if i == 0 { 3 } else { 2 });
+        chart.draw_series(LineSeries::new(points.iter().copied(), line))?;
         if i == 0 {
             chart.draw_series(points.iter().map(|point| Circle::new(*point, 4, colour.filled())))?;
         }
+        let column = WIDTH as usize / LEGEND_COLUMNS * (i % LEGEND_COLUMNS);
+        let (x, y) = (column as i32 + 24, (i / LEGEND_COLUMNS) as i32 * LEGEND_ROW as i32 + LEGEND_ROW as i32 / 2);
+        below.draw(&PathElement::new([(x, y), (x + 24, y)], line))?;
+        below.draw(&Text::new(curve.name.as_str(), (x + 32, y - 8), ("sans-serif", 15)))?;
     }
-    chart
-        .configure_series_labels()
-        .label_font(("sans-serif", 15))
-        .background_style(WHITE.mix(0.9))
-        .border_style(BLACK.mix(0.3))
-        .position(SeriesLabelPosition::UpperRight)
-        .draw()?;
     area.present()?;
     Ok(())
 }

@@ -114,7 +114,8 @@ impl Display {
     }
 }
 
-/// Shows how far the reading of the scene's files is, if it takes longer than a moment. Dropping it takes the bar away.
+/// Shows how far the reading of the scene's files is, or other work of a known length, if it takes longer than a moment. Dropping it takes
+/// the bar away.
 pub struct Loading {
     quiet: bool,
     start: Instant,
@@ -135,6 +136,15 @@ impl Loading {
         }
         let display = self.display.get_or_insert_with(|| Display::for_stderr(self.start));
         display.show(share, || words.to_string());
+    }
+
+    /// Prints a line, above the bar; nothing where quiet.
+    pub fn message(&self, text: &str) {
+        match &self.display {
+            _ if self.quiet => {}
+            Some(Display::Bar(bar)) => bar.suspend(|| print(text)),
+            _ => print(text),
+        }
     }
 
     /// `done` of the `whole` bytes of a file are read. May be called as often as is convenient.

@@ -7,39 +7,36 @@ use base64::engine::general_purpose::STANDARD;
 
 use super::judge::{Measured, TARGETS};
 use super::model::Standing;
-use super::report::{Report, bias_text, class_name, target_name, time_text};
+use super::report::{
+    CAPTION, MOST_CURVES, Report, bias_text, class_name, efficiency_text, relmse_text, seconds_text, target_name,
+    time_text,
+};
+use super::sweep::LEVEL;
 use crate::error::Result;
 use crate::output::plot::{Curve, Plot, svg};
 
-/// A picture of a setting after the time that all pictures had.
-#[derive(Clone, Debug)]
-pub struct Shown {
-    pub setting: String,
-    pub samples: u32,
-    pub seconds: f64,
-    pub relmse: f64,
-    pub flip: f64,
-    /// PNG files.
-    pub picture: Vec<u8>,
-    pub flip_map: Vec<u8>,
-}
-
 const STYLE: &str = "
-:root { color-scheme: light dark; --ink: #1b1b1f; --paper: #ffffff; --line: #d6d6dc; --soft: #66666e; --front: #e7f4ea; }
-@media (prefers-color-scheme: dark) { :root { --ink: #e8e8ec; --paper: #17171b; --line: #3a3a42; --soft: #9a9aa4; --front: #1d3324; } }
-body { font: 16px/1.5 system-ui, sans-serif; color: var(--ink); background: var(--paper); margin: 2rem auto; padding: 0 1rem; max-width: 76rem; }
+:root { color-scheme: light dark; --ink: #1b1b1f; --paper: #ffffff; --line: #d6d6dc; --soft: #5c5c64; --front: #e7f4ea; }
+@media (prefers-color-scheme: dark) {
+  :root { --ink: #e8e8ec; --paper: #17171b; --line: #3a3a42; --soft: #a6a6b0; --front: #1d3324; }
+  figure svg { filter: invert(.91) hue-rotate(180deg); }
+}
+body { font: 16px/1.5 system-ui, sans-serif; color: var(--ink); background: var(--paper); margin: 2rem auto; padding: 0 1rem; max-width: 80rem; }
 h1 { font-size: 1.6rem; } h2 { font-size: 1.2rem; margin-top: 2.5rem; }
-p.note, li.note { color: var(--soft); }
+ul { padding-left: 1.2rem; } li { margin: .2rem 0; } code { white-space: nowrap; }
+p, li { max-width: 60rem; } p.note, li.note { color: var(--soft); }
 .wide { overflow-x: auto; }
-table { border-collapse: collapse; font-variant-numeric: tabular-nums; white-space: nowrap; }
-th, td { text-align: right; padding: .3rem .7rem; border-bottom: 1px solid var(--line); }
+table { border-collapse: collapse; font-size: .85rem; font-variant-numeric: tabular-nums; white-space: nowrap; }
+th, td { text-align: right; padding: .3rem .4rem; border-bottom: 1px solid var(--line); vertical-align: baseline; }
 th:nth-child(-n+3), td:nth-child(-n+3) { text-align: left; }
+th:first-child, td:first-child { position: sticky; left: 0; background: var(--paper); }
+td:nth-child(2) { white-space: normal; min-width: 11rem; }
 tr.front td { background: var(--front); }
-figure { margin: 1rem 0; background: #fff; border: 1px solid var(--line); border-radius: 6px; }
-figure svg { display: block; width: 100%; height: auto; }
-.pictures { display: grid; grid-template-columns: repeat(auto-fill, minmax(17rem, 1fr)); gap: 1.2rem; }
+figure { margin: 1rem 0; border: 1px solid var(--line); border-radius: 6px; overflow-x: auto; }
+figure svg { display: block; width: 100%; max-width: 60rem; min-width: 38rem; height: auto; margin: auto; }
+.pictures { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(17rem, 100%), 1fr)); gap: 1.2rem; }
 .pictures img { width: 100%; image-rendering: pixelated; display: block; border-radius: 4px; }
-.pictures .pair { display: grid; grid-template-columns: 1fr 1fr; gap: 2px; }
+.pictures .pair { display: grid; grid-template-columns: 1fr 1fr; gap: 2px; margin-bottom: .3rem; }
 ";
 
 /// Text where HTML expects text.
@@ -47,11 +44,18 @@ fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
-/// The whole page.
-///
-/// # Errors
-/// Where the plot cannot be drawn.
-pub fn html(report: &Report, shown: &[Shown]) -> Result<String> {
+/// The same, and what stands between backticks as code.
+fn marked(text: &str) -> String {
+    let parts: Vec<String> = text.split('`').map(escaped).collect();
+    let mark = |(i, part): (usize, &String)| match i % 2 {
+        0 => part.clone(),
+        _ => format!("<code>{part}</code>"),
+    };
+    parts.iter().enumerate().map(mark).collect()
+}
+
+/// The whole page, with the plot where there is one.
+pub fn html(report: &Report, plot: Option<&str>) -> String {
     let mut page = String::new();
     let scene = escaped(&report.scene);
     let _ = write!(
@@ -61,33 +65,45 @@ pub fn html(report: &Report, shown: &[Shown]) -> Result<String> {
          <h1>{scene}: speed and accuracy</h1>\n<ul>\n"
     );
     for words in report.advice() {
-        let _ = writeln!(page, "<li><strong>{}</strong></li>", escaped(&words));
+        let _ = writeln!(page, "<li><strong>{}</strong></li>", marked(&words));
     }
     for words in report.basis() {
-        let _ = writeln!(page, "<li class=\"note\">{}</li>", escaped(&words));
+        let _ = writeln!(page, "<li class=\"note\">{}</li>", marked(&words));
     }
-    let _ = write!(page, "</ul>\n<h2>Error against time</h2>\n<figure>\n{}</figure>\n", plot(report)?);
-    page += "<p class=\"note\">bias² + c N^-p, by the measured bias and the noise measured at 4, 16 and 64 samples. A line that ends level is a bias that no \
-             time removes. Of what is dominated only the biased settings are drawn.</p>\n";
+    page += "</ul>\n";
+    if let Some(plot) = plot {
+        let _ = write!(page, "<h2>Error against time</h2>\n<figure>\n{plot}</figure>\n");
+        let _ = writeln!(
+            page,
+            "<p class=\"note\">{}</p>",
+            marked(&[&[CAPTION.to_string()], &report.left_out()[..]].concat().join(" "))
+        );
+    }
     page += &table(report);
-    if !shown.is_empty() {
-        page += "<h2>The same time for each</h2>\n<div class=\"pictures\">\n";
-        for picture in shown {
+    if !report.shown.is_empty() {
+        let _ = write!(
+            page,
+            "<h2>The same time for each</h2>\n<p class=\"note\">{}x{} pixels, each setting with the whole number of samples nearest to the time that the \
+             defaults take for {LEVEL}; below, the time that it took. To the right of each its FLIP map: what an eye sees of the difference, from black \
+             (nothing) to white.</p>\n<div class=\"pictures\">\n",
+            report.size.0, report.size.1
+        );
+        for picture in &report.shown {
             let data = |bytes: &[u8]| format!("data:image/png;base64,{}", STANDARD.encode(bytes));
             let name = escaped(&picture.setting);
             let _ = writeln!(
                 page,
                 "<div><div class=\"pair\"><img alt=\"{name}\" src=\"{}\"><img alt=\"FLIP of {name}\" src=\"{}\"></div><strong>{name}</strong><br>\
-                 {} samples, {}, relMSE {:.1e}, FLIP {:.3}</div>",
+                 {} samples, {}, relMSE {}, FLIP {:.3}</div>",
                 data(&picture.picture),
                 data(&picture.flip_map),
                 picture.samples,
                 time_text(Some(picture.seconds)),
-                picture.relmse,
+                relmse_text(picture.relmse),
                 picture.flip
             );
         }
-        page += "</div>\n<p class=\"note\">Right of each picture its FLIP map: what an eye sees of the difference, from black (nothing) to white.</p>\n";
+        page += "</div>\n";
     }
     page += "<h2>What the settings give up</h2>\n<ul>\n";
     let mut told: Vec<&str> = Vec::new();
@@ -100,77 +116,78 @@ pub fn html(report: &Report, shown: &[Shown]) -> Result<String> {
                 "<li><code>--{}</code> ({}): {} {}</li>",
                 knob.name,
                 class_name(knob.class),
-                escaped(knob.about),
-                escaped(knob.gives_up)
+                marked(knob.about),
+                marked(knob.gives_up)
             );
         }
     }
     page += "</ul>\n</body>\n</html>\n";
-    Ok(page)
+    page
 }
 
-/// Error against seconds of what is on the front, and of what is not biased or biased most.
-fn plot(report: &Report) -> Result<String> {
-    let mut curves: Vec<Curve> = Vec::new();
-    let mut sorted = report.sorted();
-    // The defaults in front; the others keep their order.
-    sorted.sort_by_key(|measured| measured.setting.knob.is_some());
-    for measured in sorted {
-        if measured.standing == Standing::Dominated && measured.setting.knob.is_some() && !measured.biased {
-            continue;
-        }
+/// Error against seconds; nothing where nothing has an error.
+///
+/// # Errors
+/// Where the plot cannot be drawn.
+pub fn plot(report: &Report) -> Result<Option<String>> {
+    let curve = |measured: &Measured| {
         let points = (0..=12).map(|power| {
             let samples = f64::from(1u32 << power);
             (samples * measured.model.seconds, measured.model.error(samples))
         });
-        let slope = measured.model.exponent;
-        let name = format!("{} (p {slope:.2})", measured.setting.name());
-        curves.push(Curve { name, points: points.collect() });
+        let name = format!("{} (p {:.2})", measured.setting.name(), measured.model.noise.exponent);
+        Curve { name, points: points.collect() }
+    };
+    let mut curves: Vec<Curve> = report.drawn().0.into_iter().take(MOST_CURVES).map(curve).collect();
+    curves.retain(|curve: &Curve| curve.points.iter().any(|point| point.1 > 0.0));
+    if curves.is_empty() {
+        return Ok(None);
     }
-    svg(&Plot { title: "", x: "seconds", y: "relMSE", curves })
+    svg(&Plot { title: "", x: "seconds", y: "relMSE", curves }).map(Some)
 }
 
 fn table(report: &Report) -> String {
-    let mut text = String::from(
-        "<h2>All settings</h2>\n<div class=\"wide\"><table>\n<tr><th>setting<th>verdict<th>gives up<th>ms a sample<th>variance, 1 sample<th>p\
-         <th>bias of the mean<th>bias², relMSE",
-    );
+    let mut text =
+        String::from("<h2>All settings</h2>\n<div class=\"wide\"><table>\n<tr><th>setting<th>verdict<th>gives up");
     for target in TARGETS {
         let _ = write!(text, "<th>to {}", target_name(target));
     }
-    text += "<th>efficiency\n";
+    text += "<th>bias of the mean<th>bias²<th>s / sample<th>noise<th>p<th>efficiency\n";
     let base = report.measured.first().map_or(1.0, Measured::efficiency);
     for measured in report.sorted() {
         let class = if measured.standing == Standing::Front { " class=\"front\"" } else { "" };
         let _ = write!(
             text,
-            "<tr{class}><td>{}<td>{}<td>{}<td>{:.2} ± {:.2}<td>{:.3}<td>{:.2}<td>{}<td>{:.1e}",
+            "<tr{class}><td>{}<td>{}<td>{}",
             escaped(&measured.setting.name()),
             escaped(&measured.verdict()),
             class_name(measured.setting.class()),
-            1e3 * measured.seconds,
-            1e3 * measured.seconds_spread,
-            measured.model.noise,
-            measured.model.exponent,
-            bias_text(measured),
-            measured.squared.value.max(0.0),
         );
         for time in measured.times {
             let _ = write!(text, "<td>{}", time_text(time));
         }
-        let _ = writeln!(text, "<td>{:.2}", measured.efficiency() / base);
+        let _ = writeln!(
+            text,
+            "<td>{}<td>{}<td>{}<td>{:.3}<td>{:.2}<td>{}",
+            bias_text(measured),
+            relmse_text(measured.model.squared_bias),
+            seconds_text(measured),
+            measured.model.noise.noise,
+            measured.model.noise.exponent,
+            efficiency_text(measured, base)
+        );
     }
     for left in &report.unmeasured {
         let _ = writeln!(
             text,
-            "<tr><td>{}<td>not measured: {}<td>{}{}",
+            "<tr><td>{}<td colspan=\"{}\">not measured: {}",
             escaped(&left.setting.name()),
-            escaped(&left.why),
-            class_name(left.setting.class()),
-            "<td>".repeat(6 + TARGETS.len())
+            8 + TARGETS.len(),
+            escaped(&left.why)
         );
     }
-    text += "</table></div>\n<p class=\"note\">Sorted by the time to 1e-2. Green: on the front, no other setting reaches every target as soon. \
-             Efficiency is 1 / (variance × seconds), over that of the defaults. p: the noise falls as N^-p.</p>\n";
+    text += "</table></div>\n<p class=\"note\">Sorted by the time to 1e-2. Green: on the front, no other setting reaches every target as soon. Noise and bias² are relMSE: \
+             noise extrapolated to one sample a pixel; it falls as N^-p. Behind ±: of the bias half its 95 % interval, of seconds half \
+             the interquartile range over the rounds. Efficiency is 1 / (noise × seconds), over that of the defaults.</p>\n";
     text
 }

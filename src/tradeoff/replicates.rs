@@ -59,7 +59,7 @@ impl Estimate {
 }
 
 /// Mean over pixels and channels of a b / (r² + 0.01), r the reference: the measure in which relMSE is a square.
-fn product(a: &Pixels, b: &Pixels, reference: &Pixels) -> f64 {
+pub(super) fn product(a: &Pixels, b: &Pixels, reference: &Pixels) -> f64 {
     let terms = a.as_flattened().iter().zip(b.as_flattened()).zip(reference.as_flattened());
     let sum: f64 = terms
         .map(|((&a, &b), &r)| {
@@ -69,15 +69,16 @@ fn product(a: &Pixels, b: &Pixels, reference: &Pixels) -> f64 {
     sum / (3 * reference.len()) as f64
 }
 
-fn difference(a: &Pixels, b: &Pixels) -> Pixels {
+/// Value by value.
+pub(super) fn difference(a: &Pixels, b: &Pixels) -> Pixels {
     a.iter().zip(b).map(|(a, b)| std::array::from_fn(|c| a[c] - b[c])).collect()
 }
 
 /// The products of all pairs of replicates.
-struct Gram(Vec<Vec<f64>>);
+pub(super) struct Gram(Vec<Vec<f64>>);
 
 impl Gram {
-    fn of(images: &[Pixels], reference: &Pixels) -> Gram {
+    pub(super) fn of(images: &[Pixels], reference: &Pixels) -> Gram {
         let row = |a| images.iter().map(|b| product(a, b, reference)).collect();
         Gram(images.iter().map(row).collect())
     }
@@ -92,9 +93,9 @@ impl Gram {
     }
 
     /// The jackknife over replicates (Efron and Stein, Annals of Statistics 9(3), 1981): its variance is never too small on the mean.
-    fn jackknife(&self, figure: fn((f64, f64)) -> f64) -> Option<Estimate> {
+    pub(super) fn jackknife(&self, figure: fn((f64, f64)) -> f64) -> Option<Estimate> {
         let n = self.0.len();
-        if n < 3 {
+        if n < super::sweep::FEWEST_ROUNDS {
             return None;
         }
         let without: Vec<f64> = (0..n).map(|i| figure(self.means(Some(i)))).collect();
@@ -122,16 +123,21 @@ pub fn squared_bias(setting: &[Pixels], baseline: &[Pixels], reference: &Pixels)
 pub fn signed_bias(setting: &[Pixels], baseline: &[Pixels], reference: &Pixels) -> Option<Estimate> {
     let mean = |image: &Pixels| image.as_flattened().iter().map(|&v| f64::from(v)).sum::<f64>();
     let whole = mean(reference);
-    let each: Vec<f64> = setting.iter().zip(baseline).map(|(a, b)| (mean(a) - mean(b)) / whole).collect();
+    let off = |(a, b)| match mean(a) - mean(b) {
+        // Of black images too.
+        0.0 => 0.0,
+        off => off / whole,
+    };
+    let each: Vec<f64> = setting.iter().zip(baseline).map(off).collect();
     Estimate::of_values(&each).filter(|estimate| estimate.value.is_finite())
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
     /// Noise of a standard deviation about a value, the same in every run of the test.
-    struct Random(u64);
+    pub(in crate::tradeoff) struct Random(pub u64);
 
     impl Random {
         fn normal(&mut self) -> f64 {
@@ -142,7 +148,7 @@ mod tests {
             (-2.0 * uniform().ln()).sqrt() * (std::f64::consts::TAU * uniform()).cos()
         }
 
-        fn images(&mut self, count: usize, mean: f64, deviation: f64) -> Vec<Pixels> {
+        pub fn images(&mut self, count: usize, mean: f64, deviation: f64) -> Vec<Pixels> {
             (0..count)
                 .map(|_| (0..400).map(|_| [0; 3].map(|_| (mean + deviation * self.normal()) as f32)).collect())
                 .collect()

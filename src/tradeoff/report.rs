@@ -2,8 +2,11 @@
 
 use serde_json::{Value, json};
 
-use super::judge::{Measured, TARGETS, recommended, soonest};
+use super::judge::{Measured, TARGETS, preferred, recommended};
+use super::model::{Standing, doubt};
+use super::replicates::Estimate;
 use super::sweep::{LEVEL, Unmeasured};
+use super::truth::Distance;
 use crate::knobs::Class;
 
 /// All that the report is made of.
@@ -24,15 +27,38 @@ pub struct Report {
     pub seconds: f64,
     /// The file, or none where the unbiased settings' own images are pooled.
     pub reference: Option<String>,
-    /// relMSE that the reference has by its own noise, where that is known.
-    pub error_of_reference: Option<f64>,
-    /// Relative difference of the defaults' mean from a reference that was given, and half its 95 % interval.
-    pub against_reference: Option<(f64, f64)>,
+    /// relMSE that the reference, or what is pooled, has by its own noise, where that is known.
+    pub error_of_truth: Option<f64>,
+    /// Relative difference of the defaults' mean from a reference that was given. Where that does not tell its noise, of theirs alone.
+    pub against_reference: Option<Estimate>,
+    /// Where it does: how far the defaults are from it, and whether that is more than noise.
+    pub distance: Option<(Distance, bool)>,
     pub interrupted: bool,
     /// The defaults first.
     pub measured: Vec<Measured>,
     pub unmeasured: Vec<Unmeasured>,
+    pub shown: Vec<Shown>,
 }
+
+/// A picture of a setting after the time that all pictures had.
+#[derive(Clone, Debug)]
+pub struct Shown {
+    pub setting: String,
+    pub samples: u32,
+    pub seconds: f64,
+    /// Less that of what it is compared with.
+    pub relmse: f64,
+    pub flip: f64,
+    /// PNG files.
+    pub picture: Vec<u8>,
+    pub flip_map: Vec<u8>,
+}
+
+/// What a plot shows.
+pub const CAPTION: &str = "relMSE is the mean over pixels and channels of (error)² / (value² + 0.01): 1e-2 is noise of about 10 %. The lines are \
+                           bias² + c N^-p, by the measured bias and the noise at 4, 16 and 64 samples; one that ends level has a bias that no time removes.";
+/// The most curves that a plot has colours for.
+pub const MOST_CURVES: usize = 10;
 
 /// A class as the tables call it.
 pub fn class_name(class: Class) -> &'static str {
@@ -49,14 +75,42 @@ pub fn target_name(target: f64) -> String {
     format!("{target:e}")
 }
 
-/// Seconds with three digits, or a dash where the target is not reached.
+/// A relMSE with two digits. Less its reference's own noise it may come out below 0.
+pub fn relmse_text(relmse: f64) -> String {
+    match relmse {
+        ..=0.0 => "0".to_string(),
+        relmse => format!("{relmse:.1e}"),
+    }
+}
+
+/// A time with two or three digits, or never.
 pub fn time_text(seconds: Option<f64>) -> String {
     match seconds {
         None => "never".to_string(),
+        Some(s) if s >= 7200.0 => format!("{:.1} h", s / 3600.0),
+        Some(s) if s >= 600.0 => format!("{:.0} min", s / 60.0),
         Some(s) if s >= 100.0 => format!("{s:.0} s"),
         Some(s) if s >= 1.0 => format!("{s:.1} s"),
         Some(s) => format!("{:.0} ms", 1e3 * s),
     }
+}
+
+/// Efficiency over that of the defaults, or a dash where nothing is noisy.
+pub fn efficiency_text(measured: &Measured, defaults: f64) -> String {
+    let ratio = measured.efficiency() / defaults;
+    if ratio.is_finite() { format!("{ratio:.2}") } else { "-".to_string() }
+}
+
+/// Seconds of a sample, with how much they vary.
+pub fn seconds_text(measured: &Measured) -> String {
+    let (value, spread) = (measured.seconds, measured.seconds_spread);
+    let digits = digits(spread.max(1e-3 * value));
+    format!("{value:.digits$} ± {spread:.digits$}")
+}
+
+/// Decimals that show two digits of a value.
+fn digits(value: f64) -> usize {
+    (1.0 - value.abs().max(1e-9).log10().floor()).clamp(1.0, 8.0) as usize
 }
 
 /// The signed bias in percent with its interval.
@@ -65,8 +119,7 @@ pub fn bias_text(measured: &Measured) -> String {
     match measured.signed.error == 0.0 && measured.signed.value == 0.0 {
         true => "0".to_string(),
         false => {
-            // Two digits of the interval.
-            let digits = (1.0 - half.abs().max(1e-9).log10().floor()).clamp(1.0, 8.0) as usize;
+            let digits = digits(half);
             format!("{value:+.digits$} ± {half:.digits$} %")
         }
     }
@@ -84,30 +137,89 @@ impl Report {
         sorted
     }
 
+    /// What the plot draws: the defaults, then what is on the front, then the rest by their times; without what is as the defaults within the
+    /// doubt of timings, which is the second list.
+    pub fn drawn(&self) -> (Vec<&Measured>, Vec<&Measured>) {
+        let Some(defaults) = self.measured.first() else { return (Vec::new(), Vec::new()) };
+        let alike = |a: Option<f64>, b: Option<f64>, doubt: f64| match (a, b) {
+            (Some(a), Some(b)) => a < doubt * b && b < doubt * a,
+            (a, b) => a == b,
+        };
+        let as_defaults = |measured: &&Measured| {
+            let doubt = doubt(measured.seconds_doubt, defaults.seconds_doubt);
+            measured.setting.knob.is_some()
+                && measured.times.iter().zip(defaults.times).all(|(own, theirs)| alike(*own, theirs, doubt))
+        };
+        let (same, mut others): (Vec<&Measured>, Vec<&Measured>) = self.sorted().into_iter().partition(as_defaults);
+        others.sort_by_key(|measured| (measured.setting.knob.is_some(), measured.standing != Standing::Front));
+        (others, same)
+    }
+
+    /// What the plot leaves out.
+    pub fn left_out(&self) -> Vec<String> {
+        let (drawn, same) = self.drawn();
+        let names = |list: &[&Measured]| list.iter().map(|measured| measured.named()).collect::<Vec<_>>().join(", ");
+        let mut words = Vec::new();
+        if !same.is_empty() {
+            words.push(format!("As the defaults within the doubt of timings: {}.", names(&same)));
+        }
+        if drawn.len() > MOST_CURVES {
+            words.push(format!("Not drawn: {}.", names(&drawn[MOST_CURVES..])));
+        }
+        words
+    }
+
     /// A sentence for each target.
     pub fn advice(&self) -> Vec<String> {
-        let sentence = |(target, best): (f64, Option<&Measured>)| {
-            let target = target_name(target);
+        let sentence = |(index, best): (usize, Option<&Measured>)| {
+            let target = target_name(TARGETS[index]);
+            let unbiased = |m: &Measured| !m.biased && m.declared_unbiased();
+            let doubtful = preferred(&self.measured, index, unbiased);
             let Some(best) = best else {
-                return format!("relMSE {target}: no reliable setting reaches it");
+                if self.measured.is_empty() {
+                    return format!("relMSE {target}: nothing was measured");
+                }
+                let doubtful = preferred(&self.measured, index, |m| !m.biased && m.declared_unbiased());
+                let words = doubtful.map_or(String::new(), |m| {
+                    format!(
+                        "; {} would take {}, or more where rare bright paths were missed",
+                        m.named(),
+                        time_text(m.times[index])
+                    )
+                });
+                return format!("relMSE {target}: no reliable setting reaches it{words}");
             };
-            let index = TARGETS.iter().position(|t| target_name(*t) == target).unwrap_or_default();
             let time = time_text(best.times[index]);
+            let half = 100.0 * best.signed.half_width();
+            let digits = digits(half);
             let cost = match (best.biased, best.signed.value < 0.0) {
-                (true, true) => format!("loses {:.1} % of the light", -100.0 * best.signed.value),
-                (true, false) => format!("adds {:.1} % of light", 100.0 * best.signed.value),
+                (true, true) => {
+                    format!("loses {:.digits$} ± {half:.digits$} % of the light", -100.0 * best.signed.value)
+                }
+                (true, false) => format!("adds {:.digits$} ± {half:.digits$} % of light", 100.0 * best.signed.value),
                 (false, _) if best.signed.error == 0.0 => "no bias".to_string(),
-                (false, _) => format!("no bias found, of the mean within ± {:.1} %", 100.0 * best.signed.half_width()),
+                (false, _) => {
+                    format!(
+                        "off by {:+.digits$} ± {half:.digits$} % of the light, which may be noise",
+                        100.0 * best.signed.value
+                    )
+                }
             };
             let what = best.named();
-            let faithful = soonest(&self.measured, index, |measured| !measured.biased);
-            let besides = match faithful.filter(|_| best.biased) {
-                Some(other) => format!("; without bias, {}: {}", other.named(), time_text(other.times[index])),
-                None => String::new(),
+            let faithful = preferred(&self.measured, index, |m| m.reliable && unbiased(m));
+            let besides = match (faithful, doubtful) {
+                _ if best.declared_unbiased() && !best.biased => String::new(),
+                (Some(other), _) => format!("; without bias, {}: {}", other.named(), time_text(other.times[index])),
+                (None, Some(other)) => format!(
+                    "; without bias, {}: about {}, not known well",
+                    other.named(),
+                    time_text(other.times[index])
+                ),
+                (None, None) => String::new(),
             };
-            format!("to reach relMSE {target} use {what}: {time}, {cost}{besides}")
+            format!("To reach relMSE {target} use {what}: {time}, {cost}{besides}")
         };
-        TARGETS.into_iter().zip(recommended(&self.measured)).map(sentence).collect()
+        recommended(&self.measured).into_iter().enumerate().map(sentence).collect()
     }
 
     /// What the numbers hold for and what they rest on.
@@ -127,24 +239,56 @@ impl Report {
                  noise, both measured, and the other settings are taken to change alike"
             )),
             None => lines.push(format!(
-                "{w}x{h} was not reached by the budget: all seconds are those of the smaller size, and about in proportion to the pixels"
+                "all seconds are those of {w}x{h}, which the budget did not reach: a sample is taken to take as many times as long there as there are \
+                 more pixels, with the same noise"
             )),
         }
-        lines.push(match (&self.reference, self.error_of_reference) {
-            (Some(file), Some(own)) => format!("the reference is {file}; its own noise is a relMSE of {own:.1e}"),
-            (Some(file), None) => format!("the reference is {file}; its own noise is not known"),
-            (None, _) => "biases are against the defaults, with the same random numbers; pictures are compared with the pooled samples \
-                          of all unbiased settings but the one judged"
-                .to_string(),
-        });
-        if let Some((off, half)) = self.against_reference {
-            let (off, half) = (100.0 * off, 100.0 * half);
-            lines.push(format!("the defaults' mean is {off:+.2} ± {half:.2} % off the reference's"));
-        }
+        lines.extend(self.measured_against());
         if self.interrupted {
             lines.push("interrupted: what was measured until then".to_string());
         }
         lines
+    }
+
+    /// What biases and the errors of pictures are against.
+    fn measured_against(&self) -> Vec<String> {
+        const TO_DEFAULTS: &str = "biases are against the defaults, with the same random numbers";
+        let own =
+            self.error_of_truth.map(|own| format!("its own noise, a relMSE of {own:.1e}, is subtracted from theirs"));
+        let Some(file) = &self.reference else {
+            let own = own.map_or(String::new(), |own| format!("; {own}"));
+            return vec![format!(
+                "{TO_DEFAULTS}; pictures are compared with the pooled samples of all unbiased settings but the one judged{own}"
+            )];
+        };
+        let mean = self.against_reference.map(|found| {
+            format!("the defaults' mean is {:+.2} ± {:.2} % off", 100.0 * found.value, 100.0 * found.half_width())
+        });
+        let mean = mean.map_or(String::new(), |words| format!("; {words}"));
+        let Some((distance, differs)) = &self.distance else {
+            return vec![
+                format!(
+                    "the reference is {file}, which does not tell its own noise: nothing is subtracted, and the pictures' errors include it"
+                ),
+                format!("{TO_DEFAULTS}, not the reference{mean} it, its noise left out of the interval"),
+            ];
+        };
+        let own = own.unwrap_or_default();
+        let squared = &distance.squared;
+        let far = format!(
+            "relMSE {:.1e}, at most {:.1e}, beyond the noise of both",
+            squared.value.max(0.0),
+            squared.upper().max(0.0)
+        );
+        vec![
+            format!("the reference is {file}; pictures are compared with it, and {own}"),
+            match differs {
+                false => format!("{TO_DEFAULTS}, which differ from the reference by noise only{mean}, with {far}"),
+                true => format!(
+                    "the defaults differ from the reference by more than noise{mean}, with {far}: all biases are against the reference"
+                ),
+            },
+        ]
     }
 
     /// The table for the terminal.
@@ -154,7 +298,7 @@ impl Report {
             "verdict".into(),
             "gives up".into(),
             "s/sample".into(),
-            "variance".into(),
+            "noise".into(),
             "bias of the mean".into(),
             "to 1e-1".into(),
             "to 1e-2".into(),
@@ -168,13 +312,13 @@ impl Report {
                 measured.setting.name(),
                 measured.verdict(),
                 class_name(measured.setting.class()).into(),
-                format!("{:.4}", measured.seconds),
-                format!("{:.3}", measured.model.noise),
+                seconds_text(measured),
+                format!("{:.3}", measured.model.noise.noise),
                 bias_text(measured),
                 a,
                 b,
                 c,
-                format!("{:.2}", measured.efficiency() / base),
+                efficiency_text(measured, base),
             ]);
         }
         let widths: [usize; 10] =
@@ -214,8 +358,8 @@ impl Report {
                 measured.seconds_compile.to_string(),
                 measured.seconds.to_string(),
                 measured.seconds_spread.to_string(),
-                model.noise.to_string(),
-                model.exponent.to_string(),
+                model.noise.noise.to_string(),
+                model.noise.exponent.to_string(),
                 measured.signed.value.to_string(),
                 measured.signed.half_width().to_string(),
                 measured.squared.value.to_string(),
@@ -260,15 +404,18 @@ impl Report {
                     "rounds": measured.rounds,
                     "seconds_compile": measured.seconds_compile,
                     "seconds_per_sample": measured.seconds,
+                        "seconds_doubt": measured.seconds_doubt,
                     "seconds_spread": measured.seconds_spread,
-                    "variance_1spp": model.noise,
-                    "exponent": model.exponent,
+                    "variance_1spp": model.noise.noise,
+                    "exponent": model.noise.exponent,
                     "bias": measured.signed.value,
+                    "against": if measured.against_reference { "reference" } else { "defaults" },
                     "bias_interval": [measured.signed.value - half, measured.signed.value + half],
                     "squared_bias": measured.squared.value,
                     "squared_bias_upper": measured.squared.upper(),
                     "biased": measured.biased,
                     "reliable": measured.reliable,
+                    "noise_doubt": measured.noise_doubt,
                     "seconds_to": TARGETS.iter().zip(measured.times).map(|(target, time)| json!({"relmse": target, "seconds": time}))
                         .collect::<Vec<_>>(),
                     "efficiency": measured.efficiency(),
@@ -308,15 +455,32 @@ impl Report {
             "driver": self.driver,
             "width": self.size.0,
             "height": self.size.1,
+            "whole_width": self.whole_size.0,
+            "whole_height": self.whole_size.1,
             "seed": self.seed,
             "budget": self.budget,
             "seconds": self.seconds,
             "reference": self.reference,
-            "relmse_of_reference": self.error_of_reference,
-            "defaults_against_reference": self.against_reference.map(|(off, half)| json!({"bias": off, "half_width": half})),
+            "relmse_of_reference": self.error_of_truth,
+            "defaults_against_reference": self.against_reference.map(|found| json!({
+                "bias": found.value,
+                "half_width": found.half_width(),
+                "squared_bias": self.distance.map(|(distance, _)| distance.squared.value),
+                "squared_bias_upper": self.distance.map(|(distance, _)| distance.squared.upper()),
+                "differs": self.distance.map(|(_, differs)| differs),
+            })),
             "interrupted": self.interrupted,
+            "basis": self.basis(),
+            "left_out": self.left_out(),
             "settings": settings,
             "recommendations": recommendations,
+            "equal_time": self.shown.iter().map(|shown| json!({
+                "setting": shown.setting,
+                "samples": shown.samples,
+                "seconds": shown.seconds,
+                "relmse": shown.relmse,
+                "flip": shown.flip,
+            })).collect::<Vec<_>>(),
         })
     }
 }

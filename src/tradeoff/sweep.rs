@@ -18,8 +18,13 @@ pub const LEVELS: [u32; 3] = [4, 16, 64];
 /// The level of which every round has a block, as of the first; the last is dear, and has one in so many rounds.
 pub const LEVEL: u32 = LEVELS[1];
 const ROUNDS_OF_LAST: usize = 4;
+/// The fewest rounds that tell anything, and the most of a sweep.
+pub const FEWEST_ROUNDS: usize = 3;
+pub const MOST_ROUNDS: usize = 32;
 /// What a round costs in samples a pixel, on the mean.
 pub const SAMPLES_OF_ROUND: f64 = (LEVELS[0] + LEVELS[1]) as f64 + LEVELS[2] as f64 / ROUNDS_OF_LAST as f64;
+/// What the fewest rounds cost.
+pub const SAMPLES_OF_FEWEST: f64 = (FEWEST_ROUNDS as u32 * (LEVELS[0] + LEVELS[1]) + LEVELS[2]) as f64;
 
 /// The defaults with one knob turned, or the defaults themselves.
 #[derive(Clone, Debug)]
@@ -88,6 +93,8 @@ pub struct Sweep<'a> {
     device: &'a Device,
     scene: &'a Scene,
     pub seed: u32,
+    /// That all subjects have.
+    rounds: usize,
     /// What the defaults come to, for telling which settings do nothing to this scene.
     defaults: Option<Linked>,
 }
@@ -108,10 +115,26 @@ impl Linked {
     }
 }
 
+impl Sweep<'_> {
+    /// How many seeds before a sweep's own are for images beside the rounds.
+    pub const SEEDS_BEFORE: u32 = 4;
+
+    /// One of them.
+    pub fn seed_before(seed: u32, number: u32) -> u32 {
+        seed.wrapping_sub(1 + number)
+    }
+
+    /// Whether a sweep with this seed may have an image with that one.
+    pub fn uses(seed: u32, other: u32) -> bool {
+        other.wrapping_sub(seed.wrapping_sub(Self::SEEDS_BEFORE))
+            <= Self::SEEDS_BEFORE + (MOST_ROUNDS * LEVELS.len()) as u32
+    }
+}
+
 impl<'a> Sweep<'a> {
     /// A sweep of nothing yet, over images of that size.
     pub fn new(device: &'a Device, scene: &'a Scene, size: (u32, u32), seed: u32) -> Sweep<'a> {
-        Sweep { size, subjects: Vec::new(), unmeasured: Vec::new(), device, scene, seed, defaults: None }
+        Sweep { size, subjects: Vec::new(), unmeasured: Vec::new(), device, scene, seed, rounds: 0, defaults: None }
     }
 
     /// Compiles a setting, the defaults first. One that does nothing to this scene, or that the device does not take, is noted as not
@@ -131,6 +154,18 @@ impl<'a> Sweep<'a> {
             Err(error) => self.unmeasured.push(Unmeasured { setting, why: error.to_string() }),
         }
         Ok(())
+    }
+
+    /// Another sweep of the same scene with the same seed, of nothing yet.
+    pub fn of_size(&self, size: (u32, u32)) -> Sweep<'a> {
+        Sweep::new(self.device, self.scene, size, self.seed)
+    }
+
+    /// Keeps the first subjects; the others are not measured, for that reason.
+    pub fn keep(&mut self, count: usize, why: &str) {
+        for subject in self.subjects.split_off(count.min(self.subjects.len())) {
+            self.leave_out(subject.setting, why);
+        }
     }
 
     /// Notes a setting as not measured.
@@ -190,8 +225,8 @@ impl<'a> Sweep<'a> {
         Ok(Some(Block { image, seconds: outcome.seconds, reliable }))
     }
 
-    /// Rounds of blocks of every subject until the time is over, the stop is asked for, or `most` rounds are done. The order turns from round
-    /// to round, so that a machine that slows down or speeds up does so to all of them.
+    /// Rounds of blocks of every subject until the time is over, the stop is asked for, or `most` rounds are done, with those of earlier
+    /// calls. The order turns from round to round, so that a machine that slows down or speeds up does so to all of them.
     ///
     /// # Errors
     /// Where the device fails.
@@ -202,7 +237,8 @@ impl<'a> Sweep<'a> {
         stop: &dyn Fn() -> bool,
         progress: &mut dyn FnMut(usize, &str),
     ) -> Result<()> {
-        for round in 0..most {
+        self.drop_begun_round();
+        for round in self.rounds..most {
             let levels = LEVELS.iter().filter(|level| **level != LEVELS[2] || round % ROUNDS_OF_LAST == 0);
             for (i, &level) in levels.enumerate() {
                 // No two blocks of one sweep share a seed, and no block shares one with --seed's own image.
@@ -219,8 +255,23 @@ impl<'a> Sweep<'a> {
                     }
                 }
             }
+            self.rounds = round + 1;
         }
         Ok(())
+    }
+
+    /// Of a round that was begun some subjects have blocks. It is done again, and an image that is there twice would be no replicate.
+    fn drop_begun_round(&mut self) {
+        let rounds = self.rounds;
+        for (level, blocks) in self.subjects.iter_mut().flat_map(|subject| &mut subject.blocks) {
+            blocks.truncate(if *level == LEVELS[2] { rounds.div_ceil(ROUNDS_OF_LAST) } else { rounds });
+        }
+    }
+
+    /// Forgets all images, for a measurement with another seed.
+    pub fn begin_again(&mut self, seed: u32) {
+        (self.seed, self.rounds) = (seed, 0);
+        self.subjects.iter_mut().for_each(|subject| subject.blocks.clear());
     }
 
     /// How long a block is expected to take, from those before.
@@ -246,6 +297,18 @@ fn enlarged(image: &Pixels, (width, height): (u32, u32), to: (u32, u32)) -> Pixe
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn seeds_of_a_sweep_are_told_from_others() {
+        for seed in [0u32, 7, u32::MAX - 3] {
+            let rounds = (MOST_ROUNDS * LEVELS.len()) as u32;
+            let used = |offset: i64| Sweep::uses(seed, (i64::from(seed) + offset) as u32);
+            assert!((-4..=i64::from(rounds)).all(used), "{seed}");
+            assert!(!used(-5) && !used(i64::from(rounds) + 1), "{seed}");
+            // Beyond a seed that is taken there is room for all.
+            assert!((0..200).all(|taken| !Sweep::uses(taken + Sweep::SEEDS_BEFORE + 1, taken)));
+        }
+    }
 
     #[test]
     fn enlarged_images_repeat_their_pixels() {

@@ -1,0 +1,229 @@
+//! What images are measured against: a file's image, or the pooled samples of the sweep itself; and how far off that is by its own noise.
+
+use super::replicates::{Estimate, Gram, Pixels, difference, product, signed_bias};
+use super::sweep::{Subject, Sweep};
+use crate::film::UNKNOWN_VARIANCE;
+use crate::knobs::Class;
+use crate::metrics::error::{RELATIVE_FLOOR, relative_variance};
+use crate::output::exr::ExrImage;
+
+/// An image and its own noise.
+#[derive(Clone, Debug)]
+pub struct Truth {
+    pub image: Pixels,
+    /// Of each value, where that is known.
+    pub variance: Option<Pixels>,
+}
+
+/// How far images are from a truth, what noise does in it taken into account.
+#[derive(Clone, Copy, Debug)]
+pub struct Distance {
+    /// Relative difference of the means, with sign; its error is that of both.
+    pub signed: Estimate,
+    /// relMSE less what the truth's own noise is expected to bring.
+    pub squared: Estimate,
+}
+
+impl Truth {
+    /// A file's image made smaller to a size that divides its own: with the box filter that is the very image of that size.
+    pub fn of_file(file: &ExrImage, size: (u32, u32)) -> Truth {
+        let by = file.width / size.0;
+        let known = file.variance.as_ref().filter(|v| !v.as_flattened().contains(&UNKNOWN_VARIANCE));
+        // A mean of n pixels has an n-th of their mean variance.
+        let share = 1.0 / (by as f32 * by as f32);
+        let of_mean = |v: &Pixels| shrunk(v, file.width, by).iter().map(|p| p.map(|v| v * share)).collect();
+        Truth { image: shrunk(&file.rgb, file.width, by), variance: known.map(of_mean) }
+    }
+
+    /// The mean of all images of unbiased settings, weighed by their samples, without those of one subject: no image is judged by itself.
+    pub fn pooled(sweep: &Sweep<'_>, without: Option<usize>) -> Option<Truth> {
+        let unbiased = |subject: &Subject<'_>| matches!(subject.setting.class(), Class::Exact | Class::Noise);
+        // Two halves, of the even and of the odd rounds. Images of one round share their random numbers, those of two do not: how the
+        // halves differ tells the noise, which the number of settings does not.
+        let empty = vec![[0.0f64; 3]; sweep.size.0 as usize * sweep.size.1 as usize];
+        let (mut sums, mut weights) = ([empty.clone(), empty], [0.0f64; 2]);
+        for (i, subject) in sweep.subjects.iter().enumerate() {
+            if Some(i) == without || !unbiased(subject) {
+                continue;
+            }
+            for (samples, blocks) in &subject.blocks {
+                for (round, block) in blocks.iter().enumerate() {
+                    let n = f64::from(*samples);
+                    weights[round % 2] += n;
+                    for (sum, pixel) in sums[round % 2].iter_mut().zip(&block.image) {
+                        (0..3).for_each(|c| sum[c] += n * f64::from(pixel[c]));
+                    }
+                }
+            }
+        }
+        let [a, b] = weights;
+        let whole = a + b;
+        let mean = |(x, y): (&[f64; 3], &[f64; 3])| std::array::from_fn(|c| ((x[c] + y[c]) / whole) as f32);
+        // Var X = σ²/a and Var Y = σ²/b: of the mean it is σ²/(a + b) = ab/(a + b)² E (X - Y)².
+        let variance = |(x, y): (&[f64; 3], &[f64; 3])| {
+            std::array::from_fn(|c| ((x[c] / a - y[c] / b).powi(2) * a * b / (whole * whole)) as f32)
+        };
+        let pixels = || sums[0].iter().zip(&sums[1]);
+        (whole > 0.0).then(|| Truth {
+            image: pixels().map(mean).collect(),
+            variance: (a > 0.0 && b > 0.0).then(|| pixels().map(variance).collect()),
+        })
+    }
+
+    /// The relMSE that it has by its own noise, relative to an image that is less noisy or the same.
+    pub fn error(&self, weights: &Pixels) -> Option<f64> {
+        relative_variance(self.variance.as_ref()?, weights)
+    }
+
+    /// The relMSE of an image against it, less what its own noise is expected to bring.
+    pub fn relmse_of(&self, image: &Pixels, weights: &Pixels) -> f64 {
+        let off = difference(image, &self.image);
+        product(&off, &off, weights) - self.error(weights).unwrap_or(0.0)
+    }
+
+    /// How far the expectation of images is from this, by weights that another image gives. Nothing where the truth's own noise is not
+    /// known, and of fewer than three images.
+    pub fn distance(&self, images: &[Pixels], weights: &Pixels) -> Option<Distance> {
+        let variance = self.variance.as_ref()?;
+        let count = (3 * self.image.len()) as f64;
+        let mean = self.image.as_flattened().iter().map(|&v| f64::from(v)).sum::<f64>() / count;
+        let of_images = |at: usize, c: usize| images.iter().map(|i| f64::from(i[at][c])).sum::<f64>();
+        // Σ and Σ² of what a pixel brings: to the mean of the image its standard deviations, to relMSE its relative variances. Its channels
+        // are taken to vary as one, which is the most that they can.
+        let (mut of_mean, mut of_mean2, mut own, mut own2, mut with_bias) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        for (at, (pixel, variance)) in self.image.iter().zip(variance).enumerate() {
+            let (mut deviation, mut relative, mut product) = (0.0, 0.0, 0.0);
+            for c in 0..3 {
+                let weight = 1.0 / (f64::from(weights[at][c]).powi(2) + RELATIVE_FLOOR);
+                let v = f64::from(variance[c]);
+                let off = of_images(at, c) / images.len() as f64 - f64::from(pixel[c]);
+                deviation += v.sqrt();
+                relative += weight * v;
+                product += weight * off.abs() * v.sqrt();
+            }
+            of_mean += deviation * deviation;
+            of_mean2 += deviation.powi(4);
+            own += relative;
+            own2 += relative * relative;
+            with_bias += product * product;
+        }
+        let same = vec![self.image.clone(); images.len()];
+        let signed = signed_bias(images, &same, &self.image)?;
+        let differences: Vec<Pixels> = images.iter().map(|image| difference(image, &self.image)).collect();
+        let squared = Gram::of(&differences, weights).jackknife(|(_, others)| others)?;
+        // (b + e)² less an estimate of E e² varies by 2 σ⁴ of e² and by 2 σ⁴ of the estimate, if that has one degree of freedom: its square is
+        // then 3 σ⁴ on the mean. With more degrees less comes from the estimate, and its square is σ⁴: twice the square is enough in
+        // both cases. The product 2 b e varies by 4 b² σ².
+        let squared_noise = (2.0 * own2 + 4.0 * with_bias) / (count * count);
+        Some(Distance {
+            signed: joined(signed, of_mean / (count * mean).powi(2), degrees(of_mean, of_mean2)),
+            squared: joined(
+                Estimate { value: squared.value - own / count, ..squared },
+                squared_noise,
+                degrees(own, own2),
+            ),
+        })
+    }
+}
+
+/// Of a sum of variances of one degree of freedom each, of which the sum of squares is given (Satterthwaite, Biometrics Bulletin 2(6), 1946).
+fn degrees(sum: f64, squares: f64) -> f64 {
+    if squares > 0.0 { (3.0 * sum * sum / squares - 2.0).max(1.0) } else { f64::INFINITY }
+}
+
+/// An estimate with more noise, of a variance that is known with so many degrees of freedom (Welch, Biometrika 34, 1947).
+fn joined(own: Estimate, variance: f64, degrees: f64) -> Estimate {
+    let (a, b) = (own.error * own.error, variance);
+    if b <= 0.0 {
+        return own;
+    }
+    Estimate { error: (a + b).sqrt(), degrees: (a + b).powi(2) / (a * a / own.degrees + b * b / degrees), ..own }
+}
+
+/// The mean over blocks of `by` times `by` pixels.
+fn shrunk(image: &Pixels, width: u32, by: u32) -> Pixels {
+    let (width, by) = (width as usize, by as usize);
+    let block = |x: usize, y: usize| {
+        let rows = (y * by..(y + 1) * by).map(|row| row * width);
+        let pixels = rows.flat_map(|row| &image[row + x * by..row + (x + 1) * by]);
+        let sum = pixels.fold([0.0f64; 3], |sum, p| std::array::from_fn(|c| sum[c] + f64::from(p[c])));
+        sum.map(|v| (v / (by * by) as f64) as f32)
+    };
+    let places = (0..image.len() / width / by).flat_map(|y| (0..width / by).map(move |x| (x, y)));
+    places.map(|(x, y)| block(x, y)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tradeoff::replicates::tests::Random;
+
+    const MEAN: f64 = 0.5;
+
+    fn weights() -> Pixels {
+        vec![[MEAN as f32; 3]; 400]
+    }
+
+    /// An image and its variance, of two halves that have noise.
+    fn truth(random: &mut Random, deviation: f64) -> Truth {
+        let halves = random.images(2, MEAN, deviation * 2f64.sqrt());
+        let joined = |of: fn(f32, f32) -> f32| {
+            let pairs = halves[0].iter().zip(&halves[1]);
+            pairs.map(|(a, b)| std::array::from_fn(|c| of(a[c], b[c]))).collect()
+        };
+        Truth { image: joined(|a, b| 0.5 * (a + b)), variance: Some(joined(|a, b| 0.25 * (a - b) * (a - b))) }
+    }
+
+    #[test]
+    fn a_truth_tells_its_own_error() {
+        let error = truth(&mut Random(1), 0.1).error(&weights()).unwrap();
+        // Of 1200 values with one degree of freedom: 4 % of it.
+        let expected = 0.01 / (MEAN * MEAN + RELATIVE_FLOOR);
+        assert!((error / expected - 1.0).abs() < 0.2, "{error} {expected}");
+        assert_eq!(Truth { variance: None, ..truth(&mut Random(1), 0.1) }.error(&weights()), None);
+        // Of an image that is as noisy the difference has twice that, and half of it is told.
+        let of_image = truth(&mut Random(1), 0.1).relmse_of(&Random(2).images(1, MEAN, 0.1)[0], &weights());
+        assert!((of_image / expected - 1.0).abs() < 0.2, "{of_image} {expected}");
+    }
+
+    /// Images of little noise, so that the truth's is nearly all there is.
+    #[test]
+    fn the_noise_of_a_truth_is_subtracted_and_is_in_the_intervals() {
+        for (bias, deviation) in [(0.0, 0.1), (0.02, 0.1), (0.02, 0.02)] {
+            let mut random = Random(23);
+            let expected = bias * bias / (MEAN * MEAN + RELATIVE_FLOOR);
+            let [mut signed, mut squared, mut not_subtracted] = [0; 3];
+            for _ in 0..400 {
+                let truth = truth(&mut random, deviation);
+                let found = truth.distance(&random.images(6, MEAN + bias, 0.01), &weights()).unwrap();
+                let within = |value: f64, estimate: Estimate| (value - estimate.value).abs() <= estimate.half_width();
+                signed += u32::from(within(bias / MEAN, found.signed));
+                squared += u32::from(within(expected, found.squared));
+                let own = truth.error(&weights()).unwrap();
+                not_subtracted += u32::from(within(expected - own, found.squared));
+            }
+            // 5 % of them do not, and 2.5 % more once in 50 times. Channels that vary apart make the intervals wider than they must be.
+            assert!(signed >= 370 && squared >= 370, "{bias} {deviation}: {signed} {squared}");
+            assert!(not_subtracted < 40, "{bias} {deviation}: {not_subtracted}");
+        }
+    }
+
+    #[test]
+    fn a_file_is_made_smaller_with_its_variance() {
+        let image = |f: fn(usize) -> f32| (0..24).map(|i| [f(i); 3]).collect::<Vec<_>>();
+        let mut file = ExrImage {
+            width: 6,
+            height: 4,
+            rgb: image(|i| i as f32),
+            variance: Some(image(|i| (i % 2) as f32)),
+            ..ExrImage::default()
+        };
+        let found = Truth::of_file(&file, (3, 2));
+        assert_eq!(found.image, [3.5, 5.5, 7.5, 15.5, 17.5, 19.5].map(|v| [v; 3]));
+        assert_eq!(found.variance, Some(vec![[0.125; 3]; 6]));
+        assert_eq!(Truth::of_file(&file, (6, 4)).image, file.rgb);
+        // One pixel that does not tell is enough.
+        file.variance.as_mut().unwrap()[7] = [UNKNOWN_VARIANCE; 3];
+        assert_eq!(Truth::of_file(&file, (3, 2)).variance, None);
+    }
+}
