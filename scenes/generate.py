@@ -119,8 +119,7 @@ NEXT_WEEK_HEAD = """\
 // everything, a made-up planet, marble, and a cube of 1000 small spheres.
 //
 // Written by scenes/generate.py: SplitMix64, seed {seed}, uniforms of 53 bits; first the height of every box within 1 .. 101,
-// by x and in it by z, then the centres of the small spheres within 0 .. 165. The lamp is met by chance alone until light
-// sampling is built: it takes thousands of samples.
+// by x and in it by z, then the centres of the small spheres within 0 .. 165.
 """
 
 
