@@ -18,6 +18,8 @@ const SQUARE_FRACTION: i32 = 96;
 const MAX_EXPONENT: i32 = 300;
 /// The share of the image's mean luminance that keeps dark pixels from ruling the relative error (design.md, section 2).
 const DARK_PIXEL_FLOOR: f64 = 0.01;
+/// How many times the stated error the one relative to the other half of the samples may be, where it is called reliable.
+const MOST_ACROSS: f64 = 2.0;
 /// The standard error, as a share, up to which a stated relative error is called reliable.
 const RELIABLE: f64 = 0.1;
 
@@ -154,6 +156,17 @@ impl Pixel {
         self.samples += other.samples;
         self.replicates = self.replicates.saturating_add(other.replicates);
         self.reject(other.rejected);
+    }
+
+    /// What the even and the odd runs have of it; the odd ones of independent samples are kept beside it.
+    fn halves(&self, odd: Option<&Pixel>) -> [Pixel; 2] {
+        match odd {
+            Some(odd) => [self.without(odd), *odd],
+            None => {
+                let odd = Pixel { sum: self.spread, samples: u64::from(self.replicates), ..Pixel::default() };
+                [self.without(&odd), odd]
+            }
+        }
     }
 
     /// What is left without a part of it. Exact, where no total has saturated.
@@ -422,6 +435,11 @@ impl Film {
     /// The relative error is known to sqrt(1/(2ν)) of itself. Where that is more than a tenth, ν < 50, few pixels carry the sum, as rare
     /// bright paths make it: one that has a share s of T makes ν at most 3/s² or so. Then what has not been seen yet may be more than
     /// what has, and the estimate is called unreliable.
+    ///
+    /// Another sign of rare bright paths: a pixel that one of them met has a large v and a large I, and x is near 1 whatever it is. The half
+    /// that the path is not in says how bright the pixel mostly is. Where T, with 1/I² as the mean of the halves', is more than four times as
+    /// large, the error relative to a better image is more than twice the stated one, and that is unreliable as well. (Measured at 16 and 64
+    /// samples: 1.02 to 1.9 times in scenes without caustics, 10 to 17 in glass.ron.)
     pub fn error_estimate(&self, level: f64) -> Option<ErrorEstimate> {
         let luminance = |p: &Pixel| luminance(std::array::from_fn(|c| p.mean(c)));
         let mean_luminance = self.pixels.iter().map(luminance).sum::<f64>() / self.pixels.len() as f64;
@@ -429,7 +447,7 @@ impl Film {
             return None;
         }
         let floor = DARK_PIXEL_FLOOR * mean_luminance * mean_luminance;
-        let (mut total, mut squares, mut pixels) = (0.0, 0.0, 0u64);
+        let (mut total, mut across, mut squares, mut pixels) = (0.0, 0.0, 0.0, 0u64);
         // Nothing, where a pixel has not two runs in each half.
         let mut halves = (self.sampler == Sampler::Independent).then_some(Halves::default());
         for (index, pixel) in self.pixels.iter().enumerate() {
@@ -437,6 +455,10 @@ impl Film {
                 continue;
             }
             let x = pixel.term(pixel, self.sampler, floor)?;
+            let halves_of_pixel = pixel.halves(self.odd.get(index));
+            for half in &halves_of_pixel {
+                across += 0.5 * pixel.term(half, self.sampler, floor)?;
+            }
             total += x;
             squares += x * x;
             pixels += 1;
@@ -460,7 +482,10 @@ impl Film {
             true => error(corrected) / lower_chi_square(degrees, level).sqrt(),
             false => f64::INFINITY,
         };
-        Some(ErrorEstimate { value: error(total), bound, reliable: 0.5 / degrees <= RELIABLE * RELIABLE })
+        let known = 0.5 / degrees <= RELIABLE * RELIABLE;
+        let alike = across <= MOST_ACROSS * MOST_ACROSS * total;
+        let reliable = known && alike;
+        Some(ErrorEstimate { value: error(total), bound, against_better: error(across), reliable })
     }
 }
 
@@ -495,7 +520,9 @@ pub struct ErrorEstimate {
     pub value: f64,
     /// What the true error is below, but for the probability asked; infinite where nothing is known.
     pub bound: f64,
-    /// Whether enough pixels tell it.
+    /// The error relative to an image without the bright samples of this one, as far as its halves tell.
+    pub against_better: f64,
+    /// Whether enough pixels tell it, and the halves agree in what it is relative to.
     pub reliable: bool,
 }
 

@@ -326,6 +326,32 @@ fn the_bound_is_corrected_for_what_goes_together_with_the_mean() {
     assert!(share(below_uncorrected) < 0.8 && (0.93..0.98).contains(&stated));
 }
 
+/// Each pixel tells its error as well as any, but what the error is relative to is the very path that made it.
+#[test]
+fn many_rare_bright_paths_are_unreliable() {
+    for sampler in [Sampler::Sobol, Sampler::Independent] {
+        let film = |bright_halves: &[bool]| {
+            let (mut film, _) = noisy_film(&mut Random(12), 1024, 4, sampler);
+            for pixel in (0..1024).step_by(3) {
+                for &is_odd in bright_halves {
+                    let bright = run(pixel, [1e3; 3], 8);
+                    film.add(&[if is_odd { odd(bright) } else { bright }]);
+                }
+            }
+            film.error_estimate(0.05).expect("it has halves")
+        };
+        let usual = film(&[]);
+        assert!(usual.reliable && usual.against_better < 1.5 * usual.value, "{usual:?}");
+        let fireflies = film(&[false]);
+        assert!(!fireflies.reliable && fireflies.bound < 1.5 * fireflies.value, "by their spread alone: {fireflies:?}");
+        assert!(fireflies.against_better > 5.0 * fireflies.value, "{fireflies:?}");
+        // As bright in both halves, pixels are bright and nothing is rare.
+        let bright = film(&[false, true]);
+        assert!(bright.reliable || sampler == Sampler::Independent, "{bright:?}");
+        assert!(bright.against_better < 1.5 * bright.value, "{bright:?}");
+    }
+}
+
 #[test]
 fn few_pixels_that_make_the_error_are_unreliable() {
     let mut random = Random(11);

@@ -461,8 +461,8 @@ fn summarise(about: &About<'_>, output: &Output<'_>, outcome: &Outcome, finish: 
     }
     if let Some(error) = finish.error.filter(|error| !error.reliable) {
         tell(&format!(
-            "warning: the relative error is unreliable: few pixels make most of it, as rare bright paths do. It may be {} %",
-            percent(error.bound)
+            "warning: the relative error is unreliable: rare bright paths make most of it. Against a better image it may be {} %",
+            percent(error.bound.max(error.against_better))
         ));
     }
     if let (Some(wish), Some(noise)) = (args.noise, finish.noise) {
