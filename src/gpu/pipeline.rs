@@ -69,6 +69,7 @@ impl Pipeline {
                 spec.name
             )));
         }
+        device.note_compiled(spec.name);
         let module = wgpu_device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(spec.name),
             source: wgpu::ShaderSource::Naga(Cow::Owned(spec.module.clone())),
