@@ -1,5 +1,6 @@
 //! The render loop: generate → { intersect → scatter → refill } … → accumulate.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
@@ -239,25 +240,33 @@ impl<'a> Renderer<'a> {
         let constants: Vec<_> =
             ["MOST_STEPS_OF_WALK", "MOST_STEPS_OF_CROSSINGS"].into_iter().filter_map(of_steps).collect();
         let buffers = Buffers::create(device, &plan.buffers(flat, &tuning))?;
-        let pipeline = |kernel: &Kernel| {
-            let spec = PipelineSpec {
+        let specs: Vec<_> = plan
+            .kernels()
+            .into_iter()
+            .map(|kernel| PipelineSpec {
                 name: &kernel.name,
                 entry_point: kernel.stage,
                 module: &kernel.module,
                 bindings: &kernel.bindings,
                 workgroup: tuning.workgroup,
                 constants: &constants,
-            };
-            Pipeline::new(device, &spec, &buffers)
+            })
+            .collect();
+        let pipelines = Pipeline::all(device, &specs, &buffers)?;
+        let mut named: BTreeMap<_, _> =
+            pipelines.into_iter().map(|pipeline| (pipeline.name.clone(), pipeline)).collect();
+        let mut pipeline = |kernel: &Kernel| {
+            let missing = || Error::Shader(format!("the plan has two kernels named {}", kernel.name));
+            named.remove(&kernel.name).ok_or_else(missing)
         };
         let bounce = match &plan.bounce {
             Bounce::Fused(kernel) => BouncePipelines::Fused(pipeline(kernel)?),
             Bounce::Staged(staged) => BouncePipelines::Staged {
                 intersect: pipeline(&staged.intersect)?,
-                medium: staged.medium.as_ref().map(pipeline).transpose()?,
-                dispatch: staged.dispatch.as_ref().map(pipeline).transpose()?,
-                scatter: staged.scatter.iter().map(pipeline).collect::<Result<_>>()?,
-                shadow: staged.shadow.as_ref().map(pipeline).transpose()?,
+                medium: staged.medium.as_ref().map(&mut pipeline).transpose()?,
+                dispatch: staged.dispatch.as_ref().map(&mut pipeline).transpose()?,
+                scatter: staged.scatter.iter().map(&mut pipeline).collect::<Result<_>>()?,
+                shadow: staged.shadow.as_ref().map(&mut pipeline).transpose()?,
                 refill: pipeline(&staged.refill)?,
             },
         };

@@ -7,7 +7,8 @@ use std::sync::atomic::Ordering;
 use serde_json::json;
 
 use super::{
-    flatten_for, open_device, path_text, print_json, print_line, stop_on_interrupt, tell, tell_biases, wish_of,
+    flatten_for, open_device, path_text, print_json, print_line, stop_on_interrupt, tell, tell_biases, tell_software,
+    wish_of,
 };
 use crate::cli::{ConvergeArgs, Size};
 use crate::data::Sampler;
@@ -51,7 +52,10 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
     let (csv, plot) = outputs(args)?;
     let size = (reference.width, reference.height);
     let (size, flat) = flatten_for(&scene, Some(Size::Pixels(size.0, size.1)), wish_of(&args.trade))?;
-    let device = open_device(args.device.as_deref(), args.quiet)?;
+    let device = open_device(args.device.as_deref())?;
+    if !args.quiet {
+        tell_software(&device);
+    }
 
     let end = args.spp.unwrap_or(scene.render.samples);
     let max_depth = args.max_depth.unwrap_or(scene.render.max_depth);

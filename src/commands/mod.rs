@@ -99,14 +99,16 @@ fn planned(scene: &Scene, size: (u32, u32), flat: &Flat, target: &Target, wish: 
     Ok((Plan::with_tables(&flat.features, tuning.scatter, &tables)?, tuning))
 }
 
-/// The device asked for, opened; a software driver is told of.
-fn open_device(wish: Option<&str>, quiet: bool) -> Result<Device> {
-    let adapters = Adapters::find();
-    let device = Device::open(adapters.choose(wish)?)?;
-    if device.name.software && !quiet {
+/// The device asked for, opened.
+fn open_device(wish: Option<&str>) -> Result<Device> {
+    Device::open(Adapters::find().choose(wish)?)
+}
+
+/// Says of a software driver that it is one.
+fn tell_software(device: &Device) {
+    if device.name.software {
         tell(&format!("warning: {} is a software driver: the processor does a GPU's work", device.name));
     }
-    Ok(device)
 }
 
 /// Set by the first interrupt; the second ends the program at once.

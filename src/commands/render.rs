@@ -9,7 +9,7 @@ use serde_json::json;
 
 use super::{
     check_place, flatten_for, open_device, path_text, print_json, same_file, stop_on_interrupt, tell, tell_biases,
-    wish_of,
+    tell_software, wish_of,
 };
 use crate::cli::{FeaturesArg, MOST_SAMPLES, RenderArgs};
 use crate::data::Sampler;
@@ -30,8 +30,9 @@ use crate::scene::Scene;
 struct Seconds {
     load: f64,
     build: f64,
-    /// Finding and opening the device.
+    /// Finding and opening the device, beyond the time that the build took.
     open: f64,
+    /// Linking the kernels and creating their pipelines, up to one dispatch of zero workgroups of each.
     compile: f64,
     render: f64,
     write: f64,
@@ -59,13 +60,21 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     seconds.load = clock.lap();
 
     let wish = Wish { every_feature: args.tuning.features == FeaturesArg::All, ..wish_of(&args.trade) };
-    let (size, flat) = flatten_for(&scene, args.size, wish)?;
+    // The driver loads while the scene is built: `open` is what is left of that then. A scene that does not load waits for no driver.
+    let (built, device) = std::thread::scope(|scope| {
+        let opening = scope.spawn(|| open_device(args.device.as_deref()));
+        let built = flatten_for(&scene, args.size, wish);
+        seconds.build = clock.lap();
+        (built, opening.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+    });
+    let (size, flat) = built?;
     if !args.quiet {
         flat.warnings.iter().for_each(|warning| tell(&format!("warning: {warning}")));
     }
-    seconds.build = clock.lap();
-
-    let device = open_device(args.device.as_deref(), args.quiet)?;
+    let device = device?;
+    if !args.quiet {
+        tell_software(&device);
+    }
     seconds.open = clock.lap();
 
     let job = job_of(args, &scene, size, start);
@@ -77,7 +86,11 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     };
     let class = device.class();
     let tables = Tables::new(&flat, class.table_bytes());
-    let plan = Plan::with_tables(&flat.features, tuning(class, &job, wish).scatter, &tables)?;
+    let plan = std::thread::scope(|scope| {
+        // The device keeps what its probe finds; an error comes again where the findings are asked for.
+        scope.spawn(|| numerics(&device).is_ok());
+        Plan::with_tables(&flat.features, tuning(class, &job, wish).scatter, &tables)
+    })?;
     let mut renderer = Renderer::new(&device, &flat, &plan, &job, wish, args.tuning.profile)?;
     seconds.compile = clock.lap();
 

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use clap::Parser;
 
-use super::{open_device, path_text, print_json, print_line, stop_on_interrupt, tell, wish_of};
+use super::{open_device, path_text, print_json, print_line, stop_on_interrupt, tell, tell_software, wish_of};
 use crate::cli::{Cli, Command, RenderArgs, Size, TradeoffArgs};
 use crate::error::{Error, Result};
 use crate::knobs::{KNOBS, Knob, MAX_DEPTH, SIZE, SPP};
@@ -52,7 +52,10 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     };
     let seed = seed_beside(args.seed, reference.as_ref());
     let folder = folder_of(args)?;
-    let device = open_device(args.device.as_deref(), args.quiet)?;
+    let device = open_device(args.device.as_deref())?;
+    if !args.quiet {
+        tell_software(&device);
+    }
     let at = |share: f64| start + Duration::from_secs_f64(share * args.budget.as_secs_f64());
 
     let mut loading = Loading::new(args.quiet);

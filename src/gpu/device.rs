@@ -153,6 +153,8 @@ pub struct Device {
     pub timestamps: bool,
     /// What [`super::probe::numerics`] has found.
     pub numerics: OnceLock<Numerics>,
+    /// The kernels compiled for it so far.
+    compiled: Mutex<Vec<String>>,
     /// The first thing that went wrong outside a call that could report it.
     fault: Arc<Mutex<Option<String>>>,
 }
@@ -189,12 +191,23 @@ impl Device {
                 keep_first(&lost, format!("the device was lost: {message}"));
             }
         });
-        Ok(Device { name, device, queue, limits, timestamps, numerics: OnceLock::new(), fault })
+        let (numerics, compiled) = (OnceLock::new(), Mutex::default());
+        Ok(Device { name, device, queue, limits, timestamps, numerics, compiled, fault })
     }
 
     /// What sizes suit it.
     pub fn class(&self) -> DeviceClass {
         DeviceClass::new(self.name.software, &self.limits)
+    }
+
+    /// The names of all kernels that were compiled for it, once for each time; in no order, since they are compiled side by side.
+    pub fn compiled(&self) -> Vec<String> {
+        self.compiled.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Takes note of a kernel that is compiled.
+    pub(super) fn note_compiled(&self, name: &str) {
+        self.compiled.lock().unwrap_or_else(PoisonError::into_inner).push(name.to_string());
     }
 
     /// Waits until a submission has been executed, and reports what went wrong since the last call.

@@ -2,6 +2,8 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread::available_parallelism;
 
 use super::buffers::Buffers;
 use super::device::Device;
@@ -27,6 +29,35 @@ pub struct PipelineSpec<'a> {
 }
 
 impl Pipeline {
+    /// Compiles and binds kernels, as many at a time as there are cores, the first ones first. They come in the order of `specs`.
+    ///
+    /// # Errors
+    /// That of the first kernel that has one.
+    pub fn all(device: &Device, specs: &[PipelineSpec<'_>], buffers: &Buffers) -> Result<Vec<Pipeline>> {
+        let next = AtomicUsize::new(0);
+        let compile = || {
+            let mut done = Vec::new();
+            loop {
+                let index = next.fetch_add(1, Ordering::Relaxed);
+                match specs.get(index) {
+                    Some(spec) => done.push((index, Pipeline::new(device, spec, buffers))),
+                    None => return done,
+                }
+            }
+        };
+        let threads = available_parallelism().map_or(1, usize::from).min(specs.len());
+        let mut done = std::thread::scope(|scope| {
+            let helpers: Vec<_> = (1..threads).map(|_| scope.spawn(compile)).collect();
+            let mut done = compile();
+            for helper in helpers {
+                done.extend(helper.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
+            }
+            done
+        });
+        done.sort_by_key(|(index, _)| *index);
+        done.into_iter().map(|(_, pipeline)| pipeline).collect()
+    }
+
     /// Compiles and binds a kernel.
     pub fn new(device: &Device, spec: &PipelineSpec<'_>, buffers: &Buffers) -> Result<Pipeline> {
         let wgpu_device = &device.device;
@@ -38,6 +69,7 @@ impl Pipeline {
                 spec.name
             )));
         }
+        device.note_compiled(spec.name);
         let module = wgpu_device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(spec.name),
             source: wgpu::ShaderSource::Naga(Cow::Owned(spec.module.clone())),

@@ -7,18 +7,21 @@ use gpu_rt::gpu::device::{Adapters, Device};
 /// The software device, opened once for a test program.
 pub fn software() -> &'static Device {
     static DEVICE: OnceLock<Device> = OnceLock::new();
-    DEVICE.get_or_init(|| {
-        let adapters = Adapters::find();
-        let names = adapters.names();
-        let index = match std::env::var("GPU_RT_TEST_DEVICE") {
-            // Another device, by index or name, for running the suite on a GPU.
-            Ok(wish) => adapters.index_of_choice(Some(&wish)).expect("GPU_RT_TEST_DEVICE names no device"),
-            Err(_) => names
-                .iter()
-                .position(|(name, _)| name.software)
-                .expect("the tests need a software Vulkan driver: apt-get install mesa-vulkan-drivers"),
-        };
-        let adapter = adapters.choose(Some(&index.to_string())).expect("the adapter is listed");
-        Device::open(adapter).expect("the software device opens")
-    })
+    DEVICE.get_or_init(open)
+}
+
+/// The same, opened anew: with nothing compiled for it yet.
+pub fn open() -> Device {
+    let adapters = Adapters::find();
+    let names = adapters.names();
+    let index = match std::env::var("GPU_RT_TEST_DEVICE") {
+        // Another device, by index or name, for running the suite on a GPU.
+        Ok(wish) => adapters.index_of_choice(Some(&wish)).expect("GPU_RT_TEST_DEVICE names no device"),
+        Err(_) => names
+            .iter()
+            .position(|(name, _)| name.software)
+            .expect("the tests need a software Vulkan driver: apt-get install mesa-vulkan-drivers"),
+    };
+    let adapter = adapters.choose(Some(&index.to_string())).expect("the adapter is listed");
+    Device::open(adapter).expect("the software device opens")
 }
