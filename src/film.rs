@@ -74,7 +74,7 @@ pub struct Totals {
 }
 
 /// What one pixel has received, in device units.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Zeroable)]
 struct Pixel {
     /// Σ s over runs, s the run's sum, in units of 2^-[`SUM_FRACTION`].
     sum: [u128; 3],
@@ -235,12 +235,8 @@ impl Film {
             ))
         };
         let count = usize::try_from(count).map_err(|_| too_large())?;
-        let empty = |count| {
-            let mut pixels = Vec::new();
-            pixels.try_reserve_exact(count).map_err(|_| too_large())?;
-            pixels.resize(count, Pixel::default());
-            Ok(pixels)
-        };
+        // Zeros as the system hands them out: writing them would cost a large film more than all else before its first pass.
+        let empty = |count| bytemuck::allocation::try_zeroed_vec::<Pixel>(count).map_err(|()| too_large());
         let (pixels, odd) = (empty(count)?, empty((parts - 1) * count)?);
         Ok(Film { width, height, exponent, sampler, pixels, odd, totals: Totals::default() })
     }
