@@ -233,8 +233,7 @@ fn measured(
         squared: squared_bias(&own_images, &base_images, weights)?,
         biased: false,
         against_reference: false,
-        reliable: noise_doubt <= RELIABLE
-            && subject.blocks.get(&LEVEL)?.iter().all(|block| block.reliable != Some(false)),
+        reliable: noise_doubt <= RELIABLE,
         noise_doubt,
         times: [None; TARGETS.len()],
         standing: Standing::NeverReaches,

@@ -62,8 +62,6 @@ pub struct Block {
     pub image: Pixels,
     /// Of the passes alone.
     pub seconds: f64,
-    /// Whether the film trusts its own error (`ErrorEstimate::reliable`); unknown with few samples.
-    pub reliable: Option<bool>,
 }
 
 /// A setting under measurement.
@@ -221,8 +219,7 @@ impl<'a> Sweep<'a> {
             return Ok(None);
         }
         let image = enlarged(&film.develop().rgb, *size, whole);
-        let reliable = film.error_estimate(0.05).map(|estimate| estimate.reliable);
-        Ok(Some(Block { image, seconds: outcome.seconds, reliable }))
+        Ok(Some(Block { image, seconds: outcome.seconds }))
     }
 
     /// Rounds of blocks of every subject until the time is over, the stop is asked for, or `most` rounds are done, with those of earlier
