@@ -860,6 +860,9 @@ FILES = {
 
 
 def main(names):
+    unknown = [name for name in names if name not in FILES]
+    if unknown:
+        sys.exit(f"error: {', '.join(unknown)}: expected names of {', '.join(FILES)}")
     for name in names or FILES:
         with open(os.path.join(HERE, name), "wb") as file:
             file.write(FILES[name]())
