@@ -8,6 +8,7 @@ use std::path::PathBuf;
 use std::process::Command;
 
 use gpu_rt::output::exr::read_exr;
+use gpu_rt::tradeoff::pace::median;
 use serde_json::Value;
 
 /// Of each image. Enough that what a render takes beside its paths does not show.
@@ -44,11 +45,6 @@ fn run(scene: &PathBuf, features: &str, folder: &tempfile::TempDir) -> Run {
     }
 }
 
-fn median(mut numbers: Vec<f64>) -> f64 {
-    numbers.sort_by(f64::total_cmp);
-    numbers[numbers.len() / 2]
-}
-
 fn main() {
     // Cargo passes `--bench`; the rest is ours.
     let args: Vec<String> = std::env::args().skip(1).filter(|arg| arg != "--bench").collect();
@@ -70,11 +66,13 @@ fn main() {
         for [own, all] in &both {
             assert!(own.pixels == all.pixels, "{}: the same work", scene.display());
         }
-        let of = |which: usize, what: fn(&Run) -> f64| median(both.iter().map(|runs| what(&runs[which])).collect());
+        let of = |which: usize, what: fn(&Run) -> f64| {
+            median(&both.iter().map(|runs| what(&runs[which])).collect::<Vec<_>>())
+        };
         let ratio = |what: fn([&Run; 2]) -> f64| {
             let ratios: Vec<f64> = both.iter().map(|[own, all]| what([own, all])).collect();
             let (low, high) = ratios.iter().fold((f64::MAX, 0.0f64), |(low, high), r| (low.min(*r), high.max(*r)));
-            format!("{:.1} ({low:.1} to {high:.1})", median(ratios))
+            format!("{:.1} ({low:.1} to {high:.1})", median(&ratios))
         };
         let name = scene.file_stem().unwrap_or_default().to_string_lossy();
         println!(

@@ -65,15 +65,8 @@ pub struct RenderArgs {
     #[arg(long, value_name = "WxH|N%", value_parser = image_size,
           help = knobs::SIZE.help(), help_heading = knobs::SIZE.class.heading())]
     pub size: Option<Size>,
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1_000_000),
-          help = knobs::MAX_DEPTH.help(), help_heading = knobs::MAX_DEPTH.class.heading())]
-    pub max_depth: Option<u32>,
-    /// Seed of the random numbers.
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub seed: u32,
-    /// The device, by its index or a part of its name as `gpu-rt devices` lists them.
-    #[arg(long, value_name = "INDEX|NAME")]
-    pub device: Option<String>,
+    #[command(flatten)]
+    pub paths: PathArgs,
     /// Exposure of the PNG, in stops.
     #[arg(long, value_name = "EV", default_value_t = 0.0, value_parser = exposure, allow_negative_numbers = true)]
     pub exposure: f64,
@@ -133,6 +126,20 @@ impl TradeArgs {
         .flatten()
         .collect()
     }
+}
+
+/// Which paths are traced, and where.
+#[derive(Clone, Debug, Args)]
+pub struct PathArgs {
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1_000_000),
+          help = knobs::MAX_DEPTH.help(), help_heading = knobs::MAX_DEPTH.class.heading())]
+    pub max_depth: Option<u32>,
+    /// Seed of the random numbers.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u32,
+    /// The device, by its index or a part of its name as `gpu-rt devices` lists them.
+    #[arg(long, value_name = "INDEX|NAME")]
+    pub device: Option<String>,
 }
 
 /// What changes the speed and never the image.
@@ -207,15 +214,8 @@ pub struct ConvergeArgs {
     /// Begin no further doubling of the samples that would end later than this after the first [30s, 5m, …].
     #[arg(long, value_name = "TIME", value_parser = duration)]
     pub time: Option<Duration>,
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1_000_000),
-          help = knobs::MAX_DEPTH.help(), help_heading = knobs::MAX_DEPTH.class.heading())]
-    pub max_depth: Option<u32>,
-    /// Seed of the random numbers.
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub seed: u32,
-    /// The device, by its index or a part of its name as `gpu-rt devices` lists them.
-    #[arg(long, value_name = "INDEX|NAME")]
-    pub device: Option<String>,
+    #[command(flatten)]
+    pub paths: PathArgs,
     #[command(flatten)]
     pub trade: TradeArgs,
     /// Say nothing but errors.

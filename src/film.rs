@@ -109,6 +109,11 @@ impl Pixel {
         }
     }
 
+    /// Of all channels.
+    fn variances(&self, sampler: Sampler) -> Option<[f64; 3]> {
+        Some([self.variance(0, sampler)?, self.variance(1, sampler)?, self.variance(2, sampler)?])
+    }
+
     fn has_replicates(&self, sampler: Sampler) -> bool {
         match sampler {
             Sampler::Independent => self.replicates >= 2,
@@ -181,13 +186,13 @@ impl Pixel {
         }
     }
 
-    /// A pixel's term of the squared relative error, the mean of v / (I² + floor) over its channels: with v of this one, I of `mean_of`.
-    fn term(&self, mean_of: &Pixel, sampler: Sampler, floor: f64) -> Option<f64> {
-        let term = |channel| {
-            let mean = mean_of.mean(channel);
-            Some(self.variance(channel, sampler)? / (3.0 * (mean * mean + floor)))
+    /// A pixel's term of the squared relative error, the mean of v / (I² + floor) over its channels, with I of this one.
+    fn term(&self, v: [f64; 3], floor: f64) -> f64 {
+        let term = |channel: usize| {
+            let mean = self.mean(channel);
+            v[channel] / (3.0 * (mean * mean + floor))
         };
-        Some(term(0)? + term(1)? + term(2)?)
+        term(0) + term(1) + term(2)
     }
 }
 
@@ -450,15 +455,15 @@ impl Film {
             if pixel.rejected > 0 && !pixel.has_replicates(self.sampler) {
                 continue;
             }
-            let x = pixel.term(pixel, self.sampler, floor)?;
-            let halves_of_pixel = pixel.halves(self.odd.get(index));
-            for half in &halves_of_pixel {
-                across += 0.5 * pixel.term(half, self.sampler, floor)?;
-            }
+            let v = pixel.variances(self.sampler)?;
+            let [even, odd] = pixel.halves(self.odd.get(index));
+            let x = pixel.term(v, floor);
+            across += 0.5 * even.term(v, floor);
+            across += 0.5 * odd.term(v, floor);
             total += x;
             squares += x * x;
             pixels += 1;
-            halves = halves.and_then(|halves| halves.with(pixel, self.odd.get(index)?, floor));
+            halves = halves.and_then(|halves| halves.with(pixel, [&even, &odd], floor));
         }
         if pixels == 0 {
             return None;
@@ -496,14 +501,13 @@ struct Halves {
 
 impl Halves {
     /// These with another pixel; nothing where it has less than two runs in a half.
-    fn with(self, pixel: &Pixel, odd: &Pixel, floor: f64) -> Option<Halves> {
-        let even = pixel.without(odd);
+    fn with(self, pixel: &Pixel, [even, odd]: [&Pixel; 2], floor: f64) -> Option<Halves> {
         let share = |half: &Pixel| half.samples as f64 / pixel.samples as f64;
-        let (a, b) = (share(&even), share(odd));
+        let (a, b) = (share(even), share(odd));
         // By samples, variances of a half's mean are a or b of that of the pixel's.
-        let term = |half: &Pixel, mean_of: &Pixel| half.term(mean_of, Sampler::Independent, floor);
-        let (of_even, of_odd) = (a * term(&even, &even)?, b * term(odd, odd)?);
-        let pooled = a * a * term(&even, pixel)? + b * b * term(odd, pixel)?;
+        let (v, w) = (even.variances(Sampler::Independent)?, odd.variances(Sampler::Independent)?);
+        let (of_even, of_odd) = (a * even.term(v, floor), b * odd.term(w, floor));
+        let pooled = a * a * pixel.term(v, floor) + b * b * pixel.term(w, floor);
         let change = pooled - a * of_even - b * of_odd;
         let deviation = (of_even - of_odd).abs() * (a * b).sqrt() + change.abs();
         Some(Halves { correction: self.correction + change, variance: self.variance + deviation * deviation })

@@ -135,8 +135,7 @@ impl SettingsLayout {
 
     /// How many they are with their padding.
     fn size(&self) -> u64 {
-        let end = self.0.iter().map(|member| member.offset + member.bytes).max().unwrap_or(0);
-        u64::from(end).next_multiple_of(16)
+        u64::from(layout::packed_bytes(&self.0))
     }
 
     /// Each member in its place, by its name.
@@ -202,7 +201,7 @@ impl Plan {
             };
             Bounce::Staged(Box::new(Staged {
                 intersect: kernel("intersect", "intersect", &choices, if empty { always } else { &geometry })?,
-                medium: if_any(features.media > 0 || features.every, "medium", "medium", &media)?,
+                medium: if_any(features.crosses_media(), "medium", "medium", &media)?,
                 dispatch: if_any(queues, "dispatch", "dispatch", &format!("a queue for each material ({QUEUES})"))?,
                 scatter: match queues {
                     true => queued_scatters(features, &materials, &choices)?,
@@ -366,7 +365,7 @@ fn choices(features: &Features, materials: &[Entry], bounces: Bounces, tables: &
     let (emitting_meshes, emitters) = split(entries(PRIMITIVES, &features.emitters));
     let boundaries = BOUNDARIES.iter().zip(&features.boundaries).filter(|(_, used)| used.is_some());
     let (mesh_boundaries, convex_boundaries) = split(closed(boundaries.map(|(boundary, _)| *boundary)));
-    let media = features.media > 0 || features.every;
+    let media = features.crosses_media();
     let lights = features.lights > 0;
     // One entry or none: what is linked where there are lights, and of which kinds.
     let only_if = |wanted: bool, name: &str| if wanted { closed(std::iter::once((name, 0))) } else { Vec::new() };

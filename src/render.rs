@@ -13,7 +13,7 @@ use crate::gpu::device::{Device, DeviceClass};
 use crate::gpu::pipeline::{Pipeline, PipelineSpec};
 use crate::gpu::probe;
 use crate::gpu::timing::{MAX_PASSES, Timing};
-use crate::plan::{Bounce, Kernel, MOST_PATH_BYTES, Plan, Scatter, SettingsLayout, Tuning};
+use crate::plan::{Bounce, Kernel, MOST_PATH_BYTES, Plan, Scatter, SettingsLayout, Tables, Tuning};
 
 /// What is to be rendered of a scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -133,6 +133,15 @@ pub fn tuning(device: DeviceClass, job: &Job, wish: TuningWish) -> Tuning {
         scatter: wish.scatter.unwrap_or(if device.software { Scatter::Fused } else { Scatter::Linked }),
         records_per_slot: room.clamp(2, 16) as u32,
     }
+}
+
+/// The plan of a scene for a job on a device of this class, and in that the way of scattering that suits it.
+///
+/// # Errors
+/// As of [`Plan::with_tables`].
+pub fn plan_for(flat: &Flat, device: DeviceClass, job: &Job, wish: TuningWish) -> Result<Plan> {
+    let tables = Tables::new(flat, device.table_bytes());
+    Plan::with_tables(&flat.features, tuning(device, job, wish).scatter, &tables)
 }
 
 fn seconds_until(deadline: Instant) -> f64 {

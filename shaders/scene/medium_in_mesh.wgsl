@@ -91,7 +91,6 @@ fn collision_in_mesh(ray: Ray, index: u32, way: f32, limit: f32, steps: ptr<func
     return NO_HIT;
 }
 
-//@ each light
 // The length of the way inside up to distance t, or WALK_CUT.
 fn way_in_mesh(ray: Ray, index: u32, t: f32, steps: ptr<function, u32>) -> f32 {
     let instance = instances[index];
@@ -108,4 +107,3 @@ fn way_in_mesh(ray: Ray, index: u32, t: f32, steps: ptr<function, u32>) -> f32 {
     }
     return way;
 }
-//@ end

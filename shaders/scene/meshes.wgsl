@@ -49,14 +49,12 @@ fn face_normal(corners: Corners) -> vec3<f32> {
     return normalize(triangle_cross(corners.a, corners.b, corners.c));
 }
 
-//@ each emitting_mesh
 // The corners of a face in render space.
 fn placed_corners(instance: Instance, index: u32) -> Corners {
     let corners = corners_of(index);
     return Corners(from_mesh(instance, corners.a), from_mesh(instance, corners.b), from_mesh(instance, corners.c));
 }
 
-//@ end
 // The hit record of a ray that meets the face; the point is put back onto it.
 fn mesh_surface(ray: Ray, instance: Instance, index: u32) -> Surface {
     let corners = corners_of(index);

@@ -19,7 +19,6 @@ fn limited_indirect(contribution: vec3<f32>, events: u32) -> vec3<f32> {
     return limited(contribution);
 }
 
-//@ each light
 // The weight of a ray to a light, sent by the event after so many others. Nothing that it brings is negative, and so the sign is
 // free to say that the light is indirect: a path's state has no room for that.
 fn weight_of_light(weight: vec3<f32>, events: u32) -> vec3<f32> {
@@ -33,4 +32,3 @@ fn limited_light(contribution: vec3<f32>) -> vec3<f32> {
     }
     return contribution;
 }
-//@ end

@@ -3,7 +3,6 @@ fn limited_indirect(contribution: vec3<f32>, events: u32) -> vec3<f32> {
     return contribution;
 }
 
-//@ each light
 fn weight_of_light(weight: vec3<f32>, events: u32) -> vec3<f32> {
     return weight;
 }
@@ -11,4 +10,3 @@ fn weight_of_light(weight: vec3<f32>, events: u32) -> vec3<f32> {
 fn limited_light(contribution: vec3<f32>) -> vec3<f32> {
     return contribution;
 }
-//@ end

@@ -5,7 +5,6 @@ use serde_json::{Value, json};
 use super::{check_place, path_text, print_json, print_line, same_file, tell};
 use crate::cli::{CompareArgs, Limit, Metric};
 use crate::error::{Error, Result};
-use crate::film::UNKNOWN_VARIANCE;
 use crate::metrics::difference::{CONFIDENCE, Difference, Estimate, Images, LEVEL, QUANTITIES, Source, difference};
 use crate::metrics::error::{mse, psnr, relmse, relmse_trimmed};
 use crate::metrics::flip::error_map;
@@ -34,7 +33,7 @@ pub fn run(args: &CompareArgs) -> Result<()> {
         )));
     }
     let pixels = Pixels::of(&a, &b);
-    let variances = known_variance(&a).zip(known_variance(&b)).map(|(a, b)| [a, b]);
+    let variances = a.known_variance().zip(b.known_variance()).map(|(a, b)| [a, b]);
     let (width, height) = (a.width as usize, a.height as usize);
     let images = Images { width, height, a: &a.rgb, b: &b.rgb, variances };
     let difference = difference(&images).ok_or_else(|| {
@@ -98,12 +97,6 @@ fn remove(image: &mut Vec<[f32; 3]>, places: &[usize]) {
         pixel += 1;
         keep
     });
-}
-
-/// The variances of an image's pixels, where all of them are known.
-fn known_variance(image: &ExrImage) -> Option<&[[f32; 3]]> {
-    let variance = image.variance.as_deref()?;
-    variance.as_flattened().iter().all(|v| (0.0..UNKNOWN_VARIANCE).contains(v)).then_some(variance)
 }
 
 /// How many pixels there are, and how many of each image are unusual.

@@ -1,25 +1,23 @@
 //! `gpu-rt converge`: the error of a render at 1, 2, 4 … samples against a reference, and the seconds that each took.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
 use serde_json::json;
 
 use super::{
-    flatten_for, open_device, path_text, print_json, print_line, stop_on_interrupt, tell, tell_biases, tell_software,
-    wish_of,
+    flatten_for, make_folder, open_device, path_text, print_json, print_line, stop_on_interrupt, tell, tell_biases,
+    tell_software, wish_of,
 };
 use crate::cli::{ConvergeArgs, Size};
 use crate::data::Sampler;
 use crate::error::{Error, Result};
-use crate::film::{Film, UNKNOWN_VARIANCE};
+use crate::film::Film;
 use crate::metrics::error as metrics;
 use crate::output::atomic;
 use crate::output::exr::{ExrImage, read_exr};
 use crate::output::plot::{Curve, Plot, svg};
-use crate::plan::{Plan, Tables};
-use crate::render::{Goal, Job, Next, Renderer, TuningWish, tuning};
+use crate::render::{Goal, Job, Next, Renderer, TuningWish, plan_for};
 use crate::scene::Scene;
 
 /// The render after so many samples.
@@ -41,29 +39,25 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
     let reference = read_exr(&args.reference)?;
     let own_error = error_of_reference(&reference);
     let scene = Scene::load(&args.scene)?;
-    let biases = tell_biases(&args.trade, args.max_depth, &scene, args.quiet);
-    if reference.seed() == Some(args.seed) && !args.quiet {
+    let biases = tell_biases(&args.trade, args.paths.max_depth, &scene, args.quiet);
+    if reference.seed() == Some(args.paths.seed) && !args.quiet {
         tell(&format!(
             "warning: {} was rendered with seed {} too: what both have of its noise looks like no error; give another --seed",
             args.reference.display(),
-            args.seed
+            args.paths.seed
         ));
     }
     let (csv, plot) = outputs(args)?;
     let size = (reference.width, reference.height);
     let (size, flat) = flatten_for(&scene, Some(Size::Pixels(size.0, size.1)), wish_of(&args.trade))?;
-    let device = open_device(args.device.as_deref())?;
-    if !args.quiet {
-        tell_software(&device);
-    }
+    let device = open_device(args.paths.device.as_deref())?;
+    tell_software(&device, args.quiet);
 
     let end = args.spp.unwrap_or(scene.render.samples);
-    let max_depth = args.max_depth.unwrap_or(scene.render.max_depth);
-    let job = Job { size, max_depth, seed: args.seed, first_sample: 0, goal: Goal::Samples(end) };
-    let class = device.class();
-    let tables = Tables::new(&flat, class.table_bytes());
+    let max_depth = args.paths.max_depth.unwrap_or(scene.render.max_depth);
+    let job = Job { size, max_depth, seed: args.paths.seed, first_sample: 0, goal: Goal::Samples(end) };
     let wish = TuningWish::default();
-    let plan = Plan::with_tables(&flat.features, tuning(class, &job, wish).scatter, &tables)?;
+    let plan = plan_for(&flat, device.class(), &job, wish)?;
     let mut renderer = Renderer::new(&device, &flat, &plan, &job, wish, false)?;
     let mut film = Film::with_sampler(size.0, size.1, flat.radiance_exponent, flat.features.sampler)?;
 
@@ -100,10 +94,10 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
     if steps.is_empty() {
         return Err(Error::Interrupted("interrupted before the first sample; nothing has been written".into()));
     }
-    write(&csv, &table(&steps))?;
+    atomic::write(&csv, table(&steps).as_bytes())?;
     let name = args.scene.file_name().unwrap_or_default().to_string_lossy();
     let title = format!("{name} on {}", device.name.driver);
-    write(&plot, &svg(&drawing(&title, &steps, own_error))?)?;
+    atomic::write(&plot, svg(&drawing(&title, &steps, own_error))?.as_bytes())?;
     report(args, &biases, &device.name.to_string(), &steps, own_error, (&csv, &plot));
     match stopped.load(Ordering::Relaxed) {
         true => Err(Error::Interrupted(format!("interrupted; {} holds the samples so far", csv.display()))),
@@ -113,28 +107,15 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
 
 /// The files to write, in a folder that is there.
 fn outputs(args: &ConvergeArgs) -> Result<(PathBuf, PathBuf)> {
-    let failed = |error: std::io::Error| Error::File {
-        path: args.output.clone(),
-        action: "write",
-        reason: format!("{error}; nothing has been rendered"),
-    };
-    std::fs::create_dir_all(&args.output).map_err(failed)?;
+    make_folder(&args.output, "nothing has been rendered")?;
     let stem = args.scene.file_stem().unwrap_or_default().to_string_lossy();
     let file = |ending: &str| args.output.join(format!("{stem}-converge.{ending}"));
     Ok((file("csv"), file("svg")))
 }
 
-fn write(path: &Path, text: &str) -> Result<()> {
-    atomic::replace(path, |file| file.write_all(text.as_bytes()))
-}
-
 /// The relMSE that a reference has itself by its noise, where its file tells the variance.
 fn error_of_reference(reference: &ExrImage) -> Option<f64> {
-    let variance = reference.variance.as_ref()?;
-    if variance.as_flattened().contains(&UNKNOWN_VARIANCE) {
-        return None;
-    }
-    metrics::relative_variance(variance, &reference.rgb)
+    metrics::relative_variance(reference.known_variance()?, &reference.rgb)
 }
 
 fn measure(film: &Film, reference: &ExrImage, samples: u32, seconds: f64) -> Result<Step> {
@@ -242,7 +223,7 @@ fn report(
             "device": device,
             "integrator": args.trade.integrator.name(),
             "sampler": Sampler::from(args.trade.sampler).name(),
-            "seed": args.seed,
+            "seed": args.paths.seed,
             "biases": biases,
             "steps": rows,
             "relmse_of_reference": own_error,

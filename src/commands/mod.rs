@@ -16,8 +16,8 @@ use crate::cli::{Cli, Command, Fresnel, Integrator, Offset, Precision, Size, Swi
 use crate::error::{Error, Result};
 use crate::flatten::{Flat, Wish, flatten_with};
 use crate::gpu::device::{AdapterName, Adapters, Device, DeviceClass};
-use crate::plan::{Plan, Tables, Tuning};
-use crate::render::{Goal, Job, TuningWish, tuning};
+use crate::plan::{Plan, Tuning};
+use crate::render::{Goal, Job, TuningWish, plan_for, tuning};
 use crate::scene::Scene;
 
 /// Runs the command.
@@ -94,9 +94,7 @@ impl Target {
 fn planned(scene: &Scene, size: (u32, u32), flat: &Flat, target: &Target, wish: TuningWish) -> Result<(Plan, Tuning)> {
     let goal = Goal::Samples(scene.render.samples);
     let job = Job { size, max_depth: scene.render.max_depth, seed: 0, first_sample: 0, goal };
-    let tuning = tuning(target.class, &job, wish);
-    let tables = Tables::new(flat, target.class.table_bytes());
-    Ok((Plan::with_tables(&flat.features, tuning.scatter, &tables)?, tuning))
+    Ok((plan_for(flat, target.class, &job, wish)?, tuning(target.class, &job, wish)))
 }
 
 /// The device asked for, opened.
@@ -104,11 +102,21 @@ fn open_device(wish: Option<&str>) -> Result<Device> {
     Device::open(Adapters::find().choose(wish)?)
 }
 
-/// Says of a software driver that it is one.
-fn tell_software(device: &Device) {
-    if device.name.software {
+/// Says of a software driver that it is one, unless nothing is to be said.
+fn tell_software(device: &Device, quiet: bool) {
+    if device.name.software && !quiet {
         tell(&format!("warning: {} is a software driver: the processor does a GPU's work", device.name));
     }
+}
+
+/// Makes a folder where there is none. What has not been done yet is said where it cannot.
+fn make_folder(folder: &Path, undone: &str) -> Result<()> {
+    let failed = |error: std::io::Error| Error::File {
+        path: folder.to_path_buf(),
+        action: "write",
+        reason: format!("{error}; {undone}"),
+    };
+    std::fs::create_dir_all(folder).map_err(failed)
 }
 
 /// Set by the first interrupt; the second ends the program at once.

@@ -120,7 +120,7 @@ fn write_shaders(folder: &Path, plan: &Plan) -> Result<()> {
     })?;
     for kernel in plan.kernels() {
         let path = folder.join(format!("{}.wgsl", kernel.name));
-        atomic::replace(&path, |file| std::io::Write::write_all(file, kernel.linked.text.as_bytes()))?;
+        atomic::write(&path, kernel.linked.text.as_bytes())?;
     }
     Ok(())
 }

@@ -21,8 +21,7 @@ use crate::gpu::probe::{Numerics, numerics};
 use crate::output::exr::{Attribute, write_exr};
 use crate::output::png::write_png;
 use crate::output::progress::{self, Loading, Progress, Status};
-use crate::plan::{Plan, Tables};
-use crate::render::{Goal, Job, NOISE_LEVEL, Next, Noise, Outcome, Renderer, TooDeep, TuningWish, tuning};
+use crate::render::{Goal, Job, NOISE_LEVEL, Next, Noise, Outcome, Renderer, TooDeep, TuningWish, plan_for};
 use crate::scene::Scene;
 
 /// Seconds of the parts of a render, as `--json` and the EXR's header report them.
@@ -55,14 +54,14 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     if !args.quiet {
         scene.warnings().iter().for_each(|warning| tell(&format!("warning: {warning}")));
     }
-    let biases = tell_biases(&args.trade, args.max_depth, &scene, args.quiet);
+    let biases = tell_biases(&args.trade, args.paths.max_depth, &scene, args.quiet);
     let output = output_of(args)?;
     seconds.load = clock.lap();
 
     let wish = Wish { every_feature: args.tuning.features == FeaturesArg::All, ..wish_of(&args.trade) };
     // The driver loads while the scene is built: `open` is what is left of that then. A scene that does not load waits for no driver.
     let (built, device) = std::thread::scope(|scope| {
-        let opening = scope.spawn(|| open_device(args.device.as_deref()));
+        let opening = scope.spawn(|| open_device(args.paths.device.as_deref()));
         let built = flatten_for(&scene, args.size, wish);
         seconds.build = clock.lap();
         (built, opening.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
@@ -72,9 +71,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
         flat.warnings.iter().for_each(|warning| tell(&format!("warning: {warning}")));
     }
     let device = device?;
-    if !args.quiet {
-        tell_software(&device);
-    }
+    tell_software(&device, args.quiet);
     seconds.open = clock.lap();
 
     let job = job_of(args, &scene, size, start);
@@ -84,12 +81,10 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
         scatter: args.tuning.scatter.map(Into::into),
         bounces: args.tuning.bounces,
     };
-    let class = device.class();
-    let tables = Tables::new(&flat, class.table_bytes());
     let plan = std::thread::scope(|scope| {
         // The device keeps what its probe finds; an error comes again where the findings are asked for.
         scope.spawn(|| numerics(&device).is_ok());
-        Plan::with_tables(&flat.features, tuning(class, &job, wish).scatter, &tables)
+        plan_for(&flat, device.class(), &job, wish)
     })?;
     let mut renderer = Renderer::new(&device, &flat, &plan, &job, wish, args.tuning.profile)?;
     seconds.compile = clock.lap();
@@ -212,8 +207,8 @@ fn job_of(args: &RenderArgs, scene: &Scene, size: (u32, u32), start: Instant) ->
     };
     Job {
         size,
-        max_depth: args.max_depth.unwrap_or(scene.render.max_depth),
-        seed: args.seed,
+        max_depth: args.paths.max_depth.unwrap_or(scene.render.max_depth),
+        seed: args.paths.seed,
         first_sample: samples.start,
         goal,
     }

@@ -1,13 +1,14 @@
 //! `gpu-rt tradeoff`: what the settings of `render` trade on a scene, measured within a budget of time.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use clap::Parser;
 
-use super::{open_device, path_text, print_json, print_line, stop_on_interrupt, tell, tell_software, wish_of};
+use super::{
+    make_folder, open_device, path_text, print_json, print_line, stop_on_interrupt, tell, tell_software, wish_of,
+};
 use crate::cli::{Cli, Command, RenderArgs, Size, TradeoffArgs};
 use crate::error::{Error, Result};
 use crate::knobs::{KNOBS, Knob, MAX_DEPTH, SIZE, SPP};
@@ -53,9 +54,7 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     let seed = seed_beside(args.seed, reference.as_ref());
     let folder = folder_of(args)?;
     let device = open_device(args.device.as_deref())?;
-    if !args.quiet {
-        tell_software(&device);
-    }
+    tell_software(&device, args.quiet);
     let at = |share: f64| start + Duration::from_secs_f64(share * args.budget.as_secs_f64());
 
     let mut loading = Loading::new(args.quiet);
@@ -202,12 +201,7 @@ fn folder_of(args: &TradeoffArgs) -> Result<PathBuf> {
         let stem = args.scene.file_stem().unwrap_or_default().to_string_lossy();
         PathBuf::from(format!("{stem}-tradeoff"))
     });
-    let failed = |error: std::io::Error| Error::File {
-        path: folder.clone(),
-        action: "write",
-        reason: format!("{error}; nothing has been measured"),
-    };
-    std::fs::create_dir_all(&folder).map_err(failed)?;
+    make_folder(&folder, "nothing has been measured")?;
     Ok(folder)
 }
 
@@ -230,7 +224,7 @@ fn settings_of(scene: &Scene, knobs: &[&'static Knob]) -> Result<Vec<Setting>> {
             Some(Size::Share(share)) => share,
             _ => 1.0,
         };
-        let max_depth = args.max_depth.unwrap_or(scene.render.max_depth);
+        let max_depth = args.paths.max_depth.unwrap_or(scene.render.max_depth);
         Ok(Setting { knob, value: value.to_string(), wish: wish_of(&args.trade), max_depth, scale })
     };
     let mut settings = vec![setting(None, "")?];
@@ -318,7 +312,7 @@ fn pictures(
 }
 
 fn write(folder: &Path, report: &Report) -> Result<()> {
-    let file = |name: &str, text: &str| atomic::replace(&folder.join(name), |file| file.write_all(text.as_bytes()));
+    let file = |name: &str, text: &str| atomic::write(&folder.join(name), text.as_bytes());
     file("tradeoff.csv", &report.csv())?;
     file("tradeoff.json", &format!("{:#}\n", report.json()))?;
     let plot = plot(report)?;

@@ -70,18 +70,20 @@ pub struct Features {
     pub every: bool,
 }
 
+/// What asked for the kind of this name.
+fn of<'a>(names: &[&str], used: &'a [Option<String>], name: &str) -> Option<&'a str> {
+    let place = names.iter().position(|known| *known == name)?;
+    used.get(place)?.as_deref()
+}
+
 impl Features {
     /// Notes what is wished, where the scene has what it is about.
     pub(super) fn wish(&mut self, wish: &Wish) {
         self.roulette = wish.roulette;
         self.sampler = wish.sampler;
-        let used = |kinds: &[Option<String>], names: &[&str], name| {
-            names.iter().zip(kinds).any(|(known, used)| *known == name && used.is_some())
-        };
-        let boundaries: Vec<&str> = BOUNDARIES.iter().map(|(name, _)| *name).collect();
-        let spheres = used(&self.primitives, PRIMITIVES, "sphere") || used(&self.boundaries, &boundaries, "sphere");
+        let spheres = self.primitive("sphere").or(self.boundary("sphere")).is_some();
         let surfaces = self.primitives.iter().any(Option::is_some);
-        self.schlick = wish.schlick && used(&self.materials, MATERIALS, "dielectric");
+        self.schlick = wish.schlick && of(MATERIALS, &self.materials, "dielectric").is_some();
         self.clamp = wish.clamp.is_some() && (surfaces || self.media > 0);
         self.fast_offset = wish.fast_offset && surfaces;
         self.fast_precision = wish.fast_precision && spheres;
@@ -115,18 +117,26 @@ impl Features {
         self.boundary_stack_size = self.boundary_stack_size.max(DEEP);
     }
 
-    /// The scene's object, or the option, that asked for what a module of the shaders is for; nothing of modules that serve all renders.
+    /// Whether kernels have code for media.
+    pub fn crosses_media(&self) -> bool {
+        self.media > 0 || self.every
+    }
+
+    fn primitive(&self, name: &str) -> Option<&str> {
+        of(PRIMITIVES, &self.primitives, name)
+    }
+
+    fn boundary(&self, name: &str) -> Option<&str> {
+        let place = BOUNDARIES.iter().position(|(known, _)| *known == name)?;
+        self.boundaries.get(place)?.as_deref()
+    }
+
+    /// The scene's object that asked for what a module of the shaders is for; nothing of modules that serve all scenes.
     pub fn asked_for(&self, module: &str) -> Option<&str> {
-        fn of<'a>(names: &[&str], used: &'a [Option<String>], name: &str) -> Option<&'a str> {
-            let place = names.iter().position(|known| *known == name)?;
-            used.get(place)?.as_deref()
-        }
         let texture = || self.textures.iter().flatten().next().map(String::as_str);
         let light = || self.emitters.iter().flatten().chain(&self.emitting_sky).next().map(String::as_str);
         let medium = || self.boundaries.iter().flatten().next().map(String::as_str);
-        let boundaries: Vec<&str> = BOUNDARIES.iter().map(|(name, _)| *name).collect();
-        let boundary = |name| of(&boundaries, &self.boundaries, name);
-        let primitive = |name| of(PRIMITIVES, &self.primitives, name);
+        let (primitive, boundary) = (|name| self.primitive(name), |name| self.boundary(name));
         let (folder, name) = module.split_once('/')?;
         let stem = name.split('_').next().unwrap_or(name);
         match (folder, name) {
@@ -157,9 +167,6 @@ impl Features {
             ("scene", "lights" | "light_tree" | "light_alias" | "responses")
             | ("step", "light")
             | ("stage", "shadow") => light(),
-            ("step", "roulette") => Some("--roulette on, the default"),
-            ("step", "clamp") => Some("--clamp"),
-            ("lib", "fresnel_schlick") => Some("--fresnel schlick"),
             ("lib", "fresnel" | "refraction") => of(MATERIALS, &self.materials, "dielectric"),
             ("lib", "perlin") => {
                 of(TEXTURES, &self.textures, "noise").or_else(|| of(TEXTURES, &self.textures, "marble"))

@@ -73,6 +73,11 @@ pub fn members(module: &naga::Module, name: &str) -> Result<Option<(Vec<Member>,
     Ok(Some((members, *span)))
 }
 
+/// Whether the shader has an override constant of this name.
+pub fn has_override(module: &naga::Module, name: &str) -> bool {
+    module.overrides.iter().any(|(_, known)| known.name.as_deref() == Some(name))
+}
+
 /// The override constants by name, with the whole numbers that they have unless told otherwise.
 pub fn overrides(module: &naga::Module) -> BTreeMap<String, Option<u64>> {
     let named = |(_, known): (_, &naga::Override)| {
@@ -94,8 +99,7 @@ fn whole_number(module: &naga::Module, value: naga::Handle<naga::Expression>) ->
 /// A struct's bytes with its members where a shader has them, taken by name from a host's struct: `fields` are the name, offset and bytes
 /// of each of its own. Of members that the host lacks the bytes are zero.
 pub fn pack(members: &[Member], fields: &[(&str, usize, usize)], host: &[u8]) -> Vec<u8> {
-    let end = members.iter().map(|member| member.offset + member.bytes).max().unwrap_or(0);
-    let mut packed = vec![0; end.next_multiple_of(16) as usize];
+    let mut packed = vec![0; packed_bytes(members) as usize];
     for member in members {
         let field = fields.iter().find(|(name, _, bytes)| *name == member.name && *bytes == member.bytes as usize);
         let bytes = field.and_then(|(_, offset, bytes)| host.get(*offset..offset + bytes));
@@ -105,6 +109,12 @@ pub fn pack(members: &[Member], fields: &[(&str, usize, usize)], host: &[u8]) ->
         }
     }
     packed
+}
+
+/// How many bytes [`pack`] makes: up to the last member's end, in whole rows of 16 as uniforms have.
+pub fn packed_bytes(members: &[Member]) -> u32 {
+    let end = members.iter().map(|member| member.offset + member.bytes).max().unwrap_or(0);
+    end.next_multiple_of(16)
 }
 
 fn layouts(module: &naga::Module) -> Result<Layouter> {

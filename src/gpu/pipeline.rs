@@ -7,7 +7,7 @@ use std::thread::available_parallelism;
 
 use super::buffers::Buffers;
 use super::device::Device;
-use super::layout::{Binding, BindingKind};
+use super::layout::{Binding, BindingKind, has_override};
 use crate::error::Result;
 
 /// A kernel on the device, bound to its buffers.
@@ -82,9 +82,8 @@ impl Pipeline {
             bind_group_layouts: &[Some(&layout)],
             immediate_size: 0,
         });
-        let declared = |name: &str| spec.module.overrides.iter().any(|(_, known)| known.name.as_deref() == Some(name));
         let workgroup = ("WORKGROUP_SIZE", f64::from(spec.workgroup));
-        let given = spec.constants.iter().copied().filter(|(name, _)| declared(name));
+        let given = spec.constants.iter().copied().filter(|(name, _)| has_override(spec.module, name));
         let constants: Vec<_> = std::iter::once(workgroup).chain(given).collect();
         let pipeline = wgpu_device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(spec.name),

@@ -4,6 +4,7 @@ use naga::back::{PipelineConstants, pipeline_constants, spv};
 use naga::proc::{BoundsCheckPolicies, BoundsCheckPolicy};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
+use super::layout::has_override;
 use crate::error::{Error, Result};
 
 /// The size of a module of SPIR-V.
@@ -21,8 +22,7 @@ pub fn size(module: &naga::Module, entry_point: &str, overrides: &[(&str, f64)])
     let fault = |error: &dyn std::fmt::Display| Error::Shader(format!("{entry_point} as SPIR-V: {error}"));
     let info = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(module);
     let info = info.map_err(|error| fault(&error))?;
-    let declared = |name: &str| module.overrides.iter().any(|(_, known)| known.name.as_deref() == Some(name));
-    let given = overrides.iter().filter(|(name, _)| declared(name));
+    let given = overrides.iter().filter(|(name, _)| has_override(module, name));
     let constants: PipelineConstants = given.map(|(name, value)| (name.to_string(), *value)).collect();
     let stage = naga::ShaderStage::Compute;
     let resolved = pipeline_constants::process_overrides(module, &info, Some((stage, entry_point)), &constants);

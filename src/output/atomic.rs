@@ -22,6 +22,11 @@ pub fn replace(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> 
     }
 }
 
+/// Replaces the file at `path` by these bytes, as [`replace`] does.
+pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
+    replace(path, |file| file.write_all(bytes))
+}
+
 enum Destination {
     /// A regular file, or none yet, at this path, which is no link.
     Regular(PathBuf),

@@ -13,7 +13,7 @@ use ::exr::meta::header::LayerAttributes;
 use ::exr::prelude::{ReadChannels, ReadLayers, read};
 
 use crate::error::{Error, Result};
-use crate::film::Picture;
+use crate::film::{Picture, UNKNOWN_VARIANCE};
 use crate::output::atomic;
 
 /// Stands in the file's `comments`: what the layers beside R, G and B hold.
@@ -146,6 +146,12 @@ pub struct ExrImage {
 }
 
 impl ExrImage {
+    /// The variances of the pixels, where all of them are known.
+    pub fn known_variance(&self) -> Option<&[[f32; 3]]> {
+        let variance = self.variance.as_deref()?;
+        variance.as_flattened().iter().all(|v| (0.0..UNKNOWN_VARIANCE).contains(v)).then_some(variance)
+    }
+
     /// The seed that this program rendered it with. An image of the same seed has some of its noise.
     pub fn seed(&self) -> Option<u32> {
         let (_, text) = self.attributes.iter().find(|(name, _)| name == "gpu-rt:seed")?;
@@ -261,7 +267,7 @@ fn describe((name, value): (&Text, &AttributeValue)) -> Option<(String, String)>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::{Film, RunRecord, UNKNOWN_VARIANCE};
+    use crate::film::{Film, RunRecord};
 
     /// Values of every kind that a film delivers, over the whole range of f32.
     fn picture() -> Picture {

@@ -1,6 +1,5 @@
 //! The picture for the screen: exposure, tone mapping, sRGB, 8 bits.
 
-use std::io::Write;
 use std::path::Path;
 
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
@@ -21,13 +20,13 @@ pub fn write_png(path: &Path, picture: &Picture, exposure_ev: f64) -> Result<()>
     let exposure = exposure_ev.clamp(-MAX_EXPOSURE, MAX_EXPOSURE).exp2();
     let bytes = compress((picture.width, picture.height), &shown(&picture.rgb, exposure));
     let bytes = bytes.map_err(|reason| failed(path, reason))?;
-    atomic::replace(path, |file| file.write_all(&bytes))
+    atomic::write(path, &bytes)
 }
 
 /// Writes values of 0..1, row 0 on top, as a PNG in the magma colours: from black through red to pale yellow.
 pub fn write_heatmap(path: &Path, size: (u32, u32), values: &[f32]) -> Result<()> {
     let bytes = heatmap(size, values).map_err(|reason| failed(path, reason))?;
-    atomic::replace(path, |file| file.write_all(&bytes))
+    atomic::write(path, &bytes)
 }
 
 /// A picture as [`write_png`] has it, as the bytes of a PNG; or why there is none.

@@ -282,6 +282,9 @@ fn asked_for_module<'a>(features: &'a Features, module: &str) -> Option<&'a str>
         | "slots/queue_turn"
         | "slots/sort_by_material"
         | "stage/dispatch" => Some(QUEUES),
+        "step/roulette" => Some("--roulette on, the default"),
+        "step/clamp" => Some("--clamp"),
+        "lib/fresnel_schlick" => Some("--fresnel schlick"),
         "geometry/offset_fast" => Some("--offset fast"),
         "geometry/sphere_chord_fast" => Some("--precision fast"),
         "sampler/sobol" => Some("--sampler sobol"),

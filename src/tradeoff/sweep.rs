@@ -9,8 +9,7 @@ use crate::film::Film;
 use crate::flatten::{Flat, Wish, flatten_with};
 use crate::gpu::device::Device;
 use crate::knobs::{Class, Knob, SIZE};
-use crate::plan::{Plan, Tables};
-use crate::render::{Goal, Job, Next, Renderer, TuningWish, tuning};
+use crate::render::{Goal, Job, Next, Renderer, TuningWish, plan_for};
 use crate::scene::Scene;
 
 /// Samples a pixel of the blocks of a round. The middle one is the one that biases are measured with.
@@ -185,10 +184,8 @@ impl<'a> Sweep<'a> {
         }
         let flat = &linked.flat;
         let job = self.job(size, setting.max_depth, LEVEL, 0);
-        let class = self.device.class();
-        let tables = Tables::new(flat, class.table_bytes());
         let wish = TuningWish::default();
-        let plan = Plan::with_tables(&flat.features, tuning(class, &job, wish).scatter, &tables)?;
+        let plan = plan_for(flat, self.device.class(), &job, wish)?;
         let renderer = Renderer::new(self.device, flat, &plan, &job, wish, false)?;
         let film = Film::with_sampler(size.0, size.1, flat.radiance_exponent, flat.features.sampler)?;
         let subject = Subject {

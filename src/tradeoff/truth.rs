@@ -2,7 +2,6 @@
 
 use super::replicates::{Estimate, Gram, Pixels, difference, product, signed_bias};
 use super::sweep::{Subject, Sweep};
-use crate::film::UNKNOWN_VARIANCE;
 use crate::knobs::Class;
 use crate::metrics::error::{RELATIVE_FLOOR, relative_variance};
 use crate::output::exr::ExrImage;
@@ -28,11 +27,10 @@ impl Truth {
     /// A file's image made smaller to a size that divides its own: with the box filter that is the very image of that size.
     pub fn of_file(file: &ExrImage, size: (u32, u32)) -> Truth {
         let by = file.width / size.0;
-        let known = file.variance.as_ref().filter(|v| !v.as_flattened().contains(&UNKNOWN_VARIANCE));
         // A mean of n pixels has an n-th of their mean variance.
         let share = 1.0 / (by as f32 * by as f32);
-        let of_mean = |v: &Pixels| shrunk(v, file.width, by).iter().map(|p| p.map(|v| v * share)).collect();
-        Truth { image: shrunk(&file.rgb, file.width, by), variance: known.map(of_mean) }
+        let of_mean = |v: &[[f32; 3]]| shrunk(v, file.width, by).iter().map(|p| p.map(|v| v * share)).collect();
+        Truth { image: shrunk(&file.rgb, file.width, by), variance: file.known_variance().map(of_mean) }
     }
 
     /// The mean of all images of unbiased settings, weighed by their samples, without those of one subject: no image is judged by itself.
@@ -141,7 +139,7 @@ fn joined(own: Estimate, variance: f64, degrees: f64) -> Estimate {
 }
 
 /// The mean over blocks of `by` times `by` pixels.
-fn shrunk(image: &Pixels, width: u32, by: u32) -> Pixels {
+fn shrunk(image: &[[f32; 3]], width: u32, by: u32) -> Pixels {
     let (width, by) = (width as usize, by as usize);
     let block = |x: usize, y: usize| {
         let rows = (y * by..(y + 1) * by).map(|row| row * width);
@@ -156,6 +154,7 @@ fn shrunk(image: &Pixels, width: u32, by: u32) -> Pixels {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::film::UNKNOWN_VARIANCE;
     use crate::tradeoff::replicates::tests::Random;
 
     const MEAN: f64 = 0.5;
