@@ -127,7 +127,18 @@ device_struct!(
 
 device_struct!(
     /// What the device counts for the host.
-    Counters { next: u32, records: u32, idle: u32, too_deep: u32, too_deep_low: u32, too_deep_high: u32, }
+    Counters {
+        next: u32,
+        records: u32,
+        idle: u32,
+        too_deep: u32,
+        too_deep_low: u32,
+        too_deep_high: u32,
+        stopped_low: u32,
+        stopped_high: u32,
+        met_low: u32,
+        met_high: u32,
+    }
 );
 
 device_struct!(

@@ -371,6 +371,10 @@ fn choices(features: &Features, materials: &[Entry], bounces: Bounces, tables: &
     let only_if = |wanted: bool, name: &str| if wanted { closed(std::iter::once((name, 0))) } else { Vec::new() };
     // The materials that answer to light from any direction.
     let responders = materials.iter().filter(|entry| ["lambertian", "metal"].contains(&entry.name.as_str()));
+    // Where lights are sampled and clear solids may be in the way.
+    let glass =
+        MATERIALS.iter().position(|name| *name == "dielectric").filter(|glass| features.materials[*glass].is_some());
+    let clear = closed(glass.filter(|_| lights).map(|glass| ("dielectric", glass as u32)).into_iter());
     let places = places(&path_fields(features, fused));
     let numbered = |all: &[(&'static str, u32)]| closed(all.iter().copied());
     Choices {
@@ -383,6 +387,7 @@ fn choices(features: &Features, materials: &[Entry], bounces: Bounces, tables: &
             ("medium_albedo", pick(features.textured_media.is_some(), "scene/textured_medium", "scene/plain_medium")),
             ("roulette", pick(features.roulette, "step/roulette", "step/no_roulette")),
             ("clamp", pick(features.clamp, "step/clamp", "step/no_clamp")),
+            ("glass", pick(clear.is_empty(), "step/no_glass", "step/through_glass")),
             ("fresnel", pick(features.schlick, "lib/fresnel_schlick", "lib/fresnel")),
             ("offset", pick(features.fast_offset, "geometry/offset_fast", "geometry/offset")),
             ("sphere_chord", pick(features.fast_precision, "geometry/sphere_chord_fast", "geometry/sphere_chord")),
@@ -416,6 +421,7 @@ fn choices(features: &Features, materials: &[Entry], bounces: Bounces, tables: &
             ("emitting_mesh", emitting_meshes),
             ("emitting_sky", only_if(features.emitting_sky.is_some(), "sky")),
             ("responder", responders.cloned().collect()),
+            ("clear", clear),
             ("convex_boundary", convex_boundaries),
             ("mesh_boundary", mesh_boundaries),
             ("material", materials.to_vec()),

@@ -57,6 +57,8 @@ pub struct Outcome {
     pub stopped_at: Option<u32>,
     /// Paths that max_depth ended.
     pub too_deep: TooDeep,
+    /// What is met through clear solids by chance.
+    pub through_glass: ThroughGlass,
     /// Of a render until an error: what came of it.
     pub noise: Option<Noise>,
     /// Seconds of the passes, from the first to the last.
@@ -80,12 +82,14 @@ pub struct Noise {
 pub const NOISE_LEVEL: f64 = 0.05;
 /// The samples at which such a render looks first.
 const FIRST_LOOK: u32 = 2 * RUN_LENGTH;
+/// The samples at which it gives up where nothing bounds the error: pixels too few, or without light.
+const LAST_LOOK: u32 = 1 << 14;
 
 /// What max_depth cut off. The throughput of such a path is what it could still have brought of the light that it would have met.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TooDeep {
     pub paths: u64,
-    /// The sum of the largest components of their throughput.
+    /// The sum of the largest components of their throughput, each rounded up to a multiple of 2^-16.
     pub throughput: f64,
 }
 
@@ -100,6 +104,31 @@ impl TooDeep {
         let sum = |c: &Counters| u64::from(c.too_deep_high) << 32 | u64::from(c.too_deep_low);
         self.paths += u64::from(now.too_deep.wrapping_sub(before.too_deep));
         self.throughput += sum(now).wrapping_sub(sum(before)) as f64 / 65_536.0;
+    }
+}
+
+/// Light of lights that are sampled, through clear solids, in device units, summed over all samples (shaders/step/through_glass.wgsl).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ThroughGlass {
+    /// What clear solids kept from the rays that are sent to lights.
+    pub stopped: f64,
+    /// What paths met behind them by chance.
+    pub met: f64,
+}
+
+impl ThroughGlass {
+    /// What has been counted since the last reading.
+    fn add(&mut self, now: &Counters, before: &Counters) {
+        let light = |high: u32, low: u32| u64::from(high) << 32 | u64::from(low);
+        let since = |now: u64, before: u64| now.wrapping_sub(before) as f64 / 16_777_216.0;
+        self.stopped += since(light(now.stopped_high, now.stopped_low), light(before.stopped_high, before.stopped_low));
+        self.met += since(light(now.met_high, now.met_low), light(before.met_high, before.met_low));
+    }
+
+    /// What is certainly missing of it. As much light leaves clear solids as enters them; half of that may be reflected, absorbed
+    /// elsewhere, or stopped behind the glass by what is opaque.
+    pub fn missing(&self) -> f64 {
+        (0.5 * self.stopped - self.met).max(0.0)
     }
 }
 
@@ -363,6 +392,7 @@ impl<'a> Renderer<'a> {
         // Its runs of one sample would be parts of longer runs.
         stretch.film.clear();
         stretch.outcome.too_deep = TooDeep::default();
+        stretch.outcome.through_glass = ThroughGlass::default();
         Ok(Some(pace))
     }
 
@@ -409,6 +439,8 @@ impl<'a> Renderer<'a> {
     /// The film is looked at when the number of samples has doubled. To stop at the first look that pleases would favour those that are
     /// too low by chance: the k-th has a 2^-k-th of the probability of being wrong that all have together, by the union bound. Samples that
     /// have been looked at stay: they are as good as others, and the image is that of `--spp` with their number.
+    ///
+    /// The error of a handful of pixels is never known with such confidence, nor that of an image without light: there it gives up.
     fn render_noise(
         &mut self,
         most: Range<u32>,
@@ -438,9 +470,11 @@ impl<'a> Renderer<'a> {
                     end
                 }
             };
-            noise.reached = stretch.film.error_estimate(noise.level).is_some_and(|found| found.bound < error);
+            let bound = stretch.film.error_estimate(noise.level).map_or(f64::INFINITY, |found| found.bound);
+            noise.reached = bound < error;
             stretch.outcome.noise = Some(noise);
-            if noise.reached || done < end || done == most.end || stretch.outcome.interrupted {
+            let hopeless = bound == f64::INFINITY && done - most.start >= LAST_LOOK;
+            if noise.reached || hopeless || done < end || done == most.end || stretch.outcome.interrupted {
                 return Ok(done);
             }
             noise.level /= 2.0;
@@ -488,6 +522,7 @@ impl<'a> Renderer<'a> {
             self.accumulate(counters.records, stretch.film)?;
             let Stretch { film, watch, start, outcome } = stretch;
             outcome.too_deep.add(&counters, &before);
+            outcome.through_glass.add(&counters, &before);
             before = counters;
             if outcome.first_pass == 0.0 {
                 outcome.first_pass = start.elapsed().as_secs_f64();

@@ -25,10 +25,16 @@ struct Counters {
     records: atomic<u32>,
     // Slots without a run.
     idle: atomic<u32>,
-    // Paths that max_depth ended, and the sum of the largest component of their throughput in units of 2^-16, in two words.
+    // Paths that max_depth ended, and the sum of the largest component of their throughput in units of 2^-16, rounded up, in two words.
     too_deep: atomic<u32>,
     too_deep_low: atomic<u32>,
     too_deep_high: atomic<u32>,
+    // Light that clear solids kept from rays to lights, and light met behind them by chance, in units of 2^-24 and two words each
+    // (step/through_glass).
+    stopped_low: atomic<u32>,
+    stopped_high: atomic<u32>,
+    met_low: atomic<u32>,
+    met_high: atomic<u32>,
 }
 
 // A finished run.

@@ -12,6 +12,7 @@
 //@ use scene/transmittance
 //@ end
 //@ use choice/clamp
+//@ use choice/glass
 //@ use scene/lights
 //@ use scene/surfaces
 //@ each emitting_sky
@@ -38,6 +39,7 @@ fn aim_at_light(path: ptr<function, Path>, from_point: vec3<f32>) -> Aim {
 
 // Sends a ray to the light, with what the event makes of its radiance.
 fn send_shadow_ray(path: ptr<function, Path>, aim: Aim, origin: vec3<f32>, response: vec3<f32>, pdf: f32) {
+    note_sampling(path);
     let weight = (*path).throughput * response * (power_share(aim.pdf, pdf) / aim.pdf);
     if aim.pdf > 0.0 && any(weight > vec3<f32>(0.0)) {
         let light = lights[aim.light];
@@ -101,8 +103,15 @@ fn trace_shadow(path: ptr<function, Path>) -> u32 {
     if is_hidden {
         if hit.code == PATH_CUT {
             (*path).status = PATH_CUT;
+            return hit.steps;
         }
-        return hit.steps;
+        var steps_beyond = 0u;
+        //@ each clear
+        if is_clear(materials[surface_at(hit, (*path).shadow).material]) {
+            note_stopped_light(path, unstopped_light(path, limit, &steps_beyond));
+        }
+        //@ end
+        return hit.steps + steps_beyond;
     }
     var radiance = emitted_along((*path).shadow, hit);
     var steps = 0u;
@@ -116,6 +125,16 @@ fn trace_shadow(path: ptr<function, Path>) -> u32 {
     //@ end
     (*path).radiance += limited_light((*path).light_weight * radiance);
     return hit.steps + steps;
+}
+
+// What the light would bring if nothing but media were in its shadow ray's way.
+fn unstopped_light(path: ptr<function, Path>, limit: Hit, steps: ptr<function, u32>) -> vec3<f32> {
+    var radiance = (*path).light_weight * emitted_along((*path).shadow, limit);
+    //@ each medium
+    let through = transmittance((*path).shadow, limit.t, steps);
+    radiance *= select(through, 0.0, through == WALK_CUT);
+    //@ end
+    return radiance;
 }
 
 // The radiance that a light sends back along a ray that was sent to it.

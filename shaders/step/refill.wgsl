@@ -8,16 +8,20 @@
 //@ each emitting_sky
 //@ use step/sky_share
 //@ end
+//@ each light
+//@ use choice/glass
+//@ end
 //@ relies on bits
 // Whether the path has left the scene, ended on a surface, or cannot go on.
 fn has_ended(status: u32) -> bool {
     return status == HIT_NOTHING || status == PATH_ENDED || status == PATH_TOO_DEEP || status == PATH_CUT;
 }
 
-// Counts a path that max_depth ended, with what it could still have brought of any light.
+// Counts a path that max_depth ended, with what it could still have brought of any light: rounded up, since the sum is told as a bound.
+// (No throughput is larger than 1: albedos are not, and a survivor of the roulette is given 1 at most.)
 fn count_too_deep(throughput: vec3<f32>) {
     let most = clamp(max(max(throughput.x, throughput.y), throughput.z), 0.0, 32768.0);
-    let added = u32(most * 65536.0);
+    let added = u32(ceil(most * 65536.0));
     let before = atomicAdd(&counters.too_deep_low, added);
     if before + added < before {
         atomicAdd(&counters.too_deep_high, 1u);
@@ -33,7 +37,13 @@ fn refill_path(path: ptr<function, Path>) {
         radiance *= share_of_met_sky(path);
         //@ end
         radiance *= background_radiance((*path).ray.direction);
+        //@ each emitting_sky
+        note_met_light(path, radiance);
+        //@ end
     }
+    //@ each light
+    forget_glass(path);
+    //@ end
     if (*path).status == PATH_TOO_DEEP {
         count_too_deep(radiance);
         radiance = vec3<f32>(0.0);

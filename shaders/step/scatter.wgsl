@@ -12,6 +12,7 @@
 //@ each light
 //@ use scene/responses
 //@ use step/light
+//@ use choice/glass
 //@ end
 // Lets the material of the surface that the path's ray met decide how the path goes on.
 fn scatter_path(path: ptr<function, Path>) {
@@ -38,7 +39,9 @@ fn scatter_path(path: ptr<function, Path>) {
     }
     if scattered.event == EMITTED {
         (*path).throughput *= share_of_met_light(path, hit);
+        note_met_light(path, (*path).throughput * scattered.weight);
     }
+    note_glass(path, material);
     (*path).pdf = select(0.0, response_of_material(material, arriving, scattered.direction).pdf, samples_lights);
     //@ end
     var throughput = (*path).throughput * scattered.weight;

@@ -21,7 +21,9 @@ use crate::gpu::probe::{Numerics, numerics};
 use crate::output::exr::{Attribute, write_exr};
 use crate::output::png::write_png;
 use crate::output::progress::{self, Loading, Progress, Status};
-use crate::render::{Goal, Job, NOISE_LEVEL, Next, Noise, Outcome, Renderer, TooDeep, TuningWish, plan_for};
+use crate::render::{
+    Goal, Job, NOISE_LEVEL, Next, Noise, Outcome, Renderer, ThroughGlass, TooDeep, TuningWish, plan_for,
+};
 use crate::scene::Scene;
 
 /// Seconds of the parts of a render, as `--json` and the EXR's header report them.
@@ -133,6 +135,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     };
     let finish = Finish {
         error: film.error_estimate(outcome.noise.map_or(NOISE_LEVEL, |noise| noise.level)),
+        through_glass: shares(&outcome, &film),
         noise: outcome.noise,
         too_deep: rendered.is_ok().then_some(outcome.too_deep),
         complete: rendered.is_ok() && !outcome.interrupted,
@@ -280,6 +283,8 @@ struct Finish {
     samples: Range<u32>,
     totals: Totals,
     error: Option<ErrorEstimate>,
+    /// Light through clear solids, as shares of the image's.
+    through_glass: ThroughGlass,
     /// Of `--noise`: whether the error was reached.
     noise: Option<Noise>,
     /// What max_depth cut off; unknown before the end.
@@ -289,8 +294,33 @@ struct Finish {
 
 impl Finish {
     fn of(film: &Film) -> Finish {
-        Finish { samples: 0..0, totals: film.totals(), error: None, noise: None, too_deep: None, complete: false }
+        Finish {
+            samples: 0..0,
+            totals: film.totals(),
+            error: None,
+            through_glass: ThroughGlass::default(),
+            noise: None,
+            too_deep: None,
+            complete: false,
+        }
     }
+
+    /// Whether light is missing that only chance can meet, more than the error that is stated.
+    fn lacks_light(&self) -> bool {
+        self.error.is_some_and(|error| self.through_glass.missing() > error.bound)
+    }
+
+    /// Whether the stated error can be relied on.
+    fn reliable(&self) -> Option<bool> {
+        self.error.map(|error| error.reliable && !self.lacks_light())
+    }
+}
+
+/// Light through clear solids as shares of the image's.
+fn shares(outcome: &Outcome, film: &Film) -> ThroughGlass {
+    let all = film.mean_radiance() * film.totals().paths as f64;
+    let share = |light: f64| if all > 0.0 { light / all } else { 0.0 };
+    ThroughGlass { stopped: share(outcome.through_glass.stopped), met: share(outcome.through_glass.met) }
 }
 
 /// What a render was asked and where it ran: for the header and the report.
@@ -349,7 +379,7 @@ impl About<'_> {
             }
             all.push(float("relative_error_confidence", 1.0 - NOISE_LEVEL));
             all.push(text("relative_error_excludes", self.excluded()));
-            all.push(int("reliable", u64::from(error.reliable)));
+            all.push(int("reliable", u64::from(error.reliable && !finish.lacks_light())));
         }
         if !self.biases.is_empty() {
             all.push(text("biases", self.biases.join(", ")));
@@ -424,7 +454,9 @@ fn report(
         "relative_error_bound": finish.error.map(|error| error.bound),
         "relative_error_confidence": finish.error.map(|_| 1.0 - NOISE_LEVEL),
         "relative_error_excludes": finish.error.map(|_| about.excluded()),
-        "reliable": finish.error.map(|error| error.reliable),
+        "reliable": finish.reliable(),
+        "light_stopped_by_glass": finish.through_glass.stopped,
+        "light_met_through_glass": finish.through_glass.met,
         "interrupted": outcome.interrupted,
         "kernels": kernels,
         "gpu_bytes": gpu_bytes,
@@ -469,20 +501,36 @@ fn summarise(about: &About<'_>, output: &Output<'_>, outcome: &Outcome, finish: 
     }
     if let Some(error) = finish.error.filter(|error| !error.reliable) {
         tell(&format!(
-            "warning: the relative error is unreliable: rare bright paths make most of it. Against a better image it may be {} %",
-            percent(error.bound.max(error.against_better))
+            "warning: the relative error is unreliable: rare bright paths make most of it{}",
+            match error.bound.is_finite() {
+                true => format!(". It may be {} %", percent(error.bound)),
+                false => String::new(),
+            }
+        ));
+    }
+    if finish.lacks_light() {
+        let ThroughGlass { stopped, met } = finish.through_glass;
+        tell(&format!(
+            "warning: the relative error is unreliable: clear solids keep light of {} % of the image's from the rays that are sent to lights, and \
+             by chance paths have met {} % behind them: lights so small take more samples",
+            percent(stopped),
+            percent(met)
         ));
     }
     if let (Some(wish), Some(noise)) = (args.noise, finish.noise) {
-        let bound = finish.error.map_or(f64::INFINITY, |error| error.bound);
-        let words = match noise.reached {
-            true => "was reached",
-            false => "was not reached",
-        };
-        tell(&format!(
-            "--noise {wish} {words}: the relative error is at most {} %, with 95 % confidence",
-            percent(bound)
-        ));
+        let words = if noise.reached { "was reached" } else { "was not reached" };
+        tell(&match finish.error.map(|error| error.bound).filter(|bound| bound.is_finite()) {
+            Some(bound) => {
+                format!(
+                    "--noise {wish} {words}: the relative error is at most {} %, with 95 % confidence",
+                    percent(bound)
+                )
+            }
+            None => format!(
+                "--noise {wish} {words}: nothing bounds the error of an image without light, or with so few pixels that have any; \
+                 give --spp or --time"
+            ),
+        });
     }
     if finish.error.is_some() {
         tell(&format!("the relative error is that of noise; it excludes {}", about.excluded()));

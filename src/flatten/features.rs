@@ -167,7 +167,9 @@ impl Features {
             ("scene", "lights" | "light_tree" | "light_alias" | "responses")
             | ("step", "light")
             | ("stage", "shadow") => light(),
-            ("lib", "fresnel" | "refraction") => of(MATERIALS, &self.materials, "dielectric"),
+            ("step", "through_glass") | ("lib", "fresnel" | "refraction") => {
+                of(MATERIALS, &self.materials, "dielectric")
+            }
             ("lib", "perlin") => {
                 of(TEXTURES, &self.textures, "noise").or_else(|| of(TEXTURES, &self.textures, "marble"))
             }
