@@ -42,6 +42,8 @@ mod basis;
 mod crowds;
 #[path = "extremes/cuboid.rs"]
 mod cuboid;
+#[path = "extremes/degenerate.rs"]
+mod degenerate;
 #[path = "extremes/film.rs"]
 mod film;
 #[path = "extremes/fresnel.rs"]
@@ -110,6 +112,7 @@ const CELLS: &[Filler] = &[
     lights::cells,
     uniforms::cells,
     noise::cells,
+    degenerate::cells,
 ];
 
 #[test]
