@@ -16,7 +16,7 @@ use gpu_rt::gpu::device::{Adapters, Device};
 use gpu_rt::gpu::layout;
 use gpu_rt::gpu::link::{Embedded, Library, link};
 use gpu_rt::gpu::pipeline::{Pipeline, PipelineSpec};
-use gpu_rt::plan::{Plan, Scatter, Tables, Tuning, choices_of};
+use gpu_rt::plan::{Plan, Scatter, SettingsLayout, Tables, Tuning, choices_of};
 use gpu_rt::render::{Goal, Job, Next, Renderer, TuningWish, tuning};
 use gpu_rt::scene::Scene;
 
@@ -65,7 +65,7 @@ impl<'a> OneKernel<'a> {
         };
         let pipeline = Pipeline::new(device, &spec, &buffers)?;
         let settings = Settings { max_depth: job.max_depth, seed: job.seed, slots: 1, ..flat.settings };
-        device.queue.write_buffer(buffers.get("settings")?, 0, bytemuck::bytes_of(&settings));
+        device.queue.write_buffer(buffers.get("settings")?, 0, &SettingsLayout::of(&module)?.bytes(&settings));
         let records = Readback::new(device, "records", u64::from(pixels) * size_of::<RunRecord>() as u64);
         let this = OneKernel { device, buffers, pipeline, records, pixels, workgroup };
         this.pass(0, None)?;

@@ -117,6 +117,7 @@ device_struct!(
         indirect_limit: f32,
         few: [u32; 4],
         background: u32,
+        zero: u32,
     }
 );
 

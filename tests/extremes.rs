@@ -1,5 +1,6 @@
 //! What happens to the numbers at the extremes: a table of cells, each with a range of inputs, an oracle, a limit and the figure that
-//! was achieved. The run writes docs/extremes.md.
+//! was achieved. The run writes docs/extremes.md. `tests/extremes/cells.txt` declares the cells: one that is missing, or that is not
+//! declared, fails the run. `GPU_RT_RENEW_CELLS=1` renews the list where cells were added or dropped on purpose.
 //!
 //! Cells of functions run kernels that import the shader files that render, and compare with f64; cells of scenes compare renders with
 //! closed forms or with each other.
@@ -41,6 +42,8 @@ mod basis;
 mod crowds;
 #[path = "extremes/cuboid.rs"]
 mod cuboid;
+#[path = "extremes/degenerate.rs"]
+mod degenerate;
 #[path = "extremes/film.rs"]
 mod film;
 #[path = "extremes/fresnel.rs"]
@@ -79,7 +82,7 @@ use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use table::{COMPARED_NAN, Cell, FORMS, document, faults};
+use table::{COMPARED_NAN, Cell, FORMS, declaration, document, faults};
 
 type Filler = fn() -> Vec<Cell>;
 
@@ -109,6 +112,7 @@ const CELLS: &[Filler] = &[
     lights::cells,
     uniforms::cells,
     noise::cells,
+    degenerate::cells,
 ];
 
 #[test]
@@ -122,7 +126,12 @@ fn every_cell_is_within_its_limit() {
     // A driver without the flaw that makes a form wrong shows nothing of it.
     let shown = |form: &&&str| **form != COMPARED_NAN || rejection::folds();
     let forms: Vec<&str> = FORMS.iter().filter(shown).copied().collect();
-    let faults = faults(&cells, &forms);
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/extremes/cells.txt");
+    if std::env::var_os("GPU_RT_RENEW_CELLS").is_some() {
+        fs::write(&path, declaration(&cells)).expect("tests/extremes/cells.txt can be written");
+    }
+    let wanted = fs::read_to_string(&path).expect("tests/extremes/cells.txt can be read");
+    let faults = faults(&cells, &wanted, &forms);
     assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
 }
 

@@ -8,6 +8,7 @@
 //@ use data/dimension
 //@ use data/window
 //@ use choice/shading
+//@ use lib/compensated
 //@ use lib/float
 //@ use choice/sampler
 //@ use scene/materials
@@ -54,7 +55,7 @@ fn one_kernel(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= pixels {
         return;
     }
-    var sum = vec3<f32>(0.0);
+    var run = Compensated();
     var counts = 0u;
     var rays = 0u;
     let first = window.first_block * RUN_LENGTH;
@@ -64,8 +65,9 @@ fn one_kernel(@builtin(global_invocation_id) id: vec3<u32>) {
             counts += 0x100u;
         } else {
             counts += 1u;
-            sum += radiance;
+            run = compensated_sum(run, radiance, settings.zero);
         }
     }
+    let sum = run.sum - run.excess;
     records[id.x] = RunRecord(sum.x, sum.y, sum.z, id.x, counts, rays);
 }

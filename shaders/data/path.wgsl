@@ -1,5 +1,6 @@
 //@ use data/ray
 //@ use data/found
+//@ use lib/compensated
 // A path on its way, and the run that it is a sample of.
 struct Path {
     ray: Ray,
@@ -34,7 +35,7 @@ struct Path {
     light_instance: u32,
     //@ end
     // Radiance of the run's samples so far, and their rays.
-    sum: vec3<f32>,
+    sum: Compensated,
     rays: u32,
 }
 

@@ -49,4 +49,6 @@ struct Settings {
     // Number of the background's kind (src/flatten).
     background: u32,
     //@ end
+    // 0, which no compiler knows (lib/compensated).
+    zero: u32,
 }

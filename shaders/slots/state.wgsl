@@ -91,7 +91,7 @@ fn load_sample_of_path(slot: u32, path: ptr<function, Path>) {
 
 fn load_run(slot: u32, path: ptr<function, Path>) {
     let words = paths[place(PLANE_OF_SUM, slot)];
-    (*path).sum = vector_of(words);
+    (*path).sum = Compensated(vector_of(words), vector_of(paths[place(PLANE_OF_EXCESS, slot)]));
     (*path).rays = words.w;
     (*path).counts = load_counts(slot);
 }
@@ -131,7 +131,8 @@ fn store_path(slot: u32, path: ptr<function, Path>) {
     store_throughput(slot, path);
     store_pixel(slot, (*path).pixel);
     store_sample(slot, (*path).sample);
-    store_plane(PLANE_OF_SUM, slot, (*path).sum, (*path).rays);
+    store_plane(PLANE_OF_SUM, slot, (*path).sum.sum, (*path).rays);
+    store_vector(PLANE_OF_EXCESS, slot, (*path).sum.excess);
     store_counts(slot, (*path).counts);
     //@ each light
     store_radiance(slot, path);

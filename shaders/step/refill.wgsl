@@ -1,9 +1,11 @@
 //@ use data/path
 //@ use data/primitive
 //@ use bind/records
+//@ use bind/settings
 //@ use scene/background
 //@ use choice/clamp
 //@ use lib/float
+//@ use lib/compensated
 //@ use step/start
 //@ each emitting_sky
 //@ use step/sky_share
@@ -61,7 +63,7 @@ fn refill_path(path: ptr<function, Path>) {
         (*path).counts += 0x10000u;
     } else {
         (*path).counts += 1u;
-        (*path).sum += radiance;
+        (*path).sum = compensated_sum((*path).sum, radiance, settings.zero);
     }
     (*path).rays += (*path).events + 1u;
     let end = end_of_run((*path).sample, settings.end_sample);
@@ -70,7 +72,7 @@ fn refill_path(path: ptr<function, Path>) {
         start_sample(path);
     } else {
         let at = atomicAdd(&counters.records, 1u);
-        let sum = (*path).sum;
+        let sum = (*path).sum.sum - (*path).sum.excess;
         records[at] = RunRecord(sum.x, sum.y, sum.z, (*path).pixel, (*path).counts, (*path).rays);
         start_run(path);
     }

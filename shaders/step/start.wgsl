@@ -52,7 +52,7 @@ fn start_run(path: ptr<function, Path>) {
     (*path).pixel = pixel_in_order(run % pixels);
     (*path).sample = max(block * RUN_LENGTH, settings.first_sample);
     (*path).counts = select(0u, ODD_RUN, (block & 1u) == 1u);
-    (*path).sum = vec3<f32>(0.0);
+    (*path).sum = Compensated();
     (*path).rays = 0u;
     start_sample(path);
 }

@@ -38,7 +38,7 @@ impl PathField {
 }
 
 /// The most bytes that they are, of any scene.
-pub const MOST_PATH_BYTES: u64 = 140;
+pub const MOST_PATH_BYTES: u64 = 152;
 
 /// The fields that kernels hand to each other. The fused kernel keeps to itself what lies between a ray and its scattering.
 pub fn path_fields(features: &Features, fused: bool) -> Vec<PathField> {
@@ -66,6 +66,7 @@ pub fn path_fields(features: &Features, fused: bool) -> Vec<PathField> {
         behind(always, "THROUGHPUT", "events", "scattering events so far"),
         vector(always, "SUM", "radiance of the run's samples"),
         behind(always, "SUM", "rays", "their rays"),
+        vector(always, "EXCESS", "what that sum is too large by, of its roundings"),
         vector(lights, "RADIANCE", "radiance of the sample so far, by lights that were sampled"),
         behind(lights, "RADIANCE", "pdf", "density of the last scattering's direction"),
         vector(staged_lights, "SHADOW_ORIGIN", "where the ray to a light starts"),

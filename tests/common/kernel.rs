@@ -151,6 +151,17 @@ impl Kernel {
 
     /// Runs the kernel `count` times over the input, with further buffers by the names of their variables.
     pub fn run_with<I: Pod, O: Pod>(&self, input: &[I], count: usize, more: &[BufferSpec<'_>]) -> Vec<O> {
+        self.run_again(input, count, more, 1)
+    }
+
+    /// The same so many times one after the other, with the output of one before the next.
+    pub fn run_again<I: Pod, O: Pod>(
+        &self,
+        input: &[I],
+        count: usize,
+        more: &[BufferSpec<'_>],
+        dispatches: usize,
+    ) -> Vec<O> {
         for (variable, bytes) in [("input", size_of::<I>()), ("output", size_of::<O>())] {
             let row = self.bindings[variable].element_bytes as usize;
             assert_eq!(row, bytes, "{}: a row of `{variable}` here and in its WGSL differ in bytes", self.name);
@@ -179,7 +190,9 @@ impl Kernel {
         let mut encoder = device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-            pipeline.dispatch(&mut pass, rows.div_ceil(WORKGROUP));
+            for _ in 0..dispatches {
+                pipeline.dispatch(&mut pass, rows.div_ceil(WORKGROUP));
+            }
         }
         readback.copy(&mut encoder, buffers.get("output").expect("it was made above"), bytes);
         let submission = device.queue.submit([encoder.finish()]);

@@ -111,6 +111,12 @@ pub fn scene_in(folder: &Path, text: &str) -> Scene {
     Scene::parse(text, &folder.join("test.ron")).unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
 
+/// What `gpu-rt check` warns of in the scene's objects as they are placed.
+pub fn dangers(scene: &Scene) -> Vec<String> {
+    let flat = flatten_with(scene, (scene.image.width, scene.image.height), Wish::default());
+    flat.expect("the scene flattens").warnings
+}
+
 /// Renders the scene.
 pub fn render(scene: &Scene, ask: &Ask) -> Shot {
     let samples = ask.samples.clone().unwrap_or(0..scene.render.samples);

@@ -13,8 +13,8 @@ tests_on() {
     case $1 in
         swiftshader) echo cli closed_form extremes functions instances probe recipe same_bytes walk ;;
         *)
-            echo bad_input cli closed_form estimators extremes features film functions instances knobs probe recipe references same_bytes \
-                sobol walk
+            echo bad_input cli closed_form estimators extremes features film functions instances knobs plan probe recipe references \
+                same_bytes sobol startup walk
             ;;
     esac
 }

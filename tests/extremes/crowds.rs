@@ -10,8 +10,8 @@ use gpu_rt::flatten::Flat;
 use gpu_rt::plan::{Tables, choices_of};
 
 use crate::geometry::{farthest, scene};
-use crate::kernel::{Kernel, Setup, array};
-use crate::render::{Ask, render, scene_in};
+use crate::kernel::{Kernel, Overlay, Setup, array};
+use crate::render::{Ask, dangers, render, render_planted, scene_in};
 use crate::scenes::flat;
 use crate::stats::Random;
 use crate::table::{Cell, Row};
@@ -42,36 +42,57 @@ fn few() -> Vec<Cell> {
         .into()
 }
 
+/// So many bodies in one place, all but the first lamps.
+fn crowd(body: &str, count: usize, first: &str) -> String {
+    body.replace("ITS", first) + "," + &(body.replace("ITS", "both") + ",").repeat(count - 1)
+}
+
 /// Bodies in one place, of which the first is grey and the others are lamps.
 fn coincident() -> Vec<Cell> {
     let bodies = [
         ("spheres", 10_000, "Sphere(center: (0, 0, 0), radius: 1, material: \"ITS\")"),
         ("quads", 10_000, "Quad(corner: (-2, -2, 0), u: (4, 0, 0), v: (0, 4, 0), material: \"ITS\")"),
         ("boxes", 10_000, "Box(min: (-1, -1, -1), max: (1, 1, 1), material: \"ITS\")"),
-        // A walk may take 48,000 steps, and through each of these it takes some ten.
+        // A walk may take 48,000 steps where loops are limited, and through each of these it takes some ten.
         ("meshes", 2000, "Transformed(by: [Scale(1.1)], object: Mesh(path: \"ball.obj\", material: \"ITS\"))"),
     ];
-    bodies
-        .map(|(name, count, body)| {
-            let pixels = |count: usize, first: &str| {
-                let all = body.replace("ITS", first) + "," + &(body.replace("ITS", "both") + ",").repeat(count - 1);
-                let shot = render(&scene(CAMERA, 1.0, &all), &Ask::spp(8).size(8, 8));
-                shot.picture.rgb.into_flattened()
-            };
-            let one = pixels(1, "grey");
-            let differ =
-                |other: Vec<f32>| one.iter().zip(other).map(|(a, b)| f64::from((a - b).abs())).fold(0.0, f64::max);
-            Cell::new(
-                Row::Objects,
-                format!("{count} coincident {name}"),
-                "Farthest from the image of the one that stands first in the file",
-                0.0,
-                "Of two hits at one distance the first in the file wins: none.",
-            )
-            .achieved(differ(pixels(count, "grey")))
-            .planted("image of another of them", differ(pixels(count, "both")))
-        })
-        .into()
+    let mut all: Vec<Cell> = bodies.map(|(name, count, body)| in_one_place(name, count, body)).into();
+    all.push(too_many(10_000, bodies[3].2));
+    all
+}
+
+fn in_one_place(name: &str, count: usize, body: &str) -> Cell {
+    let pixels = |count: usize, first: &str| {
+        let shot = render(&scene(CAMERA, 1.0, &crowd(body, count, first)), &Ask::spp(8).size(8, 8));
+        shot.picture.rgb.into_flattened()
+    };
+    let one = pixels(1, "grey");
+    let differ = |other: Vec<f32>| one.iter().zip(other).map(|(a, b)| f64::from((a - b).abs())).fold(0.0, f64::max);
+    Cell::new(
+        Row::Objects,
+        format!("{count} coincident {name}"),
+        "Farthest from the image of the one that stands first in the file",
+        0.0,
+        "Of two hits at one distance the first in the file wins: none.",
+    )
+    .achieved(differ(pixels(count, "grey")))
+    .planted("image of another of them", differ(pixels(count, "both")))
+}
+
+/// More meshes in one place than a walk may go through where loops are limited: the render counts and tells what it cuts, and the scene is warned of.
+fn too_many(count: usize, body: &str) -> Cell {
+    let scene = scene(CAMERA, 1.0, &crowd(body, count, "grey"));
+    let shot = render_planted(&scene, &Ask::spp(8).size(8, 8), &Overlay::new(&[]));
+    let totals = shot.film.totals();
+    Cell::new(
+        Row::Objects,
+        format!("{count} coincident meshes"),
+        "Share of samples that are cut short; `check` may warn instead",
+        0.0,
+        "A walk may take 48,000 steps where a driver limits loops, and 262,144 elsewhere: none there.",
+    )
+    .achieved(totals.rejected.cut as f64 / totals.paths as f64)
+    .told(dangers(&scene))
 }
 
 /// A plate of 2^20 triangles with its vertices moved about within it, all of it a lamp: no ray passes between them.

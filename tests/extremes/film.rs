@@ -1,8 +1,13 @@
 //! The film after up to a billion samples, against exact sums of the very same samples.
 
-use gpu_rt::data::RUN_LENGTH;
+use bytemuck::{Pod, Zeroable};
+use gpu_rt::data::{RUN_LENGTH, Settings};
 use gpu_rt::film::{Film, RunRecord};
+use gpu_rt::plan::Scatter;
+use gpu_rt::render::TuningWish;
 
+use crate::kernel::{Kernel, Overlay, Setup};
+use crate::render::{Ask, render_planted, scene};
 use crate::stats::Random;
 use crate::table::{Cell, MEAN_OF_SQUARES, RUNNING_SUM, Row};
 use crate::vectors::U;
@@ -11,11 +16,12 @@ use crate::vectors::U;
 const DISTINCT: usize = 1 << 20;
 const MANY: u64 = 1_000_000_000;
 const BEYOND_F32: u64 = (1 << 24) + 1;
+const RUNNING_SUM_OF_A_PART: &str = "running sum in f32, of the first 2^26";
 
 /// The table's cells of the film.
 pub fn cells() -> Vec<Cell> {
     let mut all = means();
-    all.extend(worst_constant());
+    all.extend(constants());
     all.extend(variances());
     all
 }
@@ -31,14 +37,48 @@ const DISTRIBUTIONS: &[Distribution] = &[
     ("normal, mean 1, deviation 1e-5", |random| 1.0 + 1e-5 * random.normal()),
 ];
 
-/// Runs of samples as the device sums them, one after the other in f32; the samples, in f32.
-fn runs(samples: &[f32]) -> Vec<RunRecord> {
-    let chunks = samples.chunks(RUN_LENGTH as usize);
-    let record = |chunk: &[f32]| {
-        let sum = chunk.iter().fold(0.0f32, |sum, x| sum + x);
-        RunRecord { sum: [sum; 3], pixel: 0, counts: chunk.len() as u32, rays: chunk.len() as u32 }
+/// What forgets what it loses to rounding: a left fold in f32.
+const PLAIN: &[(&str, &str)] = &[("lib/compensated", "test/control/compensated_plain")];
+const PLAIN_NAME: &str = "plain sums of runs";
+
+/// Runs of samples as the device sums them, by the function that renders.
+fn runs(replaced: &[(&str, &str)], samples: &[f32]) -> Vec<RunRecord> {
+    let kernel = Kernel::with("test/run_sum", &Setup { replaced, ..Setup::default() });
+    let length = RUN_LENGTH as usize;
+    let settings = [kernel.settings(&Settings::default())];
+    let sums = kernel.run_with::<f32, f32>(samples, samples.len().div_ceil(length), &settings);
+    let record = |(chunk, sum): (&[f32], f32)| RunRecord {
+        sum: [sum; 3],
+        pixel: 0,
+        counts: chunk.len() as u32,
+        rays: chunk.len() as u32,
     };
-    chunks.map(record).collect()
+    samples.chunks(length).zip(sums).map(record).collect()
+}
+
+/// What a row of samples comes to in f32 without any care, sums and sums of squares, after a multiple of 2^15 of them.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+struct Running {
+    sum: f32,
+    squares: f32,
+    count: u32,
+    padding: u32,
+}
+
+/// Adds up each row in a kernel of its own, again from its start where it ends.
+fn running(rows: &[Vec<f32>], count: usize) -> Vec<Running> {
+    const STEPS: usize = 1 << 15;
+    let samples = DISTINCT.to_string();
+    let setup = Setup { values: &[("samples", samples.as_str())], ..Setup::default() };
+    let found = Kernel::with("test/running_sums", &setup).run_again::<f32, Running>(
+        &rows.concat(),
+        rows.len(),
+        &[],
+        count / STEPS,
+    );
+    assert!(found.iter().all(|row| row.count as usize == count), "{found:?}");
+    found
 }
 
 fn samples(of: &Distribution) -> Vec<f32> {
@@ -46,52 +86,50 @@ fn samples(of: &Distribution) -> Vec<f32> {
     (0..DISTINCT).map(|_| of.1(&mut random) as f32).collect()
 }
 
-/// The relative error of a film's mean after `count` samples, of radiance in units of 2^exponent; and that of a running sum in f32.
-fn mean_error(samples: &[f32], count: u64, exponent: i32) -> (f64, f64) {
-    let records = runs(samples);
+/// The relative error of a film's mean after `count` samples, of radiance in units of 2^exponent.
+fn mean_error(samples: &[f32], count: u64, exponent: i32) -> f64 {
+    let records = runs(&[], samples);
     let mut film = Film::new(1, 1, exponent).expect("a pixel fits");
-    let (mut exact, mut running) = (0.0f64, 0.0f32);
+    let mut exact = 0.0f64;
     let of_all: f64 = samples.iter().map(|x| f64::from(*x)).sum();
     let (whole, rest) = (count / DISTINCT as u64, (count % DISTINCT as u64) as usize);
     for _ in 0..whole {
         film.add(&records);
         exact += of_all;
     }
-    film.add(&runs(&samples[..rest]));
+    film.add(&runs(&[], &samples[..rest]));
     exact += samples[..rest].iter().map(|x| f64::from(*x)).sum::<f64>();
-    // A part of them is enough to see the sum in f32 stand still.
-    for _ in 0..whole.min(64) {
-        running = samples.iter().fold(running, |sum, x| sum + x);
-    }
-    let running_exact = of_all * whole.min(64) as f64;
     let expected = exact / count as f64 * 2f64.powi(exponent);
-    let found = f64::from(film.develop().rgb[0][0]);
-    ((found / expected - 1.0).abs(), (f64::from(running) / running_exact - 1.0).abs())
+    (f64::from(film.develop().rgb[0][0]) / expected - 1.0).abs()
 }
 
 fn means() -> Vec<Cell> {
+    let samples: Vec<Vec<f32>> = DISTRIBUTIONS.iter().map(samples).collect();
     let mut all = Vec::new();
-    for of in DISTRIBUTIONS {
-        let samples = samples(of);
-        for (count, name) in [(BEYOND_F32, "2^24 + 1"), (MANY, "1e9")] {
-            let (error, running) = mean_error(&samples, count, 0);
+    // To see a sum in f32 stand still, a part of 1e9 is enough.
+    for (count, name, part, form) in
+        [(BEYOND_F32, "2^24 + 1", 1 << 24, RUNNING_SUM), (MANY, "1e9", 1 << 26, RUNNING_SUM_OF_A_PART)]
+    {
+        let running = running(&samples, part);
+        for ((of, samples), running) in DISTRIBUTIONS.iter().zip(&samples).zip(running) {
             let cell = Cell::new(
                 Row::Samples,
                 format!("{name}, {}", of.0),
-                "Relative error of a pixel's mean",
+                "Relative error of a pixel's mean, runs summed by a kernel",
                 1e-7,
-                "Asked for. Runs of 8 are summed in f32, off by 4e-8 on average; sums of runs are exact; the picture rounds by 6e-8 at most.",
-            );
-            let cell = cell.achieved(error);
+                "Asked for. A run's sum is off by 6e-8 at most, by nothing where its samples are equal and else by chance, which a mean of \
+                 many runs evens out; sums of runs are exact; the picture rounds by 6e-8 at most.",
+            )
+            .achieved(mean_error(samples, count, 0));
+            let exact = samples.iter().map(|x| f64::from(*x)).sum::<f64>() * (part / DISTINCT) as f64;
             // 2^24 numbers near 1 are still added well.
             let lasts = count == BEYOND_F32 && of.0.starts_with("normal");
-            all.push(if lasts { cell } else { cell.planted(RUNNING_SUM, running) });
+            let planted = (f64::from(running.sum) / exact - 1.0).abs();
+            all.push(if lasts { cell } else { cell.planted(form, planted) });
         }
     }
     // Radiance of 1e20 and 1e-20, which the host takes to a unit near it.
     for exponent in [67, -67] {
-        let samples = samples(&DISTRIBUTIONS[1]);
-        let (error, _) = mean_error(&samples, MANY, exponent);
         all.push(
             Cell::new(
                 Row::Samples,
@@ -100,64 +138,93 @@ fn means() -> Vec<Cell> {
                 1e-7,
                 "The unit is a power of two: the same digits.",
             )
-            .achieved(error),
+            .achieved(mean_error(&samples[1], MANY, exponent)),
         );
     }
     all
 }
 
-/// Of all constants, the one whose runs f32 sums worst.
-fn worst_constant() -> Vec<Cell> {
+/// A constant that sums of f32 are worst for: 3, 5, 6 and 7 times it are rounded the same way.
+const WORST: f64 = 0.8000009059906006;
+
+fn constants() -> Vec<Cell> {
     let mut random = Random(22);
-    let error = |x: f32| (f64::from(runs(&[x; 8])[0].sum[0]) / (8.0 * f64::from(x)) - 1.0).abs();
-    let worst = (0..1_000_000).map(|_| error((1.0 + random.uniform()) as f32)).fold(0.0, f64::max);
-    vec![
+    let of_runs: Vec<f32> = (0..1_000_000).map(|_| (1.0 + random.uniform()) as f32).collect();
+    let samples: Vec<f32> = of_runs.iter().flat_map(|x| [*x; RUN_LENGTH as usize]).collect();
+    let worst = |replaced| {
+        let sums = runs(replaced, &samples);
+        let error = |(run, x): (&RunRecord, &f32)| (f64::from(run.sum[0]) / (8.0 * f64::from(*x)) - 1.0).abs();
+        sums.iter().zip(&of_runs).map(error).fold(0.0, f64::max)
+    };
+    let of_render = |library: &Overlay, wish: TuningWish| {
+        let text = format!(
+            "Scene(image: (width: 1, height: 1), background: Solid(({WORST:?}, {WORST:?}, {WORST:?})),
+             camera: (look_from: (0, 0, 0), look_at: (0, 0, -1), vertical_fov: 40), materials: {{ \"m\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5)) }},
+             objects: [Sphere(center: (0, 0, 9), radius: 1, material: \"m\")])"
+        );
+        let shot = render_planted(&scene(&text), &Ask { wish, ..Ask::spp(BEYOND_F32 as u32) }, library);
+        shot.picture.rgb[0].map(|x| (f64::from(x) / WORST - 1.0).abs()).into_iter().fold(0.0, f64::max)
+    };
+    let mut all = vec![
         Cell::new(
             Row::Samples,
-            "any number, a million constants",
-            "Relative error of a pixel whose samples are all equal",
-            35.0 / 8.0 * U,
-            "The partial sums 2 to 8 of 8 are rounded by u each: u (2 + 3 + … + 8) / 8. That is the worst of f32 within a run.",
+            "8, a million constants",
+            "Relative error of a run whose samples are all equal, summed by a kernel",
+            0.0,
+            "Eight times a number is one, and the sum of a run is off by less than would take it to another: none.",
         )
-        .achieved(worst),
-    ]
+        .achieved(worst(&[]))
+        .planted(PLAIN_NAME, worst(PLAIN)),
+    ];
+    for (name, scatter) in [("one kernel", Scatter::Fused), ("a kernel a stage", Scatter::Linked)] {
+        let wish = TuningWish { scatter: Some(scatter), ..TuningWish::default() };
+        let cell = Cell::new(
+            Row::Samples,
+            format!("2^24 + 1, a sky of {WORST}; {name}"),
+            "Relative error of a rendered pixel whose samples are all equal",
+            1e-7,
+            "Asked for. All runs but the last, of one sample, have eight: none.",
+        )
+        .achieved(of_render(&Overlay::new(&[]), wish));
+        all.push(cell.planted(PLAIN_NAME, of_render(&Overlay::new(PLAIN), wish)));
+    }
+    all
 }
 
 /// How far the variance of the mean is from that of the very samples, and a variance by E[x²] - E[x]² in f32.
 fn variances() -> Vec<Cell> {
-    [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]
-        .map(|exponent: f64| {
-            let deviation = 10f64.powf(-exponent);
-            let mut random = Random(23);
-            // Never below zero, as radiance is.
-            let samples: Vec<f32> =
-                (0..DISTINCT).map(|_| (1.0 + deviation * (2.0 * random.uniform() - 1.0)) as f32).collect();
-            let records = runs(&samples);
-            let mut film = Film::new(1, 1, 0).expect("a pixel fits");
-            film.add(&records);
-            let found = f64::from(film.develop().variance[0][0]);
-            // The same from the exact sums of the runs.
-            let sums: Vec<f64> = samples.chunks(8).map(|run| run.iter().map(|x| f64::from(*x)).sum()).collect();
-            let count = sums.len() as f64;
-            let mean = sums.iter().sum::<f64>() / count;
-            let of_sums = sums.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / (count - 1.0);
-            let expected = of_sums / count / 64.0;
-            let (sum, squares) =
-                samples.iter().fold((0.0f32, 0.0f32), |(sum, squares), x| (sum + x, squares + x * x));
-            let naive = squares / DISTINCT as f32 - (sum / DISTINCT as f32).powi(2);
-            let naive_error = (f64::from(naive) / (expected * DISTINCT as f64) - 1.0).abs();
-            // The partial sums round by up to 2^-22, in [4, 8), as noise of variance 2^-44 / 12 and less. With r its share of the
-            // deviation of a run, it adds r², and 2 r times a correlation that is 1 / sqrt(n) of n runs, five times by chance.
-            let r = (7.0 * 2f64.powi(-44) / 12.0 / (8.0 * deviation * deviation / 3.0)).sqrt();
-            let limit = 4.0 * U + r * r + 10.0 * r / count.sqrt();
-            let cell = Cell::new(
-                Row::Samples,
-                format!("2^20, mean 1, spread 1e-{exponent}"),
-                "Relative error of a pixel's variance",
-                limit,
-                "With r the rounding of the seven partial sums, 2^-22/sqrt(12) each at most, over the deviation of a run: r² + 10 r / sqrt(n) of n runs.",
-            );
-            cell.achieved((found / expected - 1.0).abs()).planted(MEAN_OF_SQUARES, naive_error)
-        })
-        .into()
+    let deviations = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0].map(|exponent: f64| (exponent, 10f64.powf(-exponent)));
+    // Never below zero, as radiance is.
+    let samples = deviations.map(|(_, deviation)| -> Vec<f32> {
+        let mut random = Random(23);
+        (0..DISTINCT).map(|_| (1.0 + deviation * (2.0 * random.uniform() - 1.0)) as f32).collect()
+    });
+    let naive = running(&samples, DISTINCT);
+    let mut all = Vec::new();
+    for (((exponent, deviation), samples), naive) in deviations.into_iter().zip(&samples).zip(naive) {
+        let mut film = Film::new(1, 1, 0).expect("a pixel fits");
+        film.add(&runs(&[], samples));
+        let found = f64::from(film.develop().variance[0][0]);
+        // The same from the exact sums of the runs.
+        let sums: Vec<f64> = samples.chunks(8).map(|run| run.iter().map(|x| f64::from(*x)).sum()).collect();
+        let count = sums.len() as f64;
+        let mean = sums.iter().sum::<f64>() / count;
+        let of_sums = sums.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / (count - 1.0);
+        let expected = of_sums / count / 64.0;
+        let in_f32 = naive.squares / DISTINCT as f32 - (naive.sum / DISTINCT as f32).powi(2);
+        let naive_error = (f64::from(in_f32) / (expected * DISTINCT as f64) - 1.0).abs();
+        // A run's sum rounds by up to 2^-21, in [8, 16), as noise of variance 2^-40 / 12 and less. With r its share of the deviation of a
+        // run, it adds r², and 2 r times a correlation that is 1 / sqrt(n) of n runs, five times by chance.
+        let r = (2f64.powi(-40) / 12.0 / (8.0 * deviation * deviation / 3.0)).sqrt();
+        let limit = 4.0 * U + r * r + 10.0 * r / count.sqrt();
+        let cell = Cell::new(
+            Row::Samples,
+            format!("2^20, mean 1, spread 1e-{exponent}"),
+            "Relative error of a pixel's variance",
+            limit,
+            "With r the rounding of a run's sum, 2^-20/sqrt(12) at most, over the deviation of a run: r² + 10 r / sqrt(n) of n runs.",
+        );
+        all.push(cell.achieved((found / expected - 1.0).abs()).planted(MEAN_OF_SQUARES, naive_error));
+    }
+    all
 }

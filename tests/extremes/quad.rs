@@ -100,8 +100,8 @@ pub fn cells() -> Vec<Cell> {
 
 /// Rays at quads in general position.
 fn grazed(kernel: &Kernel) -> Vec<Cell> {
-    // What f32 can know of a hit ends where its error, some 16 u of the lengths over the cosine, is the quad's own size: at 1e-6.
-    (0..5)
+    // From 1e-6 on the error of a hit, some 16 u of the lengths over the cosine, is the quad's own size: fewer are sure to be hits.
+    (0..7)
         .map(|exponent| {
             let mut random = Random(11);
             let quads = assorted(&mut random, 3000, 6.0, (-2.0, 3.0));
@@ -109,7 +109,7 @@ fn grazed(kernel: &Kernel) -> Vec<Cell> {
             let rays = rays_at(&mut random, &quads, 20_000, (-decade - 1.0, -decade), (-1.0, 3.0));
             let found = judge(kernel, &quads, &rays);
             // (1/1.1)^2 = 83 % of the targets lie on their quads; needles lose some to their larger bounds.
-            assert!(found.hits > 10_000, "{found:?}");
+            assert!(found.hits > if exponent < 5 { 10_000 } else { 1000 }, "{found:?}");
             let cell = Cell::new(
                 Row::Grazing,
                 format!("1e-{} to 1e-{exponent}", exponent + 1),
@@ -128,7 +128,11 @@ fn grazed(kernel: &Kernel) -> Vec<Cell> {
                     Quad { normal: n.normalize().to_array(), a_axis, b_axis, ..*quad }
                 })
                 .collect();
-            let cell = cell.achieved(found.worst()).planted("axes computed in f32", judge(kernel, &in_f32, &rays).worst());
+            let cell = cell.achieved(found.worst());
+            if exponent > 5 {
+                return cell;
+            }
+            let cell = cell.planted("axes computed in f32", judge(kernel, &in_f32, &rays).worst());
             if exponent > 1 {
                 return cell;
             }

@@ -1,8 +1,9 @@
-//! The table of extremes: what a cell is, which rows there must be, and the document that is made of them.
+//! The table of extremes: what a cell is, which cells there must be, and the document that is made of them.
 
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-/// What is driven to its extremes. Every row must have a cell, or the run fails.
+/// What is driven to its extremes. Every row must have the cells that `cells.txt` declares, or the run fails.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Row {
     Scale,
@@ -30,6 +31,7 @@ pub enum Row {
     ImageSize,
     Samples,
     Rejection,
+    Degenerate,
 }
 
 /// The rows, with what each is called.
@@ -59,6 +61,7 @@ pub const ROWS: &[(Row, &str)] = &[
     (Row::ImageSize, "size of the image"),
     (Row::Samples, "number of samples"),
     (Row::Rejection, "samples that are no numbers"),
+    (Row::Degenerate, "degenerate scenes"),
 ];
 
 pub const TEXTBOOK_SPHERE: &str = "textbook's sphere";
@@ -101,17 +104,32 @@ pub struct Cell {
     pub because: &'static str,
     /// What was measured.
     pub achieved: f64,
+    /// What `check` says of the objects of such a scene, where f32 cannot hold it: the figure may then be over its limit.
+    pub told: Vec<String>,
     /// What a known wrong form would have achieved in its place, by name. Each must be above the limit.
     pub planted: Vec<(&'static str, f64)>,
 }
 
 impl Cell {
     pub fn new(row: Row, range: impl Into<String>, figure: &'static str, limit: f64, because: &'static str) -> Cell {
-        Cell { row, range: range.into(), figure, limit, because, achieved: f64::NAN, planted: Vec::new() }
+        Cell {
+            row,
+            range: range.into(),
+            figure,
+            limit,
+            because,
+            achieved: f64::NAN,
+            told: Vec::new(),
+            planted: Vec::new(),
+        }
     }
 
     pub fn achieved(self, achieved: f64) -> Cell {
         Cell { achieved, ..self }
+    }
+
+    pub fn told(self, told: Vec<String>) -> Cell {
+        Cell { told, ..self }
     }
 
     /// Adds a wrong form with its figure.
@@ -120,28 +138,73 @@ impl Cell {
         self
     }
 
+    /// What was measured, and whether a scene is warned of that needs to be.
+    fn outcome(&self) -> String {
+        let over = self.achieved > self.limit;
+        format!("{}{}", short(self.achieved), if over { ", `check` warns" } else { "" })
+    }
+
     /// What is wrong with the cell. A figure that is no number holds nothing.
     fn faults(&self) -> Vec<String> {
         let place = format!("{:?}, {}: {}", self.row, self.range, self.figure);
         let mut all = Vec::new();
         let holds = |figure: f64| figure <= self.limit;
-        if !holds(self.achieved) {
+        if self.achieved.is_nan() || !holds(self.achieved) && self.told.is_empty() {
             all.push(format!("{place}: {:e} is over the limit of {:e}", self.achieved, self.limit));
         }
         for (form, figure) in &self.planted {
-            if holds(*figure) {
-                all.push(format!("{place}: the {form} is not found: {figure:e} is within {:e}", self.limit));
+            // What is no number is not found either: nothing was measured.
+            if figure.is_nan() || holds(*figure) {
+                all.push(format!("{place}: the {form} is not found: {figure:e} is not above {:e}", self.limit));
             }
         }
         all
     }
 }
 
-/// Everything that is wrong with the cells: over a limit, or a row or form that has none. Empty where all is well.
-pub fn faults(cells: &[Cell], forms: &[&str]) -> Vec<String> {
-    let mut all: Vec<String> = cells.iter().flat_map(Cell::faults).collect();
+/// The cells that there are, as `cells.txt` declares them: a heading for each row, below it each figure, below that its ranges.
+pub fn declaration(cells: &[Cell]) -> String {
+    let mut text = String::new();
     for (row, name) in ROWS {
-        if !cells.iter().any(|cell| cell.row == *row) {
+        let _ = writeln!(text, "# {name}");
+        for (figure, cells) in by_figure(cells, *row) {
+            let _ = writeln!(text, "## {figure}");
+            cells.iter().for_each(|cell| text += &format!("{}\n", cell.range));
+        }
+    }
+    text
+}
+
+/// The places of a declaration's cells: row, figure and range each.
+fn declared(text: &str) -> Vec<(&str, &str, &str)> {
+    let (mut row, mut figure, mut all) = ("", "", Vec::new());
+    for line in text.lines() {
+        match (line.strip_prefix("## "), line.strip_prefix("# ")) {
+            (Some(name), _) => figure = name,
+            (_, Some(name)) => row = name,
+            _ => all.push((row, figure, line)),
+        }
+    }
+    all
+}
+
+/// Everything that is wrong with the cells: over a limit, not those that are declared, or a form that none has. Empty where all is well.
+pub fn faults(cells: &[Cell], wanted_text: &str, forms: &[&str]) -> Vec<String> {
+    let mut all: Vec<String> = cells.iter().flat_map(Cell::faults).collect();
+    let there = declaration(cells);
+    let (there, wanted) = (declared(&there), declared(wanted_text));
+    let missing = |of: &[(&str, &str, &str)], from: &[(&str, &str, &str)], fault: &str| -> Vec<String> {
+        let from: BTreeSet<_> = from.iter().collect();
+        let places = of.iter().filter(|place| !from.contains(place));
+        places.map(|(row, figure, range)| format!("{row}, {range}: {figure}: {fault}")).collect()
+    };
+    all.extend(missing(&wanted, &there, "declared, and there is no such cell"));
+    all.extend(missing(&there, &wanted, "the cell is not declared in tests/extremes/cells.txt"));
+    if BTreeSet::from_iter(&there).len() < there.len() {
+        all.push("two cells have one place".to_string());
+    }
+    for (row, name) in ROWS {
+        if !wanted.iter().any(|place| place.0 == *name) {
             all.push(format!("{row:?} ({name}) has no cell"));
         }
     }
@@ -153,25 +216,30 @@ pub fn faults(cells: &[Cell], forms: &[&str]) -> Vec<String> {
     all
 }
 
+/// The cells of a row, together with those that measure the same.
+fn by_figure(cells: &[Cell], row: Row) -> Vec<(&'static str, Vec<&Cell>)> {
+    let mut all: Vec<(&'static str, Vec<&Cell>)> = Vec::new();
+    for cell in cells.iter().filter(|cell| cell.row == row) {
+        match all.iter_mut().find(|(figure, _)| *figure == cell.figure) {
+            Some((_, cells)) => cells.push(cell),
+            None => all.push((cell.figure, vec![cell])),
+        }
+    }
+    all
+}
+
 /// The document: docs/extremes.md.
 pub fn document(cells: &[Cell], driver: &str) -> String {
     let mut text = format!(
         "# Extremes\n\n\
          What happens to the numbers at the ends of their ranges. Written by `cargo test --release --test extremes`, which fails where\n\
-         a figure is over its limit, a row is missing, or a known wrong form is not found; do not edit.\n\n\
+         a figure is over its limit, a cell is missing (`tests/extremes/cells.txt` declares them), or a known wrong form is not found; do\n\
+         not edit. Where f32 cannot hold what a scene asks, a cell is met by the picture or by a warning of `gpu-rt check`; its figure says so.\n\n\
          Measured on {driver}. u = 2^-24 is the relative error of one operation in f32.\n"
     );
     for (row, name) in ROWS {
-        let mine: Vec<&Cell> = cells.iter().filter(|cell| cell.row == *row).collect();
         let _ = write!(text, "\n## {}{}\n", name[..1].to_uppercase(), &name[1..]);
-        let mut figures: Vec<&str> = Vec::new();
-        for cell in &mine {
-            if !figures.contains(&cell.figure) {
-                figures.push(cell.figure);
-            }
-        }
-        for figure in figures {
-            let cells: Vec<&&Cell> = mine.iter().filter(|cell| cell.figure == figure).collect();
+        for (figure, cells) in by_figure(cells, *row) {
             let _ = write!(text, "\n{figure}. {}\n\n", cells[0].because);
             text.push_str("| range | limit | achieved | wrong forms, planted |\n|---|---|---|---|\n");
             for cell in cells {
@@ -182,7 +250,7 @@ pub fn document(cells: &[Cell], driver: &str) -> String {
                     "| {} | {} | {} | {} |",
                     cell.range,
                     short(cell.limit),
-                    short(cell.achieved),
+                    cell.outcome(),
                     planted.join("; ")
                 );
             }
@@ -208,26 +276,67 @@ mod tests {
         ROWS.iter().map(|(row, _)| Cell::new(*row, "all", "error", 1.0, "").achieved(0.5)).collect()
     }
 
-    #[test]
-    fn a_table_that_is_full_and_within_its_limits_has_no_faults() {
-        assert_eq!(faults(&full(), &[]), Vec::<String>::new());
+    /// The faults of cells that are all declared.
+    fn own_faults(cells: &[Cell], forms: &[&str]) -> Vec<String> {
+        faults(cells, &declaration(cells), forms)
     }
 
     #[test]
-    fn what_is_over_its_limit_missing_or_not_found_is_a_fault() {
+    fn a_table_that_is_full_and_within_its_limits_has_no_faults() {
+        assert_eq!(own_faults(&full(), &[]), Vec::<String>::new());
+    }
+
+    #[test]
+    fn what_is_over_its_limit_is_a_fault() {
         let over = |achieved| {
             let mut cells = full();
             cells[3].achieved = achieved;
-            faults(&cells, &[]).len()
+            own_faults(&cells, &[]).len()
         };
         assert_eq!((over(1.1), over(f64::NAN), over(f64::INFINITY)), (1, 1, 1));
-        let mut missing = full();
-        missing.remove(5);
-        assert_eq!(faults(&missing, &[]).len(), 1);
-        let mut planted = full();
-        let first = planted.remove(0).planted("textbook", 0.9);
-        planted.insert(0, first);
-        assert_eq!(faults(&planted, &["textbook"]).len(), 1, "a wrong form within the limit");
-        assert_eq!(faults(&full(), &["textbook"]).len(), 1, "a wrong form that nobody planted");
+    }
+
+    #[test]
+    fn what_check_warns_of_may_be_over_its_limit_and_must_be_a_number() {
+        let told = |achieved, warnings: &[&str]| {
+            let mut cells = full();
+            cells[3].achieved = achieved;
+            cells[3].told = warnings.iter().map(|warning| warning.to_string()).collect();
+            own_faults(&cells, &[]).len()
+        };
+        assert_eq!((told(1.1, &["too near"]), told(f64::INFINITY, &["too near"])), (0, 0));
+        assert_eq!((told(1.1, &[]), told(f64::NAN, &["too near"])), (1, 1));
+    }
+
+    #[test]
+    fn a_wrong_form_that_is_not_found_is_a_fault() {
+        let planted = |figure| {
+            let mut cells = full();
+            let first = cells.remove(0).planted("textbook", figure);
+            cells.insert(0, first);
+            own_faults(&cells, &["textbook"]).len()
+        };
+        assert_eq!((planted(0.9), planted(f64::NAN)), (1, 1));
+        assert_eq!((planted(1.1), planted(f64::INFINITY)), (0, 0));
+        assert_eq!(own_faults(&full(), &["textbook"]).len(), 1, "a wrong form that nobody planted");
+    }
+
+    #[test]
+    fn cells_that_are_missing_or_not_declared_are_faults() {
+        let of_range = |range: &str| Cell::new(Row::Gap, range, "error", 1.0, "").achieved(0.5);
+        let with =
+            |more: &[&str]| full().into_iter().chain(more.iter().map(|range| of_range(range))).collect::<Vec<_>>();
+        let wanted = declaration(&with(&["1e-1", "1e-7"]));
+        assert_eq!(faults(&with(&["1e-1", "1e-7"]), &wanted, &[]), Vec::<String>::new());
+        // The row still has cells.
+        assert_eq!(faults(&with(&["1e-1"]), &wanted, &[]).len(), 1, "one of a row is missing");
+        assert_eq!(faults(&with(&["1e-1", "1e-7", "1e-8"]), &wanted, &[]).len(), 1, "one that is not declared");
+        assert_eq!(faults(&with(&["1e-1", "1e-7", "1e-7"]), &wanted, &[]).len(), 1, "one that is there twice");
+        // Another figure of the same range is another cell.
+        let mut other = with(&["1e-1", "1e-7"]);
+        other.last_mut().expect("there are some").figure = "share";
+        assert_eq!(faults(&other, &wanted, &[]).len(), 2);
+        let empty: Vec<Cell> = full().into_iter().filter(|cell| cell.row != Row::Gap).collect();
+        assert_eq!(own_faults(&empty, &[]).len(), 1, "a row without a cell");
     }
 }

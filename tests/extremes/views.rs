@@ -4,10 +4,11 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
+use crate::kernel::Overlay;
 use crate::places::chance_limit;
-use crate::render::{Ask, render, scene};
+use crate::render::{Ask, render, render_planted, scene};
 use crate::scenes::triple;
-use crate::table::{Cell, Row};
+use crate::table::{Cell, Row, TEXTBOOK_SPHERE};
 use crate::vectors::U;
 
 /// Samples of a pixel.
@@ -80,18 +81,20 @@ fn rms(found: &[f64], expected: &[f64], counts: impl Fn(f64) -> bool) -> f64 {
     (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
 }
 
-/// A shining sphere, seen by an oblique camera a little beside its middle: the error of its coverage of the pixels on its edge.
-fn edge_error(distance: f64, radius: f64, vertical_fov: f64) -> f64 {
+/// A shining sphere, seen by an oblique camera a little beside its middle: the error of its coverage of the pixels on its edge. What is rendered has
+/// a view so many times as wide, and kernels with modules in others' places.
+fn edge_error_of(distance: f64, radius: f64, vertical_fov: f64, wider: f64, replaced: &[(&str, &str)]) -> f64 {
     let camera = Oblique::new();
     let beside = DVec3::new(0.13 * radius, -0.07 * radius, -distance);
+    let rendered_fov = 2.0 * (wider * (0.5 * vertical_fov).to_radians().tan()).atan().to_degrees();
     let text = format!(
         "Scene(image: (width: 48, height: 48), {}, background: Solid((0, 0, 0)),
          materials: {{\"lamp\": DiffuseLight(emit: Rgb(1, 1, 1))}},
          objects: [Sphere(center: {}, radius: {radius:?}, material: \"lamp\")])",
-        camera.text(distance, vertical_fov),
+        camera.text(distance, rendered_fov),
         triple(camera.point(beside)),
     );
-    let shot = render(&scene(&text), &Ask::spp(SAMPLES));
+    let shot = render_planted(&scene(&text), &Ask::spp(SAMPLES), &Overlay::new(replaced));
     let found: Vec<f64> = shot.picture.rgb.iter().map(|rgb| f64::from(rgb[0])).collect();
     // Inside where the line passes the centre within a radius.
     let covered = integrated((48, 48), vertical_fov, |d| {
@@ -99,6 +102,14 @@ fn edge_error(distance: f64, radius: f64, vertical_fov: f64) -> f64 {
     });
     rms(&found, &covered, |c| c > 0.0 && c < 1.0)
 }
+
+fn edge_error(distance: f64, radius: f64, vertical_fov: f64) -> f64 {
+    edge_error_of(distance, radius, vertical_fov, 1.0, &[])
+}
+
+/// Half a pixel on the edge.
+const WIDER: f64 = 1.05;
+const WIDER_NAME: &str = "view a twentieth wider";
 
 const EDGE: &str = "Error of the share of edge pixels that a sphere covers, root mean square";
 const EDGE_BECAUSE: &str =
@@ -115,21 +126,26 @@ fn fields_of_view() -> Vec<Cell> {
             let radius = (0.5 * (0.5 * fov).to_radians().tan()).atan().sin();
             Cell::new(Row::FieldOfView, format!("{fov} degrees"), EDGE, edge_limit(), EDGE_BECAUSE)
                 .achieved(edge_error(1.0, radius, fov))
+                .planted(WIDER_NAME, edge_error_of(1.0, radius, fov, WIDER, &[]))
         })
         .into()
 }
 
 /// Far spheres through telescopes: their edges, and their normals by how bright a sky makes them.
 fn telescopes() -> Vec<Cell> {
+    const TEXTBOOK: &[(&str, &str)] = &[("geometry/sphere", "test/control/sphere_textbook")];
     let mut all = Vec::new();
     for exponent in 1..=7 {
         let distance = 10f64.powi(exponent);
         let fov = 4.0 * (1.0 / distance).atan().to_degrees();
         let range = format!("D/r = 1e{exponent}, through a telescope");
-        all.push(
-            Cell::new(Row::Distance, range.clone(), EDGE, edge_limit(), EDGE_BECAUSE)
-                .achieved(edge_error(distance, 1.0, fov)),
-        );
+        let cell = Cell::new(Row::Distance, range.clone(), EDGE, edge_limit(), EDGE_BECAUSE)
+            .achieved(edge_error(distance, 1.0, fov))
+            .planted(WIDER_NAME, edge_error_of(distance, 1.0, fov, WIDER, &[]));
+        all.push(match exponent >= 4 {
+            true => cell.planted(TEXTBOOK_SPHERE, edge_error_of(distance, 1.0, fov, 1.0, TEXTBOOK)),
+            false => cell,
+        });
         all.push(
             Cell::new(
                 Row::Distance,
@@ -139,18 +155,19 @@ fn telescopes() -> Vec<Cell> {
                 CHANCE * 0.25 / f64::from(16 * SAMPLES).sqrt(),
                 "A sample has a standard deviation of 1/4 at most and a pixel has 4096: 1/256, and 1.35 for chance.",
             )
-            .achieved(shading_error(distance, fov)),
+            .achieved(shading_error(distance, fov, 1.0))
+            .planted("sky dimmer by a twentieth at its top", shading_error(distance, fov, 0.95)),
         );
     }
     all
 }
 
-/// Light from 0 below to 1 above, on a white sphere: 0.5 (1 + 2/3 n.y) at a normal n.
-fn shading_error(distance: f64, vertical_fov: f64) -> f64 {
+/// Light from 0 below to 1 above, on a white sphere: 0.5 (1 + 2/3 n.y) at a normal n. What is rendered has this radiance above.
+fn shading_error(distance: f64, vertical_fov: f64, top: f64) -> f64 {
     let camera = Oblique::new();
     let center = DVec3::new(0.13, -0.07, -distance);
     let text = format!(
-        "Scene(image: (width: 24, height: 24), {}, background: Gradient(bottom: (0, 0, 0), top: (1, 1, 1)),
+        "Scene(image: (width: 24, height: 24), {}, background: Gradient(bottom: (0, 0, 0), top: ({top:?}, {top:?}, {top:?})),
          materials: {{\"white\": Lambertian(albedo: Rgb(1, 1, 1))}},
          objects: [Sphere(center: {}, radius: 1, material: \"white\")])",
         camera.text(distance, vertical_fov),
@@ -174,36 +191,61 @@ fn shading_error(distance: f64, vertical_fov: f64) -> f64 {
     rms(&found, &expected, |e| !e.is_nan())
 }
 
-/// The half plane x < 0 of a plane at distance 5 shines, through a lens: a point o of the lens sees o (1 - 5/f) + 5 x of it.
+/// The half plane x < 0 of a plane at distance 5 shines, through a lens: a point o of the lens sees o (1 - 5/f) + 5 x of it. The picture is as wide
+/// as twice what the lens spreads the edge by, up to 40 degrees: its blur is a quarter of it or more.
 fn lenses() -> Vec<Cell> {
-    const FIGURE: &str = "Error of what a lens sees of a half plane at distance 5, root mean square over all pixels";
+    const FIGURE: &str = "Error of what a lens sees of a half plane at distance 5, in a picture as wide as the blur, root mean square over all pixels";
     const BECAUSE: &str = "As of edge pixels: 1/32, and 1.35 for chance.";
-    let cell = |row, range: String, aperture: f64, focus: f64| {
-        let reach = 0.5 * aperture * (1.0 - 5.0 / focus);
-        // No larger than the lens can see: its edges are as sharp as its size allows.
-        let size = 4.0 * reach.abs() + 10.0;
+    const NO_LENS: &[(&str, &str)] = &[("camera/thin_lens", "camera/pinhole")];
+    let reach_of = |aperture: f64, focus: f64| 0.5 * aperture * (1.0 - 5.0 / focus);
+    // The error of what is rendered with one lens against what another one shows.
+    let error = |(aperture, focus): (f64, f64), rendered: (f64, f64), replaced: &[(&str, &str)]| {
+        let reach: f64 = reach_of(aperture, focus);
+        let half = match reach {
+            0.0 => 5.0 * 20f64.to_radians().tan(),
+            _ => (2.0 * reach.abs()).min(5.0 * 20f64.to_radians().tan()),
+        };
+        let fov = 2.0 * (half / 5.0).atan().to_degrees();
+        // No larger than the lenses can see: its edges are as sharp as its size allows.
+        let size = 2.0 * half + 4.0 * reach.abs().max(reach_of(rendered.0, rendered.1).abs());
         let height = 2.0 * size;
         let text = format!(
             "Scene(image: (width: 16, height: 16), background: Solid((0, 0, 0)),
-             camera: (look_from: (0, 0, 0), look_at: (0, 0, -1), vertical_fov: 40, aperture: {aperture:?}, focus_distance: {focus:?}),
+             camera: (look_from: (0, 0, 0), look_at: (0, 0, -1), vertical_fov: {fov:?}, aperture: {:?}, focus_distance: {:?}),
              materials: {{\"lamp\": DiffuseLight(emit: Rgb(1, 1, 1))}},
-             objects: [Quad(corner: (-{size:?}, -{size:?}, -5), u: ({size:?}, 0, 0), v: (0, {height:?}, 0), material: \"lamp\")])"
+             objects: [Quad(corner: (-{size:?}, -{size:?}, -5), u: ({size:?}, 0, 0), v: (0, {height:?}, 0), material: \"lamp\")])",
+            rendered.0, rendered.1
         );
-        let shot = render(&scene(&text), &Ask::spp(SAMPLES));
+        let shot = render_planted(&scene(&text), &Ask::spp(SAMPLES), &Overlay::new(replaced));
         let found: Vec<f64> = shot.picture.rgb.iter().map(|rgb| f64::from(rgb[0])).collect();
-        let expected = integrated((16, 16), 40.0, |d| match reach {
+        let expected = integrated((16, 16), fov, |d| match reach {
             0.0 => f64::from(u8::from(d.x < 0.0)),
             _ => {
                 let q = (5.0 * d.x / reach.abs()).clamp(-1.0, 1.0);
                 (q.acos() - q * (1.0 - q * q).sqrt()) / PI
             }
         });
-        Cell::new(row, range, FIGURE, edge_limit(), BECAUSE).achieved(rms(&found, &expected, |_| true))
+        rms(&found, &expected, |_| true)
     };
-    let apertures = [0.0, 1e-6, 1e-3, 1.0, 1e3];
-    let focuses = [1e-4, 1e-2, 1.0, 1e2, 1e4, 1e8];
-    let mut all: Vec<Cell> = apertures.map(|a| cell(Row::Aperture, format!("{a:e}, focus at 10"), a, 10.0)).into();
-    all.extend(focuses.map(|f| cell(Row::Focus, format!("{f:e}, aperture 0.1"), 0.1, f)));
+    let cell = |row, range: String, lens: (f64, f64)| {
+        let cell = Cell::new(row, range, FIGURE, edge_limit(), BECAUSE).achieved(error(lens, lens, &[]));
+        match lens.0 {
+            0.0 => cell.planted("aperture of 1", error(lens, (1.0, lens.1), &[])),
+            _ => cell.planted("no lens", error(lens, lens, NO_LENS)),
+        }
+    };
+    // A quad's edge is known to some u of its distance, 1e-6 here. What is in focus near the eye spreads it by more than that.
+    let mut all: Vec<Cell> = [(0.0, 10.0), (1e-6, 1e-2), (1e-3, 10.0), (1.0, 10.0), (1e3, 10.0)]
+        .map(|lens| cell(Row::Aperture, format!("{:e}, focus at {}", lens.0, lens.1), lens))
+        .into();
+    // So small where the focus is near that the picture is not all blur.
+    for (focus, aperture) in [(1e-4, 1e-5), (1e-2, 1e-3), (1.0, 0.1), (1e2, 0.1), (1e4, 0.1), (1e8, 0.1)] {
+        let lens = (aperture, focus);
+        let cell = cell(Row::Focus, format!("{focus:e}, aperture {aperture:e}"), lens);
+        // From 100 on what is at 5 is blurred as if the focus were at infinity; what is nearer than 1, twice as much at half of it.
+        let other = if focus > 5.0 { 10.0 } else { 0.5 * focus };
+        all.push(cell.planted("focus at 10, or at half of its distance", error(lens, (aperture, other), &[])));
+    }
     all
 }
 
@@ -222,12 +264,15 @@ fn sizes() -> Vec<Cell> {
     let (width, fov) = (16384u32, 1e-2f64);
     let pixel = 2.0 * (0.5 * fov).to_radians().tan() / 2.0;
     let shot = render_sky(width, 2, fov, 16);
-    let mut worst = 0.0f64;
-    for (i, rgb) in shot.picture.rgb.iter().enumerate() {
-        let x = ((i as u32 % width) as f64 + 0.5 - 0.5 * f64::from(width)) * pixel;
-        let slope = 0.5 * pixel / (1.0 + x * x).powf(1.5);
-        worst = worst.max((f64::from(rgb[0]) - radiance(x, 0.0)).abs() / slope);
-    }
+    let worst = |aside: f64| {
+        let mut worst = 0.0f64;
+        for (i, rgb) in shot.picture.rgb.iter().enumerate() {
+            let x = ((i as u32 % width) as f64 + aside + 0.5 - 0.5 * f64::from(width)) * pixel;
+            let slope = 0.5 * pixel / (1.0 + x * x).powf(1.5);
+            worst = worst.max((f64::from(rgb[0]) - radiance(x, 0.0)).abs() / slope);
+        }
+        worst
+    };
     all.push(
         Cell::new(
             Row::ImageSize,
@@ -237,10 +282,12 @@ fn sizes() -> Vec<Cell> {
             0.5 + 8.0 * U / (0.5 * pixel / (1.0 + (8192.0 * pixel).powi(2)).powf(1.5)),
             "Samples lie in their pixel: half a pixel, and eight roundings of a radiance of 1 over what it changes by from pixel to pixel.",
         )
-        .achieved(worst),
+        .achieved(worst(0.0))
+        .planted("a pixel aside", worst(1.0)),
     );
     for (fov, samples) in [(40.0, 4096), (179.0, 4096)] {
-        let shot = render_sky(1, 1, fov, samples);
+        // The left one of two is the same picture, half a pixel aside.
+        let [one, aside] = [1, 2].map(|width| f64::from(render_sky(width, 1, fov, samples).picture.rgb[0][0]));
         let half = (0.5 * fov).to_radians().tan();
         let expected = integrated((1, 1), fov, |d| radiance(d.x, d.y))[0];
         let spread = half.min(1.0) / 2.0;
@@ -252,7 +299,8 @@ fn sizes() -> Vec<Cell> {
                 chance_limit(1),
                 "A normal variate is above it once in 1e6.",
             )
-            .achieved((f64::from(shot.picture.rgb[0][0]) - expected).abs() / (spread / f64::from(samples).sqrt())),
+            .achieved((one - expected).abs() / (spread / f64::from(samples).sqrt()))
+            .planted("half a pixel aside", (aside - expected).abs() / (spread / f64::from(samples).sqrt())),
         );
     }
     all
