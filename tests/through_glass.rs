@@ -47,13 +47,13 @@ fn counted(text: &str, samples: u32) -> ThroughGlass {
     ThroughGlass { stopped: stopped / paths, met: met / paths }
 }
 
-/// Where the lamp is large, chance meets as much as glass stops. A clear ball inside of which nothing is absorbed sends on what it takes in: what
-/// differs is where to, and what of it leaves the scene. 1024 samples tell each sum to a few percent. Of ior 1 it bends nothing, and both are one
-/// expectation, but for what rays to lights share with paths that meet them by scattering.
+/// Where a lamp is large enough for chance to meet it, that meets about as much as glass stops: a clear ball sends on what it takes in, if
+/// elsewhere. Of a lamp so large that rays to it share it with paths that meet it, glass stops the rays' share alone. 1024 samples tell each
+/// sum to a few percent.
 #[test]
 fn glass_sends_on_what_it_stops() {
     for (place, ball) in [(ON_THE_FLOOR, 0.5), (AROUND_THE_LAMP, 1.2)] {
-        let found = counted(&text(place, ball, 0.8), 1024);
+        let found = counted(&text(place, ball, 0.3), 1024);
         assert!(found.stopped > 1e-3, "{found:?}");
         let share = found.met / found.stopped;
         assert!((0.7..1.4).contains(&share), "{place}: {share}");
@@ -66,13 +66,14 @@ fn glass_sends_on_what_it_stops() {
     assert!(none == ThroughGlass::default(), "{none:?}");
 }
 
-/// What is as small as 2^-24 of the brightest is rounded by chance and not away.
+/// What is smaller than 2^-24 of the brightest is rounded by chance and not away: of 50,000 rays that are stopped some 800 count, with a deviation of
+/// 4 %.
 #[test]
 fn faint_light_is_counted() {
-    let (usual, faint) = (counted(&text(ON_THE_FLOOR, 0.5, 0.02), 64), counted(&text(ON_THE_FLOOR, 0.5, 2e-4), 64));
+    let (usual, faint) = (counted(&text(ON_THE_FLOOR, 0.5, 0.02), 512), counted(&text(ON_THE_FLOOR, 0.5, 2e-4), 512));
     // The lamp's radiance is the unit, and its square radius what the floor receives of it.
     let share = faint.stopped / usual.stopped * 1e4;
-    assert!((share - 1.0).abs() < 0.1, "{share}");
+    assert!((share - 1.0).abs() < 0.2, "{share}");
 }
 
 fn report(text: &str, samples: &str) -> (Value, String) {
