@@ -7,6 +7,7 @@ mod coincident;
 mod emitters;
 mod sizes;
 mod surfaces;
+mod within;
 
 use std::collections::BTreeMap;
 
@@ -30,7 +31,7 @@ pub struct Found<'a> {
     pub view: &'a View<'a>,
     /// The farthest that anything reaches from the camera along an axis.
     pub extent: f64,
-    /// The largest component of what materials emit, by their numbers, and of the background.
+    /// The largest component of what materials emit that something is made of, by their numbers, and of the background.
     pub emissions: &'a [(Option<usize>, f64)],
 }
 
@@ -57,7 +58,7 @@ pub fn warnings(found: &Found) -> Vec<String> {
     dangers.extend(spheres.danger());
     dangers.extend(planes.dangers());
     dangers.extend(emitters::turned_away(found, &kinds));
-    dangers.extend(walls.danger());
+    dangers.extend(walls.dangers());
     dangers.extend(emitters::too_faint(found));
     if dangers.is_empty() {
         return Vec::new();
