@@ -1,5 +1,12 @@
 //! Warnings about numbers that are allowed and dangerous: each at its place, with the number and what to do, and none for a twin scene
-//! just on the other side of its limit.
+//! just on the other side of its limit. What surfaces near glass are warned of is held against pictures.
+
+#[path = "common/device.rs"]
+mod device;
+#[path = "common/render.rs"]
+mod render;
+#[path = "common/stats.rs"]
+mod stats;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -237,9 +244,13 @@ fn spheres_that_coincide() {
     assert_warns(
         &pair("1", "steel"),
         field,
-        &["another material at", "x.ron:12:9 that coincides with it", "remove one"],
+        &["another material at", "x.ron:12:9 and coincides with it: which is seen", "remove one"],
     );
-    assert_warns(&pair("1.0000014", "steel"), field, &["is 1.4e-6 off, less than what f32 rounds by there, 1.431e-6"]);
+    assert_warns(
+        &pair("1.0000014", "steel"),
+        field,
+        &["is 1.4e-6 off, less than what f32 rounds by there, 1.431e-6: "],
+    );
     assert_silent(&pair("1.0000015", "steel"));
     assert_silent(&pair("1", "grey"));
     // What fills glass is no surface.
@@ -248,6 +259,67 @@ fn spheres_that_coincide() {
         "Sphere(center: (0, 0, 0), radius: 1, material: \"glass\"), Medium({boundary}, density: 1, albedo: Rgb(1, 1, 1)),"
     );
     assert_silent(&scene(BEFORE, &filled));
+}
+
+/// Wherever they are, and where the grid that finds them has its edges.
+#[test]
+fn spheres_whose_centres_differ_by_less_than_rounding() {
+    let mut random = stats::Random(7);
+    let mut number = |low: f64, high: f64| low + (high - low) * random.uniform();
+    let camera = "(look_from: (0, 0, 50), look_at: (0, 0, 0), vertical_fov: 40)";
+    for _ in 0..1000 {
+        let (center, r) = ([0; 3].map(|_| number(-10.0, 10.0)), number(0.1, 5.0));
+        let ball = |shift: f64, r: f64, material: &str| {
+            let [x, y, z] = center.map(|x| x + shift);
+            format!("Sphere(center: ({x:?}, {y:?}, {z:?}), radius: {r:?}, material: \"{material}\"),")
+        };
+        // 4 u of the largest coordinate and the radius, half of it by the centres and a tenth by the radii.
+        let bound = 4.0 * 2.0_f64.powi(-24) * (center[0].abs().max(center[1].abs()).max(50.0 - center[2]) + r);
+        let with = |share: f64| {
+            let other = ball(share * 0.5 * bound / 3.0_f64.sqrt(), r + share * 0.1 * bound, "steel");
+            scene(camera, &format!("{}\n§{other}", ball(0.0, r, "grey")))
+        };
+        assert_warns(&with(1.0), "objects[1].Sphere", &["off, less than"]);
+        assert_silent(&with(2.0));
+    }
+}
+
+#[test]
+fn clear_spheres_that_coincide() {
+    let pair = |r: &str, material: &str, other: &str| {
+        let first = format!("Sphere(center: (0, 0, 0), radius: 1, material: \"{material}\"),");
+        scene(BEFORE, &format!("{first}\n§Sphere(center: (0, 0, 0), radius: {r}, material: \"{other}\"),"))
+    };
+    // Rays start 6 u (5 + 1) off, and 4 u of the radius is the next distance's.
+    let words =
+        ["there is a clear sphere already at", "and coincides with it: rays that leave one", "more than 2.384e-6"];
+    assert_warns(&pair("1", "glass", "glass"), "objects[1].Sphere", &words);
+    assert_warns(&pair("1", "glass", "water"), "objects[1].Sphere", &words[..1]);
+    let words = ["of another material", "is 2.3e-6 off, less than where rays start that leave it, 2.384e-6: "];
+    for (one, other) in [("grey", "glass"), ("glass", "grey")] {
+        assert_warns(&pair("0.9999977", one, other), "objects[1].Sphere", &words);
+        assert_silent(&pair("0.9999975", one, other));
+    }
+}
+
+#[test]
+fn meshes_that_coincide() {
+    let placed = |by: &str, material: &str| {
+        format!("Transformed(by: [{by}], object: §Mesh(path: \"scenes/meshes/star.ply\", material: \"{material}\")),")
+    };
+    let pair = |by: &str, material: &str| {
+        scene(BEFORE, &format!("{}\n{}", placed("RotateY(20)", "grey").replace('§', ""), placed(by, material)))
+    };
+    let field = "objects[1].Transformed.object.Mesh";
+    let words = ["the same mesh is placed a second time, of another material, where it stands at", "coincides with it"];
+    assert_warns(&pair("RotateY(20)", "steel"), field, &words);
+    assert_warns(&pair("RotateY(20), Translate((0, 1e-7, 0))", "steel"), field, &["is 1e-7 off"]);
+    assert_warns(&pair("RotateY(20)", "glass"), field, &["where it stands"]);
+    assert_silent(&pair("RotateY(20)", "grey"));
+    assert_silent(&pair("RotateY(20), Translate((0, 1e-5, 0))", "steel"));
+    assert_silent(&pair("RotateY(21)", "steel"));
+    let clear = scene(BEFORE, &[placed("Scale(1)", "glass").replace('§', ""), placed("Scale(1)", "glass")].concat());
+    assert_warns(&clear, field, &["clear as well"]);
 }
 
 /// A quad of two by two over the height y, from (x, z) on.
@@ -265,6 +337,11 @@ fn quads_that_overlap_in_a_plane() {
     assert_warns(&rug(0.0, 0.0, "steel"), "objects[1].Quad", &words);
     assert_warns(&rug(0.0, 2.3e-7, "steel"), "objects[1].Quad", &["is 2.3e-7 off, less than", "2.384e-7"]);
     assert_silent(&rug(0.0, 2.5e-7, "steel"));
+    // Where rays start: 4 u of the height, and the rounding of both.
+    let words =
+        ["this glass touches the quad at", "is 4.7e-7 off, less than where rays start that leave it, 4.768e-7: "];
+    assert_warns(&rug(0.0, 4.7e-7, "glass"), "objects[1].Quad", &words);
+    assert_silent(&rug(0.0, 4.8e-7, "glass"));
     assert_silent(&rug(0.0, 0.0, "grey"));
     // Side by side, and turned about so that only the boxes around them overlap.
     assert_silent(&rug(1.0, 0.0, "steel"));
@@ -331,13 +408,146 @@ fn boxes_that_share_a_plane() {
     let picture = "Quad(corner: (-1, -1, -6), u: (2, 0, 0), v: (0, 2, 0), material: \"steel\"),";
     assert_warns(&scene(BEFORE, &format!("{room}\n§{picture}")), "objects[1].Quad", &["that of the box at"]);
     assert_silent(&scene(BEFORE, &format!("{room}\n{}", cuboid("(-1, -1, -6)", "(1, 1, -5)", "steel"))));
-    // Glass that stands on what comes later in the file sees through it.
+    // Glass that stands on something, whichever is first in the file.
     let glass = block.replace("steel", "glass");
-    let words = ["this glass touches the quad at", "x.ron:13:1", "list the glass after it"];
+    let words = ["this glass touches the quad at", "x.ron:13:1 and coincides with it", "let one reach into the other"];
     assert_warns(&scene(ABOVE, &format!("§{glass}\n{floor}")), "objects[0].Box", &words);
-    assert_silent(&scene(ABOVE, &format!("{floor}\n{glass}")));
+    assert_warns(&scene(ABOVE, &format!("{floor}\n§{glass}")), "objects[1].Box", &["the quad at", "x.ron:12:9 and"]);
+    assert_warns(&scene(below, &format!("{floor}\n§{glass}")), "objects[1].Box", &["the quad at"]);
+    assert_silent(&scene(ABOVE, &format!("{floor}\n{}", glass.replace("(-0.5, 0, ", "(-0.5, -0.01, "))));
+    assert_silent(&scene(ABOVE, &format!("{floor}\n{}", glass.replace("(-0.5, 0, ", "(-0.5, 0.01, "))));
+    // The bottom of what stands on it is seen through it.
+    let upon = cuboid("(-0.2, 1, -0.2)", "(0.2, 1.2, 0.2)", "grey");
+    assert_warns(&scene(&up, &format!("{upon}\n§{glass}")), "objects[1].Box", &["this glass touches the box at"]);
+    // Opaque ones beside it may still rest on a floor.
+    let apart = glass.replace("(-0.5, 0, -0.5)", "(2, 1, 0)").replace("(0.5, 1, 0.5)", "(3, 2, 1)");
+    assert_silent(&scene(ABOVE, &format!("{floor}\n{block}\n{apart}")));
     let fog = "Medium(boundary: Box(min: (-0.5, 0, -0.5), max: (0.5, 1, 0.5)), density: 1, albedo: Rgb(1, 1, 1)),";
     assert_silent(&scene(ABOVE, &format!("{glass}\n{fog}\n{}", tile(-1.0, -0.1, -1.0, "grey"))));
+}
+
+#[test]
+fn clear_solids_that_touch() {
+    let cuboid = |low: &str, high: &str, material: &str| {
+        format!("Box(min: (-1, {low}, -1), max: (1, {high}, 1), material: \"{material}\"),")
+    };
+    let words = ["this glass touches the box at", "x.ron:12:9, which is clear too and coincides with it", "one solid"];
+    for (one, other) in [("glass", "water"), ("water", "glass"), ("glass", "glass")] {
+        let stacked = |low: &str| format!("{}\n§{}", cuboid("-1", "0", one), cuboid(low, "1", other));
+        assert_warns(&scene(ABOVE, &stacked("0")), "objects[1].Box", &words);
+        assert_warns(&scene(ABOVE, &stacked("1e-7")), "objects[1].Box", &["is 1e-7 off"]);
+        assert_silent(&scene(ABOVE, &stacked("1e-5")));
+    }
+    // Side by side and not in touch, one within the other, and filled by a medium.
+    let beside = cuboid("-1", "0", "glass").replace("(-1, ", "(1.1, ").replace("(1, ", "(2, ");
+    assert_silent(&scene(ABOVE, &(cuboid("-1", "0", "glass") + &beside)));
+    let medium = "Medium(boundary: Box(min: (-1, -1, -1), max: (1, 0, 1)), density: 1, albedo: Rgb(0.5, 0.5, 0.5)),";
+    assert_silent(&scene(ABOVE, &(cuboid("-1", "0", "glass") + medium)));
+    let inner = "Box(min: (-0.9, -0.9, -0.9), max: (0.9, -0.1, 0.9), material: \"water\"),";
+    assert_silent(&scene(ABOVE, &(cuboid("-1", "0", "glass") + inner)));
+    let flush = inner.replace("-0.1,", "0,");
+    assert_warns(&scene(ABOVE, &format!("{}§{flush}", cuboid("-1", "0", "glass"))), "objects[1].Box", &["clear too"]);
+}
+
+#[test]
+fn clear_boxes_thinner_than_where_rays_start() {
+    let slab = |thick: &str, material: &str| {
+        let turned = "by: [RotateX(20), RotateZ(-10)]";
+        let slab = format!("§Box(min: (-5, -{thick}, -5), max: (5, 0, 5), material: \"{material}\")");
+        scene(ABOVE, &format!("Transformed({turned}, object: {slab}),"))
+    };
+    let field = "objects[0].Transformed.object.Box";
+    assert_warns(
+        &slab("4e-6", "glass"),
+        field,
+        &["a clear box with a side of 4e-6", "its far surface is lost", "thicker"],
+    );
+    assert_silent(&slab("6e-6", "glass"));
+    assert_silent(&slab("4e-6", "grey"));
+}
+
+/// The objects of a scene with a gap of this width.
+type Objects = Box<dyn Fn(f64) -> String>;
+
+/// Where a warning says from where on all is well.
+fn limit(warning: &str) -> f64 {
+    let words: Vec<&str> = warning.split(' ').collect();
+    let at = words.windows(2).rposition(|pair| ["more than", "thicker than"].contains(&pair.join(" ").as_str()));
+    let number = at.and_then(|at| words[at + 2].trim_end_matches(',').parse().ok());
+    number.unwrap_or_else(|| panic!("no limit in {warning}"))
+}
+
+/// A lamp behind clear surfaces is seen, and glass bends what is behind it, from a little more than the limit on; at half of it they
+/// are wrong in most pixels. At all widths of what is warned of, from one end of the scene to the other.
+#[test]
+fn pictures_are_wrong_where_it_is_warned_of_and_right_beyond() {
+    let quads = |half: f64| {
+        move |gap: f64| {
+            let quad = |y: f64, material: &str| {
+                let (corner, edge) = (format!("({:?}, {y:?}, {:?})", -half, -half), 2.0 * half);
+                format!("Quad(corner: {corner}, u: (0, 0, {edge:?}), v: ({edge:?}, 0, 0), material: \"{material}\")")
+            };
+            let group = format!("Group([{}, {}])", quad(-1.0, "clear"), quad(-1.0 - gap, "spot"));
+            format!("Transformed(by: [RotateX(20), RotateZ(-10)], object: {group}),")
+        }
+    };
+    let boxes = |gap: f64| {
+        let cuboid = |h: f64, material: &str| {
+            let corners = format!("min: ({:?}, {:?}, {:?}), max: ({h:?}, {h:?}, {h:?})", -h, -h, -h);
+            format!("Box({corners}, material: \"{material}\")")
+        };
+        let group = format!("Group([{}, {}])", cuboid(1.0, "clear"), cuboid(1.0 - gap, "spot"));
+        format!("Transformed(by: [RotateX(20), RotateY(35), RotateZ(-50)], object: {group}),")
+    };
+    let spheres = |gap: f64| {
+        let ball =
+            |r: f64, material: &str| format!("Sphere(center: (0, 0, 0), radius: {r:?}, material: \"{material}\"),");
+        ball(1.0, "clear") + &ball(1.0 - gap, "spot")
+    };
+    let slab = |half: f64| {
+        move |thick: f64| {
+            let (low, high) =
+                (format!("({:?}, {:?}, {:?})", -half, -1.0 - thick, -half), format!("({half:?}, -1, {half:?})"));
+            let slab = format!("Box(min: {low}, max: {high}, material: \"glass\")");
+            format!("Transformed(by: [RotateX(20), RotateZ(-10)], object: {slab}),")
+        }
+    };
+    let down = "(look_from: (0, 0, 0), look_at: (0.4, -1, 0.3), vertical_fov: 40)";
+    let aside = "(look_from: (1.08, 1.44, 2.4), look_at: (0, 0, 0), vertical_fov: 20)";
+    let cases: [(&str, &str, Objects); 6] = [
+        ("quads of 10", down, Box::new(quads(5.0))),
+        ("quads of 100", down, Box::new(quads(50.0))),
+        ("boxes", aside, Box::new(boxes)),
+        ("spheres", aside, Box::new(spheres)),
+        ("a slab of 10", down, Box::new(slab(5.0))),
+        ("a slab of 100", down, Box::new(slab(50.0))),
+    ];
+    for (what, camera, objects) in cases {
+        let text = |gap: f64| {
+            let sky = "background: Gradient(bottom: (0, 0, 0), top: (1, 1, 1))";
+            let text = scene(camera, &objects(gap)).replace("background: Solid((1, 1, 1))", sky);
+            text.replace("width: 400, height: 300", "width: 16, height: 16").replace("15, 15, 15", "1, 1, 1")
+        };
+        let red = |gap: f64| {
+            let scene = Scene::parse(&text(gap), &root().join("x.ron")).unwrap_or_else(|e| panic!("{e}"));
+            let pixels = render::render(&scene, &render::Ask::spp(16)).picture.rgb;
+            pixels.iter().map(|pixel| f64::from(pixel[0])).collect::<Vec<_>>()
+        };
+        let right = red(1e-3);
+        // What glass reflects is chosen by the same random numbers: what differs is the path.
+        let wrong = |gap: f64| {
+            let pixels = red(gap);
+            pixels.iter().zip(&right).filter(|(a, b)| (*a - *b).abs() > 0.02).count() as f64 / pixels.len() as f64
+        };
+        let found = warnings(&text(1e-7));
+        let [warning] = &found[..] else { panic!("{what}: {found:#?}") };
+        let limit = limit(warning);
+        assert_eq!(warnings(&text(0.99 * limit)).len(), 1, "{what}");
+        assert_silent(&text(1.01 * limit));
+        assert!(wrong(0.5 * limit) > 0.8, "{what}: {} wrong at half of {limit}", wrong(0.5 * limit));
+        assert_eq!(wrong(1.01 * limit), 0.0, "{what}: above {limit}");
+        assert_eq!(wrong(1.5 * limit), 0.0, "{what}: half above {limit}");
+    }
 }
 
 #[test]
@@ -354,9 +564,11 @@ fn many_tiles_in_a_plane() {
     assert_silent(&scene(ABOVE, &tiles(None)));
     assert_warns(&scene(ABOVE, &tiles(Some(444))), "objects[444].Quad", &["overlaps with that of the quad at"]);
     // One under all of them.
-    let floor = "Quad(corner: (-40, 0, -60), u: (100, 0, 0), v: (0, 0, 70), material: \"glass\"),";
-    let found = warnings(&scene(ABOVE, &format!("{}{floor}", tiles(None))));
-    assert!(found.len() == 1 && found[0].contains("more like it"), "{found:?}");
+    for material in ["lamp", "glass"] {
+        let quad = "Quad(corner: (-40, 0, -60), u: (100, 0, 0), v: (0, 0, 70), material: ";
+        let found = warnings(&scene(ABOVE, &format!("{}{quad}{material:?}),", tiles(None))));
+        assert!(found.len() == 1 && found[0].contains("more like it"), "{found:?}");
+    }
 }
 
 #[test]
@@ -457,6 +669,25 @@ fn closed_lights_around_the_camera() {
         assert_silent(&around(shape, "lamp"));
         assert_silent(&around(&shape.replace("20", "4"), "spot"));
     }
+}
+
+#[test]
+fn white_media_that_paths_end_in() {
+    let fog = |density: &str, albedo: &str, more: &str| {
+        let boundary = "boundary: Sphere(center: (0, 0, 0), radius: 1)";
+        scene(BEFORE, &format!("Medium({boundary}, density: {density}, albedo: §{albedo}{more}),"))
+    };
+    // From 3 / π² τ (τ + 1.42) = 50 / ln 100 on; of a render at 5.5 a hundredth is lost.
+    let field = "objects[0].Medium.albedo";
+    let words = ["an albedo of 1", "1.3 % of the light in it is scattered more than 50 times", "higher max_depth"];
+    assert_warns(&fog("5.5", "Rgb(1, 1, 1)", ""), field, &words);
+    assert_silent(&fog("5.2", "Rgb(1, 1, 1)", ""));
+    assert_warns(&fog("5.5", "Checker(scale: 1, even: (0, 0, 0), odd: (0, 1, 0))", ""), field, &words[..1]);
+    assert_silent(&fog("5.5", "Rgb(0.99, 0.99, 0.99)", ""));
+    assert_silent(&fog("5.5", "Rgb(1, 1, 1)", ", anisotropy: 0.9"));
+    assert_warns(&fog("25", "Rgb(1, 1, 1)", ", anisotropy: 0.9"), field, &["an albedo of 1"]);
+    let deep = |text: String| text.replace("    ],\n)", "    ],\n    render: (max_depth: 100),\n)");
+    assert_silent(&deep(fog("5.5", "Rgb(1, 1, 1)", "")));
 }
 
 #[test]
