@@ -24,3 +24,9 @@ pub fn from_cuboid(normal: DVec3, middle: DVec3, half: DVec3, axes: &DMat3) -> f
 pub fn from_sphere(center: DVec3, radius: f64) -> f64 {
     U * (4.0 * (center.abs().max_element() + radius) + 2.0 * (center.length() + radius))
 }
+
+/// From a mesh with triangles of usual shapes: u (8 Σ |p_i| + 32 l) for a triangle with a longest edge l, and 16 u Σ |p_i| for its place, p seen from
+/// the middle of the mesh (shaders/geometry/triangle, shaders/geometry/instance). No larger than the half sides and the diagonal of the box around it.
+pub fn from_mesh(middle: DVec3, half: DVec3) -> f64 {
+    U * (24.0 * half.element_sum() + 66.0 * half.length() + 2.0 * middle.length())
+}

@@ -26,6 +26,7 @@ struct Pair {
     first: usize,
     second: usize,
     gap: f64,
+    /// From this gap on all is well.
     bound: f64,
     clear: bool,
     both_clear: bool,
@@ -121,21 +122,24 @@ impl<'a> SamePlace<'a> {
         }
         let ((place, r), (other, s)) = (a.ball(self.found), b.ball(self.found));
         let rounding = 4.0 * U * (place.abs().max_element() + r);
-        let (gap, bound, mesh) = match (a.shape, b.shape) {
+        // Of meshes no more than what rounding alone may come to is looked for.
+        let (gap, most, bound, mesh) = match (a.shape, b.shape) {
             (Shape::Sphere { .. }, Shape::Sphere { .. }) => {
                 // Rays that leave either, and what the radius and the next distance are rounded by.
                 let leaving = [(place, r), (other, s)].into_iter().zip(kinds).filter(|(_, kind)| !kind.light);
                 let start = leaving.map(|((c, r), _)| leaving::from_sphere(c, r)).fold(0.0, f64::max);
                 let bound = if clear { start + 4.0 * U * r.max(s) } else { rounding };
-                ((r - s).abs() + place.distance(other), bound, false)
+                ((r - s).abs() + place.distance(other), bound, bound, false)
             }
             (Shape::Mesh(one), Shape::Mesh(same)) if one == same => {
                 let corners = a.corners(self.found).into_iter().zip(b.corners(self.found));
-                (corners.map(|(p, q)| p.distance(q)).fold(0.0, f64::max), rounding, true)
+                let gap = corners.map(|(p, q)| p.distance(q)).fold(0.0, f64::max);
+                let start = leaving::from_mesh(place, a.half_sides(self.found)?);
+                (gap, rounding, if clear { rounding + start } else { rounding }, true)
             }
             _ => return None,
         };
-        (gap <= bound).then_some(Pair { first, second, gap, bound, clear, both_clear, mesh })
+        (gap <= most).then_some(Pair { first, second, gap, bound, clear, both_clear, mesh })
     }
 }
 
