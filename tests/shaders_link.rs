@@ -305,6 +305,7 @@ const CHOICES: &[(&str, &str)] = &[
     ("light_choice", "scene"),
     ("roulette", "step"),
     ("clamp", "step"),
+    ("glass", "step"),
     ("fresnel", "lib"),
     ("offset", "geometry"),
     ("sphere_chord", "geometry"),
