@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use gpu_rt::data;
 use gpu_rt::film::RunRecord;
-use gpu_rt::flatten::{Features, MATERIALS};
+use gpu_rt::flatten::{Features, MATERIALS, RESPONDERS};
 use gpu_rt::gpu::layout::{Member, members, pack};
 use gpu_rt::gpu::link::{Choices, Embedded, link};
 use gpu_rt::plan::{Plan, Scatter};
@@ -19,6 +19,7 @@ fn modules() -> Vec<naga::Module> {
     let features = Features {
         primitives: Default::default(),
         materials: Default::default(),
+        responders: std::array::from_fn(|i| RESPONDERS.contains(&MATERIALS[i]).then(|| "a test".to_string())),
         textures: Default::default(),
         boundaries: Default::default(),
         textured_media: Some("a test".to_string()),
@@ -35,6 +36,7 @@ fn modules() -> Vec<naga::Module> {
         emitting_sky: Some("a test".to_string()),
         sky_grid: (4, 2),
         lights: 1000,
+        shadow_rays: true,
         sky_light: 999,
         roulette: true,
         schlick: true,

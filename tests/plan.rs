@@ -347,6 +347,83 @@ fn a_sphere_before_a_gradient_has_nothing_else() {
     }
 }
 
+/// A lamp beside a sphere of such a material, with an object more.
+fn lamp_beside(material: &str, object: &str) -> Flat {
+    let text = SPHERE
+        .replace(
+            "Lambertian(albedo: Rgb(0.5, 0.4, 0.3))",
+            &format!("{material}, \"lamp\": DiffuseLight(emit: Rgb(4, 3, 2))"),
+        )
+        .replace(
+            "\"grey\")]",
+            &format!("\"grey\"), Sphere(center: (2, 0, 0), radius: 1, material: \"lamp\"), {object}]"),
+        );
+    flat(&parse(&text), false)
+}
+
+/// Rays are sent to lights where something answers to them: a material that scatters to more than one direction, or a medium. Elsewhere
+/// a lamp is what it is to paths that are not sent anywhere.
+#[test]
+fn lights_are_sampled_where_something_answers() {
+    let fog = "Medium(boundary: Sphere(center: (4, 0, 0), radius: 1), density: 1, albedo: Rgb(1, 1, 1)),";
+    let cases = [
+        ("Dielectric(ior: 1.5)", "", false),
+        ("Metal(albedo: Rgb(0.9, 0.9, 0.9), fuzz: 0)", "", false),
+        ("Dielectric(ior: 1.5)", fog, true),
+        ("Metal(albedo: Rgb(0.9, 0.9, 0.9), fuzz: 0.1)", "", true),
+        ("Lambertian(albedo: Rgb(0.9, 0.9, 0.9))", "", true),
+    ];
+    for class in classes() {
+        for scatter in EVERY_WAY {
+            for (material, object, sampled) in cases {
+                let (plan, report) = planned(&lamp_beside(material, object), &class, scatter);
+                let names = names_in(&plan, &report);
+                let has = |word: &str| names.contains(word);
+                let of_lights = ["shadow", "LIGHT_WEIGHT", "aim_at_light", "bind/lights"];
+                let found: Vec<_> = of_lights.iter().filter(|word| has(word)).collect();
+                assert_eq!(found.is_empty(), !sampled, "{material} {object} {scatter:?}: {found:?}");
+                assert_eq!(report.buffers.iter().any(|buffer| buffer.name == "lights"), sampled, "{material} {object}");
+                // Without light to sample 72 bytes of the fused kernel, and the distance beside them.
+                if !sampled {
+                    assert_eq!(report.path_bytes(), if scatter == Scatter::Fused { 72 } else { 76 }, "{scatter:?}");
+                }
+            }
+        }
+    }
+}
+
+/// Of kernels that serve a material each, those of materials that answer to lights sample them.
+#[test]
+fn queues_sample_lights_where_their_material_answers() {
+    let class = &classes()[1];
+    let modules = modules_by_kernel(&flat(&shipped("glass"), false), class, Scatter::Queues);
+    for (kernel, samples, meets) in [
+        ("scatter_lambertian", true, false),
+        ("scatter_dielectric", false, false),
+        ("scatter_diffuse_light", false, true),
+    ] {
+        let has = |module: &str| modules[kernel].contains(module);
+        assert_eq!(has("scene/responses"), samples, "{kernel}");
+        assert_eq!(has("step/light"), samples || meets, "{kernel}");
+        assert_eq!(has("bind/lights"), samples || meets, "{kernel}");
+    }
+}
+
+/// Without surfaces the bounce is one kernel where it was asked to be one.
+#[test]
+fn scenes_without_surfaces_are_fused_too() {
+    let fog = "Medium(boundary: Sphere(center: (0, 0, 0), radius: 1), density: 1, albedo: Rgb(1, 1, 1))";
+    let class = &classes()[0];
+    for objects in ["", fog] {
+        let text = SPHERE.replace("Sphere(center: (0, 0, 0), radius: 1, material: \"grey\")", objects);
+        let (plan, report) = planned(&flat(&parse(&text), false), class, Scatter::Fused);
+        let names: Vec<_> = plan.kernels().iter().map(|kernel| kernel.name.clone()).collect();
+        assert_eq!(names, ["generate", "bounce"]);
+        assert!(report.scatter.starts_with("fused"), "{}", report.scatter);
+        assert!(!names_in(&plan, &report).contains("scatter_path"), "{objects}");
+    }
+}
+
 #[test]
 fn words_of_identifiers_are_told_apart() {
     let split = |text: &str| words(text);

@@ -10,6 +10,8 @@ pub const PRIMITIVES: &[&str] = &["sphere", "quad", "cuboid", "triangle"];
 pub const BOUNDARIES: &[(&str, u32)] = &[("sphere", 0), ("cuboid", 2), ("mesh", data::KIND_INSTANCE)];
 /// The kinds of material by number; each is a file of shaders/material.
 pub const MATERIALS: &[&str] = &["lambertian", "metal", "dielectric", "diffuse_light"];
+/// Those of them that can answer to light from any direction, and so to lights that are sampled: each has a file NAME_eval beside its own.
+pub const RESPONDERS: &[&str] = &["lambertian", "metal"];
 /// The kinds of texture by number; each is a file of shaders/texture.
 pub const TEXTURES: &[&str] = &["checker", "image", "noise", "marble"];
 /// The kinds of background by number; each is a file of shaders/background.
@@ -22,6 +24,8 @@ pub struct Features {
     pub primitives: [Option<String>; PRIMITIVES.len()],
     /// By the numbers of `MATERIALS`: of materials on objects, not of all that are defined.
     pub materials: [Option<String>; MATERIALS.len()],
+    /// By the numbers of `MATERIALS`: of those that answer to lights that are sampled.
+    pub responders: [Option<String>; MATERIALS.len()],
     /// By the numbers of `TEXTURES`.
     pub textures: [Option<String>; TEXTURES.len()],
     /// Meshes with vertex normals, which are shaded smoothly.
@@ -40,6 +44,8 @@ pub struct Features {
     pub lights: u32,
     /// The place of the sky among them.
     pub sky_light: u32,
+    /// Whether paths send rays to them. Of the scene alone, also where everything is taken to be required: then an invocation has two walks.
+    pub shadow_rays: bool,
     /// Whether paths of small throughput are ended at random.
     pub roulette: bool,
     /// How many media there are.
@@ -108,6 +114,8 @@ impl Features {
         [&mut self.smooth, &mut self.textured_media, &mut self.thin_lens, &mut self.turned].into_iter().for_each(add);
         if sample_lights {
             add(&mut self.emitting_sky);
+            let materials = MATERIALS.iter().zip(&mut self.responders);
+            materials.filter(|(name, _)| RESPONDERS.contains(name)).for_each(|(_, used)| add(used));
         }
         self.few = false;
         self.every = true;
@@ -120,6 +128,11 @@ impl Features {
     /// Whether kernels have code for media.
     pub fn crosses_media(&self) -> bool {
         self.media > 0 || self.every
+    }
+
+    /// Whether anything in the scene answers to light from any direction. Where nothing does, no ray is sent to a light.
+    pub(super) fn answers_to_light(&self) -> bool {
+        self.media > 0 || self.responders.iter().any(Option::is_some)
     }
 
     fn primitive(&self, name: &str) -> Option<&str> {

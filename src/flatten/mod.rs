@@ -29,7 +29,7 @@ use place::{AxisBox, Finder, Placed, PlacedMedium, extent};
 use view::{RenderSpace, View};
 
 pub use bvh::Quality;
-pub use features::{BACKGROUNDS, BOUNDARIES, Features, MATERIALS, PRIMITIVES, TEXTURES};
+pub use features::{BACKGROUNDS, BOUNDARIES, Features, MATERIALS, PRIMITIVES, RESPONDERS, TEXTURES};
 pub use lights::TREE_LIGHTS;
 
 /// A scene as the kernels see it.
@@ -158,7 +158,7 @@ pub fn flatten_with(scene: &Scene, size: (u32, u32), wish: Wish) -> Result<Flat>
         let looking = scope.spawn(|| dangers::warnings(&found));
         builder.add_primitives(&finder.placed);
         builder.add_media(&finder.media);
-        if wish.sample_lights {
+        if wish.sample_lights && builder.flat.features.answers_to_light() {
             builder.add_lights(&finder.placed);
         }
         looking.join()
@@ -166,6 +166,7 @@ pub fn flatten_with(scene: &Scene, size: (u32, u32), wish: Wish) -> Result<Flat>
     let mut flat = builder.flat;
     flat.warnings = looked.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
     flat.features.wish(&wish);
+    flat.features.shadow_rays = flat.features.lights > 0;
     if let Some(limit) = wish.clamp {
         // In device radiance; beyond what f32 holds it is as good as the least or the most.
         let limit = (radiance_scale * limit).clamp(f64::from(f32::MIN_POSITIVE), f64::from(f32::MAX));
@@ -241,6 +242,9 @@ fn note(features: &mut Features, scene: &Scene, object: usize, primitive: &Place
     let at_material = || format!("\"{name}\" at {}", scene.material_location(name));
     features.primitives[primitive.shape.kind()].get_or_insert_with(at_object);
     features.materials[material_kind(material)].get_or_insert_with(at_material);
+    if responds(material) {
+        features.responders[material_kind(material)].get_or_insert_with(at_material);
+    }
     if let Some(kind) = colour_texture(material).and_then(texture_kind) {
         features.textures[kind].get_or_insert_with(at_material);
     }
@@ -307,6 +311,15 @@ fn material_kind(material: &Material) -> usize {
         Material::Metal { .. } => 1,
         Material::Dielectric { .. } => 2,
         Material::DiffuseLight { .. } => 3,
+    }
+}
+
+/// Whether the material answers to light from any direction, as NAME_responds says of it on the device.
+fn responds(material: &Material) -> bool {
+    match material {
+        Material::Lambertian { .. } => true,
+        Material::Metal { fuzz, .. } => *fuzz as f32 > 0.0,
+        Material::Dielectric { .. } | Material::DiffuseLight { .. } => false,
     }
 }
 
