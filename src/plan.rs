@@ -26,6 +26,9 @@ const QUEUES: &str = "--scatter queues";
 /// The reason of what stages hand to each other where they are kernels of their own.
 const A_KERNEL_A_STAGE: &str = "a kernel a stage";
 
+/// The override constants that say how many steps walks may take.
+pub const STEPS: [&str; 2] = ["MOST_STEPS_OF_WALK", "MOST_STEPS_OF_CROSSINGS"];
+
 /// How the stages of a bounce are linked into kernels. The image does not depend on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scatter {
