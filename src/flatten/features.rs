@@ -5,6 +5,13 @@ use crate::data;
 
 /// The kinds of primitive by number; each is a file of shaders/geometry. Triangles are the faces of meshes.
 pub const PRIMITIVES: &[&str] = &["sphere", "quad", "cuboid", "triangle"];
+const _: () = {
+    assert!(PRIMITIVES.len() <= data::KIND_INSTANCE as usize, "a shape too many: its number is that of an instance");
+    assert!(
+        PRIMITIVES.len() <= 4,
+        "a shape too many for Settings::few: give it a vector more, in src/data, shaders/data/settings and shaders/scene/few"
+    );
+};
 /// The kinds of boundary that media have, with the kinds of their codes. Convex ones are files of shaders/medium; the mesh, which a ray may
 /// enter many times, is `scene/medium_in_mesh`.
 pub const BOUNDARIES: &[(&str, u32)] = &[("sphere", 0), ("cuboid", 2), ("mesh", data::KIND_INSTANCE)];
@@ -156,10 +163,6 @@ impl Features {
             ("material", _) => of(MATERIALS, &self.materials, name.trim_end_matches("_eval")),
             ("texture", _) => of(TEXTURES, &self.textures, name),
             ("background", _) => of(BACKGROUNDS, &self.backgrounds, name),
-            ("bind", "spheres" | "quads" | "cuboids") => {
-                let kind = name.trim_end_matches('s');
-                primitive(kind).or_else(|| boundary(kind))
-            }
             ("bind", _) => self.asked_for_table(name),
             ("geometry", "instance" | "slab") => primitive("triangle").or_else(|| boundary("mesh")),
             ("geometry", _) => primitive(stem).or_else(|| boundary(stem)),
@@ -174,7 +177,10 @@ impl Features {
             ("scene", "textured_medium") => self.textured_media.as_deref(),
             ("scene", "medium_in_mesh") => boundary("mesh"),
             ("scene", "meshes") => primitive("triangle").or_else(|| boundary("mesh")),
-            ("scene", "uv" | "texel") => of(TEXTURES, &self.textures, "image").or(self.emitting_sky.as_deref()),
+            ("scene", "uv") => of(TEXTURES, &self.textures, "image"),
+            ("scene", "texel") => {
+                of(TEXTURES, &self.textures, "image").or_else(|| of(BACKGROUNDS, &self.backgrounds, "image"))
+            }
             ("scene", "textures" | "textured_colour") => texture(),
             ("scene", "media" | "transmittance") | ("step", "media") | ("stage", "medium") => medium(),
             ("scene", "lights" | "light_tree" | "light_alias" | "responses")
@@ -198,7 +204,8 @@ impl Features {
             "textures" | "frames" => self.asked_for("scene/textures"),
             "texels" => self.asked_for("scene/texel"),
             "materials" => self.materials.iter().flatten().next().map(String::as_str),
-            _ => None,
+            // Shapes have a table each, named for them.
+            _ => name.strip_suffix('s').and_then(|kind| self.primitive(kind).or_else(|| self.boundary(kind))),
         }
     }
 }
