@@ -434,6 +434,16 @@ pub enum FeaturesArg {
     All,
 }
 
+impl FeaturesArg {
+    /// As the option spells it.
+    pub fn name(self) -> &'static str {
+        match self {
+            FeaturesArg::Scene => "scene",
+            FeaturesArg::All => "all",
+        }
+    }
+}
+
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum BuildArg {
     Fast,

@@ -11,7 +11,7 @@ pub const PRIMITIVE_KIND_SHIFT: u32 = 28;
 pub const MAX_PRIMITIVES: usize = 1 << PRIMITIVE_KIND_SHIFT;
 /// The kinds of codes that have to do with meshes: a face, and a mesh placed in the scene.
 pub const KIND_TRIANGLE: u32 = 3;
-pub const KIND_INSTANCE: u32 = 4;
+pub const KIND_INSTANCE: u32 = 6;
 /// The instance of what is no part of a mesh.
 pub const NO_INSTANCE: u32 = 0xffff_ffff;
 /// `Instance::to_uvs` of a mesh without texture coordinates.

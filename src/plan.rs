@@ -26,6 +26,12 @@ const QUEUES: &str = "--scatter queues";
 /// The reason of what stages hand to each other where they are kernels of their own.
 const A_KERNEL_A_STAGE: &str = "a kernel a stage";
 
+/// The material that light goes through.
+const CLEAR: &str = "dielectric";
+
+/// The override constants that say how many steps walks may take.
+pub const STEPS: [&str; 2] = ["MOST_STEPS_OF_WALK", "MOST_STEPS_OF_CROSSINGS"];
+
 /// How the stages of a bounce are linked into kernels. The image does not depend on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scatter {
@@ -181,7 +187,7 @@ impl Plan {
         let empty = materials.is_empty();
         // A queue each is no use where there is one material.
         let queues = scatter == Scatter::Queues && materials.len() > 1;
-        let fused = scatter == Scatter::Fused && !empty;
+        let fused = scatter == Scatter::Fused;
         let choices = choices(features, &materials, Bounces { fused, queues }, tables);
         let always = EVERY_RENDER;
         let geometry = asked(PRIMITIVES, &features.primitives, "");
@@ -194,7 +200,8 @@ impl Plan {
         let reasons = [&geometry, &all_materials, &media, &emitters];
         let all_reasons = reasons.into_iter().filter(|why| !why.is_empty()).cloned().collect::<Vec<_>>().join("; ");
         let bounce = if fused {
-            Bounce::Fused(Box::new(kernel("bounce", "bounce", &choices, &all_reasons)?))
+            let why = if all_reasons.is_empty() { always } else { &all_reasons };
+            Bounce::Fused(Box::new(kernel("bounce", "bounce", &choices, why)?))
         } else {
             let if_any = |wanted: bool, name: &str, stage, why: &str| {
                 wanted.then(|| kernel(name, stage, &choices, why)).transpose()
@@ -369,15 +376,13 @@ fn choices(features: &Features, materials: &[Entry], bounces: Bounces, tables: &
     let lights = features.lights > 0;
     // One entry or none: what is linked where there are lights, and of which kinds.
     let only_if = |wanted: bool, name: &str| if wanted { closed(std::iter::once((name, 0))) } else { Vec::new() };
-    // The materials that answer to light from any direction.
-    let responders = materials.iter().filter(|entry| ["lambertian", "metal"].contains(&entry.name.as_str()));
     // Where lights are sampled and clear solids may be in the way.
-    let glass =
-        MATERIALS.iter().position(|name| *name == "dielectric").filter(|glass| features.materials[*glass].is_some());
-    let clear = closed(glass.filter(|_| lights).map(|glass| ("dielectric", glass as u32)).into_iter());
+    let materials_of_scene = entries(MATERIALS, &features.materials).into_iter();
+    let clear: Vec<Entry> = materials_of_scene.filter(|entry| lights && entry.name == CLEAR).collect();
     let places = places(&path_fields(features, fused));
     let numbered = |all: &[(&'static str, u32)]| closed(all.iter().copied());
-    Choices {
+    let surfaces = !materials.is_empty();
+    let mut choices = Choices {
         modules: BTreeMap::from([
             ("axes", pick(features.turned.is_some(), "scene/camera_axes", "scene/world_axes")),
             ("camera", pick(features.thin_lens.is_some(), "camera/thin_lens", "camera/pinhole")),
@@ -404,6 +409,8 @@ fn choices(features: &Features, materials: &[Entry], bounces: Bounces, tables: &
             ("queue", only_if(queues, "queue")),
             // Slots are sorted when it is known what becomes of their rays: after the media, where there are any.
             ("queue_of_hits", only_if(queues && !media, "queue")),
+            ("surface", only_if(surfaces, "surface")),
+            ("event", only_if(surfaces || media, "event")),
             ("lens", only_if(features.thin_lens.is_some(), "lens")),
             ("camera_axes", only_if(features.turned.is_some(), "camera_axes")),
             ("clamp", only_if(features.clamp, "clamp")),
@@ -419,12 +426,11 @@ fn choices(features: &Features, materials: &[Entry], bounces: Bounces, tables: &
             ("other_path_word", numbered(&places.others)),
             ("emitter", emitters),
             ("emitting_mesh", emitting_meshes),
+            ("emitting_surface", only_if(features.emitters.iter().any(Option::is_some), "surface")),
             ("emitting_sky", only_if(features.emitting_sky.is_some(), "sky")),
-            ("responder", responders.cloned().collect()),
             ("clear", clear),
             ("convex_boundary", convex_boundaries),
             ("mesh_boundary", mesh_boundaries),
-            ("material", materials.to_vec()),
             ("texture", textures),
         ]),
         values: TABLES
@@ -440,12 +446,31 @@ fn choices(features: &Features, materials: &[Entry], bounces: Bounces, tables: &
                 ("sky_columns", features.sky_grid.0.to_string()),
                 ("sky_rows", features.sky_grid.1.to_string()),
                 // Mesa 22.3 allows an invocation 65,535 iterations: for one walk, or for two, the other being a shadow ray's.
-                ("most_steps", if lights { "19000" } else { "48000" }.to_string()),
+                ("most_steps", if features.shadow_rays { "19000" } else { "48000" }.to_string()),
                 ("run_length", RUN_LENGTH.to_string()),
                 ("queues", materials.len().to_string()),
             ])
             .collect(),
-    }
+    };
+    serve(&mut choices, features, materials);
+    choices
+}
+
+/// What a kernel has that serves these materials.
+fn serve(choices: &mut Choices, features: &Features, materials: &[Entry]) {
+    let lights = features.lights > 0;
+    let only_if = |wanted: bool, name: &str| if wanted { closed(std::iter::once((name, 0))) } else { Vec::new() };
+    let answers = |entry: &&Entry| features.responders.get(entry.number as usize).is_some_and(Option::is_some);
+    let responders: Vec<Entry> = materials.iter().filter(answers).cloned().collect();
+    let shines = materials.iter().any(|entry| entry.name == "diffuse_light");
+    let sampled = features.emitters.iter().any(Option::is_some);
+    choices.lists.extend([
+        ("answer", only_if(lights && !responders.is_empty(), "answer")),
+        ("met_light", only_if(lights && sampled && shines, "light")),
+        ("refracts", only_if(lights && materials.iter().any(|entry| entry.name == CLEAR), "refracts")),
+        ("responder", responders),
+        ("material", materials.to_vec()),
+    ]);
 }
 
 /// The tables by name, and the names of the values that say how each is bound.
@@ -480,10 +505,7 @@ fn queued_scatters(features: &Features, materials: &[Entry], choices: &Choices) 
         .zip(materials)
         .map(|(queue, material)| {
             let mut own = choices.clone();
-            own.lists.insert("material", vec![Entry { closes: true, ..material.clone() }]);
-            if let Some(responders) = own.lists.get_mut("responder") {
-                responders.retain(|entry| entry.number == material.number);
-            }
+            serve(&mut own, features, &[Entry { closes: true, ..material.clone() }]);
             own.values.insert("queue", i32::to_string(&queue));
             let why = features.materials[material.number as usize].clone().unwrap_or_default();
             kernel(&format!("scatter_{}", material.name), "scatter", &own, &why)

@@ -13,7 +13,7 @@ use crate::gpu::device::{Device, DeviceClass};
 use crate::gpu::pipeline::{Pipeline, PipelineSpec};
 use crate::gpu::probe;
 use crate::gpu::timing::{MAX_PASSES, Timing};
-use crate::plan::{Bounce, Kernel, MOST_PATH_BYTES, Plan, Scatter, SettingsLayout, Tables, Tuning};
+use crate::plan::{Bounce, Kernel, MOST_PATH_BYTES, Plan, STEPS, Scatter, SettingsLayout, Tables, Tuning};
 
 /// What is to be rendered of a scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -275,8 +275,7 @@ impl<'a> Renderer<'a> {
         plan.kernels().into_iter().try_for_each(allowed)?;
         let most_steps = numerics.most_steps().map(f64::from);
         let of_steps = |name| most_steps.map(|most| (name, most));
-        let constants: Vec<_> =
-            ["MOST_STEPS_OF_WALK", "MOST_STEPS_OF_CROSSINGS"].into_iter().filter_map(of_steps).collect();
+        let constants: Vec<_> = STEPS.into_iter().filter_map(of_steps).collect();
         let buffers = Buffers::create(device, &plan.buffers(flat, &tuning))?;
         let specs: Vec<_> = plan
             .kernels()

@@ -858,7 +858,8 @@ fn all_features_change_the_plan_and_not_the_image() {
     let place = Place::new();
     let scene = "../scenes/sphere.ron";
     let pixels = |features: &str| {
-        place.render(&["--spp", "8", "--features", features, "-o", "out.exr", "--quiet"]).exits(0);
+        let more = ["--spp", "8", "--features", features, "-o", "out.exr", "--quiet", "--json"];
+        assert_eq!(place.render(&more).exits(0).json()["features"], features);
         gpu_rt::output::exr::read_exr(&place.work().join("out.exr")).expect("it was written").rgb
     };
     assert!(pixels("scene") == pixels("all"));
@@ -1209,6 +1210,30 @@ fn shaders(folder: &Path) -> Vec<(String, String)> {
         .collect();
     shaders.sort();
     shaders
+}
+
+/// A report that does not arrive is a failure that is told; a reader who has read enough is none.
+#[test]
+#[cfg(target_os = "linux")]
+fn lost_output_is_a_failure_and_a_closed_pipe_is_none() {
+    let place = Place::new();
+    let commands: [&[&str]; 5] = [
+        &["plan", "../scenes/sphere.ron", "--json"],
+        &["plan", "../scenes/sphere.ron"],
+        &["check", "../scenes/sphere.ron"],
+        &["devices"],
+        &["render", "../scenes/sphere.ron", "--device", software(), "--json"],
+    ];
+    for command in commands {
+        let full = fs::File::options().write(true).open("/dev/full").expect("there is a full device");
+        let ran = finish(place.command(command).stdout(full).spawn().expect("the program starts")).exits(1);
+        assert!(ran.stderr.contains("stdout: cannot write: No space left on device"), "{command:?}: {}", ran.stderr);
+        let mut child = place.command(command).spawn().expect("the program starts");
+        drop(child.stdout.take());
+        finish(child).exits(0);
+    }
+    // What was rendered is there all the same.
+    assert_eq!(place.files(), ["sphere.exr"]);
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use gpu_rt::data;
 use gpu_rt::film::RunRecord;
-use gpu_rt::flatten::{Features, MATERIALS};
+use gpu_rt::flatten::{Features, MATERIALS, RESPONDERS};
 use gpu_rt::gpu::layout::{Member, members, pack};
 use gpu_rt::gpu::link::{Choices, Embedded, link};
 use gpu_rt::plan::{Plan, Scatter};
@@ -19,6 +19,7 @@ fn modules() -> Vec<naga::Module> {
     let features = Features {
         primitives: Default::default(),
         materials: Default::default(),
+        responders: std::array::from_fn(|i| RESPONDERS.contains(&MATERIALS[i]).then(|| "a test".to_string())),
         textures: Default::default(),
         boundaries: Default::default(),
         textured_media: Some("a test".to_string()),
@@ -35,6 +36,7 @@ fn modules() -> Vec<naga::Module> {
         emitting_sky: Some("a test".to_string()),
         sky_grid: (4, 2),
         lights: 1000,
+        shadow_rays: true,
         sky_light: 999,
         roulette: true,
         schlick: true,
@@ -262,9 +264,9 @@ fn every_constant_of_the_host_is_that_of_the_shaders() {
     assert!(data::QUEUE_HEADER as usize >= MATERIALS.len());
     // No primitive's code is a status: the kinds stop short of the last one.
     let first = constant(&modules, "FIRST_STATUS").expect("it is in data/primitive");
-    let kinds = gpu_rt::flatten::PRIMITIVES.len() as u32 + 1;
+    let kinds = data::KIND_INSTANCE + 1;
     assert_eq!(gpu_rt::flatten::PRIMITIVES[data::KIND_TRIANGLE as usize], "triangle");
-    assert_eq!(data::KIND_INSTANCE, kinds - 1);
+    assert!(gpu_rt::flatten::PRIMITIVES.len() <= data::KIND_INSTANCE as usize);
     assert!(data::PRIMITIVE_BIT | (kinds << data::PRIMITIVE_KIND_SHIFT) <= first);
     assert!([data::HIT_NOTHING, data::SLOT_IDLE].iter().all(|status| *status >= first));
 

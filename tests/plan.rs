@@ -347,6 +347,207 @@ fn a_sphere_before_a_gradient_has_nothing_else() {
     }
 }
 
+/// What asked for a feature of the plan.
+fn asker(report: &Report, feature: &str) -> String {
+    let found = report.features.iter().find(|(name, _)| name == feature);
+    found.unwrap_or_else(|| panic!("no {feature} in {:?}", report.features)).1.clone()
+}
+
+/// The object itself asks, however deep in others, and of meshes the one that is smooth.
+#[test]
+fn objects_ask_for_what_they_are() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    std::fs::write(folder.path().join("flat.obj"), format!("{triangle}f 1 2 3\n")).expect("a mesh is written");
+    let smooth = format!("{triangle}vn 0 0 1\nf 1//1 2//1 3//1\n");
+    std::fs::write(folder.path().join("smooth.obj"), smooth).expect("a mesh is written");
+    let objects = "Group([
+        Mesh(path: \"flat.obj\", material: \"grey\"),
+        Transformed(by: [Scale(2)], object: Group([
+            Quad(corner: (0, 0, 0), u: (1, 0, 0), v: (0, 1, 0), material: \"grey\"),
+            Box(min: (0, 0, 0), max: (1, 1, 1), material: \"grey\"),
+        ])),
+        Mesh(path: \"smooth.obj\", material: \"grey\"),
+        Medium(boundary: Sphere(center: (0, 0, 0), radius: 1), density: 1, albedo: Rgb(1, 1, 1)),
+    ])";
+    let text = SPHERE.replace("Sphere(center: (0, 0, 0), radius: 1, material: \"grey\")", objects);
+    let path = folder.path().join("deep.ron");
+    let scene = Scene::parse(&text, &path).unwrap_or_else(|error| panic!("{error}"));
+    let (_, report) = planned(&flat(&scene, false), &classes()[0], Scatter::Fused);
+    // The first object stands in line 6.
+    for (feature, line, column) in
+        [("triangle", 7, 9), ("quad", 9, 13), ("cuboid", 10, 13), ("smooth shading", 12, 9), ("sphere medium", 13, 9)]
+    {
+        assert_eq!(asker(&report, feature), format!("{}:{line}:{column}", path.display()), "{feature}");
+    }
+}
+
+/// Buffers hold what is on objects: neither materials nor images beside, and each image once.
+#[test]
+fn buffers_hold_what_is_used_and_each_image_once() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for (name, size) in [("a.png", 4), ("b.png", 8), ("c.png", 16)] {
+        image::RgbImage::new(size, size).save(folder.path().join(name)).expect("an image is written");
+    }
+    let materials = "
+        \"unused\": Lambertian(albedo: Image(path: \"c.png\")),
+        \"grey\": Lambertian(albedo: Image(path: \"a.png\")),
+        \"other\": Metal(albedo: Image(path: \"a.png\"), fuzz: 0.5),
+        \"third\": Lambertian(albedo: Image(path: \"b.png\"))";
+    let sphere = |at: i32, name: &str| format!("Sphere(center: ({at}, 0, 0), radius: 1, material: \"{name}\")");
+    let of = |names: &[&str], background: &str| {
+        let objects: Vec<String> = (0..).zip(names).map(|(at, name)| sphere(at, name)).collect();
+        let text = SPHERE
+            .replace("\"grey\": Lambertian(albedo: Rgb(0.5, 0.4, 0.3))", materials)
+            .replace(&sphere(0, "grey"), &objects.join(", "))
+            .replace("Gradient(bottom: (1, 1, 1), top: (0.5, 0.7, 1))", background);
+        let scene = Scene::parse(&text, &folder.path().join("images.ron")).unwrap_or_else(|error| panic!("{error}"));
+        let flat = flat(&scene, false);
+        let of_spheres: Vec<u32> = flat.spheres.iter().map(|sphere| sphere.material).collect();
+        (flat.texels.len(), flat.materials.len(), flat.textures.len(), of_spheres)
+    };
+    let solid = "Solid((1, 1, 1))";
+    assert_eq!(of(&["grey"], solid), (16, 1, 1, vec![0]));
+    assert_eq!(of(&["other", "grey"], solid), (16, 2, 2, vec![1, 0]));
+    assert_eq!(of(&["third", "grey", "other"], solid), (16 + 64, 3, 3, vec![2, 0, 1]));
+    assert_eq!(of(&["grey"], "Image(path: \"a.png\")"), (16, 1, 1, vec![0]));
+    assert_eq!(of(&[], "Image(path: \"b.png\")"), (64, 0, 0, vec![]));
+    // All that is there is used by one that is.
+    assert_eq!(of(&["unused"], solid), (256, 1, 1, vec![0]));
+}
+
+/// The image of a sky asks for its texels, whether or not rays are sent to it.
+#[test]
+fn the_background_asks_for_its_texels() {
+    let scene = shipped("sky");
+    for sample_lights in [false, true] {
+        let size = (scene.image.width, scene.image.height);
+        let flat = flatten_with(&scene, size, Wish { sample_lights, ..Wish::default() }).expect("it flattens");
+        let (_, report) = planned(&flat, &classes()[0], Scatter::Fused);
+        let texels = report.buffers.iter().find(|buffer| buffer.name == "texels").expect("an image");
+        let background = asker(&report, "image background");
+        assert!(background.starts_with("background at"), "{background}");
+        assert_eq!(texels.asked_by, background, "{sample_lights}");
+    }
+}
+
+/// How many steps a walk may take is the scene's own affair, and no more is cut with everything on.
+#[test]
+fn everything_on_cuts_no_walk_shorter() {
+    let lamp = "Sphere(center: (0, 9, 0), radius: 1, material: \"lamp\")";
+    for (material, objects, steps) in [
+        ("Lambertian(albedo: Rgb(0.5, 0.5, 0.5))", "", "48000"),
+        ("Lambertian(albedo: Rgb(0.5, 0.5, 0.5))", lamp, "19000"),
+        ("Dielectric(ior: 1.5)", lamp, "48000"),
+    ] {
+        let text = SPHERE
+            .replace(
+                "Lambertian(albedo: Rgb(0.5, 0.4, 0.3))",
+                &format!("{material}, \"lamp\": DiffuseLight(emit: Rgb(4, 3, 2))"),
+            )
+            .replace("\"grey\")]", &format!("\"grey\"), {objects}]"));
+        for every in [false, true] {
+            let (plan, _) = planned(&flat(&parse(&text), every), &classes()[0], Scatter::Fused);
+            let own: Vec<_> = plan.kernels().iter().map(|kernel| kernel.choices.values["most_steps"].clone()).collect();
+            assert_eq!(own, [steps, steps], "{material} {objects} {every}");
+        }
+    }
+}
+
+/// The limit of a walk is that of the device which the plan is for.
+#[test]
+fn steps_are_those_of_the_device() {
+    let json = |arguments: &[&str]| -> serde_json::Value {
+        serde_json::from_slice(&run(arguments).stdout).expect("one JSON object")
+    };
+    let devices = json(&["devices", "--json"]);
+    let devices = devices["devices"].as_array().expect("devices");
+    let default = devices.iter().find(|device| device["default"] == true).expect("one is the default");
+    let loops = default["numerics"]["loop_iterations"].as_u64().expect("iterations");
+    let most = if loops >= u64::from(gpu_rt::gpu::probe::LOOPS) { 262_144 } else { 48_000 };
+    let plan = json(&["plan", "scenes/weekend.ron", "--json"]);
+    let constants = plan["constants"].as_array().expect("constants");
+    let steps = constants.iter().find(|constant| constant["name"] == "MOST_STEPS_OF_WALK").expect("it walks");
+    assert_eq!(steps["value"], most);
+}
+
+/// A lamp beside a sphere of such a material, with an object more.
+fn lamp_beside(material: &str, object: &str) -> Flat {
+    let text = SPHERE
+        .replace(
+            "Lambertian(albedo: Rgb(0.5, 0.4, 0.3))",
+            &format!("{material}, \"lamp\": DiffuseLight(emit: Rgb(4, 3, 2))"),
+        )
+        .replace(
+            "\"grey\")]",
+            &format!("\"grey\"), Sphere(center: (2, 0, 0), radius: 1, material: \"lamp\"), {object}]"),
+        );
+    flat(&parse(&text), false)
+}
+
+/// Rays are sent to lights where something answers to them: a material that scatters to more than one direction, or a medium. Elsewhere
+/// a lamp is what it is to paths that are not sent anywhere.
+#[test]
+fn lights_are_sampled_where_something_answers() {
+    let fog = "Medium(boundary: Sphere(center: (4, 0, 0), radius: 1), density: 1, albedo: Rgb(1, 1, 1)),";
+    let cases = [
+        ("Dielectric(ior: 1.5)", "", false),
+        ("Metal(albedo: Rgb(0.9, 0.9, 0.9), fuzz: 0)", "", false),
+        ("Dielectric(ior: 1.5)", fog, true),
+        ("Metal(albedo: Rgb(0.9, 0.9, 0.9), fuzz: 0.1)", "", true),
+        ("Lambertian(albedo: Rgb(0.9, 0.9, 0.9))", "", true),
+    ];
+    for class in classes() {
+        for scatter in EVERY_WAY {
+            for (material, object, sampled) in cases {
+                let (plan, report) = planned(&lamp_beside(material, object), &class, scatter);
+                let names = names_in(&plan, &report);
+                let has = |word: &str| names.contains(word);
+                let of_lights = ["shadow", "LIGHT_WEIGHT", "aim_at_light", "bind/lights"];
+                let found: Vec<_> = of_lights.iter().filter(|word| has(word)).collect();
+                assert_eq!(found.is_empty(), !sampled, "{material} {object} {scatter:?}: {found:?}");
+                assert_eq!(report.buffers.iter().any(|buffer| buffer.name == "lights"), sampled, "{material} {object}");
+                // Without light to sample 72 bytes of the fused kernel, and the distance beside them.
+                if !sampled {
+                    assert_eq!(report.path_bytes(), if scatter == Scatter::Fused { 72 } else { 76 }, "{scatter:?}");
+                }
+            }
+        }
+    }
+}
+
+/// Of kernels that serve a material each, those of materials that answer to lights sample them.
+#[test]
+fn queues_sample_lights_where_their_material_answers() {
+    let class = &classes()[1];
+    let modules = modules_by_kernel(&flat(&shipped("glass"), false), class, Scatter::Queues);
+    for (kernel, samples, meets) in [
+        ("scatter_lambertian", true, false),
+        ("scatter_dielectric", false, false),
+        ("scatter_diffuse_light", false, true),
+    ] {
+        let has = |module: &str| modules[kernel].contains(module);
+        assert_eq!(has("scene/responses"), samples, "{kernel}");
+        assert_eq!(has("step/light"), samples || meets, "{kernel}");
+        assert_eq!(has("bind/lights"), samples || meets, "{kernel}");
+    }
+}
+
+/// Without surfaces the bounce is one kernel where it was asked to be one.
+#[test]
+fn scenes_without_surfaces_are_fused_too() {
+    let fog = "Medium(boundary: Sphere(center: (0, 0, 0), radius: 1), density: 1, albedo: Rgb(1, 1, 1))";
+    let class = &classes()[0];
+    for objects in ["", fog] {
+        let text = SPHERE.replace("Sphere(center: (0, 0, 0), radius: 1, material: \"grey\")", objects);
+        let (plan, report) = planned(&flat(&parse(&text), false), class, Scatter::Fused);
+        let names: Vec<_> = plan.kernels().iter().map(|kernel| kernel.name.clone()).collect();
+        assert_eq!(names, ["generate", "bounce"]);
+        assert!(report.scatter.starts_with("fused"), "{}", report.scatter);
+        assert!(!names_in(&plan, &report).contains("scatter_path"), "{objects}");
+    }
+}
+
 #[test]
 fn words_of_identifiers_are_told_apart() {
     let split = |text: &str| words(text);
@@ -604,6 +805,15 @@ fn why_is_answered_for_kernels_and_refused_for_others() {
 
     let folder = tempfile::tempdir().expect("a temporary folder");
     let into = folder.path().join("shaders");
+    // What an earlier plan left in a folder is said to be none of this one's; other files are nobody's business.
+    let shaders = folder.path().join("old");
+    std::fs::create_dir(&shaders).expect("a folder is made");
+    std::fs::write(shaders.join("shading.txt"), "").expect("a file is written");
+    let write = || text(plan(&["--wgsl", shaders.to_str().expect("UTF-8")]).stderr);
+    assert!(!write().contains("also holds"));
+    std::fs::write(shaders.join("scatter_metal.wgsl"), "").expect("a file is written");
+    assert!(write().contains("also holds scatter_metal.wgsl, of which"));
+
     let unknown = plan(&["--why", "bounce", "--wgsl", into.to_str().expect("UTF-8")]);
     assert_eq!(unknown.status.code(), Some(2));
     assert!(unknown.stdout.is_empty() && !into.exists());

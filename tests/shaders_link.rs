@@ -4,7 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use gpu_rt::data::{KIND_TRIANGLE, Sampler};
-use gpu_rt::flatten::{BACKGROUNDS, BOUNDARIES, Features, MATERIALS, PRIMITIVES, TEXTURES, TREE_LIGHTS};
+use gpu_rt::flatten::{BACKGROUNDS, BOUNDARIES, Features, MATERIALS, PRIMITIVES, RESPONDERS, TEXTURES, TREE_LIGHTS};
 use gpu_rt::gpu::layout::BindingKind;
 use gpu_rt::gpu::link::{Choices, Embedded, Entry, Library, Linked, link};
 use gpu_rt::plan::{Plan, Scatter};
@@ -25,12 +25,18 @@ fn features(primitives: usize, materials: usize, textures: usize, background: us
     Features {
         primitives: on(primitives),
         materials: on(materials),
+        responders: on(materials & responders()),
         textures: on(textures),
         backgrounds: on(1 << background),
         thin_lens: asked(thin_lens),
         stack_size: 8,
         ..Features::default()
     }
+}
+
+/// The bits of the materials that answer to lights.
+fn responders() -> usize {
+    (0..MATERIALS.len()).filter(|i| RESPONDERS.contains(&MATERIALS[*i])).map(|i| 1 << i).sum()
 }
 
 /// The same with media in such boundaries.
@@ -40,9 +46,13 @@ fn with_media(features: Features, boundaries: usize, textured_media: bool) -> Fe
     Features { boundaries: on(boundaries), textured_media, media: count, boundary_stack_size: 8, ..features }
 }
 
-/// The same with these emitters sampled as lights, and Russian roulette.
+/// The same with Russian roulette, and these emitters sampled as lights where anything answers to them.
 fn lit(features: Features, emitters: usize, sky: bool) -> Features {
+    if features.media == 0 && features.responders.iter().all(Option::is_none) {
+        return Features { roulette: true, ..features };
+    }
     Features {
+        shadow_rays: true,
         emitters: on(emitters),
         emitting_sky: sky.then(|| "a test".to_string()),
         lights: emitters.count_ones() + u32::from(sky),
@@ -129,6 +139,19 @@ fn combinations() -> Vec<Features> {
             .extend((0..PRIMITIVES.len()).map(|i| with_media(features(1 << i, 3, 0, SOLID, false), boundaries, false)));
     }
     found.extend((0..TEXTURES.len()).map(|i| with_media(features(0, 0, 1 << i, SOLID, false), 1, true)));
+    // Nothing to hit before every background, with media and without, under a sky that is sampled.
+    for background in 0..BACKGROUNDS.len() {
+        for turn in [false, true] {
+            let nothing = features(0, 0, 0, background, false);
+            let nothing = if turn { turned(nothing) } else { nothing };
+            found.extend((1..=all(BOUNDARIES)).map(|boundaries| with_media(nothing.clone(), boundaries, false)));
+            if background == IMAGE {
+                let media = (1..=all(BOUNDARIES)).map(|boundaries| with_media(nothing.clone(), boundaries, false));
+                found.extend(media.map(|media| lit(media, 0, true)));
+            }
+            found.push(nothing);
+        }
+    }
     for set in 0..=primitives {
         if set >> KIND_TRIANGLE & 1 == 1 {
             found.push(smooth(features(set, materials, 0, SOLID, false)));
@@ -204,6 +227,20 @@ fn every_combination_of_features_links_and_validates() {
                 ] {
                     let linked = kernel.linked.modules.iter().any(|linked| linked == module);
                     assert!(asked || !linked, "{}: {module} is linked: {features:?}", kernel.name);
+                }
+                // Nor light sampling where nothing answers to a light: in the scene, or in a kernel of some of its materials.
+                let answered = features.media > 0 || features.responders.iter().any(Option::is_some);
+                let own = kernel.name.strip_prefix("scatter_");
+                for (module, wanted) in [
+                    ("bind/lights", answered && features.lights > 0),
+                    (
+                        "scene/light_alias",
+                        own.is_none_or(|name| [RESPONDERS, &["diffuse_light"]].concat().contains(&name)),
+                    ),
+                    ("scene/responses", answered && own.is_none_or(|name| RESPONDERS.contains(&name))),
+                ] {
+                    let linked = kernel.linked.modules.iter().any(|linked| linked == module);
+                    assert!(wanted || !linked, "{}: {module} is linked: {features:?}", kernel.name);
                 }
                 for module in lacking.concat() {
                     if module.strip_prefix("geometry/").is_some_and(bounds) {

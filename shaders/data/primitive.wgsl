@@ -5,9 +5,10 @@ const PRIMITIVE_BIT: u32 = 0x80000000u;
 const PRIMITIVE_KIND_SHIFT: u32 = 28u;
 const PRIMITIVE_INDEX_MASK: u32 = 0x0fffffffu;
 
-// A face of a mesh; and a mesh placed in the scene, below which the walk goes on in the mesh's own space.
+// A face of a mesh; and a mesh placed in the scene, below which the walk goes on in the mesh's own space. The kinds before an instance are
+// shapes; the one behind it is that of the codes below.
 const KIND_TRIANGLE: u32 = 3u;
-const KIND_INSTANCE: u32 = 4u;
+const KIND_INSTANCE: u32 = 6u;
 
 // The ray left the scene.
 const HIT_NOTHING: u32 = 0xffffffffu;

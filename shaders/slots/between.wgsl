@@ -11,7 +11,9 @@ fn load_hit(slot: u32, path: ptr<function, Path>) {
 
 fn store_hit(slot: u32, path: ptr<function, Path>) {
     store_status(slot, (*path).status);
+    //@ each event
     store_t(slot, bitcast<u32>((*path).t));
+    //@ end
     //@ each mesh
     store_instance(slot, (*path).instance);
     //@ end

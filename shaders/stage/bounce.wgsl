@@ -3,7 +3,9 @@
 //@ each medium
 //@ use step/media
 //@ end
+//@ each surface
 //@ use step/scatter
+//@ end
 //@ use step/refill
 //@ relies on loops
 // Intersect, cross media, scatter and refill linked into one kernel, several bounces a dispatch: where the state of a path costs more
@@ -33,9 +35,11 @@ fn bounce(@builtin(global_invocation_id) id: vec3<u32>) {
         //@ each medium
         iterations += cross_media(&path);
         //@ end
+        //@ each surface
         if path.status < FIRST_STATUS {
             scatter_path(&path);
         }
+        //@ end
         //@ each light
         if path.light != NO_LIGHT {
             iterations += trace_shadow(&path);

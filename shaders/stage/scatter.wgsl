@@ -24,11 +24,15 @@ fn scatter(@builtin(global_invocation_id) id: vec3<u32>) {
     load_sample_of_path(slot, &path);
     //@ each light
     load_radiance(slot, &path);
+    //@ end
+    //@ each answer
     path.light = NO_LIGHT;
     //@ end
     scatter_path(&path);
     //@ each light
     store_radiance(slot, &path);
+    //@ end
+    //@ each answer
     if path.light != NO_LIGHT {
         store_shadow(slot, &path);
     }

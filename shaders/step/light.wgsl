@@ -3,20 +3,22 @@
 //@ use data/dimension
 //@ use data/light
 //@ use bind/settings
-//@ use bind/materials
 //@ use choice/sampler
 //@ use lib/float
 //@ use choice/walk
-//@ use choice/colour
 //@ each medium
 //@ use scene/transmittance
 //@ end
 //@ use choice/clamp
 //@ use choice/glass
 //@ use scene/lights
-//@ use scene/surfaces
 //@ each emitting_sky
 //@ use scene/background
+//@ end
+//@ each emitting_surface
+//@ use bind/materials
+//@ use choice/colour
+//@ use scene/surfaces
 //@ end
 // Light by sampling: at each event a ray towards a light, beside the one that goes on. Both ways can meet a light, and share it
 // by their densities (power_share), so that what either is bad at the other brings.
@@ -63,10 +65,16 @@ fn share_of_met_light(path: ptr<function, Path>, hit: Hit) -> f32 {
 
 // What a shadow ray may meet at most: the light that it is sent to.
 fn limit_of_shadow(path: ptr<function, Path>) -> Hit {
-    let code = (*path).light;
-    if code == HIT_NOTHING {
-        return hit_at(HIT_NOTHING, VERY_FAR);
+    //@ each emitting_surface
+    if (*path).light != HIT_NOTHING {
+        return limit_at_surface(path);
     }
+    //@ end
+    return hit_at(HIT_NOTHING, VERY_FAR);
+}
+
+fn limit_at_surface(path: ptr<function, Path>) -> Hit {
+    let code = (*path).light;
     var ray = (*path).shadow;
     // Asked for by faces of meshes alone.
     var inverse = vec3<f32>(0.0);
@@ -139,11 +147,21 @@ fn unstopped_light(path: ptr<function, Path>, limit: Hit, steps: ptr<function, u
 
 // The radiance that a light sends back along a ray that was sent to it.
 fn emitted_along(ray: Ray, hit: Hit) -> vec3<f32> {
+    var radiance = vec3<f32>(0.0);
     //@ each emitting_sky
     if hit.code == HIT_NOTHING {
-        return background_radiance(ray.direction);
+        radiance = background_radiance(ray.direction);
     }
     //@ end
+    //@ each emitting_surface
+    if hit.code != HIT_NOTHING {
+        radiance = emitted_by_surface(ray, hit);
+    }
+    //@ end
+    return radiance;
+}
+
+fn emitted_by_surface(ray: Ray, hit: Hit) -> vec3<f32> {
     let surface = surface_at(hit, ray);
     let material = materials[surface.material];
     if material.parameter == 0.0 && !arrives_at_front(hit.code, ray, surface.normal) {

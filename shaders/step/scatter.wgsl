@@ -9,10 +9,16 @@
 //@ use choice/colour
 //@ use choice/roulette
 //@ use choice/shading
-//@ each light
+//@ each answer
 //@ use scene/responses
 //@ use step/light
+//@ end
+//@ each met_light
+//@ use step/light
 //@ use choice/glass
+//@ end
+//@ each refracts
+//@ use step/through_glass
 //@ end
 // Lets the material of the surface that the path's ray met decide how the path goes on.
 fn scatter_path(path: ptr<function, Path>) {
@@ -30,19 +36,29 @@ fn scatter_path(path: ptr<function, Path>) {
     let u = random4((*path).pixel, (*path).sample, event_dimension(events, DIMENSION_SCATTER), settings.seed);
     let scattered = scatter_by_material(material, arriving, u);
     //@ each light
+    var pdf = 0.0;
+    //@ end
+    //@ each answer
     let samples_lights = events < settings.max_depth && responds(material);
     if samples_lights {
         let aim = aim_at_light(path, surface.point);
         let response = response_of_material(material, arriving, aim.direction);
         let origin = leaving_point(hit, surface, facing, shading, aim.direction);
         send_shadow_ray(path, aim, origin, response.value, response.pdf);
+        pdf = response_of_material(material, arriving, scattered.direction).pdf;
     }
+    //@ end
+    //@ each met_light
     if scattered.event == EMITTED {
         (*path).throughput *= share_of_met_light(path, hit);
         note_met_light(path, (*path).throughput * scattered.weight);
     }
+    //@ end
+    //@ each refracts
     note_glass(path, material);
-    (*path).pdf = select(0.0, response_of_material(material, arriving, scattered.direction).pdf, samples_lights);
+    //@ end
+    //@ each light
+    (*path).pdf = pdf;
     //@ end
     var throughput = (*path).throughput * scattered.weight;
     if scattered.event == SCATTERED {

@@ -15,21 +15,21 @@ pub fn run(args: &CheckArgs) -> Result<()> {
         Ok((primitives, warnings)) => {
             if args.json {
                 let file = path_text(&args.scene);
-                print_json(&json!({"scene": file, "valid": true, "primitives": primitives, "warnings": warnings}));
+                print_json(&json!({"scene": file, "valid": true, "primitives": primitives, "warnings": warnings}))?;
             } else {
-                warnings.iter().for_each(|warning| print_line(&format!("warning: {warning}")));
+                warnings.iter().try_for_each(|warning| print_line(&format!("warning: {warning}")))?;
                 let warned = match warnings.len() {
                     0 => "no warnings".to_string(),
                     1 => "1 warning".to_string(),
                     n => format!("{n} warnings"),
                 };
-                print_line(&format!("{}: valid, {primitives} primitives, {warned}", args.scene.display()));
+                print_line(&format!("{}: valid, {primitives} primitives, {warned}", args.scene.display()))?;
             }
             Ok(())
         }
         Err(error) => {
             if args.json {
-                print_json(&json!({"scene": path_text(&args.scene), "valid": false, "error": describe(&error)}));
+                print_json(&json!({"scene": path_text(&args.scene), "valid": false, "error": describe(&error)}))?;
             }
             Err(error)
         }

@@ -80,8 +80,8 @@ pub fn run(args: &CompareArgs) -> Result<()> {
         tell(&format!("warning: {}: left out", pixels.broken_words()));
     }
     match args.json {
-        true => print_json(&report(args, &errors, &difference, &pixels, &words)),
-        false => print_table(&errors, &difference, &pixels, &words),
+        true => print_json(&report(args, &errors, &difference, &pixels, &words))?,
+        false => print_table(&errors, &difference, &pixels, &words)?,
     }
     check(&args.fail_above, &errors, &pixels)
 }
@@ -234,29 +234,29 @@ fn report(args: &CompareArgs, errors: &Errors, difference: &Difference, pixels: 
     })
 }
 
-fn print_table(errors: &Errors, difference: &Difference, pixels: &Pixels, words: &str) {
+fn print_table(errors: &Errors, difference: &Difference, pixels: &Pixels, words: &str) -> Result<()> {
     let line = |name: &str, text: String| print_line(&format!("{name:<16} {text}"));
-    line("MSE", format!("{:.4e}", errors.mse));
-    line("RMSE", format!("{:.4e}", errors.mse.sqrt()));
-    line("relMSE", format!("{:.4e}", errors.relmse));
-    line("relMSE, trimmed", format!("{:.4e}   without the worst 0.1 % of the pixels", errors.relmse_trimmed));
+    line("MSE", format!("{:.4e}", errors.mse))?;
+    line("RMSE", format!("{:.4e}", errors.mse.sqrt()))?;
+    line("relMSE", format!("{:.4e}", errors.relmse))?;
+    line("relMSE, trimmed", format!("{:.4e}   without the worst 0.1 % of the pixels", errors.relmse_trimmed))?;
     line(
         "PSNR",
         match errors.psnr.is_finite() {
             true => format!("{:.2} dB", errors.psnr),
             false => "infinite".to_string(),
         },
-    );
-    line("FLIP", format!("{:.5}", errors.flip));
+    )?;
+    line("FLIP", format!("{:.5}", errors.flip))?;
     let (mean, _) = &difference.means[0];
     let bounds = match interval(mean) {
         Some([low, high]) => format!("95 % interval {low:+.3e} to {high:+.3e}, by {}", source_words(difference.source)),
         None => "its error is unknown".to_string(),
     };
-    line("mean difference", format!("{:+.4e}   {bounds}", mean.mean));
+    line("mean difference", format!("{:+.4e}   {bounds}", mean.mean))?;
     let [a, b] = pixels.negative;
     if a + b > 0 {
-        line("negative pixels", format!("{a} of A, {b} of B"));
+        line("negative pixels", format!("{a} of A, {b} of B"))?;
     }
-    print_line(words);
+    print_line(words)
 }

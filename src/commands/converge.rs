@@ -85,9 +85,9 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
         let step = measure(&film, &reference, done, seconds)?;
         if !args.quiet && !args.json {
             if steps.is_empty() {
-                print_line(&header());
+                print_line(&header())?;
             }
-            print_line(&line(&step));
+            print_line(&line(&step))?;
         }
         steps.push(step);
     }
@@ -98,7 +98,7 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
     let name = args.scene.file_name().unwrap_or_default().to_string_lossy();
     let title = format!("{name} on {}", device.name.driver);
     atomic::write(&plot, svg(&drawing(&title, &steps, own_error))?.as_bytes())?;
-    report(args, &biases, &device.name.to_string(), &steps, own_error, (&csv, &plot));
+    report(args, &biases, &device.name.to_string(), &steps, own_error, (&csv, &plot))?;
     match stopped.load(Ordering::Relaxed) {
         true => Err(Error::Interrupted(format!("interrupted; {} holds the samples so far", csv.display()))),
         false => Ok(()),
@@ -200,7 +200,7 @@ fn report(
     steps: &[Step],
     own_error: Option<f64>,
     (csv, plot): (&Path, &Path),
-) {
+) -> Result<()> {
     let slope = slope(steps, own_error.unwrap_or(0.0));
     if args.json {
         let rows: Vec<_> = steps
@@ -230,10 +230,10 @@ fn report(
             "relmse_falls_as": slope.map(|p| -p),
             "csv": path_text(csv),
             "plot": path_text(plot),
-        }));
+        }))?;
     }
     if args.quiet {
-        return;
+        return Ok(());
     }
     if let Some(own) = own_error {
         tell(&format!("the reference's own noise is a relMSE of {own:.2e}; what is not far above it says little"));
@@ -242,4 +242,5 @@ fn report(
         tell(&format!("relMSE falls as N^-{p:.2} from 8 samples on"));
     }
     tell(&format!("{} and {}", csv.display(), plot.display()));
+    Ok(())
 }

@@ -40,22 +40,21 @@ pub fn run(args: &DevicesArgs) -> Result<()> {
                 })
             })
             .collect();
-        print_json(&json!({ "devices": devices }));
-        return Ok(());
+        return print_json(&json!({ "devices": devices }));
     }
     for (index, ((name, limits), found)) in names.iter().zip(&found).enumerate() {
         let mark = if index == chosen { "  (default)" } else { "" };
-        print_line(&format!("{index}: {name}{mark}"));
+        print_line(&format!("{index}: {name}{mark}"))?;
         print_line(&format!(
             "   {} MiB a storage binding, {} MiB a buffer, {} storage buffers a stage, {} invocations a workgroup",
             limits.max_storage_buffer_binding_size >> 20,
             limits.max_buffer_size >> 20,
             limits.max_storage_buffers_per_shader_stage,
             limits.max_compute_invocations_per_workgroup,
-        ));
+        ))?;
         match found {
-            Ok(found) => words(found).iter().for_each(|line| print_line(&format!("   {line}"))),
-            Err(error) => print_line(&format!("   numerics: {error}")),
+            Ok(found) => words(found).iter().try_for_each(|line| print_line(&format!("   {line}")))?,
+            Err(error) => print_line(&format!("   numerics: {error}"))?,
         }
     }
     Ok(())

@@ -169,19 +169,25 @@ fn path_text(path: &Path) -> String {
     path.display().to_string()
 }
 
-/// Prints one JSON object on stdout. A closed pipe is the reader's choice, not a failure.
-fn print_json(object: &serde_json::Value) {
-    print_line(&format!("{object:#}"));
+/// Prints one JSON object on stdout.
+fn print_json(object: &serde_json::Value) -> Result<()> {
+    print_line(&format!("{object:#}"))
 }
 
-fn print_line(text: &str) {
-    print_text(&format!("{text}\n"));
+fn print_line(text: &str) -> Result<()> {
+    print_text(&format!("{text}\n"))
 }
 
-/// Prints text that ends its own lines.
-fn print_text(text: &str) {
-    use std::io::Write;
-    let _ = std::io::stdout().write_all(text.as_bytes());
+/// Prints text that ends its own lines on stdout. A closed pipe is the reader's choice, not a failure.
+fn print_text(text: &str) -> Result<()> {
+    use std::io::{ErrorKind, Write};
+    let mut stdout = std::io::stdout();
+    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(Error::File { path: "stdout".into(), action: "write", reason: error.to_string() })
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Prints a line on stderr. Nobody may be listening, which is no failure.

@@ -4,12 +4,13 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 
-use super::{Target, flatten_for, path_text, planned, print_json, print_text, wish_of};
+use super::{Target, flatten_for, open_device, path_text, planned, print_json, print_text, tell, wish_of};
 use crate::cli::{FeaturesArg, PlanArgs};
 use crate::error::{Error, Result};
 use crate::flatten::Wish;
+use crate::gpu::probe::numerics;
 use crate::output::atomic;
-use crate::plan::{Buffer, Constant, KernelReport, Module, PathField, Plan, Report};
+use crate::plan::{Buffer, Constant, KernelReport, Module, PathField, Plan, Report, STEPS};
 use crate::render::TuningWish;
 use crate::scene::Scene;
 
@@ -31,13 +32,20 @@ pub fn run(args: &PlanArgs) -> Result<()> {
         write_shaders(folder, &plan)?;
     }
     report.measure(&plan, &tuning)?;
+    if report.constants.iter().any(|constant| STEPS.contains(&constant.name.as_str())) {
+        report.allow_steps(steps_of(args.device.as_deref()));
+    }
     if args.json {
-        print_json(&as_json(&report, &path_text(&args.scene), &target.name, why));
-        return Ok(());
+        return print_json(&as_json(&report, &path_text(&args.scene), &target.name, why));
     }
     let text = why.and_then(|kernel| report.why(kernel)).unwrap_or_else(|| report.text());
-    print_text(&format!("{} on {}\n{text}", args.scene.display(), target.name));
-    Ok(())
+    print_text(&format!("{} on {}\n{text}", args.scene.display(), target.name))
+}
+
+/// The steps that the device allows walks, where it is there and its numerics are known.
+fn steps_of(device: Option<&str>) -> Option<u32> {
+    let device = open_device(device).ok()?;
+    numerics(&device).ok()?.most_steps()
 }
 
 /// The whole report; of the kernels just the one asked about, if one was.
@@ -112,6 +120,16 @@ fn buffer_json(buffer: &Buffer) -> Value {
     })
 }
 
+/// The shaders of a folder that are no kernels of the plan: an earlier plan's, perhaps.
+fn other_shaders(folder: &Path, plan: &Plan) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let names = entries.filter_map(|entry| entry.file_name().into_string().ok());
+    let own: Vec<String> = plan.kernels().iter().map(|kernel| format!("{}.wgsl", kernel.name)).collect();
+    let mut others: Vec<String> = names.filter(|name| name.ends_with(".wgsl") && !own.contains(name)).collect();
+    others.sort_unstable();
+    others
+}
+
 fn write_shaders(folder: &Path, plan: &Plan) -> Result<()> {
     std::fs::create_dir_all(folder).map_err(|error| Error::File {
         path: folder.to_path_buf(),
@@ -121,6 +139,14 @@ fn write_shaders(folder: &Path, plan: &Plan) -> Result<()> {
     for kernel in plan.kernels() {
         let path = folder.join(format!("{}.wgsl", kernel.name));
         atomic::write(&path, kernel.linked.text.as_bytes())?;
+    }
+    let others = other_shaders(folder, plan);
+    if !others.is_empty() {
+        tell(&format!(
+            "warning: {} also holds {}, of which this plan has nothing",
+            folder.display(),
+            others.join(", ")
+        ));
     }
     Ok(())
 }

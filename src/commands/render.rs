@@ -154,13 +154,13 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     seconds.write = clock.lap();
 
     let total = start.elapsed().as_secs_f64();
+    if !args.quiet {
+        summarise(&about, &output, &outcome, &finish, total);
+    }
     if args.json {
         let kernels: Vec<_> = plan.kernels().iter().map(|kernel| kernel.name.as_str()).collect();
         let gpu_bytes: u64 = plan.buffers(&flat, renderer.tuning()).iter().map(|buffer| buffer.allocated()).sum();
-        print_json(&report(&about, &output, &outcome, &finish, &seconds, total, &kernels, gpu_bytes));
-    }
-    if !args.quiet {
-        summarise(&about, &output, &outcome, &finish, total);
+        print_json(&report(&about, &output, &outcome, &finish, &seconds, total, &kernels, gpu_bytes))?;
     }
     if args.strict && finish.totals.rejected.total() > 0 {
         return Err(Error::Strict(format!("--strict: {}", rejected_words(&finish.totals))));
@@ -440,6 +440,7 @@ fn report(
         "sampler": Sampler::from(about.args.trade.sampler).name(),
         "biases": about.biases,
         "warnings": about.warnings,
+        "features": about.args.tuning.features.name(),
         "device": about.device.name.name,
         "driver": about.device.name.driver,
         "software": about.device.name.software,

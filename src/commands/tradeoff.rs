@@ -135,10 +135,10 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     };
     write(&folder, &report)?;
     if args.json {
-        print_json(&report.json());
+        print_json(&report.json())?;
     } else {
-        print_line(&report.table());
-        report.advice().iter().for_each(|words| print_line(words));
+        print_line(&report.table())?;
+        report.advice().iter().try_for_each(|words| print_line(words))?;
     }
     if !args.quiet {
         report.basis().iter().for_each(|words| tell(words));

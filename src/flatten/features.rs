@@ -5,11 +5,20 @@ use crate::data;
 
 /// The kinds of primitive by number; each is a file of shaders/geometry. Triangles are the faces of meshes.
 pub const PRIMITIVES: &[&str] = &["sphere", "quad", "cuboid", "triangle"];
+const _: () = {
+    assert!(PRIMITIVES.len() <= data::KIND_INSTANCE as usize, "a shape too many: its number is that of an instance");
+    assert!(
+        PRIMITIVES.len() <= 4,
+        "a shape too many for Settings::few: give it a vector more, in src/data, shaders/data/settings and shaders/scene/few"
+    );
+};
 /// The kinds of boundary that media have, with the kinds of their codes. Convex ones are files of shaders/medium; the mesh, which a ray may
 /// enter many times, is `scene/medium_in_mesh`.
 pub const BOUNDARIES: &[(&str, u32)] = &[("sphere", 0), ("cuboid", 2), ("mesh", data::KIND_INSTANCE)];
 /// The kinds of material by number; each is a file of shaders/material.
 pub const MATERIALS: &[&str] = &["lambertian", "metal", "dielectric", "diffuse_light"];
+/// Those of them that can answer to light from any direction, and so to lights that are sampled: each has a file NAME_eval beside its own.
+pub const RESPONDERS: &[&str] = &["lambertian", "metal"];
 /// The kinds of texture by number; each is a file of shaders/texture.
 pub const TEXTURES: &[&str] = &["checker", "image", "noise", "marble"];
 /// The kinds of background by number; each is a file of shaders/background.
@@ -22,6 +31,8 @@ pub struct Features {
     pub primitives: [Option<String>; PRIMITIVES.len()],
     /// By the numbers of `MATERIALS`: of materials on objects, not of all that are defined.
     pub materials: [Option<String>; MATERIALS.len()],
+    /// By the numbers of `MATERIALS`: of those that answer to lights that are sampled.
+    pub responders: [Option<String>; MATERIALS.len()],
     /// By the numbers of `TEXTURES`.
     pub textures: [Option<String>; TEXTURES.len()],
     /// Meshes with vertex normals, which are shaded smoothly.
@@ -40,6 +51,8 @@ pub struct Features {
     pub lights: u32,
     /// The place of the sky among them.
     pub sky_light: u32,
+    /// Whether paths send rays to them. Of the scene alone, also where everything is taken to be required: then an invocation has two walks.
+    pub shadow_rays: bool,
     /// Whether paths of small throughput are ended at random.
     pub roulette: bool,
     /// How many media there are.
@@ -108,6 +121,8 @@ impl Features {
         [&mut self.smooth, &mut self.textured_media, &mut self.thin_lens, &mut self.turned].into_iter().for_each(add);
         if sample_lights {
             add(&mut self.emitting_sky);
+            let materials = MATERIALS.iter().zip(&mut self.responders);
+            materials.filter(|(name, _)| RESPONDERS.contains(name)).for_each(|(_, used)| add(used));
         }
         self.few = false;
         self.every = true;
@@ -120,6 +135,11 @@ impl Features {
     /// Whether kernels have code for media.
     pub fn crosses_media(&self) -> bool {
         self.media > 0 || self.every
+    }
+
+    /// Whether anything in the scene answers to light from any direction. Where nothing does, no ray is sent to a light.
+    pub(super) fn answers_to_light(&self) -> bool {
+        self.media > 0 || self.responders.iter().any(Option::is_some)
     }
 
     fn primitive(&self, name: &str) -> Option<&str> {
@@ -143,10 +163,6 @@ impl Features {
             ("material", _) => of(MATERIALS, &self.materials, name.trim_end_matches("_eval")),
             ("texture", _) => of(TEXTURES, &self.textures, name),
             ("background", _) => of(BACKGROUNDS, &self.backgrounds, name),
-            ("bind", "spheres" | "quads" | "cuboids") => {
-                let kind = name.trim_end_matches('s');
-                primitive(kind).or_else(|| boundary(kind))
-            }
             ("bind", _) => self.asked_for_table(name),
             ("geometry", "instance" | "slab") => primitive("triangle").or_else(|| boundary("mesh")),
             ("geometry", _) => primitive(stem).or_else(|| boundary(stem)),
@@ -161,7 +177,10 @@ impl Features {
             ("scene", "textured_medium") => self.textured_media.as_deref(),
             ("scene", "medium_in_mesh") => boundary("mesh"),
             ("scene", "meshes") => primitive("triangle").or_else(|| boundary("mesh")),
-            ("scene", "uv" | "texel") => of(TEXTURES, &self.textures, "image").or(self.emitting_sky.as_deref()),
+            ("scene", "uv") => of(TEXTURES, &self.textures, "image"),
+            ("scene", "texel") => {
+                of(TEXTURES, &self.textures, "image").or_else(|| of(BACKGROUNDS, &self.backgrounds, "image"))
+            }
             ("scene", "textures" | "textured_colour") => texture(),
             ("scene", "media" | "transmittance") | ("step", "media") | ("stage", "medium") => medium(),
             ("scene", "lights" | "light_tree" | "light_alias" | "responses")
@@ -187,7 +206,8 @@ impl Features {
             "textures" | "frames" => self.asked_for("scene/textures"),
             "texels" => self.asked_for("scene/texel"),
             "materials" => self.materials.iter().flatten().next().map(String::as_str),
-            _ => None,
+            // Shapes have a table each, named for them.
+            _ => name.strip_suffix('s').and_then(|kind| self.primitive(kind).or_else(|| self.boundary(kind))),
         }
     }
 }

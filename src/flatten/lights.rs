@@ -4,9 +4,9 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::Builder;
 use super::light_tree::{Bounded, LightTree};
 use super::place::{AxisBox, Placed, Shape};
+use super::{Builder, PRIMITIVES};
 use crate::data::{self, HIT_NOTHING, KIND_TRIANGLE, luminance, primitive_code};
 use crate::lights::{AliasTable, SkyDistribution};
 use crate::scene::{Background, Bitmap, Material, Scene, Texture};
@@ -47,7 +47,7 @@ impl Builder<'_> {
         let materials = &self.scene.materials;
         let radiances: Vec<_> = materials.iter().map(|(_, material)| mean_radiance(self.scene, material)).collect();
         // The index of each primitive among its kind, counted as they were added.
-        let mut counts = [0u32; 4];
+        let mut counts = [0u32; PRIMITIVES.len()];
         for primitive in placed {
             let kind = primitive.shape.kind();
             let index = counts[kind];

@@ -10,7 +10,7 @@ use crate::scene::Texture;
 
 impl Builder<'_> {
     pub fn add_medium(&mut self, medium: &PlacedMedium<'_>) {
-        let PlacedMedium { boundary, to_world, own, density, albedo, anisotropy } = medium;
+        let PlacedMedium { boundary, to_world, own, density, albedo, anisotropy, .. } = medium;
         // The boundary is no surface: it has neither a material nor a place among the primitives.
         let (index, _) = self.add_shape(boundary, to_world, 0, 0, 0);
         let center = match *boundary {
@@ -25,7 +25,7 @@ impl Builder<'_> {
         let base = own.rotation.transpose() * (center - own.translation) / own.scale;
         let (colour, texture) = match albedo {
             Texture::Rgb(r, g, b) => (DVec3::new(*r, *g, *b), NO_TEXTURE),
-            texture => (DVec3::ONE, self.flat.add_texture(self.scene, texture, 1.0)),
+            texture => (DVec3::ONE, self.add_texture(texture, 1.0)),
         };
         let frame = frame(albedo, (base, to_own), &own.rotation).map_or(0, |frame| self.flat.add_frame(frame));
         self.flat.media.push(data::Medium {

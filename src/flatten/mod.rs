@@ -23,13 +23,13 @@ use glam::DVec3;
 use crate::bvh;
 use crate::data::{self, MAX_PRIMITIVES, NO_TEXTURE};
 use crate::error::Result;
-use crate::scene::{Background, Bitmap, Material, Mesh, Scene, Step, Texture};
+use crate::scene::{Background, Bitmap, Material, Mesh, Object, Scene, Step, Texture};
 use meshes::Laid;
 use place::{AxisBox, Finder, Placed, PlacedMedium, extent};
 use view::{RenderSpace, View};
 
 pub use bvh::Quality;
-pub use features::{BACKGROUNDS, BOUNDARIES, Features, MATERIALS, PRIMITIVES, TEXTURES};
+pub use features::{BACKGROUNDS, BOUNDARIES, Features, MATERIALS, PRIMITIVES, RESPONDERS, TEXTURES};
 pub use lights::TREE_LIGHTS;
 
 /// A scene as the kernels see it.
@@ -107,17 +107,17 @@ pub fn flatten_with(scene: &Scene, size: (u32, u32), wish: Wish) -> Result<Flat>
     let mut features = Features::default();
     let mut finder = Finder::new(scene);
     let view = View::new(&scene.camera, size);
-    for (i, object) in scene.objects.iter().enumerate() {
-        let (first, first_medium) = (finder.placed.len(), finder.media.len());
-        finder.place(object, &view.to_space);
-        for primitive in &finder.placed[first..] {
-            note(&mut features, scene, i, primitive);
-        }
-        for medium in &finder.media[first_medium..] {
-            note_medium(&mut features, scene, i, medium);
+    scene.objects.iter().for_each(|object| finder.place(object, &view.to_space));
+    let meshes: Vec<&Mesh> = scene.meshes.values().collect();
+    for (primitive, object) in finder.placed.iter().zip(&finder.objects) {
+        note(&mut features, scene, object, primitive);
+        if let place::Shape::Mesh(mesh) = primitive.shape
+            && !meshes[mesh].normals.is_empty()
+        {
+            features.smooth.get_or_insert_with(|| scene.location_of(object).to_string());
         }
     }
-    let meshes: Vec<&Mesh> = scene.meshes.values().collect();
+    finder.media.iter().for_each(|medium| note_medium(&mut features, scene, medium));
     let faces: usize = meshes.iter().map(|mesh| mesh.triangles.len() + mesh.positions.len() * 2).sum();
     let most = finder.placed.len().max(faces);
     if most >= MAX_PRIMITIVES {
@@ -148,17 +148,26 @@ pub fn flatten_with(scene: &Scene, size: (u32, u32), wish: Wish) -> Result<Flat>
 
     let mut flat = Flat { features, radiance_exponent, ..Flat::default() };
     flat.settings = view.settings(&space);
-    flat.add_background(scene, radiance_scale);
-    flat.add_materials(scene, radiance_scale);
-    let laid = vec![None; meshes.len()];
-    let mut builder =
-        Builder { scene, meshes, boxes: &boxes, space, quality: wish.quality, laid, mesh_frames: HashMap::new(), flat };
+    let mut builder = Builder {
+        scene,
+        laid: vec![None; meshes.len()],
+        meshes,
+        boxes: &boxes,
+        space,
+        quality: wish.quality,
+        materials: vec![0; scene.materials.len()],
+        images: HashMap::new(),
+        mesh_frames: HashMap::new(),
+        flat,
+    };
+    builder.add_background(radiance_scale);
+    builder.add_materials(&finder.placed, radiance_scale);
     // Dangers are looked for while the hierarchies are built.
     let looked = std::thread::scope(|scope| {
         let looking = scope.spawn(|| dangers::warnings(&found));
         builder.add_primitives(&finder.placed);
         builder.add_media(&finder.media);
-        if wish.sample_lights {
+        if wish.sample_lights && builder.flat.features.answers_to_light() {
             builder.add_lights(&finder.placed);
         }
         looking.join()
@@ -166,6 +175,7 @@ pub fn flatten_with(scene: &Scene, size: (u32, u32), wish: Wish) -> Result<Flat>
     let mut flat = builder.flat;
     flat.warnings = looked.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
     flat.features.wish(&wish);
+    flat.features.shadow_rays = flat.features.lights > 0;
     if let Some(limit) = wish.clamp {
         // In device radiance; beyond what f32 holds it is as good as the least or the most.
         let limit = (radiance_scale * limit).clamp(f64::from(f32::MIN_POSITIVE), f64::from(f32::MAX));
@@ -191,6 +201,10 @@ struct Builder<'a> {
     quality: Quality,
     /// The meshes that have been laid out.
     laid: Vec<Option<Laid>>,
+    /// The places in the table of those of the scene's materials that are on objects.
+    materials: Vec<u32>,
+    /// Where images begin among the texels, by path.
+    images: HashMap<String, u32>,
     /// The frames of meshes, by mesh and material.
     mesh_frames: HashMap<(usize, u32), u32>,
     flat: Flat,
@@ -212,13 +226,6 @@ impl Builder<'_> {
         // In a mesh the walk keeps what waits outside of it.
         let within = self.laid.iter().flatten().map(|mesh| mesh.stack_size).max().unwrap_or(0);
         self.flat.features.stack_size = (bvh.stack_size + within).max(1);
-        let smooth = |primitive: &&Placed| match primitive.shape {
-            place::Shape::Mesh(mesh) => !self.meshes[mesh].normals.is_empty(),
-            _ => false,
-        };
-        if placed.iter().any(|primitive| smooth(&primitive)) {
-            self.flat.features.smooth = self.flat.features.primitives[data::KIND_TRIANGLE as usize].clone();
-        }
     }
 
     fn add_media(&mut self, media: &[PlacedMedium<'_>]) {
@@ -235,21 +242,24 @@ impl Builder<'_> {
 }
 
 /// Notes what a primitive requires.
-fn note(features: &mut Features, scene: &Scene, object: usize, primitive: &Placed) {
+fn note(features: &mut Features, scene: &Scene, object: &Object, primitive: &Placed) {
     let (name, material) = &scene.materials[primitive.material as usize];
-    let at_object = || scene.object_location(object).to_string();
+    let at_object = || scene.location_of(object).to_string();
     let at_material = || format!("\"{name}\" at {}", scene.material_location(name));
     features.primitives[primitive.shape.kind()].get_or_insert_with(at_object);
     features.materials[material_kind(material)].get_or_insert_with(at_material);
+    if responds(material) {
+        features.responders[material_kind(material)].get_or_insert_with(at_material);
+    }
     if let Some(kind) = colour_texture(material).and_then(texture_kind) {
         features.textures[kind].get_or_insert_with(at_material);
     }
 }
 
 /// Notes what a medium requires.
-fn note_medium(features: &mut Features, scene: &Scene, object: usize, medium: &PlacedMedium<'_>) {
+fn note_medium(features: &mut Features, scene: &Scene, medium: &PlacedMedium<'_>) {
     let kind = medium.boundary.code_kind();
-    let at_object = || scene.object_location(object).to_string();
+    let at_object = || scene.location_of(medium.object).to_string();
     let place = BOUNDARIES.iter().position(|(_, number)| *number == kind);
     if let Some(slot) = place.and_then(|place| features.boundaries.get_mut(place)) {
         slot.get_or_insert_with(at_object);
@@ -313,6 +323,15 @@ fn material_kind(material: &Material) -> usize {
     }
 }
 
+/// Whether the material answers to light from any direction, as NAME_responds says of it on the device.
+fn responds(material: &Material) -> bool {
+    match material {
+        Material::Lambertian { .. } => true,
+        Material::Metal { fuzz, .. } => *fuzz as f32 > 0.0,
+        Material::Dielectric { .. } | Material::DiffuseLight { .. } => false,
+    }
+}
+
 /// Number among `BACKGROUNDS`.
 fn background_kind(background: &Background) -> usize {
     match background {
@@ -341,12 +360,13 @@ fn colour_texture(material: &Material) -> Option<&Texture> {
     }
 }
 
-impl Flat {
-    fn add_background(&mut self, scene: &Scene, radiance_scale: f64) {
-        let settings = &mut self.settings;
+impl Builder<'_> {
+    fn add_background(&mut self, radiance_scale: f64) {
+        let scene = self.scene;
+        let settings = &mut self.flat.settings;
         let kind = background_kind(&scene.background);
         settings.background = kind as u32;
-        self.features.backgrounds[kind] =
+        self.flat.features.backgrounds[kind] =
             Some(format!("background at {}", scene.location(&[Step::Field("background")])));
         match &scene.background {
             Background::Solid(colour) => {
@@ -361,14 +381,19 @@ impl Flat {
                 if let Some(bitmap) = scene.bitmaps.get(path) {
                     settings.background_width = bitmap.width;
                     settings.background_height = bitmap.height;
-                    self.texels.extend_from_slice(&bitmap.texels);
+                    // Where the kernels look for it: before all others.
+                    self.add_image(path, bitmap);
                 }
             }
         }
     }
 
-    fn add_materials(&mut self, scene: &Scene, radiance_scale: f64) {
-        for (_, material) in &scene.materials {
+    /// Adds those that are on objects.
+    fn add_materials(&mut self, placed: &[Placed], radiance_scale: f64) {
+        let mut is_used = vec![false; self.scene.materials.len()];
+        placed.iter().for_each(|primitive| is_used[primitive.material as usize] = true);
+        let scene = self.scene;
+        for (number, (_, material)) in scene.materials.iter().enumerate().filter(|(number, _)| is_used[*number]) {
             let brightness = match material {
                 Material::DiffuseLight { .. } => radiance_scale,
                 _ => 1.0,
@@ -391,19 +416,26 @@ impl Flat {
             }
             match colour_texture(material) {
                 Some(Texture::Rgb(r, g, b)) => flat.colour = f32s(brightness * DVec3::new(*r, *g, *b)),
-                Some(texture) => flat.texture = self.add_texture(scene, texture, brightness),
+                Some(texture) => flat.texture = self.add_texture(texture, brightness),
                 None => {}
             }
-            self.materials.push(flat);
+            self.materials[number] = self.flat.materials.len() as u32;
+            self.flat.materials.push(flat);
         }
     }
 
-    fn add_frame(&mut self, frame: data::Frame) -> u32 {
-        self.frames.push(frame);
-        self.frames.len() as u32 - 1
+    /// The place of an image among the texels, where it stands once however often it is named.
+    fn add_image(&mut self, path: &str, bitmap: &Bitmap) -> u32 {
+        if let Some(&first) = self.images.get(path) {
+            return first;
+        }
+        let first = self.flat.texels.len() as u32;
+        self.flat.texels.extend_from_slice(&bitmap.texels);
+        self.images.insert(path.to_string(), first);
+        first
     }
 
-    fn add_texture(&mut self, scene: &Scene, texture: &Texture, brightness: f64) -> u32 {
+    fn add_texture(&mut self, texture: &Texture, brightness: f64) -> u32 {
         let mut flat = data::Texture {
             first: f32s(DVec3::splat(brightness)),
             kind: texture_kind(texture).unwrap_or_default() as u32,
@@ -416,16 +448,22 @@ impl Flat {
             }
             Texture::Marble { scale } => flat.parameter = *scale as f32,
             Texture::Image { path } => {
-                if let Some(bitmap) = scene.bitmaps.get(path) {
-                    flat.texel = self.texels.len() as u32;
+                if let Some(bitmap) = self.scene.bitmaps.get(path) {
+                    flat.texel = self.add_image(path, bitmap);
                     flat.width = bitmap.width;
                     flat.height = bitmap.height;
-                    self.texels.extend_from_slice(&bitmap.texels);
                 }
             }
             Texture::Rgb(..) | Texture::Noise { .. } => {}
         }
-        self.textures.push(flat);
-        self.textures.len() as u32 - 1
+        self.flat.textures.push(flat);
+        self.flat.textures.len() as u32 - 1
+    }
+}
+
+impl Flat {
+    fn add_frame(&mut self, frame: data::Frame) -> u32 {
+        self.frames.push(frame);
+        self.frames.len() as u32 - 1
     }
 }

@@ -63,6 +63,7 @@ impl Shape {
 
 /// A medium within its boundary.
 pub struct PlacedMedium<'a> {
+    pub object: &'a Object,
     pub boundary: Shape,
     /// From the boundary's own space to the world.
     pub to_world: Similarity,
@@ -79,6 +80,8 @@ pub struct Finder<'a> {
     materials: HashMap<&'a str, u32>,
     meshes: HashMap<&'a str, usize>,
     pub placed: Vec<Placed>,
+    /// The objects that they are.
+    pub objects: Vec<&'a Object>,
     pub media: Vec<PlacedMedium<'a>>,
 }
 
@@ -88,6 +91,7 @@ impl<'a> Finder<'a> {
             materials: (0..).zip(&scene.materials).map(|(i, (name, _))| (name.as_str(), i)).collect(),
             meshes: (0..).zip(scene.meshes.keys()).map(|(i, path)| (path.as_str(), i)).collect(),
             placed: Vec::new(),
+            objects: Vec::new(),
             media: Vec::new(),
         }
     }
@@ -103,6 +107,7 @@ impl<'a> Finder<'a> {
                     && let Some((boundary, around)) = self.boundary(boundary, to_world)
                 {
                     self.media.push(PlacedMedium {
+                        object,
                         boundary,
                         to_world: around,
                         own: *to_world,
@@ -116,6 +121,7 @@ impl<'a> Finder<'a> {
                 let material = object.material().and_then(|name| self.materials.get(name).copied());
                 if let (Some(shape), Some(material)) = (self.shape(object), material) {
                     self.placed.push(Placed { shape, to_world: *to_world, material });
+                    self.objects.push(object);
                 }
             }
         }

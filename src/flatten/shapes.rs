@@ -14,7 +14,8 @@ impl Builder<'_> {
     pub fn add_primitive(&mut self, primitive: &Placed, order: u32) -> (u32, Bounds) {
         let Placed { shape, to_world, material } = primitive;
         let frame = self.frame_of(primitive);
-        let (index, bounds) = self.add_shape(shape, to_world, order, *material, frame);
+        let material = self.materials[*material as usize];
+        let (index, bounds) = self.add_shape(shape, to_world, order, material, frame);
         (shape.code(index), bounds)
     }
 

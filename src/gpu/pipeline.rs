@@ -64,9 +64,12 @@ impl Pipeline {
         let storage = spec.bindings.values().filter(|binding| binding.kind != BindingKind::Uniform).count();
         let limit = device.limits.max_storage_buffers_per_shader_stage;
         if storage as u64 > u64::from(limit) {
+            // A stage as a kernel of its own binds no more than it must.
+            let is_alone = spec.entry_point != "bounce" && !spec.bindings.contains_key("queues");
             return Err(device.failed(&format!(
-                "the kernel {} binds {storage} storage buffers, and the device allows {limit} a stage; try --scatter linked",
-                spec.name
+                "the kernel {} binds {storage} storage buffers, and the device allows {limit} a stage{}",
+                spec.name,
+                if is_alone { "" } else { "; try --scatter linked" }
             )));
         }
         device.note_compiled(spec.name);

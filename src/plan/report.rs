@@ -2,7 +2,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::{A_KERNEL_A_STAGE, Bounce, EVERY_RENDER, Kernel, PathField, Plan, QUEUES, Scatter, Tuning, boundary_names};
+use super::{
+    A_KERNEL_A_STAGE, Bounce, EVERY_RENDER, Kernel, PathField, Plan, QUEUES, STEPS, Scatter, Tuning, boundary_names,
+};
 use crate::error::Result;
 use crate::flatten::{BACKGROUNDS, Features, Flat, MATERIALS, PRIMITIVES, TEXTURES};
 use crate::gpu::buffers::BufferSpec;
@@ -182,6 +184,14 @@ impl Report {
             report.size = Some(spirv::size(&kernel.module, kernel.stage, &workgroup)?);
         }
         Ok(())
+    }
+
+    /// Takes the steps that a device allows the walks, where they are not those that stand in the kernels.
+    pub fn allow_steps(&mut self, most: Option<u32>) {
+        let of_steps = |constant: &&mut Constant| STEPS.contains(&constant.name.as_str());
+        if let Some(most) = most {
+            self.constants.iter_mut().filter(of_steps).for_each(|constant| constant.value = most.to_string());
+        }
     }
 
     pub fn path_bytes(&self) -> u64 {

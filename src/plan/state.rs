@@ -51,7 +51,9 @@ pub fn path_fields(features: &Features, fused: bool) -> Vec<PathField> {
     let (staged_lights, staged_meshes, staged_mesh_lights) = (staged(lights), staged(meshes), staged(mesh_lights));
     let [staged_lights, staged_meshes, staged_mesh_lights] =
         [&staged_lights, &staged_meshes, &staged_mesh_lights].map(|why| why.as_deref());
-    let own_kernels = (!fused).then_some(A_KERNEL_A_STAGE);
+    // Without a surface or a medium nobody asks how far it is.
+    let events = features.primitives.iter().any(Option::is_some) || features.crosses_media();
+    let staged_events = (!fused && events).then_some(A_KERNEL_A_STAGE);
     let field = |why: Option<&str>, name, words, behind, what| {
         Some(PathField { name, words, behind, what, why: why?.to_string() })
     };
@@ -73,7 +75,7 @@ pub fn path_fields(features: &Features, fused: bool) -> Vec<PathField> {
         behind(staged_lights, "SHADOW_ORIGIN", "light", "the light"),
         vector(staged_lights, "SHADOW_DIRECTION", "the direction of that ray"),
         vector(staged_lights, "LIGHT_WEIGHT", "what the light brings per radiance, if nothing is in its way"),
-        word(own_kernels, "t", "distance to what the ray has met"),
+        word(staged_events, "t", "distance to what the ray has met"),
         word(always, "counts", "samples of the run, accepted and rejected"),
         word(always, "pixel", "the pixel"),
         word(always, "sample", "the sample of the pixel"),

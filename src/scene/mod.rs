@@ -78,6 +78,29 @@ impl Scene {
         self.location(&[Step::Field("objects"), Step::Index(index)])
     }
 
+    /// Where one of the scene's objects stands in the scene file, however deep in others.
+    pub fn location_of(&self, object: &Object) -> Location {
+        let top = self.top();
+        let objects = top.field("objects");
+        let mut found = None;
+        for (index, outer) in self.objects.iter().enumerate() {
+            let walked = visit::visit(&objects.index(index), outer, &mut |at, inner| {
+                if std::ptr::eq(inner, object) {
+                    // The object is above its variant.
+                    let mut steps = at.steps();
+                    steps.pop();
+                    found = Some(self.location(&steps));
+                }
+                Ok(())
+            });
+            debug_assert!(walked.is_ok(), "nothing in it fails");
+            if found.is_some() {
+                break;
+            }
+        }
+        found.unwrap_or_else(|| self.location(&objects.steps()))
+    }
+
     /// Where the material of this name is defined in the scene file.
     pub fn material_location(&self, name: &str) -> Location {
         self.location(&[Step::Field("materials"), Step::Key(name)])

@@ -108,6 +108,20 @@ const POINTS: &[Point] = &[
     },
 ];
 
+/// Scenes that lack what the others have, by name: background, materials and objects.
+const SPARSE: &[(&str, &str, &str, &str)] = &[
+    ("nothing", GRADIENT, "", ""),
+    ("nothing before an image", SKY, "", ""),
+    ("fog alone", GRADIENT, "", FOG),
+    ("fog before an image", SKY, "", FOG),
+    ("a lamp alone", DARK, LAMP, CUBOID),
+    ("a lamp, glass and a mirror", DARK, SHINY, SHINY_OBJECTS),
+];
+const FOG: &str = "Medium(boundary: Sphere(center: (0, 0.5, 0), radius: 1), density: 1, albedo: Rgb(0.9, 0.8, 0.7), anisotropy: 0.5),";
+const SHINY: &str = "\"more\": DiffuseLight(emit: Rgb(4, 3, 2)), \"glass\": Dielectric(ior: 1.5), \"mirror\": Metal(albedo: Rgb(0.9, 0.8, 0.7)),";
+const SHINY_OBJECTS: &str = "Sphere(center: (0, 2, 0), radius: 0.5, material: \"more\"), Sphere(center: (0.9, 0.5, 0.4), radius: 0.6, material: \"glass\"),
+    Sphere(center: (-0.9, 0.5, 0.4), radius: 0.6, material: \"mirror\"),";
+
 /// The images and meshes live as long as this.
 pub struct Lattice {
     everything: Everything,
@@ -121,30 +135,32 @@ impl Lattice {
         Lattice { everything }
     }
 
-    /// The scenes by name, from nothing to everything.
+    /// The scenes by name, everything last.
     pub fn scenes(&self) -> Vec<(&'static str, Scene)> {
-        let empty =
-            "Scene(image: (width: 12, height: 9), camera: (look_from: (0, 1, 4), look_at: (0, 0, 0), vertical_fov: 40),
-            background: Gradient(bottom: (1, 1, 1), top: (0.5, 0.7, 1)), materials: {}, objects: [])";
         let folder = self.everything.folder();
+        let of_sparse = SPARSE.iter().map(|(name, background, materials, objects)| {
+            (*name, scene_in(folder, &text_of(CAMERA, background, materials, objects)))
+        });
         let of_points = POINTS.iter().map(|point| (point.name, scene_in(folder, &text(point))));
-        std::iter::once(("nothing", scene_in(folder, empty)))
-            .chain(of_points)
-            .chain([("everything", self.everything.scene(World::default()))])
-            .collect()
+        of_points.chain(of_sparse).chain([("everything", self.everything.scene(World::default()))]).collect()
     }
 }
 
 fn text(point: &Point) -> String {
     let Point { camera, background, materials, objects, .. } = point;
+    let materials = format!("\"grey\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5)), {materials}");
+    let objects = format!(
+        "Sphere(center: (0, -100, 0), radius: 100, material: \"grey\"),
+        Sphere(center: (0, 0.5, 0), radius: 0.5, material: \"grey\"),
+        {objects}"
+    );
+    text_of(camera, background, &materials, &objects)
+}
+
+fn text_of(camera: &str, background: &str, materials: &str, objects: &str) -> String {
     format!(
         "Scene(image: (width: 12, height: 9), camera: ({camera}), background: {background},
-        materials: {{ \"grey\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5)), {materials} }},
-        objects: [
-            Sphere(center: (0, -100, 0), radius: 100, material: \"grey\"),
-            Sphere(center: (0, 0.5, 0), radius: 0.5, material: \"grey\"),
-            {objects}
-        ],
+        materials: {{ {materials} }}, objects: [{objects}],
         render: (samples: 16, max_depth: 8))"
     )
 }
