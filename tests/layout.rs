@@ -36,6 +36,8 @@ fn modules() -> Vec<naga::Module> {
         sky_grid: (4, 2),
         lights: 1000,
         sky_light: 999,
+        sample_lights: true,
+        unsampled: None,
         roulette: true,
         schlick: true,
         clamp: true,

@@ -29,8 +29,8 @@ use place::{AxisBox, Finder, Placed, PlacedMedium, extent};
 use view::{RenderSpace, View};
 
 pub use bvh::Quality;
-pub use features::{BACKGROUNDS, BOUNDARIES, Features, MATERIALS, PRIMITIVES, TEXTURES};
-pub use lights::TREE_LIGHTS;
+pub use features::{BACKGROUNDS, BOUNDARIES, Features, MATERIALS, PRIMITIVES, TEXTURES, Unsampled};
+pub use lights::MOST_LIGHTS;
 
 /// A scene as the kernels see it.
 #[derive(Clone, Debug, Default)]
@@ -164,7 +164,7 @@ pub fn flatten_with(scene: &Scene, size: (u32, u32), wish: Wish) -> Result<Flat>
         looking.join()
     });
     let mut flat = builder.flat;
-    flat.warnings = looked.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+    flat.warnings.extend(looked.unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
     flat.features.wish(&wish);
     if let Some(limit) = wish.clamp {
         // In device radiance; beyond what f32 holds it is as good as the least or the most.
