@@ -486,6 +486,17 @@ fn the_noise_of_a_reference_is_stated_and_subtracted() {
             );
         }
     }
+    // One whose sides share no divisor is measured in its middle, by images that are as small as others, and shows the same.
+    let options = ["--size", "211x199", "--spp", "16", "--seed", "500", "--quiet", "-o", "odd.exr"];
+    let (status, _, stderr) = run(place.path(), &[&["render", "room.ron"], &options[..]].concat());
+    assert_eq!(status, 0, "{stderr}");
+    let odd = ["tradeoff", "room.ron", "--budget", "8s", "--knobs", "roulette", "--json", "--reference", "odd.exr"];
+    let (status, stdout, stderr) = run(place.path(), &odd);
+    assert_eq!(status, 0, "{stderr}");
+    let json: Value = serde_json::from_str(&stdout).expect("one object");
+    assert_eq!((&json["whole_width"], &json["whole_height"]), (&Value::from(195), &Value::from(195)));
+    assert!(json["width"].as_u64().is_some_and(|width| width <= 65), "{}", json["width"]);
+    assert_eq!(json["defaults_against_reference"]["differs"], false, "{json:#}");
     // Few samples are one replicate, and tell nothing.
     render("8", "3", "noisy.exr");
     let (status, _, stderr) = run(place.path(), &[&sweep[..6], &["--reference", "noisy.exr"]].concat());

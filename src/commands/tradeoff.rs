@@ -18,7 +18,7 @@ use crate::output::exr::{ExrImage, read_exr};
 use crate::output::png;
 use crate::output::progress::Loading;
 use crate::scene::Scene;
-use crate::tradeoff::extent::{FEWEST_PIXELS, Whole, calibrate, pixels_for, pixels_ratio, size_of};
+use crate::tradeoff::extent::{FEWEST_PIXELS, Whole, calibrate, middle_of, pixels_for, pixels_ratio, size_of};
 use crate::tradeoff::judge::{Judged, Measured, judge};
 use crate::tradeoff::page::{html, plot};
 use crate::tradeoff::replicates::{Estimate, Pixels, signed_bias};
@@ -45,9 +45,11 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     // From here on an interrupt ends the measuring, not the program.
     let stopped = stop_on_interrupt();
     let stop = || stopped.load(Ordering::Relaxed);
-    let scene = Scene::load(&args.scene)?;
+    let mut scene = Scene::load(&args.scene)?;
     let knobs = knobs_of(args)?;
     let reference = args.reference.as_deref().map(reference_of).transpose()?;
+    let given = reference.as_ref().map(|image| (image.width, image.height));
+    let reference = reference.map(|image| middle(image, &mut scene));
     let whole = match &reference {
         Some(image) => (image.width, image.height),
         None => (scene.image.width, scene.image.height),
@@ -141,6 +143,7 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
         interrupted: stop(),
         measured: judged.measured,
         unmeasured: sweep.unmeasured.clone(),
+        middle_of: given.filter(|size| *size != whole),
         shown,
     };
     write(&folder, &report)?;
@@ -175,6 +178,24 @@ fn reference_of(path: &Path) -> Result<ExrImage> {
             path.display()
         ))),
     }
+}
+
+/// The middle of a reference that pixels can be joined in, and the camera that sees just that.
+fn middle(image: ExrImage, scene: &mut Scene) -> ExrImage {
+    let size = middle_of((image.width, image.height));
+    if size == (image.width, image.height) {
+        return image;
+    }
+    // Pixels stay as high as they were on the plane at distance 1.
+    let half = (0.5 * scene.camera.vertical_fov).to_radians().tan() * f64::from(size.1) / f64::from(image.height);
+    scene.camera.vertical_fov = 2.0 * half.atan().to_degrees();
+    let (left, top) = ((image.width - size.0) as usize / 2, (image.height - size.1) as usize / 2);
+    let cut = |pixels: &[[f32; 3]]| -> Pixels {
+        let rows = pixels.chunks(image.width as usize).skip(top).take(size.1 as usize);
+        rows.flat_map(|row| row.iter().skip(left).take(size.0 as usize)).copied().collect()
+    };
+    let (rgb, variance) = (cut(&image.rgb), image.variance.as_deref().map(cut));
+    ExrImage { width: size.0, height: size.1, rgb, variance, samples: None, rejected: None, ..image }
 }
 
 /// A seed from which on no image of the sweep shares its random numbers with a reference that was rendered by this program: what both

@@ -112,6 +112,24 @@ pub fn pixels_ratio(a: (u32, u32), b: (u32, u32)) -> f64 {
     f64::from(a.0) * f64::from(a.1) / (f64::from(b.0) * f64::from(b.1))
 }
 
+/// The part in the middle of an image whose sides have divisors enough: all of it, unless the smallest image of whole pixels would have sixteen
+/// times as many as one needs. Then both sides are multiples of 15, or of 24 where that is even, and as odd as they were: the middle stays where
+/// it is, to the pixel.
+pub fn middle_of((width, height): (u32, u32)) -> (u32, u32) {
+    let (w, h) = size_of((width, height), FEWEST_PIXELS, true);
+    if f64::from(w) * f64::from(h) <= 16.0 * FEWEST_PIXELS {
+        return (width, height);
+    }
+    let both_even = width.is_multiple_of(2) && height.is_multiple_of(2);
+    let side = |side: u32| match (both_even, side.is_multiple_of(2)) {
+        (true, _) => side / 24 * 24,
+        (false, true) => side / 30 * 30,
+        // The largest odd multiple.
+        (false, false) => (side / 15 - (side / 15 + 1) % 2) * 15,
+    };
+    (side(width), side(height))
+}
+
 /// The sides of images that are measured are multiples of this, as far as that goes: so that half and a quarter of them show the same.
 const SIDES: u32 = 4;
 
@@ -133,4 +151,27 @@ pub fn size_of((width, height): (u32, u32), pixels: f64, exact: bool) -> (u32, u
     }
     let side = |side: u32| ((f64::from(side) / times / f64::from(SIDES)).round() as u32 * SIDES).clamp(1, side);
     (side(width).max(1), side(height).max(1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_middle_of_an_image_has_divisors() {
+        for whole in [(600, 600), (1200, 675), (48, 48), (1, 1), (47, 43)] {
+            assert_eq!(middle_of(whole), whole);
+        }
+        for (whole, middle) in [
+            ((211, 199), (195, 195)),
+            ((1000, 667), (990, 645)),
+            ((998, 662), (984, 648)),
+            ((4001, 16001), (3975, 15975)),
+        ] {
+            assert_eq!(middle_of(whole), middle);
+            assert!((whole.0 - middle.0).is_multiple_of(2) && (whole.1 - middle.1).is_multiple_of(2), "{whole:?}");
+            let (w, h) = size_of(middle, FEWEST_PIXELS, true);
+            assert!(u64::from(w) * u64::from(h) * 100 < u64::from(whole.0) * u64::from(whole.1), "{whole:?}: {w}x{h}");
+        }
+    }
 }

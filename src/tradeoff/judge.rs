@@ -34,6 +34,8 @@ pub struct Measured {
     pub seconds_spread: f64,
     pub seconds_doubt: f64,
     pub model: Model,
+    /// relMSE by noise at the numbers of samples that were measured, at the whole size.
+    pub noises: Vec<(u32, f64)>,
     /// The mean's bias, relative; with sign. Against the defaults, or against the reference where these differ from it.
     pub signed: Estimate,
     /// relMSE of the bias, pixel by pixel.
@@ -288,6 +290,7 @@ fn measured(
         seconds_spread: whole.slower * pace.spread,
         seconds_doubt: pace.doubt,
         model: Model { squared_bias: 0.0, squared_bias_upper: 0.0, noise: fall, seconds },
+        noises: levels.iter().map(|(samples, noise)| (*samples, whole.noisier * noise.value)).collect(),
         signed: signed_bias(&own_images, &base_images, &weights.image)?,
         squared: squared_bias(&own_images, &base_images, weights)?,
         biased: false,

@@ -37,6 +37,8 @@ pub struct Report {
     /// The defaults first.
     pub measured: Vec<Measured>,
     pub unmeasured: Vec<Unmeasured>,
+    /// The size of the reference, where its middle alone is measured.
+    pub middle_of: Option<(u32, u32)>,
     pub shown: Vec<Shown>,
 }
 
@@ -56,7 +58,7 @@ pub struct Shown {
 
 /// What a plot shows.
 pub const CAPTION: &str = "relMSE is the mean over pixels and channels of (error)² / (value² + 0.01): 1e-2 is noise of about 10 %. The lines are \
-                           bias² + c N^-p, by the measured bias and the noise at 4, 16 and 64 samples; one that ends level has a bias that no time removes.";
+                           bias² + c N^-p, by the measured bias and the noise at 4, 16 and 64 samples, the dots; one that ends level has a bias that no time removes.";
 /// The most curves that a plot has colours for.
 pub const MOST_CURVES: usize = 10;
 
@@ -239,6 +241,11 @@ impl Report {
             self.measured.first().map_or(0, |defaults| defaults.rounds)
         )];
         let (w, h) = self.whole_size;
+        if let Some((width, height)) = self.middle_of {
+            lines.push(format!(
+                "of the reference's {width}x{height} the {w}x{h} in the middle are measured, whose sides have the divisors that smaller images take"
+            ));
+        }
         match self.calibration {
             _ if self.whole_size == self.size => {}
             Some((slower, noisier)) => lines.push(format!(
