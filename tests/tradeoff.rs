@@ -336,7 +336,7 @@ fn the_program_reports_and_its_advice_is_kept() {
     let _machine = alone();
     let place = tempfile::tempdir().expect("a temporary folder");
     std::fs::write(place.path().join("room.ron"), ROOM).expect("it is written");
-    let sweep = ["tradeoff", "room.ron", "--budget", "20s", "--knobs", "roulette,clamp,max-depth,sampler", "--json"];
+    let sweep = ["tradeoff", "room.ron", "--budget", "40s", "--knobs", "roulette,clamp,max-depth,sampler", "--json"];
     let (status, stdout, stderr) = run(place.path(), &sweep);
     assert_eq!(status, 0, "{stderr}");
     let json: Value = serde_json::from_str(&stdout).expect("one object");
@@ -395,7 +395,8 @@ fn kept(place: &Path, scene: &str, advice: &Value) -> Vec<f64> {
     };
     let truth = render(&["--spp", "16384", "--seed", "77"], "truth.exr");
     let samples = advice["samples"].as_f64().unwrap_or_else(|| panic!("it is not reached: {advice:#}"));
-    let samples = samples.round().max(1.0).to_string();
+    // The whole number of samples that reaches it: of 5.5 it is 6, and with 5 the error is a quarter larger.
+    let samples = samples.ceil().to_string();
     let option = advice["setting"].as_str().filter(|name| *name != "defaults").unwrap_or("");
     let options: Vec<&str> = option.split_whitespace().chain(["--spp", &samples]).collect();
     let error =
@@ -411,8 +412,8 @@ fn advice_is_kept_beside_settings_of_rare_bright_paths() {
     let _machine = alone();
     let place = tempfile::tempdir().expect("a temporary folder");
     std::fs::write(place.path().join("lamp.ron"), lamp(0.02, 48)).expect("it is written");
-    // Twice one knob is one.
-    let sweep = ["tradeoff", "lamp.ron", "--budget", "10s", "--knobs", "integrator,integrator", "--json"];
+    // Twice one knob is one. All rounds are done in a few seconds where nobody else uses the machine; then it ends.
+    let sweep = ["tradeoff", "lamp.ron", "--budget", "30s", "--knobs", "integrator,integrator", "--json"];
     let (status, stdout, stderr) = run(place.path(), &sweep);
     assert_eq!(status, 0, "{stderr}");
     let json: Value = serde_json::from_str(&stdout).expect("one object");
