@@ -55,6 +55,18 @@ impl Whole {
     }
 }
 
+/// A ratio of noises is believed to be 1 at first, with this standard error of its logarithm. Where few images with rare bright paths tell it, it
+/// was 0.46 by chance, and so were the times that are promised.
+const USUAL: f64 = 0.1;
+
+/// How many times as large the one noise is: the logarithm, weighed by how sure it is against what is believed.
+fn ratio(whole: Estimate, small: Estimate) -> f64 {
+    let error = (whole.error / whole.value).hypot(small.error / small.value);
+    let believed = USUAL * USUAL / (USUAL * USUAL + error * error);
+    let ratio = (believed * (whole.value / small.value).ln()).exp();
+    if ratio.is_finite() && ratio > 0.0 { ratio } else { 1.0 }
+}
+
 /// The most samples of an image of the whole size.
 const MOST_SAMPLES: u32 = LEVEL;
 
@@ -100,10 +112,9 @@ pub fn calibrate(
     }
     let noise_of = |images: &[Pixels]| {
         let weights = Weights::of_rounds(images.iter().enumerate().map(|(i, image)| (i, samples, image)))?;
-        Some(noise(images, &weights, 1)?.value)
+        noise(images, &weights, 1)
     };
-    let noisier = noise_of(&at_whole).zip(noise_of(&at_small)).map(|(whole, small)| whole / small);
-    let noisier = noisier.filter(|ratio| ratio.is_finite() && *ratio > 0.0).unwrap_or(1.0);
+    let noisier = noise_of(&at_whole).zip(noise_of(&at_small)).map_or(1.0, |(whole, small)| ratio(whole, small));
     Ok(Some(Whole { slower: median(&slower), noisier, size: whole, images: at_whole }))
 }
 
@@ -156,6 +167,14 @@ pub fn size_of((width, height): (u32, u32), pixels: f64, exact: bool) -> (u32, u
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_ratio_by_chance_is_not_believed() {
+        let noise = |value: f64, share: f64| Estimate { value, error: share * value, degrees: 2.0 };
+        assert!((ratio(noise(0.8, 0.01), noise(1.0, 0.01)) / 0.8 - 1.0).abs() < 0.01);
+        assert!((0.9..1.0).contains(&ratio(noise(0.46, 0.3), noise(1.0, 0.2))));
+        assert_eq!(ratio(noise(0.0, 0.0), noise(0.0, 0.0)), 1.0);
+    }
 
     #[test]
     fn the_middle_of_an_image_has_divisors() {
