@@ -20,6 +20,10 @@
 //@ use choice/colour
 //@ use scene/surfaces
 //@ end
+//@ each clear
+//@ use bind/materials
+//@ use scene/surfaces
+//@ end
 // Light by sampling: at each event a ray towards a light, beside the one that goes on. Both ways can meet a light, and share it
 // by their densities (power_share), so that what either is bad at the other brings.
 
