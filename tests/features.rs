@@ -125,6 +125,7 @@ fn everything_is_on() {
             "scene/world_axes",
             "scene/nothing",
             "scene/few",
+            "step/no_glass",
             "scene/light_tree",
             "bind/light_nodes",
         ];

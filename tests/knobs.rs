@@ -181,7 +181,7 @@ impl Place {
         let output = command.output().expect("the program runs");
         let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("UTF-8");
         let (stdout, stderr) = (text(output.stdout), text(output.stderr));
-        assert!(output.status.success(), "{options:?}: {stderr}");
+        assert!(output.status.success(), "{options:?}: {}: {stderr}", output.status);
         let image = read_exr(&out).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(image.rejected.as_ref().map(|rejected| rejected.iter().sum::<u32>()), Some(0), "{options:?}");
         Ran { image, json: serde_json::from_str(&stdout).expect("JSON"), stderr }

@@ -68,13 +68,17 @@ fn lights(random: &mut Random, sky: bool) -> Flat {
     let lamps: Vec<String> = (0..8).map(lamp).collect();
     let text = format!(
         "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 0, 0), look_at: (0, 0, -1), vertical_fov: 40),
-        background: {}, materials: {{{}}}, objects: [{}])",
+        background: {}, materials: {{{}, {GREY}}}, objects: [{}, {RECEIVER}])",
         if sky { SKY } else { "Solid((0, 0, 0))" },
         lamps.join(","),
         objects.join(",")
     );
     flattened(&text)
 }
+
+/// Lights are sampled where something answers to them.
+const GREY: &str = "\"grey\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5))";
+const RECEIVER: &str = "Quad(corner: (0, 0, 0.1), u: (0.01, 0, 0), v: (0, 0.01, 0), material: \"grey\")";
 
 fn flattened(text: &str) -> Flat {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -179,7 +183,7 @@ fn two_lights_and_a_lamp_under_a_sky() {
     let scene = |background: &str, objects: &str| {
         flattened(&format!(
             "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 0, 2), look_at: (0, 0, 0), vertical_fov: 40),
-            background: {background}, materials: {{{lamp}}}, objects: [{objects}])"
+            background: {background}, materials: {{{lamp}, {GREY}}}, objects: [{objects}, {RECEIVER}])"
         ))
     };
     let probability = |flat: &Flat, light: usize, from: DVec3| -> f64 {
