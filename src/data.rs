@@ -22,11 +22,14 @@ pub const NO_NORMAL: u32 = 0x8000_8000;
 pub const HIT_NOTHING: u32 = 0xffff_ffff;
 /// The code of a slot without a run.
 pub const SLOT_IDLE: u32 = 0xffff_fffd;
+/// In place of a primitive's place among the lights: it emits, and is not sampled.
+pub const NOT_SAMPLED: u32 = 0x8000_0000;
 /// `Material::texture` where the colour is the material's own.
 pub const NO_TEXTURE: u32 = 0xffff_ffff;
-/// Of `LightNode::child`: it is a light, not a pair of nodes; and what it leads to shines on both sides.
+/// Of `LightNode::child`: it is a light, not a pair of nodes; what it leads to shines on both sides; it is the sky.
 pub const LIGHT_NODE_LEAF: u32 = 0x8000_0000;
 pub const LIGHT_NODE_TWO_SIDED: u32 = 0x4000_0000;
+pub const LIGHT_NODE_SKY: u32 = 0x2000_0000;
 /// Samples of a run at most; runs are cut at multiples of it.
 pub const RUN_LENGTH: u32 = 8;
 /// In `RunRecord::counts`: the run is an odd one.
@@ -234,12 +237,8 @@ device_struct!(
     Light {
         code: u32,
         instance: u32,
-        probability: f32,
-        threshold: f32,
-        other: u32,
         trail: u32,
-        padding0: u32,
-        padding1: u32,
+        padding: u32,
     }
 );
 
@@ -248,7 +247,7 @@ device_struct!(
     LightNode {
         center: [f32; 3],
         radius: f32,
-        power: f32,
+        intensity: f32,
         axis: u32,
         cos_spread: f32,
         child: u32,

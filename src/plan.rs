@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use crate::data::{self, QUEUE_HEADER, RUN_LENGTH, Sampler};
 use crate::error::Result;
 use crate::film::RunRecord;
-use crate::flatten::{BACKGROUNDS, BOUNDARIES, Features, Flat, MATERIALS, PRIMITIVES, TEXTURES, TREE_LIGHTS};
+use crate::flatten::{BACKGROUNDS, BOUNDARIES, Features, Flat, MATERIALS, PRIMITIVES, TEXTURES};
 use crate::gpu::buffers::BufferSpec;
 use crate::gpu::layout::{self, Binding, Member};
 use crate::gpu::link::{Choices, Embedded, Entry, Linked, link};
@@ -396,7 +396,7 @@ fn choices(features: &Features, materials: &[Entry], bounces: Bounces, tables: &
             ("fresnel", pick(features.schlick, "lib/fresnel_schlick", "lib/fresnel")),
             ("offset", pick(features.fast_offset, "geometry/offset_fast", "geometry/offset")),
             ("sphere_chord", pick(features.fast_precision, "geometry/sphere_chord_fast", "geometry/sphere_chord")),
-            ("light_choice", pick(lights && features.lights >= TREE_LIGHTS, "scene/light_tree", "scene/light_alias")),
+            ("light_choice", pick(features.lights > 1, "scene/light_tree", "scene/one_light")),
             ("walk", walk),
             ("sampler", pick(features.sampler == Sampler::Sobol, "sampler/sobol", "sampler/independent")),
         ]),
@@ -427,6 +427,7 @@ fn choices(features: &Features, materials: &[Entry], bounces: Bounces, tables: &
             ("emitter", emitters),
             ("emitting_mesh", emitting_meshes),
             ("emitting_surface", only_if(features.emitters.iter().any(Option::is_some), "surface")),
+            ("unsampled", only_if(features.unsampled.is_some() || features.every, "unsampled")),
             ("emitting_sky", only_if(features.emitting_sky.is_some(), "sky")),
             ("clear", clear),
             ("convex_boundary", convex_boundaries),

@@ -443,6 +443,18 @@ fn a_time_limit_gives_every_pixel_the_same_samples_and_one_at_least() {
         assert!(samples[0] >= 1 && samples.iter().all(|&n| n == samples[0]), "{time}: {samples:?}");
         assert_eq!(json["samples_per_pixel"], samples[0], "{time}");
     }
+    // Less than a start takes: that it took longer is said, and by how much. An hour is not overrun.
+    let ran = place.render(&["--time", "1ms", "--json", "-o", "a.exr"]).exits(0);
+    let (json, over) = (ran.json(), &ran.json()["time_overrun_seconds"]);
+    let (total, over) = (json["seconds"]["total"].as_f64().expect("a time"), over.as_f64().expect("an overrun"));
+    assert!((total - 0.001 - over).abs() < 1e-9, "{total}, {over}");
+    assert!(ran.stderr.contains("more than the --time of 0.001 s"), "{}", ran.stderr);
+    // Kept where there is time: with a start of a tenth of a second or two, for which a machine in use may take ten times as long.
+    let json = place.render(&["--time", "4s", "--json", "-o", "a.exr"]).exits(0).json();
+    assert!(
+        json["time_overrun_seconds"].is_null() && json["seconds"]["total"].as_f64().expect("a time") < 4.0,
+        "{json}"
+    );
     // Up to --spp, with however much time.
     let json = place.render(&["--time", "1h", "--spp", "24", "--json"]).exits(0).json();
     assert_eq!(json["samples_per_pixel"], 24);

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use gpu_rt::data;
 use gpu_rt::film::RunRecord;
-use gpu_rt::flatten::{Features, MATERIALS, RESPONDERS};
+use gpu_rt::flatten::{Features, MATERIALS, RESPONDERS, Unsampled};
 use gpu_rt::gpu::layout::{Member, members, pack};
 use gpu_rt::gpu::link::{Choices, Embedded, link};
 use gpu_rt::plan::{Plan, Scatter};
@@ -38,6 +38,8 @@ fn modules() -> Vec<naga::Module> {
         lights: 1000,
         shadow_rays: true,
         sky_light: 999,
+        sample_lights: true,
+        unsampled: Some(Unsampled { lights: 1, wanted: 2, asked_by: "a test".to_string() }),
         roulette: true,
         schlick: true,
         clamp: true,
@@ -248,6 +250,8 @@ fn every_constant_of_the_host_is_that_of_the_shaders() {
         ("KIND_INSTANCE", data::KIND_INSTANCE),
         ("LIGHT_NODE_LEAF", data::LIGHT_NODE_LEAF),
         ("LIGHT_NODE_TWO_SIDED", data::LIGHT_NODE_TWO_SIDED),
+        ("LIGHT_NODE_SKY", data::LIGHT_NODE_SKY),
+        ("NOT_SAMPLED", data::NOT_SAMPLED),
         ("RUN_LENGTH", data::RUN_LENGTH),
         ("QUEUE_HEADER", data::QUEUE_HEADER),
         ("ODD_RUN", data::ODD_RUN),
@@ -258,7 +262,7 @@ fn every_constant_of_the_host_is_that_of_the_shaders() {
     // Those that the shaders say in other words.
     let mask = constant(&modules, "PRIMITIVE_INDEX_MASK").expect("it is in data/primitive");
     assert_eq!(data::MAX_PRIMITIVES as u64, u64::from(mask) + 1);
-    let bits = data::LIGHT_NODE_LEAF | data::LIGHT_NODE_TWO_SIDED;
+    let bits = data::LIGHT_NODE_LEAF | data::LIGHT_NODE_TWO_SIDED | data::LIGHT_NODE_SKY;
     assert_eq!(constant(&modules, "LIGHT_NODE_INDEX"), Some(!bits));
     // A queue's length stands before the queues, one word for each kind of material.
     assert!(data::QUEUE_HEADER as usize >= MATERIALS.len());

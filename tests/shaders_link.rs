@@ -4,7 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use gpu_rt::data::{KIND_TRIANGLE, Sampler};
-use gpu_rt::flatten::{BACKGROUNDS, BOUNDARIES, Features, MATERIALS, PRIMITIVES, RESPONDERS, TEXTURES, TREE_LIGHTS};
+use gpu_rt::flatten::{BACKGROUNDS, BOUNDARIES, Features, MATERIALS, PRIMITIVES, RESPONDERS, TEXTURES, Unsampled};
 use gpu_rt::gpu::layout::BindingKind;
 use gpu_rt::gpu::link::{Choices, Embedded, Entry, Library, Linked, link};
 use gpu_rt::plan::{Plan, Scatter};
@@ -65,7 +65,7 @@ fn lit(features: Features, emitters: usize, sky: bool) -> Features {
 
 /// The same with so many lights that one is chosen by the tree.
 fn many_lights(features: Features) -> Features {
-    Features { lights: TREE_LIGHTS, sky_light: TREE_LIGHTS - 1, ..features }
+    Features { lights: 2, sky_light: 1, ..features }
 }
 
 /// The same with smooth meshes.
@@ -83,6 +83,11 @@ fn all<T>(names: &[T]) -> usize {
 }
 
 fn everything() -> Features {
+    let unsampled = Unsampled { lights: 1, wanted: 2, asked_by: "a test".to_string() };
+    Features { unsampled: Some(unsampled), ..all_sampled() }
+}
+
+fn all_sampled() -> Features {
     let surfaces = features(all(PRIMITIVES), all(MATERIALS), all(TEXTURES), IMAGE, true);
     lit(with_media(smooth(surfaces), all(BOUNDARIES), true), all(PRIMITIVES), true)
 }

@@ -4,15 +4,9 @@ struct Light {
     code: u32,
     // With a triangle's code: the instance that it is part of.
     instance: u32,
-    // That it is chosen; by the tree, the sky's alone.
-    probability: f32,
-    // Its entry in the alias table (light/alias): below the threshold itself, above it another one.
-    threshold: f32,
-    other: u32,
     // The way to it in the tree (scene/light_tree), from the lowest bit on: whether it goes to the second of a pair.
     trail: u32,
-    padding0: u32,
-    padding1: u32,
+    padding: u32,
 }
 
 // A light that was chosen for a point.
@@ -25,19 +19,24 @@ struct LightChoice {
 struct LightNode {
     center: vec3<f32>,
     radius: f32,
-    // Of the brightest light.
-    power: f32,
+    // Radiance times the area that its lights show on the mean, over that of the brightest light.
+    intensity: f32,
     // Octahedral.
     axis: u32,
     cos_spread: f32,
-    // The index of a pair of nodes or of a light, and two bits.
+    // The index of a pair of nodes or of a light, and three bits.
     child: u32,
 }
 
 const LIGHT_NODE_LEAF: u32 = 0x80000000u;
 // Its lights shine against the cone as they do along it.
 const LIGHT_NODE_TWO_SIDED: u32 = 0x40000000u;
-const LIGHT_NODE_INDEX: u32 = 0x3fffffffu;
+// It is the sky: around all points, and as bright from each.
+const LIGHT_NODE_SKY: u32 = 0x20000000u;
+const LIGHT_NODE_INDEX: u32 = 0x1fffffffu;
+
+// From here on no light has its place: what emits and has such a one is not sampled.
+const NOT_SAMPLED: u32 = 0x80000000u;
 
 // What stands for the code of a light where none is asked.
 const NO_LIGHT: u32 = 0xfffffff9u;

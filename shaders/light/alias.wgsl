@@ -18,8 +18,3 @@ fn alias_pick(u: f32, count: u32) -> AliasPick {
     let high = (k >> 12u) * (count >> 12u) + (middle >> 12u) + (low >> 24u);
     return AliasPick(high, f32(low & 0xffffffu) * 0x1p-24f);
 }
-
-// The index that is drawn, of an entry's words at pick.index.
-fn alias_drawn(pick: AliasPick, threshold: f32, alias_index: u32) -> u32 {
-    return select(alias_index, pick.index, pick.rest < threshold);
-}

@@ -3,12 +3,10 @@
 //@ use lib/octahedral
 // Lights chosen by what they can bring to a point: down a tree over them, at each node to the child on the left with the
 // left one's share of both importances (Conty Estevez and Kulla, "Importance Sampling of Many Lights with Adaptive Tree
-// Splitting", HPG 2018; src/flatten/light_tree.rs).
+// Splitting", HPG 2018; src/flatten/light_tree.rs). The sky is the second of the first pair, a node around everything.
 
-const SKY_LIGHT: u32 = ${sky_light}u;
-
-// The power of a node's lights over the squared distance, times the largest cosine that any of their normals can have to
-// the point (section 4.2): a bound of the irradiance, but for a distance that nodes around the point do not have. The
+// The intensity of a node's lights over the squared distance, times the largest cosine that any of their normals can have
+// to the point (section 4.2): a bound of the irradiance, but for a distance that nodes around the point do not have. The
 // point's own normal is not asked, so that a path that meets a light need not remember it.
 fn light_node_importance(node: LightNode, from_point: vec3<f32>) -> f32 {
     let to_point = from_point - node.center;
@@ -28,36 +26,34 @@ fn light_node_importance(node: LightNode, from_point: vec3<f32>) -> f32 {
     let seen_cosine = sqrt(1.0 - seen_sine2);
     let turned = less_cosine * seen_cosine + less_sine * sqrt(seen_sine2);
     let open = distance2 <= radius2 || less_cosine >= seen_cosine;
-    return node.power * max(select(turned, 1.0, open), 0.0) / max(max(distance2, radius2), 0x1p-80f);
+    return node.intensity * max(select(turned, 1.0, open), 0.0) / max(max(distance2, radius2), 0x1p-80f);
 }
+
+// Where there are other lights, the sky is chosen at least and at most so often: what of either is hidden is not asked.
+const LEAST_OF_SKY: f32 = 0.1;
 
 // The probability of the first of a pair. Either keeps a chance where both can matter, however little.
 fn light_node_share(pair: u32, from_point: vec3<f32>) -> f32 {
     let left = light_node_importance(light_nodes[pair], from_point);
     let right = light_node_importance(light_nodes[pair + 1u], from_point);
+    var least = 0x1p-20f;
+    //@ each emitting_sky
+    least = select(least, LEAST_OF_SKY, (light_nodes[pair + 1u].child & LIGHT_NODE_SKY) != 0u);
+    //@ end
     if left == 0.0 || right == 0.0 {
         // Where nothing matters, anything is right.
         return select(select(0.0, 1.0, left > 0.0), 0.5, left == right);
     }
-    return clamp(left / (left + right), 0x1p-20f, 1.0 - 0x1p-20f);
+    return clamp(left / (left + right), least, 1.0 - least);
 }
 
 // Levels for which one uniform serves: at each it loses as many of its 24 digits as the choice tells. Beyond, the other one
 // goes on, or lights deep in a large tree would be chosen more or less often than their probability says.
 const LEVELS_OF_ONE_UNIFORM: u32 = 10u;
 
-// The sky, the last light, is at no place; it is chosen before all others or not.
 fn choose_light(from_point: vec3<f32>, u: vec2<f32>) -> LightChoice {
     var rest = u.x;
     var probability = 1.0;
-    //@ each emitting_sky
-    let of_sky = lights[SKY_LIGHT].probability;
-    if u.x < of_sky {
-        return LightChoice(SKY_LIGHT, of_sky);
-    }
-    probability = 1.0 - of_sky;
-    rest = (u.x - of_sky) / probability;
-    //@ end
     var child = 0u;
     for (var level = 0u; (child & LIGHT_NODE_LEAF) == 0u; level++) {
         let pair = child & LIGHT_NODE_INDEX;
@@ -77,13 +73,6 @@ fn choose_light(from_point: vec3<f32>, u: vec2<f32>) -> LightChoice {
 // The probability that a light is chosen: down the same way.
 fn light_probability(index: u32, from_point: vec3<f32>) -> f32 {
     var probability = 1.0;
-    //@ each emitting_sky
-    let of_sky = lights[SKY_LIGHT].probability;
-    if index == SKY_LIGHT {
-        return of_sky;
-    }
-    probability = 1.0 - of_sky;
-    //@ end
     var trail = lights[index].trail;
     var child = 0u;
     while (child & LIGHT_NODE_LEAF) == 0u {

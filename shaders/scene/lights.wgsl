@@ -81,6 +81,16 @@ fn arrives_at_front(code: u32, ray: Ray, normal: vec3<f32>) -> bool {
     }
 }
 
+// The probability that a light is chosen, which something that emits may not be.
+fn probability_of_light(index: u32, from_point: vec3<f32>) -> f32 {
+    //@ each unsampled
+    if index >= NOT_SAMPLED {
+        return 0.0;
+    }
+    //@ end
+    return light_probability(index, from_point);
+}
+
 // The density by which the primitive that the direction meets is chosen as a light and the direction drawn.
 fn light_density(hit: Hit, from_point: vec3<f32>, direction: vec3<f32>) -> f32 {
     let index = primitive_index(hit.code);
@@ -88,7 +98,7 @@ fn light_density(hit: Hit, from_point: vec3<f32>, direction: vec3<f32>) -> f32 {
         //@ each emitter
         case ${number}u: {
             let shape = ${name}s[index];
-            return light_probability(shape.light, from_point) * ${name}_light_pdf(from_point, direction, shape);
+            return probability_of_light(shape.light, from_point) * ${name}_light_pdf(from_point, direction, shape);
         }
         //@ end
         //@ each emitting_mesh
@@ -96,7 +106,7 @@ fn light_density(hit: Hit, from_point: vec3<f32>, direction: vec3<f32>) -> f32 {
             let placed = instances[hit.instance];
             let corners = placed_corners(placed, index);
             let pdf = triangle_light_pdf(from_point, direction, corners.a, corners.b, corners.c);
-            return light_probability(placed.to_light + index, from_point) * pdf;
+            return probability_of_light(placed.to_light + index, from_point) * pdf;
         }
         //@ end
         default: {

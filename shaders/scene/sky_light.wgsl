@@ -1,6 +1,6 @@
-//@ use bind/lights
 //@ use bind/sky
 //@ use choice/axes
+//@ use choice/light_choice
 //@ use light/sky
 // The background's image as a light.
 
@@ -15,6 +15,7 @@ fn sky_light_sample(u: vec3<f32>) -> LightSample {
 }
 
 // The density by which the sky is chosen, the last light of all, and the direction drawn.
-fn sky_density(direction: vec3<f32>) -> f32 {
-    return lights[${sky_light}u].probability * sky[sky_cell_at(to_world(direction), SKY_COLUMNS, SKY_ROWS)].density;
+fn sky_density(from_point: vec3<f32>, direction: vec3<f32>) -> f32 {
+    let density = sky[sky_cell_at(to_world(direction), SKY_COLUMNS, SKY_ROWS)].density;
+    return light_probability(${sky_light}u, from_point) * density;
 }

@@ -7,5 +7,5 @@ fn share_of_met_sky(path: ptr<function, Path>) -> f32 {
     if !(pdf > 0.0) {
         return 1.0;
     }
-    return power_share(pdf, sky_density((*path).ray.direction));
+    return power_share(pdf, sky_density((*path).ray.origin, (*path).ray.direction));
 }

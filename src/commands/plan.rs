@@ -65,6 +65,7 @@ fn as_json(report: &Report, scene: &str, device: &str, why: Option<&str>) -> Val
         "slots": report.slots,
         "path_bytes_per_slot": report.path_bytes(),
         "path_fields": report.path_fields.iter().map(field_json).collect::<Vec<_>>(),
+        "integrator": report.integrator,
         "scatter": report.scatter,
         "kernels": kernels,
         "constants": report.constants.iter().map(constant_json).collect::<Vec<_>>(),

@@ -476,10 +476,18 @@ fn report(
     if let Some(noise) = finish.noise {
         report["noise_reached"] = noise.reached.into();
     }
+    if let Some(over) = overrun(about.args.time, total) {
+        report["time_overrun_seconds"] = over.into();
+    }
     if about.args.tuning.profile {
         report["stage_seconds"] = stages.into();
     }
     report
+}
+
+/// Seconds beyond the time that was asked for, if the render took longer.
+fn overrun(time: Option<Duration>, total: f64) -> Option<f64> {
+    time.map(|time| total - time.as_secs_f64()).filter(|over| *over > 0.0)
 }
 
 /// The last line, and before it what the user should know.
@@ -500,10 +508,9 @@ fn summarise(about: &About<'_>, output: &Output<'_>, outcome: &Outcome, finish: 
             cut.throughput / paths
         ));
     }
-    if let Some(time) = args.time
-        && total > time.as_secs_f64()
-    {
-        tell(&format!("warning: {total:.1} s is more than the --time of {:.1} s", time.as_secs_f64()));
+    if let Some((time, over)) = args.time.zip(overrun(args.time, total)) {
+        let over = if over < 1.0 { format!("{:.1} ms", 1e3 * over) } else { format!("{over:.1} s") };
+        tell(&format!("warning: this took {over} more than the --time of {} s", time.as_secs_f64()));
     }
     if args.tuning.profile {
         match outcome.stages.is_empty() {

@@ -24,6 +24,16 @@ pub const TEXTURES: &[&str] = &["checker", "image", "noise", "marble"];
 /// The kinds of background by number; each is a file of shaders/background.
 pub const BACKGROUNDS: &[&str] = &["solid", "gradient", "image"];
 
+/// What emits and is left to chance.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Unsampled {
+    /// As lights, of so many wanted.
+    pub lights: u64,
+    pub wanted: u64,
+    /// The first of them.
+    pub asked_by: String,
+}
+
 /// What of the renderer a scene requires, and for each thing the scene's object that asked first.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Features {
@@ -47,8 +57,12 @@ pub struct Features {
     pub emitting_sky: Option<String>,
     /// Columns and rows of the grid that directions towards it are drawn from.
     pub sky_grid: (u32, u32),
+    /// Whether rays are sent to lights, where there are any.
+    pub sample_lights: bool,
     /// How many lights there are.
     pub lights: u32,
+    /// What emits and is not sampled, as there is no room.
+    pub unsampled: Option<Unsampled>,
     /// The place of the sky among them.
     pub sky_light: u32,
     /// Whether paths send rays to them. Of the scene alone, also where everything is taken to be required: then an invocation has two walks.
@@ -93,6 +107,7 @@ impl Features {
     /// Notes what is wished, where the scene has what it is about.
     pub(super) fn wish(&mut self, wish: &Wish) {
         self.roulette = wish.roulette;
+        self.sample_lights = wish.sample_lights;
         self.sampler = wish.sampler;
         let spheres = self.primitive("sphere").or(self.boundary("sphere")).is_some();
         let surfaces = self.primitives.iter().any(Option::is_some);
@@ -183,7 +198,7 @@ impl Features {
             }
             ("scene", "textures" | "textured_colour") => texture(),
             ("scene", "media" | "transmittance") | ("step", "media") | ("stage", "medium") => medium(),
-            ("scene", "lights" | "light_tree" | "light_alias" | "responses")
+            ("scene", "lights" | "light_tree" | "one_light" | "responses")
             | ("step", "light")
             | ("stage", "shadow") => light(),
             ("step", "through_glass") | ("lib", "fresnel" | "refraction") => {

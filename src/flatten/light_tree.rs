@@ -7,7 +7,7 @@ use glam::{DQuat, DVec3};
 
 use super::meshes::octahedral;
 use super::place::AxisBox;
-use crate::data::{self, LIGHT_NODE_LEAF, LIGHT_NODE_TWO_SIDED};
+use crate::data::{self, LIGHT_NODE_LEAF, LIGHT_NODE_SKY, LIGHT_NODE_TWO_SIDED};
 
 /// A light's trail is one word.
 const DEEPEST: u32 = 32;
@@ -22,7 +22,8 @@ pub struct Bounded {
     pub spread: f64,
     /// Shines against the cone as it does along it.
     pub two_sided: bool,
-    pub power: f64,
+    /// Radiance times the area that it shows on the mean.
+    pub intensity: f64,
 }
 
 impl Bounded {
@@ -42,11 +43,11 @@ impl Bounded {
             axis,
             spread,
             two_sided: a.two_sided || b.two_sided,
-            power: a.power + b.power,
+            intensity: a.intensity + b.intensity,
         }
     }
 
-    /// What a cut is sought to make small: power, times surface, times the directions that light goes to (section 4.4).
+    /// What a cut is sought to make small: intensity, times surface, times the directions that light goes to (section 4.4).
     fn cost(&self) -> f64 {
         let d = self.around.max - self.around.min;
         let surface = d.x * d.y + d.y * d.z + d.z * d.x;
@@ -54,7 +55,7 @@ impl Bounded {
         let reach = (self.spread + FRAC_PI_2).min(PI);
         let beyond = 2.0 * reach * sine - (self.spread - 2.0 * reach).cos() - 2.0 * self.spread * sine + cosine;
         let directions = 2.0 * PI * (1.0 - cosine) + FRAC_PI_2 * beyond;
-        self.power * surface * directions * if self.two_sided { 2.0 } else { 1.0 }
+        self.intensity * surface * directions * if self.two_sided { 2.0 } else { 1.0 }
     }
 }
 
@@ -85,14 +86,36 @@ pub struct LightTree {
 }
 
 impl LightTree {
-    pub fn new(lights: &[Bounded]) -> LightTree {
-        let mut tree = LightTree { nodes: Vec::new(), trails: vec![0; lights.len()] };
+    /// Over lights that are somewhere, and the sky behind them with what it sends to every point, if it is one.
+    pub fn new(lights: &[Bounded], sky: Option<f64>) -> LightTree {
+        let mut tree = LightTree { nodes: Vec::new(), trails: vec![0; lights.len() + usize::from(sky.is_some())] };
         let mut order: Vec<usize> = (0..lights.len()).collect();
-        let brightest = lights.iter().map(|light| light.power).fold(0.0, f64::max);
-        if lights.len() > 1 {
-            tree.grow(lights, &mut order, 1.0 / brightest, (0, 0));
+        let unit = 1.0 / lights.iter().map(|light| light.intensity).chain(sky).fold(0.0, f64::max);
+        match sky {
+            Some(intensity) if !lights.is_empty() => {
+                tree.nodes.extend([data::LightNode::default(); 2]);
+                let (child, bounds) = tree.under(lights, &mut order, unit, (1, 0));
+                tree.nodes[0] = node(&bounds, unit, child);
+                tree.nodes[1] = sky_node(intensity * unit, lights.len() as u32);
+                tree.trails[lights.len()] = 1;
+            }
+            _ if lights.len() > 1 => {
+                tree.grow(lights, &mut order, unit, (0, 0));
+            }
+            _ => {}
         }
         tree
+    }
+
+    /// What is under a node that is so deep: a light, or a pair of nodes; and its bounds.
+    fn under(&mut self, lights: &[Bounded], order: &mut [usize], unit: f64, at: (u32, u32)) -> (u32, Bounded) {
+        match order {
+            [light] => {
+                self.trails[*light] = at.1;
+                (LIGHT_NODE_LEAF | *light as u32, lights[*light])
+            }
+            _ => self.grow(lights, order, unit, at),
+        }
     }
 
     /// Grows a pair of nodes under one that is so deep, and all below; the result is the pair's first index and its bounds.
@@ -107,22 +130,11 @@ impl LightTree {
         self.nodes.extend([data::LightNode::default(); 2]);
         let at = cut(lights, order, depth);
         let (left, right) = order.split_at_mut(at);
-        let mut bounds = [lights[left[0]], lights[right[0]]];
-        for (side, part) in [left, right].into_iter().enumerate() {
-            let trail = trail | (side as u32) << depth;
-            let child = match part {
-                [light] => {
-                    self.trails[*light] = trail;
-                    LIGHT_NODE_LEAF | *light as u32
-                }
-                _ => {
-                    let (child, of_all) = self.grow(lights, part, unit, (depth + 1, trail));
-                    bounds[side] = of_all;
-                    child
-                }
-            };
-            self.nodes[pair + side] = node(&bounds[side], unit, child);
-        }
+        let bounds = [(0, left), (1, right)].map(|(side, part)| {
+            let (child, bounds) = self.under(lights, part, unit, (depth + 1, trail | side << depth));
+            self.nodes[pair + side as usize] = node(&bounds, unit, child);
+            bounds
+        });
         (pair as u32, bounds[0].joined(&bounds[1]))
     }
 }
@@ -175,16 +187,32 @@ fn cut(lights: &[Bounded], order: &mut [usize], depth: u32) -> usize {
 }
 
 fn node(bounds: &Bounded, unit: f64, child: u32) -> data::LightNode {
-    // Rounding may neither turn a light away nor make one vanish that is there.
-    const LEAST_POWER: f64 = 1e-30;
+    // Rounding may not turn a light away.
     const ROUNDING: f64 = 1e-4;
-    let power = if bounds.power > 0.0 { (bounds.power * unit).max(LEAST_POWER) } else { 0.0 };
     data::LightNode {
         center: bounds.around.center().as_vec3().to_array(),
         radius: (0.5 * (bounds.around.max - bounds.around.min).length() * (1.0 + 1e-6)) as f32,
-        power: power as f32,
+        intensity: not_lost(bounds.intensity * unit),
         axis: octahedral(bounds.axis.as_vec3()),
         cos_spread: (bounds.spread + ROUNDING).min(PI).cos() as f32,
         child: child | if bounds.two_sided { LIGHT_NODE_TWO_SIDED } else { 0 },
     }
+}
+
+/// So large that every point is within it, where its importance is its intensity over the radius squared.
+fn sky_node(intensity: f64, light: u32) -> data::LightNode {
+    const RADIUS: f32 = (1u32 << 20) as f32;
+    data::LightNode {
+        radius: RADIUS,
+        intensity: not_lost(intensity) * (RADIUS * RADIUS),
+        cos_spread: -1.0,
+        child: LIGHT_NODE_LEAF | LIGHT_NODE_SKY | light,
+        ..data::LightNode::default()
+    }
+}
+
+/// As f32, in which what is there does not vanish.
+fn not_lost(intensity: f64) -> f32 {
+    const LEAST: f64 = 1e-30;
+    if intensity > 0.0 { intensity.max(LEAST) as f32 } else { 0.0 }
 }

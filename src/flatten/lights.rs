@@ -1,30 +1,27 @@
-//! What is sampled as a light: everything that emits and can be aimed at, each chosen in proportion to its power.
+//! What is sampled as a light: everything that emits and can be aimed at.
 
 use std::f64::consts::PI;
 
 use glam::DVec3;
 
+use super::features::Unsampled;
 use super::light_tree::{Bounded, LightTree};
 use super::place::{AxisBox, Placed, Shape};
 use super::{Builder, PRIMITIVES};
-use crate::data::{self, HIT_NOTHING, KIND_TRIANGLE, luminance, primitive_code};
-use crate::lights::{AliasTable, SkyDistribution};
+use crate::data::{self, HIT_NOTHING, KIND_TRIANGLE, NOT_SAMPLED, luminance, primitive_code};
+use crate::lights::SkyDistribution;
 use crate::scene::{Background, Bitmap, Material, Scene, Texture};
 
-/// From so many lights on one is chosen by the tree (docs/performance.md): the fewest of which two are at a place, whether or not one is
-/// the sky.
-pub const TREE_LIGHTS: u32 = 3;
+/// The most lights, which is room for the tree's nodes in 64 MiB: half of what software drivers allow a binding.
+pub const MOST_LIGHTS: usize = 1 << 20;
 
-/// By the tree, the sky is chosen at least and at most so often where there are other lights.
-const SKY_SHARES: (f64, f64) = (0.1, 0.9);
-
-/// A light before it has its place in the table.
+/// A light before it has its place in the table; the sky is none.
 struct Emitter {
     code: u32,
     instance: u32,
-    power: f64,
-    /// Where it is; nothing of the sky.
-    place: Option<Place>,
+    /// The radiance that it sends out on the mean, times the area that it shows on the mean.
+    intensity: f64,
+    place: Place,
 }
 
 /// The box around a light, in render space, and its normal; none where it shines to all sides.
@@ -40,134 +37,176 @@ impl Place {
     }
 }
 
+/// A primitive that emits: a light, or of a mesh all faces.
+struct Group<'a> {
+    primitive: &'a Placed,
+    /// Its index among its kind.
+    index: u32,
+    emitters: Vec<Emitter>,
+    /// Of all its lights together.
+    intensity: f64,
+}
+
 impl Builder<'_> {
     /// Makes lights of the primitives that emit, in their order, and of the background's image.
     pub fn add_lights(&mut self, placed: &[Placed]) {
-        let mut emitters = Vec::new();
         let materials = &self.scene.materials;
         let radiances: Vec<_> = materials.iter().map(|(_, material)| mean_radiance(self.scene, material)).collect();
         // The index of each primitive among its kind, counted as they were added.
         let mut counts = [0u32; PRIMITIVES.len()];
+        let mut groups = Vec::new();
         for primitive in placed {
             let kind = primitive.shape.kind();
             let index = counts[kind];
             counts[kind] += 1;
             let radiance = radiances[primitive.material as usize];
             if radiance > 0.0 {
-                let (name, _) = &materials[primitive.material as usize];
-                let asked = || format!("\"{name}\" at {}", self.scene.material_location(name));
-                self.flat.features.emitters[kind].get_or_insert_with(asked);
-                self.add_emitter(primitive, index, radiance, &mut emitters);
+                groups.push(self.group(primitive, index, radiance));
             }
         }
-        if let Background::Image { path } = &self.scene.background
-            && let Some(bitmap) = self.scene.bitmaps.get(path)
-        {
-            // What the sky sends onto a disk as large as the scene, which has an extent of 1 in render space.
-            let power = PI * integral_over_directions(bitmap);
-            if let Some(sky) = SkyDistribution::new(bitmap.width, bitmap.height, &bitmap.texels) {
-                self.flat.features.emitting_sky = self.flat.features.backgrounds[2].clone();
-                self.flat.features.sky_grid = (sky.columns, sky.rows);
-                self.flat.sky = sky.cells;
-                emitters.push(Emitter { code: HIT_NOTHING, instance: data::NO_INSTANCE, power, place: None });
-            }
-        }
-        let powers: Vec<f64> = emitters.iter().map(|emitter| emitter.power).collect();
-        // Nothing where there is no light, or where there are more than a table can tell apart.
-        let Some(table) = AliasTable::new(&powers) else {
-            let features = &mut self.flat.features;
-            (features.emitters, features.emitting_sky) = (Default::default(), None);
+        let sky = self.add_sky();
+        let groups = self.that_fit(groups, MOST_LIGHTS - usize::from(sky.is_some()));
+        let sum: f64 = groups.iter().map(|group| group.intensity).chain(sky).sum();
+        // Nothing where there is no light.
+        if sum == 0.0 || !sum.is_finite() {
+            self.flat.features.emitting_sky = None;
             return;
+        }
+        let mut emitters = Vec::new();
+        for group in groups {
+            let material = group.primitive.material;
+            let (name, _) = &materials[material as usize];
+            let asked = || format!("\"{name}\" at {}", self.scene.material_location(name));
+            self.flat.features.emitters[group.primitive.shape.kind()].get_or_insert_with(asked);
+            self.set_light(&group, emitters.len() as u32);
+            emitters.extend(group.emitters);
+        }
+        let bounded = |emitter: &Emitter| {
+            let (axis, spread) = emitter.place.normal.map_or((DVec3::Z, PI), |normal| (normal, 0.0));
+            let Place { around, two_sided, .. } = emitter.place;
+            Bounded { around, axis, spread, two_sided, intensity: emitter.intensity }
         };
-        self.flat.lights = emitters
-            .iter()
-            .zip(&table.entries)
-            .map(|(emitter, entry)| data::Light {
-                code: emitter.code,
-                instance: emitter.instance,
-                probability: entry.probability,
-                threshold: entry.threshold,
-                other: entry.alias,
-                ..data::Light::default()
-            })
-            .collect();
+        let bounds: Vec<Bounded> = emitters.iter().map(bounded).collect();
+        let tree = LightTree::new(&bounds, sky);
+        let codes = emitters.iter().map(|emitter| (emitter.code, emitter.instance));
+        let light = |((code, instance), trail)| data::Light { code, instance, trail, padding: 0 };
+        let of_sky = sky.map(|_| (HIT_NOTHING, data::NO_INSTANCE));
+        self.flat.lights = codes.chain(of_sky).zip(tree.trails).map(light).collect();
+        self.flat.light_nodes = tree.nodes;
         self.flat.features.lights = self.flat.lights.len() as u32;
         self.flat.features.sky_light = self.flat.features.lights.saturating_sub(1);
-        if self.flat.features.lights >= TREE_LIGHTS {
-            self.add_light_tree(&emitters);
+    }
+
+    /// The background's image as a light, if it is one that sends something; the result is its intensity.
+    fn add_sky(&mut self) -> Option<f64> {
+        let Background::Image { path } = &self.scene.background else { return None };
+        let bitmap = self.scene.bitmaps.get(path)?;
+        let sky = SkyDistribution::new(bitmap.width, bitmap.height, &bitmap.texels)?;
+        self.flat.features.emitting_sky = self.flat.features.backgrounds[2].clone();
+        self.flat.features.sky_grid = (sky.columns, sky.rows);
+        self.flat.sky = sky.cells;
+        // No surface sees more than half of it.
+        Some(0.5 * integral_over_directions(bitmap))
+    }
+
+    /// Leaves out whole primitives until the others' lights are no more than `most`: first those whose lights are the faintest on the
+    /// mean. What is left out is met by chance alone, and that is said.
+    fn that_fit<'a>(&mut self, groups: Vec<Group<'a>>, most: usize) -> Vec<Group<'a>> {
+        let wanted: usize = groups.iter().map(|group| group.emitters.len()).sum();
+        if wanted <= most {
+            return groups;
+        }
+        let each = |group: &Group<'_>| group.intensity / group.emitters.len().max(1) as f64;
+        let mut order: Vec<usize> = (0..groups.len()).collect();
+        order.sort_by(|&a, &b| each(&groups[b]).total_cmp(&each(&groups[a])).then(a.cmp(&b)));
+        let mut taken = vec![false; groups.len()];
+        let mut room = most;
+        for i in order {
+            taken[i] = groups[i].emitters.len() <= room;
+            room -= if taken[i] { groups[i].emitters.len() } else { 0 };
+        }
+        let (fitting, left): (Vec<_>, Vec<_>) = groups.into_iter().zip(taken).partition(|(_, taken)| *taken);
+        let left: Vec<Group<'_>> = left.into_iter().map(|(group, _)| group).collect();
+        left.iter().for_each(|group| self.set_light(group, NOT_SAMPLED));
+        if let Some(first) = left.first() {
+            let (name, _) = &self.scene.materials[first.primitive.material as usize];
+            let place = self.scene.material_location(name);
+            let count: usize = left.iter().map(|group| group.emitters.len()).sum();
+            let unsampled =
+                Unsampled { lights: count as u64, wanted: wanted as u64, asked_by: format!("\"{name}\" at {place}") };
+            let objects = match left.len() {
+                1 => "1 object".to_string(),
+                n => format!("{n} objects"),
+            };
+            self.flat.warnings.push(format!(
+                "{place}: materials[\"{name}\"]: {wanted} faces and shapes emit, and {MOST_LIGHTS} at most are sampled as lights: \
+                 {count}, of {objects}, are left to chance, which takes many more samples: give what emits fewer faces"
+            ));
+            self.flat.features.unsampled = Some(unsampled);
+        }
+        fitting.into_iter().map(|(group, _)| group).collect()
+    }
+
+    /// Tells a primitive its place among the lights, or that it has none.
+    fn set_light(&mut self, group: &Group<'_>, light: u32) {
+        let index = group.index as usize;
+        match group.primitive.shape {
+            Shape::Sphere { .. } => self.flat.spheres[index].light = light,
+            Shape::Quad { .. } => self.flat.quads[index].light = light,
+            Shape::Cuboid { .. } => self.flat.cuboids[index].light = light,
+            Shape::Mesh(_) if light == NOT_SAMPLED => self.flat.instances[index].to_light = light,
+            Shape::Mesh(mesh) => {
+                self.flat.instances[index].to_light = light.wrapping_sub(self.laid(mesh).first_face);
+            }
         }
     }
 
-    /// Builds the tree over the lights that are somewhere.
-    fn add_light_tree(&mut self, emitters: &[Emitter]) {
-        let bounded = |emitter: &Emitter| {
-            let place = emitter.place.as_ref()?;
-            let (axis, spread) = place.normal.map_or((DVec3::Z, PI), |normal| (normal, 0.0));
-            let Place { around, two_sided, .. } = *place;
-            Some(Bounded { around, axis, spread, two_sided, power: emitter.power })
-        };
-        let bounded: Vec<Bounded> = emitters.iter().filter_map(bounded).collect();
-        let tree = LightTree::new(&bounded);
-        for (light, trail) in self.flat.lights.iter_mut().zip(tree.trails) {
-            light.trail = trail;
-        }
-        self.flat.light_nodes = tree.nodes;
-        if let Some(Emitter { power, place: None, .. }) = emitters.last()
-            && let Some(sky) = self.flat.lights.last_mut()
-        {
-            let all: f64 = emitters.iter().map(|emitter| emitter.power).sum();
-            sky.probability = (power / all).clamp(SKY_SHARES.0, SKY_SHARES.1) as f32;
-        }
-    }
-
-    /// Adds a primitive, or all faces of a mesh; `radiance` is the luminance that it sends out on the mean.
-    fn add_emitter(&mut self, primitive: &Placed, index: u32, radiance: f64, emitters: &mut Vec<Emitter>) {
+    /// The lights of a primitive; `radiance` is the luminance that it sends out on the mean.
+    fn group<'a>(&mut self, primitive: &'a Placed, index: u32, radiance: f64) -> Group<'a> {
         let scale = primitive.to_world.scale * self.space.scale;
-        let light = emitters.len() as u32;
         let two_sided = matches!(
             self.scene.materials[primitive.material as usize].1,
             Material::DiffuseLight { two_sided: true, .. }
         );
         let (space, to_world) = (self.space, primitive.to_world);
         let point = |p: DVec3| space.point(to_world.point(p));
-        let mut push = |code, instance, area: f64, place: Place| {
-            let sides = if place.two_sided && place.normal.is_some() { 2.0 } else { 1.0 };
-            emitters.push(Emitter { code, instance, power: PI * radiance * area * sides, place: Some(place) });
+        let emitter = |code, instance, area: f64, place: Place| {
+            // A convex body shows a quarter of its surface on the mean, from all directions (Cauchy).
+            let shown = if place.normal.is_some() { area } else { 0.25 * area };
+            Emitter { code, instance, intensity: radiance * shown, place }
         };
         let code = primitive.shape.code(index as usize);
-        match primitive.shape {
-            // Closed shapes are mostly seen from outside.
+        let emitters = match primitive.shape {
             Shape::Sphere { center, radius } => {
-                self.flat.spheres[index as usize].light = light;
                 let (middle, reach) = (point(center), DVec3::splat(radius * scale));
                 let place = Place::of([middle - reach, middle + reach], None, two_sided);
-                push(code, data::NO_INSTANCE, 4.0 * PI * (radius * scale).powi(2), place);
+                vec![emitter(code, data::NO_INSTANCE, 4.0 * PI * (radius * scale).powi(2), place)]
             }
             Shape::Quad { corner, u, v } => {
-                self.flat.quads[index as usize].light = light;
                 let corners = [corner, corner + u, corner + v, corner + u + v].map(point);
                 let place = Place::of(corners, Some(to_world.vector(u).cross(to_world.vector(v))), two_sided);
-                push(code, data::NO_INSTANCE, u.cross(v).length() * scale * scale, place);
+                vec![emitter(code, data::NO_INSTANCE, u.cross(v).length() * scale * scale, place)]
             }
             Shape::Cuboid { min, max } => {
-                self.flat.cuboids[index as usize].light = light;
                 let d = (max - min) * scale;
                 let place = Place::of(AxisBox { min, max }.corners().map(point), None, two_sided);
-                push(code, data::NO_INSTANCE, 2.0 * (d.x * d.y + d.y * d.z + d.z * d.x), place);
+                vec![emitter(code, data::NO_INSTANCE, 2.0 * (d.x * d.y + d.y * d.z + d.z * d.x), place)]
             }
             Shape::Mesh(mesh) => {
                 let first_face = self.laid(mesh).first_face;
-                self.flat.instances[index as usize].to_light = light.wrapping_sub(first_face);
                 let mesh = self.meshes[mesh];
-                for (face, corners) in (first_face..).zip(&mesh.triangles) {
+                let face = |(face, corners): (u32, &[u32; 3])| {
                     let [a, b, c] = corners.map(|corner| mesh.positions[corner as usize]);
                     let across = (b - a).cross(c - a);
                     let area = 0.5 * across.length() * scale * scale;
                     let place = Place::of([a, b, c].map(point), Some(to_world.vector(across)), two_sided);
-                    push(primitive_code(KIND_TRIANGLE, face), index, area, place);
-                }
+                    emitter(primitive_code(KIND_TRIANGLE, face), index, area, place)
+                };
+                (first_face..).zip(&mesh.triangles).map(face).collect()
             }
-        }
+        };
+        let intensity = emitters.iter().map(|emitter| emitter.intensity).sum();
+        Group { primitive, index, emitters, intensity }
     }
 }
 

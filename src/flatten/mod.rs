@@ -29,8 +29,8 @@ use place::{AxisBox, Finder, Placed, PlacedMedium, extent};
 use view::{RenderSpace, View};
 
 pub use bvh::Quality;
-pub use features::{BACKGROUNDS, BOUNDARIES, Features, MATERIALS, PRIMITIVES, RESPONDERS, TEXTURES};
-pub use lights::TREE_LIGHTS;
+pub use features::{BACKGROUNDS, BOUNDARIES, Features, MATERIALS, PRIMITIVES, RESPONDERS, TEXTURES, Unsampled};
+pub use lights::MOST_LIGHTS;
 
 /// A scene as the kernels see it.
 #[derive(Clone, Debug, Default)]
@@ -173,7 +173,7 @@ pub fn flatten_with(scene: &Scene, size: (u32, u32), wish: Wish) -> Result<Flat>
         looking.join()
     });
     let mut flat = builder.flat;
-    flat.warnings = looked.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+    flat.warnings.extend(looked.unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
     flat.features.wish(&wish);
     flat.features.shadow_rays = flat.features.lights > 0;
     if let Some(limit) = wish.clamp {

@@ -6,7 +6,7 @@ use super::{
     A_KERNEL_A_STAGE, Bounce, EVERY_RENDER, Kernel, PathField, Plan, QUEUES, STEPS, Scatter, Tuning, boundary_names,
 };
 use crate::error::Result;
-use crate::flatten::{BACKGROUNDS, Features, Flat, MATERIALS, PRIMITIVES, TEXTURES};
+use crate::flatten::{BACKGROUNDS, Features, Flat, MATERIALS, MOST_LIGHTS, PRIMITIVES, TEXTURES, Unsampled};
 use crate::gpu::buffers::BufferSpec;
 use crate::gpu::layout::{self, BindingKind};
 use crate::gpu::spirv::{self, Size};
@@ -19,6 +19,8 @@ pub struct Report {
     /// What a scene can ask for and this one does not.
     pub left_out: Vec<String>,
     pub choices: Vec<Choice>,
+    /// Whether rays are sent to lights, and why not.
+    pub integrator: String,
     /// How the stages of a bounce are linked, and why so.
     pub scatter: String,
     pub kernels: Vec<KernelReport>,
@@ -163,6 +165,7 @@ impl Report {
             features: there.iter().filter_map(asked).collect(),
             left_out: left_out.iter().map(|known| known.name.clone()).collect(),
             choices: choices.into_iter().map(|(name, module)| Choice { name, module: module.clone() }).collect(),
+            integrator: integrator_words(features),
             scatter: scatter_words(plan, tuning),
             kernels: kernels.iter().map(of_kernel).collect(),
             slots: tuning.slots,
@@ -390,6 +393,22 @@ fn about_constant(name: &str, features: &Features) -> (String, String) {
         _ => ("", None),
     };
     (what.to_string(), asked_by.unwrap_or(EVERY_RENDER).to_string())
+}
+
+fn integrator_words(features: &Features) -> String {
+    let left = features.unsampled.as_ref().map_or(String::new(), |left| {
+        let Unsampled { lights, wanted, asked_by } = left;
+        format!("{lights} of {wanted} lights are left to chance, {asked_by}: {MOST_LIGHTS} at most are sampled")
+    });
+    match features.lights {
+        0 if !features.sample_lights => "bsdf: --integrator bsdf".to_string(),
+        0 if left.is_empty() => "bsdf: there is no light to sample".to_string(),
+        0 => format!("bsdf: {left}"),
+        1 if left.is_empty() => "mis: rays to the light".to_string(),
+        lights if left.is_empty() => format!("mis: rays to {lights} lights, one an event"),
+        1 => format!("mis: rays to one light; {left}"),
+        lights => format!("mis: rays to {lights} lights, one an event; {left}"),
+    }
 }
 
 fn scatter_words(plan: &Plan, tuning: &Tuning) -> String {

@@ -24,6 +24,7 @@ impl Report {
 
         out += "\nkernels\n";
         out += &self.kernel_table();
+        out += &format!("  integrator: {}\n", self.integrator);
         out += &format!("  scatter: {}\n", self.scatter);
 
         out += &format!("\npath state: {} bytes a slot\n", self.path_bytes());

@@ -1,14 +1,15 @@
 //! scene/light_tree: lights are chosen as often as their probability says, which is told alike before and after; together they have all of
 //! it, and each that can reach a point a part.
 
-use std::path::Path;
+use std::f64::consts::PI;
 
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
-use gpu_rt::data::{Light, NO_INSTANCE};
+use gpu_rt::data::{LIGHT_NODE_LEAF, LIGHT_NODE_TWO_SIDED, Light};
 use gpu_rt::flatten::{Flat, Wish, flatten_with};
 use gpu_rt::plan::{Tables, choices_of};
 use gpu_rt::scene::Scene;
+use image::{Rgb, Rgb32FImage};
 
 use crate::kernel::{Kernel, Setup, array};
 use crate::scenes::triple;
@@ -35,6 +36,8 @@ struct Out {
     again: f32,
     of_row: f32,
 }
+
+const SKY: &str = "Image(path: \"sky.hdr\")";
 
 /// Lights of all shapes, of powers over three decades and turned anywhere, within a unit or so.
 fn lights(random: &mut Random, sky: bool) -> Flat {
@@ -65,25 +68,26 @@ fn lights(random: &mut Random, sky: bool) -> Flat {
     let lamps: Vec<String> = (0..8).map(lamp).collect();
     let text = format!(
         "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 0, 0), look_at: (0, 0, -1), vertical_fov: 40),
-        background: Solid((0, 0, 0)), materials: {{{}, {GREY}}}, objects: [{}, {RECEIVER}])",
+        background: {}, materials: {{{}, {GREY}}}, objects: [{}, {RECEIVER}])",
+        if sky { SKY } else { "Solid((0, 0, 0))" },
         lamps.join(","),
         objects.join(",")
     );
-    let scene = Scene::parse(&text, Path::new("test.ron")).expect("the test's scene is valid");
-    let wish = Wish { sample_lights: true, ..Wish::default() };
-    let mut flat = flatten_with(&scene, (16, 16), wish).expect("the test's scene is small");
-    if sky {
-        flat.features.emitting_sky = Some("a test".to_string());
-        flat.features.sky_light = flat.features.lights;
-        flat.features.lights += 1;
-        flat.lights.push(Light { code: u32::MAX, instance: NO_INSTANCE, probability: 0.3, ..Light::default() });
-    }
-    flat
+    flattened(&text)
 }
 
 /// Lights are sampled where something answers to them.
 const GREY: &str = "\"grey\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5))";
 const RECEIVER: &str = "Quad(corner: (0, 0, 0.1), u: (0.01, 0, 0), v: (0, 0.01, 0), material: \"grey\")";
+
+fn flattened(text: &str) -> Flat {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let image = Rgb32FImage::from_pixel(16, 8, Rgb([1.0, 2.0, 3.0]));
+    image::DynamicImage::from(image).save(folder.path().join("sky.hdr")).expect("the sky is written");
+    let scene = Scene::parse(text, &folder.path().join("test.ron")).expect("the test's scene is valid");
+    let wish = Wish { sample_lights: true, ..Wish::default() };
+    flatten_with(&scene, (16, 16), wish).expect("the test's scene is small")
+}
 
 /// Whether the light's front is turned towards the point by more than rounding.
 fn reaches(flat: &Flat, light: &Light, from: DVec3) -> bool {
@@ -102,7 +106,7 @@ fn lights_are_chosen_as_often_as_is_said() {
     for sky in [false, true] {
         let flat = lights(&mut random, sky);
         let count = flat.lights.len();
-        assert_eq!(flat.light_nodes.len(), 2 * (300 - 1));
+        assert_eq!(flat.light_nodes.len(), 2 * (count - 1));
         let draws = DRAWS.to_string();
         let plan = choices_of(&flat.features, &Tables::default());
         assert_eq!(plan.modules["light_choice"], "scene/light_tree");
@@ -152,14 +156,61 @@ fn nearer_lights_and_those_turned_towards_a_point_are_chosen_more_often() {
     // At a sphere's middle nothing is nearer.
     let more = [array("lights", &flat.lights), array("light_nodes", &flat.light_nodes)];
     let rows: Vec<In> = flat.spheres.iter().map(|sphere| In { from: sphere.center, padding: 0 }).collect();
+    let leaf = |light: u32| {
+        let found = flat.light_nodes.iter().find(|node| node.child & !LIGHT_NODE_TWO_SIDED == LIGHT_NODE_LEAF | light);
+        f64::from(found.expect("each light is a leaf").intensity)
+    };
+    let all: f64 = (0..flat.lights.len() as u32).map(leaf).sum();
+    let share = |light: u32| leaf(light) / all;
     let gain = |row: &In, light: u32| {
         let found: Vec<Out> = kernel.run_with(std::slice::from_ref(row), flat.lights.len(), &more);
-        (f64::from(found[light as usize].of_row) / f64::from(flat.lights[light as usize].probability)).ln()
+        (f64::from(found[light as usize].of_row) / share(light)).ln()
     };
     let mean = |shift: usize| {
         let gains = rows.iter().enumerate().map(|(i, row)| gain(row, flat.spheres[(i + shift) % rows.len()].light));
         (gains.sum::<f64>() / rows.len() as f64).exp()
     };
-    assert!(mean(0) > 4.0, "{} times as often as by power", mean(0));
+    assert!(mean(0) > 4.0, "{} times as often as by intensity", mean(0));
     assert!(mean(1) < 2.0, "another light {} times as often", mean(1));
+}
+
+/// Two lights are chosen by the tree as more are, and one with a sky; the sky as often as what it sends to every point says beside
+/// what a lamp does, and between a tenth and nine tenths of all.
+#[test]
+fn two_lights_and_a_lamp_under_a_sky() {
+    let lamp = "\"lamp\": DiffuseLight(emit: Rgb(1000, 1000, 1000))";
+    let sphere = |x: f64| format!("Sphere(center: ({x:?}, 0, 0), radius: 0.01, material: \"lamp\")");
+    let scene = |background: &str, objects: &str| {
+        flattened(&format!(
+            "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 0, 2), look_at: (0, 0, 0), vertical_fov: 40),
+            background: {background}, materials: {{{lamp}, {GREY}}}, objects: [{objects}, {RECEIVER}])"
+        ))
+    };
+    let probability = |flat: &Flat, light: usize, from: DVec3| -> f64 {
+        let plan = choices_of(&flat.features, &Tables::default());
+        assert_eq!(plan.modules["light_choice"], "scene/light_tree");
+        let setup = Setup { plan, values: &[("draws", "2")], ..Setup::default() };
+        let more = [array("lights", &flat.lights), array("light_nodes", &flat.light_nodes)];
+        // The scene moved so that the camera is at the origin, and scaled by a power of two.
+        let scale = f64::from(flat.spheres[0].radius) / 0.01;
+        let row = In { from: rounded(scale * (from - DVec3::new(0.0, 0.0, 2.0))), padding: 0 };
+        let found: Vec<Out> = Kernel::with("test/light_choice", &setup).run_with(&[row], 2, &more);
+        f64::from(found[light].of_row)
+    };
+    // At distances of 1 and 2, but for the balls around them.
+    let two = scene("Solid((0, 0, 0))", &format!("{}, {}", sphere(0.0), sphere(3.0)));
+    let found = probability(&two, 0, DVec3::X);
+    assert!((found - 0.8).abs() < 1e-4, "{found}");
+    // The lamp's radiance times its cross section over the squared distance, and half of what the sky sends in all.
+    let flat = scene(SKY, &sphere(0.0));
+    let sky = 0.5 * 4.0 * PI * (0.2126 + 2.0 * 0.7152 + 3.0 * 0.0722);
+    let of_lamp = |distance: f64| 1000.0 * PI * 1e-4 / (distance * distance);
+    for distance in [0.02, 0.15, 0.3, 0.5, 10.0] {
+        let expected = (sky / (sky + of_lamp(distance))).clamp(0.1, 0.9);
+        let found = probability(&flat, 1, distance * DVec3::X);
+        // The sky's cells are 16 by 8: their sines are off by 1e-2 together.
+        assert!((found - expected).abs() < 1e-2, "{distance}: {found}, expected {expected}");
+    }
+    let least = probability(&flat, 1, DVec3::splat(1e-4));
+    assert!((least - 0.1).abs() < 2.0 * U, "beside a lamp the sky keeps a tenth: {least}");
 }

@@ -16,7 +16,7 @@ struct Out {
 fn drawn(k: u32) -> u32 {
     let pick = alias_pick(f32(k) * 0x1p-24f, ${count}u);
     let entry = input[pick.index];
-    return alias_drawn(pick, entry.threshold, entry.alias_index);
+    return select(entry.alias_index, pick.index, pick.rest < entry.threshold);
 }
 
 fn run(row: u32) {

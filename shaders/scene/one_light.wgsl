@@ -1,0 +1,11 @@
+//@ use data/light
+// Where there is one light, there is nothing to choose.
+
+fn choose_light(from_point: vec3<f32>, u: vec2<f32>) -> LightChoice {
+    return LightChoice(0u, 1.0);
+}
+
+// The probability that a light is chosen.
+fn light_probability(index: u32, from_point: vec3<f32>) -> f32 {
+    return 1.0;
+}
