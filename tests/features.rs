@@ -1,6 +1,8 @@
 //! A scene's kernels have just what the scene requires: with everything linked the image has the same bytes, without any one of the
 //! linked modules there is no kernel, and nothing that is linked is out of an entry point's reach.
 
+#[path = "common/constants.rs"]
+mod constants;
 #[path = "common/device.rs"]
 mod device;
 #[path = "common/everything.rs"]
@@ -14,6 +16,7 @@ mod stats;
 
 use std::collections::{BTreeSet, HashSet};
 
+use constants::tables_read_at_constants;
 use everything::same;
 use gpu_rt::flatten::{Flat, Wish, flatten_with};
 use gpu_rt::gpu::device::DeviceClass;
@@ -296,4 +299,41 @@ fn without_any_module_there_is_no_kernel() {
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
     assert!(tried > 1000, "{tried}");
+}
+
+/// The tables that may be uniforms, without the first, for which there is room in any case (shaders/scene/at_run_time.wgsl).
+const TABLES: [&str; 10] = [
+    "spheres",
+    "quads",
+    "cuboids",
+    "materials",
+    "textures",
+    "frames",
+    "instances",
+    "media",
+    "lights",
+    "light_nodes",
+];
+
+/// Codes of primitives: those that are constant say that there is none, and that was asked before a table is read.
+const EXEMPT: [(&str, &str); 2] = [("Hit", "code"), ("Path", "light")];
+
+#[test]
+fn no_table_is_read_at_an_index_that_a_compiler_knows() {
+    let lattice = Lattice::new();
+    let mut bitten = BTreeSet::new();
+    for Found { name, linked, .. } in kernels(&lattice) {
+        let (module, info) = linked.validate().expect("it is valid");
+        let read = tables_read_at_constants(&module, &info, &TABLES, &EXEMPT);
+        assert!(read.is_empty(), "{name}: {read:?}");
+        // Without what hides them they are found.
+        let bare = linked.text.replace("return index + settings.zero;", "return index;");
+        let module = naga::front::wgsl::parse_str(&bare).expect("it parses");
+        let info = naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::empty());
+        let info = { info }.validate(&module).expect("it is valid");
+        bitten.extend(tables_read_at_constants(&module, &info, &TABLES, &EXEMPT));
+    }
+    let tables: BTreeSet<&str> = bitten.iter().filter_map(|read: &String| read.split(' ').next()).collect();
+    let hidden = ["cuboids", "instances", "light_nodes", "lights", "media", "quads", "spheres"];
+    assert_eq!(Vec::from_iter(tables), hidden, "{bitten:?}");
 }

@@ -4,6 +4,7 @@
 //@ use data/primitive
 //@ use bind/settings
 //@ use scene/primitives
+//@ use scene/at_run_time
 //@ use lib/float
 // The nearest primitive along a ray in a scene of so few that all are asked, without a hierarchy: every lane asks the same one at a time.
 
@@ -12,7 +13,7 @@
 fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
     var hit = limit;
     //@ each primitive
-    for (var index = 0u; index < settings.few[${number}u]; index += 1u) {
+    for (var index = at_run_time(0u); index < settings.few[${number}u]; index += 1u) {
         let t = ${name}_distance(ray, ${name}s[index]);
         if t != NO_HIT && t <= hit.t {
             let candidate = hit_at(PRIMITIVE_BIT | ${number}u << PRIMITIVE_KIND_SHIFT | index, t);

@@ -1,6 +1,7 @@
 //@ use bind/lights
 //@ use bind/light_nodes
 //@ use lib/octahedral
+//@ use scene/at_run_time
 // Lights chosen by what they can bring to a point: down a tree over them, at each node to the child on the left with the
 // left one's share of both importances (Conty Estevez and Kulla, "Importance Sampling of Many Lights with Adaptive Tree
 // Splitting", HPG 2018; src/flatten/light_tree.rs). The sky is the second of the first pair, a node around everything.
@@ -54,7 +55,7 @@ const LEVELS_OF_ONE_UNIFORM: u32 = 10u;
 fn choose_light(from_point: vec3<f32>, u: vec2<f32>) -> LightChoice {
     var rest = u.x;
     var probability = 1.0;
-    var child = 0u;
+    var child = at_run_time(0u);
     for (var level = 0u; (child & LIGHT_NODE_LEAF) == 0u; level++) {
         let pair = child & LIGHT_NODE_INDEX;
         let share = light_node_share(pair, from_point);
@@ -74,7 +75,7 @@ fn choose_light(from_point: vec3<f32>, u: vec2<f32>) -> LightChoice {
 fn light_probability(index: u32, from_point: vec3<f32>) -> f32 {
     var probability = 1.0;
     var trail = lights[index].trail;
-    var child = 0u;
+    var child = at_run_time(0u);
     while (child & LIGHT_NODE_LEAF) == 0u {
         let pair = child & LIGHT_NODE_INDEX;
         let share = light_node_share(pair, from_point);

@@ -11,6 +11,7 @@
 //@ end
 //@ each emitting_mesh
 //@ use light/triangle
+//@ use scene/at_run_time
 //@ use scene/meshes
 //@ end
 //@ each emitting_sky
@@ -103,7 +104,7 @@ fn light_density(hit: Hit, from_point: vec3<f32>, direction: vec3<f32>) -> f32 {
         //@ end
         //@ each emitting_mesh
         case KIND_TRIANGLE: {
-            let placed = instances[hit.instance];
+            let placed = instances[at_run_time(hit.instance)];
             let corners = placed_corners(placed, index);
             let pdf = triangle_light_pdf(from_point, direction, corners.a, corners.b, corners.c);
             return probability_of_light(placed.to_light + index, from_point) * pdf;

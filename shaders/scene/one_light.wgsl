@@ -1,8 +1,9 @@
 //@ use data/light
+//@ use scene/at_run_time
 // Where there is one light, there is nothing to choose.
 
 fn choose_light(from_point: vec3<f32>, u: vec2<f32>) -> LightChoice {
-    return LightChoice(0u, 1.0);
+    return LightChoice(at_run_time(0u), 1.0);
 }
 
 // The probability that a light is chosen.

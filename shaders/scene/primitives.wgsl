@@ -7,6 +7,7 @@
 //@ end
 //@ each mesh
 //@ use bind/instances
+//@ use scene/at_run_time
 //@ use scene/meshes
 //@ end
 // The scene's primitives by their codes, of just the kinds that the scene has.
@@ -40,7 +41,7 @@ fn primitive_order(hit: Hit) -> u32 {
         //@ end
         //@ each mesh
         ${case}: {
-            return instances[hit.instance].order;
+            return instances[at_run_time(hit.instance)].order;
         }
         //@ end
     }

@@ -2,6 +2,7 @@
 //@ use choice/axes
 //@ use choice/light_choice
 //@ use light/sky
+//@ use scene/at_run_time
 // The background's image as a light.
 
 const SKY_COLUMNS: u32 = ${sky_columns}u;
@@ -17,5 +18,5 @@ fn sky_light_sample(u: vec3<f32>) -> LightSample {
 // The density by which the sky is chosen, the last light of all, and the direction drawn.
 fn sky_density(from_point: vec3<f32>, direction: vec3<f32>) -> f32 {
     let density = sky[sky_cell_at(to_world(direction), SKY_COLUMNS, SKY_ROWS)].density;
-    return light_probability(${sky_light}u, from_point) * density;
+    return light_probability(at_run_time(${sky_light}u), from_point) * density;
 }

@@ -2,6 +2,7 @@
 //@ use data/found
 //@ use data/primitive
 //@ use choice/offset
+//@ use scene/at_run_time
 //@ use scene/meshes
 //@ use lib/octahedral
 // Meshes with vertex normals look smooth: light scatters about the interpolated normal, and rays leave from the smooth
@@ -28,7 +29,7 @@ fn shading_normal(hit: Hit, surface: Surface, incoming: vec3<f32>, facing: vec3<
         return facing;
     }
     let normals = normals_of(hit.code);
-    let turned = from_mesh_turned(instances[hit.instance], blend(surface.local, normals));
+    let turned = from_mesh_turned(instances[at_run_time(hit.instance)], blend(surface.local, normals));
     let sided = select(-turned, turned, dot(facing, surface.normal) > 0.0);
     let bent = sided - max(dot(sided, incoming), 0.0) * incoming;
     // Opposite normals can cancel.
@@ -67,7 +68,7 @@ fn leaving_point(
         dot(corners.c - point, normals.c),
     );
     let by = side * weights * max(below, vec3<f32>(0.0));
-    let placed = instances[hit.instance];
+    let placed = instances[at_run_time(hit.instance)];
     let lift = placed.scale * from_mesh_turned(placed, blend(by, normals));
     return leave_surface(surface.point + lift, surface.error, facing, facing);
 }

@@ -8,6 +8,7 @@
 //@ end
 //@ each mesh
 //@ use bind/instances
+//@ use scene/at_run_time
 //@ use scene/meshes
 //@ end
 // The hit record where a ray meets a primitive.
@@ -21,7 +22,7 @@ fn surface_at(hit: Hit, ray: Ray) -> Surface {
         //@ end
         //@ each mesh
         ${case}: {
-            return mesh_surface(ray, instances[hit.instance], index);
+            return mesh_surface(ray, instances[at_run_time(hit.instance)], index);
         }
         //@ end
     }
@@ -38,7 +39,7 @@ fn material_index(hit: Hit) -> u32 {
         //@ end
         //@ each mesh
         ${case}: {
-            return instances[hit.instance].material;
+            return instances[at_run_time(hit.instance)].material;
         }
         //@ end
     }

@@ -2,6 +2,7 @@
 //@ use data/medium
 //@ use data/primitive
 //@ use bind/media
+//@ use scene/at_run_time
 //@ each convex_boundary
 //@ use medium/${name}
 //@ use bind/${name}s
@@ -13,7 +14,7 @@
 fn transmittance(ray: Ray, t: f32, steps: ptr<function, u32>) -> f32 {
     var depth = 0.0;
     for (var i = 0u; i < ${media}u; i++) {
-        let medium = media[i];
+        let medium = media[at_run_time(i)];
         let index = primitive_index(medium.boundary);
         var way = 0.0;
         switch primitive_kind(medium.boundary) {

@@ -50,11 +50,12 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
         if (code & PRIMITIVE_BIT) != 0u {
             //@ each mesh
             if primitive_kind(code) == KIND_INSTANCE {
-                instance = primitive_index(code);
+                let entered = primitive_index(code);
+                instance = entered;
                 entered_at = depth;
-                here = to_mesh(instances[instance], ray);
+                here = to_mesh(instances[entered], ray);
                 inverse = slab_inverse(here.direction);
-                code = instances[instance].root;
+                code = instances[entered].root;
                 continue;
             }
             //@ end

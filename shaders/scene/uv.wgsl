@@ -5,6 +5,7 @@
 //@ use geometry/${name}
 //@ end
 //@ each mesh
+//@ use scene/at_run_time
 //@ use scene/meshes
 //@ end
 // Texture coordinates of a place on a primitive; `point` is its image in the frame.
@@ -17,7 +18,7 @@ fn surface_uv(hit: Hit, point: vec3<f32>, local: vec3<f32>) -> SurfaceUv {
         //@ end
         //@ each mesh
         ${case}: {
-            return mesh_uv(instances[hit.instance], primitive_index(hit.code), local);
+            return mesh_uv(instances[at_run_time(hit.instance)], primitive_index(hit.code), local);
         }
         //@ end
     }

@@ -84,7 +84,7 @@ fn limit_at_surface(path: ptr<function, Path>) -> Hit {
     var inverse = vec3<f32>(0.0);
     //@ each emitting_mesh
     if primitive_kind(code) == KIND_TRIANGLE {
-        ray = to_mesh(instances[(*path).light_instance], ray);
+        ray = to_mesh(instances[at_run_time((*path).light_instance)], ray);
         inverse = slab_inverse(ray.direction);
     }
     //@ end

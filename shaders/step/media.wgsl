@@ -4,6 +4,7 @@
 //@ use data/primitive
 //@ use bind/settings
 //@ use choice/sampler
+//@ use scene/at_run_time
 //@ use lib/rng
 //@ use medium/free_flight
 //@ use medium/phase
@@ -40,7 +41,7 @@ fn cross_media(path: ptr<function, Path>) -> u32 {
     var steps = 0u;
     for (var i = 0u; i < MEDIA; i++) {
         let depth = optical_depth(words_of_medium(words, i));
-        let t = collision(media[i], ray, depth, nearest, &steps);
+        let t = collision(media[at_run_time(i)], ray, depth, nearest, &steps);
         if t == WALK_CUT {
             (*path).status = PATH_CUT;
             return MEDIA + steps;
@@ -53,7 +54,7 @@ fn cross_media(path: ptr<function, Path>) -> u32 {
     if scatterer == NO_MEDIUM {
         return MEDIA + steps;
     }
-    let medium = media[scatterer];
+    let medium = media[at_run_time(scatterer)];
     let point = ray.origin + nearest * ray.direction;
     let throughput = (*path).throughput * medium_albedo(medium, point);
     if events < settings.max_depth && any(throughput != vec3<f32>(0.0)) {

@@ -175,6 +175,10 @@ impl Kernel {
         let output = BufferSpec::working("output", bytes, "the test");
         let mut specs = vec![job, input, output];
         specs.extend_from_slice(more);
+        // Of those who do not say, some only ask for its zero.
+        if self.bindings.contains_key("settings") && !more.iter().any(|spec| spec.name == "settings") {
+            specs.push(self.settings(&Settings::default()));
+        }
 
         let device = device::software();
         let buffers = Buffers::create(device, &specs).expect("the test's buffers fit");
