@@ -161,8 +161,7 @@ impl ExrImage {
 
 type FlatLayer = Layer<AnyChannels<FlatSamples>>;
 
-/// Reads R, G and B, in half or float, of the first part that holds them; where none does, of the first layer `name.R`, `name.G`,
-/// `name.B`. The size is the data window's.
+/// Reads red, green and blue, in half or float, of the part or layer that is the picture by its name. The size is the data window's.
 pub fn read_exr(path: &Path) -> Result<ExrImage> {
     let failed = |reason: String| Error::File { path: path.to_owned(), action: "read", reason };
     let open = || File::open(path).map_err(|error| failed(error.to_string()));
@@ -177,7 +176,7 @@ pub fn read_exr(path: &Path) -> Result<ExrImage> {
         .non_parallel()
         .from_unbuffered(open()?)
         .map_err(|error| failed(error.to_string()))?;
-    let (layer, prefix) = find_rgb(&image.layer_data).ok_or_else(|| failed(no_rgb(&image.layer_data)))?;
+    let Place { part: layer, channels, .. } = find_rgb(&image.layer_data).map_err(failed)?;
     let size = |length: usize| u32::try_from(length).map_err(|_| failed("its size is not supported".into()));
     let mut attributes: Vec<(String, String)> =
         image.attributes.other.iter().chain(&layer.attributes.other).filter_map(describe).collect();
@@ -185,8 +184,8 @@ pub fn read_exr(path: &Path) -> Result<ExrImage> {
     Ok(ExrImage {
         width: size(layer.size.0)?,
         height: size(layer.size.1)?,
-        rgb: float_channels(layer, &prefix).ok_or_else(|| failed("its channels differ in size".into()))?,
-        variance: float_channels(layer, "variance."),
+        rgb: float_channels(layer, &channels).ok_or_else(|| failed("its channels differ in size".into()))?,
+        variance: float_channels(layer, &["variance.R", "variance.G", "variance.B"]),
         samples: count_channel(layer, "samples.Y"),
         rejected: count_channel(layer, "rejected.Y"),
         attributes,
@@ -214,9 +213,8 @@ fn floats<'a>(layer: &'a FlatLayer, name: &str) -> Option<impl Iterator<Item = f
     (!matches!(samples, FlatSamples::U32(_))).then(|| samples.values_as_f32())
 }
 
-fn float_channels(layer: &FlatLayer, prefix: &str) -> Option<Vec<[f32; 3]>> {
-    let channel = |name| floats(layer, &format!("{prefix}{name}"));
-    let (r, g, b) = (channel("R")?, channel("G")?, channel("B")?);
+fn float_channels(layer: &FlatLayer, [r, g, b]: &[impl AsRef<str>; 3]) -> Option<Vec<[f32; 3]>> {
+    let (r, g, b) = (floats(layer, r.as_ref())?, floats(layer, g.as_ref())?, floats(layer, b.as_ref())?);
     Some(r.zip(g).zip(b).map(|((r, g), b)| [r, g, b]).collect())
 }
 
@@ -227,26 +225,85 @@ fn count_channel(layer: &FlatLayer, name: &str) -> Option<Vec<u32>> {
     }
 }
 
-/// The part that holds R, G and B, and what stands before these names there.
-fn find_rgb(layers: &[FlatLayer]) -> Option<(&FlatLayer, String)> {
-    let holds = |layer: &FlatLayer, prefix: &str| {
-        ["R", "G", "B"].iter().all(|name| floats(layer, &format!("{prefix}{name}")).is_some())
-    };
-    if let Some(layer) = layers.iter().find(|layer| holds(layer, "")) {
-        return Some((layer, String::new()));
+/// How renderers name the layer that is the picture: by itself, or after the name of a view layer and a point.
+const PICTURES: [&str; 8] = ["combined", "beauty", "rgba", "rgb", "color", "colour", "c", "image"];
+/// The names of red, green and blue.
+const CHANNELS: [[&str; 3]; 3] = [["R", "G", "B"], ["r", "g", "b"], ["red", "green", "blue"]];
+
+/// Red, green and blue in a file.
+struct Place<'a> {
+    part: &'a FlatLayer,
+    channels: [String; 3],
+    /// The name of their layer, with that of the part where both have one.
+    layer: String,
+    /// Whether the layer is the whole part.
+    is_part: bool,
+}
+
+impl Place<'_> {
+    /// The less, the more likely it is the picture.
+    fn rank(&self) -> usize {
+        let last = self.layer.rsplit('.').next().unwrap_or_default().to_lowercase();
+        match (PICTURES.iter().position(|name| *name == last), self.is_part) {
+            (_, true) if self.layer.is_empty() => 0,
+            (Some(place), true) => 1 + place,
+            (None, true) => UNNAMED_PART,
+            (Some(place), false) => UNNAMED_PART + 1 + place,
+            (None, false) => UNNAMED_LAYER,
+        }
     }
-    let names = layers
-        .iter()
-        .flat_map(|layer| layer.channel_data.list.iter().map(move |channel| (layer, channel.name.to_string())));
-    let prefixes = names.filter_map(|(layer, name)| Some((layer, name.strip_suffix('R')?.to_owned())));
-    prefixes.into_iter().find(|(layer, prefix)| prefix.ends_with('.') && holds(layer, prefix))
+}
+
+const UNNAMED_PART: usize = 1 + PICTURES.len();
+const UNNAMED_LAYER: usize = UNNAMED_PART + 1 + PICTURES.len();
+
+/// The red, green and blue that are the picture: those without a layer's name, of the part that has a picture's name if there are several;
+/// else of the layer that has a picture's name, else of the only one. Where several may be it, none is chosen.
+fn find_rgb(parts: &[FlatLayer]) -> std::result::Result<Place<'_>, String> {
+    let mut places: Vec<Place<'_>> = parts.iter().flat_map(rgb_of_part).collect();
+    places.sort_by_key(Place::rank);
+    let alike = places.iter().filter(|place| place.rank() == places[0].rank()).count();
+    if alike > 1 && [UNNAMED_PART, UNNAMED_LAYER].contains(&places[0].rank()) {
+        let names: Vec<&str> = places.iter().map(|place| place.layer.as_str()).collect();
+        return Err(format!(
+            "which of its layers is the picture? It has {}; expected one of the names {}",
+            names.join(", "),
+            PICTURES.join(", ")
+        ));
+    }
+    places.into_iter().next().ok_or_else(|| no_rgb(parts))
+}
+
+/// All red, green and blue of a part, in the order of their names.
+fn rgb_of_part(part: &FlatLayer) -> Vec<Place<'_>> {
+    let part_name =
+        part.attributes.layer_name.as_ref().map(|name| String::from_utf8_lossy(name.as_slice()).into_owned());
+    let names = part.channel_data.list.iter().map(|channel| channel.name.to_string());
+    let place = |name: String| {
+        let (prefix, red) = name.rsplit_once('.').map_or(("", name.as_str()), |(layer, last)| (layer, last));
+        let names = CHANNELS.iter().find(|names| names[0] == red)?;
+        let channels =
+            names.map(|channel| if prefix.is_empty() { channel.to_string() } else { format!("{prefix}.{channel}") });
+        let layer = match (&part_name, prefix) {
+            (None, _) => prefix.to_string(),
+            (Some(part), "") => part.clone(),
+            (Some(part), _) => format!("{part}.{prefix}"),
+        };
+        channels.iter().all(|name| floats(part, name).is_some()).then_some(Place {
+            part,
+            channels,
+            layer,
+            is_part: prefix.is_empty(),
+        })
+    };
+    names.filter_map(place).collect()
 }
 
 fn no_rgb(layers: &[FlatLayer]) -> String {
     let names: Vec<String> =
         layers.iter().flat_map(|layer| layer.channel_data.list.iter().map(|c| c.name.to_string())).collect();
     format!(
-        "expected channels R, G and B in half or float; it has {}",
+        "expected channels R, G and B, in half or float and one for each pixel; it has {}",
         if names.is_empty() { "none".into() } else { names.join(", ") }
     )
 }
@@ -410,6 +467,31 @@ mod tests {
         assert_eq!(read_exr(&path).unwrap().rgb, expected);
         write_channels(&path, vec![rgb(&["a.b.R", "a.b.G", "a.b.B"])]);
         assert_eq!(read_exr(&path).unwrap().rgb, expected);
+
+        for names in [&["r", "g", "b"], &["Main.red", "Main.green", "Main.blue"]] {
+            write_channels(&path, vec![rgb(names)]);
+            assert_eq!(read_exr(&path).unwrap().rgb, expected, "{names:?}");
+        }
+
+        // Beside layers that are no pictures, whatever the order of their names; and where it cannot be told.
+        let other = |names: &'static [&'static str; 3]| names.map(|name| (name, float(7.0, 7.0))).to_vec();
+        for (picture, names) in [
+            (rgb(&["R", "G", "B"]), &["A.R", "A.G", "A.B"]),
+            (rgb(&["beauty.R", "beauty.G", "beauty.B"]), &["albedo.R", "albedo.G", "albedo.B"]),
+            (rgb(&["C.R", "C.G", "C.B"]), &["A.R", "A.G", "A.B"]),
+            (rgb(&["View.Combined.R", "View.Combined.G", "View.Combined.B"]), &["View.AO.R", "View.AO.G", "View.AO.B"]),
+        ] {
+            write_channels(&path, vec![[picture, other(names)].concat()]);
+            assert_eq!(read_exr(&path).unwrap().rgb, expected, "{names:?}");
+        }
+        write_channels(&path, vec![[other(&["N.R", "N.G", "N.B"]), other(&["A.R", "A.G", "A.B"])].concat()]);
+        let message = read_exr(&path).unwrap_err().to_string();
+        assert!(
+            message.contains("which of its layers is the picture? It has part 0.A, part 0.N; expected"),
+            "{message}"
+        );
+        write_channels(&path, vec![other(&["R", "G", "B"]), other(&["R", "G", "B"])]);
+        assert!(read_exr(&path).unwrap_err().to_string().contains("It has part 0, part 1; expected"));
 
         write_channels(&path, vec![vec![("Y", half(1.0, 2.0)), ("R", FlatSamples::U32(vec![1, 2]))]]);
         let message = read_exr(&path).unwrap_err().to_string();
