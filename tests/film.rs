@@ -216,13 +216,13 @@ fn films_of_halves_add_up_in_any_order() {
     assert!(message.contains("sobol") && message.contains("independent"), "{message}");
 }
 
-/// A film of eight brightnesses b whose true relative error is known: samples are uniform in 4 b..5 b, so that a pixel's own noise hardly
+/// A film of eight brightnesses b, and its true relative error: samples are uniform in 4 b..5 b, so that a pixel's own noise hardly
 /// changes what it is divided by. With n samples the pixel's mean is off by e = 0.29/(4.5 √n), and v/I² by 3 e² of itself on average:
 /// 0.08 % for 16 samples.
 fn noisy_film(random: &mut Random, pixels: u32, runs: u32, sampler: Sampler) -> (Film, f64) {
     let mut film = Film::with_sampler(pixels, 1, 0, sampler).unwrap();
     let brightness = |pixel: u32| 0.25 * 1.5f64.powi((pixel * 8 / pixels) as i32);
-    let (mut mean_of_all, mut truth) = (0.0, Vec::new());
+    let (mut mean_of_all, mut means) = (0.0, Vec::new());
     for pixel in 0..pixels {
         let b = brightness(pixel);
         for index in 0..runs {
@@ -231,11 +231,20 @@ fn noisy_film(random: &mut Random, pixels: u32, runs: u32, sampler: Sampler) -> 
             film.add(&[if index % 2 == 1 { odd(record) } else { record }]);
         }
         mean_of_all += 4.5 * b / f64::from(pixels);
-        truth.push((b * b / 12.0 / f64::from(8 * runs), 4.5 * b));
+        means.push(4.5 * b);
     }
-    let floor = 0.01 * mean_of_all * mean_of_all;
-    let total: f64 = truth.iter().map(|(v, i)| v / (i * i + floor)).sum();
-    (film, (total / f64::from(pixels)).sqrt())
+    let truth = error_against(&film, &means, 0.01 * mean_of_all * mean_of_all);
+    (film, truth)
+}
+
+/// The root of the mean of (I - R)² / (R² + floor), R the mean that a pixel's channels have.
+fn error_against(film: &Film, means: &[f64], floor: f64) -> f64 {
+    let image = film.develop().rgb;
+    let terms = image
+        .iter()
+        .zip(means)
+        .flat_map(|(rgb, mean)| rgb.map(|value| (f64::from(value) - mean).powi(2) / (mean * mean + floor)));
+    (terms.sum::<f64>() / (3 * means.len()) as f64).sqrt()
 }
 
 /// Of 2000 films each the true error is below the bound in 95 % but for five deviations of 0.5 %, which happen by chance in 6 of 10 million
@@ -246,16 +255,17 @@ fn the_true_error_is_below_its_bound_as_often_as_said() {
     const FILMS: usize = 2000;
     let mut random = Random(10);
     for (pixels, runs, sampler) in [(256, 2, Sampler::Sobol), (255, 4, Sampler::Independent), (64, 8, Sampler::Sobol)] {
-        let (mut below, mut below_value, mut ratio) = (0, 0, 0.0);
+        let (mut below, mut below_value, mut stated, mut true_squares) = (0, 0, 0.0, 0.0);
         for _ in 0..FILMS {
             let (film, truth) = noisy_film(&mut random, pixels, runs, sampler);
             let found = film.error_estimate(0.05).expect("there is light");
             below += usize::from(truth <= found.bound);
             below_value += usize::from(truth <= found.value);
-            ratio += (found.value / truth).powi(2) / FILMS as f64;
+            stated += found.value.powi(2);
+            true_squares += truth.powi(2);
             assert!(found.reliable || pixels < 256, "{found:?}");
         }
-        let covered = below as f64 / FILMS as f64;
+        let (covered, ratio) = (below as f64 / FILMS as f64, stated / true_squares);
         println!("{pixels} pixels, {runs} runs, {sampler:?}: covered {covered}, squares by {ratio}");
         assert!((0.95f64 - covered).abs() < 0.035, "{sampler:?}: {covered}");
         assert!((ratio - 1.0).abs() < 0.02, "{sampler:?}: {ratio}");
@@ -271,7 +281,8 @@ fn film_of_runs(records: &[RunRecord]) -> ErrorEstimate {
 }
 
 /// Every other pixel has no noise. That is no error of the error's: with 512 noisy pixels of 32 runs it is known to 1/sqrt(2 · 512 · 31)
-/// = 0.56 %, which puts the bound 0.92 % above it. Neighbours, compared as if they were alike, would put 2.2 % for it, and 3.6 %.
+/// = 0.56 %, and that of an image scatters about it by 1/sqrt(2 · 512) = 3.1 %, which puts the bound 5.3 % above it. Neighbours, compared as
+/// if they were alike, would put 2.2 % for the 0.56, and 6.3 %.
 #[test]
 fn pixels_that_truly_differ_do_not_raise_the_bound() {
     let mut random = Random(12);
@@ -285,11 +296,11 @@ fn pixels_that_truly_differ_do_not_raise_the_bound() {
     }
     let found = film_of_runs(&records);
     let width = found.bound / found.value;
-    assert!(found.reliable && (1.008..1.0115).contains(&width), "{width}");
+    assert!(found.reliable && (1.049..1.057).contains(&width), "{width}");
     // Without halves it is what the pixels' terms are spread over that tells.
     records.iter_mut().for_each(|record| record.counts &= !ODD_RUN);
     let whole = film_of_runs(&records);
-    assert!(whole.value == found.value && whole.bound > 1.025 * whole.value, "{whole:?}");
+    assert!(whole.value == found.value && whole.bound > 1.065 * whole.value, "{whole:?}");
 }
 
 /// All pixels are alike, runs of mean 1 but for one in 64 of 9, so that the true error is known: in x = v/(I² + f) both v and I rise with
@@ -302,7 +313,7 @@ fn the_bound_is_corrected_for_what_goes_together_with_the_mean() {
     const SHARE: f64 = 1.0 / 64.0;
     let mut random = Random(13);
     let mean = 1.0 + 8.0 * SHARE;
-    let truth = (64.0 * SHARE * (1.0 - SHARE) / f64::from(RUNS) / (1.01 * mean * mean)).sqrt();
+    let usual = (64.0 * SHARE * (1.0 - SHARE) / f64::from(RUNS) / (1.01 * mean * mean)).sqrt();
     let (mut below, mut below_uncorrected, mut stated) = (0, 0, 0.0);
     for _ in 0..FILMS {
         let mut records = Vec::new();
@@ -313,11 +324,13 @@ fn the_bound_is_corrected_for_what_goes_together_with_the_mean() {
                 records.push(if index % 2 == 1 { odd(record) } else { record });
             }
         }
-        let found = film_of_runs(&records);
+        let film = film(256, 1, &records);
+        let truth = error_against(&film, &[mean; 256], 0.01 * mean * mean);
+        let found = film.error_estimate(0.05).expect("there is light");
         below += usize::from(truth <= found.bound);
-        // The planted error: no correction. The deviation of the value is 1.5 %.
-        below_uncorrected += usize::from(truth <= found.value * (1.0 + 1.645 * 0.0155));
-        stated += (found.value / truth).powi(2) / FILMS as f64;
+        // The planted error: the estimate for the bound.
+        below_uncorrected += usize::from(truth <= found.value);
+        stated += (found.value / usual).powi(2) / FILMS as f64;
     }
     let share = |count: usize| count as f64 / FILMS as f64;
     println!("covered {}, uncorrected {}, squares by {stated}", share(below), share(below_uncorrected));
@@ -343,7 +356,7 @@ fn many_rare_bright_paths_are_unreliable() {
         let usual = film(&[]);
         assert!(usual.reliable && usual.against_better < 1.5 * usual.value, "{usual:?}");
         let fireflies = film(&[false]);
-        assert!(!fireflies.reliable && fireflies.bound < 1.5 * fireflies.value, "by their spread alone: {fireflies:?}");
+        assert!(!fireflies.reliable && fireflies.bound > fireflies.against_better, "{fireflies:?}");
         assert!(fireflies.against_better > 5.0 * fireflies.value, "{fireflies:?}");
         // As bright in both halves, pixels are bright and nothing is rare.
         let bright = film(&[false, true]);
@@ -358,9 +371,10 @@ fn few_pixels_that_make_the_error_are_unreliable() {
     let (mut film, _) = noisy_film(&mut random, 1024, 4, Sampler::Sobol);
     let usual = film.error_estimate(0.05).unwrap();
     assert!(usual.reliable && usual.bound < 1.1 * usual.value, "{usual:?}");
-    // More confidence, a higher bound; even chances, none to speak of.
+    // More confidence, a higher bound; even chances, none to speak of beside what halves know of the pixels' own light.
     let bound = |level| film.error_estimate(level).unwrap().bound;
-    assert!(bound(1e-6) > bound(0.01) && bound(0.01) > usual.bound && bound(0.5) < 1.01 * usual.value);
+    assert!(bound(1e-6) > bound(0.01) && bound(0.01) > usual.bound);
+    assert!(bound(0.5) < 1.01 * usual.value.max(usual.against_better));
     // Three fireflies.
     for pixel in [100, 500, 900] {
         film.add(&[run(pixel, [1e3; 3], 8)]);

@@ -24,64 +24,84 @@ const SAMPLERS: [Sampler; 2] = [Sampler::Sobol, Sampler::Independent];
 
 /// How many renders there are of each scene and sampler: a share of 95 % of them has a standard error of 0.7 %.
 const RENDERS: u32 = 1000;
-const SAMPLES: u32 = 256;
+/// Few, where the error's own bias is largest and `--noise` looks first, and many.
+const SAMPLES: [u32; 3] = [16, 64, 256];
 
-/// The true relative error is below the stated bound in 93 to 97 % of a thousand renders: 95 %, and three standard errors. The stated
-/// error is within a quarter of the true one, but for one in a hundred.
+/// A render: its image, the variances that it states, and the estimate of its error.
+struct Stated {
+    image: Vec<f64>,
+    variance: Vec<f64>,
+    error: ErrorEstimate,
+}
+
+/// The true relative error of a render is below the bound that it states in 93 to 97 % of a thousand renders: 95 %, and three standard errors.
+/// With few samples the bound is on the safe side, for it must be no less than the error with each half's own mean; so that up to 100 %
+/// are allowed, and a bound no wider than `widest`.
 ///
-/// The true one is that of the thousand renders' mean variance, over their mean image: stated variances are unbiased (tests/film.rs), and
-/// a thousand of them are known better than the variance between a thousand renders, whose 0.2 % would matter beside the 1 % to which a
-/// single render of independent samples states its error. Both must agree within 1 %.
+/// The true one is against the mean of all thousand, whose own error is a thirtieth of theirs, and 0.05 % beside it. That the stated
+/// variances are right is told by the mean of all: the variance between renders agrees within 1 %, whose standard error is 0.2 %.
 #[test]
 #[ignore = "takes minutes"]
 fn stated_errors_are_true() {
     for (name, things) in THINGS {
         for sampler in SAMPLERS {
-            let scene = room(things);
-            let count = (scene.image.width * scene.image.height) as usize * 3;
-            let (mut sums, mut squares, mut variances) = (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
-            let mut stated = Vec::new();
-            let ask = Ask { sampler, ..Ask::default().mis() };
-            render_all(&scene, &ask, (0..RENDERS).map(|seed| (seed, 0..SAMPLES)), |shot| {
-                let values = shot.picture.rgb.as_flattened().iter().zip(shot.picture.variance.as_flattened());
-                for (i, (value, variance)) in values.enumerate() {
-                    sums[i] += f64::from(*value);
-                    squares[i] += f64::from(*value).powi(2);
-                    variances[i] += f64::from(*variance);
-                }
-                stated.push(shot.film.error_estimate(0.05).expect("there is light"));
-            });
-            // Doubles: the variance is a hundredth of the square or so, and 11 digits of it are left.
-            let n = f64::from(RENDERS);
-            let means: Vec<f64> = sums.iter().map(|sum| sum / n).collect();
-            let luminance = |rgb: &[f64]| 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
-            let mean_luminance = means.chunks(3).map(luminance).sum::<f64>() / (count / 3) as f64;
-            let error = |variance: &dyn Fn(usize) -> f64| {
-                let term = |i: usize| variance(i) / (means[i] * means[i] + 0.01 * mean_luminance * mean_luminance);
-                ((0..count).map(term).sum::<f64>() / count as f64).sqrt()
-            };
-            let truth = error(&|i| variances[i] / n);
-            let between = error(&|i| (squares[i] / n - means[i] * means[i]) * n / (n - 1.0));
-            let share =
-                |holds: &dyn Fn(&ErrorEstimate) -> bool| stated.iter().filter(|found| holds(found)).count() as f64 / n;
-            let covered = share(&|found| truth <= found.bound);
-            let close = share(&|found| (0.8..=1.25).contains(&(found.value / truth)));
-            let ratio = stated.iter().map(|found| found.value / truth).sum::<f64>() / n;
-            let width = stated.iter().map(|found| found.bound / found.value).sum::<f64>() / n;
-            println!(
-                "{name}, {sampler:?}: true error {truth:.5}, between renders by {:.4}, covered {covered:.3}, stated/true {ratio:.4}, within \
-                 a quarter {close:.3}, bound/stated {width:.3}, reliable {:.3}",
-                between / truth,
-                share(&|found| found.reliable)
-            );
-            assert!((between / truth - 1.0).abs() < 0.01, "{name}, {sampler:?}: {between}, {truth}");
-            assert!((0.93..=0.97).contains(&covered), "{name}, {sampler:?}: covered in {covered}");
-            // The planted error: the estimate without its bound.
-            assert!(share(&|found| truth <= found.value) < 0.8, "{name}, {sampler:?}: the estimate passes for a bound");
-            assert!(width < if sampler == Sampler::Sobol { 1.2 } else { 1.04 }, "{name}, {sampler:?}: bound {width}");
-            assert!((ratio - 1.0).abs() < 0.02 && close > 0.99, "{name}, {sampler:?}: {ratio}, {close}");
+            for samples in SAMPLES {
+                let scene = room(things);
+                let ask = Ask { sampler, ..Ask::default().mis() };
+                let mut renders: Vec<Stated> = Vec::new();
+                render_all(&scene, &ask, (0..RENDERS).map(|seed| (seed, 0..samples)), |shot| {
+                    let doubles = |values: &[[f32; 3]]| values.as_flattened().iter().map(|x| f64::from(*x)).collect();
+                    let error = shot.film.error_estimate(0.05).expect("there is light");
+                    let (image, variance) = (doubles(&shot.picture.rgb), doubles(&shot.picture.variance));
+                    renders.push(Stated { image, variance, error });
+                });
+                check(&format!("{name}, {sampler:?}, {samples} samples"), &renders, samples);
+            }
         }
     }
+}
+
+fn check(name: &str, renders: &[Stated], samples: u32) {
+    let n = renders.len() as f64;
+    let count = renders[0].image.len();
+    let mean = |of: &dyn Fn(&Stated, usize) -> f64| -> Vec<f64> {
+        (0..count).map(|i| renders.iter().map(|render| of(render, i)).sum::<f64>() / n).collect()
+    };
+    let means = mean(&|render, i| render.image[i]);
+    let variances = mean(&|render, i| render.variance[i]);
+    let spread = mean(&|render, i| (render.image[i] - means[i]).powi(2) * n / (n - 1.0));
+    let luminance = |rgb: &[f64]| 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+    let mean_luminance = means.chunks(3).map(luminance).sum::<f64>() / (count / 3) as f64;
+    let error = |square: &dyn Fn(usize) -> f64| {
+        let term = |i: usize| square(i) / (means[i] * means[i] + 0.01 * mean_luminance * mean_luminance);
+        ((0..count).map(term).sum::<f64>() / count as f64).sqrt()
+    };
+    // A render is a thousandth of the mean that it is compared with.
+    let own = n / (n - 1.0);
+    let of_render = |render: &Stated| error(&|i| ((render.image[i] - means[i]) * own).powi(2));
+    let truths: Vec<f64> = renders.iter().map(of_render).collect();
+    let usual = error(&|i| variances[i]);
+    let between = error(&|i| spread[i]) / usual;
+    let share = |holds: &dyn Fn(&ErrorEstimate, f64) -> bool| {
+        renders.iter().zip(&truths).filter(|(render, truth)| holds(&render.error, **truth)).count() as f64 / n
+    };
+    let covered = share(&|found, truth| truth <= found.bound);
+    let without_bound = share(&|found, truth| truth <= found.value);
+    let close = share(&|found, truth| (0.8..=1.25).contains(&(found.value / truth)));
+    let reliable = share(&|found, _| found.reliable);
+    let ratio = renders.iter().map(|render| render.error.value / usual).sum::<f64>() / n;
+    let width = renders.iter().map(|render| render.error.bound / render.error.value).sum::<f64>() / n;
+    println!(
+        "{name}: true error {usual:.5}, between renders by {between:.4}, covered {covered:.3}, stated/true {ratio:.4}, within a \
+         quarter {close:.3}, bound/stated {width:.3}, reliable {reliable:.3}"
+    );
+    let few = samples < 256;
+    let (most, widest) = if few { (1.0, 1.5) } else { (0.97, 1.2) };
+    assert!((between - 1.0).abs() < 0.01, "{name}: {between}");
+    assert!((0.93..=most).contains(&covered) && width < widest, "{name}: covered in {covered} by {width}");
+    // The planted error: the estimate without its bound.
+    assert!(without_bound < 0.7, "{name}: the estimate passes for a bound in {without_bound}");
+    assert!(few || (ratio - 1.0).abs() < 0.02 && close > 0.95, "{name}: {ratio}, {close}");
 }
 
 /// Scenes of scenes/test, and what the slope of Sobol points is to be below. What depends on the place in the pixel alone and smoothly:
