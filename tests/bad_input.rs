@@ -547,6 +547,11 @@ fn warnings_name_the_place_and_the_number() {
     let ior = "folder/scene.ron:5:70: materials[\"it\"].Dielectric.ior: an ior of 1.0000001";
     assert!(near[1].starts_with(ior), "{near:?}");
     assert_eq!(warnings(&material("Dielectric(ior: 1)")).len(), 1);
+    // As near on either side.
+    for (ior, count) in [("0.999999", 2), ("1.000001", 2), ("0.9999989", 1), ("1.0000011", 1)] {
+        let found = warnings(&material(&format!("Dielectric(ior: {ior})")));
+        assert_eq!(found.len(), count, "{found:?}");
+    }
     let white = warnings(&material("Metal(albedo: Rgb(0.5, 1, 0.5))"));
     assert!(white[1].contains("Metal.albedo: an albedo of 1"), "{white:?}");
     let medium = |density: &str| {

@@ -284,6 +284,33 @@ fn json_is_one_object_with_every_key() {
     place.render(&["--json"]).exits(0).json();
 }
 
+/// What `check` warns of outlives the run, also a quiet one.
+#[test]
+fn the_report_and_the_exr_hold_what_check_warns_of() {
+    let place = Place::new();
+    let text = SPHERE
+        .replace("{ \"grey\":", "{ \"glass\": Dielectric(ior: 1.0000001), \"grey\":")
+        .replace("objects: [", "objects: [Sphere(center: (1, 0, 0), radius: 1e-9, material: \"grey\"), ");
+    let dangerous = place.scene("dangerous.ron", &text);
+    let check = place.run(&["check", &dangerous, "--json"]).exits(0).json();
+    let warnings: Vec<&str> = check["warnings"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
+    assert!(warnings.len() == 3 && warnings.iter().any(|warning| warning.contains("a radius of 1e-9")), "{warnings:?}");
+    let render = |more: &[&str]| {
+        let ran = place.run(&[&["render", &dangerous, "--device", software(), "--json"], more].concat()).exits(0);
+        assert_eq!(ran.json()["warnings"], check["warnings"]);
+        assert_eq!(attribute(&place.exr("dangerous.exr"), "gpu-rt:warnings"), warnings.join("\n"));
+        ran.stderr
+    };
+    assert_eq!(render(&["--quiet"]), "");
+    let told = render(&[]);
+    assert!(warnings.iter().all(|warning| told.contains(&format!("warning: {warning}\n"))), "{told}");
+    // A scene without is said to have none.
+    let ran = place.render(&["--quiet", "--json"]).exits(0);
+    assert_eq!(ran.json()["warnings"], serde_json::json!([]));
+    let names = place.exr("sphere.exr").attributes;
+    assert!(!names.iter().any(|(name, _)| name == "gpu-rt:warnings"), "{names:?}");
+}
+
 #[test]
 fn the_exr_holds_linear_floats_and_says_how_it_was_made() {
     let place = Place::new();

@@ -51,9 +51,14 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     let mut loading = Loading::new(args.quiet);
     let scene = Scene::load_with(&args.scene, &mut |file, done, whole| loading.update(file, done, whole))?;
     drop(loading);
-    if !args.quiet {
-        scene.warnings().iter().for_each(|warning| tell(&format!("warning: {warning}")));
-    }
+    // As `check` has them; --quiet leaves them to the report and the image's header.
+    let mut warnings = scene.warnings();
+    let tell_warnings = |warnings: &[String]| {
+        if !args.quiet {
+            warnings.iter().for_each(|warning| tell(&format!("warning: {warning}")));
+        }
+    };
+    tell_warnings(&warnings);
     let biases = tell_biases(&args.trade, args.paths.max_depth, &scene, args.quiet);
     let output = output_of(args)?;
     seconds.load = clock.lap();
@@ -67,9 +72,8 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
         (built, opening.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
     });
     let (size, flat) = built?;
-    if !args.quiet {
-        flat.warnings.iter().for_each(|warning| tell(&format!("warning: {warning}")));
-    }
+    tell_warnings(&flat.warnings);
+    warnings.extend_from_slice(&flat.warnings);
     let device = device?;
     tell_software(&device, args.quiet);
     seconds.open = clock.lap();
@@ -98,6 +102,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
         numerics: numerics(&device)?,
         job: &job,
         biases: &biases,
+        warnings: &warnings,
     };
     let progress = Progress::new(args.quiet, progress_goal(&job));
     let mut watcher = Watcher {
@@ -302,6 +307,8 @@ struct About<'a> {
     job: &'a Job,
     /// The options that bias the result or are less exact, as they were given.
     biases: &'a [String],
+    /// What of the scene is likely to disappoint, as `check` tells it.
+    warnings: &'a [String],
 }
 
 impl About<'_> {
@@ -354,6 +361,9 @@ impl About<'_> {
         if !self.biases.is_empty() {
             all.push(text("biases", self.biases.join(", ")));
         }
+        if !self.warnings.is_empty() {
+            all.push(text("warnings", self.warnings.join("\n")));
+        }
         if let Some(cut) = finish.too_deep {
             all.push(int("cut_paths", cut.paths));
             all.push(float("cut_throughput", cut.mean()));
@@ -399,6 +409,7 @@ fn report(
         "integrator": about.args.trade.integrator.name(),
         "sampler": Sampler::from(about.args.trade.sampler).name(),
         "biases": about.biases,
+        "warnings": about.warnings,
         "device": about.device.name.name,
         "driver": about.device.name.driver,
         "software": about.device.name.software,

@@ -130,7 +130,7 @@ pub fn flatten_with(scene: &Scene, size: (u32, u32), wish: Wish) -> Result<Flat>
     let boxes: Vec<AxisBox> = meshes.iter().map(|mesh| AxisBox::of(mesh)).collect();
 
     let extent = extent(view.eye, view.lens_radius(), &finder, &boxes);
-    let emissions = emissions(scene);
+    let emissions = emissions(scene, &finder.placed);
     let found = dangers::Found {
         scene,
         placed: &finder.placed,
@@ -260,14 +260,16 @@ fn note_medium(features: &mut Features, scene: &Scene, object: usize, medium: &P
     }
 }
 
-/// The largest component of what each material emits, by its number, and of the background.
-fn emissions(scene: &Scene) -> Vec<(Option<usize>, f64)> {
+/// The largest component of what each material emits that something is made of, by its number, and of the background.
+fn emissions(scene: &Scene, placed: &[Placed]) -> Vec<(Option<usize>, f64)> {
     let bitmap = |path: &String| scene.bitmaps.get(path).map_or(0.0, brightest_texel);
     let sky = match &scene.background {
         Background::Solid(colour) => colour.max_element(),
         Background::Gradient { bottom, top } => bottom.max(*top).max_element(),
         Background::Image { path } => bitmap(path),
     };
+    let mut used = vec![false; scene.materials.len()];
+    placed.iter().for_each(|primitive| used[primitive.material as usize] = true);
     let light = |(number, (_, material)): (usize, &(String, Material))| {
         let Material::DiffuseLight { emit, .. } = material else { return None };
         let radiance = match emit {
@@ -278,7 +280,8 @@ fn emissions(scene: &Scene) -> Vec<(Option<usize>, f64)> {
         };
         Some((Some(number), radiance))
     };
-    scene.materials.iter().enumerate().filter_map(light).chain([(None, sky)]).collect()
+    let lights = scene.materials.iter().enumerate().filter(|(number, _)| used[*number]).filter_map(light);
+    lights.chain([(None, sky)]).collect()
 }
 
 fn brightest_texel(bitmap: &Bitmap) -> f64 {

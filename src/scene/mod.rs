@@ -116,6 +116,11 @@ impl Scene {
         warn::warnings(self)
     }
 
+    /// Whether a channel of an albedo is 1, so that nothing of it is absorbed.
+    pub fn is_white(&self, albedo: &Texture) -> bool {
+        warn::is_white(self, albedo)
+    }
+
     /// The top of the scene file, from which the checks walk down.
     fn top(&self) -> Place<'_> {
         Place::top(&self.source)

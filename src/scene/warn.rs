@@ -7,7 +7,7 @@ use super::source::Place;
 use super::types::*;
 use super::visit::visit_all;
 
-/// A refractive index nearer than this to 1, and not 1, is lost in f32.
+/// A refractive index within this of 1, and not 1, shows nowhere but at grazing incidence: rays are bent by |n - 1| tan θ.
 const NEAR_ONE: f64 = 1e-6;
 
 /// The warnings about a scene, in the file's order.
@@ -48,10 +48,13 @@ pub fn warnings(scene: &Scene) -> Vec<String> {
 
 fn about_material(scene: &Scene, at: &Place, material: &Material) -> Option<String> {
     if let Material::Dielectric { ior } = material {
-        let near = *ior != 1.0 && (ior - 1.0).abs() < NEAR_ONE;
+        // The nearest f64 to a decimal near 1, and with it the difference, is off by half a unit at 1.
+        let near = *ior != 1.0 && (ior - 1.0).abs() <= NEAR_ONE + f64::EPSILON;
+        // Up to about sqrt(2 |n - 1|) from grazing incidence, where total reflection begins.
+        let grazing = (2.0 * NEAR_ONE).sqrt().to_degrees();
         let message = format!(
-            "an ior of {ior} differs from 1 by less than the GPU's arithmetic resolves ({NEAR_ONE:e}): write 1 or \
-             a larger difference"
+            "an ior of {ior} is within {NEAR_ONE:e} of 1: but for rays within {grazing:.2} degrees of its surface it reflects nothing and bends \
+             nothing that an image would show: write 1 or a larger difference"
         );
         return near.then(|| at.field("ior").warning(&message));
     }
@@ -69,7 +72,14 @@ fn about_material(scene: &Scene, at: &Place, material: &Material) -> Option<Stri
             "an emission of 0 is no light: raise it, or write Lambertian(albedo: Rgb(0, 0, 0)) for a black surface";
         return is_black.then(|| at.field(slot.field).warning(message));
     }
-    let is_white = match slot.texture {
+    let message = "an albedo of 1 absorbs nothing, so that paths in a closed scene end only at max_depth: write \
+                   0.99 or less unless that is meant";
+    is_white(scene, slot.texture).then(|| at.field(slot.field).warning(message))
+}
+
+/// Whether a channel of an albedo is 1: of a colour, or of all texels of an image.
+pub fn is_white(scene: &Scene, albedo: &Texture) -> bool {
+    match albedo {
         Texture::Rgb(r, g, b) => [*r, *g, *b].contains(&1.0),
         Texture::Checker { even, odd, .. } => even.max(*odd).max_element() == 1.0,
         // A white place here and there is nothing to warn of.
@@ -78,10 +88,7 @@ fn about_material(scene: &Scene, at: &Place, material: &Material) -> Option<Stri
             .get(path)
             .is_some_and(|image| (0..3).any(|channel| image.texels.iter().all(|texel| texel[channel] >= 1.0))),
         Texture::Noise { .. } | Texture::Marble { .. } => false,
-    };
-    let message = "an albedo of 1 absorbs nothing, so that paths in a closed scene end only at max_depth: write \
-                   0.99 or less unless that is meant";
-    is_white.then(|| at.field(slot.field).warning(message))
+    }
 }
 
 /// The names of the materials that objects use, groups and all.

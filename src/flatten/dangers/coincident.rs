@@ -1,14 +1,16 @@
-//! Surfaces that coincide within rounding and have different materials: which of them is seen is left to rounding.
+//! Flat surfaces that coincide: of opaque ones of different materials, which of them is seen is left to rounding; of clear ones, rays that leave
+//! one start beyond the other.
 //!
-//! Looked for among concentric spheres, and among quads and sides of boxes in one plane. What no ray from the camera can meet
-//! first is left out: a box may rest on a floor. So are media, whose boundaries are no surfaces. In crowded planes the search ends after a
-//! number of comparisons in proportion to what lies there.
+//! Looked for among quads and sides of boxes in one plane. Of opaque ones, what no ray from the camera can meet first is left out: a
+//! box may rest on a floor. So are media, whose boundaries are no surfaces. In crowded planes the search ends after a number of comparisons in
+//! proportion to what lies there.
 
 use std::collections::HashSet;
 
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DVec2, DVec3};
 
-use super::{At, Body, Danger, Found, Kind, OTHER, U, Worst, name, normal, short};
+use super::repeated::{Repeated, hash};
+use super::{At, BY_ROUNDING, Body, Danger, Found, Kind, OTHER, U, Worst, apart, leaving, name, normal, short};
 use crate::flatten::place::Shape;
 
 /// Comparisons a surface in a plane, and for all of a plane.
@@ -33,92 +35,8 @@ struct Pair {
     first: usize,
     second: usize,
     gap: f64,
-    rounding: f64,
-}
-
-/// Spheres about one centre.
-pub struct Spheres<'a> {
-    found: &'a Found<'a>,
-    /// A number made of each centre, and the sphere.
-    centers: Vec<(u32, u32)>,
-}
-
-impl<'a> Spheres<'a> {
-    pub fn new(found: &'a Found<'a>) -> Spheres<'a> {
-        Spheres { found, centers: Vec::new() }
-    }
-
-    pub fn see(&mut self, number: usize, body: &Body) {
-        if let Shape::Sphere { .. } = body.shape {
-            let center = ((body.place / self.found.extent).as_vec3() + Vec3::ZERO).to_array().map(f32::to_bits);
-            self.centers.push((hash(center), number as u32));
-        }
-    }
-
-    /// Those whose radii differ by less than rounding.
-    pub fn danger(mut self) -> Option<Danger> {
-        let found = self.found;
-        let again = Repeated::new(self.centers.iter().map(|(hash, _)| *hash));
-        self.centers.retain(|(hash, _)| again.holds(*hash));
-        self.centers.sort_unstable();
-        let mut worst = Worst::default();
-        for group in self.centers.chunk_by(|a, b| a.0 == b.0).filter(|group| group.len() > 1) {
-            let mut shells: Vec<(f64, usize, DVec3)> = Vec::with_capacity(group.len());
-            for &(_, number) in group {
-                let placed = &found.placed[number as usize];
-                let body = Body::new(found, &placed.shape, &placed.to_world);
-                shells.push((body.ball(found).1, number as usize, body.place));
-            }
-            shells.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-            for pair in shells.windows(2) {
-                let &[(r, a, c), (s, b, other)] = pair else { continue };
-                let rounding = 4.0 * U * (c.abs().max_element() + r);
-                let same = found.placed[a].material == found.placed[b].material;
-                if s - r <= rounding && !same && c.distance(other) <= rounding {
-                    let (first, second) = (a.min(b), a.max(b));
-                    worst.note(-(second as f64), Pair { first, second, gap: s - r, rounding });
-                }
-            }
-        }
-        worst.danger(|pair| tell_spheres(&pair))
-    }
-}
-
-/// A number in which all bits of others are mixed.
-fn hash<const N: usize>(words: [u32; N]) -> u32 {
-    let mix = |hash: u64, word: u32| (hash ^ u64::from(word)).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29);
-    (words.into_iter().fold(0, mix) >> 32) as u32
-}
-
-/// Which hashes occur more than once, and a few that do not.
-struct Repeated {
-    twice: Vec<u64>,
-    shift: u32,
-}
-
-impl Repeated {
-    fn new(hashes: impl ExactSizeIterator<Item = u32>) -> Repeated {
-        let bits = (hashes.len() * 16).next_power_of_two().clamp(1 << 6, 1 << 26);
-        let shift = u32::BITS - bits.trailing_zeros();
-        let mut once = vec![0u64; bits / 64];
-        let mut twice = vec![0u64; bits / 64];
-        for hash in hashes {
-            let (word, bit) = Repeated::place(hash, shift);
-            twice[word] |= once[word] & bit;
-            once[word] |= bit;
-        }
-        Repeated { twice, shift }
-    }
-
-    fn place(hash: u32, shift: u32) -> (usize, u64) {
-        let place = hash >> shift;
-        ((place / 64) as usize, 1 << (place % 64))
-    }
-
-    fn holds(&self, hash: u32) -> bool {
-        let (word, bit) = Repeated::place(hash, self.shift);
-        self.twice[word] & bit != 0
-    }
+    /// They are told of up to this gap.
+    bound: f64,
 }
 
 /// A plane that a surface lies in.
@@ -126,43 +44,52 @@ impl Repeated {
 struct Plane {
     /// Of its distance from the camera in extents of the scene, as f32; they have its order.
     bits: u32,
-    /// How far rounding may move it, in extents.
-    rounding: f32,
+    /// How far from it another one may matter, together with the other's own, in extents.
+    reach: f32,
     /// A number made of its normal.
     normal: u32,
     /// Number of the object times `SIDES`, and the side.
     side: u32,
 }
 
-/// What parallel sides have in common.
-struct Tilt {
-    rounding: f32,
-    normal: u32,
-}
-
-impl Tilt {
-    /// Each coordinate of the place is rounded, and half of a box; both in extents of the scene.
-    fn new(normal: DVec3, place: DVec3, half: f64) -> Tilt {
-        let rounding = 2.0 * U * (normal.abs().dot(place.abs()) + half);
-        Tilt { rounding: rounding as f32, normal: hash(steps(normal.abs()).map(|step| step as u32)) }
-    }
-}
-
 impl Plane {
-    fn new(distance: f64, tilt: &Tilt, side: u32) -> Plane {
-        let bits = (distance.abs() as f32).to_bits();
-        Plane { bits, rounding: tilt.rounding, normal: tilt.normal, side }
+    /// At this distance from the camera along its normal; that and the reach are in extents.
+    fn new(distance: f64, normal: u32, reach: f64, side: u32) -> Plane {
+        // As a f32 the distance is off by half an ulp.
+        let reach = reach + U * distance.abs();
+        Plane { bits: (distance.abs() as f32).to_bits(), reach: reach as f32 * (1.0 + f32::EPSILON), normal, side }
     }
 
     fn distance(&self) -> f32 {
         f32::from_bits(self.bits)
     }
+}
 
-    /// Whether both are as far from the camera, within rounding: theirs, and that of the distances here.
-    fn is_near(&self, other: &Plane) -> bool {
-        let here = 2.0 * f32::EPSILON * other.distance();
-        other.distance() - self.distance() <= self.rounding + other.rounding + here
-    }
+/// A number made of a normal, the same one for -n as for n.
+fn hash_of(normal: DVec3) -> u32 {
+    hash(steps(normal.abs()).map(|step| step as u32))
+}
+
+/// By how much rounding may move a surface along its normal: each coordinate of the place is rounded, and half of a box.
+fn rounding(normal: DVec3, place: DVec3, half: f64) -> f64 {
+    2.0 * U * (normal.abs().dot(place.abs()) + half)
+}
+
+/// The runs of planes, ordered by their distance, in which each may matter to one before it.
+fn runs(planes: &[Plane]) -> impl Iterator<Item = &[Plane]> {
+    let mut rest = planes;
+    std::iter::from_fn(move || {
+        let first = rest.first()?;
+        let mut reach = first.distance() + first.reach;
+        let more = rest[1..].iter().take_while(|plane| {
+            let near = plane.distance() - plane.reach <= reach;
+            reach = reach.max(plane.distance() + plane.reach);
+            near
+        });
+        let (run, after) = rest.split_at(1 + more.count());
+        rest = after;
+        Some(run)
+    })
 }
 
 /// A surface in its plane.
@@ -176,7 +103,9 @@ struct Side {
     /// Along the normal.
     distance: f64,
     rounding: f64,
-    /// Whether only rays within the glass that it bounds can meet it.
+    /// How far from it rays start that leave it.
+    leaving: f64,
+    /// Whether no ray from the camera can meet it first: the side of a box that is turned away.
     hidden: bool,
     corners: [DVec3; 4],
 }
@@ -202,10 +131,13 @@ impl Patch<'_> {
 pub struct Planes<'a> {
     found: &'a Found<'a>,
     kinds: &'a [Kind],
+    /// Whether anything is clear: then all sides count, and where rays start.
+    clear: bool,
     planes: Vec<Plane>,
     told: HashSet<(usize, usize)>,
     overlapping: Worst<Pair>,
-    under_glass: Worst<Pair>,
+    at_glass: Worst<Pair>,
+    clear_on_clear: Worst<Pair>,
     back_to_back: Worst<Pair>,
 }
 
@@ -214,39 +146,44 @@ impl<'a> Planes<'a> {
         Planes {
             found,
             kinds,
+            clear: found.placed.iter().any(|placed| kinds[placed.material as usize].glass),
             planes: Vec::new(),
             told: HashSet::new(),
             overlapping: Worst::default(),
-            under_glass: Worst::default(),
+            at_glass: Worst::default(),
+            clear_on_clear: Worst::default(),
             back_to_back: Worst::default(),
         }
     }
 
-    pub fn see(&mut self, number: usize, body: &Body, kind: Kind) {
+    pub fn see(&mut self, number: usize, body: &Body) {
         let place = body.place;
         let share = 1.0 / self.found.extent;
+        let reach = |rounding: f64, leaving: f64| share * if self.clear { rounding + leaving } else { rounding };
         match *body.shape {
             Shape::Quad { u, v, .. } => {
                 let (u, v) = body.edges(u, v);
                 let n = normal(u, v);
-                let tilt = Tilt::new(n, share * place, 0.0);
-                self.planes.push(Plane::new(share * n.dot(place), &tilt, number as u32 * SIDES + QUAD));
+                let reach = reach(rounding(n, place, 0.0), leaving::from_quad(n, place, u, v));
+                self.planes.push(Plane::new(share * n.dot(place), hash_of(n), reach, number as u32 * SIDES + QUAD));
             }
             Shape::Cuboid { .. } => {
                 if self.planes.is_empty() {
                     // Three sides are seen of most.
-                    self.planes.reserve(3 * self.found.placed.len());
+                    self.planes.reserve(if self.clear { 6 } else { 3 } * self.found.placed.len());
                 }
                 let half = body.half_sides(self.found).unwrap_or_default();
                 let axes = body.to_world.rotation;
                 let middle = axes.transpose() * place;
                 let inside = (middle.abs() - half).max_element() < 0.0;
                 for axis in 0..3 {
-                    let tilt = Tilt::new(axes.col(axis), share * place, share * half[axis]);
+                    let n = axes.col(axis);
+                    let leaving = leaving::from_cuboid(n, place, half, &axes);
+                    let (reach, normal) = (reach(rounding(n, place, half[axis]), leaving), hash_of(n));
                     for (low, outward) in [(0, middle[axis] + half[axis]), (1, half[axis] - middle[axis])] {
-                        if kind.glass || inside || outward < 0.0 {
+                        if self.clear || inside || outward < 0.0 {
                             let side = number as u32 * SIDES + 2 * axis as u32 + low;
-                            self.planes.push(Plane::new(share * outward, &tilt, side));
+                            self.planes.push(Plane::new(share * outward, normal, reach, side));
                         }
                     }
                 }
@@ -259,9 +196,10 @@ impl<'a> Planes<'a> {
         self.search();
         let found = self.found;
         let flat = self.overlapping.danger(|pair| tell_overlapping(found, &pair));
-        let glass = self.under_glass.danger(|pair| tell_under_glass(found, &pair));
+        let glass = self.at_glass.danger(|pair| tell_at_glass(found, &pair));
+        let clear = self.clear_on_clear.danger(|pair| tell_clear_on_clear(found, &pair));
         let lost = self.back_to_back.danger(|pair| tell_back_to_back(&pair));
-        [flat, glass, lost].into_iter().flatten().collect()
+        [flat, glass, clear, lost].into_iter().flatten().collect()
     }
 
     fn search(&mut self) {
@@ -271,7 +209,7 @@ impl<'a> Planes<'a> {
         planes.sort_unstable_by_key(|plane| plane.bits);
         let mut left = MOST_SIDES + self.found.placed.len() / 16;
         let mut sides: Vec<Side> = Vec::new();
-        for run in planes.chunk_by(Plane::is_near) {
+        for run in runs(&planes) {
             if !self.may_differ(run) {
                 continue;
             }
@@ -290,7 +228,7 @@ impl<'a> Planes<'a> {
     fn may_differ(&self, run: &[Plane]) -> bool {
         let differ = |a: &Plane, b: &Plane| {
             let [of_a, of_b] = [a, b].map(|plane| self.found.placed[(plane.side / SIDES) as usize].material);
-            of_a != of_b || self.kinds[of_a as usize].one_sided
+            of_a != of_b || self.kinds[of_a as usize].one_sided || self.kinds[of_a as usize].glass
         };
         match run {
             [] | [_] => false,
@@ -303,11 +241,13 @@ impl<'a> Planes<'a> {
         let owner = (plane.side / SIDES) as usize;
         let placed = &self.found.placed[owner];
         let body = Body::new(self.found, &placed.shape, &placed.to_world);
-        let (normal, corners, hidden) = match placed.shape {
+        let (normal, corners, hidden, rounding, leaving) = match placed.shape {
             Shape::Quad { u, v, .. } => {
                 let (u, v) = body.edges(u, v);
                 let p = body.place;
-                (normal(u, v), [p, p + u, p + u + v, p + v], false)
+                let n = normal(u, v);
+                let leaving = leaving::from_quad(n, p, u, v);
+                (n, [p, p + u, p + u + v, p + v], false, rounding(n, p, 0.0), leaving)
             }
             _ => {
                 let half = body.half_sides(self.found)?;
@@ -319,16 +259,21 @@ impl<'a> Planes<'a> {
                 let normal = sign * axes.col(axis);
                 let middle = body.place + half[axis] * normal;
                 let (b, c) = (half[b] * axes.col(b), half[c] * axes.col(c));
+                let rounding = rounding(normal, body.place, half[axis]);
+                let leaving = leaving::from_cuboid(normal, body.place, half, &axes);
                 let inside = ((axes.transpose() * body.place).abs() - half).max_element() < 0.0;
                 let hidden = !inside && normal.dot(middle) >= 0.0;
-                (normal, [middle - b - c, middle + b - c, middle + b + c, middle - b + c], hidden)
+                let corners = [middle - b - c, middle + b - c, middle + b + c, middle - b + c];
+                (normal, corners, hidden, rounding, leaving)
             }
         };
         let key = steps(normal);
         let turned = key.into_iter().find(|step| *step != 0)? < 0;
         let (normal, key) = if turned { (-normal, steps(-normal)) } else { (normal, key) };
-        let (distance, rounding) = (normal.dot(corners[0]), f64::from(plane.rounding) * self.found.extent);
-        Some(Side { owner, normal, turned, key, distance, rounding, hidden, corners })
+        let distance = normal.dot(corners[0]);
+        // Nothing leaves a light.
+        let leaving = if self.kinds[placed.material as usize].light { 0.0 } else { leaving };
+        Some(Side { owner, normal, turned, key, distance, rounding, leaving, hidden, corners })
     }
 
     /// Compares surfaces in parallel planes that are as near to each other as rounding.
@@ -392,25 +337,32 @@ impl<'a> Planes<'a> {
         let (first, second) = if one.side.owner < other.side.owner { (one, other) } else { (other, one) };
         let (a, b) = (first.side, second.side);
         let [material_a, material_b] = [a, b].map(|side| self.found.placed[side.owner].material);
+        let [glass_a, glass_b] = [material_a, material_b].map(|material| self.kinds[material as usize].glass);
+        let clear = glass_a || glass_b;
         let same = material_a == material_b;
         let opposed = same && a.turned != b.turned && self.kinds[material_a as usize].one_sided;
         let gap = (a.distance - b.distance).abs();
-        let rounding = a.rounding + b.rounding;
-        // What lies against glass from outside is met through it, if it stands first.
-        let met = !b.hidden && (!a.hidden || !self.kinds[material_b as usize].glass);
-        if a.owner == b.owner || same && !opposed || gap > rounding || !met || !overlap(first, second) {
+        // Rays that pass a clear one start beyond the other, or those that leave the other beyond the clear one.
+        let bound = a.rounding + b.rounding + if clear { a.leaving.max(b.leaving) } else { 0.0 };
+        let shows = clear || (!same || opposed) && !a.hidden && !b.hidden;
+        if a.owner == b.owner || gap > bound || !shows || !overlap(first, second) {
             return;
         }
-        if !self.told.insert((a.owner, b.owner)) {
-            return;
-        }
-        let pair = Pair { first: a.owner, second: b.owner, gap, rounding };
-        let kind = match (a.hidden, opposed) {
-            (true, _) => &mut self.under_glass,
-            (false, true) => &mut self.back_to_back,
-            (false, false) => &mut self.overlapping,
+        let kind = match (glass_a, glass_b, opposed) {
+            (true, true, _) => &mut self.clear_on_clear,
+            (true, ..) | (_, true, _) => &mut self.at_glass,
+            (.., true) => &mut self.back_to_back,
+            (.., false) => &mut self.overlapping,
         };
-        kind.note(-(b.owner as f64), pair);
+        if self.told.insert((a.owner, b.owner)) {
+            return kind.note(-(b.owner as f64), Pair { first: a.owner, second: b.owner, gap, bound });
+        }
+        // Of boxes with several sides that coincide, the largest bound is what to keep apart by.
+        if let Some((_, pair)) = &mut kind.worst
+            && (pair.first, pair.second) == (a.owner, b.owner)
+        {
+            pair.bound = pair.bound.max(bound);
+        }
     }
 }
 
@@ -439,55 +391,51 @@ fn overlap(one: &Patch, other: &Patch) -> bool {
     })
 }
 
-/// "coincides with" or how far apart.
-fn apart(pair: &Pair) -> String {
-    let Pair { gap, rounding, .. } = pair;
-    // Less is what f64 left of transforms.
-    if *gap <= 1e-3 * rounding {
-        return "coincides with it".to_string();
-    }
-    format!("is {} off, less than what f32 rounds by there, {},", short(*gap), short(*rounding))
-}
-
-const BY_ROUNDING: &str = "which is seen is left to rounding, and to their order in the file where that ties";
-
-fn tell_spheres(pair: &Pair) -> Danger {
-    let message = format!(
-        "there is a sphere of another material at {OTHER} that {}: {BY_ROUNDING}: remove one, or set them more than {} apart",
-        apart(pair),
-        short(pair.rounding)
-    );
-    Danger { at: At::Primitive(pair.second), field: "", message, other: Some(At::Primitive(pair.first)), more: 0 }
-}
-
 fn tell_overlapping(found: &Found, pair: &Pair) -> Danger {
     let message = format!(
-        "its surface overlaps with that of the {} at {OTHER}, of another material, and {}: {BY_ROUNDING}: set them more than \
-         {} apart, or cut one out",
+        "its surface overlaps with that of the {} at {OTHER}, of another material{}: {BY_ROUNDING}: set them more than {} apart, or cut \
+         one out",
         name(&found.placed[pair.first].shape),
-        apart(pair),
-        short(pair.rounding)
+        apart(pair.gap, pair.bound, false),
+        short(pair.bound)
     );
     Danger { at: At::Primitive(pair.second), field: "", message, other: Some(At::Primitive(pair.first)), more: 0 }
 }
 
-fn tell_under_glass(found: &Found, pair: &Pair) -> Danger {
+/// At the one that is clear.
+fn tell_at_glass(found: &Found, pair: &Pair) -> Danger {
+    let is_clear = |number: usize| Kind::of(&found.scene.materials[found.placed[number].material as usize].1).glass;
+    let (clear, other) = match is_clear(pair.first) {
+        true => (pair.first, pair.second),
+        false => (pair.second, pair.first),
+    };
     let message = format!(
-        "this glass touches the {} at {OTHER}, whose surface {}, and stands first in the file: rays that leave the glass there do \
-         not meet what it touches: list the glass after it, or set them more than {} apart",
-        name(&found.placed[pair.second].shape),
-        apart(pair),
-        short(pair.rounding)
+        "this glass touches the {} at {OTHER}{}: rays that leave the glass there do not meet what it touches, or the reverse: let one \
+         reach into the other, or set them more than {} apart",
+        name(&found.placed[other].shape),
+        apart(pair.gap, pair.bound, true),
+        short(pair.bound)
     );
-    Danger { at: At::Primitive(pair.first), field: "", message, other: Some(At::Primitive(pair.second)), more: 0 }
+    Danger { at: At::Primitive(clear), field: "", message, other: Some(At::Primitive(other)), more: 0 }
+}
+
+fn tell_clear_on_clear(found: &Found, pair: &Pair) -> Danger {
+    let message = format!(
+        "this glass touches the {} at {OTHER}, which is clear too{}: of two surfaces in one place rays pass one: set them more than {} apart, or \
+         write one solid where they are of one material",
+        name(&found.placed[pair.first].shape),
+        apart(pair.gap, pair.bound, true),
+        short(pair.bound)
+    );
+    Danger { at: At::Primitive(pair.second), field: "", message, other: Some(At::Primitive(pair.first)), more: 0 }
 }
 
 fn tell_back_to_back(pair: &Pair) -> Danger {
     let message = format!(
-        "this light shines to one side, and lies back to back with the one at {OTHER}, which {}: where a ray meets the back of the \
-         other, its light is lost: set them more than {} apart, or write one that is two_sided",
-        apart(pair),
-        short(pair.rounding)
+        "this light shines to one side, and lies back to back with the one at {OTHER}{}: where a ray meets the back of the other, its \
+         light is lost: set them more than {} apart, or write one that is two_sided",
+        apart(pair.gap, pair.bound, false),
+        short(pair.bound)
     );
     Danger { at: At::Primitive(pair.second), field: "", message, other: Some(At::Primitive(pair.first)), more: 0 }
 }

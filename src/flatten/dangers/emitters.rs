@@ -1,12 +1,14 @@
 //! Emitters that no path can reach, and those too faint beside others.
 //!
-//! Decided are the cases that geometry alone decides: a light that shines to one side, with nothing on that side; and a closed opaque
-//! sphere or box between a light and the camera.
+//! Decided are the cases that geometry alone decides: a light that shines to one side, with nothing on that side; a closed one around the
+//! camera that shines outwards; and a closed opaque sphere, box or mesh between a light and the camera.
 
 use glam::DVec3;
 
+use super::within::Within;
 use super::{At, Body, Danger, Found, Kind, OTHER, U, Worst, name, normal, power_of_two, short};
 use crate::flatten::place::{Placed, Shape};
+use crate::scene::{Background, Material, Texture};
 
 /// So many emitters are looked for within things, and with so many comparisons for each thing.
 const MOST_EMITTERS: usize = 4096;
@@ -17,6 +19,8 @@ const STRIPS: usize = 1024;
 const MOST_AROUND: usize = 8;
 /// The largest share between the brightest emitter and another.
 const LARGEST_SHARE: f64 = (1u64 << 60) as f64;
+/// Of the texels of an image that are not black at least one in so many: fewer may be what an encoding left over.
+const TEXELS_EACH: usize = 100;
 
 /// One-sided quads with all of the scene behind them, the camera too.
 pub fn turned_away(found: &Found, kinds: &[Kind]) -> Option<Danger> {
@@ -80,6 +84,9 @@ pub struct Walls<'a> {
     /// Things around the camera.
     around: usize,
     worst: Worst<(At, At, bool)>,
+    /// Closed lights around the camera that shine outwards.
+    outwards: Worst<usize>,
+    within: Within<'a>,
 }
 
 impl<'a> Walls<'a> {
@@ -109,6 +116,8 @@ impl<'a> Walls<'a> {
             tests: TESTS_EACH * (found.placed.len() + 1000),
             around: 0,
             worst: Worst::default(),
+            outwards: Worst::default(),
+            within: Within::new(found),
         }
     }
 
@@ -116,45 +125,60 @@ impl<'a> Walls<'a> {
         if self.emitters.is_empty() || self.tests == 0 || kind.glass {
             return;
         }
-        let Some(depth) = depth_in(self.found, wall, DVec3::ZERO) else { return };
         let lens = self.found.view.lens_radius();
+        let Some(depth) = self.within.depth(wall, DVec3::ZERO) else { return };
         let (least_x, strips) = (self.least_x, self.strips);
         let strip = |x: f64| (((x - least_x) * strips) as usize).min(STRIPS - 1);
-        let mut note = |emitter: &Emitter, around_camera: bool| {
-            if emitter.number != number {
-                let (at, other) = (At::Primitive(emitter.number), At::Primitive(number));
-                self.worst.note(-(emitter.number as f64), (at, other, around_camera));
-            }
-        };
         if depth > lens && self.around < MOST_AROUND {
             self.around += 1;
-            let outside = |emitter: &&Emitter| {
-                depth_in(self.found, wall, emitter.center).is_some_and(|depth| -depth > emitter.radius)
-            };
-            self.emitters.iter().filter(outside).for_each(|emitter| note(emitter, true));
+            if kind.light && kind.one_sided && self.within.is_outside_in_front(wall) {
+                self.outwards.note(-(number as f64), number);
+            }
+            for at in 0..self.emitters.len() {
+                let emitter = self.emitters[at];
+                let mut outside =
+                    || self.within.depth(wall, emitter.center).is_some_and(|depth| -depth > emitter.radius);
+                if emitter.number != number && outside() {
+                    self.note(number, &emitter, true);
+                }
+            }
         } else if depth < -lens {
             let (_, reach) = wall.ball(self.found);
             if reach <= self.smallest {
                 return;
             }
             let from = self.starts.get(strip(wall.place.x - reach)).map_or(0, |start| *start as usize);
-            for emitter in &self.emitters[from..] {
+            for at in from..self.emitters.len() {
+                let emitter = self.emitters[at];
                 if emitter.center.x > wall.place.x + reach || self.tests == 0 {
                     break;
                 }
                 self.tests -= 1;
                 let apart = (emitter.center - wall.place).abs();
-                if apart.y < reach && apart.z < reach && emitter.radius < reach && is_within(self.found, wall, emitter)
-                {
-                    note(emitter, false);
+                let near = apart.y < reach && apart.z < reach && emitter.radius < reach;
+                if near && emitter.number != number && is_within(self.found, &mut self.within, wall, &emitter) {
+                    self.note(number, &emitter, false);
                 }
             }
         }
     }
 
-    pub fn danger(self) -> Option<Danger> {
+    fn note(&mut self, wall: usize, emitter: &Emitter, around_camera: bool) {
+        let (at, other) = (At::Primitive(emitter.number), At::Primitive(wall));
+        self.worst.note(-(emitter.number as f64), (at, other, around_camera));
+    }
+
+    pub fn dangers(self) -> Vec<Danger> {
         let found = self.found;
-        self.worst.danger(|(at, other, around_camera)| {
+        let outwards = self.outwards.danger(|number| {
+            let message = format!(
+                "a light that shines outwards, and the camera is in this {}: nothing that comes out of it is seen, and its inside is \
+                 black: make it two_sided",
+                name(&found.placed[number].shape)
+            );
+            Danger { at: At::Primitive(number), field: "", message, other: None, more: 0 }
+        });
+        let hidden = self.worst.danger(|(at, other, around_camera)| {
             let shape = match other {
                 At::Primitive(number) => name(&found.placed[number].shape),
                 _ => "thing",
@@ -165,55 +189,70 @@ impl<'a> Walls<'a> {
                  outside: remove the light, or open what is around"
             );
             Danger { at, field: "", message, other: Some(other), more: 0 }
-        })
+        });
+        [outwards, hidden].into_iter().flatten().collect()
     }
 }
 
-/// Whether all of an emitter is within a sphere or box.
-fn is_within(found: &Found, wall: &Body, emitter: &Emitter) -> bool {
-    let inside = |p: DVec3, least: f64| depth_in(found, wall, p).is_some_and(|depth| depth > least);
-    if !inside(emitter.center, 0.0) {
-        return false;
-    }
+/// Whether all of an emitter is within a sphere, box or mesh.
+fn is_within(found: &Found, within: &mut Within, wall: &Body, emitter: &Emitter) -> bool {
     let Placed { shape, to_world, .. } = &found.placed[emitter.number];
-    match shape {
-        Shape::Sphere { .. } => inside(emitter.center, emitter.radius),
-        _ => Body::new(found, shape, to_world).corners(found).into_iter().all(|p| inside(p, 0.0)),
-    }
+    // The corners decide where the wall is convex.
+    let by_ball = matches!(shape, Shape::Sphere { .. }) || matches!(wall.shape, Shape::Mesh(_));
+    let least = if by_ball { emitter.radius } else { 0.0 };
+    let mut inside = |p: DVec3, least: f64| within.depth(wall, p).is_some_and(|depth| depth > least);
+    inside(emitter.center, least)
+        && (by_ball || Body::new(found, shape, to_world).corners(found).into_iter().all(|p| inside(p, 0.0)))
 }
 
-/// How deep within a sphere or box a point is, at least; negative outside, and there no more than the distance. Nothing of shapes that
-/// are not closed.
-fn depth_in(found: &Found, wall: &Body, p: DVec3) -> Option<f64> {
-    match *wall.shape {
-        Shape::Sphere { radius, .. } => Some(wall.to_world.scale * radius - p.distance(wall.place)),
-        Shape::Cuboid { .. } => {
-            let half = wall.half_sides(found)?;
-            Some((half - (wall.to_world.rotation.transpose() * (p - wall.place)).abs()).min_element())
-        }
-        Shape::Quad { .. } | Shape::Mesh(_) => None,
-    }
-}
-
-/// Emitters so much fainter than the brightest that the film has few digits for them.
+/// Emitters so much fainter than the brightest that the film has few digits for them, and those of which a part is.
 pub fn too_faint(found: &Found) -> Option<Danger> {
     let at = |material: Option<usize>| material.map_or(At::Background, At::Emit);
     let (brightest, most) = found.emissions.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let limit = most / LARGEST_SHARE;
+    let is_faint = |radiance: f64| radiance > 0.0 && radiance < limit;
     let mut worst = Worst::default();
     for &(material, radiance) in found.emissions {
-        if radiance > 0.0 && most / radiance > LARGEST_SHARE {
-            worst.note(most / radiance, (at(material), radiance));
+        let part = if is_faint(radiance) { Some(radiance) } else { faint_part(found, material, is_faint) };
+        if let Some(part) = part {
+            worst.note(most / part, (at(material), part, radiance > part));
         }
     }
-    worst.danger(|(at_it, radiance)| {
+    worst.danger(|(at_it, radiance, is_part)| {
         let message = format!(
-            "a radiance of {} is {} of that at {OTHER}, {}: the film has one unit for the whole image, in which less than {} of \
+            "a radiance of {}{} is {} of that at {OTHER}, {}: the film has one unit for the whole image, in which less than {} of \
              the brightest keeps few digits: render what differs so much in scenes of their own",
             short(radiance),
+            if is_part { " in a part of it" } else { "" },
             power_of_two(radiance / most),
             short(most),
             power_of_two(1.0 / LARGEST_SHARE)
         );
         Danger { at: at_it, field: "", message, other: Some(at(brightest)), more: 0 }
     })
+}
+
+/// The radiance of a part that is too faint, of an emitter that has several: the fainter colour of a checker, or the brightest texel of
+/// those too faint, if they are many.
+fn faint_part(found: &Found, material: Option<usize>, is_faint: impl Fn(f64) -> bool) -> Option<f64> {
+    let path = match material {
+        Some(number) => match &found.scene.materials[number].1 {
+            Material::DiffuseLight { emit: Texture::Checker { even, odd, .. }, .. } => {
+                return [even, odd].map(|colour| colour.max_element()).into_iter().find(|radiance| is_faint(*radiance));
+            }
+            Material::DiffuseLight { emit: Texture::Image { path }, .. } => path,
+            _ => return None,
+        },
+        None => match &found.scene.background {
+            Background::Image { path } => path,
+            Background::Solid(_) | Background::Gradient { .. } => return None,
+        },
+    };
+    let texels = &found.scene.bitmaps.get(path)?.texels;
+    let lit = texels.iter().map(|texel| texel.iter().fold(0.0, |most, &x| f64::from(x).max(most))).filter(|x| *x > 0.0);
+    let (count, faint, brightest) = lit.fold((0, 0, 0.0_f64), |(count, faint, brightest), x| match is_faint(x) {
+        true => (count + 1, faint + 1, brightest.max(x)),
+        false => (count + 1, faint, brightest),
+    });
+    (faint > 0 && faint * TEXELS_EACH >= count).then_some(brightest)
 }

@@ -5,8 +5,12 @@
 
 mod coincident;
 mod emitters;
+mod leaving;
+mod repeated;
+mod same_place;
 mod sizes;
 mod surfaces;
+mod within;
 
 use std::collections::BTreeMap;
 
@@ -16,8 +20,9 @@ use super::place::{AxisBox, Placed, PlacedMedium, Shape};
 use super::similarity::Similarity;
 use super::view::View;
 use crate::scene::{Material, Object, Scene, Texture};
-use coincident::{Planes, Spheres};
+use coincident::Planes;
 use emitters::Walls;
+use same_place::SamePlace;
 use sizes::Sizes;
 use surfaces::Surfaces;
 
@@ -30,7 +35,7 @@ pub struct Found<'a> {
     pub view: &'a View<'a>,
     /// The farthest that anything reaches from the camera along an axis.
     pub extent: f64,
-    /// The largest component of what materials emit, by their numbers, and of the background.
+    /// The largest component of what materials emit that something is made of, by their numbers, and of the background.
     pub emissions: &'a [(Option<usize>, f64)],
 }
 
@@ -39,7 +44,7 @@ pub fn warnings(found: &Found) -> Vec<String> {
     let kinds: Vec<Kind> = found.scene.materials.iter().map(|(_, material)| Kind::of(material)).collect();
     let mut sizes = Sizes::new(found);
     let mut surfaces = Surfaces::new(found);
-    let mut spheres = Spheres::new(found);
+    let mut same_place = SamePlace::new(found, &kinds);
     let mut planes = Planes::new(found, &kinds);
     let mut walls = Walls::new(found, &kinds);
     // All in one go: what it takes is mostly the way through memory.
@@ -48,16 +53,16 @@ pub fn warnings(found: &Found) -> Vec<String> {
         let kind = kinds[placed.material as usize];
         sizes.see(number, &body, kind);
         surfaces.see(number, &body);
-        spheres.see(number, &body);
-        planes.see(number, &body, kind);
+        same_place.see(number, &body);
+        planes.see(number, &body);
         walls.see(number, &body, kind);
     }
     let mut dangers = sizes.dangers();
     dangers.extend(surfaces.dangers());
-    dangers.extend(spheres.danger());
+    dangers.extend(same_place.dangers());
     dangers.extend(planes.dangers());
     dangers.extend(emitters::turned_away(found, &kinds));
-    dangers.extend(walls.danger());
+    dangers.extend(walls.dangers());
     dangers.extend(emitters::too_faint(found));
     if dangers.is_empty() {
         return Vec::new();
@@ -294,6 +299,18 @@ impl Kind {
             Material::Lambertian { .. } | Material::Metal { .. } => Kind::default(),
         }
     }
+}
+
+const BY_ROUNDING: &str = "which is seen is left to rounding, and to their order in the file where that ties";
+
+/// After the place of another surface: how far from it one is, by a gap that is less than a bound of rounding, or of where rays start.
+fn apart(gap: f64, bound: f64, clear: bool) -> String {
+    // Less is what f64 left of transforms.
+    if gap <= 1e-3 * bound {
+        return " and coincides with it".to_string();
+    }
+    let what = if clear { "where rays start that leave it" } else { "what f32 rounds by there" };
+    format!(" and is {} off, less than {what}, {}", short(gap), short(bound))
 }
 
 /// A number to four digits, as one would write it.

@@ -1,10 +1,12 @@
 //! Lengths that f32 cannot hold: features lost in the rounding of their place, scenes of too many sizes, and media thicker than their
-//! places are resolved.
+//! places are resolved. And media that are so thick that paths end in them.
+
+use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::{At, Body, Danger, Found, Kind, U, Worst, power_of_two, short};
-use crate::flatten::place::{Shape, reach};
+use super::{At, Body, Danger, Found, Kind, U, Worst, leaving, power_of_two, short};
+use crate::flatten::place::{PlacedMedium, Shape, reach};
 
 /// The least share of its distance that a feature may be, eight roundings of its place: there its shape is off by an eighth.
 const LEAST_SHARE: f64 = 8.0 * U;
@@ -14,6 +16,11 @@ const LEAST_SPHERE: f64 = 1e-5;
 const SMALLEST_SHARE: f64 = 1.0 / (1u64 << 40) as f64;
 /// The largest share of a medium's mean free path by which places in it may be rounded.
 const PATH_SHARE: f64 = 0.1;
+/// The largest share of what is scattered about in a medium that `max_depth` may cut off.
+const CUT_SHARE: f64 = 0.01;
+/// How far outside of its boundary the density of light in a medium comes to nothing, in transport mean free paths (Milne's problem:
+/// Chandrasekhar, Radiative Transfer, section 27).
+const EXTRAPOLATION: f64 = 0.7104;
 
 /// The name of a size, as a message calls it, with the field that holds it.
 pub type Name = (&'static str, &'static str);
@@ -36,15 +43,27 @@ pub struct Sizes<'a> {
     /// A feature may be no smaller.
     smallest: f64,
     lost: Worst<Small>,
+    /// Clear boxes that rays start beyond, with where they start.
+    thin: Worst<(usize, f64, f64)>,
     tiny: Worst<(At, Name, f64)>,
 }
 
 impl<'a> Sizes<'a> {
     pub fn new(found: &'a Found<'a>) -> Sizes<'a> {
-        Sizes { found, smallest: SMALLEST_SHARE * found.extent, lost: Worst::default(), tiny: Worst::default() }
+        Sizes {
+            found,
+            smallest: SMALLEST_SHARE * found.extent,
+            lost: Worst::default(),
+            thin: Worst::default(),
+            tiny: Worst::default(),
+        }
     }
 
     pub fn see(&mut self, number: usize, body: &Body, kind: Kind) {
+        let thinnest = if kind.glass { thinnest(self.found, body) } else { None };
+        if let Some((side, start)) = thinnest.filter(|(side, start)| side <= start) {
+            return self.thin.note(start / side, (number, side, start));
+        }
         self.measure(At::Primitive(number), body, kind.glass);
     }
 
@@ -63,7 +82,7 @@ impl<'a> Sizes<'a> {
 
     pub fn dangers(mut self) -> Vec<Danger> {
         let found = self.found;
-        let mut dense = Worst::default();
+        let (mut dense, mut white) = (Worst::default(), Worst::default());
         for (number, medium) in found.media.iter().enumerate() {
             let at = At::Medium(number);
             self.measure(at, &Body::new(found, &medium.boundary, &medium.to_world), true);
@@ -72,9 +91,17 @@ impl<'a> Sizes<'a> {
             if share > PATH_SHARE {
                 dense.note(share, (at, medium.density, far));
             }
+            if found.scene.is_white(medium.albedo) {
+                let cut = cut_share(found, medium);
+                if cut > CUT_SHARE {
+                    white.note(cut, (at, cut));
+                }
+            }
         }
         let tiny = self.tiny.danger(|of| tell_tiny(of, found.extent));
-        let all = [self.lost.danger(tell_lost), tiny, dense.danger(tell_dense)];
+        let thin = self.thin.danger(tell_thin);
+        let white = white.danger(|of| tell_white(of, found.scene.render.max_depth));
+        let all = [self.lost.danger(tell_lost), thin, tiny, dense.danger(tell_dense), white];
         all.into_iter().flatten().collect()
     }
 }
@@ -150,6 +177,54 @@ fn lost_in_rounding(found: &Found, at: At, body: &Body, deep: bool) -> Option<Sm
     };
     let lost = features.into_iter().filter(|small| small.size < small.share * small.coordinate);
     lost.max_by(|a, b| (a.coordinate / a.size).total_cmp(&(b.coordinate / b.size)))
+}
+
+/// The side of a box that is thinnest against how far from it rays start that enter there, and that.
+fn thinnest(found: &Found, body: &Body) -> Option<(f64, f64)> {
+    let Shape::Cuboid { .. } = body.shape else { return None };
+    let half = body.half_sides(found)?;
+    let axes = body.to_world.rotation;
+    let sides = (0..3).map(|axis| (2.0 * half[axis], leaving::from_cuboid(axes.col(axis), body.place, half, &axes)));
+    sides.min_by(|(a, start_a), (b, start_b)| (a / start_a).total_cmp(&(b / start_b)))
+}
+
+/// The share of the light within a medium of albedo 1 that is still there after `max_depth` events, once it has spread. Own derivation from
+/// diffusion theory (Chandrasekhar, as above), with σ the density, l = 1 / (σ (1 - g)) the transport mean free path, z `EXTRAPOLATION`: what stays
+/// longest falls by l B² / (3 σ) an event, B² the sum of (π / (L + 2 z l))² over the sides of a box, or (π / (R + z l))² of a sphere. For a
+/// side that is 1 in 3 / π² τ (τ (1 - g) + 4 z) events, τ = σ L, where (2 z)² / (1 - g) is left out: thus it is also as many as a straight way
+/// has where g is near 1. A mesh counts as the box around it.
+fn cut_share(found: &Found, medium: &PlacedMedium) -> f64 {
+    let body = Body::new(found, &medium.boundary, &medium.to_world);
+    let transport = 1.0 - medium.anisotropy;
+    let leave = |length: f64, ends: f64| {
+        let depth = medium.density * length;
+        PI * PI / (3.0 * depth * (depth * transport + 2.0 * ends * EXTRAPOLATION))
+    };
+    let each = match body.half_sides(found) {
+        Some(half) => leave(2.0 * half.x, 2.0) + leave(2.0 * half.y, 2.0) + leave(2.0 * half.z, 2.0),
+        None => leave(body.ball(found).1, 1.0),
+    };
+    (-f64::from(found.scene.render.max_depth) * each).exp()
+}
+
+fn tell_thin((number, side, start): (usize, f64, f64)) -> Danger {
+    let message = format!(
+        "a clear box with a side of {}, and rays that enter it may start up to {} from where they enter, beyond its other side: its far \
+         surface is lost in rounding: make it thicker than {}, or smaller in its other sides",
+        short(side),
+        short(start),
+        short(start)
+    );
+    Danger { at: At::Primitive(number), field: "", message, other: None, more: 0 }
+}
+
+fn tell_white((at, cut): (At, f64), max_depth: u32) -> Danger {
+    let message = format!(
+        "an albedo of 1 absorbs nothing, and the medium is so thick that {} % of the light in it is scattered more than {max_depth} times: paths \
+         end there at max_depth: write 0.99 or less, a lower density, or a higher max_depth",
+        short((1000.0 * cut).round() / 10.0)
+    );
+    Danger { at, field: "albedo", message, other: None, more: 0 }
 }
 
 fn tell_lost(Small { at, name: (name, field), size, distance, coordinate, share }: Small) -> Danger {

@@ -1,0 +1,127 @@
+//! How deep within a closed shape a point is.
+
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+
+use glam::DVec3;
+
+use super::{Body, Found};
+use crate::flatten::place::Shape;
+use crate::scene::Mesh;
+
+/// So many triangles are looked at in all, of meshes with points in the boxes around them.
+const MOST_TRIANGLES: usize = 1 << 19;
+
+/// Tells how deep points are within spheres, boxes and meshes that are closed.
+pub struct Within<'a> {
+    found: &'a Found<'a>,
+    /// In the order of their paths.
+    meshes: Vec<&'a Mesh>,
+    /// What is known of whether a mesh is closed.
+    closed: BTreeMap<usize, bool>,
+    /// Triangles that may still be looked at.
+    left: usize,
+}
+
+impl<'a> Within<'a> {
+    pub fn new(found: &'a Found<'a>) -> Within<'a> {
+        Within { found, meshes: found.scene.meshes.values().collect(), closed: BTreeMap::new(), left: MOST_TRIANGLES }
+    }
+
+    /// How deep within a sphere, box or closed mesh a point is, at least; negative outside, and there no more than the distance. Nothing of
+    /// shapes that are not closed, nor of a mesh where that would take long.
+    pub fn depth(&mut self, wall: &Body, p: DVec3) -> Option<f64> {
+        if let Shape::Sphere { radius, .. } = *wall.shape {
+            return Some(wall.to_world.scale * radius - p.distance(wall.place));
+        }
+        let half = wall.half_sides(self.found)?;
+        let by_box = (half - (wall.to_world.rotation.transpose() * (p - wall.place)).abs()).min_element();
+        match *wall.shape {
+            Shape::Mesh(mesh) if by_box > 0.0 => self.depth_in_mesh(mesh, wall, p),
+            _ => Some(by_box),
+        }
+    }
+
+    /// Whether the side that a light shines from, if it shines to one, is its outside: not so of a mesh that is wound the other way.
+    pub fn is_outside_in_front(&self, wall: &Body) -> bool {
+        match *wall.shape {
+            Shape::Mesh(mesh) => self.meshes.get(mesh).is_some_and(|mesh| mesh.volume_is_positive()),
+            _ => true,
+        }
+    }
+
+    fn depth_in_mesh(&mut self, number: usize, wall: &Body, p: DVec3) -> Option<f64> {
+        let mesh = *self.meshes.get(number)?;
+        self.left = self.left.checked_sub(mesh.triangles.len())?;
+        // A sort of its edges, once a mesh.
+        if !*self.closed.entry(number).or_insert_with(|| mesh.open_edges().is_none()) {
+            return None;
+        }
+        let to_own = wall.to_world.rotation.transpose();
+        let p = self.found.boxes[number].center() + to_own * (p - wall.place) / wall.to_world.scale;
+        let (mut angle, mut nearest) = (0.0, f64::INFINITY);
+        for corners in &mesh.triangles {
+            let [a, b, c] = corners.map(|corner| mesh.positions.get(corner as usize).copied().unwrap_or(p) - p);
+            angle += solid_angle(a, b, c);
+            nearest = nearest.min(distance_squared(a, b, c));
+        }
+        let distance = wall.to_world.scale * nearest.sqrt();
+        Some(if angle.abs() > 2.0 * PI { distance } else { -distance })
+    }
+}
+
+/// The solid angle of a triangle seen from the origin, positive from the side where it is clockwise (Van Oosterom and Strackee, "The Solid Angle of
+/// a Plane Triangle", IEEE Trans. Biomed. Eng. 30(2), 1983). Of a closed mesh they sum to 4 π within it, or its negative, and to 0 outside.
+fn solid_angle(a: DVec3, b: DVec3, c: DVec3) -> f64 {
+    let (x, y, z) = (a.length(), b.length(), c.length());
+    let below = x * y * z + a.dot(b) * z + b.dot(c) * x + c.dot(a) * y;
+    2.0 * a.dot(b.cross(c)).atan2(below)
+}
+
+/// The square of a triangle's distance from the origin (Ericson, Real-Time Collision Detection, section 5.1.5: by the edges, and by the plane where
+/// the origin is over the inside).
+fn distance_squared(a: DVec3, b: DVec3, c: DVec3) -> f64 {
+    let n = (b - a).cross(c - a);
+    let within = [(a, b), (b, c), (c, a)].iter().all(|(p, q)| n.dot((*q - *p).cross(-*p)) >= 0.0);
+    let nn = n.length_squared();
+    if within && nn > 0.0 {
+        return n.dot(a).powi(2) / nn;
+    }
+    let edge = |p: DVec3, q: DVec3| {
+        let along = q - p;
+        let t = (-p.dot(along) / along.length_squared()).clamp(0.0, 1.0);
+        (p + t * along).length_squared()
+    };
+    edge(a, b).min(edge(b, c)).min(edge(c, a))
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::{distance_squared, solid_angle};
+
+    #[test]
+    fn a_tetrahedron_is_all_around_its_inside() {
+        let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+        let faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+        let angle = |p: DVec3| -> f64 {
+            faces.iter().map(|face| face.map(|i: usize| corners[i] - p)).map(|[a, b, c]| solid_angle(a, b, c)).sum()
+        };
+        assert!((angle(DVec3::splat(0.2)) - 4.0 * std::f64::consts::PI).abs() < 1e-12);
+        assert!(angle(DVec3::splat(0.4)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_nearest_point_of_a_triangle() {
+        let from = |p: DVec3| {
+            let [a, b, c] = [DVec3::ZERO, DVec3::X, DVec3::Y].map(|q| q - p);
+            distance_squared(a, b, c).sqrt()
+        };
+        // Over its inside, beside an edge, and beyond a corner.
+        for (p, distance) in [((0.2, 0.2, 3.0), 3.0), ((0.5, -2.0, 0.0), 2.0), ((4.0, -4.0, 0.0), 5.0)] {
+            assert!((from(DVec3::from(p)) - distance).abs() < 1e-12, "{p:?}");
+        }
+        assert!(from(DVec3::new(0.2, 0.2, 0.0)) < 1e-12);
+    }
+}
