@@ -45,7 +45,7 @@ test-drivers: toolchain
 	tests/drivers/matrix.sh
 
 # docs/accuracy.md with its plots, measured here: six scenes, each within the budget. `make accuracy BUDGET=30s` is quicker and knows less.
-BUDGET ?= 120s
+BUDGET ?= 70s
 accuracy: export NODEVICE_SELECT = 1
 accuracy: toolchain
 	$(CARGO) bench --bench accuracy -- --budget $(BUDGET)

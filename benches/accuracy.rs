@@ -1,6 +1,6 @@
 //! Writes docs/accuracy.md: what `gpu-rt tradeoff` measures on scenes of this repository, one after the other.
 //!
-//! `cargo bench --bench accuracy [-- --budget 120s]`: the time for each scene; on the device that GPU_RT_BENCH_DEVICE names or the default
+//! `cargo bench --bench accuracy [-- --budget 70s]`: the time for each scene; on the device that GPU_RT_BENCH_DEVICE names or the default
 //! one. `make accuracy` does it.
 
 use std::error::Error;
@@ -72,6 +72,10 @@ impl<'a> Setting<'a> {
 
     fn declared_unbiased(self) -> bool {
         self.0["class"] == "exact" || self.0["class"] == "noise"
+    }
+
+    fn loses_detail(self) -> bool {
+        self.0["class"] == "detail"
     }
 
     /// The bias of the mean in percent, with half its interval if asked for.
@@ -164,6 +168,7 @@ fn document(reports: &[Report], budget: &str) -> String {
     let lists = [
         ("Sooner than the defaults at a relMSE of 1e-2 without bias", unbiased as fn(&Report) -> Vec<String>),
         ("Sooner with a bias", biased),
+        ("Sooner with less detail", coarser),
         ("Later by half or more without bias", later),
         ("Not known well, because of rare bright paths or too few rounds", unreliable),
     ];
@@ -206,8 +211,15 @@ fn unbiased(report: &Report) -> Vec<String> {
 }
 
 fn biased(report: &Report) -> Vec<String> {
-    let sooner = |s: Setting<'_>, ratio: f64| s.is("reliable") && !s.declared_unbiased() && ratio * NO_DIFFERENCE < 1.0;
+    let sooner = |s: Setting<'_>, ratio: f64| {
+        s.is("reliable") && !s.declared_unbiased() && !s.loses_detail() && ratio * NO_DIFFERENCE < 1.0
+    };
     list(report, sooner, |s, ratio| format!("{} ({} of the light)", times(s, ratio), s.bias(false)))
+}
+
+fn coarser(report: &Report) -> Vec<String> {
+    let sooner = |s: Setting<'_>, ratio: f64| s.is("reliable") && s.loses_detail() && ratio * NO_DIFFERENCE < 1.0;
+    list(report, sooner, |s, ratio| format!("{} (a relMSE of {:.0e} stays)", times(s, ratio), s.number("squared_bias")))
 }
 
 fn later(report: &Report) -> Vec<String> {
@@ -248,7 +260,11 @@ fn overview(reports: &[Report]) -> String {
                 None => "never".to_string(),
                 Some(ratio) => format!("{ratio:.2}"),
             };
-            let bias = if setting.is("biased") { format!(", {}", setting.bias(false)) } else { String::new() };
+            let bias = match setting.is("biased") {
+                true if setting.loses_detail() => format!(", bias² {:.0e}", setting.number("squared_bias")),
+                true => format!(", {}", setting.bias(false)),
+                false => String::new(),
+            };
             let doubtful = setting.is("measured") && !setting.is("reliable");
             let words = if doubtful { format!("*{words}{bias}*") } else { format!("{words}{bias}") };
             let _ = write!(text, " {words} |");
@@ -296,7 +312,7 @@ fn section(report: &Report) -> String {
 fn main() -> Result<()> {
     let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
     let budget = match &words[..] {
-        [] => "120s",
+        [] => "70s",
         [option, budget] if option == "--budget" => budget,
         _ => return Err("expected nothing or --budget TIME".into()),
     };

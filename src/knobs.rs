@@ -6,8 +6,10 @@
 pub enum Class {
     /// Nothing: the image is the same to the byte.
     Exact,
-    /// Some of the noise or the detail of the image; what it converges to is the same.
+    /// More noise, or more time; what the image converges to is the same.
     Noise,
+    /// Some of the image's pixels; each that is left converges to the mean over what it shows.
+    Detail,
     /// What the image converges to is another one.
     Bias,
     /// The same image, but for the rounding of f32: right in ordinary scenes, wrong at the extremes of scale.
@@ -20,6 +22,7 @@ impl Class {
         match self {
             Class::Exact => "Speed (the image stays the same to the byte)",
             Class::Noise => "Noise (the expectation stays the same)",
+            Class::Detail => "Detail (fewer pixels, each of them right)",
             Class::Bias => "Bias (each biases the result; off by default)",
             Class::Numerics => "Numerics (wrong at the extremes of scale; off by default)",
         }
@@ -54,7 +57,7 @@ impl Knob {
         match self.class {
             Class::Bias => format!("{option} biases the result"),
             Class::Numerics => format!("{option} is wrong at the extremes of scale"),
-            Class::Exact | Class::Noise => option,
+            Class::Exact | Class::Noise | Class::Detail => option,
         }
     }
 
@@ -78,7 +81,7 @@ pub const SIZE: Knob = Knob {
     about: "Image size in pixels, or in percent of the scene's [default: the scene's].",
     values: &["25%", "50%", "100%"],
     default: None,
-    class: Class::Noise,
+    class: Class::Detail,
     gives_up: "Fewer pixels give up detail: each is the mean over a larger square.",
 };
 
@@ -163,6 +166,6 @@ pub const BUILD: Knob = Knob {
     gives_up: "`fast` starts earlier and renders slower, `best` the reverse.",
 };
 
-/// All of them.
+/// All of them, those first that are the first to be measured where time is short.
 pub const KNOBS: &[&Knob] =
-    &[&SPP, &SIZE, &INTEGRATOR, &ROULETTE, &SAMPLER, &MAX_DEPTH, &FRESNEL, &CLAMP, &OFFSET, &PRECISION, &BUILD];
+    &[&SPP, &INTEGRATOR, &SAMPLER, &ROULETTE, &MAX_DEPTH, &FRESNEL, &CLAMP, &BUILD, &OFFSET, &PRECISION, &SIZE];

@@ -1001,7 +1001,7 @@ fn a_killed_render_leaves_its_last_checkpoint() {
 
 /// A measurement that is interrupted when `ready` says so of what it has said on stderr. The result is that, and the report.
 #[cfg(unix)]
-fn interrupted_tradeoff(place: &Place, ready: impl Fn(&str) -> bool) -> (String, Value) {
+fn interrupted_tradeoff(place: &Place, ready: impl Fn(&str) -> bool, says: &str) -> (String, Value) {
     place.scene("large.ron", &SPHERE.replace("width: 20, height: 12", "width: 96, height: 96"));
     let said = place.folder.path().join("said");
     let arguments = ["tradeoff", "../scenes/large.ron", "--budget", "1h", "--knobs", "roulette,clamp"];
@@ -1019,7 +1019,7 @@ fn interrupted_tradeoff(place: &Place, ready: impl Fn(&str) -> bool) -> (String,
     interrupt(&child);
     let ran = finish(child).exits(1);
     let said = fs::read_to_string(&said).unwrap();
-    assert!(said.trim_end().ends_with("interrupted; report holds what was measured"), "{said}");
+    assert!(said.trim_end().ends_with(says), "{said}");
     assert!(ran.stdout.starts_with("setting"), "{ran:?}");
     let folder = place.work().join("report");
     assert!(fs::read_to_string(folder.join("index.html")).unwrap().ends_with("</html>\n"));
@@ -1034,7 +1034,8 @@ fn interrupted_tradeoff(place: &Place, ready: impl Fn(&str) -> bool) -> (String,
 #[test]
 fn an_interrupted_tradeoff_reports_what_was_measured() {
     let place = Place::new();
-    let (said, report) = interrupted_tradeoff(&place, |said| said.contains("3 rounds are measured"));
+    let says = "interrupted; report holds what was measured";
+    let (said, report) = interrupted_tradeoff(&place, |said| said.contains("3 rounds are measured"), says);
     assert_eq!(report["interrupted"], true, "{said}");
     let settings = report["settings"].as_array().unwrap();
     assert!(settings.iter().all(|setting| setting["measured"] == true), "{report:#}");
@@ -1047,7 +1048,7 @@ fn an_interrupted_tradeoff_reports_what_was_measured() {
 fn a_tradeoff_that_is_interrupted_at_once_says_that_nothing_is_measured() {
     let place = Place::new();
     let folder = place.work().join("report");
-    let (said, report) = interrupted_tradeoff(&place, |_| folder.exists());
+    let (said, report) = interrupted_tradeoff(&place, |_| folder.exists(), "interrupted before anything was measured");
     assert_eq!(report["interrupted"], true, "{said}");
     for setting in report["settings"].as_array().unwrap() {
         assert_eq!(setting["measured"], false, "{report:#}");

@@ -302,7 +302,7 @@ fn values_of_noise_change_no_expectation() {
     };
     let usual = with(&[], "1");
     let usual_means = means(&usual, 4, 31.0);
-    for (knob, value) in values(Class::Noise) {
+    for (knob, value) in values(Class::Noise).chain(values(Class::Detail)) {
         let option = format!("--{}", knob.name);
         let image = match knob.name {
             // In percent of a scene of this size.

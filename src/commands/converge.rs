@@ -150,8 +150,10 @@ fn drawing<'a>(title: &'a str, steps: &[Step], own_error: Option<f64>) -> Plot<'
     let curve = |name: &str, of: &dyn Fn(&Step) -> f64| Curve {
         name: name.into(),
         points: steps.iter().map(|step| (step.seconds, of(step))).collect(),
+        marks: Vec::new(),
     };
-    let mut curves = vec![curve("relMSE against the reference", &|step| step.relmse)];
+    let measured = curve("relMSE against the reference", &|step| step.relmse);
+    let mut curves = vec![Curve { marks: measured.points.clone(), ..measured }];
     if let Some(own) = own_error {
         curves.push(curve("relMSE of the reference itself", &|_| own));
         curves.push(curve("less that", &|step| step.relmse - own));

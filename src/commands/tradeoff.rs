@@ -18,22 +18,23 @@ use crate::output::exr::{ExrImage, read_exr};
 use crate::output::png;
 use crate::output::progress::Loading;
 use crate::scene::Scene;
-use crate::tradeoff::extent::{FEWEST_PIXELS, affordable, calibrate, pixels_for, pixels_ratio, size_of};
+use crate::tradeoff::extent::{FEWEST_PIXELS, Whole, calibrate, middle_of, pixels_for, pixels_ratio, size_of};
 use crate::tradeoff::judge::{Judged, Measured, judge};
 use crate::tradeoff::page::{html, plot};
 use crate::tradeoff::replicates::{Estimate, Pixels, signed_bias};
 use crate::tradeoff::report::{Report, Shown};
-use crate::tradeoff::sweep::{FEWEST_ROUNDS, LEVEL, MOST_ROUNDS, Setting, Subject, Sweep};
+use crate::tradeoff::sweep::{FEWEST_ROUNDS, LEVEL, MOST_ROUNDS, SAMPLES_OF_FEWEST, Setting, Subject, Sweep};
 use crate::tradeoff::truth::Truth;
 
-/// The shares of the budget after which the pilot ends, compiling at the size that is measured, measuring, and the calibration by the
-/// whole size. The rest is for pictures and the report.
-const PILOT: f64 = 0.3;
-const COMPILING: f64 = 0.5;
+/// The shares of the budget after which compiling and measuring end, and the calibration by the whole size. The rest is for pictures and the
+/// report.
 const MEASURING: f64 = 0.8;
 const CALIBRATING: f64 = 0.9;
-/// Images that are larger than the pilot's by this at least are worth to compile everything once more.
-const WORTH_COMPILING: f64 = 2.0;
+/// The most of the time until then that compiling is taken to need, when the size of images is chosen.
+const COMPILING: f64 = 0.5;
+/// Rounds that there must be time for after one more setting is compiled: twice the fewest. A little more: the machine may become slower.
+const ROUNDS_LEFT: f64 = 2.0;
+const MARGIN: f64 = 1.3;
 
 /// Why a setting is not measured.
 const UNREACHED: &str = "the budget did not reach it";
@@ -44,9 +45,11 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     // From here on an interrupt ends the measuring, not the program.
     let stopped = stop_on_interrupt();
     let stop = || stopped.load(Ordering::Relaxed);
-    let scene = Scene::load(&args.scene)?;
+    let mut scene = Scene::load(&args.scene)?;
     let knobs = knobs_of(args)?;
     let reference = args.reference.as_deref().map(reference_of).transpose()?;
+    let given = reference.as_ref().map(|image| (image.width, image.height));
+    let reference = reference.map(|image| middle(image, &mut scene));
     let whole = match &reference {
         Some(image) => (image.width, image.height),
         None => (scene.image.width, scene.image.height),
@@ -60,30 +63,35 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     let mut loading = Loading::new(args.quiet);
     let share = || (start.elapsed().as_secs_f64() / args.budget.as_secs_f64()).min(1.0);
     let mut progress = |words: &str| loading.show(words, share());
-    // First small, which tells what each setting costs; then at the size that the rest of the budget is enough for.
+    // The defaults first, and small, which tells what a sample costs; then everything at the size that the budget is enough for.
     let exact = reference.is_some();
+    let settings = settings_of(&scene, &knobs)?;
     let mut pilot = Sweep::new(&device, &scene, size_of(whole, FEWEST_PIXELS, exact), seed);
+    progress("compiling defaults");
+    pilot.add(settings[0].clone())?;
     let begin = Instant::now();
-    compile(&mut pilot, settings_of(&scene, &knobs)?, at(PILOT), &stop, &mut progress)?;
-    let compiling = begin.elapsed();
-    pilot.measure(at(PILOT), 1, &stop, &mut |_, name| progress(&format!("pilot: {name}")))?;
+    pilot.measure(at(MEASURING), 1, &stop, &mut |_, _| progress("pilot"))?;
+    // All of the time, with what is done between the passes.
+    let cost = pilot.samples(0).map(|samples| begin.elapsed().as_secs_f64() / f64::from(samples));
     let left = at(MEASURING).saturating_duration_since(Instant::now());
-    let size = size_of(whole, pixels_for(&pilot, left.saturating_sub(compiling)), exact);
-    let mut sweep = match pixels_ratio(size, pilot.size) < WORTH_COMPILING {
+    let cost = cost.filter(|cost| cost * SAMPLES_OF_FEWEST <= left.as_secs_f64());
+    if cost.is_none() && !stop() {
+        return Err(too_short(args));
+    }
+    let of_pixel = cost.unwrap_or(0.0) / pixels_ratio(pilot.size, (1, 1));
+    let compiling = Duration::from_secs_f64(pilot.subjects[0].seconds_compile).saturating_mul(settings.len() as u32);
+    let for_rounds = left.saturating_sub(compiling.min(left.mul_f64(COMPILING)));
+    let size = size_of(whole, pixels_for(of_pixel, settings.len(), for_rounds), exact);
+    let mut sweep = match stop() || size == pilot.size {
         true => {
-            let count = affordable(&pilot, left);
-            pilot.keep(count, UNREACHED);
+            // Its round is done again, beside the others.
+            pilot.begin_again(seed);
             pilot
         }
-        false => {
-            let mut sweep = Sweep::new(&device, &scene, size, seed);
-            sweep.unmeasured = pilot.unmeasured;
-            let settings = pilot.subjects.into_iter().map(|subject| subject.setting).collect();
-            compile(&mut sweep, settings, at(COMPILING), &stop, &mut progress)?;
-            sweep
-        }
+        false => Sweep::new(&device, &scene, size, seed),
     };
     let size = sweep.size;
+    compile(&mut sweep, settings, of_pixel * pixels_ratio(size, (1, 1)), at(MEASURING), &stop, &mut progress)?;
     let mut enough = false;
     sweep.measure(at(MEASURING), MOST_ROUNDS, &stop, &mut |round, name| {
         if round >= FEWEST_ROUNDS && !enough {
@@ -94,7 +102,7 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
         }
         loading.show(&format!("round {}: {name}", round + 1), share());
     })?;
-    let whole_over_small = match size == whole {
+    let measured_whole = match size == whole {
         true => None,
         false => calibrate(&mut sweep, whole, at(CALIBRATING), &stop)?,
     };
@@ -102,9 +110,13 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
 
     let reference = reference.map(|file| Truth::of_file(&file, size));
     let unreached = if stop() { INTERRUPTED } else { UNREACHED };
-    // Where that was not measured, the time is taken to be that of so many more pixels.
-    let over_small = whole_over_small.unwrap_or((pixels_ratio(whole, size), 1.0));
-    let judged = judge(&mut sweep, reference.as_ref(), over_small, unreached);
+    let calibration = measured_whole.as_ref().map(|found| (found.slower, found.noisier));
+    let of_whole = match measured_whole {
+        Some(found) => found,
+        None if size == whole => Whole::of_sweep(&sweep),
+        None => Whole::unknown(&sweep, whole),
+    };
+    let judged = judge(&mut sweep, reference.as_ref(), &of_whole, unreached);
     if judged.measured.is_empty() && !stop() {
         return Err(too_short(args));
     }
@@ -120,17 +132,18 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
         driver: device.name.driver.clone(),
         size,
         whole_size: whole,
-        calibration: whole_over_small,
+        calibration,
         seed,
         budget: args.budget.as_secs_f64(),
         seconds: start.elapsed().as_secs_f64(),
         reference: args.reference.as_deref().map(path_text),
-        error_of_truth: truth.as_ref().and_then(|truth| truth.error(&judged.weights)),
+        error_of_truth: truth.as_ref().zip(judged.weights.as_ref()).and_then(|(truth, weights)| truth.error(weights)),
         against_reference: reference.as_ref().and_then(against_defaults),
         distance: judged.against_reference,
         interrupted: stop(),
         measured: judged.measured,
         unmeasured: sweep.unmeasured.clone(),
+        middle_of: given.filter(|size| *size != whole),
         shown,
     };
     write(&folder, &report)?;
@@ -139,12 +152,17 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     } else {
         print_line(&report.table());
         report.advice().iter().for_each(|words| print_line(words));
+        // What all of it holds for.
+        report.basis().iter().take(1).for_each(|words| print_line(words));
     }
     if !args.quiet {
-        report.basis().iter().for_each(|words| tell(words));
+        report.basis().iter().skip(usize::from(!args.json)).for_each(|words| tell(words));
         tell(&format!("{}: {:.0} s", folder.join("index.html").display(), start.elapsed().as_secs_f64()));
     }
     match report.interrupted {
+        true if report.measured.is_empty() => {
+            Err(Error::Interrupted("interrupted before anything was measured".into()))
+        }
         true => Err(Error::Interrupted(format!("interrupted; {} holds what was measured", folder.display()))),
         false => Ok(()),
     }
@@ -160,6 +178,24 @@ fn reference_of(path: &Path) -> Result<ExrImage> {
             path.display()
         ))),
     }
+}
+
+/// The middle of a reference that pixels can be joined in, and the camera that sees just that.
+fn middle(image: ExrImage, scene: &mut Scene) -> ExrImage {
+    let size = middle_of((image.width, image.height));
+    if size == (image.width, image.height) {
+        return image;
+    }
+    // Pixels stay as high as they were on the plane at distance 1.
+    let half = (0.5 * scene.camera.vertical_fov).to_radians().tan() * f64::from(size.1) / f64::from(image.height);
+    scene.camera.vertical_fov = 2.0 * half.atan().to_degrees();
+    let (left, top) = ((image.width - size.0) as usize / 2, (image.height - size.1) as usize / 2);
+    let cut = |pixels: &[[f32; 3]]| -> Pixels {
+        let rows = pixels.chunks(image.width as usize).skip(top).take(size.1 as usize);
+        rows.flat_map(|row| row.iter().skip(left).take(size.0 as usize)).copied().collect()
+    };
+    let (rgb, variance) = (cut(&image.rgb), image.variance.as_deref().map(cut));
+    ExrImage { width: size.0, height: size.1, rgb, variance, samples: None, rejected: None, ..image }
 }
 
 /// A seed from which on no image of the sweep shares its random numbers with a reference that was rendered by this program: what both
@@ -178,21 +214,20 @@ fn too_short(args: &TradeoffArgs) -> Error {
     ))
 }
 
-/// The knobs asked for, all by default. Samples are what every setting is measured over.
+/// The knobs asked for, all by default, each once. Samples are what every setting is measured over.
 fn knobs_of(args: &TradeoffArgs) -> Result<Vec<&'static Knob>> {
     let all = || KNOBS.iter().copied().filter(|knob| knob.name != SPP.name);
-    if args.knobs.is_empty() {
-        return Ok(all().collect());
+    for name in &args.knobs {
+        if name == SPP.name {
+            let why = "every setting is measured over its samples, and how many it takes is in the report";
+            return Err(Error::Usage(format!("--knobs {name}: {why}")));
+        }
+        if !all().any(|knob| knob.name == name) {
+            let names: Vec<&str> = all().map(|knob| knob.name).collect();
+            return Err(Error::Usage(format!("--knobs {name}: expected names from {}", names.join(", "))));
+        }
     }
-    args.knobs
-        .iter()
-        .map(|name| {
-            all().find(|knob| knob.name == name).ok_or_else(|| {
-                let names: Vec<&str> = all().map(|knob| knob.name).collect();
-                Error::Usage(format!("--knobs {name}: expected names from {}", names.join(", ")))
-            })
-        })
-        .collect()
+    Ok(all().filter(|knob| args.knobs.is_empty() || args.knobs.iter().any(|name| name == knob.name)).collect())
 }
 
 /// The folder for the report, made where there is none.
@@ -241,19 +276,23 @@ fn settings_of(scene: &Scene, knobs: &[&'static Knob]) -> Result<Vec<Setting>> {
     Ok(settings)
 }
 
-/// Compiles the settings in turn, as far as the time goes.
+/// Compiles the settings in turn, as long as there is time to measure what is compiled; each is taken to cost as much as the defaults, seconds
+/// of a sample. The defaults themselves may be compiled already.
 fn compile(
     sweep: &mut Sweep<'_>,
     settings: Vec<Setting>,
+    cost: f64,
     until: Instant,
     stop: &dyn Fn() -> bool,
     progress: &mut dyn FnMut(&str),
 ) -> Result<()> {
     // One more may take as long as the last did.
     let mut last = Duration::ZERO;
-    for (i, setting) in settings.into_iter().enumerate() {
+    for (i, setting) in settings.into_iter().enumerate().skip(sweep.subjects.len()) {
         progress(&format!("compiling {}", setting.name()));
-        if i > 0 && (stop() || Instant::now() + last > until) {
+        let rounds = cost * ROUNDS_LEFT * SAMPLES_OF_FEWEST * (sweep.subjects.len() + 1) as f64;
+        let needed = last + Duration::from_secs_f64(MARGIN * rounds);
+        if i > 0 && (stop() || Instant::now() + needed > until) {
             sweep.leave_out(setting, if stop() { INTERRUPTED } else { UNREACHED });
             continue;
         }
@@ -282,6 +321,7 @@ fn pictures(
     let pace = |found: &Measured| found.seconds_here;
     let same_time = judged.measured.first().map_or(0.0, pace) * f64::from(LEVEL);
     let mut shown = Vec::new();
+    let Some(weights) = &judged.weights else { return Ok(shown) };
     for found in &judged.measured {
         let of = |subject: &Subject<'_>| subject.setting.name() == found.setting.name();
         let Some(subject) = sweep.subjects.iter().position(of) else { continue };
@@ -302,7 +342,7 @@ fn pictures(
             setting: found.setting.name(),
             samples,
             seconds: block.seconds,
-            relmse: truth.relmse_of(&block.image, &judged.weights),
+            relmse: truth.relmse_of(&block.image, weights),
             flip,
             picture: png::picture(sweep.size, &block.image).unwrap_or_default(),
             flip_map: png::heatmap(sweep.size, &map).unwrap_or_default(),

@@ -10,6 +10,8 @@ pub struct Curve {
     pub name: String,
     /// x and y, both above 0; others are left out.
     pub points: Vec<(f64, f64)>,
+    /// What was measured of it, drawn as dots.
+    pub marks: Vec<(f64, f64)>,
 }
 
 /// What a plot shows.
@@ -18,7 +20,7 @@ pub struct Plot<'a> {
     pub title: &'a str,
     pub x: &'a str,
     pub y: &'a str,
-    /// In the legend's order; the first is drawn with points.
+    /// In the legend's order; the first is drawn thicker.
     pub curves: Vec<Curve>,
 }
 
@@ -59,11 +61,12 @@ pub fn svg(plot: &Plot<'_>) -> Result<String> {
 type Drawn = std::result::Result<(), Box<dyn std::error::Error>>;
 
 fn draw(plot: &Plot<'_>, area: &DrawingArea<SVGBackend<'_>, plotters::coord::Shift>) -> Drawn {
-    let shown = |curve: &Curve| {
+    let shown = |points: &[(f64, f64)]| {
         let good = |(x, y): &&(f64, f64)| *x > 0.0 && *y > 0.0 && x.is_finite() && y.is_finite();
-        curve.points.iter().filter(good).copied().collect::<Vec<_>>()
+        points.iter().filter(good).copied().collect::<Vec<_>>()
     };
-    let all: Vec<(f64, f64)> = plot.curves.iter().flat_map(shown).collect();
+    let both = |curve: &Curve| [shown(&curve.points), shown(&curve.marks)].concat();
+    let all: Vec<(f64, f64)> = plot.curves.iter().flat_map(both).collect();
     if all.is_empty() {
         return Err("it has no points".into());
     }
@@ -94,12 +97,10 @@ fn draw(plot: &Plot<'_>, area: &DrawingArea<SVGBackend<'_>, plotters::coord::Shi
         .draw()?;
     for (i, curve) in plot.curves.iter().enumerate() {
         let colour = COLOURS[i % COLOURS.len()];
-        let points = shown(curve);
+        let points = shown(&curve.points);
         let line = colour.stroke_width(if i == 0 { 3 } else { 2 });
         chart.draw_series(LineSeries::new(points.iter().copied(), line))?;
-        if i == 0 {
-            chart.draw_series(points.iter().map(|point| Circle::new(*point, 4, colour.filled())))?;
-        }
+        chart.draw_series(shown(&curve.marks).into_iter().map(|mark| Circle::new(mark, 4, colour.filled())))?;
         let column = WIDTH as usize / LEGEND_COLUMNS * (i % LEGEND_COLUMNS);
         let (x, y) = (column as i32 + 24, (i / LEGEND_COLUMNS) as i32 * LEGEND_ROW as i32 + LEGEND_ROW as i32 / 2);
         below.draw(&PathElement::new([(x, y), (x + 24, y)], line))?;
@@ -123,7 +124,8 @@ mod tests {
 
     #[test]
     fn a_plot_holds_its_words_and_every_point_that_can_be_shown() {
-        let curve = |points: &[(f64, f64)]| Curve { name: "relMSE".into(), points: points.to_vec() };
+        let curve =
+            |points: &[(f64, f64)]| Curve { name: "relMSE".into(), points: points.to_vec(), marks: points.to_vec() };
         let plot = |curves| Plot { title: "cornell & smoke", x: "seconds", y: "error", curves };
         let text = svg(&plot(vec![curve(&[(0.1, 1.0), (1.0, 0.1), (10.0, 0.0), (f64::NAN, 1.0)])])).unwrap();
         for word in ["<svg", "cornell &amp; smoke", "seconds", "error", "relMSE"] {

@@ -3,8 +3,8 @@
 use std::time::{Duration, Instant};
 
 use super::pace::median;
-use super::replicates::{Pixels, noise};
-use super::sweep::{Block, FEWEST_ROUNDS, LEVEL, LEVELS, SAMPLES_OF_FEWEST, SAMPLES_OF_ROUND, Subject, Sweep};
+use super::replicates::{Estimate, Pixels, Weights, noise, signed_bias, squared_bias};
+use super::sweep::{FEWEST_ROUNDS, LEVEL, SAMPLES_OF_ROUND, Sweep, coarsened};
 use crate::error::Result;
 
 /// The most pixels of the images that are measured: more tell the same about the settings.
@@ -14,70 +14,108 @@ pub const FEWEST_PIXELS: f64 = 1_024.0;
 /// The rounds that the size is chosen for.
 const ROUNDS: f64 = 12.0;
 
-/// Seconds of a sample a pixel of the subjects of a pilot. What it did not reach is taken to cost what the others do.
-fn costs(pilot: &Sweep<'_>) -> Vec<f64> {
-    let of_sample = |subject: &Subject<'_>| {
-        let (samples, blocks) = subject.blocks.iter().next_back()?;
-        Some(blocks.last()?.seconds / f64::from(*samples))
-    };
-    let each: Vec<Option<f64>> = pilot.subjects.iter().map(of_sample).collect();
-    let known: Vec<f64> = each.iter().flatten().copied().collect();
-    let usual = known.iter().sum::<f64>() / known.len().max(1) as f64;
-    each.into_iter().map(|cost| cost.unwrap_or(usual)).collect()
+/// The pixels of images of so many settings that so much time is enough for, where a sample of one pixel takes that.
+pub fn pixels_for(of_pixel: f64, settings: usize, time: Duration) -> f64 {
+    let round = of_pixel * SAMPLES_OF_ROUND * settings as f64;
+    (time.as_secs_f64() / (round * ROUNDS)).clamp(FEWEST_PIXELS, MOST_PIXELS)
 }
 
-/// The pixels that so much time is enough for, by what a round of the pilot took.
-pub fn pixels_for(pilot: &Sweep<'_>, time: Duration) -> f64 {
-    let of_pixel = costs(pilot).iter().sum::<f64>() / pixels_ratio(pilot.size, (1, 1));
-    (time.as_secs_f64() / (of_pixel * SAMPLES_OF_ROUND * ROUNDS)).clamp(FEWEST_PIXELS, MOST_PIXELS)
+/// What the defaults are at the whole size.
+#[derive(Clone, Debug)]
+pub struct Whole {
+    /// Seconds of a sample and relMSE by noise over those at the sweep's size. All settings are taken to change alike.
+    pub slower: f64,
+    pub noisier: f64,
+    pub size: (u32, u32),
+    /// Images of the defaults, each with its own random numbers; none where the time was not enough.
+    pub images: Vec<Pixels>,
 }
 
-/// How many of the pilot's subjects, the first ones, there is time for at its own size, so that it suffices for what they tell at least.
-pub fn affordable(pilot: &Sweep<'_>, time: Duration) -> usize {
-    // A little more than that: the machine may become slower.
-    const MARGIN: f64 = 1.3;
-    let sums = costs(pilot).into_iter().scan(0.0, |sum, cost| {
-        *sum += cost;
-        Some(*sum)
-    });
-    sums.take_while(|sum| MARGIN * SAMPLES_OF_FEWEST * sum <= time.as_secs_f64()).count().max(1)
+impl Whole {
+    /// What a sweep says of itself, where that is of the whole size.
+    pub fn of_sweep(sweep: &Sweep<'_>) -> Whole {
+        let blocks = sweep.subjects.first().and_then(|defaults| defaults.blocks.get(&LEVEL));
+        let images = blocks.into_iter().flatten().map(|block| block.image.clone()).collect();
+        Whole { slower: 1.0, noisier: 1.0, size: sweep.size, images }
+    }
+
+    /// Where it was not measured, the time is taken to be that of so many more pixels.
+    pub fn unknown(sweep: &Sweep<'_>, size: (u32, u32)) -> Whole {
+        Whole { slower: pixels_ratio(size, sweep.size), noisier: 1.0, size, images: Vec::new() }
+    }
+
+    /// The bias of an image of a share of the sides: of the mean, and squared pixel by pixel. A pixel of it has the expectation of the mean over
+    /// those that it stands for, which the images of the whole size tell: nothing else needs to be rendered. That of another size
+    /// would be another bias, since edges take more of a smaller image.
+    pub fn lost_detail(&self, share: f64) -> Option<(Estimate, Estimate)> {
+        let weights = Weights::of_rounds(self.images.iter().enumerate().map(|(i, image)| (i, 1, image)))?;
+        let coarse: Vec<Pixels> = self.images.iter().map(|image| coarsened(image, self.size, share)).collect();
+        let signed = signed_bias(&coarse, &self.images, &weights.image)?;
+        Some((signed, squared_bias(&coarse, &self.images, &weights)?))
+    }
 }
 
-/// What the defaults take and how noisy they are at the whole size, over the same at the sweep's: seconds of a sample, and relMSE by
-/// noise. All settings are taken to change alike. Nothing where the time is not enough.
+/// A ratio of noises is believed to be 1 at first, with this standard error of its logarithm. Where few images with rare bright paths tell it, it
+/// was 0.46 by chance, and so were the times that are promised.
+const USUAL: f64 = 0.1;
+
+/// How many times as large the one noise is: the logarithm, weighed by how sure it is against what is believed.
+fn ratio(whole: Estimate, small: Estimate) -> f64 {
+    let error = (whole.error / whole.value).hypot(small.error / small.value);
+    let believed = USUAL * USUAL / (USUAL * USUAL + error * error);
+    let ratio = (believed * (whole.value / small.value).ln()).exp();
+    if ratio.is_finite() && ratio > 0.0 { ratio } else { 1.0 }
+}
+
+/// The most samples of an image of the whole size.
+const MOST_SAMPLES: u32 = LEVEL;
+
+/// Measures the defaults at the whole size. Nothing where the time is not enough.
 pub fn calibrate(
     sweep: &mut Sweep<'_>,
     whole: (u32, u32),
     until: Instant,
     stop: &dyn Fn() -> bool,
-) -> Result<Option<(f64, f64)>> {
+) -> Result<Option<Whole>> {
+    let sweep_seed = sweep.seed;
     let Some(defaults) = sweep.subjects.first() else { return Ok(None) };
     let Some(block) = defaults.blocks.get(&LEVEL).and_then(|blocks| blocks.last()) else { return Ok(None) };
-    let of_sample = block.seconds / f64::from(LEVEL) * (1.0 + pixels_ratio(whole, sweep.size));
-    let left = until.saturating_duration_since(Instant::now()).as_secs_f64() - defaults.seconds_compile;
-    // As many samples as there is time for, up to those of a small block.
-    let fitting = |samples: &u32| of_sample * f64::from(FEWEST_ROUNDS as u32 * samples) <= left;
-    let Some(samples) = [LEVELS[0], 2, 1].into_iter().find(fitting).filter(|_| !stop()) else { return Ok(None) };
-    let (mut large, setting) = (sweep.of_size(whole), defaults.setting.clone());
+    let (compiling, setting, of_small) = (defaults.seconds_compile, defaults.setting.clone(), block.seconds);
+    let left = || until.saturating_duration_since(Instant::now()).as_secs_f64();
+    // A pixel of a large image takes less than one of a small image: one sample tells how long.
+    let of_sample = of_small / f64::from(LEVEL) * pixels_ratio(whole, sweep.size);
+    if stop() || compiling + of_sample > left() {
+        return Ok(None);
+    }
+    let mut large = sweep.of_size(whole);
     large.add(setting)?;
+    let seed = |image: u32| Sweep::seed_before(sweep_seed, 1 + image);
+    let Some(sample) = large.image(0, 1, seed(0), stop)? else { return Ok(None) };
+    // As many samples as there is time for.
+    let fitting = |samples: &u32| {
+        let small = of_small * (1.0 + f64::from(*samples) / f64::from(LEVEL));
+        f64::from(FEWEST_ROUNDS as u32) * (sample.seconds * f64::from(*samples) + small) <= left()
+    };
+    let samples = (0..u32::BITS).map(|halved| MOST_SAMPLES >> halved).take_while(|samples| *samples > 0).find(fitting);
+    let Some(samples) = samples else { return Ok(None) };
     // In turn, so that what slows the machine slows both. The small image is timed with as many samples as the seconds that it is to
     // stretch: a single sample of it is over before the device is busy.
     let (mut at_whole, mut at_small, mut slower) = (Vec::new(), Vec::new(), Vec::new());
     for image in 0..FEWEST_ROUNDS as u32 {
-        let seed = Sweep::seed_before(sweep.seed, 1 + image);
+        let seed = seed(image);
         let Some(timed) = sweep.image(0, LEVEL, seed, stop)? else { return Ok(None) };
         let Some(whole) = large.image(0, samples, seed, stop)? else { return Ok(None) };
         let Some(small) = sweep.image(0, samples, seed, stop)? else { return Ok(None) };
         slower.push(whole.seconds / f64::from(samples) / (timed.seconds / f64::from(LEVEL)));
-        at_small.push(small);
-        at_whole.push(whole);
+        at_small.push(small.image);
+        at_whole.push(whole.image);
     }
-    let noise_of = |blocks: &[Block]| {
-        let images: Vec<Pixels> = blocks.iter().map(|block| block.image.clone()).collect();
-        Some(noise(&images, &mean_of(&images))?.value)
+    let noise_of = |images: &[Pixels]| {
+        let weights = Weights::of_rounds(images.iter().enumerate().map(|(i, image)| (i, samples, image)))?;
+        noise(images, &weights, 1)
     };
-    let noisier = noise_of(&at_whole).zip(noise_of(&at_small)).map(|(whole, small)| whole / small);
-    Ok(Some((median(&slower), noisier.filter(|ratio| ratio.is_finite() && *ratio > 0.0).unwrap_or(1.0))))
+    let noisier = noise_of(&at_whole).zip(noise_of(&at_small)).map_or(1.0, |(whole, small)| ratio(whole, small));
+    Ok(Some(Whole { slower: median(&slower), noisier, size: whole, images: at_whole }))
 }
 
 /// How many times as many pixels the one size has.
@@ -85,12 +123,22 @@ pub fn pixels_ratio(a: (u32, u32), b: (u32, u32)) -> f64 {
     f64::from(a.0) * f64::from(a.1) / (f64::from(b.0) * f64::from(b.1))
 }
 
-fn mean_of(images: &[Pixels]) -> Pixels {
-    let mut sum = vec![[0.0f64; 3]; images.first().map_or(0, Vec::len)];
-    for image in images {
-        sum.iter_mut().zip(image).for_each(|(sum, p)| (0..3).for_each(|c| sum[c] += f64::from(p[c])));
+/// The part in the middle of an image whose sides have divisors enough: all of it, unless the smallest image of whole pixels would have sixteen
+/// times as many as one needs. Then both sides are multiples of 15, or of 24 where that is even, and as odd as they were: the middle stays where
+/// it is, to the pixel.
+pub fn middle_of((width, height): (u32, u32)) -> (u32, u32) {
+    let (w, h) = size_of((width, height), FEWEST_PIXELS, true);
+    if f64::from(w) * f64::from(h) <= 16.0 * FEWEST_PIXELS {
+        return (width, height);
     }
-    sum.iter().map(|p| p.map(|v| (v / images.len() as f64) as f32)).collect()
+    let both_even = width.is_multiple_of(2) && height.is_multiple_of(2);
+    let side = |side: u32| match (both_even, side.is_multiple_of(2)) {
+        (true, _) => side / 24 * 24,
+        (false, true) => side / 30 * 30,
+        // The largest odd multiple.
+        (false, false) => (side / 15 - (side / 15 + 1) % 2) * 15,
+    };
+    (side(width), side(height))
 }
 
 /// The sides of images that are measured are multiples of this, as far as that goes: so that half and a quarter of them show the same.
@@ -114,4 +162,35 @@ pub fn size_of((width, height): (u32, u32), pixels: f64, exact: bool) -> (u32, u
     }
     let side = |side: u32| ((f64::from(side) / times / f64::from(SIDES)).round() as u32 * SIDES).clamp(1, side);
     (side(width).max(1), side(height).max(1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ratio_by_chance_is_not_believed() {
+        let noise = |value: f64, share: f64| Estimate { value, error: share * value, degrees: 2.0 };
+        assert!((ratio(noise(0.8, 0.01), noise(1.0, 0.01)) / 0.8 - 1.0).abs() < 0.01);
+        assert!((0.9..1.0).contains(&ratio(noise(0.46, 0.3), noise(1.0, 0.2))));
+        assert_eq!(ratio(noise(0.0, 0.0), noise(0.0, 0.0)), 1.0);
+    }
+
+    #[test]
+    fn the_middle_of_an_image_has_divisors() {
+        for whole in [(600, 600), (1200, 675), (48, 48), (1, 1), (47, 43)] {
+            assert_eq!(middle_of(whole), whole);
+        }
+        for (whole, middle) in [
+            ((211, 199), (195, 195)),
+            ((1000, 667), (990, 645)),
+            ((998, 662), (984, 648)),
+            ((4001, 16001), (3975, 15975)),
+        ] {
+            assert_eq!(middle_of(whole), middle);
+            assert!((whole.0 - middle.0).is_multiple_of(2) && (whole.1 - middle.1).is_multiple_of(2), "{whole:?}");
+            let (w, h) = size_of(middle, FEWEST_PIXELS, true);
+            assert!(u64::from(w) * u64::from(h) * 100 < u64::from(whole.0) * u64::from(whole.1), "{whole:?}: {w}x{h}");
+        }
+    }
 }

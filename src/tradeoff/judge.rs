@@ -1,9 +1,10 @@
 //! What the blocks of a sweep say of every setting: seconds, noise, bias, time to an error, and where that puts it beside the others.
 
+use super::extent::Whole;
 use super::model::{Falling, Model, Standing, Times, doubt, falling, standings};
 use super::pace::{Pace, paces};
-use super::replicates::{Estimate, Pixels, noise, signed_bias, squared_bias};
-use super::sweep::{FEWEST_ROUNDS, LEVEL, LEVELS, Setting, Subject, Sweep};
+use super::replicates::{Estimate, Pixels, Weights, noise, signed_bias, squared_bias};
+use super::sweep::{FEWEST_ROUNDS, LEVEL, LEVELS, Setting, Subject, Sweep, rounds_between};
 use super::truth::{Distance, Truth};
 use crate::knobs::Class;
 use crate::metrics::error::RELATIVE_FLOOR;
@@ -14,7 +15,10 @@ pub const TARGETS: [f64; 3] = [1e-1, 1e-2, 1e-3];
 const FALSE_ALARMS: f64 = 0.05;
 
 /// The standard error, as a share, of the error that is promised, up to which it is called reliable.
-const RELIABLE: f64 = 0.2;
+pub const RELIABLE: f64 = 0.2;
+
+/// Why the loss of detail of an image of fewer pixels is not known.
+const NOT_AT_WHOLE_SIZE: &str = "what it loses is not measured at the whole size, which the budget did not reach";
 
 /// What is known of a setting.
 #[derive(Clone, Debug)]
@@ -30,6 +34,8 @@ pub struct Measured {
     pub seconds_spread: f64,
     pub seconds_doubt: f64,
     pub model: Model,
+    /// relMSE by noise at the numbers of samples that were measured, at the whole size.
+    pub noises: Vec<(u32, f64)>,
     /// The mean's bias, relative; with sign. Against the defaults, or against the reference where these differ from it.
     pub signed: Estimate,
     /// relMSE of the bias, pixel by pixel.
@@ -38,8 +44,11 @@ pub struct Measured {
     pub biased: bool,
     /// Whether biases are against the reference.
     pub against_reference: bool,
-    /// Whether its noise is known; where few pixels make most of it, estimates are too low as long as these have not been met.
+    /// Whether its noise is known, and its bias if it may have one; where few pixels make most of the noise, estimates are too low as long as
+    /// these have not been met.
     pub reliable: bool,
+    /// Whether what its bias is against is known, or it is declared to have none.
+    pub bias_known: bool,
     /// The standard error, as a share, of its noise where that comes to the middle target.
     pub noise_doubt: f64,
     /// Seconds to the targets.
@@ -78,12 +87,16 @@ impl Measured {
         let mut words = vec![standing];
         match (self.biased, self.setting.class()) {
             (true, Class::Noise | Class::Exact) if self.against_reference => words.push("differs from the reference"),
+            (true, Class::Noise | Class::Exact) if !self.reliable => words.push("differs from the defaults"),
             (true, Class::Noise | Class::Exact) => words.push("biased, and declared not to be: a defect"),
+            (true, Class::Detail) => words.push("loses detail"),
             (true, _) => words.push("biased"),
             (false, _) => {}
         }
-        if !self.reliable {
-            words.push("unreliable: rare bright paths, or too few rounds");
+        match (self.reliable, self.bias_known) {
+            (true, _) => {}
+            (false, false) => words.push("unreliable: its bias is against what is not known well"),
+            (false, true) => words.push("unreliable: rare bright paths, or too few rounds"),
         }
         words.join(", ")
     }
@@ -96,16 +109,16 @@ pub struct Judged {
     pub measured: Vec<Measured>,
     /// How far the defaults are from a reference that was given and tells its noise, and whether that is more than the noise of both.
     pub against_reference: Option<(Distance, bool)>,
-    /// The image that errors are relative to.
-    pub weights: Pixels,
+    /// What errors are relative to.
+    pub weights: Option<Weights>,
 }
 
-/// Judges every subject that has three rounds; the others are noted as not measured, for that reason. `whole` is what seconds and noise are
-/// at the size that the scene asks for, over those at the sweep's.
+/// Judges every subject that has three rounds; the others are noted as not measured, for that reason.
 ///
 /// Biases are against the defaults, which share their random numbers, so that most of the noise cancels. Where the defaults are not what a
-/// reference shows, they are no measure, and biases are against the reference.
-pub fn judge(sweep: &mut Sweep<'_>, reference: Option<&Truth>, whole: (f64, f64), unreached: &str) -> Judged {
+/// reference shows, or not known well, they are no measure, and biases are against the reference. What fewer pixels lose depends on how many
+/// there are: it is found from images of the whole size.
+pub fn judge(sweep: &mut Sweep<'_>, reference: Option<&Truth>, whole: &Whole, unreached: &str) -> Judged {
     let Some(weights) = weights(sweep, reference) else {
         let all: Vec<Setting> = sweep.subjects.iter().map(|subject| subject.setting.clone()).collect();
         all.into_iter().for_each(|setting| sweep.leave_out(setting, unreached));
@@ -122,13 +135,18 @@ pub fn judge(sweep: &mut Sweep<'_>, reference: Option<&Truth>, whole: (f64, f64)
     let mut missing = Vec::new();
     for (i, subject) in sweep.subjects.iter().enumerate() {
         let pace = if timed.contains(&i) { paces.next() } else { None };
-        match pace.and_then(|pace| measured(subject, &sweep.subjects[0], pace, &common, &weights, whole)) {
+        let own = pace.and_then(|pace| measured(subject, &sweep.subjects[0], pace, &common, &weights, whole));
+        match own {
+            Some(measured) if measured.setting.scale < 1.0 => match whole.lost_detail(measured.setting.scale) {
+                Some((signed, squared)) => found.push((i, Measured { signed, squared, ..measured })),
+                None => missing.push((subject.setting.clone(), NOT_AT_WHOLE_SIZE)),
+            },
             Some(measured) => found.push((i, measured)),
-            None => missing.push(subject.setting.clone()),
+            None => missing.push((subject.setting.clone(), unreached)),
         }
     }
-    for setting in missing {
-        sweep.leave_out(setting, unreached);
+    for (setting, why) in missing {
+        sweep.leave_out(setting, why);
     }
     let distance = |subject: usize| reference?.distance(&images(&sweep.subjects[subject]), &weights);
     let of_defaults = distance(0);
@@ -138,39 +156,80 @@ pub fn judge(sweep: &mut Sweep<'_>, reference: Option<&Truth>, whole: (f64, f64)
     let shows = |signed: &Estimate, squared: &Estimate| {
         signed.p() < level || (squared.value > 0.0 && squared.p() / 2.0 < level)
     };
-    let against_reference = of_defaults.map(|found| (found, shows(&found.signed, &found.squared)));
+    // What is declared to change no expectation may have missed light that few paths bring.
+    let rounds = found.first().map_or(0, |(_, defaults)| defaults.rounds);
+    let (of_mean, of_squares) = unmet(sweep.brightest(), rounds, level, &weights.image);
+    let shows_more =
+        |signed: &Estimate, squared: &Estimate| shows(&signed.beyond(of_mean), &squared.beyond(of_squares));
+    let against_reference = of_defaults.map(|found| (found, shows_more(&found.signed, &found.squared)));
     let differs = against_reference.is_some_and(|(_, differs)| differs);
+    let defaults_known = found.first().is_some_and(|(_, defaults)| defaults.reliable);
+    let reference_known = against_reference.is_some_and(|(found, _)| found.doubt <= RELIABLE * TARGETS[1]);
+    let by_reference = differs || (reference_known && !defaults_known);
+    let base_known = if by_reference { reference_known } else { defaults_known };
     for (subject, measured) in &mut found {
-        if let Some(distance) = differs.then(|| distance(*subject)).flatten() {
+        let of_size = measured.setting.scale < 1.0;
+        if let Some(distance) = (by_reference && !of_size).then(|| distance(*subject)).flatten() {
             (measured.signed, measured.squared) = (distance.signed, distance.squared);
             measured.against_reference = true;
         }
-        measured.biased = shows(&measured.signed, &measured.squared);
+        let declared = measured.declared_unbiased();
+        measured.biased = match declared {
+            true => shows_more(&measured.signed, &measured.squared),
+            false => shows(&measured.signed, &measured.squared),
+        };
+        // Detail is lost from the defaults' own images, whatever a reference shows.
+        measured.bias_known = declared || if of_size { defaults_known } else { base_known };
+        measured.reliable &= measured.bias_known;
         // What is declared unbiased and not found otherwise has none.
-        let unbiased = measured.declared_unbiased() && !measured.biased;
-        if !unbiased {
-            let (least, most) = by_mean(&measured.signed, &weights);
+        if !declared || measured.biased {
+            let (least, most) = by_mean(&measured.signed, &weights.image);
             measured.model.squared_bias = measured.squared.value.max(least);
             measured.model.squared_bias_upper = measured.squared.upper().max(most);
         }
         measured.times = TARGETS.map(|target| measured.model.seconds_to(target));
     }
     let mut found: Vec<Measured> = found.into_iter().map(|(_, measured)| measured).collect();
-    let times: Vec<Times> = found.iter().map(|m| (m.times.to_vec(), m.seconds_doubt)).collect();
-    for (measured, standing) in found.iter_mut().zip(standings(&times)) {
+    let times = |m: &Measured| Times { seconds: m.times.to_vec(), doubt: m.seconds_doubt, reliable: m.reliable };
+    let all: Vec<Times> = found.iter().map(times).collect();
+    for (measured, standing) in found.iter_mut().zip(standings(&all)) {
         measured.standing = standing;
     }
-    Judged { measured: found, against_reference, weights }
+    // What is advised for a target is as soon there as what is soonest, within the doubt of timings.
+    let advised: Vec<String> = recommended(&found).into_iter().flatten().map(|m| m.setting.name()).collect();
+    for measured in found.iter_mut().filter(|m| advised.contains(&m.setting.name())) {
+        measured.standing = Standing::Front;
+    }
+    Judged { measured: found, against_reference, weights: Some(weights) }
 }
 
-/// The image that errors are relative to: the less noisy of the reference and the pooled samples. Where noise makes a pixel dark, its errors
-/// would look larger than they are.
-fn weights(sweep: &Sweep<'_>, reference: Option<&Truth>) -> Option<Pixels> {
-    let pooled = Truth::pooled(sweep, None)?;
-    let Some(reference) = reference else { return Some(pooled.image) };
-    let errors = reference.error(&pooled.image).zip(pooled.error(&pooled.image));
-    let noisier = errors.is_some_and(|(reference, pooled)| reference > pooled);
-    Some(if noisier { pooled.image } else { reference.image.clone() })
+/// What errors are relative to: the less noisy of the reference and the defaults' images. Where noise makes a pixel dark, its errors would
+/// look larger than they are. Not the images of noisier settings beside them: half of a pixel is dark where half of the images have met no
+/// light.
+fn weights(sweep: &Sweep<'_>, reference: Option<&Truth>) -> Option<Weights> {
+    let defaults = sweep.subjects.first()?;
+    let blocks = defaults.blocks.iter().flat_map(|(&samples, blocks)| {
+        let images = blocks.iter().enumerate();
+        images.map(move |(i, block)| (i * rounds_between(samples), samples, &block.image))
+    });
+    let own = Weights::of_rounds(blocks)?;
+    let Some(reference) = reference else { return Some(own) };
+    let errors = reference.error(&own).zip(Truth::of_subject(sweep, 0).and_then(|truth| truth.error(&own)));
+    let noisier = errors.is_some_and(|(reference, own)| reference > own);
+    Some(if noisier { own } else { Weights::of_image(reference.image.clone()) })
+}
+
+/// What light that no path has met in so many rounds, of a setting or of what it is compared with, may bring to the mean, relative, and to the
+/// squared bias. Own derivation: k paths are expected and none is met with a probability of e^-k, and a path brings at most the brightest
+/// radiance M that the scene has. So with all but the probability `level` the light b that is missed has a mean of less than ln(1/level) M / N,
+/// N being all samples of all pixels. Of b² / (r² + 0.01) with b <= r it makes no more than b r / (r² + 0.01) <= 5 b.
+fn unmet(brightest: f64, rounds: usize, level: f64, image: &Pixels) -> (f64, f64) {
+    let samples = rounds as f64 * f64::from(LEVEL) * image.len() as f64;
+    let light = level.recip().ln() * brightest / samples;
+    let mean = image.as_flattened().iter().map(|&v| f64::from(v)).sum::<f64>() / (3 * image.len()) as f64;
+    // A black image has no mean to be relative to, and no light.
+    let of_mean = if mean > 0.0 { light / mean } else { 0.0 };
+    (of_mean, 0.5 / RELATIVE_FLOOR.sqrt() * light)
 }
 
 /// What the mean tells of the bias pixel by pixel: relMSE that is there at least, and that may be there by what is known of it. For a bias b
@@ -201,8 +260,8 @@ fn measured(
     defaults: &Subject<'_>,
     pace: Pace,
     common: &[(u32, usize)],
-    weights: &Pixels,
-    (slower, noisier): (f64, f64),
+    weights: &Weights,
+    whole: &Whole,
 ) -> Option<Measured> {
     let images = |subject: &Subject<'_>, level: u32| {
         let (_, rounds) = common.iter().find(|(of, _)| *of == level)?;
@@ -210,30 +269,34 @@ fn measured(
         Some(blocks.iter().map(|block| block.image.clone()).collect::<Vec<_>>())
     };
     let (own_images, base_images) = (images(subject, LEVEL)?, images(defaults, LEVEL)?);
-    let levels: Vec<(u32, Estimate)> =
-        common.iter().filter_map(|&(level, _)| Some((level, noise(&images(subject, level)?, weights)?))).collect();
+    let levels: Vec<(u32, Estimate)> = common
+        .iter()
+        .filter_map(|&(level, _)| Some((level, noise(&images(subject, level)?, weights, rounds_between(level))?)))
+        .collect();
     let fall = falling(&levels).or_else(|| {
         // No noise at all: a scene of one colour.
         let silent = levels.iter().all(|(_, noise)| noise.value <= 0.0);
         (silent && !levels.is_empty()).then_some(Falling::SILENT)
     })?;
-    let fall = Falling { noise: noisier * fall.noise, ..fall };
+    let fall = Falling { noise: whole.noisier * fall.noise, ..fall };
     let noise_doubt = fall.doubt(fall.samples_to(TARGETS[1]));
-    let seconds = slower * pace.seconds;
+    let seconds = whole.slower * pace.seconds;
     Some(Measured {
         setting: subject.setting.clone(),
         rounds: own_images.len(),
         seconds_compile: subject.seconds_compile,
         seconds_here: pace.seconds,
         seconds,
-        seconds_spread: slower * pace.spread,
+        seconds_spread: whole.slower * pace.spread,
         seconds_doubt: pace.doubt,
         model: Model { squared_bias: 0.0, squared_bias_upper: 0.0, noise: fall, seconds },
-        signed: signed_bias(&own_images, &base_images, weights)?,
+        noises: levels.iter().map(|(samples, noise)| (*samples, whole.noisier * noise.value)).collect(),
+        signed: signed_bias(&own_images, &base_images, &weights.image)?,
         squared: squared_bias(&own_images, &base_images, weights)?,
         biased: false,
         against_reference: false,
         reliable: noise_doubt <= RELIABLE,
+        bias_known: true,
         noise_doubt,
         times: [None; TARGETS.len()],
         standing: Standing::NeverReaches,
@@ -288,5 +351,18 @@ mod tests {
             assert!(low < least && high > most);
         }
         assert_eq!(by_mean(&Estimate { value: 0.1, error: 1.0, degrees: 7.0 }, &weights).0, 0.0);
+    }
+
+    /// Of k expected paths none is met with a probability of e^-k: a setting that misses the light of k < ln(1/level) is not told from one that
+    /// has it, and one that misses more is.
+    #[test]
+    fn light_that_few_paths_bring_may_be_missed() {
+        let image: Pixels = vec![[0.05; 3]; 100];
+        let (of_mean, of_squares) = unmet(800.0, 10, 0.01, &image);
+        let light = 0.01f64.recip().ln() * 800.0 / 16_000.0;
+        assert!((of_mean * 0.05 / light - 1.0).abs() < 1e-6 && (of_squares / (5.0 * light) - 1.0).abs() < 1e-9);
+        let missing = |share: f64| Estimate { value: -share * of_mean, error: 0.0, degrees: 9.0 }.beyond(of_mean);
+        assert_eq!((missing(0.9).p(), missing(1.1).p()), (1.0, 0.0));
+        assert_eq!(unmet(1.0, 10, 0.01, &vec![[0.0; 3]; 4]).0, 0.0);
     }
 }

@@ -117,19 +117,29 @@ pub fn doubt(a: f64, b: f64) -> f64 {
     (2.0 * a.hypot(b)).exp().max(NO_DIFFERENCE)
 }
 
-/// The seconds of a setting to the targets, none where it does not reach them, and their standard error as a share.
-pub type Times = (Vec<Option<f64>>, f64);
+/// What a setting is placed by.
+#[derive(Clone, Debug)]
+pub struct Times {
+    /// To the targets, none where it does not reach them.
+    pub seconds: Vec<Option<f64>>,
+    /// Their standard error as a share.
+    pub doubt: f64,
+    /// Whether the rest is known as well; what is not beats nothing that is.
+    pub reliable: bool,
+}
 
 /// Where each setting stands.
 pub fn standings(all: &[Times]) -> Vec<Standing> {
     let time = |t: &Option<f64>| t.unwrap_or(f64::INFINITY);
     let beats = |a: &Times, b: &Times| {
-        let pairs = || a.0.iter().map(time).zip(b.0.iter().map(time));
-        let doubt = doubt(a.1, b.1);
-        pairs().all(|(a, b)| a <= b || (a / b) < doubt) && pairs().any(|(a, b)| a * doubt < b)
+        let pairs = || a.seconds.iter().map(time).zip(b.seconds.iter().map(time));
+        let doubt = doubt(a.doubt, b.doubt);
+        (a.reliable || !b.reliable)
+            && pairs().all(|(a, b)| a <= b || (a / b) < doubt)
+            && pairs().any(|(a, b)| a * doubt < b)
     };
     all.iter()
-        .map(|own| match own.0.iter().all(Option::is_none) {
+        .map(|own| match own.seconds.iter().all(Option::is_none) {
             true => Standing::NeverReaches,
             false if all.iter().any(|other| beats(other, own)) => Standing::Dominated,
             false => Standing::Front,
@@ -197,10 +207,17 @@ mod tests {
             vec![Some(1.01), Some(10.1), Some(101.0)],
             vec![None, None, None],
         ];
-        let found = |error: f64| standings(&all.clone().map(|seconds| (seconds, error)));
+        let times = |doubt: f64| all.clone().map(|seconds| Times { seconds, doubt, reliable: true });
+        let found = |doubt: f64| standings(&times(doubt));
         use Standing::*;
         assert_eq!(found(0.001), [Front, Front, Dominated, Front, NeverReaches]);
         // Where timings are off by 30 %, twice the seconds are no difference, and reaching a target is.
         assert_eq!(found(0.3), [Front, Dominated, Front, Front, NeverReaches]);
+        // The third may be beaten by the first and the fourth, if these are known.
+        let mut doubtful = times(0.001);
+        (doubtful[0].reliable, doubtful[3].reliable) = (false, false);
+        assert_eq!(standings(&doubtful)[2], Front);
+        doubtful[2].reliable = false;
+        assert_eq!(standings(&doubtful)[2], Dominated);
     }
 }

@@ -136,7 +136,11 @@ pub fn plot(report: &Report) -> Result<Option<String>> {
             (samples * measured.model.seconds, measured.model.error(samples))
         });
         let name = format!("{} (p {:.2})", measured.setting.name(), measured.model.noise.exponent);
-        Curve { name, points: points.collect() }
+        // Of the noise at each number of samples, with the bias that the line has.
+        let marks = measured.noises.iter().map(|&(samples, noise)| {
+            (f64::from(samples) * measured.model.seconds, measured.model.squared_bias + noise)
+        });
+        Curve { name, points: points.collect(), marks: marks.collect() }
     };
     let mut curves: Vec<Curve> = report.drawn().0.into_iter().take(MOST_CURVES).map(curve).collect();
     curves.retain(|curve: &Curve| curve.points.iter().any(|point| point.1 > 0.0));

@@ -1,9 +1,10 @@
 //! What images by several seeds say of a setting: its noise, its bias against another setting, and how sure both are.
 //!
-//! Everything is a mean of products over pairs of replicates: of different ones the noise cancels in the mean, of one with itself it
-//! stays. So the mean product of two different differences from the baseline is the square of the bias, with nothing to subtract
-//! (independent halves), and pixels in which light is lost count even where others make up for it.
+//! Everything is a mean over pairs of different replicates. In the product of two differences from the baseline noise cancels in the mean:
+//! it is the square of the bias, with nothing to subtract (independent halves), and pixels in which light is lost count even where others
+//! make up for it. Half the square of what two replicates differ by is the noise of one.
 
+use crate::metrics::error::RELATIVE_FLOOR;
 use crate::metrics::student;
 
 /// An image: linear radiance, row 0 on top.
@@ -29,12 +30,19 @@ impl Estimate {
         }
     }
 
-    /// The end of a one-sided interval: what the truth is below with [`CONFIDENCE`].
+    /// The end of a one-sided interval: what the truth, which is not below 0, is below with [`CONFIDENCE`]. An estimate below 0 is so by noise
+    /// alone, and says no more than 0 would.
     pub fn upper(&self) -> f64 {
+        let value = self.value.max(0.0);
         match self.error == 0.0 {
-            true => self.value,
-            false => self.value + self.error * student::quantile(2.0 * (1.0 - CONFIDENCE), self.degrees),
+            true => value,
+            false => value + self.error * student::quantile(2.0 * (1.0 - CONFIDENCE), self.degrees),
         }
+    }
+
+    /// The same, nearer to 0 by what something else may bring.
+    pub fn beyond(&self, slack: f64) -> Estimate {
+        Estimate { value: self.value.signum() * (self.value.abs() - slack).max(0.0), ..*self }
     }
 
     /// The probability that noise alone brings a value at least as far from 0.
@@ -58,15 +66,85 @@ impl Estimate {
     }
 }
 
-/// Mean over pixels and channels of a b / (r² + 0.01), r the reference: the measure in which relMSE is a square.
-pub(super) fn product(a: &Pixels, b: &Pixels, reference: &Pixels) -> f64 {
-    let terms = a.as_flattened().iter().zip(b.as_flattened()).zip(reference.as_flattened());
-    let sum: f64 = terms
-        .map(|((&a, &b), &r)| {
-            f64::from(a) * f64::from(b) / (f64::from(r) * f64::from(r) + crate::metrics::error::RELATIVE_FLOOR)
-        })
-        .sum();
-    sum / (3 * reference.len()) as f64
+/// What errors are relative to: an image r, whose w = 1 / (r² + 0.01) weighs the products of replicates.
+///
+/// Where w is made of the very images that are multiplied, it is small just where they are bright by chance, and products whose mean is 0
+/// have another one: of paths that seldom meet a light the bright half would count for nothing. So an image of the rounds is left out of the
+/// w of its own products, together with a fifth of all rounds: w of two rounds is of an r without the folds that these are in.
+#[derive(Clone, Debug)]
+pub struct Weights {
+    /// The whole r.
+    pub image: Pixels,
+    /// w by pairs of folds, FOLDS times FOLDS of them, empty where no two rounds are such a pair; or one for all pairs.
+    of_folds: Vec<Vec<f32>>,
+}
+
+/// Every fourth round has a block that the others lack: five folds have their share of these.
+const FOLDS: usize = 5;
+
+impl Weights {
+    /// Of an image that no replicate is in.
+    pub fn of_image(image: Pixels) -> Weights {
+        Weights { of_folds: vec![inverse(&image)], image }
+    }
+
+    /// Of images by their round and their number of samples. None without any.
+    pub fn of_rounds<'a>(images: impl Iterator<Item = (usize, u32, &'a Pixels)>) -> Option<Weights> {
+        let mut sums: [(Vec<[f64; 3]>, f64); FOLDS] = std::array::from_fn(|_| (Vec::new(), 0.0));
+        let mut rounds = 0;
+        for (round, samples, image) in images {
+            rounds = rounds.max(round + 1);
+            let (sum, weight) = &mut sums[round % FOLDS];
+            let n = f64::from(samples);
+            sum.resize(image.len(), [0.0; 3]);
+            sum.iter_mut().zip(image).for_each(|(sum, p)| (0..3).for_each(|c| sum[c] += n * f64::from(p[c])));
+            *weight += n;
+        }
+        let mean = |without: &[usize]| -> Option<Pixels> {
+            let kept = || (0..FOLDS).filter(|fold| !without.contains(fold)).map(|fold| &sums[fold]);
+            let whole: f64 = kept().map(|(_, weight)| weight).sum();
+            let pixels = kept().map(|(sum, _)| sum.len()).max().filter(|_| whole > 0.0)?;
+            let value = |at: usize, c: usize| kept().filter_map(|(sum, _)| sum.get(at)).map(|p| p[c]).sum::<f64>();
+            Some((0..pixels).map(|at| std::array::from_fn(|c| (value(at, c) / whole) as f32)).collect())
+        };
+        let image = mean(&[])?;
+        let pairs = (0..FOLDS * FOLDS).map(|pair| [pair / FOLDS, pair % FOLDS]);
+        // Two rounds leave nothing that is neither; of fewer than three nothing is told.
+        let of_pair = |pair: [usize; 2]| {
+            let second = pair[1] + if pair[0] == pair[1] { FOLDS } else { 0 };
+            if pair[0].max(second) >= rounds {
+                return Vec::new();
+            }
+            inverse(mean(&pair).as_ref().unwrap_or(&image))
+        };
+        Some(Weights { of_folds: pairs.map(of_pair).collect(), image })
+    }
+
+    /// w for the products of two rounds.
+    fn between(&self, a: usize, b: usize) -> &[f32] {
+        match &self.of_folds[..] {
+            [all] => all,
+            folds => &folds[a % FOLDS * FOLDS + b % FOLDS],
+        }
+    }
+}
+
+fn inverse(image: &Pixels) -> Vec<f32> {
+    let weight = |&r: &f32| (1.0 / (f64::from(r) * f64::from(r) + RELATIVE_FLOOR)) as f32;
+    image.as_flattened().iter().map(weight).collect()
+}
+
+/// Mean over pixels and channels of w a b: the measure in which relMSE is a square.
+fn product(a: &[f32], b: &[f32], weights: &[f32]) -> f64 {
+    let terms = a.iter().zip(b).zip(weights);
+    let sum: f64 = terms.map(|((&a, &b), &w)| f64::from(a) * f64::from(b) * f64::from(w)).sum();
+    sum / weights.len() as f64
+}
+
+/// relMSE of an image against another.
+pub(super) fn distance(a: &Pixels, b: &Pixels, weights: &Weights) -> f64 {
+    let off = difference(a, b);
+    product(off.as_flattened(), off.as_flattened(), &inverse(&weights.image))
 }
 
 /// Value by value.
@@ -74,48 +152,62 @@ pub(super) fn difference(a: &Pixels, b: &Pixels) -> Pixels {
     a.iter().zip(b).map(|(a, b)| std::array::from_fn(|c| a[c] - b[c])).collect()
 }
 
-/// The products of all pairs of replicates.
-pub(super) struct Gram(Vec<Vec<f64>>);
+/// A figure of every pair of replicates, of which the mean is asked: a row for each replicate, of it with those before it.
+struct Pairs(Vec<Vec<f64>>);
 
-impl Gram {
-    pub(super) fn of(images: &[Pixels], reference: &Pixels) -> Gram {
-        let row = |a| images.iter().map(|b| product(a, b, reference)).collect();
-        Gram(images.iter().map(row).collect())
+impl Pairs {
+    fn of(count: usize, figure: impl Fn(usize, usize) -> f64) -> Pairs {
+        Pairs((0..count).map(|a| (0..a).map(|b| figure(a, b)).collect()).collect())
     }
 
-    /// Of the replicates but one: the mean product with themselves, and with each other.
-    fn means(&self, without: Option<usize>) -> (f64, f64) {
-        let kept: Vec<usize> = (0..self.0.len()).filter(|i| Some(*i) != without).collect();
-        let own: f64 = kept.iter().map(|&i| self.0[i][i]).sum();
-        let all: f64 = kept.iter().map(|&i| kept.iter().map(|&j| self.0[i][j]).sum::<f64>()).sum();
-        let n = kept.len() as f64;
-        (own / n, (all - own) / (n * (n - 1.0)))
+    /// The mean without one of the replicates.
+    fn mean(&self, without: Option<usize>) -> f64 {
+        let kept = |of: usize| Some(of) != without;
+        let row = |(a, row): (usize, &Vec<f64>)| -> f64 {
+            let figures = row.iter().enumerate().filter(|(b, _)| kept(a) && kept(*b));
+            figures.map(|(_, figure)| figure).sum()
+        };
+        let n = (self.0.len() - usize::from(without.is_some())) as f64;
+        self.0.iter().enumerate().map(row).sum::<f64>() / (0.5 * n * (n - 1.0))
     }
 
     /// The jackknife over replicates (Efron and Stein, Annals of Statistics 9(3), 1981): its variance is never too small on the mean.
-    pub(super) fn jackknife(&self, figure: fn((f64, f64)) -> f64) -> Option<Estimate> {
+    fn jackknife(&self) -> Option<Estimate> {
         let n = self.0.len();
         if n < super::sweep::FEWEST_ROUNDS {
             return None;
         }
-        let without: Vec<f64> = (0..n).map(|i| figure(self.means(Some(i)))).collect();
+        let without: Vec<f64> = (0..n).map(|i| self.mean(Some(i))).collect();
         let mean = without.iter().sum::<f64>() / n as f64;
         let squares: f64 = without.iter().map(|v| (v - mean) * (v - mean)).sum();
         let variance = squares * (n - 1) as f64 / n as f64;
-        Some(Estimate { value: figure(self.means(None)), error: variance.sqrt(), degrees: (n - 1) as f64 })
+        Some(Estimate { value: self.mean(None), error: variance.sqrt(), degrees: (n - 1) as f64 })
     }
 }
 
-/// The relMSE that one image has by its noise, from three replicates or more.
-pub fn noise(images: &[Pixels], reference: &Pixels) -> Option<Estimate> {
-    Gram::of(images, reference).jackknife(|(own, others)| own - others)
+/// The relMSE that one image has by its noise: half that of two beside each other. From three replicates or more, so many rounds apart.
+pub fn noise(images: &[Pixels], weights: &Weights, apart: usize) -> Option<Estimate> {
+    let of_pair = |a: usize, b: usize| {
+        let off = difference(&images[a], &images[b]);
+        0.5 * product(off.as_flattened(), off.as_flattened(), weights.between(a * apart, b * apart))
+    };
+    Pairs::of(images.len(), of_pair).jackknife()
 }
 
-/// Mean over pixels and channels of the squared bias over r² + 0.01: what stays of relMSE however many samples are taken. From three
-/// pairs or more of replicates of the setting and of the baseline. Below 0 by chance where there is none.
-pub fn squared_bias(setting: &[Pixels], baseline: &[Pixels], reference: &Pixels) -> Option<Estimate> {
+/// Mean over pixels and channels of the squared expectation of differences, over r² + 0.01; of one in each round, three or more. Below 0 by
+/// chance where there is none.
+pub(super) fn squared_mean(differences: &[Pixels], weights: &Weights) -> Option<Estimate> {
+    let of_pair = |a: usize, b: usize| {
+        product(differences[a].as_flattened(), differences[b].as_flattened(), weights.between(a, b))
+    };
+    Pairs::of(differences.len(), of_pair).jackknife()
+}
+
+/// The squared bias pixel by pixel: what stays of relMSE however many samples are taken. From three pairs or more of replicates of the
+/// setting and of the baseline.
+pub fn squared_bias(setting: &[Pixels], baseline: &[Pixels], weights: &Weights) -> Option<Estimate> {
     let differences: Vec<Pixels> = setting.iter().zip(baseline).map(|(a, b)| difference(a, b)).collect();
-    Gram::of(&differences, reference).jackknife(|(_, others)| others)
+    squared_mean(&differences, weights)
 }
 
 /// Signed bias of the mean over pixels and channels, relative to that of the reference. Pairs share their random numbers, so that
@@ -157,8 +249,12 @@ pub(super) mod tests {
 
     const REFERENCE: f64 = 0.5;
 
-    fn reference() -> Pixels {
+    fn mean() -> Pixels {
         vec![[REFERENCE as f32; 3]; 400]
+    }
+
+    fn reference() -> Weights {
+        Weights::of_image(mean())
     }
 
     /// How often the interval of an estimate holds the truth.
@@ -174,16 +270,16 @@ pub(super) mod tests {
     #[test]
     fn noise_is_that_of_one_image() {
         let truth = 0.01 / (REFERENCE * REFERENCE + 0.01);
-        let share = coverage(|random| noise(&random.images(8, 0.5, 0.1), &reference()).unwrap(), truth);
+        let share = coverage(|random| noise(&random.images(8, 0.5, 0.1), &reference(), 1).unwrap(), truth);
         assert!(share >= 0.92, "{share}");
-        assert!(noise(&Random(1).images(2, 0.5, 0.1), &reference()).is_none());
+        assert!(noise(&Random(1).images(2, 0.5, 0.1), &reference(), 1).is_none());
     }
 
     #[test]
     fn biases_are_found_and_noise_is_none() {
         let pairs = |random: &mut Random, bias: f64| {
             let (a, b) = (random.images(8, 0.5 + bias, 0.1), random.images(8, 0.5, 0.1));
-            (signed_bias(&a, &b, &reference()).unwrap(), squared_bias(&a, &b, &reference()).unwrap())
+            (signed_bias(&a, &b, &mean()).unwrap(), squared_bias(&a, &b, &reference()).unwrap())
         };
         for bias in [0.0, 0.02] {
             let share = coverage(|random| pairs(random, bias).0, bias / REFERENCE);
@@ -206,7 +302,7 @@ pub(super) mod tests {
             image.iter().enumerate().map(|(i, p)| p.map(|v| v + sign(i))).collect()
         };
         let setting: Vec<Pixels> = baseline.iter().map(moved).collect();
-        assert!(signed_bias(&setting, &baseline, &reference()).unwrap().value.abs() < 1e-6);
+        assert!(signed_bias(&setting, &baseline, &mean()).unwrap().value.abs() < 1e-6);
         let squared = squared_bias(&setting, &baseline, &reference()).unwrap();
         assert!((squared.value / (0.0004 / (REFERENCE * REFERENCE + 0.01)) - 1.0).abs() < 1e-4, "{squared:?}");
         assert!(squared.p() < 1e-6);
@@ -215,10 +311,69 @@ pub(super) mod tests {
     #[test]
     fn the_same_images_are_no_bias_without_doubt() {
         let images = Random(9).images(4, 0.5, 0.1);
-        let found = [signed_bias(&images, &images, &reference()), squared_bias(&images, &images, &reference())];
+        let found = [signed_bias(&images, &images, &mean()), squared_bias(&images, &images, &reference())];
         for estimate in found {
             assert_eq!(estimate, Some(Estimate { value: 0.0, error: 0.0, degrees: 3.0 }));
             assert_eq!(estimate.unwrap().p(), 1.0);
         }
+    }
+
+    /// Images that are dark but for a few bright pixels, as paths make them that meet a light once in thousands of times. In the mean they
+    /// are as bright as the others; weighed by an image of themselves they would seem not to be.
+    #[test]
+    fn rare_bright_pixels_are_no_bias() {
+        const VALUE: f64 = 0.2;
+        let weights_of =
+            |all: &[Pixels]| Weights::of_rounds(all.iter().enumerate().map(|(i, image)| (i, 16, image))).unwrap();
+        let (mut apart, mut together) = (0, 0);
+        for seed in 0..200 {
+            let mut random = Random(1000 + seed);
+            let baseline = random.images(8, VALUE, 0.05);
+            // One pixel of 8 has eight times the value, and the others none.
+            let mut rare = || {
+                let uniform = random.images(1, 0.0, 1.0).remove(0);
+                // A normal variate is above 1.1503 with a probability of 1/8.
+                uniform.iter().map(|p| [if p[0] > 1.1503 { (8.0 * VALUE) as f32 } else { 0.0 }; 3]).collect::<Pixels>()
+            };
+            let setting: Vec<Pixels> = (0..8).map(|_| rare()).collect();
+            let alarm = |weights: &Weights| {
+                let found = squared_bias(&setting, &baseline, weights).unwrap();
+                found.value > 0.0 && found.p() < 0.05
+            };
+            apart += u32::from(alarm(&weights_of(&baseline)));
+            let joined: Vec<Pixels> = baseline
+                .iter()
+                .zip(&setting)
+                .map(|(a, b)| a.iter().zip(b).map(|(a, b)| std::array::from_fn(|c| 0.5 * (a[c] + b[c]))).collect())
+                .collect();
+            let mean = weights_of(&joined).image;
+            together += u32::from(alarm(&Weights::of_image(mean)));
+        }
+        // 2.5 % of 200 are 5; more than 14 are so once in 3,000 times.
+        assert!(apart <= 14 && together > 100, "{apart}, and weighed by themselves {together}");
+    }
+
+    #[test]
+    fn no_pair_is_weighed_by_its_own_rounds() {
+        let image = |value: f32| -> Pixels { vec![[value; 3]] };
+        for count in [3usize, 7, 12] {
+            let all: Vec<Pixels> = (0..count).map(|i| image(2f32.powi(i as i32))).collect();
+            let weights = |all: &[Pixels]| Weights::of_rounds(all.iter().enumerate().map(|(i, p)| (i, 4, p))).unwrap();
+            let usual = weights(&all);
+            for (a, b) in (0..count).flat_map(|a| (0..count).map(move |b| (a, b))) {
+                let mut other = all.clone();
+                (other[a], other[b]) = (image(1e6), image(1e6));
+                assert_eq!(weights(&other).between(a, b), usual.between(a, b), "{count}: {a} {b}");
+                assert!(weights(&other).image != usual.image);
+            }
+        }
+        assert!(Weights::of_rounds(std::iter::empty()).is_none());
+    }
+
+    #[test]
+    fn the_upper_end_of_a_square_is_not_below_0() {
+        let found = Estimate { value: -3.0, error: 1.0, degrees: 7.0 };
+        assert!((found.upper() - 1.8946).abs() < 1e-3, "{}", found.upper());
+        assert_eq!(Estimate { error: 0.0, ..found }.upper(), 0.0);
     }
 }

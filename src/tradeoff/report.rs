@@ -37,6 +37,8 @@ pub struct Report {
     /// The defaults first.
     pub measured: Vec<Measured>,
     pub unmeasured: Vec<Unmeasured>,
+    /// The size of the reference, where its middle alone is measured.
+    pub middle_of: Option<(u32, u32)>,
     pub shown: Vec<Shown>,
 }
 
@@ -56,7 +58,7 @@ pub struct Shown {
 
 /// What a plot shows.
 pub const CAPTION: &str = "relMSE is the mean over pixels and channels of (error)² / (value² + 0.01): 1e-2 is noise of about 10 %. The lines are \
-                           bias² + c N^-p, by the measured bias and the noise at 4, 16 and 64 samples; one that ends level has a bias that no time removes.";
+                           bias² + c N^-p, by the measured bias and the noise at 4, 16 and 64 samples, the dots; one that ends level has a bias that no time removes.";
 /// The most curves that a plot has colours for.
 pub const MOST_CURVES: usize = 10;
 
@@ -65,6 +67,7 @@ pub fn class_name(class: Class) -> &'static str {
     match class {
         Class::Exact => "exact",
         Class::Noise => "noise",
+        Class::Detail => "detail",
         Class::Bias => "bias",
         Class::Numerics => "numerics",
     }
@@ -91,7 +94,8 @@ pub fn time_text(seconds: Option<f64>) -> String {
         Some(s) if s >= 600.0 => format!("{:.0} min", s / 60.0),
         Some(s) if s >= 100.0 => format!("{s:.0} s"),
         Some(s) if s >= 1.0 => format!("{s:.1} s"),
-        Some(s) => format!("{:.0} ms", 1e3 * s),
+        Some(s) if s >= 1e-3 => format!("{:.0} ms", 1e3 * s),
+        Some(s) => format!("{:.0} µs", 1e6 * s),
     }
 }
 
@@ -122,6 +126,26 @@ pub fn bias_text(measured: &Measured) -> String {
             let digits = digits(half);
             format!("{value:+.digits$} ± {half:.digits$} %")
         }
+    }
+}
+
+/// What a setting costs in light or detail.
+fn cost_text(best: &Measured) -> String {
+    let (value, half) = (100.0 * best.signed.value, 100.0 * best.signed.half_width());
+    let digits = digits(half);
+    if best.biased {
+        let stays = format!("a relMSE of {} that no time removes", relmse_text(best.model.squared_bias));
+        return match value {
+            _ if best.setting.class() == Class::Detail => format!("loses detail, {stays}"),
+            // Lost here and won there.
+            _ if value.abs() <= half => format!("biased by {stays}"),
+            ..0.0 => format!("loses {:.digits$} ± {half:.digits$} % of the light", -value),
+            _ => format!("adds {value:.digits$} ± {half:.digits$} % of light"),
+        };
+    }
+    match best.signed.error == 0.0 {
+        true => "no bias".to_string(),
+        false => format!("off by {value:+.digits$} ± {half:.digits$} % of the light, which may be noise"),
     }
 }
 
@@ -179,7 +203,6 @@ impl Report {
                 if self.measured.is_empty() {
                     return format!("relMSE {target}: nothing was measured");
                 }
-                let doubtful = preferred(&self.measured, index, |m| !m.biased && m.declared_unbiased());
                 let words = doubtful.map_or(String::new(), |m| {
                     format!(
                         "; {} would take {}, or more where rare bright paths were missed",
@@ -190,21 +213,7 @@ impl Report {
                 return format!("relMSE {target}: no reliable setting reaches it{words}");
             };
             let time = time_text(best.times[index]);
-            let half = 100.0 * best.signed.half_width();
-            let digits = digits(half);
-            let cost = match (best.biased, best.signed.value < 0.0) {
-                (true, true) => {
-                    format!("loses {:.digits$} ± {half:.digits$} % of the light", -100.0 * best.signed.value)
-                }
-                (true, false) => format!("adds {:.digits$} ± {half:.digits$} % of light", 100.0 * best.signed.value),
-                (false, _) if best.signed.error == 0.0 => "no bias".to_string(),
-                (false, _) => {
-                    format!(
-                        "off by {:+.digits$} ± {half:.digits$} % of the light, which may be noise",
-                        100.0 * best.signed.value
-                    )
-                }
-            };
+            let cost = cost_text(best);
             let what = best.named();
             let faithful = preferred(&self.measured, index, |m| m.reliable && unbiased(m));
             let besides = match (faithful, doubtful) {
@@ -232,6 +241,11 @@ impl Report {
             self.measured.first().map_or(0, |defaults| defaults.rounds)
         )];
         let (w, h) = self.whole_size;
+        if let Some((width, height)) = self.middle_of {
+            lines.push(format!(
+                "of the reference's {width}x{height} the {w}x{h} in the middle are measured, whose sides have the divisors that smaller images take"
+            ));
+        }
         match self.calibration {
             _ if self.whole_size == self.size => {}
             Some((slower, noisier)) => lines.push(format!(
@@ -242,6 +256,14 @@ impl Report {
                 "all seconds are those of {w}x{h}, which the budget did not reach: a sample is taken to take as many times as long there as there are \
                  more pixels, with the same noise"
             )),
+        }
+        if let Some(defaults) = self.measured.first().filter(|defaults| !defaults.reliable) {
+            let known = self.measured.iter().any(|m| !m.declared_unbiased() && m.bias_known);
+            let so = if known { "" } else { ", so that no bias is known, and nothing that biases is recommended" };
+            lines.push(format!(
+                "the noise of the defaults is known to {:.0} % only, because of rare bright paths or too few rounds{so}",
+                100.0 * defaults.noise_doubt
+            ));
         }
         lines.extend(self.measured_against());
         if self.interrupted {
@@ -282,9 +304,15 @@ impl Report {
         );
         vec![
             format!("the reference is {file}; pictures are compared with it, and {own}"),
-            match differs {
-                false => format!("{TO_DEFAULTS}, which differ from the reference by noise only{mean}, with {far}"),
-                true => format!(
+            match (differs, self.measured.iter().any(|measured| measured.against_reference)) {
+                (false, false) => {
+                    format!("{TO_DEFAULTS}, which differ from the reference by noise only{mean}, with {far}")
+                }
+                (false, true) => format!(
+                    "the defaults differ from the reference by noise only{mean}, with {far}; as their noise is not known well, all biases are against \
+                     the reference"
+                ),
+                (true, _) => format!(
                     "the defaults differ from the reference by more than noise{mean}, with {far}: all biases are against the reference"
                 ),
             },
@@ -341,8 +369,9 @@ impl Report {
         let mut text = String::from(
             "setting,knob,value,class,gives_up,measured,rounds,seconds_compile,seconds_per_sample,seconds_spread,variance_1spp,exponent,\
              bias,bias_half_width,squared_bias,squared_bias_upper,biased,reliable,seconds_to_1e-1,seconds_to_1e-2,seconds_to_1e-3,\
-             efficiency,verdict\n",
+             efficiency,verdict,device,driver\n",
         );
+        let of_device = format!(",{},{}\n", quoted(&self.device), quoted(&self.driver));
         let known = |value: Option<f64>| value.map_or(String::new(), |v| v.to_string());
         for measured in self.sorted() {
             let Measured { setting, model, .. } = measured;
@@ -369,11 +398,11 @@ impl Report {
                 a,
                 b,
                 c,
-                measured.efficiency().to_string(),
+                known(Some(measured.efficiency()).filter(|efficiency| efficiency.is_finite())),
                 quoted(&measured.verdict()),
             ];
             text += &cells.join(",");
-            text.push('\n');
+            text += &of_device;
         }
         for left in &self.unmeasured {
             let knob = left.setting.knob;
@@ -382,7 +411,7 @@ impl Report {
             let class = class_name(left.setting.class());
             let (knob, value) = (knob.map_or("", |knob| knob.name), &left.setting.value);
             let why = quoted(&format!("not measured: {}", left.why));
-            text += &format!("{name},{knob},{value},{class},{gives_up},false{}{why}\n", ",".repeat(17));
+            text += &format!("{name},{knob},{value},{class},{gives_up},false{}{why}{of_device}", ",".repeat(17));
         }
         text
     }

@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::film::Film;
 use crate::flatten::{Flat, Wish, flatten_with};
 use crate::gpu::device::Device;
-use crate::knobs::{Class, Knob, SIZE};
+use crate::knobs::{Class, Knob};
 use crate::render::{Goal, Job, Next, Renderer, TuningWish, plan_for};
 use crate::scene::Scene;
 
@@ -20,6 +20,11 @@ const ROUNDS_OF_LAST: usize = 4;
 /// The fewest rounds that tell anything, and the most of a sweep.
 pub const FEWEST_ROUNDS: usize = 3;
 pub const MOST_ROUNDS: usize = 32;
+/// How many rounds lie between two blocks of so many samples.
+pub fn rounds_between(samples: u32) -> usize {
+    if samples == LEVELS[2] { ROUNDS_OF_LAST } else { 1 }
+}
+
 /// What a round costs in samples a pixel, on the mean.
 pub const SAMPLES_OF_ROUND: f64 = (LEVELS[0] + LEVELS[1]) as f64 + LEVELS[2] as f64 / ROUNDS_OF_LAST as f64;
 /// What the fewest rounds cost.
@@ -46,12 +51,7 @@ impl Setting {
 
     /// What it gives up, by its knob's declaration.
     pub fn class(&self) -> Class {
-        match self.knob {
-            None => Class::Exact,
-            // Beside an image of all its pixels one of fewer lacks detail, however many samples it has.
-            Some(knob) if knob.name == SIZE.name => Class::Bias,
-            Some(knob) => knob.class,
-        }
+        self.knob.map_or(Class::Exact, |knob| knob.class)
     }
 }
 
@@ -153,16 +153,14 @@ impl<'a> Sweep<'a> {
         Ok(())
     }
 
+    /// What no radiance of the scene is above, in its own units.
+    pub fn brightest(&self) -> f64 {
+        self.defaults.as_ref().map_or(0.0, |defaults| 2f64.powi(defaults.flat.radiance_exponent))
+    }
+
     /// Another sweep of the same scene with the same seed, of nothing yet.
     pub fn of_size(&self, size: (u32, u32)) -> Sweep<'a> {
         Sweep::new(self.device, self.scene, size, self.seed)
-    }
-
-    /// Keeps the first subjects; the others are not measured, for that reason.
-    pub fn keep(&mut self, count: usize, why: &str) {
-        for subject in self.subjects.split_off(count.min(self.subjects.len())) {
-            self.leave_out(subject.setting, why);
-        }
     }
 
     /// Notes a setting as not measured.
@@ -172,8 +170,7 @@ impl<'a> Sweep<'a> {
 
     fn compile(&mut self, setting: &Setting) -> Result<Option<Subject<'a>>> {
         let begin = Instant::now();
-        let side = |side: u32| ((f64::from(side) * setting.scale).round() as u32).max(1);
-        let size = (side(self.size.0), side(self.size.1));
+        let size = scaled(self.size, setting.scale);
         let flat = flatten_with(self.scene, size, setting.wish)?;
         let linked = Linked { flat, max_depth: setting.max_depth };
         if let Some(defaults) = &self.defaults
@@ -233,7 +230,7 @@ impl<'a> Sweep<'a> {
     ) -> Result<()> {
         self.drop_begun_round();
         for round in self.rounds..most {
-            let levels = LEVELS.iter().filter(|level| **level != LEVELS[2] || round % ROUNDS_OF_LAST == 0);
+            let levels = LEVELS.iter().filter(|level| round % rounds_between(**level) == 0);
             for (i, &level) in levels.enumerate() {
                 // No two blocks of one sweep share a seed, and no block shares one with --seed's own image.
                 let seed = self.seed.wrapping_add(1 + (round * LEVELS.len() + i) as u32);
@@ -258,7 +255,7 @@ impl<'a> Sweep<'a> {
     fn drop_begun_round(&mut self) {
         let rounds = self.rounds;
         for (level, blocks) in self.subjects.iter_mut().flat_map(|subject| &mut subject.blocks) {
-            blocks.truncate(if *level == LEVELS[2] { rounds.div_ceil(ROUNDS_OF_LAST) } else { rounds });
+            blocks.truncate(rounds.div_ceil(rounds_between(*level)));
         }
     }
 
@@ -266,6 +263,12 @@ impl<'a> Sweep<'a> {
     pub fn begin_again(&mut self, seed: u32) {
         (self.seed, self.rounds) = (seed, 0);
         self.subjects.iter_mut().for_each(|subject| subject.blocks.clear());
+    }
+
+    /// Samples a pixel of all blocks of a subject; none before the first.
+    pub fn samples(&self, subject: usize) -> Option<u32> {
+        let blocks = &self.subjects.get(subject)?.blocks;
+        Some(blocks.iter().map(|(samples, blocks)| samples * blocks.len() as u32).sum()).filter(|samples| *samples > 0)
     }
 
     /// How long a block is expected to take, from those before.
@@ -276,6 +279,37 @@ impl<'a> Sweep<'a> {
         });
         Duration::from_secs_f64(known.next_back().unwrap_or(0.0))
     }
+}
+
+/// Sides times a factor.
+fn scaled((width, height): (u32, u32), factor: f64) -> (u32, u32) {
+    let side = |side: u32| ((f64::from(side) * factor).round() as u32).max(1);
+    (side(width), side(height))
+}
+
+/// What an image of a share of the sides shows, enlarged again: each of its pixels is the mean over a larger rectangle.
+pub fn coarsened(image: &Pixels, size: (u32, u32), share: f64) -> Pixels {
+    let small = scaled(size, share);
+    // The pixels that one of the smaller image covers, each with how much of it.
+    let covers = |at: u32, from: u32, to: u32| {
+        let ratio = f64::from(from) / f64::from(to);
+        let (begin, end) = (f64::from(at) * ratio, f64::from(at + 1) * ratio);
+        let last = (end.ceil() as u32).min(from);
+        (begin as u32..last).map(move |i| (i as usize, (f64::from(i + 1).min(end) - f64::from(i).max(begin)) / ratio))
+    };
+    let pixel = |x: u32, y: u32| {
+        let mut sum = [0.0f64; 3];
+        for (row, tall) in covers(y, size.1, small.1) {
+            for (column, wide) in covers(x, size.0, small.0) {
+                let p = image[row * size.0 as usize + column];
+                (0..3).for_each(|c| sum[c] += tall * wide * f64::from(p[c]));
+            }
+        }
+        sum.map(|v| v as f32)
+    };
+    let coarse: Pixels =
+        (0..small.1).flat_map(|y| (0..small.0).map(move |x| (x, y))).map(|(x, y)| pixel(x, y)).collect();
+    enlarged(&coarse, small, size)
 }
 
 /// An image scaled up by repeating its pixels.
@@ -313,5 +347,16 @@ mod tests {
             grey(enlarged(&image, (3, 2), (6, 4))),
             [0, 0, 1, 1, 2, 2, 0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5, 3, 3, 4, 4, 5, 5]
         );
+    }
+
+    #[test]
+    fn coarse_images_are_means() {
+        let image: Pixels = (0..8).map(|i| [i as f32; 3]).collect();
+        let grey = |image: Pixels| image.iter().map(|p| p[0]).collect::<Vec<_>>();
+        assert_eq!(grey(coarsened(&image, (4, 2), 0.5)), [2.5, 2.5, 4.5, 4.5, 2.5, 2.5, 4.5, 4.5]);
+        // Three pixels as two: each has one and a half of them.
+        let found = grey(coarsened(&image[..3].to_vec(), (3, 1), 0.5));
+        let expected = [1.0 / 3.0, 1.0 / 3.0, 5.0 / 3.0];
+        assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-6), "{found:?}");
     }
 }

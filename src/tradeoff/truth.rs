@@ -1,6 +1,6 @@
 //! What images are measured against: a file's image, or the pooled samples of the sweep itself; and how far off that is by its own noise.
 
-use super::replicates::{Estimate, Gram, Pixels, difference, product, signed_bias};
+use super::replicates::{Estimate, Pixels, Weights, difference, distance, signed_bias, squared_mean};
 use super::sweep::{Subject, Sweep};
 use crate::knobs::Class;
 use crate::metrics::error::{RELATIVE_FLOOR, relative_variance};
@@ -21,6 +21,8 @@ pub struct Distance {
     pub signed: Estimate,
     /// relMSE less what the truth's own noise is expected to bring.
     pub squared: Estimate,
+    /// The standard error of what is expected of that noise.
+    pub doubt: f64,
 }
 
 impl Truth {
@@ -36,12 +38,21 @@ impl Truth {
     /// The mean of all images of unbiased settings, weighed by their samples, without those of one subject: no image is judged by itself.
     pub fn pooled(sweep: &Sweep<'_>, without: Option<usize>) -> Option<Truth> {
         let unbiased = |subject: &Subject<'_>| matches!(subject.setting.class(), Class::Exact | Class::Noise);
+        Truth::joined(sweep, |i, subject| Some(i) != without && unbiased(subject))
+    }
+
+    /// The mean of all images of one subject.
+    pub fn of_subject(sweep: &Sweep<'_>, own: usize) -> Option<Truth> {
+        Truth::joined(sweep, |i, _| i == own)
+    }
+
+    fn joined(sweep: &Sweep<'_>, takes: impl Fn(usize, &Subject<'_>) -> bool) -> Option<Truth> {
         // Two halves, of the even and of the odd rounds. Images of one round share their random numbers, those of two do not: how the
         // halves differ tells the noise, which the number of settings does not.
         let empty = vec![[0.0f64; 3]; sweep.size.0 as usize * sweep.size.1 as usize];
         let (mut sums, mut weights) = ([empty.clone(), empty], [0.0f64; 2]);
         for (i, subject) in sweep.subjects.iter().enumerate() {
-            if Some(i) == without || !unbiased(subject) {
+            if !takes(i, subject) {
                 continue;
             }
             for (samples, blocks) in &subject.blocks {
@@ -69,19 +80,18 @@ impl Truth {
     }
 
     /// The relMSE that it has by its own noise, relative to an image that is less noisy or the same.
-    pub fn error(&self, weights: &Pixels) -> Option<f64> {
-        relative_variance(self.variance.as_ref()?, weights)
+    pub fn error(&self, weights: &Weights) -> Option<f64> {
+        relative_variance(self.variance.as_ref()?, &weights.image)
     }
 
     /// The relMSE of an image against it, less what its own noise is expected to bring.
-    pub fn relmse_of(&self, image: &Pixels, weights: &Pixels) -> f64 {
-        let off = difference(image, &self.image);
-        product(&off, &off, weights) - self.error(weights).unwrap_or(0.0)
+    pub fn relmse_of(&self, image: &Pixels, weights: &Weights) -> f64 {
+        distance(image, &self.image, weights) - self.error(weights).unwrap_or(0.0)
     }
 
     /// How far the expectation of images is from this, by weights that another image gives. Nothing where the truth's own noise is not
     /// known, and of fewer than three images.
-    pub fn distance(&self, images: &[Pixels], weights: &Pixels) -> Option<Distance> {
+    pub fn distance(&self, images: &[Pixels], weights: &Weights) -> Option<Distance> {
         let variance = self.variance.as_ref()?;
         let count = (3 * self.image.len()) as f64;
         let mean = self.image.as_flattened().iter().map(|&v| f64::from(v)).sum::<f64>() / count;
@@ -92,7 +102,7 @@ impl Truth {
         for (at, (pixel, variance)) in self.image.iter().zip(variance).enumerate() {
             let (mut deviation, mut relative, mut product) = (0.0, 0.0, 0.0);
             for c in 0..3 {
-                let weight = 1.0 / (f64::from(weights[at][c]).powi(2) + RELATIVE_FLOOR);
+                let weight = 1.0 / (f64::from(weights.image[at][c]).powi(2) + RELATIVE_FLOOR);
                 let v = f64::from(variance[c]);
                 let off = of_images(at, c) / images.len() as f64 - f64::from(pixel[c]);
                 deviation += v.sqrt();
@@ -108,7 +118,7 @@ impl Truth {
         let same = vec![self.image.clone(); images.len()];
         let signed = signed_bias(images, &same, &self.image)?;
         let differences: Vec<Pixels> = images.iter().map(|image| difference(image, &self.image)).collect();
-        let squared = Gram::of(&differences, weights).jackknife(|(_, others)| others)?;
+        let squared = squared_mean(&differences, weights)?;
         // (b + e)² less an estimate of E e² varies by 2 σ⁴ of e² and by 2 σ⁴ of the estimate, if that has one degree of freedom: its square is
         // then 3 σ⁴ on the mean. With more degrees less comes from the estimate, and its square is σ⁴: twice the square is enough in
         // both cases. The product 2 b e varies by 4 b² σ².
@@ -120,6 +130,8 @@ impl Truth {
                 squared_noise,
                 degrees(own, own2),
             ),
+            // An estimate of one degree of freedom varies by 2 σ⁴, two thirds of what its square is on the mean.
+            doubt: (2.0 / 3.0 * own2).sqrt() / count,
         })
     }
 }
@@ -159,8 +171,8 @@ mod tests {
 
     const MEAN: f64 = 0.5;
 
-    fn weights() -> Pixels {
-        vec![[MEAN as f32; 3]; 400]
+    fn weights() -> Weights {
+        Weights::of_image(vec![[MEAN as f32; 3]; 400])
     }
 
     /// An image and its variance, of two halves that have noise.
