@@ -449,12 +449,15 @@ fn a_time_limit_gives_every_pixel_the_same_samples_and_one_at_least() {
     let (total, over) = (json["seconds"]["total"].as_f64().expect("a time"), over.as_f64().expect("an overrun"));
     assert!((total - 0.001 - over).abs() < 1e-9, "{total}, {over}");
     assert!(ran.stderr.contains("more than the --time of 0.001 s"), "{}", ran.stderr);
-    // Kept where there is time: with a start of a tenth of a second or two, for which a machine in use may take ten times as long.
-    let json = place.render(&["--time", "4s", "--json", "-o", "a.exr"]).exits(0).json();
-    assert!(
-        json["time_overrun_seconds"].is_null() && json["seconds"]["total"].as_f64().expect("a time") < 4.0,
-        "{json}"
-    );
+    // Kept where there is time, and nothing is said then: in one of five, as the other tests take what they take of the processor, and what
+    // they begin after the pilot has seen how fast it goes makes it late.
+    let is_kept = |_| {
+        let json = place.render(&["--time", "2s", "--json", "-o", "a.exr"]).exits(0).json();
+        let total = json["seconds"]["total"].as_f64().expect("a time");
+        assert_eq!(json["time_overrun_seconds"].is_null(), total <= 2.0, "{json}");
+        total <= 2.0
+    };
+    assert!((0..5).any(is_kept));
     // Up to --spp, with however much time.
     let json = place.render(&["--time", "1h", "--spp", "24", "--json"]).exits(0).json();
     assert_eq!(json["samples_per_pixel"], 24);

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 
-use super::{Target, flatten_for, open_device, path_text, planned, print_json, print_text, tell, wish_of};
+use super::{Target, flatten_for, make_folder, open_device, path_text, planned, print_json, print_text, tell, wish_of};
 use crate::cli::{FeaturesArg, PlanArgs};
 use crate::error::{Error, Result};
 use crate::flatten::Wish;
@@ -132,11 +132,7 @@ fn other_shaders(folder: &Path, plan: &Plan) -> Vec<String> {
 }
 
 fn write_shaders(folder: &Path, plan: &Plan) -> Result<()> {
-    std::fs::create_dir_all(folder).map_err(|error| Error::File {
-        path: folder.to_path_buf(),
-        action: "create",
-        reason: error.to_string(),
-    })?;
+    make_folder(folder, "no shader has been written")?;
     for kernel in plan.kernels() {
         let path = folder.join(format!("{}.wgsl", kernel.name));
         atomic::write(&path, kernel.linked.text.as_bytes())?;

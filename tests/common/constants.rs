@@ -55,7 +55,9 @@ impl Within<'_> {
     fn is_constant(&self, known: &Constant, expression: Handle<Expression>) -> bool {
         let all = |parts: &[Handle<Expression>]| parts.iter().all(|part| self.is_constant(known, *part));
         match &self.expressions()[expression] {
-            Expression::Literal(_) | Expression::Constant(_) | Expression::Override(_) | Expression::ZeroValue(_) => true,
+            Expression::Literal(_) | Expression::Constant(_) | Expression::Override(_) | Expression::ZeroValue(_) => {
+                true
+            }
             Expression::FunctionArgument(index) => {
                 self.name.is_some_and(|name| known.arguments.contains(&(name, *index)))
             }
