@@ -14,7 +14,7 @@ tests_on() {
         swiftshader) echo cli closed_form extremes functions instances probe recipe same_bytes walk ;;
         *)
             echo bad_input cli closed_form estimators extremes features film functions instances knobs plan probe recipe references \
-                same_bytes sobol startup walk
+                same_bytes sobol startup through_glass walk warnings
             ;;
     esac
 }
