@@ -145,6 +145,8 @@ fn cost_text(best: &Measured) -> String {
     }
     match best.signed.error == 0.0 {
         true => "no bias".to_string(),
+        // Its mean is that of the light, whatever is lost.
+        false if best.setting.class() == Class::Detail => "loses detail, no more than may be noise".to_string(),
         false => format!("off by {value:+.digits$} ± {half:.digits$} % of the light, which may be noise"),
     }
 }
