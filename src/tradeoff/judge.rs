@@ -3,7 +3,7 @@
 use super::extent::Whole;
 use super::model::{Falling, Model, Standing, Times, doubt, falling, standings};
 use super::pace::{Pace, paces};
-use super::replicates::{Estimate, Pixels, Weights, noise, signed_bias, squared_bias};
+use super::replicates::{Estimate, Pixels, Weights, noise, signed_bias, squared_bias, sum_of};
 use super::sweep::{FEWEST_ROUNDS, LEVEL, LEVELS, Setting, Subject, Sweep, rounds_between};
 use super::truth::{Distance, Truth};
 use crate::knobs::Class;
@@ -226,7 +226,7 @@ fn weights(sweep: &Sweep<'_>, reference: Option<&Truth>) -> Option<Weights> {
 fn unmet(brightest: f64, rounds: usize, level: f64, image: &Pixels) -> (f64, f64) {
     let samples = rounds as f64 * f64::from(LEVEL) * image.len() as f64;
     let light = level.recip().ln() * brightest / samples;
-    let mean = image.as_flattened().iter().map(|&v| f64::from(v)).sum::<f64>() / (3 * image.len()) as f64;
+    let mean = sum_of(image) / (3 * image.len()) as f64;
     // A black image has no mean to be relative to, and no light.
     let of_mean = if mean > 0.0 { light / mean } else { 0.0 };
     (of_mean, 0.5 / RELATIVE_FLOOR.sqrt() * light)

@@ -129,6 +129,11 @@ impl Weights {
     }
 }
 
+/// The sum over pixels and channels.
+pub(super) fn sum_of(image: &Pixels) -> f64 {
+    image.as_flattened().iter().map(|&v| f64::from(v)).sum::<f64>()
+}
+
 fn inverse(image: &Pixels) -> Vec<f32> {
     let weight = |&r: &f32| (1.0 / (f64::from(r) * f64::from(r) + RELATIVE_FLOOR)) as f32;
     image.as_flattened().iter().map(weight).collect()
@@ -213,9 +218,8 @@ pub fn squared_bias(setting: &[Pixels], baseline: &[Pixels], weights: &Weights) 
 /// Signed bias of the mean over pixels and channels, relative to that of the reference. Pairs share their random numbers, so that
 /// their noise cancels as far as the settings are alike.
 pub fn signed_bias(setting: &[Pixels], baseline: &[Pixels], reference: &Pixels) -> Option<Estimate> {
-    let mean = |image: &Pixels| image.as_flattened().iter().map(|&v| f64::from(v)).sum::<f64>();
-    let whole = mean(reference);
-    let off = |(a, b)| match mean(a) - mean(b) {
+    let whole = sum_of(reference);
+    let off = |(a, b)| match sum_of(a) - sum_of(b) {
         // Of black images too.
         0.0 => 0.0,
         off => off / whole,

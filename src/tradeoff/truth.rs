@@ -1,6 +1,6 @@
 //! What images are measured against: a file's image, or the pooled samples of the sweep itself; and how far off that is by its own noise.
 
-use super::replicates::{Estimate, Pixels, Weights, difference, distance, signed_bias, squared_mean};
+use super::replicates::{Estimate, Pixels, Weights, difference, distance, signed_bias, squared_mean, sum_of};
 use super::sweep::{Subject, Sweep};
 use crate::knobs::Class;
 use crate::metrics::error::{RELATIVE_FLOOR, relative_variance};
@@ -94,7 +94,7 @@ impl Truth {
     pub fn distance(&self, images: &[Pixels], weights: &Weights) -> Option<Distance> {
         let variance = self.variance.as_ref()?;
         let count = (3 * self.image.len()) as f64;
-        let mean = self.image.as_flattened().iter().map(|&v| f64::from(v)).sum::<f64>() / count;
+        let mean = sum_of(&self.image) / count;
         let of_images = |at: usize, c: usize| images.iter().map(|i| f64::from(i[at][c])).sum::<f64>();
         // Σ and Σ² of what a pixel brings: to the mean of the image its standard deviations, to relMSE its relative variances. Its channels
         // are taken to vary as one, which is the most that they can.
