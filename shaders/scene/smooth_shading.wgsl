@@ -39,22 +39,13 @@ fn shading_normal(hit: Hit, surface: Surface, incoming: vec3<f32>, facing: vec3<
     return normalize(bent);
 }
 
-// Where a ray in such a direction leaves from, on the side that the material meant. Facets hide from each other where the
-// smooth surface would not, which shows as a jagged shadow terminator: the point is lifted to the smooth surface, the
-// mean of its projections onto the tangent planes of the vertices, weighted as the normals are
+// Where an event on the side of `facing` is: there it chooses a light and aims at it, and from there rays to that side leave. Facets hide
+// from each other where the smooth surface would not, which shows as a jagged shadow terminator: the point is lifted to the smooth
+// surface, the mean of its projections onto the tangent planes of the vertices, weighted as the normals are
 // (Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II, ch. 4).
-fn leaving_point(
-    hit: Hit,
-    surface: Surface,
-    facing: vec3<f32>,
-    shading: vec3<f32>,
-    direction: vec3<f32>,
-) -> vec3<f32> {
+fn event_point(hit: Hit, surface: Surface, facing: vec3<f32>) -> vec3<f32> {
     if !is_smooth(hit.code) {
-        return leave_surface(surface.point, surface.error, surface.normal, direction);
-    }
-    if dot(direction, shading) < 0.0 {
-        return leave_surface(surface.point, surface.error, facing, -facing);
+        return leave_surface(surface.point, surface.error, facing, facing);
     }
     let corners = corners_of(primitive_index(hit.code));
     let normals = normals_of(hit.code);

@@ -9,6 +9,7 @@
 //@ use choice/colour
 //@ use choice/roulette
 //@ use choice/shading
+//@ use scene/leaving
 //@ each answer
 //@ use scene/responses
 //@ use step/light
@@ -31,6 +32,7 @@ fn scatter_path(path: ptr<function, Path>) {
     let shading = shading_normal(hit, surface, ray.direction, facing);
     let colour = surface_colour(material, hit, surface);
     let arriving = Interaction(ray.direction, shading, front, colour);
+    let above = event_point(hit, surface, facing);
 
     let events = (*path).events;
     let u = random4((*path).pixel, (*path).sample, event_dimension(events, DIMENSION_SCATTER), settings.seed);
@@ -39,12 +41,13 @@ fn scatter_path(path: ptr<function, Path>) {
     var pdf = 0.0;
     //@ end
     //@ each answer
+    // Whatever answers to lights sends rays to the side that it is seen from, all from one point: else the density with which a light is
+    // aimed at would not be the one with which the ray that meets it is weighed.
     let samples_lights = events < settings.max_depth && responds(material);
     if samples_lights {
-        let aim = aim_at_light(path, surface.point);
+        let aim = aim_at_light(path, above);
         let response = response_of_material(material, arriving, aim.direction);
-        let origin = leaving_point(hit, surface, facing, shading, aim.direction);
-        send_shadow_ray(path, aim, origin, response.value, response.pdf);
+        send_shadow_ray(path, aim, above, response.value, response.pdf);
         pdf = response_of_material(material, arriving, scattered.direction).pdf;
     }
     //@ end
@@ -66,7 +69,7 @@ fn scatter_path(path: ptr<function, Path>) {
     }
     let goes_on = scattered.event == SCATTERED && events < settings.max_depth && any(throughput != vec3<f32>(0.0));
     if goes_on {
-        let leaving = leaving_point(hit, surface, facing, shading, scattered.direction);
+        let leaving = leaving_point(surface, facing, shading, above, scattered.direction);
         (*path).ray = Ray(leaving, scattered.direction);
         (*path).status = RAY_READY;
         (*path).throughput = throughput;
