@@ -22,6 +22,15 @@ const DARK_PIXEL_FLOOR: f64 = 0.01;
 const MOST_ACROSS: f64 = 2.0;
 /// The standard error, as a share, up to which a stated relative error is called reliable.
 const RELIABLE: f64 = 0.1;
+/// The largest share of a sum over pixels that is left to two halves of a single pixel. Should these agree by chance, the sum is too small
+/// by no more, and the error by half of it.
+const MOST_OF_HALVES: f64 = 0.02;
+/// Degrees of freedom of a variance that the spread of a pixel's samples tells. What k bright samples make is known to 1/√k of itself,
+/// which is as of 2k degrees of freedom; pixels that rule the error were met twice at least, or their halves would tell.
+const DEGREES_OF_SPREAD: f64 = 4.0;
+/// What a sum of squares is at least for each run, in units of 2^-[`SQUARE_FRACTION`], where it counts as known: each run's is rounded by half a
+/// unit at most.
+const LEAST_SQUARES: u128 = 1 << 10;
 
 /// One run as the device delivers it.
 #[repr(C)]
@@ -36,6 +45,8 @@ pub struct RunRecord {
     pub counts: u32,
     /// Rays traced for the run.
     pub rays: u32,
+    /// Squared deviations of the accepted samples from their mean, summed, in device units squared.
+    pub spread: [f32; 3],
 }
 
 impl RunRecord {
@@ -80,40 +91,51 @@ pub struct Totals {
 struct Pixel {
     /// Σ s over runs, s the run's sum, in units of 2^-[`SUM_FRACTION`].
     sum: [u128; 3],
-    /// What tells the variance. Of independent samples: Σ s²/n over runs, n the run's accepted samples, in units of
-    /// 2^-[`SQUARE_FRACTION`]. Of Sobol points: Σ s over odd runs, in the units of `sum`.
+    /// What the odd runs have of it.
+    odd_sum: [u128; 3],
+    /// The squared deviations of samples from the means of their runs, summed, in units of 2^-[`SQUARE_FRACTION`].
     spread: [u128; 3],
-    /// Accepted samples.
-    samples: u64,
-    /// Of independent samples: runs with at least one accepted sample. Of Sobol points: accepted samples of odd runs.
-    replicates: u32,
+    /// Accepted samples of even and of odd runs. A pixel's samples are numbered by 32 bits, so that either has at most 2^31.
+    even: u32,
+    odd: u32,
+    /// Runs with at least one accepted sample.
+    runs: u32,
     rejected: u32,
 }
 
+/// The halves of a pixel's samples: the even runs and the odd ones.
+type Halves = [[f64; 3]; 2];
+
 impl Pixel {
+    fn samples(&self) -> u64 {
+        u64::from(self.even) + u64::from(self.odd)
+    }
+
     /// The pixel's mean in device units; 0 without samples.
     fn mean(&self, channel: usize) -> f64 {
-        if self.samples == 0 {
-            return 0.0;
-        }
-        self.sum[channel] as f64 * exp2(-SUM_FRACTION) / self.samples as f64
+        mean(self.sum[channel], self.samples())
     }
 
-    /// The variance of the pixel's mean, in device units squared. Unknown with less than two replicates, or where a total has saturated.
+    fn means(&self) -> [f64; 3] {
+        [0, 1, 2].map(|channel| self.mean(channel))
+    }
+
+    /// The means of the even and of the odd runs.
+    fn half_means(&self) -> Halves {
+        let even = |c: usize| mean(self.sum[c].saturating_sub(self.odd_sum[c]), u64::from(self.even));
+        let odd = |c: usize| mean(self.odd_sum[c], u64::from(self.odd));
+        [[0, 1, 2].map(even), [0, 1, 2].map(odd)]
+    }
+
+    /// The variance of the pixel's mean, in device units squared. Unknown without samples in either half, or where a total has saturated.
     fn variance(&self, channel: usize, sampler: Sampler) -> Option<f64> {
         let saturated = self.sum[channel] == u128::MAX || self.spread[channel] == u128::MAX;
-        match (saturated || !self.has_replicates(sampler), sampler) {
+        match (saturated || !self.has_halves(), sampler) {
             (true, _) => None,
-            (false, Sampler::Independent) => Some(self.variance_of_runs(channel)),
+            (false, Sampler::Independent) => {
+                Some(self.variance_of_spread(channel).unwrap_or_else(|| self.variance_of_halves(channel)))
+            }
             (false, Sampler::Sobol) => Some(self.variance_of_halves(channel)),
-        }
-    }
-
-    /// Degrees of freedom of the variance.
-    fn degrees(&self, sampler: Sampler) -> f64 {
-        match sampler {
-            Sampler::Independent => f64::from(self.replicates.saturating_sub(1)),
-            Sampler::Sobol => 1.0,
         }
     }
 
@@ -122,13 +144,14 @@ impl Pixel {
         Some([self.variance(0, sampler)?, self.variance(1, sampler)?, self.variance(2, sampler)?])
     }
 
-    fn has_replicates(&self, sampler: Sampler) -> bool {
-        match sampler {
-            Sampler::Independent => self.replicates >= 2,
-            Sampler::Sobol => {
-                self.replicates > 0 && u64::from(self.replicates) < self.samples && self.replicates < u32::MAX
-            }
-        }
+    fn has_halves(&self) -> bool {
+        self.even > 0 && self.odd > 0
+    }
+
+    /// Degrees of freedom of the variance.
+    fn degrees(&self, sampler: Sampler) -> f64 {
+        let known = (0..3).all(|channel| self.variance_of_spread(channel).is_some());
+        if sampler == Sampler::Independent && known { (self.samples() - u64::from(self.runs)) as f64 } else { 1.0 }
     }
 
     /// From the even runs' mean A and the odd ones' B, of a and b samples, N in all: v = a b (A - B)² / N². The halves are scrambled
@@ -137,24 +160,23 @@ impl Pixel {
     /// on one side, v is right if V and W are as 1/a to 1/b, as for independent samples; where the larger half is better than
     /// that, v is too large, by a factor of a/b at most (own derivation: V a = W b gives v; V = 0 gives v = a b W / N² for b² W / N²).
     fn variance_of_halves(&self, channel: usize) -> f64 {
-        let (odd, all) = (u64::from(self.replicates), self.samples);
-        let even = all - odd;
         // Means are rounded down by 2^-88 at most, so that nothing cancels but equal digits.
-        let mean_odd = self.spread[channel] / u128::from(odd);
-        let mean_even = (self.sum[channel] - self.spread[channel].min(self.sum[channel])) / u128::from(even);
+        let mean_odd = self.odd_sum[channel] / u128::from(self.odd);
+        let mean_even = self.sum[channel].saturating_sub(self.odd_sum[channel]) / u128::from(self.even);
         let difference = mean_odd.abs_diff(mean_even) as f64 * exp2(-SUM_FRACTION);
-        let weights = (even as f64 / all as f64) * (odd as f64 / all as f64);
+        let all = self.samples() as f64;
+        let weights = (f64::from(self.even) / all) * (f64::from(self.odd) / all);
         weights * difference * difference
     }
 
-    /// From the runs as replicates of unequal size: with N = Σ n, K runs and
-    /// Q = Σ s²/n − (Σ s)²/N, it is Q / ((K − 1) N). Own derivation: for independent samples of mean μ and variance σ²,
-    /// E[Σ s²/n] = K σ² + N μ² and E[(Σ s)²/N] = σ² + N μ², so that E[Q] = (K − 1) σ², while the mean's variance is σ²/N.
-    fn variance_of_runs(&self, channel: usize) -> f64 {
-        // Q ≥ 0 by the Cauchy–Schwarz inequality; only the rounding of the squares could take it below.
-        let spread = self.spread[channel].saturating_sub(square_over(self.sum[channel], self.samples));
-        let divisor = f64::from(self.replicates - 1) * self.samples as f64;
-        spread as f64 * exp2(-SQUARE_FRACTION) / divisor
+    /// The variance that the mean of as many independent samples has: with W the squared deviations from the means of K runs, N samples in
+    /// all, W / ((N − K) N), since a run of n samples has n − 1 degrees of freedom. Sobol points have less, but where single samples make
+    /// most of it. Nothing where no run tells, or all are too close for the squares' fixed point.
+    fn variance_of_spread(&self, channel: usize) -> Option<f64> {
+        let degrees = self.samples().checked_sub(u64::from(self.runs)).filter(|degrees| *degrees > 0)?;
+        let squares = self.spread[channel];
+        let known = squares >= LEAST_SQUARES * u128::from(self.runs);
+        known.then(|| squares as f64 * exp2(-SQUARE_FRACTION) / (degrees as f64 * self.samples() as f64))
     }
 
     fn reject(&mut self, samples: u32) {
@@ -164,55 +186,25 @@ impl Pixel {
     fn add(&mut self, other: &Pixel) {
         for channel in 0..3 {
             self.sum[channel] = self.sum[channel].saturating_add(other.sum[channel]);
+            self.odd_sum[channel] = self.odd_sum[channel].saturating_add(other.odd_sum[channel]);
             self.spread[channel] = self.spread[channel].saturating_add(other.spread[channel]);
         }
-        self.samples += other.samples;
-        self.replicates = self.replicates.saturating_add(other.replicates);
+        self.even = self.even.saturating_add(other.even);
+        self.odd = self.odd.saturating_add(other.odd);
+        self.runs = self.runs.saturating_add(other.runs);
         self.reject(other.rejected);
-    }
-
-    /// What the even and the odd runs have of it; the odd ones of independent samples are kept beside it.
-    fn halves(&self, odd: Option<&Pixel>) -> [Pixel; 2] {
-        match odd {
-            Some(odd) => [self.without(odd), *odd],
-            None => {
-                let odd = Pixel { sum: self.spread, samples: u64::from(self.replicates), ..Pixel::default() };
-                [self.without(&odd), odd]
-            }
-        }
-    }
-
-    /// What is left without a part of it. Exact, where no total has saturated.
-    fn without(&self, part: &Pixel) -> Pixel {
-        let less = |all: [u128; 3], part: [u128; 3]| [0, 1, 2].map(|c| all[c].saturating_sub(part[c]));
-        Pixel {
-            sum: less(self.sum, part.sum),
-            spread: less(self.spread, part.spread),
-            samples: self.samples - part.samples,
-            replicates: self.replicates - part.replicates,
-            rejected: self.rejected - part.rejected,
-        }
-    }
-
-    /// A pixel's term of the squared relative error, the mean of v / (I² + floor) over its channels, with I of this one.
-    fn term(&self, v: [f64; 3], floor: f64) -> f64 {
-        let term = |channel: usize| {
-            let mean = self.mean(channel);
-            v[channel] / (3.0 * (mean * mean + floor))
-        };
-        term(0) + term(1) + term(2)
     }
 }
 
 /// The exact totals of a whole image.
 ///
 /// Range, in device units (scene radiance / 2^exponent). A pixel's sum holds 2^-88 to 2^40: every f32 from 2^-65 on is added without
-/// any rounding, smaller ones are rounded to 2^-88, and 2^30 samples of mean 1000 fit. Its sum of squares holds 2^-96 to 2^32: the
-/// variance is exact for samples from about 2^-36 on and fades below 2^-46; one run of sum 2^17, 2^20 samples of 64 or 2^30 of 2
-/// fit. Beyond, the total saturates (a saturating sum of numbers that are not negative is still the same in any order) and the
-/// variance is reported as unknown. (Of Sobol points the sums of squares are not kept; the difference of the halves is exact to 2^-88.) So the device's unit should be about the radiance of the brightest thing that is often seen.
+/// any rounding, smaller ones are rounded to 2^-88, and 2^30 samples of mean 1000 fit. Its squared deviations hold 2^-96 to 2^32: 2^30
+/// samples that deviate by 2 fit. Below about 2^-43 they are not known, and the two halves tell the variance, which are exact to 2^-88.
+/// Beyond, the total saturates (a saturating sum of numbers that are not negative is still the same in any order) and the
+/// variance is reported as unknown. So the device's unit should be about the radiance of the brightest thing that is often seen.
 ///
-/// Memory: 112 bytes a pixel of Sobol points, 224 of independent samples.
+/// Memory: 160 bytes a pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
     width: u32,
@@ -220,8 +212,6 @@ pub struct Film {
     exponent: i32,
     sampler: Sampler,
     pixels: Vec<Pixel>,
-    /// Of independent samples: what the odd runs have of all that is in `pixels`, for the error of the error. Else empty.
-    odd: Vec<Pixel>,
     totals: Totals,
 }
 
@@ -234,7 +224,7 @@ impl Film {
         Film::with_sampler(width, height, exponent, Sampler::Independent)
     }
 
-    /// An empty film. The sampler decides what the error is told by: runs, or the difference of two halves. Device radiance times 2^exponent is scene radiance; the exponent is within ±300.
+    /// An empty film. The sampler decides what the error is told by: all samples, or the difference of two halves. Device radiance times 2^exponent is scene radiance; the exponent is within ±300.
     ///
     /// Fails where the image has no pixels, more than 2^32, or more than the memory holds.
     pub fn with_sampler(width: u32, height: u32, exponent: i32, sampler: Sampler) -> Result<Film> {
@@ -250,27 +240,21 @@ impl Film {
                 "the scene's radiance has the scale 2^{exponent}: expected 2^-300 to 2^300"
             )));
         }
-        let parts = match sampler {
-            Sampler::Independent => 2,
-            Sampler::Sobol => 1,
-        };
         let too_large = || {
-            let gib = parts as f64 * count as f64 * size_of::<Pixel>() as f64 / exp2(30);
+            let gib = count as f64 * size_of::<Pixel>() as f64 / exp2(30);
             Error::Usage(format!(
                 "an image of {width} x {height} pixels needs {gib:.1} GiB of memory, which cannot be had; use a smaller --size"
             ))
         };
         let count = usize::try_from(count).map_err(|_| too_large())?;
         // Zeros as the system hands them out: writing them would cost a large film more than all else before its first pass.
-        let empty = |count| bytemuck::allocation::try_zeroed_vec::<Pixel>(count).map_err(|()| too_large());
-        let (pixels, odd) = (empty(count)?, empty((parts - 1) * count)?);
-        Ok(Film { width, height, exponent, sampler, pixels, odd, totals: Totals::default() })
+        let pixels = bytemuck::allocation::try_zeroed_vec::<Pixel>(count).map_err(|()| too_large())?;
+        Ok(Film { width, height, exponent, sampler, pixels, totals: Totals::default() })
     }
 
     /// Takes everything back.
     pub fn clear(&mut self) {
         self.pixels.fill(Pixel::default());
-        self.odd.fill(Pixel::default());
         self.totals = Totals::default();
     }
 
@@ -303,7 +287,7 @@ impl Film {
         };
         let samples = accepted + nan + infinite + cut;
         // A NaN fails this too.
-        let sum_is_valid = record.sum.iter().all(|s| *s >= 0.0);
+        let sum_is_valid = record.sum.iter().chain(&record.spread).all(|s| *s >= 0.0);
         if accepted > 0 && !sum_is_valid {
             self.refuse(record, samples);
             return;
@@ -327,26 +311,16 @@ impl Film {
             return;
         }
         let odd = record.counts & ODD_RUN != 0;
-        let mut run = Pixel { samples: u64::from(accepted), ..Pixel::default() };
+        let mut run = Pixel { runs: 1, ..Pixel::default() };
         for channel in 0..3 {
-            let s = f64::from(record.sum[channel]);
-            run.sum[channel] = to_fixed(s, SUM_FRACTION);
-            run.spread[channel] = match self.sampler {
-                // The square of an f32 is exact in f64, and so is its quotient by the n of a full run, 8.
-                Sampler::Independent => to_fixed(s * s / f64::from(accepted), SQUARE_FRACTION),
-                Sampler::Sobol if odd => run.sum[channel],
-                Sampler::Sobol => 0,
-            };
+            run.sum[channel] = to_fixed(f64::from(record.sum[channel]), SUM_FRACTION);
+            run.spread[channel] = to_fixed(f64::from(record.spread[channel]), SQUARE_FRACTION);
         }
-        run.replicates = match self.sampler {
-            Sampler::Independent => 1,
-            Sampler::Sobol if odd => accepted,
-            Sampler::Sobol => 0,
-        };
+        match odd {
+            true => (run.odd_sum, run.odd) = (run.sum, accepted),
+            false => run.even = accepted,
+        }
         pixel.add(&run);
-        if odd && let Some(part) = self.odd.get_mut(record.pixel as usize) {
-            part.add(&run);
-        }
     }
 
     /// Counts a record's samples as rejected and takes nothing else from it.
@@ -375,8 +349,7 @@ impl Film {
                 other.sampler.name()
             )));
         }
-        let theirs = other.pixels.iter().chain(&other.odd);
-        self.pixels.iter_mut().chain(&mut self.odd).zip(theirs).for_each(|(mine, theirs)| mine.add(theirs));
+        self.pixels.iter_mut().zip(&other.pixels).for_each(|(mine, theirs)| mine.add(theirs));
         self.totals.paths += other.totals.paths;
         self.totals.rays += other.totals.rays;
         self.totals.rejected.nan += other.totals.rejected.nan;
@@ -405,7 +378,7 @@ impl Film {
                 .iter()
                 .map(|p| channels.map(|c| variance_to_f32(p.variance(c, self.sampler), scale * scale)))
                 .collect(),
-            samples: self.pixels.iter().map(|p| u32::try_from(p.samples).unwrap_or(u32::MAX)).collect(),
+            samples: self.pixels.iter().map(|p| u32::try_from(p.samples()).unwrap_or(u32::MAX)).collect(),
             rejected: self.pixels.iter().map(|p| p.rejected).collect(),
         }
     }
@@ -427,110 +400,116 @@ impl Film {
     /// with (I - R)² in place of v. Both scatter about it. Pixels are independent, since random numbers are keyed by them, so that Var T =
     /// Σ Var x and Var Y = Σ Var y, and as sums of scaled chi-squares T and Y have about ν = 2 (E T)²/Var T and μ = 2 (E T)²/Var Y degrees of
     /// freedom (Satterthwaite, Biometrics Bulletin 2(6), 1946, equation 17). What the halves of normal samples differ in is independent of what
-    /// they have in common, so that Y/T has Fisher's distribution F(μ, ν). (Tails heavier than normal ones let Y and T go together, which is safe.)
+    /// they have in common, so that Y/T has Fisher's distribution F(μ, ν).
     ///
-    /// - With the pixel's deviations normal, of covariances C_cd between its channels, y = Σ w_c d_c² has Var y = 2 Σ w_c w_d C_cd² ≤ 2 (E
-    ///   x)², since C_cd² ≤ C_cc C_dd; with equality where the channels vary together. An x of k degrees of freedom, one of two halves or
-    ///   those of all runs but one, has E[x²] ≤ (1 + 2/k) (E x)². So 2 k/(k + 2) Σ x² is what is at hand of Var Y (own derivation).
-    /// - Of two halves, Var T is the same.
-    /// - Of independent samples the even and the odd runs give two estimates of each x. Scaled to what all runs have, X of the even ones
-    ///   and Y of the odd ones, of samples of the shares a and b of all, they differ by nothing but chance: (X - Y)² a b has the
-    ///   expectation of Var x, whatever the distribution, if runs are many. Of R runs, it is too large by (R - 1)/(R - 2) at most, with
-    ///   normal runs.
+    /// With the pixel's deviations normal, of covariances C_cd between its channels, y = Σ w_c d_c² has Var y = 2 Σ w_c w_d C_cd² ≤ 2 (E x)²,
+    /// since C_cd² ≤ C_cc C_dd; with equality where the channels vary together. An x of k degrees of freedom, one of
+    /// two halves, has E[x²] ≤ (1 + 2/k) (E x)². So Σ 2k/(k + 2) x² is what is at hand of Var Y, and of Var T with two halves (own derivation).
+    /// Of independent samples it is too large for Var T.
     ///
-    /// To compare a pixel with its neighbours, as if they were alike, is not good enough: of independent samples what they truly differ
-    /// in outweighs what they differ in by chance, and of two halves, it is known less well than by all x.
-    ///
-    /// T has a bias of the order of x itself: I goes together with v where bright samples are rare. Two things take it from the bound.
-    ///
-    /// - Of independent samples: the bias falls as 1/N, so that the halves have twice as much, and x + δ, δ = Z - (a X + b Y), none
-    ///   in that order (Quenouille, Biometrika 43(3/4), 1956). Z is a X + b Y with both halves' v over the whole pixel's I: in place of x,
-    ///   whose v has the difference of the halves too, it leaves that chance out of δ. What δ has of it may go together with x: D = Σ (|X -
-    ///   Y| √(a b) + |δ|)², as if they had a correlation of up to E|y| E|z| = 2/π, of two normal ones.
-    /// - Always: the bound is no less than that of T with 1/(I² + 0.01 Ī²) as the mean of the halves' own. A pixel that a rare bright path met
-    ///   has a large v and a large I, and x is near 1 whatever it is; the half that the path is not in says how bright the pixel mostly is. What this
-    ///   one has too much, by the noise of halves, is some 12 v/I² of itself: 1 % where the relative error is 3 %. (Measured on nine
-    ///   scenes of 16x16 and 64x64 pixels at 16 to 256 samples: T alone falls short of the true sum by up to 45 % at 16 samples, and the bound by it is
-    ///   true of 3 to 98 % of renders; this one of 93 to 100 %.)
+    /// - **Few pixels that hold the noise.** Where the halves of such a pixel agree by chance, it is missing in T and in Σ x² alike. So a
+    ///   pixel counts with the spread of its samples in place of its halves, w with σ²/N for v, where w is more than
+    ///   [`MOST_OF_HALVES`] of all. Sobol points take much of σ² from smooth pixels and edges, and nothing from what single samples make,
+    ///   so that w is too large if anything; pixels are chosen by w alone, so that no chance of the halves has a say.
+    /// - **What the error is relative to.** A pixel that a rare bright path met has a large v and a large I, and x is near 1 whatever it is. The
+    ///   half that the path is not in says how bright the pixel mostly is: in the bound, x and w have the mean of 1/(I² + 0.01 Ī²) over
+    ///   the halves' own I. What this is too much, by the noise of halves, is some 12 v/I² of itself: 1 % where the relative error is 3 %.
+    /// - **Many rare bright paths.** Where that sum is more than four times T, the mean over both halves still has half of the weight by the
+    ///   bright half. There the weight goes over to that of the darker half as v/I² goes to 1, its largest, where one half holds
+    ///   everything. The bound is the larger one.
     ///
     /// The relative error is known to sqrt(1/(2ν)) of itself. Where that is more than a tenth, ν < 50, few pixels carry the sum, as rare
-    /// bright paths make it: one that has a share s of T makes ν at most 3/s² or so. Then what has not been seen yet may be more than
-    /// what has, and the estimate is called unreliable. So it is where T with the halves' own I is more than four times as large: the error relative
-    /// to a better image is more than twice the stated one. (Measured at 16 and 64 samples: 1.02 to 1.9 times in scenes without caustics, 10 to
-    /// 17 in glass.ron.)
+    /// bright paths make it. Then what has not been seen yet may be more than what has, and the estimate is called unreliable. So it is where
+    /// T with the halves' own I is more than four times as large: the error relative to a better image is more than twice the
+    /// stated one. How often the bound holds is measured in docs/light-transport.md.
     pub fn error_estimate(&self, level: f64) -> Option<ErrorEstimate> {
-        let luminance = |p: &Pixel| luminance(std::array::from_fn(|c| p.mean(c)));
-        let mean_luminance = self.pixels.iter().map(luminance).sum::<f64>() / self.pixels.len() as f64;
+        let mean_luminance = self.pixels.iter().map(|p| luminance(p.means())).sum::<f64>() / self.pixels.len() as f64;
         if mean_luminance <= 0.0 {
             return None;
         }
         let floor = DARK_PIXEL_FLOOR * mean_luminance * mean_luminance;
-        let (mut total, mut across, mut squares, mut pixels) = (0.0, 0.0, 0.0, 0u64);
-        let mut degrees_of_x = f64::INFINITY;
-        // Nothing, where a pixel has not two runs in each half.
-        let mut halves = (self.sampler == Sampler::Independent).then_some(Halves::default());
-        for (index, pixel) in self.pixels.iter().enumerate() {
-            if pixel.rejected > 0 && !pixel.has_replicates(self.sampler) {
+        let (mut total, mut pixels) = (0.0, 0u64);
+        let (mut usual, mut rare) = (Noise::default(), Noise::default());
+        for pixel in &self.pixels {
+            if pixel.rejected > 0 && !pixel.has_halves() {
                 continue;
             }
             let v = pixel.variances(self.sampler)?;
-            let [even, odd] = pixel.halves(self.odd.get(index));
-            let x = pixel.term(v, floor);
-            across += 0.5 * even.term(v, floor);
-            across += 0.5 * odd.term(v, floor);
-            total += x;
-            squares += x * x;
-            degrees_of_x = degrees_of_x.min(pixel.degrees(self.sampler));
+            let spread = [0, 1, 2].map(|channel| pixel.variance_of_spread(channel).unwrap_or(0.0));
+            let own = pixel.means().map(|mean| 1.0 / (mean * mean + floor));
+            let halves = pixel.half_means().map(|means| means.map(|mean| 1.0 / (mean * mean + floor)));
+            let mean = [0, 1, 2].map(|c| 0.5 * (halves[0][c] + halves[1][c]));
+            let darker =
+                [0, 1, 2].map(|c| mean[c] + (v[c] * own[c]).min(1.0) * (halves[0][c].max(halves[1][c]) - mean[c]));
+            total += weighted(v, own);
+            let degrees = pixel.degrees(self.sampler);
+            usual.add(weighted(v, mean), degrees, weighted(spread, mean));
+            rare.add(weighted(v, darker), degrees, weighted(spread, darker));
             pixels += 1;
-            halves = halves.and_then(|halves| halves.with(pixel, [&even, &odd], floor));
         }
         if pixels == 0 {
             return None;
         }
         let error = |total: f64| (total / pixels as f64).sqrt();
-        if total == 0.0 {
+        if total == 0.0 && usual.largest.is_empty() {
             return Some(ErrorEstimate { value: 0.0, bound: 0.0, against_better: 0.0, reliable: true });
         }
-        let deviations = 2.0 * degrees_of_x / (degrees_of_x + 2.0) * squares;
-        let (corrected, variance) = match halves {
-            Some(halves) => (total + halves.correction, halves.variance),
-            None => (total, deviations),
-        };
-        // Halves that agree to the last bit, though there is noise, are too few to tell anything.
-        let degrees = |variance: f64| match corrected > 0.0 && variance > 0.0 {
-            true => (2.0 * corrected * corrected / variance - 2.0).max(0.0),
-            false => 0.0,
-        };
-        let (of_image, of_estimate) = (degrees(deviations), degrees(variance));
-        let bound = error(corrected.max(across)) * upper_fisher(of_image, of_estimate, level).sqrt();
-        let known = 0.5 / of_estimate <= RELIABLE * RELIABLE;
-        let alike = across <= MOST_ACROSS * MOST_ACROSS * total;
-        let reliable = known && alike;
-        Some(ErrorEstimate { value: error(total), bound, against_better: error(across), reliable })
+        let (bound, degrees) = usual.bound(level);
+        let alike = usual.total <= MOST_ACROSS * MOST_ACROSS * total;
+        let bound = if alike { bound } else { bound.max(rare.bound(level).0) };
+        let reliable = alike && 0.5 / degrees <= RELIABLE * RELIABLE;
+        Some(ErrorEstimate { value: error(total), bound: error(bound), against_better: error(usual.total), reliable })
     }
 }
 
-/// What the even and the odd runs tell of an estimated sum over pixels ([`Film::error_estimate`]).
-#[derive(Clone, Copy, Debug, Default)]
-struct Halves {
-    /// Σ δ: what takes the sum's bias from it.
-    correction: f64,
-    /// D: the variance of the corrected sum.
-    variance: f64,
+/// The mean over channels.
+fn weighted(variance: [f64; 3], weight: [f64; 3]) -> f64 {
+    (variance[0] * weight[0] + variance[1] * weight[1] + variance[2] * weight[2]) / 3.0
 }
 
-impl Halves {
-    /// These with another pixel; nothing where it has less than two runs in a half.
-    fn with(self, pixel: &Pixel, [even, odd]: [&Pixel; 2], floor: f64) -> Option<Halves> {
-        let share = |half: &Pixel| half.samples as f64 / pixel.samples as f64;
-        let (a, b) = (share(even), share(odd));
-        // By samples, variances of a half's mean are a or b of that of the pixel's.
-        let (v, w) = (even.variances(Sampler::Independent)?, odd.variances(Sampler::Independent)?);
-        let (of_even, of_odd) = (a * even.term(v, floor), b * odd.term(w, floor));
-        let pooled = a * a * pixel.term(v, floor) + b * b * pixel.term(w, floor);
-        let change = pooled - a * of_even - b * of_odd;
-        let deviation = (of_even - of_odd).abs() * (a * b).sqrt() + change.abs();
-        Some(Halves { correction: self.correction + change, variance: self.variance + deviation * deviation })
+/// The squared relative errors of pixels ([`Film::error_estimate`]), summed.
+#[derive(Clone, Debug, Default)]
+struct Noise {
+    /// Σ x, and what is at hand of its variance.
+    total: f64,
+    variance: f64,
+    /// The pixels whose samples are spread the most, the largest w first: w, x, and the part of the variance. More pixels than these cannot
+    /// have more than [`MOST_OF_HALVES`] each.
+    largest: Vec<[f64; 3]>,
+}
+
+impl Noise {
+    /// Adds a pixel: its x, of so many degrees of freedom, and its w.
+    fn add(&mut self, x: f64, degrees: f64, w: f64) {
+        const MOST: usize = (1.0 / MOST_OF_HALVES) as usize;
+        let variance = 2.0 * degrees / (degrees + 2.0) * x * x;
+        self.total += x;
+        self.variance += variance;
+        if w > 0.0 && (self.largest.len() < MOST || self.largest.last().is_some_and(|[least, ..]| w > *least)) {
+            let place = self.largest.partition_point(|[larger, ..]| *larger >= w);
+            self.largest.insert(place, [w, x, variance]);
+            self.largest.truncate(MOST);
+        }
+    }
+
+    /// What the sum of the image's own squared errors is below but for a probability of `level`, and the degrees of freedom by which that is known.
+    fn bound(&self, level: f64) -> (f64, f64) {
+        let (mut of_halves, mut of_spread) = ([self.total, self.variance], [0.0, 0.0]);
+        for [w, x, variance] in &self.largest {
+            if *w <= MOST_OF_HALVES * (of_spread[0] + of_halves[0]) {
+                break;
+            }
+            of_spread = [of_spread[0] + w, of_spread[1] + 2.0 * w * w];
+            of_halves = [(of_halves[0] - x).max(0.0), (of_halves[1] - variance).max(0.0)];
+        }
+        let total = of_spread[0] + of_halves[0];
+        // T² is too large for (E T)² by the variance of T, where the halves tell both: hence the difference.
+        let degrees = |of_spread: f64| match of_spread + of_halves[1] {
+            variance if variance > 0.0 => (2.0 * (total * total - of_halves[1]) / variance).max(0.0),
+            _ => f64::INFINITY,
+        };
+        let (of_image, of_estimate) = (degrees(of_spread[1]), degrees(of_spread[1] / DEGREES_OF_SPREAD));
+        (total * upper_fisher(of_image, of_estimate, level), of_estimate)
     }
 }
 
@@ -589,7 +568,12 @@ fn exp2(exponent: i32) -> f64 {
     2f64.powi(exponent)
 }
 
-/// `value`, finite and not negative, in units of 2^-fraction, rounded to the nearest (halves up); saturates.
+/// The mean of a sum in units of 2^-[`SUM_FRACTION`]; 0 without samples.
+fn mean(sum: u128, samples: u64) -> f64 {
+    if samples == 0 { 0.0 } else { sum as f64 * exp2(-SUM_FRACTION) / samples as f64 }
+}
+
+/// `value`, not negative, in units of 2^-fraction, rounded to the nearest (halves up); saturates.
 fn to_fixed(value: f64, fraction: i32) -> u128 {
     // value = mantissa * 2^(exponent - 1075) (IEEE 754-2019, section 3.4). Denormals, below 2^-1022, round to 0 here anyway.
     let bits = value.to_bits();
@@ -602,24 +586,6 @@ fn to_fixed(value: f64, fraction: i32) -> u128 {
         shift @ -53..0 => (mantissa + (1 << (-shift - 1))) >> -shift,
         _ => 0,
     }
-}
-
-/// sum²/samples, from units of 2^-[`SUM_FRACTION`] to units of 2^-[`SQUARE_FRACTION`], rounded down; saturates.
-fn square_over(sum: u128, samples: u64) -> u128 {
-    const SHIFT: i32 = 2 * SUM_FRACTION - SQUARE_FRACTION;
-    let (low, high) = sum.carrying_mul(sum, 0);
-    // Shifting before the division gives the same: floor(floor(x / a) / b) = floor(x / (a b)).
-    let low = high << (128 - SHIFT) | low >> SHIFT;
-    let high = high >> SHIFT;
-    let n = u128::from(samples.max(1));
-    if high == 0 {
-        return low / n;
-    }
-    // Long division by one digit of 64 bits: each remainder is below n, so that it fits in front of the next digit.
-    let (carry, rest) = (high / n, high % n);
-    let upper = rest << 64 | low >> 64;
-    let lower = (upper % n) << 64 | low & u128::from(u64::MAX);
-    if carry > 0 { u128::MAX } else { ((upper / n) << 64) | (lower / n) }
 }
 
 /// `value`, not negative, as f32; saturates at f32::MAX.
@@ -655,20 +621,5 @@ mod tests {
         assert_eq!(to_fixed(f64::from(f32::MAX), 88), u128::MAX);
         assert_eq!(to_fixed(f64::MIN_POSITIVE, 88), 0);
         assert_eq!(to_fixed(f64::from_bits(1), 88), 0);
-    }
-
-    #[test]
-    fn square_over_agrees_with_small_and_large_numbers() {
-        for samples in [1u64, 3, 8, 1000, u64::MAX] {
-            // (2^70)² = 2^140, less 80 bits: 2^60.
-            assert_eq!(square_over(1 << 70, samples), (1u128 << 60) / u128::from(samples));
-            // (2^100)² 2^-80 = 2^120: the division of one digit; (2^127)² 2^-80 = 2^174: of more.
-            assert_eq!(square_over(1 << 100, samples), (1u128 << 120) / u128::from(samples));
-        }
-        assert_eq!(square_over(1 << 127, 1 << 50), 1 << 124);
-        assert_eq!(square_over(1 << 127, 1 << 46), u128::MAX);
-        // Expected values of the last two by Python's integers; the first is 2^174 / 3^30.
-        assert_eq!(square_over(1 << 127, 205_891_132_094_649), 116_300_505_915_047_311_641_843_123_673_897_577_975);
-        assert_eq!(square_over(u128::MAX, u64::MAX), 5_192_296_858_534_827_628_811_971_305_930_751);
     }
 }

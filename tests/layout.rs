@@ -180,9 +180,12 @@ fn every_setting_of_a_kernel_is_one_of_the_hosts() {
 #[test]
 fn run_records_are_laid_out_as_in_wgsl() {
     let modules = modules();
-    // The film holds the sum as one array.
-    let at = std::mem::offset_of!(RunRecord, sum);
-    let mut fields: Fields = ["r", "g", "b"].iter().enumerate().map(|(i, c)| (c.to_string(), at + 4 * i, 4)).collect();
+    // The film holds the sum as one array, and the spread.
+    let channels = |prefix: &str, at: usize| -> Fields {
+        ["r", "g", "b"].iter().enumerate().map(|(i, c)| (format!("{prefix}{c}"), at + 4 * i, 4)).collect()
+    };
+    let mut fields = channels("", std::mem::offset_of!(RunRecord, sum));
+    fields.extend(channels("spread_", std::mem::offset_of!(RunRecord, spread)));
     for (name, offset) in [
         ("pixel", std::mem::offset_of!(RunRecord, pixel)),
         ("counts", std::mem::offset_of!(RunRecord, counts)),

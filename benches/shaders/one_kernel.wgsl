@@ -10,6 +10,7 @@
 //@ use choice/shading
 //@ use scene/leaving
 //@ use lib/compensated
+//@ use lib/spread
 //@ use lib/float
 //@ use choice/sampler
 //@ use scene/materials
@@ -57,6 +58,7 @@ fn one_kernel(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     var run = Compensated();
+    var spread = vec3<f32>(0.0);
     var counts = 0u;
     var rays = 0u;
     let first = window.first_block * RUN_LENGTH;
@@ -65,10 +67,11 @@ fn one_kernel(@builtin(global_invocation_id) id: vec3<u32>) {
         if is_nan(radiance.x + radiance.y + radiance.z) || is_infinite(radiance.x + radiance.y + radiance.z) {
             counts += 0x100u;
         } else {
+            spread += spread_by(counts & 0xffu, run.sum, radiance);
             counts += 1u;
             run = compensated_sum(run, radiance, settings.zero);
         }
     }
     let sum = run.sum - run.excess;
-    records[id.x] = RunRecord(sum.x, sum.y, sum.z, id.x, counts, rays);
+    records[id.x] = RunRecord(sum.x, sum.y, sum.z, id.x, counts, rays, spread.x, spread.y, spread.z);
 }

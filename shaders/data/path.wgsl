@@ -37,6 +37,8 @@ struct Path {
     // Radiance of the run's samples so far, and their rays.
     sum: Compensated,
     rays: u32,
+    // Of each channel: the squared deviations of those samples from their mean, summed.
+    spread: vec3<f32>,
 }
 
 // What the path's ray met.

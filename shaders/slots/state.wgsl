@@ -94,6 +94,7 @@ fn load_run(slot: u32, path: ptr<function, Path>) {
     (*path).sum = Compensated(vector_of(words), vector_of(paths[place(PLANE_OF_EXCESS, slot)]));
     (*path).rays = words.w;
     (*path).counts = load_counts(slot);
+    (*path).spread = vector_of(paths[place(PLANE_OF_SPREAD, slot)]);
 }
 
 fn load_rays(slot: u32) -> u32 {
@@ -133,6 +134,7 @@ fn store_path(slot: u32, path: ptr<function, Path>) {
     store_sample(slot, (*path).sample);
     store_plane(PLANE_OF_SUM, slot, (*path).sum.sum, (*path).rays);
     store_vector(PLANE_OF_EXCESS, slot, (*path).sum.excess);
+    store_vector(PLANE_OF_SPREAD, slot, (*path).spread);
     store_counts(slot, (*path).counts);
     //@ each light
     store_radiance(slot, path);

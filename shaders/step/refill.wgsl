@@ -6,6 +6,7 @@
 //@ use choice/clamp
 //@ use lib/float
 //@ use lib/compensated
+//@ use lib/spread
 //@ use step/start
 //@ each emitting_sky
 //@ use step/sky_share
@@ -62,6 +63,7 @@ fn refill_path(path: ptr<function, Path>) {
     } else if is_infinite(radiance.x) || is_infinite(radiance.y) || is_infinite(radiance.z) {
         (*path).counts += 0x10000u;
     } else {
+        (*path).spread += spread_by((*path).counts & 0xffu, (*path).sum.sum, radiance);
         (*path).counts += 1u;
         (*path).sum = compensated_sum((*path).sum, radiance, settings.zero);
     }
@@ -73,7 +75,9 @@ fn refill_path(path: ptr<function, Path>) {
     } else {
         let at = atomicAdd(&counters.records, 1u);
         let sum = (*path).sum.sum - (*path).sum.excess;
-        records[at] = RunRecord(sum.x, sum.y, sum.z, (*path).pixel, (*path).counts, (*path).rays);
+        records[at] = RunRecord(
+            sum.x, sum.y, sum.z, (*path).pixel, (*path).counts, (*path).rays,
+            (*path).spread.x, (*path).spread.y, (*path).spread.z);
         start_run(path);
     }
 }

@@ -38,7 +38,7 @@ impl PathField {
 }
 
 /// The most bytes that they are, of any scene.
-pub const MOST_PATH_BYTES: u64 = 152;
+pub const MOST_PATH_BYTES: u64 = 164;
 
 /// The fields that kernels hand to each other. The fused kernel keeps to itself what lies between a ray and its scattering.
 pub fn path_fields(features: &Features, fused: bool) -> Vec<PathField> {
@@ -69,6 +69,7 @@ pub fn path_fields(features: &Features, fused: bool) -> Vec<PathField> {
         vector(always, "SUM", "radiance of the run's samples"),
         behind(always, "SUM", "rays", "their rays"),
         vector(always, "EXCESS", "what that sum is too large by, of its roundings"),
+        vector(always, "SPREAD", "squared deviations of the run's samples from their mean"),
         vector(lights, "RADIANCE", "radiance of the sample so far, by lights that were sampled"),
         behind(lights, "RADIANCE", "pdf", "density of the last scattering's direction"),
         vector(staged_lights, "SHADOW_ORIGIN", "where the ray to a light starts"),

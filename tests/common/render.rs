@@ -173,7 +173,7 @@ pub fn render_changed(scene: &Scene, ask: &Ask, change: &Change<'_>) -> Shot {
     shots.remove(0)
 }
 
-fn render_with(
+pub fn render_with(
     scene: &Scene,
     ask: &Ask,
     wanted: impl Iterator<Item = (u32, Range<u32>)>,

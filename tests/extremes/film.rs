@@ -1,7 +1,7 @@
 //! The film after up to a billion samples, against exact sums of the very same samples.
 
 use bytemuck::{Pod, Zeroable};
-use gpu_rt::data::{RUN_LENGTH, Settings};
+use gpu_rt::data::{ODD_RUN, RUN_LENGTH, Settings};
 use gpu_rt::film::{Film, RunRecord};
 use gpu_rt::plan::Scatter;
 use gpu_rt::render::TuningWish;
@@ -46,14 +46,15 @@ fn runs(replaced: &[(&str, &str)], samples: &[f32]) -> Vec<RunRecord> {
     let kernel = Kernel::with("test/run_sum", &Setup { replaced, ..Setup::default() });
     let length = RUN_LENGTH as usize;
     let settings = [kernel.settings(&Settings::default())];
-    let sums = kernel.run_with::<f32, f32>(samples, samples.len().div_ceil(length), &settings);
-    let record = |(chunk, sum): (&[f32], f32)| RunRecord {
+    let sums = kernel.run_with::<f32, [f32; 2]>(samples, samples.len().div_ceil(length), &settings);
+    let record = |(index, (chunk, [sum, spread])): (usize, (&[f32], [f32; 2]))| RunRecord {
         sum: [sum; 3],
         pixel: 0,
-        counts: chunk.len() as u32,
+        counts: chunk.len() as u32 | if index % 2 == 1 { ODD_RUN } else { 0 },
         rays: chunk.len() as u32,
+        spread: [spread; 3],
     };
-    samples.chunks(length).zip(sums).map(record).collect()
+    samples.chunks(length).zip(sums).enumerate().map(record).collect()
 }
 
 /// What a row of samples comes to in f32 without any care, sums and sums of squares, after a multiple of 2^15 of them.
@@ -205,24 +206,26 @@ fn variances() -> Vec<Cell> {
         let mut film = Film::new(1, 1, 0).expect("a pixel fits");
         film.add(&runs(&[], samples));
         let found = f64::from(film.develop().variance[0][0]);
-        // The same from the exact sums of the runs.
-        let sums: Vec<f64> = samples.chunks(8).map(|run| run.iter().map(|x| f64::from(*x)).sum()).collect();
-        let count = sums.len() as f64;
-        let mean = sums.iter().sum::<f64>() / count;
-        let of_sums = sums.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / (count - 1.0);
-        let expected = of_sums / count / 64.0;
+        // The same in f64.
+        let spread = |run: &[f32]| {
+            let mean = run.iter().map(|x| f64::from(*x)).sum::<f64>() / run.len() as f64;
+            run.iter().map(|x| (f64::from(*x) - mean).powi(2)).sum::<f64>()
+        };
+        let count = samples.chunks(8).len() as f64;
+        let expected = samples.chunks(8).map(spread).sum::<f64>() / (7.0 * count * samples.len() as f64);
         let in_f32 = naive.squares / DISTINCT as f32 - (naive.sum / DISTINCT as f32).powi(2);
         let naive_error = (f64::from(in_f32) / (expected * DISTINCT as f64) - 1.0).abs();
-        // A run's sum rounds by up to 2^-21, in [8, 16), as noise of variance 2^-40 / 12 and less. With r its share of the deviation of a
-        // run, it adds r², and 2 r times a correlation that is 1 / sqrt(n) of n runs, five times by chance.
-        let r = (2f64.powi(-40) / 12.0 / (8.0 * deviation * deviation / 3.0)).sqrt();
-        let limit = 4.0 * U + r * r + 10.0 * r / count.sqrt();
+        // The mean that a sample deviates from rounds by up to 2^-23, of its sum and of the quotient, in [1, 2): as noise of variance 2^-44 / 3
+        // and less. With r its share of the deviation of a sample, it adds r², and 2 r times a correlation that is 1 / sqrt(n) of n
+        // samples, five times by chance. Then come the roundings of seven squares and their sum.
+        let r = (2f64.powi(-44) / 3.0 / (deviation * deviation / 3.0)).sqrt();
+        let limit = 8.0 * U + r * r + 10.0 * r / (samples.len() as f64).sqrt();
         let cell = Cell::new(
             Row::Samples,
             format!("2^20, mean 1, spread 1e-{exponent}"),
             "Relative error of a pixel's variance",
             limit,
-            "With r the rounding of a run's sum, 2^-20/sqrt(12) at most, over the deviation of a run: r² + 10 r / sqrt(n) of n runs.",
+            "With r the rounding of a mean within a run, 2^-22/sqrt(3) at most, over the deviation of a sample: r² + 10 r / sqrt(n) of n samples.",
         );
         all.push(cell.achieved((found / expected - 1.0).abs()).planted(MEAN_OF_SQUARES, naive_error));
     }

@@ -1,15 +1,18 @@
 //@ use bind/settings
 //@ use lib/compensated
-// The sum of a run's samples, as step/refill takes them in.
+//@ use lib/spread
+// The sum of a run's samples, and how they are spread, as step/refill takes them in.
 const RUN_LENGTH: u32 = 8u;
 
 @group(0) @binding(21) var<storage, read> input: array<f32>;
-@group(0) @binding(22) var<storage, read_write> output: array<f32>;
+@group(0) @binding(22) var<storage, read_write> output: array<vec2<f32>>;
 
 fn run(row: u32) {
     var sum = Compensated();
+    var spread = vec3<f32>(0.0);
     for (var i = row * RUN_LENGTH; i < min((row + 1u) * RUN_LENGTH, arrayLength(&input)); i++) {
+        spread += spread_by(i - row * RUN_LENGTH, sum.sum, vec3<f32>(input[i]));
         sum = compensated_sum(sum, vec3<f32>(input[i]), settings.zero);
     }
-    output[row] = sum.sum.x - sum.excess.x;
+    output[row] = vec2<f32>(sum.sum.x - sum.excess.x, spread.x);
 }

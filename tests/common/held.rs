@@ -1,0 +1,148 @@
+//! How often the bound of an image's error holds: over many seeds, against the mean of all the others.
+
+use gpu_rt::film::ErrorEstimate;
+use gpu_rt::render::NOISE_LEVEL;
+use gpu_rt::scene::Scene;
+
+use super::render::{Ask, Change, render_with};
+
+/// A floor under a quad lamp, and a bulb smaller than a pixel: two pixels hold nearly all of the noise.
+pub const BULB: &str = "Scene(
+    image: (width: 16, height: 16),
+    camera: (look_from: (0, 2, 5), look_at: (0, 0.3, 0), vertical_fov: 40),
+    background: Solid((0, 0, 0)),
+    materials: {
+        \"floor\": Lambertian(albedo: Rgb(0.6, 0.6, 0.6)),
+        \"lamp\": DiffuseLight(emit: Rgb(5, 5, 5), two_sided: false),
+        \"bulb\": DiffuseLight(emit: Rgb(40, 40, 40)),
+    },
+    objects: [
+        Quad(corner: (-4, 0, 4), u: (8, 0, 0), v: (0, 0, -8), material: \"floor\"),
+        Quad(corner: (-1, 3, -1), u: (2, 0, 0), v: (0, 0, 2), material: \"lamp\"),
+        Sphere(center: (0.5, 0.4, 0.3), radius: 0.03, material: \"bulb\"),
+    ],
+    render: (samples: 16, max_depth: 8),
+)";
+
+/// One seed's image after so many samples.
+struct Look {
+    image: Vec<[f64; 3]>,
+    error: ErrorEstimate,
+    /// Its bound at the level that `--noise` has left at this look.
+    bound_of_look: f64,
+}
+
+/// Images of many seeds, each after so many samples.
+pub struct Looks {
+    samples: Vec<u32>,
+    seeds: Vec<Vec<Look>>,
+}
+
+/// Of the seeds of one number of samples.
+#[derive(Clone, Copy, Debug)]
+pub struct Held {
+    pub samples: u32,
+    pub seeds: usize,
+    /// The share of images whose error is below its bound, and of those that are called reliable.
+    pub share: f64,
+    pub reliable: f64,
+    pub share_of_reliable: f64,
+    /// The median of bound over error.
+    pub width: f64,
+}
+
+impl Held {
+    /// Whether nine of ten bounds hold, and as many of those that are called reliable, if a tenth of the images is.
+    pub fn holds(&self) -> bool {
+        self.share >= 0.9 && (self.reliable < 0.1 || self.share_of_reliable >= 0.9)
+    }
+}
+
+impl Looks {
+    /// Renders; the numbers of samples rise.
+    pub fn new(scene: &Scene, ask: &Ask, change: &Change<'_>, seeds: u32, samples: &[u32]) -> Looks {
+        let starts = std::iter::once(&0).chain(samples);
+        let ranges: Vec<_> = starts.zip(samples).map(|(start, end)| *start..*end).collect();
+        let wanted = (0..seeds).flat_map(|seed| ranges.iter().map(move |range| (seed, range.clone())));
+        let (mut all, mut of_seed, mut film) = (Vec::new(), Vec::new(), None);
+        render_with(scene, ask, wanted, change, |shot| {
+            let so_far = match film.take() {
+                Some(mut before) => {
+                    gpu_rt::film::Film::merge(&mut before, &shot.film).expect("films of one image");
+                    before
+                }
+                None => shot.film,
+            };
+            let level = NOISE_LEVEL / 2f64.powi(of_seed.len() as i32 + 1);
+            of_seed.push(Look {
+                image: so_far.develop().rgb.iter().map(|rgb| rgb.map(f64::from)).collect(),
+                error: so_far.error_estimate(NOISE_LEVEL).expect("there is light"),
+                bound_of_look: so_far.error_estimate(level).expect("there is light").bound,
+            });
+            match of_seed.len() == samples.len() {
+                true => all.push(std::mem::take(&mut of_seed)),
+                false => film = Some(so_far),
+            }
+        });
+        Looks { samples: samples.to_vec(), seeds: all }
+    }
+
+    /// The true errors: of each seed, after each number of samples. What an image is compared with are the last images of all other seeds.
+    fn truths(&self) -> Vec<Vec<f64>> {
+        let last = |looks: &Vec<Look>| looks.last().expect("one at least").image.clone();
+        let images: Vec<Vec<[f64; 3]>> = self.seeds.iter().map(last).collect();
+        let pixels = images[0].len();
+        let sum: Vec<[f64; 3]> =
+            (0..pixels).map(|p| [0, 1, 2].map(|c| images.iter().map(|image| image[p][c]).sum())).collect();
+        let others = images.len() as f64 - 1.0;
+        let luminance = |rgb: &[f64; 3]| 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+        let of_seed = |(looks, own): (&Vec<Look>, &Vec<[f64; 3]>)| {
+            let reference: Vec<[f64; 3]> =
+                (0..pixels).map(|p| [0, 1, 2].map(|c| (sum[p][c] - own[p][c]) / others)).collect();
+            let floor = 0.01 * (reference.iter().map(luminance).sum::<f64>() / pixels as f64).powi(2);
+            let error = |look: &Look| {
+                let pairs = look.image.as_flattened().iter().zip(reference.as_flattened());
+                (pairs.map(|(i, r)| (i - r).powi(2) / (r * r + floor)).sum::<f64>() / (3 * pixels) as f64).sqrt()
+            };
+            looks.iter().map(error).collect()
+        };
+        self.seeds.iter().zip(&images).map(of_seed).collect()
+    }
+
+    /// How often the bound holds, by the number of samples.
+    pub fn held(&self) -> Vec<Held> {
+        let truths = self.truths();
+        let share = |of: &[bool]| of.iter().filter(|held| **held).count() as f64 / of.len() as f64;
+        let of_samples = |(k, samples): (usize, &u32)| {
+            let looks = self.seeds.iter().zip(&truths).map(|(looks, truths)| (&looks[k].error, truths[k]));
+            let held: Vec<(bool, bool)> =
+                looks.clone().map(|(error, truth)| (truth <= error.bound, error.reliable)).collect();
+            let reliable: Vec<bool> = held.iter().filter(|(_, reliable)| *reliable).map(|(held, _)| *held).collect();
+            let mut widths: Vec<f64> = looks.map(|(error, truth)| error.bound / truth).collect();
+            widths.sort_by(f64::total_cmp);
+            Held {
+                samples: *samples,
+                seeds: held.len(),
+                share: share(&held.iter().map(|(held, _)| *held).collect::<Vec<_>>()),
+                reliable: reliable.len() as f64 / held.len() as f64,
+                share_of_reliable: share(&reliable),
+                width: widths[widths.len() / 2],
+            }
+        };
+        self.samples.iter().enumerate().map(of_samples).collect()
+    }
+
+    /// The share of seeds for which `--noise error`, which looks at these numbers of samples, ends with a larger error; and the share that it
+    /// ends for.
+    pub fn noise_is_wrong(&self, error: f64) -> (f64, f64) {
+        let (mut wrong, mut ended) = (0, 0);
+        for (looks, truths) in self.seeds.iter().zip(self.truths()) {
+            if let Some(k) = looks.iter().position(|look| look.bound_of_look < error) {
+                ended += 1;
+                wrong += usize::from(truths[k] > error);
+            }
+        }
+        let share = |count: usize| count as f64 / self.seeds.len() as f64;
+        (share(wrong), share(ended))
+    }
+}
