@@ -115,6 +115,85 @@ fn a_broken_link_is_found() {
     assert_eq!(names, ["no/such.md", "no.png", "#gone", "README.md#no-such", "/etc/hosts"]);
 }
 
+/// The bullets of a section of a Markdown text, each joined to one line.
+fn bullets(text: &str, heading: &str) -> Vec<String> {
+    let mut found: Vec<String> = Vec::new();
+    for line in text.lines().skip_while(|line| *line != heading).skip(1).take_while(|line| !line.starts_with('#')) {
+        match (line.strip_prefix("- "), line.strip_prefix("  "), found.last_mut()) {
+            (Some(start), ..) => found.push(start.to_string()),
+            (None, Some(more), Some(last)) => *last += &format!(" {more}"),
+            _ => {}
+        }
+    }
+    found
+}
+
+/// The tests that a bullet names, as "[`words`](FILE.rs): `test`, `test`", with their files.
+fn named_tests(bullet: &str) -> Vec<(String, String)> {
+    let mut named = Vec::new();
+    for rest in bullet.split("](").skip(1) {
+        let Some((file, names)) = rest.split_once("): `") else { continue };
+        if !file.ends_with(".rs") {
+            continue;
+        }
+        for name in format!("`{names}").split(", ") {
+            let Some((name, after)) = name.strip_prefix('`').and_then(|name| name.split_once('`')) else { break };
+            named.push((file.to_string(), name.to_string()));
+            if !after.is_empty() {
+                break;
+            }
+        }
+    }
+    named
+}
+
+/// What is wrong with the tests that promises name: none is named, or one that its file does not have.
+fn unkept(promises: &[String]) -> Vec<String> {
+    let mut wrong = Vec::new();
+    for promise in promises {
+        let named = named_tests(promise);
+        if named.is_empty() {
+            wrong.push(format!("no test: {promise}"));
+        }
+        for (file, name) in named {
+            let text = fs::read_to_string(root().join(&file)).unwrap_or_default();
+            let is = |line: &str| line.trim_start().starts_with(&format!("fn {name}("));
+            let lines: Vec<&str> = text.lines().collect();
+            let test = |at: usize| lines[..at].iter().rev().take(4).any(|line| line.trim() == "#[test]");
+            if !lines.iter().enumerate().any(|(at, line)| is(line) && test(at)) {
+                wrong.push(format!("{file} has no test {name}"));
+            }
+        }
+    }
+    wrong
+}
+
+#[test]
+fn every_promise_names_tests_that_exist() {
+    let promises = bullets(&read(&root().join("README.md")), "## What it promises");
+    assert!(promises.len() >= 8, "{promises:?}");
+    assert_eq!(unkept(&promises), Vec::<String>::new());
+    let named: usize = promises.iter().map(|promise| named_tests(promise).len()).sum();
+    assert!(named >= 20, "only {named} tests were found: the reader of names is broken");
+}
+
+#[test]
+fn a_promise_that_no_test_keeps_is_found() {
+    let text = "## A\n- **Kept.** So it is ([`d`](tests/docs.rs):\n  `a_broken_link_is_found`, `every_link_leads_somewhere`; [`d`](tests/docs.rs): `gone`).\n\
+                - **Not.** See [there](docs/conventions.md): `x`.\n- **No test.** ([`d`](tests/docs.rs): `root`) [`e`](tests/no.rs): `f`\n## B\n- no promise\n";
+    let promises = bullets(text, "## A");
+    assert_eq!(named_tests(&promises[0]).len(), 3);
+    let wrong = unkept(&promises);
+    let starts = [
+        "tests/docs.rs has no test gone",
+        "no test: **Not.**",
+        "tests/docs.rs has no test root",
+        "tests/no.rs has no test f",
+    ];
+    assert_eq!(wrong.len(), starts.len(), "{wrong:?}");
+    assert!(wrong.iter().zip(starts).all(|(wrong, start)| wrong.starts_with(start)), "{wrong:?}");
+}
+
 #[test]
 fn every_scene_loads_without_a_warning() {
     let scenes = files(&root().join("scenes"), "ron", false);

@@ -11,6 +11,7 @@ use gpu_rt::gpu::device::DeviceClass;
 use gpu_rt::gpu::link::{Choices, Entry, Library, link};
 use gpu_rt::gpu::spirv;
 use gpu_rt::plan::{Plan, Report, Scatter, Tables, Tuning};
+use gpu_rt::render::{Goal, Job, TuningWish, tuning};
 use gpu_rt::scene::Scene;
 
 /// A kind of device, so that plans do not depend on the machine.
@@ -702,6 +703,27 @@ fn buffers_over_the_limit_are_said_to_be() {
     for text in [report.text(), report.why("bounce").expect("it is a kernel")] {
         assert_eq!(text.matches("OVER THE LIMIT: the device allows 600000 bytes").count(), 2, "{text}");
         assert_eq!(text.matches("OVER THE LIMIT: bounce binds 3 storage buffers, and the device allows 2").count(), 1);
+    }
+}
+
+/// Device memory follows the number of runs, up to a most that neither more pixels nor more samples raise.
+#[test]
+fn device_memory_has_a_most() {
+    let flat = flat(&shipped("weekend"), false);
+    for class in classes() {
+        let bytes = |side: u32, samples: u32| -> u64 {
+            let goal = Goal::Samples(samples);
+            let job = Job { size: (side, side), max_depth: 8, seed: 0, first_sample: 0, goal };
+            let tuning = tuning(class.device, &job, TuningWish::default());
+            let (plan, _) = planned(&flat, &class, tuning.scatter);
+            plan.buffers(&flat, &tuning).iter().map(gpu_rt::gpu::buffers::BufferSpec::allocated).sum()
+        };
+        let most = bytes(4096, 1 << 20);
+        for (side, samples) in [(4096, 8), (4096, 64), (2896, 16), (1 << 15, 1), (64, 1 << 20)] {
+            assert_eq!(bytes(side, samples), most, "{}: {side} x {side}, {samples} samples", class.name);
+        }
+        // What would grow with the pixels is seen: few of them take less.
+        assert!(bytes(64, 1) < most && bytes(64, 8) == bytes(64, 1), "{}: {} of {most}", class.name, bytes(64, 1));
     }
 }
 

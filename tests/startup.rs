@@ -10,13 +10,16 @@ mod render;
 #[path = "common/stats.rs"]
 mod stats;
 
+use std::ops::Range;
+use std::time::Instant;
+
 use everything::{Everything, World};
 use gpu_rt::data::Sampler;
 use gpu_rt::film::Film;
 use gpu_rt::flatten::{Wish, flatten_with};
 use gpu_rt::gpu::device::Device;
 use gpu_rt::plan::{Plan, Scatter, Tables};
-use gpu_rt::render::{Goal, Job, Next, Renderer, TuningWish};
+use gpu_rt::render::{Goal, Job, Next, Renderer, TuningWish, plan_for};
 use gpu_rt::scene::Scene;
 
 const SIZE: (u32, u32) = (16, 9);
@@ -74,6 +77,41 @@ fn nothing() -> Scene {
             objects: [],
         )",
     )
+}
+
+/// The seconds of a submission of a render that goes on until some have been made: the median after the first.
+fn submission(device: &Device, bounces: Option<u32>) -> f64 {
+    let scene = sphere();
+    let size = (256, 256);
+    let flat = flatten_with(&scene, size, Wish::default()).expect("the scene flattens");
+    let job = Job { size, max_depth: 8, seed: 0, first_sample: 0, goal: Goal::Samples(1 << 20) };
+    let wish = TuningWish { bounces, ..TuningWish::default() };
+    let plan = plan_for(&flat, device.class(), &job, wish).expect("the kernels link");
+    let mut renderer = Renderer::new(device, &flat, &plan, &job, wish, false).expect("the kernels compile");
+    let mut film = Film::with_sampler(size.0, size.1, flat.radiance_exponent, Sampler::Independent).expect("it fits");
+    let mut ends = vec![Instant::now()];
+    let mut watch = |_: &Film, _: &Range<u32>| {
+        ends.push(Instant::now());
+        if ends.len() < 24 { Next::GoOn } else { Next::Stop }
+    };
+    renderer.run(&job, &mut film, &mut watch).expect("the device renders");
+    let mut seconds: Vec<f64> =
+        ends.windows(2).skip(8).take(15).map(|pair| (pair[1] - pair[0]).as_secs_f64()).collect();
+    seconds.sort_by(f64::total_cmp);
+    seconds[seconds.len() / 2]
+}
+
+/// A submission is to take 100 ms, however fast the device is. Of the median of 15 the half and the double are allowed: a machine that is busy
+/// with other things slows some. A fast device has all that there is room for done sooner.
+#[test]
+fn submissions_are_short() {
+    let device = device::open();
+    let adapted = submission(&device, None);
+    let least = if device.class().software { 0.05 } else { 0.0 };
+    assert!((least..0.2).contains(&adapted), "{adapted} s");
+    // What is not adapted is not near it.
+    let one = submission(&device, Some(1));
+    assert!(one < 0.05, "{one} s a bounce");
 }
 
 #[test]

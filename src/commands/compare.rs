@@ -204,6 +204,14 @@ fn report(args: &CompareArgs, errors: &Errors, difference: &Difference, pixels: 
             "p": local.p,
         })
     });
+    let rest = difference.rest.map(|(pixels, [(mean, _), ..])| {
+        json!({
+            "pixels": pixels,
+            "mean_difference": mean.mean,
+            "interval": interval(&mean),
+            "reference_mean": mean.reference,
+        })
+    });
     json!({
         "image": path_text(&args.image),
         "reference": path_text(&args.reference),
@@ -220,6 +228,7 @@ fn report(args: &CompareArgs, errors: &Errors, difference: &Difference, pixels: 
         "relative_mean_difference": relative(mean.mean),
         "relative_interval": interval(mean).and_then(|[low, high]| Some([relative(low)?, relative(high)?])),
         "interval_from": source_words(difference.source),
+        "without_ruling_pixels": rest,
         "colours": colours,
         "largest_local_difference": local,
         "identical": difference.identical,
@@ -249,11 +258,14 @@ fn print_table(errors: &Errors, difference: &Difference, pixels: &Pixels, words:
     )?;
     line("FLIP", format!("{:.5}", errors.flip))?;
     let (mean, _) = &difference.means[0];
-    let bounds = match interval(mean) {
+    let bounds = |mean: &Estimate| match interval(mean) {
         Some([low, high]) => format!("95 % interval {low:+.3e} to {high:+.3e}, by {}", source_words(difference.source)),
         None => "its error is unknown".to_string(),
     };
-    line("mean difference", format!("{:+.4e}   {bounds}", mean.mean))?;
+    line("mean difference", format!("{:+.4e}   {}", mean.mean, bounds(mean)))?;
+    if let Some((pixels, [(mean, _), ..])) = &difference.rest {
+        line("of the others", format!("{:+.4e}   {}; without {pixels} that rule the noise", mean.mean, bounds(mean)))?;
+    }
     let [a, b] = pixels.negative;
     if a + b > 0 {
         line("negative pixels", format!("{a} of A, {b} of B"))?;

@@ -16,9 +16,12 @@ pub const CONFIDENCE: f64 = 0.95;
 const TILE: (usize, usize) = (4, 16);
 /// Cells along each side of a tile.
 const CELLS: usize = 4;
-/// What the largest of [`CELLS`]² normal numbers takes from the mean of the others, in standard errors of that: its expectation, 1.766,
-/// over √15.
-const WORST_CELL: f64 = 0.456;
+/// What the largest one, two and three of [`CELLS`]² normal numbers take from the mean of the others, in standard errors of that: the
+/// sums of their expectations, 1.766 + 1.285 + 0.990, over √15, √14 and √13.
+const TAKEN: [f64; 3] = [0.456, 0.815, 1.121];
+/// A cell that differs by more than this many of its standard errors may be wrong about them. Three that differ by less, in a tile of
+/// sixteen, make 3.8 standard errors of it: fewer than the 4.3 that one of 64 tiles takes.
+const DOUBTFUL: f64 = 5.0;
 /// With fewer tiles than this, cells are the replicates of the whole image.
 const ENOUGH_TILES: usize = 32;
 /// The share of pixels that differ by more than their standard error, below which two images are said to share their noise. Of
@@ -26,6 +29,11 @@ const ENOUGH_TILES: usize = 32;
 const SHARED: f64 = 0.16;
 /// Fewer noisy pixels than this do not tell.
 const ENOUGH_PIXELS: usize = 64;
+/// A pixel that holds more than this share of the noise of each image rules it. (Of 256 squares of normal numbers, as even noise has them,
+/// one does in 4 images of 1e6.)
+const RULING: f64 = 0.125;
+/// Few pixels are this many at most, and as little a share of all.
+const FEW: usize = 16;
 
 /// How the tests share the false alarms: the mean luminance, the mean of each colour, and all tiles together.
 const SHARE_LUMINANCE: f64 = 0.5;
@@ -81,11 +89,40 @@ impl Images<'_> {
         self.a[pixel].iter().chain(&self.b[pixel]).all(|v| v.is_finite())
     }
 
-    /// The variance of a quantity's difference at a pixel. How the channels of a pixel vary together is not known: as one, which is the
+    /// The variances of a quantity at a pixel of a and of b. How the channels of a pixel vary together is not known: as one, which is the
     /// most that they can, and nearly what they do where paths carry all three (Cauchy and Schwarz: Var Σ w c ≤ (Σ w σ)²).
-    fn variance(&self, quantity: Quantity, pixel: usize) -> Option<f64> {
+    fn variances(&self, quantity: Quantity, pixel: usize) -> Option<[f64; 2]> {
         let of = |variance: &[[f32; 3]]| quantity.of(variance[pixel].map(|v| f64::from(v).sqrt())).powi(2);
-        self.variances.map(|[a, b]| of(a) + of(b))
+        self.variances.map(|images| images.map(of))
+    }
+
+    /// The variance of a quantity's difference at a pixel.
+    fn variance(&self, quantity: Quantity, pixel: usize) -> Option<f64> {
+        self.variances(quantity, pixel).map(|[a, b]| a + b)
+    }
+
+    /// The few pixels that rule the noise of both images: the mean of a mostly is what they are by chance, and hides the others. A pixel
+    /// that is noisy in one image alone may be one that a rare path has met there: to leave it out would darken that image. Nothing
+    /// where no variances tell, or where the noise is not that of few.
+    fn ruling(&self) -> Vec<usize> {
+        let pixels = (0..self.width * self.height).filter(|&pixel| self.counts(pixel));
+        let known = pixels.filter_map(|pixel| Some((pixel, self.variances(Quantity::Luminance, pixel)?)));
+        let mut left: Vec<(usize, [f64; 2])> = known.collect();
+        let few = FEW.min(left.len() / FEW);
+        let mut ruling = Vec::new();
+        loop {
+            let least = [0, 1].map(|image| RULING * left.iter().map(|(_, noise)| noise[image]).sum::<f64>());
+            let (rule, rest): (Vec<_>, Vec<_>) =
+                left.iter().partition(|(_, noise)| noise[0] > least[0] && noise[1] > least[1]);
+            if rule.is_empty() {
+                return ruling;
+            }
+            ruling.extend(rule.iter().map(|(pixel, _)| pixel));
+            if ruling.len() > few {
+                return Vec::new();
+            }
+            left = rest;
+        }
     }
 }
 
@@ -142,14 +179,18 @@ pub struct Local {
     pub p: f64,
 }
 
+/// Mean differences in the order of [`QUANTITIES`], each with a p-value as of [`Local::p`].
+pub type Means = [(Estimate, f64); 4];
+
 /// What the comparison came to.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Difference {
     pub source: Source,
     /// Every pixel that counts is the same in both.
     pub identical: bool,
-    /// In the order of [`QUANTITIES`], with the p-value as of [`Local::p`].
-    pub means: [(Estimate, f64); 4],
+    pub means: Means,
+    /// Where few pixels rule the noise of both images: how many, and the means without them. These are tested in place of the whole's.
+    pub rest: Option<(usize, Means)>,
     /// Nothing where the image is a single tile.
     pub local: Option<Local>,
     /// Of all tests together: the least of theirs.
@@ -196,26 +237,35 @@ impl Sums {
     /// the expectation of 3/2 of its variance at least; the sum then has 2 (E Σ v)² / Var Σ v = 3 (Σ v)² / Σ v² − 2 degrees of freedom
     /// or more (Satterthwaite, Biometrics Bulletin 2(6), 1946). Where few bright pixels make the sum, it says so by having few.
     fn noise_by_variances(&self) -> Noise {
-        let degrees = match self.variance2 > 0.0 {
-            true => (3.0 * self.variance * self.variance / self.variance2 - 2.0).max(1.0),
-            false => f64::INFINITY,
-        };
-        Noise { variance: self.variance / (self.pixels * self.pixels), degrees }
+        Noise {
+            variance: self.variance / (self.pixels * self.pixels),
+            degrees: degrees_of_sum(self.variance, self.variance2),
+        }
     }
 
-    /// From how the parts' means are spread around the whole's, each by its share of the pixels: Σ (n/N)² (m − M)² · J/(J − 1).
-    fn noise_by_parts(&self, parts: &[Sums]) -> Noise {
+    /// What the mean of each part adds to the spread around the whole's, by its share of the pixels: (n/N)² (m − M)².
+    fn squares(&self, parts: &[Sums]) -> Vec<f64> {
         let filled = parts.iter().filter(|part| part.pixels > 0.0);
-        let (mut spread, mut count) = (0.0, 0.0);
-        for part in filled {
-            let deviation = part.pixels / self.pixels * (part.mean() - self.mean());
-            spread += deviation * deviation;
-            count += 1.0;
-        }
+        filled.map(|part| (part.pixels / self.pixels * (part.mean() - self.mean())).powi(2)).collect()
+    }
+
+    /// From that spread: its sum times J/(J − 1), J being the number of parts.
+    fn noise_by_parts(&self, parts: &[Sums]) -> Noise {
+        let squares = self.squares(parts);
+        let count = squares.len() as f64;
         match count > 1.0 {
-            true => Noise { variance: spread * count / (count - 1.0), degrees: count - 1.0 },
+            true => Noise { variance: squares.iter().sum::<f64>() * count / (count - 1.0), degrees: count - 1.0 },
             false => Noise { variance: f64::INFINITY, degrees: 1.0 },
         }
+    }
+
+    /// The same where a part may hold most of the noise, as a rare bright pixel does: no more degrees of freedom than a sum of squares of
+    /// one each has.
+    fn noise_by_uneven_parts(&self, parts: &[Sums]) -> Noise {
+        let squares = self.squares(parts);
+        let of_sum = degrees_of_sum(squares.iter().sum(), squares.iter().map(|square| square * square).sum());
+        let even = self.noise_by_parts(parts);
+        Noise { degrees: even.degrees.min(of_sum), ..even }
     }
 
     /// Of a tile or what is left of one, by its pixels' variances or by its cells.
@@ -287,15 +337,15 @@ impl Grid {
             .flat_map(move |row| near(column, self.columns).map(move |column| row * self.columns + column))
     }
 
-    /// The sums of a quantity in each cell, tile by tile.
-    fn sums(&self, images: &Images<'_>, quantity: Quantity) -> Vec<[Sums; CELLS * CELLS]> {
+    /// The sums of a quantity in each cell, tile by tile, without the pixels that are left out.
+    fn sums(&self, images: &Images<'_>, quantity: Quantity, out: &[usize]) -> Vec<[Sums; CELLS * CELLS]> {
         let mut cells = vec![[Sums::default(); CELLS * CELLS]; self.tiles()];
         let columns: Vec<_> = (0..self.width).map(|x| Grid::part(x, self.width, self.columns)).collect();
         for y in 0..self.height {
             let (row, cell_row) = Grid::part(y, self.height, self.rows);
             for (x, (column, cell_column)) in columns.iter().enumerate() {
                 let pixel = y * self.width + x;
-                if !images.counts(pixel) {
+                if !images.counts(pixel) || out.contains(&pixel) {
                     continue;
                 }
                 let [a, b] = [images.a, images.b].map(|image| quantity.of(image[pixel].map(f64::from)));
@@ -313,6 +363,15 @@ impl Grid {
     }
 }
 
+/// The degrees of freedom of a sum of estimates of one degree of freedom each, by the sum and that of their squares (derived at
+/// [`Sums::noise_by_variances`]).
+fn degrees_of_sum(sum: f64, squares: f64) -> f64 {
+    match squares > 0.0 {
+        true => (3.0 * sum * sum / squares - 2.0).max(1.0),
+        false => f64::INFINITY,
+    }
+}
+
 /// The sums of one quantity at every scale.
 struct Scales {
     cells: Vec<[Sums; CELLS * CELLS]>,
@@ -321,27 +380,32 @@ struct Scales {
 }
 
 impl Scales {
-    fn new(grid: &Grid, images: &Images<'_>, quantity: Quantity) -> Scales {
-        let cells = grid.sums(images, quantity);
+    fn new(grid: &Grid, images: &Images<'_>, quantity: Quantity, out: &[usize]) -> Scales {
+        let cells = grid.sums(images, quantity, out);
         let tiles: Vec<Sums> = cells.iter().map(|cells| Sums::of(cells)).collect();
         let whole = Sums::of(&tiles);
         Scales { cells, tiles, whole }
     }
 
-    /// Of the whole, by paired differences. Tiles are better replicates than pixels: what neighbouring pixels have in common, by a filter
-    /// wider than one of them, is within a tile nearly all.
-    fn noise_by_pairs(&self) -> Noise {
-        match self.tiles.len() >= ENOUGH_TILES {
-            true => self.whole.noise_by_parts(&self.tiles),
-            false => self.whole.noise_by_parts(self.cells.as_flattened()),
+    /// The mean difference of the whole, and how probable noise alone makes one at least as large.
+    ///
+    /// A pixel whose two halves agree by chance seems to have no noise. Where it holds most of the image's, it drops out of the sum of
+    /// variances, and of the degrees of freedom, which would tell how much of the sum one pixel holds. But what it differs by is in the mean
+    /// and in the spread of the cells alike. So a mean must differ by both, and the wider interval is stated. A difference that k cells
+    /// make is √k of its errors by their spread at most, whatever they hold. And where both signs of a cell are as likely, as of two renders
+    /// of one kind, t of these errors have a probability of 2 e^(-t²/2) at most, whatever the sizes are (Hoeffding, JASA 58(301), 1963).
+    fn mean(&self, source: Source) -> (Estimate, f64) {
+        // Tiles are better replicates than pixels: what neighbouring pixels have in common, by a filter wider than one of them, is within
+        // a tile nearly all. Variances take pixels to be independent anyway.
+        let by_tiles = source != Source::Variances && self.tiles.len() >= ENOUGH_TILES;
+        let parts = if by_tiles { &self.tiles } else { self.cells.as_flattened() };
+        let pairs = self.whole.estimate(self.whole.noise_by_uneven_parts(parts));
+        if source != Source::Variances {
+            return (pairs, pairs.p());
         }
-    }
-
-    fn noise(&self, source: Source) -> Noise {
-        match source {
-            Source::Variances => self.whole.noise_by_variances(),
-            Source::Pairs | Source::SharedNoise => self.noise_by_pairs(),
-        }
+        let variances = self.whole.estimate(self.whole.noise_by_variances());
+        let wider = if variances.half_width() > pairs.half_width() { variances } else { pairs };
+        (wider, f64::max(variances.p(), pairs.p()))
     }
 
     /// Of each tile that has pixels which count.
@@ -351,13 +415,20 @@ impl Scales {
         self.tiles.iter().zip(&self.cells).map(of).collect()
     }
 
-    /// A tile without the cell that makes most of its difference.
-    fn without_worst_cell(&self, tile: usize) -> (Sums, Vec<Sums>) {
+    /// A tile without the cell that makes most of its difference, and without the next two where they differ by more than their variances
+    /// tell; with what taking so many away takes from noise alone.
+    fn without_worst_cells(&self, tile: usize, source: Source) -> (Sums, Vec<Sums>, f64) {
         let sign = self.tiles[tile].difference.signum();
         let mut cells: Vec<Sums> = self.cells[tile].iter().copied().filter(|cell| cell.pixels > 0.0).collect();
         cells.sort_by(|a, b| f64::total_cmp(&(sign * a.difference), &(sign * b.difference)));
         cells.pop();
-        (Sums::of(&cells), cells)
+        let doubtful =
+            |cell: &Sums| source == Source::Variances && cell.difference.powi(2) > DOUBTFUL.powi(2) * cell.variance;
+        let mut taken = 0;
+        while taken < TAKEN.len() - 1 && cells.pop_if(|cell| doubtful(cell)).is_some() {
+            taken += 1;
+        }
+        (Sums::of(&cells), cells, TAKEN[taken])
     }
 }
 
@@ -368,16 +439,22 @@ pub fn difference(images: &Images<'_>) -> Option<Difference> {
     counted.peek()?;
     let identical = counted.all(|pixel| images.a[pixel] == images.b[pixel]);
     let grid = Grid::new(images.width, images.height);
-    let scales = QUANTITIES.map(|quantity| Scales::new(&grid, images, quantity));
+    let scales = |out: &[usize]| QUANTITIES.map(|quantity| Scales::new(&grid, images, quantity, out));
     let source = source(images);
-    let means = [0, 1, 2, 3].map(|i| {
-        let estimate = scales[i].whole.estimate(scales[i].noise(source));
-        let share = if i == 0 { SHARE_LUMINANCE } else { SHARE_COLOUR };
-        (estimate, corrected(estimate.p(), share))
-    });
-    let local = (grid.tiles() > 1).then(|| local(&grid, &scales, source)).flatten();
-    let least = means.iter().map(|(_, p)| *p).chain(local.map(|local| local.p)).fold(1.0, f64::min);
-    Some(Difference { source, identical, means, local, p: least })
+    let means = |scales: &[Scales; 4]| {
+        [0, 1, 2, 3].map(|i| {
+            let (estimate, p) = scales[i].mean(source);
+            (estimate, corrected(p, if i == 0 { SHARE_LUMINANCE } else { SHARE_COLOUR }))
+        })
+    };
+    let all = scales(&[]);
+    let whole = means(&all);
+    let ruling = images.ruling();
+    let rest = (!ruling.is_empty()).then(|| (ruling.len(), means(&scales(&ruling))));
+    let local = (grid.tiles() > 1).then(|| local(&grid, &all, source)).flatten();
+    let tested = rest.map_or(whole, |(_, means)| means);
+    let least = tested.iter().map(|(_, p)| *p).chain(local.map(|local| local.p)).fold(1.0, f64::min);
+    Some(Difference { source, identical, means: whole, rest, local, p: least })
 }
 
 /// What the errors are to be taken from. Pixels vote by number: sums of squares would be ruled by the few that hold most of the noise.
@@ -409,8 +486,10 @@ fn corrected(p: f64, share: f64) -> f64 {
 /// The tile that differs most.
 ///
 /// Its noise is not taken to be less than that of the tiles around it: where a rare path has not met a tile, the tile is darker than it
-/// should be and looks free of noise as well, but its neighbours have met it. And it must differ without its worst cell too: a pixel whose
-/// two halves agree by chance has a variance that says nothing, and such a pixel may hold most of a tile's noise.
+/// should be and looks free of noise as well, but its neighbours have met it. And it must differ without its worst cells too: a pixel whose
+/// two halves agree by chance has a variance that says nothing, and such pixels may hold most of a tile's noise. They come together, as along
+/// the edge of a lamp. Where the halves of each agree in half of the images, and then deviate to one side as often as to the other, four that
+/// all agree and all deviate to one side come in 0.8 % of images, and more are rarer.
 fn local(grid: &Grid, scales: &[Scales; 4], source: Source) -> Option<Local> {
     let share = SHARE_TILES / (QUANTITIES.len() * grid.tiles()) as f64;
     let mut worst: Option<Local> = None;
@@ -431,11 +510,11 @@ fn local(grid: &Grid, scales: &[Scales; 4], source: Source) -> Option<Local> {
             if worst.is_some_and(|worst| p >= worst.p) {
                 continue;
             }
-            let (rest, cells) = scales.without_worst_cell(tile);
+            let (rest, cells, taken) = scales.without_worst_cells(tile, source);
             let p = match rest.pixels > 0.0 && rest.difference * sums.difference > 0.0 {
                 true => {
                     let mut rest = estimate(&rest, rest.noise(&cells, source));
-                    rest.mean += WORST_CELL * rest.error.copysign(rest.mean);
+                    rest.mean += taken * rest.error.copysign(rest.mean);
                     p.max(corrected(rest.p(), share))
                 }
                 false => 1.0,

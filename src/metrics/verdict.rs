@@ -5,7 +5,11 @@ use super::difference::{Difference, Estimate, LEVEL, Local, QUANTITIES, Quantity
 /// Says whether A differs from B by more than noise, and how. The sentence contains "noise only", or else "brighter" or "darker", said
 /// of A.
 pub fn verdict(difference: &Difference) -> String {
-    let [(luminance, p), colours @ ..] = &difference.means;
+    let (without, [(luminance, p), colours @ ..]) = match &difference.rest {
+        None => (String::new(), &difference.means),
+        Some((1, means)) => (" without the pixel that rules the noise".to_string(), means),
+        Some((pixels, means)) => (format!(" without the {pixels} pixels that rule the noise"), means),
+    };
     let local = difference.local.filter(|local| local.p < LEVEL);
     let around = |local: Local| format!(", most clearly around {}", place(&local));
     if difference.identical {
@@ -18,13 +22,13 @@ pub fn verdict(difference: &Difference) -> String {
         };
     }
     if *p < LEVEL {
-        return format!("A is {}{}", amount(luminance), local.map(around).unwrap_or_default());
+        return format!("A is {}{without}{}", amount(luminance), local.map(around).unwrap_or_default());
     }
     let differ = colours.iter().zip(&QUANTITIES[1..]).filter(|((_, p), _)| *p < LEVEL);
     let words: Vec<String> =
         differ.map(|((mean, _), quantity)| format!("{} in {}", amount(mean), quantity.name())).collect();
     match (words.is_empty(), local) {
-        (false, _) => format!("A is {}{}", words.join(", "), local.map(around).unwrap_or_default()),
+        (false, _) => format!("A is {}{without}{}", words.join(", "), local.map(around).unwrap_or_default()),
         (true, Some(local)) => {
             let colour = match local.quantity {
                 Quantity::Luminance => String::new(),
@@ -103,6 +107,7 @@ mod tests {
             source: Source::Variances,
             identical: false,
             means: [(estimate(0.0001, 0.0002), 0.9); 4],
+            rest: None,
             local: None,
             p: 0.412,
         }
@@ -129,6 +134,13 @@ mod tests {
         coloured.means[1] = (estimate(0.005, 0.000_1), 1e-9);
         coloured.means[3] = (estimate(-0.02, 0.001), 1e-9);
         assert_eq!(verdict(&coloured), "A is brighter by 1.00 ± 0.04 % in red, darker by 4.0 ± 0.4 % in blue");
+        // Where few pixels rule the noise, the others are judged.
+        let mut ruled = nothing();
+        ruled.rest = Some((2, darker.means));
+        assert_eq!(verdict(&ruled), "A is darker by 1.20 ± 0.20 % without the 2 pixels that rule the noise");
+        ruled.rest = Some((1, coloured.means));
+        let expected = "A is brighter by 1.00 ± 0.04 % in red, darker by 4.0 ± 0.4 % in blue without the pixel that rules the noise";
+        assert_eq!(verdict(&ruled), expected);
         // Black references have no percents, and single pixels no errors.
         let mut black = nothing();
         black.means[0] = (Estimate { reference: 0.0, ..estimate(0.02, 0.001) }, 1e-9);
