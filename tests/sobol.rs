@@ -195,6 +195,7 @@ fn a_lamp_far_brighter_than_what_is_seen_hides_no_error() {
     let lit = |hidden: &str| {
         scene(&format!(
             "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 1, 4), look_at: (0, 0.5, 0), vertical_fov: 40),
+            background: Solid((0, 0, 0)),
             materials: {{ \"white\": Lambertian(albedo: Rgb(0.6, 0.6, 0.6)), \"lamp\": DiffuseLight(emit: Rgb(1, 1, 1)),
                 \"far\": DiffuseLight(emit: Rgb(1e17, 1e17, 1e17)) }},
             objects: [
