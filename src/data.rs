@@ -34,6 +34,8 @@ pub const LIGHT_NODE_SKY: u32 = 0x2000_0000;
 pub const RUN_LENGTH: u32 = 8;
 /// In `RunRecord::counts`: the run is an odd one.
 pub const ODD_RUN: u32 = 0x8000_0000;
+/// Bins that light is counted in which mirrors and glass leave to chance.
+pub const LIGHT_BINS: usize = 32;
 /// Words before the first queue.
 pub const QUEUE_HEADER: u32 = 8;
 
@@ -138,10 +140,7 @@ device_struct!(
         too_deep: u32,
         too_deep_low: u32,
         too_deep_high: u32,
-        stopped_low: u32,
-        stopped_high: u32,
-        met_low: u32,
-        met_high: u32,
+        light: [[u32; 4]; LIGHT_BINS],
     }
 );
 

@@ -26,9 +26,6 @@ const QUEUES: &str = "--scatter queues";
 /// The reason of what stages hand to each other where they are kernels of their own.
 const A_KERNEL_A_STAGE: &str = "a kernel a stage";
 
-/// The material that light goes through.
-const CLEAR: &str = "dielectric";
-
 /// The override constants that say how many steps walks may take.
 pub const STEPS: [&str; 2] = ["MOST_STEPS_OF_WALK", "MOST_STEPS_OF_CROSSINGS"];
 
@@ -376,9 +373,7 @@ fn choices(features: &Features, materials: &[Entry], bounces: Bounces, tables: &
     let lights = features.lights > 0;
     // One entry or none: what is linked where there are lights, and of which kinds.
     let only_if = |wanted: bool, name: &str| if wanted { closed(std::iter::once((name, 0))) } else { Vec::new() };
-    // Where lights are sampled and clear solids may be in the way.
-    let materials_of_scene = entries(MATERIALS, &features.materials).into_iter();
-    let clear: Vec<Entry> = materials_of_scene.filter(|entry| lights && entry.name == CLEAR).collect();
+    let one_way = one_way(features);
     let places = places(&path_fields(features, fused));
     let numbered = |all: &[(&'static str, u32)]| closed(all.iter().copied());
     let surfaces = !materials.is_empty();
@@ -392,7 +387,6 @@ fn choices(features: &Features, materials: &[Entry], bounces: Bounces, tables: &
             ("medium_albedo", pick(features.textured_media.is_some(), "scene/textured_medium", "scene/plain_medium")),
             ("roulette", pick(features.roulette, "step/roulette", "step/no_roulette")),
             ("clamp", pick(features.clamp, "step/clamp", "step/no_clamp")),
-            ("glass", pick(clear.is_empty(), "step/no_glass", "step/through_glass")),
             ("fresnel", pick(features.schlick, "lib/fresnel_schlick", "lib/fresnel")),
             ("offset", pick(features.fast_offset, "geometry/offset_fast", "geometry/offset")),
             ("sphere_chord", pick(features.fast_precision, "geometry/sphere_chord_fast", "geometry/sphere_chord")),
@@ -429,7 +423,8 @@ fn choices(features: &Features, materials: &[Entry], bounces: Bounces, tables: &
             ("emitting_surface", only_if(features.emitters.iter().any(Option::is_some), "surface")),
             ("unsampled", only_if(features.unsampled.is_some() || features.every, "unsampled")),
             ("emitting_sky", only_if(features.emitting_sky.is_some(), "sky")),
-            ("clear", clear),
+            ("one_way", only_if(one_way, "one_way")),
+            ("sky_by_chance", only_if(one_way && features.emitting_sky.is_some(), "sky")),
             ("convex_boundary", convex_boundaries),
             ("mesh_boundary", mesh_boundaries),
             ("texture", textures),
@@ -457,18 +452,27 @@ fn choices(features: &Features, materials: &[Entry], bounces: Bounces, tables: &
     choices
 }
 
+/// Whether lights are sampled, and mirrors or glass leave some to chance.
+fn one_way(features: &Features) -> bool {
+    features.lights > 0 && features.specular.iter().any(Option::is_some)
+}
+
 /// What a kernel has that serves these materials.
 fn serve(choices: &mut Choices, features: &Features, materials: &[Entry]) {
     let lights = features.lights > 0;
     let only_if = |wanted: bool, name: &str| if wanted { closed(std::iter::once((name, 0))) } else { Vec::new() };
-    let answers = |entry: &&Entry| features.responders.get(entry.number as usize).is_some_and(Option::is_some);
-    let responders: Vec<Entry> = materials.iter().filter(answers).cloned().collect();
+    let is_in = |used: &[Option<String>], entry: &Entry| used.get(entry.number as usize).is_some_and(Option::is_some);
+    let responders: Vec<Entry> = materials.iter().filter(|entry| is_in(&features.responders, entry)).cloned().collect();
+    let answers = lights && !responders.is_empty();
+    let specular = lights && materials.iter().any(|entry| is_in(&features.specular, entry));
     let shines = materials.iter().any(|entry| entry.name == "diffuse_light");
     let sampled = features.emitters.iter().any(Option::is_some);
     choices.lists.extend([
-        ("answer", only_if(lights && !responders.is_empty(), "answer")),
+        ("answer", only_if(answers, "answer")),
+        ("specular", only_if(specular, "specular")),
+        ("aims", only_if(answers || specular, "aims")),
         ("met_light", only_if(lights && sampled && shines, "light")),
-        ("refracts", only_if(lights && materials.iter().any(|entry| entry.name == CLEAR), "refracts")),
+        ("met_by_chance", only_if(one_way(features) && sampled && shines, "light")),
         ("responder", responders),
         ("material", materials.to_vec()),
     ]);

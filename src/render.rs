@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
-use crate::data::{Counters, RUN_LENGTH, Settings, Window};
+use crate::data::{Counters, LIGHT_BINS, RUN_LENGTH, Settings, Window};
 use crate::error::{Error, Result};
 use crate::film::{Film, RunRecord};
 use crate::flatten::Flat;
@@ -57,7 +57,7 @@ pub struct Outcome {
     pub stopped_at: Option<u32>,
     /// Paths that max_depth ended.
     pub too_deep: TooDeep,
-    /// What is met through clear solids by chance.
+    /// What is met by mirrors and through glass by chance.
     pub through_glass: ThroughGlass,
     /// Of a render until an error: what came of it.
     pub noise: Option<Noise>,
@@ -107,28 +107,43 @@ impl TooDeep {
     }
 }
 
-/// Light of lights that are sampled, through clear solids, in device units, summed over all samples (shaders/step/through_glass.wgsl).
+/// Light of lights that are sampled, by mirrors and through glass, in device units, summed over all samples
+/// (shaders/step/through_glass.wgsl).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ThroughGlass {
-    /// What clear solids kept from the rays that are sent to lights.
-    pub stopped: f64,
-    /// What paths met behind them by chance.
-    pub met: f64,
+    /// By bins of lights: what there is of it, as rays to lights found, and what paths met by chance.
+    bins: [(f64, f64); LIGHT_BINS],
 }
 
 impl ThroughGlass {
     /// What has been counted since the last reading.
     fn add(&mut self, now: &Counters, before: &Counters) {
-        let light = |high: u32, low: u32| u64::from(high) << 32 | u64::from(low);
+        let light = |low: u32, high: u32| u64::from(high) << 32 | u64::from(low);
         let since = |now: u64, before: u64| now.wrapping_sub(before) as f64 / 16_777_216.0;
-        self.stopped += since(light(now.stopped_high, now.stopped_low), light(before.stopped_high, before.stopped_low));
-        self.met += since(light(now.met_high, now.met_low), light(before.met_high, before.met_low));
+        for ((asked, met), (now, before)) in self.bins.iter_mut().zip(now.light.iter().zip(&before.light)) {
+            *asked += since(light(now[0], now[1]), light(before[0], before[1]));
+            *met += since(light(now[2], now[3]), light(before[2], before[3]));
+        }
     }
 
-    /// What is certainly missing of it. As much light leaves clear solids as enters them; half of that may be reflected, absorbed
-    /// elsewhere, or stopped behind the glass by what is opaque.
+    /// The same in other units.
+    pub fn times(&self, factor: f64) -> ThroughGlass {
+        ThroughGlass { bins: self.bins.map(|(asked, met)| (asked * factor, met * factor)) }
+    }
+
+    /// What there is of it.
+    pub fn stopped(&self) -> f64 {
+        self.bins.iter().map(|(asked, _)| asked).sum()
+    }
+
+    /// What paths met of it.
+    pub fn met(&self) -> f64 {
+        self.bins.iter().map(|(_, met)| met).sum()
+    }
+
+    /// What is certainly missing of it. What rays find is about what paths would meet; a quarter of that may be error.
     pub fn missing(&self) -> f64 {
-        (0.5 * self.stopped - self.met).max(0.0)
+        self.bins.iter().map(|(asked, met)| (0.75 * asked - met).max(0.0)).sum()
     }
 }
 
@@ -230,7 +245,7 @@ impl BouncePipelines {
 /// What a stretch of rendering reports to.
 struct Stretch<'a> {
     film: &'a mut Film,
-    watch: &'a mut dyn FnMut(&Film, &Range<u32>) -> Next,
+    watch: &'a mut dyn FnMut(&Film, &Outcome) -> Next,
     start: Instant,
     outcome: &'a mut Outcome,
 }
@@ -339,8 +354,8 @@ impl<'a> Renderer<'a> {
         self.device.wait(self.device.queue.submit([encoder.finish()]))
     }
 
-    /// Renders until the goal is reached, calling `watch` with the film and the samples aimed at after each submission. The job may be
-    /// another one than the renderer was made for, of the same size.
+    /// Renders until the goal is reached, calling `watch` after each submission with the film and what came of the render so far, but for
+    /// what is known at its end alone. The job may be another one than the renderer was made for, of the same size.
     ///
     /// # Errors
     /// `Error::Device` where the device fails; the film keeps the runs that were finished before.
@@ -348,7 +363,7 @@ impl<'a> Renderer<'a> {
         &mut self,
         job: &Job,
         film: &mut Film,
-        watch: &mut dyn FnMut(&Film, &Range<u32>) -> Next,
+        watch: &mut dyn FnMut(&Film, &Outcome) -> Next,
     ) -> Result<Outcome> {
         let mut outcome = Outcome::default();
         let start = Instant::now();
@@ -526,7 +541,7 @@ impl<'a> Renderer<'a> {
             if outcome.first_pass == 0.0 {
                 outcome.first_pass = start.elapsed().as_secs_f64();
             }
-            if watch(film, samples) == Next::Stop && !outcome.interrupted {
+            if watch(film, outcome) == Next::Stop && !outcome.interrupted {
                 outcome.interrupted = true;
                 // No run beyond those started begins. The started ones end: to drop them would favour short paths.
                 window.end = window.end.min(counters.next);

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use gpu_rt::data;
 use gpu_rt::film::RunRecord;
-use gpu_rt::flatten::{Features, MATERIALS, RESPONDERS, Unsampled};
+use gpu_rt::flatten::{Features, MATERIALS, RESPONDERS, SPECULAR, Unsampled};
 use gpu_rt::gpu::layout::{Member, members, pack};
 use gpu_rt::gpu::link::{Choices, Embedded, link};
 use gpu_rt::plan::{Plan, Scatter};
@@ -20,6 +20,7 @@ fn modules() -> Vec<naga::Module> {
         primitives: Default::default(),
         materials: Default::default(),
         responders: std::array::from_fn(|i| RESPONDERS.contains(&MATERIALS[i]).then(|| "a test".to_string())),
+        specular: std::array::from_fn(|i| SPECULAR.contains(&MATERIALS[i]).then(|| "a test".to_string())),
         textures: Default::default(),
         boundaries: Default::default(),
         textured_media: Some("a test".to_string()),
@@ -257,6 +258,7 @@ fn every_constant_of_the_host_is_that_of_the_shaders() {
         ("NOT_SAMPLED", data::NOT_SAMPLED),
         ("RUN_LENGTH", data::RUN_LENGTH),
         ("QUEUE_HEADER", data::QUEUE_HEADER),
+        ("LIGHT_BINS", data::LIGHT_BINS as u32),
         ("ODD_RUN", data::ODD_RUN),
     ]);
     for (name, value) in &same {

@@ -4,7 +4,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use gpu_rt::data::{KIND_TRIANGLE, Sampler};
-use gpu_rt::flatten::{BACKGROUNDS, BOUNDARIES, Features, MATERIALS, PRIMITIVES, RESPONDERS, TEXTURES, Unsampled};
+use gpu_rt::flatten::{
+    BACKGROUNDS, BOUNDARIES, Features, MATERIALS, PRIMITIVES, RESPONDERS, SPECULAR, TEXTURES, Unsampled,
+};
 use gpu_rt::gpu::layout::BindingKind;
 use gpu_rt::gpu::link::{Choices, Embedded, Entry, Library, Linked, link};
 use gpu_rt::plan::{Plan, Scatter};
@@ -25,7 +27,8 @@ fn features(primitives: usize, materials: usize, textures: usize, background: us
     Features {
         primitives: on(primitives),
         materials: on(materials),
-        responders: on(materials & responders()),
+        responders: on(materials & bits_of(RESPONDERS)),
+        specular: on(materials & bits_of(SPECULAR)),
         textures: on(textures),
         backgrounds: on(1 << background),
         thin_lens: asked(thin_lens),
@@ -34,9 +37,9 @@ fn features(primitives: usize, materials: usize, textures: usize, background: us
     }
 }
 
-/// The bits of the materials that answer to lights.
-fn responders() -> usize {
-    (0..MATERIALS.len()).filter(|i| RESPONDERS.contains(&MATERIALS[*i])).map(|i| 1 << i).sum()
+/// The bits of the materials of these names.
+fn bits_of(names: &[&str]) -> usize {
+    (0..MATERIALS.len()).filter(|i| names.contains(&MATERIALS[*i])).map(|i| 1 << i).sum()
 }
 
 /// The same with media in such boundaries.

@@ -38,6 +38,9 @@ const LIGHT_NODE_INDEX: u32 = 0x1fffffffu;
 // From here on no light has its place: what emits and has such a one is not sampled.
 const NOT_SAMPLED: u32 = 0x80000000u;
 
+// Of the sky among the bins of lights (step/through_glass), whatever its place among the lights.
+const NUMBER_OF_SKY: u32 = 0u;
+
 // What stands for the code of a light where none is asked.
 const NO_LIGHT: u32 = 0xfffffff9u;
 

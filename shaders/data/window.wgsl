@@ -29,12 +29,11 @@ struct Counters {
     too_deep: atomic<u32>,
     too_deep_low: atomic<u32>,
     too_deep_high: atomic<u32>,
-    // Light that clear solids kept from rays to lights, and light met behind them by chance, in units of 2^-24 and two words each
-    // (step/through_glass).
-    stopped_low: atomic<u32>,
-    stopped_high: atomic<u32>,
-    met_low: atomic<u32>,
-    met_high: atomic<u32>,
+    //@ each one_way
+    // Of each bin of lights what mirrors and glass may send of it, and what was met of it there: in units of 2^-24, the low word and the high
+    // one (step/through_glass).
+    light: array<array<atomic<u32>, 4>, 32>,
+    //@ end
 }
 
 // A finished run.

@@ -92,6 +92,26 @@ fn probability_of_light(index: u32, from_point: vec3<f32>) -> f32 {
     return light_probability(index, from_point);
 }
 
+// The number of the light that a ray met; the sky is one by itself.
+fn number_of_light(hit: Hit) -> u32 {
+    let index = primitive_index(hit.code);
+    switch primitive_kind(hit.code) {
+        //@ each emitter
+        case ${number}u: {
+            return ${name}s[index].light;
+        }
+        //@ end
+        //@ each emitting_mesh
+        case KIND_TRIANGLE: {
+            return instances[at_run_time(hit.instance)].to_light + index;
+        }
+        //@ end
+        default: {
+            return NUMBER_OF_SKY;
+        }
+    }
+}
+
 // The density by which the primitive that the direction meets is chosen as a light and the direction drawn.
 fn light_density(hit: Hit, from_point: vec3<f32>, direction: vec3<f32>) -> f32 {
     let index = primitive_index(hit.code);

@@ -10,7 +10,9 @@
 //@ use scene/transmittance
 //@ end
 //@ use choice/clamp
-//@ use choice/glass
+//@ each one_way
+//@ use step/through_glass
+//@ end
 //@ use scene/lights
 //@ each emitting_sky
 //@ use scene/background
@@ -18,10 +20,6 @@
 //@ each emitting_surface
 //@ use bind/materials
 //@ use choice/colour
-//@ use scene/surfaces
-//@ end
-//@ each clear
-//@ use bind/materials
 //@ use scene/surfaces
 //@ end
 // Light by sampling: at each event a ray towards a light, beside the one that goes on. Both ways can meet a light, and share it
@@ -45,7 +43,6 @@ fn aim_at_light(path: ptr<function, Path>, from_point: vec3<f32>) -> Aim {
 
 // Sends a ray to the light, with what the event makes of its radiance.
 fn send_shadow_ray(path: ptr<function, Path>, aim: Aim, origin: vec3<f32>, response: vec3<f32>, pdf: f32) {
-    note_sampling(path);
     let weight = (*path).throughput * response * (power_share(aim.pdf, pdf) / aim.pdf);
     if aim.pdf > 0.0 && any(weight > vec3<f32>(0.0)) {
         let light = lights[aim.light];
@@ -112,41 +109,37 @@ fn trace_shadow(path: ptr<function, Path>) -> u32 {
     //@ each emitting_mesh
     is_hidden |= hit.instance != limit.instance;
     //@ end
-    if is_hidden {
-        if hit.code == PATH_CUT {
-            (*path).status = PATH_CUT;
-            return hit.steps;
+    var status = (*path).status;
+    var steps = hit.steps;
+    var brought = vec3<f32>(0.0);
+    var emitted = vec3<f32>(0.0);
+    if !is_hidden {
+        emitted = emitted_along((*path).shadow, hit);
+        var radiance = emitted;
+        //@ each medium
+        let through = transmittance((*path).shadow, hit.t, &steps);
+        if through == WALK_CUT {
+            status = PATH_CUT;
+            radiance = vec3<f32>(0.0);
         }
-        var steps_beyond = 0u;
-        //@ each clear
-        if is_clear(materials[surface_at(hit, (*path).shadow).material]) {
-            note_stopped_light(path, unstopped_light(path, limit, &steps_beyond));
-        }
+        radiance *= through;
         //@ end
-        return hit.steps + steps_beyond;
+        brought = (*path).light_weight * radiance;
+    } else if hit.code == PATH_CUT {
+        status = PATH_CUT;
     }
-    var radiance = emitted_along((*path).shadow, hit);
-    var steps = 0u;
-    //@ each medium
-    let through = transmittance((*path).shadow, hit.t, &steps);
-    if through == WALK_CUT {
-        (*path).status = PATH_CUT;
-        radiance = vec3<f32>(0.0);
+    //@ each one_way
+    // A question is no part of the image, nor is what becomes of it.
+    if is_by_chance(path) {
+        if !is_hidden {
+            note_asked_light(path, number_of_light(hit), emitted, brought);
+        }
+        return steps;
     }
-    radiance *= through;
     //@ end
-    (*path).radiance += limited_light((*path).light_weight * radiance);
-    return hit.steps + steps;
-}
-
-// What the light would bring if nothing but media were in its shadow ray's way.
-fn unstopped_light(path: ptr<function, Path>, limit: Hit, steps: ptr<function, u32>) -> vec3<f32> {
-    var radiance = (*path).light_weight * emitted_along((*path).shadow, limit);
-    //@ each medium
-    let through = transmittance((*path).shadow, limit.t, steps);
-    radiance *= select(through, 0.0, through == WALK_CUT);
-    //@ end
-    return radiance;
+    (*path).status = status;
+    (*path).radiance += limited_light(brought);
+    return steps;
 }
 
 // The radiance that a light sends back along a ray that was sent to it.

@@ -11,8 +11,8 @@
 //@ each emitting_sky
 //@ use step/sky_share
 //@ end
-//@ each light
-//@ use choice/glass
+//@ each sky_by_chance
+//@ use step/through_glass
 //@ end
 //@ relies on bits
 // Whether the path has left the scene, ended on a surface, or cannot go on.
@@ -39,14 +39,12 @@ fn refill_path(path: ptr<function, Path>) {
         //@ each emitting_sky
         radiance *= share_of_met_sky(path);
         //@ end
-        radiance *= background_radiance((*path).ray.direction);
-        //@ each emitting_sky
-        note_met_light(path, radiance);
+        let behind = background_radiance((*path).ray.direction);
+        radiance *= behind;
+        //@ each sky_by_chance
+        note_met_light(path, NUMBER_OF_SKY, behind, radiance);
         //@ end
     }
-    //@ each light
-    forget_glass(path);
-    //@ end
     if (*path).status == PATH_TOO_DEEP {
         count_too_deep(radiance);
         radiance = vec3<f32>(0.0);

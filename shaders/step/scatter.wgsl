@@ -16,9 +16,12 @@
 //@ end
 //@ each met_light
 //@ use step/light
-//@ use choice/glass
 //@ end
-//@ each refracts
+//@ each met_by_chance
+//@ use step/through_glass
+//@ end
+//@ each specular
+//@ use step/light
 //@ use step/through_glass
 //@ end
 // Lets the material of the surface that the path's ray met decide how the path goes on.
@@ -39,11 +42,12 @@ fn scatter_path(path: ptr<function, Path>) {
     let scattered = scatter_by_material(material, arriving, u);
     //@ each light
     var pdf = 0.0;
+    var samples_lights = false;
     //@ end
     //@ each answer
     // Whatever answers to lights sends rays to the side that it is seen from, all from one point: else the density with which a light is
     // aimed at would not be the one with which the ray that meets it is weighed.
-    let samples_lights = events < settings.max_depth && responds(material);
+    samples_lights = events < settings.max_depth && responds(material);
     if samples_lights {
         let aim = aim_at_light(path, above);
         let response = response_of_material(material, arriving, aim.direction);
@@ -51,14 +55,27 @@ fn scatter_path(path: ptr<function, Path>) {
         pdf = response_of_material(material, arriving, scattered.direction).pdf;
     }
     //@ end
+    //@ each specular
+    if !samples_lights {
+        pdf = pdf_of_one_way((*path).pdf);
+        let can_meet = pdf < 0.0 && scattered.event == SCATTERED && events < settings.max_depth;
+        if can_meet && asks_for_light(path) {
+            let aim = aim_at_light(path, above);
+            let origin = leaving_point(surface, facing, shading, above, scattered.direction);
+            let response = response_to_question(scattered.weight, scattered.direction, aim.direction, shading);
+            send_shadow_ray(path, aim, origin, response, 0.0);
+        }
+    }
+    //@ end
     //@ each met_light
     if scattered.event == EMITTED {
         (*path).throughput *= share_of_met_light(path, hit);
-        note_met_light(path, (*path).throughput * scattered.weight);
     }
     //@ end
-    //@ each refracts
-    note_glass(path, material);
+    //@ each met_by_chance
+    if scattered.event == EMITTED {
+        note_met_light(path, number_of_light(hit), scattered.weight, (*path).throughput * scattered.weight);
+    }
     //@ end
     //@ each light
     (*path).pdf = pdf;

@@ -1,68 +1,82 @@
 //@ use data/path
-//@ use data/window
+//@ use data/light
 //@ use bind/counters
-//@ use data/material
+//@ use bind/settings
 //@ use lib/rng
-// Light through clear solids. No ray is sent to a light through glass, since glass bends it: such light is met by chance alone, of small lights so
-// seldom that an image may seem free of noise and lack it. So what glass kept from rays to lights is counted, and what paths have met
-// behind glass in its place: about as much light leaves a clear solid as enters it, if elsewhere.
+// Light by mirrors and through glass. They send a ray one way alone, so that no event on them samples lights: such light is met by chance, of
+// small lights so seldom that an image may seem free of noise and lack it. So some of those events ask: what would be met if the ray went
+// anywhere within a cone around its way? A ray to a light finds that as it does elsewhere. It is counted beside what is met, and is no part
+// of the image.
 
-// Of a path's counts, while its sample lasts: an event of it sampled lights, and since then a clear solid has bent it.
-const HAS_SAMPLED_LIGHTS: u32 = 0x20000000u;
-const BEHIND_GLASS: u32 = 0x40000000u;
+// A path's pdf, where its last event sent it one way and one before that sampled lights. (0, where none did.)
+const BY_CHANCE: f32 = -1.0;
+// One event in so many asks.
+const EVENTS_A_QUESTION: u32 = 4u;
+// The cosine of the cone's half angle, 25 degrees: wide enough to find small lights, and narrow enough that what is found there is met there.
+const CONE: f32 = 0.90630779;
+// Its solid angle, 2 pi (1 - CONE).
+const SOLID_ANGLE_OF_CONE: f32 = 0.58868553;
 
-fn is_clear(material: Material) -> bool {
-    switch material.kind {
-        //@ each clear
-        case ${number}u: {
-            return true;
-        }
-        //@ end
-        default: {
-            return false;
-        }
-    }
+// Bins that lights are counted in.
+const LIGHT_BINS: u32 = 32u;
+// Of a bin's words, the low ones of its sums.
+const ASKED: u32 = 0u;
+const MET: u32 = 2u;
+
+// The pdf of a path that was sent one way.
+fn pdf_of_one_way(pdf: f32) -> f32 {
+    return select(0.0, BY_CHANCE, pdf != 0.0);
 }
 
-// A clear solid stopped a ray to a light, which would have brought so much.
-fn note_stopped_light(path: ptr<function, Path>, radiance: vec3<f32>) {
-    let added = units_of_light(path, radiance);
-    let before = atomicAdd(&counters.stopped_low, added);
-    if before + added < before {
-        atomicAdd(&counters.stopped_high, 1u);
-    }
+// Whether the light that the path meets now is met by chance alone, and its ray to a light a question.
+fn is_by_chance(path: ptr<function, Path>) -> bool {
+    return (*path).pdf < 0.0;
+}
+
+fn asks_for_light(path: ptr<function, Path>) -> bool {
+    return words_of_question(path).x % EVENTS_A_QUESTION == 0u;
+}
+
+// What an event of this weight and direction makes of light from another one, where it asks.
+fn response_to_question(weight: vec3<f32>, way: vec3<f32>, direction: vec3<f32>, normal: vec3<f32>) -> vec3<f32> {
+    let same_side = (dot(way, normal) < 0.0) == (dot(direction, normal) < 0.0);
+    let within = same_side && dot(way, direction) > CONE;
+    return select(vec3<f32>(0.0), weight * f32(EVENTS_A_QUESTION) / SOLID_ANGLE_OF_CONE, within);
+}
+
+// A question found a light of this number and radiance, which would have brought so much.
+fn note_asked_light(path: ptr<function, Path>, light: u32, radiance: vec3<f32>, brought: vec3<f32>) {
+    add_light(path, bin_of_light(light, radiance), ASKED, brought);
 }
 
 // The path met a light, which brings so much.
-fn note_met_light(path: ptr<function, Path>, radiance: vec3<f32>) {
-    if ((*path).counts & BEHIND_GLASS) != 0u {
-        let added = units_of_light(path, radiance);
-        let before = atomicAdd(&counters.met_low, added);
-        if before + added < before {
-            atomicAdd(&counters.met_high, 1u);
-        }
+fn note_met_light(path: ptr<function, Path>, light: u32, radiance: vec3<f32>, brought: vec3<f32>) {
+    if is_by_chance(path) && light < NOT_SAMPLED {
+        add_light(path, bin_of_light(light, radiance), MET, brought);
     }
 }
 
-// An event has sampled lights.
-fn note_sampling(path: ptr<function, Path>) {
-    (*path).counts = ((*path).counts & ~BEHIND_GLASS) | HAS_SAMPLED_LIGHTS;
+// Lights are counted apart, so that one which is met hides no other: by their numbers, and by powers of two of their radiance, since a sky is
+// one light with a sun in it.
+fn bin_of_light(light: u32, radiance: vec3<f32>) -> u32 {
+    return (light + (bitcast<u32>(largest_component(radiance)) >> 23u)) % LIGHT_BINS;
 }
 
-// The path was scattered by a material.
-fn note_glass(path: ptr<function, Path>, material: Material) {
-    if ((*path).counts & HAS_SAMPLED_LIGHTS) != 0u && is_clear(material) {
-        (*path).counts |= BEHIND_GLASS;
+fn add_light(path: ptr<function, Path>, bin: u32, sum: u32, brought: vec3<f32>) {
+    // In units of 2^-24 of the device's unit of radiance; what is less than one is rounded up as often as it is worth.
+    let chance = f32(words_of_question(path).y >> 8u) * 0x1p-24f;
+    let added = u32(min(largest_component(abs(brought)), 100.0) * 0x1p24f + chance);
+    let before = atomicAdd(&counters.light[bin][sum], added);
+    if before + added < before {
+        atomicAdd(&counters.light[bin][sum + 1u], 1u);
     }
 }
 
-fn forget_glass(path: ptr<function, Path>) {
-    (*path).counts &= ~(HAS_SAMPLED_LIGHTS | BEHIND_GLASS);
+fn largest_component(colour: vec3<f32>) -> f32 {
+    return max(max(colour.x, colour.y), colour.z);
 }
 
-// The largest component in units of 2^-24, of the device's unit of radiance; what is less than one is rounded up as often as it is worth.
-fn units_of_light(path: ptr<function, Path>, radiance: vec3<f32>) -> u32 {
-    let most = min(max(max(abs(radiance.x), abs(radiance.y)), abs(radiance.z)), 100.0);
-    let chance = pcg4d(vec4<u32>((*path).pixel, (*path).sample, (*path).events, (*path).rays)).x;
-    return u32(most * 16777216.0 + f32(chance >> 8u) * 5.9604645e-8);
+// Of words that are the same however the stages are linked, and of none of the path's own random numbers.
+fn words_of_question(path: ptr<function, Path>) -> vec4<u32> {
+    return pcg4d(vec4<u32>((*path).pixel, (*path).sample, (*path).events, ~settings.seed));
 }

@@ -17,7 +17,7 @@ use crate::metrics::error as metrics;
 use crate::output::atomic;
 use crate::output::exr::{ExrImage, read_exr};
 use crate::output::plot::{Curve, Plot, svg};
-use crate::render::{Goal, Job, Next, Renderer, TuningWish, plan_for};
+use crate::render::{Goal, Job, Next, Outcome, Renderer, TuningWish, plan_for};
 use crate::scene::Scene;
 
 /// The render after so many samples.
@@ -73,7 +73,7 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
             break;
         }
         let part = Job { first_sample: done, goal: Goal::Samples(next), ..job };
-        let mut go_on = |_: &Film, _: &std::ops::Range<u32>| match stopped.load(Ordering::Relaxed) {
+        let mut go_on = |_: &Film, _: &Outcome| match stopped.load(Ordering::Relaxed) {
             true => Next::Stop,
             false => Next::GoOn,
         };

@@ -116,38 +116,31 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
         next_checkpoint: Instant::now() + args.checkpoint,
         error: None,
         failed: None,
-        checkpoint: &|film: &Film| {
+        outcome: Outcome::default(),
+        checkpoint: &|film: &Film, outcome: &Outcome| {
             let each = film.totals().paths / (u64::from(film.width()) * u64::from(film.height()));
             let end = job.first_sample.saturating_add(u32::try_from(each).unwrap_or(u32::MAX));
-            let finish =
-                Finish { error: film.error_estimate(NOISE_LEVEL), samples: job.first_sample..end, ..Finish::of(film) };
+            let finish = Finish { samples: job.first_sample..end, ..Finish::of(film, outcome) };
             let attributes = about.attributes(&finish, &seconds);
             write_exr(&output.exr, &film.develop(), &attributes)
         },
         interval: args.checkpoint,
     };
-    let rendered = renderer.run(&job, &mut film, &mut |film, _| watcher.look(film));
+    let rendered = renderer.run(&job, &mut film, &mut |film, outcome| watcher.look(film, outcome));
     if let Some(error) = watcher.failed.take() {
         progress.message(&format!("warning: {error}"));
     }
     progress.finish();
+    let last = std::mem::take(&mut watcher.outcome);
     seconds.render = clock.lap();
 
     // A device that failed leaves the runs finished before; they are written before the failure is told.
     let outcome = match &rendered {
         Ok(outcome) => outcome.clone(),
-        Err(_) => Outcome { samples: job.first_sample..job.first_sample, ..Outcome::default() },
+        Err(_) => Outcome { samples: job.first_sample..job.first_sample, ..last },
     };
-    let finish = Finish {
-        error: film.error_estimate(outcome.noise.map_or(NOISE_LEVEL, |noise| noise.level)),
-        through_glass: shares(&outcome, &film),
-        noise: outcome.noise,
-        too_deep: rendered.is_ok().then_some(outcome.too_deep),
-        complete: rendered.is_ok() && !outcome.interrupted,
-        ..Finish::of(&film)
-    };
+    let finish = Finish { complete: rendered.is_ok() && !outcome.interrupted, ..Finish::of(&film, &outcome) };
     if finish.totals.paths > 0 || rendered.is_ok() {
-        let finish = Finish { samples: outcome.samples.clone(), ..finish.clone() };
         write_all(&output, &film.develop(), &about.attributes(&finish, &seconds))?;
     }
     rendered?;
@@ -248,11 +241,14 @@ struct Watcher<'a> {
     interval: Duration,
     error: Option<f64>,
     failed: Option<Error>,
-    checkpoint: &'a dyn Fn(&Film) -> Result<()>,
+    /// As of the last look.
+    outcome: Outcome,
+    checkpoint: &'a dyn Fn(&Film, &Outcome) -> Result<()>,
 }
 
 impl Watcher<'_> {
-    fn look(&mut self, film: &Film) -> Next {
+    fn look(&mut self, film: &Film, outcome: &Outcome) -> Next {
+        self.outcome.clone_from(outcome);
         let pixels = u64::from(film.width()) * u64::from(film.height());
         let now = Instant::now();
         if now >= self.next_look {
@@ -262,7 +258,7 @@ impl Watcher<'_> {
         }
         if now >= self.next_checkpoint {
             // A checkpoint that fails is told at the end; the render is worth more than it.
-            self.failed = (self.checkpoint)(film).err();
+            self.failed = (self.checkpoint)(film, outcome).err();
             self.next_checkpoint = Instant::now() + self.interval;
         }
         let totals = film.totals();
@@ -288,24 +284,24 @@ struct Finish {
     samples: Range<u32>,
     totals: Totals,
     error: Option<ErrorEstimate>,
-    /// Light through clear solids, as shares of the image's.
+    /// Light by mirrors and through glass, as shares of the image's.
     through_glass: ThroughGlass,
     /// Of `--noise`: whether the error was reached.
     noise: Option<Noise>,
-    /// What max_depth cut off; unknown before the end.
-    too_deep: Option<TooDeep>,
+    /// What max_depth cut off.
+    too_deep: TooDeep,
     complete: bool,
 }
 
 impl Finish {
-    fn of(film: &Film) -> Finish {
+    fn of(film: &Film, outcome: &Outcome) -> Finish {
         Finish {
-            samples: 0..0,
+            samples: outcome.samples.clone(),
             totals: film.totals(),
-            error: None,
-            through_glass: ThroughGlass::default(),
-            noise: None,
-            too_deep: None,
+            error: film.error_estimate(outcome.noise.map_or(NOISE_LEVEL, |noise| noise.level)),
+            through_glass: shares(outcome, film),
+            noise: outcome.noise,
+            too_deep: outcome.too_deep,
             complete: false,
         }
     }
@@ -321,11 +317,10 @@ impl Finish {
     }
 }
 
-/// Light through clear solids as shares of the image's.
+/// Light by mirrors and through glass as shares of the image's.
 fn shares(outcome: &Outcome, film: &Film) -> ThroughGlass {
     let all = film.mean_radiance() * film.totals().paths as f64;
-    let share = |light: f64| if all > 0.0 { light / all } else { 0.0 };
-    ThroughGlass { stopped: share(outcome.through_glass.stopped), met: share(outcome.through_glass.met) }
+    outcome.through_glass.times(if all > 0.0 { 1.0 / all } else { 0.0 })
 }
 
 /// What a render was asked and where it ran: for the header and the report.
@@ -394,10 +389,8 @@ impl About<'_> {
         if !self.warnings.is_empty() {
             all.push(text("warnings", self.warnings.join("\n")));
         }
-        if let Some(cut) = finish.too_deep {
-            all.push(int("cut_paths", cut.paths));
-            all.push(float("cut_throughput", cut.mean()));
-        }
+        all.push(int("cut_paths", finish.too_deep.paths));
+        all.push(float("cut_throughput", finish.too_deep.mean()));
         if let (Some(wish), Some(noise)) = (self.args.noise, finish.noise) {
             all.push(float("noise", wish));
             all.push(int("noise_reached", u64::from(noise.reached)));
@@ -467,8 +460,8 @@ fn report(
         "relative_error_confidence": finish.error.map(|_| 1.0 - NOISE_LEVEL),
         "relative_error_excludes": finish.error.map(|_| about.excluded()),
         "reliable": finish.reliable(),
-        "light_stopped_by_glass": finish.through_glass.stopped,
-        "light_met_through_glass": finish.through_glass.met,
+        "light_stopped_by_glass": finish.through_glass.stopped(),
+        "light_met_through_glass": finish.through_glass.met(),
         "interrupted": outcome.interrupted,
         "kernels": kernels,
         "gpu_bytes": gpu_bytes,
@@ -528,12 +521,11 @@ fn summarise(about: &About<'_>, output: &Output<'_>, outcome: &Outcome, finish: 
         ));
     }
     if finish.lacks_light() {
-        let ThroughGlass { stopped, met } = finish.through_glass;
         tell(&format!(
-            "warning: the relative error is unreliable: clear solids keep light of {} % of the image's from the rays that are sent to lights, and \
-             by chance paths have met {} % behind them: lights so small take more samples",
-            percent(stopped),
-            percent(met)
+            "warning: the relative error is unreliable: mirrors and glass send on light of {} % of the image's, which paths meet by chance alone, \
+             and they have met {} %: lights so small take more samples",
+            percent(finish.through_glass.stopped()),
+            percent(finish.through_glass.met())
         ));
     }
     if let (Some(wish), Some(noise)) = (args.noise, finish.noise) {

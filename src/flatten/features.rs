@@ -19,6 +19,8 @@ pub const BOUNDARIES: &[(&str, u32)] = &[("sphere", 0), ("cuboid", 2), ("mesh", 
 pub const MATERIALS: &[&str] = &["lambertian", "metal", "dielectric", "diffuse_light"];
 /// Those of them that can answer to light from any direction, and so to lights that are sampled: each has a file NAME_eval beside its own.
 pub const RESPONDERS: &[&str] = &["lambertian", "metal"];
+/// Those that can send a ray one way alone, which leaves lights to chance.
+pub const SPECULAR: &[&str] = &["metal", "dielectric"];
 /// The kinds of texture by number; each is a file of shaders/texture.
 pub const TEXTURES: &[&str] = &["checker", "image", "noise", "marble"];
 /// The kinds of background by number; each is a file of shaders/background.
@@ -43,6 +45,8 @@ pub struct Features {
     pub materials: [Option<String>; MATERIALS.len()],
     /// By the numbers of `MATERIALS`: of those that answer to lights that are sampled.
     pub responders: [Option<String>; MATERIALS.len()],
+    /// By the numbers of `MATERIALS`: of those that send a ray one way alone.
+    pub specular: [Option<String>; MATERIALS.len()],
     /// By the numbers of `TEXTURES`.
     pub textures: [Option<String>; TEXTURES.len()],
     /// Meshes with vertex normals, which are shaded smoothly.
@@ -136,8 +140,10 @@ impl Features {
         [&mut self.smooth, &mut self.textured_media, &mut self.thin_lens, &mut self.turned].into_iter().for_each(add);
         if sample_lights {
             add(&mut self.emitting_sky);
-            let materials = MATERIALS.iter().zip(&mut self.responders);
-            materials.filter(|(name, _)| RESPONDERS.contains(name)).for_each(|(_, used)| add(used));
+            for (those, used) in [(RESPONDERS, &mut self.responders), (SPECULAR, &mut self.specular)] {
+                let materials = MATERIALS.iter().zip(used);
+                materials.filter(|(name, _)| those.contains(name)).for_each(|(_, used)| add(used));
+            }
         }
         self.few = false;
         self.every = true;
@@ -201,9 +207,8 @@ impl Features {
             ("scene", "lights" | "light_tree" | "one_light" | "responses")
             | ("step", "light")
             | ("stage", "shadow") => light(),
-            ("step", "through_glass") | ("lib", "fresnel" | "refraction") => {
-                of(MATERIALS, &self.materials, "dielectric")
-            }
+            ("step", "through_glass") => self.specular.iter().flatten().next().map(String::as_str),
+            ("lib", "fresnel" | "refraction") => of(MATERIALS, &self.materials, "dielectric"),
             ("lib", "perlin") => {
                 of(TEXTURES, &self.textures, "noise").or_else(|| of(TEXTURES, &self.textures, "marble"))
             }

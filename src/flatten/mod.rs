@@ -29,7 +29,9 @@ use place::{AxisBox, Finder, Placed, PlacedMedium, extent};
 use view::{RenderSpace, View};
 
 pub use bvh::Quality;
-pub use features::{BACKGROUNDS, BOUNDARIES, Features, MATERIALS, PRIMITIVES, RESPONDERS, TEXTURES, Unsampled};
+pub use features::{
+    BACKGROUNDS, BOUNDARIES, Features, MATERIALS, PRIMITIVES, RESPONDERS, SPECULAR, TEXTURES, Unsampled,
+};
 pub use lights::MOST_LIGHTS;
 
 /// A scene as the kernels see it.
@@ -250,6 +252,8 @@ fn note(features: &mut Features, scene: &Scene, object: &Object, primitive: &Pla
     features.materials[material_kind(material)].get_or_insert_with(at_material);
     if responds(material) {
         features.responders[material_kind(material)].get_or_insert_with(at_material);
+    } else if !matches!(material, Material::DiffuseLight { .. }) {
+        features.specular[material_kind(material)].get_or_insert_with(at_material);
     }
     if let Some(kind) = colour_texture(material).and_then(texture_kind) {
         features.textures[kind].get_or_insert_with(at_material);
