@@ -20,7 +20,7 @@ use expect::Expectations;
 use gpu_rt::data::Sampler;
 use gpu_rt::film::{ErrorEstimate, Film};
 use gpu_rt::scene::Scene;
-use held::{BULB, Held, Looks};
+use held::{BULB, Looks};
 use render::{Ask, Change, render_all, scene, scene_folder};
 use rooms::{THINGS, room};
 use stats::{mean_and_variance, normal_two_sided};
@@ -320,8 +320,8 @@ fn bounds_hold((width, height): (u32, u32), seeds: u32, samples: &[u32]) {
         let ask = Ask { roulette: true, ..Ask::default().mis().sobol().size(width, height) };
         let looks = Looks::new(&scene, &ask, &Change::default(), seeds, samples);
         for held in looks.held() {
-            println!("{name}: {held:?}");
-            failed.extend((!held.holds()).then(|| format!("{name}: {held:?}")));
+            println!("{name}: {held}");
+            failed.extend((!held.holds()).then(|| format!("{name}: {held}")));
             cells.push(held);
         }
         for error in [0.1, 0.2, 0.4] {

@@ -10,7 +10,6 @@ mod render;
 #[path = "common/stats.rs"]
 mod stats;
 
-use std::ops::Range;
 use std::time::Instant;
 
 use everything::{Everything, World};
@@ -19,7 +18,7 @@ use gpu_rt::film::Film;
 use gpu_rt::flatten::{Wish, flatten_with};
 use gpu_rt::gpu::device::Device;
 use gpu_rt::plan::{Plan, Scatter, Tables};
-use gpu_rt::render::{Goal, Job, Next, Renderer, TuningWish, plan_for};
+use gpu_rt::render::{Goal, Job, Next, Outcome, Renderer, TuningWish, plan_for};
 use gpu_rt::scene::Scene;
 
 const SIZE: (u32, u32) = (16, 9);
@@ -90,7 +89,7 @@ fn submission(device: &Device, bounces: Option<u32>) -> f64 {
     let mut renderer = Renderer::new(device, &flat, &plan, &job, wish, false).expect("the kernels compile");
     let mut film = Film::with_sampler(size.0, size.1, flat.radiance_exponent, Sampler::Independent).expect("it fits");
     let mut ends = vec![Instant::now()];
-    let mut watch = |_: &Film, _: &Range<u32>| {
+    let mut watch = |_: &Film, _: &Outcome| {
         ends.push(Instant::now());
         if ends.len() < 24 { Next::GoOn } else { Next::Stop }
     };

@@ -51,6 +51,16 @@ pub struct Held {
     pub width: f64,
 }
 
+impl std::fmt::Display for Held {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Held { samples, seeds, share, reliable, share_of_reliable, width } = self;
+        write!(
+            f,
+            "{samples} samples, {seeds} seeds: held by {share:.3}, bound/error {width:.2}; {reliable:.3} reliable, of these {share_of_reliable:.3}"
+        )
+    }
+}
+
 impl Held {
     /// Whether nine of ten bounds hold, and as many of those that are called reliable, if a tenth of the images is.
     pub fn holds(&self) -> bool {
