@@ -343,7 +343,7 @@ fn smooth_bodies() -> Scene {
 
 fn aimed_from_the_facet() -> Overlay {
     Overlay::new(&[]).rewritten("step/scatter", |text| {
-        text.replace("aim_at_light(path, above)", "aim_at_light(path, surface.point)")
+        text.replace("aim_at_light(path, point)", "aim_at_light(path, surface.point)")
     })
 }
 

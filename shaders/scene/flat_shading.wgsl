@@ -8,7 +8,8 @@ fn shading_normal(hit: Hit, surface: Surface, incoming: vec3<f32>, facing: vec3<
     return facing;
 }
 
-// Where an event on the side of `facing` is: there it chooses a light and aims at it, and from there rays to that side leave.
+// Where an event on the side of `facing` is: there it chooses a light and aims at it, and from there, but for the offset, rays to that side
+// leave.
 fn event_point(hit: Hit, surface: Surface, facing: vec3<f32>) -> vec3<f32> {
-    return leave_surface(surface.point, surface.error, facing, facing);
+    return surface.point;
 }

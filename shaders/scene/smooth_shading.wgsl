@@ -39,13 +39,13 @@ fn shading_normal(hit: Hit, surface: Surface, incoming: vec3<f32>, facing: vec3<
     return normalize(bent);
 }
 
-// Where an event on the side of `facing` is: there it chooses a light and aims at it, and from there rays to that side leave. Facets hide
-// from each other where the smooth surface would not, which shows as a jagged shadow terminator: the point is lifted to the smooth
+// Where an event on the side of `facing` is: there it chooses a light and aims at it, and from there, but for the offset, rays to that side
+// leave. Facets hide from each other where the smooth surface would not, which shows as a jagged shadow terminator: the point is lifted to the smooth
 // surface, the mean of its projections onto the tangent planes of the vertices, weighted as the normals are
 // (Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II, ch. 4).
 fn event_point(hit: Hit, surface: Surface, facing: vec3<f32>) -> vec3<f32> {
     if !is_smooth(hit.code) {
-        return leave_surface(surface.point, surface.error, facing, facing);
+        return surface.point;
     }
     let corners = corners_of(primitive_index(hit.code));
     let normals = normals_of(hit.code);
@@ -61,5 +61,5 @@ fn event_point(hit: Hit, surface: Surface, facing: vec3<f32>) -> vec3<f32> {
     let by = side * weights * max(below, vec3<f32>(0.0));
     let placed = instances[at_run_time(hit.instance)];
     let lift = placed.scale * from_mesh_turned(placed, blend(by, normals));
-    return leave_surface(surface.point + lift, surface.error, facing, facing);
+    return surface.point + lift;
 }

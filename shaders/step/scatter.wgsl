@@ -32,7 +32,7 @@ fn scatter_path(path: ptr<function, Path>) {
     let shading = shading_normal(hit, surface, ray.direction, facing);
     let colour = surface_colour(material, hit, surface);
     let arriving = Interaction(ray.direction, shading, front, colour);
-    let above = event_point(hit, surface, facing);
+    let point = event_point(hit, surface, facing);
 
     let events = (*path).events;
     let u = random4((*path).pixel, (*path).sample, event_dimension(events, DIMENSION_SCATTER), settings.seed);
@@ -42,12 +42,14 @@ fn scatter_path(path: ptr<function, Path>) {
     //@ end
     //@ each answer
     // Whatever answers to lights sends rays to the side that it is seen from, all from one point: else the density with which a light is
-    // aimed at would not be the one with which the ray that meets it is weighed.
+    // aimed at would not be the one with which the ray that meets it is weighed. The rays' offset is no part of it: aimed at from
+    // there, a small light would be off by twice the offset over its distance (tests/extremes, a floor below a sphere).
     let samples_lights = events < settings.max_depth && responds(material);
     if samples_lights {
-        let aim = aim_at_light(path, above);
+        let aim = aim_at_light(path, point);
         let response = response_of_material(material, arriving, aim.direction);
-        send_shadow_ray(path, aim, above, response.value, response.pdf);
+        let origin = leaving_point(surface, facing, shading, point, aim.direction);
+        send_shadow_ray(path, aim, origin, response.value, response.pdf);
         pdf = response_of_material(material, arriving, scattered.direction).pdf;
     }
     //@ end
@@ -69,7 +71,7 @@ fn scatter_path(path: ptr<function, Path>) {
     }
     let goes_on = scattered.event == SCATTERED && events < settings.max_depth && any(throughput != vec3<f32>(0.0));
     if goes_on {
-        let leaving = leaving_point(surface, facing, shading, above, scattered.direction);
+        let leaving = leaving_point(surface, facing, shading, point, scattered.direction);
         (*path).ray = Ray(leaving, scattered.direction);
         (*path).status = RAY_READY;
         (*path).throughput = throughput;
