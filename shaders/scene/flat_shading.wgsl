@@ -1,6 +1,5 @@
 //@ use data/hit
 //@ use data/found
-//@ use choice/offset
 // Surfaces without vertex normals: light scatters about the surface's own normal.
 
 // The normal that the material sees; `facing` is the surface's own, on the side that the ray came from.

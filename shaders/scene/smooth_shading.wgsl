@@ -1,7 +1,6 @@
 //@ use data/hit
 //@ use data/found
 //@ use data/primitive
-//@ use choice/offset
 //@ use scene/at_run_time
 //@ use scene/meshes
 //@ use lib/octahedral
