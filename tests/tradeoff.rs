@@ -206,26 +206,38 @@ fn a_planted_bias_is_found_with_its_sign_and_size() {
     }
 }
 
-/// A lamp that a scattered ray meets once in 24,000 times, in 4,000, and in 1,000: of 20 sweeps each 5 % may have a false alarm, and more than
-/// 5 of 20 have one once in 3,000 times. What is told is that the noise is not known.
+/// A lamp that a scattered ray meets once in 24,000 times, in 4,000, and in 1,000: each of 120 sweeps may have a false alarm with a probability of
+/// 5 %, and more than 20 have one once in 2e6 times. A rate of 25 % would be found in 98 of 100 times, one of 15 % in 26. What is told is that
+/// the noise is not known: of a setting like that a defect is hardly seen. Planted is eight times as much light of the largest lamp, which
+/// more sweeps of 40 call biased than may have an alarm of 120.
 #[test]
 fn paths_that_seldom_meet_a_lamp_are_no_defect() {
+    const SWEEPS: u32 = 40;
+    const ALARMS: u32 = 20;
     let _machine = alone();
+    let (mut alarms, mut planted) = (0, 0);
     for radius in [0.02, 0.05, 0.1] {
         let scene = scene(&lamp(radius, 24));
         let mut sweep = Sweep::new(device::software(), &scene, (24, 24), 0);
         unbiased(&scene).into_iter().take(2).for_each(|setting| sweep.add(setting).expect("it compiles"));
-        let (mut alarms, mut unreliable) = (0, 0);
-        for number in 0..20 {
+        let mut unreliable = 0;
+        for number in 0..SWEEPS {
             measure(&mut sweep, 1 + 1000 * number, 8);
             let found = judged(&mut sweep, None).measured;
             let [defaults, bsdf] = &found[..] else { panic!("{found:?}") };
             assert!(defaults.reliable && bsdf.squared.upper() >= 0.0, "{found:?}");
             alarms += u32::from(bsdf.biased);
+            if radius == 0.1 {
+                plant(&mut sweep, 1, 8.0);
+                planted += u32::from(judged(&mut sweep, None).measured[1].biased);
+            }
             unreliable += u32::from(!bsdf.reliable);
         }
-        assert!(alarms <= 5 && unreliable >= 15, "{radius}: {alarms} called biased, {unreliable} unreliable");
+        println!("radius {radius}: {alarms} alarms so far, {planted} of what is planted; {unreliable} unreliable");
+        assert!(unreliable >= 3 * SWEEPS / 4, "{radius}: {unreliable} unreliable");
     }
+    assert!(alarms <= ALARMS, "{alarms} called biased");
+    assert!(planted > ALARMS, "eight times as much light is found {planted} times");
 }
 
 /// What a limit takes is what paths bring that the defaults have seldom met: neither is known, and no limit is advised.
@@ -280,8 +292,9 @@ fn lost_detail_is_told_without_rendering_it() {
     assert!(sweep.unmeasured.iter().any(|left| left.why.contains("not measured at the whole size")));
 }
 
-/// Of 100 sweeps at most 11 may have a false alarm: with a probability of 5 % each, more do once in 234 times. So too against a reference
-/// that is as noisy as what it judges.
+/// Of 100 sweeps at most 18 may have a false alarm: with a probability of 5 % each, more do once in 2e6 times. A rate of 25 % would be found in
+/// 94 of 100 times, one of 15 % in 16. So too against a reference that is as noisy as what it judges, of which no less than a tenth more light
+/// is found here (0.5 % is in `a_planted_bias_is_found_with_its_sign_and_size`).
 #[test]
 fn settings_that_only_add_noise_are_not_called_biased() {
     let _machine = alone();
@@ -314,7 +327,8 @@ fn settings_that_only_add_noise_are_not_called_biased() {
         let (distance, differs) = found.against_reference.expect("its noise is known");
         found_darker += u32::from(differs && distance.signed.value < 0.0);
     }
-    assert!(alarms <= 11 && with_reference <= 11, "{alarms}, and against references {with_reference}, of {SWEEPS}");
+    println!("{alarms} alarms, and against references {with_reference}, of {SWEEPS}; found darker: {found_darker}");
+    assert!(alarms <= 18 && with_reference <= 18, "{alarms}, and against references {with_reference}, of {SWEEPS}");
     assert!(found_darker >= 95, "{found_darker} of {SWEEPS}");
 }
 
@@ -424,18 +438,36 @@ fn advice_is_kept_beside_settings_of_rare_bright_paths() {
     assert!((errors[2] / 1e-3 - 1.0).abs() < 0.2, "{advice}: {errors:?}");
 }
 
-/// Independent samples take more of them than Sobol points where pixels are smooth. The promise is to end within 25 % of the budget; a machine
-/// that stands still for a while may take half of it more.
+/// A sweep, and the seconds that it took of so many. A machine that stands still for a while does not do so three times.
+fn sweep_within(place: &Path, seconds: f64) -> (i32, String, String, f64) {
+    let attempt = || {
+        let begin = Instant::now();
+        let (status, stdout, stderr) =
+            run(place, &["tradeoff", "sky.ron", "--budget", &format!("{seconds:.2}s"), "--quiet"]);
+        (status, stdout, stderr, begin.elapsed().as_secs_f64())
+    };
+    let within = |took: f64| took < MORE_THAN_BUDGET * seconds;
+    (0..2).map(|_| attempt()).find(|found| within(found.3)).unwrap_or_else(attempt)
+}
+
+/// The budget is the time that all of a sweep may take; a quarter of it more is for the last picture on a slow machine.
+const MORE_THAN_BUDGET: f64 = 1.25;
+
+/// Independent samples take more of them than Sobol points where pixels are smooth. A budget that is enough for all rounds tells nothing of the
+/// clock: so a fourth of the time that they took is asked for as well, which a sweep without a clock would exceed four times.
 #[test]
 fn a_sweep_keeps_its_budget_and_tells_what_is_dominated() {
     let _machine = alone();
     let place = tempfile::tempdir().expect("a temporary folder");
     std::fs::write(place.path().join("sky.ron"), SKY).expect("it is written");
-    let begin = Instant::now();
-    let (status, stdout, stderr) = run(place.path(), &["tradeoff", "sky.ron", "--budget", "20s", "--quiet"]);
-    let took = begin.elapsed().as_secs_f64();
+    let (status, stdout, stderr, took) = sweep_within(place.path(), 20.0);
     assert_eq!(status, 0, "{stderr}");
-    assert!(took < 1.5 * 20.0, "{took} s of 20");
+    assert!(took < MORE_THAN_BUDGET * 20.0, "{took} s of 20");
+    let short = (0.25 * took).max(2.0);
+    let (status, _, why, took_of_short) = sweep_within(place.path(), short);
+    println!("{took} s of 20, {took_of_short} s of {short}");
+    assert!(status == 0 || why.contains("give it more"), "{why}");
+    assert!(took_of_short < MORE_THAN_BUDGET * short, "{took_of_short} s of {short}");
     let line =
         |name: &str| stdout.lines().find(|line| line.starts_with(name)).unwrap_or_else(|| panic!("{name} in {stdout}"));
     assert!(line("--sampler independent").contains("dominated"), "{stdout}");

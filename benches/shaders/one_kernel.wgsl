@@ -8,7 +8,6 @@
 //@ use data/dimension
 //@ use data/window
 //@ use choice/shading
-//@ use scene/leaving
 //@ use lib/compensated
 //@ use lib/spread
 //@ use lib/float
@@ -45,7 +44,7 @@ fn radiance_of(pixel: u32, sample: u32, rays: ptr<function, u32>) -> vec3<f32> {
         if scattered.event == ABSORBED || events >= settings.max_depth || all(throughput == vec3<f32>(0.0)) {
             break;
         }
-        let leaving = leaving_point(surface, facing, shading, event_point(hit, surface, facing), scattered.direction);
+        let leaving = leaving_point(hit, surface, facing, shading, event_point(hit, surface, facing), scattered.direction);
         ray = Ray(leaving, scattered.direction);
     }
     return vec3<f32>(0.0);

@@ -39,13 +39,14 @@ fn shading_normal(hit: Hit, surface: Surface, incoming: vec3<f32>, facing: vec3<
     return normalize(bent);
 }
 
-// Where an event on the side of `facing` is: there it chooses a light and aims at it, and from there rays to that side leave. Facets hide
-// from each other where the smooth surface would not, which shows as a jagged shadow terminator: the point is lifted to the smooth
+// Where an event on the side of `facing` chooses a light and aims at it, and where rays to that side leave. Facets hide from each other where the
+// smooth surface would not, which shows as a jagged shadow terminator: the point is lifted to the smooth
 // surface, the mean of its projections onto the tangent planes of the vertices, weighted as the normals are
-// (Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II, ch. 4).
+// (Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II, ch. 4). All is done from one point: else the density with which a light is aimed at
+// would not be the one with which a ray that meets it is weighed.
 fn event_point(hit: Hit, surface: Surface, facing: vec3<f32>) -> vec3<f32> {
     if !is_smooth(hit.code) {
-        return leave_surface(surface.point, surface.error, facing, facing);
+        return surface.point;
     }
     let corners = corners_of(primitive_index(hit.code));
     let normals = normals_of(hit.code);
@@ -62,4 +63,19 @@ fn event_point(hit: Hit, surface: Surface, facing: vec3<f32>) -> vec3<f32> {
     let placed = instances[at_run_time(hit.instance)];
     let lift = placed.scale * from_mesh_turned(placed, blend(by, normals));
     return leave_surface(surface.point + lift, surface.error, facing, facing);
+}
+
+// Where a ray in such a direction leaves from: below the shading normal the facet itself.
+fn leaving_point(
+    hit: Hit,
+    surface: Surface,
+    facing: vec3<f32>,
+    shading: vec3<f32>,
+    point: vec3<f32>,
+    direction: vec3<f32>,
+) -> vec3<f32> {
+    let below = dot(direction, shading) < 0.0;
+    let side = select(facing, -facing, below);
+    let leaving = leave_surface(surface.point, surface.error, side, side);
+    return select(leaving, point, is_smooth(hit.code) && !below);
 }

@@ -9,7 +9,6 @@
 //@ use choice/colour
 //@ use choice/roulette
 //@ use choice/shading
-//@ use scene/leaving
 //@ each answer
 //@ use scene/responses
 //@ use step/light
@@ -35,7 +34,7 @@ fn scatter_path(path: ptr<function, Path>) {
     let shading = shading_normal(hit, surface, ray.direction, facing);
     let colour = surface_colour(material, hit, surface);
     let arriving = Interaction(ray.direction, shading, front, colour);
-    let above = event_point(hit, surface, facing);
+    let point = event_point(hit, surface, facing);
 
     let events = (*path).events;
     let u = random4((*path).pixel, (*path).sample, event_dimension(events, DIMENSION_SCATTER), settings.seed);
@@ -45,13 +44,13 @@ fn scatter_path(path: ptr<function, Path>) {
     var samples_lights = false;
     //@ end
     //@ each answer
-    // Whatever answers to lights sends rays to the side that it is seen from, all from one point: else the density with which a light is
-    // aimed at would not be the one with which the ray that meets it is weighed.
+    // Whatever answers to lights sends rays to the side that it is seen from.
     samples_lights = events < settings.max_depth && responds(material);
     if samples_lights {
-        let aim = aim_at_light(path, above);
+        let aim = aim_at_light(path, point);
         let response = response_of_material(material, arriving, aim.direction);
-        send_shadow_ray(path, aim, above, response.value, response.pdf);
+        let origin = leaving_point(hit, surface, facing, shading, point, aim.direction);
+        send_shadow_ray(path, aim, origin, response.value, response.pdf);
         pdf = response_of_material(material, arriving, scattered.direction).pdf;
     }
     //@ end
@@ -60,8 +59,8 @@ fn scatter_path(path: ptr<function, Path>) {
         pdf = pdf_of_one_way((*path).pdf);
         let can_meet = pdf < 0.0 && scattered.event == SCATTERED && events < settings.max_depth;
         if can_meet && asks_for_light(path) {
-            let aim = aim_at_light(path, above);
-            let origin = leaving_point(surface, facing, shading, above, scattered.direction);
+            let aim = aim_at_light(path, point);
+            let origin = leaving_point(hit, surface, facing, shading, point, scattered.direction);
             let response = response_to_question(scattered.weight, scattered.direction, aim.direction, shading);
             send_shadow_ray(path, aim, origin, response, 0.0);
         }
@@ -86,7 +85,7 @@ fn scatter_path(path: ptr<function, Path>) {
     }
     let goes_on = scattered.event == SCATTERED && events < settings.max_depth && any(throughput != vec3<f32>(0.0));
     if goes_on {
-        let leaving = leaving_point(surface, facing, shading, above, scattered.direction);
+        let leaving = leaving_point(hit, surface, facing, shading, point, scattered.direction);
         (*path).ray = Ray(leaving, scattered.direction);
         (*path).status = RAY_READY;
         (*path).throughput = throughput;

@@ -16,7 +16,7 @@ use gpu_rt::render::{Goal, Job, Next, Outcome, Renderer, TuningWish, tuning};
 use gpu_rt::scene::Scene;
 
 use super::device::software;
-use super::stats::{normal_two_sided, sidak};
+use super::stats::{sidak, student_two_sided};
 
 /// What is asked of a render; what is absent is the scene's own, or the device's choice.
 #[derive(Clone, Debug, Default)]
@@ -84,6 +84,7 @@ pub struct Shot {
     pub film: Film,
     pub picture: Picture,
     pub outcome: Outcome,
+    pub sampler: Sampler,
 }
 
 /// A mean over pixels, by channel.
@@ -92,8 +93,8 @@ pub struct Mean {
     pub value: [f64; 3],
     /// Of that mean.
     pub variance: [f64; 3],
-    /// Degrees of freedom of the variance: runs less one, over all pixels.
-    pub degrees: f64,
+    /// Degrees of freedom of that variance.
+    pub degrees: [f64; 3],
 }
 
 /// The folder of the scenes with closed forms.
@@ -225,7 +226,7 @@ pub fn render_with(
         let mut film = Film::with_sampler(size.0, size.1, flat.radiance_exponent, ask.sampler).expect("the film fits");
         let mut watch = Watchdog::new(job.max_depth);
         let outcome = renderer.run(&job, &mut film, &mut |film, _| watch.look(film)).expect("the device renders");
-        take(Shot { picture: film.develop(), film, outcome });
+        take(Shot { picture: film.develop(), film, outcome, sampler: ask.sampler });
     }
 }
 
@@ -327,7 +328,7 @@ impl Shot {
     }
 
     fn with(&self, picture: Picture) -> Shot {
-        Shot { film: self.film.clone(), picture, outcome: self.outcome.clone() }
+        Shot { film: self.film.clone(), picture, outcome: self.outcome.clone(), sampler: self.sampler }
     }
 
     pub fn pixel(&self, x: u32, y: u32) -> [f64; 3] {
@@ -346,27 +347,46 @@ impl Shot {
         self.picture.variance[(y * self.picture.width + x) as usize].map(|v| f64::from(v) * runs)
     }
 
-    /// The mean over the pixels of a rectangle, its right and lower bounds excluded. Pixels are independent, since random numbers are
-    /// keyed by the pixel: the variance of the mean of n pixels is the sum of theirs over n².
+    /// Degrees of freedom of a pixel's variance: runs less one, or the one that the two halves of Sobol points have.
+    pub fn degrees_of_pixel(&self) -> f64 {
+        match self.sampler {
+            Sampler::Independent => f64::from(self.runs() - 1),
+            Sampler::Sobol => 1.0,
+        }
+    }
+
+    /// The mean over the pixels of a rectangle, its right and lower bounds excluded.
     pub fn mean(&self, columns: Range<u32>, rows: Range<u32>) -> Mean {
         let width = self.picture.width;
-        let pixels = rows.flat_map(|y| columns.clone().map(move |x| (y * width + x) as usize));
-        let mut mean = Mean { value: [0.0; 3], variance: [0.0; 3], degrees: 0.0 };
+        self.mean_over(rows.flat_map(|y| columns.clone().map(move |x| (y * width + x) as usize)))
+    }
+
+    /// The mean over some pixels. Pixels are independent, since random numbers are keyed by the pixel, and so are the scrambles of Sobol
+    /// points: the variance of the mean of n pixels is the sum of theirs, v, over n². Each v is known by k degrees of freedom, so
+    /// that v² is expected to be (1 + 2/k) times the square of what v estimates; the sum's degrees by Satterthwaite (1946), with the squares of
+    /// those variances estimated by v² k/(k + 2), are (Σ v)² / Σ v²/(k + 2): n k where all pixels have one variance.
+    pub fn mean_over(&self, pixels: impl Iterator<Item = usize>) -> Mean {
+        let (mut value, mut variance, mut squares) = ([0.0; 3], [0.0; 3], [0.0; 3]);
         let mut n = 0.0;
         for pixel in pixels {
             for channel in 0..3 {
-                let variance = self.picture.variance[pixel][channel];
-                assert!(variance < UNKNOWN_VARIANCE, "a variance takes two runs: at least 9 samples");
-                mean.value[channel] += f64::from(self.picture.rgb[pixel][channel]);
-                mean.variance[channel] += f64::from(variance);
+                let v = self.picture.variance[pixel][channel];
+                assert!(v < UNKNOWN_VARIANCE, "a variance takes two runs: at least 9 samples");
+                let v = f64::from(v);
+                value[channel] += f64::from(self.picture.rgb[pixel][channel]);
+                variance[channel] += v;
+                squares[channel] += v * v / (self.degrees_of_pixel() + 2.0);
             }
             n += 1.0;
         }
         assert!(n > 0.0, "a mean of no pixels");
-        mean.value = mean.value.map(|v| v / n);
-        mean.variance = mean.variance.map(|v| v / (n * n));
-        mean.degrees = n * f64::from(self.runs() - 1);
-        mean
+        // Without any variance there is nothing to know of it.
+        let degrees = |c: usize| if squares[c] > 0.0 { variance[c] * variance[c] / squares[c] } else { f64::INFINITY };
+        Mean {
+            value: value.map(|v| v / n),
+            variance: variance.map(|v| v / (n * n)),
+            degrees: [degrees(0), degrees(1), degrees(2)],
+        }
     }
 
     /// The mean over the whole image.
@@ -395,9 +415,9 @@ pub struct Difference {
     pub place: String,
 }
 
-/// Compares two independent renders (two seeds) in tiles of 8 x 8 pixels and the whole image, each by the
-/// difference of the means over its standard error. For noise without rare values: a tile has hundreds of runs, so that its mean is
-/// normal. Noise aside, values may differ by `rounding` of them.
+/// Compares two independent renders (two seeds) in tiles of 8 x 8 pixels and the whole image, each by Welch's test of the
+/// difference of the means. For noise without rare values: a tile has hundreds of runs, so that its mean is normal. Noise aside, values may
+/// differ by `rounding` of them.
 pub fn worst_difference(a: &Shot, b: &Shot, rounding: f64) -> Difference {
     const TILE: u32 = 8;
     let (width, height) = (a.picture.width, a.picture.height);
@@ -412,11 +432,15 @@ pub fn worst_difference(a: &Shot, b: &Shot, rounding: f64) -> Difference {
         for channel in 0..3 {
             let (va, vb) = (mean_a.value[channel], mean_b.value[channel]);
             let excess = ((va - vb).abs() - rounding * va.max(vb)).max(0.0);
-            let error = (mean_a.variance[channel] + mean_b.variance[channel]).sqrt();
-            let z = if excess == 0.0 { 0.0 } else { excess / error };
+            let (of_a, of_b) = (mean_a.variance[channel], mean_b.variance[channel]);
+            let z = if excess == 0.0 { 0.0 } else { excess / (of_a + of_b).sqrt() };
+            // A variance of 0 takes no part.
+            let part = |v: f64, degrees: f64| if v > 0.0 { v * v / degrees } else { 0.0 };
+            let parts = part(of_a, mean_a.degrees[channel]) + part(of_b, mean_b.degrees[channel]);
+            let degrees = if parts > 0.0 { (of_a + of_b).powi(2) / parts } else { f64::INFINITY };
             // No number is worse than any.
-            let (p, z) = if z.is_nan() { (0.0, f64::INFINITY) } else { (normal_two_sided(z), z) };
-            if z > worst.z {
+            let (p, z) = if z.is_nan() { (0.0, f64::INFINITY) } else { (student_two_sided(z, degrees), z) };
+            if p < worst.p {
                 let place = format!(
                     "columns {columns:?}, rows {rows:?}, channel {channel}: {va} and {vb}, z = {z:.2}, p = {p:.1e}"
                 );

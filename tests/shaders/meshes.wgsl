@@ -2,7 +2,6 @@
 //@ use scene/traverse
 //@ use scene/surfaces
 //@ use choice/shading
-//@ use scene/leaving
 // The nearest hit of a ray by the walk through both levels and by asking every face of every instance; and the nearest hit
 // of a second ray, which leaves from there.
 struct In {
@@ -69,7 +68,7 @@ fn run(row: u32) {
         let surface = surface_at(hit, ray);
         let facing = select(-surface.normal, surface.normal, dot(ray.direction, surface.normal) < 0.0);
         let shading = shading_normal(hit, surface, ray.direction, facing);
-        let start = leaving_point(surface, facing, shading, event_point(hit, surface, facing), given.leaving);
+        let start = leaving_point(hit, surface, facing, shading, event_point(hit, surface, facing), given.leaving);
         let second = nearest_hit(Ray(start, given.leaving), given.root);
         out.point = surface.point;
         out.normal = surface.normal;
