@@ -253,8 +253,8 @@ impl Plan {
         let queues = self.queues();
         let record_bytes = size_of::<RunRecord>() as u64;
         let runs = u64::from(tuning.records_per_slot);
-        let plane_bytes = places(&self.path_fields).plane_bytes(&self.path_fields);
-        let word_bytes = self.path_bytes() - plane_bytes;
+        let places = places(&self.path_fields);
+        let (plane_bytes, word_bytes) = (places.plane_bytes(), places.word_bytes());
         let header = u64::from(QUEUE_HEADER);
         let array = |name, contents: Cow<'a, [u8]>, stride: u64, why| {
             let size = format!("{} x {stride} bytes", contents.len() as u64 / stride);

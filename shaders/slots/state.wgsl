@@ -8,8 +8,8 @@
 //@ use data/light
 //@ end
 // The state of the slots' paths in memory, of just the fields that this scene's kernels hand to each other (src/plan/state.rs lists
-// them): planes of a vec4 of words a slot, which are read and written as a whole, and beside them the words that fill no plane. Nothing is
-// padded: the words behind vectors without a companion of their own belong to other fields.
+// them): planes of a vec4 of words a slot, which are read and written as a whole, and beside them the words that fill no plane. The
+// words behind vectors without a companion of their own belong to other fields, as long as there are any.
 
 //@ each path_plane
 const PLANE_OF_${name}: u32 = ${number}u;

@@ -414,7 +414,8 @@ mod tests {
             for (pixel, value) in
                 [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1.0, f32::MAX, 1e-45, 0.0].into_iter().enumerate()
             {
-                let record = RunRecord { sum: [1.0, value, 1.0], pixel: pixel as u32, counts: 4, rays: 0, spread: [0.0; 3] };
+                let record =
+                    RunRecord { sum: [1.0, value, 1.0], pixel: pixel as u32, counts: 4, rays: 0, spread: [0.0; 3] };
                 film.add(&[record; 9]);
             }
             write_exr(&path, &film.develop(), &[]).unwrap();

@@ -117,9 +117,40 @@ pub fn places(fields: &[PathField]) -> Places {
 }
 
 impl Places {
-    /// Bytes of a slot's planes.
-    pub fn plane_bytes(&self, fields: &[PathField]) -> u64 {
-        let all: u64 = fields.iter().map(PathField::bytes).sum();
-        all - 4 * self.others.len() as u64
+    /// Bytes of a slot's planes: more than their fields, where vectors without a companion are more than the words that are left.
+    pub fn plane_bytes(&self) -> u64 {
+        let planes = self.words.iter().map(|(_, place)| place / 4 + 1);
+        16 * u64::from(planes.max().unwrap_or(0).max(self.planes.len() as u32))
+    }
+
+    /// Bytes of a slot's words beside the planes.
+    pub fn word_bytes(&self) -> u64 {
+        4 * self.others.len() as u64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each vector and word has a place of its own within the bytes that a slot is given, however many there are of either.
+    #[test]
+    fn every_field_has_a_place_of_its_own() {
+        let names = ["a", "b", "c", "d", "e", "f", "g", "h", "i", "j"];
+        for vectors in 0..5 {
+            for words in 0..10 {
+                let field = |name, words| PathField { name, words, behind: None, what: "", why: String::new() };
+                let vectors_of = ["A", "B", "C", "D"].into_iter().take(vectors).map(|name| field(name, 3));
+                let fields: Vec<_> =
+                    vectors_of.chain(names.into_iter().take(words).map(|name| field(name, 1))).collect();
+                let places = places(&fields);
+                let of_vectors = places.planes.iter().flat_map(|(_, plane)| (0..3).map(move |i| 4 * plane + i));
+                let mut taken: Vec<u32> = of_vectors.chain(places.words.iter().map(|(_, place)| *place)).collect();
+                assert!(taken.iter().all(|place| u64::from(*place) * 4 < places.plane_bytes()), "{places:?}");
+                taken.sort_unstable();
+                taken.dedup();
+                assert_eq!(taken.len() + places.others.len(), 3 * vectors + words, "{places:?}");
+            }
+        }
     }
 }
