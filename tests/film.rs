@@ -632,7 +632,8 @@ fn time_per_record() {
     let (width, height) = (1200, 675);
     let pixels = width * height;
     let mut random = Random(7);
-    let mut records: Vec<_> = (0..pixels).map(|p| numbered(p, run_of(p, &[8.0 * random.uniform(); 8]))).collect();
+    let mut records: Vec<_> =
+        (0..2 * pixels).map(|i| numbered(i, run_of(i / 2, &[(); 8].map(|()| random.uniform())))).collect();
     let mut film = Film::new(width, height, 0).unwrap();
     let mut report = |name: &str, records: &[RunRecord]| {
         let start = std::time::Instant::now();
