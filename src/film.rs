@@ -25,8 +25,8 @@ const RELIABLE: f64 = 0.1;
 /// The largest share of a sum over pixels that is left to two halves of a single pixel. Should these agree by chance, the sum is too small
 /// by no more, and the error by half of it.
 const MOST_OF_HALVES: f64 = 0.02;
-/// Degrees of freedom of a variance that the spread of a pixel's samples tells. What k bright samples make is known to 1/√k of itself,
-/// which is as of 2k degrees of freedom; pixels that rule the error were met twice at least, or their halves would tell.
+/// Degrees of freedom of a variance that comes from the spread of a pixel's samples. A variance that k bright samples make is known to 1/√k of
+/// itself, as by 2k degrees of freedom. Two bright samples are assumed.
 const DEGREES_OF_SPREAD: f64 = 4.0;
 /// What a sum of squares is at least for each run, in units of 2^-[`SQUARE_FRACTION`], where it counts as known: each run's is rounded by half a
 /// unit at most.
@@ -150,8 +150,8 @@ impl Pixel {
 
     /// Degrees of freedom of the variance.
     fn degrees(&self, sampler: Sampler) -> f64 {
-        let known = (0..3).all(|channel| self.variance_of_spread(channel).is_some());
-        if sampler == Sampler::Independent && known { (self.samples() - u64::from(self.runs)) as f64 } else { 1.0 }
+        let known = || (0..3).all(|channel| self.variance_of_spread(channel).is_some());
+        if sampler == Sampler::Independent && known() { (self.samples() - u64::from(self.runs)) as f64 } else { 1.0 }
     }
 
     /// From the even runs' mean A and the odd ones' B, of a and b samples, N in all: v = a b (A - B)² / N². The halves are scrambled
@@ -414,9 +414,9 @@ impl Film {
     /// - **What the error is relative to.** A pixel that a rare bright path met has a large v and a large I, and x is near 1 whatever it is. The
     ///   half that the path is not in says how bright the pixel mostly is: in the bound, x and w have the mean of 1/(I² + 0.01 Ī²) over
     ///   the halves' own I. What this is too much, by the noise of halves, is some 12 v/I² of itself: 1 % where the relative error is 3 %.
-    /// - **Many rare bright paths.** Where that sum is more than four times T, the mean over both halves still has half of the weight by the
-    ///   bright half. There the weight goes over to that of the darker half as v/I² goes to 1, its largest, where one half holds
-    ///   everything. The bound is the larger one.
+    /// - **Many rare bright paths.** Where that sum is more than four times T, half of each weight still comes from the bright half, which is
+    ///   too small. There the weight moves to that of the darker half as v/I² moves to 1, where one half holds everything. The bound is
+    ///   the larger of both.
     ///
     /// The relative error is known to sqrt(1/(2ν)) of itself. Where that is more than a tenth, ν < 50, few pixels carry the sum, as rare
     /// bright paths make it. Then what has not been seen yet may be more than what has, and the estimate is called unreliable. So it is where
@@ -492,7 +492,7 @@ impl Noise {
         }
     }
 
-    /// What the sum of the image's own squared errors is below but for a probability of `level`, and the degrees of freedom by which that is known.
+    /// What the sum of the image's own squared errors exceeds with the probability `level`, and the degrees of freedom of the estimate.
     fn bound(&self, level: f64) -> (f64, f64) {
         let (mut of_halves, mut of_spread) = ([self.total, self.variance], [0.0, 0.0]);
         for [w, x, variance] in &self.largest {

@@ -310,8 +310,8 @@ fn the_true_error_is_below_its_bound_as_often_as_said() {
 }
 
 /// All pixels are alike, samples of 1 but for one in 64 of 9, so that the true error is known: in x = v/(I² + f) both v and I rise with
-/// the share of bright samples. T has a deviation of 3 % by 256 pixels of 256 samples, 4 bright ones on average, and is some 12 % too low by its
-/// bias: 1/4 of the variance of I, of 1/4 of its square, times 2.
+/// the share of bright samples. 256 samples of a pixel have 4 bright ones on average, so that the estimate
+/// alone is too low.
 #[test]
 fn the_bound_is_corrected_for_what_goes_together_with_the_mean() {
     const FILMS: usize = 400;

@@ -37,7 +37,7 @@ struct Path {
     // Radiance of the run's samples so far, and their rays.
     sum: Compensated,
     rays: u32,
-    // Of each channel: the squared deviations of those samples from their mean, summed.
+    // Sum of the squared deviations of those samples from their mean, by channel.
     spread: vec3<f32>,
 }
 

@@ -46,7 +46,7 @@ struct RunRecord {
     // Accepted | rejected as NaN << 8 | rejected as infinite << 16 | rejected as cut short << 24 | ODD_RUN.
     counts: u32,
     rays: u32,
-    // Squared deviations of those samples from their mean, summed.
+    // Sum of the squared deviations of those samples from their mean.
     spread_r: f32,
     spread_g: f32,
     spread_b: f32,

@@ -8,8 +8,8 @@ fn shading_normal(hit: Hit, surface: Surface, incoming: vec3<f32>, facing: vec3<
     return facing;
 }
 
-// Where an event on the side of `facing` chooses a light and aims at it: the surface's point itself. (Aimed at from beyond the offset, a small
-// lamp is brighter by twice the offset over its distance.)
+// The point of an event: light is chosen and aimed at from here, without the offset of leaving rays. With the offset, a small lamp would be
+// too bright by twice the offset over its distance.
 fn event_point(hit: Hit, surface: Surface, facing: vec3<f32>) -> vec3<f32> {
     return surface.point;
 }

@@ -39,11 +39,10 @@ fn shading_normal(hit: Hit, surface: Surface, incoming: vec3<f32>, facing: vec3<
     return normalize(bent);
 }
 
-// Where an event on the side of `facing` chooses a light and aims at it, and where rays to that side leave. Facets hide from each other where the
-// smooth surface would not, which shows as a jagged shadow terminator: the point is lifted to the smooth
-// surface, the mean of its projections onto the tangent planes of the vertices, weighted as the normals are
-// (Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II, ch. 4). All is done from one point: else the density with which a light is aimed at
-// would not be the one with which a ray that meets it is weighed.
+// The point of an event on the side of `facing`: light is chosen and aimed at from here, and rays to that side leave here. Two points would give
+// two densities for one direction. Facets shadow each other where the smooth surface would not, which shows as a jagged shadow terminator. So
+// the point is lifted to the smooth surface: the mean of its projections onto the tangent planes of the vertices, weighted as the normals are
+// (Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II, ch. 4).
 fn event_point(hit: Hit, surface: Surface, facing: vec3<f32>) -> vec3<f32> {
     if !is_smooth(hit.code) {
         return surface.point;
@@ -65,7 +64,7 @@ fn event_point(hit: Hit, surface: Surface, facing: vec3<f32>) -> vec3<f32> {
     return leave_surface(surface.point + lift, surface.error, facing, facing);
 }
 
-// Where a ray in such a direction leaves from: below the shading normal the facet itself.
+// Where a ray in such a direction leaves from. Below the shading normal it leaves from the facet.
 fn leaving_point(
     hit: Hit,
     surface: Surface,
