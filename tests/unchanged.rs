@@ -1,0 +1,167 @@
+//! What is rendered stays what it is, to the last bit: the table of hashes under tests/unchanged, a file a driver, is from before the
+//! code was put in order. It goes by the command line alone, so that the code below can be turned over.
+//!
+//! The scenes that ship and the references, each linked in every way. A driver without a table has its own arithmetic; there the
+//! ways of linking are held against each other. `GPU_RT_RENEW_HASHES=1` writes the table: only where images are meant to change.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+
+use gpu_rt::output::exr::{ExrImage, read_exr};
+use serde_json::Value;
+
+const ROOT: &str = env!("CARGO_MANIFEST_DIR");
+const SCATTERS: [&str; 3] = ["fused", "linked", "queues"];
+/// The counts of a report: whatever is neither a time nor a word about the machine.
+const COUNTS: [&str; 10] = [
+    "paths",
+    "rays",
+    "rejected_samples",
+    "cut_paths",
+    "cut_throughput",
+    "relative_error",
+    "relative_error_bound",
+    "reliable",
+    "light_stopped_by_glass",
+    "light_met_through_glass",
+];
+
+/// An image with all its channels, the counts beside it, and the driver's name.
+struct Rendered {
+    image: ExrImage,
+    counts: String,
+    driver: String,
+}
+
+fn render(scene: &Path, scatter: &str, features: &str) -> Rendered {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let output = folder.path().join("image.exr");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_gpu-rt"));
+    command.arg("render").arg(scene).arg("-o").arg(&output);
+    command.args(["--size", "64x36", "--spp", "16", "--json", "--quiet", "--scatter", scatter, "--features", features]);
+    // A software device, unless the tests are to run on another.
+    let device = std::env::var("GPU_RT_TEST_DEVICE").unwrap_or_else(|_| "llvmpipe".to_string());
+    let ran = command.args(["--device", &device]).output().expect("the program starts");
+    assert!(ran.status.success(), "{}: {}", scene.display(), String::from_utf8_lossy(&ran.stderr));
+    let report: Value = serde_json::from_slice(&ran.stdout).expect("a report");
+    let counts = COUNTS.map(|name| {
+        let count = report.get(name).unwrap_or_else(|| panic!("the report has no {name}"));
+        format!("{name} {count}\n")
+    });
+    let image = read_exr(&output).expect("the image is read");
+    Rendered { image, counts: counts.concat(), driver: report["driver"].as_str().expect("a name").to_string() }
+}
+
+impl Rendered {
+    /// FNV-1a (Fowler, Noll, Vo) of 64 bits, over the bits of all channels and the counts.
+    fn hash(&self) -> String {
+        let ExrImage { width, height, rgb, variance, samples, rejected, .. } = &self.image;
+        let floats = rgb.iter().chain(variance.as_ref().expect("variances")).flatten().map(|v| v.to_bits());
+        let counts = [samples, rejected].into_iter().flat_map(|all| all.iter().flatten());
+        let words = [*width, *height].into_iter().chain(floats).chain(counts.copied());
+        let bytes = words.flat_map(u32::to_le_bytes).chain(self.counts.bytes());
+        let hash = bytes
+            .fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3));
+        format!("{hash:016x}")
+    }
+}
+
+/// The scenes by name: those that ship, and the references.
+fn scenes() -> BTreeMap<String, PathBuf> {
+    let folders = ["scenes", "tests/references"].map(|folder| Path::new(ROOT).join(folder));
+    let files = folders.iter().flat_map(|folder| std::fs::read_dir(folder).expect("a folder of scenes"));
+    let paths = files.map(|file| file.expect("a file").path());
+    let scenes: BTreeMap<_, _> = paths
+        .filter(|path| path.extension().is_some_and(|ending| ending == "ron"))
+        .map(|path| (path.strip_prefix(ROOT).expect("within").with_extension("").display().to_string(), path))
+        .collect();
+    assert_eq!(scenes.len(), 12 + 5);
+    scenes
+}
+
+/// The file of a driver's hashes, without what a distribution adds to its version: `llvmpipe-mesa-22.3.6.txt`.
+fn table_of(driver: &str) -> PathBuf {
+    let version = driver.split(" (").next().unwrap_or(driver);
+    let version = version.rsplit_once('-').map_or(version, |(version, _)| version);
+    let name = version.to_lowercase().replace(' ', "-");
+    Path::new(ROOT).join("tests/unchanged").join(format!("{name}.txt"))
+}
+
+/// Renders all scenes in each of the ways, two at a time, and holds the hashes against the driver's table.
+fn check(features: &str) {
+    let renew = std::env::var_os("GPU_RT_RENEW_HASHES").is_some();
+    let scenes: Vec<_> = scenes().into_iter().collect();
+    let (next, found) = (AtomicUsize::new(0), Mutex::new(BTreeMap::new()));
+    std::thread::scope(|scope| {
+        for _ in 0..2 {
+            scope.spawn(|| {
+                while let Some((name, path)) = scenes.get(next.fetch_add(1, Relaxed)) {
+                    let all = SCATTERS.map(|scatter| (scatter, render(path, scatter, features)));
+                    for (scatter, rendered) in &all {
+                        let same = rendered.image.rgb == all[0].1.image.rgb;
+                        assert!(same, "{name}: --scatter {scatter} --features {features} differs from {}", all[0].0);
+                        let mut found = found.lock().expect("no thread has failed");
+                        let key = format!("{name} {scatter} {features}");
+                        found.insert(key, (rendered.hash(), table_of(&rendered.driver)));
+                    }
+                }
+            });
+        }
+    });
+    let found = found.into_inner().expect("no thread has failed");
+    let (_, path) = found.values().next().expect("a scene").clone();
+    let mut table = read_table(&path);
+    if renew {
+        table.extend(found.into_iter().map(|(key, (hash, _))| (key, hash)));
+        let lines = table.iter().map(|(key, hash)| format!("{hash} {key}\n"));
+        std::fs::write(&path, lines.collect::<String>()).expect("the table is written");
+    } else if table.is_empty() {
+        eprintln!("no table at {}: the ways of linking were held against each other alone", path.display());
+    } else {
+        let changed: Vec<_> = found.iter().filter(|(key, (hash, _))| table.get(*key) != Some(hash)).collect();
+        assert!(changed.is_empty(), "these images changed: {changed:#?}");
+    }
+}
+
+/// A driver's hashes; none where it has no table.
+fn read_table(path: &Path) -> BTreeMap<String, String> {
+    let text = std::fs::read_to_string(path).unwrap_or_default();
+    let line = |line: &str| line.split_once(' ').map(|(hash, key)| (key.to_string(), hash.to_string()));
+    text.lines().filter_map(line).collect()
+}
+
+#[test]
+fn images_are_what_they_were() {
+    check("scene");
+}
+
+/// Drivers take minutes to compile these kernels.
+#[test]
+#[ignore = "minutes: make test-long"]
+fn images_are_what_they_were_with_all_features() {
+    check("all");
+}
+
+/// One material's red by one ulp of f32, or one pixel by one: another hash.
+#[test]
+fn a_change_of_one_ulp_is_found() {
+    let path = Path::new(ROOT).join("scenes/cornell.ron");
+    let rendered = render(&path, "fused", "scene");
+    let hash = rendered.hash();
+    let text = std::fs::read_to_string(&path).expect("the scene is read");
+    let white = "Rgb(0.73, 0.73, 0.73)";
+    assert!(text.contains(white));
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let moved = folder.path().join("cornell.ron");
+    let red = f64::from(0.73_f32.next_up());
+    std::fs::write(&moved, text.replacen(white, &format!("Rgb({red}, 0.73, 0.73)"), 1)).expect("a scene is written");
+    assert_ne!(hash, render(&moved, "fused", "scene").hash(), "an albedo");
+    let mut planted = render(&path, "fused", "scene");
+    assert_eq!(hash, planted.hash(), "rendered again");
+    let value = &mut planted.image.rgb[1000][1];
+    *value = value.next_up();
+    assert_ne!(hash, planted.hash(), "a pixel");
+}
