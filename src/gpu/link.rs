@@ -17,14 +17,11 @@
 //! A line table tells which file and line each line of the result came from, so that naga's errors can name them.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
-
-use include_dir::{Dir, include_dir};
+use std::sync::LazyLock;
 
 use super::probe::PROPERTIES;
 use super::reach;
 use crate::error::{Error, Result};
-
-static SHADERS: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/shaders");
 
 /// One entry of a list: a feature that the scene uses, and the number by which the scene's data names it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -65,29 +62,56 @@ pub trait Library {
     fn module(&self, name: &str) -> Option<&str>;
 }
 
-/// The shaders compiled into the program.
+/// The shaders under shaders/: compiled into the program, but read from disk where debug assertions are on, so that an edit of a shader
+/// compiles nothing.
 pub struct Embedded;
+
+#[cfg(not(debug_assertions))]
+static TEXTS: LazyLock<BTreeMap<String, String>> = LazyLock::new(|| {
+    use include_dir::{Dir, include_dir};
+    static SHADERS: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/shaders");
+    fn walk(dir: &'static Dir<'static>, texts: &mut BTreeMap<String, String>) {
+        texts.extend(dir.files().filter_map(|file| {
+            let name = file.path().to_str()?.strip_suffix(".wgsl")?;
+            Some((name.replace('\\', "/"), file.contents_utf8()?.to_string()))
+        }));
+        dir.dirs().for_each(|dir| walk(dir, texts));
+    }
+    let mut texts = BTreeMap::new();
+    walk(&SHADERS, &mut texts);
+    texts
+});
+
+#[cfg(debug_assertions)]
+static TEXTS: LazyLock<BTreeMap<String, String>> = LazyLock::new(|| {
+    use std::path::Path;
+    fn walk(root: &Path, dir: &Path, texts: &mut BTreeMap<String, String>) {
+        for path in std::fs::read_dir(dir).into_iter().flatten().flatten().map(|entry| entry.path()) {
+            if path.is_dir() {
+                walk(root, &path, texts);
+            } else if let Some(name) = path.strip_prefix(root).ok().and_then(|p| p.to_str()?.strip_suffix(".wgsl"))
+                && let Ok(text) = std::fs::read_to_string(&path)
+            {
+                texts.insert(name.replace('\\', "/"), text);
+            }
+        }
+    }
+    let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders"));
+    let mut texts = BTreeMap::new();
+    walk(root, root, &mut texts);
+    texts
+});
 
 impl Library for Embedded {
     fn module(&self, name: &str) -> Option<&str> {
-        SHADERS.get_file(format!("{name}.wgsl"))?.contents_utf8()
+        TEXTS.get(name).map(String::as_str)
     }
 }
 
 impl Embedded {
     /// The names of all modules, sorted.
     pub fn names() -> Vec<String> {
-        fn walk(dir: &Dir<'_>, names: &mut Vec<String>) {
-            names.extend(dir.files().filter_map(|file| {
-                let name = file.path().to_str()?.strip_suffix(".wgsl")?;
-                Some(name.replace('\\', "/"))
-            }));
-            dir.dirs().for_each(|dir| walk(dir, names));
-        }
-        let mut names = Vec::new();
-        walk(&SHADERS, &mut names);
-        names.sort();
-        names
+        TEXTS.keys().cloned().collect()
     }
 }
 
