@@ -16,7 +16,8 @@ const NEVER: &[(&str, &[&str])] = &[
     ("output", &["gpu", "scene", "flatten", "plan", "render", "tradeoff", "commands", "cli"]),
     ("data", &["gpu", "scene", "flatten", "plan", "render", "film", "output", "tradeoff", "commands", "cli"]),
     ("error", &["gpu", "scene", "flatten", "plan", "render", "film", "output", "tradeoff", "commands", "cli"]),
-    ("knobs", &["gpu", "scene", "flatten", "plan", "render", "bvh", "film", "output", "tradeoff", "commands", "cli"]),
+    ("options", &["gpu", "scene", "flatten", "plan", "render", "film", "output", "tradeoff", "commands", "cli"]),
+    ("job", &["gpu", "scene", "flatten", "plan", "render", "film", "output", "tradeoff", "commands", "cli"]),
     ("tradeoff", &["commands", "cli"]),
     ("cli", &["commands"]),
 ];
@@ -137,7 +138,11 @@ fn a_planted_import_is_found() {
         ("gpu/link", "use super::super::scene;\n"),
         ("gpu", "use super::scene;\n"),
         ("metrics", "use crate::gpu::device::Device;\n"),
-        ("metrics", "    use gpu_rt::scene::Scene;\n"),
+        (
+            "metrics",
+            "    use gpu_rt::plan::Plan;
+use gpu_rt::scene::Scene;\n",
+        ),
         ("bvh/wide", "use crate::gpu;\n"),
         ("film", "use crate::scene;\n"),
         ("render", "use crate::commands::render;\n"),

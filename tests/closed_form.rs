@@ -69,7 +69,7 @@ fn test_scene(name: &str) {
 /// pixels beside the edge of lens_sharp meets the lamp by that, whichever the sampler is. Neither image has such a one.
 fn ways() -> [(&'static str, Ask); 2] {
     let plain = Ask { seed: 1, ..Ask::default() };
-    let defaults = Ask { roulette: true, ..Ask::default().seed(2).mis().sobol() };
+    let defaults = Ask::default().seed(2).mis().sobol().roulette();
     [("scattered rays alone", plain), ("the program's defaults", defaults)]
 }
 
@@ -119,7 +119,7 @@ type Shots = Vec<(Option<u32>, Shot)>;
 fn shots(text: &str, expectations: &Expectations, ask: &Ask) -> Shots {
     let scene = scene(text);
     // Sobol points with rays to lights know as much by a fourth of the samples, but for media.
-    let samples = match ask.sampler == Sampler::Sobol && !text.contains("Medium(") {
+    let samples = match ask.options.sampler == Sampler::Sobol && !text.contains("Medium(") {
         true => scene.render.samples.div_ceil(4).max(32),
         false => scene.render.samples,
     };
@@ -450,7 +450,7 @@ fn a_small_lamp_lights_a_hollow_sphere() {
     render: (samples: 512, max_depth: 400),
 )",
     );
-    let shot = render(&scene, &Ask { roulette: true, ..Ask::default().seed(3).mis().sobol() });
+    let shot = render(&scene, &Ask::default().seed(3).mis().sobol().roulette());
     let found = shot.mean_of_all();
     let p = |factor: f64, c: usize| {
         let a = [0.9, 0.75, 0.5][c];

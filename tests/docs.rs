@@ -212,7 +212,8 @@ fn the_example_of_the_readme_is_a_scene() {
     assert_eq!(examples.len(), 1);
     let scene = Scene::parse(examples[0], &root().join("README.md")).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(scene.warnings(), Vec::<String>::new());
-    let flat = gpu_rt::flatten::flatten(&scene, (640, 360)).unwrap_or_else(|error| panic!("{error}"));
+    let flat = gpu_rt::flatten::flatten(&scene, (640, 360), &gpu_rt::options::RenderOptions::default())
+        .unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(flat.warnings, Vec::<String>::new());
     // A quote of the example that lacks its end does not pass.
     assert!(Scene::parse(&examples[0][..examples[0].len() / 2], &root().join("README.md")).is_err());

@@ -17,9 +17,9 @@ use std::fmt::Write;
 use std::ops::Range;
 use std::path::Path;
 
-use gpu_rt::flatten::{MOST_LIGHTS, Wish, flatten_with};
-use gpu_rt::plan::{Plan, Scatter};
-use gpu_rt::render::TuningWish;
+use gpu_rt::flatten::{MOST_LIGHTS, flatten};
+use gpu_rt::options::{RenderOptions, Scatter};
+use gpu_rt::plan::{Kernels, Tables};
 use gpu_rt::scene::Scene;
 use image::{Rgb, Rgb32FImage};
 use kernel::Overlay;
@@ -442,7 +442,7 @@ fn roulette_changes_no_expectation() {
     for (name, scene) in scenes_of(DARK, Some(24)) {
         let ask = Ask::spp(512).seed(5).mis();
         let off = render(&scene, &ask);
-        let ask = Ask { roulette: true, ..ask };
+        let ask = ask.roulette();
         let on = render(&scene, &ask);
         let saved = 1.0 - on.film.totals().rays as f64 / off.film.totals().rays as f64;
         let wrong = render_planted(&scene, &ask, &unweighted);
@@ -520,8 +520,7 @@ fn what_there_is_no_room_for_is_left_to_chance() {
     let objects = "Mesh(path: \"ceiling.ply\", material: \"dim\"), Transformed(by: [Scale(0.2), Translate((0.3, 0.6, 0.2))], object: Mesh(path: \"octahedron.obj\", material: \"lamp\")),";
     let dim = "\"dim\": DiffuseLight(emit: Rgb(1, 1, 1)),";
     let scene = render::scene_in(folder.path(), &room("Solid((0, 0, 0))", dim, objects, 2));
-    let wish = Wish { sample_lights: true, ..Wish::default() };
-    let flat = flatten_with(&scene, (16, 16), wish).expect("it flattens");
+    let flat = flatten(&scene, (16, 16), &RenderOptions::default()).expect("it flattens");
     let unsampled = flat.features.unsampled.as_ref().expect("something is left out");
     let faces = u64::from(2 * SIDE * SIDE);
     assert!(faces > MOST_LIGHTS as u64);
@@ -543,13 +542,15 @@ fn what_there_is_no_room_for_is_left_to_chance() {
 #[test]
 fn lights_make_an_image_of_the_same_bytes_however_the_work_is_cut() {
     for (name, scene) in scenes() {
-        let ask = Ask { roulette: true, ..Ask::spp(16).seed(7).mis().sobol() };
+        let ask = Ask::spp(16).seed(7).mis().sobol().roulette();
         let usual = render(&scene, &ask);
         let bits =
             |shot: &render::Shot| shot.picture.rgb.as_flattened().iter().map(|v| v.to_bits()).collect::<Vec<_>>();
         for scatter in [Scatter::Linked, Scatter::Queues] {
-            let wish = TuningWish { slots: Some(77), workgroup: Some(32), scatter: Some(scatter), bounces: Some(3) };
-            let other = render(&scene, &Ask { wish, ..ask.clone() });
+            let cut = |options: &mut RenderOptions| {
+                (options.slots, options.workgroup, options.bounces) = (Some(77), Some(32), Some(3));
+            };
+            let other = render(&scene, &ask.clone().scatter(scatter).with(cut));
             assert!(bits(&usual) == bits(&other), "{name}: {scatter:?} delivers other bytes");
         }
         let other = render(&scene, &Ask { seed: 8, ..ask.clone() });
@@ -585,26 +586,27 @@ fn a_lamp_that_nothing_meets_by_chance() {
 
 #[test]
 fn scenes_without_lights_to_sample_have_no_code_for_it() {
-    let wish = Wish { sample_lights: true, ..Wish::default() };
     let text = room(
         "Gradient(bottom: (1, 1, 1), top: (0.5, 0.6, 1))",
         "",
         "Sphere(center: (0, 0.5, 0), radius: 0.5, material: \"wall\"),",
         8,
     );
-    let flat = flatten_with(&scene(&text), (16, 16), wish).expect("it flattens");
+    let flat = flatten(&scene(&text), (16, 16), &RenderOptions::default()).expect("it flattens");
     assert_eq!((flat.features.lights, flat.lights.len()), (0, 0));
     for scatter in [Scatter::Fused, Scatter::Linked, Scatter::Queues] {
-        let plan = Plan::new(&flat.features, scatter).expect("it links");
-        for kernel in plan.kernels() {
+        let plan =
+            Kernels::link(&flat.features, &RenderOptions::default(), scatter, &Tables::default()).expect("it links");
+        for kernel in plan.all() {
             let of_lights =
                 |module: &&String| module.starts_with("light/") || module.contains("shadow") || *module == "step/light";
             assert_eq!(kernel.linked.modules.iter().find(of_lights), None, "{}", kernel.name);
         }
     }
-    let lit = flatten_with(&scene(&text.replace("Sphere(", &format!("{CEILING} Sphere("))), (16, 16), wish)
-        .expect("it flattens");
+    let lit = scene(&text.replace("Sphere(", &format!("{CEILING} Sphere(")));
+    let lit = flatten(&lit, (16, 16), &RenderOptions::default()).expect("it flattens");
     assert_eq!(lit.features.lights, 1);
-    let plan = Plan::new(&lit.features, Scatter::Linked).expect("it links");
-    assert!(plan.kernels().iter().any(|kernel| kernel.name == "shadow"));
+    let plan =
+        Kernels::link(&lit.features, &RenderOptions::default(), Scatter::Linked, &Tables::default()).expect("it links");
+    assert!(plan.all().iter().any(|kernel| kernel.name == "shadow"));
 }

@@ -18,11 +18,12 @@ use std::collections::{BTreeSet, HashSet};
 
 use constants::tables_read_at_constants;
 use everything::same;
-use gpu_rt::flatten::{Flat, Wish, flatten_with};
+use gpu_rt::flatten::{Flat, flatten};
 use gpu_rt::gpu::device::DeviceClass;
 use gpu_rt::gpu::link::{Choices, Embedded, Library, Linked, link};
-use gpu_rt::plan::{MOST_PATH_BYTES, PathField, Plan, Scatter};
-use gpu_rt::render::{Goal, Job, TuningWish, tuning};
+use gpu_rt::job::{Goal, Job};
+use gpu_rt::options::{FeatureSet, RenderOptions, Scatter};
+use gpu_rt::plan::{Kernels, MOST_PATH_BYTES, PathField, Plan, Tables};
 use gpu_rt::scene::Scene;
 use lattice::Lattice;
 use naga::compact::{KeepUnused, compact};
@@ -32,20 +33,16 @@ const SCATTERS: [Scatter; 3] = [Scatter::Fused, Scatter::Linked, Scatter::Queues
 
 /// As the program renders by default.
 fn usual(scatter: Scatter) -> Ask {
-    let wish = TuningWish { scatter: Some(scatter), ..TuningWish::default() };
-    Ask { wish, roulette: true, ..Ask::spp(16).sobol().mis() }
-}
-
-fn wish() -> Wish {
-    Wish { sample_lights: true, roulette: true, sampler: gpu_rt::data::Sampler::Sobol, ..Wish::default() }
+    Ask::spp(16).sobol().mis().roulette().scatter(scatter)
 }
 
 fn flat(scene: &Scene) -> Flat {
-    flatten_with(scene, (12, 9), wish()).expect("the scene flattens")
+    flatten(scene, (12, 9), &RenderOptions::default()).expect("the scene flattens")
 }
 
-fn plan(scene: &Scene, scatter: Scatter) -> Plan {
-    Plan::new(&flat(scene).features, scatter).expect("the kernels link")
+fn plan(scene: &Scene, scatter: Scatter) -> Kernels {
+    Kernels::link(&flat(scene).features, &RenderOptions::default(), scatter, &Tables::default())
+        .expect("the kernels link")
 }
 
 #[test]
@@ -70,7 +67,7 @@ fn everything_on_changes_no_byte() {
                 continue;
             }
             let own = render(scene, &usual(scatter));
-            let all = render(scene, &Ask { every_feature: true, ..usual(scatter) });
+            let all = render(scene, &usual(scatter).with(|options| options.features = FeatureSet::All));
             assert!(same(&own, &all), "{name}, {scatter:?}");
         }
     }
@@ -84,22 +81,23 @@ fn everything_on_changes_no_byte() {
 #[test]
 fn the_state_of_all_slots_has_room() {
     let lattice = Lattice::new();
-    let every = Wish { every_feature: true, ..wish() };
+    let options = RenderOptions::default();
+    let every = RenderOptions { features: FeatureSet::All, ..options.clone() };
     let mut most = 0;
     for (name, scene) in lattice.scenes() {
-        for (wish, scatter) in [(wish(), Scatter::Linked), (every, Scatter::Linked), (every, Scatter::Queues)] {
-            let flat = flatten_with(&scene, (3840, 2160), wish).expect("the scene flattens");
-            let plan = Plan::new(&flat.features, scatter).expect("the kernels link");
+        for (options, scatter) in [(&options, Scatter::Linked), (&every, Scatter::Linked), (&every, Scatter::Queues)] {
+            let options = RenderOptions { scatter: Some(scatter), ..options.clone() };
+            let flat = flatten(&scene, (3840, 2160), &options).expect("the scene flattens");
             let goal = Goal::Samples(1 << 16);
             let job = Job { size: (3840, 2160), max_depth: 50, seed: 0, first_sample: 0, goal };
             let class = DeviceClass::default();
-            let sizes = tuning(class, &job, TuningWish { scatter: Some(scatter), ..TuningWish::default() });
+            let plan = Plan::new(&flat, &options, class, &job).expect("the kernels link");
             // 128 MiB of paths of 164 bytes.
-            assert!(sizes.slots > 810_000, "{name}: {} slots", sizes.slots);
-            for buffer in plan.buffers(&flat, &sizes) {
+            assert!(plan.tuning.slots > 810_000, "{name}: {} slots", plan.tuning.slots);
+            for buffer in plan.buffers() {
                 assert!(buffer.allocated() <= class.max_binding_bytes, "{name}: {} has {}", buffer.name, buffer.bytes);
             }
-            most = most.max(plan.path_bytes());
+            most = most.max(plan.kernels.path_bytes());
         }
     }
     assert_eq!(most, MOST_PATH_BYTES);
@@ -110,14 +108,16 @@ fn the_state_of_all_slots_has_room() {
 fn everything_is_on() {
     let lattice = Lattice::new();
     let scenes = lattice.scenes();
-    let every = Wish { every_feature: true, ..wish() };
+    let every = RenderOptions { features: FeatureSet::All, ..RenderOptions::default() };
     let (_, spheres) = &scenes[0];
     for scatter in SCATTERS {
-        let modules = |plan: &Plan| -> BTreeSet<String> {
-            plan.kernels().iter().flat_map(|kernel| kernel.linked.modules.clone()).collect()
+        let modules = |plan: &Kernels| -> BTreeSet<String> {
+            plan.all().iter().flat_map(|kernel| kernel.linked.modules.clone()).collect()
         };
-        let all = flatten_with(spheres, (12, 9), every).expect("the scene flattens");
-        let all = modules(&Plan::new(&all.features, scatter).expect("the kernels link"));
+        let all = flatten(spheres, (12, 9), &every).expect("the scene flattens");
+        let all = modules(
+            &Kernels::link(&all.features.of(&every), &every, scatter, &Tables::default()).expect("the kernels link"),
+        );
         // What stands for the absence of another thing, or is chosen by the numbers of primitives and lights.
         let instead = [
             "camera/pinhole",
@@ -142,8 +142,8 @@ fn everything_is_on() {
 }
 
 /// Fields of the paths' state that some kernel may store and none loads.
-fn never_loaded(plan: &Plan) -> Vec<&'static str> {
-    let kernels = plan.kernels();
+fn never_loaded(plan: &Kernels) -> Vec<&'static str> {
+    let kernels = plan.all();
     // The functions that load, each up to the line that closes it.
     let loads: Vec<&str> = kernels
         .iter()
@@ -223,7 +223,7 @@ fn kernels(lattice: &Lattice) -> Vec<Found> {
     let mut found = Vec::new();
     for (name, scene) in lattice.scenes() {
         for scatter in SCATTERS {
-            for kernel in plan(&scene, scatter).kernels() {
+            for kernel in plan(&scene, scatter).all() {
                 if seen.insert(kernel.linked.text.clone()) {
                     found.push(Found {
                         name: format!("{name}, {scatter:?}, {}", kernel.name),

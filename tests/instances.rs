@@ -13,7 +13,8 @@ use std::fmt::Write;
 use glam::{DMat3, DVec3};
 use gpu_rt::flatten::flatten;
 use gpu_rt::gpu::buffers::{BufferSpec, too_large};
-use gpu_rt::plan::{Plan, Scatter, Tuning};
+use gpu_rt::options::Scatter;
+use gpu_rt::plan::{Kernels, Plan, Tables, Tuning};
 use gpu_rt::scene::Scene;
 use render::{Ask, render, same_expectation, scene_in};
 
@@ -96,10 +97,12 @@ fn a_mesh_of_copies_and_instances_of_one_look_the_same() {
 
 /// Device bytes of a scene, and of its meshes and hierarchy.
 fn bytes(scene: &Scene) -> (u64, u64) {
-    let flat = flatten(scene, (48, 32)).expect("the scene flattens");
-    let plan = Plan::new(&flat.features, Scatter::Linked).expect("the kernels link");
-    let tuning = Tuning { slots: 1024, workgroup: 64, scatter: Scatter::Linked, records_per_slot: 2 };
-    let buffers = plan.buffers(&flat, &tuning);
+    let flat = flatten(scene, (48, 32), &render::plain()).expect("the scene flattens");
+    let kernels =
+        Kernels::link(&flat.features, &render::plain(), Scatter::Linked, &Tables::default()).expect("the kernels link");
+    let tuning = Tuning { slots: 1024, workgroup: 64, scatter: Scatter::Linked, bounces: None, records_per_slot: 2 };
+    let plan = Plan { scene: &flat, options: render::plain(), kernels, tuning };
+    let buffers = plan.buffers();
     let of =
         |names: &[&str]| buffers.iter().filter(|b| names.contains(&b.name)).map(BufferSpec::allocated).sum::<u64>();
     (buffers.iter().map(BufferSpec::allocated).sum(), of(&["meshes", "nodes"]))

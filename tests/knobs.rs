@@ -17,10 +17,11 @@ use std::process::Command;
 use clap::CommandFactory;
 use everything::{Everything, World};
 use gpu_rt::cli::Cli;
-use gpu_rt::flatten::{Wish, flatten_with};
+use gpu_rt::flatten::flatten;
 use gpu_rt::gpu::device::Adapters;
-use gpu_rt::knobs::{Class, KNOBS, Knob};
+use gpu_rt::options::{Class, Fresnel, KNOBS, Knob, Offset, Precision, RenderOptions};
 use gpu_rt::output::exr::{ExrImage, read_exr};
+use gpu_rt::plan::{Tables, choices_of};
 use serde_json::Value;
 use stats::{one_sample_t, sidak, student_two_sided};
 use tempfile::TempDir;
@@ -127,10 +128,23 @@ fn settings_ask_for_nothing_that_the_scene_lacks() {
                 objects: [{objects}], render: (samples: 1))"
         )
     };
-    let wish = Wish { schlick: true, clamp: Some(1.0), fast_offset: true, fast_precision: true, ..Wish::default() };
-    let asked = |objects: &str, wish: Wish| {
-        let features = flatten_with(&render::scene(&text(objects)), (4, 4), wish).expect("it flattens").features;
-        [features.schlick, features.clamp, features.fast_offset, features.fast_precision]
+    let approximate = RenderOptions {
+        fresnel: Fresnel::Schlick,
+        clamp: Some(1.0),
+        offset: Offset::Fast,
+        precision: Precision::Fast,
+        ..RenderOptions::default()
+    };
+    let asked = |objects: &str, options: &RenderOptions| {
+        let flat = flatten(&render::scene(&text(objects)), (4, 4), options).expect("it flattens");
+        let choices = choices_of(&flat.features, options, &Tables::default()).modules;
+        let linked = [
+            ("fresnel", "lib/fresnel_schlick"),
+            ("clamp", "step/clamp"),
+            ("offset", "geometry/offset_fast"),
+            ("sphere_chord", "geometry/sphere_chord_fast"),
+        ];
+        linked.map(|(choice, module)| choices[choice] == module)
     };
     let box_of = |material: &str| format!("Box(min: (0, 0, 0), max: (1, 1, 1), material: \"{material}\")");
     let sphere = "Sphere(center: (0, 0, 0), radius: 1, material: \"grey\")";
@@ -142,8 +156,8 @@ fn settings_ask_for_nothing_that_the_scene_lacks() {
         (sphere, [false, true, true, true]),
         (smoke, [false, true, false, true]),
     ] {
-        assert_eq!(asked(objects, wish), expected, "{objects}");
-        assert_eq!(asked(objects, Wish::default()), [false; 4], "{objects}");
+        assert_eq!(asked(objects, &approximate), expected, "{objects}");
+        assert_eq!(asked(objects, &RenderOptions::default()), [false; 4], "{objects}");
     }
 }
 

@@ -8,7 +8,8 @@ use gpu_rt::film::RunRecord;
 use gpu_rt::flatten::{Features, MATERIALS, RESPONDERS, SPECULAR, Unsampled};
 use gpu_rt::gpu::layout::{Member, members, pack};
 use gpu_rt::gpu::link::{Choices, Embedded, link};
-use gpu_rt::plan::{Plan, Scatter};
+use gpu_rt::options::{Fresnel, RenderOptions, Scatter};
+use gpu_rt::plan::{Kernels, Tables};
 
 /// Name, offset and bytes of each field.
 type Fields = Vec<(String, usize, usize)>;
@@ -32,21 +33,13 @@ fn modules() -> Vec<naga::Module> {
         stack_size: 8,
         boundary_stack_size: 8,
         smooth: Some("a test".to_string()),
-        sampler: data::Sampler::Sobol,
         emitters: Default::default(),
         emitting_sky: Some("a test".to_string()),
         sky_grid: (4, 2),
         lights: 1000,
         shadow_rays: true,
         sky_light: 999,
-        sample_lights: true,
         unsampled: Some(Unsampled { lights: 1, wanted: 2, asked_by: "a test".to_string() }),
-        roulette: true,
-        schlick: true,
-        clamp: true,
-        fast_offset: true,
-        fast_precision: true,
-        every: false,
     };
     let features = Features {
         primitives: features.primitives.map(on),
@@ -62,8 +55,9 @@ fn modules() -> Vec<naga::Module> {
     [Scatter::Fused, Scatter::Linked, Scatter::Queues]
         .into_iter()
         .flat_map(|scatter| {
-            let plan = Plan::new(&features, scatter).expect("everything links");
-            plan.kernels().into_iter().map(|kernel| kernel.module.clone()).collect::<Vec<_>>()
+            let options = RenderOptions { fresnel: Fresnel::Schlick, clamp: Some(1.0), ..RenderOptions::default() };
+            let kernels = Kernels::link(&features, &options, scatter, &Tables::default()).expect("everything links");
+            kernels.all().into_iter().map(|kernel| kernel.module.clone()).collect::<Vec<_>>()
         })
         .chain(std::iter::once(probe))
         .collect()

@@ -53,7 +53,7 @@ fn stated_errors_are_true() {
         for sampler in SAMPLERS {
             for samples in SAMPLES {
                 let scene = room(things);
-                let ask = Ask { sampler, ..Ask::default().mis() };
+                let ask = Ask::default().mis().with(|options| options.sampler = sampler);
                 let mut renders: Vec<Stated> = Vec::new();
                 render_all(&scene, &ask, (0..RENDERS).map(|seed| (seed, 0..samples)), |shot| {
                     let doubles = |values: &[[f32; 3]]| values.as_flattened().iter().map(|x| f64::from(*x)).collect();
@@ -229,7 +229,7 @@ fn errors_fall_as_they_should_and_to_no_floor() {
         }
         for sampler in SAMPLERS {
             let what = format!("{name}, {sampler:?}");
-            let ask = Ask { sampler, ..Ask::default().mis().size(SIZE.0, SIZE.1) };
+            let ask = Ask::default().mis().size(SIZE.0, SIZE.1).with(|options| options.sampler = sampler);
             let ends = || DOUBLINGS.map(|k| 1u32 << k);
             let starts = std::iter::once(0).chain(ends());
             let ranges: Vec<_> = starts.zip(ends()).map(|(start, end)| start..end).collect();
@@ -311,7 +311,7 @@ fn bounds_hold((width, height): (u32, u32), seeds: u32, samples: &[u32]) {
     scenes.extend(THINGS.map(|(name, things)| (name.to_string(), room(things))));
     let (mut cells, mut failed, mut noise) = (Vec::new(), Vec::new(), Vec::new());
     for (name, scene) in scenes {
-        let ask = Ask { roulette: true, ..Ask::default().mis().sobol().size(width, height) };
+        let ask = Ask::default().mis().sobol().size(width, height).roulette();
         let looks = Looks::new(&scene, &ask, &Change::default(), seeds, samples);
         for held in looks.held() {
             println!("{name}: {held}");

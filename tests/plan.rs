@@ -5,13 +5,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use gpu_rt::data::Sampler;
-use gpu_rt::flatten::{Flat, Wish, flatten_with};
+use gpu_rt::flatten::{Flat, flatten};
 use gpu_rt::gpu::device::DeviceClass;
 use gpu_rt::gpu::link::{Choices, Entry, Library, link};
 use gpu_rt::gpu::spirv;
-use gpu_rt::plan::{Plan, Report, Scatter, Tables, Tuning};
-use gpu_rt::render::{Goal, Job, TuningWish, tuning};
+use gpu_rt::job::{Goal, Job};
+use gpu_rt::options::{FeatureSet, Integrator, RenderOptions, Scatter};
+use gpu_rt::plan::{Kernels, Plan, Report, Tables, Tuning};
 use gpu_rt::scene::Scene;
 
 /// A kind of device, so that plans do not depend on the machine.
@@ -31,7 +31,7 @@ fn classes() -> [Class; 2] {
             max_uniform_bytes: limits.max_uniform_buffer_binding_size,
         },
         limits,
-        tuning: Tuning { slots, workgroup: 64, scatter, records_per_slot },
+        tuning: Tuning { slots, workgroup: 64, scatter, bounces: None, records_per_slot },
     };
     let software = wgpu::Limits { max_storage_buffers_per_shader_stage: 1000, ..wgpu::Limits::default() };
     let gpu = wgpu::Limits {
@@ -46,23 +46,33 @@ fn classes() -> [Class; 2] {
     ]
 }
 
-/// As `render` flattens by default.
-fn flat(scene: &Scene, every_feature: bool) -> Flat {
-    let size = (scene.image.width, scene.image.height);
-    let wish = Wish { sample_lights: true, roulette: true, sampler: Sampler::Sobol, every_feature, ..Wish::default() };
-    flatten_with(scene, size, wish).unwrap_or_else(|error| panic!("{error}"))
+/// What `render` asks for by default, or with everything on.
+fn options(features: FeatureSet) -> RenderOptions {
+    RenderOptions { features, ..RenderOptions::default() }
 }
 
-fn planned(flat: &Flat, class: &Class, scatter: Scatter) -> (Plan, Report) {
+/// As `render` flattens by default.
+fn flat(scene: &Scene, features: FeatureSet) -> Flat {
+    let size = (scene.image.width, scene.image.height);
+    flatten(scene, size, &options(features)).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn planned<'a>(flat: &'a Flat, class: &Class, scatter: Scatter) -> (Plan<'a>, Report) {
+    planned_with(flat, class, scatter, options(FeatureSet::Scene))
+}
+
+fn planned_with<'a>(flat: &'a Flat, class: &Class, scatter: Scatter, options: RenderOptions) -> (Plan<'a>, Report) {
     let tables = Tables::new(flat, class.device.table_bytes());
-    let plan = Plan::with_tables(&flat.features, scatter, &tables).unwrap_or_else(|error| panic!("{error}"));
-    let report = Report::new(&plan, flat, &Tuning { scatter, ..class.tuning }, &class.limits);
+    let kernels = Kernels::link(&flat.features.of(&options), &options, scatter, &tables);
+    let kernels = kernels.unwrap_or_else(|error| panic!("{error}"));
+    let plan = Plan { scene: flat, options, kernels, tuning: Tuning { scatter, ..class.tuning } };
+    let report = Report::new(&plan, &class.limits);
     (plan, report)
 }
 
 /// What a snapshot holds of a scene: nothing that changes with every line of a shader.
 fn snapshot(name: &str, scene: &Scene) -> String {
-    let flat = flat(scene, false);
+    let flat = flat(scene, FeatureSet::Scene);
     let mut out = format!("{name}\n");
     for class in classes() {
         let (_, report) = planned(&flat, &class, class.tuning.scatter);
@@ -326,8 +336,8 @@ fn names_in(plan: &Plan, report: &Report) -> String {
 
 #[test]
 fn a_sphere_before_a_gradient_has_nothing_else() {
-    let sphere = flat(&parse(SPHERE), false);
-    let everything = flat(&parse(SPHERE), true);
+    let sphere = flat(&parse(SPHERE), FeatureSet::Scene);
+    let everything = flat(&parse(SPHERE), FeatureSet::All);
     for class in classes() {
         for scatter in EVERY_WAY {
             let (plan, report) = planned(&sphere, &class, scatter);
@@ -344,7 +354,7 @@ fn a_sphere_before_a_gradient_has_nothing_else() {
             );
             assert!(report.left_out.len() > 20, "{:?}", report.left_out);
             // The words would be found: everything on has them all.
-            let (plan, report) = planned(&everything, &class, scatter);
+            let (plan, report) = planned_with(&everything, &class, scatter, options(FeatureSet::All));
             let mut found = luxuries(&names_in(&plan, &report), SHARED_MEMBERS);
             // Matrices are the host's: no scene has any word of them.
             assert!(!found.contains("transform"));
@@ -385,7 +395,7 @@ fn objects_ask_for_what_they_are() {
     let text = SPHERE.replace("Sphere(center: (0, 0, 0), radius: 1, material: \"grey\")", objects);
     let path = folder.path().join("deep.ron");
     let scene = Scene::parse(&text, &path).unwrap_or_else(|error| panic!("{error}"));
-    let (_, report) = planned(&flat(&scene, false), &classes()[0], Scatter::Fused);
+    let (_, report) = planned(&flat(&scene, FeatureSet::Scene), &classes()[0], Scatter::Fused);
     // The first object stands in line 6.
     for (feature, line, column) in
         [("triangle", 7, 9), ("quad", 9, 13), ("cuboid", 10, 13), ("smooth shading", 12, 9), ("sphere medium", 13, 9)]
@@ -414,7 +424,7 @@ fn buffers_hold_what_is_used_and_each_image_once() {
             .replace(&sphere(0, "grey"), &objects.join(", "))
             .replace("Gradient(bottom: (1, 1, 1), top: (0.5, 0.7, 1))", background);
         let scene = Scene::parse(&text, &folder.path().join("images.ron")).unwrap_or_else(|error| panic!("{error}"));
-        let flat = flat(&scene, false);
+        let flat = flat(&scene, FeatureSet::Scene);
         let of_spheres: Vec<u32> = flat.spheres.iter().map(|sphere| sphere.material).collect();
         (flat.texels.len(), flat.materials.len(), flat.textures.len(), of_spheres)
     };
@@ -432,14 +442,15 @@ fn buffers_hold_what_is_used_and_each_image_once() {
 #[test]
 fn the_background_asks_for_its_texels() {
     let scene = shipped("sky");
-    for sample_lights in [false, true] {
+    for integrator in [Integrator::Bsdf, Integrator::Mis] {
         let size = (scene.image.width, scene.image.height);
-        let flat = flatten_with(&scene, size, Wish { sample_lights, ..Wish::default() }).expect("it flattens");
+        let flat =
+            flatten(&scene, size, &RenderOptions { integrator, ..RenderOptions::default() }).expect("it flattens");
         let (_, report) = planned(&flat, &classes()[0], Scatter::Fused);
         let texels = report.buffers.iter().find(|buffer| buffer.name == "texels").expect("an image");
         let background = asker(&report, "image background");
         assert!(background.starts_with("background at"), "{background}");
-        assert_eq!(texels.asked_by, background, "{sample_lights}");
+        assert_eq!(texels.asked_by, background, "{integrator}");
     }
 }
 
@@ -458,8 +469,9 @@ fn everything_on_cuts_no_walk_shorter() {
                 &format!("{material}, \"lamp\": DiffuseLight(emit: Rgb(4, 3, 2))"),
             )
             .replace("\"grey\")]", &format!("\"grey\"), {objects}]"));
-        for every in [false, true] {
-            let (plan, _) = planned(&flat(&parse(&text), every), &classes()[0], Scatter::Fused);
+        for every in [FeatureSet::Scene, FeatureSet::All] {
+            let flat = flat(&parse(&text), every);
+            let (plan, _) = planned_with(&flat, &classes()[0], Scatter::Fused, options(every));
             let own: Vec<_> = plan.kernels().iter().map(|kernel| kernel.choices.values["most_steps"].clone()).collect();
             assert_eq!(own, [steps, steps], "{material} {objects} {every}");
         }
@@ -494,7 +506,7 @@ fn lamp_beside(material: &str, object: &str) -> Flat {
             "\"grey\")]",
             &format!("\"grey\"), Sphere(center: (2, 0, 0), radius: 1, material: \"lamp\"), {object}]"),
         );
-    flat(&parse(&text), false)
+    flat(&parse(&text), FeatureSet::Scene)
 }
 
 /// Rays are sent to lights where something answers to them: a material that scatters to more than one direction, or a medium. Elsewhere
@@ -512,7 +524,8 @@ fn lights_are_sampled_where_something_answers() {
     for class in classes() {
         for scatter in EVERY_WAY {
             for (material, object, sampled) in cases {
-                let (plan, report) = planned(&lamp_beside(material, object), &class, scatter);
+                let flat = lamp_beside(material, object);
+                let (plan, report) = planned(&flat, &class, scatter);
                 let names = names_in(&plan, &report);
                 let has = |word: &str| names.contains(word);
                 let of_lights = ["shadow", "LIGHT_WEIGHT", "aim_at_light", "bind/lights"];
@@ -532,7 +545,7 @@ fn lights_are_sampled_where_something_answers() {
 #[test]
 fn queues_sample_lights_where_their_material_answers() {
     let class = &classes()[1];
-    let modules = modules_by_kernel(&flat(&shipped("glass"), false), class, Scatter::Queues);
+    let modules = modules_by_kernel(&flat(&shipped("glass"), FeatureSet::Scene), class, Scatter::Queues);
     for (kernel, samples, asks, meets) in [
         ("scatter_lambertian", true, false, false),
         ("scatter_dielectric", false, true, false),
@@ -553,7 +566,8 @@ fn scenes_without_surfaces_are_fused_too() {
     let class = &classes()[0];
     for objects in ["", fog] {
         let text = SPHERE.replace("Sphere(center: (0, 0, 0), radius: 1, material: \"grey\")", objects);
-        let (plan, report) = planned(&flat(&parse(&text), false), class, Scatter::Fused);
+        let flat = flat(&parse(&text), FeatureSet::Scene);
+        let (plan, report) = planned(&flat, class, Scatter::Fused);
         let names: Vec<_> = plan.kernels().iter().map(|kernel| kernel.name.clone()).collect();
         assert_eq!(names, ["generate", "bounce"]);
         assert!(report.scatter.starts_with("fused"), "{}", report.scatter);
@@ -586,7 +600,7 @@ fn modules_by_kernel(flat: &Flat, class: &Class, scatter: Scatter) -> BTreeMap<S
 fn a_glass_sphere_adds_its_material_and_nothing_else() {
     let glass = ["lib/fresnel", "lib/refraction", "material/dielectric"].map(str::to_string);
     let queues = ["bind/queues", "data/queue", "slots/sort_by_material"].map(str::to_string);
-    let (before, after) = (flat(&parse(SPHERE), false), flat(&parse(&glass_sphere()), false));
+    let (before, after) = (flat(&parse(SPHERE), FeatureSet::Scene), flat(&parse(&glass_sphere()), FeatureSet::Scene));
     for class in classes() {
         for (scatter, kernel) in [(Scatter::Fused, "bounce"), (Scatter::Linked, "scatter")] {
             let (before, after) =
@@ -637,12 +651,12 @@ fn a_glass_sphere_adds_its_material_and_nothing_else() {
 fn everything_in_a_plan_has_a_reason() {
     for name in names("scenes", "ron") {
         let scene = shipped(&name);
-        for every_feature in [false, true] {
-            let flat = flat(&scene, every_feature);
+        for features in [FeatureSet::Scene, FeatureSet::All] {
+            let flat = flat(&scene, features);
             for class in classes() {
                 for scatter in EVERY_WAY {
-                    let (plan, report) = planned(&flat, &class, scatter);
-                    let at = format!("{name} {every_feature} {} {scatter:?}", class.name);
+                    let (plan, report) = planned_with(&flat, &class, scatter, options(features));
+                    let at = format!("{name} {features} {} {scatter:?}", class.name);
                     for constant in &report.constants {
                         assert!(!constant.what.is_empty() && !constant.asked_by.is_empty(), "{at}: {constant:?}");
                         assert!(constant.value.parse::<u64>().is_ok(), "{at}: {constant:?}");
@@ -688,7 +702,7 @@ fn everything_in_a_plan_has_a_reason() {
 
 #[test]
 fn buffers_over_the_limit_are_said_to_be() {
-    let flat = flat(&shipped("cornell-smoke"), false);
+    let flat = flat(&shipped("cornell-smoke"), FeatureSet::Scene);
     let [class, _] = classes();
     let (plan, report) = planned(&flat, &class, Scatter::Fused);
     assert!(!report.text().contains("OVER THE LIMIT"), "{}", report.text());
@@ -698,7 +712,7 @@ fn buffers_over_the_limit_are_said_to_be() {
         max_storage_buffers_per_shader_stage: 2,
         ..class.limits
     };
-    let report = Report::new(&plan, &flat, &class.tuning, &limits);
+    let report = Report::new(&plan, &limits);
     let over: Vec<&str> = report.buffers.iter().filter(|buffer| !buffer.fits()).map(|buffer| buffer.name).collect();
     assert_eq!(over, ["records", "paths"]);
     for text in [report.text(), report.why("bounce").expect("it is a kernel")] {
@@ -710,14 +724,13 @@ fn buffers_over_the_limit_are_said_to_be() {
 /// Device memory follows the number of runs, up to a most that neither more pixels nor more samples raise.
 #[test]
 fn device_memory_has_a_most() {
-    let flat = flat(&shipped("weekend"), false);
+    let flat = flat(&shipped("weekend"), FeatureSet::Scene);
     for class in classes() {
         let bytes = |side: u32, samples: u32| -> u64 {
             let goal = Goal::Samples(samples);
             let job = Job { size: (side, side), max_depth: 8, seed: 0, first_sample: 0, goal };
-            let tuning = tuning(class.device, &job, TuningWish::default());
-            let (plan, _) = planned(&flat, &class, tuning.scatter);
-            plan.buffers(&flat, &tuning).iter().map(gpu_rt::gpu::buffers::BufferSpec::allocated).sum()
+            let plan = Plan::new(&flat, &options(FeatureSet::Scene), class.device, &job).expect("it links");
+            plan.buffers().iter().map(gpu_rt::gpu::buffers::BufferSpec::allocated).sum()
         };
         let most = bytes(4096, 1 << 20);
         for (side, samples) in [(4096, 8), (4096, 64), (2896, 16), (1 << 15, 1), (64, 1 << 20)] {
@@ -731,13 +744,14 @@ fn device_memory_has_a_most() {
 #[test]
 fn sizes_are_those_of_the_kernels() {
     let [software, _] = classes();
-    let measured = |flat: &Flat| {
-        let (plan, mut report) = planned(flat, &software, Scatter::Fused);
-        report.measure(&plan, &software.tuning).unwrap_or_else(|error| panic!("{error}"));
+    let measured = |scene: &str, features: FeatureSet| {
+        let flat = flat(&parse(scene), features);
+        let (plan, mut report) = planned_with(&flat, &software, Scatter::Fused, options(features));
+        report.measure(&plan).unwrap_or_else(|error| panic!("{error}"));
         report.kernels.iter().map(|kernel| kernel.size.expect("it is measured")).collect::<Vec<_>>()
     };
-    let (sphere, glass) = (measured(&flat(&parse(SPHERE), false)), measured(&flat(&parse(&glass_sphere()), false)));
-    let everything = measured(&flat(&parse(SPHERE), true));
+    let (sphere, glass) = (measured(SPHERE, FeatureSet::Scene), measured(&glass_sphere(), FeatureSet::Scene));
+    let everything = measured(SPHERE, FeatureSet::All);
     // `generate` has no material; `bounce` gets one more.
     assert_eq!(sphere[0], glass[0]);
     assert!(sphere[1].instructions < glass[1].instructions, "{sphere:?} {glass:?}");

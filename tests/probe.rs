@@ -7,12 +7,14 @@ mod device;
 use std::path::Path;
 
 use gpu_rt::data::{Answer, Trial};
-use gpu_rt::flatten::{Wish, flatten_with};
+use gpu_rt::flatten::flatten;
 use gpu_rt::gpu::device::{Adapters, Device};
 use gpu_rt::gpu::link::{Embedded, Library};
 use gpu_rt::gpu::probe::{LOOPS, Numerics, PROPERTIES, Rounding, ask, judge, numerics, trials};
-use gpu_rt::plan::{Plan, Scatter};
-use gpu_rt::render::{Goal, Job, Renderer, TuningWish};
+use gpu_rt::job::{Goal, Job};
+use gpu_rt::options::{RenderOptions, Scatter};
+use gpu_rt::plan::Plan;
+use gpu_rt::render::Renderer;
 use gpu_rt::scene::Scene;
 
 /// What a device that does everything right answers.
@@ -183,11 +185,12 @@ fn refusals(device: &Device, objects: &str) -> [Option<String>; 2] {
     );
     let place = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/test.ron");
     let scene = Scene::parse(&text, &place).expect("the scene is valid");
-    let flat = flatten_with(&scene, (4, 4), Wish::default()).expect("it flattens");
+    let flat = flatten(&scene, (4, 4), &RenderOptions::default()).expect("it flattens");
     let job = Job { size: (4, 4), max_depth: 4, seed: 0, first_sample: 0, goal: Goal::Samples(8) };
     [Scatter::Fused, Scatter::Linked].map(|scatter| {
-        let plan = Plan::new(&flat.features, scatter).expect("it links");
-        let made = Renderer::new(device, &flat, &plan, &job, TuningWish::default(), false);
+        let options = RenderOptions { scatter: Some(scatter), ..RenderOptions::default() };
+        let plan = Plan::new(&flat, &options, device.class(), &job).expect("it links");
+        let made = Renderer::new(device, &plan, &job, false);
         made.err().map(|error| error.to_string())
     })
 }

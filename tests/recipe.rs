@@ -13,8 +13,7 @@ use std::collections::BTreeMap;
 
 use gpu_rt::flatten::{Flat, MATERIALS};
 use gpu_rt::gpu::link::{Choices, Embedded, Entry, Library};
-use gpu_rt::plan::Scatter;
-use gpu_rt::render::TuningWish;
+use gpu_rt::options::Scatter;
 use render::{Ask, Change, Shot, render, render_changed, scene};
 
 /// Step 1: the shader file. The first of two materials answers to no light but what goes back the way it came: a retroreflector sends all light back to where it came from.
@@ -91,8 +90,7 @@ fn shot(objects: &str, scatter: Scatter, shader: &str) -> Shot {
     let library = Beside(BTreeMap::from([(format!("material/{NAME}"), shader.to_string())]));
     let list = |choices: &mut Choices| listed(choices, NAME);
     let change = Change { flat: Some(&loaded), choices: Some(&list), library: Some(&library) };
-    let wish = TuningWish { scatter: Some(scatter), ..TuningWish::default() };
-    render_changed(&ball("(1, 0.5, 0.2)", "(0, 0.5, 2)", objects), &Ask { wish, ..Ask::default() }, &change)
+    render_changed(&ball("(1, 0.5, 0.2)", "(0, 0.5, 2)", objects), &Ask::default().scatter(scatter), &change)
 }
 
 /// Pixels that are off what the retroreflector must show: the sky behind the camera, where a ray that goes back by direction -d finds what
@@ -135,7 +133,6 @@ fn velvet_is_off(scatter: Scatter, evaluation: &str) -> f64 {
     ]));
     let list = |choices: &mut Choices| listed(choices, "velvet");
     let change = Change { flat: Some(&loaded), choices: Some(&list), library: Some(&library) };
-    let wish = TuningWish { scatter: Some(scatter), ..TuningWish::default() };
     let scene = scene(
         "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 0, 4), look_at: (0, 0, 0), vertical_fov: 10),
         background: Solid((0, 0, 0)),
@@ -143,7 +140,7 @@ fn velvet_is_off(scatter: Scatter, evaluation: &str) -> f64 {
         objects: [Sphere(center: (0, 0, 0), radius: 1, material: \"toy\"), Sphere(center: (0, 0, 0), radius: 20, material: \"lamp\")],
         render: (samples: 256, max_depth: 50))",
     );
-    let shown = render_changed(&scene, &Ask { wish, ..Ask::default().mis() }, &change).mean_of_all();
+    let shown = render_changed(&scene, &Ask::default().mis().scatter(scatter), &change).mean_of_all();
     let off = |c: usize| (shown.value[c] - [0.5, 1.0, 2.0][c] * f64::from(GAIN)) / shown.variance[c].sqrt();
     (0..3).map(off).fold(0.0, |most, off| if off.abs() > f64::abs(most) { off } else { most })
 }
@@ -166,8 +163,9 @@ fn a_material_that_answers_to_lights_is_added_by_the_recipe() {
 fn errors_name_the_new_file() {
     let library =
         Beside(BTreeMap::from([(format!("material/{NAME}"), RETROREFLECTOR.replace("hit.colour", "hit.hue"))]));
-    let flat = gpu_rt::flatten::flatten(&ball("(1, 1, 1)", "(1, 1, 1)", BALL), (16, 16)).expect("the scene flattens");
-    let mut choices = gpu_rt::plan::choices_of(&flat.features, &gpu_rt::plan::Tables::default());
+    let flat = gpu_rt::flatten::flatten(&ball("(1, 1, 1)", "(1, 1, 1)", BALL), (16, 16), &render::plain())
+        .expect("the scene flattens");
+    let mut choices = gpu_rt::plan::choices_of(&flat.features, &render::plain(), &gpu_rt::plan::Tables::default());
     listed(&mut choices, NAME);
     let linked = gpu_rt::gpu::link::link(&library, "stage/bounce", &choices).expect("it links");
     let error = linked.validate().map(|_| ()).expect_err("it has no such member").to_string();

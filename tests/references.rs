@@ -292,7 +292,7 @@ fn the_knot() {
 
 /// The image as it is rendered without being asked otherwise: lights sampled, Sobol points, roulette; by several seeds.
 fn by_defaults(scene: &Scene, seeds: std::ops::Range<u32>) -> Vec<Shot> {
-    let ask = Ask { roulette: true, ..Ask::spp(16).mis().sobol() };
+    let ask = Ask::spp(16).mis().sobol().roulette();
     seeds.map(|seed| render(scene, &ask.clone().seed(seed))).collect()
 }
 

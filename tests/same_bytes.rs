@@ -16,8 +16,7 @@ mod stats;
 
 use everything::{Everything, World, same};
 use gpu_rt::film::Film;
-use gpu_rt::plan::Scatter;
-use gpu_rt::render::TuningWish;
+use gpu_rt::options::{RenderOptions, Scatter};
 use gpu_rt::scene::Scene;
 use render::{Ask, render, render_each};
 
@@ -83,16 +82,17 @@ fn slots_workgroups_and_submissions_do_not_show() {
         (Fused, 4096, 256, 1),
     ];
     for (samples, wishes) in [(0..16, whole.as_slice()), (3..21, cut.as_slice())] {
-        let ask = |wish| Ask { samples: Some(samples.clone()), wish, ..Ask::default() };
-        let usual = render(&scene, &ask(TuningWish::default()));
+        let ask = |options| Ask { samples: Some(samples.clone()), options, ..Ask::default() };
+        let usual = render(&scene, &ask(render::plain()));
         for &(scatter, slots, workgroup, bounces) in wishes {
-            let wish = TuningWish {
+            let options = RenderOptions {
                 slots: Some(slots),
                 workgroup: Some(workgroup),
                 bounces: Some(bounces),
                 scatter: Some(scatter),
+                ..render::plain()
             };
-            assert!(same(&usual, &render(&scene, &ask(wish))), "{samples:?}: {wish:?}");
+            assert!(same(&usual, &render(&scene, &ask(options.clone()))), "{samples:?}: {options:?}");
         }
     }
 }
@@ -105,13 +105,14 @@ fn slots_and_parts_do_not_show_with_sobol_points() {
     let usual = render(&scene, &ask);
     assert!(!same(&usual, &render(&scene, &Ask::spp(24))), "the sampler changes the image");
     for (scatter, slots, workgroup, bounces) in [(Fused, 97, 32, 7), (Linked, 4096, 64, 50), (Queues, 97, 256, 7)] {
-        let wish = TuningWish {
+        let options = RenderOptions {
             slots: Some(slots),
             workgroup: Some(workgroup),
             bounces: Some(bounces),
             scatter: Some(scatter),
+            ..ask.options.clone()
         };
-        assert!(same(&usual, &render(&scene, &Ask { wish, ..ask.clone() })), "{wish:?}");
+        assert!(same(&usual, &render(&scene, &Ask { options: options.clone(), ..ask.clone() })), "{options:?}");
     }
     // Parity is that of the absolute number of a run; the first samples do not depend on how many there will be.
     let parts = render_each(&scene, &ask, &[8..24, 0..8]);

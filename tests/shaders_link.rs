@@ -9,7 +9,8 @@ use gpu_rt::flatten::{
 };
 use gpu_rt::gpu::layout::BindingKind;
 use gpu_rt::gpu::link::{Choices, Embedded, Entry, Library, Linked, link};
-use gpu_rt::plan::{Plan, Scatter};
+use gpu_rt::options::{FeatureSet, Fresnel, Offset, Precision, RenderOptions, Scatter, Switch};
+use gpu_rt::plan::{Kernels, Tables};
 
 const SCATTERS: [Scatter; 3] = [Scatter::Fused, Scatter::Linked, Scatter::Queues];
 /// Numbers of backgrounds.
@@ -52,7 +53,7 @@ fn with_media(features: Features, boundaries: usize, textured_media: bool) -> Fe
 /// The same with Russian roulette, and these emitters sampled as lights where anything answers to them.
 fn lit(features: Features, emitters: usize, sky: bool) -> Features {
     if features.media == 0 && features.responders.iter().all(Option::is_none) {
-        return Features { roulette: true, ..features };
+        return features;
     }
     Features {
         shadow_rays: true,
@@ -61,7 +62,6 @@ fn lit(features: Features, emitters: usize, sky: bool) -> Features {
         lights: emitters.count_ones() + u32::from(sky),
         sky_grid: (4, 2),
         sky_light: emitters.count_ones(),
-        roulette: true,
         ..features
     }
 }
@@ -74,11 +74,6 @@ fn many_lights(features: Features) -> Features {
 /// The same with smooth meshes.
 fn smooth(features: Features) -> Features {
     Features { smooth: Some("a test".to_string()), ..features }
-}
-
-/// The same with Sobol points.
-fn sobol(features: Features) -> Features {
-    Features { sampler: Sampler::Sobol, ..features }
 }
 
 fn all<T>(names: &[T]) -> usize {
@@ -105,21 +100,35 @@ fn few(features: Features) -> Features {
     Features { few: true, ..features }
 }
 
-/// The same with one of the settings that approximate, by its number.
-fn approximate(features: Features, number: usize) -> Features {
-    let on = |n| n == number;
-    Features { schlick: on(0), clamp: on(1), fast_offset: on(2), fast_precision: on(3), ..features }
+/// The defaults with one of the options that approximate, by its number.
+fn approximate(number: usize) -> RenderOptions {
+    let mut options = RenderOptions::default();
+    match number {
+        0 => options.fresnel = Fresnel::Schlick,
+        1 => options.clamp = Some(1.0),
+        2 => options.offset = Offset::Fast,
+        _ => options.precision = Precision::Fast,
+    }
+    options
 }
 
-/// The same with all of them.
-fn approximate_all(features: Features) -> Features {
-    Features { schlick: true, clamp: true, fast_offset: true, fast_precision: true, ..features }
+/// The defaults with all of them, and without roulette and Sobol points.
+fn approximate_all() -> RenderOptions {
+    RenderOptions {
+        fresnel: Fresnel::Schlick,
+        clamp: Some(1.0),
+        offset: Offset::Fast,
+        precision: Precision::Fast,
+        roulette: Switch::Off,
+        sampler: Sampler::Independent,
+        ..RenderOptions::default()
+    }
 }
 
 /// Every set of primitives, of materials and of textures, every background and lens, each beside the least of the others;
 /// primitives with textures, which one kernel joins; nothing, and everything.
-fn combinations() -> Vec<Features> {
-    let mut found = vec![features(0, 0, 0, SOLID, false), everything(), sobol(everything())];
+fn combinations() -> Vec<(Features, RenderOptions)> {
+    let mut found = vec![features(0, 0, 0, SOLID, false), everything()];
     let (primitives, materials, textures) = (all(PRIMITIVES), all(MATERIALS), all(TEXTURES));
     found.extend((1..=primitives).map(|set| features(set, 1, 0, SOLID, false)));
     // Without meshes, which have a hierarchy of their own.
@@ -177,34 +186,37 @@ fn combinations() -> Vec<Features> {
         found.extend(of_each.map(many_lights));
     }
     found.extend([many_lights(everything()), turned(everything())]);
+    let mut found: Vec<_> = found.into_iter().map(|features| (features, RenderOptions::default())).collect();
     // What approximates: each beside the least and everything, with lights and without; all of it beside every kind.
     for number in 0..4 {
         let (spheres, media) = (features(1, materials, 0, SOLID, false), features(0, 0, 0, SOLID, false));
-        found.extend(
-            [spheres.clone(), lit(spheres, 1, false), with_media(media, 1, false), everything()]
-                .map(|f| approximate(f, number)),
-        );
+        let beside = [spheres.clone(), lit(spheres, 1, false), with_media(media, 1, false), everything()];
+        found.extend(beside.map(|features| (features, approximate(number))));
     }
-    found
-        .extend((1..=primitives).map(|set| approximate_all(lit(features(set, materials, 0, IMAGE, false), set, true))));
-    found.extend((1..=materials).map(|set| approximate_all(features(1, set, 0, SOLID, false))));
-    found.extend(
-        (1..=all(BOUNDARIES)).map(|set| approximate_all(with_media(features(1, 1, 0, SOLID, false), set, false))),
-    );
-    found.extend([approximate_all(everything()), approximate_all(many_lights(everything()))]);
+    let mut beside: Vec<_> =
+        (1..=primitives).map(|set| lit(features(set, materials, 0, IMAGE, false), set, true)).collect();
+    beside.extend((1..=materials).map(|set| features(1, set, 0, SOLID, false)));
+    beside.extend((1..=all(BOUNDARIES)).map(|set| with_media(features(1, 1, 0, SOLID, false), set, false)));
+    beside.extend([everything(), many_lights(everything())]);
+    found.extend(beside.into_iter().map(|features| (features, approximate_all())));
     // `--features all`.
-    found.push(Features { backgrounds: on(all(BACKGROUNDS)), every: true, ..turned(everything()) });
+    let all_backgrounds = Features { backgrounds: on(all(BACKGROUNDS)), ..turned(everything()) };
+    found.push((all_backgrounds, RenderOptions { features: FeatureSet::All, ..RenderOptions::default() }));
     found
+}
+
+fn kernels(features: &Features, options: &RenderOptions, scatter: Scatter) -> Kernels {
+    Kernels::link(features, options, scatter, &Tables::default())
+        .unwrap_or_else(|error| panic!("{features:?}, {options:?}, {scatter:?}: {error}"))
 }
 
 #[test]
 fn every_combination_of_features_links_and_validates() {
-    for features in combinations() {
+    for (features, options) in combinations() {
         for scatter in SCATTERS {
-            let plan =
-                Plan::new(&features, scatter).unwrap_or_else(|error| panic!("{features:?}, {scatter:?}: {error}"));
-            assert!(!plan.kernels().is_empty());
-            for kernel in plan.kernels() {
+            let plan = kernels(&features, &options, scatter);
+            assert!(!plan.all().is_empty());
+            for kernel in plan.all() {
                 // Nothing that the scene lacks.
                 let unused = |names: &[&str], used: &[Option<String>], folder: &str| {
                     let off = names.iter().zip(used).filter(|(_, used)| used.is_none());
@@ -227,11 +239,11 @@ fn every_combination_of_features_links_and_validates() {
                 let glass = features.materials[2].is_some();
                 assert_eq!(MATERIALS[2], "dielectric");
                 for (module, asked) in [
-                    ("lib/fresnel", glass && !features.schlick),
-                    ("lib/fresnel_schlick", glass && features.schlick),
-                    ("step/clamp", features.clamp),
-                    ("geometry/offset_fast", features.fast_offset),
-                    ("geometry/sphere_chord_fast", features.fast_precision),
+                    ("lib/fresnel", glass && options.fresnel == Fresnel::Exact),
+                    ("lib/fresnel_schlick", glass && options.fresnel == Fresnel::Schlick),
+                    ("step/clamp", options.clamp.is_some()),
+                    ("geometry/offset_fast", options.offset == Offset::Fast),
+                    ("geometry/sphere_chord_fast", options.precision == Precision::Fast),
                 ] {
                     let linked = kernel.linked.modules.iter().any(|linked| linked == module);
                     assert!(asked || !linked, "{}: {module} is linked: {features:?}", kernel.name);
@@ -283,9 +295,9 @@ fn unused_lines() -> BTreeSet<String> {
             }
         }
     };
-    for features in combinations() {
+    for (features, options) in combinations() {
         for scatter in SCATTERS {
-            Plan::new(&features, scatter).expect("it links").kernels().iter().for_each(|kernel| have(&kernel.linked));
+            kernels(&features, &options, scatter).all().iter().for_each(|kernel| have(&kernel.linked));
         }
     }
     // The numerics probe is part of no render.
@@ -306,7 +318,7 @@ const MOST_STORAGE_BUFFERS: [(Scatter, usize); 3] =
 #[test]
 fn no_kernel_binds_too_many_storage_buffers() {
     for (scatter, most) in MOST_STORAGE_BUFFERS {
-        for kernel in Plan::new(&many_lights(everything()), scatter).expect("it links").kernels() {
+        for kernel in kernels(&many_lights(everything()), &RenderOptions::default(), scatter).all() {
             let storage = kernel.bindings.values().filter(|binding| binding.kind != BindingKind::Uniform).count();
             assert!(storage <= most, "{} of {scatter:?} binds {storage} storage buffers", kernel.name);
         }
@@ -395,8 +407,8 @@ fn modules_use_what_their_folders_may() {
     }
     assert!(uses > 100, "{uses} uses were looked at");
     // The modules that a plan chooses are where the table says.
-    let plan = Plan::new(&everything(), Scatter::Queues).expect("it links");
-    let linked: BTreeSet<&String> = plan.kernels().iter().flat_map(|kernel| &kernel.linked.modules).collect();
+    let plan = kernels(&everything(), &RenderOptions::default(), Scatter::Queues);
+    let linked: BTreeSet<&String> = plan.all().iter().flat_map(|kernel| &kernel.linked.modules).collect();
     for (_, folder) in CHOICES {
         assert!(linked.iter().any(|module| module.starts_with(&format!("{folder}/"))), "{folder}");
     }

@@ -18,8 +18,10 @@ use std::path::Path;
 use gpu_rt::data::Sampler;
 use gpu_rt::film::Film;
 use gpu_rt::flatten::flatten;
-use gpu_rt::plan::{Plan, Scatter};
-use gpu_rt::render::{Goal, Job, NOISE_LEVEL, Next, Outcome, Renderer, TuningWish};
+use gpu_rt::job::{Goal, Job};
+use gpu_rt::options::RenderOptions;
+use gpu_rt::plan::Plan;
+use gpu_rt::render::{NOISE_LEVEL, Next, Outcome, Renderer};
 use gpu_rt::scene::Scene;
 use held::{BULB, Held, Looks};
 use kernel::Overlay;
@@ -120,12 +122,11 @@ fn until(scene: &Scene, goal: Goal, sampler: Sampler) -> (Film, Outcome) {
 /// The same, with a seed, and a film that takes the samples to be placed by another sampler.
 fn onto_film(scene: &Scene, goal: Goal, sampler: Sampler, seed: u32, of_film: Sampler) -> (Film, Outcome) {
     let size = (scene.image.width, scene.image.height);
-    let mut flat = flatten(scene, size).expect("it flattens");
-    flat.features.sampler = sampler;
-    let plan = Plan::new(&flat.features, Scatter::Fused).expect("it links");
+    let options = RenderOptions { sampler, ..render::plain() };
+    let flat = flatten(scene, size, &options).expect("it flattens");
     let job = Job { size, max_depth: 10, seed, first_sample: 0, goal };
-    let mut renderer =
-        Renderer::new(device::software(), &flat, &plan, &job, TuningWish::default(), false).expect("it fits");
+    let plan = Plan::new(&flat, &options, device::software().class(), &job).expect("it links");
+    let mut renderer = Renderer::new(device::software(), &plan, &job, false).expect("it fits");
     let mut film = Film::with_sampler(size.0, size.1, flat.radiance_exponent, of_film).expect("it fits");
     let outcome = renderer.run(&job, &mut film, &mut |_, _| Next::GoOn).expect("it renders");
     (film, outcome)
@@ -145,11 +146,12 @@ fn a_render_until_an_error_is_that_of_its_samples() {
         // The k-th look has 5 % / 2^k.
         assert_eq!(noise.level, NOISE_LEVEL / f64::from(samples / 8));
         assert!(film.error_estimate(noise.level).expect("there is light").bound < error);
-        let of_samples = render(&scene, &Ask { sampler, ..Ask::spp(samples).seed(4).depth(10) });
+        let of_samples = render(&scene, &Ask::spp(samples).seed(4).depth(10).with(|options| options.sampler = sampler));
         assert!(film == of_samples.film);
         // It did not end too late.
         if samples > 16 {
-            let before = render(&scene, &Ask { sampler, ..Ask::spp(samples / 2).seed(4).depth(10) });
+            let before =
+                render(&scene, &Ask::spp(samples / 2).seed(4).depth(10).with(|options| options.sampler = sampler));
             assert!(before.film.error_estimate(2.0 * noise.level).expect("there is light").bound >= error);
         }
     }
@@ -169,7 +171,7 @@ fn a_render_until_an_error_is_that_of_its_samples() {
 fn bounds_hold_where_few_pixels_hold_the_noise() {
     let marble = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/marble.ron");
     let marble = Scene::load(&marble).expect("it ships");
-    let ask = |(width, height)| Ask { roulette: true, ..Ask::default().mis().sobol().size(width, height) };
+    let ask = |(width, height)| Ask::default().mis().sobol().size(width, height).roulette();
     let by_halves = Overlay::new(&[("lib/spread", "test/control/no_spread")]);
     for (name, scene, size) in [("bulb", scene(BULB), (16, 16)), ("marble", marble, (32, 18))] {
         let looks = |change: &Change<'_>| Looks::new(&scene, &ask(size), change, 80, &[16, 64]);
@@ -208,7 +210,7 @@ fn a_lamp_far_brighter_than_what_is_seen_hides_no_error() {
     let (alone, beside) = (lit(""), lit(closed));
     for sampler in [Sampler::Sobol, Sampler::Independent] {
         let error = |scene: &Scene| {
-            let shot = render(scene, &Ask { sampler, ..Ask::spp(64).depth(4) });
+            let shot = render(scene, &Ask::spp(64).depth(4).with(|options| options.sampler = sampler));
             shot.film.error_estimate(NOISE_LEVEL).expect("there is light")
         };
         let (alone, beside) = (error(&alone), error(&beside));

@@ -16,24 +16,24 @@ use std::time::Instant;
 use everything::{Everything, World};
 use gpu_rt::data::Sampler;
 use gpu_rt::film::Film;
-use gpu_rt::flatten::{Wish, flatten_with};
+use gpu_rt::flatten::flatten;
 use gpu_rt::gpu::device::Device;
-use gpu_rt::plan::{Plan, Scatter, Tables};
-use gpu_rt::render::{Goal, Job, Next, Outcome, Renderer, TuningWish, plan_for};
+use gpu_rt::job::{Goal, Job};
+use gpu_rt::options::{RenderOptions, Scatter};
+use gpu_rt::plan::Plan;
+use gpu_rt::render::{Next, Outcome, Renderer};
 use gpu_rt::scene::Scene;
 
 const SIZE: (u32, u32) = (16, 9);
 
 /// Makes a scene's kernels ready and, if it is to be rendered, renders a sample; the result is the kernels that were dispatched.
 fn start(device: &Device, scene: &Scene, scatter: Scatter, to_be_rendered: bool) -> Vec<String> {
-    let wish = Wish { sample_lights: true, roulette: true, sampler: Sampler::Sobol, ..Wish::default() };
-    let flat = flatten_with(scene, SIZE, wish).expect("the scene flattens");
-    let tables = Tables::new(&flat, device.class().table_bytes());
-    let plan = Plan::with_tables(&flat.features, scatter, &tables).expect("the kernels link");
+    let options = RenderOptions { scatter: Some(scatter), ..RenderOptions::default() };
+    let flat = flatten(scene, SIZE, &options).expect("the scene flattens");
     let job = Job { size: SIZE, max_depth: 8, seed: 0, first_sample: 0, goal: Goal::Samples(1) };
-    let tuning = TuningWish { scatter: Some(scatter), ..TuningWish::default() };
+    let plan = Plan::new(&flat, &options, device.class(), &job).expect("the kernels link");
     // The seconds of each kernel on the device name all that were dispatched.
-    let mut renderer = Renderer::new(device, &flat, &plan, &job, tuning, true).expect("the kernels compile");
+    let mut renderer = Renderer::new(device, &plan, &job, true).expect("the kernels compile");
     if !to_be_rendered {
         return Vec::new();
     }
@@ -85,11 +85,11 @@ fn submission(device: &Device, bounces: Option<u32>) -> f64 {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.ron");
     let scene = Scene::load(&file).expect("it ships");
     let size = (256, 256);
-    let flat = flatten_with(&scene, size, Wish::default()).expect("the scene flattens");
+    let options = RenderOptions { bounces, ..render::plain() };
+    let flat = flatten(&scene, size, &options).expect("the scene flattens");
     let job = Job { size, max_depth: 8, seed: 0, first_sample: 0, goal: Goal::Samples(1 << 20) };
-    let wish = TuningWish { bounces, ..TuningWish::default() };
-    let plan = plan_for(&flat, device.class(), &job, wish).expect("the kernels link");
-    let mut renderer = Renderer::new(device, &flat, &plan, &job, wish, false).expect("the kernels compile");
+    let plan = Plan::new(&flat, &options, device.class(), &job).expect("the kernels link");
+    let mut renderer = Renderer::new(device, &plan, &job, false).expect("the kernels compile");
     let mut film = Film::with_sampler(size.0, size.1, flat.radiance_exponent, Sampler::Independent).expect("it fits");
     let mut ends = vec![Instant::now()];
     let mut watch = |_: &Film, _: &Outcome| {

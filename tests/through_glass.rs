@@ -11,9 +11,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
+use gpu_rt::options::Scatter;
 use gpu_rt::output::exr::read_exr;
-use gpu_rt::plan::Scatter;
-use gpu_rt::render::{ThroughGlass, TuningWish};
+use gpu_rt::render::ThroughGlass;
 use render::{Ask, render as render_scene, scene};
 use serde_json::Value;
 
@@ -243,10 +243,7 @@ fn reports_do_not_depend_on_how_stages_are_linked() {
         assert!(!counts || met(&of("fused", "1")) != met(&fused));
     }
     // The counters bin by bin.
-    let by = |scatter| {
-        let wish = TuningWish { scatter: Some(scatter), ..TuningWish::default() };
-        counted_by(&under_a_sky(0.4), 16, Ask { wish, ..Ask::default().mis() })
-    };
+    let by = |scatter| counted_by(&under_a_sky(0.4), 16, Ask::default().mis().scatter(scatter));
     let fused = by(Scatter::Fused);
     assert!(fused == by(Scatter::Linked) && fused == by(Scatter::Queues) && fused != ThroughGlass::default());
 }

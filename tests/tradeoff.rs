@@ -14,10 +14,9 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use gpu_rt::data::Sampler;
-use gpu_rt::flatten::Wish;
 use gpu_rt::gpu::device::Adapters;
-use gpu_rt::knobs::{CLAMP, INTEGRATOR, ROULETTE, SAMPLER, SIZE};
 use gpu_rt::metrics::error::relmse;
+use gpu_rt::options::{CLAMP, INTEGRATOR, Integrator, ROULETTE, RenderOptions, SAMPLER, SIZE, Switch};
 use gpu_rt::output::exr::read_exr;
 use gpu_rt::scene::Scene;
 use gpu_rt::tradeoff::extent::Whole;
@@ -111,24 +110,24 @@ fn scene(text: &str) -> Scene {
     render::scene(text)
 }
 
-fn wish() -> Wish {
-    Wish { sample_lights: true, roulette: true, sampler: Sampler::Sobol, ..Wish::default() }
-}
-
 /// The defaults, and three settings that are declared to change the noise alone.
 fn unbiased(scene: &Scene) -> Vec<Setting> {
-    let setting = |knob, value: &str, wish| Setting {
+    let setting = |knob, value: &str, options| Setting {
         knob,
         value: value.to_string(),
-        wish,
+        options,
         max_depth: scene.render.max_depth,
         scale: 1.0,
     };
     vec![
-        setting(None, "", wish()),
-        setting(Some(&INTEGRATOR), "bsdf", Wish { sample_lights: false, ..wish() }),
-        setting(Some(&ROULETTE), "off", Wish { roulette: false, ..wish() }),
-        setting(Some(&SAMPLER), "independent", Wish { sampler: Sampler::Independent, ..wish() }),
+        setting(None, "", RenderOptions::default()),
+        setting(Some(&INTEGRATOR), "bsdf", RenderOptions { integrator: Integrator::Bsdf, ..RenderOptions::default() }),
+        setting(Some(&ROULETTE), "off", RenderOptions { roulette: Switch::Off, ..RenderOptions::default() }),
+        setting(
+            Some(&SAMPLER),
+            "independent",
+            RenderOptions { sampler: Sampler::Independent, ..RenderOptions::default() },
+        ),
     ]
 }
 
@@ -180,7 +179,7 @@ fn a_planted_bias_is_found_with_its_sign_and_size() {
         let clamp = Setting {
             knob: Some(&CLAMP),
             value: "1e6".into(),
-            wish: Wish { clamp: Some(1e6), ..wish() },
+            options: RenderOptions { clamp: Some(1e6), ..RenderOptions::default() },
             ..defaults.clone()
         };
         for setting in [defaults, &clamp, independent] {
@@ -249,8 +248,10 @@ fn a_bias_against_what_is_not_known_is_not_known() {
     let mut sweep = Sweep::new(device::software(), &scene, (24, 24), 0);
     sweep.add(defaults.clone()).expect("it compiles");
     for value in ["1", "10"] {
-        let wish = Wish { clamp: value.parse().ok(), ..wish() };
-        sweep.add(Setting { knob: Some(&CLAMP), value: value.into(), wish, ..defaults.clone() }).expect("it compiles");
+        let options = RenderOptions { clamp: value.parse().ok(), ..RenderOptions::default() };
+        sweep
+            .add(Setting { knob: Some(&CLAMP), value: value.into(), options, ..defaults.clone() })
+            .expect("it compiles");
     }
     measure(&mut sweep, 1, 8);
     let found = judged(&mut sweep, None).measured;

@@ -10,8 +10,10 @@ use gpu_rt::data::{HIT_NOTHING, PRIMITIVE_BIT};
 use gpu_rt::film::Film;
 use gpu_rt::flatten::flatten;
 use gpu_rt::gpu::probe;
-use gpu_rt::plan::{Plan, Scatter};
-use gpu_rt::render::{Goal, Job, Next, Renderer, TuningWish};
+use gpu_rt::job::{Goal, Job};
+use gpu_rt::options::{Integrator, RenderOptions, Scatter, Switch};
+use gpu_rt::plan::Plan;
+use gpu_rt::render::{Next, Renderer};
 use gpu_rt::scene::Scene;
 
 const QUALITIES: [Quality; 3] = [Quality::Fast, Quality::Medium, Quality::Best];
@@ -34,11 +36,17 @@ fn coincident_lamps(count: usize) -> String {
 
 fn render(count: usize, scatter: Scatter) -> Film {
     let scene = Scene::parse(&coincident_lamps(count), Path::new("lamps.ron")).expect("the scene is valid");
-    let flat = flatten(&scene, (1, 1)).expect("it flattens");
-    let plan = Plan::new(&flat.features, scatter).expect("it links");
+    let options = RenderOptions {
+        integrator: Integrator::Bsdf,
+        roulette: Switch::Off,
+        scatter: Some(scatter),
+        slots: Some(1),
+        ..RenderOptions::default()
+    };
+    let flat = flatten(&scene, (1, 1), &options).expect("it flattens");
     let job = Job { size: (1, 1), max_depth: 1, seed: 0, first_sample: 0, goal: Goal::Samples(8) };
-    let wish = TuningWish { slots: Some(1), ..TuningWish::default() };
-    let mut renderer = Renderer::new(device::software(), &flat, &plan, &job, wish, false).expect("it compiles");
+    let plan = Plan::new(&flat, &options, device::software().class(), &job).expect("it links");
+    let mut renderer = Renderer::new(device::software(), &plan, &job, false).expect("it compiles");
     let mut film = Film::new(1, 1, flat.radiance_exponent).expect("a pixel fits");
     renderer.run(&job, &mut film, &mut |_, _| Next::GoOn).expect("it renders");
     film

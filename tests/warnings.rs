@@ -12,6 +12,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use gpu_rt::flatten::flatten;
+use gpu_rt::options::RenderOptions;
 use gpu_rt::scene::Scene;
 
 /// Marks in a scene's text where the warning is expected; it is taken out before parsing.
@@ -52,7 +53,7 @@ fn scene(camera: &str, objects: &str) -> String {
 fn warnings(text: &str) -> Vec<String> {
     let scene = Scene::parse(&text.replace(MARK, ""), &root().join("x.ron")).unwrap_or_else(|e| panic!("{e}\n{text}"));
     let size = (scene.image.width, scene.image.height);
-    flatten(&scene, size).unwrap_or_else(|e| panic!("{e}")).warnings
+    flatten(&scene, size, &RenderOptions::default()).unwrap_or_else(|e| panic!("{e}")).warnings
 }
 
 /// Why the warnings about a marked text are not just one, there, about this field, in these words.
@@ -735,7 +736,7 @@ fn lights_that_are_not_used_do_not_count() {
     };
     let exponent = |text: &str| {
         let scene = Scene::parse(&text.replace(MARK, ""), &root().join("x.ron")).unwrap_or_else(|e| panic!("{e}"));
-        flatten(&scene, (40, 30)).unwrap_or_else(|e| panic!("{e}")).radiance_exponent
+        flatten(&scene, (40, 30), &RenderOptions::default()).unwrap_or_else(|e| panic!("{e}")).radiance_exponent
     };
     let unused = with("1e30", "");
     assert_silent(&unused);
@@ -810,7 +811,8 @@ fn the_scenes_that_come_with_it_are_safe() {
         let expected = usize::from(black.iter().any(|name| path.ends_with(name)));
         // As large as the file says, and as on a wall.
         for factor in [1, 4] {
-            let flat = flatten(&scene, (factor * width, factor * height)).unwrap_or_else(|e| panic!("{e}"));
+            let flat = flatten(&scene, (factor * width, factor * height), &RenderOptions::default())
+                .unwrap_or_else(|e| panic!("{e}"));
             assert_eq!(flat.warnings.len(), expected, "{:#?}", flat.warnings);
         }
         seen += 1;
@@ -844,7 +846,7 @@ fn the_ends_of_what_numbers_may_be() {
     for text in &scenes {
         // What is out of range as a whole is refused.
         let scene = Scene::parse(text, &root().join("x.ron"));
-        let Ok(flat) = scene.and_then(|scene| flatten(&scene, (40, 30))) else { continue };
+        let Ok(flat) = scene.and_then(|scene| flatten(&scene, (40, 30), &RenderOptions::default())) else { continue };
         for warning in &flat.warnings {
             assert!(!["NaN", "inf", "{"].iter().any(|wrong| warning.contains(wrong)), "{warning}");
         }

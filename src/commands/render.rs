@@ -9,21 +9,19 @@ use serde_json::json;
 
 use super::{
     check_place, flatten_for, open_device, path_text, print_json, same_file, stop_on_interrupt, tell, tell_biases,
-    tell_software, wish_of,
+    tell_software,
 };
-use crate::cli::{FeaturesArg, MOST_SAMPLES, RenderArgs};
-use crate::data::Sampler;
+use crate::cli::{MOST_SAMPLES, RenderArgs};
 use crate::error::{Error, Result};
 use crate::film::{ErrorEstimate, Film, Picture, Totals};
-use crate::flatten::Wish;
 use crate::gpu::device::Device;
 use crate::gpu::probe::{Numerics, numerics};
+use crate::job::{Goal, Job};
 use crate::output::exr::{Attribute, write_exr};
 use crate::output::png::write_png;
 use crate::output::progress::{self, Loading, Progress, Status};
-use crate::render::{
-    Goal, Job, NOISE_LEVEL, Next, Noise, Outcome, Renderer, ThroughGlass, TooDeep, TuningWish, plan_for,
-};
+use crate::plan::Plan;
+use crate::render::{NOISE_LEVEL, Next, Noise, Outcome, Renderer, ThroughGlass, TooDeep};
 use crate::scene::Scene;
 
 /// Seconds of the parts of a render, as `--json` and the EXR's header report them.
@@ -61,15 +59,14 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
         }
     };
     tell_warnings(&warnings);
-    let biases = tell_biases(&args.trade, args.paths.max_depth, &scene, args.quiet);
+    let biases = tell_biases(&args.options, args.paths.max_depth, &scene, args.quiet);
     let output = output_of(args)?;
     seconds.load = clock.lap();
 
-    let wish = Wish { every_feature: args.tuning.features == FeaturesArg::All, ..wish_of(&args.trade) };
     // The driver loads while the scene is built: `open` is what is left of that then. A scene that does not load waits for no driver.
     let (built, device) = std::thread::scope(|scope| {
         let opening = scope.spawn(|| open_device(args.paths.device.as_deref()));
-        let built = flatten_for(&scene, args.size, wish);
+        let built = flatten_for(&scene, args.size, &args.options);
         seconds.build = clock.lap();
         (built, opening.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
     });
@@ -81,21 +78,15 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     seconds.open = clock.lap();
 
     let job = job_of(args, &scene, size, start);
-    let wish = TuningWish {
-        slots: args.tuning.slots,
-        workgroup: args.tuning.workgroup,
-        scatter: args.tuning.scatter.map(Into::into),
-        bounces: args.tuning.bounces,
-    };
     let plan = std::thread::scope(|scope| {
         // The device keeps what its probe finds; an error comes again where the findings are asked for.
         scope.spawn(|| numerics(&device).is_ok());
-        plan_for(&flat, device.class(), &job, wish)
+        Plan::new(&flat, &args.options, device.class(), &job)
     })?;
-    let mut renderer = Renderer::new(&device, &flat, &plan, &job, wish, args.tuning.profile)?;
+    let mut renderer = Renderer::new(&device, &plan, &job, args.profile)?;
     seconds.compile = clock.lap();
 
-    let mut film = Film::with_sampler(size.0, size.1, flat.radiance_exponent, flat.features.sampler)?;
+    let mut film = Film::with_sampler(size.0, size.1, flat.radiance_exponent, args.options.sampler)?;
     let stopped = stop_on_interrupt();
     let about = About {
         args,
@@ -152,7 +143,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     }
     if args.json {
         let kernels: Vec<_> = plan.kernels().iter().map(|kernel| kernel.name.as_str()).collect();
-        let gpu_bytes: u64 = plan.buffers(&flat, renderer.tuning()).iter().map(|buffer| buffer.allocated()).sum();
+        let gpu_bytes: u64 = plan.buffers().iter().map(|buffer| buffer.allocated()).sum();
         print_json(&report(&about, &output, &outcome, &finish, &seconds, total, &kernels, gpu_bytes))?;
     }
     if args.strict && finish.totals.rejected.total() > 0 {
@@ -356,8 +347,8 @@ impl About<'_> {
             text("device", self.device.name.name.clone()),
             text("driver", self.device.name.driver.clone()),
             text("numerics", json!(self.numerics).to_string()),
-            text("integrator", self.args.trade.integrator.name().to_string()),
-            text("sampler", Sampler::from(self.args.trade.sampler).name().to_string()),
+            text("integrator", self.args.options.integrator.to_string()),
+            text("sampler", self.args.options.sampler.to_string()),
             int("seed", u64::from(self.job.seed)),
             int("max_depth", u64::from(self.job.max_depth)),
             int("first_sample", u64::from(finish.samples.start)),
@@ -429,11 +420,11 @@ fn report(
         "first_sample": outcome.samples.start,
         "max_depth": about.job.max_depth,
         "seed": about.job.seed,
-        "integrator": about.args.trade.integrator.name(),
-        "sampler": Sampler::from(about.args.trade.sampler).name(),
+        "integrator": about.args.options.integrator.to_string(),
+        "sampler": about.args.options.sampler.to_string(),
         "biases": about.biases,
         "warnings": about.warnings,
-        "features": about.args.tuning.features.name(),
+        "features": about.args.options.features.to_string(),
         "device": about.device.name.name,
         "driver": about.device.name.driver,
         "software": about.device.name.software,
@@ -472,7 +463,7 @@ fn report(
     if let Some(over) = overrun(about.args.time, total) {
         report["time_overrun_seconds"] = over.into();
     }
-    if about.args.tuning.profile {
+    if about.args.profile {
         report["stage_seconds"] = stages.into();
     }
     report
@@ -505,7 +496,7 @@ fn summarise(about: &About<'_>, output: &Output<'_>, outcome: &Outcome, finish: 
         let over = if over < 1.0 { format!("{:.1} ms", 1e3 * over) } else { format!("{over:.1} s") };
         tell(&format!("warning: this took {over} more than the --time of {} s", time.as_secs_f64()));
     }
-    if args.tuning.profile {
+    if args.profile {
         match outcome.stages.is_empty() {
             true => tell("stages: this device has no timestamps"),
             false => outcome.stages.iter().for_each(|(name, s)| tell(&format!("stage {name}: {s:.3} s on the device"))),

@@ -23,6 +23,7 @@ use glam::DVec3;
 use crate::bvh;
 use crate::data::{self, MAX_PRIMITIVES, NO_TEXTURE};
 use crate::error::Result;
+use crate::options::{FeatureSet, Integrator, RenderOptions};
 use crate::scene::{Background, Bitmap, Material, Mesh, Object, Scene, Step, Texture};
 use meshes::Laid;
 use place::{AxisBox, Finder, Placed, PlacedMedium, extent};
@@ -73,39 +74,12 @@ const MOST_MEDIA: usize = 1024;
 const MOST_OF_FEW: usize = 24;
 const LEAST_CROSSINGS: f32 = 1.25;
 
-/// What is asked of flattening beside the scene.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Wish {
-    /// Of the hierarchies; changes no image.
-    pub quality: Quality,
-    /// Whether rays are sent to lights (`--integrator mis`), where the scene has any that can be sampled.
-    pub sample_lights: bool,
-    /// Whether paths of small throughput are ended at random (`--roulette on`).
-    pub roulette: bool,
-    /// How the samples of a pixel are placed.
-    pub sampler: data::Sampler,
-    /// Clear solids reflect by Schlick's approximation (`--fresnel schlick`).
-    pub schlick: bool,
-    /// The most radiance that a contribution of indirect light may have, in the scene's units (`--clamp`).
-    pub clamp: Option<f64>,
-    /// Rays leave surfaces by a fraction of the distance (`--offset fast`).
-    pub fast_offset: bool,
-    /// Spheres are met by the textbook's formula (`--precision fast`).
-    pub fast_precision: bool,
-    /// Everything that a scene can require is taken to be required (`--features all`). The image is the same.
-    pub every_feature: bool,
-}
-
-/// Flattens a scene for an image of `size` pixels.
+/// Flattens a scene for an image of `size` pixels. Of the options those count that change tables: the integrator, the build of the
+/// hierarchies, and the features that are linked.
 ///
 /// # Errors
 /// `Error::Scene` where there are more primitives than a code can name, or more media than a ray can cross.
-pub fn flatten(scene: &Scene, size: (u32, u32)) -> Result<Flat> {
-    flatten_with(scene, size, Wish::default())
-}
-
-/// The same, as one wishes it.
-pub fn flatten_with(scene: &Scene, size: (u32, u32), wish: Wish) -> Result<Flat> {
+pub fn flatten(scene: &Scene, size: (u32, u32), options: &RenderOptions) -> Result<Flat> {
     let mut features = Features::default();
     let mut finder = Finder::new(scene);
     let view = View::new(&scene.camera, size);
@@ -156,7 +130,7 @@ pub fn flatten_with(scene: &Scene, size: (u32, u32), wish: Wish) -> Result<Flat>
         meshes,
         boxes: &boxes,
         space,
-        quality: wish.quality,
+        quality: options.build,
         materials: vec![0; scene.materials.len()],
         images: HashMap::new(),
         mesh_frames: HashMap::new(),
@@ -164,31 +138,26 @@ pub fn flatten_with(scene: &Scene, size: (u32, u32), wish: Wish) -> Result<Flat>
     };
     builder.add_background(radiance_scale);
     builder.add_materials(&finder.placed, radiance_scale);
+    let sample_lights = options.integrator == Integrator::Mis;
     // Dangers are looked for while the hierarchies are built.
     let looked = std::thread::scope(|scope| {
         let looking = scope.spawn(|| dangers::warnings(&found));
         builder.add_primitives(&finder.placed);
         builder.add_media(&finder.media);
-        if wish.sample_lights && builder.flat.features.answers_to_light() {
+        if sample_lights && builder.flat.features.answers_to_light() {
             builder.add_lights(&finder.placed);
         }
         looking.join()
     });
     let mut flat = builder.flat;
     flat.warnings.extend(looked.unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
-    flat.features.wish(&wish);
     flat.features.shadow_rays = flat.features.lights > 0;
-    if let Some(limit) = wish.clamp {
-        // In device radiance; beyond what f32 holds it is as good as the least or the most.
-        let limit = (radiance_scale * limit).clamp(f64::from(f32::MIN_POSITIVE), f64::from(f32::MAX));
-        flat.settings.indirect_limit = limit as f32;
-    }
     let of_camera =
         |field: &str| format!("camera.{field} at {}", scene.location(&[Step::Field("camera"), Step::Field(field)]));
     flat.features.thin_lens = (scene.camera.aperture > 0.0).then(|| of_camera("aperture"));
     flat.features.turned = view.turned.then(|| of_camera("vertical_fov"));
-    if wish.every_feature {
-        flat.require_all(wish.sample_lights);
+    if options.features == FeatureSet::All {
+        flat.require_all(sample_lights);
     }
     Ok(flat)
 }

@@ -7,7 +7,7 @@ use super::model::{Standing, doubt};
 use super::replicates::Estimate;
 use super::sweep::{LEVEL, Unmeasured};
 use super::truth::Distance;
-use crate::knobs::Class;
+use crate::options::Class;
 
 /// All that the report is made of.
 #[derive(Clone, Debug)]

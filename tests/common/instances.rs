@@ -10,6 +10,7 @@ use std::path::Path;
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use gpu_rt::flatten::{Flat, flatten};
+use gpu_rt::options::{Integrator, RenderOptions};
 use gpu_rt::plan::{Tables, choices_of};
 use gpu_rt::scene::Scene;
 
@@ -96,11 +97,12 @@ pub fn flat_around(eye: DVec3, mesh: &str, objects: &[String]) -> Flat {
     );
     let scene = Scene::parse(&text, &folder.path().join("test.ron")).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(scene.location(&[]).file, folder.path().join(Path::new("test.ron")));
-    flatten(&scene, (16, 16)).expect("the test's scene is small")
+    flatten(&scene, (16, 16), &RenderOptions { integrator: Integrator::Bsdf, ..RenderOptions::default() })
+        .expect("the test's scene is small")
 }
 
 pub fn kernel(flat: &Flat, faces: usize, replaced: &[(&str, &str)]) -> Kernel {
-    let plan = choices_of(&flat.features, &Tables::default());
+    let plan = choices_of(&flat.features, &RenderOptions::default(), &Tables::default());
     let (instances, faces) = (flat.instances.len().to_string(), faces.to_string());
     let values = [("instances", &*instances), ("faces", &*faces)];
     Kernel::with("test/meshes", &Setup { plan, values: &values, replaced, ..Setup::default() })

@@ -135,7 +135,7 @@ fn roulette() -> Vec<Cell> {
     let unweighted = Overlay::new(&[("step/roulette", "test/control/roulette_unweighted")]);
     [0.1, 0.5, 0.9, 0.99]
         .map(|albedo| {
-            let ask = Ask { roulette: true, ..Ask::spp(256).mis() };
+            let ask = Ask::spp(256).mis().roulette();
             let scene = scene(&room(albedo, r));
             let expected = wall(albedo, r, 1000);
             let (achieved, noise) = error(&render(&scene, &ask), expected);

@@ -3,8 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use gpu_rt::data::{ODD_RUN, RUN_LENGTH, Settings};
 use gpu_rt::film::{Film, RunRecord};
-use gpu_rt::plan::Scatter;
-use gpu_rt::render::TuningWish;
+use gpu_rt::options::Scatter;
 
 use crate::kernel::{Kernel, Overlay, Setup};
 use crate::render::{Ask, render_planted, scene};
@@ -157,13 +156,17 @@ fn constants() -> Vec<Cell> {
         let error = |(run, x): (&RunRecord, &f32)| (f64::from(run.sum[0]) / (8.0 * f64::from(*x)) - 1.0).abs();
         sums.iter().zip(&of_runs).map(error).fold(0.0, f64::max)
     };
-    let of_render = |library: &Overlay, wish: TuningWish| {
+    let of_render = |library: &Overlay, scatter: Option<Scatter>| {
         let text = format!(
             "Scene(image: (width: 1, height: 1), background: Solid(({WORST:?}, {WORST:?}, {WORST:?})),
              camera: (look_from: (0, 0, 0), look_at: (0, 0, -1), vertical_fov: 40), materials: {{ \"m\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5)) }},
              objects: [Sphere(center: (0, 0, 9), radius: 1, material: \"m\")])"
         );
-        let shot = render_planted(&scene(&text), &Ask { wish, ..Ask::spp(BEYOND_F32 as u32) }, library);
+        let shot = render_planted(
+            &scene(&text),
+            &Ask::spp(BEYOND_F32 as u32).with(|options| options.scatter = scatter),
+            library,
+        );
         shot.picture.rgb[0].map(|x| (f64::from(x) / WORST - 1.0).abs()).into_iter().fold(0.0, f64::max)
     };
     let mut all = vec![
@@ -178,7 +181,6 @@ fn constants() -> Vec<Cell> {
         .planted(PLAIN_NAME, worst(PLAIN)),
     ];
     for (name, scatter) in [("one kernel", Scatter::Fused), ("a kernel a stage", Scatter::Linked)] {
-        let wish = TuningWish { scatter: Some(scatter), ..TuningWish::default() };
         let cell = Cell::new(
             Row::Samples,
             format!("2^24 + 1, a sky of {WORST}; {name}"),
@@ -186,8 +188,8 @@ fn constants() -> Vec<Cell> {
             1e-7,
             "Asked for. All runs but the last, of one sample, have eight: none.",
         )
-        .achieved(of_render(&Overlay::new(&[]), wish));
-        all.push(cell.planted(PLAIN_NAME, of_render(&Overlay::new(PLAIN), wish)));
+        .achieved(of_render(&Overlay::new(&[]), Some(scatter)));
+        all.push(cell.planted(PLAIN_NAME, of_render(&Overlay::new(PLAIN), Some(scatter))));
     }
     all
 }

@@ -233,7 +233,7 @@ fn bright_slabs() -> Vec<Cell> {
     let expected = 1.0 - (1.0 - ALBEDO).sqrt() * h_of_one(ALBEDO);
     // Dark paths are ended, or each would go on for a thousand events.
     let shot = |depth, distance, thickness| {
-        render(&scene(&slab(depth, ALBEDO, distance, thickness)), &Ask { roulette: true, ..Ask::spp(64) }).mean_of_all()
+        render(&scene(&slab(depth, ALBEDO, distance, thickness)), &Ask::spp(64).roulette()).mean_of_all()
     };
     let mut all = Vec::new();
     for (distance, thickness) in [(1.0, 1.0), (30.0, 1.0), (1.0, 0.01)] {

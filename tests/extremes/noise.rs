@@ -4,6 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use gpu_rt::data::PRIMITIVE_BIT;
 use gpu_rt::flatten::flatten;
+use gpu_rt::options::RenderOptions;
 use gpu_rt::plan::{Tables, choices_of};
 
 use crate::kernel::{Kernel, Setup, array};
@@ -143,7 +144,7 @@ fn far_objects() -> Vec<Cell> {
              materials: {{\"m\": Lambertian(albedo: Noise(scale: {SCALE}))}}, objects: [{}])",
             objects.join(", ")
         ));
-        let flat = flatten(&scene, (16, 16)).expect("the test's scene is small");
+        let flat = flatten(&scene, (16, 16), &super::render::plain()).expect("the test's scene is small");
         let to_render = f64::from(flat.spheres[0].radius);
         let (mut rays, mut places) = (Vec::new(), Vec::new());
         for (index, center) in (0u32..).zip(&centers) {
@@ -158,7 +159,7 @@ fn far_objects() -> Vec<Cell> {
                 places.push((*center, n));
             }
         }
-        let plan = choices_of(&flat.features, &Tables::default());
+        let plan = choices_of(&flat.features, &RenderOptions::default(), &Tables::default());
         let kernel = Kernel::with("test/colour", &Setup { plan, ..Setup::default() });
         let buffers = [
             array("spheres", &flat.spheres),

@@ -3,9 +3,8 @@
 use bytemuck::{Pod, Zeroable};
 use gpu_rt::film::{Film, Totals};
 use gpu_rt::gpu::probe::numerics;
+use gpu_rt::options::Scatter;
 use gpu_rt::output::exr::{read_exr, write_exr};
-use gpu_rt::plan::Scatter;
-use gpu_rt::render::TuningWish;
 
 use crate::device;
 use crate::kernel::{Kernel, Overlay, Setup};
@@ -38,8 +37,7 @@ fn broken_sky(scatter: Scatter, more: &[(&str, &str)]) -> Film {
          objects: [Sphere(center: (0, 0, 9), radius: 1, material: \"m\")])",
         (COLOUR[0], COLOUR[1], COLOUR[2])
     );
-    let wish = TuningWish { scatter: Some(scatter), ..TuningWish::default() };
-    let ask = Ask { wish, ..Ask::spp(SAMPLES).sobol() };
+    let ask = Ask::spp(SAMPLES).sobol().scatter(scatter);
     render_planted(&scene(&text), &ask, &Overlay::new(&[&PLANTED[..], more].concat())).film
 }
 

@@ -147,7 +147,7 @@ fn forced() -> Vec<Cell> {
     for (sampler, name, module) in
         [(Sampler::Independent, "independent", "sampler/independent"), (Sampler::Sobol, "sobol", "sampler/sobol")]
     {
-        let ask = Ask { sampler, roulette: true, ..Ask::default().mis() };
+        let ask = Ask::default().mis().roulette().with(|options| options.sampler = sampler);
         let runs = |block: u32| block * CODES * RUN_LENGTH..(block + 1) * CODES * RUN_LENGTH;
         let ranges: Vec<_> = (0..5).map(runs).collect();
         // By codes, so that a pixel's value is the mean of one code's samples.
@@ -459,7 +459,7 @@ fn camera() -> Cell {
                 "Scene(image: (width: 8, height: 8), background: Solid((1, 1, 1)), materials: {{}}, objects: [],
                  camera: (look_from: (1, 2, 3), look_at: (0, 0, 0), vertical_fov: {fov:?}, aperture: {aperture:?}, focus_distance: {focus:?}))"
             ));
-            let settings = flatten(&scene, (8, 8)).expect("it is a scene").settings;
+            let settings = flatten(&scene, (8, 8), &super::render::plain()).expect("it is a scene").settings;
             let kernel = Kernel::with("test/camera", &Setup { values: &[("camera", camera)], ..Setup::default() });
             let rows: Vec<CameraIn> = [0, 7]
                 .iter()

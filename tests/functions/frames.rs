@@ -8,6 +8,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec3};
 use gpu_rt::data::primitive_code;
 use gpu_rt::flatten::{Flat, flatten};
+use gpu_rt::options::{Integrator, RenderOptions};
 use gpu_rt::plan::{Tables, choices_of};
 use gpu_rt::scene::Scene;
 
@@ -178,7 +179,8 @@ fn scene(objects: &[Object], folder: &std::path::Path) -> Flat {
     }
     text.push_str("])");
     let scene = Scene::parse(&text, &folder.join("test.ron")).expect("the test's scene is valid");
-    flatten(&scene, (16, 16)).expect("the test's scene is small")
+    flatten(&scene, (16, 16), &RenderOptions { integrator: Integrator::Bsdf, ..RenderOptions::default() })
+        .expect("the test's scene is small")
 }
 
 #[test]
@@ -213,7 +215,7 @@ fn textures_are_evaluated_in_their_objects_own_space() {
             of.push((object, place));
         }
     }
-    let plan = choices_of(&flat.features, &Tables::default());
+    let plan = choices_of(&flat.features, &RenderOptions::default(), &Tables::default());
     let kernel = Kernel::with("test/colour", &Setup { plan, ..Setup::default() });
     let judge = |frames: &[gpu_rt::data::Frame]| {
         let buffers = [

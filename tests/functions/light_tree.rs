@@ -6,7 +6,8 @@ use std::f64::consts::PI;
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use gpu_rt::data::{LIGHT_NODE_LEAF, LIGHT_NODE_TWO_SIDED, Light};
-use gpu_rt::flatten::{Flat, Wish, flatten_with};
+use gpu_rt::flatten::{Flat, flatten};
+use gpu_rt::options::RenderOptions;
 use gpu_rt::plan::{Tables, choices_of};
 use gpu_rt::scene::Scene;
 use image::{Rgb, Rgb32FImage};
@@ -85,8 +86,7 @@ fn flattened(text: &str) -> Flat {
     let image = Rgb32FImage::from_pixel(16, 8, Rgb([1.0, 2.0, 3.0]));
     image::DynamicImage::from(image).save(folder.path().join("sky.hdr")).expect("the sky is written");
     let scene = Scene::parse(text, &folder.path().join("test.ron")).expect("the test's scene is valid");
-    let wish = Wish { sample_lights: true, ..Wish::default() };
-    flatten_with(&scene, (16, 16), wish).expect("the test's scene is small")
+    flatten(&scene, (16, 16), &RenderOptions::default()).expect("the test's scene is small")
 }
 
 /// Whether the light's front is turned towards the point by more than rounding.
@@ -108,7 +108,7 @@ fn lights_are_chosen_as_often_as_is_said() {
         let count = flat.lights.len();
         assert_eq!(flat.light_nodes.len(), 2 * (count - 1));
         let draws = DRAWS.to_string();
-        let plan = choices_of(&flat.features, &Tables::default());
+        let plan = choices_of(&flat.features, &RenderOptions::default(), &Tables::default());
         assert_eq!(plan.modules["light_choice"], "scene/light_tree");
         let kernel =
             Kernel::with("test/light_choice", &Setup { plan, values: &[("draws", &*draws)], ..Setup::default() });
@@ -151,7 +151,7 @@ fn lights_are_chosen_as_often_as_is_said() {
 fn nearer_lights_and_those_turned_towards_a_point_are_chosen_more_often() {
     let flat = lights(&mut Random(78), false);
     let draws = DRAWS.to_string();
-    let plan = choices_of(&flat.features, &Tables::default());
+    let plan = choices_of(&flat.features, &RenderOptions::default(), &Tables::default());
     let kernel = Kernel::with("test/light_choice", &Setup { plan, values: &[("draws", &*draws)], ..Setup::default() });
     // At a sphere's middle nothing is nearer.
     let more = [array("lights", &flat.lights), array("light_nodes", &flat.light_nodes)];
@@ -187,7 +187,7 @@ fn two_lights_and_a_lamp_under_a_sky() {
         ))
     };
     let probability = |flat: &Flat, light: usize, from: DVec3| -> f64 {
-        let plan = choices_of(&flat.features, &Tables::default());
+        let plan = choices_of(&flat.features, &RenderOptions::default(), &Tables::default());
         assert_eq!(plan.modules["light_choice"], "scene/light_tree");
         let setup = Setup { plan, values: &[("draws", "2")], ..Setup::default() };
         let more = [array("lights", &flat.lights), array("light_nodes", &flat.light_nodes)];

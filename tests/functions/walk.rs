@@ -4,6 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use gpu_rt::data::Node;
 use gpu_rt::flatten::Flat;
+use gpu_rt::options::RenderOptions;
 use gpu_rt::plan::{Tables, choices_of};
 
 use crate::kernel::{Kernel, Setup, array};
@@ -68,7 +69,7 @@ fn the_walk_finds_what_asking_every_primitive_finds() {
     let mut random = Random(41);
     let scene = flat(&clutter(&mut random));
     let counts = [scene.spheres.len(), scene.quads.len(), scene.cuboids.len()].map(|n| n.to_string());
-    let plan = choices_of(&scene.features, &Tables::default());
+    let plan = choices_of(&scene.features, &RenderOptions::default(), &Tables::default());
     let values = [("spheres", &*counts[0]), ("quads", &*counts[1]), ("cuboids", &*counts[2])];
     let kernel = Kernel::with("test/walk", &Setup { plan, values: &values, ..Setup::default() });
     let rays: Vec<In> = (0..20_000)
