@@ -7,13 +7,13 @@ use glam::DVec3;
 use gpu_rt::data::{Cuboid, Material, Quad, RUN_LENGTH, Sampler, Sphere};
 use gpu_rt::flatten::flatten;
 
-use crate::kernel::{Kernel, Overlay, Setup};
-use crate::light_kernel::{self, CUBOID, Kind, QUAD, SHARES, SPHERE, TRIANGLE, Triangle, spheres};
+use crate::common::kernel::{Kernel, Overlay, Setup};
+use crate::common::light_kernel::{self, CUBOID, Kind, QUAD, SHARES, SPHERE, TRIANGLE, Triangle, spheres};
+use crate::common::render::{Ask, render_linked, scene};
+use crate::common::stats::Random;
+use crate::common::vectors::{U, decades, exact, rounded, unit};
 use crate::media::{ASYMMETRIES, Scattered, Scattering, phase};
-use crate::render::{Ask, render_linked, scene};
-use crate::stats::Random;
 use crate::table::{Cell, Row};
-use crate::vectors::{U, decades, exact, rounded, unit};
 
 const LAST: f32 = 1.0 - U as f32;
 
@@ -459,7 +459,7 @@ fn camera() -> Cell {
                 "Scene(image: (width: 8, height: 8), background: Solid((1, 1, 1)), materials: {{}}, objects: [],
                  camera: (look_from: (1, 2, 3), look_at: (0, 0, 0), vertical_fov: {fov:?}, aperture: {aperture:?}, focus_distance: {focus:?}))"
             ));
-            let settings = flatten(&scene, (8, 8), &super::render::plain()).expect("it is a scene").settings;
+            let settings = flatten(&scene, (8, 8), &crate::common::render::plain()).expect("it is a scene").settings;
             let kernel = Kernel::with("test/camera", &Setup { values: &[("camera", camera)], ..Setup::default() });
             let rows: Vec<CameraIn> = [0, 7]
                 .iter()
