@@ -138,11 +138,7 @@ fn a_planted_import_is_found() {
         ("gpu/link", "use super::super::scene;\n"),
         ("gpu", "use super::scene;\n"),
         ("metrics", "use crate::gpu::device::Device;\n"),
-        (
-            "metrics",
-            "    use gpu_rt::plan::Plan;
-use gpu_rt::scene::Scene;\n",
-        ),
+        ("metrics", "    use gpu_rt::scene::Scene;\n"),
         ("bvh/wide", "use crate::gpu;\n"),
         ("film", "use crate::scene;\n"),
         ("render", "use crate::commands::render;\n"),
