@@ -38,7 +38,7 @@ test: toolchain
 # What takes minutes: statistics of thousands of renders, and 1e9 paths through all scenes.
 test-long: export NODEVICE_SELECT = 1
 test-long: toolchain
-	$(CARGO) test --release --test long --test long_paths --test unchanged -- --ignored --nocapture
+	$(CARGO) test --release --test long --test unchanged -- --ignored --nocapture
 
 # The same tests on several drivers, fetched and not installed: a second opinion on every number.
 test-drivers: toolchain

@@ -1,5 +1,5 @@
 //! The host's side of the structs under shaders/data, and the little that all of the host shares. WGSL is the source of the
-//! structs; tests/layout.rs compares every field here with naga's reflection of it.
+//! structs; tests/kernels/layout.rs compares every field here with naga's reflection of it.
 
 use bytemuck::{Pod, Zeroable};
 

@@ -1,8 +1,5 @@
 //! Rays against instances of a ball of triangles, on the device: tests/shaders/meshes.wgsl.
 
-// Each test crate compiles its own copy of this file and uses a part of it.
-#![allow(dead_code)]
-
 use std::collections::HashMap;
 use std::fmt::Write;
 use std::path::Path;
@@ -13,8 +10,8 @@ use gpu_rt::flatten::{Flat, flatten};
 use gpu_rt::plan::{Tables, choices_of};
 use gpu_rt::scene::Scene;
 
-use crate::kernel::{Kernel, Setup, array};
-use crate::scenes::triple;
+use super::kernel::{Kernel, Setup, array};
+use super::scenes::triple;
 
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]

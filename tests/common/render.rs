@@ -1,8 +1,5 @@
 //! Renders scenes through the library, as the program does: parse, flatten, plan, render, develop. On the software device.
 
-// Each test crate compiles its own copy of this file and uses a part of it.
-#![allow(dead_code)]
-
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 

@@ -1,8 +1,5 @@
 //! Primitives as the host makes them for the device, from a scene's text.
 
-// Each test crate compiles its own copy of this file and uses a part of it.
-#![allow(dead_code)]
-
 use std::fmt::Write;
 use std::path::Path;
 

@@ -1,9 +1,9 @@
 //! Rooms from which light finds out after a thousand events, or after none.
 
-use crate::kernel::Overlay;
-use crate::render::{Ask, Shot, render, render_planted, scene};
+use crate::common::kernel::Overlay;
+use crate::common::render::{Ask, Shot, render, render_planted, scene};
+use crate::common::vectors::U;
 use crate::table::{Cell, Row};
-use crate::vectors::U;
 
 /// Standard errors that a mean is off by once in 1e6.
 const NOISE: f64 = 4.9;

@@ -3,10 +3,10 @@
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
-use crate::kernel::{Kernel, Setup};
-use crate::stats::Random;
+use crate::common::kernel::{Kernel, Setup};
+use crate::common::stats::Random;
+use crate::common::vectors::{U, exact, rounded, unit};
 use crate::table::{Cell, FRISVAD, Row};
-use crate::vectors::{U, exact, rounded, unit};
 
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]

@@ -9,13 +9,13 @@ use gpu_rt::data::{PRIMITIVE_BIT, Sphere};
 use gpu_rt::flatten::Flat;
 use gpu_rt::plan::{Tables, choices_of};
 
+use crate::common::kernel::{Kernel, Overlay, Setup, array};
+use crate::common::render::{Ask, dangers, render, render_planted, scene_in};
+use crate::common::scenes::flat;
+use crate::common::stats::Random;
+use crate::common::vectors::{U, decades, exact, rounded, unit};
 use crate::geometry::{farthest, scene};
-use crate::kernel::{Kernel, Overlay, Setup, array};
-use crate::render::{Ask, dangers, render, render_planted, scene_in};
-use crate::scenes::flat;
-use crate::stats::Random;
 use crate::table::{Cell, Row};
-use crate::vectors::{U, decades, exact, rounded, unit};
 
 const MILLION: usize = 1 << 20;
 

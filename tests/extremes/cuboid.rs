@@ -1,11 +1,11 @@
 //! geometry/cuboid: rays that leave boxes, at all angles.
 
-use crate::cuboids::{Exact, assorted, error_of, rays_at};
-use crate::kernel::Kernel;
-use crate::stats::Random;
+use crate::common::cuboids::{Exact, assorted, error_of, rays_at};
+use crate::common::kernel::Kernel;
+use crate::common::stats::Random;
+use crate::common::trace::{NO_HIT, leaving, trace, tracer};
+use crate::common::vectors::{U, decades, exact};
 use crate::table::{Cell, NO_OFFSET, OFFSET_BY_BITS, Row};
-use crate::trace::{NO_HIT, leaving, trace, tracer};
-use crate::vectors::{U, decades, exact};
 
 /// Rays that met a box and leave it, out and in, at cosines with the face's normal within these decades: those that left to the
 /// wrong side, those of the rays outwards that met it again, and of those inwards whose chord was lost or off by 10 %.

@@ -6,11 +6,11 @@ use gpu_rt::film::{Film, RunRecord};
 use gpu_rt::plan::Scatter;
 use gpu_rt::render::TuningWish;
 
-use crate::kernel::{Kernel, Overlay, Setup};
-use crate::render::{Ask, render_planted, scene};
-use crate::stats::Random;
+use crate::common::kernel::{Kernel, Overlay, Setup};
+use crate::common::render::{Ask, render_planted, scene};
+use crate::common::stats::Random;
+use crate::common::vectors::U;
 use crate::table::{Cell, MEAN_OF_SQUARES, RUNNING_SUM, Row};
-use crate::vectors::U;
 
 /// Samples that are made; they are added again and again, for a billion differences would show nothing that these do not.
 const DISTINCT: usize = 1 << 20;

@@ -3,11 +3,11 @@
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
-use crate::kernel::{Kernel, Setup};
-use crate::oracles::{fresnel, fresnel_of};
-use crate::stats::Random;
+use crate::common::kernel::{Kernel, Setup};
+use crate::common::oracles::{fresnel, fresnel_of};
+use crate::common::stats::Random;
+use crate::common::vectors::{U, decades, exact, rounded, unit};
 use crate::table::{Cell, Row, SCHLICK};
-use crate::vectors::{U, decades, exact, rounded, unit};
 
 /// Reflectance and refracted ray by the formulas as they stand in books.
 const TEXTBOOK: &str = "textbook's Fresnel";

@@ -5,12 +5,12 @@ use std::f64::consts::PI;
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
-use crate::kernel::{Kernel, Setup};
-use crate::oracles::metal_density;
-use crate::render::{Ask, render, scene};
-use crate::stats::Random;
+use crate::common::kernel::{Kernel, Setup};
+use crate::common::oracles::metal_density;
+use crate::common::render::{Ask, render, scene};
+use crate::common::stats::Random;
+use crate::common::vectors::{U, decades, exact, rounded, unit};
 use crate::table::{Cell, Row};
-use crate::vectors::{U, decades, exact, rounded, unit};
 
 const FUZZES: [f64; 9] = [0.0, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0];
 const DRAWS: usize = 1 << 17;

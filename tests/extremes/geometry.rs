@@ -6,14 +6,14 @@ use glam::{DMat3, DVec3, EulerRot};
 use gpu_rt::data::Sphere;
 use gpu_rt::scene::{Background, Scene};
 
-use crate::instances::ball_file;
-use crate::kernel::Kernel;
-use crate::render::{Ask, Shot, dangers, render, scene_in};
-use crate::scenes::{flat, triple};
-use crate::stats::Random;
+use crate::common::instances::ball_file;
+use crate::common::kernel::Kernel;
+use crate::common::render::{Ask, Shot, dangers, render, scene_in};
+use crate::common::scenes::{flat, triple};
+use crate::common::stats::Random;
+use crate::common::trace::{In, NO_HIT, trace, tracer};
+use crate::common::vectors::{U, exact, unit};
 use crate::table::{Cell, FIXED_T_MIN, OFFSET_BY_BITS, Row};
-use crate::trace::{In, NO_HIT, trace, tracer};
-use crate::vectors::{U, exact, unit};
 
 /// A scene of materials "clear" (glass of index 1), "lamp" (1 on its outside, black inside), "both" (1 on both sides), "grey" (a
 /// Lambertian of 0.5), "mirror", "glass", and "weak" glass that traps no light in boxes; with the mesh "ball.obj" beside it.

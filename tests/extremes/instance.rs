@@ -1,10 +1,10 @@
 //! Rays that leave an instance of a mesh, whatever transform placed it.
 
-use crate::instances::{In, NOTHING, ball_file, flat_around, kernel, run};
-use crate::scenes::triple;
-use crate::stats::Random;
+use crate::common::instances::{In, NOTHING, ball_file, flat_around, kernel, run};
+use crate::common::scenes::triple;
+use crate::common::stats::Random;
+use crate::common::vectors::{exact, rounded, unit};
 use crate::table::{Cell, NO_OFFSET, Row};
-use crate::vectors::{exact, rounded, unit};
 use glam::DVec3;
 
 /// Rays at a ball of so many units, placed by a transform so far from the eye: how many of those that leave it again met the face that they

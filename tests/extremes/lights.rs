@@ -5,13 +5,13 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use gpu_rt::data::Sphere;
 
-use crate::kernel::{Overlay, array};
-use crate::light_kernel::{DRAWS, In, Out, SHARES, SPHERE, cone, draws, kernel, spheres};
-use crate::render::{Ask, Shot, render, render_planted, scene};
-use crate::scenes::triple;
-use crate::stats::mean_and_variance;
+use crate::common::kernel::{Overlay, array};
+use crate::common::light_kernel::{DRAWS, In, Out, SHARES, SPHERE, cone, draws, kernel, spheres};
+use crate::common::render::{Ask, Shot, render, render_planted, scene};
+use crate::common::scenes::triple;
+use crate::common::stats::mean_and_variance;
+use crate::common::vectors::{U, exact};
 use crate::table::{Cell, ONE_MINUS_COS, Row};
-use crate::vectors::{U, exact};
 
 /// Standard errors that a mean is off by once in 1e6.
 const NOISE: f64 = 4.9;

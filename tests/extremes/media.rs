@@ -5,11 +5,11 @@ use std::f64::consts::PI;
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
-use crate::kernel::{Kernel, Overlay, Setup};
-use crate::render::{Ask, dangers, render, render_planted, scene};
-use crate::stats::{Random, chi_square, mean_and_variance, sidak};
+use crate::common::kernel::{Kernel, Overlay, Setup};
+use crate::common::render::{Ask, dangers, render, render_planted, scene};
+use crate::common::stats::{Random, chi_square, mean_and_variance, sidak};
+use crate::common::vectors::{U, decades, exact, rounded, unit};
 use crate::table::{Cell, LOG_OF_ONE_MINUS, Row};
-use crate::vectors::{U, decades, exact, rounded, unit};
 
 /// Standard errors that a mean is off by once in 1e6.
 const NOISE: f64 = 4.9;

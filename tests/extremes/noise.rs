@@ -6,12 +6,12 @@ use gpu_rt::data::PRIMITIVE_BIT;
 use gpu_rt::flatten::flatten;
 use gpu_rt::plan::{Tables, choices_of};
 
-use crate::kernel::{Kernel, Setup, array};
-use crate::oracles::{NOISE_ERROR, perlin, turbulence};
-use crate::render::scene;
-use crate::stats::Random;
+use crate::common::kernel::{Kernel, Setup, array};
+use crate::common::oracles::{NOISE_ERROR, perlin, turbulence};
+use crate::common::render::scene;
+use crate::common::stats::Random;
+use crate::common::vectors::{exact, rounded, unit};
 use crate::table::{Cell, Row};
-use crate::vectors::{exact, rounded, unit};
 
 const LINEAR: (&str, &str) = ("lib/perlin", "test/control/perlin_linear");
 const PLANTED: &str = "truncated cells, no fade, a period of 255";
@@ -186,7 +186,7 @@ fn far_objects() -> Vec<Cell> {
             Row::Noise,
             format!("object {far:e} from the origin of its space"),
             "Largest error of a noise texture on a sphere that lies far out in its own space",
-            0.5 * (10.0 * (SCALE * 16.0 + 256.0) * crate::vectors::U + NOISE_ERROR),
+            0.5 * (10.0 * (SCALE * 16.0 + 256.0) * crate::common::vectors::U + NOISE_ERROR),
             "A slope of 10 at most, times the error of the place: 16 u on the sphere and u of the 256 to which the host reduces it.",
         )
         .achieved(worst(false));

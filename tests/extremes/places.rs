@@ -1,8 +1,8 @@
 //! The scene as a whole, scaled and moved.
 
-use crate::everything::{Everything, World, same};
-use crate::render::{Ask, Shot, render, worst_difference};
-use crate::stats::{normal_two_sided, one_sample_t, student_two_sided};
+use crate::common::everything::{Everything, World, same};
+use crate::common::render::{Ask, Shot, render, worst_difference};
+use crate::common::stats::{normal_two_sided, one_sample_t, student_two_sided};
 use crate::table::{Cell, Row};
 
 /// The table's cells of scales and places.
@@ -104,5 +104,5 @@ fn deviation(p: f64) -> f64 {
 
 /// The number of standard errors that the largest of so many normal variates exceeds once in a million.
 pub fn chance_limit(compared: usize) -> f64 {
-    deviation(crate::stats::sidak(1e-6, compared))
+    deviation(crate::common::stats::sidak(1e-6, compared))
 }

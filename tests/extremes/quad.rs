@@ -3,13 +3,13 @@
 use glam::Vec3;
 use gpu_rt::data::Quad;
 
-use crate::kernel::Kernel;
-use crate::quads::{assorted, quad_text, rays_at};
-use crate::scenes::flat;
-use crate::stats::Random;
+use crate::common::kernel::Kernel;
+use crate::common::quads::{assorted, quad_text, rays_at};
+use crate::common::scenes::flat;
+use crate::common::stats::Random;
+use crate::common::trace::{In, NO_HIT, leaving, trace, tracer};
+use crate::common::vectors::{U, decades, exact};
 use crate::table::{Cell, NO_OFFSET, Row};
-use crate::trace::{In, NO_HIT, leaving, trace, tracer};
-use crate::vectors::{U, decades, exact};
 
 /// Where a ray's line meets the plane of corner, u and v in f64, and how far f32 may be off.
 struct Plane {

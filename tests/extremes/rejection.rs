@@ -7,12 +7,12 @@ use gpu_rt::output::exr::{read_exr, write_exr};
 use gpu_rt::plan::Scatter;
 use gpu_rt::render::TuningWish;
 
-use crate::device;
-use crate::kernel::{Kernel, Overlay, Setup};
-use crate::render::{Ask, render_planted, scene};
-use crate::stats::Random;
+use crate::common::device;
+use crate::common::kernel::{Kernel, Overlay, Setup};
+use crate::common::render::{Ask, render_planted, scene};
+use crate::common::stats::Random;
+use crate::common::vectors::decades;
 use crate::table::{COMPARED_NAN, Cell, Row};
-use crate::vectors::decades;
 
 const WIDTH: u32 = 16;
 const HEIGHT: u32 = 8;

@@ -5,11 +5,11 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use gpu_rt::data::Sphere;
 
-use crate::kernel::Kernel;
-use crate::stats::Random;
+use crate::common::kernel::Kernel;
+use crate::common::stats::Random;
+use crate::common::trace::{In, NO_HIT, leaving, trace, tracer, tracer_with_surface};
+use crate::common::vectors::{U, decades, exact, quantile, rounded, unit};
 use crate::table::{Cell, FIXED_T_MIN, NO_OFFSET, OFFSET_BY_BITS, Row, TEXTBOOK_SPHERE};
-use crate::trace::{In, NO_HIT, leaving, trace, tracer, tracer_with_surface};
-use crate::vectors::{U, decades, exact, quantile, rounded, unit};
 
 /// Both roots of |o + t d - c| = r in f64, or the miss, by the perpendicular from the centre: good to 1e-16 (D/r)^2.
 struct Roots {

@@ -1,11 +1,11 @@
 //! geometry/triangle: rays that leave triangles, at all angles.
 
-use crate::kernel::Kernel;
-use crate::stats::Random;
+use crate::common::kernel::Kernel;
+use crate::common::stats::Random;
+use crate::common::trace::NO_HIT;
+use crate::common::triangles::{Corners, In, stout, trace, tracer};
+use crate::common::vectors::{decades, rounded, unit};
 use crate::table::{Cell, NO_OFFSET, Row};
-use crate::trace::NO_HIT;
-use crate::triangles::{Corners, In, stout, trace, tracer};
-use crate::vectors::{decades, rounded, unit};
 
 /// Rays that meet triangles of all sizes, every second a needle down to 1e-5 of its length, up to `far` sizes from the origin, and leave
 /// them at cosines within these decades: how many met the triangle again.
@@ -35,7 +35,7 @@ fn leave(kernel: &Kernel, far: f64, cosines: (f64, f64)) -> f64 {
         let along = (along - along.dot(normal) * normal).normalize_or(unit(&mut random));
         let leaving = rounded(cos * normal + (1.0 - cos * cos).sqrt() * along);
         triangles.push(corners);
-        let direction = rounded((target - crate::vectors::exact(origin)).normalize());
+        let direction = rounded((target - crate::common::vectors::exact(origin)).normalize());
         rays.push(In { origin, direction, first: i as u32, count: 1, leaving, ..In::default() });
     }
     let found = trace(kernel, &triangles, &rays);

@@ -7,13 +7,13 @@ use glam::DVec3;
 use gpu_rt::data::{Cuboid, Material, Quad, RUN_LENGTH, Sampler, Sphere};
 use gpu_rt::flatten::flatten;
 
-use crate::kernel::{Kernel, Overlay, Setup};
-use crate::light_kernel::{self, CUBOID, Kind, QUAD, SHARES, SPHERE, TRIANGLE, Triangle, spheres};
+use crate::common::kernel::{Kernel, Overlay, Setup};
+use crate::common::light_kernel::{self, CUBOID, Kind, QUAD, SHARES, SPHERE, TRIANGLE, Triangle, spheres};
+use crate::common::render::{Ask, render_linked, scene};
+use crate::common::stats::Random;
+use crate::common::vectors::{U, decades, exact, rounded, unit};
 use crate::media::{ASYMMETRIES, Scattered, Scattering, phase};
-use crate::render::{Ask, render_linked, scene};
-use crate::stats::Random;
 use crate::table::{Cell, Row};
-use crate::vectors::{U, decades, exact, rounded, unit};
 
 const LAST: f32 = 1.0 - U as f32;
 

@@ -4,12 +4,12 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use crate::kernel::Overlay;
+use crate::common::kernel::Overlay;
+use crate::common::render::{Ask, render, render_planted, scene};
+use crate::common::scenes::triple;
+use crate::common::vectors::U;
 use crate::places::chance_limit;
-use crate::render::{Ask, render, render_planted, scene};
-use crate::scenes::triple;
 use crate::table::{Cell, Row, TEXTBOOK_SPHERE};
-use crate::vectors::U;
 
 /// Samples of a pixel.
 const SAMPLES: u32 = 256;

@@ -1,0 +1,24 @@
+//! What several tests share.
+
+// Each test program compiles its own copy and uses a part of it.
+#![allow(dead_code)]
+
+pub mod constants;
+pub mod cuboids;
+pub mod device;
+pub mod everything;
+pub mod expect;
+pub mod held;
+pub mod instances;
+pub mod kernel;
+pub mod lattice;
+pub mod light_kernel;
+pub mod oracles;
+pub mod quads;
+pub mod render;
+pub mod rooms;
+pub mod scenes;
+pub mod stats;
+pub mod trace;
+pub mod triangles;
+pub mod vectors;
