@@ -384,8 +384,9 @@ impl Film {
     }
 
     /// The image's relative error: sqrt(mean(v / (I² + 0.01 Ī²))) over pixels and channels, v the variance of the pixel's mean, I that
-    /// mean, Ī the image's mean luminance (docs/light-transport.md, "The stated error"). It is taken channel by channel, so that v and I belong to the same
-    /// quantity and the file's layers suffice to compute it: the variance of a luminance would need the channels' covariance.
+    /// mean, Ī the image's mean luminance (docs/light-transport.md, "The stated error"). It is taken channel by channel, so that v and I
+    /// belong to the same quantity and the file's layers suffice to compute it: the variance of a luminance would need the channels'
+    /// covariance.
     ///
     /// Pixels that have rejected samples and less than two replicates are left out, lest one broken pixel hides the error of all others.
     /// Nothing while any other pixel has less than two, where a total has saturated, and for an image without light.
