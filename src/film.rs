@@ -16,7 +16,7 @@ const SUM_FRACTION: i32 = 88;
 const SQUARE_FRACTION: i32 = 96;
 /// The largest power of two, up or down, between device units and scene units: its square is far inside f64.
 const MAX_EXPONENT: i32 = 300;
-/// The share of the image's mean luminance that keeps dark pixels from ruling the relative error (design.md, section 2).
+/// This share of the image's mean luminance keeps dark pixels from dominating the relative error.
 const DARK_PIXEL_FLOOR: f64 = 0.01;
 /// How many times the stated error the one relative to the other half of the samples may be, where it is called reliable.
 const MOST_ACROSS: f64 = 2.0;
@@ -384,8 +384,9 @@ impl Film {
     }
 
     /// The image's relative error: sqrt(mean(v / (I² + 0.01 Ī²))) over pixels and channels, v the variance of the pixel's mean, I that
-    /// mean, Ī the image's mean luminance (design.md, section 2). It is taken channel by channel, so that v and I belong to the same
-    /// quantity and the file's layers suffice to compute it: the variance of a luminance would need the channels' covariance.
+    /// mean, Ī the image's mean luminance (docs/light-transport.md, "The stated error"). It is taken channel by channel, so that v and I
+    /// belong to the same quantity and the file's layers suffice to compute it: the variance of a luminance would need the channels'
+    /// covariance.
     ///
     /// Pixels that have rejected samples and less than two replicates are left out, lest one broken pixel hides the error of all others.
     /// Nothing while any other pixel has less than two, where a total has saturated, and for an image without light.

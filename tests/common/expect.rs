@@ -433,7 +433,7 @@ fn tiles(area: &[Wanted]) -> Vec<((u32, u32), Vec<Wanted>)> {
     tiles
 }
 
-/// A pinhole camera, by design.md section 3, in f64.
+/// A pinhole camera in f64, as docs/light-transport.md defines it ("Camera and lens").
 pub struct View {
     forward: DVec3,
     right: DVec3,

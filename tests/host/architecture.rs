@@ -1,4 +1,4 @@
-//! Who may import whom on the host: the rules of the design, read off the sources.
+//! Who may import whom on the host: the rules of docs/architecture.md, checked against the sources.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

@@ -117,7 +117,7 @@ fn sixteen_million_equal_samples_keep_their_mean() {
     // Almost no variance, and what there is, is the rounding of the sums of 8.
     let error = f64::from(picture.variance[0][0]).sqrt() / 0.3;
     assert!(error < 1e-10, "{error}");
-    // The negative control: one f32 sum of it all is 8.7 % low (numerics.md, 37).
+    // The negative control: one f32 sum of it all is 8.7 % low.
     let naive = (0..=1 << 24).fold(0.0f32, |sum, _| sum + 0.3) / 16_777_217.0;
     assert!((naive / 0.3 - 1.0).abs() > 0.05);
 }
@@ -146,7 +146,7 @@ fn variance_follows_the_formula() {
 
 #[test]
 fn a_small_variance_on_a_large_mean_is_not_lost() {
-    // E[x²] − E[x]² in f32, even in f64, fails here: the deviation is 2^-20 of the mean (numerics.md, 39).
+    // E[x²] − E[x]² in f32, even in f64, fails here: the deviation is 2^-20 of the mean.
     let deviation = 64.0 * 2f64.powi(-20);
     let samples = [64.0 - deviation, 64.0 + deviation].repeat(4);
     let records: Vec<_> = (0..1000).map(|index| numbered(index, run_of(0, &samples))).collect();

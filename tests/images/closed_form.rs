@@ -128,7 +128,7 @@ fn v(x: f64, y: f64, z: f64) -> DVec3 {
     DVec3::new(x, y, z)
 }
 
-/// A checker, as the scene file writes it and as design.md defines it: the parity of the sum of floor(p / scale).
+/// A checker as the scene file writes it and as docs/light-transport.md defines it: the parity of the sum of floor(p / scale).
 fn checker(scale: f64, even: [f64; 3], odd: [f64; 3]) -> (String, Colour) {
     let text = format!("Checker(scale: {scale}, even: {}, odd: {})", triple(even), triple(odd));
     let colour = move |place: &Place| {

@@ -310,8 +310,8 @@ fn every_line_under_shaders_is_in_some_kernel() {
     assert_eq!(unused_lines(), BTreeSet::new());
 }
 
-/// Storage buffers that a kernel with everything on may bind, all tables in storage bindings. WebGPU promises 8, and so does
-/// the design; the queued and the fused kernels are over it, which is kept from growing here.
+/// Storage buffers that a kernel with everything on may bind, all tables in storage bindings. WebGPU promises 8. Kernels
+/// with everything on exceed it (docs/architecture.md); this limit keeps them from growing further.
 const MOST_STORAGE_BUFFERS: [(Scatter, usize); 3] =
     [(Scatter::Linked, 16), (Scatter::Queues, 18), (Scatter::Fused, 21)];
 

@@ -1,4 +1,4 @@
-//! The program as its users meet it: command line, streams, files and exit statuses (design.md, section 2).
+//! The program as its users meet it: command line, streams, files and exit statuses.
 //!
 //! Nothing here depends on how fast the machine is. Where a program that hangs must be found, it is given `LIMIT`, which is no measure of
 //! anything.
@@ -879,7 +879,7 @@ fn all_features_change_the_plan_and_not_the_image() {
     assert!(place.run(&["render", scene, "--features", "none"]).exits(2).stderr.contains("scene, all"));
 }
 
-/// What the contract lists and is not built yet is refused, never ignored. Each goes from here when it is built.
+/// The README lists options and commands that are not built yet. They are refused, never ignored. Remove each from here when it is built.
 #[test]
 fn what_is_not_built_is_refused() {
     let place = Place::new();
