@@ -1,4 +1,4 @@
-//! The table of knobs (src/knobs.rs): every option of `render` that changes the image is in it, and every value does to the image what
+//! The table of knobs (src/options.rs): every option of `render` that changes the image is in it, and every value does to the image what
 //! its class says. All of it by the program, since a value is a text that the option takes.
 
 use crate::common::render;
