@@ -15,7 +15,7 @@ define install
 }
 endef
 
-.PHONY: render test test-long test-drivers accuracy lint toolchain
+.PHONY: render test quick test-long test-drivers accuracy lint toolchain
 
 # The cover scene, in 50 s at most: out/weekend.exr is linear, out/weekend.png is for looking at.
 render: toolchain
@@ -34,6 +34,12 @@ test: toolchain
 	@[ -n "$(GPU_RT_TEST_DEVICE)" ] || $(GPU_RT) devices --json 2>/dev/null | grep -q '"software": true' || \
 		$(call install, libvulkan1 mesa-vulkan-drivers, no software Vulkan driver answers)
 	$(CARGO) test --release
+
+# For developing: `make quick TEST=kernels ARGS=sphere`. The dev profile reads the shaders from disk: an edit of one compiles nothing.
+TEST ?= kernels
+quick: export NODEVICE_SELECT = 1
+quick: toolchain
+	$(CARGO) test --test $(TEST) -- $(ARGS)
 
 # What takes minutes: statistics of thousands of renders, and 1e9 paths through all scenes.
 test-long: export NODEVICE_SELECT = 1

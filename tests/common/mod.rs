@@ -3,6 +3,11 @@
 // Each test program compiles its own copy and uses a part of it.
 #![allow(dead_code)]
 
+/// Whether files that tests write are to be written anew, instead of compared: `GPU_RT_RENEW=1`.
+pub fn renew() -> bool {
+    std::env::var_os("GPU_RT_RENEW").is_some()
+}
+
 pub mod constants;
 pub mod cuboids;
 pub mod device;

@@ -141,9 +141,6 @@ fi
 [ $# -eq 0 ] || drivers=("$@")
 mkdir -p "$kept"
 : >"$kept/verdicts"
-# The table of extremes is the default driver's.
-cp docs/extremes.md "$kept/extremes.md"
-trap 'cp "$kept/extremes.md" docs/extremes.md' EXIT
 cargo test --release --no-run
 for driver in "${drivers[@]}"; do run_on "$driver"; done
 echo
