@@ -61,14 +61,18 @@ fn values() -> Vec<Cell> {
             cell(
                 "Largest error of Perlin noise",
                 NOISE_ERROR,
-                "Eight products of a weight and a dot product below 1.8, some ten roundings each; the weights' sum is 1.",
+                "eight products of a weight and a dot product below 1.8, some ten roundings each; the sum of the weights is 1.",
             )
             .achieved(found[0]),
             0,
         ));
         all.push(planted(
-            cell("Largest error of turbulence, seven octaves", 2.0 * NOISE_ERROR, "Octave i adds 2^-i of that.")
-                .achieved(found[1]),
+            cell(
+                "Largest error of turbulence, seven octaves",
+                2.0 * NOISE_ERROR,
+                "octave i adds 2^-i of the error above.",
+            )
+            .achieved(found[1]),
             1,
         ));
     }
@@ -104,7 +108,7 @@ fn seams() -> Vec<Cell> {
             format!("p up to {reach:e}, {step:.0e} to each side"),
             "Largest error of the step of Perlin noise across a plane between cells",
             2.0 * NOISE_ERROR,
-            "The errors of two values.",
+            "the errors of two values.",
         );
         all.push(cell.achieved(worst(&own)).planted(PLANTED, worst(&linear)));
     }
@@ -186,9 +190,9 @@ fn far_objects() -> Vec<Cell> {
         let cell = Cell::new(
             Row::Noise,
             format!("object {far:e} from the origin of its space"),
-            "Largest error of a noise texture on a sphere that lies far out in its own space",
+            "Largest error of a noise texture on a sphere that is far from the origin of its own space",
             0.5 * (10.0 * (SCALE * 16.0 + 256.0) * crate::common::vectors::U + NOISE_ERROR),
-            "A slope of 10 at most, times the error of the place: 16 u on the sphere and u of the 256 to which the host reduces it.",
+            "a slope of at most 10, times the error of the position: 16 u on the sphere, and u of the 256 to which the host reduces it.",
         )
         .achieved(worst(false));
         all.push(if far >= 1e6 { cell.planted("place in f32, not reduced by the host", worst(true)) } else { cell });

@@ -100,9 +100,9 @@ pub fn cells() -> Vec<Cell> {
     let cell = Cell::new(
         Row::Rejection,
         "0/0, inf - inf, 0 inf, roots and logarithms below 0, overflows; numbers from 1e-30 to 1e30",
-        "Values of 1026 made in a kernel that are taken for numbers and are none, or the reverse",
+        "Of 1026 values made in a kernel, those that are wrongly called finite or not finite",
         0.0,
-        "The bits tell.",
+        "none, because the test uses the bits.",
     )
     .achieved(wrong);
     all.push(plant(cell, &|| mistaken(&kernel(&compared)).0));
@@ -114,18 +114,18 @@ pub fn cells() -> Vec<Cell> {
         let counts = Cell::new(
             Row::Rejection,
             &range,
-            "Samples of a render that are counted under another reason than their own, or under none",
+            "Samples of a render that are counted under a wrong reason, or under none",
             0.0,
-            "Each is dropped by itself, for its own reason.",
+            "none, because each is rejected separately, for its own reason.",
         )
         .achieved(misplaced(own.totals()));
         all.push(plant(counts, &|| wrong(&|film| misplaced(film.totals()))));
         let colours = Cell::new(
             Row::Rejection,
             &range,
-            "Pixels of 128 that are not exactly of the sky's colour",
+            "Pixels of 128 that do not have exactly the sky's colour",
             0.0,
-            "What is dropped leaves no trace in the mean of the others, which are all of one colour.",
+            "none: a rejected sample does not change the mean of the others, which all have one colour.",
         )
         .achieved(discoloured(&own));
         all.push(plant(colours, &|| wrong(&discoloured)));

@@ -235,7 +235,7 @@ pub fn document(cells: &[Cell], driver: &str) -> String {
     for (row, name) in ROWS {
         let _ = write!(text, "\n## {}\n", heading(name));
         for (figure, cells) in by_figure(cells, *row) {
-            let _ = write!(text, "\n{figure}. {}\n\n", cells[0].because);
+            let _ = write!(text, "\n{figure}. Limit: {}\n\n", cells[0].because);
             text.push_str("| range | limit | achieved | wrong forms, planted |\n|---|---|---|---|\n");
             for cell in cells {
                 let planted: Vec<String> =

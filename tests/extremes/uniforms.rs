@@ -47,11 +47,11 @@ fn fours(ends: [f32; 4]) -> impl Iterator<Item = [f32; 4]> {
 }
 
 fn cell(range: impl Into<String>, figure: &'static str) -> Cell {
-    Cell::new(Row::Uniforms, range, figure, 0.0, "None.")
+    Cell::new(Row::Uniforms, range, figure, 0.0, "none.")
 }
 
 const ANSWERS: &str =
-    "Answers that are no numbers or out of range, of all that 0, 2^-24, 1/2 and 1 - 2^-24 in every dimension give";
+    "Answers that are not finite or out of range, with 0, 2^-24, 1/2 and 1 - 2^-24 in every dimension";
 
 fn words() -> Cell {
     #[repr(C)]
@@ -161,7 +161,8 @@ fn forced() -> Vec<Cell> {
             all.push(
                 cell(
                     format!("{name}, {block}"),
-                    "Samples that are no numbers or cut short, of 5120 of a room with everything, each number of the block at 0 and 1 - 2^-24, and all",
+                    "Samples that are rejected, of 5120 of a room with everything, with each random number of the block at 0 and 1 - \
+                     2^-24, and with all of them",
                 )
                 .achieved(rejected as f64),
             );
@@ -174,7 +175,7 @@ fn forced() -> Vec<Cell> {
                     format!("{name}, {block}"),
                     "Brightest pixel of those renders over the brightest light",
                     6.0,
-                    "The light that a path meets, and half of one at most for each of 10 events, by the weights of both ways.",
+                    "the light that a path hits, and at most half of a light for each of 10 events, by the MIS weights.",
                 )
                 .achieved(brightest),
             );
