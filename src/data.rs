@@ -39,6 +39,11 @@ pub const LIGHT_BINS: usize = 32;
 /// Words before the first queue.
 pub const QUEUE_HEADER: u32 = 8;
 
+/// The colour channels of records, film and images, by the names that an EXR has for them.
+pub const CHANNELS: [&str; 3] = ["R", "G", "B"];
+/// A value for each of them.
+pub type Rgb<T> = [T; CHANNELS.len()];
+
 /// The code of the primitive at this index among its kind.
 pub fn primitive_code(kind: u32, index: u32) -> u32 {
     PRIMITIVE_BIT | kind << PRIMITIVE_KIND_SHIFT | index

@@ -19,9 +19,9 @@ use crate::scene::Scene;
 use crate::tradeoff::extent::{FEWEST_PIXELS, Whole, calibrate, middle_of, pixels_for, pixels_ratio, size_of};
 use crate::tradeoff::judge::{Judged, Measured, judge};
 use crate::tradeoff::page::{html, plot};
-use crate::tradeoff::replicates::{Estimate, Pixels, signed_bias};
+use crate::tradeoff::replicates::{Estimate, FEWEST_ROUNDS, Pixels, signed_bias};
 use crate::tradeoff::report::{Report, Shown};
-use crate::tradeoff::sweep::{FEWEST_ROUNDS, LEVEL, MOST_ROUNDS, SAMPLES_OF_FEWEST, Setting, Subject, Sweep};
+use crate::tradeoff::sweep::{LEVEL, MOST_ROUNDS, SAMPLES_OF_FEWEST, Setting, Subject, Sweep};
 use crate::tradeoff::truth::Truth;
 
 /// The shares of the budget after which compiling and measuring end, and the calibration by the whole size. The rest is for pictures and the

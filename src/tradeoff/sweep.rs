@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
-use super::replicates::Pixels;
+use super::replicates::{FEWEST_ROUNDS, Pixels};
 use crate::data;
 use crate::error::Result;
 use crate::film::Film;
@@ -20,8 +20,7 @@ pub const LEVELS: [u32; 3] = [4, 16, 64];
 /// The level of which every round has a block, as of the first; the last is dear, and has one in so many rounds.
 pub const LEVEL: u32 = LEVELS[1];
 const ROUNDS_OF_LAST: usize = 4;
-/// The fewest rounds that tell anything, and the most of a sweep.
-pub const FEWEST_ROUNDS: usize = 3;
+/// The most rounds of a sweep.
 pub const MOST_ROUNDS: usize = 32;
 /// How many rounds lie between two blocks of so many samples.
 pub fn rounds_between(samples: u32) -> usize {
