@@ -20,13 +20,13 @@ pub struct Cli {
 pub enum Command {
     /// Render a scene to a linear EXR.
     Render(RenderArgs),
-    /// Measure the error of an image against a reference, and tell it from noise.
+    /// Measure the error of an image against a reference, and separate it from noise.
     Compare(CompareArgs),
-    /// Measure what the settings of render trade on a scene: seconds against noise and bias.
+    /// Measure the trade of render's settings on a scene: seconds against noise and bias.
     Tradeoff(TradeoffArgs),
-    /// Measure how a render's error falls with samples and seconds, against a reference: CSV and plot.
+    /// Measure how the error falls with samples and seconds, against a reference: CSV and plot.
     Converge(ConvergeArgs),
-    /// Show what a scene requires: kernels, buffers and bytes, and what asked for each.
+    /// Show what a scene requires: kernels, buffers and bytes, and which object asked for each.
     Plan(PlanArgs),
     /// Validate a scene without a GPU.
     Check(CheckArgs),
@@ -50,12 +50,11 @@ pub struct RenderArgs {
     /// Sample indices A to B - 1 of each pixel, to split a render over machines.
     #[arg(long, value_name = "A..B", value_parser = sample_range, conflicts_with_all = ["spp", "time"])]
     pub samples: Option<Range<u32>>,
-    /// Render as many samples as fit into this time, counted from the start of the program [30s, 5m, …]; at least one, and
-    /// no more than --spp where that is given.
+    /// Render for this time, counted from the start of the program [30s, 5m, …]: at least one sample per pixel, at most --spp if given.
     #[arg(long, value_name = "TIME", value_parser = duration)]
     pub time: Option<Duration>,
-    /// Render until the relative error that is told at the end is below this with 95 % confidence, such as 0.01 for 1 %: 16, 32, 64 …
-    /// samples, no more than --spp and --time where these are given.
+    /// Render until the relative error is below this with 95 % confidence, such as 0.01 for 1 %: 16, 32, 64 … samples, limited by --spp
+    /// and --time if given.
     #[arg(long, value_name = "E", value_parser = relative_error, conflicts_with = "samples")]
     pub noise: Option<f64>,
     #[arg(long, value_name = "WxH|N%", value_parser = image_size,
@@ -69,10 +68,10 @@ pub struct RenderArgs {
     /// Write the image so far at this interval [30s, 5m, …].
     #[arg(long, value_name = "TIME", value_parser = duration, default_value = "60s")]
     pub checkpoint: Duration,
-    /// Fail when a sample was rejected because it was not finite.
+    /// Fail if a sample was not finite and therefore rejected.
     #[arg(long)]
     pub strict: bool,
-    /// Say nothing but errors.
+    /// Print errors only.
     #[arg(long)]
     pub quiet: bool,
     /// Print one JSON object on stdout at the end.
@@ -80,7 +79,7 @@ pub struct RenderArgs {
     pub json: bool,
     #[command(flatten)]
     pub options: RenderOptions,
-    /// Measure the seconds of each stage on the device; costs a pass for each dispatch.
+    /// Measure the seconds of each stage on the device; each dispatch then needs a pass of its own.
     #[arg(long, help_heading = Class::Exact.heading())]
     pub profile: bool,
 }
@@ -103,16 +102,16 @@ pub struct PathArgs {
 pub struct TradeoffArgs {
     /// The scene file.
     pub scene: PathBuf,
-    /// The time that all of it may take, compiling included.
+    /// The time limit, compiling included.
     #[arg(long, value_name = "TIME", value_parser = duration, default_value = "120s")]
     pub budget: Duration,
-    /// An image to measure against, of any renderer [default: the pooled samples of all unbiased settings].
+    /// The reference image, from any renderer [default: the pooled samples of all unbiased settings].
     #[arg(long, value_name = "R.exr")]
     pub reference: Option<PathBuf>,
     /// The settings to sweep, by their options' names [default: all].
     #[arg(long, value_name = "A,B,…", value_delimiter = ',')]
     pub knobs: Vec<String>,
-    /// The folder for index.html, plot.svg, tradeoff.csv and tradeoff.json, made where there is none [default: SCENE-tradeoff].
+    /// The folder for index.html, plot.svg, tradeoff.csv and tradeoff.json; created if missing [default: SCENE-tradeoff].
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
     /// Seed of the random numbers.
@@ -121,7 +120,7 @@ pub struct TradeoffArgs {
     /// The device, by its index or a part of its name as `gpu-rt devices` lists them.
     #[arg(long, value_name = "INDEX|NAME")]
     pub device: Option<String>,
-    /// Say nothing but the results and errors.
+    /// Print results and errors only.
     #[arg(long)]
     pub quiet: bool,
     /// Print one JSON object on stdout.
@@ -133,24 +132,24 @@ pub struct TradeoffArgs {
 pub struct ConvergeArgs {
     /// The scene file.
     pub scene: PathBuf,
-    /// The image to measure against, of any renderer; its size is rendered.
+    /// The reference image, from any renderer. The render has its size.
     #[arg(long, value_name = "R.exr")]
     pub reference: PathBuf,
-    /// The folder for SCENE-converge.csv and SCENE-converge.svg, made where there is none.
+    /// The folder for SCENE-converge.csv and SCENE-converge.svg; created if missing.
     #[arg(short, long, value_name = "DIR", default_value = ".")]
     pub output: PathBuf,
     /// Samples per pixel at the end [default: the scene's].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_SAMPLES),
           help_heading = options::SPP.class.heading())]
     pub spp: Option<u32>,
-    /// Begin no further doubling of the samples that would end later than this after the first [30s, 5m, …].
+    /// Stop before a doubling of the samples would exceed this time [30s, 5m, …].
     #[arg(long, value_name = "TIME", value_parser = duration)]
     pub time: Option<Duration>,
     #[command(flatten)]
     pub paths: PathArgs,
     #[command(flatten)]
     pub options: RenderOptions,
-    /// Say nothing but errors.
+    /// Print errors only.
     #[arg(long)]
     pub quiet: bool,
     /// Print one JSON object on stdout.
@@ -166,11 +165,11 @@ pub struct CompareArgs {
     /// The reference: an EXR of the same size. Any renderer's will do.
     #[arg(value_name = "B.exr")]
     pub reference: PathBuf,
-    /// Also write a picture of where the images look different: FLIP's error, black for none, pale yellow for the most.
+    /// Also write a heat map of FLIP's error: black is none, pale yellow is the most.
     #[arg(long, value_name = "FILE.png")]
     pub heatmap: Option<PathBuf>,
-    /// Fail, with exit status 1, when this metric is above the value, such as relmse=0.01. Of mse, rmse, relmse, relmse_trimmed, flip
-    /// and mean_difference (without its sign); can be given several times. Fails too where a pixel is not finite.
+    /// Exit with status 1 if this metric is above the value, such as relmse=0.01. Metrics: mse, rmse, relmse, relmse_trimmed, flip and
+    /// mean_difference (its magnitude). Can be given several times. A pixel that is not finite fails too.
     #[arg(long, value_name = "METRIC=VALUE", value_parser = limit)]
     pub fail_above: Vec<Limit>,
     /// Print one JSON object on stdout.
@@ -219,8 +218,8 @@ pub struct PlanArgs {
     /// Write the linked shaders into this folder.
     #[arg(long, value_name = "DIR")]
     pub wgsl: Option<PathBuf>,
-    /// Say of this kernel why each part of it is there: its modules, and what uses and asked for them; its bindings, the path state
-    /// that it loads or stores, its constants. With --json: of the kernels list this one alone.
+    /// Explain one kernel: its modules, with what uses and what asked for each; its bindings, path state and constants. With --json:
+    /// list this kernel only.
     #[arg(long, value_name = "KERNEL")]
     pub why: Option<String>,
     #[arg(long, value_name = "WxH|N%", value_parser = image_size,

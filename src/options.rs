@@ -337,7 +337,7 @@ pub const SPP: Knob = Knob {
     values: &["1", "4", "16", "64", "256"],
     default: None,
     class: Class::Noise,
-    gives_up: "Fewer are noisier: a quarter of them at about twice the error.",
+    gives_up: "A quarter of the samples has about twice the error.",
     reading: None,
     links: None,
 };
@@ -348,29 +348,29 @@ pub const SIZE: Knob = Knob {
     values: &["25%", "50%", "100%"],
     default: None,
     class: Class::Detail,
-    gives_up: "Fewer pixels give up detail: each is the mean over a larger square.",
+    gives_up: "Fewer pixels show less detail: each is the mean over a larger square.",
     reading: None,
     links: None,
 };
 
 pub const INTEGRATOR: Knob = Knob {
     name: "integrator",
-    about: "How light is found: `mis` also sends rays to the lights that there are; `bsdf` follows the scattered rays alone until they meet one.",
+    about: "How paths find light: `mis` combines light sampling and BSDF sampling (power heuristic); `bsdf` uses BSDF sampling only.",
     values: &["mis", "bsdf"],
     default: Some("mis"),
     class: Class::Noise,
-    gives_up: "A path costs less by `bsdf`, and is noisier the smaller the lights.",
+    gives_up: "A `bsdf` path costs less. Its noise grows as the lights get smaller.",
     reading: word!(integrator: Integrator),
     links: None,
 };
 
 pub const ROULETTE: Knob = Knob {
     name: "roulette",
-    about: "Russian roulette: paths that have become dark are ended at random, and those that go on count for them.",
+    about: "Russian roulette: ends dark paths at random and weights the survivors.",
     values: &["on", "off"],
     default: Some("on"),
     class: Class::Noise,
-    gives_up: "Off, every path is followed to its end: less noise a path, and more time.",
+    gives_up: "Off, every path runs to its end: less noise per path, more time.",
     reading: word!(roulette: Switch),
     links: Some(|options| match options.roulette {
         Switch::On => "step/roulette",
@@ -380,11 +380,11 @@ pub const ROULETTE: Knob = Knob {
 
 pub const SAMPLER: Knob = Knob {
     name: "sampler",
-    about: "How samples are placed: `sobol` spreads those of a pixel evenly, `independent` draws each by itself.",
+    about: "How samples are drawn: `sobol` uses Owen-scrambled Sobol points, `independent` uses independent random numbers.",
     values: &["sobol", "independent"],
     default: Some("sobol"),
     class: Class::Noise,
-    gives_up: "Independent samples are noisier where pixels are smooth, and tell their own error better.",
+    gives_up: "Independent samples are noisier in smooth pixels, and estimate their own error better.",
     reading: word!(sampler: Sampler),
     links: Some(|options| match options.sampler {
         Sampler::Sobol => "sampler/sobol",
@@ -394,18 +394,18 @@ pub const SAMPLER: Knob = Knob {
 
 pub const MAX_DEPTH: Knob = Knob {
     name: "max-depth",
-    about: "Scattering events of a path at most [default: the scene's].",
+    about: "The most scattering events per path [default: the scene's].",
     values: &["1", "2", "4", "8", "16"],
     default: None,
     class: Class::Bias,
-    gives_up: "Fewer than the scene's own biases the result: light that took longer ways is missing.",
+    gives_up: "Fewer than the scene's own biases the result: the image lacks the light of longer paths.",
     reading: None,
     links: None,
 };
 
 pub const FRESNEL: Knob = Knob {
     name: "fresnel",
-    about: "Reflection of clear solids: exact, or by Schlick's approximation.",
+    about: "Fresnel reflectance of dielectrics: exact, or Schlick's approximation.",
     values: &["exact", "schlick"],
     default: Some("exact"),
     class: Class::Bias,
@@ -419,11 +419,11 @@ pub const FRESNEL: Knob = Knob {
 
 pub const CLAMP: Knob = Knob {
     name: "clamp",
-    about: "The most radiance that a path may bring of light which took two scattering events or more, in the scene's units.",
+    about: "The most indirect radiance (two scattering events or more) that a path may add, in scene units.",
     values: &["off", "1", "10", "100"],
     default: Some("off"),
     class: Class::Bias,
-    gives_up: "A limit biases the result: rare bright paths, such as those of caustics, lose what is above it.",
+    gives_up: "A limit biases the result: bright rare paths, such as caustics, lose the radiance above it.",
     reading: Some(Reading {
         takes: Takes::Text("off|N"),
         read: |options, text| clamp_limit(text).map(|limit| options.clamp = limit),
@@ -437,11 +437,11 @@ pub const CLAMP: Knob = Knob {
 
 pub const OFFSET: Knob = Knob {
     name: "offset",
-    about: "How far off a surface rays start: `robust` by each shape's own bound of its rounding, `fast` by a fraction of the distance.",
+    about: "The offset of a spawned ray from its surface: `robust` uses each shape's own rounding bound, `fast` a fraction of the distance.",
     values: &["robust", "fast"],
     default: Some("robust"),
     class: Class::Numerics,
-    gives_up: "`fast` loses the inside and the contacts of what is smaller than 1/16384 of its distance, and a huge shape close by shadows itself; no time saved was measured.",
+    gives_up: "`fast` fails for shapes smaller than 1/16384 of their distance, and huge shapes close to the camera shadow themselves. No saving of time was measured.",
     reading: word!(offset: Offset),
     links: Some(|options| match options.offset {
         Offset::Robust => "geometry/offset",
@@ -451,11 +451,11 @@ pub const OFFSET: Knob = Knob {
 
 pub const PRECISION: Knob = Knob {
     name: "precision",
-    about: "How spheres are met: `strict` keeps the digits of small ones far away, `fast` is the quadratic formula of textbooks.",
+    about: "The ray-sphere intersection: `strict` is accurate for small distant spheres, `fast` is the textbook's quadratic formula.",
     values: &["strict", "fast"],
     default: Some("strict"),
     class: Class::Numerics,
-    gives_up: "`fast` is wrong about the edge of spheres that are hundreds of their radii away, and all over them from some thousands on.",
+    gives_up: "`fast` is wrong at the edge of spheres hundreds of radii away, and everywhere on spheres thousands of radii away.",
     reading: word!(precision: Precision),
     links: Some(|options| match options.precision {
         Precision::Strict => "geometry/sphere_chord",
@@ -465,11 +465,11 @@ pub const PRECISION: Knob = Knob {
 
 pub const BUILD: Knob = Knob {
     name: "build",
-    about: "How long the hierarchies over meshes and objects may take to build, for how fast rays find their way through them.",
+    about: "The quality of the BVH: build time against traversal time.",
     values: &["fast", "medium", "best"],
     default: Some("medium"),
     class: Class::Exact,
-    gives_up: "`fast` starts earlier and renders slower, `best` the reverse.",
+    gives_up: "`fast` builds sooner and renders slower, `best` the reverse.",
     reading: word!(build: Quality),
     links: None,
 };
@@ -488,20 +488,20 @@ const TUNING: &[&Knob] = &[
     },
     &Knob {
         name: "workgroup",
-        about: "Invocations of a workgroup [default: by the device].",
+        about: "Invocations per workgroup [default: by the device].",
         reading: number!(workgroup: 1..=256),
         ..OF_THE_DEVICE
     },
     &Knob {
         name: "bounces",
-        about: "Bounces of a submission [default: measured, for about 100 ms].",
+        about: "Bounces per submission [default: measured, for about 100 ms].",
         reading: number!(bounces: 1..=4096),
         ..OF_THE_DEVICE
     },
     &Knob {
         name: "scatter",
-        about: "All stages of a bounce fused into one kernel; a kernel a stage, all materials linked into one; or a kernel and a queue for \
-                each material [default: by the device].",
+        about: "How the stages of a bounce become kernels: one kernel for all; one per stage; or one per stage, with a scatter kernel \
+                and a queue per material [default: by the device].",
         reading: Some(Reading {
             takes: Takes::Words(|| Scatter::WORDS.iter().map(|(word, _)| *word).collect()),
             read: |options, text| Scatter::read(text).map(|scatter| options.scatter = Some(scatter)),
@@ -511,7 +511,7 @@ const TUNING: &[&Knob] = &[
     },
     &Knob {
         name: "features",
-        about: "What kernels are linked with: just what the scene requires, or everything that a scene can require.",
+        about: "What kernels contain: only what the scene requires, or everything that any scene can require.",
         default: Some("scene"),
         reading: word!(features: FeatureSet),
         ..OF_THE_DEVICE

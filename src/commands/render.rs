@@ -516,17 +516,17 @@ fn summarise(about: &About<'_>, output: &Output<'_>, outcome: &Outcome, finish: 
     if cut.paths > 0 {
         let (paths, mean) = (finish.totals.paths.max(1) as f64, cut.mean());
         tell(&format!(
-            "{} of {} paths were cut at max_depth {}, with a mean throughput of {mean:.2e}: on the mean of the image what is missing is \
-             at most {:.2e} of the radiance that they would have met",
+            "max_depth {} cut {} of {} paths, with a mean throughput of {mean:.2e}: averaged over the image, at most {:.2e} of the \
+             radiance that they would have found is missing",
+            job.max_depth,
             cut.paths,
             finish.totals.paths,
-            job.max_depth,
             cut.throughput / paths
         ));
     }
     if let Some((time, over)) = args.time.zip(overrun(args.time, total)) {
         let over = if over < 1.0 { format!("{:.1} ms", 1e3 * over) } else { format!("{over:.1} s") };
-        tell(&format!("warning: this took {over} more than the --time of {} s", time.as_secs_f64()));
+        tell(&format!("warning: the render took {over} longer than --time {} s", time.as_secs_f64()));
     }
     if args.profile {
         match outcome.stages.is_empty() {
@@ -536,7 +536,7 @@ fn summarise(about: &About<'_>, output: &Output<'_>, outcome: &Outcome, finish: 
     }
     if let Some(error) = finish.error.filter(|error| !error.reliable) {
         tell(&format!(
-            "warning: the relative error is unreliable: rare bright paths make most of it{}",
+            "warning: the relative error is unreliable: rare bright paths dominate it{}",
             match error.bound.is_finite() {
                 true => format!(". It may be {} %", percent(error.bound)),
                 false => String::new(),
@@ -545,8 +545,8 @@ fn summarise(about: &About<'_>, output: &Output<'_>, outcome: &Outcome, finish: 
     }
     if finish.lacks_light() {
         tell(&format!(
-            "warning: the relative error is unreliable: mirrors and glass send on light of {} % of the image's, which paths meet by chance alone, \
-             and they have met {} %: lights so small take more samples",
+            "warning: the relative error is unreliable: mirrors and glass block {} % of the image's light from light sampling, and paths \
+             have found {} % by chance. Raise --spp.",
             percent(finish.through_glass.stopped()),
             percent(finish.through_glass.met())
         ));
@@ -561,20 +561,19 @@ fn summarise(about: &About<'_>, output: &Output<'_>, outcome: &Outcome, finish: 
                 )
             }
             None => format!(
-                "--noise {wish} {words}: nothing bounds the error of an image without light, or with so few pixels that have any; \
-                 give --spp or --time"
+                "--noise {wish} {words}: the error has no bound, since too few pixels have any light; give --spp or --time"
             ),
         });
     }
     if finish.error.is_some() {
-        tell(&format!("the relative error is that of noise; it excludes {}", about.excluded()));
+        tell(&format!("the relative error covers noise; it excludes {}", about.excluded()));
     }
     let error = match finish.error {
         Some(error) if error.bound.is_finite() => {
             format!("relative error {} % (95 % sure: below {} %)", percent(error.value), percent(error.bound))
         }
         Some(error) => format!("relative error {} %", percent(error.value)),
-        None => "error unknown (it takes 9 samples a pixel, and light)".to_string(),
+        None => "error unknown (it needs 9 samples per pixel, and light)".to_string(),
     };
     let samples = samples_done(outcome, finish, job);
     tell(&format!("{}: {samples} samples, {error}, {total:.1} s", output.exr.display()));
