@@ -15,4 +15,5 @@ pub mod output;
 pub mod plan;
 pub mod render;
 pub mod scene;
+pub mod source;
 pub mod tradeoff;

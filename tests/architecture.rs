@@ -16,6 +16,7 @@ const NEVER: &[(&str, &[&str])] = &[
     ("output", &["gpu", "scene", "flatten", "plan", "render", "tradeoff", "commands", "cli"]),
     ("data", &["gpu", "scene", "flatten", "plan", "render", "film", "output", "tradeoff", "commands", "cli"]),
     ("error", &["gpu", "scene", "flatten", "plan", "render", "film", "output", "tradeoff", "commands", "cli"]),
+    ("source", &["gpu", "scene", "flatten", "plan", "render", "bvh", "film", "output", "tradeoff", "commands", "cli"]),
     ("knobs", &["gpu", "scene", "flatten", "plan", "render", "bvh", "film", "output", "tradeoff", "commands", "cli"]),
     ("tradeoff", &["commands", "cli"]),
     ("cli", &["commands"]),

@@ -8,9 +8,9 @@ use exr::prelude::{MetaData, ReadChannels, ReadLayers};
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 
 use super::Scene;
-use super::source::Place;
 use super::types::*;
 use crate::error::Result;
+use crate::source::Place;
 
 /// Most texels along one side of an image.
 const LARGEST_SIDE: u32 = 16384;

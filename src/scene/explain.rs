@@ -6,9 +6,8 @@
 use ron::error::{Error as Ron, SpannedError};
 
 use super::nearest::nearest;
-use super::source::Source;
-use super::spans::{Id, Span, Step, skip_space, slice};
 use crate::error::Error;
+use crate::source::{Id, Source, Span, Step, skip_space, slice};
 
 /// The same error with the value's own position, the field's path and what was expected.
 pub fn explain(source: &Source, error: SpannedError) -> Error {

@@ -8,8 +8,6 @@ mod explain;
 mod load;
 mod mesh;
 mod nearest;
-mod source;
-mod spans;
 pub mod types;
 mod validate;
 mod visit;
@@ -19,11 +17,10 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use crate::error::{Error, Location, Result};
-use source::Source;
+use crate::source::Source;
 
+pub use crate::source::{Place, Step};
 pub use mesh::{Mesh, OnProgress, OpenEdges};
-pub use source::Place;
-pub use spans::Step;
 pub use types::*;
 
 /// A scene that has been read and validated, with its images decoded and its meshes read.

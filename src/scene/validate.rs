@@ -6,15 +6,11 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use glam::DVec3;
 
 use super::nearest::nearest;
-use super::source::Place;
 use super::types::*;
 use super::{Mesh, Scene};
 use crate::error::Result;
+use crate::source::{LARGEST, Place, SMALLEST, length, number, vector};
 
-/// Largest magnitude of a number: its square is still finite in f64, with room for sums.
-const LARGEST: f64 = 1e100;
-/// Smallest length other than zero: its square is still a normal number.
-const SMALLEST: f64 = 1e-100;
 /// Largest radiance, and smallest other than zero: both are normal numbers in f32 too.
 const LARGEST_RADIANCE: f64 = 1e30;
 const SMALLEST_RADIANCE: f64 = 1e-30;
@@ -412,27 +408,6 @@ fn render(at: &Place, render: &RenderDefaults) -> Result<()> {
         return Err(at.field("max_depth").unexpected(format!("a max_depth from 0 to {DEEPEST}")));
     }
     Ok(())
-}
-
-/// Any finite number that may be squared.
-fn number(at: &Place, x: f64) -> Result<()> {
-    if x.abs() <= LARGEST {
-        return Ok(());
-    }
-    Err(at.unexpected(format!("a finite number of at most {LARGEST:e} in magnitude")))
-}
-
-fn vector(at: &Place, v: DVec3) -> Result<()> {
-    v.to_array().into_iter().enumerate().try_for_each(|(index, x)| number(&at.index(index), x))
-}
-
-/// A positive number that may be squared.
-fn length(at: &Place, what: &str, x: f64) -> Result<()> {
-    if (SMALLEST..=LARGEST).contains(&x) {
-        return Ok(());
-    }
-    let range = if x > 0.0 { format!("from {SMALLEST:e} to {LARGEST:e}") } else { "greater than 0".to_owned() };
-    Err(at.unexpected(format!("{what} {range}")))
 }
 
 /// Whether two directions are parallel, whatever their lengths.

@@ -3,9 +3,9 @@
 use std::collections::HashSet;
 
 use super::Scene;
-use super::source::Place;
 use super::types::*;
 use super::visit::visit_all;
+use crate::source::Place;
 
 /// A refractive index within this of 1, and not 1, shows nowhere but at grazing incidence: rays are bent by |n - 1| tan θ.
 const NEAR_ONE: f64 = 1e-6;
