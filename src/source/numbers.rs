@@ -30,3 +30,11 @@ pub fn length(at: &Place, what: &str, x: f64) -> Result<()> {
     let range = if x > 0.0 { format!("from {SMALLEST:e} to {LARGEST:e}") } else { "greater than 0".to_owned() };
     Err(at.unexpected(format!("{what} {range}")))
 }
+
+/// A number from 0 to 1.
+pub fn share(at: &Place, what: &str, x: f64) -> Result<()> {
+    if (0.0..=1.0).contains(&x) {
+        return Ok(());
+    }
+    Err(at.unexpected(format!("{what} from 0 to 1")))
+}
