@@ -2,6 +2,7 @@
 //! structs; tests/kernels/layout.rs compares every field here with naga's reflection of it.
 
 use bytemuck::{Pod, Zeroable};
+use glam::DVec3;
 
 /// Of a primitive's code: tells it from a BVH node's index.
 pub const PRIMITIVE_BIT: u32 = 0x8000_0000;
@@ -52,6 +53,10 @@ pub fn primitive_code(kind: u32, index: u32) -> u32 {
 /// Luminance of a linear Rec. 709 colour (ITU-R BT.709-6, item 3.2).
 pub fn luminance([r, g, b]: [f64; 3]) -> f64 {
     0.2126 * r + 0.7152 * g + 0.0722 * b
+}
+
+pub fn f32s(v: DVec3) -> [f32; 3] {
+    v.as_vec3().to_array()
 }
 
 /// Clamped to 0..1; 0 of a NaN.

@@ -17,6 +17,7 @@ use crate::gpu::device::DeviceClass;
 use crate::gpu::layout::{self, Binding, Member};
 use crate::gpu::link::{Choices, Embedded, Entry, Linked, link};
 use crate::job::Job;
+use crate::material::Material;
 use crate::options::{self, FeatureSet, RenderOptions, Scatter};
 
 pub use report::{Buffer, Choice, Constant, KernelReport, Module, Report};
@@ -504,7 +505,8 @@ fn serve(choices: &mut Choices, features: &Features, materials: &[Entry]) {
     let responders: Vec<Entry> = materials.iter().filter(|entry| is_in(&features.responders, entry)).cloned().collect();
     let answers = lights && !responders.is_empty();
     let specular = lights && materials.iter().any(|entry| is_in(&features.specular, entry));
-    let shines = materials.iter().any(|entry| entry.name == "diffuse_light");
+    let shines =
+        materials.iter().any(|entry| Material::KINDS.get(entry.number as usize).is_some_and(|kind| kind.emits));
     let sampled = features.emitters.iter().any(Option::is_some);
     choices.lists.extend([
         ("answer", only_if(answers, "answer")),

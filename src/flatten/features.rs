@@ -1,7 +1,9 @@
 //! What a scene requires of the renderer.
 
 use crate::data;
+use crate::material::{MATERIALS, Material, Scattering};
 use crate::options::{FeatureSet, Integrator, RenderOptions};
+use crate::texture::TEXTURES;
 
 /// The kinds of primitive by number; each is a file of shaders/geometry. Triangles are the faces of meshes.
 pub const PRIMITIVES: &[&str] = &["sphere", "quad", "cuboid", "triangle"];
@@ -15,14 +17,6 @@ const _: () = {
 /// The kinds of boundary that media have, with the kinds of their codes. Convex ones are files of shaders/medium; the mesh, which a ray may
 /// enter many times, is `scene/medium_in_mesh`.
 pub const BOUNDARIES: &[(&str, u32)] = &[("sphere", 0), ("cuboid", 2), ("mesh", data::KIND_INSTANCE)];
-/// The kinds of material by number; each is a file of shaders/material.
-pub const MATERIALS: &[&str] = &["lambertian", "metal", "dielectric", "diffuse_light"];
-/// Those of them that can answer to light from any direction, and so to lights that are sampled: each has a file NAME_eval beside its own.
-pub const RESPONDERS: &[&str] = &["lambertian", "metal"];
-/// Those that can send a ray one way alone, which leaves lights to chance.
-pub const SPECULAR: &[&str] = &["metal", "dielectric"];
-/// The kinds of texture by number; each is a file of shaders/texture.
-pub const TEXTURES: &[&str] = &["checker", "image", "noise", "marble"];
 /// The kinds of background by number; each is a file of shaders/background.
 pub const BACKGROUNDS: &[&str] = &["solid", "gradient", "image"];
 
@@ -120,9 +114,9 @@ impl Features {
         [&mut self.smooth, &mut self.textured_media, &mut self.thin_lens, &mut self.turned].into_iter().for_each(add);
         if sample_lights {
             add(&mut self.emitting_sky);
-            for (those, used) in [(RESPONDERS, &mut self.responders), (SPECULAR, &mut self.specular)] {
-                let materials = MATERIALS.iter().zip(used);
-                materials.filter(|(name, _)| those.contains(name)).for_each(|(_, used)| add(used));
+            for (way, used) in [(Scattering::Spread, &mut self.responders), (Scattering::OneWay, &mut self.specular)] {
+                let materials = Material::KINDS.iter().zip(used);
+                materials.filter(|(kind, _)| kind.scatters.contains(&way)).for_each(|(_, used)| add(used));
             }
         }
         self.few = false;

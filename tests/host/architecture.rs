@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 /// A part of the program and the parts that it never imports.
 const NEVER: &[(&str, &[&str])] = &[
-    ("gpu", &["scene", "flatten", "plan", "render", "bvh", "film", "output", "tradeoff", "commands", "cli"]),
+    ("gpu", &["texture", "material", "scene", "flatten", "plan", "render", "bvh", "film", "output", "tradeoff", "cli"]),
     ("metrics", &["gpu", "scene", "flatten", "plan", "render", "tradeoff", "commands", "cli"]),
     ("bvh", &["gpu", "scene", "flatten", "plan", "render", "film", "output", "tradeoff", "commands", "cli"]),
     ("film", &["gpu", "scene", "flatten", "plan", "render", "bvh", "tradeoff", "commands", "cli"]),
@@ -18,6 +18,9 @@ const NEVER: &[(&str, &[&str])] = &[
     ("error", &["gpu", "scene", "flatten", "plan", "render", "film", "output", "tradeoff", "commands", "cli"]),
     ("options", &["gpu", "scene", "flatten", "plan", "render", "film", "output", "tradeoff", "commands", "cli"]),
     ("job", &["gpu", "scene", "flatten", "plan", "render", "film", "output", "tradeoff", "commands", "cli"]),
+    ("material", &["gpu", "scene", "flatten", "plan", "render", "bvh", "film", "output", "tradeoff", "cli"]),
+    ("texture", &["gpu", "material", "scene", "flatten", "plan", "render", "film", "output", "tradeoff", "cli"]),
+    ("source", &["gpu", "texture", "material", "scene", "flatten", "plan", "render", "output", "tradeoff", "cli"]),
     ("tradeoff", &["commands", "cli"]),
     ("cli", &["commands"]),
 ];
@@ -138,6 +141,7 @@ fn a_planted_import_is_found() {
         ("gpu/link", "use super::super::scene;\n"),
         ("gpu", "use super::scene;\n"),
         ("metrics", "use crate::gpu::device::Device;\n"),
+        ("material/metal", "use crate::scene::Scene;\n"),
         ("metrics", "    use gpu_rt::scene::Scene;\n"),
         ("bvh/wide", "use crate::gpu;\n"),
         ("film", "use crate::scene;\n"),

@@ -1,6 +1,6 @@
 //! Materials that are not in the program, added by the steps of docs/architecture.md as far as test code can: the shader files, what the
-//! loader makes of the scene's numbers, their names in the lists that the linker goes through, and nothing else on the device. A variant of
-//! `Material` cannot be added here, nor what the compiler asks for with it: a Lambertian of the scene file stands in for the new material.
+//! host lays out for them, their names in the lists that the linker goes through, and nothing else on the device. A file of src/material
+//! cannot be added here, nor its lines in the list: a Lambertian of the scene file stands in for the new material.
 
 use std::collections::BTreeMap;
 
@@ -61,7 +61,7 @@ fn listed(choices: &mut Choices, name: &str) {
     }
 }
 
-/// What its loader writes into the scene's table, here in place of the material that the scene file names.
+/// What its file of src/material would lay out in the scene's table, here in place of the material that the scene file names.
 fn loaded(flat: &mut Flat) {
     let material = &mut flat.materials[0];
     (material.kind, material.parameter) = (MATERIALS.len() as u32, GAIN);

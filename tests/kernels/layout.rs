@@ -5,14 +5,20 @@ use std::collections::BTreeMap;
 
 use gpu_rt::data;
 use gpu_rt::film::RunRecord;
-use gpu_rt::flatten::{Features, MATERIALS, RESPONDERS, SPECULAR, Unsampled};
+use gpu_rt::flatten::{Features, MATERIALS, Unsampled};
 use gpu_rt::gpu::layout::{Member, members, pack};
 use gpu_rt::gpu::link::{Choices, Embedded, link};
+use gpu_rt::material::{Material, Scattering};
 use gpu_rt::options::{Fresnel, RenderOptions, Scatter};
 use gpu_rt::plan::{Kernels, Tables};
 
 /// Name, offset and bytes of each field.
 type Fields = Vec<(String, usize, usize)>;
+
+/// The kinds of material that can scatter so.
+fn that_scatter(way: Scattering) -> [Option<String>; MATERIALS.len()] {
+    std::array::from_fn(|i| Material::KINDS[i].scatters.contains(&way).then(|| "a test".to_string()))
+}
 
 /// The modules of every production kernel with every feature on, and the numerics probe's.
 fn modules() -> Vec<naga::Module> {
@@ -20,8 +26,8 @@ fn modules() -> Vec<naga::Module> {
     let features = Features {
         primitives: Default::default(),
         materials: Default::default(),
-        responders: std::array::from_fn(|i| RESPONDERS.contains(&MATERIALS[i]).then(|| "a test".to_string())),
-        specular: std::array::from_fn(|i| SPECULAR.contains(&MATERIALS[i]).then(|| "a test".to_string())),
+        responders: that_scatter(Scattering::Spread),
+        specular: that_scatter(Scattering::OneWay),
         textures: Default::default(),
         boundaries: Default::default(),
         textured_media: Some("a test".to_string()),

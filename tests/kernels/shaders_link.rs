@@ -4,11 +4,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use gpu_rt::data::{KIND_TRIANGLE, Sampler};
-use gpu_rt::flatten::{
-    BACKGROUNDS, BOUNDARIES, Features, MATERIALS, PRIMITIVES, RESPONDERS, SPECULAR, TEXTURES, Unsampled,
-};
+use gpu_rt::flatten::{BACKGROUNDS, BOUNDARIES, Features, MATERIALS, PRIMITIVES, TEXTURES, Unsampled};
 use gpu_rt::gpu::layout::BindingKind;
 use gpu_rt::gpu::link::{Choices, Embedded, Entry, Library, Linked, link};
+use gpu_rt::material::{Kind, Material, Scattering};
 use gpu_rt::options::{FeatureSet, Fresnel, Offset, Precision, RenderOptions, Scatter, Switch};
 use gpu_rt::plan::{Kernels, Tables};
 
@@ -28,8 +27,8 @@ fn features(primitives: usize, materials: usize, textures: usize, background: us
     Features {
         primitives: on(primitives),
         materials: on(materials),
-        responders: on(materials & bits_of(RESPONDERS)),
-        specular: on(materials & bits_of(SPECULAR)),
+        responders: on(materials & bits_of(spreads)),
+        specular: on(materials & bits_of(|kind| kind.scatters.contains(&Scattering::OneWay))),
         textures: on(textures),
         backgrounds: on(1 << background),
         thin_lens: asked(thin_lens),
@@ -38,9 +37,18 @@ fn features(primitives: usize, materials: usize, textures: usize, background: us
     }
 }
 
-/// The bits of the materials of these names.
-fn bits_of(names: &[&str]) -> usize {
-    (0..MATERIALS.len()).filter(|i| names.contains(&MATERIALS[*i])).map(|i| 1 << i).sum()
+/// The bits of some kinds of material.
+fn bits_of(wanted: impl Fn(&Kind) -> bool) -> usize {
+    (0..).zip(Material::KINDS).filter(|(_, kind)| wanted(kind)).map(|(i, _)| 1 << i).sum()
+}
+
+/// Whether materials of the kind can answer to lights.
+fn spreads(kind: &Kind) -> bool {
+    kind.scatters.contains(&Scattering::Spread)
+}
+
+fn kind_of(shader: &str) -> &'static Kind {
+    Material::KINDS.iter().find(|kind| kind.shader == shader).expect("there is such a material")
 }
 
 /// The same with media in such boundaries.
@@ -250,14 +258,11 @@ fn every_combination_of_features_links_and_validates() {
                 }
                 // Nor light sampling where nothing answers to a light: in the scene, or in a kernel of some of its materials.
                 let answered = features.media > 0 || features.responders.iter().any(Option::is_some);
-                let own = kernel.name.strip_prefix("scatter_");
+                let own = kernel.name.strip_prefix("scatter_").map(kind_of);
                 for (module, wanted) in [
                     ("bind/lights", answered && features.lights > 0),
-                    (
-                        "scene/light_alias",
-                        own.is_none_or(|name| [RESPONDERS, &["diffuse_light"]].concat().contains(&name)),
-                    ),
-                    ("scene/responses", answered && own.is_none_or(|name| RESPONDERS.contains(&name))),
+                    ("scene/light_alias", own.is_none_or(|kind| spreads(kind) || kind.emits)),
+                    ("scene/responses", answered && own.is_none_or(spreads)),
                 ] {
                     let linked = kernel.linked.modules.iter().any(|linked| linked == module);
                     assert!(wanted || !linked, "{}: {module} is linked: {features:?}", kernel.name);

@@ -1,9 +1,16 @@
-//! The text of the scene file, and errors that point into it.
+//! The text of the scene file, the places of its values, and errors and checks that point at them. It knows text and not the scene.
+
+pub mod form;
+mod numbers;
+mod spans;
 
 use std::path::{Path, PathBuf};
 
-use super::spans::{self, Id, Span, Spans, Step};
 use crate::error::{Error, Location};
+use spans::Spans;
+
+pub use numbers::{LARGEST, SMALLEST, length, number, share, vector};
+pub use spans::{Id, Span, Step, skip_space, slice};
 
 /// A scene file's text with the places of its values.
 #[derive(Clone, Debug)]
