@@ -16,7 +16,7 @@ use gpu_rt::error::Result;
 use gpu_rt::gpu::buffers::{BufferSpec, Buffers, Readback};
 use gpu_rt::gpu::device::{Adapters, Device};
 use gpu_rt::gpu::layout;
-use gpu_rt::gpu::link::{Choices, Embedded, Library, link};
+use gpu_rt::gpu::link::{Choices, Chosen, Embedded, Library, Reason, link};
 use gpu_rt::gpu::pipeline::{Pipeline, PipelineSpec};
 
 const SIZES: [usize; 6] = [1_000, 10_000, 100_000, 1_000_000, 2_000_000, 3_000_000];
@@ -273,7 +273,9 @@ struct Walk<'a> {
 impl<'a> Walk<'a> {
     fn new(device: &'a Device, mesh: &Mesh, rays: &[[Vec4; 2]], layout: &Layout) -> Result<Walk<'a>> {
         let mut choices = Choices::default();
-        choices.modules.extend(layout.modules.iter().copied());
+        let chosen =
+            |&(choice, module): &(&'static str, &'static str)| (choice, Chosen { module, why: Reason::EveryRender });
+        choices.modules.extend(layout.modules.iter().map(chosen));
         for (name, value) in [("stack_size", layout.stack_size.to_string()), ("space_of_nodes", "storage, read".into())]
         {
             choices.values.insert(name, value);

@@ -30,7 +30,7 @@ use view::{RenderSpace, View};
 
 pub use bvh::Quality;
 pub use features::{
-    BACKGROUNDS, BOUNDARIES, Features, MATERIALS, PRIMITIVES, RESPONDERS, SPECULAR, TEXTURES, Unsampled,
+    BACKGROUNDS, BOUNDARIES, EVERY_FEATURE, Features, MATERIALS, PRIMITIVES, RESPONDERS, SPECULAR, TEXTURES, Unsampled,
 };
 pub use lights::MOST_LIGHTS;
 
