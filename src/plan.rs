@@ -4,6 +4,7 @@ pub mod choices;
 mod report;
 mod state;
 mod text;
+mod tuning;
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -13,13 +14,17 @@ use crate::error::Result;
 use crate::film::RunRecord;
 use crate::flatten::{BOUNDARIES, Features, Flat, MATERIALS, PRIMITIVES};
 use crate::gpu::buffers::BufferSpec;
+use crate::gpu::device::DeviceClass;
 use crate::gpu::layout::{self, Binding, Member};
 use crate::gpu::link::{Choices, Embedded, Entry, Linked, Reason, link};
+use crate::job::Job;
+use crate::options::{RenderOptions, Scatter};
 
 use choices::{decide, entries};
 pub use report::{Buffer, Choice, Constant, KernelReport, Module, Report};
 pub use state::{MOST_PATH_BYTES, PathField};
 use state::{path_fields, places};
+pub use tuning::Tuning;
 
 /// The reason of what sorts slots into queues.
 const QUEUES: &str = "--scatter queues";
@@ -28,28 +33,6 @@ const A_KERNEL_A_STAGE: &str = "a kernel a stage";
 
 /// The override constants that say how many steps walks may take.
 pub const STEPS: [&str; 2] = ["MOST_STEPS_OF_WALK", "MOST_STEPS_OF_CROSSINGS"];
-
-/// How the stages of a bounce are linked into kernels. The image does not depend on it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Scatter {
-    /// Intersect, scatter and refill in one kernel that does several bounces a dispatch.
-    Fused,
-    /// A kernel a stage; scatter is one kernel for all materials, an invocation a slot.
-    Linked,
-    /// A kernel a stage, and of scatter a kernel and a queue for each material.
-    Queues,
-}
-
-/// Sizes that do not change the image, only how fast it comes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Tuning {
-    /// Paths in flight.
-    pub slots: u32,
-    pub workgroup: u32,
-    pub scatter: Scatter,
-    /// Finished runs that a slot can deliver between two readings by the host.
-    pub records_per_slot: u32,
-}
 
 /// Where the scene's tables live. Small ones fit a uniform binding, which software drivers read several times as fast as
 /// a storage binding; real GPUs serialise lanes that read a uniform at different places.
@@ -118,14 +101,25 @@ pub struct Kernel {
     pub asked_by: Reason,
 }
 
+/// What a render of a scene takes: kernels, buffers and sizes.
+#[derive(Debug)]
+pub struct Plan<'a> {
+    pub scene: &'a Flat,
+    pub options: RenderOptions,
+    pub kernels: Kernels,
+    pub tuning: Tuning,
+}
+
 /// The kernels of one render.
 #[derive(Debug)]
-pub struct Plan {
+pub struct Kernels {
     pub generate: Kernel,
     pub bounce: Bounce,
     /// What slots keep of their paths from one dispatch to the next.
     pub path_fields: Vec<PathField>,
     pub settings: SettingsLayout,
+    /// What they are linked for.
+    pub features: Features,
     tables: Tables,
 }
 
@@ -171,23 +165,50 @@ pub struct Staged {
     pub refill: Kernel,
 }
 
-impl Plan {
-    /// Decides and links the kernels, all tables in storage bindings.
-    pub fn new(features: &Features, scatter: Scatter) -> Result<Plan> {
-        Plan::with_tables(features, scatter, &Tables::default())
+impl<'a> Plan<'a> {
+    /// Decides on the kernels, the buffers and the sizes for a device of this class, and links the kernels.
+    ///
+    /// # Errors
+    /// As of [`Kernels::link`].
+    pub fn new(scene: &'a Flat, options: &RenderOptions, device: DeviceClass, job: &Job) -> Result<Plan<'a>> {
+        let tuning = Tuning::new(device, job, options);
+        let tables = Tables::new(scene, device.table_bytes());
+        let features = scene.features.of(options);
+        let kernels = Kernels::link(&features, options, tuning.scatter, &tables)?;
+        Ok(Plan { scene, options: options.clone(), kernels, tuning })
     }
 
+    /// The most radiance of a contribution of indirect light, in device radiance; 0 where it is not limited.
+    pub fn indirect_limit(&self) -> f32 {
+        let Some(limit) = self.options.clamp else { return 0.0 };
+        // Beyond what f32 holds it is as good as the least or the most.
+        let device = limit * 2f64.powi(-self.scene.radiance_exponent);
+        device.clamp(f64::from(f32::MIN_POSITIVE), f64::from(f32::MAX)) as f32
+    }
+
+    /// The kernels in the order in which a pass runs them.
+    pub fn kernels(&self) -> Vec<&Kernel> {
+        self.kernels.all()
+    }
+
+    /// The buffers that the kernels bind, with the scene's data for those that hold it.
+    pub fn buffers(&self) -> Vec<BufferSpec<'a>> {
+        self.kernels.buffers(self.scene, &self.tuning)
+    }
+}
+
+impl Kernels {
     /// Decides and links the kernels.
     ///
     /// # Errors
     /// `Error::Shader` where a kernel does not link or validate: a defect of gpu-rt, not of the scene.
-    pub fn with_tables(features: &Features, scatter: Scatter, tables: &Tables) -> Result<Plan> {
+    pub fn link(features: &Features, options: &RenderOptions, scatter: Scatter, tables: &Tables) -> Result<Kernels> {
         let materials = entries(MATERIALS, &features.materials);
         // A queue each is no use where there is one material.
         let queues = scatter == Scatter::Queues && materials.len() > 1;
         let fused = scatter == Scatter::Fused;
         let bounces = Bounces { fused, queues };
-        let decided = decide(features, &materials, &materials, 0, bounces);
+        let decided = decide(features, options, &materials, &materials, 0, bounces);
         let path_fields = path_fields(&decided.conditions, fused);
         let [surface, medium, light, queue] = [
             &decided.conditions.surface,
@@ -219,7 +240,7 @@ impl Plan {
             // A scatter kernel for each material: the linked kernel's own file with a list of one.
             let queued_scatter = |(queue, material): (u32, &Entry)| {
                 let served = [Entry { closes: true, ..material.clone() }];
-                let own = decide(features, &materials, &served, queue, bounces).choices(tables);
+                let own = decide(features, options, &materials, &served, queue, bounces).choices(tables);
                 let name = format!("scatter_{}", material.name);
                 kernel(&name, "scatter", &own, &material.why.to_string(), &material.why)
             };
@@ -237,7 +258,7 @@ impl Plan {
         };
         let generate = always("generate", &every_render)?;
         let settings = SettingsLayout::of(&generate.module)?;
-        Ok(Plan { generate, bounce, path_fields, settings, tables: tables.clone() })
+        Ok(Kernels { generate, bounce, path_fields, settings, tables: tables.clone(), features: features.clone() })
     }
 
     /// Bytes of the state of one slot's path.
@@ -246,7 +267,7 @@ impl Plan {
     }
 
     /// The kernels in the order in which a pass runs them.
-    pub fn kernels(&self) -> Vec<&Kernel> {
+    pub fn all(&self) -> Vec<&Kernel> {
         let mut all = vec![&self.generate];
         match &self.bounce {
             Bounce::Fused(kernel) => all.push(kernel),
@@ -268,7 +289,7 @@ impl Plan {
     }
 
     /// The buffers that the kernels bind, with the scene's data for those that hold it.
-    pub fn buffers<'a>(&self, flat: &'a Flat, tuning: &Tuning) -> Vec<BufferSpec<'a>> {
+    fn buffers<'a>(&self, flat: &'a Flat, tuning: &Tuning) -> Vec<BufferSpec<'a>> {
         let slots = u64::from(tuning.slots);
         let queues = self.queues();
         let record_bytes = size_of::<RunRecord>() as u64;
@@ -316,7 +337,7 @@ impl Plan {
             }
             None => array(name, contents, stride, why),
         });
-        let kernels = self.kernels();
+        let kernels = self.all();
         let bound = |spec: &BufferSpec| kernels.iter().any(|kernel| kernel.bindings.contains_key(spec.name));
         all.into_iter().chain(tables).filter(bound).collect()
     }
@@ -341,9 +362,9 @@ fn asked(names: &[&str], used: &[Option<String>], suffix: &str) -> String {
 }
 
 /// What a kernel over all materials of the scene is linked with: for benchmarks and tests that link their own.
-pub fn choices_of(features: &Features, tables: &Tables) -> Choices {
+pub fn choices_of(features: &Features, options: &RenderOptions, tables: &Tables) -> Choices {
     let materials = entries(MATERIALS, &features.materials);
-    decide(features, &materials, &materials, 0, Bounces { fused: true, queues: false }).choices(tables)
+    decide(features, options, &materials, &materials, 0, Bounces { fused: true, queues: false }).choices(tables)
 }
 
 /// How the steps of a bounce are cut into kernels.

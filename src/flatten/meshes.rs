@@ -8,9 +8,9 @@ use glam::Vec3;
 use super::place::AxisBox;
 use super::shapes::{error_bound, padded};
 use super::similarity::Similarity;
-use super::{Builder, binary_exponent, exp2, f32s};
+use super::{Builder, binary_exponent, exp2};
 use crate::bvh::{self, Bounds};
-use crate::data::{self, KIND_TRIANGLE, NO_NORMAL, NO_UVS, PRIMITIVE_BIT, primitive_code};
+use crate::data::{self, KIND_TRIANGLE, NO_NORMAL, NO_UVS, PRIMITIVE_BIT, f32s, primitive_code};
 use crate::scene::Mesh;
 
 /// A mesh that has been laid out.

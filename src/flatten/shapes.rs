@@ -2,12 +2,12 @@
 
 use glam::{DVec3, Vec3};
 
-use super::frames::{frame, local_to_object};
+use super::Builder;
+use super::frames::local_to_object;
 use super::place::{AxisBox, Placed, Shape};
 use super::similarity::Similarity;
-use super::{Builder, colour_texture, f32s};
 use crate::bvh::Bounds;
-use crate::data;
+use crate::data::{self, f32s};
 
 impl Builder<'_> {
     /// Adds a primitive; the result is its code and its bounds.
@@ -94,10 +94,13 @@ impl Builder<'_> {
         }
     }
 
-    /// The index of the frame of a primitive's texture; 0 where it needs none.
+    /// The index of the first frame of a primitive, which has one for each texture of its material; 0 where it needs none.
     fn frame_of(&mut self, primitive: &Placed) -> u32 {
         let Placed { shape, to_world, material } = primitive;
-        let Some(texture) = colour_texture(&self.scene.materials[*material as usize].1) else { return 0 };
+        let textures = &self.textures[*material as usize];
+        if textures.is_empty() {
+            return 0;
+        }
         // All instances of a mesh stand alike in a texture, for it is evaluated in the mesh's own space.
         let shared = match shape {
             Shape::Mesh(mesh) => Some((*mesh, *material)),
@@ -107,8 +110,8 @@ impl Builder<'_> {
             return frame;
         }
         let place = local_to_object(shape, &to_world.rotation, self.boxes);
-        let Some(frame) = frame(texture, place, &to_world.rotation) else { return 0 };
-        let index = self.flat.add_frame(frame);
+        let index = self.flat.frames.len() as u32;
+        self.flat.frames.extend(textures.iter().filter_map(|texture| texture.frame(place, &to_world.rotation)));
         if let Some(key) = shared {
             self.mesh_frames.insert(key, index);
         }

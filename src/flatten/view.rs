@@ -2,9 +2,8 @@
 
 use glam::{DMat3, DVec3};
 
-use super::f32s;
 use super::similarity::Similarity;
-use crate::data;
+use crate::data::{self, f32s};
 use crate::scene::Camera;
 
 /// The width of a pixel, in units of the distance to it, below which render space gets the camera's axes. In the world's axes a

@@ -5,9 +5,10 @@ use std::collections::BTreeMap;
 
 use super::state::{path_fields, places};
 use super::{Bounces, QUEUES, Tables};
-use crate::data::{KIND_INSTANCE, KIND_TRIANGLE, RUN_LENGTH, Sampler};
+use crate::data::{KIND_INSTANCE, KIND_TRIANGLE, RUN_LENGTH};
 use crate::flatten::{BACKGROUNDS, BOUNDARIES, EVERY_FEATURE, Features, PRIMITIVES, TEXTURES};
 use crate::gpu::link::{Choices, Chosen, Entry, Reason};
+use crate::options::{self, FeatureSet, Knob, RenderOptions};
 
 /// A struct with a member for each name that directives of one kind have in the shaders, so that none can be left undecided.
 macro_rules! named {
@@ -231,6 +232,7 @@ fn split_meshes(kinds: Vec<Entry>) -> (Option<Reason>, Vec<Entry>) {
 /// Decides for a kernel that serves some of the scene's materials, and `queue` if they are sorted into queues.
 pub(super) fn decide(
     features: &Features,
+    options: &RenderOptions,
     materials: &[Entry],
     served: &[Entry],
     queue: u32,
@@ -238,6 +240,12 @@ pub(super) fn decide(
 ) -> Decided {
     let Bounces { fused, queues } = bounces;
     let if_so = |condition: bool, why: Reason| condition.then_some(why);
+    let by_option = |knob: &Knob| Chosen { module: knob.module(options), why: option(&knob.asked(options)) };
+    // What approximates, where the scene has what the option is about.
+    let approximate = |knob: &Knob, in_scene: bool| match in_scene && !knob.is_default(options) {
+        true => by_option(knob),
+        false => usual(knob.module(&RenderOptions::default())),
+    };
     let (mesh, primitive) = split_meshes(entries(PRIMITIVES, &features.primitives));
     let (emitting_mesh, emitter) = split_meshes(entries(PRIMITIVES, &features.emitters));
     let boundaries = BOUNDARIES.iter().zip(&features.boundaries);
@@ -283,13 +291,16 @@ pub(super) fn decide(
         queue: queue_why,
         lens: asked(&features.thin_lens),
         camera_axes: asked(&features.turned),
-        clamp: if_so(features.clamp, option("--clamp")),
+        clamp: if_so(
+            options.clamp.is_some() && (surface.is_some() || features.media > 0),
+            by_option(&options::CLAMP).why,
+        ),
         gradient_background: asked(&features.backgrounds[1]),
         image_background: asked(&features.backgrounds[2]),
         several_backgrounds: if_so(!other_background.is_empty(), option(EVERY_FEATURE)),
         unsampled: match &features.unsampled {
             Some(left) => Some(option(&left.asked_by)),
-            None => if_so(features.every, option(EVERY_FEATURE)),
+            None => if_so(options.features == FeatureSet::All, option(EVERY_FEATURE)),
         },
         sky_by_chance: emitting_sky.clone().and(one_way.clone()),
         aims: answer.clone().or(specular.clone()),
@@ -308,13 +319,13 @@ pub(super) fn decide(
         emitting_surface,
         emitting_sky,
     };
+    let has_glass = materials.iter().any(|kind| kind.name == "dielectric");
+    let has_spheres = primitive.iter().chain(&convex_boundary).any(|kind| kind.name == "sphere");
     let places = places(&path_fields(&conditions, fused));
     let numbered = |all: Vec<(&'static str, u32)>| {
         closed(all.into_iter().map(|(name, number)| (name, number, Reason::EveryRender)))
     };
     let image_texture = texture.iter().find(|kind| kind.name == "image").map(|kind| kind.why.clone());
-    // What approximates is asked for by its option.
-    let by_option = |on: bool, text: &str| if_so(on, option(text));
     let modules = Modules {
         axes: either(asked(&features.turned), "scene/camera_axes", "scene/world_axes"),
         camera: either(asked(&features.thin_lens), "camera/thin_lens", "camera/pinhole"),
@@ -324,23 +335,12 @@ pub(super) fn decide(
         medium_albedo: either(asked(&features.textured_media), "scene/textured_medium", "scene/plain_medium"),
         light_choice: usual(if features.lights > 1 { "scene/light_tree" } else { "scene/one_light" }),
         walk,
-        roulette: either(
-            by_option(features.roulette, "--roulette on, the default"),
-            "step/roulette",
-            "step/no_roulette",
-        ),
-        clamp: either(conditions.clamp.clone(), "step/clamp", "step/no_clamp"),
-        fresnel: either(by_option(features.schlick, "--fresnel schlick"), "lib/fresnel_schlick", "lib/fresnel"),
-        offset: either(by_option(features.fast_offset, "--offset fast"), "geometry/offset_fast", "geometry/offset"),
-        sphere_chord: either(
-            by_option(features.fast_precision, "--precision fast"),
-            "geometry/sphere_chord_fast",
-            "geometry/sphere_chord",
-        ),
-        sampler: match features.sampler {
-            Sampler::Sobol => Chosen { module: "sampler/sobol", why: option("--sampler sobol") },
-            Sampler::Independent => Chosen { module: "sampler/independent", why: option("--sampler independent") },
-        },
+        roulette: by_option(&options::ROULETTE),
+        clamp: approximate(&options::CLAMP, conditions.clamp.is_some()),
+        fresnel: approximate(&options::FRESNEL, has_glass),
+        offset: approximate(&options::OFFSET, conditions.surface.is_some()),
+        sphere_chord: approximate(&options::PRECISION, has_spheres),
+        sampler: by_option(&options::SAMPLER),
     };
     Decided {
         conditions,

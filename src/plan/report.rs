@@ -2,13 +2,14 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::{Bounce, Kernel, PathField, Plan, QUEUES, STEPS, Scatter, Tuning, boundary_names};
+use super::{Bounce, Kernel, PathField, Plan, QUEUES, STEPS, Tuning, boundary_names};
 use crate::error::Result;
-use crate::flatten::{BACKGROUNDS, Features, Flat, MATERIALS, MOST_LIGHTS, PRIMITIVES, TEXTURES, Unsampled};
+use crate::flatten::{BACKGROUNDS, Features, MATERIALS, MOST_LIGHTS, PRIMITIVES, TEXTURES, Unsampled};
 use crate::gpu::buffers::BufferSpec;
 use crate::gpu::layout::{self, BindingKind};
 use crate::gpu::link::Reason;
 use crate::gpu::spirv::{self, Size};
+use crate::options::{Integrator, Scatter};
 
 /// A plan in words and numbers.
 #[derive(Clone, Debug)]
@@ -127,8 +128,8 @@ impl KernelReport {
 
 impl Report {
     /// Without the kernels' sizes, which take time ([`Report::measure`]).
-    pub fn new(plan: &Plan, flat: &Flat, tuning: &Tuning, limits: &wgpu::Limits) -> Report {
-        let features = &flat.features;
+    pub fn new(plan: &Plan<'_>, limits: &wgpu::Limits) -> Report {
+        let (features, tuning) = (&plan.kernels.features, &plan.tuning);
         let kernels = plan.kernels();
         let linked: BTreeSet<&String> = kernels.iter().flat_map(|kernel| &kernel.linked.modules).collect();
         let known = known_features(features);
@@ -164,13 +165,13 @@ impl Report {
             features: there.iter().filter_map(asked).collect(),
             left_out: left_out.iter().map(|known| known.name.clone()).collect(),
             choices: choices.into_iter().map(|(name, module)| Choice { name, module: module.clone() }).collect(),
-            integrator: integrator_words(features),
-            scatter: scatter_words(plan, tuning),
+            integrator: integrator_words(features, plan.options.integrator),
+            scatter: scatter_words(plan),
             kernels: kernels.iter().map(of_kernel).collect(),
             slots: tuning.slots,
-            path_fields: plan.path_fields.clone(),
+            path_fields: plan.kernels.path_fields.clone(),
             constants: constants(&kernels, tuning),
-            buffers: plan.buffers(flat, tuning).iter().map(buffer).collect(),
+            buffers: plan.buffers().iter().map(buffer).collect(),
             limits: [limits.max_uniform_buffer_binding_size, limits.max_storage_buffer_binding_size]
                 .map(|limit| limit.min(limits.max_buffer_size)),
         }
@@ -180,9 +181,9 @@ impl Report {
     ///
     /// # Errors
     /// `Error::Shader` where a kernel is not written as SPIR-V: a defect of gpu-rt.
-    pub fn measure(&mut self, plan: &Plan, tuning: &Tuning) -> Result<()> {
+    pub fn measure(&mut self, plan: &Plan<'_>) -> Result<()> {
         for (report, kernel) in self.kernels.iter_mut().zip(plan.kernels()) {
-            let workgroup = [("WORKGROUP_SIZE", f64::from(tuning.workgroup))];
+            let workgroup = [("WORKGROUP_SIZE", f64::from(plan.tuning.workgroup))];
             report.size = Some(spirv::size(&kernel.module, kernel.stage, &workgroup)?);
         }
         Ok(())
@@ -278,11 +279,11 @@ fn modules(kernel: &Kernel) -> Vec<Module> {
 }
 
 /// The fields of the paths' state that a kernel loads or stores.
-fn path_fields(kernel: &Kernel, plan: &Plan) -> Vec<PathField> {
+fn path_fields(kernel: &Kernel, plan: &Plan<'_>) -> Vec<PathField> {
     let constants = kernel.module.constants.iter().filter_map(|(_, constant)| constant.name.as_deref());
     let functions = kernel.module.functions.iter().filter_map(|(_, function)| function.name.as_deref());
     let names: BTreeSet<&str> = constants.chain(functions).collect();
-    plan.path_fields.iter().filter(|field| field.is_used(|name| names.contains(name))).cloned().collect()
+    plan.kernels.path_fields.iter().filter(|field| field.is_used(|name| names.contains(name))).cloned().collect()
 }
 
 /// Why a module is in a kernel: what asked for the module, or else for the kernel.
@@ -369,13 +370,13 @@ fn about_constant(name: &str) -> String {
     what.to_string()
 }
 
-fn integrator_words(features: &Features) -> String {
+fn integrator_words(features: &Features, integrator: Integrator) -> String {
     let left = features.unsampled.as_ref().map_or(String::new(), |left| {
         let Unsampled { lights, wanted, asked_by } = left;
         format!("{lights} of {wanted} lights are left to chance, {asked_by}: {MOST_LIGHTS} at most are sampled")
     });
     match features.lights {
-        0 if !features.sample_lights => "bsdf: --integrator bsdf".to_string(),
+        0 if integrator == Integrator::Bsdf => "bsdf: --integrator bsdf".to_string(),
         0 if left.is_empty() => "bsdf: there is no light to sample".to_string(),
         0 => format!("bsdf: {left}"),
         1 if left.is_empty() => "mis: rays to the light".to_string(),
@@ -385,8 +386,8 @@ fn integrator_words(features: &Features) -> String {
     }
 }
 
-fn scatter_words(plan: &Plan, tuning: &Tuning) -> String {
-    match (&plan.bounce, tuning.scatter) {
+fn scatter_words(plan: &Plan<'_>) -> String {
+    match (&plan.kernels.bounce, plan.tuning.scatter) {
         (Bounce::Fused(_), _) => {
             "fused: a processor pays more for storing a path's state than for its divergence (docs/performance.md)"
                 .to_string()

@@ -6,9 +6,11 @@
 use ron::error::{Error as Ron, SpannedError};
 
 use super::nearest::nearest;
-use super::source::Source;
-use super::spans::{Id, Span, Step, skip_space, slice};
 use crate::error::Error;
+use crate::material::{Material, a_material};
+use crate::source::form::{COLOUR, Form, PATH};
+use crate::source::{Id, Source, Span, Step, skip_space, slice};
+use crate::texture::{TEXTURE, Texture};
 
 /// The same error with the value's own position, the field's path and what was expected.
 pub fn explain(source: &Source, error: SpannedError) -> Error {
@@ -284,24 +286,33 @@ fn lower(message: &str) -> String {
     first.into_iter().chain(characters).collect()
 }
 
-const TEXTURE: &str = "a texture: Rgb(r, g, b), Checker(..), Image(..), Noise(..) or Marble(..)";
-const MATERIAL: &str = "a material: Lambertian(..), Metal(..), Dielectric(..) or DiffuseLight(..)";
 const OBJECT: &str = "an object: Sphere(..), Quad(..), Box(..), Mesh(..), Transformed(..), \
                       Group([..]) or Medium(..)";
 const BOUNDARY: &str = "a boundary: a Sphere(..), a Box(..) or a closed Mesh(..), Transformed(..) or not, without a \
                         material";
 const TRANSFORM: &str = "a transform: Translate((x, y, z)), Scale(s), RotateX(degrees), \
                          RotateY(degrees), RotateZ(degrees) or Rotate(axis: .., degrees: ..)";
-const COLOUR: &str = "a colour: (r, g, b)";
 const POINT: &str = "a point: (x, y, z)";
 const VECTOR: &str = "a vector: (x, y, z)";
 
 /// What the scene format expects at the end of a path.
-fn expected(path: &[Step<'_>]) -> &'static str {
-    match path {
+fn expected(path: &[Step<'_>]) -> String {
+    let form = |name: &str| forms().find(|form| form.name == name);
+    let of_form = match path {
+        [.., Step::Variant(name)] => form(name).map(Form::in_full),
+        [.., Step::Variant(name), Step::Field(field)] => {
+            form(name).and_then(|form| form.expects(field)).map(str::to_owned)
+        }
+        _ => None,
+    };
+    if let Some(expected) = of_form {
+        return expected;
+    }
+    let expected = match path {
+        [.., Step::Key(_)] => return a_material(),
         [] => "Scene(image: .., camera: .., background: .., materials: .., objects: .., render: ..)",
+        [.., Step::Variant("Medium"), Step::Field("albedo")] => TEXTURE,
         [.., Step::Field(name)] => expected_field(name),
-        [.., Step::Key(_)] => MATERIAL,
         [.., Step::Variant(name)] => expected_variant(name),
         [.., Step::Field("objects") | Step::Variant("Group"), Step::Index(_)] => OBJECT,
         [.., Step::Field("by"), Step::Index(_)] => TRANSFORM,
@@ -311,7 +322,13 @@ fn expected(path: &[Step<'_>]) -> &'static str {
         [.., Step::Field("look_from" | "look_at" | "up" | "bottom" | "top" | "even" | "odd"), Step::Index(_)]
         | [.., Step::Field("center" | "corner" | "u" | "v" | "min" | "max" | "axis"), Step::Index(_)] => "a number",
         [.., Step::Index(_)] => "fields by name: (name: value, ..)",
-    }
+    };
+    expected.to_owned()
+}
+
+/// The forms of materials and textures.
+fn forms() -> impl Iterator<Item = &'static Form> {
+    Material::KINDS.iter().map(|kind| &kind.form).chain(Texture::KINDS.iter().map(|kind| &kind.form))
 }
 
 fn expected_field(name: &str) -> &'static str {
@@ -324,12 +341,10 @@ fn expected_field(name: &str) -> &'static str {
         "vertical_fov" => "a number of degrees between 0 and 180",
         "degrees" => "a number of degrees",
         "background" => "a background: Solid((r, g, b)), Gradient(bottom: .., top: ..) or Image(path: ..)",
-        "bottom" | "top" | "even" | "odd" => COLOUR,
-        "path" => "a file's path in quotes",
+        "bottom" | "top" => COLOUR,
+        "path" => PATH,
         "materials" => "a map of materials: {\"name\": Lambertian(..), ..}",
         "material" => "a material's name in quotes",
-        "albedo" | "emit" => TEXTURE,
-        "two_sided" => "true or false",
         "objects" => "a list of objects: [..]",
         "object" => OBJECT,
         "boundary" => BOUNDARY,
@@ -346,14 +361,6 @@ fn expected_variant(name: &str) -> &'static str {
         "Solid" => COLOUR,
         "Gradient" => "Gradient(bottom: .., top: ..)",
         "Image" => "Image(path: ..)",
-        "Rgb" => "Rgb(r, g, b)",
-        "Checker" => "Checker(scale: .., even: .., odd: ..)",
-        "Noise" => "Noise(scale: ..)",
-        "Marble" => "Marble(scale: ..)",
-        "Lambertian" => "Lambertian(albedo: ..)",
-        "Metal" => "Metal(albedo: .., fuzz: ..)",
-        "Dielectric" => "Dielectric(ior: ..)",
-        "DiffuseLight" => "DiffuseLight(emit: .., two_sided: ..)",
         "Sphere" => "Sphere(center: .., radius: .., material: ..)",
         "Quad" => "Quad(corner: .., u: .., v: .., material: ..)",
         "Box" => "Box(min: .., max: .., material: ..)",

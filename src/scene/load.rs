@@ -11,10 +11,10 @@ use serde::de::{Error as _, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
 use super::explain::explain;
-use super::source::Source;
 use super::types::*;
 use super::{OnProgress, Scene, bitmap, mesh, validate};
 use crate::error::Result;
+use crate::source::Source;
 
 /// The longest scene file, in bytes: enough for some ten million spheres. Positions are kept in 32 bits.
 const LONGEST_FILE: u64 = 1 << 30;
@@ -80,7 +80,7 @@ pub fn parse(mut text: String, path: &Path, progress: &mut OnProgress) -> Result
         materials: file.materials,
         objects: file.objects,
         render: file.render,
-        bitmaps: BTreeMap::new(),
+        bitmaps: Bitmaps::new(),
         meshes: BTreeMap::new(),
         source,
     };

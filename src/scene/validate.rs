@@ -6,18 +6,11 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use glam::DVec3;
 
 use super::nearest::nearest;
-use super::source::Place;
 use super::types::*;
 use super::{Mesh, Scene};
 use crate::error::Result;
+use crate::source::{LARGEST, Place, SMALLEST, length, number, vector};
 
-/// Largest magnitude of a number: its square is still finite in f64, with room for sums.
-const LARGEST: f64 = 1e100;
-/// Smallest length other than zero: its square is still a normal number.
-const SMALLEST: f64 = 1e-100;
-/// Largest radiance, and smallest other than zero: both are normal numbers in f32 too.
-const LARGEST_RADIANCE: f64 = 1e30;
-const SMALLEST_RADIANCE: f64 = 1e-30;
 /// Directions whose angle has a sine below this count as parallel.
 const SMALLEST_SINE: f64 = 1e-9;
 const LARGEST_SIDE: u32 = 1 << 16;
@@ -32,7 +25,7 @@ pub fn validate(scene: &Scene) -> Result<()> {
     camera(&top.field("camera"), &scene.camera)?;
     background(&top.field("background"), &scene.background)?;
     for (name, value) in &scene.materials {
-        material(&top.field("materials").key(name), value)?;
+        value.check(&top.field("materials").key(name))?;
     }
     objects(scene)?;
     render(&top.field("render"), &scene.render)
@@ -109,57 +102,14 @@ fn camera(at: &Place, camera: &Camera) -> Result<()> {
 
 fn background(at: &Place, background: &Background) -> Result<()> {
     match background {
-        Background::Solid(c) => colour(&at.variant("Solid"), *c, Use::Radiance),
+        Background::Solid(c) => Use::Radiance.check(&at.variant("Solid"), *c),
         Background::Gradient { bottom, top } => {
             let at = at.variant("Gradient");
-            colour(&at.field("bottom"), *bottom, Use::Radiance)?;
-            colour(&at.field("top"), *top, Use::Radiance)
+            Use::Radiance.check(&at.field("bottom"), *bottom)?;
+            Use::Radiance.check(&at.field("top"), *top)
         }
         Background::Image { .. } => Ok(()),
     }
-}
-
-fn material(at: &Place, material: &Material) -> Result<()> {
-    let at = at.variant(material.name());
-    if let Some(slot) = material.texture() {
-        texture(&at.field(slot.field), slot.texture, slot.usage)?;
-    }
-    match material {
-        Material::Metal { fuzz, .. } if !(0.0..=1.0).contains(fuzz) => {
-            Err(at.field("fuzz").unexpected("a fuzz from 0 to 1"))
-        }
-        Material::Dielectric { ior } => length(&at.field("ior"), "an ior", *ior),
-        _ => Ok(()),
-    }
-}
-
-fn texture(at: &Place, texture: &Texture, usage: Use) -> Result<()> {
-    match texture {
-        Texture::Rgb(r, g, b) => colour(&at.variant("Rgb"), DVec3::new(*r, *g, *b), usage),
-        Texture::Checker { scale, even, odd } => {
-            let at = at.variant("Checker");
-            length(&at.field("scale"), "a scale", *scale)?;
-            colour(&at.field("even"), *even, usage)?;
-            colour(&at.field("odd"), *odd, usage)
-        }
-        Texture::Image { .. } => Ok(()),
-        Texture::Noise { scale } => length(&at.variant("Noise").field("scale"), "a scale", *scale),
-        Texture::Marble { scale } => length(&at.variant("Marble").field("scale"), "a scale", *scale),
-    }
-}
-
-fn colour(at: &Place, colour: Colour, usage: Use) -> Result<()> {
-    for (index, channel) in colour.to_array().into_iter().enumerate() {
-        let expected = match usage {
-            Use::Albedo if !(0.0..=1.0).contains(&channel) => "an albedo from 0 to 1".to_owned(),
-            Use::Radiance if channel != 0.0 && !(SMALLEST_RADIANCE..=LARGEST_RADIANCE).contains(&channel) => {
-                format!("a radiance of 0 or from {SMALLEST_RADIANCE:e} to {LARGEST_RADIANCE:e}")
-            }
-            _ => continue,
-        };
-        return Err(at.index(index).unexpected(expected));
-    }
-    Ok(())
 }
 
 /// How far the transforms around an object can move and stretch it: x becomes at most `scale` x + `shift`.
@@ -211,12 +161,12 @@ fn object(known: &Known, at: &Place, object: &Object, reach: Reach) -> Result<()
             if *density != 0.0 {
                 length(&at.field("density"), "a density of 0 or", *density)?;
             }
-            if let Texture::Image { .. } = albedo {
+            if albedo.image().is_some() {
                 let message = "there are no texture coordinates inside a medium: expected Rgb(..), Checker(..), \
                                Noise(..) or Marble(..)";
                 return Err(at.field("albedo").error(message));
             }
-            texture(&at.field("albedo"), albedo, Use::Albedo)?;
+            albedo.check(&at.field("albedo"), Use::Albedo)?;
             if !(*anisotropy > -1.0 && *anisotropy < 1.0) {
                 return Err(at.field("anisotropy").unexpected("an anisotropy between -1 and 1, without these"));
             }
@@ -359,7 +309,7 @@ impl<'a> Known<'a> {
         };
         if let Object::Mesh { path, .. } = object
             && self.meshes.get(path).is_some_and(|mesh| mesh.uvs.is_empty())
-            && let Some(Slot { texture: Texture::Image { .. }, .. }) = material.texture()
+            && material.textures().iter().any(|texture| texture.image().is_some())
         {
             let message = format!(
                 "the material {name:?} has an image, and the mesh {path:?} has no texture coordinates to place it by: \
@@ -412,27 +362,6 @@ fn render(at: &Place, render: &RenderDefaults) -> Result<()> {
         return Err(at.field("max_depth").unexpected(format!("a max_depth from 0 to {DEEPEST}")));
     }
     Ok(())
-}
-
-/// Any finite number that may be squared.
-fn number(at: &Place, x: f64) -> Result<()> {
-    if x.abs() <= LARGEST {
-        return Ok(());
-    }
-    Err(at.unexpected(format!("a finite number of at most {LARGEST:e} in magnitude")))
-}
-
-fn vector(at: &Place, v: DVec3) -> Result<()> {
-    v.to_array().into_iter().enumerate().try_for_each(|(index, x)| number(&at.index(index), x))
-}
-
-/// A positive number that may be squared.
-fn length(at: &Place, what: &str, x: f64) -> Result<()> {
-    if (SMALLEST..=LARGEST).contains(&x) {
-        return Ok(());
-    }
-    let range = if x > 0.0 { format!("from {SMALLEST:e} to {LARGEST:e}") } else { "greater than 0".to_owned() };
-    Err(at.unexpected(format!("{what} {range}")))
 }
 
 /// Whether two directions are parallel, whatever their lengths.

@@ -1,8 +1,8 @@
 //! A walk over all objects with their places.
 
-use super::source::Place;
 use super::types::Object;
 use crate::error::Result;
+use crate::source::Place;
 
 /// Calls `visit` with an object and all objects inside it, in the file's order. The place is that of the variant, as in
 /// `objects[3].Group[0].Sphere`.

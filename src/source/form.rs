@@ -1,0 +1,69 @@
+//! How the scene file writes the variants of an enum, for errors that say what is expected.
+
+pub const NUMBER: &str = "a number";
+pub const COLOUR: &str = "a colour: (r, g, b)";
+pub const PATH: &str = "a file's path in quotes";
+
+/// A variant as the scene file writes it.
+#[derive(Debug)]
+pub struct Form {
+    pub name: &'static str,
+    /// Its fields, each with what is expected there.
+    pub fields: &'static [(&'static str, &'static str)],
+    /// Whether its fields are written in order, without their names.
+    pub in_order: bool,
+}
+
+impl Form {
+    /// "Metal(albedo: .., fuzz: ..)"
+    pub fn in_full(&self) -> String {
+        let suffix = if self.in_order { "" } else { ": .." };
+        let fields: Vec<String> = self.fields.iter().map(|(field, _)| format!("{field}{suffix}")).collect();
+        format!("{}({})", self.name, fields.join(", "))
+    }
+
+    /// What is expected of a field.
+    pub fn expects(&self, field: &str) -> Option<&'static str> {
+        self.fields.iter().find(|(known, _)| *known == field).map(|(_, expected)| *expected)
+    }
+}
+
+/// "Rgb(r, g, b), Checker(..) or Image(..)"
+pub fn any_of<'a>(forms: impl Iterator<Item = &'a Form>) -> String {
+    let short = |form: &Form| if form.in_order { form.in_full() } else { format!("{}(..)", form.name) };
+    let all = forms.map(short).collect::<Vec<_>>().join(", ");
+    all.rsplit_once("), ").map_or(all.clone(), |(others, last)| format!("{others}) or {last}"))
+}
+
+/// Lists the kinds of an enum's values. The number of a value, which kernels switch on, is the place of its kind in the list; a variant that
+/// the list lacks does not compile.
+macro_rules! kinds {
+    ($values:ident: $kind:ty; $($variant:ident => $about:expr),* $(,)?) => {
+        impl $values {
+            pub const KINDS: &[$kind] = &[$($about),*];
+            /// The names of their shader files.
+            const SHADERS: &[&str] = &[$($about.shader),*];
+
+            /// The place of the value's kind in the list.
+            pub fn number(&self) -> usize {
+                enum Number {
+                    $($variant),*
+                }
+                match self {
+                    $($values::$variant { .. } => Number::$variant as usize),*
+                }
+            }
+
+            pub fn kind(&self) -> &'static $kind {
+                &Self::KINDS[self.number()]
+            }
+
+            /// The variant's name, as the scene file writes it.
+            pub fn name(&self) -> &'static str {
+                self.kind().form.name
+            }
+        }
+    };
+}
+
+pub(crate) use kinds;

@@ -1,0 +1,185 @@
+//! The text of the scene file, the places of its values, and errors and checks that point at them. It knows text and not the scene.
+
+pub mod form;
+mod numbers;
+mod spans;
+
+use std::path::{Path, PathBuf};
+
+use crate::error::{Error, Location};
+use spans::Spans;
+
+pub use numbers::{LARGEST, SMALLEST, length, number, share, vector};
+pub use spans::{Id, Span, Step, skip_space, slice};
+
+/// A scene file's text with the places of its values.
+#[derive(Clone, Debug)]
+pub struct Source {
+    path: PathBuf,
+    text: String,
+    /// The offset of the first byte of every line.
+    lines: Vec<usize>,
+    pub spans: Spans,
+}
+
+impl Source {
+    pub fn new(text: String, path: &Path) -> Source {
+        let ends = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
+        Source {
+            path: path.to_owned(),
+            lines: std::iter::once(0).chain(ends.map(|(at, _)| at + 1)).collect(),
+            spans: Spans::scan(&text),
+            text,
+        }
+    }
+
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// The path of a file that the scene names: relative to the scene file's folder.
+    pub fn resolve(&self, path: &str) -> PathBuf {
+        self.path.parent().unwrap_or(Path::new("")).join(path)
+    }
+
+    /// The line and column of a byte.
+    pub fn location(&self, offset: usize) -> Location {
+        let line = self.lines.partition_point(|&start| start <= offset);
+        let start = line.checked_sub(1).and_then(|before| self.lines.get(before));
+        let before = start.and_then(|&start| self.text.get(start..offset));
+        Location { file: self.path.clone(), line: line.max(1), column: before.unwrap_or("").chars().count() + 1 }
+    }
+
+    /// The byte at a line and column, both from 1; the end of the text if there is none.
+    pub fn offset(&self, line: usize, column: usize) -> usize {
+        let start = line.checked_sub(1).and_then(|before| self.lines.get(before));
+        let rest = start.and_then(|&start| self.text.get(start..)).unwrap_or("");
+        let mut characters = rest.char_indices().map(|(at, _)| at);
+        let within = column.checked_sub(1).and_then(|before| characters.nth(before));
+        within.map_or(self.text.len(), |within| self.text.len() - rest.len() + within)
+    }
+
+    /// Where the value at the end of the path stands, or the innermost one on the way that is there.
+    pub fn location_of(&self, steps: &[Step<'_>]) -> Location {
+        let id = self.spans.find(&self.text, steps);
+        self.location(id.map_or(0, |id| self.spans.value(id).start as usize))
+    }
+
+    /// An error at the value at the end of the path.
+    pub fn error(&self, steps: &[Step<'_>], message: impl Into<String>) -> Error {
+        Error::Scene { location: self.location_of(steps), field: field(steps), message: message.into() }
+    }
+
+    /// An error at a byte of the text.
+    pub fn error_at(&self, offset: usize, steps: &[Step<'_>], message: impl Into<String>) -> Error {
+        Error::Scene { location: self.location(offset), field: field(steps), message: message.into() }
+    }
+
+    /// The text of a value, on one line and not too long for a message.
+    pub fn excerpt(&self, id: Id) -> String {
+        self.excerpt_of(self.spans.value(id))
+    }
+
+    pub fn excerpt_of(&self, span: Span) -> String {
+        const LONGEST: usize = 40;
+        // A few more characters than are shown, so that a long value is not copied to be cut.
+        let characters = spans::slice(&self.text, span).chars().take(4 * LONGEST);
+        let text: String = characters.collect();
+        let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+        match text.char_indices().nth(LONGEST) {
+            Some((cut, _)) => format!("{} ...", text.get(..cut).unwrap_or("")),
+            None => text,
+        }
+    }
+}
+
+/// A path as messages show it: `objects[3].Sphere.radius`.
+fn field(steps: &[Step<'_>]) -> String {
+    let mut field = String::new();
+    for step in steps {
+        match step {
+            Step::Field(name) | Step::Variant(name) => {
+                if !field.is_empty() {
+                    field.push('.');
+                }
+                field.push_str(name);
+            }
+            Step::Index(index) => field.push_str(&format!("[{index}]")),
+            Step::Key(name) => field.push_str(&format!("[{name:?}]")),
+        }
+    }
+    if field.is_empty() {
+        field.push_str("Scene");
+    }
+    field
+}
+
+/// A value on the way down through the scene: the checks carry it along and make errors of it.
+///
+/// The way up is a chain of borrowed places, so that checks that find nothing allocate nothing.
+#[derive(Clone, Copy)]
+pub struct Place<'a> {
+    source: &'a Source,
+    above: Option<(&'a Place<'a>, Step<'a>)>,
+}
+
+impl<'a> Place<'a> {
+    pub fn top(source: &'a Source) -> Place<'a> {
+        Place { source, above: None }
+    }
+
+    pub fn field(&'a self, name: &'a str) -> Place<'a> {
+        self.step(Step::Field(name))
+    }
+
+    pub fn variant(&'a self, name: &'a str) -> Place<'a> {
+        self.step(Step::Variant(name))
+    }
+
+    pub fn key(&'a self, name: &'a str) -> Place<'a> {
+        self.step(Step::Key(name))
+    }
+
+    pub fn index(&'a self, index: usize) -> Place<'a> {
+        self.step(Step::Index(index))
+    }
+
+    fn step(&'a self, step: Step<'a>) -> Place<'a> {
+        Place { source: self.source, above: Some((self, step)) }
+    }
+
+    pub fn steps(&self) -> Vec<Step<'a>> {
+        let mut steps = Vec::new();
+        let mut above = self.above;
+        while let Some((place, step)) = above {
+            steps.push(step);
+            above = place.above;
+        }
+        steps.reverse();
+        steps
+    }
+
+    /// An error at this value.
+    pub fn error(&self, message: impl Into<String>) -> Error {
+        self.source.error(&self.steps(), message)
+    }
+
+    /// "expected ..., found ..." at this value, which is quoted as the file writes it.
+    pub fn unexpected(&self, expected: impl std::fmt::Display) -> Error {
+        let id = self.source.spans.find(self.source.text(), &self.steps());
+        let found = id.map_or(String::new(), |id| self.source.excerpt(id));
+        self.error(format!("expected {expected}, found {found}"))
+    }
+
+    /// Where this value stands, and its path as messages show it.
+    pub fn spot(&self) -> (Location, String) {
+        let steps = self.steps();
+        (self.source.location_of(&steps), field(&steps))
+    }
+
+    /// A warning's text: like an error's, but about something allowed.
+    pub fn warning(&self, message: &str) -> String {
+        let (location, field) = self.spot();
+        format!("{location}: {field}: {message}")
+    }
+}

@@ -1,0 +1,40 @@
+//! Checks of numbers: each error stands at the number's own place.
+
+use glam::DVec3;
+
+use super::Place;
+use crate::error::Result;
+
+/// Largest magnitude of a number: its square is still finite in f64, with room for sums.
+pub const LARGEST: f64 = 1e100;
+/// Smallest length other than zero: its square is still a normal number.
+pub const SMALLEST: f64 = 1e-100;
+
+/// Any finite number that may be squared.
+pub fn number(at: &Place, x: f64) -> Result<()> {
+    if x.abs() <= LARGEST {
+        return Ok(());
+    }
+    Err(at.unexpected(format!("a finite number of at most {LARGEST:e} in magnitude")))
+}
+
+pub fn vector(at: &Place, v: DVec3) -> Result<()> {
+    v.to_array().into_iter().enumerate().try_for_each(|(index, x)| number(&at.index(index), x))
+}
+
+/// A positive number that may be squared.
+pub fn length(at: &Place, what: &str, x: f64) -> Result<()> {
+    if (SMALLEST..=LARGEST).contains(&x) {
+        return Ok(());
+    }
+    let range = if x > 0.0 { format!("from {SMALLEST:e} to {LARGEST:e}") } else { "greater than 0".to_owned() };
+    Err(at.unexpected(format!("{what} {range}")))
+}
+
+/// A number from 0 to 1.
+pub fn share(at: &Place, what: &str, x: f64) -> Result<()> {
+    if (0.0..=1.0).contains(&x) {
+        return Ok(());
+    }
+    Err(at.unexpected(format!("{what} from 0 to 1")))
+}
