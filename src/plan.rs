@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use crate::data::{self, QUEUE_HEADER};
 use crate::error::Result;
 use crate::film::RunRecord;
-use crate::flatten::{BOUNDARIES, Features, Flat, MATERIALS, PRIMITIVES};
+use crate::flatten::{BOUNDARIES, DeviceScene, Features, MATERIALS, PRIMITIVES};
 use crate::gpu::buffers::BufferSpec;
 use crate::gpu::device::DeviceClass;
 use crate::gpu::layout::{self, Binding, Member};
@@ -44,7 +44,7 @@ pub struct Tables {
 
 impl Tables {
     /// Puts each table that fits into so many bytes into a uniform binding; 0 puts none there.
-    pub fn new(flat: &Flat, uniform_bytes: u64) -> Tables {
+    pub fn new(flat: &DeviceScene, uniform_bytes: u64) -> Tables {
         let fits = |(name, bytes, stride): (&'static str, u64, u64)| {
             let elements = (bytes / stride).max(1).next_power_of_two().min(uniform_bytes / stride);
             (elements * stride >= bytes.max(1)).then_some((name, elements))
@@ -60,7 +60,7 @@ impl Tables {
 }
 
 /// The scene's tables: name, contents, bytes of an element, purpose.
-fn tables(flat: &Flat) -> [(&'static str, Cow<'_, [u8]>, u64, &'static str); 11] {
+fn tables(flat: &DeviceScene) -> [(&'static str, Cow<'_, [u8]>, u64, &'static str); 11] {
     fn table<'a, T: bytemuck::Pod>(
         name: &'static str,
         items: &'a [T],
@@ -104,7 +104,7 @@ pub struct Kernel {
 /// What a render of a scene takes: kernels, buffers and sizes.
 #[derive(Debug)]
 pub struct Plan<'a> {
-    pub scene: &'a Flat,
+    pub scene: &'a DeviceScene,
     pub options: RenderOptions,
     pub kernels: Kernels,
     pub tuning: Tuning,
@@ -170,7 +170,7 @@ impl<'a> Plan<'a> {
     ///
     /// # Errors
     /// As of [`Kernels::link`].
-    pub fn new(scene: &'a Flat, options: &RenderOptions, device: DeviceClass, job: &Job) -> Result<Plan<'a>> {
+    pub fn new(scene: &'a DeviceScene, options: &RenderOptions, device: DeviceClass, job: &Job) -> Result<Plan<'a>> {
         let tuning = Tuning::new(device, job, options);
         let tables = Tables::new(scene, device.table_bytes());
         let features = scene.features.of(options);
@@ -289,7 +289,7 @@ impl Kernels {
     }
 
     /// The buffers that the kernels bind, with the scene's data for those that hold it.
-    fn buffers<'a>(&self, flat: &'a Flat, tuning: &Tuning) -> Vec<BufferSpec<'a>> {
+    fn buffers<'a>(&self, flat: &'a DeviceScene, tuning: &Tuning) -> Vec<BufferSpec<'a>> {
         let slots = u64::from(tuning.slots);
         let queues = self.queues();
         let record_bytes = size_of::<RunRecord>() as u64;

@@ -41,9 +41,9 @@ struct Settings {
     // The most that a contribution of indirect light may be, in device radiance.
     indirect_limit: f32,
     //@ end
-    //@ if few
+    //@ if brute_force
     // How many primitives of each kind there are.
-    few: vec4<u32>,
+    brute_force: vec4<u32>,
     //@ end
     //@ if several_backgrounds
     // Number of the background's kind (src/flatten).

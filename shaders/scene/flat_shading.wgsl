@@ -1,5 +1,5 @@
+//@ use data/surface
 //@ use data/hit
-//@ use data/found
 //@ use choice/offset
 // Surfaces without vertex normals: light scatters about the surface's own normal.
 
@@ -15,7 +15,7 @@ fn event_point(hit: Hit, surface: Surface, facing: vec3<f32>) -> vec3<f32> {
 }
 
 // Where a ray in such a direction leaves from.
-fn leaving_point(
+fn spawn_point(
     hit: Hit,
     surface: Surface,
     facing: vec3<f32>,

@@ -1,5 +1,5 @@
+//@ use data/surface
 //@ use data/hit
-//@ use data/found
 //@ use data/primitive
 //@ use choice/offset
 //@ use scene/at_run_time
@@ -65,7 +65,7 @@ fn event_point(hit: Hit, surface: Surface, facing: vec3<f32>) -> vec3<f32> {
 }
 
 // Where a ray in such a direction leaves from. Below the shading normal it leaves from the facet.
-fn leaving_point(
+fn spawn_point(
     hit: Hit,
     surface: Surface,
     facing: vec3<f32>,

@@ -25,14 +25,14 @@ fn scatter(@builtin(global_invocation_id) id: vec3<u32>) {
     //@ if light
     load_radiance(slot, &path);
     //@ end
-    //@ if aims
+    //@ if sends_shadow_ray
     path.light = NO_LIGHT;
     //@ end
     scatter_path(&path);
     //@ if light
     store_radiance(slot, &path);
     //@ end
-    //@ if aims
+    //@ if sends_shadow_ray
     if path.light != NO_LIGHT {
         store_shadow(slot, &path);
     }

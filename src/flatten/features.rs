@@ -11,7 +11,7 @@ const _: () = {
     assert!(PRIMITIVES.len() <= data::KIND_INSTANCE as usize, "a shape too many: its number is that of an instance");
     assert!(
         PRIMITIVES.len() <= 4,
-        "a shape too many for Settings::few: give it a vector more, in src/data, shaders/data/settings and shaders/scene/few"
+        "a shape too many for Settings::brute_force: give it a vector more, in src/data, shaders/data/settings and shaders/scene/brute_force"
     );
 };
 /// The kinds of boundary that media have, with the kinds of their codes. Convex ones are files of shaders/medium; the mesh, which a ray may
@@ -41,7 +41,7 @@ pub struct Features {
     /// By the numbers of `MATERIALS`: of materials on objects, not of all that are defined.
     pub materials: [Option<String>; MATERIALS.len()],
     /// By the numbers of `MATERIALS`: of those that answer to lights that are sampled.
-    pub responders: [Option<String>; MATERIALS.len()],
+    pub non_specular: [Option<String>; MATERIALS.len()],
     /// By the numbers of `MATERIALS`: of those that send a ray one way alone.
     pub specular: [Option<String>; MATERIALS.len()],
     /// By the numbers of `TEXTURES`.
@@ -75,7 +75,7 @@ pub struct Features {
     /// Pixels so small that render space has the camera's axes and not the world's.
     pub turned: Option<String>,
     /// Whether all primitives are asked of every ray: they are few, and none of them a mesh.
-    pub few: bool,
+    pub brute_force: bool,
     /// Codes that wait at most in a walk through the BVH.
     pub stack_size: u32,
     /// The same of a walk through a mesh that bounds a medium.
@@ -110,12 +110,13 @@ impl Features {
         [&mut self.smooth, &mut self.textured_media, &mut self.thin_lens, &mut self.turned].into_iter().for_each(add);
         if sample_lights {
             add(&mut self.emitting_sky);
-            for (way, used) in [(Scattering::Spread, &mut self.responders), (Scattering::OneWay, &mut self.specular)] {
+            for (way, used) in [(Scattering::Spread, &mut self.non_specular), (Scattering::OneWay, &mut self.specular)]
+            {
                 let materials = Material::KINDS.iter().zip(used);
                 materials.filter(|(kind, _)| kind.scatters.contains(&way)).for_each(|(_, used)| add(used));
             }
         }
-        self.few = false;
+        self.brute_force = false;
         // The sky that `require_all` adds is a light beside the scene's, and is never chosen.
         if sample_lights && self.sky_grid == (0, 0) {
             self.sky_grid = (1, 1);
@@ -134,12 +135,12 @@ impl Features {
     }
 
     /// Whether anything in the scene answers to light from any direction. Where nothing does, no ray is sent to a light.
-    pub(super) fn answers_to_light(&self) -> bool {
-        self.media > 0 || self.responders.iter().any(Option::is_some)
+    pub(super) fn samples_light_anywhere(&self) -> bool {
+        self.media > 0 || self.non_specular.iter().any(Option::is_some)
     }
 }
 
-impl super::Flat {
+impl super::DeviceScene {
     /// Tables for what the scene lacks that say so, since kernels with everything bind them: a light that is never chosen, a sky that
     /// sends nothing.
     pub(super) fn require_all(&mut self, sample_lights: bool) {

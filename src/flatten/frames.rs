@@ -2,10 +2,10 @@
 
 use glam::{DMat3, DVec3};
 
-use super::place::{AxisBox, Shape};
+use super::place::{Aabb, Shape};
 
 /// The place of a shape's own coordinates in the object's own space: base + columns · local.
-pub fn local_to_object(shape: &Shape, rotation: &DMat3, boxes: &[AxisBox]) -> (DVec3, DMat3) {
+pub fn local_to_object(shape: &Shape, rotation: &DMat3, boxes: &[Aabb]) -> (DVec3, DMat3) {
     match *shape {
         // A sphere's own coordinates are its normal in the world.
         Shape::Sphere { center, radius } => (center, rotation.transpose() * radius),

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::features::Unsampled;
 use super::light_tree::{Bounded, LightTree};
-use super::place::{AxisBox, Placed, Shape};
+use super::place::{Aabb, Placed, Shape};
 use super::{Builder, PRIMITIVES};
 use crate::data::{self, HIT_NOTHING, KIND_TRIANGLE, NOT_SAMPLED, luminance, primitive_code};
 use crate::lights::SkyDistribution;
@@ -27,14 +27,14 @@ struct Emitter {
 
 /// The box around a light, in render space, and its normal; none where it shines to all sides.
 struct Place {
-    around: AxisBox,
+    around: Aabb,
     normal: Option<DVec3>,
     two_sided: bool,
 }
 
 impl Place {
     fn of(points: impl IntoIterator<Item = DVec3>, normal: Option<DVec3>, two_sided: bool) -> Place {
-        Place { around: AxisBox::around(points), normal: normal.and_then(DVec3::try_normalize), two_sided }
+        Place { around: Aabb::around(points), normal: normal.and_then(DVec3::try_normalize), two_sided }
     }
 }
 
@@ -189,7 +189,7 @@ impl Builder<'_> {
             }
             Shape::Cuboid { min, max } => {
                 let d = (max - min) * scale;
-                let place = Place::of(AxisBox { min, max }.corners().map(point), None, two_sided);
+                let place = Place::of(Aabb { min, max }.corners().map(point), None, two_sided);
                 vec![emitter(code, data::NO_INSTANCE, 2.0 * (d.x * d.y + d.y * d.z + d.z * d.x), place)]
             }
             Shape::Mesh(mesh) => {

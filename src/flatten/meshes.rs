@@ -5,7 +5,7 @@
 
 use glam::Vec3;
 
-use super::place::AxisBox;
+use super::place::Aabb;
 use super::shapes::{error_bound, padded};
 use super::similarity::Similarity;
 use super::{Builder, binary_exponent, exp2};
@@ -25,7 +25,7 @@ pub struct Laid {
     pub stack_size: u32,
 }
 
-impl AxisBox {
+impl Aabb {
     /// Length of a unit of the space of a mesh with this box.
     pub fn unit(&self) -> f64 {
         let half = 0.5 * (self.max - self.min).max_element();
@@ -49,7 +49,7 @@ impl Builder<'_> {
         let place = self.space.point(to_world.point(around.center()));
         let axes = to_world.rotation;
         let error = error_bound(&[place.as_vec3(), Vec3::splat((3.0 * scale) as f32)]);
-        let placed = AxisBox::around(around.corners().map(|p| self.space.point(to_world.point(p))));
+        let placed = Aabb::around(around.corners().map(|p| self.space.point(to_world.point(p))));
         self.flat.instances.push(data::Instance {
             x_axis: f32s(axes.x_axis),
             order,
@@ -75,7 +75,7 @@ impl Builder<'_> {
         laid
     }
 
-    fn lay_out(&mut self, mesh: &Mesh, around: AxisBox) -> Laid {
+    fn lay_out(&mut self, mesh: &Mesh, around: Aabb) -> Laid {
         let (center, unit) = (around.center(), around.unit());
         let words = &mut self.flat.meshes;
         let first_face = words.len() as u32;
@@ -112,7 +112,7 @@ impl Builder<'_> {
     }
 }
 
-impl super::Flat {
+impl super::DeviceScene {
     /// Appends a hierarchy to those that are there; the result is its root's code.
     pub fn add_nodes(&mut self, root: u32, nodes: Vec<data::Node>) -> u32 {
         let first = self.nodes.len() as u32;

@@ -149,26 +149,26 @@ impl<'a> Finder<'a> {
 
 /// A box along the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AxisBox {
+pub struct Aabb {
     pub min: DVec3,
     pub max: DVec3,
 }
 
-impl AxisBox {
+impl Aabb {
     /// The smallest one around a mesh, in the mesh's own space.
-    pub fn of(mesh: &Mesh) -> AxisBox {
+    pub fn of(mesh: &Mesh) -> Aabb {
         let (min, max) = mesh.bounds();
-        AxisBox { min, max }
+        Aabb { min, max }
     }
 
     /// The smallest one around points.
-    pub fn around(points: impl IntoIterator<Item = DVec3>) -> AxisBox {
-        let nothing = AxisBox { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
-        points.into_iter().fold(nothing, |around, p| around.union(AxisBox { min: p, max: p }))
+    pub fn around(points: impl IntoIterator<Item = DVec3>) -> Aabb {
+        let nothing = Aabb { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
+        points.into_iter().fold(nothing, |around, p| around.union(Aabb { min: p, max: p }))
     }
 
-    pub fn union(self, other: AxisBox) -> AxisBox {
-        AxisBox { min: self.min.min(other.min), max: self.max.max(other.max) }
+    pub fn union(self, other: Aabb) -> Aabb {
+        Aabb { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
     pub fn center(&self) -> DVec3 {
@@ -184,7 +184,7 @@ impl AxisBox {
 }
 
 /// The farthest that a shape reaches from the eye along an axis.
-pub fn reach(shape: &Shape, to_world: &Similarity, eye: DVec3, boxes: &[AxisBox]) -> f64 {
+pub fn reach(shape: &Shape, to_world: &Similarity, eye: DVec3, boxes: &[Aabb]) -> f64 {
     let from_eye = |p: DVec3| (to_world.point(p) - eye).abs().max_element();
     let farthest = |points: &[DVec3]| points.iter().fold(0.0, |far, p| from_eye(*p).max(far));
     match *shape {
@@ -196,7 +196,7 @@ pub fn reach(shape: &Shape, to_world: &Similarity, eye: DVec3, boxes: &[AxisBox]
 }
 
 /// The same of all that there is, the lens included; 1 where there is nothing.
-pub fn extent(eye: DVec3, lens_radius: f64, finder: &Finder<'_>, boxes: &[AxisBox]) -> f64 {
+pub fn extent(eye: DVec3, lens_radius: f64, finder: &Finder<'_>, boxes: &[Aabb]) -> f64 {
     let primitives = finder.placed.iter().map(|placed| reach(&placed.shape, &placed.to_world, eye, boxes));
     let media = finder.media.iter().map(|medium| reach(&medium.boundary, &medium.to_world, eye, boxes));
     let far = primitives.chain(media).fold(lens_radius, f64::max);

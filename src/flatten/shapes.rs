@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 
 use super::Builder;
 use super::frames::local_to_object;
-use super::place::{AxisBox, Placed, Shape};
+use super::place::{Aabb, Placed, Shape};
 use super::similarity::Similarity;
 use crate::bvh::Bounds;
 use crate::data::{self, f32s};
@@ -49,7 +49,7 @@ impl Builder<'_> {
                 let corner = space.point(to_world.point(corner));
                 let (u, v) = (vector(u), vector(v));
                 let (normal, a_axis, b_axis) = quad_axes(u, v);
-                let around = AxisBox::around([corner, corner + u, corner + v, corner + u + v]);
+                let around = Aabb::around([corner, corner + u, corner + v, corner + u + v]);
                 let error = error_bound(&[corner.as_vec3(), u.as_vec3(), v.as_vec3()]);
                 let error_across = error_across(corner.as_vec3(), u.as_vec3(), v.as_vec3(), normal);
                 let bounds = padded(around.min.as_vec3(), around.max.as_vec3(), error);

@@ -51,7 +51,7 @@ named! {
         camera_axes,
         clamp,
         /// All primitives are asked of every ray.
-        few,
+        brute_force,
         gradient_background,
         image_background,
         several_backgrounds,
@@ -67,11 +67,11 @@ named! {
         /// The sky is one that they may leave to chance.
         sky_by_chance,
         /// A material of the kernel answers to lights that are sampled.
-        answer,
+        surface_samples_light,
         /// One of them sends rays one way alone.
         specular,
         /// One of them does either.
-        aims,
+        sends_shadow_ray,
         /// One of them is a light that is sampled,
         met_light,
         /// and may be left to chance.
@@ -90,8 +90,8 @@ named! {
         convex_boundary,
         /// The materials that the kernel serves.
         material,
-        /// Those of them that answer to lights that are sampled.
-        responder,
+        /// Those of them that surface_samples_light to lights that are sampled.
+        non_specular,
         texture,
         background,
         /// The last of them,
@@ -266,10 +266,10 @@ pub(super) fn decide(
     let surface = materials.first().map(|kind| kind.why.clone());
     // A mesh makes walks long.
     let hit = mesh.clone().or(first(&features.primitives)).unwrap_or(Reason::EveryRender);
-    let few = if_so(surface.is_some() && features.few, hit.clone());
-    let walk = match (&surface, &few) {
+    let brute_force = if_so(surface.is_some() && features.brute_force, hit.clone());
+    let walk = match (&surface, &brute_force) {
         (None, _) => usual("scene/nothing"),
-        (Some(_), Some(_)) => Chosen { module: "scene/few", why: hit },
+        (Some(_), Some(_)) => Chosen { module: "scene/brute_force", why: hit },
         (Some(_), None) => Chosen { module: "scene/traverse", why: hit },
     };
     let one_way = light.clone().and(first(&features.specular));
@@ -278,8 +278,8 @@ pub(super) fn decide(
         let is_in = |kind: &&Entry| used.get(kind.number as usize).is_some_and(Option::is_some);
         served.iter().filter(is_in).cloned().collect()
     };
-    let responder = served_in(&features.responders);
-    let answer = light.clone().filter(|_| !responder.is_empty());
+    let non_specular = served_in(&features.non_specular);
+    let surface_samples_light = light.clone().filter(|_| !non_specular.is_empty());
     let specular = served_in(&features.specular).first().and_then(|kind| light.clone().and(Some(kind.why.clone())));
     let shines = served.iter().any(|kind| kind.name == "diffuse_light");
 
@@ -303,10 +303,10 @@ pub(super) fn decide(
             None => if_so(options.features == FeatureSet::All, option(EVERY_FEATURE)),
         },
         sky_by_chance: emitting_sky.clone().and(one_way.clone()),
-        aims: answer.clone().or(specular.clone()),
+        sends_shadow_ray: surface_samples_light.clone().or(specular.clone()),
         met_light: light.clone().and(emitting_surface.clone()).filter(|_| shines),
         met_by_chance: one_way.clone().filter(|_| shines && emitting_surface.is_some()),
-        answer,
+        surface_samples_light,
         specular,
         one_way,
         light,
@@ -314,7 +314,7 @@ pub(super) fn decide(
         surface,
         mesh,
         mesh_boundary,
-        few,
+        brute_force,
         emitting_mesh,
         emitting_surface,
         emitting_sky,
@@ -349,7 +349,7 @@ pub(super) fn decide(
             emitter,
             convex_boundary,
             material: served.to_vec(),
-            responder,
+            non_specular,
             texture,
             background,
             own_background,

@@ -4,7 +4,7 @@
 use glam::DVec3;
 
 use super::sizes::{Name, shown, size_of};
-use super::{At, Body, Danger, Found, U, Worst, normal, short};
+use super::{At, Body, Diagnostic, Found, U, Worst, normal, short};
 use crate::flatten::place::Shape;
 use crate::scene::Mesh;
 
@@ -78,8 +78,8 @@ impl<'a> Surfaces<'a> {
         }
     }
 
-    pub fn dangers(self) -> Vec<Danger> {
-        [self.close.danger(tell_close), self.near.danger(tell_near)].into_iter().flatten().collect()
+    pub fn diagnostics(self) -> Vec<Diagnostic> {
+        [self.close.diagnostic(tell_close), self.near.diagnostic(tell_near)].into_iter().flatten().collect()
     }
 }
 
@@ -195,7 +195,7 @@ fn crossing(found: &Found, body: &Body, d: DVec3) -> Option<f64> {
     (met > 0.0 && met.is_finite()).then_some(met)
 }
 
-fn tell_close(Close { number, radius, height, error }: Close) -> Danger {
+fn tell_close(Close { number, radius, height, error }: Close) -> Diagnostic {
     let consequence = match error < height {
         true => format!("{} % of that", short(100.0 * error / height)),
         false => "so that the picture may be wrong: f32 does not tell on which side of it the camera is".to_string(),
@@ -208,10 +208,10 @@ fn tell_close(Close { number, radius, height, error }: Close) -> Danger {
         short(error),
         short(4.0 * U / LARGEST_ERROR * radius)
     );
-    Danger { at: At::Primitive(number), field: "radius", message, other: None, more: 0 }
+    Diagnostic { at: At::Primitive(number), field: "radius", message, other: None, more: 0 }
 }
 
-fn tell_near(Near { number, what, name: (name, field), size, distance, pixel, error }: Near) -> Danger {
+fn tell_near(Near { number, what, name: (name, field), size, distance, pixel, error }: Near) -> Diagnostic {
     let pixels = error / pixel;
     let message = format!(
         "a {what} with {name} of {} is seen from a distance of {}, where a pixel is {} wide: its points and the rays that leave \
@@ -223,5 +223,5 @@ fn tell_near(Near { number, what, name: (name, field), size, distance, pixel, er
         short(pixels),
         short(size / pixels)
     );
-    Danger { at: At::Primitive(number), field, message, other: None, more: 0 }
+    Diagnostic { at: At::Primitive(number), field, message, other: None, more: 0 }
 }
