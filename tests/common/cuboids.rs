@@ -58,19 +58,7 @@ impl Exact {
     pub fn span(&self, origin: DVec3, direction: DVec3, grown: f64) -> Option<(f64, f64)> {
         let (o, d) = (self.local(origin), self.axes.transpose() * direction);
         let half = self.half + grown;
-        let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
-        for i in 0..3 {
-            if d[i] == 0.0 {
-                if o[i].abs() > half[i] {
-                    return None;
-                }
-                continue;
-            }
-            let (a, b) = ((-half[i] - o[i]) / d[i], (half[i] - o[i]) / d[i]);
-            enter = enter.max(a.min(b));
-            leave = leave.min(a.max(b));
-        }
-        (enter <= leave).then_some((enter, leave))
+        within(o, d, -half, half, f64::NEG_INFINITY)
     }
 
     /// How far f32 may misplace the faces along a ray: the rounding of the origin and of t times the direction in the
@@ -78,6 +66,23 @@ impl Exact {
     pub fn blur(&self, origin: DVec3) -> f64 {
         8.0 * U * (2.0 * (origin - self.center).length() + 2.0 * self.half.length())
     }
+}
+
+/// Where a line from `o` along `d` is between two corners, beyond the distance `from`.
+pub fn within(o: DVec3, d: DVec3, low: DVec3, high: DVec3, from: f64) -> Option<(f64, f64)> {
+    let (mut enter, mut leave) = (from, f64::INFINITY);
+    for i in 0..3 {
+        if d[i] == 0.0 {
+            if o[i] < low[i] || o[i] > high[i] {
+                return None;
+            }
+            continue;
+        }
+        let (a, b) = ((low[i] - o[i]) / d[i], (high[i] - o[i]) / d[i]);
+        enter = enter.max(a.min(b));
+        leave = leave.min(a.max(b));
+    }
+    (enter <= leave).then_some((enter, leave))
 }
 
 /// Rays at points in and a little outside boxes, from outside and inside.

@@ -13,15 +13,26 @@ pub fn software() -> &'static Device {
 /// The same, opened anew: with nothing compiled for it yet.
 pub fn open() -> Device {
     let adapters = Adapters::find();
-    let names = adapters.names();
+    let index = index_among(&adapters);
+    let adapter = adapters.choose(Some(&index)).expect("the adapter is listed");
+    Device::open(adapter).expect("the software device opens")
+}
+
+/// The device as the program takes it: `--device INDEX`.
+pub fn index() -> &'static str {
+    static INDEX: OnceLock<String> = OnceLock::new();
+    INDEX.get_or_init(|| index_among(&Adapters::find()))
+}
+
+fn index_among(adapters: &Adapters) -> String {
     let index = match std::env::var("GPU_RT_TEST_DEVICE") {
         // Another device, by index or name, for running the suite on a GPU.
         Ok(wish) => adapters.index_of_choice(Some(&wish)).expect("GPU_RT_TEST_DEVICE names no device"),
-        Err(_) => names
+        Err(_) => adapters
+            .names()
             .iter()
             .position(|(name, _)| name.software)
             .expect("the tests need a software Vulkan driver: apt-get install mesa-vulkan-drivers"),
     };
-    let adapter = adapters.choose(Some(&index.to_string())).expect("the adapter is listed");
-    Device::open(adapter).expect("the software device opens")
+    index.to_string()
 }

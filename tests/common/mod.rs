@@ -22,6 +22,7 @@ pub mod oracles;
 pub mod quads;
 pub mod render;
 pub mod rooms;
+pub mod rows;
 pub mod scenes;
 pub mod stats;
 pub mod trace;

@@ -1,7 +1,5 @@
 //! Surfaces close to each other, seen from afar, grazed, and around the camera: whole scenes whose light is known exactly.
 
-use std::fmt::Write;
-
 use glam::{DMat3, DVec3, EulerRot};
 use gpu_rt::data::Sphere;
 use gpu_rt::scene::{Background, Scene};
@@ -51,114 +49,83 @@ fn tilted(object: &str) -> String {
     format!("Transformed(by: [RotateX(20), RotateY(35), RotateZ(-50)], object: {object})")
 }
 
+/// 10 x 10, at a height.
+fn floor(height: f64, material: &str) -> String {
+    format!("Quad(corner: (-5, {height:?}, -5), u: (0, 0, 10), v: (10, 0, 0), material: \"{material}\")")
+}
+
+/// Around the origin.
+fn sphere(radius: f64, material: &str) -> String {
+    ball(DVec3::ZERO, radius, material)
+}
+
+/// Around the origin, by half its edges.
+fn cube(half: f64, material: &str) -> String {
+    let (low, high) = (triple(DVec3::splat(-half)), triple(DVec3::splat(half)));
+    format!("Box(min: {low}, max: {high}, material: \"{material}\")")
+}
+
+const ASIDE: &str = "(look_from: (1.08, 1.44, 2.4), look_at: (0, 0, 0), vertical_fov: 20)";
+
 const PAIRS: &[Pair] = &[
     Pair {
         name: "floors of 10 x 10 seen from a height of 0.05",
         camera: "(look_from: (0.1, 0.05, 0.2), look_at: (0.9, -0.8, 0.1), vertical_fov: 40)",
-        objects: |gap, front, back| {
-            let below = -gap;
-            format!(
-                "Quad(corner: (-5, 0, -5), u: (0, 0, 10), v: (10, 0, 0), material: \"{front}\"),
-                 Quad(corner: (-5, {below:?}, -5), u: (0, 0, 10), v: (10, 0, 0), material: \"{back}\")"
-            )
-        },
+        objects: |gap, front, back| [floor(0.0, front), floor(-gap, back)].join(", "),
         least: 7,
     },
     Pair {
         name: "spheres of radius 0.01 seen from 0.03, above a floor of 10 x 10",
         camera: "(look_from: (0.0108, 0.0144, 0.024), look_at: (0, 0, 0), vertical_fov: 25)",
-        objects: |gap, front, back| {
-            let inner = 0.01 - gap;
-            format!(
-                "Sphere(center: (0, 0, 0), radius: 0.01, material: \"{front}\"), Sphere(center: (0, 0, 0), radius: {inner:?}, material: \"{back}\"),
-                 Quad(corner: (-5, -1, -5), u: (0, 0, 10), v: (10, 0, 0), material: \"grey\")"
-            )
-        },
+        objects: |gap, front, back| [sphere(0.01, front), sphere(0.01 - gap, back), floor(-1.0, "grey")].join(", "),
         least: 7,
     },
     Pair {
         name: "spheres of radius 1 seen from 3 away",
         camera: "(look_from: (1.08, 1.44, 2.4), look_at: (0, 0, 0), vertical_fov: 25)",
-        objects: |gap, front, back| {
-            let inner = 1.0 - gap;
-            format!(
-                "Sphere(center: (0, 0, 0), radius: 1, material: \"{front}\"), Sphere(center: (0, 0, 0), radius: {inner:?}, material: \"{back}\")"
-            )
-        },
+        objects: |gap, front, back| [sphere(1.0, front), sphere(1.0 - gap, back)].join(", "),
         least: 5,
     },
     Pair {
         name: "spheres of radius 1 seen from their middle",
         camera: "(look_from: (0, 0, 0), look_at: (0.3, 0.5, -0.7), vertical_fov: 120)",
-        objects: |gap, front, back| {
-            let (outer, back) = (1.0 + gap, back.replace("lamp", "both"));
-            format!(
-                "Sphere(center: (0, 0, 0), radius: 1, material: \"{front}\"), Sphere(center: (0, 0, 0), radius: {outer:?}, material: \"{back}\")"
-            )
-        },
+        objects: |gap, front, back| [sphere(1.0, front), sphere(1.0 + gap, &back.replace("lamp", "both"))].join(", "),
         least: 6,
     },
     Pair {
         name: "floors of 10 x 10 seen from a height of 1",
         camera: "(look_from: (0.1, 1, 0.2), look_at: (0.9, 0, 0.1), vertical_fov: 40)",
-        objects: |gap, front, back| {
-            let below = -gap;
-            format!(
-                "Quad(corner: (-5, 0, -5), u: (0, 0, 10), v: (10, 0, 0), material: \"{front}\"),
-                 Quad(corner: (-5, {below:?}, -5), u: (0, 0, 10), v: (10, 0, 0), material: \"{back}\")"
-            )
-        },
+        objects: |gap, front, back| [floor(0.0, front), floor(-gap, back)].join(", "),
         least: 6,
     },
     Pair {
         name: "tilted quads of 10 x 10 seen from 1 away",
         camera: "(look_from: (0, 0, 0), look_at: (0.4, -1, 0.3), vertical_fov: 40)",
         objects: |gap, front, back| {
-            let below = -1.0 - gap;
-            format!(
-                "Transformed(by: [RotateX(20), RotateZ(-10)], object: Group([
-                 Quad(corner: (-5, -1, -5), u: (0, 0, 10), v: (10, 0, 0), material: \"{front}\"),
-                 Quad(corner: (-5, {below:?}, -5), u: (0, 0, 10), v: (10, 0, 0), material: \"{back}\")]))"
-            )
+            let both = [floor(-1.0, front), floor(-1.0 - gap, back)].join(", ");
+            format!("Transformed(by: [RotateX(20), RotateZ(-10)], object: Group([{both}]))")
         },
         least: 5,
     },
     Pair {
         name: "boxes of edge 2 seen from 3 away",
-        camera: "(look_from: (1.08, 1.44, 2.4), look_at: (0, 0, 0), vertical_fov: 20)",
-        objects: |gap, front, back| {
-            let half = 1.0 - gap;
-            format!(
-                "Box(min: (-1, -1, -1), max: (1, 1, 1), material: \"{front}\"),
-                 Box(min: (-{half:?}, -{half:?}, -{half:?}), max: ({half:?}, {half:?}, {half:?}), material: \"{back}\")"
-            )
-        },
+        camera: ASIDE,
+        objects: |gap, front, back| [cube(1.0, front), cube(1.0 - gap, back)].join(", "),
         least: 5,
     },
     Pair {
         name: "tilted boxes of edge 2 seen from 3 away",
-        camera: "(look_from: (1.08, 1.44, 2.4), look_at: (0, 0, 0), vertical_fov: 20)",
-        objects: |gap, front, back| {
-            let half = 1.0 - gap;
-            let mut text = tilted(&format!("Box(min: (-1, -1, -1), max: (1, 1, 1), material: \"{front}\")"));
-            let inner = format!(
-                "Box(min: (-{half:?}, -{half:?}, -{half:?}), max: ({half:?}, {half:?}, {half:?}), material: \"{back}\")"
-            );
-            write!(text, ", {}", tilted(&inner)).expect("a string takes text");
-            text
-        },
+        camera: ASIDE,
+        objects: |gap, front, back| [cube(1.0, front), cube(1.0 - gap, back)].map(|cube| tilted(&cube)).join(", "),
         least: 5,
     },
     Pair {
         name: "meshes of 512 triangles and radius 1 seen from 3 away",
-        camera: "(look_from: (1.08, 1.44, 2.4), look_at: (0, 0, 0), vertical_fov: 20)",
+        camera: ASIDE,
         objects: |gap, front, back| {
-            let inner = 1.0 - gap;
-            tilted(&format!("Mesh(path: \"ball.obj\", material: \"{front}\")"))
-                + ", "
-                + &tilted(&format!(
-                    "Transformed(by: [Scale({inner:?})], object: Mesh(path: \"ball.obj\", material: \"{back}\"))"
-                ))
+            let mesh = |material: &str| format!("Mesh(path: \"ball.obj\", material: \"{material}\")");
+            let inner = format!("Transformed(by: [Scale({:?})], object: {})", 1.0 - gap, mesh(back));
+            [mesh(front), inner].map(|mesh| tilted(&mesh)).join(", ")
         },
         least: 5,
     },
@@ -225,14 +192,11 @@ pub fn gaps() -> Vec<Cell> {
 /// The table's cells of gaps, ray by ray: with the wrong forms, which no scene can be rendered by.
 pub fn gaps_by_rays() -> Vec<Cell> {
     const RAYS: usize = 1000;
-    let sphere = |radius: f64| format!("Sphere(center: (0, 0, 0), radius: {radius:?}, material: \"m\")");
-    let quad =
-        |height: f64| format!("Quad(corner: (-5, {height:?}, -5), u: (0, 0, 10), v: (10, 0, 0), material: \"m\")");
     let mut all = Vec::new();
     for exponent in 1..=6 {
         let gap = 10f64.powi(-exponent);
-        let spheres = flat(&[sphere(1.0), sphere(1.0 + gap)]).spheres;
-        let quads = flat(&[quad(-1.0), quad(-1.0 - gap)]).quads;
+        let spheres = flat(&[sphere(1.0, "m"), sphere(1.0 + gap, "m")]).spheres;
+        let quads = flat(&[floor(-1.0, "m"), floor(-1.0 - gap, "m")]).quads;
         let mut random = Random(91);
         let rays: Vec<In> = (0..RAYS)
             .map(|_| {

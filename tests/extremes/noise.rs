@@ -1,6 +1,5 @@
 //! lib/perlin and the frames of textures: noise far from the origin of its space.
 
-use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use gpu_rt::data::PRIMITIVE_BIT;
 use gpu_rt::flatten::flatten;
@@ -10,6 +9,7 @@ use gpu_rt::plan::{Tables, choices_of};
 use crate::common::kernel::{Kernel, Setup, array};
 use crate::common::oracles::{NOISE_ERROR, perlin, turbulence};
 use crate::common::render::scene;
+use crate::common::rows::Aimed as In;
 use crate::common::stats::Random;
 use crate::common::vectors::{exact, rounded, unit};
 use crate::table::{Cell, Row};
@@ -113,15 +113,6 @@ fn seams() -> Vec<Cell> {
         all.push(cell.achieved(worst(&own)).planted(PLANTED, worst(&linear)));
     }
     all
-}
-
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct In {
-    origin: [f32; 3],
-    code: u32,
-    direction: [f32; 3],
-    padding: u32,
 }
 
 /// Spheres of radius 1 so far from the origin of their own space, moved back before the camera: the host reduces the place by

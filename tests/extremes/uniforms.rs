@@ -10,6 +10,7 @@ use gpu_rt::flatten::flatten;
 use crate::common::kernel::{Kernel, Overlay, Setup};
 use crate::common::light_kernel::{self, CUBOID, Kind, QUAD, SHARES, SPHERE, TRIANGLE, Triangle, spheres};
 use crate::common::render::{Ask, render_linked, scene};
+use crate::common::rows::{Answer, Maps, Met, Words, glass};
 use crate::common::stats::Random;
 use crate::common::vectors::{U, decades, exact, rounded, unit};
 use crate::media::{ASYMMETRIES, Scattered, Scattering, phase};
@@ -54,13 +55,6 @@ const ANSWERS: &str =
     "Answers that are not finite or out of range, with 0, 2^-24, 1/2 and 1 - 2^-24 in every dimension";
 
 fn words() -> Cell {
-    #[repr(C)]
-    #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-    struct Out {
-        bits: [u32; 4],
-        u: [f32; 4],
-        direct: [f32; 4],
-    }
     // Every word within 1024 of the ends of the range and of each power of two.
     let mut words: Vec<u32> = (0..1024).flat_map(|i| [i, u32::MAX - i]).collect();
     for power in 10..32 {
@@ -68,7 +62,7 @@ fn words() -> Cell {
     }
     let keys: Vec<[u32; 4]> = words.iter().map(|&word| [word; 4]).collect();
     let out_of_range = |replaced: &[(&str, &str)]| {
-        let found = Kernel::with("test/rng", &Setup { replaced, ..Setup::default() }).run::<_, Out>(&keys);
+        let found = Kernel::with("test/rng", &Setup { replaced, ..Setup::default() }).run::<_, Words>(&keys);
         found.iter().flat_map(|out| out.direct).filter(|u| !(0.0..1.0).contains(u)).count() as f64
     };
     cell("words of 32 bits", "Numbers outside [0, 1), of words within 1024 of each power of two")
@@ -184,42 +178,11 @@ fn forced() -> Vec<Cell> {
     all
 }
 
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct MaterialIn {
-    incoming: [f32; 3],
-    front: u32,
-    normal: [f32; 3],
-    padding0: u32,
-    colour: [f32; 3],
-    padding1: u32,
-    u: [f32; 4],
-    material: Material,
-}
-
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct MaterialOut {
-    direction: [f32; 3],
-    event: u32,
-    weight: [f32; 3],
-    padding: u32,
-}
-
 fn is_unit(direction: [f32; 3]) -> bool {
     (exact(direction).length() - 1.0).abs() < 8.0 * U
 }
 
 fn materials() -> Vec<Cell> {
-    let glass = |ior: f64| {
-        let inside = 1.0 / ior;
-        Material {
-            parameter: ior as f32,
-            contrast_outside: ((ior - 1.0) * (ior + 1.0)) as f32,
-            contrast_inside: ((inside - 1.0) * (inside + 1.0)) as f32,
-            ..Material::default()
-        }
-    };
     let metal = |fuzz: f32| Material { parameter: fuzz, ..Material::default() };
     let kinds: [(&'static str, Vec<Material>); 3] = [
         ("lambertian", vec![Material::default()]),
@@ -239,17 +202,17 @@ fn materials() -> Vec<Cell> {
                     let across = normal.cross(unit(&mut random)).normalize();
                     let cos = if i % 3 == 0 { 1.0 } else { decades(&mut random, -4.0, 0.0) };
                     let incoming = ((1.0 - cos * cos).sqrt() * across - cos * normal).normalize();
-                    rows.extend(fours(ends).map(|u| MaterialIn {
+                    rows.extend(fours(ends).map(|u| Met {
                         incoming: rounded(incoming),
                         normal: rounded(normal),
                         front: (i as u32 / 2) & 1,
                         colour: [1.0; 3],
                         u,
                         material: materials[i % materials.len()],
-                        ..MaterialIn::default()
+                        ..Met::default()
                     }));
                 }
-                let found = kernel.run::<_, MaterialOut>(&rows);
+                let found = kernel.run::<_, Answer>(&rows);
                 rows.iter().zip(found).filter(|(row, out)| !is_right(name, row, out)).count() as f64
             };
             let cell = cell(name, ANSWERS).achieved(wrong(ENDS));
@@ -259,7 +222,7 @@ fn materials() -> Vec<Cell> {
 }
 
 /// Whether a material's answer is a direction on the side on which it may be, or none.
-fn is_right(name: &str, row: &MaterialIn, out: &MaterialOut) -> bool {
+fn is_right(name: &str, row: &Met, out: &Answer) -> bool {
     let (incoming, normal, direction) = (exact(row.incoming), exact(row.normal), exact(out.direction));
     let height = direction.dot(normal);
     match (name, out.event) {
@@ -392,19 +355,6 @@ fn flights() -> Cell {
         "logarithm of 1 - u with u up to 1",
         wrong(&[("medium/free_flight", "test/control/free_flight_32_bits")]),
     )
-}
-
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct Maps {
-    disk: [f32; 2],
-    circle: [f32; 2],
-    hemisphere: [f32; 3],
-    root: f32,
-    sphere: [f32; 3],
-    padding0: u32,
-    ball: [f32; 3],
-    padding1: u32,
 }
 
 /// The maps of lib/sampling, which lens, directions and lobes are drawn by.

@@ -1,6 +1,7 @@
 //! What the scene loader refuses and accepts: every error at its place, with its field, in the
 //! format's own words, and never a panic.
 
+use crate::common::stats::Random;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -735,18 +736,6 @@ fn assert_inside(error: &Error, text: &str) {
     let line = text.split('\n').nth(location.line.wrapping_sub(1));
     let columns = 1..=line.map_or(0, |line| line.chars().count() + 1);
     assert!(columns.contains(&location.column), "{error}\n{text}");
-}
-
-/// Marsaglia's xorshift, so that the variants are the same everywhere.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, limit: usize) -> usize {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 % limit as u64) as usize
-    }
 }
 
 /// One to three random edits: bytes taken out, put in or replaced, pieces copied, the end cut off.

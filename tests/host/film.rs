@@ -621,30 +621,3 @@ fn images_that_cannot_be_held_are_errors() {
         assert!(message.contains(&format!("{width} x {height}")), "{message}");
     }
 }
-
-/// `cargo test --release --test host -- film --ignored --nocapture`
-#[test]
-#[ignore = "measures time"]
-fn time_per_record() {
-    let (width, height) = (1200, 675);
-    let pixels = width * height;
-    let mut random = Random(7);
-    let mut records: Vec<_> =
-        (0..2 * pixels).map(|i| numbered(i, run_of(i / 2, &[(); 8].map(|()| random.uniform())))).collect();
-    let mut film = Film::new(width, height, 0).unwrap();
-    let mut report = |name: &str, records: &[RunRecord]| {
-        let start = std::time::Instant::now();
-        (0..4).for_each(|_| film.add(records));
-        println!("{name}: {:.1} ns a record", start.elapsed().as_secs_f64() * 1e9 / (4.0 * records.len() as f64));
-    };
-    report("in pixel order, first touch", &records);
-    report("in pixel order", &records);
-    random.shuffle(&mut records);
-    report("in random order", &records);
-    let start = std::time::Instant::now();
-    let error = film.relative_error();
-    println!("relative_error {error:?}: {:.1} ms", start.elapsed().as_secs_f64() * 1e3);
-    let start = std::time::Instant::now();
-    let picture = film.develop();
-    println!("develop {} pixels: {:.1} ms", picture.rgb.len(), start.elapsed().as_secs_f64() * 1e3);
-}

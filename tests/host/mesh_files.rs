@@ -1,5 +1,6 @@
 //! Meshes by every format: what is read, what is refused, and that no file makes the loader panic.
 
+use crate::common::stats::Random;
 use std::fs;
 use std::path::Path;
 
@@ -565,18 +566,6 @@ fn a_file_named_often_is_read_once_and_tells_how_far_it_is() {
     assert_eq!(scene.unwrap().meshes.len(), 1);
     assert_eq!(told.len(), 2, "at the start and after a MiB: {told:?}");
     assert!(told[0] == 0 && told[1] > 1 << 20);
-}
-
-/// Marsaglia's xorshift, so that the variants are the same everywhere.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, limit: usize) -> usize {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 % limit as u64) as usize
-    }
 }
 
 #[test]

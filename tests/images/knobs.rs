@@ -1,6 +1,7 @@
 //! The table of knobs (src/options.rs): every option of `render` that changes the image is in it, and every value does to the image what
 //! its class says. All of it by the program, since a value is a text that the option takes.
 
+use crate::common::device;
 use crate::common::render;
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
@@ -11,7 +12,6 @@ use crate::common::stats::{one_sample_t, sidak, student_two_sided};
 use clap::CommandFactory;
 use gpu_rt::cli::Cli;
 use gpu_rt::flatten::flatten;
-use gpu_rt::gpu::device::Adapters;
 use gpu_rt::options::{Class, Fresnel, KNOBS, Knob, Offset, Precision, RenderOptions};
 use gpu_rt::output::exr::{ExrImage, read_exr};
 use gpu_rt::plan::{Tables, choices_of};
@@ -180,7 +180,7 @@ impl Place {
         let out = self.0.path().join("out.exr");
         let mut command = Command::new(env!("CARGO_BIN_EXE_gpu-rt"));
         command.current_dir(self.0.path()).arg("render").arg(scene).arg("-o").arg(&out);
-        command.args(["--device", &software()]).args(options);
+        command.args(["--device", device::index()]).args(options);
         if !options.contains(&"--json") {
             command.arg("--json");
         }
@@ -191,17 +191,6 @@ impl Place {
         let image = read_exr(&out).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(image.rejected.as_ref().map(|rejected| rejected.iter().sum::<u32>()), Some(0), "{options:?}");
         Ran { image, json: serde_json::from_str(&stdout).expect("JSON"), stderr }
-    }
-}
-
-fn software() -> String {
-    match std::env::var("GPU_RT_TEST_DEVICE") {
-        Ok(wish) => wish,
-        Err(_) => {
-            let names = Adapters::find().names();
-            let index = names.iter().position(|(name, _)| name.software);
-            index.expect("the tests need a software Vulkan driver").to_string()
-        }
     }
 }
 

@@ -5,6 +5,7 @@ use glam::{DVec3, Vec3};
 use gpu_rt::bvh::{self, Bounds, Quality};
 use gpu_rt::data::{Node, PRIMITIVE_BIT};
 
+use crate::common::cuboids::within;
 use crate::common::kernel::{Kernel, Setup, array};
 use crate::common::stats::Random;
 use crate::common::vectors::{U, decades, exact, rounded, unit};
@@ -79,20 +80,7 @@ impl Nodes {
 
 /// Where a ray is within a closed box, in f64, from its origin on.
 fn span(ray: &In, low: DVec3, high: DVec3) -> Option<(f64, f64)> {
-    let (o, d) = (exact(ray.origin), exact(ray.direction));
-    let (mut enter, mut leave) = (0.0f64, f64::INFINITY);
-    for i in 0..3 {
-        if d[i] == 0.0 {
-            if o[i] < low[i] || o[i] > high[i] {
-                return None;
-            }
-            continue;
-        }
-        let (a, b) = ((low[i] - o[i]) / d[i], (high[i] - o[i]) / d[i]);
-        enter = enter.max(a.min(b));
-        leave = leave.min(a.max(b));
-    }
-    (enter <= leave).then_some((enter, leave))
+    within(exact(ray.origin), exact(ray.direction), low, high, 0.0)
 }
 
 /// Rays at the insides, faces, edges and corners of the nodes' boxes; every other one is parallel to one or two axes, or

@@ -4,7 +4,6 @@
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write;
 
-use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec3};
 use gpu_rt::data::primitive_code;
 use gpu_rt::flatten::{DeviceScene, flatten};
@@ -14,19 +13,11 @@ use gpu_rt::scene::Scene;
 
 use crate::common::kernel::{Kernel, Setup, array};
 use crate::common::oracles::{perlin, turbulence};
+use crate::common::rows::Aimed as In;
 use crate::common::scenes::triple;
 use crate::common::stats::Random;
 use crate::common::vectors::{U, exact, rounded, unit};
 use crate::textures::Image;
-
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct In {
-    origin: [f32; 3],
-    code: u32,
-    direction: [f32; 3],
-    padding: u32,
-}
 
 #[derive(Clone, Copy, Debug)]
 enum Shape {

@@ -2,12 +2,12 @@
 
 use std::f64::consts::{PI, TAU};
 
-use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use gpu_rt::data::Material;
 
 use crate::common::kernel::{Kernel, Setup};
 use crate::common::oracles::{fresnel, metal_density};
+use crate::common::rows::{Answer as Out, Met as In, glass};
 use crate::common::stats::{Random, chi_square, normal_two_sided, sidak};
 use crate::common::vectors::{U, decades, exact, rounded, unit};
 
@@ -18,28 +18,6 @@ const EMITTED: u32 = 2;
 
 /// False-alarm rate of each test here.
 const ALPHA: f64 = 1e-6;
-
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct In {
-    incoming: [f32; 3],
-    front: u32,
-    normal: [f32; 3],
-    padding0: u32,
-    colour: [f32; 3],
-    padding1: u32,
-    u: [f32; 4],
-    material: Material,
-}
-
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct Out {
-    direction: [f32; 3],
-    event: u32,
-    weight: [f32; 3],
-    padding: u32,
-}
 
 /// Answers each row once, for its own uniforms.
 fn once(material: &str, replaced: &[(&str, &str)]) -> Kernel {
@@ -226,17 +204,6 @@ fn metal_scatters_by_the_density_of_its_lobe() {
             };
             assert!(fuzz == 1.0 || p(metal_shares(fuzz, cos, cone)) < threshold, "fuzz {fuzz}, cosine {cos}");
         }
-    }
-}
-
-/// With the host's constants, rounded from f64.
-fn glass(ior: f64) -> Material {
-    let inside = 1.0 / ior;
-    Material {
-        parameter: ior as f32,
-        contrast_outside: ((ior - 1.0) * (ior + 1.0)) as f32,
-        contrast_inside: ((inside - 1.0) * (inside + 1.0)) as f32,
-        ..Material::default()
     }
 }
 

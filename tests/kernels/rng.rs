@@ -1,21 +1,12 @@
 //! lib/rng and sampler/independent: the hash against an independent one, the unit interval, and the statistics of what comes out.
 
-use bytemuck::{Pod, Zeroable};
-
 use crate::common::kernel::{Kernel, Setup};
 use crate::common::oracles::pcg4d;
+use crate::common::rows::Words as Out;
 use crate::common::stats::{Random, chi_square, normal_two_sided, sidak};
 
 /// False-alarm rate of each test here.
 const ALPHA: f64 = 1e-6;
-
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct Out {
-    bits: [u32; 4],
-    u: [f32; 4],
-    direct: [f32; 4],
-}
 
 fn weak() -> Kernel {
     Kernel::with("test/rng", &Setup { replaced: &[("lib/rng", "test/control/rng_weak")], ..Setup::default() })

@@ -1,24 +1,11 @@
 //! lib/sampling: chi-square of every map against its density, and the ends of the unit interval.
 
-use bytemuck::{Pod, Zeroable};
 use std::f64::consts::{PI, TAU};
 
 use crate::common::kernel::{Kernel, Setup};
+use crate::common::rows::Maps as Out;
 use crate::common::stats::{Random, chi_square, sidak};
 use crate::common::vectors::{U, exact};
-
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct Out {
-    disk: [f32; 2],
-    circle: [f32; 2],
-    hemisphere: [f32; 3],
-    root: f32,
-    sphere: [f32; 3],
-    padding0: u32,
-    ball: [f32; 3],
-    padding1: u32,
-}
 
 fn kernel(keyed: bool) -> Kernel {
     let keyed = if keyed { "true" } else { "false" };

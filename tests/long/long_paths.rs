@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use gpu_rt::gpu::device::Adapters;
+use crate::common::device;
 use gpu_rt::scene::Scene;
 use serde_json::Value;
 
@@ -23,13 +23,8 @@ fn scenes() -> Vec<PathBuf> {
 
 /// The program on the tests' device, with its default settings and --strict.
 fn render(scene: &Path, samples: u64, folder: &Path) -> Output {
-    let device = std::env::var("GPU_RT_TEST_DEVICE").unwrap_or_else(|_| {
-        let names = Adapters::find().names();
-        let index = names.iter().position(|(name, _)| name.software);
-        index.expect("the tests need a software Vulkan driver").to_string()
-    });
     let mut command = Command::new(env!("CARGO_BIN_EXE_gpu-rt"));
-    command.arg("render").arg(scene).args(["--strict", "--json", "--device", &device, "-o", "image.exr"]);
+    command.arg("render").arg(scene).args(["--strict", "--json", "--device", device::index(), "-o", "image.exr"]);
     command.args(["--spp", &samples.to_string()]).current_dir(folder);
     command.output().expect("the program starts")
 }

@@ -46,29 +46,19 @@ fn in_vain(device: &Device, ran: &[String]) -> Vec<String> {
 }
 
 /// One sphere before a sky, with one material: little is required.
-fn sphere() -> Scene {
-    render::scene(
-        "Scene(
-            image: (width: 16, height: 9),
-            camera: (look_from: (0, 0, 3), look_at: (0, 0, 0), up: (0, 1, 0), vertical_fov: 50),
-            background: Solid((1, 1, 1)),
-            materials: { \"grey\": Lambertian(albedo: Rgb(0.5, 0.4, 0.3)) },
-            objects: [Sphere(center: (0, 0, 0), radius: 1, material: \"grey\")],
-        )",
-    )
-}
+const SPHERE: &str = "Sphere(center: (0, 0, 0), radius: 1, material: \"grey\")";
 
-/// Nothing but a sky.
-fn nothing() -> Scene {
-    render::scene(
+/// Such objects before a sky.
+fn of(objects: &str) -> Scene {
+    render::scene(&format!(
         "Scene(
             image: (width: 16, height: 9),
             camera: (look_from: (0, 0, 3), look_at: (0, 0, 0), up: (0, 1, 0), vertical_fov: 50),
             background: Solid((1, 1, 1)),
-            materials: {},
-            objects: [],
-        )",
-    )
+            materials: {{ \"grey\": Lambertian(albedo: Rgb(0.5, 0.4, 0.3)) }},
+            objects: [{objects}],
+        )"
+    ))
 }
 
 /// The seconds of a submission of a render that goes on until some have been made: the median after the first. Of the cover scene: bounces of a lone
@@ -111,7 +101,7 @@ fn submissions_are_short() {
 #[test]
 fn what_is_compiled_runs() {
     let files = Everything::new();
-    let scenes = [("nothing", nothing()), ("sphere", sphere()), ("everything", files.scene(World::default()))];
+    let scenes = [("nothing", of("")), ("sphere", of(SPHERE)), ("everything", files.scene(World::default()))];
     for (name, scene) in &scenes {
         for scatter in [Scatter::Fused, Scatter::Linked, Scatter::Queues] {
             let device = device::open();
@@ -127,7 +117,7 @@ fn what_is_compiled_runs() {
 #[test]
 fn what_is_compiled_in_vain_is_found() {
     let device = device::open();
-    let scene = sphere();
+    let scene = of(SPHERE);
     let _ = start(&device, &scene, Scatter::Linked, false);
     let ran = start(&device, &scene, Scatter::Fused, true);
     let mut found = in_vain(&device, &ran);

@@ -8,7 +8,6 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use gpu_rt::data::Sampler;
-use gpu_rt::gpu::device::Adapters;
 use gpu_rt::metrics::error::relmse;
 use gpu_rt::options::{CLAMP, INTEGRATOR, Integrator, ROULETTE, RenderOptions, SAMPLER, SIZE, Switch};
 use gpu_rt::output::exr::read_exr;
@@ -328,13 +327,8 @@ fn settings_that_only_add_noise_are_not_called_biased() {
 }
 
 fn run(folder: &std::path::Path, arguments: &[&str]) -> (i32, String, String) {
-    let device = std::env::var("GPU_RT_TEST_DEVICE").unwrap_or_else(|_| {
-        let names = Adapters::find().names();
-        let index = names.iter().position(|(name, _)| name.software);
-        index.expect("the tests need a software Vulkan driver").to_string()
-    });
     let mut command = Command::new(env!("CARGO_BIN_EXE_gpu-rt"));
-    let output = command.args(arguments).args(["--device", &device]).current_dir(folder).output();
+    let output = command.args(arguments).args(["--device", device::index()]).current_dir(folder).output();
     let output = output.expect("the program starts");
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("it is text");
     (output.status.code().unwrap_or(-1), text(output.stdout), text(output.stderr))

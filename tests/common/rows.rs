@@ -1,0 +1,72 @@
+//! Rows that test kernels take and give, where several tests run them.
+
+use bytemuck::{Pod, Zeroable};
+use gpu_rt::data::Material;
+
+/// What tests/shaders/scatter.wgsl takes: a ray that meets a surface.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct Met {
+    pub incoming: [f32; 3],
+    pub front: u32,
+    pub normal: [f32; 3],
+    pub padding0: u32,
+    pub colour: [f32; 3],
+    pub padding1: u32,
+    pub u: [f32; 4],
+    pub material: Material,
+}
+
+/// What it gives.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct Answer {
+    pub direction: [f32; 3],
+    pub event: u32,
+    pub weight: [f32; 3],
+    pub padding: u32,
+}
+
+/// Glass with the host's constants, rounded from f64.
+pub fn glass(ior: f64) -> Material {
+    let inside = 1.0 / ior;
+    Material {
+        parameter: ior as f32,
+        contrast_outside: ((ior - 1.0) * (ior + 1.0)) as f32,
+        contrast_inside: ((inside - 1.0) * (inside + 1.0)) as f32,
+        ..Material::default()
+    }
+}
+
+/// What tests/shaders/sampling.wgsl gives.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct Maps {
+    pub disk: [f32; 2],
+    pub circle: [f32; 2],
+    pub hemisphere: [f32; 3],
+    pub root: f32,
+    pub sphere: [f32; 3],
+    pub padding0: u32,
+    pub ball: [f32; 3],
+    pub padding1: u32,
+}
+
+/// What tests/shaders/rng.wgsl gives.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct Words {
+    pub bits: [u32; 4],
+    pub u: [f32; 4],
+    pub direct: [f32; 4],
+}
+
+/// What tests/shaders/colour.wgsl takes: a ray, and what it meets.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct Aimed {
+    pub origin: [f32; 3],
+    pub code: u32,
+    pub direction: [f32; 3],
+    pub padding: u32,
+}
