@@ -49,6 +49,10 @@ pub fn luminance([r, g, b]: [f64; 3]) -> f64 {
     0.2126 * r + 0.7152 * g + 0.0722 * b
 }
 
+pub fn f32s(v: glam::DVec3) -> [f32; 3] {
+    v.as_vec3().to_array()
+}
+
 /// Clamped to 0..1; 0 of a NaN.
 pub fn unit(value: f64) -> f64 {
     if value > 0.0 { value.min(1.0) } else { 0.0 }

@@ -15,5 +15,6 @@ pub mod output;
 pub mod plan;
 pub mod render;
 pub mod scene;
+pub mod shape;
 pub mod source;
 pub mod tradeoff;

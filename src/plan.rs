@@ -14,6 +14,7 @@ use crate::flatten::{BACKGROUNDS, BOUNDARIES, Features, Flat, MATERIALS, PRIMITI
 use crate::gpu::buffers::BufferSpec;
 use crate::gpu::layout::{self, Binding, Member};
 use crate::gpu::link::{Choices, Embedded, Entry, Linked, link};
+use crate::shape::{KINDS, Kind, Table};
 
 pub use report::{Buffer, Choice, Constant, KernelReport, Module, Report};
 pub use state::{MOST_PATH_BYTES, PathField};
@@ -68,8 +69,8 @@ impl Tables {
         };
         Tables {
             uniform: tables(flat)
-                .map(|(name, bytes, stride, _)| (name, bytes.len() as u64, stride))
                 .into_iter()
+                .map(|(name, bytes, stride, _)| (name, bytes.len() as u64, stride))
                 .filter_map(fits)
                 .collect(),
         }
@@ -77,7 +78,7 @@ impl Tables {
 }
 
 /// The scene's tables: name, contents, bytes of an element, purpose.
-fn tables(flat: &Flat) -> [(&'static str, Cow<'_, [u8]>, u64, &'static str); 11] {
+fn tables(flat: &Flat) -> Vec<(&'static str, Cow<'_, [u8]>, u64, &'static str)> {
     fn table<'a, T: bytemuck::Pod>(
         name: &'static str,
         items: &'a [T],
@@ -85,19 +86,20 @@ fn tables(flat: &Flat) -> [(&'static str, Cow<'_, [u8]>, u64, &'static str); 11]
     ) -> (&'static str, Cow<'a, [u8]>, u64, &'static str) {
         (name, Cow::Borrowed(bytemuck::cast_slice(items)), size_of::<T>() as u64, why)
     }
-    [
-        table("nodes", &flat.nodes, "the bounding volume hierarchy"),
-        table("spheres", &flat.spheres, "spheres"),
-        table("quads", &flat.quads, "quads"),
-        table("cuboids", &flat.cuboids, "boxes"),
-        table("instances", &flat.instances, "where meshes stand"),
+    let shape = |kind: &'static Kind| {
+        let Table { name, why, stride, bytes, .. } = kind.table;
+        (name, Cow::Borrowed(bytes(&flat.shapes)), stride as u64, why)
+    };
+    let nodes = table("nodes", &flat.nodes, "the bounding volume hierarchy");
+    let others = [
         table("media", &flat.media, "participating media"),
         table("lights", &flat.lights, "lights that are sampled"),
         table("light_nodes", &flat.light_nodes, "the tree over them"),
         table("materials", &flat.materials, "materials"),
         table("textures", &flat.textures, "textures"),
         table("frames", &flat.frames, "where textured objects stand in their textures"),
-    ]
+    ];
+    std::iter::once(nodes).chain(KINDS.iter().map(shape)).chain(others).collect()
 }
 
 /// A kernel: a linked shader and what it binds.
@@ -287,15 +289,16 @@ impl Plan {
             BufferSpec::indirect("queue_args", queues * 16, "sizes of the queues' dispatches")
                 .made_of(format!("{queues} queues x 16 bytes")),
         ];
-        let tables = tables(flat).map(|(name, contents, stride, why)| match self.tables.uniform.get(name) {
-            Some(elements) => {
-                let count = contents.len() as u64 / stride;
-                let room = if *elements > count { format!(", room for {elements}") } else { String::new() };
-                BufferSpec::table(name, contents, elements * stride, why)
-                    .made_of(format!("{count} x {stride} bytes{room}"))
-            }
-            None => array(name, contents, stride, why),
-        });
+        let tables =
+            tables(flat).into_iter().map(|(name, contents, stride, why)| match self.tables.uniform.get(name) {
+                Some(elements) => {
+                    let count = contents.len() as u64 / stride;
+                    let room = if *elements > count { format!(", room for {elements}") } else { String::new() };
+                    BufferSpec::table(name, contents, elements * stride, why)
+                        .made_of(format!("{count} x {stride} bytes{room}"))
+                }
+                None => array(name, contents, stride, why),
+            });
         let kernels = self.kernels();
         let bound = |spec: &BufferSpec| kernels.iter().any(|kernel| kernel.bindings.contains_key(spec.name));
         all.into_iter().chain(tables).filter(bound).collect()
@@ -431,6 +434,8 @@ fn choices(features: &Features, materials: &[Entry], bounces: Bounces, tables: &
         ]),
         values: TABLES
             .iter()
+            .copied()
+            .chain(KINDS.iter().map(|kind| (kind.table.name, kind.table.space, kind.table.size)))
             .flat_map(|names| table_values(names, tables))
             .chain([
                 ("stack_size", (features.stack_size + 1).to_string()),
@@ -478,13 +483,9 @@ fn serve(choices: &mut Choices, features: &Features, materials: &[Entry]) {
     ]);
 }
 
-/// The tables by name, and the names of the values that say how each is bound.
-const TABLES: [(&str, &str, &str); 11] = [
+/// The tables but those of shapes by name, and the names of the values that say how each is bound.
+const TABLES: [(&str, &str, &str); 7] = [
     ("nodes", "space_of_nodes", "size_of_nodes"),
-    ("spheres", "space_of_spheres", "size_of_spheres"),
-    ("quads", "space_of_quads", "size_of_quads"),
-    ("cuboids", "space_of_cuboids", "size_of_cuboids"),
-    ("instances", "space_of_instances", "size_of_instances"),
     ("media", "space_of_media", "size_of_media"),
     ("lights", "space_of_lights", "size_of_lights"),
     ("light_nodes", "space_of_light_nodes", "size_of_light_nodes"),
@@ -495,12 +496,12 @@ const TABLES: [(&str, &str, &str); 11] = [
 
 /// The address space of a table's binding, and the size of its array.
 fn table_values(
-    (name, space, size): &(&'static str, &'static str, &'static str),
+    (name, space, size): (&'static str, &'static str, &'static str),
     tables: &Tables,
 ) -> [(&'static str, String); 2] {
     match tables.uniform.get(name) {
-        Some(elements) => [(*space, "uniform".to_string()), (*size, format!(", {elements}"))],
-        None => [(*space, "storage, read".to_string()), (*size, String::new())],
+        Some(elements) => [(space, "uniform".to_string()), (size, format!(", {elements}"))],
+        None => [(space, "storage, read".to_string()), (size, String::new())],
     }
 }
 

@@ -5,18 +5,25 @@ use std::path::{Path, PathBuf};
 
 /// A part of the program and the parts that it never imports.
 const NEVER: &[(&str, &[&str])] = &[
-    ("gpu", &["scene", "flatten", "plan", "render", "bvh", "film", "output", "tradeoff", "commands", "cli"]),
+    ("gpu", &["scene", "shape", "flatten", "plan", "render", "bvh", "film", "output", "tradeoff", "commands", "cli"]),
     ("metrics", &["gpu", "scene", "flatten", "plan", "render", "tradeoff", "commands", "cli"]),
-    ("bvh", &["gpu", "scene", "flatten", "plan", "render", "film", "output", "tradeoff", "commands", "cli"]),
+    ("bvh", &["gpu", "scene", "shape", "flatten", "plan", "render", "film", "output", "tradeoff", "commands", "cli"]),
     ("film", &["gpu", "scene", "flatten", "plan", "render", "bvh", "tradeoff", "commands", "cli"]),
     ("scene", &["gpu", "flatten", "plan", "render", "bvh", "film", "output", "tradeoff", "commands", "cli"]),
     ("flatten", &["gpu", "plan", "render", "film", "output", "tradeoff", "commands", "cli"]),
     ("plan", &["scene", "render", "output", "tradeoff", "commands", "cli"]),
     ("render", &["scene", "output", "tradeoff", "commands", "cli"]),
     ("output", &["gpu", "scene", "flatten", "plan", "render", "tradeoff", "commands", "cli"]),
-    ("data", &["gpu", "scene", "flatten", "plan", "render", "film", "output", "tradeoff", "commands", "cli"]),
-    ("error", &["gpu", "scene", "flatten", "plan", "render", "film", "output", "tradeoff", "commands", "cli"]),
-    ("source", &["gpu", "scene", "flatten", "plan", "render", "bvh", "film", "output", "tradeoff", "commands", "cli"]),
+    ("data", &["gpu", "scene", "shape", "flatten", "plan", "render", "film", "output", "tradeoff", "commands", "cli"]),
+    ("error", &["gpu", "scene", "shape", "flatten", "plan", "render", "film", "output", "tradeoff", "commands", "cli"]),
+    (
+        "shape",
+        &["gpu", "scene", "flatten", "plan", "render", "bvh", "film", "output", "knobs", "tradeoff", "commands", "cli"],
+    ),
+    (
+        "source",
+        &["gpu", "scene", "shape", "flatten", "plan", "render", "bvh", "film", "output", "tradeoff", "commands", "cli"],
+    ),
     ("knobs", &["gpu", "scene", "flatten", "plan", "render", "bvh", "film", "output", "tradeoff", "commands", "cli"]),
     ("tradeoff", &["commands", "cli"]),
     ("cli", &["commands"]),

@@ -42,7 +42,7 @@ struct Settings {
     indirect_limit: f32,
     //@ end
     //@ each few
-    // How many primitives of each kind there are.
+    // How many primitives there are of each kind that the scene has, in the order of the kinds.
     few: vec4<u32>,
     //@ end
     //@ each several_backgrounds

@@ -2,19 +2,8 @@
 
 use super::Wish;
 use crate::data;
+pub use crate::shape::{BOUNDARIES, PRIMITIVES};
 
-/// The kinds of primitive by number; each is a file of shaders/geometry. Triangles are the faces of meshes.
-pub const PRIMITIVES: &[&str] = &["sphere", "quad", "cuboid", "triangle"];
-const _: () = {
-    assert!(PRIMITIVES.len() <= data::KIND_INSTANCE as usize, "a shape too many: its number is that of an instance");
-    assert!(
-        PRIMITIVES.len() <= 4,
-        "a shape too many for Settings::few: give it a vector more, in src/data, shaders/data/settings and shaders/scene/few"
-    );
-};
-/// The kinds of boundary that media have, with the kinds of their codes. Convex ones are files of shaders/medium; the mesh, which a ray may
-/// enter many times, is `scene/medium_in_mesh`.
-pub const BOUNDARIES: &[(&str, u32)] = &[("sphere", 0), ("cuboid", 2), ("mesh", data::KIND_INSTANCE)];
 /// The kinds of material by number; each is a file of shaders/material.
 pub const MATERIALS: &[&str] = &["lambertian", "metal", "dielectric", "diffuse_light"];
 /// Those of them that can answer to light from any direction, and so to lights that are sampled: each has a file NAME_eval beside its own.
@@ -187,9 +176,9 @@ impl Features {
             ("bind", _) => self.asked_for_table(name),
             ("geometry", "instance" | "slab") => primitive("triangle").or_else(|| boundary("mesh")),
             ("geometry", _) => primitive(stem).or_else(|| boundary(stem)),
-            ("medium", "sphere" | "cuboid") => boundary(name),
+            ("medium", _) if BOUNDARIES.iter().any(|(known, _)| *known == name) => boundary(name),
             ("medium", _) => medium(),
-            ("light", "sphere" | "quad" | "cuboid" | "triangle") => of(PRIMITIVES, &self.emitters, name),
+            ("light", _) if PRIMITIVES.contains(&name) => of(PRIMITIVES, &self.emitters, name),
             ("light", "sky") | ("scene", "sky_light") | ("step", "sky_share") => self.emitting_sky.as_deref(),
             ("light", _) => light(),
             ("camera", "thin_lens") => self.thin_lens.as_deref(),

@@ -4,21 +4,8 @@ use std::f64::consts::TAU;
 
 use glam::{DMat3, DVec3};
 
-use super::f32s;
-use super::place::{AxisBox, Shape};
-use crate::data;
+use crate::data::{self, f32s};
 use crate::scene::Texture;
-
-/// The place of a shape's own coordinates in the object's own space: base + columns · local.
-pub fn local_to_object(shape: &Shape, rotation: &DMat3, boxes: &[AxisBox]) -> (DVec3, DMat3) {
-    match *shape {
-        // A sphere's own coordinates are its normal in the world.
-        Shape::Sphere { center, radius } => (center, rotation.transpose() * radius),
-        Shape::Quad { corner, u, v } => (corner, DMat3::from_cols(u, v, DVec3::ZERO)),
-        Shape::Cuboid { min, max } => (min, DMat3::from_diagonal(max - min)),
-        Shape::Mesh(mesh) => (boxes[mesh].center(), DMat3::from_diagonal(DVec3::splat(boxes[mesh].unit()))),
-    }
-}
 
 /// The frame of a texture: the point p(local) = base + columns · local in the object's own space, in the texture's units,
 /// its base reduced by the texture's period in f64. For an image the object's rotation alone is undone, for the normals of spheres. A

@@ -12,21 +12,21 @@ mod lights;
 mod media;
 mod meshes;
 mod place;
-mod shapes;
-mod similarity;
 mod view;
 
 use std::collections::HashMap;
 
 use glam::DVec3;
 
-use crate::bvh;
-use crate::data::{self, MAX_PRIMITIVES, NO_TEXTURE};
+use crate::bvh::{self, Bounds};
+use crate::data::{self, MAX_PRIMITIVES, NO_TEXTURE, f32s};
 use crate::error::Result;
-use crate::scene::{Background, Bitmap, Material, Mesh, Object, Scene, Step, Texture};
-use meshes::Laid;
-use place::{AxisBox, Finder, Placed, PlacedMedium, extent};
-use view::{RenderSpace, View};
+use crate::scene::{Background, Bitmap, Material, Object, Scene, Step, Texture};
+use crate::shape::mesh::{self, Laid};
+use crate::shape::similarity::Similarity;
+use crate::shape::{Element, KINDS, Placement, RenderSpace, Shape, Tables, binary_exponent, exp2};
+use place::{Finder, Placed, PlacedMedium, extent};
+use view::View;
 
 pub use bvh::Quality;
 pub use features::{
@@ -41,10 +41,7 @@ pub struct Flat {
     /// The camera, the background and the BVH's root; the rest is the render's to fill in.
     pub settings: data::Settings,
     pub nodes: Vec<data::Node>,
-    pub spheres: Vec<data::Sphere>,
-    pub quads: Vec<data::Quad>,
-    pub cuboids: Vec<data::Cuboid>,
-    pub instances: Vec<data::Instance>,
+    pub shapes: Tables,
     /// Faces, vertices and texture coordinates of all meshes, as shaders/bind/meshes says.
     pub meshes: Vec<[u32; 4]>,
     pub media: Vec<data::Medium>,
@@ -107,20 +104,18 @@ pub fn flatten(scene: &Scene, size: (u32, u32)) -> Result<Flat> {
 /// The same, as one wishes it.
 pub fn flatten_with(scene: &Scene, size: (u32, u32), wish: Wish) -> Result<Flat> {
     let mut features = Features::default();
-    let mut finder = Finder::new(scene);
+    let meshes = mesh::shapes(&scene.meshes);
+    let mut finder = Finder::new(scene, &meshes);
     let view = View::new(&scene.camera, size);
     scene.objects.iter().for_each(|object| finder.place(object, &view.to_space));
-    let meshes: Vec<&Mesh> = scene.meshes.values().collect();
     for (primitive, object) in finder.placed.iter().zip(&finder.objects) {
         note(&mut features, scene, object, primitive);
-        if let place::Shape::Mesh(mesh) = primitive.shape
-            && !meshes[mesh].normals.is_empty()
-        {
+        if primitive.shape.mesh().is_some_and(|shape| !shape.mesh.normals.is_empty()) {
             features.smooth.get_or_insert_with(|| scene.location_of(object).to_string());
         }
     }
     finder.media.iter().for_each(|medium| note_medium(&mut features, scene, medium));
-    let faces: usize = meshes.iter().map(|mesh| mesh.triangles.len() + mesh.positions.len() * 2).sum();
+    let faces: usize = scene.meshes.values().map(|mesh| mesh.triangles.len() + mesh.positions.len() * 2).sum();
     let most = finder.placed.len().max(faces);
     if most >= MAX_PRIMITIVES {
         return Err(scene.error(&[], format!("{most} primitives, expected fewer than {MAX_PRIMITIVES}")));
@@ -129,15 +124,13 @@ pub fn flatten_with(scene: &Scene, size: (u32, u32), wish: Wish) -> Result<Flat>
         let message = format!("{} media, expected {MOST_MEDIA} at most", finder.media.len());
         return Err(scene.error(&[], message));
     }
-    let boxes: Vec<AxisBox> = meshes.iter().map(|mesh| AxisBox::of(mesh)).collect();
 
-    let extent = extent(view.eye, view.lens_radius(), &finder, &boxes);
+    let extent = extent(view.eye, view.lens_radius(), &finder);
     let emissions = emissions(scene, &finder.placed);
     let found = dangers::Found {
         scene,
         placed: &finder.placed,
         media: &finder.media,
-        boxes: &boxes,
         view: &view,
         extent,
         emissions: &emissions,
@@ -153,8 +146,6 @@ pub fn flatten_with(scene: &Scene, size: (u32, u32), wish: Wish) -> Result<Flat>
     let mut builder = Builder {
         scene,
         laid: vec![None; meshes.len()],
-        meshes,
-        boxes: &boxes,
         space,
         quality: wish.quality,
         materials: vec![0; scene.materials.len()],
@@ -196,9 +187,6 @@ pub fn flatten_with(scene: &Scene, size: (u32, u32), wish: Wish) -> Result<Flat>
 /// A scene on its way to a `Flat`.
 struct Builder<'a> {
     scene: &'a Scene,
-    /// In the order of their paths.
-    meshes: Vec<&'a Mesh>,
-    boxes: &'a [AxisBox],
     space: RenderSpace,
     quality: Quality,
     /// The meshes that have been laid out.
@@ -214,16 +202,19 @@ struct Builder<'a> {
 
 impl Builder<'_> {
     /// Lays out the primitives and builds the hierarchy over them.
-    fn add_primitives(&mut self, placed: &[Placed]) {
+    fn add_primitives(&mut self, placed: &[Placed<'_>]) {
         let (codes, bounds): (Vec<_>, Vec<_>) =
             (0..).zip(placed).map(|(order, primitive)| self.add_primitive(primitive, order)).unzip();
         let bvh = bvh::build(&bounds, &codes, self.quality);
         self.flat.primitives = placed.len() as u32;
         let flat = &mut self.flat;
         let crowded = placed.len() <= MOST_OF_FEW && bvh::crossings(&bounds) >= LEAST_CROSSINGS;
-        flat.features.few = (placed.len() <= bvh::WIDTH || crowded) && flat.instances.is_empty();
-        // Before those that bound media are added.
-        flat.settings.few = [flat.spheres.len(), flat.quads.len(), flat.cuboids.len(), 0].map(|count| count as u32);
+        flat.features.few = (placed.len() <= bvh::WIDTH || crowded) && flat.shapes.instances.is_empty();
+        // Of the kinds that there are, in their order, before those that bound media are added.
+        let counts = KINDS.iter().map(|kind| kind.table.count(&flat.shapes)).filter(|count| *count > 0);
+        let mut few = flat.settings.few.iter_mut();
+        let fit = counts.fold(true, |fit, count| few.next().map(|few| *few = count as u32).is_some() && fit);
+        flat.features.few &= fit;
         self.flat.settings.root = self.flat.add_nodes(bvh.root, bvh.nodes);
         // In a mesh the walk keeps what waits outside of it.
         let within = self.laid.iter().flatten().map(|mesh| mesh.stack_size).max().unwrap_or(0);
@@ -233,22 +224,60 @@ impl Builder<'_> {
     fn add_media(&mut self, media: &[PlacedMedium<'_>]) {
         for medium in media {
             self.add_medium(medium);
-            if let place::Shape::Mesh(mesh) = medium.boundary {
-                let size = self.laid(mesh).stack_size;
-                let features = &mut self.flat.features;
-                features.boundary_stack_size = features.boundary_stack_size.max(size);
-            }
+            let size = self.laid_of(&medium.boundary).stack_size;
+            let features = &mut self.flat.features;
+            features.boundary_stack_size = features.boundary_stack_size.max(size);
         }
         self.flat.features.media = media.len() as u32;
+    }
+
+    /// Adds a primitive; the result is its code and its bounds.
+    fn add_primitive(&mut self, primitive: &Placed, order: u32) -> (u32, Bounds) {
+        let Placed { shape, to_world, material } = primitive;
+        let frame = self.frame_of(primitive);
+        let material = self.materials[*material as usize];
+        let (index, bounds) = self.add_shape(shape, to_world, Element { order, material, frame, ..Element::default() });
+        (shape.code(index), bounds)
+    }
+
+    /// Adds a shape that is part of the scene, or the boundary of a medium; the result is its index among its kind.
+    fn add_shape(&mut self, shape: &Shape, to_world: &Similarity, element: Element) -> (usize, Bounds) {
+        let element = Element { laid: self.laid_of(shape), ..element };
+        let tables = &mut self.flat.shapes;
+        let (min, max) = shape.lay_out(&Placement { to_world, space: self.space }, element, tables);
+        (shape.kind().table.count(tables) - 1, Bounds { min, max })
+    }
+
+    /// Where the mesh is laid out that a shape is; nothing of others.
+    fn laid_of(&mut self, shape: &Shape) -> Laid {
+        shape.mesh().map(|mesh| self.laid(mesh)).unwrap_or_default()
+    }
+
+    /// The index of the frame of a primitive's texture; 0 where it needs none.
+    fn frame_of(&mut self, primitive: &Placed<'_>) -> u32 {
+        let Placed { shape, to_world, material } = primitive;
+        let Some(texture) = colour_texture(&self.scene.materials[*material as usize].1) else { return 0 };
+        // All instances of a mesh stand alike in a texture, for it is evaluated in the mesh's own space.
+        let shared = shape.mesh().map(|mesh| (mesh.number, *material));
+        if let Some(&frame) = shared.and_then(|key| self.mesh_frames.get(&key)) {
+            return frame;
+        }
+        let place = shape.texture_place(&to_world.rotation);
+        let Some(frame) = frames::frame(texture, place, &to_world.rotation) else { return 0 };
+        let index = self.flat.add_frame(frame);
+        if let Some(key) = shared {
+            self.mesh_frames.insert(key, index);
+        }
+        index
     }
 }
 
 /// Notes what a primitive requires.
-fn note(features: &mut Features, scene: &Scene, object: &Object, primitive: &Placed) {
+fn note(features: &mut Features, scene: &Scene, object: &Object, primitive: &Placed<'_>) {
     let (name, material) = &scene.materials[primitive.material as usize];
     let at_object = || scene.location_of(object).to_string();
     let at_material = || format!("\"{name}\" at {}", scene.material_location(name));
-    features.primitives[primitive.shape.kind()].get_or_insert_with(at_object);
+    features.primitives[primitive.shape.number()].get_or_insert_with(at_object);
     features.materials[material_kind(material)].get_or_insert_with(at_material);
     if responds(material) {
         features.responders[material_kind(material)].get_or_insert_with(at_material);
@@ -275,7 +304,7 @@ fn note_medium(features: &mut Features, scene: &Scene, medium: &PlacedMedium<'_>
 }
 
 /// The largest component of what each material emits that something is made of, by its number, and of the background.
-fn emissions(scene: &Scene, placed: &[Placed]) -> Vec<(Option<usize>, f64)> {
+fn emissions(scene: &Scene, placed: &[Placed<'_>]) -> Vec<(Option<usize>, f64)> {
     let bitmap = |path: &String| scene.bitmaps.get(path).map_or(0.0, brightest_texel);
     let sky = match &scene.background {
         Background::Solid(colour) => colour.max_element(),
@@ -300,21 +329,6 @@ fn emissions(scene: &Scene, placed: &[Placed]) -> Vec<(Option<usize>, f64)> {
 
 fn brightest_texel(bitmap: &Bitmap) -> f64 {
     bitmap.texels.iter().flatten().fold(0.0, |most, &x| f64::from(x).max(most))
-}
-
-/// The least e with x < 2^e, for a normal x > 0.
-fn binary_exponent(x: f64) -> i32 {
-    const BIAS: i32 = 1022;
-    ((x.to_bits() >> 52) & 0x7ff) as i32 - BIAS
-}
-
-/// 2^e, exactly.
-fn exp2(e: i32) -> f64 {
-    2.0_f64.powi(e)
-}
-
-fn f32s(v: DVec3) -> [f32; 3] {
-    v.as_vec3().to_array()
 }
 
 /// Number among `MATERIALS`.
@@ -393,7 +407,7 @@ impl Builder<'_> {
     }
 
     /// Adds those that are on objects.
-    fn add_materials(&mut self, placed: &[Placed], radiance_scale: f64) {
+    fn add_materials(&mut self, placed: &[Placed<'_>], radiance_scale: f64) {
         let mut is_used = vec![false; self.scene.materials.len()];
         placed.iter().for_each(|primitive| is_used[primitive.material as usize] = true);
         let scene = self.scene;

@@ -6,7 +6,10 @@
 use ron::error::{Error as Ron, SpannedError};
 
 use super::nearest::nearest;
+use super::validate::boundaries;
 use crate::error::Error;
+use crate::shape::KINDS;
+use crate::source::form::{NUMBER, POINT, VECTOR};
 use crate::source::{Id, Source, Span, Step, skip_space, slice};
 
 /// The same error with the value's own position, the field's path and what was expected.
@@ -285,32 +288,54 @@ fn lower(message: &str) -> String {
 
 const TEXTURE: &str = "a texture: Rgb(r, g, b), Checker(..), Image(..), Noise(..) or Marble(..)";
 const MATERIAL: &str = "a material: Lambertian(..), Metal(..), Dielectric(..) or DiffuseLight(..)";
-const OBJECT: &str = "an object: Sphere(..), Quad(..), Box(..), Mesh(..), Transformed(..), \
-                      Group([..]) or Medium(..)";
-const BOUNDARY: &str = "a boundary: a Sphere(..), a Box(..) or a closed Mesh(..), Transformed(..) or not, without a \
-                        material";
 const TRANSFORM: &str = "a transform: Translate((x, y, z)), Scale(s), RotateX(degrees), \
                          RotateY(degrees), RotateZ(degrees) or Rotate(axis: .., degrees: ..)";
 const COLOUR: &str = "a colour: (r, g, b)";
-const POINT: &str = "a point: (x, y, z)";
-const VECTOR: &str = "a vector: (x, y, z)";
+
+/// "an object: Sphere(..), .."
+fn object() -> String {
+    let shapes: Vec<String> = KINDS.iter().map(|kind| format!("{}(..)", kind.form.name)).collect();
+    format!("an object: {}, Transformed(..), Group([..]) or Medium(..)", shapes.join(", "))
+}
 
 /// What the scene format expects at the end of a path.
-fn expected(path: &[Step<'_>]) -> &'static str {
-    match path {
+fn expected(path: &[Step<'_>]) -> String {
+    let shape = |name: &str| KINDS.iter().map(|kind| &kind.form).find(|form| form.name == name);
+    let of_shape = match path {
+        [.., Step::Variant(name)] => shape(name).map(|form| form.in_full().replace(')', ", material: ..)")),
+        [.., Step::Variant(name), Step::Field(field)] => {
+            shape(name).and_then(|form| form.expects(field)).map(str::to_owned)
+        }
+        [.., Step::Variant(name), Step::Field(field), Step::Index(_)] => shape(name)
+            .and_then(|form| form.expects(field))
+            .filter(|expected| [POINT, VECTOR].contains(expected))
+            .map(|_| NUMBER.to_owned()),
+        _ => None,
+    };
+    if let Some(expected) = of_shape {
+        return expected;
+    }
+    let expected = match path {
+        [.., Step::Field("object")] | [.., Step::Field("objects") | Step::Variant("Group"), Step::Index(_)] => {
+            return object();
+        }
+        [.., Step::Field("boundary")] => return boundaries("(..)", ", Transformed(..) or not"),
         [] => "Scene(image: .., camera: .., background: .., materials: .., objects: .., render: ..)",
         [.., Step::Field(name)] => expected_field(name),
         [.., Step::Key(_)] => MATERIAL,
         [.., Step::Variant(name)] => expected_variant(name),
-        [.., Step::Field("objects") | Step::Variant("Group"), Step::Index(_)] => OBJECT,
         [.., Step::Field("by"), Step::Index(_)] => TRANSFORM,
         [.., Step::Variant("Solid"), Step::Index(_)] => "a colour in brackets: Solid((r, g, b))",
         [.., Step::Variant("Translate"), Step::Index(_)] => "a vector in brackets: Translate((x, y, z))",
         [.., Step::Variant("Rgb"), Step::Index(_)] => "a number",
-        [.., Step::Field("look_from" | "look_at" | "up" | "bottom" | "top" | "even" | "odd"), Step::Index(_)]
-        | [.., Step::Field("center" | "corner" | "u" | "v" | "min" | "max" | "axis"), Step::Index(_)] => "a number",
+        [
+            ..,
+            Step::Field("look_from" | "look_at" | "up" | "bottom" | "top" | "even" | "odd" | "axis"),
+            Step::Index(_),
+        ] => NUMBER,
         [.., Step::Index(_)] => "fields by name: (name: value, ..)",
-    }
+    };
+    expected.to_owned()
 }
 
 fn expected_field(name: &str) -> &'static str {
@@ -318,8 +343,8 @@ fn expected_field(name: &str) -> &'static str {
         "image" => "(width: .., height: ..)",
         "width" | "height" => "a whole number from 1 to 65536",
         "camera" => "(look_from: .., look_at: .., vertical_fov: ..)",
-        "look_from" | "look_at" | "center" | "corner" | "min" | "max" => POINT,
-        "up" | "u" | "v" | "axis" => VECTOR,
+        "look_from" | "look_at" => POINT,
+        "up" | "axis" => VECTOR,
         "vertical_fov" => "a number of degrees between 0 and 180",
         "degrees" => "a number of degrees",
         "background" => "a background: Solid((r, g, b)), Gradient(bottom: .., top: ..) or Image(path: ..)",
@@ -330,8 +355,6 @@ fn expected_field(name: &str) -> &'static str {
         "albedo" | "emit" => TEXTURE,
         "two_sided" => "true or false",
         "objects" => "a list of objects: [..]",
-        "object" => OBJECT,
-        "boundary" => BOUNDARY,
         "by" => "a list of transforms: [..]",
         "render" => "(samples: .., max_depth: ..)",
         "samples" => "a whole number from 1 to 2147483648",
@@ -353,10 +376,6 @@ fn expected_variant(name: &str) -> &'static str {
         "Metal" => "Metal(albedo: .., fuzz: ..)",
         "Dielectric" => "Dielectric(ior: ..)",
         "DiffuseLight" => "DiffuseLight(emit: .., two_sided: ..)",
-        "Sphere" => "Sphere(center: .., radius: .., material: ..)",
-        "Quad" => "Quad(corner: .., u: .., v: .., material: ..)",
-        "Box" => "Box(min: .., max: .., material: ..)",
-        "Mesh" => "Mesh(path: .., material: ..)",
         "Transformed" => "Transformed(by: [..], object: ..)",
         "Group" => "a list of objects: [..]",
         "Medium" => "Medium(boundary: .., density: .., albedo: .., anisotropy: ..)",

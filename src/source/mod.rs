@@ -1,5 +1,6 @@
 //! The text of the scene file, the places of its values, and errors and checks that point at them. It knows text and not the scene.
 
+pub mod form;
 mod numbers;
 mod spans;
 
@@ -8,7 +9,7 @@ use std::path::{Path, PathBuf};
 use crate::error::{Error, Location};
 use spans::Spans;
 
-pub use numbers::{LARGEST, SMALLEST, length, number, vector};
+pub use numbers::{LARGEST, SMALLEST, length, number, parallel, vector};
 pub use spans::{Id, Span, Step, skip_space, slice};
 
 /// A scene file's text with the places of its values.

@@ -101,7 +101,7 @@ pub fn flat_around(eye: DVec3, mesh: &str, objects: &[String]) -> Flat {
 
 pub fn kernel(flat: &Flat, faces: usize, replaced: &[(&str, &str)]) -> Kernel {
     let plan = choices_of(&flat.features, &Tables::default());
-    let (instances, faces) = (flat.instances.len().to_string(), faces.to_string());
+    let (instances, faces) = (flat.shapes.instances.len().to_string(), faces.to_string());
     let values = [("instances", &*instances), ("faces", &*faces)];
     Kernel::with("test/meshes", &Setup { plan, values: &values, replaced, ..Setup::default() })
 }
@@ -109,8 +109,8 @@ pub fn kernel(flat: &Flat, faces: usize, replaced: &[(&str, &str)]) -> Kernel {
 pub fn run(kernel: &Kernel, flat: &Flat, rays: &[In]) -> Vec<Out> {
     let tables = [
         array("nodes", &flat.nodes),
-        array("spheres", &flat.spheres),
-        array("instances", &flat.instances),
+        array("spheres", &flat.shapes.spheres),
+        array("instances", &flat.shapes.instances),
         array("meshes", &flat.meshes),
     ];
     kernel.run_with(rays, rays.len(), &tables)

@@ -10,8 +10,8 @@ use std::collections::HashSet;
 use glam::{DVec2, DVec3};
 
 use super::repeated::{Repeated, hash};
-use super::{At, BY_ROUNDING, Body, Danger, Found, Kind, OTHER, U, Worst, apart, leaving, name, normal, short};
-use crate::flatten::place::Shape;
+use super::{At, BY_ROUNDING, Body, Danger, Found, Kind, OTHER, U, Worst, apart, leaving, short};
+use crate::shape::{Hull, normal};
 
 /// Comparisons a surface in a plane, and for all of a plane.
 const TESTS_EACH: usize = 16;
@@ -160,20 +160,20 @@ impl<'a> Planes<'a> {
         let place = body.place;
         let share = 1.0 / self.found.extent;
         let reach = |rounding: f64, leaving: f64| share * if self.clear { rounding + leaving } else { rounding };
-        match *body.shape {
-            Shape::Quad { u, v, .. } => {
-                let (u, v) = body.edges(u, v);
+        if !body.shape.is_hull() {
+            return;
+        }
+        match body.hull {
+            Hull::Parallelogram { u, v, .. } => {
                 let n = normal(u, v);
                 let reach = reach(rounding(n, place, 0.0), leaving::from_quad(n, place, u, v));
                 self.planes.push(Plane::new(share * n.dot(place), hash_of(n), reach, number as u32 * SIDES + QUAD));
             }
-            Shape::Cuboid { .. } => {
+            Hull::Cuboid { half, axes, .. } => {
                 if self.planes.is_empty() {
                     // Three sides are seen of most.
                     self.planes.reserve(if self.clear { 6 } else { 3 } * self.found.placed.len());
                 }
-                let half = body.half_sides(self.found).unwrap_or_default();
-                let axes = body.to_world.rotation;
                 let middle = axes.transpose() * place;
                 let inside = (middle.abs() - half).max_element() < 0.0;
                 for axis in 0..3 {
@@ -188,7 +188,7 @@ impl<'a> Planes<'a> {
                     }
                 }
             }
-            Shape::Sphere { .. } | Shape::Mesh(_) => {}
+            Hull::Ball { .. } => {}
         }
     }
 
@@ -241,17 +241,14 @@ impl<'a> Planes<'a> {
         let owner = (plane.side / SIDES) as usize;
         let placed = &self.found.placed[owner];
         let body = Body::new(self.found, &placed.shape, &placed.to_world);
-        let (normal, corners, hidden, rounding, leaving) = match placed.shape {
-            Shape::Quad { u, v, .. } => {
-                let (u, v) = body.edges(u, v);
-                let p = body.place;
+        let (normal, corners, hidden, rounding, leaving) = match body.hull {
+            Hull::Parallelogram { corner: p, u, v } => {
                 let n = normal(u, v);
                 let leaving = leaving::from_quad(n, p, u, v);
                 (n, [p, p + u, p + u + v, p + v], false, rounding(n, p, 0.0), leaving)
             }
-            _ => {
-                let half = body.half_sides(self.found)?;
-                let axes = body.to_world.rotation;
+            Hull::Ball { .. } => return None,
+            Hull::Cuboid { half, axes, .. } => {
                 let number = plane.side % SIDES;
                 let axis = (number / 2) as usize;
                 let sign = if number.is_multiple_of(2) { 1.0 } else { -1.0 };
@@ -395,7 +392,7 @@ fn tell_overlapping(found: &Found, pair: &Pair) -> Danger {
     let message = format!(
         "its surface overlaps with that of the {} at {OTHER}, of another material{}: {BY_ROUNDING}: set them more than {} apart, or cut \
          one out",
-        name(&found.placed[pair.first].shape),
+        found.placed[pair.first].shape.kind().word,
         apart(pair.gap, pair.bound, false),
         short(pair.bound)
     );
@@ -412,7 +409,7 @@ fn tell_at_glass(found: &Found, pair: &Pair) -> Danger {
     let message = format!(
         "this glass touches the {} at {OTHER}{}: rays that leave the glass there do not meet what it touches, or the reverse: let one \
          reach into the other, or set them more than {} apart",
-        name(&found.placed[other].shape),
+        found.placed[other].shape.kind().word,
         apart(pair.gap, pair.bound, true),
         short(pair.bound)
     );
@@ -423,7 +420,7 @@ fn tell_clear_on_clear(found: &Found, pair: &Pair) -> Danger {
     let message = format!(
         "this glass touches the {} at {OTHER}, which is clear too{}: of two surfaces in one place rays pass one: set them more than {} apart, or \
          write one solid where they are of one material",
-        name(&found.placed[pair.first].shape),
+        found.placed[pair.first].shape.kind().word,
         apart(pair.gap, pair.bound, true),
         short(pair.bound)
     );

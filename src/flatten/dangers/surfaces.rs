@@ -4,9 +4,9 @@
 use glam::DVec3;
 
 use super::sizes::{Name, shown, size_of};
-use super::{At, Body, Danger, Found, U, Worst, normal, short};
-use crate::flatten::place::Shape;
+use super::{At, Body, Danger, Found, U, Worst, short};
 use crate::scene::Mesh;
+use crate::shape::{Hull, normal};
 
 /// The largest share of a sphere's distance from the camera by which that may be rounded.
 const LARGEST_ERROR: f64 = 0.01;
@@ -49,7 +49,7 @@ impl<'a> Surfaces<'a> {
     }
 
     pub fn see(&mut self, number: usize, body: &Body) {
-        let distance = least_distance(self.found, body);
+        let distance = least_distance(body);
         if let Some(close) = close(number, body, distance) {
             return self.close.note(close.error / close.height, close);
         }
@@ -61,9 +61,9 @@ impl<'a> Surfaces<'a> {
 
     /// Compares the rounding of a surface with a pixel where it is seen nearest.
     fn look(&mut self, number: usize, body: &Body, error: f64) {
-        let (looks, most) = match body.shape {
-            Shape::Mesh(_) => (&mut self.mesh_looks, MOST_MESH_LOOKS),
-            _ => (&mut self.looks, MOST_LOOKS),
+        let (looks, most) = match body.shape.mesh() {
+            Some(_) => (&mut self.mesh_looks, MOST_MESH_LOOKS),
+            None => (&mut self.looks, MOST_LOOKS),
         };
         *looks += 1;
         if *looks > most {
@@ -72,8 +72,8 @@ impl<'a> Surfaces<'a> {
         let Some(distance) = nearest_seen(self.found, body) else { return };
         let pixel = self.found.view.pixel * distance;
         if error > pixel {
-            let (size, name) = size_of(self.found, body, f64::max);
-            let what = super::name(body.shape);
+            let (size, name) = size_of(body, f64::max);
+            let what = body.word();
             self.near.note(error / pixel, Near { number, what, name, size, distance, pixel, error });
         }
     }
@@ -86,60 +86,44 @@ impl<'a> Surfaces<'a> {
 /// Whether the distance of a sphere from the camera is rounded by too large a share of it. The centre and the radius are rounded, and the length
 /// between camera and centre by 2 u: 4 u (r + h) of the height h.
 fn close(number: usize, body: &Body, height: f64) -> Option<Close> {
-    let Shape::Sphere { radius, .. } = *body.shape else { return None };
-    let radius = body.to_world.scale * radius;
+    let Hull::Ball { radius, .. } = body.hull else { return None };
     let error = 4.0 * U * (radius + height);
-    (error > LARGEST_ERROR * height).then_some(Close { number, radius, height, error })
+    (body.shape.is_hull() && error > LARGEST_ERROR * height).then_some(Close { number, radius, height, error })
 }
 
 /// The bound of the rounding of a point on a shape and of the start of a ray that leaves it, as the kernels have it.
 fn rounding(found: &Found, body: &Body) -> f64 {
     let place = shown(found, body.place, false).max_element();
-    let scale = body.to_world.scale;
-    match *body.shape {
-        Shape::Sphere { radius, .. } => 4.0 * U * (place + scale * radius),
-        Shape::Quad { u, v, .. } => {
-            let (u, v) = body.edges(u, v);
-            8.0 * U * (place + u.abs().max_element() + v.abs().max_element())
-        }
-        Shape::Cuboid { min, max } => 8.0 * U * (place + 0.5 * scale * (max - min).element_sum()),
-        Shape::Mesh(mesh) => {
-            let sides = found.boxes[mesh].max - found.boxes[mesh].min;
-            8.0 * U * (place + 1.5 * scale * sides.max_element())
-        }
+    match body.hull {
+        Hull::Ball { radius, .. } => 4.0 * U * (place + radius),
+        Hull::Parallelogram { u, v, .. } => 8.0 * U * (place + u.abs().max_element() + v.abs().max_element()),
+        Hull::Cuboid { half, .. } if body.shape.is_hull() => 8.0 * U * (place + half.element_sum()),
+        Hull::Cuboid { half, .. } => 8.0 * U * (place + 3.0 * half.max_element()),
     }
 }
 
 /// A distance that a shape is certainly not nearer than. Of a mesh, that of the box around it.
-fn least_distance(found: &Found, body: &Body) -> f64 {
-    match *body.shape {
-        Shape::Sphere { radius, .. } => (body.place.length() - body.to_world.scale * radius).abs(),
-        Shape::Quad { u, v, .. } => {
-            let (u, v) = body.edges(u, v);
-            let by_size = body.place.length() - u.length() - v.length();
-            by_size.max(normal(u, v).dot(body.place).abs())
+fn least_distance(body: &Body) -> f64 {
+    let distance = match body.hull {
+        Hull::Ball { center, radius } => center.length() - radius,
+        Hull::Parallelogram { corner, u, v } => {
+            let by_size = corner.length() - u.length() - v.length();
+            by_size.max(normal(u, v).dot(corner).abs())
         }
-        Shape::Cuboid { .. } | Shape::Mesh(_) => {
-            let half = body.half_sides(found).unwrap_or_default();
-            let outside = (body.to_world.rotation.transpose() * body.place).abs() - half;
-            let nearest = outside.max_element();
-            match body.shape {
-                Shape::Mesh(_) => nearest.max(0.0),
-                _ => nearest.abs(),
-            }
-        }
-    }
+        Hull::Cuboid { center, half, axes } => ((axes.transpose() * center).abs() - half).max_element(),
+    };
+    if body.shape.is_hull() { distance.abs() } else { distance.max(0.0) }
 }
 
 /// The least depth at which a shape is in view: of a grid of rays that meet it, or of the vertices of a mesh.
 fn nearest_seen(found: &Found, body: &Body) -> Option<f64> {
-    if let Shape::Mesh(mesh) = *body.shape {
-        return nearest_vertex(found, body, found.scene.meshes.values().nth(mesh)?);
+    if let Some(shape) = body.shape.mesh() {
+        return nearest_vertex(found, body, shape.mesh);
     }
     let (width, height) = found.view.size;
     let place = |i: u32, side: u32| (f64::from(i) / f64::from(LOOKS - 1) - 0.5) * f64::from(side) * found.view.pixel;
     let rays = (0..LOOKS * LOOKS).map(|i| (place(i % LOOKS, width), place(i / LOOKS, height)));
-    let met = rays.filter_map(|(x, y)| crossing(found, body, found.view.axes * DVec3::new(x, y, -1.0)));
+    let met = rays.filter_map(|(x, y)| crossing(body, found.view.axes * DVec3::new(x, y, -1.0)));
     met.min_by(f64::total_cmp)
 }
 
@@ -156,10 +140,9 @@ fn nearest_vertex(found: &Found, body: &Body, mesh: &Mesh) -> Option<f64> {
 }
 
 /// Where a ray from the camera first meets a shape, in lengths of its direction.
-fn crossing(found: &Found, body: &Body, d: DVec3) -> Option<f64> {
-    let met = match *body.shape {
-        Shape::Sphere { radius, .. } => {
-            let (c, r) = (body.place, body.to_world.scale * radius);
+fn crossing(body: &Body, d: DVec3) -> Option<f64> {
+    let met = match body.hull {
+        Hull::Ball { center: c, radius: r } => {
             let dd = d.length_squared();
             let k = d.dot(c) / dd;
             let l = (c - k * d).length();
@@ -170,19 +153,16 @@ fn crossing(found: &Found, body: &Body, d: DVec3) -> Option<f64> {
             let (first, second) = (far.min(near), far.max(near));
             if first > 0.0 { first } else { second }
         }
-        Shape::Quad { u, v, .. } => {
-            let (u, v) = body.edges(u, v);
+        Hull::Parallelogram { corner, u, v } => {
             let n = normal(u, v);
-            let t = n.dot(body.place) / n.dot(d);
-            let p = t * d - body.place;
+            let t = n.dot(corner) / n.dot(d);
+            let p = t * d - corner;
             let area = u.cross(v).dot(n);
             let (a, b) = (p.cross(v).dot(n) / area, u.cross(p).dot(n) / area);
             if (0.0..=1.0).contains(&a) && (0.0..=1.0).contains(&b) { t } else { f64::NAN }
         }
-        Shape::Cuboid { .. } | Shape::Mesh(_) => {
-            let half = body.half_sides(found).unwrap_or_default();
-            let to_own = body.to_world.rotation.transpose();
-            let (c, inverse) = (to_own * body.place, (to_own * d).recip());
+        Hull::Cuboid { center, half, axes } => {
+            let (c, inverse) = (axes.transpose() * center, (axes.transpose() * d).recip());
             let (low, high) = ((c - half) * inverse, (c + half) * inverse);
             let (enter, leave) = (low.min(high).max_element(), low.max(high).min_element());
             match enter <= leave {
