@@ -15,7 +15,7 @@ define install
 }
 endef
 
-.PHONY: render test test-long test-drivers accuracy lint toolchain
+.PHONY: render test quick test-long test-drivers accuracy lint toolchain
 
 # The cover scene, in 50 s at most: out/weekend.exr is linear, out/weekend.png is for looking at.
 render: toolchain
@@ -35,10 +35,16 @@ test: toolchain
 		$(call install, libvulkan1 mesa-vulkan-drivers, no software Vulkan driver answers)
 	$(CARGO) test --release
 
+# For developing: `make quick TEST=kernels ARGS=sphere`. The dev profile reads the shaders from disk: an edit of one compiles nothing.
+TEST ?= kernels
+quick: export NODEVICE_SELECT = 1
+quick: toolchain
+	$(CARGO) test --test $(TEST) -- $(ARGS)
+
 # What takes minutes: statistics of thousands of renders, and 1e9 paths through all scenes.
 test-long: export NODEVICE_SELECT = 1
 test-long: toolchain
-	$(CARGO) test --release --test long --test long_paths --test unchanged -- --ignored --nocapture
+	$(CARGO) test --release --test long --test unchanged -- --ignored --nocapture
 
 # The same tests on several drivers, fetched and not installed: a second opinion on every number.
 test-drivers: toolchain

@@ -139,10 +139,10 @@ fn machine() -> String {
 fn document(reports: &[Report], budget: &str) -> String {
     let first = &reports[0];
     let mut text = format!(
-        "# Accuracy\n\nWhat the settings of `gpu-rt render` trade, seconds against noise and bias, measured by `gpu-rt tradeoff` on {} scenes.\n\
-         Written by `make accuracy`; do not edit. What the numbers mean and how they are found: [comparing.md](comparing.md#the-trade-measured).\n\n\
-         Measured on {} ({}), {}, {budget} for each scene; on another device the advice may be another.\n\n{CAPTION} \
-         Biases are of the mean light, against the defaults with the same random numbers.\n\n",
+        "# Accuracy\n\nWhat the settings of `gpu-rt render` trade: seconds against noise and bias, measured by `gpu-rt tradeoff` on {} scenes.\n\
+         Written by `make accuracy`; do not edit. [comparing.md](comparing.md#the-trade-measured) says what the numbers mean.\n\n\
+         Measured on {} ({}), {}, {budget} per scene. On another device the advice may differ.\n\n{CAPTION} \
+         A bias is that of the mean radiance, relative to the defaults with the same random numbers.\n\n",
         reports.len(),
         first.text("device"),
         first.text("driver"),
@@ -166,19 +166,19 @@ fn document(reports: &[Report], budget: &str) -> String {
     }
     text += "\n## All settings\n\n";
     let lists = [
-        ("Sooner than the defaults at a relMSE of 1e-2 without bias", unbiased as fn(&Report) -> Vec<String>),
-        ("Sooner with a bias", biased),
-        ("Sooner with less detail", coarser),
-        ("Later by half or more without bias", later),
-        ("Not known well, because of rare bright paths or too few rounds", unreliable),
+        ("Faster than the defaults to a relMSE of 1e-2, without bias", unbiased as fn(&Report) -> Vec<String>),
+        ("Faster, with a bias", biased),
+        ("Faster, with less detail", coarser),
+        ("Slower by half or more, without bias", later),
+        ("Unreliable, because of rare bright paths or too few rounds", unreliable),
     ];
     for (heading, list) in lists {
         let found: Vec<String> = reports.iter().flat_map(list).collect();
         let found = if found.is_empty() { "nothing".to_string() } else { found.join("; ") };
         let _ = writeln!(text, "- {heading}: {found}.");
     }
-    text += "\nSeconds to a relMSE of 1e-2 over those of the defaults, and the bias of the mean where one was found; less than 15 % is no difference. *Italic*: \
-             not known well. never: the bias may be larger than that. –: does nothing to the scene. Empty: not measured.\n\n";
+    text += "\nSeconds to a relMSE of 1e-2 over those of the defaults, and the bias of the mean if one was found. Less than 15 % is no difference. \
+             *Italic*: unreliable. never: the bias may be larger than the target. –: the setting does not affect the scene. Empty: not measured.\n\n";
     text += &overview(reports);
     for report in reports {
         text += &section(report);

@@ -1,16 +1,12 @@
 //! The command line: what can be asked, and how it is read.
 
-use std::fmt;
 use std::ops::Range;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand};
 
-use crate::data::Sampler;
-use crate::flatten::Quality;
-use crate::knobs::{self, Class, Knob};
-use crate::plan::Scatter;
+use crate::options::{self, Class, RenderOptions};
 
 /// A path tracer on the GPU, and without one.
 #[derive(Debug, Parser)]
@@ -24,13 +20,13 @@ pub struct Cli {
 pub enum Command {
     /// Render a scene to a linear EXR.
     Render(RenderArgs),
-    /// Measure the error of an image against a reference, and tell it from noise.
+    /// Measure the error of an image against a reference, and separate it from noise.
     Compare(CompareArgs),
-    /// Measure what the settings of render trade on a scene: seconds against noise and bias.
+    /// Measure the trade of render's settings on a scene: seconds against noise and bias.
     Tradeoff(TradeoffArgs),
-    /// Measure how a render's error falls with samples and seconds, against a reference: CSV and plot.
+    /// Measure how the error falls with samples and seconds, against a reference: CSV and plot.
     Converge(ConvergeArgs),
-    /// Show what a scene requires: kernels, buffers and bytes, and what asked for each.
+    /// Show what a scene requires: kernels, buffers and bytes, and which object asked for each.
     Plan(PlanArgs),
     /// Validate a scene without a GPU.
     Check(CheckArgs),
@@ -49,21 +45,20 @@ pub struct RenderArgs {
     #[arg(long, value_name = "FILE.png")]
     pub png: Option<PathBuf>,
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_SAMPLES),
-          help = knobs::SPP.help(), help_heading = knobs::SPP.class.heading())]
+          help = options::SPP.help(), help_heading = options::SPP.class.heading())]
     pub spp: Option<u32>,
     /// Sample indices A to B - 1 of each pixel, to split a render over machines.
     #[arg(long, value_name = "A..B", value_parser = sample_range, conflicts_with_all = ["spp", "time"])]
     pub samples: Option<Range<u32>>,
-    /// Render as many samples as fit into this time, counted from the start of the program [30s, 5m, …]; at least one, and
-    /// no more than --spp where that is given.
+    /// Render for this time, counted from the start of the program [30s, 5m, …]: at least one sample per pixel, at most --spp if given.
     #[arg(long, value_name = "TIME", value_parser = duration)]
     pub time: Option<Duration>,
-    /// Render until the relative error that is told at the end is below this with 95 % confidence, such as 0.01 for 1 %: 16, 32, 64 …
-    /// samples, no more than --spp and --time where these are given.
+    /// Render until the relative error is below this with 95 % confidence, such as 0.01 for 1 %: 16, 32, 64 … samples, limited by --spp
+    /// and --time if given.
     #[arg(long, value_name = "E", value_parser = relative_error, conflicts_with = "samples")]
     pub noise: Option<f64>,
     #[arg(long, value_name = "WxH|N%", value_parser = image_size,
-          help = knobs::SIZE.help(), help_heading = knobs::SIZE.class.heading())]
+          help = options::SIZE.help(), help_heading = options::SIZE.class.heading())]
     pub size: Option<Size>,
     #[command(flatten)]
     pub paths: PathArgs,
@@ -73,66 +68,27 @@ pub struct RenderArgs {
     /// Write the image so far at this interval [30s, 5m, …].
     #[arg(long, value_name = "TIME", value_parser = duration, default_value = "60s")]
     pub checkpoint: Duration,
-    #[command(flatten)]
-    pub trade: TradeArgs,
-    /// Fail when a sample was rejected because it was not finite.
+    /// Fail if a sample was not finite and therefore rejected.
     #[arg(long)]
     pub strict: bool,
-    /// Say nothing but errors.
+    /// Print errors only.
     #[arg(long)]
     pub quiet: bool,
     /// Print one JSON object on stdout at the end.
     #[arg(long)]
     pub json: bool,
     #[command(flatten)]
-    pub tuning: TuningArgs,
-}
-
-/// The settings that trade one thing for another and that change what is linked for a scene, or how it is laid out.
-#[derive(Clone, Debug, Default, Args)]
-pub struct TradeArgs {
-    #[arg(long, value_enum, default_value_t, help = knobs::INTEGRATOR.help(), help_heading = knobs::INTEGRATOR.class.heading())]
-    pub integrator: Integrator,
-    #[arg(long, value_enum, default_value_t, help = knobs::ROULETTE.help(), help_heading = knobs::ROULETTE.class.heading())]
-    pub roulette: Switch,
-    #[arg(long, value_enum, default_value_t, help = knobs::SAMPLER.help(), help_heading = knobs::SAMPLER.class.heading())]
-    pub sampler: SamplerArg,
-    #[arg(long, value_enum, default_value_t, help = knobs::FRESNEL.help(), help_heading = knobs::FRESNEL.class.heading())]
-    pub fresnel: Fresnel,
-    #[arg(long, value_name = "off|N", default_value_t, value_parser = clamp_limit,
-          help = knobs::CLAMP.help(), help_heading = knobs::CLAMP.class.heading())]
-    pub clamp: Clamp,
-    #[arg(long, value_enum, default_value_t, help = knobs::OFFSET.help(), help_heading = knobs::OFFSET.class.heading())]
-    pub offset: Offset,
-    #[arg(long, value_enum, default_value_t, help = knobs::PRECISION.help(), help_heading = knobs::PRECISION.class.heading())]
-    pub precision: Precision,
-    #[arg(long, value_enum, default_value_t, help = knobs::BUILD.help(), help_heading = knobs::BUILD.class.heading())]
-    pub build: BuildArg,
-}
-
-impl TradeArgs {
-    /// The knobs whose values bias the result or are less exact, with those values as they are given: these, and the `--max-depth` beside them.
-    pub fn biases(&self, max_depth: Option<u32>, depth_of_scene: u32) -> Vec<(&'static Knob, String)> {
-        let TradeArgs { fresnel, clamp, offset, precision, .. } = self;
-        let cut = max_depth.filter(|depth| *depth < depth_of_scene);
-        [
-            cut.map(|depth| (&knobs::MAX_DEPTH, depth.to_string())),
-            (*fresnel == Fresnel::Schlick).then(|| (&knobs::FRESNEL, "schlick".to_string())),
-            clamp.0.map(|_| (&knobs::CLAMP, clamp.to_string())),
-            (*offset == Offset::Fast).then(|| (&knobs::OFFSET, "fast".to_string())),
-            (*precision == Precision::Fast).then(|| (&knobs::PRECISION, "fast".to_string())),
-        ]
-        .into_iter()
-        .flatten()
-        .collect()
-    }
+    pub options: RenderOptions,
+    /// Measure the seconds of each stage on the device; each dispatch then needs a pass of its own.
+    #[arg(long, help_heading = Class::Exact.heading())]
+    pub profile: bool,
 }
 
 /// Which paths are traced, and where.
 #[derive(Clone, Debug, Args)]
 pub struct PathArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1_000_000),
-          help = knobs::MAX_DEPTH.help(), help_heading = knobs::MAX_DEPTH.class.heading())]
+          help = options::MAX_DEPTH.help(), help_heading = options::MAX_DEPTH.class.heading())]
     pub max_depth: Option<u32>,
     /// Seed of the random numbers.
     #[arg(long, value_name = "N", default_value_t = 0)]
@@ -142,45 +98,20 @@ pub struct PathArgs {
     pub device: Option<String>,
 }
 
-/// What changes the speed and never the image.
-#[derive(Clone, Debug, Args)]
-#[command(next_help_heading = Class::Exact.heading())]
-pub struct TuningArgs {
-    /// Paths in flight [default: by the device and the image].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 24))]
-    pub slots: Option<u32>,
-    /// Invocations of a workgroup [default: by the device].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=256))]
-    pub workgroup: Option<u32>,
-    /// Bounces of a submission [default: measured, for about 100 ms].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
-    pub bounces: Option<u32>,
-    /// All stages of a bounce fused into one kernel; a kernel a stage, all materials linked into one; or a kernel and a
-    /// queue for each material [default: by the device].
-    #[arg(long, value_enum)]
-    pub scatter: Option<ScatterArg>,
-    /// What kernels are linked with: just what the scene requires, or everything that a scene can require.
-    #[arg(long, value_enum, default_value_t)]
-    pub features: FeaturesArg,
-    /// Measure the seconds of each stage on the device; costs a pass for each dispatch.
-    #[arg(long)]
-    pub profile: bool,
-}
-
 #[derive(Debug, Args)]
 pub struct TradeoffArgs {
     /// The scene file.
     pub scene: PathBuf,
-    /// The time that all of it may take, compiling included.
+    /// The time limit, compiling included.
     #[arg(long, value_name = "TIME", value_parser = duration, default_value = "120s")]
     pub budget: Duration,
-    /// An image to measure against, of any renderer [default: the pooled samples of all unbiased settings].
+    /// The reference image, from any renderer [default: the pooled samples of all unbiased settings].
     #[arg(long, value_name = "R.exr")]
     pub reference: Option<PathBuf>,
     /// The settings to sweep, by their options' names [default: all].
     #[arg(long, value_name = "A,B,…", value_delimiter = ',')]
     pub knobs: Vec<String>,
-    /// The folder for index.html, plot.svg, tradeoff.csv and tradeoff.json, made where there is none [default: SCENE-tradeoff].
+    /// The folder for index.html, plot.svg, tradeoff.csv and tradeoff.json; created if missing [default: SCENE-tradeoff].
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
     /// Seed of the random numbers.
@@ -189,7 +120,7 @@ pub struct TradeoffArgs {
     /// The device, by its index or a part of its name as `gpu-rt devices` lists them.
     #[arg(long, value_name = "INDEX|NAME")]
     pub device: Option<String>,
-    /// Say nothing but the results and errors.
+    /// Print results and errors only.
     #[arg(long)]
     pub quiet: bool,
     /// Print one JSON object on stdout.
@@ -201,24 +132,24 @@ pub struct TradeoffArgs {
 pub struct ConvergeArgs {
     /// The scene file.
     pub scene: PathBuf,
-    /// The image to measure against, of any renderer; its size is rendered.
+    /// The reference image, from any renderer. The render has its size.
     #[arg(long, value_name = "R.exr")]
     pub reference: PathBuf,
-    /// The folder for SCENE-converge.csv and SCENE-converge.svg, made where there is none.
+    /// The folder for SCENE-converge.csv and SCENE-converge.svg; created if missing.
     #[arg(short, long, value_name = "DIR", default_value = ".")]
     pub output: PathBuf,
     /// Samples per pixel at the end [default: the scene's].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_SAMPLES),
-          help_heading = knobs::SPP.class.heading())]
+          help_heading = options::SPP.class.heading())]
     pub spp: Option<u32>,
-    /// Begin no further doubling of the samples that would end later than this after the first [30s, 5m, …].
+    /// Stop before a doubling of the samples would exceed this time [30s, 5m, …].
     #[arg(long, value_name = "TIME", value_parser = duration)]
     pub time: Option<Duration>,
     #[command(flatten)]
     pub paths: PathArgs,
     #[command(flatten)]
-    pub trade: TradeArgs,
-    /// Say nothing but errors.
+    pub options: RenderOptions,
+    /// Print errors only.
     #[arg(long)]
     pub quiet: bool,
     /// Print one JSON object on stdout.
@@ -234,11 +165,11 @@ pub struct CompareArgs {
     /// The reference: an EXR of the same size. Any renderer's will do.
     #[arg(value_name = "B.exr")]
     pub reference: PathBuf,
-    /// Also write a picture of where the images look different: FLIP's error, black for none, pale yellow for the most.
+    /// Also write a heat map of FLIP's error: black is none, pale yellow is the most.
     #[arg(long, value_name = "FILE.png")]
     pub heatmap: Option<PathBuf>,
-    /// Fail, with exit status 1, when this metric is above the value, such as relmse=0.01. Of mse, rmse, relmse, relmse_trimmed, flip
-    /// and mean_difference (without its sign); can be given several times. Fails too where a pixel is not finite.
+    /// Exit with status 1 if this metric is above the value, such as relmse=0.01. Metrics: mse, rmse, relmse, relmse_trimmed, flip and
+    /// mean_difference (its magnitude). Can be given several times. A pixel that is not finite fails too.
     #[arg(long, value_name = "METRIC=VALUE", value_parser = limit)]
     pub fail_above: Vec<Limit>,
     /// Print one JSON object on stdout.
@@ -287,25 +218,18 @@ pub struct PlanArgs {
     /// Write the linked shaders into this folder.
     #[arg(long, value_name = "DIR")]
     pub wgsl: Option<PathBuf>,
-    /// Say of this kernel why each part of it is there: its modules, and what uses and asked for them; its bindings, the path state
-    /// that it loads or stores, its constants. With --json: of the kernels list this one alone.
+    /// Explain one kernel: its modules, with what uses and what asked for each; its bindings, path state and constants. With --json:
+    /// list this kernel only.
     #[arg(long, value_name = "KERNEL")]
     pub why: Option<String>,
     #[arg(long, value_name = "WxH|N%", value_parser = image_size,
-          help = knobs::SIZE.help(), help_heading = knobs::SIZE.class.heading())]
+          help = options::SIZE.help(), help_heading = options::SIZE.class.heading())]
     pub size: Option<Size>,
     /// The device whose sizes to plan for.
     #[arg(long, value_name = "INDEX|NAME")]
     pub device: Option<String>,
-    /// All stages of a bounce fused into one kernel; a kernel a stage, all materials linked into one; or a kernel and a
-    /// queue for each material [default: by the device].
-    #[arg(long, value_enum)]
-    pub scatter: Option<ScatterArg>,
-    /// What kernels are linked with: just what the scene requires, or everything that a scene can require.
-    #[arg(long, value_enum, default_value_t)]
-    pub features: FeaturesArg,
     #[command(flatten)]
-    pub trade: TradeArgs,
+    pub options: RenderOptions,
     /// Print one JSON object on stdout.
     #[arg(long)]
     pub json: bool,
@@ -327,79 +251,6 @@ pub struct DevicesArgs {
     pub json: bool,
 }
 
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Switch {
-    #[default]
-    On,
-    Off,
-}
-
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Integrator {
-    #[default]
-    Mis,
-    Bsdf,
-}
-
-impl Integrator {
-    pub fn name(self) -> &'static str {
-        match self {
-            Integrator::Mis => "mis",
-            Integrator::Bsdf => "bsdf",
-        }
-    }
-}
-
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum SamplerArg {
-    #[default]
-    Sobol,
-    Independent,
-}
-
-impl From<SamplerArg> for Sampler {
-    fn from(arg: SamplerArg) -> Sampler {
-        match arg {
-            SamplerArg::Sobol => Sampler::Sobol,
-            SamplerArg::Independent => Sampler::Independent,
-        }
-    }
-}
-
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Fresnel {
-    #[default]
-    Exact,
-    Schlick,
-}
-
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Offset {
-    #[default]
-    Robust,
-    Fast,
-}
-
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Precision {
-    #[default]
-    Strict,
-    Fast,
-}
-
-/// The most radiance of a contribution of indirect light, in the scene's units; nothing where that is not limited.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Clamp(pub Option<f64>);
-
-impl fmt::Display for Clamp {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.0 {
-            None => f.write_str("off"),
-            Some(limit) => write!(f, "{limit}"),
-        }
-    }
-}
-
 /// The size of an image, in pixels or as a share of the scene's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Size {
@@ -416,58 +267,6 @@ impl Size {
                 let part = |n: u32| ((f64::from(n) * share).round() as u32).max(1);
                 (part(width), part(height))
             }
-        }
-    }
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum ScatterArg {
-    Fused,
-    Linked,
-    Queues,
-}
-
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum FeaturesArg {
-    #[default]
-    Scene,
-    All,
-}
-
-impl FeaturesArg {
-    /// As the option spells it.
-    pub fn name(self) -> &'static str {
-        match self {
-            FeaturesArg::Scene => "scene",
-            FeaturesArg::All => "all",
-        }
-    }
-}
-
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum BuildArg {
-    Fast,
-    #[default]
-    Medium,
-    Best,
-}
-
-impl From<BuildArg> for Quality {
-    fn from(arg: BuildArg) -> Quality {
-        match arg {
-            BuildArg::Fast => Quality::Fast,
-            BuildArg::Medium => Quality::Medium,
-            BuildArg::Best => Quality::Best,
-        }
-    }
-}
-
-impl From<ScatterArg> for Scatter {
-    fn from(arg: ScatterArg) -> Scatter {
-        match arg {
-            ScatterArg::Fused => Scatter::Fused,
-            ScatterArg::Linked => Scatter::Linked,
-            ScatterArg::Queues => Scatter::Queues,
         }
     }
 }
@@ -516,14 +315,6 @@ fn image_size(text: &str) -> Result<Size, String> {
     match u64::from(width) * u64::from(height) <= 1 << 30 {
         true => Ok(Size::Pixels(width, height)),
         false => Err(expected()),
-    }
-}
-
-fn clamp_limit(text: &str) -> Result<Clamp, String> {
-    match (text, text.parse::<f64>()) {
-        ("off", _) => Ok(Clamp(None)),
-        (_, Ok(limit)) if limit > 0.0 && limit.is_finite() => Ok(Clamp(Some(limit))),
-        _ => Err("expected `off` or a radiance above 0, such as 10".to_string()),
     }
 }
 

@@ -1,7 +1,8 @@
 //! The host's side of the structs under shaders/data, and the little that all of the host shares. WGSL is the source of the
-//! structs; tests/layout.rs compares every field here with naga's reflection of it.
+//! structs; tests/kernels/layout.rs compares every field here with naga's reflection of it.
 
 use bytemuck::{Pod, Zeroable};
+use glam::DVec3;
 
 /// Of a primitive's code: tells it from a BVH node's index.
 pub const PRIMITIVE_BIT: u32 = 0x8000_0000;
@@ -39,6 +40,11 @@ pub const LIGHT_BINS: usize = 32;
 /// Words before the first queue.
 pub const QUEUE_HEADER: u32 = 8;
 
+/// The colour channels of records, film and images, by the names that an EXR has for them.
+pub const CHANNELS: [&str; 3] = ["R", "G", "B"];
+/// A value for each of them.
+pub type Rgb<T> = [T; CHANNELS.len()];
+
 /// The code of the primitive at this index among its kind.
 pub fn primitive_code(kind: u32, index: u32) -> u32 {
     PRIMITIVE_BIT | kind << PRIMITIVE_KIND_SHIFT | index
@@ -49,7 +55,7 @@ pub fn luminance([r, g, b]: [f64; 3]) -> f64 {
     0.2126 * r + 0.7152 * g + 0.0722 * b
 }
 
-pub fn f32s(v: glam::DVec3) -> [f32; 3] {
+pub fn f32s(v: DVec3) -> [f32; 3] {
     v.as_vec3().to_array()
 }
 

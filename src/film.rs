@@ -3,7 +3,7 @@
 //! The device delivers sums over short runs of samples in f32. Here they are added as integers of a fixed scale (a sum of integers is
 //! the same in any order and split), together with the sums of squares that the error estimate needs.
 
-use crate::data::{ODD_RUN, RUN_LENGTH, Sampler, luminance};
+use crate::data::{ODD_RUN, RUN_LENGTH, Rgb, Sampler, luminance};
 use crate::error::{Error, Result};
 
 /// What [`Picture::variance`] holds where the variance is not known: the largest finite f32. An image file must hold finite values, 0
@@ -16,7 +16,7 @@ const SUM_FRACTION: i32 = 88;
 const SQUARE_FRACTION: i32 = 96;
 /// The largest power of two, up or down, between device units and scene units: its square is far inside f64.
 const MAX_EXPONENT: i32 = 300;
-/// The share of the image's mean luminance that keeps dark pixels from ruling the relative error (design.md, section 2).
+/// This share of the image's mean luminance keeps dark pixels from dominating the relative error.
 const DARK_PIXEL_FLOOR: f64 = 0.01;
 /// How many times the stated error the one relative to the other half of the samples may be, where it is called reliable.
 const MOST_ACROSS: f64 = 2.0;
@@ -37,7 +37,7 @@ const LEAST_SQUARES: u128 = 1 << 10;
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct RunRecord {
     /// Sum of the accepted samples' radiance, in device units, as added in f32 in sample order.
-    pub sum: [f32; 3],
+    pub sum: Rgb<f32>,
     /// Index of the pixel: row 0 on top, `y * width + x`.
     pub pixel: u32,
     /// Accepted samples | rejected as NaN << 8 | rejected as infinite << 16 | rejected as cut short << 24; their sum is
@@ -46,7 +46,7 @@ pub struct RunRecord {
     /// Rays traced for the run.
     pub rays: u32,
     /// Squared deviations of the accepted samples from their mean, summed, in device units squared.
-    pub spread: [f32; 3],
+    pub spread: Rgb<f32>,
 }
 
 impl RunRecord {
@@ -90,11 +90,11 @@ pub struct Totals {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Zeroable)]
 struct Pixel {
     /// Σ s over runs, s the run's sum, in units of 2^-[`SUM_FRACTION`].
-    sum: [u128; 3],
+    sum: Rgb<u128>,
     /// What the odd runs have of it.
-    odd_sum: [u128; 3],
+    odd_sum: Rgb<u128>,
     /// The squared deviations of samples from the means of their runs, summed, in units of 2^-[`SQUARE_FRACTION`].
-    spread: [u128; 3],
+    spread: Rgb<u128>,
     /// Accepted samples of even and of odd runs. A pixel's samples are numbered by 32 bits, so that either has at most 2^31.
     even: u32,
     odd: u32,
@@ -104,7 +104,7 @@ struct Pixel {
 }
 
 /// The halves of a pixel's samples: the even runs and the odd ones.
-type Halves = [[f64; 3]; 2];
+type Halves = [Rgb<f64>; 2];
 
 impl Pixel {
     fn samples(&self) -> u64 {
@@ -116,7 +116,7 @@ impl Pixel {
         mean(self.sum[channel], self.samples())
     }
 
-    fn means(&self) -> [f64; 3] {
+    fn means(&self) -> Rgb<f64> {
         [0, 1, 2].map(|channel| self.mean(channel))
     }
 
@@ -140,7 +140,7 @@ impl Pixel {
     }
 
     /// Of all channels.
-    fn variances(&self, sampler: Sampler) -> Option<[f64; 3]> {
+    fn variances(&self, sampler: Sampler) -> Option<Rgb<f64>> {
         Some([self.variance(0, sampler)?, self.variance(1, sampler)?, self.variance(2, sampler)?])
     }
 
@@ -384,8 +384,9 @@ impl Film {
     }
 
     /// The image's relative error: sqrt(mean(v / (I² + 0.01 Ī²))) over pixels and channels, v the variance of the pixel's mean, I that
-    /// mean, Ī the image's mean luminance (design.md, section 2). It is taken channel by channel, so that v and I belong to the same
-    /// quantity and the file's layers suffice to compute it: the variance of a luminance would need the channels' covariance.
+    /// mean, Ī the image's mean luminance (docs/light-transport.md, "The stated error"). It is taken channel by channel, so that v and I
+    /// belong to the same quantity and the file's layers suffice to compute it: the variance of a luminance would need the channels'
+    /// covariance.
     ///
     /// Pixels that have rejected samples and less than two replicates are left out, lest one broken pixel hides the error of all others.
     /// Nothing while any other pixel has less than two, where a total has saturated, and for an image without light.
@@ -463,7 +464,7 @@ impl Film {
 }
 
 /// The mean over channels.
-fn weighted(variance: [f64; 3], weight: [f64; 3]) -> f64 {
+fn weighted(variance: Rgb<f64>, weight: Rgb<f64>) -> f64 {
     (variance[0] * weight[0] + variance[1] * weight[1] + variance[2] * weight[2]) / 3.0
 }
 
@@ -475,7 +476,7 @@ struct Noise {
     variance: f64,
     /// The pixels whose samples are spread the most, the largest w first: w, x, and the part of the variance. More pixels than these cannot
     /// have more than [`MOST_OF_HALVES`] each.
-    largest: Vec<[f64; 3]>,
+    largest: Vec<Rgb<f64>>,
 }
 
 impl Noise {
@@ -553,10 +554,10 @@ pub struct Picture {
     pub width: u32,
     pub height: u32,
     /// Mean radiance, linear Rec. 709. What f32 cannot hold is f32::MAX.
-    pub rgb: Vec<[f32; 3]>,
+    pub rgb: Vec<Rgb<f32>>,
     /// Variance of that mean, radiance squared; [`UNKNOWN_VARIANCE`] where it is not known. Above zero it is at least the smallest
     /// normal f32: a variance that is too small for the format is overstated, not lost.
-    pub variance: Vec<[f32; 3]>,
+    pub variance: Vec<Rgb<f32>>,
     /// Accepted samples.
     pub samples: Vec<u32>,
     /// Rejected samples.

@@ -3,22 +3,28 @@
 mod report;
 mod state;
 mod text;
+mod tuning;
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use crate::data::{self, QUEUE_HEADER, RUN_LENGTH, Sampler};
+use crate::data::{self, QUEUE_HEADER, RUN_LENGTH};
 use crate::error::Result;
 use crate::film::RunRecord;
 use crate::flatten::{BACKGROUNDS, BOUNDARIES, Features, Flat, MATERIALS, PRIMITIVES, TEXTURES};
 use crate::gpu::buffers::BufferSpec;
+use crate::gpu::device::DeviceClass;
 use crate::gpu::layout::{self, Binding, Member};
 use crate::gpu::link::{Choices, Embedded, Entry, Linked, link};
+use crate::job::Job;
+use crate::material::Material;
+use crate::options::{self, FeatureSet, RenderOptions, Scatter};
 use crate::shape::{KINDS, Kind, Table};
 
 pub use report::{Buffer, Choice, Constant, KernelReport, Module, Report};
 pub use state::{MOST_PATH_BYTES, PathField};
 use state::{path_fields, places};
+pub use tuning::Tuning;
 
 /// The reason of what no scene can do without.
 const EVERY_RENDER: &str = "every render";
@@ -29,28 +35,6 @@ const A_KERNEL_A_STAGE: &str = "a kernel a stage";
 
 /// The override constants that say how many steps walks may take.
 pub const STEPS: [&str; 2] = ["MOST_STEPS_OF_WALK", "MOST_STEPS_OF_CROSSINGS"];
-
-/// How the stages of a bounce are linked into kernels. The image does not depend on it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Scatter {
-    /// Intersect, scatter and refill in one kernel that does several bounces a dispatch.
-    Fused,
-    /// A kernel a stage; scatter is one kernel for all materials, an invocation a slot.
-    Linked,
-    /// A kernel a stage, and of scatter a kernel and a queue for each material.
-    Queues,
-}
-
-/// Sizes that do not change the image, only how fast it comes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Tuning {
-    /// Paths in flight.
-    pub slots: u32,
-    pub workgroup: u32,
-    pub scatter: Scatter,
-    /// Finished runs that a slot can deliver between two readings by the host.
-    pub records_per_slot: u32,
-}
 
 /// Where the scene's tables live. Small ones fit a uniform binding, which software drivers read several times as fast as
 /// a storage binding; real GPUs serialise lanes that read a uniform at different places.
@@ -118,14 +102,25 @@ pub struct Kernel {
     pub why: String,
 }
 
+/// What a render of a scene takes: kernels, buffers and sizes.
+#[derive(Debug)]
+pub struct Plan<'a> {
+    pub scene: &'a Flat,
+    pub options: RenderOptions,
+    pub kernels: Kernels,
+    pub tuning: Tuning,
+}
+
 /// The kernels of one render.
 #[derive(Debug)]
-pub struct Plan {
+pub struct Kernels {
     pub generate: Kernel,
     pub bounce: Bounce,
     /// What slots keep of their paths from one dispatch to the next.
     pub path_fields: Vec<PathField>,
     pub settings: SettingsLayout,
+    /// What they are linked for.
+    pub features: Features,
     tables: Tables,
 }
 
@@ -171,23 +166,50 @@ pub struct Staged {
     pub refill: Kernel,
 }
 
-impl Plan {
-    /// Decides and links the kernels, all tables in storage bindings.
-    pub fn new(features: &Features, scatter: Scatter) -> Result<Plan> {
-        Plan::with_tables(features, scatter, &Tables::default())
+impl<'a> Plan<'a> {
+    /// Decides on the kernels, the buffers and the sizes for a device of this class, and links the kernels.
+    ///
+    /// # Errors
+    /// As of [`Kernels::link`].
+    pub fn new(scene: &'a Flat, options: &RenderOptions, device: DeviceClass, job: &Job) -> Result<Plan<'a>> {
+        let tuning = Tuning::new(device, job, options);
+        let tables = Tables::new(scene, device.table_bytes());
+        let features = scene.features.of(options);
+        let kernels = Kernels::link(&features, options, tuning.scatter, &tables)?;
+        Ok(Plan { scene, options: options.clone(), kernels, tuning })
     }
 
+    /// The most radiance of a contribution of indirect light, in device radiance; 0 where it is not limited.
+    pub fn indirect_limit(&self) -> f32 {
+        let Some(limit) = self.options.clamp else { return 0.0 };
+        // Beyond what f32 holds it is as good as the least or the most.
+        let device = limit * 2f64.powi(-self.scene.radiance_exponent);
+        device.clamp(f64::from(f32::MIN_POSITIVE), f64::from(f32::MAX)) as f32
+    }
+
+    /// The kernels in the order in which a pass runs them.
+    pub fn kernels(&self) -> Vec<&Kernel> {
+        self.kernels.all()
+    }
+
+    /// The buffers that the kernels bind, with the scene's data for those that hold it.
+    pub fn buffers(&self) -> Vec<BufferSpec<'a>> {
+        self.kernels.buffers(self.scene, &self.tuning)
+    }
+}
+
+impl Kernels {
     /// Decides and links the kernels.
     ///
     /// # Errors
     /// `Error::Shader` where a kernel does not link or validate: a defect of gpu-rt, not of the scene.
-    pub fn with_tables(features: &Features, scatter: Scatter, tables: &Tables) -> Result<Plan> {
+    pub fn link(features: &Features, options: &RenderOptions, scatter: Scatter, tables: &Tables) -> Result<Kernels> {
         let materials = entries(MATERIALS, &features.materials);
         let empty = materials.is_empty();
         // A queue each is no use where there is one material.
         let queues = scatter == Scatter::Queues && materials.len() > 1;
         let fused = scatter == Scatter::Fused;
-        let choices = choices(features, &materials, Bounces { fused, queues }, tables);
+        let choices = choices(features, options, &materials, Bounces { fused, queues }, tables);
         let always = EVERY_RENDER;
         let geometry = asked(PRIMITIVES, &features.primitives, "");
         let media = asked(&boundary_names(), &features.boundaries, " medium");
@@ -219,7 +241,14 @@ impl Plan {
         };
         let generate = kernel("generate", "generate", &choices, always)?;
         let settings = SettingsLayout::of(&generate.module)?;
-        Ok(Plan { generate, bounce, path_fields: path_fields(features, fused), settings, tables: tables.clone() })
+        Ok(Kernels {
+            generate,
+            bounce,
+            path_fields: path_fields(features, fused),
+            settings,
+            tables: tables.clone(),
+            features: features.clone(),
+        })
     }
 
     /// Bytes of the state of one slot's path.
@@ -228,7 +257,7 @@ impl Plan {
     }
 
     /// The kernels in the order in which a pass runs them.
-    pub fn kernels(&self) -> Vec<&Kernel> {
+    pub fn all(&self) -> Vec<&Kernel> {
         let mut all = vec![&self.generate];
         match &self.bounce {
             Bounce::Fused(kernel) => all.push(kernel),
@@ -250,7 +279,7 @@ impl Plan {
     }
 
     /// The buffers that the kernels bind, with the scene's data for those that hold it.
-    pub fn buffers<'a>(&self, flat: &'a Flat, tuning: &Tuning) -> Vec<BufferSpec<'a>> {
+    fn buffers<'a>(&self, flat: &'a Flat, tuning: &Tuning) -> Vec<BufferSpec<'a>> {
         let slots = u64::from(tuning.slots);
         let queues = self.queues();
         let record_bytes = size_of::<RunRecord>() as u64;
@@ -299,7 +328,7 @@ impl Plan {
                 }
                 None => array(name, contents, stride, why),
             });
-        let kernels = self.kernels();
+        let kernels = self.all();
         let bound = |spec: &BufferSpec| kernels.iter().any(|kernel| kernel.bindings.contains_key(spec.name));
         all.into_iter().chain(tables).filter(bound).collect()
     }
@@ -338,8 +367,8 @@ fn asked(names: &[&str], used: &[Option<String>], suffix: &str) -> String {
 }
 
 /// What a kernel over all materials of the scene is linked with: for benchmarks and tests that link their own.
-pub fn choices_of(features: &Features, tables: &Tables) -> Choices {
-    choices(features, &entries(MATERIALS, &features.materials), Bounces { fused: true, queues: false }, tables)
+pub fn choices_of(features: &Features, options: &RenderOptions, tables: &Tables) -> Choices {
+    choices(features, options, &entries(MATERIALS, &features.materials), Bounces { fused: true, queues: false }, tables)
 }
 
 /// How the steps of a bounce are cut into kernels.
@@ -349,7 +378,13 @@ struct Bounces {
     queues: bool,
 }
 
-fn choices(features: &Features, materials: &[Entry], bounces: Bounces, tables: &Tables) -> Choices {
+fn choices(
+    features: &Features,
+    options: &RenderOptions,
+    materials: &[Entry],
+    bounces: Bounces,
+    tables: &Tables,
+) -> Choices {
     let Bounces { fused, queues } = bounces;
     let textures = entries(TEXTURES, &features.textures);
     let backgrounds = entries(BACKGROUNDS, &features.backgrounds);
@@ -380,6 +415,11 @@ fn choices(features: &Features, materials: &[Entry], bounces: Bounces, tables: &
     let places = places(&path_fields(features, fused));
     let numbered = |all: &[(&'static str, u32)]| closed(all.iter().copied());
     let surfaces = !materials.is_empty();
+    let has_events = surfaces || features.media > 0;
+    let clamps = options.clamp.is_some() && has_events;
+    let has_glass = materials.iter().any(|material| material.name == "dielectric");
+    let is_sphere = |entry: &Entry| entry.name == "sphere";
+    let has_spheres = primitives.iter().chain(&convex_boundaries).any(is_sphere);
     let mut choices = Choices {
         modules: BTreeMap::from([
             ("axes", pick(features.turned.is_some(), "scene/camera_axes", "scene/world_axes")),
@@ -388,14 +428,14 @@ fn choices(features: &Features, materials: &[Entry], bounces: Bounces, tables: &
             ("uv", pick(image_texture, "scene/uv", "scene/no_uv")),
             ("shading", pick(features.smooth.is_some(), "scene/smooth_shading", "scene/flat_shading")),
             ("medium_albedo", pick(features.textured_media.is_some(), "scene/textured_medium", "scene/plain_medium")),
-            ("roulette", pick(features.roulette, "step/roulette", "step/no_roulette")),
-            ("clamp", pick(features.clamp, "step/clamp", "step/no_clamp")),
-            ("fresnel", pick(features.schlick, "lib/fresnel_schlick", "lib/fresnel")),
-            ("offset", pick(features.fast_offset, "geometry/offset_fast", "geometry/offset")),
-            ("sphere_chord", pick(features.fast_precision, "geometry/sphere_chord_fast", "geometry/sphere_chord")),
+            ("roulette", options::ROULETTE.module(options, true).0),
+            ("clamp", options::CLAMP.module(options, has_events).0),
+            ("fresnel", options::FRESNEL.module(options, has_glass).0),
+            ("offset", options::OFFSET.module(options, surfaces).0),
+            ("sphere_chord", options::PRECISION.module(options, has_spheres).0),
             ("light_choice", pick(features.lights > 1, "scene/light_tree", "scene/one_light")),
             ("walk", walk),
-            ("sampler", pick(features.sampler == Sampler::Sobol, "sampler/sobol", "sampler/independent")),
+            ("sampler", options::SAMPLER.module(options, true).0),
         ]),
         lists: BTreeMap::from([
             ("primitive", primitives),
@@ -410,7 +450,7 @@ fn choices(features: &Features, materials: &[Entry], bounces: Bounces, tables: &
             ("event", only_if(surfaces || media, "event")),
             ("lens", only_if(features.thin_lens.is_some(), "lens")),
             ("camera_axes", only_if(features.turned.is_some(), "camera_axes")),
-            ("clamp", only_if(features.clamp, "clamp")),
+            ("clamp", only_if(clamps, "clamp")),
             ("few", only_if(walk == "scene/few", "few")),
             ("gradient_background", only_if(features.backgrounds[1].is_some(), "gradient")),
             ("image_background", only_if(features.backgrounds[2].is_some(), "image")),
@@ -424,7 +464,7 @@ fn choices(features: &Features, materials: &[Entry], bounces: Bounces, tables: &
             ("emitter", emitters),
             ("emitting_mesh", emitting_meshes),
             ("emitting_surface", only_if(features.emitters.iter().any(Option::is_some), "surface")),
-            ("unsampled", only_if(features.unsampled.is_some() || features.every, "unsampled")),
+            ("unsampled", only_if(features.unsampled.is_some() || options.features == FeatureSet::All, "unsampled")),
             ("emitting_sky", only_if(features.emitting_sky.is_some(), "sky")),
             ("one_way", only_if(one_way, "one_way")),
             ("sky_by_chance", only_if(one_way && features.emitting_sky.is_some(), "sky")),
@@ -470,7 +510,8 @@ fn serve(choices: &mut Choices, features: &Features, materials: &[Entry]) {
     let responders: Vec<Entry> = materials.iter().filter(|entry| is_in(&features.responders, entry)).cloned().collect();
     let answers = lights && !responders.is_empty();
     let specular = lights && materials.iter().any(|entry| is_in(&features.specular, entry));
-    let shines = materials.iter().any(|entry| entry.name == "diffuse_light");
+    let shines =
+        materials.iter().any(|entry| Material::KINDS.get(entry.number as usize).is_some_and(|kind| kind.emits));
     let sampled = features.emitters.iter().any(Option::is_some);
     choices.lists.extend([
         ("answer", only_if(answers, "answer")),

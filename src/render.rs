@@ -7,37 +7,13 @@ use std::time::{Duration, Instant};
 use crate::data::{Counters, LIGHT_BINS, RUN_LENGTH, Settings, Window};
 use crate::error::{Error, Result};
 use crate::film::{Film, RunRecord};
-use crate::flatten::Flat;
 use crate::gpu::buffers::{Buffers, Readback};
-use crate::gpu::device::{Device, DeviceClass};
+use crate::gpu::device::Device;
 use crate::gpu::pipeline::{Pipeline, PipelineSpec};
 use crate::gpu::probe;
 use crate::gpu::timing::{MAX_PASSES, Timing};
-use crate::plan::{Bounce, Kernel, MOST_PATH_BYTES, Plan, STEPS, Scatter, SettingsLayout, Tables, Tuning};
-
-/// What is to be rendered of a scene.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Job {
-    /// Width and height in pixels.
-    pub size: (u32, u32),
-    /// Scattering events of a path at most.
-    pub max_depth: u32,
-    pub seed: u32,
-    /// The first sample of each pixel.
-    pub first_sample: u32,
-    pub goal: Goal,
-}
-
-/// When a render has all its samples.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Goal {
-    /// One past the last sample of each pixel.
-    Samples(u32),
-    /// As many as fit until then, but one at least and `end` at most.
-    Until { deadline: Instant, end: u32 },
-    /// Until the relative error is below `error`, but `end` at most, and no more than fit until the deadline where there is one.
-    Noise { error: f64, deadline: Option<Instant>, end: u32 },
-}
+use crate::job::{Goal, Job, blocks};
+use crate::plan::{Bounce, Kernel, Plan, STEPS, SettingsLayout, Tuning};
 
 /// What the caller of a render wants next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -151,64 +127,8 @@ impl ThroughGlass {
 /// enough that no watchdog fires and no user waits.
 const SUBMISSION: Duration = Duration::from_millis(100);
 
-/// Sizes that suit a device for a job; they do not change the image.
-pub fn tuning(device: DeviceClass, job: &Job, wish: TuningWish) -> Tuning {
-    let runs = match job.goal {
-        Goal::Samples(end) => {
-            u64::from(job.size.0) * u64::from(job.size.1) * blocks(job.first_sample..end).len() as u64
-        }
-        Goal::Until { .. } | Goal::Noise { .. } => u64::MAX,
-    };
-    // A processor wants work for each core and the slots' state in its caches; a GPU wants paths enough to hide its
-    // latencies. A slot should serve several runs, or the render is all tail.
-    let (fewest, most) = match device.software {
-        true => (2048, 4096 * cores().clamp(2, 16)),
-        false => (65_536, 1 << 20),
-    };
-    // Their state is one buffer.
-    let most = most.min(device.max_binding_bytes / MOST_PATH_BYTES).max(fewest);
-    let slots = wish.slots.unwrap_or((runs / 8).clamp(fewest, most) as u32).max(1);
-    let record = size_of::<RunRecord>() as u64;
-    let room = device.max_binding_bytes / (u64::from(slots) * record);
-    Tuning {
-        slots,
-        workgroup: wish.workgroup.unwrap_or(64),
-        // Measured in docs/performance.md: a processor pays more for storing a path's state than for its divergence.
-        scatter: wish.scatter.unwrap_or(if device.software { Scatter::Fused } else { Scatter::Linked }),
-        records_per_slot: room.clamp(2, 16) as u32,
-    }
-}
-
-/// The plan of a scene for a job on a device of this class, and in that the way of scattering that suits it.
-///
-/// # Errors
-/// As of [`Plan::with_tables`].
-pub fn plan_for(flat: &Flat, device: DeviceClass, job: &Job, wish: TuningWish) -> Result<Plan> {
-    let tables = Tables::new(flat, device.table_bytes());
-    Plan::with_tables(&flat.features, tuning(device, job, wish).scatter, &tables)
-}
-
 fn seconds_until(deadline: Instant) -> f64 {
     deadline.saturating_duration_since(Instant::now()).as_secs_f64()
-}
-
-fn cores() -> u64 {
-    std::thread::available_parallelism().map_or(1, |cores| cores.get() as u64)
-}
-
-/// Sizes that the user fixed.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct TuningWish {
-    pub slots: Option<u32>,
-    pub workgroup: Option<u32>,
-    pub scatter: Option<Scatter>,
-    /// Bounces of a submission; measured and adapted where this is absent.
-    pub bounces: Option<u32>,
-}
-
-/// The blocks of RUN_LENGTH samples that a range of samples touches.
-fn blocks(samples: Range<u32>) -> Range<u32> {
-    samples.start / RUN_LENGTH..samples.end.div_ceil(RUN_LENGTH)
 }
 
 /// A render that is ready to go: kernels compiled, buffers filled.
@@ -269,15 +189,8 @@ impl<'a> Renderer<'a> {
     /// # Errors
     /// `Error::Device` where a buffer exceeds the device's limits or memory, a kernel does not compile, or one relies on what the
     /// numerics probe does not find.
-    pub fn new(
-        device: &'a Device,
-        flat: &Flat,
-        plan: &Plan,
-        job: &Job,
-        wish: TuningWish,
-        profile: bool,
-    ) -> Result<Renderer<'a>> {
-        let tuning = tuning(device.class(), job, wish);
+    pub fn new(device: &'a Device, plan: &Plan<'_>, job: &Job, profile: bool) -> Result<Renderer<'a>> {
+        let tuning = plan.tuning;
         let most_slots = u64::from(device.limits.max_compute_workgroups_per_dimension) * u64::from(tuning.workgroup);
         if u64::from(tuning.slots) > most_slots {
             return Err(Error::Usage(format!(
@@ -291,7 +204,7 @@ impl<'a> Renderer<'a> {
         let most_steps = numerics.most_steps().map(f64::from);
         let of_steps = |name| most_steps.map(|most| (name, most));
         let constants: Vec<_> = STEPS.into_iter().filter_map(of_steps).collect();
-        let buffers = Buffers::create(device, &plan.buffers(flat, &tuning))?;
+        let buffers = Buffers::create(device, &plan.buffers())?;
         let specs: Vec<_> = plan
             .kernels()
             .into_iter()
@@ -311,7 +224,7 @@ impl<'a> Renderer<'a> {
             let missing = || Error::Shader(format!("the plan has two kernels named {}", kernel.name));
             named.remove(&kernel.name).ok_or_else(missing)
         };
-        let bounce = match &plan.bounce {
+        let bounce = match &plan.kernels.bounce {
             Bounce::Fused(kernel) => BouncePipelines::Fused(pipeline(kernel)?),
             Bounce::Staged(staged) => BouncePipelines::Staged {
                 intersect: pipeline(&staged.intersect)?,
@@ -323,15 +236,21 @@ impl<'a> Renderer<'a> {
             },
         };
         let record_bytes = u64::from(tuning.slots) * u64::from(tuning.records_per_slot) * size_of::<RunRecord>() as u64;
-        let settings = Settings { max_depth: job.max_depth, seed: job.seed, slots: tuning.slots, ..flat.settings };
+        let settings = Settings {
+            max_depth: job.max_depth,
+            seed: job.seed,
+            slots: tuning.slots,
+            indirect_limit: plan.indirect_limit(),
+            ..plan.scene.settings
+        };
         let renderer = Renderer {
             device,
             settings,
-            settings_layout: plan.settings.clone(),
+            settings_layout: plan.kernels.settings.clone(),
             size: job.size,
-            bounces: wish.bounces.unwrap_or(1),
-            bounces_fixed: wish.bounces.is_some(),
-            generate: pipeline(&plan.generate)?,
+            bounces: tuning.bounces.unwrap_or(1),
+            bounces_fixed: tuning.bounces.is_some(),
+            generate: pipeline(&plan.kernels.generate)?,
             bounce,
             counters: Readback::new(device, "counters", size_of::<Counters>() as u64),
             records: Readback::new(device, "records", record_bytes),

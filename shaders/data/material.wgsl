@@ -1,9 +1,9 @@
-// A material. `kind` is the place of its file in the list of materials; the parameters are each file's own.
+// A material. `kind` is the place of its file in the list of materials.
 struct Material {
     // Albedo or emission where no texture replaces it.
     colour: vec3<f32>,
     kind: u32,
-    // Metal: fuzz. Dielectric: ior. Diffuse light: 1 if two-sided, else 0.
+    // The material's own, as its file says.
     parameter: f32,
     // Dielectric: (ior - 1)(ior + 1), and the same of 1/ior; rounded once, from f64.
     contrast_outside: f32,

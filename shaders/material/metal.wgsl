@@ -1,6 +1,6 @@
 //@ use data/material
 //@ use lib/sampling
-// A mirror blurred by a point of the unit ball times fuzz; what falls below the surface is absorbed
+// A mirror blurred by a point of the unit ball times fuzz, the parameter; what falls below the surface is absorbed
 // (Shirley, Black, Hollasch, "Ray Tracing in One Weekend", section 10.6). No Fresnel: the weight is the albedo.
 fn metal_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scatter {
     let mirrored = normalize(hit.incoming - 2.0 * dot(hit.incoming, hit.normal) * hit.normal);

@@ -2,11 +2,11 @@
 
 use serde_json::json;
 
-use super::{Target, flatten_for, path_text, planned, print_json, print_line, wish_of};
-use crate::cli::{CheckArgs, TradeArgs};
+use super::{Target, flatten_for, path_text, planned, print_json, print_line};
+use crate::cli::CheckArgs;
 use crate::error::{Error, Result};
 use crate::gpu::buffers::too_large;
-use crate::render::TuningWish;
+use crate::options::RenderOptions;
 use crate::scene::Scene;
 
 /// Reads, validates and flattens the scene, links its kernels, and compares its buffers with what the device here allows.
@@ -39,13 +39,13 @@ pub fn run(args: &CheckArgs) -> Result<()> {
 fn examine(args: &CheckArgs) -> Result<(usize, Vec<String>)> {
     let scene = Scene::load(&args.scene)?;
     // As `render` does by default.
-    let (size, flat) = flatten_for(&scene, None, wish_of(&TradeArgs::default()))?;
+    let (size, flat) = flatten_for(&scene, None, &RenderOptions::default())?;
     let target = Target::find(None)?;
-    let (plan, tuning) = planned(&scene, size, &flat, &target, TuningWish::default())?;
+    let plan = planned(&scene, size, &flat, &target, &RenderOptions::default())?;
     let mut warnings = scene.warnings();
     warnings.extend_from_slice(&flat.warnings);
     // Valid, and yet not to be rendered here.
-    let refused = too_large(&plan.buffers(&flat, &tuning), &target.limits);
+    let refused = too_large(&plan.buffers(), &target.limits);
     warnings.extend(refused.into_iter().map(|why| format!("{}: {why}", target.name)));
     Ok((flat.primitives as usize, warnings))
 }

@@ -7,17 +7,18 @@ use serde_json::json;
 
 use super::{
     flatten_for, make_folder, open_device, path_text, print_json, print_line, stop_on_interrupt, tell, tell_biases,
-    tell_software, wish_of,
+    tell_software,
 };
 use crate::cli::{ConvergeArgs, Size};
-use crate::data::Sampler;
 use crate::error::{Error, Result};
 use crate::film::Film;
+use crate::job::{Goal, Job};
 use crate::metrics::error as metrics;
 use crate::output::atomic;
 use crate::output::exr::{ExrImage, read_exr};
 use crate::output::plot::{Curve, Plot, svg};
-use crate::render::{Goal, Job, Next, Outcome, Renderer, TuningWish, plan_for};
+use crate::plan::Plan;
+use crate::render::{Next, Outcome, Renderer};
 use crate::scene::Scene;
 
 /// The render after so many samples.
@@ -39,7 +40,7 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
     let reference = read_exr(&args.reference)?;
     let own_error = error_of_reference(&reference);
     let scene = Scene::load(&args.scene)?;
-    let biases = tell_biases(&args.trade, args.paths.max_depth, &scene, args.quiet);
+    let biases = tell_biases(&args.options, args.paths.max_depth, &scene, args.quiet);
     if reference.seed() == Some(args.paths.seed) && !args.quiet {
         tell(&format!(
             "warning: {} was rendered with seed {} too: what both have of its noise looks like no error; give another --seed",
@@ -49,17 +50,16 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
     }
     let (csv, plot) = outputs(args)?;
     let size = (reference.width, reference.height);
-    let (size, flat) = flatten_for(&scene, Some(Size::Pixels(size.0, size.1)), wish_of(&args.trade))?;
+    let (size, flat) = flatten_for(&scene, Some(Size::Pixels(size.0, size.1)), &args.options)?;
     let device = open_device(args.paths.device.as_deref())?;
     tell_software(&device, args.quiet);
 
     let end = args.spp.unwrap_or(scene.render.samples);
     let max_depth = args.paths.max_depth.unwrap_or(scene.render.max_depth);
     let job = Job { size, max_depth, seed: args.paths.seed, first_sample: 0, goal: Goal::Samples(end) };
-    let wish = TuningWish::default();
-    let plan = plan_for(&flat, device.class(), &job, wish)?;
-    let mut renderer = Renderer::new(&device, &flat, &plan, &job, wish, false)?;
-    let mut film = Film::with_sampler(size.0, size.1, flat.radiance_exponent, flat.features.sampler)?;
+    let plan = Plan::new(&flat, &args.options, device.class(), &job)?;
+    let mut renderer = Renderer::new(&device, &plan, &job, false)?;
+    let mut film = Film::with_sampler(size.0, size.1, flat.radiance_exponent, args.options.sampler)?;
 
     let stopped = stop_on_interrupt();
     let mut steps: Vec<Step> = Vec::new();
@@ -223,8 +223,8 @@ fn report(
             "scene": path_text(&args.scene),
             "reference": path_text(&args.reference),
             "device": device,
-            "integrator": args.trade.integrator.name(),
-            "sampler": Sampler::from(args.trade.sampler).name(),
+            "integrator": args.options.integrator.to_string(),
+            "sampler": args.options.sampler.to_string(),
             "seed": args.paths.seed,
             "biases": biases,
             "steps": rows,

@@ -12,12 +12,13 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::cli::{Cli, Command, Fresnel, Integrator, Offset, Precision, Size, Switch, TradeArgs};
+use crate::cli::{Cli, Command, Size};
 use crate::error::{Error, Result};
-use crate::flatten::{Flat, Wish, flatten_with};
+use crate::flatten::{Flat, flatten};
 use crate::gpu::device::{AdapterName, Adapters, Device, DeviceClass};
-use crate::plan::{Plan, Tuning};
-use crate::render::{Goal, Job, TuningWish, plan_for, tuning};
+use crate::job::{Goal, Job};
+use crate::options::{MAX_DEPTH, RenderOptions};
+use crate::plan::Plan;
 use crate::scene::Scene;
 
 /// Runs the command.
@@ -34,30 +35,16 @@ pub fn run(cli: &Cli, start: std::time::Instant) -> Result<()> {
 }
 
 /// The size of the image asked for, and the scene flattened for it.
-fn flatten_for(scene: &Scene, size: Option<Size>, wish: Wish) -> Result<((u32, u32), Flat)> {
+fn flatten_for(scene: &Scene, size: Option<Size>, options: &RenderOptions) -> Result<((u32, u32), Flat)> {
     let of_scene = (scene.image.width, scene.image.height);
     let size = size.map_or(of_scene, |size| size.of(of_scene));
-    Ok((size, flatten_with(scene, size, wish)?))
-}
-
-/// What the command line asks of flattening.
-fn wish_of(trade: &TradeArgs) -> Wish {
-    Wish {
-        quality: trade.build.into(),
-        sample_lights: trade.integrator == Integrator::Mis,
-        roulette: trade.roulette == Switch::On,
-        sampler: trade.sampler.into(),
-        schlick: trade.fresnel == Fresnel::Schlick,
-        clamp: trade.clamp.0,
-        fast_offset: trade.offset == Offset::Fast,
-        fast_precision: trade.precision == Precision::Fast,
-        every_feature: false,
-    }
+    Ok((size, flatten(scene, size, options)?))
 }
 
 /// Says which settings bias the result or are less exact, unless nothing is to be said; the result is these options as they were given.
-fn tell_biases(trade: &TradeArgs, max_depth: Option<u32>, scene: &Scene, quiet: bool) -> Vec<String> {
-    let biases = trade.biases(max_depth, scene.render.max_depth);
+fn tell_biases(options: &RenderOptions, max_depth: Option<u32>, scene: &Scene, quiet: bool) -> Vec<String> {
+    let cut = max_depth.filter(|depth| *depth < scene.render.max_depth);
+    let biases: Vec<_> = cut.map(|depth| (&MAX_DEPTH, depth.to_string())).into_iter().chain(options.biases()).collect();
     if !quiet {
         biases.iter().for_each(|(knob, value)| tell(&format!("warning: {}", knob.warning(value))));
     }
@@ -90,11 +77,17 @@ impl Target {
     }
 }
 
-/// The plan of a scene for a device, and the sizes that suit it.
-fn planned(scene: &Scene, size: (u32, u32), flat: &Flat, target: &Target, wish: TuningWish) -> Result<(Plan, Tuning)> {
+/// The plan of a scene for a device.
+fn planned<'a>(
+    scene: &Scene,
+    size: (u32, u32),
+    flat: &'a Flat,
+    target: &Target,
+    options: &RenderOptions,
+) -> Result<Plan<'a>> {
     let goal = Goal::Samples(scene.render.samples);
     let job = Job { size, max_depth: scene.render.max_depth, seed: 0, first_sample: 0, goal };
-    Ok((plan_for(flat, target.class, &job, wish)?, tuning(target.class, &job, wish)))
+    Plan::new(flat, options, target.class, &job)
 }
 
 /// The device asked for, opened.

@@ -4,25 +4,21 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 
-use super::{Target, flatten_for, make_folder, open_device, path_text, planned, print_json, print_text, tell, wish_of};
-use crate::cli::{FeaturesArg, PlanArgs};
+use super::{Target, flatten_for, make_folder, open_device, path_text, planned, print_json, print_text, tell};
+use crate::cli::PlanArgs;
 use crate::error::{Error, Result};
-use crate::flatten::Wish;
 use crate::gpu::probe::numerics;
 use crate::output::atomic;
 use crate::plan::{Buffer, Constant, KernelReport, Module, PathField, Plan, Report, STEPS};
-use crate::render::TuningWish;
 use crate::scene::Scene;
 
 /// Prints the kernels and buffers, and why each is there.
 pub fn run(args: &PlanArgs) -> Result<()> {
     let scene = Scene::load(&args.scene)?;
-    let wish = Wish { every_feature: args.features == FeaturesArg::All, ..wish_of(&args.trade) };
-    let (size, flat) = flatten_for(&scene, args.size, wish)?;
+    let (size, flat) = flatten_for(&scene, args.size, &args.options)?;
     let target = Target::find(args.device.as_deref())?;
-    let wish = TuningWish { scatter: args.scatter.map(Into::into), ..TuningWish::default() };
-    let (plan, tuning) = planned(&scene, size, &flat, &target, wish)?;
-    let mut report = Report::new(&plan, &flat, &tuning, &target.limits);
+    let plan = planned(&scene, size, &flat, &target, &args.options)?;
+    let mut report = Report::new(&plan, &target.limits);
     let why = args.why.as_deref();
     if let Some(name) = why.filter(|name| report.kernels.iter().all(|kernel| kernel.name != *name)) {
         let names: Vec<&str> = report.kernels.iter().map(|kernel| kernel.name.as_str()).collect();
@@ -31,7 +27,7 @@ pub fn run(args: &PlanArgs) -> Result<()> {
     if let Some(folder) = &args.wgsl {
         write_shaders(folder, &plan)?;
     }
-    report.measure(&plan, &tuning)?;
+    report.measure(&plan)?;
     if report.constants.iter().any(|constant| STEPS.contains(&constant.name.as_str())) {
         report.allow_steps(steps_of(args.device.as_deref()));
     }
@@ -122,7 +118,7 @@ fn buffer_json(buffer: &Buffer) -> Value {
 }
 
 /// The shaders of a folder that are no kernels of the plan: an earlier plan's, perhaps.
-fn other_shaders(folder: &Path, plan: &Plan) -> Vec<String> {
+fn other_shaders(folder: &Path, plan: &Plan<'_>) -> Vec<String> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let names = entries.filter_map(|entry| entry.file_name().into_string().ok());
     let own: Vec<String> = plan.kernels().iter().map(|kernel| format!("{}.wgsl", kernel.name)).collect();
@@ -131,7 +127,7 @@ fn other_shaders(folder: &Path, plan: &Plan) -> Vec<String> {
     others
 }
 
-fn write_shaders(folder: &Path, plan: &Plan) -> Result<()> {
+fn write_shaders(folder: &Path, plan: &Plan<'_>) -> Result<()> {
     make_folder(folder, "no shader has been written")?;
     for kernel in plan.kernels() {
         let path = folder.join(format!("{}.wgsl", kernel.name));

@@ -5,38 +5,40 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use serde_json::json;
+use serde::Serialize;
+use serde_json::{Map, Value, json};
 
 use super::{
     check_place, flatten_for, open_device, path_text, print_json, same_file, stop_on_interrupt, tell, tell_biases,
-    tell_software, wish_of,
+    tell_software,
 };
-use crate::cli::{FeaturesArg, MOST_SAMPLES, RenderArgs};
-use crate::data::Sampler;
+use crate::cli::{MOST_SAMPLES, RenderArgs};
 use crate::error::{Error, Result};
 use crate::film::{ErrorEstimate, Film, Picture, Totals};
-use crate::flatten::Wish;
 use crate::gpu::device::Device;
 use crate::gpu::probe::{Numerics, numerics};
+use crate::job::{Goal, Job};
 use crate::output::exr::{Attribute, write_exr};
 use crate::output::png::write_png;
 use crate::output::progress::{self, Loading, Progress, Status};
-use crate::render::{
-    Goal, Job, NOISE_LEVEL, Next, Noise, Outcome, Renderer, ThroughGlass, TooDeep, TuningWish, plan_for,
-};
+use crate::plan::Plan;
+use crate::render::{NOISE_LEVEL, Next, Noise, Outcome, Renderer, ThroughGlass, TooDeep};
 use crate::scene::Scene;
 
 /// Seconds of the parts of a render, as `--json` and the EXR's header report them.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize)]
 struct Seconds {
     load: f64,
     build: f64,
     /// Finding and opening the device, beyond the time that the build took.
-    open: f64,
+    device: f64,
     /// Linking the kernels and creating their pipelines, up to one dispatch of zero workgroups of each.
     compile: f64,
     render: f64,
     write: f64,
+    total: f64,
+    /// A part of the rendering: from its start to the end of the first submission.
+    first_pass: f64,
 }
 
 /// Where the image goes.
@@ -61,15 +63,14 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
         }
     };
     tell_warnings(&warnings);
-    let biases = tell_biases(&args.trade, args.paths.max_depth, &scene, args.quiet);
+    let biases = tell_biases(&args.options, args.paths.max_depth, &scene, args.quiet);
     let output = output_of(args)?;
     seconds.load = clock.lap();
 
-    let wish = Wish { every_feature: args.tuning.features == FeaturesArg::All, ..wish_of(&args.trade) };
     // The driver loads while the scene is built: `open` is what is left of that then. A scene that does not load waits for no driver.
     let (built, device) = std::thread::scope(|scope| {
         let opening = scope.spawn(|| open_device(args.paths.device.as_deref()));
-        let built = flatten_for(&scene, args.size, wish);
+        let built = flatten_for(&scene, args.size, &args.options);
         seconds.build = clock.lap();
         (built, opening.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
     });
@@ -78,34 +79,21 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     warnings.extend_from_slice(&flat.warnings);
     let device = device?;
     tell_software(&device, args.quiet);
-    seconds.open = clock.lap();
+    seconds.device = clock.lap();
 
     let job = job_of(args, &scene, size, start);
-    let wish = TuningWish {
-        slots: args.tuning.slots,
-        workgroup: args.tuning.workgroup,
-        scatter: args.tuning.scatter.map(Into::into),
-        bounces: args.tuning.bounces,
-    };
     let plan = std::thread::scope(|scope| {
         // The device keeps what its probe finds; an error comes again where the findings are asked for.
         scope.spawn(|| numerics(&device).is_ok());
-        plan_for(&flat, device.class(), &job, wish)
+        Plan::new(&flat, &args.options, device.class(), &job)
     })?;
-    let mut renderer = Renderer::new(&device, &flat, &plan, &job, wish, args.tuning.profile)?;
+    let mut renderer = Renderer::new(&device, &plan, &job, args.profile)?;
     seconds.compile = clock.lap();
 
-    let mut film = Film::with_sampler(size.0, size.1, flat.radiance_exponent, flat.features.sampler)?;
+    let mut film = Film::with_sampler(size.0, size.1, flat.radiance_exponent, args.options.sampler)?;
     let stopped = stop_on_interrupt();
-    let about = About {
-        args,
-        scene_file: &args.scene,
-        device: &device,
-        numerics: numerics(&device)?,
-        job: &job,
-        biases: &biases,
-        warnings: &warnings,
-    };
+    let about =
+        About { args, device: &device, numerics: numerics(&device)?, job: &job, biases: &biases, warnings: &warnings };
     let progress = Progress::new(args.quiet, progress_goal(&job));
     let mut watcher = Watcher {
         progress: &progress,
@@ -121,7 +109,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
             let each = film.totals().paths / (u64::from(film.width()) * u64::from(film.height()));
             let end = job.first_sample.saturating_add(u32::try_from(each).unwrap_or(u32::MAX));
             let finish = Finish { samples: job.first_sample..end, ..Finish::of(film, outcome) };
-            let attributes = about.attributes(&finish, &seconds);
+            let attributes = about.record(&finish, &seconds).attributes();
             write_exr(&output.exr, &film.develop(), &attributes)
         },
         interval: args.checkpoint,
@@ -141,19 +129,20 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     };
     let finish = Finish { complete: rendered.is_ok() && !outcome.interrupted, ..Finish::of(&film, &outcome) };
     if finish.totals.paths > 0 || rendered.is_ok() {
-        write_all(&output, &film.develop(), &about.attributes(&finish, &seconds))?;
+        write_all(&output, &film.develop(), &about.record(&finish, &seconds).attributes())?;
     }
     rendered?;
     seconds.write = clock.lap();
 
-    let total = start.elapsed().as_secs_f64();
+    // The report has the passes alone, from the first to the last.
+    seconds.render = outcome.seconds;
+    seconds.first_pass = outcome.first_pass;
+    seconds.total = start.elapsed().as_secs_f64();
     if !args.quiet {
-        summarise(&about, &output, &outcome, &finish, total);
+        summarise(&about, &output, &outcome, &finish, seconds.total);
     }
     if args.json {
-        let kernels: Vec<_> = plan.kernels().iter().map(|kernel| kernel.name.as_str()).collect();
-        let gpu_bytes: u64 = plan.buffers(&flat, renderer.tuning()).iter().map(|buffer| buffer.allocated()).sum();
-        print_json(&report(&about, &output, &outcome, &finish, &seconds, total, &kernels, gpu_bytes))?;
+        print_json(&json!(report(&about, &output, &outcome, &finish, &seconds, &plan)))?;
     }
     if args.strict && finish.totals.rejected.total() > 0 {
         return Err(Error::Strict(format!("--strict: {}", rejected_words(&finish.totals))));
@@ -326,7 +315,6 @@ fn shares(outcome: &Outcome, film: &Film) -> ThroughGlass {
 /// What a render was asked and where it ran: for the header and the report.
 struct About<'a> {
     args: &'a RenderArgs,
-    scene_file: &'a Path,
     device: &'a Device,
     numerics: &'a Numerics,
     job: &'a Job,
@@ -345,57 +333,113 @@ impl About<'_> {
         }
     }
 
+    /// What the header and the JSON have in common.
+    fn record(&self, finish: &Finish, seconds: &Seconds) -> Record<'_> {
+        let error = finish.error;
+        let Totals { paths, rays, rejected } = finish.totals;
+        Record {
+            version: env!("CARGO_PKG_VERSION"),
+            scene: path_text(&self.args.scene),
+            device: &self.device.name.name,
+            driver: &self.device.name.driver,
+            numerics: self.numerics,
+            integrator: self.args.options.integrator.to_string(),
+            sampler: self.args.options.sampler.to_string(),
+            seed: self.job.seed,
+            max_depth: self.job.max_depth,
+            first_sample: finish.samples.start,
+            end_sample: finish.samples.end,
+            complete: finish.complete,
+            biases: self.biases,
+            warnings: self.warnings,
+            seconds: *seconds,
+            paths,
+            rays,
+            rejected_samples: rejected.total(),
+            rejected_nan: rejected.nan,
+            rejected_infinite: rejected.infinite,
+            rejected_cut: rejected.cut,
+            cut_paths: finish.too_deep.paths,
+            cut_throughput: finish.too_deep.mean(),
+            relative_error: error.map(|error| error.value),
+            relative_error_bound: error.map(|error| error.bound).filter(|bound| bound.is_finite()),
+            relative_error_confidence: error.map(|_| 1.0 - NOISE_LEVEL),
+            relative_error_excludes: error.map(|_| self.excluded()),
+            reliable: finish.reliable(),
+            light_stopped_by_glass: finish.through_glass.stopped(),
+            light_met_through_glass: finish.through_glass.met(),
+            noise: self.args.noise,
+            noise_reached: finish.noise.map(|noise| noise.reached),
+        }
+    }
+}
+
+/// What is told of a render, in its image's header and as JSON.
+#[derive(Serialize)]
+struct Record<'a> {
+    version: &'static str,
+    scene: String,
+    device: &'a str,
+    driver: &'a str,
+    numerics: &'a Numerics,
+    integrator: String,
+    sampler: String,
+    seed: u32,
+    max_depth: u32,
+    first_sample: u32,
+    end_sample: u32,
+    complete: bool,
+    biases: &'a [String],
+    warnings: &'a [String],
+    seconds: Seconds,
+    paths: u64,
+    rays: u64,
+    rejected_samples: u64,
+    rejected_nan: u64,
+    rejected_infinite: u64,
+    rejected_cut: u64,
+    cut_paths: u64,
+    cut_throughput: f64,
+    relative_error: Option<f64>,
+    /// Unknown where it is infinite.
+    relative_error_bound: Option<f64>,
+    relative_error_confidence: Option<f64>,
+    relative_error_excludes: Option<String>,
+    reliable: Option<bool>,
+    light_stopped_by_glass: f64,
+    light_met_through_glass: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    noise: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    noise_reached: Option<bool>,
+}
+
+impl Record<'_> {
     /// The EXR's header.
-    fn attributes(&self, finish: &Finish, seconds: &Seconds) -> Vec<(String, Attribute)> {
-        let text = |name: &str, text: String| (format!("gpu-rt:{name}"), Attribute::Text(text));
-        let int = |name: &str, n: u64| (format!("gpu-rt:{name}"), Attribute::Int(i64::try_from(n).unwrap_or(i64::MAX)));
-        let float = |name: &str, x: f64| (format!("gpu-rt:{name}"), Attribute::Float(x));
-        let mut all = vec![
-            text("version", env!("CARGO_PKG_VERSION").to_string()),
-            text("scene", path_text(self.scene_file)),
-            text("device", self.device.name.name.clone()),
-            text("driver", self.device.name.driver.clone()),
-            text("numerics", json!(self.numerics).to_string()),
-            text("integrator", self.args.trade.integrator.name().to_string()),
-            text("sampler", Sampler::from(self.args.trade.sampler).name().to_string()),
-            int("seed", u64::from(self.job.seed)),
-            int("max_depth", u64::from(self.job.max_depth)),
-            int("first_sample", u64::from(finish.samples.start)),
-            int("end_sample", u64::from(finish.samples.end)),
-            int("complete", u64::from(finish.complete)),
-            int("paths", finish.totals.paths),
-            int("rays", finish.totals.rays),
-            int("rejected_samples", finish.totals.rejected.total()),
-            int("rejected_nan", finish.totals.rejected.nan),
-            int("rejected_infinite", finish.totals.rejected.infinite),
-            int("rejected_cut", finish.totals.rejected.cut),
-            float("seconds_load", seconds.load),
-            float("seconds_build", seconds.build),
-            float("seconds_compile", seconds.compile),
-            float("seconds_render", seconds.render),
-        ];
-        if let Some(error) = finish.error {
-            all.push(float("relative_error", error.value));
-            if error.bound.is_finite() {
-                all.push(float("relative_error_bound", error.bound));
-            }
-            all.push(float("relative_error_confidence", 1.0 - NOISE_LEVEL));
-            all.push(text("relative_error_excludes", self.excluded()));
-            all.push(int("reliable", u64::from(error.reliable && !finish.lacks_light())));
+    fn attributes(&self) -> Vec<(String, Attribute)> {
+        let Value::Object(fields) = json!(self) else { return Vec::new() };
+        let attribute = |(name, value): (String, Value)| {
+            let list = if name == "warnings" { "\n" } else { ", " };
+            Some((format!("gpu-rt:{name}"), attribute(&value, list)?))
+        };
+        let (times, others): (Vec<_>, Vec<_>) = fields.into_iter().partition(|(name, _)| name == "seconds");
+        let times = times.into_iter().filter_map(|(_, times)| times.as_object().cloned()).flatten();
+        times.map(|(name, value)| (format!("seconds_{name}"), value)).chain(others).filter_map(attribute).collect()
+    }
+}
+
+/// A value as the header holds it; nothing of what is not known or empty.
+fn attribute(value: &Value, list: &str) -> Option<Attribute> {
+    match value {
+        Value::Null => None,
+        Value::Bool(yes) => Some(Attribute::Int(i64::from(*yes))),
+        Value::Number(number) => number.as_i64().map(Attribute::Int).or(number.as_f64().map(Attribute::Float)),
+        Value::String(text) => Some(Attribute::Text(text.clone())),
+        Value::Array(items) => {
+            let items: Vec<&str> = items.iter().filter_map(Value::as_str).collect();
+            (!items.is_empty()).then(|| Attribute::Text(items.join(list)))
         }
-        if !self.biases.is_empty() {
-            all.push(text("biases", self.biases.join(", ")));
-        }
-        if !self.warnings.is_empty() {
-            all.push(text("warnings", self.warnings.join("\n")));
-        }
-        all.push(int("cut_paths", finish.too_deep.paths));
-        all.push(float("cut_throughput", finish.too_deep.mean()));
-        if let (Some(wish), Some(noise)) = (self.args.noise, finish.noise) {
-            all.push(float("noise", wish));
-            all.push(int("noise_reached", u64::from(noise.reached)));
-        }
-        all
+        Value::Object(_) => Some(Attribute::Text(value.to_string())),
     }
 }
 
@@ -407,75 +451,54 @@ fn write_all(output: &Output<'_>, picture: &Picture, attributes: &[(String, Attr
     }
 }
 
-#[expect(clippy::too_many_arguments, reason = "the report is about all of them, and about nothing else")]
-fn report(
-    about: &About<'_>,
+/// The record, and what the JSON has beside it.
+#[derive(Serialize)]
+struct Report<'a> {
+    output: String,
+    width: u32,
+    height: u32,
+    samples_per_pixel: u64,
+    #[serde(flatten)]
+    record: Record<'a>,
+    features: String,
+    software: bool,
+    paths_per_second: f64,
+    rays_per_second: f64,
+    interrupted: bool,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    time_overrun_seconds: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stage_seconds: Option<Map<String, Value>>,
+    kernels: Vec<&'a str>,
+    gpu_bytes: u64,
+}
+
+fn report<'a>(
+    about: &'a About<'_>,
     output: &Output<'_>,
     outcome: &Outcome,
     finish: &Finish,
     seconds: &Seconds,
-    total: f64,
-    kernels: &[&str],
-    gpu_bytes: u64,
-) -> serde_json::Value {
-    let Totals { paths, rays, rejected } = finish.totals;
+    plan: &'a Plan<'_>,
+) -> Report<'a> {
     let per_second = |n: u64| n as f64 / outcome.seconds.max(1e-9);
-    let stages: serde_json::Map<_, _> = outcome.stages.iter().map(|(name, s)| (name.clone(), json!(s))).collect();
-    let mut report = json!({
-        "output": path_text(&output.exr),
-        "width": about.job.size.0,
-        "height": about.job.size.1,
-        "samples_per_pixel": samples_done(outcome, finish, about.job),
-        "first_sample": outcome.samples.start,
-        "max_depth": about.job.max_depth,
-        "seed": about.job.seed,
-        "integrator": about.args.trade.integrator.name(),
-        "sampler": Sampler::from(about.args.trade.sampler).name(),
-        "biases": about.biases,
-        "warnings": about.warnings,
-        "features": about.args.tuning.features.name(),
-        "device": about.device.name.name,
-        "driver": about.device.name.driver,
-        "software": about.device.name.software,
-        "numerics": about.numerics,
-        "seconds": {
-            "load": seconds.load,
-            "build": seconds.build,
-            "device": seconds.open,
-            "compile": seconds.compile,
-            "render": outcome.seconds,
-            "write": seconds.write,
-            "total": total,
-            "first_pass": outcome.first_pass,
-        },
-        "paths": paths,
-        "rays": rays,
-        "paths_per_second": per_second(paths),
-        "rays_per_second": per_second(rays),
-        "rejected_samples": rejected.total(),
-        "cut_paths": outcome.too_deep.paths,
-        "cut_throughput": outcome.too_deep.mean(),
-        "relative_error": finish.error.map(|error| error.value),
-        "relative_error_bound": finish.error.map(|error| error.bound),
-        "relative_error_confidence": finish.error.map(|_| 1.0 - NOISE_LEVEL),
-        "relative_error_excludes": finish.error.map(|_| about.excluded()),
-        "reliable": finish.reliable(),
-        "light_stopped_by_glass": finish.through_glass.stopped(),
-        "light_met_through_glass": finish.through_glass.met(),
-        "interrupted": outcome.interrupted,
-        "kernels": kernels,
-        "gpu_bytes": gpu_bytes,
-    });
-    if let Some(noise) = finish.noise {
-        report["noise_reached"] = noise.reached.into();
+    let stages = || outcome.stages.iter().map(|(name, s)| (name.clone(), json!(s))).collect();
+    Report {
+        output: path_text(&output.exr),
+        width: about.job.size.0,
+        height: about.job.size.1,
+        samples_per_pixel: samples_done(outcome, finish, about.job),
+        record: about.record(finish, seconds),
+        features: about.args.options.features.to_string(),
+        software: about.device.name.software,
+        paths_per_second: per_second(finish.totals.paths),
+        rays_per_second: per_second(finish.totals.rays),
+        interrupted: outcome.interrupted,
+        time_overrun_seconds: overrun(about.args.time, seconds.total),
+        stage_seconds: about.args.profile.then(stages),
+        kernels: plan.kernels().iter().map(|kernel| kernel.name.as_str()).collect(),
+        gpu_bytes: plan.buffers().iter().map(|buffer| buffer.allocated()).sum(),
     }
-    if let Some(over) = overrun(about.args.time, total) {
-        report["time_overrun_seconds"] = over.into();
-    }
-    if about.args.tuning.profile {
-        report["stage_seconds"] = stages.into();
-    }
-    report
 }
 
 /// Seconds beyond the time that was asked for, if the render took longer.
@@ -493,19 +516,19 @@ fn summarise(about: &About<'_>, output: &Output<'_>, outcome: &Outcome, finish: 
     if cut.paths > 0 {
         let (paths, mean) = (finish.totals.paths.max(1) as f64, cut.mean());
         tell(&format!(
-            "{} of {} paths were cut at max_depth {}, with a mean throughput of {mean:.2e}: on the mean of the image what is missing is \
-             at most {:.2e} of the radiance that they would have met",
+            "max_depth {} cut {} of {} paths, with a mean throughput of {mean:.2e}: averaged over the image, at most {:.2e} of the \
+             radiance that they would have found is missing",
+            job.max_depth,
             cut.paths,
             finish.totals.paths,
-            job.max_depth,
             cut.throughput / paths
         ));
     }
     if let Some((time, over)) = args.time.zip(overrun(args.time, total)) {
         let over = if over < 1.0 { format!("{:.1} ms", 1e3 * over) } else { format!("{over:.1} s") };
-        tell(&format!("warning: this took {over} more than the --time of {} s", time.as_secs_f64()));
+        tell(&format!("warning: the render took {over} longer than --time {} s", time.as_secs_f64()));
     }
-    if args.tuning.profile {
+    if args.profile {
         match outcome.stages.is_empty() {
             true => tell("stages: this device has no timestamps"),
             false => outcome.stages.iter().for_each(|(name, s)| tell(&format!("stage {name}: {s:.3} s on the device"))),
@@ -513,7 +536,7 @@ fn summarise(about: &About<'_>, output: &Output<'_>, outcome: &Outcome, finish: 
     }
     if let Some(error) = finish.error.filter(|error| !error.reliable) {
         tell(&format!(
-            "warning: the relative error is unreliable: rare bright paths make most of it{}",
+            "warning: the relative error is unreliable: rare bright paths dominate it{}",
             match error.bound.is_finite() {
                 true => format!(". It may be {} %", percent(error.bound)),
                 false => String::new(),
@@ -522,8 +545,8 @@ fn summarise(about: &About<'_>, output: &Output<'_>, outcome: &Outcome, finish: 
     }
     if finish.lacks_light() {
         tell(&format!(
-            "warning: the relative error is unreliable: mirrors and glass send on light of {} % of the image's, which paths meet by chance alone, \
-             and they have met {} %: lights so small take more samples",
+            "warning: the relative error is unreliable: mirrors and glass block {} % of the image's light from light sampling, and paths \
+             have found {} % by chance. Raise --spp.",
             percent(finish.through_glass.stopped()),
             percent(finish.through_glass.met())
         ));
@@ -538,20 +561,19 @@ fn summarise(about: &About<'_>, output: &Output<'_>, outcome: &Outcome, finish: 
                 )
             }
             None => format!(
-                "--noise {wish} {words}: nothing bounds the error of an image without light, or with so few pixels that have any; \
-                 give --spp or --time"
+                "--noise {wish} {words}: the error has no bound, since too few pixels have any light; give --spp or --time"
             ),
         });
     }
     if finish.error.is_some() {
-        tell(&format!("the relative error is that of noise; it excludes {}", about.excluded()));
+        tell(&format!("the relative error covers noise; it excludes {}", about.excluded()));
     }
     let error = match finish.error {
         Some(error) if error.bound.is_finite() => {
             format!("relative error {} % (95 % sure: below {} %)", percent(error.value), percent(error.bound))
         }
         Some(error) => format!("relative error {} %", percent(error.value)),
-        None => "error unknown (it takes 9 samples a pixel, and light)".to_string(),
+        None => "error unknown (it needs 9 samples per pixel, and light)".to_string(),
     };
     let samples = samples_done(outcome, finish, job);
     tell(&format!("{}: {samples} samples, {error}, {total:.1} s", output.exr.display()));

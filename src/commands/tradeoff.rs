@@ -6,13 +6,11 @@ use std::time::{Duration, Instant};
 
 use clap::Parser;
 
-use super::{
-    make_folder, open_device, path_text, print_json, print_line, stop_on_interrupt, tell, tell_software, wish_of,
-};
+use super::{make_folder, open_device, path_text, print_json, print_line, stop_on_interrupt, tell, tell_software};
 use crate::cli::{Cli, Command, RenderArgs, Size, TradeoffArgs};
 use crate::error::{Error, Result};
-use crate::knobs::{KNOBS, Knob, MAX_DEPTH, SIZE, SPP};
 use crate::metrics::flip::error_map;
+use crate::options::{KNOBS, Knob, MAX_DEPTH, SIZE, SPP};
 use crate::output::atomic;
 use crate::output::exr::{ExrImage, read_exr};
 use crate::output::png;
@@ -21,9 +19,9 @@ use crate::scene::Scene;
 use crate::tradeoff::extent::{FEWEST_PIXELS, Whole, calibrate, middle_of, pixels_for, pixels_ratio, size_of};
 use crate::tradeoff::judge::{Judged, Measured, judge};
 use crate::tradeoff::page::{html, plot};
-use crate::tradeoff::replicates::{Estimate, Pixels, signed_bias};
+use crate::tradeoff::replicates::{Estimate, FEWEST_ROUNDS, Pixels, signed_bias};
 use crate::tradeoff::report::{Report, Shown};
-use crate::tradeoff::sweep::{FEWEST_ROUNDS, LEVEL, MOST_ROUNDS, SAMPLES_OF_FEWEST, Setting, Subject, Sweep};
+use crate::tradeoff::sweep::{LEVEL, MOST_ROUNDS, SAMPLES_OF_FEWEST, Setting, Subject, Sweep};
 use crate::tradeoff::truth::Truth;
 
 /// The shares of the budget after which compiling and measuring end, and the calibration by the whole size. The rest is for pictures and the
@@ -259,7 +257,7 @@ fn settings_of(scene: &Scene, knobs: &[&'static Knob]) -> Result<Vec<Setting>> {
             _ => 1.0,
         };
         let max_depth = args.paths.max_depth.unwrap_or(scene.render.max_depth);
-        Ok(Setting { knob, value: value.to_string(), wish: wish_of(&args.trade), max_depth, scale })
+        Ok(Setting { knob, value: value.to_string(), options: args.options, max_depth, scale })
     };
     let mut settings = vec![setting(None, "")?];
     for knob in knobs {

@@ -1,17 +1,11 @@
 //! What a scene requires of the renderer.
 
-use super::Wish;
 use crate::data;
-pub use crate::shape::{BOUNDARIES, PRIMITIVES};
+use crate::material::{MATERIALS, Material, Scattering};
+use crate::options::{FeatureSet, Integrator, RenderOptions};
+use crate::texture::TEXTURES;
 
-/// The kinds of material by number; each is a file of shaders/material.
-pub const MATERIALS: &[&str] = &["lambertian", "metal", "dielectric", "diffuse_light"];
-/// Those of them that can answer to light from any direction, and so to lights that are sampled: each has a file NAME_eval beside its own.
-pub const RESPONDERS: &[&str] = &["lambertian", "metal"];
-/// Those that can send a ray one way alone, which leaves lights to chance.
-pub const SPECULAR: &[&str] = &["metal", "dielectric"];
-/// The kinds of texture by number; each is a file of shaders/texture.
-pub const TEXTURES: &[&str] = &["checker", "image", "noise", "marble"];
+pub use crate::shape::{BOUNDARIES, PRIMITIVES};
 /// The kinds of background by number; each is a file of shaders/background.
 pub const BACKGROUNDS: &[&str] = &["solid", "gradient", "image"];
 
@@ -50,8 +44,6 @@ pub struct Features {
     pub emitting_sky: Option<String>,
     /// Columns and rows of the grid that directions towards it are drawn from.
     pub sky_grid: (u32, u32),
-    /// Whether rays are sent to lights, where there are any.
-    pub sample_lights: bool,
     /// How many lights there are.
     pub lights: u32,
     /// What emits and is not sampled, as there is no room.
@@ -60,8 +52,6 @@ pub struct Features {
     pub sky_light: u32,
     /// Whether paths send rays to them. Of the scene alone, also where everything is taken to be required: then an invocation has two walks.
     pub shadow_rays: bool,
-    /// Whether paths of small throughput are ended at random.
-    pub roulette: bool,
     /// How many media there are.
     pub media: u32,
     /// By the numbers of `BACKGROUNDS`; a scene has one of its own.
@@ -76,18 +66,6 @@ pub struct Features {
     pub stack_size: u32,
     /// The same of a walk through a mesh that bounds a medium.
     pub boundary_stack_size: u32,
-    /// How the samples of a pixel are placed; a wish, as roulette is, and nothing of the scene.
-    pub sampler: data::Sampler,
-    /// Whether clear solids reflect by Schlick's approximation: where there are any.
-    pub schlick: bool,
-    /// Whether contributions of indirect light are limited.
-    pub clamp: bool,
-    /// Whether rays leave surfaces by a fraction of the distance: where there are any.
-    pub fast_offset: bool,
-    /// Whether spheres are met by the textbook's formula: where there are any.
-    pub fast_precision: bool,
-    /// Whether everything is taken to be required.
-    pub every: bool,
 }
 
 /// What asked for the kind of this name.
@@ -97,22 +75,18 @@ fn of<'a>(names: &[&str], used: &'a [Option<String>], name: &str) -> Option<&'a 
 }
 
 impl Features {
-    /// Notes what is wished, where the scene has what it is about.
-    pub(super) fn wish(&mut self, wish: &Wish) {
-        self.roulette = wish.roulette;
-        self.sample_lights = wish.sample_lights;
-        self.sampler = wish.sampler;
-        let spheres = self.primitive("sphere").or(self.boundary("sphere")).is_some();
-        let surfaces = self.primitives.iter().any(Option::is_some);
-        self.schlick = wish.schlick && of(MATERIALS, &self.materials, "dielectric").is_some();
-        self.clamp = wish.clamp.is_some() && (surfaces || self.media > 0);
-        self.fast_offset = wish.fast_offset && surfaces;
-        self.fast_precision = wish.fast_precision && spheres;
+    /// What a render with these options requires: with `--features all` everything that a scene can have.
+    pub fn of(&self, options: &RenderOptions) -> Features {
+        let mut features = self.clone();
+        if options.features == FeatureSet::All {
+            features.add_all(options.integrator == Integrator::Mis);
+        }
+        features
     }
 
     /// Everything that a scene can have, as asked for by `--features all`. Of what chooses between two ways, such as the number of
     /// lights, the scene's own way stays, and so do the settings that approximate.
-    pub(super) fn add_all(&mut self, sample_lights: bool) {
+    fn add_all(&mut self, sample_lights: bool) {
         let all = "--features all";
         let add = |used: &mut Option<String>| {
             used.get_or_insert_with(|| all.to_string());
@@ -129,13 +103,18 @@ impl Features {
         [&mut self.smooth, &mut self.textured_media, &mut self.thin_lens, &mut self.turned].into_iter().for_each(add);
         if sample_lights {
             add(&mut self.emitting_sky);
-            for (those, used) in [(RESPONDERS, &mut self.responders), (SPECULAR, &mut self.specular)] {
-                let materials = MATERIALS.iter().zip(used);
-                materials.filter(|(name, _)| those.contains(name)).for_each(|(_, used)| add(used));
+            for (way, used) in [(Scattering::Spread, &mut self.responders), (Scattering::OneWay, &mut self.specular)] {
+                let materials = Material::KINDS.iter().zip(used);
+                materials.filter(|(kind, _)| kind.scatters.contains(&way)).for_each(|(_, used)| add(used));
             }
         }
         self.few = false;
-        self.every = true;
+        // The sky that `require_all` adds is a light beside the scene's, and is never chosen.
+        if sample_lights && self.sky_grid == (0, 0) {
+            self.sky_grid = (1, 1);
+            self.sky_light = self.lights;
+            self.lights = self.lights.max(1);
+        }
         // Walks through meshes and their boundaries take as much as a mesh of millions of faces needs.
         const DEEP: u32 = 48;
         self.stack_size = self.stack_size.max(DEEP);
@@ -144,7 +123,7 @@ impl Features {
 
     /// Whether kernels have code for media.
     pub fn crosses_media(&self) -> bool {
-        self.media > 0 || self.every
+        self.media > 0 || self.boundaries.iter().any(Option::is_some)
     }
 
     /// Whether anything in the scene answers to light from any direction. Where nothing does, no ray is sent to a light.
@@ -222,20 +201,16 @@ impl Features {
 }
 
 impl super::Flat {
-    /// Everything is taken to be required, with tables for what the scene lacks that say so: a light that is never chosen, a sky that
+    /// Tables for what the scene lacks that say so, since kernels with everything bind them: a light that is never chosen, a sky that
     /// sends nothing.
     pub(super) fn require_all(&mut self, sample_lights: bool) {
-        self.features.add_all(sample_lights);
         if sample_lights && self.sky.is_empty() {
             self.sky.push(data::SkyCell::default());
-            self.features.sky_grid = (1, 1);
-            self.features.sky_light = self.features.lights;
             self.lights.push(data::Light {
                 code: data::HIT_NOTHING,
                 instance: data::NO_INSTANCE,
                 ..data::Light::default()
             });
-            self.features.lights = self.features.lights.max(1);
         }
     }
 }

@@ -10,7 +10,8 @@ use super::place::Placed;
 use super::{Builder, PRIMITIVES};
 use crate::data::{self, HIT_NOTHING, NOT_SAMPLED, luminance};
 use crate::lights::SkyDistribution;
-use crate::scene::{Background, Bitmap, Material, Scene, Texture};
+use crate::material::Emission;
+use crate::scene::{Background, Bitmap};
 use crate::shape::{Emitter, Placement};
 
 /// The most lights, which is room for the tree's nodes in 64 MiB: half of what software drivers allow a binding.
@@ -32,7 +33,9 @@ impl Builder<'_> {
     /// Makes lights of the primitives that emit, in their order, and of the background's image.
     pub fn add_lights(&mut self, placed: &[Placed<'_>]) {
         let materials = &self.scene.materials;
-        let radiances: Vec<_> = materials.iter().map(|(_, material)| mean_radiance(self.scene, material)).collect();
+        let bitmaps = &self.scene.bitmaps;
+        let radiance = |emission: Emission| (emission.slot.texture.mean_luminance(bitmaps), emission.two_sided);
+        let emissions: Vec<_> = materials.iter().map(|(_, m)| m.model().emission().map(radiance)).collect();
         // The index of each primitive among its kind, counted as they were added.
         let mut counts = [0u32; PRIMITIVES.len()];
         let mut groups = Vec::new();
@@ -40,9 +43,10 @@ impl Builder<'_> {
             let kind = primitive.shape.number();
             let index = counts[kind];
             counts[kind] += 1;
-            let radiance = radiances[primitive.material as usize];
-            if radiance > 0.0 {
-                groups.push(self.group(primitive, index, radiance));
+            if let Some((radiance, two_sided)) = emissions[primitive.material as usize]
+                && radiance > 0.0
+            {
+                groups.push(self.group(primitive, index, radiance, two_sided));
             }
         }
         let sky = self.add_sky();
@@ -133,11 +137,7 @@ impl Builder<'_> {
     }
 
     /// The lights of a primitive; `radiance` is the luminance that it sends out on the mean.
-    fn group<'a>(&mut self, primitive: &'a Placed<'a>, index: u32, radiance: f64) -> Group<'a> {
-        let two_sided = matches!(
-            self.scene.materials[primitive.material as usize].1,
-            Material::DiffuseLight { two_sided: true, .. }
-        );
+    fn group<'a>(&mut self, primitive: &'a Placed<'a>, index: u32, radiance: f64, two_sided: bool) -> Group<'a> {
         let laid = self.laid_of(&primitive.shape);
         let at = Placement { to_world: &primitive.to_world, space: self.space };
         let emitters = primitive.shape.emitters(&at, index, laid).into_iter().map(|emitter| {
@@ -149,20 +149,6 @@ impl Builder<'_> {
         let emitters: Vec<(Emitter, f64)> = emitters.collect();
         let intensity = emitters.iter().map(|(_, intensity)| intensity).sum();
         Group { primitive, index, emitters, two_sided, intensity }
-    }
-}
-
-/// The luminance of what a material sends out on the mean.
-fn mean_radiance(scene: &Scene, material: &Material) -> f64 {
-    let Material::DiffuseLight { emit, .. } = material else { return 0.0 };
-    match emit {
-        Texture::Rgb(r, g, b) => luminance([*r, *g, *b]),
-        Texture::Checker { even, odd, .. } => luminance((0.5 * (*even + *odd)).to_array()),
-        Texture::Image { path } => scene.bitmaps.get(path).map_or(0.0, |bitmap| {
-            let sum: DVec3 = bitmap.texels.iter().map(|t| DVec3::from_array(t.map(f64::from))).sum();
-            luminance((sum / bitmap.texels.len().max(1) as f64).to_array())
-        }),
-        Texture::Noise { .. } | Texture::Marble { .. } => 0.5,
     }
 }
 

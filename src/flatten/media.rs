@@ -3,10 +3,8 @@
 use glam::DVec3;
 
 use super::Builder;
-use super::frames::frame;
 use super::place::PlacedMedium;
-use crate::data::{self, NO_TEXTURE, f32s};
-use crate::scene::Texture;
+use crate::data::{self, f32s};
 use crate::shape::Element;
 
 impl Builder<'_> {
@@ -18,16 +16,13 @@ impl Builder<'_> {
         // From render space, seen from the middle of the boundary, to the medium's own space.
         let to_own = own.rotation.transpose() * (1.0 / (own.scale * self.space.scale));
         let base = own.rotation.transpose() * (center - own.translation) / own.scale;
-        let (colour, texture) = match albedo {
-            Texture::Rgb(r, g, b) => (DVec3::new(*r, *g, *b), NO_TEXTURE),
-            texture => (DVec3::ONE, self.add_texture(texture, 1.0)),
-        };
-        let frame = frame(albedo, (base, to_own), &own.rotation).map_or(0, |frame| self.flat.add_frame(frame));
+        let texture = self.add_texture(albedo, 1.0);
+        let frame = albedo.frame((base, to_own), &own.rotation).map_or(0, |frame| self.flat.add_frame(frame));
         self.flat.media.push(data::Medium {
             center: f32s(self.space.point(center)),
             // No smaller than what a quotient by it can stand for.
             density: ((density / self.space.scale) as f32).max(f32::MIN_POSITIVE),
-            colour: f32s(colour),
+            colour: f32s(albedo.plain().unwrap_or(DVec3::ONE)),
             texture,
             boundary: boundary.code(index),
             frame,

@@ -6,7 +6,6 @@
 
 mod dangers;
 mod features;
-mod frames;
 mod light_tree;
 mod lights;
 mod media;
@@ -16,22 +15,22 @@ mod view;
 
 use std::collections::HashMap;
 
-use glam::DVec3;
-
 use crate::bvh::{self, Bounds};
 use crate::data::{self, MAX_PRIMITIVES, NO_TEXTURE, f32s};
 use crate::error::Result;
-use crate::scene::{Background, Bitmap, Material, Object, Scene, Step, Texture};
+use crate::material::{Paint, Scattering, Slot};
+use crate::options::{FeatureSet, Integrator, RenderOptions};
+use crate::scene::{Background, Bitmap, Material, Object, Scene, Step, Texture, Use};
 use crate::shape::mesh::{self, Laid};
 use crate::shape::similarity::Similarity;
 use crate::shape::{Element, KINDS, Placement, RenderSpace, Shape, Tables, binary_exponent, exp2};
 use place::{Finder, Placed, PlacedMedium, extent};
 use view::View;
 
+pub use crate::material::MATERIALS;
+pub use crate::texture::TEXTURES;
 pub use bvh::Quality;
-pub use features::{
-    BACKGROUNDS, BOUNDARIES, Features, MATERIALS, PRIMITIVES, RESPONDERS, SPECULAR, TEXTURES, Unsampled,
-};
+pub use features::{BACKGROUNDS, BOUNDARIES, Features, PRIMITIVES, Unsampled};
 pub use lights::MOST_LIGHTS;
 
 /// A scene as the kernels see it.
@@ -70,39 +69,12 @@ const MOST_MEDIA: usize = 1024;
 const MOST_OF_FEW: usize = 24;
 const LEAST_CROSSINGS: f32 = 1.25;
 
-/// What is asked of flattening beside the scene.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Wish {
-    /// Of the hierarchies; changes no image.
-    pub quality: Quality,
-    /// Whether rays are sent to lights (`--integrator mis`), where the scene has any that can be sampled.
-    pub sample_lights: bool,
-    /// Whether paths of small throughput are ended at random (`--roulette on`).
-    pub roulette: bool,
-    /// How the samples of a pixel are placed.
-    pub sampler: data::Sampler,
-    /// Clear solids reflect by Schlick's approximation (`--fresnel schlick`).
-    pub schlick: bool,
-    /// The most radiance that a contribution of indirect light may have, in the scene's units (`--clamp`).
-    pub clamp: Option<f64>,
-    /// Rays leave surfaces by a fraction of the distance (`--offset fast`).
-    pub fast_offset: bool,
-    /// Spheres are met by the textbook's formula (`--precision fast`).
-    pub fast_precision: bool,
-    /// Everything that a scene can require is taken to be required (`--features all`). The image is the same.
-    pub every_feature: bool,
-}
-
-/// Flattens a scene for an image of `size` pixels.
+/// Flattens a scene for an image of `size` pixels. Of the options those count that change tables: the integrator, the build of the
+/// hierarchies, and the features that are linked.
 ///
 /// # Errors
 /// `Error::Scene` where there are more primitives than a code can name, or more media than a ray can cross.
-pub fn flatten(scene: &Scene, size: (u32, u32)) -> Result<Flat> {
-    flatten_with(scene, size, Wish::default())
-}
-
-/// The same, as one wishes it.
-pub fn flatten_with(scene: &Scene, size: (u32, u32), wish: Wish) -> Result<Flat> {
+pub fn flatten(scene: &Scene, size: (u32, u32), options: &RenderOptions) -> Result<Flat> {
     let mut features = Features::default();
     let meshes = mesh::shapes(&scene.meshes);
     let mut finder = Finder::new(scene, &meshes);
@@ -112,6 +84,15 @@ pub fn flatten_with(scene: &Scene, size: (u32, u32), wish: Wish) -> Result<Flat>
         note(&mut features, scene, object, primitive);
         if primitive.shape.mesh().is_some_and(|shape| !shape.mesh.normals.is_empty()) {
             features.smooth.get_or_insert_with(|| scene.location_of(object).to_string());
+        }
+    }
+    // Whether something is made of a material.
+    let mut used = vec![false; scene.materials.len()];
+    for primitive in &finder.placed {
+        let number = primitive.material as usize;
+        if !std::mem::replace(&mut used[number], true) {
+            let (name, material) = &scene.materials[number];
+            note_material(&mut features, scene, name, material);
         }
     }
     finder.media.iter().for_each(|medium| note_medium(&mut features, scene, medium));
@@ -126,7 +107,7 @@ pub fn flatten_with(scene: &Scene, size: (u32, u32), wish: Wish) -> Result<Flat>
     }
 
     let extent = extent(view.eye, view.lens_radius(), &finder);
-    let emissions = emissions(scene, &finder.placed);
+    let emissions = emissions(scene, &used);
     let found = dangers::Found {
         scene,
         placed: &finder.placed,
@@ -147,39 +128,35 @@ pub fn flatten_with(scene: &Scene, size: (u32, u32), wish: Wish) -> Result<Flat>
         scene,
         laid: vec![None; meshes.len()],
         space,
-        quality: wish.quality,
+        quality: options.build,
         materials: vec![0; scene.materials.len()],
+        textures: scene.materials.iter().map(|(_, material)| material.textures()).collect(),
         images: HashMap::new(),
         mesh_frames: HashMap::new(),
         flat,
     };
     builder.add_background(radiance_scale);
-    builder.add_materials(&finder.placed, radiance_scale);
+    builder.add_materials(&used, radiance_scale);
+    let sample_lights = options.integrator == Integrator::Mis;
     // Dangers are looked for while the hierarchies are built.
     let looked = std::thread::scope(|scope| {
         let looking = scope.spawn(|| dangers::warnings(&found));
         builder.add_primitives(&finder.placed);
         builder.add_media(&finder.media);
-        if wish.sample_lights && builder.flat.features.answers_to_light() {
+        if sample_lights && builder.flat.features.answers_to_light() {
             builder.add_lights(&finder.placed);
         }
         looking.join()
     });
     let mut flat = builder.flat;
     flat.warnings.extend(looked.unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
-    flat.features.wish(&wish);
     flat.features.shadow_rays = flat.features.lights > 0;
-    if let Some(limit) = wish.clamp {
-        // In device radiance; beyond what f32 holds it is as good as the least or the most.
-        let limit = (radiance_scale * limit).clamp(f64::from(f32::MIN_POSITIVE), f64::from(f32::MAX));
-        flat.settings.indirect_limit = limit as f32;
-    }
     let of_camera =
         |field: &str| format!("camera.{field} at {}", scene.location(&[Step::Field("camera"), Step::Field(field)]));
     flat.features.thin_lens = (scene.camera.aperture > 0.0).then(|| of_camera("aperture"));
     flat.features.turned = view.turned.then(|| of_camera("vertical_fov"));
-    if wish.every_feature {
-        flat.require_all(wish.sample_lights);
+    if options.features == FeatureSet::All {
+        flat.require_all(sample_lights);
     }
     Ok(flat)
 }
@@ -193,6 +170,8 @@ struct Builder<'a> {
     laid: Vec<Option<Laid>>,
     /// The places in the table of those of the scene's materials that are on objects.
     materials: Vec<u32>,
+    /// The textures of each of the scene's materials, but for plain colours: each has a place of its own on every object.
+    textures: Vec<Vec<&'a Texture>>,
     /// Where images begin among the texels, by path.
     images: HashMap<String, u32>,
     /// The frames of meshes, by mesh and material.
@@ -253,18 +232,21 @@ impl Builder<'_> {
         shape.mesh().map(|mesh| self.laid(mesh)).unwrap_or_default()
     }
 
-    /// The index of the frame of a primitive's texture; 0 where it needs none.
-    fn frame_of(&mut self, primitive: &Placed<'_>) -> u32 {
+    /// The index of the first frame of a primitive, which has one for each texture of its material; 0 where it needs none.
+    fn frame_of(&mut self, primitive: &Placed) -> u32 {
         let Placed { shape, to_world, material } = primitive;
-        let Some(texture) = colour_texture(&self.scene.materials[*material as usize].1) else { return 0 };
+        let textures = &self.textures[*material as usize];
+        if textures.is_empty() {
+            return 0;
+        }
         // All instances of a mesh stand alike in a texture, for it is evaluated in the mesh's own space.
         let shared = shape.mesh().map(|mesh| (mesh.number, *material));
         if let Some(&frame) = shared.and_then(|key| self.mesh_frames.get(&key)) {
             return frame;
         }
         let place = shape.texture_place(&to_world.rotation);
-        let Some(frame) = frames::frame(texture, place, &to_world.rotation) else { return 0 };
-        let index = self.flat.add_frame(frame);
+        let index = self.flat.frames.len() as u32;
+        self.flat.frames.extend(textures.iter().filter_map(|texture| texture.frame(place, &to_world.rotation)));
         if let Some(key) = shared {
             self.mesh_frames.insert(key, index);
         }
@@ -274,17 +256,23 @@ impl Builder<'_> {
 
 /// Notes what a primitive requires.
 fn note(features: &mut Features, scene: &Scene, object: &Object, primitive: &Placed<'_>) {
-    let (name, material) = &scene.materials[primitive.material as usize];
-    let at_object = || scene.location_of(object).to_string();
+    features.primitives[primitive.shape.number()].get_or_insert_with(|| scene.location_of(object).to_string());
+}
+
+/// Notes what a material on an object requires.
+fn note_material(features: &mut Features, scene: &Scene, name: &str, material: &Material) {
     let at_material = || format!("\"{name}\" at {}", scene.material_location(name));
-    features.primitives[primitive.shape.number()].get_or_insert_with(at_object);
-    features.materials[material_kind(material)].get_or_insert_with(at_material);
-    if responds(material) {
-        features.responders[material_kind(material)].get_or_insert_with(at_material);
-    } else if !matches!(material, Material::DiffuseLight { .. }) {
-        features.specular[material_kind(material)].get_or_insert_with(at_material);
+    let number = material.number();
+    features.materials[number].get_or_insert_with(at_material);
+    let that_scatter = match material.model().scattering() {
+        Scattering::Spread => Some(&mut features.responders),
+        Scattering::OneWay => Some(&mut features.specular),
+        Scattering::Nowhere => None,
+    };
+    if let Some(kinds) = that_scatter {
+        kinds[number].get_or_insert_with(at_material);
     }
-    if let Some(kind) = colour_texture(material).and_then(texture_kind) {
+    for kind in material.textures().into_iter().filter_map(Texture::shader_number) {
         features.textures[kind].get_or_insert_with(at_material);
     }
 }
@@ -297,57 +285,25 @@ fn note_medium(features: &mut Features, scene: &Scene, medium: &PlacedMedium<'_>
     if let Some(slot) = place.and_then(|place| features.boundaries.get_mut(place)) {
         slot.get_or_insert_with(at_object);
     }
-    if let Some(kind) = texture_kind(medium.albedo) {
+    if let Some(kind) = medium.albedo.shader_number() {
         features.textures[kind].get_or_insert_with(at_object);
         features.textured_media.get_or_insert_with(at_object);
     }
 }
 
 /// The largest component of what each material emits that something is made of, by its number, and of the background.
-fn emissions(scene: &Scene, placed: &[Placed<'_>]) -> Vec<(Option<usize>, f64)> {
-    let bitmap = |path: &String| scene.bitmaps.get(path).map_or(0.0, brightest_texel);
+fn emissions(scene: &Scene, used: &[bool]) -> Vec<(Option<usize>, f64)> {
     let sky = match &scene.background {
         Background::Solid(colour) => colour.max_element(),
         Background::Gradient { bottom, top } => bottom.max(*top).max_element(),
-        Background::Image { path } => bitmap(path),
+        Background::Image { path } => scene.bitmaps.get(path).map_or(0.0, Bitmap::brightest),
     };
-    let mut used = vec![false; scene.materials.len()];
-    placed.iter().for_each(|primitive| used[primitive.material as usize] = true);
     let light = |(number, (_, material)): (usize, &(String, Material))| {
-        let Material::DiffuseLight { emit, .. } = material else { return None };
-        let radiance = match emit {
-            Texture::Rgb(r, g, b) => r.max(*g).max(*b),
-            Texture::Checker { even, odd, .. } => even.max(*odd).max_element(),
-            Texture::Image { path } => bitmap(path),
-            Texture::Noise { .. } | Texture::Marble { .. } => 1.0,
-        };
-        Some((Some(number), radiance))
+        let emission = material.model().emission()?;
+        Some((Some(number), emission.slot.texture.brightest(&scene.bitmaps)))
     };
     let lights = scene.materials.iter().enumerate().filter(|(number, _)| used[*number]).filter_map(light);
     lights.chain([(None, sky)]).collect()
-}
-
-fn brightest_texel(bitmap: &Bitmap) -> f64 {
-    bitmap.texels.iter().flatten().fold(0.0, |most, &x| f64::from(x).max(most))
-}
-
-/// Number among `MATERIALS`.
-fn material_kind(material: &Material) -> usize {
-    match material {
-        Material::Lambertian { .. } => 0,
-        Material::Metal { .. } => 1,
-        Material::Dielectric { .. } => 2,
-        Material::DiffuseLight { .. } => 3,
-    }
-}
-
-/// Whether the material answers to light from any direction, as NAME_responds says of it on the device.
-fn responds(material: &Material) -> bool {
-    match material {
-        Material::Lambertian { .. } => true,
-        Material::Metal { fuzz, .. } => *fuzz as f32 > 0.0,
-        Material::Dielectric { .. } | Material::DiffuseLight { .. } => false,
-    }
 }
 
 /// Number among `BACKGROUNDS`.
@@ -356,25 +312,6 @@ fn background_kind(background: &Background) -> usize {
         Background::Solid(_) => 0,
         Background::Gradient { .. } => 1,
         Background::Image { .. } => 2,
-    }
-}
-
-/// Number among `TEXTURES`; nothing for a plain colour, which is the material's own.
-fn texture_kind(texture: &Texture) -> Option<usize> {
-    match texture {
-        Texture::Rgb(..) => None,
-        Texture::Checker { .. } => Some(0),
-        Texture::Image { .. } => Some(1),
-        Texture::Noise { .. } => Some(2),
-        Texture::Marble { .. } => Some(3),
-    }
-}
-
-fn colour_texture(material: &Material) -> Option<&Texture> {
-    match material {
-        Material::Lambertian { albedo } | Material::Metal { albedo, .. } => Some(albedo),
-        Material::DiffuseLight { emit, .. } => Some(emit),
-        Material::Dielectric { .. } => None,
     }
 }
 
@@ -407,38 +344,20 @@ impl Builder<'_> {
     }
 
     /// Adds those that are on objects.
-    fn add_materials(&mut self, placed: &[Placed<'_>], radiance_scale: f64) {
-        let mut is_used = vec![false; self.scene.materials.len()];
-        placed.iter().for_each(|primitive| is_used[primitive.material as usize] = true);
+    fn add_materials(&mut self, used: &[bool], radiance_scale: f64) {
         let scene = self.scene;
-        for (number, (_, material)) in scene.materials.iter().enumerate().filter(|(number, _)| is_used[*number]) {
-            let brightness = match material {
-                Material::DiffuseLight { .. } => radiance_scale,
-                _ => 1.0,
+        for (number, (_, material)) in scene.materials.iter().enumerate().filter(|(number, _)| used[*number]) {
+            let mut paint = |slot: Slot<'_>| {
+                let brightness = match slot.usage {
+                    Use::Radiance => radiance_scale,
+                    Use::Albedo => 1.0,
+                };
+                let colour = slot.texture.plain().map_or([0.0; 3], |colour| f32s(brightness * colour));
+                Paint { colour, texture: self.add_texture(slot.texture, brightness) }
             };
-            let mut flat = data::Material {
-                kind: material_kind(material) as u32,
-                texture: NO_TEXTURE,
-                ..data::Material::default()
-            };
-            match material {
-                Material::Lambertian { .. } => {}
-                Material::Metal { fuzz, .. } => flat.parameter = *fuzz as f32,
-                Material::Dielectric { ior } => {
-                    let inside = 1.0 / ior;
-                    flat.parameter = *ior as f32;
-                    flat.contrast_outside = ((ior - 1.0) * (ior + 1.0)) as f32;
-                    flat.contrast_inside = ((inside - 1.0) * (inside + 1.0)) as f32;
-                }
-                Material::DiffuseLight { two_sided, .. } => flat.parameter = f32::from(u8::from(*two_sided)),
-            }
-            match colour_texture(material) {
-                Some(Texture::Rgb(r, g, b)) => flat.colour = f32s(brightness * DVec3::new(*r, *g, *b)),
-                Some(texture) => flat.texture = self.add_texture(texture, brightness),
-                None => {}
-            }
+            let flat = material.model().upload(&mut paint);
             self.materials[number] = self.flat.materials.len() as u32;
-            self.flat.materials.push(flat);
+            self.flat.materials.push(data::Material { kind: material.number() as u32, ..flat });
         }
     }
 
@@ -453,27 +372,11 @@ impl Builder<'_> {
         first
     }
 
+    /// The number of a texture, or `NO_TEXTURE` of a plain colour.
     fn add_texture(&mut self, texture: &Texture, brightness: f64) -> u32 {
-        let mut flat = data::Texture {
-            first: f32s(DVec3::splat(brightness)),
-            kind: texture_kind(texture).unwrap_or_default() as u32,
-            ..data::Texture::default()
-        };
-        match texture {
-            Texture::Checker { even, odd, .. } => {
-                flat.first = f32s(brightness * *even);
-                flat.second = f32s(brightness * *odd);
-            }
-            Texture::Marble { scale } => flat.parameter = *scale as f32,
-            Texture::Image { path } => {
-                if let Some(bitmap) = self.scene.bitmaps.get(path) {
-                    flat.texel = self.add_image(path, bitmap);
-                    flat.width = bitmap.width;
-                    flat.height = bitmap.height;
-                }
-            }
-            Texture::Rgb(..) | Texture::Noise { .. } => {}
-        }
+        let scene = self.scene;
+        let flat = texture.upload(brightness, &scene.bitmaps, |path, bitmap| self.add_image(path, bitmap));
+        let Some(flat) = flat else { return NO_TEXTURE };
         self.flat.textures.push(flat);
         self.flat.textures.len() as u32 - 1
     }

@@ -2,7 +2,7 @@
 
 use crate::data::{srgb, unit};
 
-/// What keeps dark pixels from ruling the relative error; in radiance squared (design.md, section 2).
+/// Keeps dark pixels from dominating the relative error; in radiance squared. docs/comparing.md defines relMSE with it.
 pub const RELATIVE_FLOOR: f64 = 0.01;
 
 /// Mean square error: mean over pixels and channels of (a − b)².

@@ -12,6 +12,7 @@ use ::exr::meta::attribute::{AttributeValue, Chromaticities, Compression, LineOr
 use ::exr::meta::header::LayerAttributes;
 use ::exr::prelude::{ReadChannels, ReadLayers, read};
 
+use crate::data::{CHANNELS, Rgb};
 use crate::error::{Error, Result};
 use crate::film::{Picture, UNKNOWN_VARIANCE};
 use crate::output::atomic;
@@ -45,6 +46,9 @@ pub enum Attribute {
     Float(f64),
 }
 
+/// The channels of the variance of each pixel's mean.
+const VARIANCES: Rgb<&str> = ["variance.R", "variance.G", "variance.B"];
+
 /// Writes the picture as one part, row 0 on top: R, G, B and variance.R, .G, .B in 32-bit floats, samples.Y and rejected.Y (Y, so that
 /// viewers show them as grey) in 32-bit unsigned integers. The file is a function of the arguments, byte for byte.
 ///
@@ -52,12 +56,12 @@ pub enum Attribute {
 pub fn write_exr(path: &Path, picture: &Picture, attributes: &[(String, Attribute)]) -> Result<()> {
     let width = picture.width as usize;
     let channels = SpecificChannels::build()
-        .with_channel::<f32>("R")
-        .with_channel::<f32>("G")
-        .with_channel::<f32>("B")
-        .with_channel::<f32>("variance.R")
-        .with_channel::<f32>("variance.G")
-        .with_channel::<f32>("variance.B")
+        .with_channel::<f32>(CHANNELS[0])
+        .with_channel::<f32>(CHANNELS[1])
+        .with_channel::<f32>(CHANNELS[2])
+        .with_channel::<f32>(VARIANCES[0])
+        .with_channel::<f32>(VARIANCES[1])
+        .with_channel::<f32>(VARIANCES[2])
         .with_channel::<u32>("samples.Y")
         .with_channel::<u32>("rejected.Y")
         .with_pixel_fn(|Vec2(x, y): Vec2<usize>| {
@@ -136,9 +140,9 @@ pub struct ExrImage {
     pub width: u32,
     pub height: u32,
     /// Row 0 on top.
-    pub rgb: Vec<[f32; 3]>,
+    pub rgb: Vec<Rgb<f32>>,
     /// As [`Picture::variance`]. This and the next two are there where gpu-rt wrote the file.
-    pub variance: Option<Vec<[f32; 3]>>,
+    pub variance: Option<Vec<Rgb<f32>>>,
     pub samples: Option<Vec<u32>>,
     pub rejected: Option<Vec<u32>>,
     /// The header's texts and numbers that the EXR standard does not name, as text, sorted by name.
@@ -147,7 +151,7 @@ pub struct ExrImage {
 
 impl ExrImage {
     /// The variances of the pixels, where all of them are known.
-    pub fn known_variance(&self) -> Option<&[[f32; 3]]> {
+    pub fn known_variance(&self) -> Option<&[Rgb<f32>]> {
         let variance = self.variance.as_deref()?;
         variance.as_flattened().iter().all(|v| (0.0..UNKNOWN_VARIANCE).contains(v)).then_some(variance)
     }
@@ -185,7 +189,7 @@ pub fn read_exr(path: &Path) -> Result<ExrImage> {
         width: size(layer.size.0)?,
         height: size(layer.size.1)?,
         rgb: float_channels(layer, &channels).ok_or_else(|| failed("its channels differ in size".into()))?,
-        variance: float_channels(layer, &["variance.R", "variance.G", "variance.B"]),
+        variance: float_channels(layer, &VARIANCES),
         samples: count_channel(layer, "samples.Y"),
         rejected: count_channel(layer, "rejected.Y"),
         attributes,
@@ -213,7 +217,7 @@ fn floats<'a>(layer: &'a FlatLayer, name: &str) -> Option<impl Iterator<Item = f
     (!matches!(samples, FlatSamples::U32(_))).then(|| samples.values_as_f32())
 }
 
-fn float_channels(layer: &FlatLayer, [r, g, b]: &[impl AsRef<str>; 3]) -> Option<Vec<[f32; 3]>> {
+fn float_channels(layer: &FlatLayer, [r, g, b]: &[impl AsRef<str>; 3]) -> Option<Vec<Rgb<f32>>> {
     let (r, g, b) = (floats(layer, r.as_ref())?, floats(layer, g.as_ref())?, floats(layer, b.as_ref())?);
     Some(r.zip(g).zip(b).map(|((r, g), b)| [r, g, b]).collect())
 }
@@ -228,12 +232,12 @@ fn count_channel(layer: &FlatLayer, name: &str) -> Option<Vec<u32>> {
 /// How renderers name the layer that is the picture: by itself, or after the name of a view layer and a point.
 const PICTURES: [&str; 8] = ["combined", "beauty", "rgba", "rgb", "color", "colour", "c", "image"];
 /// The names of red, green and blue.
-const CHANNELS: [[&str; 3]; 3] = [["R", "G", "B"], ["r", "g", "b"], ["red", "green", "blue"]];
+const SPELLINGS: [Rgb<&str>; 3] = [CHANNELS, ["r", "g", "b"], ["red", "green", "blue"]];
 
 /// Red, green and blue in a file.
 struct Place<'a> {
     part: &'a FlatLayer,
-    channels: [String; 3],
+    channels: Rgb<String>,
     /// The name of their layer, with that of the part where both have one.
     layer: String,
     /// Whether the layer is the whole part.
@@ -281,7 +285,7 @@ fn rgb_of_part(part: &FlatLayer) -> Vec<Place<'_>> {
     let names = part.channel_data.list.iter().map(|channel| channel.name.to_string());
     let place = |name: String| {
         let (prefix, red) = name.rsplit_once('.').map_or(("", name.as_str()), |(layer, last)| (layer, last));
-        let names = CHANNELS.iter().find(|names| names[0] == red)?;
+        let names = SPELLINGS.iter().find(|names| names[0] == red)?;
         let channels =
             names.map(|channel| if prefix.is_empty() { channel.to_string() } else { format!("{prefix}.{channel}") });
         let layer = match (&part_name, prefix) {

@@ -6,10 +6,11 @@ use super::{
     A_KERNEL_A_STAGE, Bounce, EVERY_RENDER, Kernel, PathField, Plan, QUEUES, STEPS, Scatter, Tuning, boundary_names,
 };
 use crate::error::Result;
-use crate::flatten::{BACKGROUNDS, Features, Flat, MATERIALS, MOST_LIGHTS, PRIMITIVES, TEXTURES, Unsampled};
+use crate::flatten::{BACKGROUNDS, Features, MATERIALS, MOST_LIGHTS, PRIMITIVES, TEXTURES, Unsampled};
 use crate::gpu::buffers::BufferSpec;
 use crate::gpu::layout::{self, BindingKind};
 use crate::gpu::spirv::{self, Size};
+use crate::options::Integrator;
 
 /// A plan in words and numbers.
 #[derive(Clone, Debug)]
@@ -128,8 +129,8 @@ impl KernelReport {
 
 impl Report {
     /// Without the kernels' sizes, which take time ([`Report::measure`]).
-    pub fn new(plan: &Plan, flat: &Flat, tuning: &Tuning, limits: &wgpu::Limits) -> Report {
-        let features = &flat.features;
+    pub fn new(plan: &Plan<'_>, limits: &wgpu::Limits) -> Report {
+        let (features, tuning) = (&plan.kernels.features, &plan.tuning);
         let kernels = plan.kernels();
         let linked: BTreeSet<&String> = kernels.iter().flat_map(|kernel| &kernel.linked.modules).collect();
         let known = known_features(features);
@@ -165,13 +166,13 @@ impl Report {
             features: there.iter().filter_map(asked).collect(),
             left_out: left_out.iter().map(|known| known.name.clone()).collect(),
             choices: choices.into_iter().map(|(name, module)| Choice { name, module: module.clone() }).collect(),
-            integrator: integrator_words(features),
-            scatter: scatter_words(plan, tuning),
+            integrator: integrator_words(features, plan.options.integrator),
+            scatter: scatter_words(plan),
             kernels: kernels.iter().map(of_kernel).collect(),
             slots: tuning.slots,
-            path_fields: plan.path_fields.clone(),
+            path_fields: plan.kernels.path_fields.clone(),
             constants: constants(&kernels, features, tuning),
-            buffers: plan.buffers(flat, tuning).iter().map(buffer).collect(),
+            buffers: plan.buffers().iter().map(buffer).collect(),
             limits: [limits.max_uniform_buffer_binding_size, limits.max_storage_buffer_binding_size]
                 .map(|limit| limit.min(limits.max_buffer_size)),
         }
@@ -181,9 +182,9 @@ impl Report {
     ///
     /// # Errors
     /// `Error::Shader` where a kernel is not written as SPIR-V: a defect of gpu-rt.
-    pub fn measure(&mut self, plan: &Plan, tuning: &Tuning) -> Result<()> {
+    pub fn measure(&mut self, plan: &Plan<'_>) -> Result<()> {
         for (report, kernel) in self.kernels.iter_mut().zip(plan.kernels()) {
-            let workgroup = [("WORKGROUP_SIZE", f64::from(tuning.workgroup))];
+            let workgroup = [("WORKGROUP_SIZE", f64::from(plan.tuning.workgroup))];
             report.size = Some(spirv::size(&kernel.module, kernel.stage, &workgroup)?);
         }
         Ok(())
@@ -279,11 +280,11 @@ fn modules(kernel: &Kernel, features: &Features) -> Vec<Module> {
 }
 
 /// The fields of the paths' state that a kernel loads or stores.
-fn path_fields(kernel: &Kernel, plan: &Plan) -> Vec<PathField> {
+fn path_fields(kernel: &Kernel, plan: &Plan<'_>) -> Vec<PathField> {
     let constants = kernel.module.constants.iter().filter_map(|(_, constant)| constant.name.as_deref());
     let functions = kernel.module.functions.iter().filter_map(|(_, function)| function.name.as_deref());
     let names: BTreeSet<&str> = constants.chain(functions).collect();
-    plan.path_fields.iter().filter(|field| field.is_used(|name| names.contains(name))).cloned().collect()
+    plan.kernels.path_fields.iter().filter(|field| field.is_used(|name| names.contains(name))).cloned().collect()
 }
 
 fn asked_for_module<'a>(features: &'a Features, module: &str) -> Option<&'a str> {
@@ -395,13 +396,13 @@ fn about_constant(name: &str, features: &Features) -> (String, String) {
     (what.to_string(), asked_by.unwrap_or(EVERY_RENDER).to_string())
 }
 
-fn integrator_words(features: &Features) -> String {
+fn integrator_words(features: &Features, integrator: Integrator) -> String {
     let left = features.unsampled.as_ref().map_or(String::new(), |left| {
         let Unsampled { lights, wanted, asked_by } = left;
         format!("{lights} of {wanted} lights are left to chance, {asked_by}: {MOST_LIGHTS} at most are sampled")
     });
     match features.lights {
-        0 if !features.sample_lights => "bsdf: --integrator bsdf".to_string(),
+        0 if integrator == Integrator::Bsdf => "bsdf: --integrator bsdf".to_string(),
         0 if left.is_empty() => "bsdf: there is no light to sample".to_string(),
         0 => format!("bsdf: {left}"),
         1 if left.is_empty() => "mis: rays to the light".to_string(),
@@ -411,8 +412,8 @@ fn integrator_words(features: &Features) -> String {
     }
 }
 
-fn scatter_words(plan: &Plan, tuning: &Tuning) -> String {
-    match (&plan.bounce, tuning.scatter) {
+fn scatter_words(plan: &Plan<'_>) -> String {
+    match (&plan.kernels.bounce, plan.tuning.scatter) {
         (Bounce::Fused(_), _) => {
             "fused: a processor pays more for storing a path's state than for its divergence (docs/performance.md)"
                 .to_string()

@@ -1,6 +1,5 @@
 //! Decodes the images that a scene names into linear Rec. 709.
 
-use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::path::Path;
 
@@ -14,13 +13,11 @@ use crate::source::Place;
 
 /// Most texels along one side of an image.
 const LARGEST_SIDE: u32 = 16384;
-/// The largest texel that a light or the sky may have, as for colours in the scene file.
-const LARGEST_RADIANCE: f32 = 1e30;
 const EXR_MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 
 /// Decodes every image of the scene once, by its path as written. An error stands at the `path` field.
-pub fn load_all(scene: &Scene) -> Result<BTreeMap<String, Bitmap>> {
-    let mut bitmaps = BTreeMap::new();
+pub fn load_all(scene: &Scene) -> Result<Bitmaps> {
+    let mut bitmaps = Bitmaps::new();
     let top = scene.top();
     if let Background::Image { path } = &scene.background {
         let background = top.field("background");
@@ -29,27 +26,26 @@ pub fn load_all(scene: &Scene) -> Result<BTreeMap<String, Bitmap>> {
     }
     let materials = top.field("materials");
     for (name, material) in &scene.materials {
-        if let Some(slot) = material.texture()
-            && let Texture::Image { path } = slot.texture
-        {
+        for slot in material.model().slots() {
+            let Some(path) = slot.texture.image() else { continue };
             let at = materials.key(name);
             let at = at.variant(material.name());
             let at = at.field(slot.field);
-            let at = at.variant("Image");
+            let at = at.variant(slot.texture.name());
             load(scene, &at.field("path"), path, slot.usage, &mut bitmaps)?;
         }
     }
     Ok(bitmaps)
 }
 
-fn load(scene: &Scene, at: &Place, path: &str, usage: Use, bitmaps: &mut BTreeMap<String, Bitmap>) -> Result<()> {
+fn load(scene: &Scene, at: &Place, path: &str, usage: Use, bitmaps: &mut Bitmaps) -> Result<()> {
     let file = scene.source.resolve(path);
     let wrong = |reason: String| at.error(format!("{}: {reason}", file.display()));
     if !bitmaps.contains_key(path) {
         bitmaps.insert(path.to_owned(), decode(&file).map_err(wrong)?);
     }
     match bitmaps.get(path) {
-        Some(bitmap) => check(bitmap, usage).map_err(wrong),
+        Some(bitmap) => usage.check_texels(bitmap).map_err(wrong),
         None => Ok(()),
     }
 }
@@ -154,21 +150,6 @@ fn linear(image: DynamicImage) -> Vec<[f32; 3]> {
 fn from_srgb(code: f64) -> f32 {
     let light = if code <= 0.04045 { code / 12.92 } else { ((code + 0.055) / 1.055).powf(2.4) };
     light as f32
-}
-
-/// Names the first texel that is no light, or more than its use allows.
-fn check(bitmap: &Bitmap, usage: Use) -> std::result::Result<(), String> {
-    let (expected, largest) = match usage {
-        Use::Albedo => ("an albedo from 0 to 1", 1.0),
-        Use::Radiance => ("a radiance from 0 to 1e30", LARGEST_RADIANCE),
-    };
-    let fits = |texel: &[f32; 3]| texel.iter().all(|c| (0.0..=largest).contains(c));
-    let Some(index) = bitmap.texels.iter().position(|texel| !fits(texel)) else {
-        return Ok(());
-    };
-    let [r, g, b] = bitmap.texels.get(index).copied().unwrap_or_default();
-    let (x, y) = (index % bitmap.width as usize, index / bitmap.width as usize);
-    Err(format!("expected {expected}, found ({r:?}, {g:?}, {b:?}) at texel ({x}, {y}) from the top left"))
 }
 
 #[cfg(test)]

@@ -8,9 +8,11 @@ use ron::error::{Error as Ron, SpannedError};
 use super::nearest::nearest;
 use super::validate::boundaries;
 use crate::error::Error;
+use crate::material::{Material, a_material};
 use crate::shape::KINDS;
-use crate::source::form::{NUMBER, POINT, VECTOR};
+use crate::source::form::{COLOUR, Form, NUMBER, PATH, POINT, VECTOR};
 use crate::source::{Id, Source, Span, Step, skip_space, slice};
+use crate::texture::{TEXTURE, Texture};
 
 /// The same error with the value's own position, the field's path and what was expected.
 pub fn explain(source: &Source, error: SpannedError) -> Error {
@@ -286,11 +288,8 @@ fn lower(message: &str) -> String {
     first.into_iter().chain(characters).collect()
 }
 
-const TEXTURE: &str = "a texture: Rgb(r, g, b), Checker(..), Image(..), Noise(..) or Marble(..)";
-const MATERIAL: &str = "a material: Lambertian(..), Metal(..), Dielectric(..) or DiffuseLight(..)";
 const TRANSFORM: &str = "a transform: Translate((x, y, z)), Scale(s), RotateX(degrees), \
                          RotateY(degrees), RotateZ(degrees) or Rotate(axis: .., degrees: ..)";
-const COLOUR: &str = "a colour: (r, g, b)";
 
 /// "an object: Sphere(..), .."
 fn object() -> String {
@@ -300,29 +299,30 @@ fn object() -> String {
 
 /// What the scene format expects at the end of a path.
 fn expected(path: &[Step<'_>]) -> String {
-    let shape = |name: &str| KINDS.iter().map(|kind| &kind.form).find(|form| form.name == name);
-    let of_shape = match path {
-        [.., Step::Variant(name)] => shape(name).map(|form| form.in_full().replace(')', ", material: ..)")),
+    let form = |name: &str| forms().find(|form| form.name == name);
+    let of_form = match path {
+        [.., Step::Variant(name)] => form(name).map(Form::in_full),
         [.., Step::Variant(name), Step::Field(field)] => {
-            shape(name).and_then(|form| form.expects(field)).map(str::to_owned)
+            form(name).and_then(|form| form.expects(field)).map(str::to_owned)
         }
-        [.., Step::Variant(name), Step::Field(field), Step::Index(_)] => shape(name)
+        [.., Step::Variant(name), Step::Field(field), Step::Index(_)] => form(name)
             .and_then(|form| form.expects(field))
             .filter(|expected| [POINT, VECTOR].contains(expected))
             .map(|_| NUMBER.to_owned()),
         _ => None,
     };
-    if let Some(expected) = of_shape {
+    if let Some(expected) = of_form {
         return expected;
     }
     let expected = match path {
+        [.., Step::Key(_)] => return a_material(),
         [.., Step::Field("object")] | [.., Step::Field("objects") | Step::Variant("Group"), Step::Index(_)] => {
             return object();
         }
         [.., Step::Field("boundary")] => return boundaries("(..)", ", Transformed(..) or not"),
         [] => "Scene(image: .., camera: .., background: .., materials: .., objects: .., render: ..)",
+        [.., Step::Variant("Medium"), Step::Field("albedo")] => TEXTURE,
         [.., Step::Field(name)] => expected_field(name),
-        [.., Step::Key(_)] => MATERIAL,
         [.., Step::Variant(name)] => expected_variant(name),
         [.., Step::Field("by"), Step::Index(_)] => TRANSFORM,
         [.., Step::Variant("Solid"), Step::Index(_)] => "a colour in brackets: Solid((r, g, b))",
@@ -338,6 +338,12 @@ fn expected(path: &[Step<'_>]) -> String {
     expected.to_owned()
 }
 
+/// The forms of materials, textures and shapes.
+fn forms() -> impl Iterator<Item = &'static Form> {
+    let materials = Material::KINDS.iter().map(|kind| &kind.form);
+    materials.chain(Texture::KINDS.iter().map(|kind| &kind.form)).chain(KINDS.iter().map(|kind| &kind.form))
+}
+
 fn expected_field(name: &str) -> &'static str {
     match name {
         "image" => "(width: .., height: ..)",
@@ -348,12 +354,9 @@ fn expected_field(name: &str) -> &'static str {
         "vertical_fov" => "a number of degrees between 0 and 180",
         "degrees" => "a number of degrees",
         "background" => "a background: Solid((r, g, b)), Gradient(bottom: .., top: ..) or Image(path: ..)",
-        "bottom" | "top" | "even" | "odd" => COLOUR,
-        "path" => "a file's path in quotes",
+        "bottom" | "top" => COLOUR,
+        "path" => PATH,
         "materials" => "a map of materials: {\"name\": Lambertian(..), ..}",
-        "material" => "a material's name in quotes",
-        "albedo" | "emit" => TEXTURE,
-        "two_sided" => "true or false",
         "objects" => "a list of objects: [..]",
         "by" => "a list of transforms: [..]",
         "render" => "(samples: .., max_depth: ..)",
@@ -368,14 +371,6 @@ fn expected_variant(name: &str) -> &'static str {
         "Solid" => COLOUR,
         "Gradient" => "Gradient(bottom: .., top: ..)",
         "Image" => "Image(path: ..)",
-        "Rgb" => "Rgb(r, g, b)",
-        "Checker" => "Checker(scale: .., even: .., odd: ..)",
-        "Noise" => "Noise(scale: ..)",
-        "Marble" => "Marble(scale: ..)",
-        "Lambertian" => "Lambertian(albedo: ..)",
-        "Metal" => "Metal(albedo: .., fuzz: ..)",
-        "Dielectric" => "Dielectric(ior: ..)",
-        "DiffuseLight" => "DiffuseLight(emit: .., two_sided: ..)",
         "Transformed" => "Transformed(by: [..], object: ..)",
         "Group" => "a list of objects: [..]",
         "Medium" => "Medium(boundary: .., density: .., albedo: .., anisotropy: ..)",

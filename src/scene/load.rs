@@ -80,7 +80,7 @@ pub fn parse(mut text: String, path: &Path, progress: &mut OnProgress) -> Result
         materials: file.materials,
         objects: file.objects,
         render: file.render,
-        bitmaps: BTreeMap::new(),
+        bitmaps: Bitmaps::new(),
         meshes: BTreeMap::new(),
         source,
     };

@@ -34,7 +34,7 @@ pub struct Scene {
     pub objects: Vec<Object>,
     pub render: RenderDefaults,
     /// The decoded images, by their path as the scene file writes it.
-    pub bitmaps: BTreeMap<String, Bitmap>,
+    pub bitmaps: Bitmaps,
     /// The meshes, by their path as the scene file writes it.
     pub meshes: BTreeMap<String, Mesh>,
     source: Source,
@@ -113,14 +113,14 @@ impl Scene {
         debug_assert!(walked.is_ok(), "nothing in it fails");
     }
 
-    /// Where the material's texture stands in the scene file, or the material if it has none, and the path there.
-    pub fn spot_of_texture(&self, name: &str, material: &Material) -> (Location, String) {
+    /// Where what the material emits stands in the scene file, or the material if it emits nothing, and the path there.
+    pub fn spot_of_emission(&self, name: &str, material: &Material) -> (Location, String) {
         let top = self.top();
         let materials = top.field("materials");
         let at = materials.key(name);
         let at = at.variant(material.name());
-        match material.texture() {
-            Some(slot) => at.field(slot.field).spot(),
+        match material.model().emission() {
+            Some(emission) => at.field(emission.slot.field).spot(),
             None => at.spot(),
         }
     }
@@ -134,11 +134,6 @@ impl Scene {
     /// shows when objects are in their places is told by flattening.
     pub fn warnings(&self) -> Vec<String> {
         warn::warnings(self)
-    }
-
-    /// Whether a channel of an albedo is 1, so that nothing of it is absorbed.
-    pub fn is_white(&self, albedo: &Texture) -> bool {
-        warn::is_white(self, albedo)
     }
 
     /// The top of the scene file, from which the checks walk down.

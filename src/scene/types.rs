@@ -5,11 +5,10 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use serde::Deserialize;
 
+pub use crate::material::Material;
 use crate::shape::mesh::{self, MeshShape};
 use crate::shape::{Kind, Shape, cuboid, quad, sphere};
-
-/// A linear Rec. 709 colour: red, green, blue.
-pub type Colour = DVec3;
+pub use crate::texture::{Bitmap, Bitmaps, Colour, Texture, Use};
 
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -52,41 +51,6 @@ pub enum Background {
     Image {
         path: String,
     },
-}
-
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub enum Texture {
-    Rgb(f64, f64, f64),
-    Checker { scale: f64, even: Colour, odd: Colour },
-    Image { path: String },
-    Noise { scale: f64 },
-    Marble { scale: f64 },
-}
-
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub enum Material {
-    Lambertian {
-        albedo: Texture,
-    },
-    Metal {
-        albedo: Texture,
-        #[serde(default)]
-        fuzz: f64,
-    },
-    Dielectric {
-        ior: f64,
-    },
-    DiffuseLight {
-        emit: Texture,
-        #[serde(default = "yes")]
-        two_sided: bool,
-    },
-}
-
-fn yes() -> bool {
-    true
 }
 
 /// A rotation is right-handed about its axis and in degrees.
@@ -158,54 +122,6 @@ pub struct RenderDefaults {
 impl Default for RenderDefaults {
     fn default() -> Self {
         RenderDefaults { samples: 100, max_depth: 50 }
-    }
-}
-
-/// An image file of the scene, decoded: linear Rec. 709, row 0 on top.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Bitmap {
-    pub width: u32,
-    pub height: u32,
-    pub texels: Vec<[f32; 3]>,
-}
-
-/// What a texture's values mean, which is what bounds them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Use {
-    /// The share of light that is not absorbed: 0 to 1.
-    Albedo,
-    /// Light: 0, or 1e-30 to 1e30.
-    Radiance,
-}
-
-/// A material's texture, with the name of the field that holds it.
-#[derive(Clone, Copy, Debug)]
-pub struct Slot<'a> {
-    pub field: &'static str,
-    pub texture: &'a Texture,
-    pub usage: Use,
-}
-
-impl Material {
-    /// The variant's name, as the scene file writes it.
-    pub fn name(&self) -> &'static str {
-        match self {
-            Material::Lambertian { .. } => "Lambertian",
-            Material::Metal { .. } => "Metal",
-            Material::Dielectric { .. } => "Dielectric",
-            Material::DiffuseLight { .. } => "DiffuseLight",
-        }
-    }
-
-    /// The texture of the material, if its kind has one.
-    pub fn texture(&self) -> Option<Slot<'_>> {
-        let (field, texture, usage) = match self {
-            Material::Lambertian { albedo } => ("albedo", albedo, Use::Albedo),
-            Material::Metal { albedo, .. } => ("albedo", albedo, Use::Albedo),
-            Material::DiffuseLight { emit, .. } => ("emit", emit, Use::Radiance),
-            Material::Dielectric { .. } => return None,
-        };
-        Some(Slot { field, texture, usage })
     }
 }
 

@@ -13,9 +13,6 @@ use crate::shape::{KINDS, Kind};
 use crate::source::form::any;
 use crate::source::{LARGEST, Place, SMALLEST, length, number, parallel, vector};
 
-/// Largest radiance, and smallest other than zero: both are normal numbers in f32 too.
-const LARGEST_RADIANCE: f64 = 1e30;
-const SMALLEST_RADIANCE: f64 = 1e-30;
 const LARGEST_SIDE: u32 = 1 << 16;
 const LARGEST_AREA: u64 = 1 << 30;
 const MOST_SAMPLES: u32 = 1 << 31;
@@ -28,7 +25,7 @@ pub fn validate(scene: &Scene) -> Result<()> {
     camera(&top.field("camera"), &scene.camera)?;
     background(&top.field("background"), &scene.background)?;
     for (name, value) in &scene.materials {
-        material(&top.field("materials").key(name), value)?;
+        value.check(&top.field("materials").key(name))?;
     }
     objects(scene)?;
     render(&top.field("render"), &scene.render)
@@ -105,57 +102,14 @@ fn camera(at: &Place, camera: &Camera) -> Result<()> {
 
 fn background(at: &Place, background: &Background) -> Result<()> {
     match background {
-        Background::Solid(c) => colour(&at.variant("Solid"), *c, Use::Radiance),
+        Background::Solid(c) => Use::Radiance.check(&at.variant("Solid"), *c),
         Background::Gradient { bottom, top } => {
             let at = at.variant("Gradient");
-            colour(&at.field("bottom"), *bottom, Use::Radiance)?;
-            colour(&at.field("top"), *top, Use::Radiance)
+            Use::Radiance.check(&at.field("bottom"), *bottom)?;
+            Use::Radiance.check(&at.field("top"), *top)
         }
         Background::Image { .. } => Ok(()),
     }
-}
-
-fn material(at: &Place, material: &Material) -> Result<()> {
-    let at = at.variant(material.name());
-    if let Some(slot) = material.texture() {
-        texture(&at.field(slot.field), slot.texture, slot.usage)?;
-    }
-    match material {
-        Material::Metal { fuzz, .. } if !(0.0..=1.0).contains(fuzz) => {
-            Err(at.field("fuzz").unexpected("a fuzz from 0 to 1"))
-        }
-        Material::Dielectric { ior } => length(&at.field("ior"), "an ior", *ior),
-        _ => Ok(()),
-    }
-}
-
-fn texture(at: &Place, texture: &Texture, usage: Use) -> Result<()> {
-    match texture {
-        Texture::Rgb(r, g, b) => colour(&at.variant("Rgb"), DVec3::new(*r, *g, *b), usage),
-        Texture::Checker { scale, even, odd } => {
-            let at = at.variant("Checker");
-            length(&at.field("scale"), "a scale", *scale)?;
-            colour(&at.field("even"), *even, usage)?;
-            colour(&at.field("odd"), *odd, usage)
-        }
-        Texture::Image { .. } => Ok(()),
-        Texture::Noise { scale } => length(&at.variant("Noise").field("scale"), "a scale", *scale),
-        Texture::Marble { scale } => length(&at.variant("Marble").field("scale"), "a scale", *scale),
-    }
-}
-
-fn colour(at: &Place, colour: Colour, usage: Use) -> Result<()> {
-    for (index, channel) in colour.to_array().into_iter().enumerate() {
-        let expected = match usage {
-            Use::Albedo if !(0.0..=1.0).contains(&channel) => "an albedo from 0 to 1".to_owned(),
-            Use::Radiance if channel != 0.0 && !(SMALLEST_RADIANCE..=LARGEST_RADIANCE).contains(&channel) => {
-                format!("a radiance of 0 or from {SMALLEST_RADIANCE:e} to {LARGEST_RADIANCE:e}")
-            }
-            _ => continue,
-        };
-        return Err(at.index(index).unexpected(expected));
-    }
-    Ok(())
 }
 
 /// How far the transforms around an object can move and stretch it: x becomes at most `scale` x + `shift`.
@@ -203,12 +157,12 @@ fn object(known: &Known, at: &Place, object: &Object, reach: Reach) -> Result<()
             if *density != 0.0 {
                 length(&at.field("density"), "a density of 0 or", *density)?;
             }
-            if let Texture::Image { .. } = albedo {
+            if albedo.image().is_some() {
                 let message = "there are no texture coordinates inside a medium: expected Rgb(..), Checker(..), \
                                Noise(..) or Marble(..)";
                 return Err(at.field("albedo").error(message));
             }
-            texture(&at.field("albedo"), albedo, Use::Albedo)?;
+            albedo.check(&at.field("albedo"), Use::Albedo)?;
             if !(*anisotropy > -1.0 && *anisotropy < 1.0) {
                 return Err(at.field("anisotropy").unexpected("an anisotropy between -1 and 1, without these"));
             }
@@ -306,7 +260,7 @@ impl Known<'_> {
             let meant = meant.map_or(String::new(), |meant| format!("; did you mean {meant:?}?"));
             return Err(at.error(format!("there is no material {name:?}: {}{meant}", known(names()))));
         };
-        if let Some(Slot { texture: Texture::Image { .. }, .. }) = material.texture()
+        if material.textures().iter().any(|texture| texture.image().is_some())
             && let Some(shape) = object.shape(self.meshes)
         {
             return shape.check_image(above, name);

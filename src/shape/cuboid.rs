@@ -3,14 +3,16 @@
 use glam::{DMat3, DVec3, Vec3};
 
 use super::mesh::{Laid, MeshShape};
-use super::{AxisBox, Boundary, Element, Emitter, Geometry, Hull, Kind, Placement, Shape, Tables, error_bound, padded};
+use super::{
+    AxisBox, Boundary, Element, Emitter, Geometry, Hull, Kind, MATERIAL, Placement, Shape, Tables, error_bound, padded,
+};
 use crate::data::{self, f32s};
 use crate::error::Result;
 use crate::source::form::{Form, POINT};
 use crate::source::{Place, SMALLEST, vector};
 
 pub const KIND: Kind = Kind {
-    form: Form { name: "Box", fields: &[("min", POINT), ("max", POINT)], in_order: false },
+    form: Form { name: "Box", fields: &[("min", POINT), ("max", POINT), MATERIAL], in_order: false },
     shader: "cuboid",
     word: "box",
     sizes: &[("a side", "")],

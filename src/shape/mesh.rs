@@ -7,8 +7,8 @@ use glam::{DMat3, DVec3, Vec2, Vec3};
 
 pub use super::closed::OpenEdges;
 use super::{
-    AxisBox, Boundary, Element, Emitter, Geometry, Hull, Kind, Placement, Tables, binary_exponent, error_bound, exp2,
-    padded,
+    AxisBox, Boundary, Element, Emitter, Geometry, Hull, Kind, MATERIAL, Placement, Tables, binary_exponent,
+    error_bound, exp2, padded,
 };
 use crate::data::{self, KIND_TRIANGLE, NOT_SAMPLED, f32s, primitive_code};
 use crate::error::Result;
@@ -17,7 +17,7 @@ use crate::source::form::{Form, PATH};
 
 /// Rays meet the faces, whose files are those of the triangle.
 pub const KIND: Kind = Kind {
-    form: Form { name: "Mesh", fields: &[("path", PATH)], in_order: false },
+    form: Form { name: "Mesh", fields: &[("path", PATH), MATERIAL], in_order: false },
     shader: "triangle",
     word: "mesh",
     sizes: &[("a size", "")],

@@ -29,7 +29,7 @@ pub use sphere::Sphere;
 
 /// What all shapes of a kind have in common.
 pub struct Kind {
-    /// In the scene file, with its fields but for the material.
+    /// In the scene file.
     pub form: Form,
     /// Of its files under shaders/geometry and shaders/light.
     pub shader: &'static str,
@@ -48,6 +48,9 @@ pub struct Boundary {
     /// What is expected of it, before its name in the scene file.
     pub words: &'static str,
 }
+
+/// The field that all shapes have.
+const MATERIAL: (&str, &str) = ("material", "a material's name in quotes");
 
 /// The table that holds the elements of a kind on the device.
 pub struct Table {

@@ -5,14 +5,16 @@ use std::f64::consts::PI;
 use glam::{DMat3, DVec3, Vec3};
 
 use super::mesh::{Laid, MeshShape};
-use super::{AxisBox, Boundary, Element, Emitter, Geometry, Hull, Kind, Placement, Shape, Tables, error_bound, padded};
+use super::{
+    AxisBox, Boundary, Element, Emitter, Geometry, Hull, Kind, MATERIAL, Placement, Shape, Tables, error_bound, padded,
+};
 use crate::data;
 use crate::error::Result;
 use crate::source::form::{Form, NUMBER, POINT};
 use crate::source::{Place, length, vector};
 
 pub const KIND: Kind = Kind {
-    form: Form { name: "Sphere", fields: &[("center", POINT), ("radius", NUMBER)], in_order: false },
+    form: Form { name: "Sphere", fields: &[("center", POINT), ("radius", NUMBER), MATERIAL], in_order: false },
     shader: "sphere",
     word: "sphere",
     sizes: &[("a radius", "radius")],

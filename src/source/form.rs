@@ -42,3 +42,36 @@ pub fn any(all: impl Iterator<Item = String>) -> String {
     let all = all.collect::<Vec<_>>().join(", ");
     all.rsplit_once(", ").map_or(all.clone(), |(others, last)| format!("{others} or {last}"))
 }
+
+/// Lists the kinds of an enum's values. The number of a value, which kernels switch on, is the place of its kind in the list; a variant that
+/// the list lacks does not compile.
+macro_rules! kinds {
+    ($values:ident: $kind:ty; $($variant:ident => $about:expr),* $(,)?) => {
+        impl $values {
+            pub const KINDS: &[$kind] = &[$($about),*];
+            /// The names of their shader files.
+            const SHADERS: &[&str] = &[$($about.shader),*];
+
+            /// The place of the value's kind in the list.
+            pub fn number(&self) -> usize {
+                enum Number {
+                    $($variant),*
+                }
+                match self {
+                    $($values::$variant { .. } => Number::$variant as usize),*
+                }
+            }
+
+            pub fn kind(&self) -> &'static $kind {
+                &Self::KINDS[self.number()]
+            }
+
+            /// The variant's name, as the scene file writes it.
+            pub fn name(&self) -> &'static str {
+                self.kind().form.name
+            }
+        }
+    };
+}
+
+pub(crate) use kinds;

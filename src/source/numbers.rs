@@ -38,3 +38,11 @@ pub fn parallel(a: DVec3, b: DVec3) -> bool {
     let unit = |v: DVec3| (v / v.abs().max_element()).normalize();
     unit(a).cross(unit(b)).length() < SMALLEST_SINE
 }
+
+/// A number from 0 to 1.
+pub fn share(at: &Place, what: &str, x: f64) -> Result<()> {
+    if (0.0..=1.0).contains(&x) {
+        return Ok(());
+    }
+    Err(at.unexpected(format!("{what} from 0 to 1")))
+}

@@ -3,8 +3,8 @@
 use std::time::{Duration, Instant};
 
 use super::pace::median;
-use super::replicates::{Estimate, Pixels, Weights, noise, signed_bias, squared_bias};
-use super::sweep::{FEWEST_ROUNDS, LEVEL, SAMPLES_OF_ROUND, Sweep, coarsened};
+use super::replicates::{Estimate, FEWEST_ROUNDS, Pixels, Weights, noise, signed_bias, squared_bias};
+use super::sweep::{LEVEL, SAMPLES_OF_ROUND, Sweep, coarsened};
 use crate::error::Result;
 
 /// The most pixels of the images that are measured: more tell the same about the settings.

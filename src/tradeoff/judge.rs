@@ -3,11 +3,11 @@
 use super::extent::Whole;
 use super::model::{Falling, Model, Standing, Times, doubt, falling, standings};
 use super::pace::{Pace, paces};
-use super::replicates::{Estimate, Pixels, Weights, noise, signed_bias, squared_bias, sum_of};
-use super::sweep::{FEWEST_ROUNDS, LEVEL, LEVELS, Setting, Subject, Sweep, rounds_between};
+use super::replicates::{Estimate, FEWEST_ROUNDS, Pixels, Weights, noise, signed_bias, squared_bias, sum_of};
+use super::sweep::{LEVEL, LEVELS, Setting, Subject, Sweep, rounds_between};
 use super::truth::{Distance, Truth};
-use crate::knobs::Class;
 use crate::metrics::error::RELATIVE_FLOOR;
+use crate::options::Class;
 
 /// relMSE to reach.
 pub const TARGETS: [f64; 3] = [1e-1, 1e-2, 1e-3];

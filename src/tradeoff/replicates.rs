@@ -10,6 +10,9 @@ use crate::metrics::student;
 /// An image: linear radiance, row 0 on top.
 pub type Pixels = Vec<[f32; 3]>;
 
+/// The fewest rounds that tell anything.
+pub const FEWEST_ROUNDS: usize = 3;
+
 /// The probability of the intervals that are stated.
 pub const CONFIDENCE: f64 = 0.95;
 
@@ -179,7 +182,7 @@ impl Pairs {
     /// The jackknife over replicates (Efron and Stein, Annals of Statistics 9(3), 1981): its variance is never too small on the mean.
     fn jackknife(&self) -> Option<Estimate> {
         let n = self.0.len();
-        if n < super::sweep::FEWEST_ROUNDS {
+        if n < FEWEST_ROUNDS {
             return None;
         }
         let without: Vec<f64> = (0..n).map(|i| self.mean(Some(i))).collect();

@@ -7,7 +7,7 @@ use super::model::{Standing, doubt};
 use super::replicates::Estimate;
 use super::sweep::{LEVEL, Unmeasured};
 use super::truth::Distance;
-use crate::knobs::Class;
+use crate::options::Class;
 
 /// All that the report is made of.
 #[derive(Clone, Debug)]
@@ -57,8 +57,9 @@ pub struct Shown {
 }
 
 /// What a plot shows.
-pub const CAPTION: &str = "relMSE is the mean over pixels and channels of (error)² / (value² + 0.01): 1e-2 is noise of about 10 %. The lines are \
-                           bias² + c N^-p, by the measured bias and the noise at 4, 16 and 64 samples, the dots; one that ends level has a bias that no time removes.";
+pub const CAPTION: &str = "relMSE is the mean over pixels and channels of (error)² / (value² + 0.01); 1e-2 is noise of about 10 %. Each curve is \
+                           bias² + c N^-p, with the measured bias. The dots are the noise measured at 4, 16 and 64 samples. A curve that ends level \
+                           has a bias that no time removes.";
 /// The most curves that a plot has colours for.
 pub const MOST_CURVES: usize = 10;
 

@@ -3,13 +3,16 @@
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
-use super::replicates::Pixels;
+use super::replicates::{FEWEST_ROUNDS, Pixels};
+use crate::data;
 use crate::error::Result;
 use crate::film::Film;
-use crate::flatten::{Flat, Wish, flatten_with};
+use crate::flatten::flatten;
 use crate::gpu::device::Device;
-use crate::knobs::{Class, Knob};
-use crate::render::{Goal, Job, Next, Renderer, TuningWish, plan_for};
+use crate::job::{Goal, Job};
+use crate::options::{Class, Knob, RenderOptions};
+use crate::plan::Plan;
+use crate::render::{Next, Renderer};
 use crate::scene::Scene;
 
 /// Samples a pixel of the blocks of a round. The middle one is the one that biases are measured with.
@@ -17,8 +20,7 @@ pub const LEVELS: [u32; 3] = [4, 16, 64];
 /// The level of which every round has a block, as of the first; the last is dear, and has one in so many rounds.
 pub const LEVEL: u32 = LEVELS[1];
 const ROUNDS_OF_LAST: usize = 4;
-/// The fewest rounds that tell anything, and the most of a sweep.
-pub const FEWEST_ROUNDS: usize = 3;
+/// The most rounds of a sweep.
 pub const MOST_ROUNDS: usize = 32;
 /// How many rounds lie between two blocks of so many samples.
 pub fn rounds_between(samples: u32) -> usize {
@@ -37,7 +39,7 @@ pub struct Setting {
     pub knob: Option<&'static Knob>,
     /// The knob's value, as its option takes it.
     pub value: String,
-    pub wish: Wish,
+    pub options: RenderOptions,
     pub max_depth: u32,
     /// The image's sides over those of the sweep.
     pub scale: f64,
@@ -97,18 +99,22 @@ pub struct Sweep<'a> {
 }
 
 /// What a setting makes of a scene, where that decides its image and its speed.
+#[derive(PartialEq)]
 struct Linked {
-    flat: Flat,
-    max_depth: u32,
+    /// The kernels' shaders.
+    shaders: Vec<String>,
+    settings: data::Settings,
+    nodes: Vec<data::Node>,
+    radiance_exponent: i32,
 }
 
 impl Linked {
-    fn is(&self, other: &Linked) -> bool {
-        let bytes = |linked: &Linked| bytemuck::bytes_of(&linked.flat.settings).to_vec();
-        self.flat.features == other.flat.features
-            && bytes(self) == bytes(other)
-            && bytemuck::cast_slice::<_, u8>(&self.flat.nodes) == bytemuck::cast_slice::<_, u8>(&other.flat.nodes)
-            && self.max_depth == other.max_depth
+    fn of(plan: &Plan<'_>, max_depth: u32) -> Linked {
+        let shaders = plan.kernels().into_iter().map(|kernel| kernel.linked.text.clone()).collect();
+        let indirect_limit = plan.indirect_limit();
+        let settings = data::Settings { max_depth, indirect_limit, ..plan.scene.settings };
+        let nodes = plan.scene.nodes.clone();
+        Linked { shaders, settings, nodes, radiance_exponent: plan.scene.radiance_exponent }
     }
 }
 
@@ -155,7 +161,7 @@ impl<'a> Sweep<'a> {
 
     /// What no radiance of the scene is above, in its own units.
     pub fn brightest(&self) -> f64 {
-        self.defaults.as_ref().map_or(0.0, |defaults| 2f64.powi(defaults.flat.radiance_exponent))
+        self.defaults.as_ref().map_or(0.0, |defaults| 2f64.powi(defaults.radiance_exponent))
     }
 
     /// Another sweep of the same scene with the same seed, of nothing yet.
@@ -171,20 +177,15 @@ impl<'a> Sweep<'a> {
     fn compile(&mut self, setting: &Setting) -> Result<Option<Subject<'a>>> {
         let begin = Instant::now();
         let size = scaled(self.size, setting.scale);
-        let flat = flatten_with(self.scene, size, setting.wish)?;
-        let linked = Linked { flat, max_depth: setting.max_depth };
-        if let Some(defaults) = &self.defaults
-            && size == self.size
-            && linked.is(defaults)
-        {
+        let flat = flatten(self.scene, size, &setting.options)?;
+        let job = self.job(size, setting.max_depth, LEVEL, 0);
+        let plan = Plan::new(&flat, &setting.options, self.device.class(), &job)?;
+        let linked = Linked::of(&plan, setting.max_depth);
+        if size == self.size && self.defaults.as_ref() == Some(&linked) {
             return Ok(None);
         }
-        let flat = &linked.flat;
-        let job = self.job(size, setting.max_depth, LEVEL, 0);
-        let wish = TuningWish::default();
-        let plan = plan_for(flat, self.device.class(), &job, wish)?;
-        let renderer = Renderer::new(self.device, flat, &plan, &job, wish, false)?;
-        let film = Film::with_sampler(size.0, size.1, flat.radiance_exponent, flat.features.sampler)?;
+        let renderer = Renderer::new(self.device, &plan, &job, false)?;
+        let film = Film::with_sampler(size.0, size.1, flat.radiance_exponent, setting.options.sampler)?;
         let subject = Subject {
             setting: setting.clone(),
             renderer,

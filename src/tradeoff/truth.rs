@@ -2,8 +2,8 @@
 
 use super::replicates::{Estimate, Pixels, Weights, difference, distance, signed_bias, squared_mean, sum_of};
 use super::sweep::{Subject, Sweep};
-use crate::knobs::Class;
 use crate::metrics::error::{RELATIVE_FLOOR, relative_variance};
+use crate::options::Class;
 use crate::output::exr::ExrImage;
 
 /// An image and its own noise.

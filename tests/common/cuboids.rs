@@ -1,15 +1,12 @@
 //! Boxes of many sizes, what they are in f64, and rays at them.
 
-// Each test crate compiles its own copy of this file and uses a part of it.
-#![allow(dead_code)]
-
 use glam::{DMat3, DVec3};
 use gpu_rt::data::Cuboid;
 
-use crate::scenes::{flat, triple};
-use crate::stats::Random;
-use crate::trace::In;
-use crate::vectors::{U, decades, exact, unit};
+use super::scenes::{flat, triple};
+use super::stats::Random;
+use super::trace::In;
+use super::vectors::{U, decades, exact, unit};
 
 /// Boxes turned any way, with a longest edge of 1e-4 to 1e5 and, of half of them, the others down to 10^-`aspect` of it, their centres
 /// at distances from the origin of space within these decades of such an edge. Every fourth is not turned.

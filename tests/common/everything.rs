@@ -1,8 +1,5 @@
 //! A scene with everything in it, by its scale, place and brightness; and what it takes for two renders to be the same.
 
-// Each test crate compiles its own copy of this file and uses a part of it.
-#![allow(dead_code)]
-
 use gpu_rt::scene::Scene;
 use image::{Rgb, RgbImage};
 use tempfile::TempDir;

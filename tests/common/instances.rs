@@ -1,8 +1,5 @@
 //! Rays against instances of a ball of triangles, on the device: tests/shaders/meshes.wgsl.
 
-// Each test crate compiles its own copy of this file and uses a part of it.
-#![allow(dead_code)]
-
 use std::collections::HashMap;
 use std::fmt::Write;
 use std::path::Path;
@@ -10,11 +7,12 @@ use std::path::Path;
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use gpu_rt::flatten::{Flat, flatten};
+use gpu_rt::options::{Integrator, RenderOptions};
 use gpu_rt::plan::{Tables, choices_of};
 use gpu_rt::scene::Scene;
 
-use crate::kernel::{Kernel, Setup, array};
-use crate::scenes::triple;
+use super::kernel::{Kernel, Setup, array};
+use super::scenes::triple;
 
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
@@ -96,11 +94,12 @@ pub fn flat_around(eye: DVec3, mesh: &str, objects: &[String]) -> Flat {
     );
     let scene = Scene::parse(&text, &folder.path().join("test.ron")).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(scene.location(&[]).file, folder.path().join(Path::new("test.ron")));
-    flatten(&scene, (16, 16)).expect("the test's scene is small")
+    flatten(&scene, (16, 16), &RenderOptions { integrator: Integrator::Bsdf, ..RenderOptions::default() })
+        .expect("the test's scene is small")
 }
 
 pub fn kernel(flat: &Flat, faces: usize, replaced: &[(&str, &str)]) -> Kernel {
-    let plan = choices_of(&flat.features, &Tables::default());
+    let plan = choices_of(&flat.features, &RenderOptions::default(), &Tables::default());
     let (instances, faces) = (flat.shapes.instances.len().to_string(), faces.to_string());
     let values = [("instances", &*instances), ("faces", &*faces)];
     Kernel::with("test/meshes", &Setup { plan, values: &values, replaced, ..Setup::default() })

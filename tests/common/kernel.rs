@@ -2,9 +2,6 @@
 //! input on the device. A module `test/x` is tests/shaders/x.wgsl; every other name is the production file. A wrong form
 //! is planted by a module of tests/shaders/control that takes a production module's place.
 
-// Each test crate compiles its own copy of this file and uses a part of it.
-#![allow(dead_code)]
-
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::OnceLock;
@@ -17,7 +14,7 @@ use gpu_rt::gpu::link::{Choices, Embedded, Entry, Library, link};
 use gpu_rt::gpu::pipeline::{Pipeline, PipelineSpec};
 use gpu_rt::plan::SettingsLayout;
 
-use crate::device;
+use super::device;
 
 const WORKGROUP: u32 = 64;
 

@@ -1,8 +1,5 @@
 //! Scenes that span what a scene can require: each thing beside the least of the others, what works on each other in pairs, and all of it.
 
-// Each test crate compiles its own copy of this file and uses a part of it.
-#![allow(dead_code)]
-
 use gpu_rt::scene::Scene;
 use image::{Rgb, RgbImage};
 

@@ -1,15 +1,12 @@
 //! Directions towards lights on the device, by the kernel tests/shaders/light.wgsl; and spheres as lights in f64.
 
-// Each test crate compiles its own copy of this file and uses a part of it.
-#![allow(dead_code)]
-
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use gpu_rt::data::Sphere;
 
-use crate::kernel::{Kernel, Setup, array};
-use crate::stats::Random;
-use crate::vectors::{U, decades, exact, rounded, unit};
+use super::kernel::{Kernel, Setup, array};
+use super::stats::Random;
+use super::vectors::{U, decades, exact, rounded, unit};
 
 /// Draws for each configuration. Chi-square of 31 x 17 cells over 2^16 of them finds a density that is off by 6.6 % in the
 /// root mean square with a probability of 99.9 %.

@@ -1,13 +1,10 @@
 //! Functions of the shaders in f64.
 
-// Each test crate compiles its own copy of this file and uses a part of it.
-#![allow(dead_code)]
-
 use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use crate::vectors::U;
+use super::vectors::U;
 
 /// Share of unpolarised light that a boundary reflects, and the transmitted cosine, for cos^2 of the transmitted ray times
 /// eta^2 = `g2`: Fresnel's formulas as they stand (Born and Wolf, section 1.5.2).

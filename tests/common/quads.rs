@@ -1,15 +1,12 @@
 //! Quads of many sizes, and rays at them.
 
-// Each test crate compiles its own copy of this file and uses a part of it.
-#![allow(dead_code)]
-
 use glam::DVec3;
 use gpu_rt::data::Quad;
 
-use crate::scenes::{flat, triple};
-use crate::stats::Random;
-use crate::trace::In;
-use crate::vectors::{decades, exact, unit};
+use super::scenes::{flat, triple};
+use super::stats::Random;
+use super::trace::In;
+use super::vectors::{decades, exact, unit};
 
 pub fn quad_text(corner: DVec3, u: DVec3, v: DVec3) -> String {
     format!("Quad(corner: {}, u: {}, v: {}, material: \"m\")", triple(corner), triple(u), triple(v))

@@ -1,54 +1,49 @@
 //! Renders scenes through the library, as the program does: parse, flatten, plan, render, develop. On the software device.
 
-// Each test crate compiles its own copy of this file and uses a part of it.
-#![allow(dead_code)]
-
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use gpu_rt::data::{RUN_LENGTH, Sampler};
 use gpu_rt::film::{Film, Picture, UNKNOWN_VARIANCE};
-use gpu_rt::flatten::{Flat, Quality, Wish, flatten_with};
+use gpu_rt::flatten::{Flat, flatten};
 use gpu_rt::gpu::layout;
 use gpu_rt::gpu::link::{Choices, Embedded, Library, link};
-use gpu_rt::plan::{Bounce, Kernel, Plan, Staged, Tables};
-use gpu_rt::render::{Goal, Job, Next, Outcome, Renderer, TuningWish, tuning};
+use gpu_rt::job::{Goal, Job};
+use gpu_rt::options::{Integrator, RenderOptions, Scatter, Switch};
+use gpu_rt::plan::{Bounce, Kernel, Kernels, Plan, Staged};
+use gpu_rt::render::{Next, Outcome, Renderer};
 use gpu_rt::scene::Scene;
 
 use super::device::software;
 use super::stats::{sidak, student_two_sided};
 
-/// What is asked of a render; what is absent is the scene's own, or the device's choice.
-#[derive(Clone, Debug, Default)]
+/// What is asked of a render; what is absent is the scene's own.
+#[derive(Clone, Debug)]
 pub struct Ask {
     pub size: Option<(u32, u32)>,
     pub samples: Option<Range<u32>>,
     pub max_depth: Option<u32>,
     pub seed: u32,
-    pub wish: TuningWish,
-    /// Independent unless asked otherwise: most statistics of the tests take runs for independent.
-    pub sampler: Sampler,
-    /// Of the hierarchies.
-    pub quality: Quality,
-    /// Whether rays are sent to lights.
-    pub sample_lights: bool,
-    /// Whether dark paths are ended at random.
-    pub roulette: bool,
-    /// What approximates: Schlick's form, limited indirect light, rays that leave by a fraction of the distance, the textbook's spheres.
-    pub approximations: Approximations,
+    /// [`plain`] ones, unless asked otherwise.
+    pub options: RenderOptions,
     /// All of the scene's tables in storage bindings, also where the device would take small ones as uniforms.
     pub storage_tables: bool,
-    /// Kernels linked with everything that a scene can require.
-    pub every_feature: bool,
 }
 
-/// The settings that bias or are less exact, none of them by default.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Approximations {
-    pub schlick: bool,
-    pub clamp: Option<f64>,
-    pub fast_offset: bool,
-    pub fast_precision: bool,
+/// Scattered rays alone, independent samples, every path to its end: most statistics of the tests take runs for independent.
+pub fn plain() -> RenderOptions {
+    RenderOptions {
+        integrator: Integrator::Bsdf,
+        roulette: Switch::Off,
+        sampler: Sampler::Independent,
+        ..RenderOptions::default()
+    }
+}
+
+impl Default for Ask {
+    fn default() -> Ask {
+        Ask { size: None, samples: None, max_depth: None, seed: 0, options: plain(), storage_tables: false }
+    }
 }
 
 impl Ask {
@@ -60,13 +55,28 @@ impl Ask {
         Ask { seed, ..self }
     }
 
-    pub fn sobol(self) -> Ask {
-        Ask { sampler: Sampler::Sobol, ..self }
+    pub fn with(mut self, change: impl FnOnce(&mut RenderOptions)) -> Ask {
+        change(&mut self.options);
+        self
     }
 
-    /// Sending rays to lights.
+    pub fn sobol(self) -> Ask {
+        self.with(|options| options.sampler = Sampler::Sobol)
+    }
+
+    /// With light sampling.
     pub fn mis(self) -> Ask {
-        Ask { sample_lights: true, ..self }
+        self.with(|options| options.integrator = Integrator::Mis)
+    }
+
+    /// With Russian roulette.
+    pub fn roulette(self) -> Ask {
+        self.with(|options| options.roulette = Switch::On)
+    }
+
+    /// Its stages linked this way.
+    pub fn scatter(self, scatter: Scatter) -> Ask {
+        self.with(|options| options.scatter = Some(scatter))
     }
 
     pub fn size(self, width: u32, height: u32) -> Ask {
@@ -114,7 +124,7 @@ pub fn scene_in(folder: &Path, text: &str) -> Scene {
 
 /// What `gpu-rt check` warns of in the scene's objects as they are placed.
 pub fn dangers(scene: &Scene) -> Vec<String> {
-    let flat = flatten_with(scene, (scene.image.width, scene.image.height), Wish::default());
+    let flat = flatten(scene, (scene.image.width, scene.image.height), &plain());
     flat.expect("the scene flattens").warnings
 }
 
@@ -182,21 +192,7 @@ pub fn render_with(
     mut take: impl FnMut(Shot),
 ) {
     let size = ask.size.unwrap_or((scene.image.width, scene.image.height));
-    let Ask { sampler, sample_lights, roulette, .. } = *ask;
-    let Approximations { schlick, clamp, fast_offset, fast_precision } = ask.approximations;
-    let quality = ask.quality;
-    let wish = Wish {
-        quality,
-        sampler,
-        sample_lights,
-        roulette,
-        schlick,
-        clamp,
-        fast_offset,
-        fast_precision,
-        every_feature: ask.every_feature,
-    };
-    let mut flat = flatten_with(scene, size, wish).expect("the scene flattens");
+    let mut flat = flatten(scene, size, &ask.options).expect("the scene flattens");
     if let Some(change) = change.flat {
         change(&mut flat);
     }
@@ -211,22 +207,20 @@ pub fn render_with(
     let mut wanted = wanted.peekable();
     let (seed, samples) = wanted.peek().expect("something is asked for");
     let first = job(*seed, samples);
-    let class = device.class();
-    let scatter = tuning(class, &first, ask.wish).scatter;
-    let tables = match ask.storage_tables {
-        true => Tables::default(),
-        false => Tables::new(&flat, class.table_bytes()),
-    };
-    let mut plan = Plan::with_tables(&flat.features, scatter, &tables).expect("the kernels link");
-    relink(&mut plan, change);
-    let mut renderer =
-        Renderer::new(device, &flat, &plan, &first, ask.wish, false).expect("the kernels compile and the buffers fit");
+    let mut class = device.class();
+    if ask.storage_tables {
+        class.max_uniform_bytes = 0;
+    }
+    let mut plan = Plan::new(&flat, &ask.options, class, &first).expect("the kernels link");
+    relink(&mut plan.kernels, change);
+    let mut renderer = Renderer::new(device, &plan, &first, false).expect("the kernels compile and the buffers fit");
     for (seed, samples) in wanted {
         let job = job(seed, &samples);
-        let mut film = Film::with_sampler(size.0, size.1, flat.radiance_exponent, ask.sampler).expect("the film fits");
+        let mut film =
+            Film::with_sampler(size.0, size.1, flat.radiance_exponent, ask.options.sampler).expect("the film fits");
         let mut watch = Watchdog::new(job.max_depth);
         let outcome = renderer.run(&job, &mut film, &mut |film, _| watch.look(film)).expect("the device renders");
-        take(Shot { picture: film.develop(), film, outcome, sampler: ask.sampler });
+        take(Shot { picture: film.develop(), film, outcome, sampler: ask.options.sampler });
     }
 }
 
@@ -237,7 +231,7 @@ pub fn render_planted(scene: &Scene, ask: &Ask, library: &dyn Library) -> Shot {
 }
 
 /// Links the kernels of a plan another way.
-fn relink(plan: &mut Plan, change: &Change<'_>) {
+fn relink(plan: &mut Kernels, change: &Change<'_>) {
     if change.library.is_none() && change.choices.is_none() {
         return;
     }

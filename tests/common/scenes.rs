@@ -1,13 +1,11 @@
 //! Primitives as the host makes them for the device, from a scene's text.
 
-// Each test crate compiles its own copy of this file and uses a part of it.
-#![allow(dead_code)]
-
 use std::fmt::Write;
 use std::path::Path;
 
 use glam::DVec3;
 use gpu_rt::flatten::{Flat, flatten};
+use gpu_rt::options::{Integrator, RenderOptions};
 use gpu_rt::scene::Scene;
 
 /// `(x, y, z)`, to the last bit.
@@ -33,5 +31,6 @@ pub fn flat_with(camera: &str, size: (u32, u32), objects: &[String]) -> Flat {
     }
     text.push_str("])");
     let scene = Scene::parse(&text, Path::new("test.ron")).expect("the test's scene is valid");
-    flatten(&scene, size).expect("the test's scene is small")
+    flatten(&scene, size, &RenderOptions { integrator: Integrator::Bsdf, ..RenderOptions::default() })
+        .expect("the test's scene is small")
 }

@@ -1,9 +1,6 @@
 //! Statistics for tests: tail probabilities, and the tests built on them. A p-value is the probability of a deviation at least as large
 //! as the one seen if nothing were wrong; a test fails where it is below the false-alarm rate that the caller accepts.
 
-// Each test crate compiles its own copy of this file and uses a part of it.
-#![allow(dead_code)]
-
 /// Terms after which a continued fraction or series is taken as it is; they grow as the root of the degrees of freedom.
 const MAX_TERMS: u32 = 100_000;
 

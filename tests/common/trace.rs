@@ -1,14 +1,11 @@
 //! Rays against one primitive, on the device: tests/shaders/trace.wgsl.
 
-// Each test crate compiles its own copy of this file and uses a part of it.
-#![allow(dead_code)]
-
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
-use crate::kernel::{Kernel, Setup, array};
-use crate::stats::Random;
-use crate::vectors::rounded;
+use super::kernel::{Kernel, Setup, array};
+use super::stats::Random;
+use super::vectors::rounded;
 
 /// `NO_HIT` of shaders/data/hit.wgsl.
 pub const NO_HIT: f32 = -1.0;

@@ -1,14 +1,11 @@
 //! Rays against triangles, on the device: tests/shaders/triangle.wgsl.
 
-// Each test crate compiles its own copy of this file and uses a part of it.
-#![allow(dead_code)]
-
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
-use crate::kernel::{Kernel, Setup, array};
-use crate::stats::Random;
-use crate::vectors::{exact, rounded, unit};
+use super::kernel::{Kernel, Setup, array};
+use super::stats::Random;
+use super::vectors::{exact, rounded, unit};
 
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]

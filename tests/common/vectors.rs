@@ -1,11 +1,8 @@
 //! Vectors between the device's f32 and the oracles' f64, random directions, and quantiles.
 
-// Each test crate compiles its own copy of this file and uses a part of it.
-#![allow(dead_code)]
-
 use glam::DVec3;
 
-use crate::stats::Random;
+use super::stats::Random;
 
 /// 2^-24: the relative error of one correctly rounded operation in f32.
 pub const U: f64 = 1.0 / (1u32 << 24) as f64;

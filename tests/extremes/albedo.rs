@@ -1,9 +1,9 @@
 //! Rooms from which light finds out after a thousand events, or after none.
 
-use crate::kernel::Overlay;
-use crate::render::{Ask, Shot, render, render_planted, scene};
+use crate::common::kernel::Overlay;
+use crate::common::render::{Ask, Shot, render, render_planted, scene};
+use crate::common::vectors::U;
 use crate::table::{Cell, Row};
-use crate::vectors::U;
 
 /// Standard errors that a mean is off by once in 1e6.
 const NOISE: f64 = 4.9;
@@ -48,7 +48,7 @@ pub fn cells() -> Vec<Cell> {
             "albedo 0",
             "Radiance of a black wall in a lit room",
             0.0,
-            "What reflects nothing is black.",
+            "a surface that reflects nothing is black.",
         )
         .achieved(render(&scene(&room(0.0, 0.5)), &Ask::spp(16).mis()).mean_of_all().value[0]),
     ];
@@ -74,9 +74,10 @@ fn by_scattering() -> Vec<Cell> {
             Cell::new(
                 Row::Albedo,
                 format!("albedo {name}, lamp of r/R = {r}, depth 1000"),
-                "Relative error of the mean radiance in a closed room, by scattering alone",
+                "Relative error of the mean radiance in a closed room, without light sampling",
                 noise + (2.0 * events + 8.0) * U,
-                "Paths that are not cut bring a^k of the lamp, and k has the mean 4: the albedo's and a product's rounding for each event, 8 of a run's sum, 4.9 standard errors of (1 - a) k.",
+                "paths that are not cut bring a^k of the lamp, and k has the mean 4: the rounding of the albedo and of a product for \
+                 each event, 8 of a run's sum, and 4.9 standard errors of (1 - a) k.",
             )
             .achieved(error)
             // As if an albedo stopped at 0.999, that paths end.
@@ -99,7 +100,7 @@ fn shallow() -> Vec<Cell> {
                 format!("depth {depth}"),
                 "Relative error of the mean radiance in a closed room at a small depth",
                 noise + 8.0 * U,
-                "4.9 standard errors as the film tells them, a rounding for each event.",
+                "4.9 standard errors by the film, and a rounding for each event.",
             )
             .achieved(achieved)
             .planted("one event more", error(&at(depth as u32 + 1), expected).0)
@@ -119,9 +120,9 @@ fn deep() -> Vec<Cell> {
             Cell::new(
                 Row::Albedo,
                 format!("albedo {albedo}, lamp of (r/R)² = 0.001, depth 1000"),
-                "Relative error of the mean radiance in a closed room where paths are cut",
+                "Relative error of the mean radiance in a closed room where `max_depth` ends paths",
                 noise + 1000.0 * U,
-                "4.9 standard errors as the film tells them, a rounding for each event.",
+                "4.9 standard errors by the film, and a rounding for each event.",
             )
             .achieved(achieved)
             .planted("depth of 500", (shallow / expected - 1.0).abs())
@@ -135,7 +136,7 @@ fn roulette() -> Vec<Cell> {
     let unweighted = Overlay::new(&[("step/roulette", "test/control/roulette_unweighted")]);
     [0.1, 0.5, 0.9, 0.99]
         .map(|albedo| {
-            let ask = Ask { roulette: true, ..Ask::spp(256).mis() };
+            let ask = Ask::spp(256).mis().roulette();
             let scene = scene(&room(albedo, r));
             let expected = wall(albedo, r, 1000);
             let (achieved, noise) = error(&render(&scene, &ask), expected);
@@ -145,7 +146,7 @@ fn roulette() -> Vec<Cell> {
                 format!("albedo {albedo}, lamp of r/R = {r}, depth 1000"),
                 "Relative error of the mean radiance in a closed room, with light sampling and roulette",
                 noise + 1000.0 * U,
-                "4.9 standard errors as the film tells them, a rounding for each event.",
+                "4.9 standard errors by the film, and a rounding for each event.",
             )
             .achieved(achieved)
             .planted("survivors that are worth no more", error(planted, expected).0)
@@ -177,7 +178,7 @@ fn media() -> Vec<Cell> {
                 format!("albedo 1, optical depth {depth} across"),
                 "Largest error of a pixel of smoke that absorbs nothing, under a sky of radiance 1",
                 8.0 * U,
-                "All paths end at the sky and bring 1: the roundings of a run's sum.",
+                "the roundings of a run's sum, because all paths end at the sky and bring 1.",
             )
             .achieved(smoke(1.0, depth))
             .planted("albedo of 0.999", smoke(0.999, depth))

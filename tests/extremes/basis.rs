@@ -3,10 +3,10 @@
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
-use crate::kernel::{Kernel, Setup};
-use crate::stats::Random;
+use crate::common::kernel::{Kernel, Setup};
+use crate::common::stats::Random;
+use crate::common::vectors::{U, exact, rounded, unit};
 use crate::table::{Cell, FRISVAD, Row};
-use crate::vectors::{U, exact, rounded, unit};
 
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
@@ -45,7 +45,8 @@ fn beside(random: &mut Random, z: f64, across: f64) -> Vec<DVec3> {
 /// The table's cells of bases.
 pub fn cells() -> Vec<Cell> {
     const FIGURE: &str = "Largest deviation from unit lengths, right angles and a right-handed basis";
-    const BECAUSE: &str = "The vector's own length is off by 1.5 u, which the form passes on twice, and some roundings of numbers below 1: 8 u.";
+    const BECAUSE: &str =
+        "the vector's own length is off by 1.5 u, which counts twice, and some roundings of numbers below 1: 8 u.";
     let mut random = Random(52);
     let own = Kernel::new("test/basis");
     let replaced = [("lib/basis", "test/control/basis_frisvad")];
@@ -59,9 +60,9 @@ pub fn cells() -> Vec<Cell> {
         Cell::new(
             Row::Basis,
             "everywhere",
-            "Largest error of the place (1, 2, 3) of a basis",
+            "Largest error of the vector (1, 2, 3) in a basis",
             16.0 * U,
-            "Three products of up to 3, and their sums: 16 u.",
+            "three products of up to 3, and their sums: 16 u.",
         )
         .achieved(worst(&own, &everywhere).1),
     ];

@@ -7,15 +7,16 @@ use glam::{DVec3, Vec3};
 use gpu_rt::bvh::{self, Bounds, Quality};
 use gpu_rt::data::{PRIMITIVE_BIT, Sphere};
 use gpu_rt::flatten::Flat;
+use gpu_rt::options::RenderOptions;
 use gpu_rt::plan::{Tables, choices_of};
 
+use crate::common::kernel::{Kernel, Overlay, Setup, array};
+use crate::common::render::{Ask, dangers, render, render_planted, scene_in};
+use crate::common::scenes::flat;
+use crate::common::stats::Random;
+use crate::common::vectors::{U, decades, exact, rounded, unit};
 use crate::geometry::{farthest, scene};
-use crate::kernel::{Kernel, Overlay, Setup, array};
-use crate::render::{Ask, dangers, render, render_planted, scene_in};
-use crate::scenes::flat;
-use crate::stats::Random;
 use crate::table::{Cell, Row};
-use crate::vectors::{U, decades, exact, rounded, unit};
 
 const MILLION: usize = 1 << 20;
 
@@ -35,8 +36,8 @@ fn few() -> Vec<Cell> {
     [("0", "", 1.0), ("1", one, 0.5)]
         .map(|(range, objects, expected)| {
             let shot = render(&scene(CAMERA, 1.0, objects), &Ask::spp(64));
-            let figure = "Farthest from the light of the sky, or from what a convex body of albedo 0.5 has of it";
-            let because = "Every path brings the same: none.";
+            let figure = "Largest difference from the light of the sky, or from that of a convex body of albedo 0.5";
+            let because = "none, because every path brings the same light.";
             Cell::new(Row::Objects, range, figure, 0.0, because).achieved(farthest(&shot, expected))
         })
         .into()
@@ -71,9 +72,9 @@ fn in_one_place(name: &str, count: usize, body: &str) -> Cell {
     Cell::new(
         Row::Objects,
         format!("{count} coincident {name}"),
-        "Farthest from the image of the one that stands first in the file",
+        "Largest difference from the image of the object that stands first in the file",
         0.0,
-        "Of two hits at one distance the first in the file wins: none.",
+        "none, because of two hits at one distance the first in the file wins.",
     )
     .achieved(differ(pixels(count, "grey")))
     .planted("image of another of them", differ(pixels(count, "both")))
@@ -89,7 +90,7 @@ fn too_many(count: usize, body: &str) -> Cell {
         format!("{count} coincident meshes"),
         "Share of samples that are cut short; `check` may warn instead",
         0.0,
-        "A walk may take 48,000 steps where a driver limits loops, and 262,144 elsewhere: none there.",
+        "none: a walk may take 48,000 steps where a driver limits loops, and 262,144 elsewhere.",
     )
     .achieved(totals.rejected.cut as f64 / totals.paths as f64)
     .told(dangers(&scene))
@@ -137,9 +138,9 @@ fn triangles() -> Cell {
     Cell::new(
         Row::Objects,
         "2^20 triangles of a mesh",
-        "Light that gets lost between them, at most",
+        "Largest share of light that is lost between two triangles",
         0.0,
-        "A ray that meets an edge meets one of its two triangles: none.",
+        "none, because a ray through an edge hits one of its two triangles.",
     )
     .achieved(farthest(&shot, 1.0))
 }
@@ -183,7 +184,7 @@ fn spheres() -> Cell {
     let one = flat(&["Sphere(center: (0, 0, -2), radius: 1, material: \"m\")".to_string()]);
     let mut features = one.features.clone();
     features.stack_size = tree.stack_size.max(1);
-    let plan = choices_of(&features, &Tables::default());
+    let plan = choices_of(&features, &RenderOptions::default(), &Tables::default());
     let values = [("spheres", "0"), ("quads", "0"), ("cuboids", "0")];
     let kernel = Kernel::with("test/walk", &Setup { plan, values: &values, ..Setup::default() });
     let walk = |nodes: &[gpu_rt::data::Node]| -> Vec<[[u32; 4]; 2]> {
@@ -218,9 +219,9 @@ fn spheres() -> Cell {
     Cell::new(
         Row::Objects,
         "2^20 spheres",
-        "Rays of 128 whose nearest hit is not that of asking every sphere in f64",
+        "Rays of 128 whose nearest hit differs from that of testing every sphere in f64",
         0.0,
-        "The hierarchy's boxes are widened by the rounding that the walk does: none.",
+        "none, because the hierarchy's boxes are widened by the rounding of the walk.",
     )
     .achieved(wrong(&found))
     .planted("boxes a sixth too small", wrong(&walk(&smaller)))

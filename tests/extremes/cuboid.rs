@@ -1,11 +1,11 @@
 //! geometry/cuboid: rays that leave boxes, at all angles.
 
-use crate::cuboids::{Exact, assorted, error_of, rays_at};
-use crate::kernel::Kernel;
-use crate::stats::Random;
+use crate::common::cuboids::{Exact, assorted, error_of, rays_at};
+use crate::common::kernel::Kernel;
+use crate::common::stats::Random;
+use crate::common::trace::{NO_HIT, leaving, trace, tracer};
+use crate::common::vectors::{U, decades, exact};
 use crate::table::{Cell, NO_OFFSET, OFFSET_BY_BITS, Row};
-use crate::trace::{NO_HIT, leaving, trace, tracer};
-use crate::vectors::{U, decades, exact};
 
 /// Rays that met a box and leave it, out and in, at cosines with the face's normal within these decades: those that left to the
 /// wrong side, those of the rays outwards that met it again, and of those inwards whose chord was lost or off by 10 %.
@@ -47,7 +47,7 @@ fn leave(kernel: &Kernel, aspect: f64, place: (f64, f64), cosines: (f64, f64)) -
 /// The table's cells of boxes.
 pub fn cells() -> Vec<Cell> {
     const BECAUSE: &str =
-        "The offset is above the bound of the point's error, and below a tenth of the chords judged: none.";
+        "none, because the offset exceeds the bound of the point's error, and is below a tenth of the tested chords.";
     let own = tracer("cuboid", &[]);
     let without = tracer("cuboid", &[("geometry/offset", "test/control/offset_none")]);
     let by_bits = tracer("cuboid", &[("geometry/offset", "test/control/offset_by_bits")]);
@@ -56,7 +56,7 @@ pub fn cells() -> Vec<Cell> {
         for (name, place) in [("up to 1", (-2.0, 0.0)), ("1e2", (1.9, 2.1)), ("1e4", (3.9, 4.1))] {
             let range = format!("edges down to 1e-{aspect} of the longest, {name} edges from the origin");
             let figure =
-                "Boxes: rays of 10 000 that met their own box again or lost their chord inside, cosines from 0.05 to 1";
+                "Boxes: rays of 10 000 that hit their own box again or lost their chord inside, cosines from 0.05 to 1";
             let (aspect, cosines) = (f64::from(aspect), (-1.3, 0.0));
             let mut cell = Cell::new(Row::Leaving, range, figure, 0.0, BECAUSE)
                 .achieved(leave(&own, aspect, place, cosines))
@@ -71,7 +71,7 @@ pub fn cells() -> Vec<Cell> {
         let decade = f64::from(exponent);
         let cosines = (-decade - 1.0, -decade);
         let range = format!("1e-{} to 1e-{exponent}", exponent + 1);
-        let figure = "Boxes by the cosine at which rays leave: rays of 10 000 that met their own box again or lost their chord inside";
+        let figure = "Boxes by the cosine of the leaving ray: rays of 10 000 that hit their own box again or lost their chord inside";
         all.push(
             Cell::new(Row::Grazing, range, figure, 0.0, BECAUSE)
                 .achieved(leave(&own, 1.0, (-2.0, 1.0), cosines))

@@ -58,9 +58,9 @@ pub fn cells() -> Vec<Cell> {
         Cell::new(
             Row::Degenerate,
             *what,
-            "Scenes that are taken, or refused without the object's line and field",
+            "Scenes that are accepted, or refused without the object's line and field",
             0.0,
-            "Nothing can be shown: none.",
+            "none, because such a scene shows nothing.",
         )
         .achieved(taken(object, wrong))
         .planted("the same with a number that is allowed", taken(object, right))

@@ -3,14 +3,13 @@
 use bytemuck::{Pod, Zeroable};
 use gpu_rt::data::{ODD_RUN, RUN_LENGTH, Settings};
 use gpu_rt::film::{Film, RunRecord};
-use gpu_rt::plan::Scatter;
-use gpu_rt::render::TuningWish;
+use gpu_rt::options::Scatter;
 
-use crate::kernel::{Kernel, Overlay, Setup};
-use crate::render::{Ask, render_planted, scene};
-use crate::stats::Random;
+use crate::common::kernel::{Kernel, Overlay, Setup};
+use crate::common::render::{Ask, render_planted, scene};
+use crate::common::stats::Random;
+use crate::common::vectors::U;
 use crate::table::{Cell, MEAN_OF_SQUARES, RUNNING_SUM, Row};
-use crate::vectors::U;
 
 /// Samples that are made; they are added again and again, for a billion differences would show nothing that these do not.
 const DISTINCT: usize = 1 << 20;
@@ -116,10 +115,10 @@ fn means() -> Vec<Cell> {
             let cell = Cell::new(
                 Row::Samples,
                 format!("{name}, {}", of.0),
-                "Relative error of a pixel's mean, runs summed by a kernel",
+                "Relative error of a pixel's mean, with runs summed by a kernel",
                 1e-7,
-                "Asked for. A run's sum is off by 6e-8 at most, by nothing where its samples are equal and else by chance, which a mean of \
-                 many runs evens out; sums of runs are exact; the picture rounds by 6e-8 at most.",
+                "the required accuracy. A run's sum is off by at most 6e-8: by nothing if its samples are equal, and otherwise at \
+                 random, which averages out over many runs. Sums of runs are exact. The picture rounds by at most 6e-8.",
             )
             .achieved(mean_error(samples, count, 0));
             let exact = samples.iter().map(|x| f64::from(*x)).sum::<f64>() * (part / DISTINCT) as f64;
@@ -135,9 +134,9 @@ fn means() -> Vec<Cell> {
             Cell::new(
                 Row::Samples,
                 format!("1e9, uniform in 0..2^{exponent}"),
-                "Relative error of a pixel's mean, of radiance far from 1",
+                "Relative error of a pixel's mean, with a radiance far from 1",
                 1e-7,
-                "The unit is a power of two: the same digits.",
+                "the unit is a power of two, so the digits are the same.",
             )
             .achieved(mean_error(&samples[1], MANY, exponent)),
         );
@@ -157,13 +156,17 @@ fn constants() -> Vec<Cell> {
         let error = |(run, x): (&RunRecord, &f32)| (f64::from(run.sum[0]) / (8.0 * f64::from(*x)) - 1.0).abs();
         sums.iter().zip(&of_runs).map(error).fold(0.0, f64::max)
     };
-    let of_render = |library: &Overlay, wish: TuningWish| {
+    let of_render = |library: &Overlay, scatter: Option<Scatter>| {
         let text = format!(
             "Scene(image: (width: 1, height: 1), background: Solid(({WORST:?}, {WORST:?}, {WORST:?})),
              camera: (look_from: (0, 0, 0), look_at: (0, 0, -1), vertical_fov: 40), materials: {{ \"m\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5)) }},
              objects: [Sphere(center: (0, 0, 9), radius: 1, material: \"m\")])"
         );
-        let shot = render_planted(&scene(&text), &Ask { wish, ..Ask::spp(BEYOND_F32 as u32) }, library);
+        let shot = render_planted(
+            &scene(&text),
+            &Ask::spp(BEYOND_F32 as u32).with(|options| options.scatter = scatter),
+            library,
+        );
         shot.picture.rgb[0].map(|x| (f64::from(x) / WORST - 1.0).abs()).into_iter().fold(0.0, f64::max)
     };
     let mut all = vec![
@@ -172,22 +175,21 @@ fn constants() -> Vec<Cell> {
             "8, a million constants",
             "Relative error of a run whose samples are all equal, summed by a kernel",
             0.0,
-            "Eight times a number is one, and the sum of a run is off by less than would take it to another: none.",
+            "none, because eight times a number is a number of f32, and the sum of a run is off by less than the distance to the next one.",
         )
         .achieved(worst(&[]))
         .planted(PLAIN_NAME, worst(PLAIN)),
     ];
     for (name, scatter) in [("one kernel", Scatter::Fused), ("a kernel a stage", Scatter::Linked)] {
-        let wish = TuningWish { scatter: Some(scatter), ..TuningWish::default() };
         let cell = Cell::new(
             Row::Samples,
             format!("2^24 + 1, a sky of {WORST}; {name}"),
             "Relative error of a rendered pixel whose samples are all equal",
             1e-7,
-            "Asked for. All runs but the last, of one sample, have eight: none.",
+            "none, as required: all runs have eight samples, except the last with one.",
         )
-        .achieved(of_render(&Overlay::new(&[]), wish));
-        all.push(cell.planted(PLAIN_NAME, of_render(&Overlay::new(PLAIN), wish)));
+        .achieved(of_render(&Overlay::new(&[]), Some(scatter)));
+        all.push(cell.planted(PLAIN_NAME, of_render(&Overlay::new(PLAIN), Some(scatter))));
     }
     all
 }
@@ -225,7 +227,8 @@ fn variances() -> Vec<Cell> {
             format!("2^20, mean 1, spread 1e-{exponent}"),
             "Relative error of a pixel's variance",
             limit,
-            "With r the rounding of a mean within a run, 2^-22/sqrt(3) at most, over the deviation of a sample: r² + 10 r / sqrt(n) of n samples.",
+            "r² + 10 r / sqrt(n) for n samples, with r the rounding of a mean within a run, at most 2^-22/sqrt(3), over the deviation \
+             of a sample.",
         );
         all.push(cell.achieved((found / expected - 1.0).abs()).planted(MEAN_OF_SQUARES, naive_error));
     }

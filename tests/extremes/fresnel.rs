@@ -3,11 +3,11 @@
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
-use crate::kernel::{Kernel, Setup};
-use crate::oracles::{fresnel, fresnel_of};
-use crate::stats::Random;
+use crate::common::kernel::{Kernel, Setup};
+use crate::common::oracles::{fresnel, fresnel_of};
+use crate::common::stats::Random;
+use crate::common::vectors::{U, decades, exact, rounded, unit};
 use crate::table::{Cell, Row, SCHLICK};
-use crate::vectors::{U, decades, exact, rounded, unit};
 
 /// Reflectance and refracted ray by the formulas as they stand in books.
 const TEXTBOOK: &str = "textbook's Fresnel";
@@ -188,7 +188,7 @@ pub fn cells() -> Vec<Cell> {
             "η = 1",
             "Reflectance, and change of the cosine, at an index of 1",
             0.0,
-            "What has the index of its surroundings is not there.",
+            "a body with the index of its surroundings is invisible.",
         )
         .achieved(at_one(&own))
         .planted(SCHLICK, at_one(&schlick)),
@@ -211,7 +211,7 @@ pub fn cells() -> Vec<Cell> {
             let cell_of_bound = cell(
                 "Largest error of the reflectance over its bound, cosines from 1e-4 and on both sides of total reflection",
                 1.0,
-                "The bound is what 2 u of η² - 1 and 4 u of the squared cosine do to it, and 32 u of itself (`allowed`).",
+                "the bound is the effect of 2 u of η² - 1 and of 4 u of the squared cosine, and 32 u of itself (`allowed`).",
                 &|v| v.reflectance,
             );
             all.push(by_textbook(cell_of_bound.planted(SCHLICK, of_schlick.reflectance), &|v| v.reflectance));
@@ -230,7 +230,8 @@ pub fn cells() -> Vec<Cell> {
                 cell(
                     "Largest |R + T - 1| over its bound",
                     1.0,
-                    "T from the shader's own transmitted cosine; the bound is that of R, and what the cosine's makes of T.",
+                    "T is computed from the shader's own transmitted cosine; the bound is that of R, and the effect of the cosine's \
+                     bound on T.",
                     &|v| v.sum,
                 )
                 .planted(SCHLICK, of_schlick.sum),
@@ -238,7 +239,8 @@ pub fn cells() -> Vec<Cell> {
             let cell = cell(
                 "Largest residual of Snell's law, η sin θ' - sin θ as vectors, or error of the refracted ray or its cosine, over its bound",
                 1.0,
-                "The transmitted cosine's bound by what 2 u of η² - 1 and 4 u of c² do to it and 8 u of itself; 8 u of a sum of three products and `normalize`.",
+                "the bound of the transmitted cosine is the effect of 2 u of η² - 1 and 4 u of c², and 8 u of itself; 8 u of a sum of \
+                 three products and `normalize`.",
                 &|v| v.snell.max(v.direction).max(v.cos),
             );
             all.push(by_textbook(cell, &|v| v.snell.max(v.direction).max(v.cos)));
@@ -246,9 +248,10 @@ pub fn cells() -> Vec<Cell> {
                 let cell = Cell::new(
                     Row::Index,
                     &range,
-                    "How far from the edge of total reflection, as a share of the squared cosine there, a ray was decided wrongly",
+                    "Distance from the edge of total reflection, as a share of the squared cosine there, at which a ray was decided \
+                     wrongly",
                     3.0 * U,
-                    "η² - 1 and c² are off by u each and their sum has the sign of the exact one.",
+                    "η² - 1 and c² are off by u each, and their sum has the sign of the exact sum.",
                 )
                 .achieved(edge(&own, &etas));
                 // From 2 on nothing cancels in it.

@@ -5,12 +5,12 @@ use std::f64::consts::PI;
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
-use crate::kernel::{Kernel, Setup};
-use crate::oracles::metal_density;
-use crate::render::{Ask, render, scene};
-use crate::stats::Random;
+use crate::common::kernel::{Kernel, Setup};
+use crate::common::oracles::metal_density;
+use crate::common::render::{Ask, render, scene};
+use crate::common::stats::Random;
+use crate::common::vectors::{U, decades, exact, rounded, unit};
 use crate::table::{Cell, Row};
-use crate::vectors::{U, decades, exact, rounded, unit};
 
 const FUZZES: [f64; 9] = [0.0, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0];
 const DRAWS: usize = 1 << 17;
@@ -162,7 +162,7 @@ pub fn cells() -> Vec<Cell> {
         let found = cell(
             "Largest error of a direction, times |m + fuzz b|, cosines 1e-4 to 1",
             16.0 * U + (8.0 * U + 2f64.powi(-18)) * fuzz,
-            "A dot product and twice its multiple and normalize, twice: 16 u. The point b: 8 u, and exp2 and log2 by 2^-18 of it.",
+            "twice a dot product, twice its multiple and a normalize: 16 u. The point b: 8 u, and exp2 and log2 by 2^-18 of it.",
         )
         .achieved(direction_error(fuzz, &[]));
         all.push(match fuzz {
@@ -176,9 +176,10 @@ pub fn cells() -> Vec<Cell> {
         if fuzz < 1.0 {
             all.push(
                 cell(
-                    "Relative error of a mirror's radiance in a room that shines everywhere, with light sampling",
+                    "Relative error of a mirror's radiance in a room that emits everywhere, with light sampling",
                     noise + 16.0 * U,
-                    "4.9 standard errors of 16 384 samples whose deviation is fuzz/2 at most: a ray to a light meets the lobe with a probability of fuzz²/4 and brings half at most; the roundings of sums and weights.",
+                    "4.9 standard errors of 16 384 samples with a deviation of at most fuzz/2: a shadow ray hits the lobe with a \
+                     probability of fuzz²/4 and brings at most half; the roundings of sums and weights.",
                 )
                 .achieved(achieved),
             );
@@ -196,7 +197,7 @@ pub fn cells() -> Vec<Cell> {
             cell(
                 "Relative error of the lobe's mean square angle, 2^17 draws",
                 noise + (8.0 * U / fuzz).powi(2) * 2.5,
-                "4.9 standard errors, and the directions' own rounding of 8 u, squared, over the lobe's 2/5 fuzz².",
+                "4.9 standard errors, and the rounding of directions of 8 u, squared, over the lobe's 2/5 fuzz².",
             )
             .achieved(lobe_error(&drawn, &row).abs())
             .planted(SPHERE, lobe_error(&sphere, &row).abs()),
@@ -206,7 +207,8 @@ pub fn cells() -> Vec<Cell> {
         let cell = cell(
             "Largest error of the density over its peak, within 0.9 of the lobe",
             34.0 * U / fuzz + 32.0 * U,
-            "The sine to the mirrored ray is off by 16 u, which moves sqrt(fuzz² - sin²) by 2.1 times that at most; 32 u of the formula.",
+            "the sine of the angle to the mirrored ray is off by 16 u, which moves sqrt(fuzz² - sin²) by at most 2.1 times that; 32 u \
+             of the formula.",
         )
         .achieved(density_error(&drawn, &row));
         let known = fuzz < 1e-2;
@@ -227,7 +229,7 @@ pub fn cells() -> Vec<Cell> {
                 &range,
                 "Error of the absorbed share, at a cosine of half the fuzz, 2^17 draws",
                 NOISE * 0.37 / (DRAWS as f64).sqrt() + 0.57 * 8.0 * U / fuzz,
-                "4.9 standard errors of a share of 0.16, and the height's rounding of 8 u by the slope of (2 + h)(1 - h)²/4.",
+                "4.9 standard errors of a share of 0.16, and the height's rounding of 8 u times the slope of (2 + h)(1 - h)²/4.",
             )
             .achieved(below(&own))
             .planted(SPHERE, below(&of_sphere)),

@@ -6,14 +6,14 @@ use glam::{DMat3, DVec3, EulerRot};
 use gpu_rt::data::Sphere;
 use gpu_rt::scene::{Background, Scene};
 
-use crate::instances::ball_file;
-use crate::kernel::Kernel;
-use crate::render::{Ask, Shot, dangers, render, scene_in};
-use crate::scenes::{flat, triple};
-use crate::stats::Random;
+use crate::common::instances::ball_file;
+use crate::common::kernel::Kernel;
+use crate::common::render::{Ask, Shot, dangers, render, scene_in};
+use crate::common::scenes::{flat, triple};
+use crate::common::stats::Random;
+use crate::common::trace::{In, NO_HIT, trace, tracer};
+use crate::common::vectors::{U, exact, unit};
 use crate::table::{Cell, FIXED_T_MIN, OFFSET_BY_BITS, Row};
-use crate::trace::{In, NO_HIT, trace, tracer};
-use crate::vectors::{U, exact, unit};
 
 /// A scene of materials "clear" (glass of index 1), "lamp" (1 on its outside, black inside), "both" (1 on both sides), "grey" (a
 /// Lambertian of 0.5), "mirror", "glass", and "weak" glass that traps no light in boxes; with the mesh "ball.obj" beside it.
@@ -181,9 +181,10 @@ pub fn gaps() -> Vec<Cell> {
             let cell = Cell::new(
                 Row::Gap,
                 format!("1e-{exponent} between {}", pair.name),
-                "Light of a lamp lost behind a clear surface in front of it, at most",
+                "Largest share of a lamp's light that is lost behind a clear surface in front of it",
                 0.0,
-                "The ray that leaves the front starts off it by a bound of some u of its place and size, less than the gap: none.",
+                "none, because the ray that leaves the front is offset by a bound of some u of its position and size, which is less \
+                 than the gap.",
             );
             // The inner one is inside the outer one only where it is smaller.
             if gap < 0.01 || !pair.name.contains("0.01") {
@@ -194,24 +195,26 @@ pub fn gaps() -> Vec<Cell> {
         let cell = Cell::new(
             Row::Gap,
             format!("1e-{} between {}", pair.least, pair.name),
-            "Light of a lamp that passes a grey surface in front of it, at most",
+            "Largest share of a lamp's light that passes a grey surface in front of it",
             0.0,
-            "Distances to both are off by less than the gap: none.",
+            "none, because the distances to both are off by less than the gap.",
         );
         all.push(cell.achieved(farthest(&shot(gap, "grey", "lamp"), 0.0)));
         for exponent in pair.least + 1..=7 {
             let gap = 10f64.powi(-exponent);
             let cell = |figure| {
                 let range = format!("1e-{exponent} between {}", pair.name);
-                Cell::new(Row::Gap, range, figure, 0.0, "As if f32 held the gap.")
+                Cell::new(Row::Gap, range, figure, 0.0, "as if f32 resolved the gap.")
             };
-            let lost = "Light of a lamp lost behind a clear surface in front of it, nearer than f32 holds, at most; `check` may warn instead";
+            let lost = "Largest share of a lamp's light that is lost behind a clear surface in front of it, with a gap that f32 does \
+                        not resolve; `check` may warn instead";
             // Of meshes those are told that are in one place within rounding, and not all that are nearer than rays start.
             if exponent == 7 || !pair.name.contains("meshes") {
                 let cut = cell(lost).achieved(farthest(&shot(gap, "clear", "lamp"), 1.0));
                 all.push(cut.told(dangers(&of(gap, "clear", "lamp"))));
             }
-            let passes = "Light of a lamp that passes a grey surface in front of it, nearer than f32 holds, at most; `check` may warn instead";
+            let passes = "Largest share of a lamp's light that passes a grey surface in front of it, with a gap that f32 does not \
+                          resolve; `check` may warn instead";
             let cut = cell(passes).achieved(farthest(&shot(gap, "grey", "lamp"), 0.0));
             all.push(cut.told(dangers(&of(gap, "grey", "lamp"))));
         }
@@ -252,9 +255,9 @@ pub fn gaps_by_rays() -> Vec<Cell> {
             let cell = Cell::new(
                 Row::Gap,
                 format!("1e-{exponent} between {name}"),
-                "Rays of 1000 that go on behind the first of two surfaces and miss the second",
+                "Rays of 1000 that leave the first of two surfaces and miss the second",
                 0.0,
-                "As of the scenes: none.",
+                "as for the scenes: none.",
             );
             let mut cell = cell.achieved(lost(kind, &[]));
             if exponent >= 4 {
@@ -314,8 +317,8 @@ pub fn distances() -> Vec<Cell> {
                 format!("D/r = 1e{exponent}{place}"),
                 "Spheres in scenes: error of the mean of an image of a grey ball in the sky",
                 5.0 * noise + blur * silhouette / 16.0,
-                "Five standard errors of the 40 pixels on the edge, and in general position the rounding of directions, u D radii, where the \
-                 view is too wide to have axes of its own.",
+                "five standard errors of the 40 pixels on the edge; in general position also the rounding of directions, u D radii, if \
+                 the view is too wide for axes of its own.",
             );
             all.push(cell.achieved((shot.mean_of_all().value[0] - expected).abs()));
         }
@@ -329,9 +332,9 @@ pub fn distances() -> Vec<Cell> {
         let cell = Cell::new(
             Row::Distance,
             format!("D/r = 1e{exponent}, in general position, 40 degrees"),
-            "Spheres in scenes: views too wide to hold their outline that `check` does not warn of",
+            "Spheres in scenes: views too wide to resolve their outline that `check` does not warn of",
             0.0,
-            "The outline is off by 2 u D, more than a tenth of the radius: none.",
+            "none, because the outline is off by 2 u D, more than a tenth of the radius.",
         );
         all.push(cell.achieved(untold(exponent)).planted("D/r = 1e4, which is no danger", untold(4)));
     }
@@ -350,10 +353,11 @@ pub fn distances() -> Vec<Cell> {
         let cell = Cell::new(
             Row::Distance,
             format!("D/r = 1e{exponent}"),
-            "Spheres in scenes: relative error of what a mirror ball shows above less what it shows below, in a sky from 0 to 1",
+            "Spheres in scenes: relative error of the difference between the upper and the lower half of a mirror ball, in a sky from 0 \
+             to 1",
             0.03 + 10.0 / distance,
-            "Five standard errors: values in the ball spread by 0.3 at most, 0.13 over the image; 2^17 samples a half. And the sky around \
-             the ball, up to 2 r/D above the horizon: 10 r/D of the difference.",
+            "five standard errors: values in the ball spread by at most 0.3, and by 0.13 over the image; 2^17 samples per half. And the \
+             sky around the ball, up to 2 r/D above the horizon: 10 r/D of the difference.",
         );
         all.push(cell.achieved(((half(0..8) - half(8..16)) / expected - 1.0).abs()));
     }
@@ -372,9 +376,9 @@ pub fn radii() -> Vec<Cell> {
         let cell = Cell::new(
             Row::Radius,
             format!("r = 1e{exponent}"),
-            "Grey balls seen from 4 radii, beside a lamp of radius 1 as bright as the sky: farthest from half of that",
+            "Grey balls seen from 4 radii, beside a lamp of radius 1 as bright as the sky: largest difference from half of that light",
             0.0,
-            "Every path meets the ball once and the light next: none.",
+            "none, because every path hits the ball once and the light next.",
         );
         all.push(cell.achieved(farthest(&shot, 0.5)));
     }
@@ -386,7 +390,8 @@ pub fn radii() -> Vec<Cell> {
             format!("r = 1e{exponent}"),
             "Ground spheres from a height h of 1.2345: largest relative error of the distance within 45 degrees of straight down; from 1e5 on `check` may warn instead",
             (4.0 * U * (ground.radius / HEIGHT + 1.0) * std::f64::consts::SQRT_2 + 16.0 * U).min(0.01),
-            "The centre and the radius are rounded, and the length of o - c by 2 u: 4 u (r + h) of the height, over the cosine, and at most a hundredth.",
+            "centre and radius are rounded, and the length of o - c by 2 u: 4 u (r + h) of the height, over the cosine, and at most a \
+             hundredth.",
         );
         let larger: Vec<Sphere> =
             ground.spheres.iter().map(|sphere| Sphere { radius: sphere.radius * (1.0 + 2e-6), ..*sphere }).collect();
@@ -481,9 +486,11 @@ pub fn grazing() -> Vec<Cell> {
             let cell = Cell::new(
                 Row::Grazing,
                 format!("1e-{exponent}{place}"),
-                "Floors in scenes, by the angle at which the eye sees them: farthest from half of the sky's light on the floor, and from all of it above",
+                "Floors in scenes, by the angle of the view: largest difference from half of the sky's light on the floor, and from all \
+                 of it above",
                 0.0,
-                "Heights are exact relative to themselves; the edge reaches out by 1/64 of the floor at most, a tenth of a row: none.",
+                "none, because heights are exact relative to themselves, and the edge reaches out by at most 1/64 of the floor, a tenth \
+                 of a row.",
             );
             all.push(cell.achieved(off(0..11, 1.0).max(off(12..16, 0.5))));
         }
@@ -524,9 +531,10 @@ pub fn grazing() -> Vec<Cell> {
         let cell = Cell::new(
             Row::Grazing,
             format!("1e-{exponent}"),
-            "Floors in scenes, by the angle at which light reaches them: relative error of their light",
+            "Floors in scenes, by the angle of the light: relative error of their light",
             0.012,
-            "Five standard errors: cosines spread by 0.29 of their mean, 2^14 samples; and what the lamp's distance varies by over the floor.",
+            "five standard errors: cosines spread by 0.29 of their mean, 2^14 samples; and the change of the lamp's distance over the \
+             floor.",
         );
         all.push(cell.achieved((shot.mean_of_all().value[0] / expected - 1.0).abs()));
     }
@@ -573,9 +581,9 @@ fn on_surfaces() -> Vec<Cell> {
         let cell = Cell::new(
             Row::CameraInside,
             format!("on {name}"),
-            "The eye on a surface, looking away from it: farthest from the light of the sky",
+            "The camera on a surface, looking away from it: largest difference from the light of the sky",
             0.0,
-            "A hit at a distance of 0 is none: none.",
+            "none, because a hit at a distance of 0 does not count.",
         );
         all.push(cell.achieved(farthest(&shot, 1.0)));
     }
@@ -590,9 +598,9 @@ fn on_surfaces() -> Vec<Cell> {
             let cell = Cell::new(
                 Row::CameraInside,
                 format!("1e-{exponent} above {name}"),
-                "The eye above a grey surface of size 1, looking down: farthest from half of the sky's light",
+                "The camera above a grey surface of size 1, looking down: largest difference from half of the sky's light",
                 0.0,
-                "Every path meets it once and the sky next: none.",
+                "none, because every path hits it once and the sky next.",
             );
             all.push(cell.achieved(farthest(&shot, 0.5)));
         }
@@ -607,9 +615,9 @@ fn inside_glass() -> Vec<Cell> {
         let cell = Cell::new(
             Row::CameraInside,
             range,
-            "The eye inside glass in a sky of 1: farthest from 1",
+            "The camera inside glass in a sky of 1: largest difference from 1",
             0.0,
-            "Every path comes out in the end, with all of its light: none.",
+            "none, because every path comes out in the end with all of its light.",
         );
         all.push(cell.achieved(farthest(&shot, 1.0)));
     };
@@ -641,9 +649,9 @@ fn inside_media() -> Vec<Cell> {
         let cell = Cell::new(
             Row::CameraInside,
             format!("in a ball of fog of optical radius 2, 1e-{exponent} below its surface"),
-            "The eye inside a medium of albedo 1 in a sky of 1: farthest from 1",
+            "The camera inside a medium of albedo 1 in a sky of 1: largest difference from 1",
             0.0,
-            "Every path comes out in the end, with all of its light: none.",
+            "none, because every path comes out in the end with all of its light.",
         );
         all.push(cell.achieved(farthest(&shot, 1.0)));
     }

@@ -1,10 +1,10 @@
 //! Rays that leave an instance of a mesh, whatever transform placed it.
 
-use crate::instances::{In, NOTHING, ball_file, flat_around, kernel, run};
-use crate::scenes::triple;
-use crate::stats::Random;
+use crate::common::instances::{In, NOTHING, ball_file, flat_around, kernel, run};
+use crate::common::scenes::triple;
+use crate::common::stats::Random;
+use crate::common::vectors::{exact, rounded, unit};
 use crate::table::{Cell, NO_OFFSET, Row};
-use crate::vectors::{exact, rounded, unit};
 use glam::DVec3;
 
 /// Rays at a ball of so many units, placed by a transform so far from the eye: how many of those that leave it again met the face that they
@@ -70,9 +70,10 @@ pub fn cells() -> Vec<Cell> {
         let cell = Cell::new(
             Row::Leaving,
             format!("scaled by {size:e}, {place:e} from the eye"),
-            "Instances: rays of 10 000 that met the face or the ball that they left, or lost its inside",
+            "Instances: rays of 10 000 that hit the face or the ball that they left, or lost its inside",
             0.0,
-            "The error within the mesh, and 16 u of the place in it for the way to render space and back (geometry/instance): none.",
+            "none, because the offset exceeds the error within the mesh, and 16 u of the position in it for the transforms \
+             (geometry/instance).",
         )
         .achieved(leave(size, place, &[]));
         let planted = [("geometry/offset", "test/control/offset_none")];

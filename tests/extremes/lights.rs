@@ -5,13 +5,13 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use gpu_rt::data::Sphere;
 
-use crate::kernel::{Overlay, array};
-use crate::light_kernel::{DRAWS, In, Out, SHARES, SPHERE, cone, draws, kernel, spheres};
-use crate::render::{Ask, Shot, render, render_planted, scene};
-use crate::scenes::triple;
-use crate::stats::mean_and_variance;
+use crate::common::kernel::{Overlay, array};
+use crate::common::light_kernel::{DRAWS, In, Out, SHARES, SPHERE, cone, draws, kernel, spheres};
+use crate::common::render::{Ask, Shot, render, render_planted, scene};
+use crate::common::scenes::triple;
+use crate::common::stats::mean_and_variance;
+use crate::common::vectors::{U, exact};
 use crate::table::{Cell, ONE_MINUS_COS, Row};
-use crate::vectors::{U, exact};
 
 /// Standard errors that a mean is off by once in 1e6.
 const NOISE: f64 = 4.9;
@@ -100,7 +100,7 @@ fn irradiances() -> Vec<Cell> {
         let cell = Cell::new(
             Row::LightSize,
             range(share),
-            "Spheres: relative error of the irradiance that 2^16 directions and densities give",
+            "Spheres: relative error of the irradiance from 2^16 sampled directions and densities",
             noise + density_bound(height) + 32.0 * U,
             "4.9 standard errors, the density's bound, and 32 u of the narrower cone and the directions.",
         )
@@ -111,11 +111,13 @@ fn irradiances() -> Vec<Cell> {
             let (limit, because) = match share > 0.9999 {
                 true => (
                     DRAWS as f64 / 1000.0,
-                    "none, or 1 in 1000 within 1e-4 of contact, where the limb's distance hardly changes",
+                    "none, or 1 in 1000 within 1e-4 of contact, where the distance of the limb hardly changes.",
                 ),
-                false => (0.0, "none, or 1 in 1000 within 1e-4 of contact, where the limb's distance hardly changes"),
+                false => {
+                    (0.0, "none, or 1 in 1000 within 1e-4 of contact, where the distance of the limb hardly changes.")
+                }
             };
-            let figure = "Spheres: directions of 2^16 that miss the light that they were drawn towards";
+            let figure = "Spheres: sampled directions of 2^16 that miss the light";
             all.push(Cell::new(Row::LightSize, range(share), figure, limit, because).achieved(missed));
         }
     }
@@ -177,7 +179,8 @@ fn floors() -> Vec<Cell> {
                     format!("r/D = {share:e}, {sides}"),
                     "Relative error of a floor below a sphere, rendered with light sampling",
                     noise + 64.0 * U + 1e-7,
-                    "4.9 standard errors as the film tells them, but for lights so far that all directions have one cosine; the point and the centre by 8 u, squared; the view's width.",
+                    "4.9 standard errors by the film, except for lights so far away that all directions have the same cosine; point and \
+                     centre by 8 u, squared; the width of the view.",
                 )
                 .achieved(error(mean));
             // A ray that arrives by its direction's last digit meets any side.
@@ -230,9 +233,9 @@ fn radiances() -> Vec<Cell> {
             Cell::new(
                 Row::Radiance,
                 format!("emission 1e{exponent}"),
-                "Largest relative error of a pixel in a closed room that absorbs nothing, by scattering alone",
+                "Largest relative error of a pixel in a closed room that absorbs nothing, without light sampling",
                 12.0 * U,
-                "Every path brings the lamp's radiance: its rounding, 8 sums of a run, the picture's.",
+                "every path brings the lamp's radiance: its rounding, the 8 sums of a run, and the picture's rounding.",
             )
             .achieved(off(&shot, emit)),
         );
@@ -246,7 +249,7 @@ fn radiances() -> Vec<Cell> {
                 format!("emission 1e{exponent}"),
                 "Relative error of such a room's mean with light sampling",
                 noise / emit + 16.0 * U,
-                "4.9 standard errors of 4096 samples, whose deviation is below the radiance.",
+                "4.9 standard errors of 4096 samples with a deviation below the radiance.",
             )
             .achieved((mean / emit - 1.0).abs()),
         );
@@ -271,9 +274,9 @@ fn rooms() -> Vec<Cell> {
                 Cell::new(
                     Row::Radiance,
                     range,
-                    "Largest relative error of a pixel in a room whose neighbour shines with 1e20",
+                    "Largest relative error of a pixel in a room beside a light of radiance 1e20",
                     12.0 * U + rounding,
-                    "As in a room alone, and half of the film's step of 2^-88 of the brightest thing for each sum of 8.",
+                    "as in a room alone, and half of the film's unit of 2^-88 of the brightest light for each sum of 8.",
                 )
                 .achieved(off(&shot, emit)),
             );
@@ -283,9 +286,9 @@ fn rooms() -> Vec<Cell> {
                 Cell::new(
                     Row::Radiance,
                     range,
-                    "Radiance in a room whose neighbour shines more than 2^92 times as bright",
+                    "Radiance in a room beside a light more than 2^92 times as bright",
                     0.0,
-                    "The sum of 8 is below half of the film's step of 2^-88, and rounds to 0: the room is black.",
+                    "the sum of 8 is below half of the film's unit of 2^-88, and rounds to 0: the room is black.",
                 )
                 .achieved(brightest),
             );

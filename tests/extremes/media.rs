@@ -5,11 +5,11 @@ use std::f64::consts::PI;
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
-use crate::kernel::{Kernel, Overlay, Setup};
-use crate::render::{Ask, dangers, render, render_planted, scene};
-use crate::stats::{Random, chi_square, mean_and_variance, sidak};
+use crate::common::kernel::{Kernel, Overlay, Setup};
+use crate::common::render::{Ask, dangers, render, render_planted, scene};
+use crate::common::stats::{Random, chi_square, mean_and_variance, sidak};
+use crate::common::vectors::{U, decades, exact, rounded, unit};
 use crate::table::{Cell, LOG_OF_ONE_MINUS, Row};
-use crate::vectors::{U, decades, exact, rounded, unit};
 
 /// Standard errors that a mean is off by once in 1e6.
 const NOISE: f64 = 4.9;
@@ -77,9 +77,10 @@ fn depths_of_words() -> Vec<Cell> {
             let cell = Cell::new(
                 Row::OpticalDepth,
                 format!("τ = {:e}..{:e}", edges[i], edges[i + 1]),
-                "Largest error of an optical depth that is drawn, over its bound",
+                "Largest error of a sampled optical depth, over its bound",
                 1.0,
-                "Below 0.01 the series' 4 u of it; above, WGSL's promise of the logarithm: 2^-21 up to 0.7, 6 u of it beyond, and the rounding of 1 - U.",
+                "below 0.01 the series' 4 u of it; above, WGSL's promise of the logarithm: 2^-21 up to 0.7, 6 u of it beyond, and the \
+                 rounding of 1 - U.",
             )
             .achieved(own[i]);
             // Around 1 it has as many digits.
@@ -121,9 +122,9 @@ fn shares() -> Vec<Cell> {
         let cell = Cell::new(
             Row::OpticalDepth,
             format!("{what} τ = {limit:e}"),
-            "Relative error of the share of light that is scattered before τ (below), or not before (above)",
+            "Relative error of the share of light that scatters before τ (below), or not before τ (above)",
             NOISE * noise,
-            "4.9 standard errors of 2^16 draws from a part of all 2^48 numbers of which a quarter to all count.",
+            "4.9 standard errors of 2^16 samples from a part of all 2^48 numbers, of which between a quarter and all count.",
         )
         .achieved(error.abs());
         // One word puts all of the 6e-8 that lie below its first step at 0, and knows nothing beyond 16.6.
@@ -137,9 +138,9 @@ fn shares() -> Vec<Cell> {
         Cell::new(
             Row::OpticalDepth,
             "τ = 33.3..1e8",
-            "Error of the share of light that gets through, where no depth that is drawn reaches",
+            "Error of the transmittance beyond the largest depth that can be sampled",
             1.01 * 2f64.powi(-48),
-            "The last of 2^48 numbers, and WGSL's logarithm.",
+            "the last of 2^48 numbers, and WGSL's logarithm.",
         )
         .achieved(farthest(&[]))
         .planted(LOG_OF_ONE_MINUS, farthest(ONE_WORD)),
@@ -159,7 +160,7 @@ fn free_paths() -> Vec<Cell> {
             Cell::new(
                 Row::OpticalDepth,
                 what,
-                "Relative error of a moment of 2^20 depths",
+                "Relative error of a moment of 2^20 sampled depths",
                 NOISE * deviation / (DRAWS as f64).sqrt(),
                 "4.9 standard errors; those of τ and τ² are 1 and sqrt(5) of their means.",
             )
@@ -199,7 +200,7 @@ fn black_slabs() -> Vec<Cell> {
             Cell::new(
                 Row::OpticalDepth,
                 format!("τ = {depth:e}, k = {k}"),
-                "Error of the share of light that gets through a slab that absorbs, rendered with the lowest 2^-k of all random numbers",
+                "Error of the transmittance of a slab that absorbs, rendered with the lowest 2^-k of all random numbers",
                 NOISE * (expected * (1.0 - expected) / SAMPLES).sqrt() + 2f64.powi(k) * (8.0 * U * depth * (-depth).exp() + 2f64.powi(-48)),
                 "1 - 2^k (1 - exp(-τ)): 4.9 standard errors of 65 536 paths, the depth by 8 u, and the last of 2^48 numbers.",
             )
@@ -233,7 +234,7 @@ fn bright_slabs() -> Vec<Cell> {
     let expected = 1.0 - (1.0 - ALBEDO).sqrt() * h_of_one(ALBEDO);
     // Dark paths are ended, or each would go on for a thousand events.
     let shot = |depth, distance, thickness| {
-        render(&scene(&slab(depth, ALBEDO, distance, thickness)), &Ask { roulette: true, ..Ask::spp(64) }).mean_of_all()
+        render(&scene(&slab(depth, ALBEDO, distance, thickness)), &Ask::spp(64).roulette()).mean_of_all()
     };
     let mut all = Vec::new();
     for (distance, thickness) in [(1.0, 1.0), (30.0, 1.0), (1.0, 0.01)] {
@@ -252,7 +253,8 @@ fn bright_slabs() -> Vec<Cell> {
                     format!("τ = {depth:.1e} in {thickness} seen from {distance}: s = {s:e}"),
                     "Relative error of the radiance of a thick slab that scatters, rendered",
                     NOISE * mean.variance[0].sqrt() / expected + 3.0 * s,
-                    "4.9 standard errors as the film tells them. The distance, its product and the sum round by u R each: a place is off by 3 s mean free paths, by which share less or more gets out.",
+                    "4.9 standard errors by the film. The distance, its product and the sum round by u R each: a position is off by 3 s \
+                     mean free paths, and the transmitted share changes by as much.",
                 )
                 .achieved((mean.value[0] / expected - 1.0).abs()),
             );
@@ -267,9 +269,9 @@ fn bright_slabs() -> Vec<Cell> {
                     "τ = 1e8 in {thickness} seen from {distance}: s = {:.1}",
                     1e8 * U * (distance + thickness) / thickness
                 ),
-                "Relative error of such a slab where the last digit of a place is many mean free paths; `check` may warn instead",
+                "Relative error of such a slab if the last digit of a position is many mean free paths; `check` may warn instead",
                 NOISE * mean.variance[0].sqrt() / expected + 0.01,
-                "4.9 standard errors, and a hundredth: f32 cannot hold it.",
+                "4.9 standard errors, and a hundredth: f32 cannot resolve it.",
             )
             .achieved((mean.value[0] / expected - 1.0).abs())
             .told(told),
@@ -390,7 +392,7 @@ fn cosines() -> Vec<Cell> {
             range(g),
             "Largest error of the new direction's cosine and length, over its bound",
             1.0,
-            "26 u of the cosine, 16 u of basis, sum and normalize, 8 u of the point on the circle. 8 u of the length.",
+            "26 u of the cosine, 16 u of basis, sum and normalize, 8 u of the point on the circle; 8 u of the length.",
         )
         .achieved(own[1]);
         all.push(if g.abs() == 1e-8 { cell.planted(TEXTBOOK, textbook[1]) } else { cell });
@@ -440,9 +442,9 @@ fn directions() -> Vec<Cell> {
             Cell::new(
                 Row::Anisotropy,
                 range(g),
-                "Digits of the p-value of 2^18 directions, by chi-square of 61 x 7 cells",
+                "Digits of the p-value of 2^18 directions, by a chi-square test of 61 x 7 cells",
                 digits(sidak(1e-6, tests)),
-                "A false alarm in 1e6 over all of them.",
+                "a false alarm in 1e6 over all cells.",
             )
             .achieved(digits(p_for(g)))
             .planted("g off by 0.02, or by 5 % of 1 - |g|", digits(p_for(other))),
@@ -455,7 +457,7 @@ fn directions() -> Vec<Cell> {
                 range(g),
                 "Error of the mean cosine of 2^18 directions",
                 NOISE * ((1.0 - g * g) / 3.0 / DRAWS as f64).sqrt() + 16.0 * U,
-                "The mean cosine is g. 4.9 standard errors of cosines whose variance is (1 - g²)/3.",
+                "the mean cosine is g: 4.9 standard errors of cosines with the variance (1 - g²)/3.",
             )
             .achieved((mean - g).abs()),
         );
@@ -523,7 +525,8 @@ fn densities() -> Vec<Cell> {
                 range(g),
                 "Largest relative error of the density of a direction",
                 32.0 * U + 1.5 * (4.0 * U / less).powi(2),
-                "Denominator 8 u, to the power 3/2, and quotient: 32 u; the vectors are unit to 2 u each, which counts by its square over (1 - |g|)².",
+                "the denominator by 8 u, to the power 3/2, and the quotient: 32 u; the vectors have unit length to 2 u each, which \
+                 counts by its square over (1 - |g|)².",
             )
             .achieved(own[0]),
             0,
@@ -535,7 +538,7 @@ fn densities() -> Vec<Cell> {
                     range(g),
                     "Error of the density's integral over the sphere",
                     32.0 * U + 3.0 * 4.0 * U / less,
-                    "As above, and directions that are rounded by 4 u, over 1 - |g| where the density is steepest.",
+                    "as above, and directions that are rounded by 4 u, over 1 - |g| where the density is steepest.",
                 )
                 .achieved(own[1]),
                 1,

@@ -4,14 +4,15 @@ use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use gpu_rt::data::PRIMITIVE_BIT;
 use gpu_rt::flatten::flatten;
+use gpu_rt::options::RenderOptions;
 use gpu_rt::plan::{Tables, choices_of};
 
-use crate::kernel::{Kernel, Setup, array};
-use crate::oracles::{NOISE_ERROR, perlin, turbulence};
-use crate::render::scene;
-use crate::stats::Random;
+use crate::common::kernel::{Kernel, Setup, array};
+use crate::common::oracles::{NOISE_ERROR, perlin, turbulence};
+use crate::common::render::scene;
+use crate::common::stats::Random;
+use crate::common::vectors::{exact, rounded, unit};
 use crate::table::{Cell, Row};
-use crate::vectors::{exact, rounded, unit};
 
 const LINEAR: (&str, &str) = ("lib/perlin", "test/control/perlin_linear");
 const PLANTED: &str = "truncated cells, no fade, a period of 255";
@@ -60,14 +61,18 @@ fn values() -> Vec<Cell> {
             cell(
                 "Largest error of Perlin noise",
                 NOISE_ERROR,
-                "Eight products of a weight and a dot product below 1.8, some ten roundings each; the weights' sum is 1.",
+                "eight products of a weight and a dot product below 1.8, some ten roundings each; the sum of the weights is 1.",
             )
             .achieved(found[0]),
             0,
         ));
         all.push(planted(
-            cell("Largest error of turbulence, seven octaves", 2.0 * NOISE_ERROR, "Octave i adds 2^-i of that.")
-                .achieved(found[1]),
+            cell(
+                "Largest error of turbulence, seven octaves",
+                2.0 * NOISE_ERROR,
+                "octave i adds 2^-i of the error above.",
+            )
+            .achieved(found[1]),
             1,
         ));
     }
@@ -103,7 +108,7 @@ fn seams() -> Vec<Cell> {
             format!("p up to {reach:e}, {step:.0e} to each side"),
             "Largest error of the step of Perlin noise across a plane between cells",
             2.0 * NOISE_ERROR,
-            "The errors of two values.",
+            "the errors of two values.",
         );
         all.push(cell.achieved(worst(&own)).planted(PLANTED, worst(&linear)));
     }
@@ -143,7 +148,7 @@ fn far_objects() -> Vec<Cell> {
              materials: {{\"m\": Lambertian(albedo: Noise(scale: {SCALE}))}}, objects: [{}])",
             objects.join(", ")
         ));
-        let flat = flatten(&scene, (16, 16)).expect("the test's scene is small");
+        let flat = flatten(&scene, (16, 16), &crate::common::render::plain()).expect("the test's scene is small");
         let to_render = f64::from(flat.shapes.spheres[0].radius);
         let (mut rays, mut places) = (Vec::new(), Vec::new());
         for (index, center) in (0u32..).zip(&centers) {
@@ -158,7 +163,7 @@ fn far_objects() -> Vec<Cell> {
                 places.push((*center, n));
             }
         }
-        let plan = choices_of(&flat.features, &Tables::default());
+        let plan = choices_of(&flat.features, &RenderOptions::default(), &Tables::default());
         let kernel = Kernel::with("test/colour", &Setup { plan, ..Setup::default() });
         let buffers = [
             array("spheres", &flat.shapes.spheres),
@@ -185,9 +190,9 @@ fn far_objects() -> Vec<Cell> {
         let cell = Cell::new(
             Row::Noise,
             format!("object {far:e} from the origin of its space"),
-            "Largest error of a noise texture on a sphere that lies far out in its own space",
-            0.5 * (10.0 * (SCALE * 16.0 + 256.0) * crate::vectors::U + NOISE_ERROR),
-            "A slope of 10 at most, times the error of the place: 16 u on the sphere and u of the 256 to which the host reduces it.",
+            "Largest error of a noise texture on a sphere that is far from the origin of its own space",
+            0.5 * (10.0 * (SCALE * 16.0 + 256.0) * crate::common::vectors::U + NOISE_ERROR),
+            "a slope of at most 10, times the error of the position: 16 u on the sphere, and u of the 256 to which the host reduces it.",
         )
         .achieved(worst(false));
         all.push(if far >= 1e6 { cell.planted("place in f32, not reduced by the host", worst(true)) } else { cell });

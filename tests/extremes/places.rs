@@ -1,8 +1,8 @@
 //! The scene as a whole, scaled and moved.
 
-use crate::everything::{Everything, World, same};
-use crate::render::{Ask, Shot, render, worst_difference};
-use crate::stats::{normal_two_sided, one_sample_t, student_two_sided};
+use crate::common::everything::{Everything, World, same};
+use crate::common::render::{Ask, Shot, render, worst_difference};
+use crate::common::stats::{normal_two_sided, one_sample_t, student_two_sided};
 use crate::table::{Cell, Row};
 
 /// The table's cells of scales and places.
@@ -26,7 +26,7 @@ fn powers_of_two() -> Vec<Cell> {
                 format!("2^{exponent}"),
                 "Whether any bit of the image of a scene with everything in it differs",
                 0.0,
-                "The host scales to an extent of 1 by a power of two, in f64: every number that kernels see is the same.",
+                "none, because the host scales to an extent of 1 by a power of two in f64: every number that kernels see is the same.",
             )
             .achieved(differs(&shot(world)))
             .planted("camera moved by a millionth", differs(&shot(moved)))
@@ -42,8 +42,10 @@ fn powers_of_two() -> Vec<Cell> {
 /// distance moves light from pixel to pixel: the images as if of two seeds tell that, of whose tiles the means' difference has a standard error of
 /// 0.7 % up to 1.8 %. (What both have alike makes that test the safer.)
 fn scales_and_places() -> Vec<Cell> {
-    const FIGURE: &str = "Largest difference from the scene at scale 1 and the origin, of the same seed, over tiles and the whole image, in deviations of a normal variate";
-    const BECAUSE: &str = "A normal variate of 78 is above it once in 1e6 (Šidák): differences by noise alone.";
+    const FIGURE: &str = "Largest difference from the scene at scale 1 and the origin, with the same seed, over tiles and the whole \
+                          image, in standard deviations";
+    const BECAUSE: &str =
+        "the largest of 78 normal variates exceeds it once in 1e6 (Šidák): differences by noise alone.";
     let files = Everything::new();
     let usual_world = World { lamp: 0.1, ..World::default() };
     let shot = |world: World| render(&files.scene(world), &Ask::spp(256).size(32, 24).seed(10));
@@ -104,5 +106,5 @@ fn deviation(p: f64) -> f64 {
 
 /// The number of standard errors that the largest of so many normal variates exceeds once in a million.
 pub fn chance_limit(compared: usize) -> f64 {
-    deviation(crate::stats::sidak(1e-6, compared))
+    deviation(crate::common::stats::sidak(1e-6, compared))
 }

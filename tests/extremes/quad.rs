@@ -3,13 +3,13 @@
 use glam::Vec3;
 use gpu_rt::data::Quad;
 
-use crate::kernel::Kernel;
-use crate::quads::{assorted, quad_text, rays_at};
-use crate::scenes::flat;
-use crate::stats::Random;
+use crate::common::kernel::Kernel;
+use crate::common::quads::{assorted, quad_text, rays_at};
+use crate::common::scenes::flat;
+use crate::common::stats::Random;
+use crate::common::trace::{In, NO_HIT, leaving, trace, tracer};
+use crate::common::vectors::{U, decades, exact};
 use crate::table::{Cell, NO_OFFSET, Row};
-use crate::trace::{In, NO_HIT, leaving, trace, tracer};
-use crate::vectors::{U, decades, exact};
 
 /// Where a ray's line meets the plane of corner, u and v in f64, and how far f32 may be off.
 struct Plane {
@@ -115,7 +115,8 @@ fn grazed(kernel: &Kernel) -> Vec<Cell> {
                 format!("1e-{} to 1e-{exponent}", exponent + 1),
                 "Quads by the sine of the angle with the plane: largest error of decision, distance, point and place over its bound",
                 1.0,
-                "Offset, product and normal are off by 8 u of the lengths that take part; a plane that is off moves the point over the sine.",
+                "offset, product and normal are off by 8 u of the lengths that take part; the error of the plane moves the point by it \
+                 over the sine.",
             );
             // What the host computes in f64, computed in f32 instead: normal and axes of needles have no digits left.
             let in_f32: Vec<Quad> = quads
@@ -175,7 +176,7 @@ fn floors_grazed(kernel: &Kernel) -> Vec<Cell> {
                 format!("1e-{} to 1e-{exponent}", exponent + 1),
                 "Floors by the sine of the angle with the plane: largest relative error of the distance",
                 4.0 * U,
-                "A difference, and a quotient of 2.5 ulps at worst.",
+                "a difference, and a quotient of at worst 2.5 ulps.",
             )
             .achieved(worst)
             .planted("normal that is off by 1e-6", worst_of_tilted(kernel, &quads, &rays))
@@ -214,13 +215,14 @@ fn again(kernel: &Kernel, aspect: f64, place: (f64, f64), cosines: (f64, f64)) -
 }
 
 fn leavings(kernel: &Kernel) -> Vec<Cell> {
-    const BECAUSE: &str = "The offset is above the bound of the point's error and of the next distance's: none.";
+    const BECAUSE: &str =
+        "none, because the offset exceeds the bound of the error of the point and of the next distance.";
     let without = tracer("quad", &[("geometry/offset", "test/control/offset_none")]);
     let mut all = Vec::new();
     for aspect in [0, 3, 6] {
         for (name, place) in [("up to 1", (-2.0, 0.0)), ("1e3", (2.9, 3.1)), ("1e6", (5.9, 6.1))] {
             let range = format!("1e{aspect} times as long as wide, {name} lengths from the origin");
-            let figure = "Quads: rays of 10 000 that met their own quad again, cosines from 0.01 to 1";
+            let figure = "Quads: rays of 10 000 that hit their own quad again, cosines from 0.01 to 1";
             let (aspect, cosines) = (f64::from(aspect), (-2.0, 0.0));
             all.push(
                 Cell::new(Row::Leaving, range, figure, 0.0, BECAUSE)
@@ -233,7 +235,7 @@ fn leavings(kernel: &Kernel) -> Vec<Cell> {
         let decade = f64::from(exponent);
         let cosines = (-decade - 1.0, -decade);
         let range = format!("1e-{} to 1e-{exponent}", exponent + 1);
-        let figure = "Quads by the cosine at which rays leave: rays of 10 000 that met their own quad again";
+        let figure = "Quads by the cosine of the leaving ray: rays of 10 000 that hit their own quad again";
         all.push(
             Cell::new(Row::Grazing, range, figure, 0.0, BECAUSE)
                 .achieved(again(kernel, 3.0, (-2.0, 1.0), cosines))

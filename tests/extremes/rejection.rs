@@ -3,16 +3,15 @@
 use bytemuck::{Pod, Zeroable};
 use gpu_rt::film::{Film, Totals};
 use gpu_rt::gpu::probe::numerics;
+use gpu_rt::options::Scatter;
 use gpu_rt::output::exr::{read_exr, write_exr};
-use gpu_rt::plan::Scatter;
-use gpu_rt::render::TuningWish;
 
-use crate::device;
-use crate::kernel::{Kernel, Overlay, Setup};
-use crate::render::{Ask, render_planted, scene};
-use crate::stats::Random;
+use crate::common::device;
+use crate::common::kernel::{Kernel, Overlay, Setup};
+use crate::common::render::{Ask, render_planted, scene};
+use crate::common::stats::Random;
+use crate::common::vectors::decades;
 use crate::table::{COMPARED_NAN, Cell, Row};
-use crate::vectors::decades;
 
 const WIDTH: u32 = 16;
 const HEIGHT: u32 = 8;
@@ -38,8 +37,7 @@ fn broken_sky(scatter: Scatter, more: &[(&str, &str)]) -> Film {
          objects: [Sphere(center: (0, 0, 9), radius: 1, material: \"m\")])",
         (COLOUR[0], COLOUR[1], COLOUR[2])
     );
-    let wish = TuningWish { scatter: Some(scatter), ..TuningWish::default() };
-    let ask = Ask { wish, ..Ask::spp(SAMPLES).sobol() };
+    let ask = Ask::spp(SAMPLES).sobol().scatter(scatter);
     render_planted(&scene(&text), &ask, &Overlay::new(&[&PLANTED[..], more].concat())).film
 }
 
@@ -102,9 +100,9 @@ pub fn cells() -> Vec<Cell> {
     let cell = Cell::new(
         Row::Rejection,
         "0/0, inf - inf, 0 inf, roots and logarithms below 0, overflows; numbers from 1e-30 to 1e30",
-        "Values of 1026 made in a kernel that are taken for numbers and are none, or the reverse",
+        "Of 1026 values made in a kernel, those that are wrongly called finite or not finite",
         0.0,
-        "The bits tell.",
+        "none, because the test uses the bits.",
     )
     .achieved(wrong);
     all.push(plant(cell, &|| mistaken(&kernel(&compared)).0));
@@ -116,18 +114,18 @@ pub fn cells() -> Vec<Cell> {
         let counts = Cell::new(
             Row::Rejection,
             &range,
-            "Samples of a render that are counted under another reason than their own, or under none",
+            "Samples of a render that are counted under a wrong reason, or under none",
             0.0,
-            "Each is dropped by itself, for its own reason.",
+            "none, because each is rejected separately, for its own reason.",
         )
         .achieved(misplaced(own.totals()));
         all.push(plant(counts, &|| wrong(&|film| misplaced(film.totals()))));
         let colours = Cell::new(
             Row::Rejection,
             &range,
-            "Pixels of 128 that are not exactly of the sky's colour",
+            "Pixels of 128 that do not have exactly the sky's colour",
             0.0,
-            "What is dropped leaves no trace in the mean of the others, which are all of one colour.",
+            "none: a rejected sample does not change the mean of the others, which all have one colour.",
         )
         .achieved(discoloured(&own));
         all.push(plant(colours, &|| wrong(&discoloured)));

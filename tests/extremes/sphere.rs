@@ -5,11 +5,11 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use gpu_rt::data::Sphere;
 
-use crate::kernel::Kernel;
-use crate::stats::Random;
+use crate::common::kernel::Kernel;
+use crate::common::stats::Random;
+use crate::common::trace::{In, NO_HIT, leaving, trace, tracer, tracer_with_surface};
+use crate::common::vectors::{U, decades, exact, quantile, rounded, unit};
 use crate::table::{Cell, FIXED_T_MIN, NO_OFFSET, OFFSET_BY_BITS, Row, TEXTBOOK_SPHERE};
-use crate::trace::{In, NO_HIT, leaving, trace, tracer, tracer_with_surface};
-use crate::vectors::{U, decades, exact, quantile, rounded, unit};
 
 /// Both roots of |o + t d - c| = r in f64, or the miss, by the perpendicular from the centre: good to 1e-16 (D/r)^2.
 struct Roots {
@@ -134,9 +134,9 @@ fn distances() -> Vec<Cell> {
         };
         let limit = impact_error(distance);
         all.push(cell(
-            "Spheres: how far from the edge, in radii, a ray's line is that was said to hit where it misses, or the reverse, at most",
+            "Spheres: largest distance from the edge, in radii, at which a ray was decided wrongly",
             limit,
-            "The rounding of o - c and of k d, and the roots: 2 u D + 4 u.",
+            "the rounding of o - c and of k d, and the roots: 2 u D + 4 u.",
             &|v| v.worst_decision,
             distance >= 1e3,
         ));
@@ -144,28 +144,28 @@ fn distances() -> Vec<Cell> {
             "Spheres: share of wrong decisions, of impacts in 0..1.05 radii",
             // Of impact parameters uniform in 0..1.05, a share below the error over 1.05 can lie on the wrong side.
             limit,
-            "The share of impacts that lie within that error of the edge.",
+            "the share of impacts that lie within that error of the edge.",
             &|v| v.wrong,
             distance >= 1e3,
         ));
         all.push(cell(
             "Spheres: median error of the distance, in radii",
             4.0 * U * distance.max(1.0),
-            "k = (o - c) · d / d² is a sum of three rounded products: 4 u D where they are typical.",
+            "k = (o - c) · d / d² is a sum of three rounded products: typically 4 u D.",
             &|v| v.median,
             distance >= 1e1,
         ));
         all.push(cell(
             "Spheres: largest error of the distance over its bound",
             1.0,
-            "The bound is 8 u D of k and, of the root, the error of the line's place over the half chord (`impact_error`).",
+            "the bound is 8 u D for k; for the root it is the error of the line's position over half the chord (`impact_error`).",
             &|v| v.worst_distance,
             distance >= 1e1,
         ));
         all.push(cell(
             "Spheres: largest error of the normal over its bound",
             1.0,
-            "The bound is that of the line's place, and over the half chord once more (`compare`).",
+            "the bound is that of the line's position, and once more over half the chord (`compare`).",
             &|v| v.worst_normal,
             false,
         ));
@@ -206,9 +206,9 @@ fn on_the_axis() -> Vec<Cell> {
         let cell = Cell::new(
             Row::Distance,
             &range,
-            "Spheres near the axis of view: how far from the edge, in radii, a ray's line is that was decided wrongly, at most",
+            "Spheres near the axis of view: largest distance from the edge, in radii, at which a ray was decided wrongly",
             AXIS_ERROR,
-            "Across the axis no number is larger than 4 radii, and six roundings take part: 24 u.",
+            "across the axis no number exceeds 4 radii, and there are six roundings: 24 u.",
         );
         let cell = cell.achieved(found.worst_decision);
         all.push(if exponent >= 3 { cell.planted(TEXTBOOK_SPHERE, wrong.worst_decision) } else { cell });
@@ -217,7 +217,7 @@ fn on_the_axis() -> Vec<Cell> {
             &range,
             "Spheres near the axis of view: largest error of the normal, over its bound",
             1.0,
-            "That error, and over the half chord once more.",
+            "that error, and once more over half the chord.",
         );
         let cell = cell.achieved(found.worst_normal);
         all.push(match exponent >= 4 {
@@ -335,9 +335,9 @@ fn leave(kernel: &Kernel, radius: f64, ratio: f64) -> Leaving {
 /// Rays that leave spheres of radii from 1e-6 to 1e6, each with its centre up to 1000 radii away from the origin of space.
 fn leavings() -> Vec<Cell> {
     const FIGURE: &str =
-        "Spheres: rays of 1000 that met their own sphere again or lost their chord inside, cosines from 0.05 to 1";
+        "Spheres: rays of 1000 that hit their own sphere again or lost their chord inside, cosines from 0.05 to 1";
     const BECAUSE: &str =
-        "The offset is above the bound of the point's error, and below a tenth of the shortest chord: none.";
+        "none, because the offset exceeds the bound of the point's error, and is below a tenth of the shortest chord.";
     let wrong = |found: Leaving| f64::from(found.again + found.chords);
     let own = tracer("sphere", &[]);
     let fixed = tracer("sphere", &[("geometry/offset", "test/control/offset_fixed")]);
@@ -415,9 +415,9 @@ fn grazing() -> Vec<Cell> {
             let decade = f64::from(exponent);
             let cosines = (-decade - 1.0, -decade);
             let range = format!("1e-{} to 1e-{exponent}, {ratio} radii from the origin", exponent + 1);
-            let figure = "Spheres by the cosine at which rays leave: rays of 10 000 that met their own sphere again or lost their chord";
-            let because = "The offset is above the bound of the error, and the chord from there, at least sqrt(8 ε r), is found to the error \
-                           of its half, 6 u over it: none.";
+            let figure = "Spheres by the cosine of the leaving ray: rays of 10 000 that hit their own sphere again or lost their chord";
+            let because = "none, because the offset exceeds the bound of the error, and the chord from there, at least sqrt(8 ε r), is \
+                           found to the error of its half, 6 u over it.";
             all.push(
                 Cell::new(Row::Grazing, range, figure, 0.0, because)
                     .achieved(graze(&own, ratio, cosines))

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-/// What is driven to its extremes. Every row must have the cells that `cells.txt` declares, or the run fails.
+/// What is driven to its extremes. Every row must have the cells that the document declares, or the run fails.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Row {
     Scale,
@@ -162,49 +162,44 @@ impl Cell {
     }
 }
 
-/// The cells that there are, as `cells.txt` declares them: a heading for each row, below it each figure, below that its ranges.
-pub fn declaration(cells: &[Cell]) -> String {
-    let mut text = String::new();
-    for (row, name) in ROWS {
-        let _ = writeln!(text, "# {name}");
-        for (figure, cells) in by_figure(cells, *row) {
-            let _ = writeln!(text, "## {figure}");
-            cells.iter().for_each(|cell| text += &format!("{}\n", cell.range));
-        }
-    }
-    text
-}
-
-/// The places of a declaration's cells: row, figure and range each.
-fn declared(text: &str) -> Vec<(&str, &str, &str)> {
+/// The places of a document's cells: row, figure and range each.
+fn places(document: &str) -> Vec<(&str, &str, &str)> {
     let (mut row, mut figure, mut all) = ("", "", Vec::new());
-    for line in text.lines() {
-        match (line.strip_prefix("## "), line.strip_prefix("# ")) {
-            (Some(name), _) => figure = name,
-            (_, Some(name)) => row = name,
-            _ => all.push((row, figure, line)),
+    for line in document.lines() {
+        match (line.strip_prefix("## "), line.strip_prefix("| ")) {
+            (Some(name), _) => row = name,
+            (_, Some(cell)) if !cell.starts_with("range |") => {
+                all.push((row, figure, cell.split(" | ").next().unwrap_or_default()));
+            }
+            (_, None) if !line.starts_with('|') && !line.is_empty() => figure = line,
+            _ => {}
         }
     }
     all
 }
 
-/// Everything that is wrong with the cells: over a limit, not those that are declared, or a form that none has. Empty where all is well.
-pub fn faults(cells: &[Cell], wanted_text: &str, forms: &[&str]) -> Vec<String> {
+/// The heading of a row.
+fn heading(name: &str) -> String {
+    format!("{}{}", name[..1].to_uppercase(), &name[1..])
+}
+
+/// Everything that is wrong with the cells, by their document and the one that is wanted: over a limit, other cells, or a form that none
+/// has. Empty where all is well.
+pub fn faults(cells: &[Cell], text: &str, wanted_text: &str, forms: &[&str]) -> Vec<String> {
     let mut all: Vec<String> = cells.iter().flat_map(Cell::faults).collect();
-    let there = declaration(cells);
-    let (there, wanted) = (declared(&there), declared(wanted_text));
+    let (there, wanted) = (places(text), places(wanted_text));
     let missing = |of: &[(&str, &str, &str)], from: &[(&str, &str, &str)], fault: &str| -> Vec<String> {
         let from: BTreeSet<_> = from.iter().collect();
         let places = of.iter().filter(|place| !from.contains(place));
         places.map(|(row, figure, range)| format!("{row}, {range}: {figure}: {fault}")).collect()
     };
-    all.extend(missing(&wanted, &there, "declared, and there is no such cell"));
-    all.extend(missing(&there, &wanted, "the cell is not declared in tests/extremes/cells.txt"));
+    all.extend(missing(&wanted, &there, "in docs/extremes.md, and there is no such cell"));
+    all.extend(missing(&there, &wanted, "the cell is not in docs/extremes.md, which `GPU_RT_RENEW=1` writes anew"));
     if BTreeSet::from_iter(&there).len() < there.len() {
         all.push("two cells have one place".to_string());
     }
     for (row, name) in ROWS {
-        if !wanted.iter().any(|place| place.0 == *name) {
+        if !wanted.iter().any(|place| place.0 == heading(name)) {
             all.push(format!("{row:?} ({name}) has no cell"));
         }
     }
@@ -232,15 +227,15 @@ fn by_figure(cells: &[Cell], row: Row) -> Vec<(&'static str, Vec<&Cell>)> {
 pub fn document(cells: &[Cell], driver: &str) -> String {
     let mut text = format!(
         "# Extremes\n\n\
-         What happens to the numbers at the ends of their ranges. Written by `cargo test --release --test extremes`, which fails where\n\
-         a figure is over its limit, a cell is missing (`tests/extremes/cells.txt` declares them), or a known wrong form is not found; do\n\
-         not edit. Where f32 cannot hold what a scene asks, a cell is met by the picture or by a warning of `gpu-rt check`; its figure says so.\n\n\
+         What happens to the numbers at the ends of their ranges. Written by `GPU_RT_RENEW=1 cargo test --release --test extremes`; do not\n\
+         edit. Without the variable it fails where a figure is over its limit, a cell is not one of these, or a known wrong form is not found.\n\
+         Where f32 cannot hold what a scene asks, a cell is met by the picture or by a warning of `gpu-rt check`; its figure says so.\n\n\
          Measured on {driver}. u = 2^-24 is the relative error of one operation in f32.\n"
     );
     for (row, name) in ROWS {
-        let _ = write!(text, "\n## {}{}\n", name[..1].to_uppercase(), &name[1..]);
+        let _ = write!(text, "\n## {}\n", heading(name));
         for (figure, cells) in by_figure(cells, *row) {
-            let _ = write!(text, "\n{figure}. {}\n\n", cells[0].because);
+            let _ = write!(text, "\n{figure}. Limit: {}\n\n", cells[0].because);
             text.push_str("| range | limit | achieved | wrong forms, planted |\n|---|---|---|---|\n");
             for cell in cells {
                 let planted: Vec<String> =
@@ -276,9 +271,13 @@ mod tests {
         ROWS.iter().map(|(row, _)| Cell::new(*row, "all", "error", 1.0, "").achieved(0.5)).collect()
     }
 
+    fn compared(cells: &[Cell], wanted: &[Cell], forms: &[&str]) -> Vec<String> {
+        faults(cells, &document(cells, "a driver"), &document(wanted, "another"), forms)
+    }
+
     /// The faults of cells that are all declared.
     fn own_faults(cells: &[Cell], forms: &[&str]) -> Vec<String> {
-        faults(cells, &declaration(cells), forms)
+        compared(cells, cells, forms)
     }
 
     #[test]
@@ -326,16 +325,16 @@ mod tests {
         let of_range = |range: &str| Cell::new(Row::Gap, range, "error", 1.0, "").achieved(0.5);
         let with =
             |more: &[&str]| full().into_iter().chain(more.iter().map(|range| of_range(range))).collect::<Vec<_>>();
-        let wanted = declaration(&with(&["1e-1", "1e-7"]));
-        assert_eq!(faults(&with(&["1e-1", "1e-7"]), &wanted, &[]), Vec::<String>::new());
+        let wanted = with(&["1e-1", "1e-7"]);
+        assert_eq!(compared(&with(&["1e-1", "1e-7"]), &wanted, &[]), Vec::<String>::new());
         // The row still has cells.
-        assert_eq!(faults(&with(&["1e-1"]), &wanted, &[]).len(), 1, "one of a row is missing");
-        assert_eq!(faults(&with(&["1e-1", "1e-7", "1e-8"]), &wanted, &[]).len(), 1, "one that is not declared");
-        assert_eq!(faults(&with(&["1e-1", "1e-7", "1e-7"]), &wanted, &[]).len(), 1, "one that is there twice");
+        assert_eq!(compared(&with(&["1e-1"]), &wanted, &[]).len(), 1, "one of a row is missing");
+        assert_eq!(compared(&with(&["1e-1", "1e-7", "1e-8"]), &wanted, &[]).len(), 1, "one that is not declared");
+        assert_eq!(compared(&with(&["1e-1", "1e-7", "1e-7"]), &wanted, &[]).len(), 1, "one that is there twice");
         // Another figure of the same range is another cell.
         let mut other = with(&["1e-1", "1e-7"]);
         other.last_mut().expect("there are some").figure = "share";
-        assert_eq!(faults(&other, &wanted, &[]).len(), 2);
+        assert_eq!(compared(&other, &wanted, &[]).len(), 2);
         let empty: Vec<Cell> = full().into_iter().filter(|cell| cell.row != Row::Gap).collect();
         assert_eq!(own_faults(&empty, &[]).len(), 1, "a row without a cell");
     }

@@ -1,11 +1,11 @@
 //! geometry/triangle: rays that leave triangles, at all angles.
 
-use crate::kernel::Kernel;
-use crate::stats::Random;
+use crate::common::kernel::Kernel;
+use crate::common::stats::Random;
+use crate::common::trace::NO_HIT;
+use crate::common::triangles::{Corners, In, stout, trace, tracer};
+use crate::common::vectors::{decades, rounded, unit};
 use crate::table::{Cell, NO_OFFSET, Row};
-use crate::trace::NO_HIT;
-use crate::triangles::{Corners, In, stout, trace, tracer};
-use crate::vectors::{decades, rounded, unit};
 
 /// Rays that meet triangles of all sizes, every second a needle down to 1e-5 of its length, up to `far` sizes from the origin, and leave
 /// them at cosines within these decades: how many met the triangle again.
@@ -35,7 +35,7 @@ fn leave(kernel: &Kernel, far: f64, cosines: (f64, f64)) -> f64 {
         let along = (along - along.dot(normal) * normal).normalize_or(unit(&mut random));
         let leaving = rounded(cos * normal + (1.0 - cos * cos).sqrt() * along);
         triangles.push(corners);
-        let direction = rounded((target - crate::vectors::exact(origin)).normalize());
+        let direction = rounded((target - crate::common::vectors::exact(origin)).normalize());
         rays.push(In { origin, direction, first: i as u32, count: 1, leaving, ..In::default() });
     }
     let found = trace(kernel, &triangles, &rays);
@@ -47,8 +47,8 @@ fn leave(kernel: &Kernel, far: f64, cosines: (f64, f64)) -> f64 {
 
 /// The table's cells of triangles.
 pub fn cells() -> Vec<Cell> {
-    const BECAUSE: &str =
-        "The offset is above the bound of the point's error and of the next distance's (geometry/triangle): none.";
+    const BECAUSE: &str = "none, because the offset exceeds the bound of the error of the point and of the next distance \
+                           (geometry/triangle).";
     let own = tracer(&[]);
     let without = tracer(&[("geometry/offset", "test/control/offset_none")]);
     let cell = |row, range: String, figure, far, cosines| {
@@ -59,12 +59,12 @@ pub fn cells() -> Vec<Cell> {
     let mut all = Vec::new();
     for far in [1.0, 1e1, 1e2, 1e3] {
         let figure =
-            "Triangles, needles among them: rays of 20 000 that met their own triangle again, cosines from 0.01 to 1";
+            "Triangles, including needles: rays of 20 000 that hit their own triangle again, cosines from 0.01 to 1";
         all.push(cell(Row::Leaving, format!("up to {far} sizes from the origin"), figure, far, (-2.0, 0.0)));
     }
     for exponent in 1..7 {
         let decade = f64::from(exponent);
-        let figure = "Triangles by the cosine at which rays leave: rays of 20 000 that met their own triangle again";
+        let figure = "Triangles by the cosine of the leaving ray: rays of 20 000 that hit their own triangle again";
         let range = format!("1e-{} to 1e-{exponent}", exponent + 1);
         all.push(cell(Row::Grazing, range, figure, 1.0, (-decade - 1.0, -decade)));
     }

@@ -7,13 +7,13 @@ use glam::DVec3;
 use gpu_rt::data::{Cuboid, Material, Quad, RUN_LENGTH, Sampler, Sphere};
 use gpu_rt::flatten::flatten;
 
-use crate::kernel::{Kernel, Overlay, Setup};
-use crate::light_kernel::{self, CUBOID, Kind, QUAD, SHARES, SPHERE, TRIANGLE, Triangle, spheres};
+use crate::common::kernel::{Kernel, Overlay, Setup};
+use crate::common::light_kernel::{self, CUBOID, Kind, QUAD, SHARES, SPHERE, TRIANGLE, Triangle, spheres};
+use crate::common::render::{Ask, render_linked, scene};
+use crate::common::stats::Random;
+use crate::common::vectors::{U, decades, exact, rounded, unit};
 use crate::media::{ASYMMETRIES, Scattered, Scattering, phase};
-use crate::render::{Ask, render_linked, scene};
-use crate::stats::Random;
 use crate::table::{Cell, Row};
-use crate::vectors::{U, decades, exact, rounded, unit};
 
 const LAST: f32 = 1.0 - U as f32;
 
@@ -47,11 +47,11 @@ fn fours(ends: [f32; 4]) -> impl Iterator<Item = [f32; 4]> {
 }
 
 fn cell(range: impl Into<String>, figure: &'static str) -> Cell {
-    Cell::new(Row::Uniforms, range, figure, 0.0, "None.")
+    Cell::new(Row::Uniforms, range, figure, 0.0, "none.")
 }
 
 const ANSWERS: &str =
-    "Answers that are no numbers or out of range, of all that 0, 2^-24, 1/2 and 1 - 2^-24 in every dimension give";
+    "Answers that are not finite or out of range, with 0, 2^-24, 1/2 and 1 - 2^-24 in every dimension";
 
 fn words() -> Cell {
     #[repr(C)]
@@ -147,7 +147,7 @@ fn forced() -> Vec<Cell> {
     for (sampler, name, module) in
         [(Sampler::Independent, "independent", "sampler/independent"), (Sampler::Sobol, "sobol", "sampler/sobol")]
     {
-        let ask = Ask { sampler, roulette: true, ..Ask::default().mis() };
+        let ask = Ask::default().mis().roulette().with(|options| options.sampler = sampler);
         let runs = |block: u32| block * CODES * RUN_LENGTH..(block + 1) * CODES * RUN_LENGTH;
         let ranges: Vec<_> = (0..5).map(runs).collect();
         // By codes, so that a pixel's value is the mean of one code's samples.
@@ -161,7 +161,8 @@ fn forced() -> Vec<Cell> {
             all.push(
                 cell(
                     format!("{name}, {block}"),
-                    "Samples that are no numbers or cut short, of 5120 of a room with everything, each number of the block at 0 and 1 - 2^-24, and all",
+                    "Samples that are rejected, of 5120 of a room with everything, with each random number of the block at 0 and 1 - \
+                     2^-24, and with all of them",
                 )
                 .achieved(rejected as f64),
             );
@@ -174,7 +175,7 @@ fn forced() -> Vec<Cell> {
                     format!("{name}, {block}"),
                     "Brightest pixel of those renders over the brightest light",
                     6.0,
-                    "The light that a path meets, and half of one at most for each of 10 events, by the weights of both ways.",
+                    "the light that a path hits, and at most half of a light for each of 10 events, by the MIS weights.",
                 )
                 .achieved(brightest),
             );
@@ -459,7 +460,7 @@ fn camera() -> Cell {
                 "Scene(image: (width: 8, height: 8), background: Solid((1, 1, 1)), materials: {{}}, objects: [],
                  camera: (look_from: (1, 2, 3), look_at: (0, 0, 0), vertical_fov: {fov:?}, aperture: {aperture:?}, focus_distance: {focus:?}))"
             ));
-            let settings = flatten(&scene, (8, 8)).expect("it is a scene").settings;
+            let settings = flatten(&scene, (8, 8), &crate::common::render::plain()).expect("it is a scene").settings;
             let kernel = Kernel::with("test/camera", &Setup { values: &[("camera", camera)], ..Setup::default() });
             let rows: Vec<CameraIn> = [0, 7]
                 .iter()

@@ -4,12 +4,12 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use crate::kernel::Overlay;
+use crate::common::kernel::Overlay;
+use crate::common::render::{Ask, render, render_planted, scene};
+use crate::common::scenes::triple;
+use crate::common::vectors::U;
 use crate::places::chance_limit;
-use crate::render::{Ask, render, render_planted, scene};
-use crate::scenes::triple;
 use crate::table::{Cell, Row, TEXTBOOK_SPHERE};
-use crate::vectors::U;
 
 /// Samples of a pixel.
 const SAMPLES: u32 = 256;
@@ -113,7 +113,7 @@ const WIDER_NAME: &str = "view a twentieth wider";
 
 const EDGE: &str = "Error of the share of edge pixels that a sphere covers, root mean square";
 const EDGE_BECAUSE: &str =
-    "A pixel's 256 samples are off by 1/32 of it at most on average; 1.35 times that is not reached by chance.";
+    "a pixel's 256 samples are off by at most 1/32 of it on average; chance does not reach 1.35 times that.";
 
 fn edge_limit() -> f64 {
     CHANCE * 0.5 / f64::from(SAMPLES).sqrt()
@@ -150,10 +150,10 @@ fn telescopes() -> Vec<Cell> {
             Cell::new(
                 Row::Distance,
                 range,
-                "Error of the light that far Lambertian spheres show of a gradient sky, root mean square over their middles",
+                "Error of the light of a gradient sky on far Lambertian spheres, root mean square over their middles",
                 // E[y] under the cosine is 2/3 n.y, its variance at most 1/4: a sample's standard deviation is 1/4 at most.
                 CHANCE * 0.25 / f64::from(16 * SAMPLES).sqrt(),
-                "A sample has a standard deviation of 1/4 at most and a pixel has 4096: 1/256, and 1.35 for chance.",
+                "a sample has a standard deviation of at most 1/4, and a pixel has 4096 samples: 1/256, times 1.35 for chance.",
             )
             .achieved(shading_error(distance, fov, 1.0))
             .planted("sky dimmer by a twentieth at its top", shading_error(distance, fov, 0.95)),
@@ -194,8 +194,9 @@ fn shading_error(distance: f64, vertical_fov: f64, top: f64) -> f64 {
 /// The half plane x < 0 of a plane at distance 5 shines, through a lens: a point o of the lens sees o (1 - 5/f) + 5 x of it. The picture is as wide
 /// as twice what the lens spreads the edge by, up to 40 degrees: its blur is a quarter of it or more.
 fn lenses() -> Vec<Cell> {
-    const FIGURE: &str = "Error of what a lens sees of a half plane at distance 5, in a picture as wide as the blur, root mean square over all pixels";
-    const BECAUSE: &str = "As of edge pixels: 1/32, and 1.35 for chance.";
+    const FIGURE: &str = "Error of the picture of a half plane at distance 5 through a lens, in a picture as wide as the blur, root \
+                          mean square over all pixels";
+    const BECAUSE: &str = "as for edge pixels: 1/32, times 1.35 for chance.";
     const NO_LENS: &[(&str, &str)] = &[("camera/thin_lens", "camera/pinhole")];
     let reach_of = |aperture: f64, focus: f64| 0.5 * aperture * (1.0 - 5.0 / focus);
     // The error of what is rendered with one lens against what another one shows.
@@ -277,10 +278,10 @@ fn sizes() -> Vec<Cell> {
         Cell::new(
             Row::ImageSize,
             "16384 x 2",
-            "How far from its middle, in pixels, a pixel's mean is of a sky that brightens along the picture",
+            "Distance, in pixels, of a pixel's mean from its middle in a sky that brightens along the picture",
             // Half a pixel; a picture this wide changes by 1/4 over its half, 1e-5 a pixel at its ends.
             0.5 + 8.0 * U / (0.5 * pixel / (1.0 + (8192.0 * pixel).powi(2)).powf(1.5)),
-            "Samples lie in their pixel: half a pixel, and eight roundings of a radiance of 1 over what it changes by from pixel to pixel.",
+            "half a pixel, because samples lie in their pixel, and eight roundings of a radiance of 1 over its change from pixel to pixel.",
         )
         .achieved(worst(0.0))
         .planted("a pixel aside", worst(1.0)),
@@ -295,9 +296,9 @@ fn sizes() -> Vec<Cell> {
             Cell::new(
                 Row::ImageSize,
                 format!("1 x 1, {fov} degrees"),
-                "Error of the one pixel's mean, in standard errors at most",
+                "Error of the one pixel's mean, in standard errors",
                 chance_limit(1),
-                "A normal variate is above it once in 1e6.",
+                "a normal variate exceeds it once in 1e6.",
             )
             .achieved((one - expected).abs() / (spread / f64::from(samples).sqrt()))
             .planted("half a pixel aside", (aside - expected).abs() / (spread / f64::from(samples).sqrt())),

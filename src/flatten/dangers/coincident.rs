@@ -401,7 +401,7 @@ fn tell_overlapping(found: &Found, pair: &Pair) -> Danger {
 
 /// At the one that is clear.
 fn tell_at_glass(found: &Found, pair: &Pair) -> Danger {
-    let is_clear = |number: usize| Kind::of(&found.scene.materials[found.placed[number].material as usize].1).glass;
+    let is_clear = |number: usize| found.scene.materials[found.placed[number].material as usize].1.kind().is_clear;
     let (clear, other) = match is_clear(pair.first) {
         true => (pair.first, pair.second),
         false => (pair.second, pair.first),

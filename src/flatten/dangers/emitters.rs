@@ -8,7 +8,7 @@ use glam::DVec3;
 use super::within::{Within, is_outside_in_front};
 use super::{At, Body, Danger, Found, Kind, OTHER, U, Worst, power_of_two, short};
 use crate::flatten::place::Placed;
-use crate::scene::{Background, Material, Texture};
+use crate::scene::Background;
 use crate::shape::{Hull, normal};
 
 /// So many emitters are looked for within things, and with so many comparisons for each thing.
@@ -20,8 +20,6 @@ const STRIPS: usize = 1024;
 const MOST_AROUND: usize = 8;
 /// The largest share between the brightest emitter and another.
 const LARGEST_SHARE: f64 = (1u64 << 60) as f64;
-/// Of the texels of an image that are not black at least one in so many: fewer may be what an encoding left over.
-const TEXELS_EACH: usize = 100;
 
 /// One-sided quads with all of the scene behind them, the camera too.
 pub fn turned_away(found: &Found, kinds: &[Kind]) -> Option<Danger> {
@@ -235,24 +233,12 @@ pub fn too_faint(found: &Found) -> Option<Danger> {
 /// The radiance of a part that is too faint, of an emitter that has several: the fainter colour of a checker, or the brightest texel of
 /// those too faint, if they are many.
 fn faint_part(found: &Found, material: Option<usize>, is_faint: impl Fn(f64) -> bool) -> Option<f64> {
-    let path = match material {
-        Some(number) => match &found.scene.materials[number].1 {
-            Material::DiffuseLight { emit: Texture::Checker { even, odd, .. }, .. } => {
-                return [even, odd].map(|colour| colour.max_element()).into_iter().find(|radiance| is_faint(*radiance));
-            }
-            Material::DiffuseLight { emit: Texture::Image { path }, .. } => path,
-            _ => return None,
-        },
+    let bitmaps = &found.scene.bitmaps;
+    match material {
+        Some(number) => found.scene.materials[number].1.model().emission()?.slot.texture.faint_part(bitmaps, is_faint),
         None => match &found.scene.background {
-            Background::Image { path } => path,
-            Background::Solid(_) | Background::Gradient { .. } => return None,
+            Background::Image { path } => bitmaps.get(path)?.faint_part(is_faint),
+            Background::Solid(_) | Background::Gradient { .. } => None,
         },
-    };
-    let texels = &found.scene.bitmaps.get(path)?.texels;
-    let lit = texels.iter().map(|texel| texel.iter().fold(0.0, |most, &x| f64::from(x).max(most))).filter(|x| *x > 0.0);
-    let (count, faint, brightest) = lit.fold((0, 0, 0.0_f64), |(count, faint, brightest), x| match is_faint(x) {
-        true => (count + 1, faint + 1, brightest.max(x)),
-        false => (count + 1, faint, brightest),
-    });
-    (faint > 0 && faint * TEXELS_EACH >= count).then_some(brightest)
+    }
 }

@@ -18,7 +18,7 @@ use glam::DVec3;
 
 use super::place::{Placed, PlacedMedium};
 use super::view::View;
-use crate::scene::{Material, Object, Scene, Texture};
+use crate::scene::{Bitmaps, Material, Object, Scene};
 use crate::shape::similarity::Similarity;
 use crate::shape::{Hull, Placement, RenderSpace, Shape};
 use coincident::Planes;
@@ -41,7 +41,8 @@ pub struct Found<'a> {
 
 /// The warnings about a placed scene.
 pub fn warnings(found: &Found) -> Vec<String> {
-    let kinds: Vec<Kind> = found.scene.materials.iter().map(|(_, material)| Kind::of(material)).collect();
+    let kinds: Vec<Kind> =
+        found.scene.materials.iter().map(|(_, material)| Kind::of(material, &found.scene.bitmaps)).collect();
     let mut sizes = Sizes::new(found);
     let mut surfaces = Surfaces::new(found);
     let mut same_place = SamePlace::new(found, &kinds);
@@ -154,7 +155,7 @@ fn places(scene: &Scene, wanted: impl Iterator<Item = (At, &'static str)>) -> BT
         match *at {
             At::Emit(number) => {
                 if let Some((name, material)) = scene.materials.get(number) {
-                    *found = spot(scene.spot_of_texture(name, material));
+                    *found = spot(scene.spot_of_emission(name, material));
                 }
             }
             At::Background => *found = spot(scene.spot_of_background()),
@@ -221,14 +222,12 @@ struct Kind {
 }
 
 impl Kind {
-    fn of(material: &Material) -> Kind {
-        match material {
-            Material::Dielectric { .. } => Kind { glass: true, ..Kind::default() },
-            Material::DiffuseLight { emit, two_sided } => {
-                let black = matches!(emit, Texture::Rgb(r, g, b) if r.max(*g).max(*b) == 0.0);
-                Kind { light: !black, one_sided: !two_sided, ..Kind::default() }
-            }
-            Material::Lambertian { .. } | Material::Metal { .. } => Kind::default(),
+    fn of(material: &Material, bitmaps: &Bitmaps) -> Kind {
+        let emission = material.model().emission();
+        Kind {
+            glass: material.kind().is_clear,
+            light: emission.is_some_and(|emission| emission.slot.texture.brightest(bitmaps) > 0.0),
+            one_sided: emission.is_some_and(|emission| !emission.two_sided),
         }
     }
 }

@@ -92,7 +92,7 @@ impl<'a> Sizes<'a> {
             if share > PATH_SHARE {
                 dense.note(share, (at, medium.density, far));
             }
-            if found.scene.is_white(medium.albedo) {
+            if medium.albedo.is_white(&found.scene.bitmaps) {
                 let cut = cut_share(found, medium);
                 if cut > CUT_SHARE {
                     white.note(cut, (at, cut));

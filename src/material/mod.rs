@@ -1,0 +1,188 @@
+//! Materials: what happens where a path meets a surface. One file a material, which answers all that is asked of it on the host; its file
+//! of shaders/material has the rest.
+
+mod dielectric;
+mod diffuse_light;
+mod lambertian;
+mod metal;
+
+use serde::Deserialize;
+
+use crate::data;
+use crate::error::Result;
+use crate::source::Place;
+use crate::source::form::{Form, any_of, kinds};
+use crate::texture::{Bitmaps, Texture, Use};
+
+/// A material as the scene file writes it.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Material {
+    Lambertian {
+        albedo: Texture,
+    },
+    Metal {
+        albedo: Texture,
+        #[serde(default)]
+        fuzz: f64,
+    },
+    Dielectric {
+        ior: f64,
+    },
+    DiffuseLight {
+        emit: Texture,
+        #[serde(default = "yes")]
+        two_sided: bool,
+    },
+}
+
+fn yes() -> bool {
+    true
+}
+
+kinds! {
+    Material: Kind;
+    Lambertian => lambertian::KIND,
+    Metal => metal::KIND,
+    Dielectric => dielectric::KIND,
+    DiffuseLight => diffuse_light::KIND,
+}
+
+impl Material {
+    /// What answers for the material.
+    pub fn model(&self) -> Box<dyn Model<'_> + '_> {
+        match self {
+            Material::Lambertian { albedo } => Box::new(lambertian::Lambertian { albedo }),
+            Material::Metal { albedo, fuzz } => Box::new(metal::Metal { albedo, fuzz: *fuzz }),
+            Material::Dielectric { ior } => Box::new(dielectric::Dielectric { ior: *ior }),
+            Material::DiffuseLight { emit, two_sided } => {
+                Box::new(diffuse_light::DiffuseLight { emit, two_sided: *two_sided })
+            }
+        }
+    }
+
+    /// Its textures, but for plain colours.
+    pub fn textures(&self) -> Vec<&Texture> {
+        let textures = self.model().slots().into_iter().map(|slot| slot.texture);
+        textures.filter(|texture| texture.plain().is_none()).collect()
+    }
+
+    /// Refuses what means nothing; `at` is the place of the material.
+    pub fn check(&self, at: &Place) -> Result<()> {
+        let at = at.variant(self.name());
+        let model = self.model();
+        for slot in model.slots() {
+            slot.texture.check(&at.field(slot.field), slot.usage)?;
+        }
+        model.check(&at)
+    }
+
+    /// What is allowed and yet likely to disappoint.
+    pub fn warnings(&self, at: &Place, bitmaps: &Bitmaps) -> Vec<String> {
+        let at = at.variant(self.name());
+        let model = self.model();
+        let of_slots = model.slots().into_iter().filter_map(|slot| slot.warning(&at, bitmaps));
+        model.warning(&at).into_iter().chain(of_slots).collect()
+    }
+}
+
+/// The kinds of material by the numbers that kernels switch on; each is a file of shaders/material.
+pub const MATERIALS: &[&str] = Material::SHADERS;
+
+/// What is expected where a material belongs.
+pub fn a_material() -> String {
+    format!("a material: {}", any_of(Material::KINDS.iter().map(|kind| &kind.form)))
+}
+
+/// What is known of all materials of a kind.
+#[derive(Debug)]
+pub struct Kind {
+    pub form: Form,
+    /// Its file of shaders/material.
+    pub shader: &'static str,
+    /// The ways in which materials of the kind scatter. Where they can answer to light, there is a file SHADER_eval beside the other.
+    pub scatters: &'static [Scattering],
+    /// Whether light goes through.
+    pub is_clear: bool,
+    pub emits: bool,
+}
+
+/// Where a material sends light on to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scattering {
+    /// To many directions, so that it answers to lights that are sampled: SHADER_responds says so on the device.
+    Spread,
+    /// One way alone, which leaves lights to chance.
+    OneWay,
+    Nowhere,
+}
+
+/// What the host asks of a material. No answer has a default: a new material gives each of them.
+pub trait Model<'a> {
+    /// Its textures.
+    fn slots(&self) -> Vec<Slot<'a>>;
+    /// Refuses numbers that mean nothing, but for textures; `at` is the place of the variant.
+    fn check(&self, at: &Place) -> Result<()>;
+    /// A warning of numbers that are allowed, but for textures.
+    fn warning(&self, at: &Place) -> Option<String>;
+    fn scattering(&self) -> Scattering;
+    fn emission(&self) -> Option<Emission<'a>>;
+    /// What kernels read of it. `paint` lays out a slot's texture; the number of the kind is filled in later.
+    fn upload(&self, paint: &mut dyn FnMut(Slot<'a>) -> Paint) -> data::Material;
+}
+
+/// A texture of a material, with the name of the field that holds it.
+#[derive(Clone, Copy, Debug)]
+pub struct Slot<'a> {
+    pub field: &'static str,
+    pub usage: Use,
+    pub texture: &'a Texture,
+}
+
+/// A slot as kernels read it.
+#[derive(Clone, Copy, Debug)]
+pub struct Paint {
+    /// Where it is the same everywhere.
+    pub colour: [f32; 3],
+    /// Its number, or `NO_TEXTURE`.
+    pub texture: u32,
+}
+
+/// What a material emits.
+#[derive(Clone, Copy, Debug)]
+pub struct Emission<'a> {
+    pub slot: Slot<'a>,
+    pub two_sided: bool,
+}
+
+impl<'a> Slot<'a> {
+    fn albedo(texture: &'a Texture) -> Slot<'a> {
+        Slot { field: "albedo", usage: Use::Albedo, texture }
+    }
+
+    fn warning(&self, at: &Place, bitmaps: &Bitmaps) -> Option<String> {
+        let (is_odd, message) = match self.usage {
+            Use::Albedo => (
+                self.texture.is_white(bitmaps),
+                "an albedo of 1 absorbs nothing, so that paths in a closed scene end only at max_depth: write 0.99 or less unless that \
+                 is meant",
+            ),
+            Use::Radiance => (
+                self.texture.brightest(bitmaps) == 0.0,
+                "an emission of 0 is no light: raise it, or write Lambertian(albedo: Rgb(0, 0, 0)) for a black surface",
+            ),
+        };
+        is_odd.then(|| at.field(self.field).warning(message))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_expected_names_all_kinds() {
+        assert_eq!(a_material(), "a material: Lambertian(..), Metal(..), Dielectric(..) or DiffuseLight(..)");
+        assert_eq!(metal::KIND.form.in_full(), "Metal(albedo: .., fuzz: ..)");
+    }
+}

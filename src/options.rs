@@ -1,0 +1,535 @@
+//! The options of a render, each declared once: its name, its values and how they are read, its words for `--help`, what it gives up,
+//! and the module of the shaders that it links. The command line, what a render says of itself, `plan` and `tradeoff` read this table.
+
+use std::fmt::Display;
+
+use clap::builder::PossibleValuesParser;
+use clap::{Arg, ArgMatches, Command};
+
+use crate::bvh::Quality;
+use crate::data::Sampler;
+
+/// What is asked of a render beside its scene and its job. The default is that of the command line.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RenderOptions {
+    pub integrator: Integrator,
+    pub roulette: Switch,
+    pub sampler: Sampler,
+    pub fresnel: Fresnel,
+    /// The most radiance of a contribution of indirect light, in the scene's units; nothing where that is not limited.
+    pub clamp: Option<f64>,
+    pub offset: Offset,
+    pub precision: Precision,
+    pub build: Quality,
+    pub features: FeatureSet,
+    /// The device's choice where absent, as are the next three.
+    pub scatter: Option<Scatter>,
+    /// Paths in flight.
+    pub slots: Option<u32>,
+    /// Invocations of a workgroup.
+    pub workgroup: Option<u32>,
+    /// Bounces of a submission.
+    pub bounces: Option<u32>,
+}
+
+impl Default for RenderOptions {
+    fn default() -> RenderOptions {
+        RenderOptions {
+            integrator: Integrator::Mis,
+            roulette: Switch::On,
+            sampler: Sampler::Sobol,
+            fresnel: Fresnel::Exact,
+            clamp: None,
+            offset: Offset::Robust,
+            precision: Precision::Strict,
+            build: Quality::Medium,
+            features: FeatureSet::Scene,
+            scatter: None,
+            slots: None,
+            workgroup: None,
+            bounces: None,
+        }
+    }
+}
+
+impl RenderOptions {
+    /// Those that bias the result or are less exact, with their values.
+    pub fn biases(&self) -> impl Iterator<Item = (&'static Knob, String)> {
+        let given = |knob: &&'static Knob| Some((*knob, (knob.reading?.value)(self)?));
+        let biased = |knob: &&&'static Knob| matches!(knob.class, Class::Bias | Class::Numerics);
+        let options = KNOBS.iter().filter(biased).filter_map(given);
+        options.filter(|(knob, value)| knob.default != Some(value.as_str())).collect::<Vec<_>>().into_iter()
+    }
+}
+
+/// An option whose values are words.
+trait Words: Copy + PartialEq + 'static {
+    /// All values, as the command line spells them.
+    const WORDS: &'static [(&'static str, Self)];
+
+    fn word(self) -> String {
+        let known = Self::WORDS.iter().find(|(_, value)| *value == self);
+        known.map_or(String::new(), |(word, _)| (*word).to_string())
+    }
+
+    fn read(text: &str) -> Result<Self, String> {
+        let known = Self::WORDS.iter().find(|(word, _)| *word == text);
+        known.map(|(_, value)| *value).ok_or_else(|| "expected another word".to_string())
+    }
+}
+
+/// Declares an enum whose values are words, or the words of one that stands elsewhere.
+macro_rules! words {
+    ($(#[$meta:meta])* enum $name:ident { $($(#[$about:meta])* $variant:ident = $word:literal,)* }) => {
+        $(#[$meta])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum $name { $($(#[$about])* $variant,)* }
+        words!($name { $($variant = $word,)* });
+    };
+    ($name:ident { $($variant:ident = $word:literal,)* }) => {
+        impl Words for $name {
+            const WORDS: &'static [(&'static str, Self)] = &[$(($word, $name::$variant)),*];
+        }
+
+        impl Display for $name {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str(&self.word())
+            }
+        }
+    };
+}
+
+words!(
+    enum Switch {
+        On = "on",
+        Off = "off",
+    }
+);
+words!(
+    /// How light is found.
+    enum Integrator {
+        /// By scattered rays and by rays to lights, combined by multiple importance sampling.
+        Mis = "mis",
+        /// By scattered rays alone.
+        Bsdf = "bsdf",
+    }
+);
+words!(
+    enum Fresnel {
+        Exact = "exact",
+        Schlick = "schlick",
+    }
+);
+words!(
+    enum Offset {
+        Robust = "robust",
+        Fast = "fast",
+    }
+);
+words!(
+    enum Precision {
+        Strict = "strict",
+        Fast = "fast",
+    }
+);
+words!(
+    /// What kernels are linked with. The image is the same.
+    enum FeatureSet {
+        /// Just what the scene requires.
+        Scene = "scene",
+        /// Everything that a scene can require.
+        All = "all",
+    }
+);
+words!(
+    /// How the stages of a bounce are linked into kernels. The image does not depend on it.
+    enum Scatter {
+        /// Intersect, scatter and refill in one kernel that does several bounces a dispatch.
+        Fused = "fused",
+        /// A kernel a stage; scatter is one kernel for all materials, an invocation a slot.
+        Linked = "linked",
+        /// A kernel a stage, and of scatter a kernel and a queue for each material.
+        Queues = "queues",
+    }
+);
+words!(Sampler { Sobol = "sobol", Independent = "independent", });
+words!(Quality { Fast = "fast", Medium = "medium", Best = "best", });
+
+/// What an option's values other than the default give up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Class {
+    /// Nothing: the image is the same to the byte.
+    Exact,
+    /// More noise, or more time; what the image converges to is the same.
+    Noise,
+    /// Some of the image's pixels; each that is left converges to the mean over what it shows.
+    Detail,
+    /// What the image converges to is another one.
+    Bias,
+    /// The same image, but for the rounding of f32: right in ordinary scenes, wrong at the extremes of scale.
+    Numerics,
+}
+
+impl Class {
+    /// The heading in `--help` under which the options stand.
+    pub const fn heading(self) -> &'static str {
+        match self {
+            Class::Exact => "Speed (the image stays the same to the byte)",
+            Class::Noise => "Noise (the expectation stays the same)",
+            Class::Detail => "Detail (fewer pixels, each of them right)",
+            Class::Bias => "Bias (each biases the result; off by default)",
+            Class::Numerics => "Numerics (wrong at the extremes of scale; off by default)",
+        }
+    }
+}
+
+/// An option.
+#[derive(Clone, Copy, Debug)]
+pub struct Knob {
+    /// The option's name, without dashes.
+    pub name: &'static str,
+    /// What it is.
+    pub about: &'static str,
+    /// Values that `tradeoff` sweeps over, as the option takes them.
+    pub values: &'static [&'static str],
+    /// The value where none is given; nothing where the scene or the device has one.
+    pub default: Option<&'static str>,
+    pub class: Class,
+    /// What its values other than the default give up, in a sentence.
+    pub gives_up: &'static str,
+    /// How its value becomes one of [`RenderOptions`]; nothing for what is of the job: samples, size and depth.
+    reading: Option<Reading>,
+    /// The module that a value links, for an option that chooses between modules.
+    links: Option<fn(&RenderOptions) -> &'static str>,
+}
+
+/// How a value is read, and told.
+#[derive(Clone, Copy, Debug)]
+struct Reading {
+    /// The words that it may be; or what `--help` has for it, where it is no word.
+    takes: Takes,
+    read: fn(&mut RenderOptions, &str) -> Result<(), String>,
+    /// The value; nothing where it is left to the device.
+    value: fn(&RenderOptions) -> Option<String>,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Takes {
+    Words(fn() -> Vec<&'static str>),
+    Text(&'static str),
+}
+
+/// The reading of a field of [`RenderOptions`] whose values are words.
+macro_rules! word {
+    ($field:ident: $type:ty) => {
+        Some(Reading {
+            takes: Takes::Words(|| <$type>::WORDS.iter().map(|(word, _)| *word).collect()),
+            read: |options, text| <$type>::read(text).map(|value| options.$field = value),
+            value: |options| Some(options.$field.word()),
+        })
+    };
+}
+
+/// The same of a number between two others, which the device chooses where it is not given.
+macro_rules! number {
+    ($field:ident: $range:expr) => {
+        Some(Reading {
+            takes: Takes::Text("N"),
+            read: |options, text| number(text, $range).map(|value| options.$field = Some(value)),
+            value: |options| options.$field.map(|value| value.to_string()),
+        })
+    };
+}
+
+impl Knob {
+    /// For `--help`.
+    pub fn help(&self) -> String {
+        format!("{} {}", self.about, self.gives_up).trim_end().to_string()
+    }
+
+    /// What a render says where the option has a value that biases or is less exact.
+    pub fn warning(&self, value: &str) -> String {
+        let option = self.option(value);
+        match self.class {
+            Class::Bias => format!("{option} biases the result"),
+            Class::Numerics => format!("{option} is wrong at the extremes of scale"),
+            Class::Exact | Class::Noise | Class::Detail => option,
+        }
+    }
+
+    /// The option as it is given: `--clamp 10`.
+    pub fn option(&self, value: &str) -> String {
+        format!("--{} {value}", self.name)
+    }
+
+    /// The module that the option links, or that its default links where the scene has nothing that the option is about; and the reason.
+    pub fn module(&self, options: &RenderOptions, in_scene: bool) -> (&'static str, String) {
+        let default = RenderOptions::default();
+        let options = if in_scene { options } else { &default };
+        let value = self.reading.and_then(|reading| (reading.value)(options)).unwrap_or_default();
+        let of_default = if self.default == Some(value.as_str()) { ", the default" } else { "" };
+        (self.links.map_or("", |links| links(options)), format!("{}{of_default}", self.option(&value)))
+    }
+
+    /// The option for the command line.
+    fn arg(&'static self, reading: &Reading) -> Arg {
+        let Reading { read, takes, .. } = *reading;
+        let arg = Arg::new(self.name).long(self.name).help(self.help()).help_heading(self.class.heading());
+        let arg = match takes {
+            Takes::Words(words) => arg.value_name("WORD").value_parser(PossibleValuesParser::new(words())),
+            Takes::Text(name) => arg
+                .value_name(name)
+                .value_parser(move |text: &str| read(&mut RenderOptions::default(), text).map(|()| text.to_string())),
+        };
+        match self.default {
+            Some(default) => arg.default_value(default),
+            None => arg,
+        }
+    }
+}
+
+impl clap::Args for RenderOptions {
+    fn augment_args(command: Command) -> Command {
+        let args = all().filter_map(|knob| Some(knob.arg(knob.reading.as_ref()?)));
+        command.args(args)
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        RenderOptions::augment_args(command)
+    }
+}
+
+impl clap::FromArgMatches for RenderOptions {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<RenderOptions, clap::Error> {
+        let mut options = RenderOptions::default();
+        options.update_from_arg_matches(matches)?;
+        Ok(options)
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        for (knob, reading) in all().filter_map(|knob| Some((knob, knob.reading?))) {
+            if let Some(text) = matches.get_one::<String>(knob.name) {
+                let refused = |why| clap::Error::raw(clap::error::ErrorKind::InvalidValue, why);
+                (reading.read)(self, text).map_err(refused)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A whole number of a range.
+fn number(text: &str, range: std::ops::RangeInclusive<u32>) -> Result<u32, String> {
+    let known = text.parse().ok().filter(|number| range.contains(number));
+    known.ok_or_else(|| format!("expected a whole number from {} to {}", range.start(), range.end()))
+}
+
+fn clamp_limit(text: &str) -> Result<Option<f64>, String> {
+    match (text, text.parse::<f64>()) {
+        ("off", _) => Ok(None),
+        (_, Ok(limit)) if limit > 0.0 && limit.is_finite() => Ok(Some(limit)),
+        _ => Err("expected `off` or a radiance above 0, such as 10".to_string()),
+    }
+}
+
+pub const SPP: Knob = Knob {
+    name: "spp",
+    about: "Samples per pixel [default: the scene's].",
+    values: &["1", "4", "16", "64", "256"],
+    default: None,
+    class: Class::Noise,
+    gives_up: "A quarter of the samples has about twice the error.",
+    reading: None,
+    links: None,
+};
+
+pub const SIZE: Knob = Knob {
+    name: "size",
+    about: "Image size in pixels, or in percent of the scene's [default: the scene's].",
+    values: &["25%", "50%", "100%"],
+    default: None,
+    class: Class::Detail,
+    gives_up: "Fewer pixels show less detail: each is the mean over a larger square.",
+    reading: None,
+    links: None,
+};
+
+pub const INTEGRATOR: Knob = Knob {
+    name: "integrator",
+    about: "How paths find light: `mis` combines light sampling and BSDF sampling (power heuristic); `bsdf` uses BSDF sampling only.",
+    values: &["mis", "bsdf"],
+    default: Some("mis"),
+    class: Class::Noise,
+    gives_up: "A `bsdf` path costs less. Its noise grows as the lights get smaller.",
+    reading: word!(integrator: Integrator),
+    links: None,
+};
+
+pub const ROULETTE: Knob = Knob {
+    name: "roulette",
+    about: "Russian roulette: ends dark paths at random and weights the survivors.",
+    values: &["on", "off"],
+    default: Some("on"),
+    class: Class::Noise,
+    gives_up: "Off, every path runs to its end: less noise per path, more time.",
+    reading: word!(roulette: Switch),
+    links: Some(|options| match options.roulette {
+        Switch::On => "step/roulette",
+        Switch::Off => "step/no_roulette",
+    }),
+};
+
+pub const SAMPLER: Knob = Knob {
+    name: "sampler",
+    about: "How samples are drawn: `sobol` uses Owen-scrambled Sobol points, `independent` uses independent random numbers.",
+    values: &["sobol", "independent"],
+    default: Some("sobol"),
+    class: Class::Noise,
+    gives_up: "Independent samples are noisier in smooth pixels, and estimate their own error better.",
+    reading: word!(sampler: Sampler),
+    links: Some(|options| match options.sampler {
+        Sampler::Sobol => "sampler/sobol",
+        Sampler::Independent => "sampler/independent",
+    }),
+};
+
+pub const MAX_DEPTH: Knob = Knob {
+    name: "max-depth",
+    about: "The most scattering events per path [default: the scene's].",
+    values: &["1", "2", "4", "8", "16"],
+    default: None,
+    class: Class::Bias,
+    gives_up: "Fewer than the scene's own biases the result: the image lacks the light of longer paths.",
+    reading: None,
+    links: None,
+};
+
+pub const FRESNEL: Knob = Knob {
+    name: "fresnel",
+    about: "Fresnel reflectance of dielectrics: exact, or Schlick's approximation.",
+    values: &["exact", "schlick"],
+    default: Some("exact"),
+    class: Class::Bias,
+    gives_up: "`schlick` biases the result: reflectances are off by up to 0.04 at an index of 1.5, 0.2 at 1.1, and 1 next to an index of 1.",
+    reading: word!(fresnel: Fresnel),
+    links: Some(|options| match options.fresnel {
+        Fresnel::Exact => "lib/fresnel",
+        Fresnel::Schlick => "lib/fresnel_schlick",
+    }),
+};
+
+pub const CLAMP: Knob = Knob {
+    name: "clamp",
+    about: "The most indirect radiance (two scattering events or more) that a path may add, in scene units.",
+    values: &["off", "1", "10", "100"],
+    default: Some("off"),
+    class: Class::Bias,
+    gives_up: "A limit biases the result: bright rare paths, such as caustics, lose the radiance above it.",
+    reading: Some(Reading {
+        takes: Takes::Text("off|N"),
+        read: |options, text| clamp_limit(text).map(|limit| options.clamp = limit),
+        value: |options| Some(options.clamp.map_or("off".to_string(), |limit| limit.to_string())),
+    }),
+    links: Some(|options| match options.clamp {
+        None => "step/no_clamp",
+        Some(_) => "step/clamp",
+    }),
+};
+
+pub const OFFSET: Knob = Knob {
+    name: "offset",
+    about: "The offset of a spawned ray from its surface: `robust` uses each shape's own rounding bound, `fast` a fraction of the distance.",
+    values: &["robust", "fast"],
+    default: Some("robust"),
+    class: Class::Numerics,
+    gives_up: "`fast` fails for shapes smaller than 1/16384 of their distance, and huge shapes close to the camera shadow themselves. No saving of time was measured.",
+    reading: word!(offset: Offset),
+    links: Some(|options| match options.offset {
+        Offset::Robust => "geometry/offset",
+        Offset::Fast => "geometry/offset_fast",
+    }),
+};
+
+pub const PRECISION: Knob = Knob {
+    name: "precision",
+    about: "The ray-sphere intersection: `strict` is accurate for small distant spheres, `fast` is the textbook's quadratic formula.",
+    values: &["strict", "fast"],
+    default: Some("strict"),
+    class: Class::Numerics,
+    gives_up: "`fast` is wrong at the edge of spheres hundreds of radii away, and everywhere on spheres thousands of radii away.",
+    reading: word!(precision: Precision),
+    links: Some(|options| match options.precision {
+        Precision::Strict => "geometry/sphere_chord",
+        Precision::Fast => "geometry/sphere_chord_fast",
+    }),
+};
+
+pub const BUILD: Knob = Knob {
+    name: "build",
+    about: "The quality of the BVH: build time against traversal time.",
+    values: &["fast", "medium", "best"],
+    default: Some("medium"),
+    class: Class::Exact,
+    gives_up: "`fast` builds sooner and renders slower, `best` the reverse.",
+    reading: word!(build: Quality),
+    links: None,
+};
+
+/// All that trade one thing for another, those first that are the first to be measured where time is short.
+pub const KNOBS: &[&Knob] =
+    &[&SPP, &INTEGRATOR, &SAMPLER, &ROULETTE, &MAX_DEPTH, &FRESNEL, &CLAMP, &BUILD, &OFFSET, &PRECISION, &SIZE];
+
+/// What changes the speed and never the image, and is not swept over.
+const TUNING: &[&Knob] = &[
+    &Knob {
+        name: "slots",
+        about: "Paths in flight [default: by the device and the image].",
+        reading: number!(slots: 1..=1 << 24),
+        ..OF_THE_DEVICE
+    },
+    &Knob {
+        name: "workgroup",
+        about: "Invocations per workgroup [default: by the device].",
+        reading: number!(workgroup: 1..=256),
+        ..OF_THE_DEVICE
+    },
+    &Knob {
+        name: "bounces",
+        about: "Bounces per submission [default: measured, for about 100 ms].",
+        reading: number!(bounces: 1..=4096),
+        ..OF_THE_DEVICE
+    },
+    &Knob {
+        name: "scatter",
+        about: "How the stages of a bounce become kernels: one kernel for all; one per stage; or one per stage, with a scatter kernel \
+                and a queue per material [default: by the device].",
+        reading: Some(Reading {
+            takes: Takes::Words(|| Scatter::WORDS.iter().map(|(word, _)| *word).collect()),
+            read: |options, text| Scatter::read(text).map(|scatter| options.scatter = Some(scatter)),
+            value: |options| options.scatter.map(Words::word),
+        }),
+        ..OF_THE_DEVICE
+    },
+    &Knob {
+        name: "features",
+        about: "What kernels contain: only what the scene requires, or everything that any scene can require.",
+        default: Some("scene"),
+        reading: word!(features: FeatureSet),
+        ..OF_THE_DEVICE
+    },
+];
+
+const OF_THE_DEVICE: Knob = Knob {
+    name: "",
+    about: "",
+    values: &[],
+    default: None,
+    class: Class::Exact,
+    gives_up: "",
+    reading: None,
+    links: None,
+};
+
+/// Every option.
+fn all() -> impl Iterator<Item = &'static Knob> {
+    KNOBS.iter().chain(TUNING).copied()
+}

@@ -1,0 +1,50 @@
+//! Sizes that suit a device for a job; they do not change the image.
+
+use super::MOST_PATH_BYTES;
+use crate::film::RunRecord;
+use crate::gpu::device::DeviceClass;
+use crate::job::Job;
+use crate::options::{RenderOptions, Scatter};
+
+/// Sizes that do not change the image, only how fast it comes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tuning {
+    /// Paths in flight.
+    pub slots: u32,
+    pub workgroup: u32,
+    pub scatter: Scatter,
+    /// Bounces of a submission; measured and adapted where this is absent.
+    pub bounces: Option<u32>,
+    /// Finished runs that a slot can deliver between two readings by the host.
+    pub records_per_slot: u32,
+}
+
+impl Tuning {
+    /// What was asked for, and for the rest what suits the device.
+    pub fn new(device: DeviceClass, job: &Job, options: &RenderOptions) -> Tuning {
+        let runs = job.runs().unwrap_or(u64::MAX);
+        // A processor wants work for each core and the slots' state in its caches; a GPU wants paths enough to hide its
+        // latencies. A slot should serve several runs, or the render is all tail.
+        let (fewest, most) = match device.software {
+            true => (2048, 4096 * cores().clamp(2, 16)),
+            false => (65_536, 1 << 20),
+        };
+        // Their state is one buffer.
+        let most = most.min(device.max_binding_bytes / MOST_PATH_BYTES).max(fewest);
+        let slots = options.slots.unwrap_or((runs / 8).clamp(fewest, most) as u32).max(1);
+        let record = size_of::<RunRecord>() as u64;
+        let room = device.max_binding_bytes / (u64::from(slots) * record);
+        Tuning {
+            slots,
+            workgroup: options.workgroup.unwrap_or(64),
+            // Measured in docs/performance.md: a processor pays more for storing a path's state than for its divergence.
+            scatter: options.scatter.unwrap_or(if device.software { Scatter::Fused } else { Scatter::Linked }),
+            bounces: options.bounces,
+            records_per_slot: room.clamp(2, 16) as u32,
+        }
+    }
+}
+
+fn cores() -> u64 {
+    std::thread::available_parallelism().map_or(1, |cores| cores.get() as u64)
+}

@@ -1,0 +1,286 @@
+//! Textures: colours that vary over a surface or in space. All that is asked of a texture is answered here, next to its variant.
+
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+use std::ops::RangeInclusive;
+
+use glam::{DMat3, DVec3};
+use serde::Deserialize;
+
+use crate::data::{self, f32s, luminance};
+use crate::error::Result;
+use crate::source::form::{COLOUR, Form, NUMBER, PATH, kinds};
+use crate::source::{Place, length};
+
+/// A linear Rec. 709 colour: red, green, blue.
+pub type Colour = DVec3;
+
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Texture {
+    Rgb(f64, f64, f64),
+    Checker { scale: f64, even: Colour, odd: Colour },
+    Image { path: String },
+    Noise { scale: f64 },
+    Marble { scale: f64 },
+}
+
+/// What is known of all textures of a kind.
+#[derive(Debug)]
+pub struct Kind {
+    pub form: Form,
+    /// Its file of shaders/texture.
+    pub shader: &'static str,
+}
+
+const fn kind(shader: &'static str, name: &'static str, fields: &'static [(&'static str, &'static str)]) -> Kind {
+    Kind { form: Form { name, fields, in_order: false }, shader }
+}
+
+/// It has no shader file: a plain colour is the material's own.
+const RGB: Form = Form { name: "Rgb", fields: &[("r", NUMBER), ("g", NUMBER), ("b", NUMBER)], in_order: true };
+
+kinds! {
+    Texture: Kind;
+    Rgb => Kind { form: RGB, shader: "" },
+    Checker => kind("checker", "Checker", &[("scale", NUMBER), ("even", COLOUR), ("odd", COLOUR)]),
+    Image => kind("image", "Image", &[("path", PATH)]),
+    Noise => kind("noise", "Noise", &[("scale", NUMBER)]),
+    Marble => kind("marble", "Marble", &[("scale", NUMBER)]),
+}
+
+/// The kinds of texture by the numbers that kernels switch on; each is a file of shaders/texture.
+pub const TEXTURES: &[&str] = match Texture::SHADERS {
+    [_plain, shaders @ ..] => shaders,
+    [] => &[],
+};
+
+/// What is expected where a texture belongs.
+pub const TEXTURE: &str = "a texture: Rgb(r, g, b), Checker(..), Image(..), Noise(..) or Marble(..)";
+
+/// An image file of the scene, decoded: linear Rec. 709, row 0 on top.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bitmap {
+    pub width: u32,
+    pub height: u32,
+    pub texels: Vec<[f32; 3]>,
+}
+
+/// The decoded images, by their path as the scene file writes it.
+pub type Bitmaps = BTreeMap<String, Bitmap>;
+
+/// What a texture's values mean, which is what bounds them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Use {
+    /// The share of light that is not absorbed: 0 to 1.
+    Albedo,
+    /// Light: 0, or 1e-30 to 1e30.
+    Radiance,
+}
+
+/// Largest radiance, and smallest other than zero: both are normal numbers in f32 too.
+const LARGEST_RADIANCE: f64 = 1e30;
+const SMALLEST_RADIANCE: f64 = 1e-30;
+/// Of the texels of an image that are not black at least one in so many: fewer may be what an encoding left over.
+const TEXELS_EACH: usize = 100;
+
+impl Use {
+    /// Refuses a colour of the scene file that has a channel out of range.
+    pub fn check(self, at: &Place, colour: Colour) -> Result<()> {
+        let (expected, range) = match self {
+            Use::Albedo => ("an albedo from 0 to 1".to_owned(), 0.0..=1.0),
+            Use::Radiance => (
+                format!("a radiance of 0 or from {SMALLEST_RADIANCE:e} to {LARGEST_RADIANCE:e}"),
+                SMALLEST_RADIANCE..=LARGEST_RADIANCE,
+            ),
+        };
+        let is_wrong = |channel: &f64| *channel != 0.0 && !range.contains(channel);
+        match colour.to_array().iter().position(is_wrong) {
+            Some(index) => Err(at.index(index).unexpected(expected)),
+            None => Ok(()),
+        }
+    }
+
+    /// Names the first texel of an image that is no light, or more than its use allows.
+    pub fn check_texels(self, bitmap: &Bitmap) -> std::result::Result<(), String> {
+        let (expected, range): (_, RangeInclusive<f32>) = match self {
+            Use::Albedo => ("an albedo from 0 to 1", 0.0..=1.0),
+            Use::Radiance => ("a radiance from 0 to 1e30", 0.0..=LARGEST_RADIANCE as f32),
+        };
+        let fits = |texel: &[f32; 3]| texel.iter().all(|c| range.contains(c));
+        let Some(index) = bitmap.texels.iter().position(|texel| !fits(texel)) else {
+            return Ok(());
+        };
+        let [r, g, b] = bitmap.texels.get(index).copied().unwrap_or_default();
+        let (x, y) = (index % bitmap.width as usize, index / bitmap.width as usize);
+        Err(format!("expected {expected}, found ({r:?}, {g:?}, {b:?}) at texel ({x}, {y}) from the top left"))
+    }
+}
+
+impl Bitmap {
+    /// The largest channel of all texels.
+    pub fn brightest(&self) -> f64 {
+        self.texels.iter().flatten().fold(0.0, |most, &x| f64::from(x).max(most))
+    }
+
+    /// The brightest of the texels that are too faint and not black, if they are many.
+    pub fn faint_part(&self, is_faint: impl Fn(f64) -> bool) -> Option<f64> {
+        let texels = self.texels.iter().map(|texel| texel.iter().fold(0.0, |most, &x| f64::from(x).max(most)));
+        let lit = texels.filter(|x| *x > 0.0);
+        let (count, faint, brightest) = lit.fold((0, 0, 0.0_f64), |(count, faint, brightest), x| match is_faint(x) {
+            true => (count + 1, faint + 1, brightest.max(x)),
+            false => (count + 1, faint, brightest),
+        });
+        (faint > 0 && faint * TEXELS_EACH >= count).then_some(brightest)
+    }
+}
+
+impl Texture {
+    /// Refuses numbers that mean nothing, or not what they are used for.
+    pub fn check(&self, at: &Place, usage: Use) -> Result<()> {
+        let at = at.variant(self.name());
+        match self {
+            Texture::Rgb(r, g, b) => usage.check(&at, DVec3::new(*r, *g, *b)),
+            Texture::Checker { scale, even, odd } => {
+                length(&at.field("scale"), "a scale", *scale)?;
+                usage.check(&at.field("even"), *even)?;
+                usage.check(&at.field("odd"), *odd)
+            }
+            Texture::Image { .. } => Ok(()),
+            Texture::Noise { scale } | Texture::Marble { scale } => length(&at.field("scale"), "a scale", *scale),
+        }
+    }
+
+    /// The colour, where it is the same everywhere.
+    pub fn plain(&self) -> Option<Colour> {
+        match self {
+            Texture::Rgb(r, g, b) => Some(DVec3::new(*r, *g, *b)),
+            Texture::Checker { .. } | Texture::Image { .. } | Texture::Noise { .. } | Texture::Marble { .. } => None,
+        }
+    }
+
+    /// The path of the image that it shows: it needs texture coordinates.
+    pub fn image(&self) -> Option<&String> {
+        match self {
+            Texture::Image { path } => Some(path),
+            Texture::Rgb(..) | Texture::Checker { .. } | Texture::Noise { .. } | Texture::Marble { .. } => None,
+        }
+    }
+
+    /// Its number among `TEXTURES`; nothing for a plain colour.
+    pub fn shader_number(&self) -> Option<usize> {
+        self.number().checked_sub(1)
+    }
+
+    /// The largest channel of all its colours.
+    pub fn brightest(&self, bitmaps: &Bitmaps) -> f64 {
+        match self {
+            Texture::Rgb(r, g, b) => r.max(*g).max(*b),
+            Texture::Checker { even, odd, .. } => even.max(*odd).max_element(),
+            Texture::Image { path } => bitmaps.get(path).map_or(0.0, Bitmap::brightest),
+            Texture::Noise { .. } | Texture::Marble { .. } => 1.0,
+        }
+    }
+
+    /// The luminance of its mean.
+    pub fn mean_luminance(&self, bitmaps: &Bitmaps) -> f64 {
+        match self {
+            Texture::Rgb(r, g, b) => luminance([*r, *g, *b]),
+            Texture::Checker { even, odd, .. } => luminance((0.5 * (*even + *odd)).to_array()),
+            Texture::Image { path } => bitmaps.get(path).map_or(0.0, |bitmap| {
+                let sum: DVec3 = bitmap.texels.iter().map(|t| DVec3::from_array(t.map(f64::from))).sum();
+                luminance((sum / bitmap.texels.len().max(1) as f64).to_array())
+            }),
+            Texture::Noise { .. } | Texture::Marble { .. } => 0.5,
+        }
+    }
+
+    /// Whether a channel is 1: of a colour, or of all texels of an image.
+    pub fn is_white(&self, bitmaps: &Bitmaps) -> bool {
+        match self {
+            Texture::Rgb(r, g, b) => [*r, *g, *b].contains(&1.0),
+            Texture::Checker { even, odd, .. } => even.max(*odd).max_element() == 1.0,
+            // A white place here and there is nothing to warn of.
+            Texture::Image { path } => bitmaps
+                .get(path)
+                .is_some_and(|image| (0..3).any(|channel| image.texels.iter().all(|texel| texel[channel] >= 1.0))),
+            Texture::Noise { .. } | Texture::Marble { .. } => false,
+        }
+    }
+
+    /// The radiance of a part that is too faint, where it has several parts.
+    pub fn faint_part(&self, bitmaps: &Bitmaps, is_faint: impl Fn(f64) -> bool) -> Option<f64> {
+        match self {
+            Texture::Checker { even, odd, .. } => {
+                [even, odd].map(|colour| colour.max_element()).into_iter().find(|radiance| is_faint(*radiance))
+            }
+            Texture::Image { path } => bitmaps.get(path)?.faint_part(is_faint),
+            Texture::Rgb(..) | Texture::Noise { .. } | Texture::Marble { .. } => None,
+        }
+    }
+
+    /// What kernels read of it, its values multiplied by `brightness`; nothing of a plain colour. `add_image` gives the place of an
+    /// image's first texel.
+    pub fn upload(
+        &self,
+        brightness: f64,
+        bitmaps: &Bitmaps,
+        mut add_image: impl FnMut(&str, &Bitmap) -> u32,
+    ) -> Option<data::Texture> {
+        let kind = self.shader_number()? as u32;
+        let mut texture = data::Texture { first: f32s(DVec3::splat(brightness)), kind, ..data::Texture::default() };
+        match self {
+            Texture::Checker { even, odd, .. } => {
+                texture.first = f32s(brightness * *even);
+                texture.second = f32s(brightness * *odd);
+            }
+            Texture::Marble { scale } => texture.parameter = *scale as f32,
+            Texture::Image { path } => {
+                if let Some(bitmap) = bitmaps.get(path) {
+                    texture.texel = add_image(path, bitmap);
+                    texture.width = bitmap.width;
+                    texture.height = bitmap.height;
+                }
+            }
+            Texture::Rgb(..) | Texture::Noise { .. } => {}
+        }
+        Some(texture)
+    }
+
+    /// The frame of the texture: the point p(local) = base + columns · local in the object's own space, in the texture's units, its base
+    /// reduced by the texture's period in f64. For an image the object's rotation alone is undone, for the normals of spheres. A plain
+    /// colour needs none.
+    pub fn frame(&self, (base, columns): (DVec3, DMat3), rotation: &DMat3) -> Option<data::Frame> {
+        let (base, columns, phase) = match *self {
+            Texture::Rgb(..) => return None,
+            Texture::Checker { scale, .. } => (reduce(base / scale, 2.0), columns * (1.0 / scale), 0.0),
+            Texture::Noise { scale } => (reduce(base * scale, 256.0), columns * scale, 0.0),
+            Texture::Marble { scale } => (reduce(base, 256.0), columns, reduce(DVec3::splat(base.z * scale), TAU).z),
+            Texture::Image { .. } => (DVec3::ZERO, rotation.transpose(), 0.0),
+        };
+        Some(data::Frame {
+            x: f32s(columns.x_axis),
+            phase: phase as f32,
+            y: f32s(columns.y_axis),
+            z: f32s(columns.z_axis),
+            origin: f32s(base),
+            ..data::Frame::default()
+        })
+    }
+}
+
+/// Each coordinate less whole periods, within half a period of zero.
+fn reduce(v: DVec3, period: f64) -> DVec3 {
+    v - period * (v / period).round()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::source::form::any_of;
+
+    #[test]
+    fn what_is_expected_names_all_kinds() {
+        assert_eq!(TEXTURE, format!("a texture: {}", any_of(Texture::KINDS.iter().map(|kind| &kind.form))));
+    }
+}

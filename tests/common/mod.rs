@@ -1,0 +1,29 @@
+//! What several tests share.
+
+// Each test program compiles its own copy and uses a part of it.
+#![allow(dead_code)]
+
+/// Whether files that tests write are to be written anew, instead of compared: `GPU_RT_RENEW=1`.
+pub fn renew() -> bool {
+    std::env::var_os("GPU_RT_RENEW").is_some()
+}
+
+pub mod constants;
+pub mod cuboids;
+pub mod device;
+pub mod everything;
+pub mod expect;
+pub mod held;
+pub mod instances;
+pub mod kernel;
+pub mod lattice;
+pub mod light_kernel;
+pub mod oracles;
+pub mod quads;
+pub mod render;
+pub mod rooms;
+pub mod scenes;
+pub mod stats;
+pub mod trace;
+pub mod triangles;
+pub mod vectors;

@@ -1,0 +1,14 @@
+//! What the host does, without a device: films and statistics, files that are read, plans; and what documents and sources say.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod architecture;
+mod bad_input;
+mod compare;
+mod docs;
+mod drivers;
+mod film;
+mod mesh_files;
+mod plan;
+mod statistics;

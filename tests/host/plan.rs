@@ -1,0 +1,866 @@
+//! The plan: what scenes require, who asked for it, and that it is nothing else. Snapshots of four of the scenes that ship stand in
+//! tests/plans; `GPU_RT_RENEW=1` writes them anew.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use gpu_rt::flatten::{Flat, flatten};
+use gpu_rt::gpu::device::DeviceClass;
+use gpu_rt::gpu::link::{Choices, Entry, Library, link};
+use gpu_rt::gpu::spirv;
+use gpu_rt::job::{Goal, Job};
+use gpu_rt::options::{FeatureSet, Integrator, RenderOptions, Scatter};
+use gpu_rt::plan::{Kernels, Plan, Report, Tables, Tuning};
+use gpu_rt::scene::Scene;
+
+/// A kind of device, so that plans do not depend on the machine.
+struct Class {
+    name: &'static str,
+    device: DeviceClass,
+    limits: wgpu::Limits,
+    tuning: Tuning,
+}
+
+fn classes() -> [Class; 2] {
+    let class = |name, software, (slots, records_per_slot), scatter, limits: wgpu::Limits| Class {
+        name,
+        device: DeviceClass {
+            software,
+            max_binding_bytes: limits.max_storage_buffer_binding_size,
+            max_uniform_bytes: limits.max_uniform_buffer_binding_size,
+        },
+        limits,
+        tuning: Tuning { slots, workgroup: 64, scatter, bounces: None, records_per_slot },
+    };
+    let software = wgpu::Limits { max_storage_buffers_per_shader_stage: 1000, ..wgpu::Limits::default() };
+    let gpu = wgpu::Limits {
+        max_storage_buffers_per_shader_stage: 32,
+        max_storage_buffer_binding_size: 1 << 31,
+        max_buffer_size: 1 << 31,
+        ..wgpu::Limits::default()
+    };
+    [
+        class("a software driver", true, (8192, 16), Scatter::Fused, software),
+        class("a GPU", false, (1 << 20, 5), Scatter::Linked, gpu),
+    ]
+}
+
+/// What `render` asks for by default, or with everything on.
+fn options(features: FeatureSet) -> RenderOptions {
+    RenderOptions { features, ..RenderOptions::default() }
+}
+
+/// As `render` flattens by default.
+fn flat(scene: &Scene, features: FeatureSet) -> Flat {
+    let size = (scene.image.width, scene.image.height);
+    flatten(scene, size, &options(features)).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn planned<'a>(flat: &'a Flat, class: &Class, scatter: Scatter) -> (Plan<'a>, Report) {
+    planned_with(flat, class, scatter, options(FeatureSet::Scene))
+}
+
+fn planned_with<'a>(flat: &'a Flat, class: &Class, scatter: Scatter, options: RenderOptions) -> (Plan<'a>, Report) {
+    let tables = Tables::new(flat, class.device.table_bytes());
+    let kernels = Kernels::link(&flat.features.of(&options), &options, scatter, &tables);
+    let kernels = kernels.unwrap_or_else(|error| panic!("{error}"));
+    let plan = Plan { scene: flat, options, kernels, tuning: Tuning { scatter, ..class.tuning } };
+    let report = Report::new(&plan, &class.limits);
+    (plan, report)
+}
+
+/// The lines of a report that are about what is there, unbroken: a new material changes no snapshot of a scene without it.
+fn present(text: &str) -> String {
+    let unbroken = text.replace(",\n    ", ", ");
+    let lines = unbroken.lines().filter(|line| !line.starts_with("  left out: "));
+    let shown = |line: &str| match line.strip_prefix("  chosen: ") {
+        Some(items) => {
+            items.split(", ").filter(|item| !item.ends_with(" no")).map(|item| format!("  chosen {item}\n")).collect()
+        }
+        None => format!("{line}\n"),
+    };
+    lines.map(shown).collect()
+}
+
+/// What a snapshot holds of a scene: nothing that changes with every line of a shader.
+fn snapshot(name: &str, scene: &Scene) -> String {
+    let flat = flat(scene, FeatureSet::Scene);
+    let mut out = format!("{name}\n");
+    for class in classes() {
+        let (_, report) = planned(&flat, &class, class.tuning.scatter);
+        out += &format!("\n# {}\n{}\nmodules\n{}", class.name, present(&report.text()), modules_of(&report));
+    }
+    out
+}
+
+/// Each module with the kernels that have it and what asked for it, each binding with the kernels that have it.
+fn modules_of(report: &Report) -> String {
+    let mut modules: BTreeMap<&str, (Vec<&str>, &str)> = BTreeMap::new();
+    let mut bindings: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    for kernel in &report.kernels {
+        for module in &kernel.modules {
+            let asked_by = module.asked_by.as_deref().unwrap_or("");
+            modules.entry(&module.name).or_insert((Vec::new(), asked_by)).0.push(&kernel.name);
+        }
+        kernel.bindings.iter().for_each(|(name, _)| bindings.entry(name).or_default().push(&kernel.name));
+    }
+    let module = |(name, (kernels, asked_by)): (&&str, &(Vec<&str>, &str))| {
+        format!("  {name}  [{}]  {asked_by}", kernels.join(" ")).trim_end().to_string() + "\n"
+    };
+    let binding = |(name, kernels): (&&str, &Vec<&str>)| format!("  {name}  [{}]\n", kernels.join(" "));
+    modules.iter().map(module).collect::<String>() + "\nbindings\n" + &bindings.iter().map(binding).collect::<String>()
+}
+
+/// The files of a folder below the repository with this ending, without it.
+fn names(folder: &str, ending: &str) -> BTreeSet<String> {
+    let entries = std::fs::read_dir(root().join(folder)).unwrap_or_else(|error| panic!("{folder}: {error}"));
+    let name = |path: PathBuf| {
+        let is_one = path.extension().is_some_and(|own| own == ending);
+        is_one.then(|| path.file_stem().expect("a name").to_string_lossy().into_owned())
+    };
+    entries.filter_map(|entry| name(entry.expect("the folder can be listed").path())).collect()
+}
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// A scene that ships, named as a user in the repository would name it.
+fn shipped(name: &str) -> Scene {
+    let path = format!("scenes/{name}.ron");
+    Scene::load(Path::new(&path)).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The first line in which two texts differ, with its number.
+fn first_difference(expected: &str, found: &str) -> Option<String> {
+    let (mut expected, mut found) = (expected.lines(), found.lines());
+    (1..).find_map(|number| match (expected.next(), found.next()) {
+        (None, None) => Some(None),
+        (a, b) if a == b => None,
+        (a, b) => {
+            let line = |line: Option<&str>| line.unwrap_or("(the end)").to_string();
+            Some(Some(format!("line {number}\n  snapshot: {}\n  now:      {}", line(a), line(b))))
+        }
+    })?
+}
+
+/// Together they hold nearly every module that the scenes that ship need.
+const SNAPSHOTS: [&str; 4] = ["cornell-smoke", "glass", "instances", "materials"];
+
+#[test]
+fn plans_are_as_their_snapshots_say() {
+    let renew = "If that is meant, `GPU_RT_RENEW=1 cargo test --test host plan` writes the snapshots anew";
+    assert_eq!(names("tests/plans", "txt"), SNAPSHOTS.map(String::from).into(), "tests/plans");
+    for name in SNAPSHOTS {
+        let text = snapshot(&format!("scenes/{name}.ron"), &shipped(name));
+        let place = root().join(format!("tests/plans/{name}.txt"));
+        if crate::common::renew() {
+            std::fs::write(&place, &text).expect("a snapshot can be written");
+        }
+        let expected = std::fs::read_to_string(&place).expect("the snapshot can be read");
+        if let Some(difference) = first_difference(&expected.replace('\r', ""), &text) {
+            panic!("the plan of scenes/{name}.ron differs from tests/plans/{name}.txt in {difference}\n{renew}");
+        }
+    }
+}
+
+#[test]
+fn a_difference_is_shown_by_its_first_line() {
+    assert_eq!(first_difference("a\nb\n", "a\nb\n"), None);
+    let difference = first_difference("a\nb\nc\n", "a\nx\nc\n").expect("they differ");
+    assert!(difference.starts_with("line 2\n") && difference.contains(": b") && difference.contains(" x"));
+    assert!(first_difference("a\n", "a\nb\n").expect("they differ").contains("(the end)"));
+}
+
+/// The lines of a snapshot, however its columns are aligned.
+fn unaligned(text: &str) -> BTreeSet<String> {
+    text.lines().map(|line| line.split_whitespace().collect::<Vec<_>>().join(" ")).collect()
+}
+
+/// Marble has spheres and no glass. A glass sphere at the end of a line moves no line of the file; around the others, it leaves the walk
+/// one without a hierarchy.
+fn marble_with_a_glass_sphere() -> Scene {
+    let text = std::fs::read_to_string(root().join("scenes/marble.ron")).expect("it can be read");
+    let glassy =
+        text.replacen("\n    },\n    objects", " \"glass\": Dielectric(ior: 1.5),\n    },\n    objects", 1).replacen(
+            "\n    ],\n    render",
+            " Sphere(center: (0, -1000, 0), radius: 999, material: \"glass\"),\n    ],\n    render",
+            1,
+        );
+    assert_eq!((glassy.matches("glass").count(), glassy.lines().count()), (2, text.lines().count()));
+    Scene::parse(&glassy, Path::new("scenes/marble.ron")).unwrap_or_else(|error| panic!("{error}"))
+}
+
+#[test]
+fn a_glass_sphere_changes_the_lines_that_are_about_it() {
+    let before = snapshot("scenes/marble.ron", &shipped("marble"));
+    let after = snapshot("scenes/marble.ron", &marble_with_a_glass_sphere());
+    assert!(first_difference(&before, &after).is_some());
+    let (before, after) = (unaligned(&before), unaligned(&after));
+    let differing: Vec<&String> = before.symmetric_difference(&after).collect();
+    // What there is one more of, the kernels that scatter by material, and the counters of light through glass with their users.
+    let counted = [
+        "spheres ",
+        "materials ",
+        "room in uniform tables: ",
+        "bounce ",
+        "scatter ",
+        "shadow ",
+        "bind/counters ",
+        "data/window ",
+        "lib/rng ",
+        "counters ",
+    ];
+    for line in &differing {
+        let about_glass = ["dielectric", "fresnel", "refraction", "glass"].iter().any(|word| line.contains(word));
+        assert!(about_glass || counted.iter().any(|start| line.starts_with(start)), "{line}");
+    }
+    for module in ["material/dielectric", "lib/fresnel", "lib/refraction"] {
+        assert!(differing.iter().any(|line| line.starts_with(module)), "{module} in {differing:#?}");
+    }
+}
+
+/// A sphere before a gradient, and nothing else.
+const SPHERE: &str = "Scene(
+    image: (width: 20, height: 12),
+    camera: (look_from: (0, 0, 3), look_at: (0, 0, 0), up: (0, 1, 0), vertical_fov: 50),
+    background: Gradient(bottom: (1, 1, 1), top: (0.5, 0.7, 1)),
+    materials: { \"grey\": Lambertian(albedo: Rgb(0.5, 0.4, 0.3)) },
+    objects: [Sphere(center: (0, 0, 0), radius: 1, material: \"grey\")],
+)
+";
+
+fn parse(text: &str) -> Scene {
+    Scene::parse(text, Path::new("sphere.ron")).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn glass_sphere() -> String {
+    SPHERE
+        .replace("0.3))", "0.3)), \"glass\": Dielectric(ior: 1.5)")
+        .replace("\"grey\")]", "\"grey\"), Sphere(center: (2, 0, 0), radius: 1, material: \"glass\")]")
+}
+
+const EVERY_WAY: [Scatter; 3] = [Scatter::Fused, Scatter::Linked, Scatter::Queues];
+
+/// What a sphere of one colour before a gradient does without.
+const LUXURIES: [&str; 12] = [
+    "queue",
+    "triangle",
+    "quad",
+    "cuboid",
+    "mesh",
+    "instance",
+    "transform",
+    "texture",
+    "frame",
+    "light",
+    "medium",
+    "lens",
+];
+
+/// Members of structs that all scenes share with the host, which lays them out once for all: words of memory that nobody reads.
+const SHARED_MEMBERS: &[(&str, &str)] = &[
+    ("Sphere", "frame"),
+    ("Sphere", "light"),
+    ("Material", "texture"),
+    // Of the hit record, which never leaves its invocation.
+    ("Surface", "frame"),
+];
+
+/// The words of an identifier, in lower case and singular.
+fn words(identifier: &str) -> Vec<String> {
+    let mut words = vec![String::new()];
+    for c in identifier.chars() {
+        let after_lower = words.last().and_then(|word| word.chars().last()).is_some_and(|last| !last.is_uppercase());
+        match words.last_mut() {
+            Some(word) if c.is_alphanumeric() && !(c.is_uppercase() && after_lower) => word.push(c),
+            _ => words.push(if c.is_alphanumeric() { c.to_string() } else { String::new() }),
+        }
+    }
+    words.retain(|word| !word.is_empty());
+    let singular = |word: String| match word.to_lowercase().as_str() {
+        "media" => "medium".to_string(),
+        "meshes" => "mesh".to_string(),
+        "lens" => "lens".to_string(),
+        other => other.strip_suffix('s').unwrap_or(other).to_string(),
+    };
+    words.into_iter().map(singular).collect()
+}
+
+/// The luxuries among the words of a text, without these members of these structs.
+fn luxuries(text: &str, allowed: &[(&str, &str)]) -> BTreeSet<String> {
+    let mut found = BTreeSet::new();
+    let mut of_struct = "";
+    for line in text.lines() {
+        if let Some(rest) = line.strip_prefix("struct ") {
+            of_struct = rest.split([' ', '{']).next().unwrap_or_default();
+        } else if line.starts_with('}') {
+            of_struct = "";
+        }
+        let member = line.trim().split(':').next().unwrap_or_default();
+        if allowed.contains(&(of_struct, member)) {
+            continue;
+        }
+        let identifiers = line.split(|c: char| !c.is_alphanumeric() && c != '_' && c != '.');
+        for identifier in identifiers {
+            // Members as they are read: what is read is declared somewhere.
+            let read = |(_, member): &(&str, &str)| identifier.strip_suffix(&format!(".{member}"));
+            let identifier = allowed.iter().find_map(read).unwrap_or(identifier);
+            found.extend(words(identifier).into_iter().filter(|word| LUXURIES.contains(&word.as_str())));
+        }
+    }
+    found
+}
+
+/// All names of a plan, a line each: its kernels, modules, bindings, path fields, constants, and the kernels' code.
+fn names_in(plan: &Plan, report: &Report) -> String {
+    let mut names: Vec<String> = report.buffers.iter().map(|buffer| buffer.name.to_string()).collect();
+    names.extend(report.path_fields.iter().map(|field| field.label().replace(' ', "_")));
+    names.extend(report.constants.iter().map(|constant| constant.name.clone()));
+    for (kernel, linked) in report.kernels.iter().zip(plan.kernels()) {
+        names.push(kernel.name.clone());
+        names.extend(kernel.modules.iter().map(|module| module.name.clone()));
+        names.extend(kernel.bindings.iter().map(|(name, _)| name.clone()));
+        names.push(linked.linked.text.clone());
+    }
+    names.join("\n")
+}
+
+#[test]
+fn a_sphere_before_a_gradient_has_nothing_else() {
+    let sphere = flat(&parse(SPHERE), FeatureSet::Scene);
+    let everything = flat(&parse(SPHERE), FeatureSet::All);
+    for class in classes() {
+        for scatter in EVERY_WAY {
+            let (plan, report) = planned(&sphere, &class, scatter);
+            let names = names_in(&plan, &report);
+            assert_eq!(luxuries(&names, SHARED_MEMBERS), BTreeSet::new(), "{} {scatter:?}", class.name);
+            // None is allowed that is not there.
+            for shared in SHARED_MEMBERS {
+                let fewer: Vec<_> = SHARED_MEMBERS.iter().filter(|other| *other != shared).copied().collect();
+                assert_eq!(luxuries(&names, &fewer).len(), 1, "{shared:?} is not needed");
+            }
+            assert_eq!(
+                report.features.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>(),
+                ["sphere", "lambertian", "gradient background"]
+            );
+            assert!(report.left_out.len() > 20, "{:?}", report.left_out);
+            // The words would be found: everything on has them all.
+            let (plan, report) = planned_with(&everything, &class, scatter, options(FeatureSet::All));
+            let mut found = luxuries(&names_in(&plan, &report), SHARED_MEMBERS);
+            // Matrices are the host's: no scene has any word of them.
+            assert!(!found.contains("transform"));
+            found.insert("transform".to_string());
+            if scatter != Scatter::Queues || report.kernels.len() < 4 {
+                assert!(!found.contains("queue"), "{scatter:?}");
+                found.insert("queue".to_string());
+            }
+            assert_eq!(found.len(), LUXURIES.len(), "{} {scatter:?}: {found:?}", class.name);
+            assert_eq!(report.left_out, Vec::<String>::new());
+        }
+    }
+}
+
+/// What asked for a feature of the plan.
+fn asker(report: &Report, feature: &str) -> String {
+    let found = report.features.iter().find(|(name, _)| name == feature);
+    found.unwrap_or_else(|| panic!("no {feature} in {:?}", report.features)).1.clone()
+}
+
+/// The object itself asks, however deep in others, and of meshes the one that is smooth.
+#[test]
+fn objects_ask_for_what_they_are() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    std::fs::write(folder.path().join("flat.obj"), format!("{triangle}f 1 2 3\n")).expect("a mesh is written");
+    let smooth = format!("{triangle}vn 0 0 1\nf 1//1 2//1 3//1\n");
+    std::fs::write(folder.path().join("smooth.obj"), smooth).expect("a mesh is written");
+    let objects = "Group([
+        Mesh(path: \"flat.obj\", material: \"grey\"),
+        Transformed(by: [Scale(2)], object: Group([
+            Quad(corner: (0, 0, 0), u: (1, 0, 0), v: (0, 1, 0), material: \"grey\"),
+            Box(min: (0, 0, 0), max: (1, 1, 1), material: \"grey\"),
+        ])),
+        Mesh(path: \"smooth.obj\", material: \"grey\"),
+        Medium(boundary: Sphere(center: (0, 0, 0), radius: 1), density: 1, albedo: Rgb(1, 1, 1)),
+    ])";
+    let text = SPHERE.replace("Sphere(center: (0, 0, 0), radius: 1, material: \"grey\")", objects);
+    let path = folder.path().join("deep.ron");
+    let scene = Scene::parse(&text, &path).unwrap_or_else(|error| panic!("{error}"));
+    let (_, report) = planned(&flat(&scene, FeatureSet::Scene), &classes()[0], Scatter::Fused);
+    // The first object stands in line 6.
+    for (feature, line, column) in
+        [("triangle", 7, 9), ("quad", 9, 13), ("cuboid", 10, 13), ("smooth shading", 12, 9), ("sphere medium", 13, 9)]
+    {
+        assert_eq!(asker(&report, feature), format!("{}:{line}:{column}", path.display()), "{feature}");
+    }
+}
+
+/// Buffers hold what is on objects: neither materials nor images beside, and each image once.
+#[test]
+fn buffers_hold_what_is_used_and_each_image_once() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for (name, size) in [("a.png", 4), ("b.png", 8), ("c.png", 16)] {
+        image::RgbImage::new(size, size).save(folder.path().join(name)).expect("an image is written");
+    }
+    let materials = "
+        \"unused\": Lambertian(albedo: Image(path: \"c.png\")),
+        \"grey\": Lambertian(albedo: Image(path: \"a.png\")),
+        \"other\": Metal(albedo: Image(path: \"a.png\"), fuzz: 0.5),
+        \"third\": Lambertian(albedo: Image(path: \"b.png\"))";
+    let sphere = |at: i32, name: &str| format!("Sphere(center: ({at}, 0, 0), radius: 1, material: \"{name}\")");
+    let of = |names: &[&str], background: &str| {
+        let objects: Vec<String> = (0..).zip(names).map(|(at, name)| sphere(at, name)).collect();
+        let text = SPHERE
+            .replace("\"grey\": Lambertian(albedo: Rgb(0.5, 0.4, 0.3))", materials)
+            .replace(&sphere(0, "grey"), &objects.join(", "))
+            .replace("Gradient(bottom: (1, 1, 1), top: (0.5, 0.7, 1))", background);
+        let scene = Scene::parse(&text, &folder.path().join("images.ron")).unwrap_or_else(|error| panic!("{error}"));
+        let flat = flat(&scene, FeatureSet::Scene);
+        let of_spheres: Vec<u32> = flat.shapes.spheres.iter().map(|sphere| sphere.material).collect();
+        (flat.texels.len(), flat.materials.len(), flat.textures.len(), of_spheres)
+    };
+    let solid = "Solid((1, 1, 1))";
+    assert_eq!(of(&["grey"], solid), (16, 1, 1, vec![0]));
+    assert_eq!(of(&["other", "grey"], solid), (16, 2, 2, vec![1, 0]));
+    assert_eq!(of(&["third", "grey", "other"], solid), (16 + 64, 3, 3, vec![2, 0, 1]));
+    assert_eq!(of(&["grey"], "Image(path: \"a.png\")"), (16, 1, 1, vec![0]));
+    assert_eq!(of(&[], "Image(path: \"b.png\")"), (64, 0, 0, vec![]));
+    // All that is there is used by one that is.
+    assert_eq!(of(&["unused"], solid), (256, 1, 1, vec![0]));
+}
+
+/// The image of a sky asks for its texels, whether or not rays are sent to it.
+#[test]
+fn the_background_asks_for_its_texels() {
+    let scene = shipped("sky");
+    for integrator in [Integrator::Bsdf, Integrator::Mis] {
+        let size = (scene.image.width, scene.image.height);
+        let flat =
+            flatten(&scene, size, &RenderOptions { integrator, ..RenderOptions::default() }).expect("it flattens");
+        let (_, report) = planned(&flat, &classes()[0], Scatter::Fused);
+        let texels = report.buffers.iter().find(|buffer| buffer.name == "texels").expect("an image");
+        let background = asker(&report, "image background");
+        assert!(background.starts_with("background at"), "{background}");
+        assert_eq!(texels.asked_by, background, "{integrator}");
+    }
+}
+
+/// How many steps a walk may take is the scene's own affair, and no more is cut with everything on.
+#[test]
+fn everything_on_cuts_no_walk_shorter() {
+    let lamp = "Sphere(center: (0, 9, 0), radius: 1, material: \"lamp\")";
+    for (material, objects, steps) in [
+        ("Lambertian(albedo: Rgb(0.5, 0.5, 0.5))", "", "48000"),
+        ("Lambertian(albedo: Rgb(0.5, 0.5, 0.5))", lamp, "19000"),
+        ("Dielectric(ior: 1.5)", lamp, "48000"),
+    ] {
+        let text = SPHERE
+            .replace(
+                "Lambertian(albedo: Rgb(0.5, 0.4, 0.3))",
+                &format!("{material}, \"lamp\": DiffuseLight(emit: Rgb(4, 3, 2))"),
+            )
+            .replace("\"grey\")]", &format!("\"grey\"), {objects}]"));
+        for every in [FeatureSet::Scene, FeatureSet::All] {
+            let flat = flat(&parse(&text), every);
+            let (plan, _) = planned_with(&flat, &classes()[0], Scatter::Fused, options(every));
+            let own: Vec<_> = plan.kernels().iter().map(|kernel| kernel.choices.values["most_steps"].clone()).collect();
+            assert_eq!(own, [steps, steps], "{material} {objects} {every}");
+        }
+    }
+}
+
+/// The limit of a walk is that of the device which the plan is for.
+#[test]
+fn steps_are_those_of_the_device() {
+    let json = |arguments: &[&str]| -> serde_json::Value {
+        serde_json::from_slice(&run(arguments).stdout).expect("one JSON object")
+    };
+    let devices = json(&["devices", "--json"]);
+    let devices = devices["devices"].as_array().expect("devices");
+    let default = devices.iter().find(|device| device["default"] == true).expect("one is the default");
+    let loops = default["numerics"]["loop_iterations"].as_u64().expect("iterations");
+    let most = if loops >= u64::from(gpu_rt::gpu::probe::LOOPS) { 262_144 } else { 48_000 };
+    let plan = json(&["plan", "scenes/weekend.ron", "--json"]);
+    let constants = plan["constants"].as_array().expect("constants");
+    let steps = constants.iter().find(|constant| constant["name"] == "MOST_STEPS_OF_WALK").expect("it walks");
+    assert_eq!(steps["value"], most);
+}
+
+/// A lamp beside a sphere of such a material, with an object more.
+fn lamp_beside(material: &str, object: &str) -> Flat {
+    let text = SPHERE
+        .replace(
+            "Lambertian(albedo: Rgb(0.5, 0.4, 0.3))",
+            &format!("{material}, \"lamp\": DiffuseLight(emit: Rgb(4, 3, 2))"),
+        )
+        .replace(
+            "\"grey\")]",
+            &format!("\"grey\"), Sphere(center: (2, 0, 0), radius: 1, material: \"lamp\"), {object}]"),
+        );
+    flat(&parse(&text), FeatureSet::Scene)
+}
+
+/// Rays are sent to lights where something answers to them: a material that scatters to more than one direction, or a medium. Elsewhere
+/// a lamp is what it is to paths that are not sent anywhere.
+#[test]
+fn lights_are_sampled_where_something_answers() {
+    let fog = "Medium(boundary: Sphere(center: (4, 0, 0), radius: 1), density: 1, albedo: Rgb(1, 1, 1)),";
+    let cases = [
+        ("Dielectric(ior: 1.5)", "", false),
+        ("Metal(albedo: Rgb(0.9, 0.9, 0.9), fuzz: 0)", "", false),
+        ("Dielectric(ior: 1.5)", fog, true),
+        ("Metal(albedo: Rgb(0.9, 0.9, 0.9), fuzz: 0.1)", "", true),
+        ("Lambertian(albedo: Rgb(0.9, 0.9, 0.9))", "", true),
+    ];
+    for class in classes() {
+        for scatter in EVERY_WAY {
+            for (material, object, sampled) in cases {
+                let flat = lamp_beside(material, object);
+                let (plan, report) = planned(&flat, &class, scatter);
+                let names = names_in(&plan, &report);
+                let has = |word: &str| names.contains(word);
+                let of_lights = ["shadow", "LIGHT_WEIGHT", "aim_at_light", "bind/lights"];
+                let found: Vec<_> = of_lights.iter().filter(|word| has(word)).collect();
+                assert_eq!(found.is_empty(), !sampled, "{material} {object} {scatter:?}: {found:?}");
+                assert_eq!(report.buffers.iter().any(|buffer| buffer.name == "lights"), sampled, "{material} {object}");
+                // Without light to sample 96 bytes of the fused kernel, and the distance beside them.
+                if !sampled {
+                    assert_eq!(report.path_bytes(), if scatter == Scatter::Fused { 96 } else { 100 }, "{scatter:?}");
+                }
+            }
+        }
+    }
+}
+
+/// Of kernels that serve a material each, those of materials that answer to lights sample them, and glass asks for what it leaves to chance.
+#[test]
+fn queues_sample_lights_where_their_material_answers() {
+    let class = &classes()[1];
+    let modules = modules_by_kernel(&flat(&shipped("glass"), FeatureSet::Scene), class, Scatter::Queues);
+    for (kernel, samples, asks, meets) in [
+        ("scatter_lambertian", true, false, false),
+        ("scatter_dielectric", false, true, false),
+        ("scatter_diffuse_light", false, false, true),
+    ] {
+        let has = |module: &str| modules[kernel].contains(module);
+        assert_eq!(has("scene/responses"), samples, "{kernel}");
+        assert_eq!(has("step/light"), samples || asks || meets, "{kernel}");
+        assert_eq!(has("bind/lights"), samples || asks || meets, "{kernel}");
+        assert_eq!(has("step/through_glass"), asks || meets, "{kernel}");
+    }
+}
+
+/// Without surfaces the bounce is one kernel where it was asked to be one.
+#[test]
+fn scenes_without_surfaces_are_fused_too() {
+    let fog = "Medium(boundary: Sphere(center: (0, 0, 0), radius: 1), density: 1, albedo: Rgb(1, 1, 1))";
+    let class = &classes()[0];
+    for objects in ["", fog] {
+        let text = SPHERE.replace("Sphere(center: (0, 0, 0), radius: 1, material: \"grey\")", objects);
+        let flat = flat(&parse(&text), FeatureSet::Scene);
+        let (plan, report) = planned(&flat, class, Scatter::Fused);
+        let names: Vec<_> = plan.kernels().iter().map(|kernel| kernel.name.clone()).collect();
+        assert_eq!(names, ["generate", "bounce"]);
+        assert!(report.scatter.starts_with("fused"), "{}", report.scatter);
+        assert!(!names_in(&plan, &report).contains("scatter_path"), "{objects}");
+    }
+}
+
+#[test]
+fn words_of_identifiers_are_told_apart() {
+    let split = |text: &str| words(text);
+    assert_eq!(split("WORD_OF_LIGHT"), ["word", "of", "light"]);
+    assert_eq!(split("LightNode"), ["light", "node"]);
+    assert_eq!(split("textures"), ["texture"]);
+    assert_eq!(split("highlight"), ["highlight"]);
+    let found = |text: &str| luxuries(text, SHARED_MEMBERS).len();
+    assert_eq!(found("struct Sphere {\n    light: u32,\n}\nlet x = sphere.light;\n"), 0);
+    assert_eq!(found("struct Quad {\n    light: u32,\n}\n"), 2);
+    assert_eq!(found("fn light() -> u32 {\n"), 1);
+}
+
+/// The modules of each kernel, and the kernels of the plan.
+fn modules_by_kernel(flat: &Flat, class: &Class, scatter: Scatter) -> BTreeMap<String, BTreeSet<String>> {
+    let (_, report) = planned(flat, class, scatter);
+    let modules =
+        |kernel: &gpu_rt::plan::KernelReport| kernel.modules.iter().map(|module| module.name.clone()).collect();
+    report.kernels.iter().map(|kernel| (kernel.name.clone(), modules(kernel))).collect()
+}
+
+#[test]
+fn a_glass_sphere_adds_its_material_and_nothing_else() {
+    let glass = ["lib/fresnel", "lib/refraction", "material/dielectric"].map(str::to_string);
+    let queues = ["bind/queues", "data/queue", "slots/sort_by_material"].map(str::to_string);
+    let (before, after) = (flat(&parse(SPHERE), FeatureSet::Scene), flat(&parse(&glass_sphere()), FeatureSet::Scene));
+    for class in classes() {
+        for (scatter, kernel) in [(Scatter::Fused, "bounce"), (Scatter::Linked, "scatter")] {
+            let (before, after) =
+                (modules_by_kernel(&before, &class, scatter), modules_by_kernel(&after, &class, scatter));
+            assert_eq!(before.keys().collect::<Vec<_>>(), after.keys().collect::<Vec<_>>());
+            for (name, modules) in &after {
+                let added: Vec<_> = modules.difference(&before[name]).cloned().collect();
+                assert_eq!(added, if name == kernel { glass.as_slice() } else { &[] }, "{} {name}", class.name);
+                assert!(before[name].is_subset(modules));
+            }
+        }
+        // With queues: a kernel for each material, and what sorts slots.
+        let (before, after) =
+            (modules_by_kernel(&before, &class, Scatter::Queues), modules_by_kernel(&after, &class, Scatter::Queues));
+        let new: Vec<&str> = after.keys().map(String::as_str).filter(|name| !before.contains_key(*name)).collect();
+        assert_eq!(new, ["dispatch", "scatter_dielectric", "scatter_lambertian"]);
+        let all: BTreeSet<&String> = before.values().flatten().collect();
+        let all_after: BTreeSet<&String> = after.values().flatten().collect();
+        let added: Vec<&str> = all_after.difference(&all).map(|name| name.as_str()).collect();
+        assert_eq!(
+            added,
+            [
+                "bind/queue_args",
+                "bind/queue_turns",
+                "bind/queues",
+                "data/queue",
+                "lib/fresnel",
+                "lib/refraction",
+                "material/dielectric",
+                "slots/queue_turn",
+                "slots/sort_by_material",
+                "stage/dispatch",
+            ]
+        );
+        for name in ["generate", "intersect", "refill"] {
+            let added: Vec<_> = after[name].difference(&before[name]).cloned().collect();
+            let sorts = added.iter().filter(|module| queues.contains(module)).count();
+            // Sorting asks for the material of what was met.
+            let of_surfaces = added.iter().filter(|module| !queues.contains(module)).collect::<Vec<_>>();
+            assert_eq!(sorts, if name == "intersect" { queues.len() } else { 0 }, "{name}: {added:?}");
+            assert!(of_surfaces.is_empty() || name == "intersect", "{name}: {added:?}");
+            assert!(added.iter().all(|module| !glass.contains(module)), "{name}: {added:?}");
+        }
+    }
+}
+
+#[test]
+fn everything_in_a_plan_has_a_reason() {
+    for name in names("scenes", "ron") {
+        let scene = shipped(&name);
+        for features in [FeatureSet::Scene, FeatureSet::All] {
+            let flat = flat(&scene, features);
+            for class in classes() {
+                for scatter in EVERY_WAY {
+                    let (plan, report) = planned_with(&flat, &class, scatter, options(features));
+                    let at = format!("{name} {features} {} {scatter:?}", class.name);
+                    for constant in &report.constants {
+                        assert!(!constant.what.is_empty() && !constant.asked_by.is_empty(), "{at}: {constant:?}");
+                        assert!(constant.value.parse::<u64>().is_ok(), "{at}: {constant:?}");
+                    }
+                    // Who asked is the scene, an option, or every render.
+                    let known = |reason: &str| {
+                        let stage = reason.strip_prefix("a kernel a stage").unwrap_or(reason);
+                        stage.is_empty()
+                            || stage == "every render"
+                            || stage.contains("--")
+                            || stage.contains(&format!("scenes/{name}.ron:"))
+                    };
+                    for field in &report.path_fields {
+                        assert!(!field.what.is_empty() && known(&field.why), "{at}: {field:?}");
+                        // Nothing is kept that no kernel reads or writes.
+                        let users = report.kernels.iter().filter(|kernel| kernel.path_fields.contains(field));
+                        assert!(users.count() > 0, "{at}: nobody uses {field:?}");
+                    }
+                    for buffer in &report.buffers {
+                        assert!(!buffer.size.is_empty() && known(&buffer.asked_by), "{at}: {buffer:?}");
+                        assert!(report.kernels.iter().any(|kernel| kernel.bindings.iter().any(|b| b.0 == buffer.name)));
+                    }
+                    for (kernel, planned) in report.kernels.iter().zip(plan.kernels()) {
+                        let listed: BTreeSet<&String> = kernel.modules.iter().map(|module| &module.name).collect();
+                        assert_eq!(listed, planned.linked.modules.iter().collect(), "{at}: {}", kernel.name);
+                        for module in &kernel.modules {
+                            assert!(module.asked_by.as_deref().is_none_or(known), "{at}: {module:?}");
+                            // The chain of users ends at the entry point.
+                            let user = |name: &String| {
+                                let user = kernel.modules.iter().find(|module| module.name == *name);
+                                user.expect("users are linked").used_by.clone()
+                            };
+                            let chain = std::iter::successors(Some(module.name.clone()), user);
+                            assert_eq!(chain.take(100).last(), Some(kernel.root.clone()), "{at}: {module:?}");
+                        }
+                        assert!(report.why(&kernel.name).is_some());
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn buffers_over_the_limit_are_said_to_be() {
+    let flat = flat(&shipped("cornell-smoke"), FeatureSet::Scene);
+    let [class, _] = classes();
+    let (plan, report) = planned(&flat, &class, Scatter::Fused);
+    assert!(!report.text().contains("OVER THE LIMIT"), "{}", report.text());
+    assert!(report.buffers.iter().all(gpu_rt::plan::Buffer::fits));
+    let limits = wgpu::Limits {
+        max_storage_buffer_binding_size: 600_000,
+        max_storage_buffers_per_shader_stage: 2,
+        ..class.limits
+    };
+    let report = Report::new(&plan, &limits);
+    let over: Vec<&str> = report.buffers.iter().filter(|buffer| !buffer.fits()).map(|buffer| buffer.name).collect();
+    assert_eq!(over, ["records", "paths"]);
+    for text in [report.text(), report.why("bounce").expect("it is a kernel")] {
+        assert_eq!(text.matches("OVER THE LIMIT: the device allows 600000 bytes").count(), 2, "{text}");
+        assert_eq!(text.matches("OVER THE LIMIT: bounce binds 3 storage buffers, and the device allows 2").count(), 1);
+    }
+}
+
+/// Device memory follows the number of runs, up to a most that neither more pixels nor more samples raise.
+#[test]
+fn device_memory_has_a_most() {
+    let flat = flat(&shipped("weekend"), FeatureSet::Scene);
+    for class in classes() {
+        let bytes = |side: u32, samples: u32| -> u64 {
+            let goal = Goal::Samples(samples);
+            let job = Job { size: (side, side), max_depth: 8, seed: 0, first_sample: 0, goal };
+            let plan = Plan::new(&flat, &options(FeatureSet::Scene), class.device, &job).expect("it links");
+            plan.buffers().iter().map(gpu_rt::gpu::buffers::BufferSpec::allocated).sum()
+        };
+        let most = bytes(4096, 1 << 20);
+        for (side, samples) in [(4096, 8), (4096, 64), (2896, 16), (1 << 15, 1), (64, 1 << 20)] {
+            assert_eq!(bytes(side, samples), most, "{}: {side} x {side}, {samples} samples", class.name);
+        }
+        // What would grow with the pixels is seen: few of them take less.
+        assert!(bytes(64, 1) < most && bytes(64, 8) == bytes(64, 1), "{}: {} of {most}", class.name, bytes(64, 1));
+    }
+}
+
+#[test]
+fn sizes_are_those_of_the_kernels() {
+    let [software, _] = classes();
+    let measured = |scene: &str, features: FeatureSet| {
+        let flat = flat(&parse(scene), features);
+        let (plan, mut report) = planned_with(&flat, &software, Scatter::Fused, options(features));
+        report.measure(&plan).unwrap_or_else(|error| panic!("{error}"));
+        report.kernels.iter().map(|kernel| kernel.size.expect("it is measured")).collect::<Vec<_>>()
+    };
+    let (sphere, glass) = (measured(SPHERE, FeatureSet::Scene), measured(&glass_sphere(), FeatureSet::Scene));
+    let everything = measured(SPHERE, FeatureSet::All);
+    // `generate` has no material; `bounce` gets one more.
+    assert_eq!(sphere[0], glass[0]);
+    assert!(sphere[1].instructions < glass[1].instructions, "{sphere:?} {glass:?}");
+    assert!(2 * sphere[1].instructions < everything[1].instructions, "{sphere:?} {everything:?}");
+    for size in sphere.iter().chain(&glass).chain(&everything) {
+        // A word an instruction at least, and five of header; four words at most on average.
+        assert!(size.bytes >= 20 + 4 * size.instructions && size.bytes < 20 + 24 * size.instructions, "{size:?}");
+    }
+    // Overrides are resolved, and those that a kernel lacks passed over.
+    let text = "override N: u32 = 32u;\n@group(0) @binding(0) var<storage, read_write> x: array<u32>;\n\
+                @compute @workgroup_size(N) fn f() {\n    x[0] = N;\n}\n";
+    let module = naga::front::wgsl::parse_str(text).expect("it is WGSL");
+    let size = |overrides: &[(&str, f64)]| spirv::size(&module, "f", overrides);
+    let usual = size(&[]).expect("it has a value");
+    assert_eq!(size(&[("N", 32.0), ("UNKNOWN", 1.0)]).expect("it is written"), usual);
+    assert!(size(&[("N", 0.0)]).is_err());
+}
+
+/// Modules by their names.
+struct Texts(&'static [(&'static str, &'static str)]);
+
+impl Library for Texts {
+    fn module(&self, name: &str) -> Option<&str> {
+        self.0.iter().find(|(known, _)| *known == name).map(|(_, text)| *text)
+    }
+}
+
+#[test]
+fn the_linker_notes_users_choices_and_values() {
+    let library = Texts(&[
+        (
+            "root",
+            "//@ use empty\n//@ use long\n//@ use choice/x\n@compute @workgroup_size(1)\nfn f() {\n    g();\n    h();\n}\n",
+        ),
+        // Nothing of it is reached: it leads to `deep` all the same.
+        ("empty", "//@ use deep\nfn unreached() -> u32 {\n    return ${lost}u;\n}\n"),
+        ("long", "//@ use chosen\n//@ use deep\nfn g() {\n    deepest();\n}\n"),
+        ("chosen", "//@ use choice/y\nconst N: u32 = ${kept}u;\nfn h() {\n    var n = N;\n}\n"),
+        ("other", "fn unreached_too() {\n}\n"),
+        ("deep", "fn deepest() {\n}\n"),
+    ]);
+    let choices = Choices {
+        modules: BTreeMap::from([("x", "chosen"), ("y", "other")]),
+        lists: BTreeMap::from([("list", Vec::<Entry>::new())]),
+        values: BTreeMap::from([("lost", "1".to_string()), ("kept", "2".to_string()), ("absent", "3".to_string())]),
+    };
+    let linked = link(&library, "root", &choices).unwrap_or_else(|error| panic!("{error}"));
+    let pairs = |pairs: &[(&str, &str)]| -> BTreeMap<String, String> {
+        pairs.iter().map(|(a, b)| (a.to_string(), b.to_string())).collect()
+    };
+    assert_eq!(linked.used_by, pairs(&[("deep", "root"), ("long", "root"), ("chosen", "root")]));
+    assert_eq!(linked.choices, BTreeMap::from([("x", "chosen".to_string())]));
+    assert_eq!(linked.values, BTreeMap::from([("kept", "2".to_string())]));
+}
+
+fn run(arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_gpu-rt"));
+    command.current_dir(root()).args(arguments).output().expect("the program runs")
+}
+
+#[test]
+fn why_is_answered_for_kernels_and_refused_for_others() {
+    let scene = "scenes/cornell-smoke.ron";
+    let plan = |more: &[&str]| run(&[&["plan", scene, "--scatter", "linked"], more].concat());
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("UTF-8");
+    let medium = plan(&["--why", "medium"]);
+    assert!(medium.status.success());
+    let medium = text(medium.stdout);
+    for part in
+        ["stage/medium", "medium/free_flight", "shadow origin", "media ", "scenes/cornell-smoke.ron:20:9", "SPIR-V"]
+    {
+        assert!(medium.contains(part), "{part} in {medium}");
+    }
+    // Each module is one level below its user.
+    let indent = |module: &str| {
+        let line = medium.lines().find(|line| line.split_whitespace().next() == Some(module)).expect("it is there");
+        line.len() - line.trim_start().len()
+    };
+    assert_eq!((indent("stage/medium"), indent("step/media"), indent("medium/free_flight")), (2, 4, 6));
+    assert!(!medium.contains("refill") && !medium.contains("\u{1b}"), "{medium}");
+
+    let object = |output: Output| -> serde_json::Value {
+        assert!(output.status.success());
+        serde_json::from_slice(&output.stdout).expect("one JSON object")
+    };
+    let (one, all) = (object(plan(&["--why", "medium", "--json"])), object(plan(&["--json"])));
+    assert_eq!(one["kernels"].as_array().map(Vec::len), Some(1));
+    assert!(all["kernels"].as_array().is_some_and(|kernels| kernels.contains(&one["kernels"][0])));
+    let modules = one["kernels"][0]["modules"].as_array().expect("modules");
+    let find = |name: &str| modules.iter().find(|module| module["name"] == name).expect("it is linked");
+    assert_eq!(find("medium/free_flight")["used_by"], "step/media");
+    assert_eq!(find("medium/free_flight")["asked_by"], "scenes/cornell-smoke.ron:20:9");
+    assert_eq!(find("stage/medium")["used_by"], serde_json::Value::Null);
+    assert_eq!(all["path_fields"][0]["name"], "origin");
+    let of_fields: u64 =
+        all["path_fields"].as_array().expect("fields").iter().filter_map(|f| f["bytes"].as_u64()).sum();
+    assert_eq!(all["path_bytes_per_slot"], of_fields);
+    assert!(all["kernels"][0]["spirv_instructions"].as_u64().is_some_and(|n| n > 100), "{}", all["kernels"][0]);
+
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let into = folder.path().join("shaders");
+    // What an earlier plan left in a folder is said to be none of this one's; other files are nobody's business.
+    let shaders = folder.path().join("old");
+    std::fs::create_dir(&shaders).expect("a folder is made");
+    std::fs::write(shaders.join("shading.txt"), "").expect("a file is written");
+    let write = || text(plan(&["--wgsl", shaders.to_str().expect("UTF-8")]).stderr);
+    assert!(!write().contains("also holds"));
+    std::fs::write(shaders.join("scatter_metal.wgsl"), "").expect("a file is written");
+    assert!(write().contains("also holds scatter_metal.wgsl, of which"));
+
+    let unknown = plan(&["--why", "bounce", "--wgsl", into.to_str().expect("UTF-8")]);
+    assert_eq!(unknown.status.code(), Some(2));
+    assert!(unknown.stdout.is_empty() && !into.exists());
+    let error = text(unknown.stderr);
+    assert!(
+        error.contains("--why bounce") && error.contains("generate, intersect, medium, scatter, shadow, refill"),
+        "{error}"
+    );
+}

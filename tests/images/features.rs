@@ -1,0 +1,315 @@
+//! A scene's kernels have just what the scene requires: with everything linked the image has the same bytes, without any one of the
+//! linked modules there is no kernel, and nothing that is linked is out of an entry point's reach.
+
+use std::collections::{BTreeSet, HashSet};
+
+use crate::common::constants::tables_read_at_constants;
+use crate::common::everything::same;
+use crate::common::lattice::Lattice;
+use crate::common::render::{Ask, render};
+use gpu_rt::flatten::{Flat, flatten};
+use gpu_rt::gpu::device::DeviceClass;
+use gpu_rt::gpu::link::{Choices, Embedded, Library, Linked, link};
+use gpu_rt::job::{Goal, Job};
+use gpu_rt::options::{FeatureSet, RenderOptions, Scatter};
+use gpu_rt::plan::{Kernels, MOST_PATH_BYTES, PathField, Plan, Tables};
+use gpu_rt::scene::Scene;
+use naga::compact::{KeepUnused, compact};
+
+const SCATTERS: [Scatter; 3] = [Scatter::Fused, Scatter::Linked, Scatter::Queues];
+
+/// As the program renders by default.
+fn usual(scatter: Scatter) -> Ask {
+    Ask::spp(16).sobol().mis().roulette().scatter(scatter)
+}
+
+fn flat(scene: &Scene) -> Flat {
+    flatten(scene, (12, 9), &RenderOptions::default()).expect("the scene flattens")
+}
+
+fn plan(scene: &Scene, scatter: Scatter) -> Kernels {
+    Kernels::link(&flat(scene).features, &RenderOptions::default(), scatter, &Tables::default())
+        .expect("the kernels link")
+}
+
+#[test]
+fn everything_on_changes_no_byte() {
+    let lattice = Lattice::new();
+    let scenes = lattice.scenes();
+    assert!(scenes.len() >= 24, "{} scenes", scenes.len());
+    // Stages as kernels of their own have the same functions in them; those scenes that have most to hand over, and least.
+    let staged = [
+        "nothing before an image",
+        "fog before an image",
+        "a lamp, glass and a mirror",
+        "a textured medium in a box, under a lamp",
+        "a mesh as a lamp",
+        "everything",
+    ];
+    for (name, scene) in &scenes {
+        for scatter in SCATTERS {
+            if scatter != Scatter::Fused
+                && !(staged.contains(name) && scatter == Scatter::Linked || *name == "everything")
+            {
+                continue;
+            }
+            let own = render(scene, &usual(scatter));
+            let all = render(scene, &usual(scatter).with(|options| options.features = FeatureSet::All));
+            assert!(same(&own, &all), "{name}, {scatter:?}");
+        }
+    }
+    // It could have told: the scenes' images differ.
+    let shots: Vec<_> = scenes.iter().take(3).map(|(_, scene)| render(scene, &usual(Scatter::Fused))).collect();
+    assert!(!same(&shots[0], &shots[1]) && !same(&shots[1], &shots[2]));
+}
+
+/// The number of slots is bounded by the largest state that any scene's paths have; a GPU that allows no more than WebGPU promises has room
+/// for what is chosen for it.
+#[test]
+fn the_state_of_all_slots_has_room() {
+    let lattice = Lattice::new();
+    let options = RenderOptions::default();
+    let every = RenderOptions { features: FeatureSet::All, ..options.clone() };
+    let mut most = 0;
+    for (name, scene) in lattice.scenes() {
+        for (options, scatter) in [(&options, Scatter::Linked), (&every, Scatter::Linked), (&every, Scatter::Queues)] {
+            let options = RenderOptions { scatter: Some(scatter), ..options.clone() };
+            let flat = flatten(&scene, (3840, 2160), &options).expect("the scene flattens");
+            let goal = Goal::Samples(1 << 16);
+            let job = Job { size: (3840, 2160), max_depth: 50, seed: 0, first_sample: 0, goal };
+            let class = DeviceClass::default();
+            let plan = Plan::new(&flat, &options, class, &job).expect("the kernels link");
+            // 128 MiB of paths of 164 bytes.
+            assert!(plan.tuning.slots > 810_000, "{name}: {} slots", plan.tuning.slots);
+            for buffer in plan.buffers() {
+                assert!(buffer.allocated() <= class.max_binding_bytes, "{name}: {} has {}", buffer.name, buffer.bytes);
+            }
+            most = most.max(plan.kernels.path_bytes());
+        }
+    }
+    assert_eq!(most, MOST_PATH_BYTES);
+}
+
+/// With everything on, a scene of nothing much has every kernel, and each of the modules that some scene has.
+#[test]
+fn everything_is_on() {
+    let lattice = Lattice::new();
+    let scenes = lattice.scenes();
+    let every = RenderOptions { features: FeatureSet::All, ..RenderOptions::default() };
+    let (_, spheres) = &scenes[0];
+    for scatter in SCATTERS {
+        let modules = |plan: &Kernels| -> BTreeSet<String> {
+            plan.all().iter().flat_map(|kernel| kernel.linked.modules.clone()).collect()
+        };
+        let all = flatten(spheres, (12, 9), &every).expect("the scene flattens");
+        let all = modules(
+            &Kernels::link(&all.features.of(&every), &every, scatter, &Tables::default()).expect("the kernels link"),
+        );
+        // What stands for the absence of another thing, or is chosen by the numbers of primitives and lights.
+        let instead = [
+            "camera/pinhole",
+            "scene/plain_colour",
+            "scene/plain_medium",
+            "scene/flat_shading",
+            "scene/no_uv",
+            "scene/world_axes",
+            "scene/nothing",
+            "scene/few",
+            "step/no_glass",
+            "scene/light_tree",
+            "bind/light_nodes",
+        ];
+        for (name, scene) in &scenes {
+            for module in modules(&plan(scene, scatter)) {
+                let known = all.contains(&module) || instead.contains(&module.as_str());
+                assert!(known, "{name}, {scatter:?}: {module} is not on");
+            }
+        }
+    }
+}
+
+/// Fields of the paths' state that some kernel may store and none loads.
+fn never_loaded(plan: &Kernels) -> Vec<&'static str> {
+    let kernels = plan.all();
+    // The functions that load, each up to the line that closes it.
+    let loads: Vec<&str> = kernels
+        .iter()
+        .flat_map(|kernel| kernel.linked.text.split("\nfn ").filter(|text| text.starts_with("load_")))
+        .map(|text| text.split_once("\n}").map_or(text, |(function, _)| function))
+        .collect();
+    let is_loaded = |field: &&PathField| match (field.words, field.behind) {
+        (1, None) => loads.iter().any(|load| load.starts_with(&format!("load_{}(", field.name))),
+        (_, behind) => {
+            let plane = format!("PLANE_OF_{},", behind.unwrap_or(field.name));
+            loads.iter().any(|load| load.contains(&plane) && (behind.is_none() || load.contains(".w")))
+        }
+    };
+    plan.path_fields.iter().filter(|field| !is_loaded(field)).map(|field| field.name).collect()
+}
+
+#[test]
+fn every_field_of_the_paths_is_loaded_by_some_kernel() {
+    let lattice = Lattice::new();
+    let mut tried = 0;
+    for (name, scene) in lattice.scenes() {
+        for scatter in SCATTERS {
+            let mut plan = plan(&scene, scatter);
+            assert_eq!(never_loaded(&plan), [""; 0], "{name}, {scatter:?}");
+            tried += plan.path_fields.len();
+            // One too many is found: a word, a vector, and a word behind a vector.
+            for (field, words, behind) in [("spare", 1, None), ("SPARE", 3, None), ("spare_too", 1, Some("SPARE"))] {
+                plan.path_fields.push(PathField { name: field, words, behind, what: "", why: String::new() });
+            }
+            assert_eq!(never_loaded(&plan), ["spare", "SPARE", "spare_too"], "{name}, {scatter:?}");
+        }
+    }
+    assert!(tried > 500, "{tried}");
+}
+
+/// Functions, global variables and structs by name.
+fn named(module: &naga::Module) -> BTreeSet<String> {
+    let functions = module.functions.iter().filter_map(|(_, f)| f.name.clone());
+    let globals = module.global_variables.iter().filter_map(|(_, v)| v.name.clone());
+    let structs = module.types.iter().filter_map(|(_, t)| t.name.clone());
+    functions.chain(globals).chain(structs).collect()
+}
+
+/// What of a shader no entry point reaches, once the values of its overrides are known. Of constants naga keeps the names and folds the
+/// values into expressions: they are out of reach where the rest of the text does not name them.
+fn unreached(text: &str) -> Vec<String> {
+    let module = naga::front::wgsl::parse_str(text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(text)));
+    let info = naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::empty())
+        .validate(&module)
+        .expect("it is valid");
+    let values = naga::back::PipelineConstants::default();
+    let resolved = naga::back::pipeline_constants::process_overrides(&module, &info, None, &values);
+    let (resolved, _) = resolved.expect("the overrides have values");
+    let mut reached = resolved.into_owned();
+    compact(&mut reached, KeepUnused::No);
+    let reached = named(&reached);
+    let words: Vec<&str> = text.split(|c: char| !c.is_alphanumeric() && c != '_').collect();
+    let constants = module.constants.iter().filter_map(|(_, constant)| constant.name.clone());
+    let overrides = module.overrides.iter().filter_map(|(_, constant)| constant.name.clone());
+    let unnamed = |name: &String| words.iter().filter(|word| *word == name).count() == 1;
+    let unreached = named(&module).into_iter().filter(|name| !reached.contains(name));
+    constants.chain(overrides).filter(unnamed).chain(unreached).collect()
+}
+
+/// A kernel of the lattice.
+struct Found {
+    /// Of a scene that has it, and its own.
+    name: String,
+    stage: String,
+    choices: Choices,
+    linked: Linked,
+}
+
+/// All that differ.
+fn kernels(lattice: &Lattice) -> Vec<Found> {
+    let mut seen = HashSet::new();
+    let mut found = Vec::new();
+    for (name, scene) in lattice.scenes() {
+        for scatter in SCATTERS {
+            for kernel in plan(&scene, scatter).all() {
+                if seen.insert(kernel.linked.text.clone()) {
+                    found.push(Found {
+                        name: format!("{name}, {scatter:?}, {}", kernel.name),
+                        stage: format!("stage/{}", kernel.stage),
+                        choices: kernel.choices.clone(),
+                        linked: kernel.linked.clone(),
+                    });
+                }
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn nothing_that_is_linked_is_out_of_reach() {
+    let lattice = Lattice::new();
+    let kernels = kernels(&lattice);
+    assert!(kernels.len() > 100, "{} kernels", kernels.len());
+    let mut wrong = Vec::new();
+    for Found { name, linked, .. } in &kernels {
+        wrong.extend(unreached(&linked.text).into_iter().map(|what| format!("{name}: {what}")));
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+    // What is added and not used is found: a function, a constant, a binding and a struct.
+    let text = &kernels[0].linked.text;
+    let more = "fn unused_function() {}\nconst UNUSED: u32 = 1u;\n@group(0) @binding(99) var<uniform> unused: vec4<f32>;\nstruct Unused { x: f32 }\n";
+    assert_eq!(unreached(&format!("{text}{more}")), ["UNUSED", "Unused", "unused", "unused_function"]);
+}
+
+/// The production shaders, one of them without its declarations.
+struct Without<'a> {
+    module: &'a str,
+    text: String,
+}
+
+impl Library for Without<'_> {
+    fn module(&self, name: &str) -> Option<&str> {
+        if name == self.module { Some(&self.text) } else { Embedded.module(name) }
+    }
+}
+
+impl Without<'_> {
+    /// What it uses stays used.
+    fn of(module: &str) -> Without<'_> {
+        let own = Embedded.module(module).expect("it is linked");
+        let directives = own.lines().filter(|line| line.trim().starts_with("//@"));
+        Without { module, text: directives.collect::<Vec<_>>().join("\n") }
+    }
+}
+
+#[test]
+fn without_any_module_there_is_no_kernel() {
+    let lattice = Lattice::new();
+    let (mut tried, mut wrong) = (0, Vec::new());
+    // What a module is for depends on the others.
+    let mut seen = HashSet::new();
+    for Found { name, stage, choices, linked } in kernels(&lattice) {
+        for module in &linked.modules {
+            if !seen.insert((stage.clone(), module.clone(), linked.modules.clone())) {
+                continue;
+            }
+            tried += 1;
+            let linked = link(&Without::of(module), &stage, &choices);
+            let valid = linked.and_then(|linked| linked.validate());
+            let still_there = valid.is_ok_and(|(module, _)| !module.entry_points.is_empty());
+            if still_there {
+                wrong.push(format!("{name}: {module} is linked and not needed"));
+            }
+        }
+        // All of them together make one.
+        assert!(link(&Embedded, &stage, &choices).is_ok_and(|linked| linked.validate().is_ok()));
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+    assert!(tried > 1000, "{tried}");
+}
+
+/// The tables that may be uniforms, without the first, for which there is room in any case (shaders/scene/at_run_time.wgsl).
+const TABLES: [&str; 10] =
+    ["spheres", "quads", "cuboids", "materials", "textures", "frames", "instances", "media", "lights", "light_nodes"];
+
+/// Codes of primitives: those that are constant say that there is none, and that was asked before a table is read.
+const EXEMPT: [(&str, &str); 2] = [("Hit", "code"), ("Path", "light")];
+
+#[test]
+fn no_table_is_read_at_an_index_that_a_compiler_knows() {
+    let lattice = Lattice::new();
+    let mut bitten = BTreeSet::new();
+    for Found { name, mut linked, .. } in kernels(&lattice) {
+        let read = |linked: &Linked| {
+            let (module, info) = linked.validate().expect("it is valid");
+            tables_read_at_constants(&module, &info, &TABLES, &EXEMPT)
+        };
+        assert!(read(&linked).is_empty(), "{name}: {:?}", read(&linked));
+        // Without what hides them they are found.
+        linked.text = linked.text.replace("return index + settings.zero;", "return index;");
+        bitten.extend(read(&linked));
+    }
+    let tables: BTreeSet<&str> = bitten.iter().filter_map(|read: &String| read.split(' ').next()).collect();
+    let hidden = ["cuboids", "instances", "light_nodes", "lights", "media", "quads", "spheres"];
+    assert_eq!(Vec::from_iter(tables), hidden, "{bitten:?}");
+}

@@ -1,0 +1,702 @@
+//! The table of knobs (src/options.rs): every option of `render` that changes the image is in it, and every value does to the image what
+//! its class says. All of it by the program, since a value is a text that the option takes.
+
+use crate::common::render;
+use std::f64::consts::PI;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use crate::common::everything::{Everything, World};
+use crate::common::stats::{one_sample_t, sidak, student_two_sided};
+use clap::CommandFactory;
+use gpu_rt::cli::Cli;
+use gpu_rt::flatten::flatten;
+use gpu_rt::gpu::device::Adapters;
+use gpu_rt::options::{Class, Fresnel, KNOBS, Knob, Offset, Precision, RenderOptions};
+use gpu_rt::output::exr::{ExrImage, read_exr};
+use gpu_rt::plan::{Tables, choices_of};
+use serde_json::Value;
+use tempfile::TempDir;
+
+/// False alarms of a comparison of images.
+const ALPHA: f64 = 1e-6;
+
+/// Options of `render` that leave every byte of the image as it is, with a value for those that take one. The device and its driver are
+/// what bytes are promised for.
+const SAME_IMAGE: &[(&str, Option<&str>)] = &[
+    ("scene", None),
+    ("output", None),
+    ("png", Some("picture.png")),
+    ("device", None),
+    ("exposure", Some("2")),
+    ("checkpoint", Some("1s")),
+    ("strict", None),
+    ("quiet", None),
+    ("json", None),
+    ("slots", Some("33")),
+    ("workgroup", Some("8")),
+    ("bounces", Some("3")),
+    ("scatter", Some("queues")),
+    ("features", Some("all")),
+    ("profile", None),
+];
+
+/// Options that say which samples there are, and when they are enough. How many there are is the knob `spp`.
+const WHICH_SAMPLES: &[&str] = &["seed", "samples", "time", "noise"];
+
+// The table and the command line
+
+/// Options of a command that are neither knobs nor known to leave the image as it is.
+fn unknown(command: &clap::Command) -> Vec<String> {
+    let known = |name: &str| {
+        KNOBS.iter().any(|knob| knob.name == name)
+            || SAME_IMAGE.iter().any(|(known, _)| *known == name)
+            || WHICH_SAMPLES.contains(&name)
+    };
+    let names = command.get_arguments().map(|argument| argument.get_long().unwrap_or(argument.get_id().as_str()));
+    names.filter(|name| !known(name)).map(str::to_string).collect()
+}
+
+fn render_command() -> clap::Command {
+    let command = Cli::command();
+    command.find_subcommand("render").expect("there is a command render").clone()
+}
+
+#[test]
+fn every_option_of_render_that_changes_the_image_is_a_knob() {
+    let command = render_command();
+    assert_eq!(unknown(&command), Vec::<String>::new());
+    // The lists name what is there.
+    let there = |name: &str| {
+        command.get_arguments().any(|argument| argument.get_long().unwrap_or(argument.get_id().as_str()) == name)
+    };
+    for name in SAME_IMAGE.iter().map(|(name, _)| *name).chain(WHICH_SAMPLES.iter().copied()) {
+        assert!(there(name), "{name} is no option of render");
+    }
+    // An option that nobody put into the table is found.
+    let planted = command.clone().arg(clap::Arg::new("sharpen").long("sharpen"));
+    assert_eq!(unknown(&planted), ["sharpen"]);
+}
+
+#[test]
+fn the_command_line_says_what_the_table_says() {
+    let command = render_command();
+    for knob in KNOBS {
+        let argument = command.get_arguments().find(|argument| argument.get_long() == Some(knob.name));
+        let argument = argument.unwrap_or_else(|| panic!("--{} is no option of render", knob.name));
+        assert_eq!(argument.get_help().map(ToString::to_string), Some(knob.help()), "--{}", knob.name);
+        assert_eq!(argument.get_help_heading(), Some(knob.class.heading()), "--{}", knob.name);
+        let defaults = argument.get_default_values();
+        assert_eq!(defaults.first().and_then(|value| value.to_str()), knob.default, "--{}", knob.name);
+        // Sentences, and what biases says so.
+        for sentence in [knob.about, knob.gives_up] {
+            assert!(sentence.ends_with('.') && sentence.len() > 10, "--{}: {sentence}", knob.name);
+        }
+        assert_eq!(knob.help().contains("biases the result"), knob.class == Class::Bias, "--{}", knob.name);
+        assert!(knob.default.is_none_or(|default| knob.values.contains(&default)), "--{}", knob.name);
+        for value in knob.values {
+            let parsed =
+                Cli::command().try_get_matches_from(["gpu-rt", "render", "a.ron", &format!("--{}", knob.name), value]);
+            assert!(parsed.is_ok(), "{}", knob.option(value));
+        }
+        let nonsense =
+            Cli::command().try_get_matches_from(["gpu-rt", "render", "a.ron", &format!("--{}", knob.name), "what?"]);
+        assert!(nonsense.is_err(), "--{} takes anything", knob.name);
+    }
+    let mut names: Vec<&str> = KNOBS.iter().map(|knob| knob.name).collect();
+    names.sort_unstable();
+    names.dedup();
+    assert_eq!(names.len(), KNOBS.len(), "a knob is declared twice");
+}
+
+/// What is asked for is linked where the scene has what it is about, and nowhere else.
+#[test]
+fn settings_ask_for_nothing_that_the_scene_lacks() {
+    let text = |objects: &str| {
+        format!(
+            "Scene(image: (width: 4, height: 4), camera: (look_from: (0, 0, 3), look_at: (0, 0, 0), vertical_fov: 50),
+                background: Solid((1, 1, 1)),
+                materials: {{ \"grey\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5)), \"glass\": Dielectric(ior: 1.5) }},
+                objects: [{objects}], render: (samples: 1))"
+        )
+    };
+    let approximate = RenderOptions {
+        fresnel: Fresnel::Schlick,
+        clamp: Some(1.0),
+        offset: Offset::Fast,
+        precision: Precision::Fast,
+        ..RenderOptions::default()
+    };
+    let asked = |objects: &str, options: &RenderOptions| {
+        let flat = flatten(&render::scene(&text(objects)), (4, 4), options).expect("it flattens");
+        let choices = choices_of(&flat.features, options, &Tables::default()).modules;
+        let linked = [
+            ("fresnel", "lib/fresnel_schlick"),
+            ("clamp", "step/clamp"),
+            ("offset", "geometry/offset_fast"),
+            ("sphere_chord", "geometry/sphere_chord_fast"),
+        ];
+        linked.map(|(choice, module)| choices[choice] == module)
+    };
+    let box_of = |material: &str| format!("Box(min: (0, 0, 0), max: (1, 1, 1), material: \"{material}\")");
+    let sphere = "Sphere(center: (0, 0, 0), radius: 1, material: \"grey\")";
+    let smoke = "Medium(boundary: Sphere(center: (0, 0, 0), radius: 1), density: 1, albedo: Rgb(1, 1, 1))";
+    for (objects, expected) in [
+        ("", [false, false, false, false]),
+        (box_of("grey").as_str(), [false, true, true, false]),
+        (box_of("glass").as_str(), [true, true, true, false]),
+        (sphere, [false, true, true, true]),
+        (smoke, [false, true, false, true]),
+    ] {
+        assert_eq!(asked(objects, &approximate), expected, "{objects}");
+        assert_eq!(asked(objects, &RenderOptions::default()), [false; 4], "{objects}");
+    }
+}
+
+// The program
+
+struct Place(TempDir);
+
+/// What a run of the program wrote.
+struct Ran {
+    image: ExrImage,
+    json: Value,
+    stderr: String,
+}
+
+impl Place {
+    fn new() -> Place {
+        Place(tempfile::tempdir().expect("a temporary folder"))
+    }
+
+    fn scene(&self, text: &str) -> PathBuf {
+        let path = self.0.path().join("scene.ron");
+        std::fs::write(&path, text).expect("the scene is written");
+        path
+    }
+
+    /// `gpu-rt render SCENE OPTIONS --json` on the software device.
+    fn render(&self, scene: &Path, options: &[&str]) -> Ran {
+        let out = self.0.path().join("out.exr");
+        let mut command = Command::new(env!("CARGO_BIN_EXE_gpu-rt"));
+        command.current_dir(self.0.path()).arg("render").arg(scene).arg("-o").arg(&out);
+        command.args(["--device", &software()]).args(options);
+        if !options.contains(&"--json") {
+            command.arg("--json");
+        }
+        let output = command.output().expect("the program runs");
+        let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("UTF-8");
+        let (stdout, stderr) = (text(output.stdout), text(output.stderr));
+        assert!(output.status.success(), "{options:?}: {}: {stderr}", output.status);
+        let image = read_exr(&out).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(image.rejected.as_ref().map(|rejected| rejected.iter().sum::<u32>()), Some(0), "{options:?}");
+        Ran { image, json: serde_json::from_str(&stdout).expect("JSON"), stderr }
+    }
+}
+
+fn software() -> String {
+    match std::env::var("GPU_RT_TEST_DEVICE") {
+        Ok(wish) => wish,
+        Err(_) => {
+            let names = Adapters::find().names();
+            let index = names.iter().position(|(name, _)| name.software);
+            index.expect("the tests need a software Vulkan driver").to_string()
+        }
+    }
+}
+
+fn bits(image: &ExrImage) -> Vec<u32> {
+    image.rgb.as_flattened().iter().map(|value| value.to_bits()).collect()
+}
+
+/// The mean of a channel over a part of an image with the variance of that mean and its degrees of freedom.
+#[derive(Clone, Copy, Debug)]
+struct Mean {
+    value: f64,
+    variance: f64,
+    degrees: f64,
+}
+
+/// The parts of an image: all of it, and `across` by `across` tiles; each by its channels.
+fn means(image: &ExrImage, across: u32, degrees_of_pixel: f64) -> Vec<Mean> {
+    let variances = image.variance.as_ref().expect("the program writes variances");
+    let (width, height) = (image.width, image.height);
+    assert!(width.is_multiple_of(across) && height.is_multiple_of(across));
+    let tile = (width / across, height / across);
+    let mut parts = vec![(0, 0, width, height)];
+    parts.extend((0..across * across).map(|i| (i % across * tile.0, i / across * tile.1, tile.0, tile.1)));
+    let mean = |(left, top, w, h): (u32, u32, u32, u32), channel: usize| {
+        let pixels = (top..top + h).flat_map(|y| (left..left + w).map(move |x| (y * width + x) as usize));
+        let n = f64::from(w) * f64::from(h);
+        let (mut value, mut variance, mut squares) = (0.0, 0.0, 0.0);
+        for pixel in pixels {
+            let v = f64::from(variances[pixel][channel]);
+            value += f64::from(image.rgb[pixel][channel]);
+            variance += v;
+            squares += v * v / (degrees_of_pixel + 2.0);
+        }
+        // By Satterthwaite (tests/common/render.rs, `Shot::mean_over`).
+        let degrees = if squares > 0.0 { variance * variance / squares } else { f64::INFINITY };
+        Mean { value: value / n, variance: variance / (n * n), degrees }
+    };
+    parts
+        .into_iter()
+        .flat_map(|part| (0..3).map(move |channel| (part, channel)))
+        .map(|(part, channel)| mean(part, channel))
+        .collect()
+}
+
+/// Whether two independent images have one expectation in all their parts, by Welch's test; else the worst part. Noise aside they may
+/// differ by `rounding` of themselves.
+fn same_expectation(a: &[Mean], b: &[Mean], rounding: f64) -> Result<(), String> {
+    assert_eq!(a.len(), b.len());
+    let threshold = sidak(ALPHA, a.len());
+    for (part, (a, b)) in a.iter().zip(b).enumerate() {
+        let variance = a.variance + b.variance;
+        let excess = ((a.value - b.value).abs() - rounding * a.value.max(b.value)).max(0.0);
+        let t = if excess == 0.0 { 0.0 } else { excess / variance.sqrt() };
+        let degrees = variance.powi(2) / (a.variance.powi(2) / a.degrees + b.variance.powi(2) / b.degrees);
+        let p = student_two_sided(t, if degrees.is_nan() { f64::INFINITY } else { degrees });
+        // A value that is not a number agrees with nothing.
+        if p.is_nan() || p < threshold {
+            return Err(format!("part {part}: {a:?}, {b:?}, t = {t:.2}"));
+        }
+    }
+    Ok(())
+}
+
+/// Tests whose renders differ by a setting alone.
+fn values(class: Class) -> impl Iterator<Item = (&'static Knob, &'static str)> {
+    let of_class = KNOBS.iter().filter(move |knob| knob.class == class);
+    of_class
+        .flat_map(|knob| knob.values.iter().filter(|value| Some(**value) != knob.default).map(|value| (*knob, *value)))
+}
+
+/// The scene with everything in it, its lamp dimmed, for little noise (tests/extremes/places.rs).
+fn dim_everything() -> (Everything, PathBuf) {
+    let files = Everything::new();
+    let path = files.file(World { lamp: 0.1, ..World::default() });
+    (files, path)
+}
+
+#[test]
+fn exact_values_and_options_that_are_no_knobs_change_no_byte() {
+    let place = Place::new();
+    let (_files, scene) = dim_everything();
+    let usual = bits(&place.render(&scene, &[]).image);
+    for (knob, value) in values(Class::Exact) {
+        assert!(
+            bits(&place.render(&scene, &[&format!("--{}", knob.name), value]).image) == usual,
+            "{}",
+            knob.option(value)
+        );
+    }
+    for (name, value) in SAME_IMAGE.iter().filter(|(name, _)| !["scene", "output", "device"].contains(name)) {
+        let option = format!("--{name}");
+        let options: Vec<&str> = std::iter::once(option.as_str()).chain(*value).collect();
+        assert!(bits(&place.render(&scene, &options).image) == usual, "{options:?}");
+    }
+    assert!(bits(&place.render(&scene, &["--seed", "1"]).image) != usual, "another seed");
+}
+
+/// What more light is found of the values that change noise and detail, as a share of it.
+const FOUND: f64 = 0.015;
+
+/// 1024 pixels of 256 samples, or as many samples of fewer pixels; the other sampler takes more. Of that the mean of the image is known
+/// to 0.15 % (printed), and that of the usual image to 0.11 %: 5.6 standard errors of the difference are 1 % of the light, and 1.5 % are
+/// planted and found. (tests/images/estimators.rs finds 1 % of what the integrator and the roulette do, and 2 % of the sampler.) Fewer samples are
+/// tested to what they tell: 64 of a pixel to 2 %, 16 to 4 %, and a single run to the usual image's deviation.
+#[test]
+fn values_of_noise_change_no_expectation() {
+    let place = Place::new();
+    let (_files, scene) = dim_everything();
+    let base = ["--spp", "256", "--size", "32x32"];
+    let with = |changed: &[&str], seed: &str| {
+        // What is changed replaces what the base says.
+        let kept = base.chunks(2).filter(|pair| !changed.contains(&pair[0])).flatten().copied();
+        let options: Vec<&str> = kept.chain(changed.iter().copied()).chain(["--seed", seed]).collect();
+        place.render(&scene, &options).image
+    };
+    let usual = means(&with(&["--spp", "512"], "1"), 4, 1.0);
+    for (knob, value) in values(Class::Noise).chain(values(Class::Detail)) {
+        let option = format!("--{}", knob.name);
+        let image = match knob.name {
+            // In percent of a scene of this size, with as many samples in all.
+            "size" => {
+                let share = f64::from(value.trim_end_matches('%').parse::<u32>().expect("percent")) / 100.0;
+                let side = (32.0 * share) as u32;
+                let samples = (256.0 / (share * share)) as u32;
+                with(&[&option, &format!("{side}x{side}"), "--spp", &samples.to_string()], "2")
+            }
+            "sampler" => with(&[&option, value, "--spp", "1024"], "2"),
+            _ => with(&[&option, value], "2"),
+        };
+        let samples = image.samples.as_ref().and_then(|samples| samples.first()).copied().expect("a number");
+        let found = match samples <= 8 {
+            // One run, or part of one, has no variance of its own: it is told by the usual image, whose points deviate as independent ones do, and
+            // only of the whole image.
+            true => {
+                let mut found = means(&image, 4, 1.0);
+                for (mean, usual) in found.iter_mut().zip(&usual) {
+                    mean.variance = usual.variance * 512.0 / f64::from(samples);
+                    mean.degrees = usual.degrees;
+                }
+                found.truncate(3);
+                found
+            }
+            false => means(&image, 4, if value == "independent" { 127.0 } else { 1.0 }),
+        };
+        let usual = &usual[..found.len()];
+        println!(
+            "{}: the mean is known to {:.5}, the usual one's to {:.5}",
+            knob.option(value),
+            found[0].variance.sqrt() / found[0].value,
+            usual[0].variance.sqrt() / usual[0].value
+        );
+        same_expectation(usual, &found, 1e-5).unwrap_or_else(|error| panic!("{}: {error}", knob.option(value)));
+        if samples >= 256 {
+            let planted: Vec<Mean> =
+                found.iter().map(|mean| Mean { value: (1.0 + FOUND) * mean.value, ..*mean }).collect();
+            let found = same_expectation(usual, &planted, 1e-5).is_err();
+            assert!(found, "{}: 1.5 % more light is not found", knob.option(value));
+        }
+    }
+}
+
+// Values that bias
+
+/// A ball of glass under a small bright lamp, which is out of view, throws a caustic on the floor of a room that is open to the front.
+const CAUSTIC: &str = "Scene(
+    image: (width: 32, height: 32),
+    camera: (look_from: (0, 1.4, 4.5), look_at: (0, 0.4, 0), vertical_fov: 20),
+    background: Solid((0.01, 0.01, 0.01)),
+    materials: {
+        \"wall\": Lambertian(albedo: Rgb(0.9, 0.8, 0.85)),
+        \"glass\": Dielectric(ior: 1.5),
+        \"lamp\": DiffuseLight(emit: Rgb(1000, 800, 600)),
+    },
+    objects: [
+        Quad(corner: (-1, 0, -1), u: (0, 0, 2), v: (2, 0, 0), material: \"wall\"),
+        Quad(corner: (-1, 0, -1), u: (2, 0, 0), v: (0, 2, 0), material: \"wall\"),
+        Quad(corner: (-1, 0, 1), u: (0, 0, -2), v: (0, 2, 0), material: \"wall\"),
+        Quad(corner: (1, 0, -1), u: (0, 0, 2), v: (0, 2, 0), material: \"wall\"),
+        Quad(corner: (-1, 2, -1), u: (2, 0, 0), v: (0, 0, 2), material: \"wall\"),
+        Sphere(center: (0, 0.5, 0), radius: 0.4, material: \"glass\"),
+        Sphere(center: (0, 1.7, 0), radius: 0.2, material: \"lamp\"),
+    ],
+    render: (samples: 256, max_depth: 50),
+)";
+
+/// Inside a bright sphere with a lamp in it: what comes after k events falls as 0.95^k.
+const WHITE: &str = "Scene(
+    image: (width: 16, height: 16),
+    camera: (look_from: (0, 0, 0.9), look_at: (0, 0.5, 0), vertical_fov: 60),
+    background: Solid((0, 0, 0)),
+    materials: { \"wall\": Lambertian(albedo: Rgb(0.95, 0.95, 0.95)), \"lamp\": DiffuseLight(emit: Rgb(4, 4, 4)) },
+    objects: [Sphere(center: (0, 0, 0), radius: 1, material: \"wall\"), Sphere(center: (0, 0, 0), radius: 0.2, material: \"lamp\")],
+    render: (samples: 256, max_depth: 50),
+)";
+
+#[test]
+fn each_value_that_biases_takes_light_away_where_it_should() {
+    let place = Place::new();
+    for (name, text, harmless) in [("clamp", CAUSTIC, ["--clamp", "1e30"]), ("max-depth", WHITE, ["--max-depth", "50"])]
+    {
+        let scene = place.scene(text);
+        let shot = |options: &[&str], seed: &str| {
+            let options = [options, &["--sampler", "independent", "--spp", "256", "--seed", seed]].concat();
+            means(&place.render(&scene, &options).image, 4, 31.0)
+        };
+        let usual = shot(&[], "1");
+        for (knob, value) in values(Class::Bias).filter(|(knob, _)| knob.name == name) {
+            let found = shot(&[&format!("--{name}"), value], "2");
+            let darker = same_expectation(&usual, &found, 1e-5).is_err() && found[0].value < usual[0].value;
+            assert!(darker, "{}: {:?}, {:?}", knob.option(value), found[0], usual[0]);
+        }
+        // Another seed alone biases nothing, nor does a limit that no path reaches.
+        for options in [[].as_slice(), &harmless] {
+            same_expectation(&usual, &shot(options, "3"), 1e-5).unwrap_or_else(|error| panic!("{options:?}: {error}"));
+        }
+    }
+    // The others have tests of their own: Fresnel's below.
+    let names: std::collections::BTreeSet<&str> = values(Class::Bias).map(|(knob, _)| knob.name).collect();
+    assert_eq!(names.into_iter().collect::<Vec<_>>(), ["clamp", "fresnel", "max-depth"]);
+}
+
+/// A ball of index 1 bends nothing, and takes two events to pass: the wall of light behind it is indirect light, as much of it as the limit
+/// allows, with its hue. Around the ball, and by one event alone, light is direct.
+#[test]
+fn the_clamp_limits_light_from_the_second_event_on_and_keeps_its_hue() {
+    let place = Place::new();
+    for (brightness, integrator) in [(1.0, "mis"), (3e20, "mis"), (1e-20, "bsdf")] {
+        let [r, g, b] = [8.0, 4.0, 2.0].map(|v: f64| v * brightness);
+        let scene = place.scene(&format!(
+            "Scene(
+    image: (width: 32, height: 32),
+    camera: (look_from: (0, 0, 4), look_at: (0, 0, 0), vertical_fov: 40),
+    background: Solid((0, 0, 0)),
+    materials: {{ \"nothing\": Dielectric(ior: 1), \"wall\": DiffuseLight(emit: Rgb({r:e}, {g:e}, {b:e})) }},
+    objects: [
+        Sphere(center: (0, 0, 0), radius: 0.8, material: \"nothing\"),
+        Quad(corner: (-9, -9, -2), u: (18, 0, 0), v: (0, 18, 0), material: \"wall\"),
+    ],
+    render: (samples: 16, max_depth: 50),
+)"
+        ));
+        let limit = format!("{:e}", brightness);
+        let shot = |options: &[&str]| place.render(&scene, &[options, &["--integrator", integrator]].concat()).image;
+        let (usual, clamped) = (shot(&[]), shot(&["--clamp", &limit]));
+        let at = |image: &ExrImage, x: u32, y: u32| image.rgb[(y * 32 + x) as usize].map(|v| f64::from(v) / brightness);
+        let near = |a: [f64; 3], b: [f64; 3]| (0..3).all(|i| (a[i] - b[i]).abs() <= 1e-6 * b[i]);
+        for (x, y) in [(16, 16), (12, 14), (18, 20)] {
+            assert!(near(at(&usual, x, y), [8.0, 4.0, 2.0]), "{:?}", at(&usual, x, y));
+            assert!(near(at(&clamped, x, y), [1.0, 0.5, 0.25]), "{:?}", at(&clamped, x, y));
+        }
+        for (x, y) in [(0, 0), (31, 5), (2, 30)] {
+            assert!(near(at(&clamped, x, y), [8.0, 4.0, 2.0]), "direct light: {:?}", at(&clamped, x, y));
+        }
+        // As large as any contribution is no limit.
+        assert!(bits(&shot(&["--clamp", &format!("{:e}", 8.0 * brightness)])) == bits(&usual));
+    }
+    // All light that comes by one event is direct, sampled or met; that by two is not.
+    let scene = place.scene(CAUSTIC);
+    for integrator in ["mis", "bsdf"] {
+        let shot = |clamp: &str, depth: &str| {
+            bits(
+                &place
+                    .render(
+                        &scene,
+                        &["--clamp", clamp, "--max-depth", depth, "--spp", "16", "--integrator", integrator],
+                    )
+                    .image,
+            )
+        };
+        assert!(shot("1e-3", "1") == shot("off", "1"), "{integrator}");
+        assert!(shot("1e-3", "2") != shot("off", "2"), "{integrator}");
+    }
+}
+
+/// A sheet of glass before a wall of light, seen at an angle from either of its sides: the camera gets 1 - R of the light.
+#[test]
+fn reflectances_are_fresnels_or_schlicks() {
+    let place = Place::new();
+    let exact = |c: f64, eta: f64| {
+        let t = (1.0 - (1.0 - c * c) / (eta * eta)).max(0.0).sqrt();
+        let (s, p) = ((c - eta * t) / (c + eta * t), (eta * c - t) / (eta * c + t));
+        0.5 * (s * s + p * p)
+    };
+    // The cosine is that outside of the denser solid, from whichever side the ray comes.
+    let schlick = |c: f64, eta: f64| {
+        let t = (1.0 - (1.0 - c * c) / (eta * eta)).max(0.0).sqrt();
+        let r0 = ((1.0 - eta) / (1.0 + eta)).powi(2);
+        let outer: f64 = if eta >= 1.0 { c } else { t };
+        r0 + (1.0 - r0) * (1.0 - outer).powi(5)
+    };
+    // Angles, indices and sides; the view is narrow, so that the angle is one.
+    for (degrees, ior, inside) in
+        [(60.0f64, 1.5, false), (35.0, 1.5, true), (75.0, 1.1, false), (50.0, 2.4, false), (20.0, 2.4, true)]
+    {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        let (x, y) = if inside { ("(0, 2, 0)", "(4, 0, 0)") } else { ("(4, 0, 0)", "(0, 2, 0)") };
+        // The wall of light takes what is refracted, and what is reflected meets nothing.
+        let scene = place.scene(&format!(
+            "Scene(
+    image: (width: 32, height: 32),
+    camera: (look_from: ({}, 0, {}), look_at: (0, 0, 0), vertical_fov: 0.1),
+    background: Solid((0, 0, 0)),
+    materials: {{ \"glass\": Dielectric(ior: {ior}), \"wall\": DiffuseLight(emit: Rgb(1, 1, 1)) }},
+    objects: [
+        Quad(corner: (-2, -1, 0), u: {x}, v: {y}, material: \"glass\"),
+        Quad(corner: (-500, -500, -1), u: (1000, 0, 0), v: (0, 1000, 0), material: \"wall\"),
+    ],
+    render: (samples: 256, max_depth: 1),
+)",
+            10.0 * sin,
+            10.0 * cos
+        ));
+        let eta = if inside { 1.0 / ior } else { ior };
+        let through = |setting: &str| {
+            let image = place.render(&scene, &["--fresnel", setting, "--sampler", "independent"]).image;
+            means(&image, 1, 31.0)[0]
+        };
+        let (of_exact, of_schlick) = (1.0 - exact(cos, eta), 1.0 - schlick(cos, eta));
+        let off = |found: Mean, expected: f64| (found.value - expected).abs() / found.variance.sqrt();
+        // Over 0.1 degrees R changes linearly but for some 1e-5. 5.5 standard errors happen once in 3e7.
+        let (exact, schlick) = (through("exact"), through("schlick"));
+        for (found, expected) in [(exact, of_exact), (schlick, of_schlick)] {
+            assert!(off(found, expected) < 5.5, "{degrees} degrees, {eta}: {found:?}, expected {expected}");
+        }
+        // Either would not pass for the other.
+        assert!(off(exact, of_schlick) > 8.0 && off(schlick, of_exact) > 8.0, "{degrees} degrees, {eta}");
+    }
+}
+
+// Values of less precision
+
+/// With the seed of the usual image, so that what both have alike cancels, and a test of the pixels' differences: their mean has a standard error
+/// of 0.007 % of the image's (printed). Planted, and found, is a thousandth of the light.
+#[test]
+fn less_precision_is_right_in_an_ordinary_scene() {
+    let place = Place::new();
+    let (_files, scene) = dim_everything();
+    let shot = |options: &[&str]| {
+        let options = [options, &["--spp", "256", "--size", "32x32", "--seed", "1"]].concat();
+        place.render(&scene, &options).image
+    };
+    let usual = shot(&[]);
+    // The least p of the whole image and of 16 tiles, with the other image times a factor.
+    let least = |other: &ExrImage, factor: f64| {
+        let tiles = (0..16).map(|i| (i % 4 * 8, i / 4 * 8, 8));
+        let areas = std::iter::once((0, 0, 32)).chain(tiles);
+        let p = areas.flat_map(|(left, top, side)| (0..3).map(move |channel| (left, top, side, channel))).map(
+            |(left, top, side, channel)| {
+                let pixels = (top..top + side).flat_map(|y| (left..left + side).map(move |x| (y * 32 + x) as usize));
+                let value = |image: &ExrImage, pixel: usize| f64::from(image.rgb[pixel][channel]);
+                let differences: Vec<f64> =
+                    pixels.map(|pixel| factor * value(other, pixel) - value(&usual, pixel)).collect();
+                let found = one_sample_t(&differences, 0.0);
+                if side == 32 {
+                    println!("times {factor}, channel {channel}: {found:?}");
+                }
+                found.p
+            },
+        );
+        p.fold(1.0, f64::min)
+    };
+    let threshold = sidak(ALPHA, 3 * 17);
+    for (knob, value) in values(Class::Numerics) {
+        let other = shot(&[&format!("--{}", knob.name), value]);
+        assert!(bits(&other) != bits(&usual), "{} changes nothing", knob.option(value));
+        let p = least(&other, 1.0);
+        assert!(p >= threshold, "{}: p = {p:e}", knob.option(value));
+        let p = least(&other, 1.001);
+        assert!(p < threshold, "{}: a thousandth more light is not found, p = {p:e}", knob.option(value));
+    }
+}
+
+/// A glowing sphere of radius 1 at a distance D covers pi / 2.4² of a view that is 2.4 high there.
+#[test]
+fn the_textbooks_spheres_fail_far_away() {
+    let place = Place::new();
+    let covered = |distance: f64, options: &[&str]| {
+        let fov = 2.0 * (1.2 / distance).atan().to_degrees();
+        let scene = place.scene(&format!(
+            "Scene(
+    image: (width: 32, height: 32),
+    camera: (look_from: (0, 0, {distance:e}), look_at: (0, 0, 0), vertical_fov: {fov:e}),
+    background: Solid((0, 0, 0)),
+    materials: {{ \"lamp\": DiffuseLight(emit: Rgb(1, 1, 1)) }},
+    objects: [Sphere(center: (0, 0, 0), radius: 1, material: \"lamp\")],
+    render: (samples: 64, max_depth: 1),
+)"
+        ));
+        means(&place.render(&scene, options).image, 1, 1.0)[0].value
+    };
+    let expected = PI / (2.4 * 2.4);
+    // Sobol points tell the area to far below 1e-3; the sphere covers a little more than its disk, by r²/D².
+    let right = |found: f64| (found / expected - 1.0).abs() < 2e-3;
+    for distance in [100.0, 1e5, 1e7] {
+        let found = covered(distance, &[]);
+        assert!(right(found), "D/r = {distance}: {found}, expected {expected}");
+    }
+    let near = covered(100.0, &["--precision", "fast"]);
+    assert!(right(near), "D/r = 100: {near}, expected {expected}");
+    for distance in [1e5, 1e7] {
+        let far = covered(distance, &["--precision", "fast"]);
+        assert!(!right(far), "D/r = {distance}: {far}");
+    }
+}
+
+/// An open box as it looks from above, from near and from far: but for the perspective it is one image.
+#[test]
+fn an_offset_by_the_distance_fails_on_what_is_small_from_afar() {
+    let place = Place::new();
+    let shot = |distance: f64, options: &[&str], seed: &str| {
+        let fov = 2.0 * (0.5 / distance).atan().to_degrees();
+        let scene = place.scene(&format!(
+            "Scene(
+    image: (width: 32, height: 32),
+    camera: (look_from: (0, {distance:e}, 0), look_at: (0, 0, 0), up: (0, 0, -1), vertical_fov: {fov:e}),
+    background: Solid((1, 1, 1)),
+    materials: {{ \"wall\": Lambertian(albedo: Rgb(0.5, 0.6, 0.7)) }},
+    objects: [
+        Quad(corner: (-0.5, -1, -0.5), u: (0, 0, 1), v: (1, 0, 0), material: \"wall\"),
+        Quad(corner: (-0.5, -1, -0.5), u: (1, 0, 0), v: (0, 1, 0), material: \"wall\"),
+        Quad(corner: (-0.5, -1, 0.5), u: (1, 0, 0), v: (0, 1, 0), material: \"wall\"),
+        Quad(corner: (-0.5, -1, -0.5), u: (0, 0, 1), v: (0, 1, 0), material: \"wall\"),
+        Quad(corner: (0.5, -1, -0.5), u: (0, 0, 1), v: (0, 1, 0), material: \"wall\"),
+    ],
+    render: (samples: 64, max_depth: 20),
+)"
+        ));
+        let options = [options, &["--sampler", "independent", "--seed", seed]].concat();
+        means(&place.render(&scene, &options).image, 4, 7.0)
+    };
+    // From 200 away the walls are seen at up to 1/400. From 2e4 the robust offsets are 4e-3, as large as the rounding of where things are.
+    let near = shot(200.0, &[], "1");
+    same_expectation(&near, &shot(2e4, &[], "2"), 0.02).unwrap_or_else(|error| panic!("robust, from afar: {error}"));
+    same_expectation(&near, &shot(20.0, &["--offset", "fast"], "3"), 0.1)
+        .unwrap_or_else(|error| panic!("fast, near: {error}"));
+    // From 2e4 away rays start 1.2 above the floor of a box that is 1 deep.
+    assert!(
+        same_expectation(&near, &shot(2e4, &["--offset", "fast"], "4"), 0.02).is_err(),
+        "fast, from afar, is as good"
+    );
+}
+
+// What a render says of its settings
+
+/// With all of them, too, the image does not depend on how the kernels are linked and the work is cut.
+#[test]
+fn what_approximates_is_the_same_to_the_byte_however_it_is_linked() {
+    let place = Place::new();
+    let (_files, scene) = dim_everything();
+    let all = ["--fresnel", "schlick", "--clamp", "0.3", "--offset", "fast", "--precision", "fast", "--spp", "16"];
+    let shot = |more: &[&str]| bits(&place.render(&scene, &[all.as_slice(), more].concat()).image);
+    let usual = shot(&["--scatter", "fused"]);
+    for scatter in ["linked", "queues"] {
+        assert!(shot(&["--scatter", scatter, "--slots", "97", "--bounces", "7"]) == usual, "{scatter}");
+    }
+    // Each of them shows.
+    for (option, default) in
+        [("--fresnel", "exact"), ("--clamp", "off"), ("--offset", "robust"), ("--precision", "strict")]
+    {
+        let options: Vec<&str> =
+            all.chunks(2).flat_map(|pair| [pair[0], if pair[0] == option { default } else { pair[1] }]).collect();
+        assert!(bits(&place.render(&scene, &options).image) != usual, "{option}");
+    }
+}
+
+#[test]
+fn a_render_with_a_setting_that_biases_says_so() {
+    let place = Place::new();
+    let scene = place.scene(&CAUSTIC.replace("max_depth: 50", "max_depth: 8"));
+    let all = KNOBS.iter().flat_map(|knob| knob.values.iter().map(move |value| (*knob, *value)));
+    for (knob, value) in all {
+        let option = knob.option(value);
+        let options: Vec<&str> = match knob.name {
+            "spp" => vec!["--spp", value],
+            _ => option.split(' ').chain(["--spp", "9"]).collect(),
+        };
+        let ran = place.render(&scene, &options);
+        let default = Some(value) == knob.default;
+        // As deep as the scene asks, or deeper, takes nothing away.
+        let cuts = knob.name != "max-depth" || value.parse::<u32>().expect("a depth") < 8;
+        let told = matches!(knob.class, Class::Bias | Class::Numerics) && !default && cuts;
+        let attribute =
+            ran.image.attributes.iter().find(|(name, _)| name == "gpu-rt:biases").map(|(_, text)| text.as_str());
+        assert_eq!(
+            ran.json["biases"],
+            if told { serde_json::json!([option]) } else { serde_json::json!([]) },
+            "{option}"
+        );
+        assert_eq!(attribute, told.then_some(option.as_str()), "{option}");
+        assert_eq!(ran.stderr.contains(&knob.warning(value)), told, "{option}: {}", ran.stderr);
+        let excludes = ran.json["relative_error_excludes"].as_str().unwrap_or_default();
+        assert_eq!(excludes.contains(&option), told && knob.name != "size", "{option}: {excludes}");
+    }
+    // Several at once, and none with --quiet.
+    let ran = place.render(&scene, &["--clamp", "2.5", "--offset", "fast", "--max-depth", "3", "--quiet"]);
+    assert_eq!(ran.json["biases"], serde_json::json!(["--max-depth 3", "--clamp 2.5", "--offset fast"]));
+    assert_eq!(ran.stderr, "");
+}

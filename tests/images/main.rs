@@ -1,0 +1,17 @@
+//! Whole images: those that are known, those of another renderer, and those that must be the same however they are made.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod closed_form;
+mod estimators;
+mod features;
+mod instances;
+mod knobs;
+mod recipe;
+mod references;
+mod same_bytes;
+mod sobol;
+mod through_glass;
+mod walk;
+mod warnings;

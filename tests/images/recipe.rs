@@ -1,0 +1,168 @@
+//! Materials that are not in the program, added by the steps of docs/architecture.md as far as test code can: the shader files, what the
+//! host lays out for them, their names in the lists that the linker goes through, and nothing else on the device. A file of src/material
+//! cannot be added here, nor its lines in the list: a Lambertian of the scene file stands in for the new material.
+
+use std::collections::BTreeMap;
+
+use crate::common::render::{Ask, Change, Shot, render, render_changed, scene};
+use gpu_rt::flatten::{Flat, MATERIALS};
+use gpu_rt::gpu::link::{Choices, Embedded, Entry, Library};
+use gpu_rt::options::Scatter;
+
+/// Step 1: the shader file. The first of two materials answers to no light but what goes back the way it came: a retroreflector sends all light back to where it came from.
+const RETROREFLECTOR: &str = "//@ use data/material
+// A retroreflector: light goes back the way it came, less what its colour takes.
+fn retroreflector_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scatter {
+    return Scatter(SCATTERED, -hit.incoming, hit.colour * material.parameter);
+}
+";
+const NAME: &str = "retroreflector";
+/// The second scatters to all directions alike, and answers to lights: it has an evaluation beside it.
+const VELVET: &str = "//@ use data/material
+//@ use lib/basis
+//@ use lib/sampling
+fn velvet_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scatter {
+    let point = sample_sphere(u.xy);
+    let direction = from_basis(basis_around(hit.normal), vec3<f32>(point.xy, abs(point.z)));
+    return Scatter(SCATTERED, normalize(direction), hit.colour * material.parameter);
+}
+";
+const VELVET_EVAL: &str = "//@ use data/material
+//@ use lib/sampling
+fn velvet_responds(material: Material) -> bool {
+    return true;
+}
+
+fn velvet_eval(material: Material, hit: Interaction, direction: vec3<f32>) -> Response {
+    let pdf = select(0.0, 1.0 / (2.0 * PI), dot(direction, hit.normal) > 0.0);
+    return Response(hit.colour * (material.parameter * pdf), pdf);
+}
+";
+/// The share of the light that is not lost.
+const GAIN: f32 = 0.75;
+
+/// The production shaders and the new file.
+struct Beside(BTreeMap<String, String>);
+
+impl Library for Beside {
+    fn module(&self, name: &str) -> Option<&str> {
+        self.0.get(name).map(String::as_str).or_else(|| Embedded.module(name))
+    }
+}
+
+/// Its name and number in the lists of materials and of those that answer to lights, which the linker goes through wherever materials are
+/// told apart, in queues too: there it has the place of the Lambertian that stands in for it.
+fn listed(choices: &mut Choices, name: &str) {
+    for list in ["material", "responder"] {
+        let entries = choices.lists.get_mut(list).expect("the plan has the list");
+        for entry in entries.iter_mut().filter(|entry| entry.name == "lambertian") {
+            *entry = Entry { name: name.to_string(), number: MATERIALS.len() as u32, ..entry.clone() };
+        }
+    }
+}
+
+/// What its file of src/material would lay out in the scene's table, here in place of the material that the scene file names.
+fn loaded(flat: &mut Flat) {
+    let material = &mut flat.materials[0];
+    (material.kind, material.parameter) = (MATERIALS.len() as u32, GAIN);
+}
+
+/// A ball that the whole image shows, before a sky from `bottom` to `top`.
+fn ball(bottom: &str, top: &str, objects: &str) -> gpu_rt::scene::Scene {
+    scene(&format!(
+        "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 0, 4), look_at: (0, 0, 0), vertical_fov: 10),
+        background: Gradient(bottom: {bottom}, top: {top}),
+        materials: {{ \"toy\": Lambertian(albedo: Rgb(0.5, 0.25, 1)), \"glass\": Dielectric(ior: 1.5) }},
+        objects: [{objects}], render: (samples: 16, max_depth: 50))"
+    ))
+}
+
+const BALL: &str = "Sphere(center: (0, 0, 0), radius: 1, material: \"toy\"),";
+
+fn shot(objects: &str, scatter: Scatter, shader: &str) -> Shot {
+    let library = Beside(BTreeMap::from([(format!("material/{NAME}"), shader.to_string())]));
+    let list = |choices: &mut Choices| listed(choices, NAME);
+    let change = Change { flat: Some(&loaded), choices: Some(&list), library: Some(&library) };
+    render_changed(&ball("(1, 0.5, 0.2)", "(0, 0.5, 2)", objects), &Ask::default().scatter(scatter), &change)
+}
+
+/// Pixels that are off what the retroreflector must show: the sky behind the camera, where a ray that goes back by direction -d finds what
+/// one by direction d finds in a sky that stands on its head. Two renders of the same samples, so that there is no noise; the radiance is a
+/// product of two more roundings here, and the direction came back with one in each component: 2^-21 of the value holds them all.
+fn wrong(shot: &Shot) -> usize {
+    let upside_down = render(&ball("(0, 0.5, 2)", "(1, 0.5, 0.2)", ""), &Ask::default());
+    let albedo = [0.5, 0.25, 1.0];
+    let pixels = shot.picture.rgb.iter().zip(&upside_down.picture.rgb);
+    let off = pixels.filter(|(shown, sky)| {
+        (0..3).any(|c| {
+            let expected = f64::from(sky[c]) * albedo[c] * f64::from(GAIN);
+            (f64::from(shown[c]) - expected).abs() > 2f64.powi(-21) * expected
+        })
+    });
+    off.count()
+}
+
+#[test]
+fn a_material_is_added_by_the_recipe() {
+    for scatter in [Scatter::Fused, Scatter::Linked, Scatter::Queues] {
+        assert_eq!(wrong(&shot(BALL, scatter, RETROREFLECTOR)), 0, "{scatter:?}");
+        // Beside another material, which the camera does not see.
+        let both = format!("{BALL} Sphere(center: (0, 9, 0), radius: 1, material: \"glass\"),");
+        assert_eq!(wrong(&shot(&both, scatter, RETROREFLECTOR)), 0, "{scatter:?}, two materials");
+        // One percent more light, and a ray that goes straight on, are found.
+        let brighter = RETROREFLECTOR.replace("material.parameter", "material.parameter * 1.01");
+        assert_eq!(wrong(&shot(BALL, scatter, &brighter)), 256, "{scatter:?}, brighter");
+        let onward = RETROREFLECTOR.replace("-hit.incoming", "reflect(hit.incoming, hit.normal)");
+        assert!(wrong(&shot(BALL, scatter, &onward)) > 200, "{scatter:?}, a mirror");
+    }
+}
+
+/// What a ball of velvet shows within a lamp around it, in standard errors off what it must: its albedo of the lamp's light, in whatever
+/// way the directions are shared between the ball's own and those to the lamp.
+fn velvet_is_off(scatter: Scatter, evaluation: &str) -> f64 {
+    let library = Beside(BTreeMap::from([
+        ("material/velvet".to_string(), VELVET.to_string()),
+        ("material/velvet_eval".to_string(), evaluation.to_string()),
+    ]));
+    let list = |choices: &mut Choices| listed(choices, "velvet");
+    let change = Change { flat: Some(&loaded), choices: Some(&list), library: Some(&library) };
+    let scene = scene(
+        "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 0, 4), look_at: (0, 0, 0), vertical_fov: 10),
+        background: Solid((0, 0, 0)),
+        materials: { \"toy\": Lambertian(albedo: Rgb(0.5, 0.25, 1)), \"lamp\": DiffuseLight(emit: Rgb(1, 4, 2)) },
+        objects: [Sphere(center: (0, 0, 0), radius: 1, material: \"toy\"), Sphere(center: (0, 0, 0), radius: 20, material: \"lamp\")],
+        render: (samples: 256, max_depth: 50))",
+    );
+    let shown = render_changed(&scene, &Ask::default().mis().scatter(scatter), &change).mean_of_all();
+    let off = |c: usize| (shown.value[c] - [0.5, 1.0, 2.0][c] * f64::from(GAIN)) / shown.variance[c].sqrt();
+    (0..3).map(off).fold(0.0, |most, off| if off.abs() > f64::abs(most) { off } else { most })
+}
+
+/// Three channels of the same 65,536 samples; 5.1 standard errors are met by chance once in 1e6 times three.
+#[test]
+fn a_material_that_answers_to_lights_is_added_by_the_recipe() {
+    for scatter in [Scatter::Fused, Scatter::Linked, Scatter::Queues] {
+        let off = velvet_is_off(scatter, VELVET_EVAL);
+        assert!(off.abs() < 5.1, "{scatter:?}: {off} standard errors");
+        // An evaluation that answers with a fifth more is found: rays to the lamp bring a part of the light.
+        let brighter = VELVET_EVAL.replace("material.parameter * pdf", "material.parameter * pdf * 1.2");
+        let off = velvet_is_off(scatter, &brighter);
+        assert!(off > 8.0, "{scatter:?}: {off} standard errors");
+    }
+}
+
+/// An error in the new file names it, with its line.
+#[test]
+fn errors_name_the_new_file() {
+    let library =
+        Beside(BTreeMap::from([(format!("material/{NAME}"), RETROREFLECTOR.replace("hit.colour", "hit.hue"))]));
+    let flat =
+        gpu_rt::flatten::flatten(&ball("(1, 1, 1)", "(1, 1, 1)", BALL), (16, 16), &crate::common::render::plain())
+            .expect("the scene flattens");
+    let mut choices =
+        gpu_rt::plan::choices_of(&flat.features, &crate::common::render::plain(), &gpu_rt::plan::Tables::default());
+    listed(&mut choices, NAME);
+    let linked = gpu_rt::gpu::link::link(&library, "stage/bounce", &choices).expect("it links");
+    let error = linked.validate().map(|_| ()).expect_err("it has no such member").to_string();
+    assert!(error.starts_with("shaders/material/retroreflector.wgsl:4:"), "{error}");
+}

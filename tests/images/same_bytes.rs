@@ -1,0 +1,185 @@
+//! The image is a function of scene, settings and sample range alone: not of the sizes that the work is cut into, nor of the place
+//! and scale of the scene (README.md, "What it promises").
+//!
+//! What is compared is the film: the exact totals of every pixel, their squares, and the counts of samples and rays. What the user
+//! gets is developed from it by a pure function. Equality has no noise, and so no false alarms; that it can fail at all is shown by
+//! renders that must differ.
+
+use crate::common::everything::{Everything, World, same};
+use crate::common::render::{Ask, render, render_each};
+use gpu_rt::film::Film;
+use gpu_rt::options::{RenderOptions, Scatter};
+use gpu_rt::scene::Scene;
+
+fn everything() -> (Everything, Scene) {
+    let files = Everything::new();
+    let scene = files.scene(World::default());
+    (files, scene)
+}
+
+/// Seeds, depth and samples change the image: else its sameness elsewhere would mean nothing.
+#[test]
+fn what_is_asked_changes_the_image() {
+    let (_files, scene) = everything();
+    let ask = Ask::spp(16);
+    let usual = render(&scene, &ask);
+    assert!(!same(&usual, &render(&scene, &ask.clone().seed(1))), "seed");
+    assert!(!same(&usual, &render(&scene, &ask.clone().depth(5))), "depth");
+    assert!(!same(&usual, &render(&scene, &Ask::spp(24))), "samples");
+    let later = Ask { samples: Some(16..32), ..ask };
+    assert!(!same(&usual, &render(&scene, &later)), "sample range");
+}
+
+#[test]
+fn two_renders_in_a_row_are_the_same() {
+    let (_files, scene) = everything();
+    let usual = render(&scene, &Ask::spp(16));
+    assert!(same(&usual, &render(&scene, &Ask::spp(16))), "made anew");
+    // What a render leaves in the buffers must not reach the next.
+    let again = render_each(&scene, &Ask::default(), &[0..16, 40..48, 0..16]);
+    assert!(same(&usual, &again[0]) && same(&usual, &again[2]), "by one renderer");
+}
+
+#[test]
+fn slots_workgroups_and_submissions_do_not_show() {
+    let (_files, scene) = everything();
+    // Whole runs, and runs cut at both ends. One path at a time, fewer than a row of pixels has, more than the image has runs; idle slots
+    // cost time, so that the largest number comes only once with each kind of scatter.
+    use Scatter::{Fused, Linked, Queues};
+    let whole = [
+        (Linked, 1, 64, 50),
+        (Linked, 97, 1, 1),
+        (Linked, 97, 256, 7),
+        (Linked, 4096, 32, 50),
+        (Queues, 1, 32, 7),
+        (Queues, 97, 64, 1),
+        (Queues, 4096, 256, 50),
+        (Queues, 100_000, 64, 50),
+        (Fused, 1, 64, 1),
+        (Fused, 97, 32, 50),
+        (Fused, 4096, 1, 7),
+        (Fused, 100_000, 256, 50),
+    ];
+    let cut = [
+        (Linked, 1, 1, 7),
+        (Linked, 97, 32, 50),
+        (Linked, 4096, 64, 1),
+        (Linked, 100_000, 256, 7),
+        (Queues, 1, 256, 50),
+        (Queues, 97, 1, 7),
+        (Queues, 4096, 32, 1),
+        (Fused, 1, 32, 50),
+        (Fused, 97, 1, 7),
+        (Fused, 4096, 256, 1),
+    ];
+    for (samples, wishes) in [(0..16, whole.as_slice()), (3..21, cut.as_slice())] {
+        let ask = |options| Ask { samples: Some(samples.clone()), options, ..Ask::default() };
+        let usual = render(&scene, &ask(crate::common::render::plain()));
+        for &(scatter, slots, workgroup, bounces) in wishes {
+            let options = RenderOptions {
+                slots: Some(slots),
+                workgroup: Some(workgroup),
+                bounces: Some(bounces),
+                scatter: Some(scatter),
+                ..crate::common::render::plain()
+            };
+            assert!(same(&usual, &render(&scene, &ask(options.clone()))), "{samples:?}: {options:?}");
+        }
+    }
+}
+
+#[test]
+fn slots_and_parts_do_not_show_with_sobol_points() {
+    use Scatter::{Fused, Linked, Queues};
+    let (_files, scene) = everything();
+    let ask = Ask::spp(24).sobol();
+    let usual = render(&scene, &ask);
+    assert!(!same(&usual, &render(&scene, &Ask::spp(24))), "the sampler changes the image");
+    for (scatter, slots, workgroup, bounces) in [(Fused, 97, 32, 7), (Linked, 4096, 64, 50), (Queues, 97, 256, 7)] {
+        let options = RenderOptions {
+            slots: Some(slots),
+            workgroup: Some(workgroup),
+            bounces: Some(bounces),
+            scatter: Some(scatter),
+            ..ask.options.clone()
+        };
+        assert!(same(&usual, &render(&scene, &Ask { options: options.clone(), ..ask.clone() })), "{options:?}");
+    }
+    // Parity is that of the absolute number of a run; the first samples do not depend on how many there will be.
+    let parts = render_each(&scene, &ask, &[8..24, 0..8]);
+    assert!(joined([&parts[0].film, &parts[1].film]) == usual.film);
+}
+
+#[test]
+fn bindings_do_not_show() {
+    let (_files, scene) = everything();
+    let usual = render(&scene, &Ask::spp(16));
+    let ask = Ask { storage_tables: true, ..Ask::spp(16) };
+    assert!(same(&usual, &render(&scene, &ask)), "all tables in storage bindings");
+}
+
+#[test]
+fn parts_make_the_whole_in_any_order() {
+    let (_files, scene) = everything();
+    let parts = [0..8, 8..24, 24..32];
+    let mut shots =
+        render_each(&scene, &Ask::default(), &[0..32, parts[0].clone(), parts[1].clone(), parts[2].clone()]);
+    let whole = shots.remove(0);
+    for order in [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]] {
+        assert!(joined(order.map(|i| &shots[i].film)) == whole.film, "{order:?}");
+    }
+    // A part twice, or one of another seed, is another image.
+    assert!(joined([0, 1, 1].map(|i| &shots[i].film)) != whole.film);
+    let other = render(&scene, &Ask { samples: Some(24..32), ..Ask::default().seed(1) });
+    assert!(joined([&shots[0].film, &shots[1].film, &other.film]) != whole.film);
+}
+
+fn joined<const N: usize>(films: [&Film; N]) -> Film {
+    let mut all = films[0].clone();
+    films[1..].iter().for_each(|film| all.merge(film).expect("parts of one image"));
+    all
+}
+
+/// Cut within a run, the same samples are added in other groups: a sum of up to 8 positive values has 7 roundings of at most 2^-24
+/// of itself on either side, and the picture one more each; 16 in all is 9.6e-7.
+#[test]
+fn parts_cut_within_a_run_make_the_whole_but_for_rounding() {
+    let (_files, scene) = everything();
+    let shots = render_each(&scene, &Ask::default(), &[0..32, 0..5, 5..19, 19..32]);
+    let all = joined([&shots[1].film, &shots[2].film, &shots[3].film]);
+    assert_eq!(all.totals(), shots[0].film.totals());
+    let picture = all.develop();
+    assert_eq!(picture.samples, shots[0].picture.samples);
+    let differ = |bound: f32| {
+        let pairs = picture.rgb.as_flattened().iter().zip(shots[0].picture.rgb.as_flattened());
+        pairs.filter(|(a, b)| (*a - *b).abs() > bound * b.abs()).count()
+    };
+    assert_eq!(differ(9.6e-7), 0);
+    assert!(differ(0.0) > 0, "all parts happen to have the same sums: this test has compared nothing");
+}
+
+#[test]
+fn powers_of_two_of_the_radiance_scale_the_image_exactly() {
+    let (files, scene) = everything();
+    let usual = render(&scene, &Ask::spp(16));
+    for exponent in [-60, 60] {
+        let brightness = 2f64.powi(exponent);
+        let world = World { brightness, ..World::default() };
+        let scaled = |world: World| {
+            let shot = render(&files.scene(world), &Ask::spp(16));
+            assert_eq!(shot.film.totals(), usual.film.totals(), "paths and rays");
+            shot.picture
+        };
+        let times = |v: f32, factor: f64| (f64::from(v) * factor) as f32;
+        let picture = scaled(world);
+        let expected: Vec<_> = usual.picture.rgb.iter().map(|rgb| rgb.map(|v| times(v, brightness))).collect();
+        assert!(picture.rgb == expected, "2^{exponent}");
+        // Variances scale with the square, as far as f32 holds them (the film overstates what it cannot hold).
+        let pairs = picture.variance.as_flattened().iter().zip(usual.picture.variance.as_flattened());
+        for (&found, &usual) in pairs {
+            assert_eq!(found, times(usual, brightness * brightness).max(f32::MIN_POSITIVE.min(usual)), "2^{exponent}");
+        }
+        let one_lamp = World { lamp: 1.01, ..world };
+        assert!(scaled(one_lamp).rgb != expected, "one lamp of three brighter by 1 % does not show");
+    }
+}

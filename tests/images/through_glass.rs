@@ -1,0 +1,270 @@
+//! Light that only chance can meet, because a mirror or a clear solid is between: counted, and told where it is missing.
+
+use crate::common::device;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use crate::common::render::{Ask, render as render_scene, scene};
+use gpu_rt::options::Scatter;
+use gpu_rt::output::exr::read_exr;
+use gpu_rt::render::ThroughGlass;
+use serde_json::Value;
+
+/// A floor under a grey sky, a clear ball of radius `ball` about `place`, and a lamp of radius `lamp` above.
+fn text(place: &str, ball: f64, lamp: f64) -> String {
+    let emit = 4.0 / (lamp * lamp);
+    format!(
+        "Scene(
+    image: (width: 32, height: 32),
+    camera: (look_from: (0, 2, 4), look_at: (0, 0.3, 0), vertical_fov: 40),
+    background: Solid((0.2, 0.2, 0.2)),
+    materials: {{
+        \"white\": Lambertian(albedo: Rgb(0.7, 0.7, 0.7)),
+        \"lamp\": DiffuseLight(emit: Rgb({emit}, {emit}, {emit})),
+        \"glass\": Dielectric(ior: 1.5),
+    }},
+    objects: [
+        Quad(corner: (-3, 0, 3), u: (6, 0, 0), v: (0, 0, -6), material: \"white\"),
+        Sphere(center: {place}, radius: {ball}, material: \"glass\"),
+        Sphere(center: (0, 3, 0), radius: {lamp}, material: \"lamp\"),
+    ],
+    render: (samples: 64, max_depth: 10),
+)"
+    )
+}
+
+const ON_THE_FLOOR: &str = "(0, 0.6, 0)";
+const AROUND_THE_LAMP: &str = "(0, 3, 0)";
+
+/// A floor under a sky, what is above it, and at `place` a lamp of radius `lamp`, of which all rays to it miss the floor.
+fn other(background: &str, above: &str, place: &str, lamp: f64) -> String {
+    let emit = 1.0 / (lamp * lamp);
+    format!(
+        "Scene(
+    image: (width: 32, height: 32),
+    camera: (look_from: (0, 1.4, 4), look_at: (0, 0.1, 0), vertical_fov: 30),
+    background: {background},
+    materials: {{
+        \"white\": Lambertian(albedo: Rgb(0.7, 0.7, 0.7)),
+        \"black\": Lambertian(albedo: Rgb(0, 0, 0)),
+        \"lamp\": DiffuseLight(emit: Rgb({emit}, {emit}, {emit})),
+        \"mirror\": Metal(albedo: Rgb(0.9, 0.9, 0.9)),
+        \"glass\": Dielectric(ior: 1.5),
+    }},
+    objects: [
+        Quad(corner: (-3, 0, 3), u: (6, 0, 0), v: (0, 0, -6), material: \"white\"),
+        {above}
+        Sphere(center: {place}, radius: {lamp}, material: \"lamp\"),
+    ],
+    render: (samples: 64, max_depth: 10),
+)"
+    )
+}
+
+/// A plane mirror above a lamp with a shade under it.
+fn under_a_mirror(lamp: f64) -> String {
+    let above = "Quad(corner: (-1, 1.7, 1), u: (2, 0, 0), v: (0, 0, -2), material: \"black\"),
+        Quad(corner: (-3, 4, 3), u: (6, 0, 0), v: (0, 0, -6), material: \"mirror\"),";
+    other("Solid((0.1, 0.1, 0.1))", above, "(0, 2.2, 0)", lamp)
+}
+
+/// A lamp in a clear ball, and another ball, which sends on much of an image's light.
+fn under_a_sky(lamp: f64) -> String {
+    let sky = concat!("Image(path: \"", env!("CARGO_MANIFEST_DIR"), "/scenes/textures/sky.hdr\")");
+    let above = "Sphere(center: (0, 0.6, 0), radius: 0.5, material: \"glass\"),
+        Sphere(center: (0, 3, 0), radius: 0.6, material: \"glass\"),";
+    other(sky, above, "(0, 3, 0)", lamp)
+}
+
+/// Light per sample: what rays to lights find, what is met, and what is missing.
+#[derive(Debug, PartialEq)]
+struct Counted {
+    found: f64,
+    met: f64,
+    missing: f64,
+}
+
+fn counted_by(text: &str, samples: u32, ask: Ask) -> ThroughGlass {
+    let ask = Ask { samples: Some(0..samples), ..ask };
+    render_scene(&scene(text), &ask).outcome.through_glass.times(1.0 / f64::from(32 * 32 * samples))
+}
+
+fn counted(text: &str, samples: u32) -> Counted {
+    let light = counted_by(text, samples, Ask::default().mis().depth(50));
+    Counted { found: light.stopped(), met: light.met(), missing: light.missing() }
+}
+
+/// Where a lamp is large enough for chance to meet it, that meets about as much as rays to it find: what a mirror or a clear solid takes in it
+/// sends on, if elsewhere, and rays look for light within 25 degrees of where the path goes. That smooths what they find, and loses what
+/// the cone has below a surface: over eleven scenes at 1024 samples or more what is met is 0.95 to 1.16 times as much, and 1.6 times by a mirror that stands
+/// on edge to lamp and floor. 1024 samples tell each sum to 3 %. Of light that would count twice, or by half, the test would tell.
+#[test]
+fn what_rays_find_is_met() {
+    let ball = |place, radius| text(place, radius, 0.3);
+    for text in [ball(ON_THE_FLOOR, 0.5), ball(AROUND_THE_LAMP, 1.2), under_a_mirror(0.4), under_a_sky(0.4)] {
+        let light = counted(&text, 1024);
+        assert!(light.found > 0.0, "{light:?}\n{text}");
+        assert!((0.8..1.3).contains(&(light.met / light.found)), "{light:?}\n{text}");
+    }
+    // The planted errors: a lamp too small to be met, and neither mirror nor glass.
+    let small = counted(&text(ON_THE_FLOOR, 0.5, 0.002), 64);
+    assert!(small.met == 0.0 && small.missing == 0.75 * small.found && small.found > 0.0, "{small:?}");
+    let none = counted(&text(ON_THE_FLOOR, 0.5, 0.8).replace("material: \"glass\"", "material: \"white\""), 16);
+    assert_eq!(none, Counted { found: 0.0, met: 0.0, missing: 0.0 });
+}
+
+/// One light that is met, a sky, does not stand in for another that is not.
+#[test]
+fn a_light_that_is_met_hides_no_other() {
+    let light = counted(&under_a_sky(0.001), 256);
+    assert!(light.met > 0.3 * light.found && light.missing > 0.3 * light.found, "{light:?}");
+    // Of a lamp that is met as well, what is missing is noise in bins of few meetings.
+    let light = counted(&under_a_sky(0.4), 256);
+    assert!(light.missing < 0.02 * light.found, "{light:?}");
+}
+
+/// What is smaller than 2^-24 of the brightest is rounded by chance and not away. Some 600 rays find the lamp, and of the faint one a third of them
+/// count: 5 % and 8 % are the deviations.
+#[test]
+fn faint_light_is_counted() {
+    let (usual, faint) =
+        (counted(&text(ON_THE_FLOOR, 0.5, 0.02), 512), counted(&text(ON_THE_FLOOR, 0.5, 0.02 / 128.0), 512));
+    // The device's unit follows the lamp's radiance by powers of two, and what the floor receives is as its square radius.
+    let share = faint.found / usual.found * 128.0 * 128.0;
+    assert!((share - 1.0).abs() < 0.5, "{share}");
+}
+
+/// After the last event light is met and none is looked for: what is found beyond would be missing for ever.
+#[test]
+fn max_depth_ends_both() {
+    // The floor, and the ball's two sides: light behind it takes three events.
+    let at = |max_depth| counted_by(&text(AROUND_THE_LAMP, 1.2, 0.3), 64, Ask::default().mis().depth(max_depth));
+    assert_eq!(at(1), ThroughGlass::default());
+    let two = at(2);
+    assert!(two.met() > 0.0 && two.stopped() > 0.0 && (0.7..1.4).contains(&(two.met() / two.stopped())), "{two:?}");
+}
+
+const SCATTERS: [&str; 3] = ["fused", "linked", "queues"];
+
+struct Run {
+    folder: tempfile::TempDir,
+}
+
+impl Run {
+    fn of(text: &str) -> Run {
+        let folder = tempfile::tempdir().expect("a folder");
+        std::fs::write(folder.path().join("scene.ron"), text).expect("the scene is written");
+        Run { folder }
+    }
+
+    fn image(&self) -> PathBuf {
+        self.folder.path().join("a.exr")
+    }
+
+    fn command(&self, scene: &Path, more: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_gpu-rt"));
+        command.args(["render", "--json", "--device", &device::software().name.name, "-o"]);
+        command.arg(self.image()).args(more).arg(scene);
+        command
+    }
+
+    /// The report, and what was said.
+    fn report(&self, scene: &Path, more: &[&str]) -> (Value, String) {
+        let output = self.command(scene, more).output().expect("it runs");
+        let words = String::from_utf8_lossy(&output.stderr).into_owned();
+        (serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{error}: {words}")), words)
+    }
+
+    fn scene(&self) -> PathBuf {
+        self.folder.path().join("scene.ron")
+    }
+}
+
+fn report(text: &str, more: &[&str]) -> (Value, String) {
+    let run = Run::of(text);
+    run.report(&run.scene(), more)
+}
+
+/// Light that is missing from images that look free of noise; and the same scenes with lamps that are met, where nothing is missing.
+#[test]
+fn images_that_lack_light_are_unreliable() {
+    for (small, large, samples) in [
+        (text(AROUND_THE_LAMP, 0.3, 0.002), text(ON_THE_FLOOR, 0.5, 0.8), "256"),
+        (under_a_mirror(0.001), under_a_mirror(0.4), "256"),
+        (under_a_sky(0.001), under_a_sky(0.4), "256"),
+    ] {
+        let (bulb, words) = report(&small, &["--spp", samples]);
+        assert!(bulb["relative_error_bound"].as_f64().unwrap() < 0.05, "by its noise alone: {bulb}");
+        assert_eq!(bulb["reliable"], false, "{small}\n{bulb}");
+        assert!(words.contains("unreliable: mirrors and glass"), "{words}");
+        let (lamp, words) = report(&large, &["--spp", samples]);
+        assert!(lamp["reliable"] == true && !words.contains("unreliable"), "{large}\n{lamp}\n{words}");
+    }
+    // Where lights are left to chance everywhere, nothing is claimed.
+    let (chance, _) = report(&under_a_mirror(0.001), &["--spp", "64", "--integrator", "bsdf"]);
+    assert!(chance["light_stopped_by_glass"] == 0.0 && chance["light_met_through_glass"] == 0.0, "{chance}");
+}
+
+/// The whole report, but for what differs by its nature.
+#[test]
+fn reports_do_not_depend_on_how_stages_are_linked() {
+    let ships = |name: &str| Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name);
+    let run = Run::of(&under_a_sky(0.4));
+    let mirror = Run::of(&under_a_mirror(0.4));
+    for (scene, counts) in [
+        (run.scene(), true),
+        (mirror.scene(), true),
+        (ships("glass.ron"), true),
+        (ships("lights.ron"), true),
+        (ships("cornell-smoke.ron"), false),
+    ] {
+        let of = |scatter: &str, seed: &str| {
+            let more = ["--scatter", scatter, "--seed", seed, "--size", "32x18", "--spp", "16", "--quiet"];
+            let (mut report, _) = run.report(&scene, &more);
+            let map = report.as_object_mut().expect("an object");
+            for own in ["kernels", "gpu_bytes", "seconds", "paths_per_second", "rays_per_second"] {
+                assert!(map.remove(own).is_some(), "{own}");
+            }
+            report
+        };
+        let [fused, linked, queues] = SCATTERS.map(|scatter| of(scatter, "0"));
+        assert_eq!(fused, linked, "{}", scene.display());
+        assert_eq!(fused, queues, "{}", scene.display());
+        let met = |report: &Value| report["light_stopped_by_glass"].as_f64().unwrap();
+        assert_eq!(met(&fused) > 0.0, counts, "{fused}");
+        // It could have told.
+        assert!(!counts || met(&of("fused", "1")) != met(&fused));
+    }
+    // The counters bin by bin.
+    let by = |scatter| counted_by(&under_a_sky(0.4), 16, Ask::default().mis().scatter(scatter));
+    let fused = by(Scatter::Fused);
+    assert!(fused == by(Scatter::Linked) && fused == by(Scatter::Queues) && fused != ThroughGlass::default());
+}
+
+/// What a checkpoint says of its error is what the same image says at the end.
+#[test]
+fn checkpoints_hold_the_verdict() {
+    for (text, reliable) in [(under_a_mirror(0.001), "0"), (under_a_mirror(0.8), "1")] {
+        let run = Run::of(&text);
+        let mut command = run.command(&run.scene(), &["--spp", "10000000", "--checkpoint", "50ms", "--quiet"]);
+        let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("it starts");
+        let begin = Instant::now();
+        let found = loop {
+            let image = read_exr(&run.image()).ok();
+            let said = |name: &str| {
+                let attributes = &image.as_ref()?.attributes;
+                attributes.iter().find(|(known, _)| known == name).map(|(_, value)| value.clone())
+            };
+            // The first hundred samples may not know yet.
+            let samples = said("gpu-rt:end_sample").and_then(|n| n.parse::<u32>().ok());
+            if samples.is_some_and(|n| n > 256) || begin.elapsed() > Duration::from_secs(60) {
+                break (said("gpu-rt:reliable"), said("gpu-rt:complete"));
+            }
+            std::thread::sleep(Duration::from_millis(20));
+        };
+        child.kill().expect("it can be killed");
+        child.wait().expect("it ends");
+        assert_eq!(found, (Some(reliable.to_string()), Some("0".to_string())), "{text}");
+    }
+}

@@ -1,0 +1,897 @@
+//! Warnings about numbers that are allowed and dangerous: each at its place, with the number and what to do, and none for a twin scene
+//! just on the other side of its limit. What surfaces near glass are warned of is held against pictures.
+
+use crate::common::{render, stats};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use gpu_rt::flatten::flatten;
+use gpu_rt::options::RenderOptions;
+use gpu_rt::scene::Scene;
+
+/// Marks in a scene's text where the warning is expected; it is taken out before parsing.
+const MARK: char = '§';
+
+/// A camera 5 units before the origin, one above it, and a telescope from far away.
+const BEFORE: &str = "(look_from: (0, 0, 5), look_at: (0, 0, 0), vertical_fov: 40)";
+const ABOVE: &str = "(look_from: (0, 1, 5), look_at: (0, 0, 0), vertical_fov: 40)";
+const FAR: &str = "(look_from: (0, 0, 1e7), look_at: (0, 0, 0), vertical_fov: 40)";
+const TELESCOPE: &str = "(look_from: (0, 0, 1e7), look_at: (0, 0, 0), vertical_fov: 2e-5)";
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// A scene of such objects, with materials of every kind.
+fn scene(camera: &str, objects: &str) -> String {
+    format!(
+        "Scene(
+    image: (width: 400, height: 300),
+    camera: {camera},
+    background: Solid((1, 1, 1)),
+    materials: {{
+        \"grey\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5)), \"steel\": Metal(albedo: Rgb(0.5, 0.5, 0.5)),
+        \"glass\": Dielectric(ior: 1.5), \"lamp\": DiffuseLight(emit: Rgb(15, 15, 15)),
+        \"spot\": DiffuseLight(emit: Rgb(15, 15, 15), two_sided: false),
+        \"clear\": Dielectric(ior: 1), \"water\": Dielectric(ior: 1.33),
+    }},
+    objects: [
+        {objects}
+    ],
+)
+"
+    )
+}
+
+/// What flattening says of a text, marks and all.
+fn warnings(text: &str) -> Vec<String> {
+    let scene = Scene::parse(&text.replace(MARK, ""), &root().join("x.ron")).unwrap_or_else(|e| panic!("{e}\n{text}"));
+    let size = (scene.image.width, scene.image.height);
+    flatten(&scene, size, &RenderOptions::default()).unwrap_or_else(|e| panic!("{e}")).warnings
+}
+
+/// Why the warnings about a marked text are not just one, there, about this field, in these words.
+fn fault(text: &str, field: &str, words: &[&str]) -> Result<(), String> {
+    let (before, _) = text.split_once(MARK).unwrap_or_else(|| panic!("no mark in {text}"));
+    let line = before.split('\n').count();
+    let column = before.chars().rev().take_while(|c| *c != '\n').count() + 1;
+    let found = warnings(text);
+    let [warning] = &found[..] else { return Err(format!("expected one warning: {found:#?}\n{text}")) };
+    let start = format!("{}:{line}:{column}: {field}: ", root().join("x.ron").display());
+    let Some(message) = warning.strip_prefix(&start) else { return Err(format!("expected {start}..: {warning}")) };
+    match words.iter().find(|word| !message.contains(*word)) {
+        Some(word) => Err(format!("expected the words {word:?}: {warning}")),
+        None => Ok(()),
+    }
+}
+
+fn assert_warns(text: &str, field: &str, words: &[&str]) {
+    fault(text, field, words).unwrap_or_else(|fault| panic!("{fault}"));
+}
+
+fn assert_silent(text: &str) {
+    assert_eq!(warnings(text), Vec::<String>::new(), "{text}");
+}
+
+#[test]
+fn features_below_the_rounding_of_their_place() {
+    let sphere =
+        |r: &str, material: &str| format!("Sphere(center: (0, 0, 0), radius: §{r}, material: \"{material}\"),");
+    let words =
+        ["a radius of 2.3e-6 at a distance of 5", "by up to 2.98e-7, so that its shape is lost", "bring it nearer"];
+    assert_warns(&scene(BEFORE, &sphere("2.3e-6", "grey")), "objects[0].Sphere.radius", &words);
+    // Each along its own direction, in which the camera is near or far.
+    let cuboid = |max: &str| scene(BEFORE, &format!("§Box(min: (0, 0, 0), max: {max}, material: \"grey\"),"));
+    assert_warns(&cuboid("(1, 1, 2.3e-6)"), "objects[0].Box", &["a side of 2.3e-6", "larger than 2.384e-6"]);
+    assert_silent(&cuboid("(1, 1, 2.4e-6)"));
+    assert_silent(&cuboid("(2.3e-6, 1, 1)"));
+    let quad = |u: &str| {
+        scene(BEFORE, &format!("Quad(corner: (1, 0, 0), u: (0, 1, 0), v: §({u}, 0, 0), material: \"grey\"),"))
+    };
+    assert_warns(&quad("4.7e-7"), "objects[0].Quad.v", &["an edge of 4.7e-7", "larger than 4.768e-7"]);
+    assert_silent(&quad("4.8e-7"));
+    let mesh = |scale: &str| {
+        let mesh = "§Mesh(path: \"scenes/meshes/star.ply\", material: \"grey\")";
+        scene(BEFORE, &format!("Transformed(by: [Scale({scale})], object: {mesh}),"))
+    };
+    assert_warns(&mesh("1e-7"), "objects[0].Transformed.object.Mesh", &["a size of", "at a distance of 5"]);
+    assert_silent(&mesh("1e-5"));
+}
+
+#[test]
+fn spheres_whose_outline_is_rounded() {
+    let sphere = |r: &str| format!("Sphere(center: (0, 0, 0), radius: §{r}, material: \"grey\"),");
+    // Twice u times the distance of 5.
+    let words =
+        ["a radius of 4.9e-5 at a distance of 5", "outline by up to 5.96e-7, 1.216 % of that", "larger than 5e-5"];
+    assert_warns(&scene(BEFORE, &sphere("4.9e-5")), "objects[0].Sphere.radius", &words);
+    assert_silent(&scene(BEFORE, &sphere("5.1e-5")));
+    // By the distance, whatever the direction, and on the axis of a narrow view by nothing.
+    let aside = "(look_from: (30, 40, 120), look_at: (0, 0, 0), vertical_fov: 40)";
+    let words = ["at a distance of 130", "outline by up to 1.55e-5, 1.211 % of that", "larger than 0.0013"];
+    assert_warns(&scene(aside, &sphere("0.00128")), "objects[0].Sphere.radius", &words);
+    assert_silent(&scene(aside, &sphere("0.00132")));
+    assert_silent(&scene(&aside.replace("40)", "1e-4)"), &sphere("0.00128")));
+}
+
+#[test]
+fn spheres_with_the_camera_near_their_surface() {
+    let ground = |r: &str| {
+        let sphere = format!("Sphere(center: (0, -{r}, 0), radius: §{r}, material: \"grey\"),");
+        scene("(look_from: (0, 1, 0), look_at: (0, 2, 1), vertical_fov: 40)", &sphere)
+    };
+    let field = "objects[0].Sphere.radius";
+    let words = [
+        "a radius of 42000, and the camera is 1 from",
+        "by up to 0.01001, 1.001 % of that",
+        "farther from it than 1.00",
+    ];
+    assert_warns(&ground("42000"), field, &words);
+    assert_silent(&ground("41900"));
+    // 4 u r is 1 at 4.19e6.
+    assert_warns(&ground("4.1e6"), field, &["by up to 0.9775, 97.75 % of that"]);
+    let words = ["by up to 1.001, so that the picture may be wrong", "which side of it the camera is", "write a quad"];
+    assert_warns(&ground("4.2e6"), field, &words);
+    // From within, and on it.
+    let within = ground("42000").replace("(0, 1, 0)", "(0, -1, 0)").replace("(0, 2, 1)", "(0, -2, 1)");
+    assert_warns(&within, field, &["the camera is 1 from its surface", "1.001 %"]);
+    let upon = ground("1").replace("(0, 1, 0)", "(0, 0, 0)");
+    assert_warns(&upon, field, &["the camera is 0 from its surface", "the picture may be wrong"]);
+}
+
+#[test]
+fn a_telescope_keeps_what_lies_across_the_view() {
+    let sphere = |material: &str| format!("Sphere(center: (0, 0, 0), radius: §1, material: \"{material}\"),");
+    let words = ["a radius of 1 at a distance of 1e7", "by up to 0.596", "larger than 100"];
+    assert_warns(&scene(FAR, &sphere("grey")), "objects[0].Sphere.radius", &words);
+    assert_silent(&scene(TELESCOPE, &sphere("grey")));
+    // Rays through it cross it in depth.
+    assert_warns(&scene(TELESCOPE, &sphere("glass")), "objects[0].Sphere.radius", &words);
+    let aside = "Sphere(center: (3e6, 0, 0), radius: §1, material: \"grey\"),";
+    assert_warns(&scene(TELESCOPE, aside), "objects[0].Sphere.radius", &["by up to 0.1788"]);
+}
+
+#[test]
+fn warnings_stand_at_the_innermost_object() {
+    let inner = "Sphere(center: (0, 0, 0), radius: §1e-6, material: \"grey\")";
+    let ball = "Sphere(center: (0, 0, 0), radius: 1, material: \"grey\")";
+    let fog = "Medium(boundary: Sphere(center: (0, 0, 0), radius: 1), density: 1, albedo: Rgb(1, 1, 1))";
+    let nothing = fog.replace("density: 1", "density: 0");
+    let group = format!("{ball}, {fog}, {nothing},\n Transformed(by: [Scale(2)], object: Group([{ball}, {inner}])),");
+    let field = "objects[3].Transformed.object.Group[1].Sphere.radius";
+    assert_warns(&scene(BEFORE, &group), field, &["a radius of 2e-6"]);
+    let boundary = fog.replace("Sphere(center: (0, 0, 0), radius: 1)", "§Sphere(center: (0, 0, 0), radius: 1e-6)");
+    assert_warns(&scene(BEFORE, &format!("{ball}, {nothing}, {boundary}")), "objects[2].Medium.boundary", &["of 1e-6"]);
+}
+
+#[test]
+fn of_a_kind_the_worst_is_told_and_the_others_are_counted() {
+    let sphere = |x: usize, r: &str| format!("Sphere(center: ({x}, 0, 0), radius: {r}, material: \"grey\"),\n");
+    let many: String = (0..42).map(|x| sphere(x, if x == 20 { "§1e-8" } else { "1e-7" })).collect();
+    let words = ["a radius of 1e-8 ", "(and 41 more like it)"];
+    assert_warns(&scene(BEFORE, &many), "objects[20].Sphere.radius", &words);
+    let two: String = (0..2).map(|x| sphere(x, if x == 1 { "§1e-8" } else { "1e-7" })).collect();
+    assert_warns(&scene(BEFORE, &two), "objects[1].Sphere.radius", &["(and 1 more like it)"]);
+}
+
+#[test]
+fn surfaces_rounded_by_more_than_a_pixel() {
+    let ground = |r: &str| format!("Sphere(center: (0, -{r}, 0), radius: §{r}, material: \"grey\"),");
+    let words = ["a sphere with a radius of 9500", "off by up to 0.00453, 1.0", " pixels: make it smaller than"];
+    assert_warns(&scene(ABOVE, &ground("9500")), "objects[0].Sphere.radius", &words);
+    assert_silent(&scene(ABOVE, &ground("9000")));
+    // Out of sight.
+    assert_silent(&scene(&ABOVE.replace("look_at: (0, 0, 0)", "look_at: (0, 5, 0)"), &ground("9500")));
+    let quad = |s: f64| {
+        let (corner, side) = (format!("({:?}, 0, {:?})", -s, -s), 2.0 * s);
+        format!("Quad(corner: {corner}, u: §({side:?}, 0, 0), v: (0, 0, {side:?}), material: \"grey\"),")
+    };
+    assert_warns(&scene(ABOVE, &quad(1e9)), "objects[0].Quad.u", &["an edge of 2e9", "off by up to 2384, "]);
+    assert_warns(&scene(ABOVE, &quad(1900.0)), "objects[0].Quad.u", &["an edge of 3800"]);
+    assert_silent(&scene(ABOVE, &quad(1800.0)));
+    let cuboid = |s: f64| {
+        format!("§Box(min: ({:?}, {:?}, {:?}), max: ({s:?}, 0, {s:?}), material: \"grey\"),", -s, -2.0 * s, -s)
+    };
+    assert_warns(&scene(ABOVE, &cuboid(2400.0)), "objects[0].Box", &["a box with a side of 4800"]);
+    assert_silent(&scene(ABOVE, &cuboid(2250.0)));
+    let folder = tempfile::tempdir().unwrap_or_else(|e| panic!("{e}"));
+    let mesh = |s: f64| {
+        let path = folder.path().join(format!("{s}.obj"));
+        let corners = format!("v 0 0 0\nv {s} 0 {s}\nv {s} 0 -{s}\nv -{s} 0 -{s}\n");
+        fs::write(&path, corners + "f 1 2 3\nf 1 3 4\n").unwrap_or_else(|e| panic!("{e}"));
+        scene(ABOVE, &format!("§Mesh(path: {path:?}, material: \"grey\"),"))
+    };
+    let words = ["a mesh with a size of 2e6 is seen from a distance of 5.099", "off by up to 1.431, 115"];
+    assert_warns(&mesh(1e6), "objects[0].Mesh", &words);
+    assert_silent(&mesh(6000.0));
+}
+
+#[test]
+fn ranges_of_more_than_2_to_the_40() {
+    let grain = |r: &str| {
+        let ball = "Sphere(center: (0, 0, 0), radius: 1, material: \"grey\"),";
+        scene(BEFORE, &format!("{ball} Sphere(center: (0, 0, 4.9999999), radius: §{r}, material: \"grey\"),"))
+    };
+    let words = ["a radius of 5.4e-12 is 2^-40 of the scene's extent of 6", "expected 2^-40 at least", "leave out"];
+    assert_warns(&grain("5.4e-12"), "objects[1].Sphere.radius", &words);
+    assert_silent(&grain("5.5e-12"));
+}
+
+#[test]
+fn media_whose_free_path_is_shorter_than_rounding() {
+    let fog = |density: &str| {
+        let boundary = "boundary: Sphere(center: (0, 0, 0), radius: 1)";
+        scene(BEFORE, &format!("Medium({boundary}, density: §{density}, albedo: Rgb(0.5, 0.5, 0.5)),"))
+    };
+    let words =
+        ["a density of 280000", "a mean free path of 3.571e-6", "up to 6 from the camera by 3.576e-7", "below 279600"];
+    assert_warns(&fog("280000"), "objects[0].Medium.density", &words);
+    assert_silent(&fog("279000"));
+}
+
+#[test]
+fn spheres_that_coincide() {
+    let pair = |r: &str, material: &str| {
+        let first = "Sphere(center: (0, 0, 0), radius: 1, material: \"grey\"),";
+        scene(BEFORE, &format!("{first}\n§Sphere(center: (0, 0, 0), radius: {r}, material: \"{material}\"),"))
+    };
+    let field = "objects[1].Sphere";
+    assert_warns(
+        &pair("1", "steel"),
+        field,
+        &["another material at", "x.ron:12:9 and coincides with it: which is seen", "remove one"],
+    );
+    assert_warns(
+        &pair("1.0000014", "steel"),
+        field,
+        &["is 1.4e-6 off, less than what f32 rounds by there, 1.431e-6: "],
+    );
+    assert_silent(&pair("1.0000015", "steel"));
+    assert_silent(&pair("1", "grey"));
+    // What fills glass is no surface.
+    let boundary = "boundary: Sphere(center: (0, 0, 0), radius: 1)";
+    let filled = format!(
+        "Sphere(center: (0, 0, 0), radius: 1, material: \"glass\"), Medium({boundary}, density: 1, albedo: Rgb(1, 1, 1)),"
+    );
+    assert_silent(&scene(BEFORE, &filled));
+}
+
+/// Wherever they are, and where the grid that finds them has its edges.
+#[test]
+fn spheres_whose_centres_differ_by_less_than_rounding() {
+    let mut random = stats::Random(7);
+    let mut number = |low: f64, high: f64| low + (high - low) * random.uniform();
+    let camera = "(look_from: (0, 0, 50), look_at: (0, 0, 0), vertical_fov: 40)";
+    for _ in 0..1000 {
+        let (center, r) = ([0; 3].map(|_| number(-10.0, 10.0)), number(0.1, 5.0));
+        let ball = |shift: f64, r: f64, material: &str| {
+            let [x, y, z] = center.map(|x| x + shift);
+            format!("Sphere(center: ({x:?}, {y:?}, {z:?}), radius: {r:?}, material: \"{material}\"),")
+        };
+        // 4 u of the largest coordinate and the radius, half of it by the centres and a tenth by the radii.
+        let bound = 4.0 * 2.0_f64.powi(-24) * (center[0].abs().max(center[1].abs()).max(50.0 - center[2]) + r);
+        let with = |share: f64| {
+            let other = ball(share * 0.5 * bound / 3.0_f64.sqrt(), r + share * 0.1 * bound, "steel");
+            scene(camera, &format!("{}\n§{other}", ball(0.0, r, "grey")))
+        };
+        assert_warns(&with(1.0), "objects[1].Sphere", &["off, less than"]);
+        assert_silent(&with(2.0));
+    }
+}
+
+#[test]
+fn clear_spheres_that_coincide() {
+    let pair = |r: &str, material: &str, other: &str| {
+        let first = format!("Sphere(center: (0, 0, 0), radius: 1, material: \"{material}\"),");
+        scene(BEFORE, &format!("{first}\n§Sphere(center: (0, 0, 0), radius: {r}, material: \"{other}\"),"))
+    };
+    // Rays start 6 u (5 + 1) off, and 4 u of the radius is the next distance's.
+    let words =
+        ["there is a clear sphere already at", "and coincides with it: rays that leave one", "more than 2.384e-6"];
+    assert_warns(&pair("1", "glass", "glass"), "objects[1].Sphere", &words);
+    assert_warns(&pair("1", "glass", "water"), "objects[1].Sphere", &words[..1]);
+    let words = ["of another material", "is 2.3e-6 off, less than where rays start that leave it, 2.384e-6: "];
+    for (one, other) in [("grey", "glass"), ("glass", "grey")] {
+        assert_warns(&pair("0.9999977", one, other), "objects[1].Sphere", &words);
+        assert_silent(&pair("0.9999975", one, other));
+    }
+}
+
+#[test]
+fn meshes_that_coincide() {
+    let placed = |by: &str, material: &str| {
+        format!("Transformed(by: [{by}], object: §Mesh(path: \"scenes/meshes/star.ply\", material: \"{material}\")),")
+    };
+    let pair = |by: &str, material: &str| {
+        scene(BEFORE, &format!("{}\n{}", placed("RotateY(20)", "grey").replace('§', ""), placed(by, material)))
+    };
+    let field = "objects[1].Transformed.object.Mesh";
+    let words = ["the same mesh is placed a second time, of another material, where it stands at", "coincides with it"];
+    assert_warns(&pair("RotateY(20)", "steel"), field, &words);
+    assert_warns(&pair("RotateY(20), Translate((0, 1e-7, 0))", "steel"), field, &["is 1e-7 off"]);
+    assert_warns(&pair("RotateY(20)", "glass"), field, &["where it stands"]);
+    assert_silent(&pair("RotateY(20)", "grey"));
+    assert_silent(&pair("RotateY(20), Translate((0, 1e-5, 0))", "steel"));
+    assert_silent(&pair("RotateY(21)", "steel"));
+    let clear = scene(BEFORE, &[placed("Scale(1)", "glass").replace('§', ""), placed("Scale(1)", "glass")].concat());
+    assert_warns(&clear, field, &["clear as well"]);
+}
+
+/// A quad of two by two over the height y, from (x, z) on.
+fn tile(x: f64, y: f64, z: f64, material: &str) -> String {
+    format!("Quad(corner: ({x:?}, {y:?}, {z:?}), u: (2, 0, 0), v: (0, 0, 2), material: \"{material}\"),")
+}
+
+#[test]
+fn quads_that_overlap_in_a_plane() {
+    let floor = tile(-1.0, 0.0, -1.0, "grey");
+    let with = |other: &str| scene(ABOVE, &format!("{floor}\n{other}"));
+    let rug = |x: f64, y: f64, material: &str| with(&format!("§{}", tile(x, y, 0.5, material)));
+    let words =
+        ["overlaps with that of the quad at", "x.ron:12:9", "coincides", "the file where that ties", "cut one out"];
+    assert_warns(&rug(0.0, 0.0, "steel"), "objects[1].Quad", &words);
+    assert_warns(&rug(0.0, 2.3e-7, "steel"), "objects[1].Quad", &["is 2.3e-7 off, less than", "2.384e-7"]);
+    assert_silent(&rug(0.0, 2.5e-7, "steel"));
+    // Where rays start: 4 u of the height, and the rounding of both.
+    let words =
+        ["this glass touches the quad at", "is 4.7e-7 off, less than where rays start that leave it, 4.768e-7: "];
+    assert_warns(&rug(0.0, 4.7e-7, "glass"), "objects[1].Quad", &words);
+    assert_silent(&rug(0.0, 4.8e-7, "glass"));
+    assert_silent(&rug(0.0, 0.0, "grey"));
+    // Side by side, and turned about so that only the boxes around them overlap.
+    assert_silent(&rug(1.0, 0.0, "steel"));
+    let turned = |x: f64| {
+        let quad = format!("§Quad(corner: ({x:?}, 0, 0.1), u: (1, 0, 1), v: (1, 0, -1), material: \"steel\")");
+        with(&format!("{quad},"))
+    };
+    assert_silent(&turned(0.9 + 0.15));
+    assert_warns(&turned(0.8), "objects[1].Quad", &["overlaps"]);
+    // The same far away and turned, where f64 rounds too.
+    let moved = |y: f64| {
+        let [one, other] = [&floor, &tile(0.0, y, 0.5, "steel")].map(|quad| quad.trim_end_matches(',').to_string());
+        let by = "by: [Rotate(axis: (1, 2, 3), degrees: 50), Translate((1e6, 2e6, 3e6))]";
+        let camera = "(look_from: (1e6, 2e6, 3000005), look_at: (1e6, 2e6, 3e6), vertical_fov: 40)";
+        scene(camera, &format!("Transformed({by}, object: {one}),\nTransformed({by}, object: §{other}),"))
+    };
+    assert_warns(&moved(0.0), "objects[1].Transformed.object.Quad", &["coincides"]);
+    assert_silent(&moved(1e-5));
+}
+
+#[test]
+fn lights_back_to_back() {
+    let pair = |material: &str, y: f64| {
+        let balls = [2, -2].map(|y| format!("Sphere(center: (0, {y}, 0), radius: 1, material: \"grey\"),")).concat();
+        let other = format!("Quad(corner: (-1, {y:?}, -1), u: (0, 0, 2), v: (2, 0, 0), material: \"{material}\"),");
+        scene(
+            ABOVE,
+            &format!(
+                "{}\n{}§{other}",
+                tile(-1.0, 0.0, -1.0, material).replace("u: (2, 0, 0), v: (0, 0, 2)", "u: (0, 0, 2), v: (2, 0, 0)"),
+                balls
+            ),
+        )
+    };
+    let opposed = |material, y| {
+        let text = pair(material, y);
+        text.replacen("u: (0, 0, 2), v: (2, 0, 0)", "u: (2, 0, 0), v: (0, 0, 2)", 1)
+    };
+    let words = ["back to back with the one at", "x.ron:12:9", "more than 2.384e-7 apart", "two_sided"];
+    assert_warns(&opposed("spot", 0.0), "objects[3].Quad", &words);
+    assert_silent(&opposed("lamp", 0.0));
+    assert_silent(&opposed("spot", 0.001));
+    assert_silent(&pair("spot", 0.0));
+}
+
+#[test]
+fn boxes_that_share_a_plane() {
+    let cuboid =
+        |min: &str, max: &str, material: &str| format!("Box(min: {min}, max: {max}, material: \"{material}\"),");
+    let floor = tile(-1.0, 0.0, -1.0, "grey");
+    let block = cuboid("(-0.5, 0, -0.5)", "(0.5, 1, 0.5)", "steel");
+    // It may rest on a floor, and against another; what hides the floor from below is seen there.
+    assert_silent(&scene(ABOVE, &format!("{floor}\n{block}")));
+    assert_silent(&scene(ABOVE, &format!("{block}\n{}", cuboid("(0.5, 0, -0.5)", "(1.5, 0.9, 0.5)", "grey"))));
+    assert_silent(&scene(ABOVE, &format!("{block}\n{}", cuboid("(0.5, 0, -0.5)", "(1.5, 1, 0.5)", "grey"))));
+    let below = "(look_from: (0, -1, 5), look_at: (0, 0, 0), vertical_fov: 40)";
+    assert_warns(&scene(below, &format!("{floor}\n§{block}")), "objects[1].Box", &["that of the quad at", "coincides"]);
+    let lid = tile(-1.0, 1.0, -1.0, "grey");
+    let up = ABOVE.replace("(0, 1, 5)", "(0, 3, 5)");
+    assert_warns(&scene(&up, &format!("{block}\n§{lid}")), "objects[1].Quad", &["that of the box at"]);
+    assert_warns(&scene(&up, &format!("{block}\n§{}", block.replace("steel", "grey"))), "objects[1].Box", &["box at"]);
+    // In a room, flush with its wall: a picture is seen or not, a cupboard hides the wall.
+    let room = cuboid("(-6, -6, -6)", "(6, 6, 6)", "grey");
+    let picture = "Quad(corner: (-1, -1, -6), u: (2, 0, 0), v: (0, 2, 0), material: \"steel\"),";
+    assert_warns(&scene(BEFORE, &format!("{room}\n§{picture}")), "objects[1].Quad", &["that of the box at"]);
+    assert_silent(&scene(BEFORE, &format!("{room}\n{}", cuboid("(-1, -1, -6)", "(1, 1, -5)", "steel"))));
+    // Glass that stands on something, whichever is first in the file.
+    let glass = block.replace("steel", "glass");
+    let words = ["this glass touches the quad at", "x.ron:13:1 and coincides with it", "let one reach into the other"];
+    assert_warns(&scene(ABOVE, &format!("§{glass}\n{floor}")), "objects[0].Box", &words);
+    assert_warns(&scene(ABOVE, &format!("{floor}\n§{glass}")), "objects[1].Box", &["the quad at", "x.ron:12:9 and"]);
+    assert_warns(&scene(below, &format!("{floor}\n§{glass}")), "objects[1].Box", &["the quad at"]);
+    assert_silent(&scene(ABOVE, &format!("{floor}\n{}", glass.replace("(-0.5, 0, ", "(-0.5, -0.01, "))));
+    assert_silent(&scene(ABOVE, &format!("{floor}\n{}", glass.replace("(-0.5, 0, ", "(-0.5, 0.01, "))));
+    // The bottom of what stands on it is seen through it.
+    let upon = cuboid("(-0.2, 1, -0.2)", "(0.2, 1.2, 0.2)", "grey");
+    assert_warns(&scene(&up, &format!("{upon}\n§{glass}")), "objects[1].Box", &["this glass touches the box at"]);
+    // Opaque ones beside it may still rest on a floor.
+    let apart = glass.replace("(-0.5, 0, -0.5)", "(2, 1, 0)").replace("(0.5, 1, 0.5)", "(3, 2, 1)");
+    assert_silent(&scene(ABOVE, &format!("{floor}\n{block}\n{apart}")));
+    let fog = "Medium(boundary: Box(min: (-0.5, 0, -0.5), max: (0.5, 1, 0.5)), density: 1, albedo: Rgb(1, 1, 1)),";
+    assert_silent(&scene(ABOVE, &format!("{glass}\n{fog}\n{}", tile(-1.0, -0.1, -1.0, "grey"))));
+}
+
+#[test]
+fn clear_solids_that_touch() {
+    let cuboid = |low: &str, high: &str, material: &str| {
+        format!("Box(min: (-1, {low}, -1), max: (1, {high}, 1), material: \"{material}\"),")
+    };
+    let words = ["this glass touches the box at", "x.ron:12:9, which is clear too and coincides with it", "one solid"];
+    for (one, other) in [("glass", "water"), ("water", "glass"), ("glass", "glass")] {
+        let stacked = |low: &str| format!("{}\n§{}", cuboid("-1", "0", one), cuboid(low, "1", other));
+        assert_warns(&scene(ABOVE, &stacked("0")), "objects[1].Box", &words);
+        assert_warns(&scene(ABOVE, &stacked("1e-7")), "objects[1].Box", &["is 1e-7 off"]);
+        assert_silent(&scene(ABOVE, &stacked("1e-5")));
+    }
+    // Side by side and not in touch, one within the other, and filled by a medium.
+    let beside = cuboid("-1", "0", "glass").replace("(-1, ", "(1.1, ").replace("(1, ", "(2, ");
+    assert_silent(&scene(ABOVE, &(cuboid("-1", "0", "glass") + &beside)));
+    let medium = "Medium(boundary: Box(min: (-1, -1, -1), max: (1, 0, 1)), density: 1, albedo: Rgb(0.5, 0.5, 0.5)),";
+    assert_silent(&scene(ABOVE, &(cuboid("-1", "0", "glass") + medium)));
+    let inner = "Box(min: (-0.9, -0.9, -0.9), max: (0.9, -0.1, 0.9), material: \"water\"),";
+    assert_silent(&scene(ABOVE, &(cuboid("-1", "0", "glass") + inner)));
+    let flush = inner.replace("-0.1,", "0,");
+    assert_warns(&scene(ABOVE, &format!("{}§{flush}", cuboid("-1", "0", "glass"))), "objects[1].Box", &["clear too"]);
+}
+
+#[test]
+fn clear_boxes_thinner_than_where_rays_start() {
+    let slab = |thick: &str, material: &str| {
+        let turned = "by: [RotateX(20), RotateZ(-10)]";
+        let slab = format!("§Box(min: (-5, -{thick}, -5), max: (5, 0, 5), material: \"{material}\")");
+        scene(ABOVE, &format!("Transformed({turned}, object: {slab}),"))
+    };
+    let field = "objects[0].Transformed.object.Box";
+    assert_warns(
+        &slab("4e-6", "glass"),
+        field,
+        &["a clear box with a side of 4e-6", "its far surface is lost", "thicker"],
+    );
+    assert_silent(&slab("6e-6", "glass"));
+    assert_silent(&slab("4e-6", "grey"));
+}
+
+/// The objects of a scene with a gap of this width.
+type Objects = Box<dyn Fn(f64) -> String>;
+
+/// Where a warning says from where on all is well.
+fn limit(warning: &str) -> f64 {
+    let words: Vec<&str> = warning.split(' ').collect();
+    let at = words.windows(2).rposition(|pair| ["more than", "thicker than"].contains(&pair.join(" ").as_str()));
+    let number = at.and_then(|at| words[at + 2].trim_end_matches(',').parse().ok());
+    number.unwrap_or_else(|| panic!("no limit in {warning}"))
+}
+
+/// A lamp behind clear surfaces is seen, and glass bends what is behind it, from a little more than the limit on; at half of it they
+/// are wrong in most pixels. At all widths of what is warned of, from one end of the scene to the other.
+#[test]
+fn pictures_are_wrong_where_it_is_warned_of_and_right_beyond() {
+    let quads = |half: f64| {
+        move |gap: f64| {
+            let quad = |y: f64, material: &str| {
+                let (corner, edge) = (format!("({:?}, {y:?}, {:?})", -half, -half), 2.0 * half);
+                format!("Quad(corner: {corner}, u: (0, 0, {edge:?}), v: ({edge:?}, 0, 0), material: \"{material}\")")
+            };
+            let group = format!("Group([{}, {}])", quad(-1.0, "clear"), quad(-1.0 - gap, "spot"));
+            format!("Transformed(by: [RotateX(20), RotateZ(-10)], object: {group}),")
+        }
+    };
+    let boxes = |gap: f64| {
+        let cuboid = |h: f64, material: &str| {
+            let corners = format!("min: ({:?}, {:?}, {:?}), max: ({h:?}, {h:?}, {h:?})", -h, -h, -h);
+            format!("Box({corners}, material: \"{material}\")")
+        };
+        let group = format!("Group([{}, {}])", cuboid(1.0, "clear"), cuboid(1.0 - gap, "spot"));
+        format!("Transformed(by: [RotateX(20), RotateY(35), RotateZ(-50)], object: {group}),")
+    };
+    let spheres = |gap: f64| {
+        let ball =
+            |r: f64, material: &str| format!("Sphere(center: (0, 0, 0), radius: {r:?}, material: \"{material}\"),");
+        ball(1.0, "clear") + &ball(1.0 - gap, "spot")
+    };
+    let slab = |half: f64| {
+        move |thick: f64| {
+            let (low, high) =
+                (format!("({:?}, {:?}, {:?})", -half, -1.0 - thick, -half), format!("({half:?}, -1, {half:?})"));
+            let slab = format!("Box(min: {low}, max: {high}, material: \"glass\")");
+            format!("Transformed(by: [RotateX(20), RotateZ(-10)], object: {slab}),")
+        }
+    };
+    let down = "(look_from: (0, 0, 0), look_at: (0.4, -1, 0.3), vertical_fov: 40)";
+    let aside = "(look_from: (1.08, 1.44, 2.4), look_at: (0, 0, 0), vertical_fov: 20)";
+    let cases: [(&str, &str, Objects); 6] = [
+        ("quads of 10", down, Box::new(quads(5.0))),
+        ("quads of 100", down, Box::new(quads(50.0))),
+        ("boxes", aside, Box::new(boxes)),
+        ("spheres", aside, Box::new(spheres)),
+        ("a slab of 10", down, Box::new(slab(5.0))),
+        ("a slab of 100", down, Box::new(slab(50.0))),
+    ];
+    for (what, camera, objects) in cases {
+        let text = |gap: f64| {
+            let sky = "background: Gradient(bottom: (0, 0, 0), top: (1, 1, 1))";
+            let text = scene(camera, &objects(gap)).replace("background: Solid((1, 1, 1))", sky);
+            text.replace("width: 400, height: 300", "width: 16, height: 16").replace("15, 15, 15", "1, 1, 1")
+        };
+        let red = |gap: f64| {
+            let scene = Scene::parse(&text(gap), &root().join("x.ron")).unwrap_or_else(|e| panic!("{e}"));
+            let pixels = render::render(&scene, &render::Ask::spp(16)).picture.rgb;
+            pixels.iter().map(|pixel| f64::from(pixel[0])).collect::<Vec<_>>()
+        };
+        let right = red(1e-3);
+        // What glass reflects is chosen by the same random numbers: what differs is the path.
+        let wrong = |gap: f64| {
+            let pixels = red(gap);
+            pixels.iter().zip(&right).filter(|(a, b)| (*a - *b).abs() > 0.02).count() as f64 / pixels.len() as f64
+        };
+        let found = warnings(&text(1e-7));
+        let [warning] = &found[..] else { panic!("{what}: {found:#?}") };
+        let limit = limit(warning);
+        assert_eq!(warnings(&text(0.99 * limit)).len(), 1, "{what}");
+        assert_silent(&text(1.01 * limit));
+        assert!(wrong(0.5 * limit) > 0.8, "{what}: {} wrong at half of {limit}", wrong(0.5 * limit));
+        assert_eq!(wrong(1.01 * limit), 0.0, "{what}: above {limit}");
+        assert_eq!(wrong(1.5 * limit), 0.0, "{what}: half above {limit}");
+    }
+}
+
+#[test]
+fn many_tiles_in_a_plane() {
+    let tiles = |mark: Option<usize>| -> String {
+        let tile = |i: usize| {
+            let (x, z) = ((i % 30) as f64 * 2.0, (i / 30) as f64 * 2.0);
+            let x = if Some(i) == mark { x - 0.5 } else { x };
+            let quad = tile(x - 30.0, 0.0, -z, if (i % 30 + i / 30).is_multiple_of(2) { "grey" } else { "steel" });
+            format!("{}{quad}\n", if Some(i) == mark { "§" } else { "" })
+        };
+        (0..900).map(tile).collect()
+    };
+    assert_silent(&scene(ABOVE, &tiles(None)));
+    assert_warns(&scene(ABOVE, &tiles(Some(444))), "objects[444].Quad", &["overlaps with that of the quad at"]);
+    // One under all of them.
+    for material in ["lamp", "glass"] {
+        let quad = "Quad(corner: (-40, 0, -60), u: (100, 0, 0), v: (0, 0, 70), material: ";
+        let found = warnings(&scene(ABOVE, &format!("{}{quad}{material:?}),", tiles(None))));
+        assert!(found.len() == 1 && found[0].contains("more like it"), "{found:?}");
+    }
+}
+
+#[test]
+fn lights_that_no_path_reaches() {
+    let with = |light: &str, around: &str, material: &str| {
+        let around = around.replace("..", &format!("material: \"{material}\""));
+        scene(BEFORE, &format!("§{light}\n{around}"))
+    };
+    let lamp = "Sphere(center: (0, 0, 0), radius: 0.5, material: \"lamp\"),";
+    let quad = "Quad(corner: (-0.3, 0, -0.3), u: (0.6, 0, 0), v: (0, 0, 0.6), material: \"lamp\"),";
+    let ball = "Sphere(center: (0.1, 0, 0), radius: 0.61, ..),";
+    let cuboid = "Transformed(by: [RotateY(30)], object: Box(min: (-0.51, -0.51, -0.51), max: (0.51, 1, 1), ..)),";
+    for (light, kind) in [(lamp, "Sphere"), (quad, "Quad")] {
+        for (around, name) in [(ball, "sphere"), (cuboid, "box")] {
+            let words = [&*format!("the opaque {name} at"), "x.ron:13:", "around it, and the camera is outside"];
+            assert_warns(&with(light, around, "steel"), &format!("objects[0].{kind}"), &words);
+            assert_silent(&with(light, around, "glass"));
+        }
+    }
+    // One that sticks out is reached.
+    assert_silent(&with(lamp, &ball.replace("0.61", "0.59"), "grey"));
+    assert_silent(&with(lamp, &cuboid.replace("-0.51", "-0.49"), "grey"));
+    assert_silent(&with(quad, &ball.replace("0.61", "0.49"), "grey"));
+    // The camera within.
+    let room = "Box(min: (-6, -6, -6), max: (6, 6, 6), ..),";
+    let beyond = "Sphere(center: (0, 0, -8), radius: 1, material: \"lamp\"),";
+    assert_silent(&with(lamp, room, "grey"));
+    assert_warns(&with(beyond, room, "grey"), "objects[0].Sphere", &["around the camera, and the light is outside"]);
+    assert_silent(&with(&beyond.replace("-8", "-6.5"), room, "grey"));
+}
+
+#[test]
+fn lights_behind_meshes() {
+    let folder = tempfile::tempdir().unwrap_or_else(|e| panic!("{e}"));
+    // A tent of four faces, and one that lacks its floor.
+    let tent = "v -2 -1 -2\nv 2 -1 -2\nv 2 -1 2\nv -2 -1 2\nv 0 2 0\nf 1 5 2\nf 2 5 3\nf 3 5 4\nf 4 5 1\n";
+    let write = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        fs::write(&path, text).unwrap_or_else(|e| panic!("{e}"));
+        path
+    };
+    let closed = write("closed.obj", &format!("{tent}f 1 2 3 4\n"));
+    let open = write("open.obj", tent);
+    // Inside out.
+    let turned: Vec<String> = format!("{tent}f 1 2 3 4\n").lines().map(turned_face).collect();
+    let turned = write("turned.obj", &turned.join("\n"));
+    let mesh = |path: &Path, material: &str| {
+        let place = "by: [Scale(0.5), RotateY(40), Translate((0, 0.2, 0))]";
+        format!("Transformed({place}, object: Mesh(path: {path:?}, material: \"{material}\")),")
+    };
+    let lamp = |x: f64, y: f64| format!("Sphere(center: ({x:?}, {y:?}, 0), radius: 0.1, material: \"lamp\"),");
+    let with = |mesh: String, lamp: String| scene(BEFORE, &format!("§{lamp}\n{mesh}"));
+    let words = ["the opaque mesh at", "x.ron:13:", "around it, and the camera is outside"];
+    assert_warns(&with(mesh(&closed, "grey"), lamp(0.1, 0.2)), "objects[0].Sphere", &words);
+    assert_warns(&with(mesh(&turned, "grey"), lamp(0.1, 0.2)), "objects[0].Sphere", &words);
+    assert_silent(&with(mesh(&closed, "glass"), lamp(0.1, 0.2)));
+    assert_silent(&with(mesh(&open, "grey"), lamp(0.1, 0.2)));
+    // Through its wall, and in a corner of the box around it.
+    assert_silent(&with(mesh(&closed, "grey"), lamp(0.75, 0.2)));
+    assert_silent(&with(mesh(&closed, "grey"), lamp(0.8, 0.9)));
+    // The camera within, and the light beyond.
+    let room = |path: &Path| mesh(path, "grey").replace("0.5", "20");
+    let beyond = lamp(0.0, 0.0).replace("(0.0, 0.0, 0)", "(0, 0, -60)");
+    let words = ["the opaque mesh at", "around the camera, and the light is outside"];
+    assert_warns(&with(room(&closed), beyond.clone()), "objects[0].Sphere", &words);
+    assert_silent(&with(room(&open), beyond));
+    assert_silent(&with(room(&closed), lamp(0.1, 0.2)));
+    // A light itself, around the camera.
+    let shell = |path: &Path, material: &str| {
+        let text = mesh(path, material).replace("0.5", "20").replace("object: Mesh", "object: §Mesh");
+        scene(BEFORE, &text)
+    };
+    let field = "objects[0].Transformed.object.Mesh";
+    assert_warns(&shell(&closed, "spot"), field, &["shines outwards, and the camera is in this mesh"]);
+    assert_silent(&shell(&turned, "spot"));
+    assert_silent(&shell(&closed, "lamp"));
+}
+
+/// A line of an OBJ file, of faces with their corners the other way round.
+fn turned_face(line: &str) -> String {
+    match line.strip_prefix("f ") {
+        Some(corners) => format!("f {}", corners.split(' ').rev().collect::<Vec<_>>().join(" ")),
+        None => line.to_string(),
+    }
+}
+
+#[test]
+fn closed_lights_around_the_camera() {
+    let around = |shape: &str, material: &str| {
+        let ball = "Sphere(center: (0, 0, 0), radius: 1, material: \"grey\"),";
+        scene(BEFORE, &format!("{ball}\n§{shape}, material: \"{material}\"),"))
+    };
+    let sphere = "Sphere(center: (0, 0, 0), radius: 20";
+    let cuboid = "Box(min: (-20, -20, -20), max: (20, 20, 20)";
+    for (shape, name, field) in [(sphere, "sphere", "objects[1].Sphere"), (cuboid, "box", "objects[1].Box")] {
+        let words = [&*format!("the camera is in this {name}"), "its inside is black", "make it two_sided"];
+        assert_warns(&around(shape, "spot"), field, &words);
+        assert_silent(&around(shape, "lamp"));
+        assert_silent(&around(&shape.replace("20", "4"), "spot"));
+    }
+}
+
+#[test]
+fn white_media_that_paths_end_in() {
+    let fog = |density: &str, albedo: &str, more: &str| {
+        let boundary = "boundary: Sphere(center: (0, 0, 0), radius: 1)";
+        scene(BEFORE, &format!("Medium({boundary}, density: {density}, albedo: §{albedo}{more}),"))
+    };
+    // From 3 / π² τ (τ + 1.42) = 50 / ln 100 on; of a render at 5.5 a hundredth is lost.
+    let field = "objects[0].Medium.albedo";
+    let words = ["an albedo of 1", "1.3 % of the light in it is scattered more than 50 times", "higher max_depth"];
+    assert_warns(&fog("5.5", "Rgb(1, 1, 1)", ""), field, &words);
+    assert_silent(&fog("5.2", "Rgb(1, 1, 1)", ""));
+    assert_warns(&fog("5.5", "Checker(scale: 1, even: (0, 0, 0), odd: (0, 1, 0))", ""), field, &words[..1]);
+    assert_silent(&fog("5.5", "Rgb(0.99, 0.99, 0.99)", ""));
+    assert_silent(&fog("5.5", "Rgb(1, 1, 1)", ", anisotropy: 0.9"));
+    assert_warns(&fog("25", "Rgb(1, 1, 1)", ", anisotropy: 0.9"), field, &["an albedo of 1"]);
+    let deep = |text: String| text.replace("    ],\n)", "    ],\n    render: (max_depth: 100),\n)");
+    assert_silent(&deep(fog("5.5", "Rgb(1, 1, 1)", "")));
+}
+
+#[test]
+fn lights_that_face_away_from_everything() {
+    let spot = |u: &str, v: &str, material: &str| {
+        let ball = "Sphere(center: (0, 0, 0), radius: 1, material: \"grey\"),";
+        scene(BEFORE, &format!("{ball} §Quad(corner: (-1, 3, -1), u: {u}, v: {v}, material: \"{material}\"),"))
+    };
+    let (x, z) = ("(2, 0, 0)", "(0, 0, 2)");
+    assert_warns(
+        &spot(z, x, "spot"),
+        "objects[1].Quad",
+        &["all of the scene is on its other side", "exchange u and v"],
+    );
+    assert_silent(&spot(x, z, "spot"));
+    assert_silent(&spot(z, x, "lamp"));
+}
+
+#[test]
+fn lights_too_faint_beside_others() {
+    let lights = |faint: &str| {
+        let ball = |x: f64, name: &str| format!("Sphere(center: ({x:?}, 0, 0), radius: 1, material: {name:?}),");
+        scene(BEFORE, &(ball(0.0, "lamp") + &ball(3.0, "faint")))
+            .replace("\"grey\":", &format!("\"faint\": DiffuseLight(emit: §Rgb(0, {faint}, 0)), \"grey\":"))
+    };
+    let words = ["a radiance of 1.29e-17 is 2^-60 of that at", "x.ron:7:", "scenes of their own"];
+    assert_warns(&lights("1.29e-17"), "materials[\"faint\"].DiffuseLight.emit", &words);
+    assert_silent(&lights("1.31e-17"));
+    let sky = lights("1").replace('§', "").replace("background: Solid((1, 1, 1))", "background: §Solid((0, 1e-18, 0))");
+    assert_warns(&sky, "background", &["a radiance of 1e-18"]);
+}
+
+/// What no object is made of neither decides the film's unit nor is warned of.
+#[test]
+fn lights_that_are_not_used_do_not_count() {
+    let with = |sun: &str, object: &str| {
+        let ball = format!("Sphere(center: (0, 0, 0), radius: 1, material: \"lamp\"), {object}");
+        scene(BEFORE, &ball)
+            .replace("\"lamp\": ", &format!("\"sun\": DiffuseLight(emit: Rgb({sun}, {sun}, {sun})), \"lamp\": "))
+            .replace(
+                "\"lamp\": DiffuseLight(emit: Rgb(15, 15, 15))",
+                "\"lamp\": DiffuseLight(emit: §Rgb(1e-3, 1e-3, 1e-3))",
+            )
+            .replace("Solid((1, 1, 1))", "Solid((0, 0, 0))")
+    };
+    let exponent = |text: &str| {
+        let scene = Scene::parse(&text.replace(MARK, ""), &root().join("x.ron")).unwrap_or_else(|e| panic!("{e}"));
+        flatten(&scene, (40, 30), &RenderOptions::default()).unwrap_or_else(|e| panic!("{e}")).radiance_exponent
+    };
+    let unused = with("1e30", "");
+    assert_silent(&unused);
+    assert_eq!(exponent(&unused), exponent(&with("1e-3", "")));
+    let used = with("1e30", "Sphere(center: (3, 0, 0), radius: 1, material: \"sun\"),");
+    assert_eq!(exponent(&used), 100);
+    assert_warns(&used, "materials[\"lamp\"].DiffuseLight.emit", &["a radiance of 0.001 is 2^-110"]);
+}
+
+#[test]
+fn parts_of_lights_too_faint_beside_others() {
+    let with = |emit: &str| {
+        scene(BEFORE, "Sphere(center: (0, 0, 0), radius: 1, material: \"tiles\"),")
+            .replace("\"grey\":", &format!("\"tiles\": DiffuseLight(emit: §{emit}), \"grey\":"))
+            .replace("Solid((1, 1, 1))", "Solid((0, 0, 0))")
+    };
+    let field = "materials[\"tiles\"].DiffuseLight.emit";
+    let checker = |even: &str| with(&format!("Checker(scale: 1, even: ({even}, 0, 0), odd: (1, 1, 0))"));
+    assert_warns(&checker("1.2e18"), field, &["a radiance of 1 in a part of it is 2^-60 of that at"]);
+    assert_silent(&checker("1.1e18"));
+    assert_silent(&with("Checker(scale: 1, even: (1e28, 0, 0), odd: (0, 0, 0))"));
+    // An image with one bright texel, and with one faint one, which is no loss.
+    let folder = tempfile::tempdir().unwrap_or_else(|e| panic!("{e}"));
+    let image = |one: f32| {
+        let path = folder.path().join(format!("{one:e}.hdr"));
+        let mut image = image::Rgb32FImage::from_pixel(20, 20, image::Rgb([0.5, 0.5, 0.5]));
+        image.put_pixel(3, 4, image::Rgb([one; 3]));
+        image.save(&path).unwrap_or_else(|e| panic!("{e}"));
+        path
+    };
+    let (bright, faint) = (image(1e30), image(1e-30));
+    assert_warns(&with(&format!("Image(path: {bright:?})")), field, &["a radiance of 0.5 in a part of it is 2^-101"]);
+    assert_silent(&with(&format!("Image(path: {faint:?})")));
+    let sky = |path: &Path| {
+        scene(BEFORE, "Sphere(center: (0, 0, 0), radius: 1, material: \"grey\"),")
+            .replace("background: Solid((1, 1, 1))", &format!("background: §Image(path: {path:?})"))
+    };
+    assert_warns(&sky(&bright), "background", &["in a part of it"]);
+    assert_silent(&sky(&faint));
+}
+
+#[test]
+fn lights_of_no_emission() {
+    let of = |emit: &str| {
+        let lamp = "Sphere(center: (0, 0, 0), radius: 1, material: \"lamp\"),";
+        let text = scene(BEFORE, lamp)
+            .replace("\"lamp\": DiffuseLight(emit: Rgb(15, 15, 15))", &format!("\"lamp\": DiffuseLight(emit: {emit})"));
+        let scene = Scene::parse(&text, Path::new("x.ron")).unwrap_or_else(|e| panic!("{e}"));
+        scene.warnings().into_iter().filter(|warning| !warning.contains("no object uses")).collect::<Vec<_>>()
+    };
+    let found = of("Rgb(0, 0, 0)");
+    assert!(
+        found.len() == 1 && found[0].starts_with("x.ron:7:67: materials[\"lamp\"].DiffuseLight.emit: an emission of 0"),
+        "{found:?}"
+    );
+    assert_eq!(of("Rgb(0, 1e-30, 0)"), Vec::<String>::new());
+}
+
+/// Only three scenes are dangerous: they show that a light is black from behind.
+#[test]
+fn the_scenes_that_come_with_it_are_safe() {
+    let files = |folder: &str| -> Vec<PathBuf> {
+        let entries = fs::read_dir(root().join(folder)).unwrap_or_else(|e| panic!("{folder}: {e}"));
+        let paths = entries.map(|entry| entry.unwrap_or_else(|e| panic!("{folder}: {e}")).path());
+        paths.filter(|path| path.extension().is_some_and(|ending| ending == "ron")).collect()
+    };
+    let mut seen = 0;
+    for path in ["scenes", "scenes/test", "tests/references"].into_iter().flat_map(files) {
+        let scene = Scene::load(&path).unwrap_or_else(|e| panic!("{e}"));
+        let (width, height) = (scene.image.width, scene.image.height);
+        let black = ["one_sided_quads.ron", "one_sided_inside.ron", "one_sided_in_a_box.ron"];
+        let expected = usize::from(black.iter().any(|name| path.ends_with(name)));
+        // As large as the file says, and as on a wall.
+        for factor in [1, 4] {
+            let flat = flatten(&scene, (factor * width, factor * height), &RenderOptions::default())
+                .unwrap_or_else(|e| panic!("{e}"));
+            assert_eq!(flat.warnings.len(), expected, "{:#?}", flat.warnings);
+        }
+        seen += 1;
+    }
+    assert!(seen > 40, "{seen} scenes");
+}
+
+/// Whatever its numbers are, a scene is flattened, and warnings have numbers in them.
+#[test]
+fn the_ends_of_what_numbers_may_be() {
+    let (large, small) = ("1e90", "1e-90");
+    let mut scenes = vec![scene(BEFORE, ""), scene(BEFORE, "Group([]), Group([Group([Group([])])]),")];
+    for (place, size) in [(large, large), (large, small), (small, small), (small, large), ("0", small), ("0", large)] {
+        let at = format!("({place}, {place}, {place})");
+        let ball = format!("Sphere(center: {at}, radius: {size}, material: \"lamp\"),");
+        let quad = format!("Quad(corner: {at}, u: ({size}, 0, 0), v: (0, {size}, 0), material: \"spot\"),");
+        let other = quad.replace("spot", "glass");
+        let cuboid =
+            format!("Box(min: (-{size}, -{size}, -{size}), max: ({size}, {size}, {size}), material: \"grey\"),");
+        let fog = format!(
+            "Medium(boundary: {}, density: {size}, albedo: Rgb(1, 1, 1)),",
+            ball.replace(", material: \"lamp\"),", ")")
+        );
+        let all = [ball, quad, other, cuboid, fog];
+        scenes.extend(all.iter().map(|object| scene(BEFORE, object)));
+        scenes.push(scene(BEFORE, &format!("Group([{}]),", all.concat())));
+        let far = BEFORE.replace("(0, 0, 5)", &format!("(0, 0, {place})")).replace("(0, 0, 0)", "(0, 0, -1)");
+        scenes.push(scene(&far, &all.concat()));
+    }
+    let mut flattened = 0;
+    for text in &scenes {
+        // What is out of range as a whole is refused.
+        let scene = Scene::parse(text, &root().join("x.ron"));
+        let Ok(flat) = scene.and_then(|scene| flatten(&scene, (40, 30), &RenderOptions::default())) else { continue };
+        for warning in &flat.warnings {
+            assert!(!["NaN", "inf", "{"].iter().any(|wrong| warning.contains(wrong)), "{warning}");
+        }
+        flattened += 1;
+    }
+    assert!(flattened * 4 > scenes.len() * 3, "{flattened} of {}", scenes.len());
+}
+
+/// The same scene warns of the same whatever its unit of length is.
+#[test]
+fn warnings_do_not_depend_on_the_unit() {
+    let of = |unit: f64| {
+        let p = |x: f64, y: f64, z: f64| format!("({:e}, {:e}, {:e})", unit * x, unit * y, unit * z);
+        let camera = format!("(look_from: {}, look_at: {}, vertical_fov: 40)", p(0.0, 1.0, 5.0), p(0.0, 0.0, 0.0));
+        let floor = |material: &str| {
+            let edges = format!("u: {}, v: {}", p(2.0, 0.0, 0.0), p(0.0, 0.0, 2.0));
+            format!("Quad(corner: {}, {edges}, material: \"{material}\"),", p(-1.0, 0.0, -1.0))
+        };
+        let ball = |r: f64, material: &str| {
+            format!("Sphere(center: {}, radius: {:e}, material: \"{material}\"),", p(0.0, 2.0, 0.0), unit * r)
+        };
+        let objects = [floor("grey"), floor("steel"), ball(0.5, "grey"), ball(0.5, "steel"), ball(1e-7, "lamp")];
+        warnings(&scene(&camera, &objects.concat())).len()
+    };
+    assert_eq!(of(1.0), 4);
+    for unit in [1e-60, 1e-30, 1e30, 1e60] {
+        assert_eq!(of(unit), 4, "{unit}");
+    }
+}
+
+/// A search that ends early, so that it may miss something, ends.
+#[test]
+fn crowds_are_flattened_in_time() {
+    let n = 3000;
+    let stack = |i: usize| tile(-1.0, 0.0, -1.0, if i.is_multiple_of(2) { "grey" } else { "steel" }) + "\n";
+    let shells =
+        |i: usize| format!("Sphere(center: (0, 0, 0), radius: {:?}, material: \"lamp\"),\n", 1.0 + i as f64 * 1e-5);
+    for text in [(0..n).map(stack).collect::<String>(), (0..n).map(shells).collect()] {
+        let begun = std::time::Instant::now();
+        let found = warnings(&scene(ABOVE, &text));
+        assert!(!found.is_empty() && begun.elapsed().as_secs() < 5, "{found:?} in {:?}", begun.elapsed());
+    }
+}
+
+#[test]
+fn a_wrong_expectation_is_reported() {
+    let bad = |r: &str| scene(BEFORE, &format!("Sphere(center: (0, 0, 0), radius: {r}, material: \"grey\"),"));
+    let field = "objects[0].Sphere.radius";
+    assert_eq!(fault(&bad("§1e-6"), field, &["1e-6"]), Ok(()));
+    assert!(fault(&bad("§1"), field, &[]).is_err());
+    assert!(fault(&bad("1e-6§"), field, &[]).is_err());
+    assert!(fault(&bad("§1e-6"), "objects[0].Sphere", &[]).is_err());
+    assert!(fault(&bad("§1e-6"), field, &["2e-6"]).is_err());
+}

@@ -1,0 +1,61 @@
+//! lib/float: what the bits of a float say.
+
+use crate::common::kernel::{Kernel, Setup};
+use crate::common::stats::Random;
+
+fn inputs() -> Vec<[u32; 2]> {
+    let special = [
+        0,
+        1,
+        0x007f_ffff,
+        0x0080_0000,
+        0x0080_0001,
+        0x3f7f_ffff,
+        0x3f80_0000,
+        0x3fff_ffff,
+        0x7f7f_fffe,
+        0x7f7f_ffff,
+        0x7f80_0000,
+        0x7f80_0001,
+        0x7fbf_ffff,
+        0x7fc0_0000,
+        0x7fff_ffff,
+    ];
+    let toward = [0.0f32, -0.0, 1.0, -1.0, 1e-30, -1e30].map(f32::to_bits);
+    let mut random = Random(51);
+    let mut all: Vec<[u32; 2]> = Vec::new();
+    for bits in special {
+        all.extend(toward.iter().flat_map(|&t| [[bits, t], [bits | 1 << 31, t]]));
+    }
+    all.extend((0..20_000).map(|_| [random.bits() as u32, toward[random.below(toward.len())]]));
+    all
+}
+
+/// Answers that differ from the standard library's.
+fn wrong(kernel: &Kernel) -> [usize; 3] {
+    let rows = inputs();
+    let mut wrong = [0; 3];
+    for ([x, toward], [nan, infinite, next, _]) in rows.iter().zip(kernel.run::<_, [u32; 4]>(&rows)) {
+        let (value, toward) = (f32::from_bits(*x), f32::from_bits(*toward));
+        wrong[0] += usize::from((nan != 0) != value.is_nan());
+        wrong[1] += usize::from((infinite != 0) != value.is_infinite());
+        if value.is_finite() {
+            let expected = match (value.is_normal(), toward) {
+                // Zero and subnormals stay, for their neighbours may be flushed to zero.
+                (false, _) | (_, 0.0) => *x,
+                (true, toward) if toward > 0.0 => value.next_up().to_bits(),
+                (true, _) => value.next_down().to_bits(),
+            };
+            wrong[2] += usize::from(next != expected);
+        }
+    }
+    wrong
+}
+
+#[test]
+fn floats_are_told_apart_and_stepped_by_their_bits() {
+    assert_eq!(wrong(&Kernel::new("test/float")), [0; 3]);
+    let replaced = [("lib/float", "test/control/float_wrong")];
+    let found = wrong(&Kernel::with("test/float", &Setup { replaced: &replaced, ..Setup::default() }));
+    assert!(found.iter().all(|&n| n > 0), "{found:?}");
+}

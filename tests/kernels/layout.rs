@@ -1,0 +1,290 @@
+//! The host's side of what the device reads and writes, against naga's reflection of the WGSL: the structs field by field,
+//! and the constants that both sides name.
+
+use std::collections::BTreeMap;
+
+use gpu_rt::data;
+use gpu_rt::film::RunRecord;
+use gpu_rt::flatten::{Features, MATERIALS, Unsampled};
+use gpu_rt::gpu::layout::{Member, members, pack};
+use gpu_rt::gpu::link::{Choices, Embedded, link};
+use gpu_rt::material::{Material, Scattering};
+use gpu_rt::options::{Fresnel, RenderOptions, Scatter};
+use gpu_rt::plan::{Kernels, Tables};
+
+/// Name, offset and bytes of each field.
+type Fields = Vec<(String, usize, usize)>;
+
+/// The kinds of material that can scatter so.
+fn that_scatter(way: Scattering) -> [Option<String>; MATERIALS.len()] {
+    std::array::from_fn(|i| Material::KINDS[i].scatters.contains(&way).then(|| "a test".to_string()))
+}
+
+/// The modules of every production kernel with every feature on, and the numerics probe's.
+fn modules() -> Vec<naga::Module> {
+    let on = |_| Some("a test".to_string());
+    let features = Features {
+        primitives: Default::default(),
+        materials: Default::default(),
+        responders: that_scatter(Scattering::Spread),
+        specular: that_scatter(Scattering::OneWay),
+        textures: Default::default(),
+        boundaries: Default::default(),
+        textured_media: Some("a test".to_string()),
+        media: 3,
+        backgrounds: Default::default(),
+        thin_lens: Some("a test".to_string()),
+        turned: Some("a test".to_string()),
+        few: false,
+        stack_size: 8,
+        boundary_stack_size: 8,
+        smooth: Some("a test".to_string()),
+        emitters: Default::default(),
+        emitting_sky: Some("a test".to_string()),
+        sky_grid: (4, 2),
+        lights: 1000,
+        shadow_rays: true,
+        sky_light: 999,
+        unsampled: Some(Unsampled { lights: 1, wanted: 2, asked_by: "a test".to_string() }),
+    };
+    let features = Features {
+        primitives: features.primitives.map(on),
+        materials: features.materials.map(on),
+        textures: features.textures.map(on),
+        boundaries: features.boundaries.map(on),
+        emitters: features.emitters.map(on),
+        backgrounds: features.backgrounds.map(on),
+        ..features
+    };
+    let probe = link(&Embedded, "stage/probe", &Choices::default()).expect("the probe links");
+    let (probe, _) = probe.validate().expect("the probe is valid");
+    [Scatter::Fused, Scatter::Linked, Scatter::Queues]
+        .into_iter()
+        .flat_map(|scatter| {
+            let options = RenderOptions { fresnel: Fresnel::Schlick, clamp: Some(1.0), ..RenderOptions::default() };
+            let kernels = Kernels::link(&features, &options, scatter, &Tables::default()).expect("everything links");
+            kernels.all().into_iter().map(|kernel| kernel.module.clone()).collect::<Vec<_>>()
+        })
+        .chain(std::iter::once(probe))
+        .collect()
+}
+
+/// The struct as each kernel that has it lays it out.
+fn layouts(modules: &[naga::Module], name: &str) -> Vec<(Fields, usize)> {
+    let of_module = |module| members(module, name).expect("naga lays every type out");
+    let found = modules.iter().filter_map(of_module).map(|(members, size)| {
+        let fields = members.into_iter().map(|m| (m.name, m.offset as usize, m.bytes as usize)).collect();
+        (fields, size as usize)
+    });
+    found.collect()
+}
+
+/// Says how the host's struct differs from the shaders'.
+fn difference(modules: &[naga::Module], name: &str, fields: &Fields, size: usize) -> Option<String> {
+    let layouts = layouts(modules, name);
+    if layouts.is_empty() {
+        return Some(format!("no kernel has a struct {name}"));
+    }
+    layouts.iter().find_map(|(theirs, their_size)| {
+        if *their_size != size {
+            return Some(format!("{name} has {size} bytes here and {their_size} in WGSL"));
+        }
+        let pairs = fields.iter().map(Some).chain(std::iter::repeat(None));
+        let mut pairs = pairs.zip(theirs.iter().map(Some).chain(std::iter::repeat(None)));
+        let (own, their) = pairs.find(|(own, their)| own != their || own.is_none())?;
+        (own != their).then(|| format!("{name}: {own:?} here, {their:?} in WGSL"))
+    })
+}
+
+/// The structs of src/data.rs by name: their fields and bytes.
+fn host_structs() -> BTreeMap<&'static str, (Fields, usize)> {
+    macro_rules! structs {
+        ($($name:ident)*) => {
+            BTreeMap::from([$((
+                stringify!($name),
+                (
+                    data::$name::FIELDS.iter().map(|(name, at, bytes)| (name.to_string(), *at, *bytes)).collect(),
+                    size_of::<data::$name>(),
+                ),
+            ),)*])
+        };
+    }
+    structs!(Window Counters Node Sphere Quad Cuboid Instance Light LightNode SkyCell Medium Material Texture Frame Trial Answer)
+}
+
+/// Names that src/data.rs declares behind a word, so that none can be added there and forgotten here.
+fn declared(before: &str) -> Vec<String> {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/src/data.rs");
+    let text = std::fs::read_to_string(path).expect("src/data.rs can be read");
+    let name = |rest: &str| rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
+    text.split(before).skip(1).map(|rest| name(rest.trim_start())).collect()
+}
+
+#[test]
+fn every_struct_of_the_host_is_laid_out_as_in_wgsl() {
+    let modules = modules();
+    let structs = host_structs();
+    for (name, (fields, size)) in &structs {
+        assert_eq!(difference(&modules, name, fields, *size), None);
+    }
+    // Behind its documentation, each device_struct! opens with its name.
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/src/data.rs");
+    let text = std::fs::read_to_string(path).expect("src/data.rs can be read");
+    let calls = text.split("device_struct!(").skip(1);
+    let names: Vec<&str> = calls
+        .filter_map(|call| call.lines().map(str::trim).find(|line| !line.is_empty() && !line.starts_with("///")))
+        .filter_map(|line| line.split_whitespace().next())
+        .collect();
+    // The settings have a test of their own.
+    let mut listed: Vec<&str> = structs.keys().copied().chain(["Settings"]).collect();
+    listed.sort_unstable();
+    let mut sorted = names.clone();
+    sorted.sort_unstable();
+    assert_eq!(sorted, listed, "src/data.rs declares structs that this test does not list, or the reverse");
+}
+
+/// The settings are placed by the names of their members, of which kernels have those that they need.
+#[test]
+fn every_setting_of_a_kernel_is_one_of_the_hosts() {
+    let modules = modules();
+    // Each byte tells where it comes from, so that a member in a wrong place shows.
+    let words: Vec<u32> = (1..).take(size_of::<data::Settings>() / 4).collect();
+    let host: &[u8] = bytemuck::cast_slice(&words);
+    let host_word = |name: &str| {
+        let (_, offset, bytes) = data::Settings::FIELDS.iter().find(|(field, ..)| *field == name)?;
+        Some((words[offset / 4], *bytes))
+    };
+    let mut seen = std::collections::BTreeSet::new();
+    for module in &modules {
+        let Some((members, size)) = members(module, "Settings").expect("naga lays it out") else { continue };
+        let packed = pack(&members, data::Settings::FIELDS, host);
+        assert!(packed.len() as u32 <= size);
+        for member in members {
+            let at = member.offset as usize;
+            let first = u32::from_le_bytes(packed[at..at + 4].try_into().expect("four bytes"));
+            assert_eq!(Some((first, member.bytes as usize)), host_word(&member.name), "{}", member.name);
+            seen.insert(member.name);
+        }
+    }
+    let fields: std::collections::BTreeSet<String> =
+        data::Settings::FIELDS.iter().map(|(name, ..)| name.to_string()).collect();
+    // A scene of few primitives is linked another way.
+    assert_eq!(fields.difference(&seen).collect::<Vec<_>>(), ["few"]);
+    // What the host lacks, or has in another size, is not taken from anywhere.
+    let odd = [
+        Member { name: "seed".to_string(), offset: 0, bytes: 8 },
+        Member { name: "sead".to_string(), offset: 8, bytes: 4 },
+    ];
+    assert_eq!(pack(&odd, data::Settings::FIELDS, host), [0; 16]);
+}
+
+#[test]
+fn run_records_are_laid_out_as_in_wgsl() {
+    let modules = modules();
+    // The film holds the sum as one array, and the spread.
+    let channels = |prefix: &str, at: usize| -> Fields {
+        ["r", "g", "b"].iter().enumerate().map(|(i, c)| (format!("{prefix}{c}"), at + 4 * i, 4)).collect()
+    };
+    let mut fields = channels("", std::mem::offset_of!(RunRecord, sum));
+    for (name, offset) in [
+        ("pixel", std::mem::offset_of!(RunRecord, pixel)),
+        ("counts", std::mem::offset_of!(RunRecord, counts)),
+        ("rays", std::mem::offset_of!(RunRecord, rays)),
+    ] {
+        fields.push((name.to_string(), offset, 4));
+    }
+    fields.extend(channels("spread_", std::mem::offset_of!(RunRecord, spread)));
+    assert_eq!(difference(&modules, "RunRecord", &fields, size_of::<RunRecord>()), None);
+}
+
+#[test]
+fn the_comparison_finds_what_differs() {
+    let modules = modules();
+    let (fields, size) = host_structs().remove("Sphere").expect("it is listed");
+    let mut shifted = fields.clone();
+    shifted[2].1 += 4;
+    let mut renamed = fields.clone();
+    renamed[1].0 = "diameter".to_string();
+    let mut swapped = fields.clone();
+    swapped.swap(2, 3);
+    let mut wider = fields.clone();
+    wider[0].2 = 16;
+    let shorter = fields[..fields.len() - 1].to_vec();
+    let mut longer = fields.clone();
+    longer.push(("more".to_string(), size, 4));
+    for wrong in [shifted, renamed, swapped, wider, shorter, longer] {
+        assert!(difference(&modules, "Sphere", &wrong, size).is_some(), "{wrong:?}");
+    }
+    assert!(difference(&modules, "Sphere", &fields, size + 16).is_some());
+    assert!(difference(&modules, "Ellipsoid", &fields, size).is_some());
+    assert_eq!(difference(&modules, "Sphere", &fields, size), None);
+}
+
+/// The value of an integer constant of the shaders, which must be one in all kernels that have it.
+fn constant(modules: &[naga::Module], name: &str) -> Option<u32> {
+    let value = |module: &naga::Module| {
+        let (_, constant) = module.constants.iter().find(|(_, constant)| constant.name.as_deref() == Some(name))?;
+        let mut init = constant.init;
+        loop {
+            match module.global_expressions[init] {
+                naga::Expression::Literal(naga::Literal::U32(value)) => return Some(value),
+                naga::Expression::Constant(other) => init = module.constants[other].init,
+                ref other => panic!("{name} is {other:?}"),
+            }
+        }
+    };
+    let found: Vec<u32> = modules.iter().filter_map(value).collect();
+    assert!(found.iter().all(|value| *value == found[0]), "{name} is {found:?}");
+    found.first().copied()
+}
+
+#[test]
+fn every_constant_of_the_host_is_that_of_the_shaders() {
+    let modules = modules();
+    let same = BTreeMap::from([
+        ("PRIMITIVE_BIT", data::PRIMITIVE_BIT),
+        ("PRIMITIVE_KIND_SHIFT", data::PRIMITIVE_KIND_SHIFT),
+        ("HIT_NOTHING", data::HIT_NOTHING),
+        ("SLOT_IDLE", data::SLOT_IDLE),
+        ("NO_TEXTURE", data::NO_TEXTURE),
+        ("NO_NORMAL", data::NO_NORMAL),
+        ("NO_UVS", data::NO_UVS),
+        ("NO_INSTANCE", data::NO_INSTANCE),
+        ("KIND_TRIANGLE", data::KIND_TRIANGLE),
+        ("KIND_INSTANCE", data::KIND_INSTANCE),
+        ("LIGHT_NODE_LEAF", data::LIGHT_NODE_LEAF),
+        ("LIGHT_NODE_TWO_SIDED", data::LIGHT_NODE_TWO_SIDED),
+        ("LIGHT_NODE_SKY", data::LIGHT_NODE_SKY),
+        ("NOT_SAMPLED", data::NOT_SAMPLED),
+        ("RUN_LENGTH", data::RUN_LENGTH),
+        ("QUEUE_HEADER", data::QUEUE_HEADER),
+        ("LIGHT_BINS", data::LIGHT_BINS as u32),
+        ("ODD_RUN", data::ODD_RUN),
+    ]);
+    for (name, value) in &same {
+        assert_eq!(constant(&modules, name), Some(*value), "{name}");
+    }
+    // Those that the shaders say in other words.
+    let mask = constant(&modules, "PRIMITIVE_INDEX_MASK").expect("it is in data/primitive");
+    assert_eq!(data::MAX_PRIMITIVES as u64, u64::from(mask) + 1);
+    let bits = data::LIGHT_NODE_LEAF | data::LIGHT_NODE_TWO_SIDED | data::LIGHT_NODE_SKY;
+    assert_eq!(constant(&modules, "LIGHT_NODE_INDEX"), Some(!bits));
+    // A queue's length stands before the queues, one word for each kind of material.
+    assert!(data::QUEUE_HEADER as usize >= MATERIALS.len());
+    // No primitive's code is a status: the kinds stop short of the last one.
+    let first = constant(&modules, "FIRST_STATUS").expect("it is in data/primitive");
+    let kinds = data::KIND_INSTANCE + 1;
+    assert_eq!(gpu_rt::flatten::PRIMITIVES[data::KIND_TRIANGLE as usize], "triangle");
+    assert!(gpu_rt::flatten::PRIMITIVES.len() <= data::KIND_INSTANCE as usize);
+    assert!(data::PRIMITIVE_BIT | (kinds << data::PRIMITIVE_KIND_SHIFT) <= first);
+    assert!([data::HIT_NOTHING, data::SLOT_IDLE].iter().all(|status| *status >= first));
+
+    let mut listed: Vec<&str> = same.keys().copied().chain(["MAX_PRIMITIVES", "FIELDS"]).collect();
+    listed.sort_unstable();
+    let mut names = declared("pub const ");
+    names.sort_unstable();
+    assert_eq!(names, listed, "src/data.rs declares constants that this test does not list, or the reverse");
+    // It would find a wrong value.
+    assert_ne!(constant(&modules, "HIT_NOTHING"), Some(data::SLOT_IDLE));
+    assert_eq!(constant(&modules, "NO_SUCH_CONSTANT"), None);
+}

@@ -1,0 +1,217 @@
+//! scene/light_tree: lights are chosen as often as their probability says, which is told alike before and after; together they have all of
+//! it, and each that can reach a point a part.
+
+use std::f64::consts::PI;
+
+use bytemuck::{Pod, Zeroable};
+use glam::DVec3;
+use gpu_rt::data::{LIGHT_NODE_LEAF, LIGHT_NODE_TWO_SIDED, Light};
+use gpu_rt::flatten::{Flat, flatten};
+use gpu_rt::options::RenderOptions;
+use gpu_rt::plan::{Tables, choices_of};
+use gpu_rt::scene::Scene;
+use image::{Rgb, Rgb32FImage};
+
+use crate::common::kernel::{Kernel, Setup, array};
+use crate::common::scenes::triple;
+use crate::common::stats::{Random, chi_square, sidak};
+use crate::common::vectors::{U, exact, rounded, unit};
+
+const ALPHA: f64 = 1e-6;
+
+/// Draws for each point. Chi-square of 300 cells over 2^17 of them finds probabilities that are off by 4 % in the root mean square.
+const DRAWS: usize = 1 << 17;
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+struct In {
+    from: [f32; 3],
+    padding: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+struct Out {
+    index: u32,
+    probability: f32,
+    again: f32,
+    of_row: f32,
+}
+
+const SKY: &str = "Image(path: \"sky.hdr\")";
+
+/// Lights of all shapes, of powers over three decades and turned anywhere, within a unit or so.
+fn lights(random: &mut Random, sky: bool) -> Flat {
+    let objects: Vec<String> = (0..300)
+        .map(|i| {
+            let place = unit(random) * random.uniform();
+            let size = 10f64.powf(-1.0 - 2.0 * random.uniform());
+            let lamp = i % 8;
+            match i % 7 {
+                0..=1 => format!("Sphere(center: {}, radius: {size:?}, material: \"{lamp}\")", triple(place)),
+                2 => {
+                    let max = triple(place + DVec3::new(size, 0.5 * size, 2.0 * size));
+                    format!("Box(min: {}, max: {max}, material: \"{lamp}\")", triple(place))
+                }
+                _ => {
+                    let u = unit(random);
+                    let v = u.cross(unit(random));
+                    let (u, v) = (triple(size * u), triple(size * v));
+                    format!("Quad(corner: {}, u: {u}, v: {v}, material: \"{lamp}\")", triple(place))
+                }
+            }
+        })
+        .collect();
+    let lamp = |i: i32| {
+        let emit = 2f64.powi(i);
+        format!("\"{i}\": DiffuseLight(emit: Rgb({emit:?}, {emit:?}, {emit:?}), two_sided: {})", i == 3)
+    };
+    let lamps: Vec<String> = (0..8).map(lamp).collect();
+    let text = format!(
+        "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 0, 0), look_at: (0, 0, -1), vertical_fov: 40),
+        background: {}, materials: {{{}, {GREY}}}, objects: [{}, {RECEIVER}])",
+        if sky { SKY } else { "Solid((0, 0, 0))" },
+        lamps.join(","),
+        objects.join(",")
+    );
+    flattened(&text)
+}
+
+/// Lights are sampled where something answers to them.
+const GREY: &str = "\"grey\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5))";
+const RECEIVER: &str = "Quad(corner: (0, 0, 0.1), u: (0.01, 0, 0), v: (0, 0.01, 0), material: \"grey\")";
+
+fn flattened(text: &str) -> Flat {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let image = Rgb32FImage::from_pixel(16, 8, Rgb([1.0, 2.0, 3.0]));
+    image::DynamicImage::from(image).save(folder.path().join("sky.hdr")).expect("the sky is written");
+    let scene = Scene::parse(text, &folder.path().join("test.ron")).expect("the test's scene is valid");
+    flatten(&scene, (16, 16), &RenderOptions::default()).expect("the test's scene is small")
+}
+
+/// Whether the light's front is turned towards the point by more than rounding.
+fn reaches(flat: &Flat, light: &Light, from: DVec3) -> bool {
+    let (kind, index) = (light.code >> 28 & 7, (light.code & 0x0fff_ffff) as usize);
+    if kind != 1 {
+        return true;
+    }
+    let quad = &flat.shapes.quads[index];
+    let to_point = (from - exact(quad.corner)).normalize();
+    flat.materials[quad.material as usize].parameter != 0.0 || to_point.dot(exact(quad.normal)) > 1e-3
+}
+
+#[test]
+fn lights_are_chosen_as_often_as_is_said() {
+    let mut random = Random(77);
+    for sky in [false, true] {
+        let flat = lights(&mut random, sky);
+        let count = flat.lights.len();
+        assert_eq!(flat.light_nodes.len(), 2 * (count - 1));
+        let draws = DRAWS.to_string();
+        let plan = choices_of(&flat.features, &RenderOptions::default(), &Tables::default());
+        assert_eq!(plan.modules["light_choice"], "scene/light_tree");
+        let kernel =
+            Kernel::with("test/light_choice", &Setup { plan, values: &[("draws", &*draws)], ..Setup::default() });
+        // Among the lights, at the middle of one, and from afar.
+        let mut points: Vec<[f32; 3]> = (0..6).map(|_| rounded(0.5 * random.uniform() * unit(&mut random))).collect();
+        points.push(flat.shapes.spheres[3].center);
+        points.extend([1.0, 30.0].map(|distance| rounded(distance * unit(&mut random))));
+        let rows: Vec<In> = points.iter().map(|&from| In { from, padding: 0 }).collect();
+        let more = [array("lights", &flat.lights), array("light_nodes", &flat.light_nodes)];
+        for (i, row) in rows.iter().enumerate() {
+            let found: Vec<Out> = kernel.run_with(std::slice::from_ref(row), DRAWS, &more);
+            let said: Vec<f64> = found[..count].iter().map(|out| f64::from(out.of_row)).collect();
+            let sum: f64 = said.iter().sum();
+            // Some twenty roundings of each on the way.
+            assert!((sum - 1.0).abs() < 20.0 * U, "point {i}: {sum}");
+            let mut chosen = vec![0u64; count];
+            for out in &found {
+                assert_eq!(out.probability.to_bits(), out.again.to_bits(), "point {i}: {out:?}");
+                assert_eq!(f64::from(out.probability), said[out.index as usize], "point {i}: {out:?}");
+                chosen[out.index as usize] += 1;
+            }
+            for (light, said) in flat.lights.iter().zip(&said) {
+                assert!(*said > 0.0 || !reaches(&flat, light, exact(row.from)), "point {i}: {light:?} is never chosen");
+            }
+            let expected = |of: &dyn Fn(usize) -> f64| (0..count).map(|i| DRAWS as f64 * of(i)).collect::<Vec<f64>>();
+            let p = chi_square(&chosen, &expected(&|i| said[i]), 1);
+            assert!(p > sidak(ALPHA, 2 * rows.len()), "point {i}: p = {p:e}");
+            // Planted: the neighbour's probability, and a tenth more for every other light.
+            let neighbour = chi_square(&chosen, &expected(&|i| said[(i + 1) % count].max(1e-9)), 1);
+            let more = |i: usize| said[i] * if i.is_multiple_of(2) { 1.1 } else { 1.0 };
+            let all: f64 = (0..count).map(more).sum();
+            let tenth = chi_square(&chosen, &expected(&|i| more(i) / all), 1);
+            assert!(neighbour < ALPHA, "point {i}: shuffled probabilities are not found");
+            assert!(i > 5 || tenth < 1e-3, "point {i}: {tenth:e}, 10 % more for every other light is not found");
+        }
+    }
+}
+
+#[test]
+fn nearer_lights_and_those_turned_towards_a_point_are_chosen_more_often() {
+    let flat = lights(&mut Random(78), false);
+    let draws = DRAWS.to_string();
+    let plan = choices_of(&flat.features, &RenderOptions::default(), &Tables::default());
+    let kernel = Kernel::with("test/light_choice", &Setup { plan, values: &[("draws", &*draws)], ..Setup::default() });
+    // At a sphere's middle nothing is nearer.
+    let more = [array("lights", &flat.lights), array("light_nodes", &flat.light_nodes)];
+    let rows: Vec<In> = flat.shapes.spheres.iter().map(|sphere| In { from: sphere.center, padding: 0 }).collect();
+    let leaf = |light: u32| {
+        let found = flat.light_nodes.iter().find(|node| node.child & !LIGHT_NODE_TWO_SIDED == LIGHT_NODE_LEAF | light);
+        f64::from(found.expect("each light is a leaf").intensity)
+    };
+    let all: f64 = (0..flat.lights.len() as u32).map(leaf).sum();
+    let share = |light: u32| leaf(light) / all;
+    let gain = |row: &In, light: u32| {
+        let found: Vec<Out> = kernel.run_with(std::slice::from_ref(row), flat.lights.len(), &more);
+        (f64::from(found[light as usize].of_row) / share(light)).ln()
+    };
+    let mean = |shift: usize| {
+        let gains =
+            rows.iter().enumerate().map(|(i, row)| gain(row, flat.shapes.spheres[(i + shift) % rows.len()].light));
+        (gains.sum::<f64>() / rows.len() as f64).exp()
+    };
+    assert!(mean(0) > 4.0, "{} times as often as by intensity", mean(0));
+    assert!(mean(1) < 2.0, "another light {} times as often", mean(1));
+}
+
+/// Two lights are chosen by the tree as more are, and one with a sky; the sky as often as what it sends to every point says beside
+/// what a lamp does, and between a tenth and nine tenths of all.
+#[test]
+fn two_lights_and_a_lamp_under_a_sky() {
+    let lamp = "\"lamp\": DiffuseLight(emit: Rgb(1000, 1000, 1000))";
+    let sphere = |x: f64| format!("Sphere(center: ({x:?}, 0, 0), radius: 0.01, material: \"lamp\")");
+    let scene = |background: &str, objects: &str| {
+        flattened(&format!(
+            "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 0, 2), look_at: (0, 0, 0), vertical_fov: 40),
+            background: {background}, materials: {{{lamp}, {GREY}}}, objects: [{objects}, {RECEIVER}])"
+        ))
+    };
+    let probability = |flat: &Flat, light: usize, from: DVec3| -> f64 {
+        let plan = choices_of(&flat.features, &RenderOptions::default(), &Tables::default());
+        assert_eq!(plan.modules["light_choice"], "scene/light_tree");
+        let setup = Setup { plan, values: &[("draws", "2")], ..Setup::default() };
+        let more = [array("lights", &flat.lights), array("light_nodes", &flat.light_nodes)];
+        // The scene moved so that the camera is at the origin, and scaled by a power of two.
+        let scale = f64::from(flat.shapes.spheres[0].radius) / 0.01;
+        let row = In { from: rounded(scale * (from - DVec3::new(0.0, 0.0, 2.0))), padding: 0 };
+        let found: Vec<Out> = Kernel::with("test/light_choice", &setup).run_with(&[row], 2, &more);
+        f64::from(found[light].of_row)
+    };
+    // At distances of 1 and 2, but for the balls around them.
+    let two = scene("Solid((0, 0, 0))", &format!("{}, {}", sphere(0.0), sphere(3.0)));
+    let found = probability(&two, 0, DVec3::X);
+    assert!((found - 0.8).abs() < 1e-4, "{found}");
+    // The lamp's radiance times its cross section over the squared distance, and half of what the sky sends in all.
+    let flat = scene(SKY, &sphere(0.0));
+    let sky = 0.5 * 4.0 * PI * (0.2126 + 2.0 * 0.7152 + 3.0 * 0.0722);
+    let of_lamp = |distance: f64| 1000.0 * PI * 1e-4 / (distance * distance);
+    for distance in [0.02, 0.15, 0.3, 0.5, 10.0] {
+        let expected = (sky / (sky + of_lamp(distance))).clamp(0.1, 0.9);
+        let found = probability(&flat, 1, distance * DVec3::X);
+        // The sky's cells are 16 by 8: their sines are off by 1e-2 together.
+        assert!((found - expected).abs() < 1e-2, "{distance}: {found}, expected {expected}");
+    }
+    let least = probability(&flat, 1, DVec3::splat(1e-4));
+    assert!((least - 0.1).abs() < 2.0 * U, "beside a lamp the sky keeps a tenth: {least}");
+}

@@ -1,0 +1,726 @@
+//! light/*: directions towards a light against their density, and the density against closed forms in f64.
+
+use std::f64::consts::PI;
+
+use bytemuck::{Pod, Zeroable};
+use glam::DVec3;
+use gpu_rt::data::{Cuboid, Quad, Sphere};
+use gpu_rt::lights as host;
+
+use crate::common::kernel::{Kernel, Setup, array};
+use crate::common::light_kernel::{
+    CUBOID, DRAWS, In, Kind, Out, QUAD, SHARES, SPHERE, TRIANGLE, Triangle, at_ends, cone, draws, spheres,
+};
+use crate::common::stats::{Random, chi_square, one_sample_t, sidak};
+use crate::common::vectors::{U, decades, exact, rounded, unit};
+
+/// False-alarm rate of each test here.
+const ALPHA: f64 = 1e-6;
+
+fn bin(x: f64, bins: usize) -> usize {
+    ((x * bins as f64).max(0.0) as usize).min(bins - 1)
+}
+
+/// The distribution of cells around the axis, by height and azimuth: p-values of each configuration.
+fn sphere_cells(rows: &[In], shapes: &[Sphere], found: &[Out], by: fn(f64) -> f64) -> Vec<f64> {
+    let one = |(row, found): (&In, &[Out])| {
+        let sphere = &shapes[row.shape as usize];
+        let (axis, sine, height) = cone(row, sphere);
+        // The cone is drawn narrower by 12 u (light/sphere).
+        let narrower = if sine < 1.0 { (1.0 - 12.0 * U / sine).powi(2) } else { 1.0 };
+        let (x, y) = axis.any_orthonormal_pair();
+        const RINGS: usize = 31;
+        const SECTORS: usize = 17;
+        let mut cells = vec![0u64; RINGS * SECTORS];
+        for out in found {
+            let direction = exact(out.direction).normalize();
+            // 1 - cos, with its digits.
+            let rise = (direction - axis).length_squared() / 2.0 / narrower;
+            let azimuth = direction.dot(y).atan2(direction.dot(x)) / (2.0 * PI) + 0.5;
+            cells[bin(by(rise / height), RINGS) * SECTORS + bin(azimuth, SECTORS)] += 1;
+        }
+        chi_square(&cells, &vec![found.len() as f64 / cells.len() as f64; cells.len()], 1)
+    };
+    rows.iter().zip(found.chunks(DRAWS)).map(one).collect()
+}
+
+#[test]
+fn a_spheres_directions_are_uniform_in_its_cone() {
+    // Below, the directions' own rounding of some 2 u moves more than what chi-square finds.
+    let shares: Vec<f64> = SHARES.into_iter().filter(|s| (1e-4..0.9999999).contains(s)).chain([1.5, 20.0]).collect();
+    let (rows, shapes) = spheres(&shares, 620);
+    let found = draws(SPHERE, &rows, &shapes, &[]);
+    for (share, p) in shares.iter().zip(sphere_cells(&rows, &shapes, &found, |x| x)) {
+        assert!(p > sidak(ALPHA, shares.len()), "r/D {share}: p = {p:e}");
+    }
+    // As if the cosine's distribution were a little off.
+    for (share, p) in shares.iter().zip(sphere_cells(&rows, &shapes, &found, |x| x.powf(0.9))) {
+        assert!(p < ALPHA, "r/D {share}: p = {p:e}");
+    }
+}
+
+/// A flat light of three or four corners in f64, as the device has it: a + x (b - a) + y (c - b), with y <= x for a
+/// triangle, and c - b for d - a for a parallelogram.
+#[derive(Clone, Copy, Debug)]
+struct Flat {
+    a: DVec3,
+    along: DVec3,
+    across: DVec3,
+    triangle: bool,
+}
+
+/// The solid angle of a triangle (Van Oosterom and Strackee 1983, equation 8).
+fn solid_angle(from: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
+    let (p, q, r) = (a - from, b - from, c - from);
+    // Of differences, that it keeps its digits far away.
+    let volume = p.dot((b - a).cross(c - b)).abs();
+    let (x, y, z) = (p.length(), q.length(), r.length());
+    2.0 * volume.atan2(x * y * z + p.dot(q) * z + q.dot(r) * x + r.dot(p) * y)
+}
+
+impl Flat {
+    fn corners(&self) -> Vec<DVec3> {
+        let (b, c) = (self.a + self.along, self.a + self.along + self.across);
+        if self.triangle { vec![self.a, b, c] } else { vec![self.a, b, c, self.a + self.across] }
+    }
+
+    fn solid_angle(&self, from: DVec3) -> f64 {
+        let corners = self.corners();
+        corners[1..].windows(2).map(|two| solid_angle(from, [self.a, two[0], two[1]])).sum()
+    }
+
+    fn normal(&self) -> DVec3 {
+        self.along.cross(self.across).normalize()
+    }
+
+    /// Irradiance of unit radiance on a surface with this normal above which all of the light lies: half the sum of the
+    /// edges' angles times the cosines of their planes' normals (Lambert 1760; Arvo 1994, section 2).
+    fn irradiance(&self, from: DVec3, normal: DVec3) -> f64 {
+        let corners = self.corners();
+        let edges = (0..corners.len()).map(|i| {
+            let (p, q) = (corners[i] - from, corners[(i + 1) % corners.len()] - from);
+            // p x q by their difference.
+            let plane = p.cross(corners[(i + 1) % corners.len()] - corners[i]);
+            plane.length().atan2(p.dot(q)) * plane.normalize_or_zero().dot(normal)
+        });
+        (edges.sum::<f64>() / 2.0).abs()
+    }
+
+    /// Where a direction meets the light's plane: x, and y or, of a triangle, y / x.
+    fn place(&self, from: DVec3, direction: DVec3) -> (f64, f64) {
+        let n = self.along.cross(self.across);
+        let t = (self.a - from).dot(n) / direction.dot(n);
+        let on = t * direction - (self.a - from);
+        let n2 = n.length_squared();
+        let (x, y) = (on.cross(self.across).dot(n) / n2, self.along.cross(on).dot(n) / n2);
+        (x, if self.triangle { y / x } else { y })
+    }
+
+    /// The part between these places, by its corners.
+    fn part(&self, x: [f64; 2], y: [f64; 2]) -> [DVec3; 4] {
+        let at = |x: f64, y: f64| self.a + x * self.along + if self.triangle { x * y } else { y } * self.across;
+        [at(x[0], y[0]), at(x[1], y[0]), at(x[1], y[1]), at(x[0], y[1])]
+    }
+}
+
+/// Cuts of 0..1: some evenly, some around a place at distances that double.
+fn cuts(around: f64, width: f64) -> Vec<f64> {
+    let mut cuts: Vec<f64> = (0..=7).map(|i| f64::from(i) / 7.0).collect();
+    for i in -1..4 {
+        cuts.extend([-1.0, 1.0].map(|side| around + side * width * 2f64.powi(i)));
+    }
+    cuts.retain(|x| (0.0..=1.0).contains(x));
+    cuts.sort_by(f64::total_cmp);
+    cuts.dedup_by(|x, y| (*x - *y).abs() < 1e-9);
+    cuts
+}
+
+/// Points from which flat lights are looked at. Heights in sizes of the light above its middle, and at angles with it.
+fn views(random: &mut Random, size: f64, normal: DVec3, middle: DVec3, along: DVec3) -> Vec<(f64, DVec3)> {
+    let mut found = Vec::new();
+    for height in [1e-4, 1e-3, 1e-2, 0.1, 0.3, 1.0, 3.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6] {
+        let side = if random.below(2) == 0 { 1.0 } else { -1.0 };
+        found.push((height, middle + side * height * size * normal));
+        let tilted = (side * normal + 1.5 * random.uniform() * unit(random)).normalize();
+        found.push((height, middle + height * size * tilted));
+    }
+    // Edge-on, from beside the light, and close above an edge.
+    for height in [0.3, 1e-2, 1e-3, 1e-4] {
+        found.push((2.0, middle + 2.0 * size * along + height * size * normal));
+        found.push((20.0, middle - 20.0 * size * (along + height * normal)));
+        found.push((height, middle + 0.5 * size * along + height * size * normal));
+    }
+    found
+}
+
+struct Case {
+    row: In,
+    /// The light's sides that are seen.
+    flats: Vec<Flat>,
+    /// Distance from the middle or height, in sizes.
+    far: f64,
+    /// Roundings on the way to a corner, in those of an offset from the point.
+    steps: f64,
+}
+
+/// Lights of all sizes, some of them ten times as long as wide, some oblique, and what looks at them.
+fn flats(triangle: bool, seed: u64) -> (Vec<Case>, Vec<Triangle>, Vec<Quad>) {
+    let mut random = Random(seed);
+    let (mut cases, mut triangles, mut quads) = (Vec::new(), Vec::new(), Vec::new());
+    for shape in 0..4 {
+        let size = decades(&mut random, -3.0, 1.0);
+        let along = size * unit(&mut random);
+        let width = [1.0, 0.8, 0.1, 0.7][shape];
+        let mut across = width * size * along.cross(unit(&mut random)).normalize();
+        if shape >= 1 {
+            across += [0.0, 0.4, 0.3, -0.6][shape] * along;
+        }
+        let (along, across) = (rounded(along), rounded(across));
+        let middle = [2.0 / 3.0, 1.0 / 3.0].map(|x| if triangle { x } else { 0.45 });
+        let corner = rounded(-middle[0] * exact(along) - middle[1] * exact(across));
+        let of_shape = shape as u32;
+        let flat = if triangle {
+            let b = rounded(exact(corner) + exact(along));
+            let c = rounded(exact(b) + exact(across));
+            triangles.push(Triangle { a: corner, b, c, ..Triangle::default() });
+            Flat { a: exact(corner), along: exact(b) - exact(corner), across: exact(c) - exact(b), triangle }
+        } else {
+            let (u, v) = (exact(along), exact(across));
+            let n = u.cross(v);
+            let w = n / n.length_squared();
+            quads.push(Quad {
+                corner,
+                normal: rounded(n.normalize()),
+                a_axis: rounded(v.cross(w)),
+                b_axis: rounded(w.cross(u)),
+                u: along,
+                v: across,
+                error: (8.0 * U * 3.0 * size) as f32,
+                ..Quad::default()
+            });
+            Flat { a: exact(corner), along: u, across: v, triangle }
+        };
+        for (far, from) in views(&mut random, size, flat.normal(), DVec3::ZERO, flat.along.normalize()) {
+            cases.push(Case {
+                row: In { from: rounded(from), shape: of_shape, ..In::default() },
+                flats: vec![flat],
+                far,
+                steps: 1.0,
+            });
+        }
+    }
+    (cases, triangles, quads)
+}
+
+/// Bound of the relative error of a solid angle 2 atan2(V, B) in f32, with V and B over the product of the lengths, for a
+/// triangle whose corners are off by 2 u of the `reach` of the sums that they come from. Each direction is then off by
+/// d = 2 u reach / its length + 3 u, and V by the corner's offset and 8 u of its product with the edges' cross product and
+/// 6 u of V, B by twice the sum of the d and 8 u; angle_of by 10 u.
+fn area_error(from: DVec3, [a, b, c]: [DVec3; 3], reach: f64) -> f64 {
+    let (p, q, r) = ((a - from).length(), (b - from).length(), (c - from).length());
+    let n = (b - a).cross(c - b).length();
+    let directions: f64 = [p, q, r].iter().map(|length| 2.0 * U * reach / length + 3.0 * U).sum();
+    let volume = (a - from).dot((b - a).cross(c - b)).abs() / (p * q * r);
+    let off_volume = 10.0 * U * (b - a).length() * (c - b).length().max((a - c).length()) / (q * r)
+        + (2.0 * U * reach / p) * n / (q * r)
+        + (directions + 6.0 * U) * volume;
+    let off_beside = 2.0 * directions + 8.0 * U;
+    let beside = 1.0
+        + ((a - from).dot(b - from) / (p * q))
+        + ((b - from).dot(c - from) / (q * r))
+        + ((c - from).dot(a - from) / (r * p));
+    let squared = volume * volume + beside * beside;
+    2.0 * (beside.abs() * off_volume + volume * off_beside) / squared + 10.0 * U * solid_angle(from, [a, b, c])
+}
+
+impl Case {
+    fn from(&self) -> DVec3 {
+        exact(self.row.from)
+    }
+
+    /// The solid angle, and a bound of the relative error of the density.
+    fn solid_angle(&self) -> (f64, f64) {
+        let from = self.from();
+        let (mut whole, mut off) = (0.0, 0.0);
+        for flat in &self.flats {
+            let corners = flat.corners();
+            let reach = self.steps * ((flat.a - from).length() + flat.along.length() + flat.across.length());
+            whole += flat.solid_angle(from);
+            off += corners[1..].windows(2).map(|two| area_error(from, [flat.a, two[0], two[1]], reach)).sum::<f64>();
+        }
+        (whole, off / whole + 4.0 * U)
+    }
+}
+
+/// How the cases of a light differ from what they must be: densities that are wrong, configurations whose directions are
+/// not uniform, and whose irradiance is not Lambert's.
+fn compare<S: Pod>(kind: Kind, cases: &[Case], shapes: &[S], replaced: &[(&str, &str)]) -> [u32; 3] {
+    let rows: Vec<In> = cases.iter().map(|case| case.row).collect();
+    let found = draws(kind, &rows, shapes, replaced);
+    let threshold = sidak(ALPHA, cases.len());
+    let mut wrong = [0; 3];
+    for (case, found) in cases.iter().zip(found.chunks(DRAWS)) {
+        let from = case.from();
+        let (whole, error) = case.solid_angle();
+        if error > 0.1 {
+            // So nearly edge-on that the solid angle has no digits, whatever the form.
+            continue;
+        }
+        let density = |out: &Out| out.pdf == out.again && (f64::from(out.pdf) * whole - 1.0).abs() < error;
+        wrong[0] += u32::from(!found.iter().all(density));
+
+        let (p, told) = uniformity(case, found, whole);
+        wrong[1] += u32::from(told && p < threshold);
+
+        // On a surface that sees all of the light: that faces its plane or, of several sides, its middle.
+        let middle = case.flats.iter().map(|flat| flat.a + 0.5 * (flat.along + flat.across) - from).sum::<DVec3>();
+        let first = &case.flats[0];
+        let normal = match case.flats.len() {
+            1 => first.normal() * (first.a - from).dot(first.normal()).signum(),
+            _ => middle.normalize(),
+        };
+        if !case.flats.iter().all(|flat| flat.corners().iter().all(|corner| (*corner - from).dot(normal) > 0.0)) {
+            continue;
+        }
+        let lambert: f64 = case.flats.iter().map(|flat| flat.irradiance(from, normal)).sum();
+        let values: Vec<f64> =
+            found.iter().map(|out| exact(out.direction).dot(normal).max(0.0) / f64::from(out.pdf) / lambert).collect();
+        let test = one_sample_t(&values, 1.0);
+        // Beside the noise, the density's error, and the direction's of 3 u by the cosine.
+        let off = error + 4.0 * U * whole / lambert;
+        wrong[2] += u32::from(!(test.p > threshold || test.difference.abs() < off));
+    }
+    wrong
+}
+
+/// The p-value of the directions' being uniform, by cells of the light's sides, and whether it can be told.
+fn uniformity(case: &Case, found: &[Out], whole: f64) -> (f64, bool) {
+    let from = case.from();
+    let mut expected = Vec::new();
+    let mut grids = Vec::new();
+    let mut told = case.far <= 1e4;
+    for flat in &case.flats {
+        let foot = flat.place(from, flat.normal());
+        let height = (flat.a - from).dot(flat.normal()).abs();
+        let (xs, ys) = (cuts(foot.0, height / flat.along.length()), cuts(foot.1, height / flat.across.length()));
+        grids.push((expected.len(), xs.clone(), ys.clone()));
+        for x in xs.windows(2) {
+            for y in ys.windows(2) {
+                let [a, b, c, d] = flat.part([x[0], x[1]], [y[0], y[1]]);
+                let share = (solid_angle(from, [a, b, c]) + solid_angle(from, [a, c, d])) / whole;
+                expected.push(share * found.len() as f64);
+            }
+        }
+        // Further away, and at flatter angles, the roundings of the directions carry too many over the cells' edges.
+        let size = flat.along.length().min(flat.across.length());
+        let distance = flat.corners().iter().map(|corner| (*corner - from).length()).fold(0.0, f64::max);
+        told &= case.far < 1.0 || U * distance * distance / (size * height) < 2e-4;
+    }
+    let mut cells = vec![0u64; expected.len()];
+    let cell = |cuts: &[f64], at: f64| cuts.partition_point(|cut| *cut <= at).clamp(1, cuts.len() - 1) - 1;
+    for out in found {
+        // The side that the direction meets, or passes by least.
+        let places = case.flats.iter().zip(&grids).map(|(flat, grid)| {
+            let (x, y) = flat.place(from, exact(out.direction));
+            let outside = (-x).max(x - 1.0).max(-y).max(y - 1.0);
+            (if outside.is_nan() { f64::MAX } else { outside.max(0.0) }, x, y, grid)
+        });
+        let (_, x, y, (first, xs, ys)) = places.min_by(|a, b| a.0.total_cmp(&b.0)).expect("a light has a side");
+        cells[first + cell(xs, x) * (ys.len() - 1) + cell(ys, y)] += 1;
+    }
+    (chi_square(&cells, &expected, 1), told)
+}
+
+/// Unit directions and finite densities, the same from both functions, whatever the uniforms.
+fn ends_are_numbers<S: Pod>(kind: Kind, rows: &[In], shapes: &[S]) {
+    for (row, out) in at_ends(kind, rows, shapes) {
+        let length = exact(out.direction).length();
+        assert!((length - 1.0).abs() < 1e-6 && out.pdf.is_finite() && out.pdf >= 0.0, "{row:?} {out:?}");
+        assert_eq!(out.pdf, out.again, "{row:?} {out:?}");
+        assert!((out.pdf * out.pdf).is_finite(), "{row:?} {out:?}");
+    }
+}
+
+/// Points in the light's plane, on its edges and corners, an ulp beside them, and 1e6 sizes away.
+fn awkward(flats: &[Flat], random: &mut Random) -> Vec<In> {
+    let mut rows = Vec::new();
+    for (shape, flat) in (0..).zip(flats) {
+        let size = flat.along.length();
+        let places = [
+            (0.0, 0.0),
+            (1.0, 0.0),
+            (1.0, 1.0),
+            (0.5, 0.0),
+            (0.5, 0.5),
+            (1.0, 0.5),
+            (0.6, 0.3),
+            (3.0, 0.0),
+            (-2.0, 1.0),
+        ];
+        for (x, y) in places {
+            let on = flat.a + x * flat.along + y * flat.across;
+            for height in [0.0, 1e-9, 1e-7, 1e-6, 1e-5, 1e-3] {
+                rows.push(In { from: rounded(on + height * size * flat.normal()), shape, ..In::default() });
+            }
+            rows.push(In { from: rounded(on + 1e-7 * size * unit(random)), shape, ..In::default() });
+        }
+        rows.push(In { from: rounded(1e6 * size * unit(random)), shape, ..In::default() });
+        rows.push(In { from: rounded(1e12 * size * unit(random)), shape, ..In::default() });
+        rows.push(In { from: rounded(1e6 * flat.along), shape, ..In::default() });
+    }
+    rows
+}
+
+/// The light of each shape.
+fn own_flats(cases: &[Case]) -> Vec<Flat> {
+    let mut found: Vec<(u32, Flat)> = cases.iter().map(|case| (case.row.shape, case.flats[0])).collect();
+    found.dedup_by_key(|(shape, _)| *shape);
+    found.into_iter().map(|(_, flat)| flat).collect()
+}
+
+#[test]
+fn a_triangles_directions_are_uniform_and_light_as_lambert_says() {
+    let (cases, shapes, _) = flats(true, 680);
+    assert_eq!(compare(TRIANGLE, &cases, &shapes, &[]), [0; 3]);
+    let planted = compare(TRIANGLE, &cases, &shapes, &[("light/spherical", "test/control/light_spherical_planar")]);
+    assert!(planted[0] > 20 && planted[1] > 20 && planted[2] > 10, "{planted:?}");
+    ends_are_numbers(TRIANGLE, &awkward(&own_flats(&cases), &mut Random(681)), &shapes);
+}
+
+#[test]
+fn a_quads_directions_are_uniform_and_light_as_lambert_says() {
+    let (cases, _, shapes) = flats(false, 690);
+    assert_eq!(compare(QUAD, &cases, &shapes, &[]), [0; 3]);
+    let planted = compare(QUAD, &cases, &shapes, &[("light/spherical", "test/control/light_spherical_planar")]);
+    assert!(planted[0] > 20 && planted[1] > 20 && planted[2] > 10, "{planted:?}");
+    ends_are_numbers(QUAD, &awkward(&own_flats(&cases), &mut Random(691)), &shapes);
+}
+
+/// Boxes of all sizes, some flat and some long, turned any way, and what looks at them from outside.
+fn cuboids(seed: u64) -> (Vec<Case>, Vec<Cuboid>) {
+    let mut random = Random(seed);
+    let (mut cases, mut shapes) = (Vec::new(), Vec::new());
+    for shape in 0..3 {
+        let size = decades(&mut random, -3.0, 1.0);
+        let half = [[0.5, 0.5, 0.5], [0.5, 0.3, 0.05], [0.5, 0.1, 0.2]][shape].map(|x| (x * size) as f32);
+        let x = unit(&mut random);
+        let y = x.cross(unit(&mut random)).normalize();
+        let cuboid = Cuboid { half_extent: half, x_axis: rounded(x), y_axis: rounded(y), ..Cuboid::default() };
+        let axes = [exact(cuboid.x_axis), exact(cuboid.y_axis), exact(cuboid.x_axis).cross(exact(cuboid.y_axis))];
+        let reach = [0, 1, 2].map(|i| f64::from(half[i]) * axes[i]);
+        let mut from_points = views(&mut random, size, axes[0], reach[0], axes[1]);
+        for far in [0.6, 1.0, 3.0, 100.0, 1e4, 1e6] {
+            from_points.extend([0; 3].map(|_| (far, (0.9 + far) * size * unit(&mut random))));
+        }
+        for (far, from) in from_points {
+            let from = rounded(from);
+            let local = axes.map(|axis| axis.dot(exact(from)));
+            let mut flats = Vec::new();
+            for i in 0..3 {
+                // On which side of the face the point lies must be beyond its rounding.
+                if local[i].abs() > f64::from(half[i]) {
+                    let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+                    let a = local[i].signum() * reach[i] - reach[j] - reach[k];
+                    flats.push(Flat { a, along: 2.0 * reach[j], across: 2.0 * reach[k], triangle: false });
+                }
+            }
+            if flats.is_empty() {
+                continue;
+            }
+            // The turn into the box's axes takes three roundings of each product, and the axes are off by one.
+            cases.push(Case { row: In { from, shape: shape as u32, ..In::default() }, flats, far, steps: 4.0 });
+        }
+        shapes.push(cuboid);
+    }
+    (cases, shapes)
+}
+
+#[test]
+fn a_cuboids_directions_are_uniform_and_light_as_lambert_says() {
+    let (cases, shapes) = cuboids(700);
+    assert!(cases.iter().filter(|case| case.flats.len() == 3).count() > 20);
+    assert_eq!(compare(CUBOID, &cases, &shapes, &[]), [0; 3]);
+    let planted = compare(CUBOID, &cases, &shapes, &[("light/spherical", "test/control/light_spherical_planar")]);
+    assert!(planted[0] > 10 && planted[1] > 20 && planted[2] > 10, "{planted:?}");
+    // Inside, on faces, edges and corners, and beside them.
+    let mut random = Random(701);
+    let mut rows = Vec::new();
+    for (index, shape) in (0..).zip(&shapes) {
+        let axes = [exact(shape.x_axis), exact(shape.y_axis), exact(shape.x_axis).cross(exact(shape.y_axis))];
+        for i in 0..125 {
+            let at = [i % 5, i / 5 % 5, i / 25].map(|x| [-1.0, -0.4, 0.0, 1.0, 5.0][x]);
+            let from: DVec3 = (0..3).map(|i| at[i] * f64::from(shape.half_extent[i]) * axes[i]).sum();
+            for off in [0.0, 1e-7, 1e-5] {
+                let off = off * f64::from(shape.half_extent[0]) * unit(&mut random);
+                rows.push(In { from: rounded(from + off), shape: index, ..In::default() });
+            }
+        }
+    }
+    ends_are_numbers(CUBOID, &rows, &shapes);
+    let inside = In { from: rounded(0.3 * f64::from(shapes[0].half_extent[0]) * unit(&mut random)), ..In::default() };
+    for (_, out) in at_ends(CUBOID, &[inside], &shapes) {
+        assert!((f64::from(out.pdf) * 4.0 * PI - 1.0).abs() < 4.0 * U && out.distance > 0.0, "{out:?}");
+    }
+}
+
+const UNIFORMS: usize = 1 << 24;
+
+/// How often each entry is drawn by all 2^24 uniforms.
+fn drawn(entries: &[host::AliasEntry], replaced: &[(&str, &str)]) -> Vec<u64> {
+    // The buffer may be longer than the table.
+    let count = entries.len().to_string();
+    let values = [("count", &*count)];
+    let kernel = Kernel::with("test/light_alias", &Setup { replaced, values: &values, ..Setup::default() });
+    let mut counts = vec![0; entries.len()];
+    let input: Vec<[u32; 2]> = entries.iter().map(|entry| [entry.threshold.to_bits(), entry.alias]).collect();
+    for found in kernel.run_with::<_, [u32; 8]>(&input, UNIFORMS / 8, &[]) {
+        for index in found {
+            counts[index as usize] += 1;
+        }
+    }
+    counts
+}
+
+/// Weights over many decades, and even ones; counts that divide 2^24, and those that do not.
+fn weights() -> Vec<Vec<f64>> {
+    let mut random = Random(710);
+    let mut some = |count: usize, low: f64| (0..count).map(|_| decades(&mut random, low, 0.0)).collect::<Vec<_>>();
+    let sparse = some(1000, -3.0).into_iter().enumerate().map(|(i, w)| if i % 3 == 1 { w } else { 0.0 }).collect();
+    let mut one = vec![1e-12; 4097];
+    one[4000] = 1e20;
+    let huge = some(7, -2.0).iter().map(|w| w * 1e308).collect();
+    let (few, many, wide) = (some(3, -1.0), some(100_003, -2.0), some(65_536, -9.0));
+    vec![vec![1.0], vec![0.0, 2.5], vec![1.0; 24], few, many, wide, sparse, one, huge, vec![1e-310; 5]]
+}
+
+/// All uniforms there are, so nothing of it is left to chance.
+#[test]
+fn tables_are_drawn_with_exactly_the_probabilities_that_they_state() {
+    for weights in weights() {
+        let table = host::AliasTable::new(&weights).expect("some weight is positive");
+        let counts = drawn(&table.entries, &[]);
+        let largest = weights.iter().copied().fold(0.0, f64::max);
+        let sum: f64 = weights.iter().map(|w| w / largest).sum();
+        let positive = weights.iter().filter(|w| **w > 0.0).count() as f64;
+        for ((entry, count), weight) in table.entries.iter().zip(&counts).zip(&weights) {
+            assert_eq!(f64::from(entry.probability) * UNIFORMS as f64, *count as f64);
+            assert_eq!(entry.alias_probability, table.entries[entry.alias as usize].probability);
+            assert_eq!(*count > 0, *weight > 0.0);
+            // One of each goes to those that would have none: what is left is smaller by their share at most.
+            let wanted = weight / largest / sum * UNIFORMS as f64;
+            assert!((*count as f64 - wanted).abs() <= 2.0 + wanted * positive / UNIFORMS as f64, "{count} of {wanted}");
+        }
+        assert_eq!(counts.iter().sum::<u64>(), UNIFORMS as u64);
+    }
+    // The product rounded to f32, as it is usually done.
+    let table = host::AliasTable::new(&weights()[4]).expect("some weight is positive");
+    let counts = drawn(&table.entries, &[("light/alias", "test/control/light_alias_rounded")]);
+    let off =
+        |(entry, count): &(&host::AliasEntry, &u64)| f64::from(entry.probability) * UNIFORMS as f64 != **count as f64;
+    assert!(table.entries.iter().zip(&counts).filter(off).count() > 1000);
+}
+
+#[test]
+fn tables_of_nothing_are_none() {
+    assert_eq!(host::AliasTable::new(&[]), None);
+    assert_eq!(host::AliasTable::new(&[0.0, 0.0]), None);
+    assert_eq!(host::AliasTable::new(&[1.0, -1.0]), None);
+    assert_eq!(host::AliasTable::new(&[1.0, f64::NAN]), None);
+    assert_eq!(host::AliasTable::new(&[1.0, f64::INFINITY]), None);
+    assert_eq!(host::AliasTable::new(&vec![1.0; host::MAX_ENTRIES + 1]), None);
+    assert_eq!(host::SkyDistribution::new(2, 1, &[[0.0; 3]; 2]), None);
+    assert_eq!(host::SkyDistribution::new(2, 2, &[[1.0; 3]; 2]), None);
+    assert_eq!(host::SkyDistribution::new(0, 0, &[]), None);
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+struct SkyIn {
+    u: [f32; 3],
+    columns: u32,
+    rows: u32,
+    padding: [u32; 3],
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+struct SkyOut {
+    direction: [f32; 3],
+    pdf: f32,
+    /// The cell that was drawn, and the one found by the direction.
+    drawn: u32,
+    found: u32,
+    /// The density of the latter.
+    again: f32,
+    padding: u32,
+}
+
+fn sky_kernel(keyed: bool, replaced: &[(&str, &str)]) -> Kernel {
+    let values = [("keyed", if keyed { "true" } else { "false" })];
+    Kernel::with("test/light_sky", &Setup { replaced, values: &values, ..Setup::default() })
+}
+
+/// An image of texels over three decades, a third of them black, with a sun of a few texels.
+fn sky(width: usize, height: usize, random: &mut Random) -> Vec<[f32; 3]> {
+    let mut texels: Vec<[f32; 3]> = (0..width * height)
+        .map(|i| [0; 3].map(|_| if i % 3 == 0 { 0.0 } else { decades(random, -2.0, 1.0) as f32 }))
+        .collect();
+    texels[width * (height / 4) + width / 3] = [3e3, 3e3, 2e3];
+    texels
+}
+
+fn solid_angle_of_row(row: usize, rows: usize, columns: usize) -> f64 {
+    let edge = |row: usize| PI * row as f64 / rows as f64;
+    2.0 * PI / columns as f64 * (edge(row).cos() - edge(row + 1).cos())
+}
+
+/// A direction's place on the image: shares from the left and from the top (lib/sphere_map), and the height 0..1 in the
+/// cell by its solid angle.
+fn place(direction: DVec3, columns: usize, rows: usize) -> (f64, f64) {
+    let around = 0.5 + direction.x.atan2(-direction.z) / (2.0 * PI);
+    let down = direction.x.hypot(direction.z).atan2(direction.y) / PI;
+    (around * columns as f64, down * rows as f64)
+}
+
+const SKIES: [(usize, usize); 7] = [(1, 1), (2, 1), (8, 4), (64, 32), (63, 31), (1000, 7), (1024, 512)];
+
+#[test]
+fn the_skys_density_is_that_of_its_radiance_and_never_zero_under_it() {
+    let mut random = Random(720);
+    for (width, height) in SKIES {
+        let texels = if width == 1 { vec![[0.5, 0.0, 0.0]] } else { sky(width, height, &mut random) };
+        let sky = host::SkyDistribution::new(width as u32, height as u32, &texels).expect("it is not black");
+        let (columns, rows) = (sky.columns as usize, sky.rows as usize);
+        assert!(columns * rows == sky.cells.len() && sky.cells.len() <= host::MAX_CELLS);
+        let whole: f64 = (0..rows * columns)
+            .map(|i| f64::from(sky.cells[i].density) * solid_angle_of_row(i / columns, rows, columns))
+            .sum();
+        // Probabilities that add up to exactly 1, each rounded with its density.
+        assert!((whole - 1.0).abs() < 2.0 * U, "{width} x {height}: {whole}");
+        let luminance = |x: i64, y: i64| {
+            let texel = texels[y.clamp(0, height as i64 - 1) as usize * width + x.rem_euclid(width as i64) as usize];
+            0.2126 * f64::from(texel[0]) + 0.7152 * f64::from(texel[1]) + 0.0722 * f64::from(texel[2])
+        };
+        // What the kernels interpolate at a place (lib/bilinear), and the mean of that over each cell from 8 x 8 places.
+        let at = |x: f64, y: f64| {
+            let (left, top) = ((x - 0.5).floor(), (y - 0.5).floor());
+            let (s, t) = (x - 0.5 - left, y - 0.5 - top);
+            let (i, j) = (left as i64, top as i64);
+            (1.0 - t) * ((1.0 - s) * luminance(i, j) + s * luminance(i + 1, j))
+                + t * ((1.0 - s) * luminance(i, j + 1) + s * luminance(i + 1, j + 1))
+        };
+        let (wide, high) = (width as f64 / columns as f64, height as f64 / rows as f64);
+        let means: Vec<f64> = (0..columns * rows)
+            .map(|i| {
+                let places = (0..64).map(|k| ((k % 8) as f64 / 8.0 + 0.0625, (k / 8) as f64 / 8.0 + 0.0625));
+                places
+                    .map(|(s, t)| at(((i % columns) as f64 + s) * wide, ((i / columns) as f64 + t) * high))
+                    .sum::<f64>()
+                    / 64.0
+            })
+            .collect();
+        let solid = |i: usize| solid_angle_of_row(i / columns, rows, columns);
+        let sum: f64 = means.iter().enumerate().map(|(i, mean)| mean * solid(i)).sum();
+        for (i, (cell, mean)) in sky.cells.iter().zip(&means).enumerate() {
+            assert_eq!(cell.density > 0.0, *mean > 0.0, "{width} x {height}, cell {i}");
+            assert_eq!(cell.alias_density, sky.cells[cell.alias_index as usize].density);
+            // Eight midpoints a side of a function that is linear in each half of a texel are right where a cell is a texel;
+            // with larger ones they are not. Two draws of 2^24 for the rounding, one of each cell for those without.
+            if columns == width {
+                let wanted = mean / sum;
+                let off = 2.0 * U / solid(i) + wanted * (2e-6 + (columns * rows) as f64 * U);
+                assert!((f64::from(cell.density) - wanted).abs() < off, "{width} x {height}, cell {i}");
+                // With its neighbour's radiance it would be another.
+                let other = means[(i + 1) % means.len()] / sum;
+                assert!(
+                    width < 8 || (other / wanted - 1.0).abs() < 0.5 || (f64::from(cell.density) - other).abs() > off
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn sky_directions_are_uniform_in_cells_drawn_by_their_probability() {
+    const DRAWS: usize = 1 << 19;
+    let mut random = Random(730);
+    let grids = [(64usize, 32usize), (63, 31), (1000, 7), (256, 128)];
+    for (width, height) in grids {
+        let texels = sky(width, height, &mut random);
+        let sky = host::SkyDistribution::new(width as u32, height as u32, &texels).expect("it is not black");
+        let row = SkyIn { columns: sky.columns, rows: sky.rows, ..SkyIn::default() };
+        let found: Vec<SkyOut> = sky_kernel(true, &[]).run_with(&[row], DRAWS, &[array("cells", &sky.cells)]);
+        let mut counts = vec![0u64; sky.cells.len()];
+        let mut within = [vec![0u64; 31 * 17], vec![0u64; 31 * 17]];
+        let mut elsewhere = 0;
+        for out in &found {
+            let cell = &sky.cells[out.drawn as usize];
+            assert_eq!(out.pdf, cell.density);
+            counts[out.drawn as usize] += 1;
+            let (column, row) = (out.drawn as usize % width, out.drawn as usize / width);
+            let direction = exact(out.direction);
+            let (x, y) = place(direction.normalize(), width, height);
+            let edge = |row: usize| (PI * row as f64 / height as f64).cos();
+            // Of the cosine, by differences of the angle so that the poles keep their digits.
+            let by = |angle: f64| (PI * angle / height as f64).cos();
+            let share = (edge(row) - by(y)) / (edge(row) - edge(row + 1));
+            within[0][bin(share, 31) * 17 + bin(x - column as f64, 17)] += 1;
+            // As if rows were uniform by their angle.
+            within[1][bin(y - row as f64, 31) * 17 + bin(x - column as f64, 17)] += 1;
+            if out.found != out.drawn {
+                elsewhere += 1;
+                // It was rounded over the edge: a direction is off by 4 u, sin and cos by 2e-7, an angle by 8 u; around the
+                // poles over the sine.
+                let sine = direction.x.hypot(direction.z);
+                let near = |t: f64, cells: usize, off: f64| (t - t.round()).abs() < off * cells as f64;
+                let at_edge = near(x, width, 1e-7 / sine.min(1.0) + 2e-7) || near(y, height, 3e-7);
+                assert!(at_edge, "{width} x {height}: {out:?} at {x}, {y}");
+            } else {
+                assert_eq!(out.pdf, out.again);
+            }
+        }
+        let expected: Vec<f64> = (0..sky.cells.len())
+            .map(|i| f64::from(sky.cells[i].density) * solid_angle_of_row(i / width, height, width) * DRAWS as f64)
+            .collect();
+        let p = chi_square(&counts, &expected, 1);
+        assert!(p > sidak(ALPHA, 8), "{width} x {height}: p = {p:e}");
+        let even = vec![DRAWS as f64 / (31.0 * 17.0); 31 * 17];
+        let p = chi_square(&within[0], &even, 1);
+        assert!(p > sidak(ALPHA, 8), "{width} x {height}, within cells: p = {p:e}");
+        // Two edges of each kind, 3e-7 wide in cells of 1 / n; twice that for the poles.
+        let share = elsewhere as f64 / DRAWS as f64;
+        assert!(share < 4.0 * 3e-7 * (width + height) as f64, "{width} x {height}: {share:e}");
+        // The neighbours' counts, and rows that are not uniform by the cosine where they are few.
+        counts.rotate_left(1);
+        assert!(chi_square(&counts, &expected, 1) < ALPHA);
+        assert!(height > 7 || chi_square(&within[1], &even, 1) < ALPHA);
+    }
+}
+
+#[test]
+fn sky_samples_are_numbers_at_the_ends() {
+    let last = 1.0 - U as f32;
+    let ends = [0.0, U as f32, 0.25, 0.5, 0.75, last];
+    let mut random = Random(740);
+    for (width, height) in SKIES {
+        let texels = sky(width, height, &mut random);
+        let sky = host::SkyDistribution::new(width as u32, height as u32, &texels).expect("it is not black");
+        let mut rows = Vec::new();
+        for x in ends {
+            for y in ends {
+                rows.extend(ends.map(|z| SkyIn {
+                    u: [x, y, z],
+                    columns: sky.columns,
+                    rows: sky.rows,
+                    ..SkyIn::default()
+                }));
+            }
+        }
+        let found: Vec<SkyOut> = sky_kernel(false, &[]).run_with(&rows, rows.len(), &[array("cells", &sky.cells)]);
+        for (row, out) in rows.iter().zip(found) {
+            let length = exact(out.direction).length();
+            assert!((length - 1.0).abs() < 4.0 * U && out.pdf.is_finite() && out.pdf > 0.0, "{row:?} {out:?}");
+            assert!((out.found as usize) < sky.cells.len(), "{row:?} {out:?}");
+        }
+    }
+}

@@ -1,0 +1,31 @@
+//! The shader functions, on the device, against oracles in f64: thousands of inputs over many decades, each comparison
+//! with a planted wrong form that must fail it.
+//!
+//! u = 2^-24 is the relative error of one correctly rounded operation in f32. Inputs are made in f64, rounded to f32, and
+//! the oracle starts from the rounded ones, so that a difference is the function's own error.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod angle;
+mod bounds;
+mod camera;
+mod cuboid;
+mod float;
+mod frames;
+mod layout;
+mod light_tree;
+mod lights;
+mod materials;
+mod medium;
+mod meshes;
+mod perlin;
+mod probe;
+mod quad;
+mod rng;
+mod sampler;
+mod sampling;
+mod shaders_link;
+mod textures;
+mod triangle;
+mod walk;

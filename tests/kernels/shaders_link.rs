@@ -1,0 +1,600 @@
+//! The shaders without a device: every combination of features links and validates, no file is unused, modules import
+//! what their folders may, and the linker's errors name the place.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use gpu_rt::data::{KIND_TRIANGLE, Sampler};
+use gpu_rt::flatten::{BACKGROUNDS, BOUNDARIES, Features, MATERIALS, PRIMITIVES, TEXTURES, Unsampled};
+use gpu_rt::gpu::layout::BindingKind;
+use gpu_rt::gpu::link::{Choices, Embedded, Entry, Library, Linked, link};
+use gpu_rt::material::{Kind, Material, Scattering};
+use gpu_rt::options::{FeatureSet, Fresnel, Offset, Precision, RenderOptions, Scatter, Switch};
+use gpu_rt::plan::{Kernels, Tables};
+
+const SCATTERS: [Scatter; 3] = [Scatter::Fused, Scatter::Linked, Scatter::Queues];
+/// Numbers of backgrounds.
+const SOLID: usize = 0;
+const IMAGE: usize = 2;
+
+/// Each kind whose bit is on.
+fn on<const N: usize>(bits: usize) -> [Option<String>; N] {
+    std::array::from_fn(|i| (bits >> i & 1 == 1).then(|| "a test".to_string()))
+}
+
+/// Features by the bits of the kinds that are on.
+fn features(primitives: usize, materials: usize, textures: usize, background: usize, thin_lens: bool) -> Features {
+    let asked = |on: bool| on.then(|| "a test".to_string());
+    Features {
+        primitives: on(primitives),
+        materials: on(materials),
+        responders: on(materials & bits_of(spreads)),
+        specular: on(materials & bits_of(|kind| kind.scatters.contains(&Scattering::OneWay))),
+        textures: on(textures),
+        backgrounds: on(1 << background),
+        thin_lens: asked(thin_lens),
+        stack_size: 8,
+        ..Features::default()
+    }
+}
+
+/// The bits of some kinds of material.
+fn bits_of(wanted: impl Fn(&Kind) -> bool) -> usize {
+    (0..).zip(Material::KINDS).filter(|(_, kind)| wanted(kind)).map(|(i, _)| 1 << i).sum()
+}
+
+/// Whether materials of the kind can answer to lights.
+fn spreads(kind: &Kind) -> bool {
+    kind.scatters.contains(&Scattering::Spread)
+}
+
+fn kind_of(shader: &str) -> &'static Kind {
+    Material::KINDS.iter().find(|kind| kind.shader == shader).expect("there is such a material")
+}
+
+/// The same with media in such boundaries.
+fn with_media(features: Features, boundaries: usize, textured_media: bool) -> Features {
+    let count = boundaries.count_ones() + 1;
+    let textured_media = textured_media.then(|| "a test".to_string());
+    Features { boundaries: on(boundaries), textured_media, media: count, boundary_stack_size: 8, ..features }
+}
+
+/// The same with Russian roulette, and these emitters sampled as lights where anything answers to them.
+fn lit(features: Features, emitters: usize, sky: bool) -> Features {
+    if features.media == 0 && features.responders.iter().all(Option::is_none) {
+        return features;
+    }
+    Features {
+        shadow_rays: true,
+        emitters: on(emitters),
+        emitting_sky: sky.then(|| "a test".to_string()),
+        lights: emitters.count_ones() + u32::from(sky),
+        sky_grid: (4, 2),
+        sky_light: emitters.count_ones(),
+        ..features
+    }
+}
+
+/// The same with so many lights that one is chosen by the tree.
+fn many_lights(features: Features) -> Features {
+    Features { lights: 2, sky_light: 1, ..features }
+}
+
+/// The same with smooth meshes.
+fn smooth(features: Features) -> Features {
+    Features { smooth: Some("a test".to_string()), ..features }
+}
+
+fn all<T>(names: &[T]) -> usize {
+    (1 << names.len()) - 1
+}
+
+fn everything() -> Features {
+    let unsampled = Unsampled { lights: 1, wanted: 2, asked_by: "a test".to_string() };
+    Features { unsampled: Some(unsampled), ..all_sampled() }
+}
+
+fn all_sampled() -> Features {
+    let surfaces = features(all(PRIMITIVES), all(MATERIALS), all(TEXTURES), IMAGE, true);
+    lit(with_media(smooth(surfaces), all(BOUNDARIES), true), all(PRIMITIVES), true)
+}
+
+/// The same with render space turned to the camera's axes.
+fn turned(features: Features) -> Features {
+    Features { turned: Some("a test".to_string()), ..features }
+}
+
+/// The same with so few primitives that all are asked.
+fn few(features: Features) -> Features {
+    Features { few: true, ..features }
+}
+
+/// The defaults with one of the options that approximate, by its number.
+fn approximate(number: usize) -> RenderOptions {
+    let mut options = RenderOptions::default();
+    match number {
+        0 => options.fresnel = Fresnel::Schlick,
+        1 => options.clamp = Some(1.0),
+        2 => options.offset = Offset::Fast,
+        _ => options.precision = Precision::Fast,
+    }
+    options
+}
+
+/// The defaults with all of them, and without roulette and Sobol points.
+fn approximate_all() -> RenderOptions {
+    RenderOptions {
+        fresnel: Fresnel::Schlick,
+        clamp: Some(1.0),
+        offset: Offset::Fast,
+        precision: Precision::Fast,
+        roulette: Switch::Off,
+        sampler: Sampler::Independent,
+        ..RenderOptions::default()
+    }
+}
+
+/// Every set of primitives, of materials and of textures, every background and lens, each beside the least of the others;
+/// primitives with textures, which one kernel joins; nothing, and everything.
+fn combinations() -> Vec<(Features, RenderOptions)> {
+    let mut found = vec![features(0, 0, 0, SOLID, false), everything()];
+    let (primitives, materials, textures) = (all(PRIMITIVES), all(MATERIALS), all(TEXTURES));
+    found.extend((1..=primitives).map(|set| features(set, 1, 0, SOLID, false)));
+    // Without meshes, which have a hierarchy of their own.
+    for set in 1..1 << KIND_TRIANGLE {
+        let surfaces = few(features(set, 1, 0, SOLID, false));
+        found.extend([lit(surfaces.clone(), set, false), surfaces]);
+    }
+    found.push(few(lit(with_media(features(7, materials, 0, SOLID, false), 1, false), 7, false)));
+    found.extend((1..=materials).map(|set| features(1, set, 0, SOLID, false)));
+    found.extend((0..=textures).map(|set| features(1, 1, set, SOLID, false)));
+    for background in 0..BACKGROUNDS.len() {
+        found.extend([false, true].map(|lens| features(1, 1, 0, background, lens)));
+        found.push(features(0, 0, 0, background, true));
+        found.push(turned(features(1, 1, 0, background, false)));
+    }
+    for primitive in 0..PRIMITIVES.len() {
+        for texture in 0..TEXTURES.len() {
+            found.push(features(1 << primitive, 1, 1 << texture, IMAGE, false));
+        }
+    }
+    // Media in every set of boundaries, without anything else to hit, and beside each primitive.
+    for boundaries in 1..=all(BOUNDARIES) {
+        found.push(with_media(features(0, 0, 0, SOLID, false), boundaries, false));
+        found
+            .extend((0..PRIMITIVES.len()).map(|i| with_media(features(1 << i, 3, 0, SOLID, false), boundaries, false)));
+    }
+    found.extend((0..TEXTURES.len()).map(|i| with_media(features(0, 0, 1 << i, SOLID, false), 1, true)));
+    // Nothing to hit before every background, with media and without, under a sky that is sampled.
+    for background in 0..BACKGROUNDS.len() {
+        for turn in [false, true] {
+            let nothing = features(0, 0, 0, background, false);
+            let nothing = if turn { turned(nothing) } else { nothing };
+            found.extend((1..=all(BOUNDARIES)).map(|boundaries| with_media(nothing.clone(), boundaries, false)));
+            if background == IMAGE {
+                let media = (1..=all(BOUNDARIES)).map(|boundaries| with_media(nothing.clone(), boundaries, false));
+                found.extend(media.map(|media| lit(media, 0, true)));
+            }
+            found.push(nothing);
+        }
+    }
+    for set in 0..=primitives {
+        if set >> KIND_TRIANGLE & 1 == 1 {
+            found.push(smooth(features(set, materials, 0, SOLID, false)));
+        }
+    }
+    // Every kind of light, beside every set of materials and in media.
+    for emitters in 0..=primitives {
+        let surfaces = features(emitters.max(1), materials, 0, IMAGE, false);
+        found.extend([lit(surfaces.clone(), emitters, true), lit(surfaces.clone(), emitters.max(1), false)]);
+        found.push(lit(with_media(surfaces, 1 + emitters % all(BOUNDARIES), false), emitters.max(1), false));
+    }
+    found.extend((1..=materials).map(|set| lit(features(1, set, 0, SOLID, false), 1, false)));
+    for sky in [false, true] {
+        let of_each = (1..=primitives).map(|emitters| lit(features(emitters, 1, 0, IMAGE, false), emitters, sky));
+        found.extend(of_each.map(many_lights));
+    }
+    found.extend([many_lights(everything()), turned(everything())]);
+    let mut found: Vec<_> = found.into_iter().map(|features| (features, RenderOptions::default())).collect();
+    // What approximates: each beside the least and everything, with lights and without; all of it beside every kind.
+    for number in 0..4 {
+        let (spheres, media) = (features(1, materials, 0, SOLID, false), features(0, 0, 0, SOLID, false));
+        let beside = [spheres.clone(), lit(spheres, 1, false), with_media(media, 1, false), everything()];
+        found.extend(beside.map(|features| (features, approximate(number))));
+    }
+    let mut beside: Vec<_> =
+        (1..=primitives).map(|set| lit(features(set, materials, 0, IMAGE, false), set, true)).collect();
+    beside.extend((1..=materials).map(|set| features(1, set, 0, SOLID, false)));
+    beside.extend((1..=all(BOUNDARIES)).map(|set| with_media(features(1, 1, 0, SOLID, false), set, false)));
+    beside.extend([everything(), many_lights(everything())]);
+    found.extend(beside.into_iter().map(|features| (features, approximate_all())));
+    // `--features all`.
+    let all_backgrounds = Features { backgrounds: on(all(BACKGROUNDS)), ..turned(everything()) };
+    found.push((all_backgrounds, RenderOptions { features: FeatureSet::All, ..RenderOptions::default() }));
+    found
+}
+
+fn kernels(features: &Features, options: &RenderOptions, scatter: Scatter) -> Kernels {
+    Kernels::link(features, options, scatter, &Tables::default())
+        .unwrap_or_else(|error| panic!("{features:?}, {options:?}, {scatter:?}: {error}"))
+}
+
+#[test]
+fn every_combination_of_features_links_and_validates() {
+    for (features, options) in combinations() {
+        for scatter in SCATTERS {
+            let plan = kernels(&features, &options, scatter);
+            assert!(!plan.all().is_empty());
+            for kernel in plan.all() {
+                // Nothing that the scene lacks.
+                let unused = |names: &[&str], used: &[Option<String>], folder: &str| {
+                    let off = names.iter().zip(used).filter(|(_, used)| used.is_none());
+                    off.map(|(name, _)| format!("{folder}/{name}")).collect::<Vec<_>>()
+                };
+                let bounds = |kind: &str| {
+                    // A closed mesh is made of triangles.
+                    let of_mesh = kind == "triangle";
+                    let names = BOUNDARIES.iter().zip(&features.boundaries);
+                    names
+                        .into_iter()
+                        .any(|((name, _), used)| used.is_some() && (*name == kind || of_mesh && *name == "mesh"))
+                };
+                let lacking = [
+                    unused(PRIMITIVES, &features.primitives, "geometry"),
+                    unused(MATERIALS, &features.materials, "material"),
+                    unused(TEXTURES, &features.textures, "texture"),
+                ];
+                // Nor what approximates, unless it was asked for, nor Fresnel's reflection without what reflects by it.
+                let glass = features.materials[2].is_some();
+                assert_eq!(MATERIALS[2], "dielectric");
+                for (module, asked) in [
+                    ("lib/fresnel", glass && options.fresnel == Fresnel::Exact),
+                    ("lib/fresnel_schlick", glass && options.fresnel == Fresnel::Schlick),
+                    ("step/clamp", options.clamp.is_some()),
+                    ("geometry/offset_fast", options.offset == Offset::Fast),
+                    ("geometry/sphere_chord_fast", options.precision == Precision::Fast),
+                ] {
+                    let linked = kernel.linked.modules.iter().any(|linked| linked == module);
+                    assert!(asked || !linked, "{}: {module} is linked: {features:?}", kernel.name);
+                }
+                // Nor light sampling where nothing answers to a light: in the scene, or in a kernel of some of its materials.
+                let answered = features.media > 0 || features.responders.iter().any(Option::is_some);
+                let own = kernel.name.strip_prefix("scatter_").map(kind_of);
+                for (module, wanted) in [
+                    ("bind/lights", answered && features.lights > 0),
+                    ("scene/light_alias", own.is_none_or(|kind| spreads(kind) || kind.emits)),
+                    ("scene/responses", answered && own.is_none_or(spreads)),
+                ] {
+                    let linked = kernel.linked.modules.iter().any(|linked| linked == module);
+                    assert!(wanted || !linked, "{}: {module} is linked: {features:?}", kernel.name);
+                }
+                for module in lacking.concat() {
+                    if module.strip_prefix("geometry/").is_some_and(bounds) {
+                        continue;
+                    }
+                    assert!(
+                        !kernel.linked.modules.contains(&module),
+                        "{}: {module} is linked: {features:?}",
+                        kernel.name
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// The lines of code that no kernel has: `module:number`.
+fn unused_lines() -> BTreeSet<String> {
+    let code = |name: &String| {
+        let text = Embedded.module(name).expect("it is listed");
+        let is_code = |line: &str| !line.trim().is_empty() && !line.trim().starts_with("//");
+        let lines = (1..).zip(text.lines()).filter(|(_, line)| is_code(line));
+        lines.map(|(number, _)| format!("{name}:{number}")).collect::<Vec<_>>()
+    };
+    let mut unused: BTreeSet<String> = Embedded::names().iter().flat_map(code).collect();
+    assert!(unused.len() > 1000, "{} lines", unused.len());
+    let mut seen = BTreeSet::new();
+    let mut have = |linked: &Linked| {
+        for (module, number) in &linked.lines {
+            if seen.insert((module.clone(), *number)) {
+                unused.remove(&format!("{module}:{number}"));
+            }
+        }
+    };
+    for (features, options) in combinations() {
+        for scatter in SCATTERS {
+            kernels(&features, &options, scatter).all().iter().for_each(|kernel| have(&kernel.linked));
+        }
+    }
+    // The numerics probe is part of no render.
+    have(&link(&Embedded, "stage/probe", &Choices::default()).expect("the probe links"));
+    unused
+}
+
+#[test]
+fn every_line_under_shaders_is_in_some_kernel() {
+    assert_eq!(unused_lines(), BTreeSet::new());
+}
+
+/// Storage buffers that a kernel with everything on may bind, all tables in storage bindings. WebGPU promises 8. Kernels
+/// with everything on exceed it (docs/architecture.md); this limit keeps them from growing further.
+const MOST_STORAGE_BUFFERS: [(Scatter, usize); 3] =
+    [(Scatter::Linked, 16), (Scatter::Queues, 18), (Scatter::Fused, 21)];
+
+#[test]
+fn no_kernel_binds_too_many_storage_buffers() {
+    for (scatter, most) in MOST_STORAGE_BUFFERS {
+        for kernel in kernels(&many_lights(everything()), &RenderOptions::default(), scatter).all() {
+            let storage = kernel.bindings.values().filter(|binding| binding.kind != BindingKind::Uniform).count();
+            assert!(storage <= most, "{} of {scatter:?} binds {storage} storage buffers", kernel.name);
+        }
+    }
+}
+
+/// The folders whose modules a folder's modules may use, and the single modules beside them. What stands behind
+/// `choice/x` counts as the folder of the modules that a plan may choose.
+const MAY_USE: &[(&str, &[&str])] = &[
+    ("lib", &["lib"]),
+    ("sampler", &["data", "lib"]),
+    ("data", &["data", "lib"]),
+    ("geometry", &["data", "geometry", "lib"]),
+    ("light", &["data", "geometry", "lib", "light"]),
+    ("medium", &["data", "geometry", "lib", "medium"]),
+    ("material", &["data", "geometry", "lib"]),
+    ("bind", &["data", "light/sky"]),
+    ("texture", &["data", "lib", "scene/texel"]),
+    ("camera", &["bind", "camera", "data", "lib"]),
+    ("background", &["bind", "choice/axes", "data", "lib", "scene/texel"]),
+    ("scene", &["background", "bind", "data", "geometry", "lib", "light", "material", "medium", "scene", "texture"]),
+    ("slots", &["bind", "data", "lib", "scene", "slots"]),
+    (
+        "step",
+        &["background", "bind", "camera", "data", "geometry", "lib", "light", "medium", "sampler", "scene", "step"],
+    ),
+    (
+        "stage",
+        &["background", "bind", "camera", "data", "geometry", "lib", "material", "scene", "slots", "step", "texture"],
+    ),
+];
+
+/// Where the modules behind `choice/x` live.
+const CHOICES: &[(&str, &str)] = &[
+    ("axes", "scene"),
+    ("camera", "camera"),
+    ("colour", "scene"),
+    ("uv", "scene"),
+    ("shading", "scene"),
+    ("medium_albedo", "scene"),
+    ("light_choice", "scene"),
+    ("roulette", "step"),
+    ("clamp", "step"),
+    ("glass", "step"),
+    ("fresnel", "lib"),
+    ("offset", "geometry"),
+    ("sphere_chord", "geometry"),
+    ("sampler", "sampler"),
+    ("walk", "scene"),
+];
+
+/// The uses of a module that its folder may not make, each with its line.
+fn violations(module: &str, text: &str) -> Vec<String> {
+    let folder = |name: &str| name.split('/').next().unwrap_or_default().to_string();
+    let from = folder(module);
+    let Some((_, allowed)) = MAY_USE.iter().find(|(name, _)| *name == from) else {
+        return vec![format!("{module}: its folder is not in the table of this test: say there what it may use")];
+    };
+    let mut found = Vec::new();
+    for (number, line) in (1..).zip(text.lines()) {
+        let Some(used) = line.trim().strip_prefix("//@ use ").map(str::trim) else { continue };
+        let target = match used.strip_prefix("choice/") {
+            Some(choice) => match CHOICES.iter().find(|(name, _)| *name == choice) {
+                Some((_, folder)) => folder.to_string(),
+                None => {
+                    found.push(format!("{module}:{number}: {used} is not in the table of this test"));
+                    continue;
+                }
+            },
+            None => folder(used),
+        };
+        if !allowed.iter().any(|allowed| *allowed == target || *allowed == used) {
+            found.push(format!("{module}:{number}: {from} may not use {used}"));
+        }
+    }
+    found
+}
+
+#[test]
+fn modules_use_what_their_folders_may() {
+    let mut uses = 0;
+    for name in Embedded::names() {
+        let text = Embedded.module(&name).expect("it is listed");
+        uses += text.lines().filter(|line| line.trim().starts_with("//@ use ")).count();
+        assert_eq!(violations(&name, text), Vec::<String>::new());
+    }
+    assert!(uses > 100, "{uses} uses were looked at");
+    // The modules that a plan chooses are where the table says.
+    let plan = kernels(&everything(), &RenderOptions::default(), Scatter::Queues);
+    let linked: BTreeSet<&String> = plan.all().iter().flat_map(|kernel| &kernel.linked.modules).collect();
+    for (_, folder) in CHOICES {
+        assert!(linked.iter().any(|module| module.starts_with(&format!("{folder}/"))), "{folder}");
+    }
+    // Planted violations.
+    for (module, used) in [
+        ("lib/rng", "bind/settings"),
+        ("lib/rng", "data/ray"),
+        ("sampler/sobol", "bind/settings"),
+        ("data/ray", "bind/paths"),
+        ("geometry/sphere", "scene/traverse"),
+        ("material/metal", "slots/state"),
+        ("material/metal", "bind/materials"),
+        ("texture/noise", "scene/uv"),
+        ("texture/noise", "bind/texels"),
+        ("scene/surfaces", "stage/scatter"),
+        ("stage/scatter", "stage/refill"),
+        ("step/scatter", "slots/state"),
+        ("scene/uv", "choice/unheard"),
+        ("elsewhere/x", "lib/rng"),
+    ] {
+        let found = violations(module, &format!("// A comment.\n    //@ use {used}\n"));
+        assert_eq!(found.len(), 1, "{module} uses {used}: {found:?}");
+    }
+    assert_eq!(violations("texture/image", "//@ use scene/texel\n"), Vec::<String>::new());
+}
+
+/// Modules of a test beside the production ones.
+struct Beside(BTreeMap<&'static str, &'static str>);
+
+impl Library for Beside {
+    fn module(&self, name: &str) -> Option<&str> {
+        self.0.get(name).copied().or_else(|| Embedded.module(name))
+    }
+}
+
+fn linked(modules: &[(&'static str, &'static str)]) -> Result<Linked, String> {
+    let choices = Choices {
+        modules: BTreeMap::from([("known", "lib/rng")]),
+        lists: BTreeMap::from([(
+            "animal",
+            vec![
+                Entry { name: "cat".to_string(), number: 3, closes: false },
+                Entry { name: "dog".to_string(), number: 5, closes: true },
+            ],
+        )]),
+        values: BTreeMap::from([("size", "7".to_string())]),
+    };
+    let library = Beside(modules.iter().copied().collect());
+    link(&library, "test/root", &choices).map_err(|error| error.to_string())
+}
+
+/// The error of linking or validating, which must name this place.
+fn assert_fault(modules: &[(&'static str, &'static str)], place: &str, about: &str) {
+    let error = match linked(modules) {
+        Err(error) => error,
+        Ok(linked) => match linked.validate() {
+            Err(error) => error.to_string(),
+            Ok(_) => panic!("no error about {about}"),
+        },
+    };
+    assert!(
+        error.starts_with(place) && error.contains(about),
+        "{error:?} does not start with {place}, or lacks {about}"
+    );
+}
+
+#[test]
+fn the_linkers_errors_name_file_and_line() {
+    let missing = "// A comment.\n\n//@ use lib/nothing\n";
+    assert_fault(&[("test/root", missing)], "shaders/test/root.wgsl:3:", "lib/nothing");
+    let nested = "//@ use test/inner\nfn f() {}\n";
+    assert_fault(&[("test/root", nested), ("test/inner", missing)], "shaders/test/inner.wgsl:3:", "lib/nothing");
+    assert_fault(&[("test/root", "//@ use choice/unheard\n")], "shaders/test/root.wgsl:1:", "unheard");
+    assert_fault(&[("test/root", "fn f() {}\n//@ each plant\n//@ end\n")], "shaders/test/root.wgsl:2:", "plant");
+    assert_fault(&[("test/root", "fn f() {}\n//@ end\n")], "shaders/test/root.wgsl:2:", "without `//@ each`");
+    assert_fault(&[("test/root", "\n//@ each animal\nfn f() {}\n")], "shaders/test/root.wgsl:3:", "without `//@ end`");
+    assert_fault(&[("test/root", "\nconst A: u32 = ${length}u;\n")], "shaders/test/root.wgsl:2:", "length");
+    assert_fault(&[("test/root", "\n\nconst A: u32 = ${size;\n")], "shaders/test/root.wgsl:3:", "without `}`");
+    assert_fault(&[], "shaders/(the plan).wgsl:0:", "test/root");
+    for wrong in ["//@ uses lib/rng", "//@use lib/rng", "//@ use", "//@", "//@ End", "//@ ends"] {
+        let about = format!("`{wrong}` is no directive");
+        let texts = [format!("fn f() {{}}\n    {wrong}\n"), format!("//@ each animal\n{wrong}\n//@ end\n")];
+        for text in texts {
+            assert_fault(&[("test/root", text.leak())], "shaders/test/root.wgsl:2:", &about);
+        }
+    }
+}
+
+#[test]
+fn nagas_errors_name_the_file_and_line_of_the_module() {
+    // The broken line stands behind other modules and behind directives, which leave no line in the linked text.
+    let root = "//@ use lib/rng\n//@ use test/inner\n@compute @workgroup_size(1)\nfn main() { inner(); }\n";
+    let syntax = "//@ use lib/float\n// A comment.\nfn inner() {\n    let x = ;\n}\n";
+    assert_fault(&[("test/root", root), ("test/inner", syntax)], "shaders/test/inner.wgsl:4:", "");
+    let types = "//@ use lib/float\n\nfn inner() {\n    let x = 1u;\n    let y: f32 = x;\n}\n";
+    assert_fault(&[("test/root", root), ("test/inner", types)], "shaders/test/inner.wgsl:5:", "");
+    // What the validator finds after a successful parse.
+    let invalid = "//@ use lib/float\nfn inner() -> f32 {\n    var x = 1.0;\n    loop { break; }\n}\n";
+    assert_fault(&[("test/root", root), ("test/inner", invalid)], "shaders/test/inner.wgsl:", "");
+    // In a line that a list repeats, and behind the repetition.
+    let repeated = "//@ each animal\nconst ${name}: u32 = ${rank}u;\n//@ end\nfn inner() {\n    let x = ;\n}\n";
+    assert_fault(&[("test/root", root), ("test/inner", repeated)], "shaders/test/inner.wgsl:5:", "");
+    let within = "//@ each animal\n\nconst ${name} u32 = ${rank}u;\n//@ end\nfn inner() { let x = cat; }\n";
+    assert_fault(&[("test/root", root), ("test/inner", within)], "shaders/test/inner.wgsl:3:", "");
+    // In the root itself.
+    assert_fault(&[("test/root", "//@ use lib/rng\n\nfn main( {}\n")], "shaders/test/root.wgsl:3:", "");
+}
+
+#[test]
+fn modules_are_joined_once_and_lists_and_values_filled_in() {
+    let root = "//@ use lib/rng\n//@ use test/inner\n//@ use choice/known\nfn number(kind: u32) -> u32 {\n    switch kind {\n\
+                //@ each animal\n        ${case}: { return ${name}() + ${rank}u; }\n//@ end\n    }\n}\n";
+    let inner =
+        "//@ use lib/rng\n//@ each animal\nfn ${name}() -> u32 { return 1u; }\n//@ end\nconst SIZE: u32 = ${size}u;\n";
+    let linked = linked(&[("test/root", root), ("test/inner", inner)]).expect("it links");
+    assert_eq!(linked.modules, ["lib/rng", "test/inner", "test/root"]);
+    assert_eq!(linked.text.matches("fn pcg4d(").count(), 1);
+    for text in ["case 3u: { return cat() + 0u; }", "default: { return dog() + 1u; }", "const SIZE: u32 = 7u;"] {
+        assert!(linked.text.contains(text), "{text}");
+    }
+    assert_eq!(linked.text.lines().count(), linked.lines.len());
+    for (line, (module, number)) in linked.text.lines().zip(&linked.lines) {
+        if module == "lib/rng" {
+            let own = Embedded.module(module).expect("it is there").lines().nth(number - 1);
+            assert_eq!(own, Some(line));
+        }
+    }
+    linked.validate().expect("it is valid");
+}
+
+#[test]
+fn only_what_an_entry_point_reaches_is_kept() {
+    let inner = "// A comment.
+struct Kept {
+    // Another comment.
+    x: f32, // and a third
+    unused_like_a_member: f32,
+}
+struct Unused { x: Kept }
+const SIZE: u32 = 4u;
+const TWICE: u32 = 2u * SIZE;
+const LONE: u32 = 1u;
+override CHOSEN: u32 = 2u;
+@group(0) @binding(0)
+var<storage, read_write> words: array<u32>;
+@group(0) @binding(1) var<uniform> others: vec4<u32>;
+fn unused() -> u32 {
+    return LONE + others.x;
+}
+fn unused_like_a_member() {}
+fn helper(kept: Kept) -> f32 {
+    for (var i = 0u; i < TWICE; i++) { words[i] = CHOSEN; }
+    return kept.unused_like_a_member;
+}
+";
+    let root = "//@ use test/inner\n//@ use lib/rng\n@compute @workgroup_size(1)\nfn main() {\n    let x = helper(Kept(1.0, 2.0));\n}\n";
+    let linked = linked(&[("test/root", root), ("test/inner", inner)]).expect("it links");
+    for kept in [
+        "struct Kept",
+        "SIZE",
+        "TWICE",
+        "CHOSEN",
+        "var<storage",
+        "@binding(0)",
+        "fn helper",
+        "fn main",
+        "    x: f32,\n",
+    ] {
+        assert!(linked.text.contains(kept), "{kept} is missing:\n{}", linked.text);
+    }
+    for gone in ["Unused", "LONE", "others", "fn unused()", "fn unused_like", "omment", "third", "pcg4d", "@binding(1)"]
+    {
+        assert!(!linked.text.contains(gone), "{gone} is left:\n{}", linked.text);
+    }
+    assert_eq!(linked.modules, ["test/inner", "test/root"]);
+    linked.validate().expect("it is valid");
+    // Without an entry point everything stays, for whoever wants to see it.
+    let all = linked_all(inner);
+    assert!(all.contains("Unused") && all.contains("LONE") && all.contains("fn unused()"), "{all}");
+}
+
+fn linked_all(text: &'static str) -> String {
+    linked(&[("test/root", text)]).expect("it links").text
+}

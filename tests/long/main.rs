@@ -1,0 +1,7 @@
+//! What takes minutes: `make test-long`.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod long;
+mod long_paths;

@@ -1,0 +1,1365 @@
+//! The program as its users meet it: command line, streams, files and exit statuses.
+//!
+//! Nothing here depends on how fast the machine is. Where a program that hangs must be found, it is given `LIMIT`, which is no measure of
+//! anything.
+
+use crate::common::{render, stats};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
+
+use gpu_rt::gpu::device::Adapters;
+use gpu_rt::output::exr::{ExrImage, read_exr};
+use gpu_rt::scene::Scene;
+use serde_json::Value;
+use tempfile::TempDir;
+
+/// When a program that does not end is killed.
+const LIMIT: Duration = Duration::from_secs(120);
+/// More samples than any machine renders in `LIMIT`: a render of them ends only when it is refused or interrupted.
+const ENDLESS: &str = "1000000000";
+
+/// One Lambertian sphere before a gradient: nothing more than that is required.
+const SPHERE: &str = "Scene(
+    image: (width: 20, height: 12),
+    camera: (look_from: (0, 0, 3), look_at: (0, 0, 0), up: (0, 1, 0), vertical_fov: 50),
+    background: Gradient(bottom: (1, 1, 1), top: (0.5, 0.7, 1)),
+    materials: { \"grey\": Lambertian(albedo: Rgb(0.5, 0.4, 0.3)) },
+    objects: [Sphere(center: (0, 0, 0), radius: 1, material: \"grey\")],
+    render: (samples: 16, max_depth: 7),
+)
+";
+
+/// A folder with the scene `sphere.ron` in a folder of its own, and a folder to work in.
+struct Place {
+    folder: TempDir,
+}
+
+/// What a run of the program came to.
+#[derive(Debug)]
+struct Ran {
+    status: ExitStatus,
+    stdout: String,
+    stderr: String,
+}
+
+impl Place {
+    fn new() -> Place {
+        let place = Place { folder: tempfile::tempdir().expect("a temporary folder") };
+        fs::create_dir(place.folder.path().join("scenes")).expect("a folder is made");
+        fs::create_dir(place.work()).expect("a folder is made");
+        place.scene("sphere.ron", SPHERE);
+        place
+    }
+
+    /// The current folder of the program.
+    fn work(&self) -> PathBuf {
+        self.folder.path().join("work")
+    }
+
+    /// Writes a scene; the result is its path from the work folder.
+    fn scene(&self, name: &str, text: &str) -> String {
+        let path = format!("../scenes/{name}");
+        fs::write(self.work().join(&path), text).expect("the scene is written");
+        path
+    }
+
+    fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_gpu-rt"));
+        command.current_dir(self.work()).args(arguments);
+        command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        command
+    }
+
+    fn run(&self, arguments: &[&str]) -> Ran {
+        finish(self.command(arguments).spawn().expect("the program starts"))
+    }
+
+    /// `gpu-rt render ../scenes/sphere.ron --device SOFTWARE`, and more arguments.
+    fn render(&self, more: &[&str]) -> Ran {
+        self.run(&[&self.render_sphere(), more].concat())
+    }
+
+    fn render_sphere(&self) -> [&'static str; 4] {
+        ["render", "../scenes/sphere.ron", "--device", software()]
+    }
+
+    /// The files in the work folder.
+    fn files(&self) -> Vec<String> {
+        let entries = fs::read_dir(self.work()).expect("the folder is there");
+        let mut names: Vec<String> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    fn exr(&self, name: &str) -> ExrImage {
+        read_exr(&self.work().join(name)).unwrap_or_else(|error| panic!("{error}"))
+    }
+}
+
+/// The software device's index as the program counts, chosen as tests/common/device.rs does.
+fn software() -> &'static str {
+    static INDEX: std::sync::OnceLock<String> = std::sync::OnceLock::new();
+    INDEX.get_or_init(|| match std::env::var("GPU_RT_TEST_DEVICE") {
+        Ok(wish) => wish,
+        Err(_) => {
+            let names = Adapters::find().names();
+            let index = names.iter().position(|(name, _)| name.software);
+            index.expect("the tests need a software Vulkan driver").to_string()
+        }
+    })
+}
+
+/// Waits for the program, and takes what it has printed. (Less than a pipe holds: no thread has to read meanwhile.)
+fn finish(mut child: Child) -> Ran {
+    wait(&mut child);
+    let output = child.wait_with_output().expect("its output can be read");
+    let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
+    Ran { status: output.status, stdout: text(output.stdout), stderr: text(output.stderr) }
+}
+
+fn wait(child: &mut Child) {
+    let start = Instant::now();
+    while child.try_wait().expect("the program can be asked").is_none() {
+        if start.elapsed() > LIMIT {
+            let _ = child.kill();
+            panic!("the program does not end");
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+impl Ran {
+    fn code(&self) -> i32 {
+        self.status.code().unwrap_or_else(|| panic!("ended by a signal: {self:?}"))
+    }
+
+    /// Asserts the exit status, and what holds for every run: no panic, no colours where nothing is a terminal.
+    #[track_caller]
+    fn exits(self, code: i32) -> Ran {
+        assert!(!self.stderr.contains("panicked"), "{}", self.stderr);
+        assert!(!self.stderr.contains('\u{1b}') && !self.stdout.contains('\u{1b}'), "colours: {self:?}");
+        assert_eq!(self.code(), code, "{self:?}");
+        self
+    }
+
+    /// All of stdout as one JSON object.
+    #[track_caller]
+    fn json(&self) -> Value {
+        let value: Value =
+            serde_json::from_str(&self.stdout).unwrap_or_else(|error| panic!("{error}: {}", self.stdout));
+        assert!(value.is_object(), "{value}");
+        value
+    }
+
+    fn last_line(&self) -> &str {
+        self.stderr.lines().last().unwrap_or_default()
+    }
+}
+
+fn attribute<'a>(image: &'a ExrImage, name: &str) -> &'a str {
+    let found = image.attributes.iter().find(|(key, _)| key == name);
+    found.map(|(_, value)| value.as_str()).unwrap_or_else(|| panic!("no {name} in {:?}", image.attributes))
+}
+
+// render: what it writes
+
+#[test]
+fn render_writes_the_scenes_name_into_the_current_folder() {
+    let place = Place::new();
+    let ran = place.render(&[]).exits(0);
+    assert_eq!(place.files(), ["sphere.exr"]);
+    assert_eq!(ran.stdout, "");
+    let image = place.exr("sphere.exr");
+    assert_eq!((image.width, image.height), (20, 12));
+    assert_eq!(image.samples, Some(vec![16; 240]));
+    assert_eq!(image.rejected, Some(vec![0; 240]));
+    // Lens or not, what the library renders is what the program writes.
+    let scene = Scene::parse(SPHERE, Path::new("sphere.ron")).expect("the scene is good");
+    let shot = render::render(&scene, &render::Ask::spp(16).sobol());
+    assert!(image.rgb == shot.picture.rgb && image.variance == Some(shot.picture.variance));
+}
+
+#[test]
+fn render_ends_with_path_samples_error_and_time() {
+    let place = Place::new();
+    let ran = place.render(&["-o", "picture one.exr"]).exits(0);
+    let line = ran.last_line();
+    let (path, rest) = line.split_once(": ").expect("the path comes first");
+    assert_eq!(path, "picture one.exr");
+    assert!(rest.contains("16 samples"), "{line}");
+    let number_before = |unit: &str| {
+        let words: Vec<&str> = rest.split_whitespace().collect();
+        let at = words.iter().position(|word| word.trim_end_matches(',') == unit);
+        let number = at.and_then(|at| words.get(at.checked_sub(1)?)?.parse::<f64>().ok());
+        number.unwrap_or_else(|| panic!("no number before {unit} in {line}"))
+    };
+    let percent: f64 = attribute(&place.exr("picture one.exr"), "gpu-rt:relative_error").parse().unwrap();
+    assert!((number_before("%") - 100.0 * percent).abs() <= 0.0051, "{line}, {percent}");
+    // With its bound, and what it is not about.
+    let bound: f64 = attribute(&place.exr("picture one.exr"), "gpu-rt:relative_error_bound").parse().unwrap();
+    assert!(line.contains(&format!("below {:.2} %)", 100.0 * bound)) && bound > percent, "{line}, {bound}");
+    assert!(ran.stderr.contains("it excludes what max_depth cut off"), "{}", ran.stderr);
+    assert!(number_before("s") >= 0.0);
+    // A software driver is warned about.
+    let devices = place.run(&["devices", "--json"]).exits(0).json();
+    let index = software().parse::<usize>();
+    if index.is_ok_and(|index| devices["devices"][index]["software"] == true) {
+        assert!(ran.stderr.contains("warning") && ran.stderr.contains("software"), "{}", ran.stderr);
+    }
+}
+
+#[test]
+fn render_writes_where_it_is_told_and_a_png() {
+    let place = Place::new();
+    fs::create_dir(place.work().join("sub")).unwrap();
+    place.render(&["-o", "sub/image.exr", "--png", "sub/image.png"]).exits(0);
+    assert_eq!(place.files(), ["sub"]);
+    let png = |name: &str| image::open(place.work().join(name)).expect("a PNG").into_rgb8();
+    let usual = png("sub/image.png");
+    assert_eq!(usual.dimensions(), (20, 12));
+    // Brighter by two stops, and the linear file does not care.
+    place.render(&["-o", "bright.exr", "--png", "bright.png", "--exposure", "-2"]).exits(0);
+    let sum = |image: &image::RgbImage| image.as_raw().iter().map(|&v| u64::from(v)).sum::<u64>();
+    assert!(sum(&png("bright.png")) < sum(&usual));
+    assert!(place.exr("bright.exr").rgb == place.exr("sub/image.exr").rgb);
+}
+
+#[test]
+fn quiet_says_nothing() {
+    let place = Place::new();
+    let ran = place.render(&["--quiet"]).exits(0);
+    assert_eq!((ran.stdout.as_str(), ran.stderr.as_str()), ("", ""));
+    assert_eq!(place.files(), ["sphere.exr"]);
+    // Errors are said, quiet or not.
+    let ran = place.run(&["render", "missing.ron", "--quiet"]).exits(2);
+    assert_ne!(ran.stderr, "");
+}
+
+#[test]
+fn json_is_one_object_with_every_key() {
+    let place = Place::new();
+    let ran = place.render(&["--json", "--quiet", "--seed", "5", "--max-depth", "3"]).exits(0);
+    assert_eq!(ran.stderr, "");
+    let json = ran.json();
+    for (key, value) in [("width", 20), ("height", 12), ("samples_per_pixel", 16), ("max_depth", 3), ("seed", 5)] {
+        assert_eq!(json[key], value, "{key}");
+    }
+    assert_eq!(json["paths"], 20 * 12 * 16);
+    assert_eq!(json["rejected_samples"], 0);
+    for key in ["device", "driver"] {
+        assert!(json[key].as_str().is_some_and(|text| !text.is_empty()), "{key}");
+    }
+    let number = |value: &Value, key: &str| {
+        let number = value[key].as_f64().unwrap_or_else(|| panic!("{key} is no number in {value}"));
+        assert!(number >= 0.0, "{key}");
+        number
+    };
+    // The parts follow one another, also where the work of one is done beside another: their sum is no more than the total.
+    let parts = ["load", "build", "device", "compile", "render", "write", "total"];
+    let seconds = parts.map(|key| number(&json["seconds"], key));
+    assert!(seconds[..6].iter().sum::<f64>() <= seconds[6] * 1.001, "{seconds:?}");
+    let first_pass = number(&json["seconds"], "first_pass");
+    assert!(first_pass > 0.0 && first_pass <= seconds[4], "{first_pass} of {seconds:?}");
+    // Every path has a ray at least, and a scattering event on it adds one at most.
+    let (paths, rays) = (number(&json, "paths"), number(&json, "rays"));
+    assert!(paths < rays && rays <= 4.0 * paths, "{rays} rays");
+    for (key, count) in [("paths_per_second", paths), ("rays_per_second", rays)] {
+        assert!((number(&json, key) * seconds[4] / count - 1.0).abs() < 1e-6, "{key}");
+    }
+    assert!(number(&json, "relative_error") > 0.0);
+    assert!(number(&json, "relative_error_bound") > number(&json, "relative_error"));
+    assert!(json["reliable"].is_boolean() && json["sampler"] == "sobol");
+    assert!(number(&json, "gpu_bytes") > 0.0);
+    let kernels = json["kernels"].as_array().expect("a list of kernels");
+    assert!(kernels.len() >= 2 && kernels.iter().all(Value::is_string), "{kernels:?}");
+    // Where a person watches as well, stdout is the same.
+    place.render(&["--json"]).exits(0).json();
+}
+
+/// What `check` warns of outlives the run, also a quiet one.
+#[test]
+fn the_report_and_the_exr_hold_what_check_warns_of() {
+    let place = Place::new();
+    let text = SPHERE
+        .replace("{ \"grey\":", "{ \"glass\": Dielectric(ior: 1.0000001), \"grey\":")
+        .replace("objects: [", "objects: [Sphere(center: (1, 0, 0), radius: 1e-9, material: \"grey\"), ");
+    let dangerous = place.scene("dangerous.ron", &text);
+    let check = place.run(&["check", &dangerous, "--json"]).exits(0).json();
+    let warnings: Vec<&str> = check["warnings"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
+    assert!(warnings.len() == 3 && warnings.iter().any(|warning| warning.contains("a radius of 1e-9")), "{warnings:?}");
+    let render = |more: &[&str]| {
+        let ran = place.run(&[&["render", &dangerous, "--device", software(), "--json"], more].concat()).exits(0);
+        assert_eq!(ran.json()["warnings"], check["warnings"]);
+        assert_eq!(attribute(&place.exr("dangerous.exr"), "gpu-rt:warnings"), warnings.join("\n"));
+        ran.stderr
+    };
+    assert_eq!(render(&["--quiet"]), "");
+    let told = render(&[]);
+    assert!(warnings.iter().all(|warning| told.contains(&format!("warning: {warning}\n"))), "{told}");
+    // A scene without is said to have none.
+    let ran = place.render(&["--quiet", "--json"]).exits(0);
+    assert_eq!(ran.json()["warnings"], serde_json::json!([]));
+    let names = place.exr("sphere.exr").attributes;
+    assert!(!names.iter().any(|(name, _)| name == "gpu-rt:warnings"), "{names:?}");
+}
+
+#[test]
+fn the_exr_holds_linear_floats_and_says_how_it_was_made() {
+    let place = Place::new();
+    let json = place.render(&["--json", "--seed", "77", "--samples", "8..32", "--max-depth", "4"]).exits(0).json();
+    let image = place.exr("sphere.exr");
+    for (name, value) in [
+        ("seed", "77"),
+        ("max_depth", "4"),
+        ("first_sample", "8"),
+        ("end_sample", "32"),
+        ("rejected_samples", "0"),
+        ("scene", "../scenes/sphere.ron"),
+        ("version", env!("CARGO_PKG_VERSION")),
+        ("device", json["device"].as_str().unwrap()),
+        ("driver", json["driver"].as_str().unwrap()),
+    ] {
+        assert_eq!(attribute(&image, &format!("gpu-rt:{name}")), value, "{name}");
+    }
+    for name in ["seconds_load", "seconds_compile", "seconds_render"] {
+        let seconds = attribute(&image, &format!("gpu-rt:{name}"));
+        assert!(seconds.parse::<f64>().is_ok_and(|seconds| seconds >= 0.0), "{name}: {seconds}");
+    }
+    // The error with its bound, how sure that is, what it is not about, and how much of that is known.
+    for name in ["relative_error", "relative_error_bound", "relative_error_confidence", "cut_paths", "cut_throughput"] {
+        let (in_file, in_json) = (attribute(&image, &format!("gpu-rt:{name}")), &json[name]);
+        let in_file: f64 = in_file.parse().unwrap_or_else(|_| panic!("{name}: {in_file}"));
+        assert!(
+            in_json.as_f64().is_some_and(|value| (in_file - value).abs() <= 1e-9 * value),
+            "{name}: {in_file}, {in_json}"
+        );
+    }
+    assert_eq!(attribute(&image, "gpu-rt:relative_error_excludes"), json["relative_error_excludes"]);
+    assert_eq!(json["relative_error_confidence"], 0.95);
+    assert_eq!(attribute(&image, "gpu-rt:reliable") == "1", json["reliable"] == true);
+    let cut = |depth: &str| {
+        place.render(&["-o", "cut.exr", "--max-depth", depth]).exits(0);
+        attribute(&place.exr("cut.exr"), "gpu-rt:cut_paths").parse::<u64>().expect("a number")
+    };
+    assert!(cut("0") > 0 && cut("50") < cut("0"), "{} and {}", cut("0"), cut("50"));
+    // The first part has R, G and B as 32-bit floats; what else there is has names of its own.
+    let meta = exr::meta::MetaData::read_from_file(place.work().join("sphere.exr"), false).expect("an EXR");
+    let channels = &meta.headers[0].channels.list;
+    for name in ["R", "G", "B"] {
+        let channel = channels.iter().find(|channel| channel.name.to_string() == name).expect(name);
+        assert_eq!(channel.sample_type, exr::meta::attribute::SampleType::F32);
+    }
+    let others = channels.iter().filter(|channel| !["R", "G", "B"].contains(&channel.name.to_string().as_str()));
+    assert!(others.clone().count() >= 3 && others.into_iter().all(|channel| channel.name.to_string().contains('.')));
+    // Row 0 is on top: the sky is bluer there.
+    let red = |y: usize| image.rgb[y * 20][0];
+    assert!(red(0) < red(11), "{} {}", red(0), red(11));
+    // relative_error = sqrt(mean(v/(I² + 0.01 Ī²))), Ī the image's mean luminance; f32 in the file, so to 1e-5.
+    let variance = image.variance.as_ref().expect("variances");
+    let pixels = image.rgb.len() as f64;
+    let luminance =
+        |rgb: &[f32; 3]| 0.2126 * f64::from(rgb[0]) + 0.7152 * f64::from(rgb[1]) + 0.0722 * f64::from(rgb[2]);
+    let mean = image.rgb.iter().map(luminance).sum::<f64>() / pixels;
+    let pairs = image.rgb.as_flattened().iter().zip(variance.as_flattened());
+    let term = |(&i, &v): (&f32, &f32)| f64::from(v) / (f64::from(i).powi(2) + 0.01 * mean * mean);
+    let error = (pairs.map(term).sum::<f64>() / (3.0 * pixels)).sqrt();
+    for found in [json["relative_error"].as_f64().unwrap(), attribute(&image, "gpu-rt:relative_error").parse().unwrap()]
+    {
+        assert!((found / error - 1.0).abs() < 1e-5, "{found}, expected {error}");
+    }
+}
+
+#[test]
+fn noise_ends_where_the_error_is_reached_and_says_so() {
+    let place = Place::new();
+    let ran = place.render(&["--noise", "0.02", "--json", "-o", "a.exr"]).exits(0);
+    let (json, image) = (ran.json(), place.exr("a.exr"));
+    let samples = json["samples_per_pixel"].as_u64().expect("a number");
+    assert!(samples.is_power_of_two() && samples >= 16, "{samples}");
+    assert_eq!((json["noise_reached"].as_bool(), attribute(&image, "gpu-rt:noise_reached")), (Some(true), "1"));
+    assert!(json["relative_error_bound"].as_f64().expect("a number") < 0.02);
+    for name in ["relative_error", "relative_error_bound"] {
+        let in_file: f64 = attribute(&image, &format!("gpu-rt:{name}")).parse().expect("a number");
+        assert!((in_file / json[name].as_f64().expect("a number") - 1.0).abs() < 1e-6, "{name}");
+    }
+    assert_eq!(attribute(&image, "gpu-rt:reliable") == "1", json["reliable"] == true);
+    assert!(ran.stderr.contains("--noise 0.02 was reached"), "{}", ran.stderr);
+    // It is the image of so many samples.
+    place.render(&["--spp", &samples.to_string(), "-o", "b.exr"]).exits(0);
+    assert!(place.exr("b.exr").rgb == image.rgb && place.exr("b.exr").variance == image.variance);
+    // --spp and --time end it before.
+    let ran = place.render(&["--noise", "0.0001", "--spp", "24", "-o", "c.exr"]).exits(0);
+    assert!(ran.stderr.contains("was not reached") && ran.last_line().contains("24 samples"), "{}", ran.stderr);
+    let ran = place.render(&["--noise", "0.000001", "--time", "0.5s", "-o", "d.exr"]).exits(0);
+    assert!(ran.stderr.contains("was not reached"), "{}", ran.stderr);
+    for nonsense in ["0", "-0.01", "nan", "inf", "2", "1e-9", "1%", ""] {
+        let ran = place.render(&[&format!("--noise={nonsense}"), "-o", "e.exr"]).exits(2);
+        assert!(ran.stderr.contains("noise"), "{nonsense}: {}", ran.stderr);
+    }
+    place.render(&["--noise", "0.1", "--samples", "0..16", "-o", "e.exr"]).exits(2);
+    assert!(!place.work().join("e.exr").exists());
+}
+
+#[test]
+fn options_override_the_scene() {
+    let place = Place::new();
+    let rgb = |more: &[&str]| {
+        place.render(&[more, &["-o", "a.exr"]].concat()).exits(0);
+        place.exr("a.exr")
+    };
+    let usual = rgb(&[]);
+    assert!(rgb(&["--spp", "16", "--seed", "0", "--size", "20x12", "--max-depth", "7"]).rgb == usual.rgb);
+    assert!(rgb(&["--samples", "0..16"]).rgb == usual.rgb);
+    assert!(rgb(&["--integrator", "bsdf", "--sampler", "sobol"]).rgb == usual.rgb);
+    assert!(rgb(&["--slots", "33", "--workgroup", "8", "--bounces", "3", "--scatter", "queues"]).rgb == usual.rgb);
+    assert!(rgb(&["--sampler", "independent"]).rgb != usual.rgb);
+    assert!(rgb(&["--seed", "1"]).rgb != usual.rgb);
+    assert!(rgb(&["--samples", "16..32"]).rgb != usual.rgb);
+    assert!(rgb(&["--max-depth", "0"]).rgb != usual.rgb);
+    let small = rgb(&["--size", "7x3", "--spp", "9"]);
+    assert_eq!((small.width, small.height, small.samples), (7, 3, Some(vec![9; 21])));
+    let half = rgb(&["--size", "50%", "--spp", "9"]);
+    assert_eq!((half.width, half.height), (10, 6));
+    let least = rgb(&["--size", "0.1%", "--spp", "9"]);
+    assert_eq!((least.width, least.height), (1, 1));
+    assert!(rgb(&["--size", "100%"]).rgb == usual.rgb);
+    assert_eq!(rgb(&["--samples", "3..30"]).samples, Some(vec![27; 240]));
+}
+
+#[test]
+fn a_time_limit_gives_every_pixel_the_same_samples_and_one_at_least() {
+    let place = Place::new();
+    for time in ["1s", "1ms", "0.3"] {
+        let json = place.render(&["--time", time, "--json", "-o", "a.exr"]).exits(0).json();
+        let samples = place.exr("a.exr").samples.expect("a layer of samples");
+        assert!(samples[0] >= 1 && samples.iter().all(|&n| n == samples[0]), "{time}: {samples:?}");
+        assert_eq!(json["samples_per_pixel"], samples[0], "{time}");
+    }
+    // Less than a start takes: that it took longer is said, and by how much. An hour is not overrun.
+    let ran = place.render(&["--time", "1ms", "--json", "-o", "a.exr"]).exits(0);
+    let (json, over) = (ran.json(), &ran.json()["time_overrun_seconds"]);
+    let (total, over) = (json["seconds"]["total"].as_f64().expect("a time"), over.as_f64().expect("an overrun"));
+    assert!((total - 0.001 - over).abs() < 1e-9, "{total}, {over}");
+    assert!(ran.stderr.contains("longer than --time 0.001 s"), "{}", ran.stderr);
+    // Kept where there is time, and nothing is said then: in one of five, as the other tests take what they take of the processor, and what
+    // they begin after the pilot has seen how fast it goes makes it late.
+    let is_kept = |_| {
+        let json = place.render(&["--time", "2s", "--json", "-o", "a.exr"]).exits(0).json();
+        let total = json["seconds"]["total"].as_f64().expect("a time");
+        assert_eq!(json["time_overrun_seconds"].is_null(), total <= 2.0, "{json}");
+        total <= 2.0
+    };
+    assert!((0..5).any(is_kept));
+    // Up to --spp, with however much time.
+    let json = place.render(&["--time", "1h", "--spp", "24", "--json"]).exits(0).json();
+    assert_eq!(json["samples_per_pixel"], 24);
+}
+
+#[test]
+fn strict_passes_where_no_sample_is_rejected() {
+    let place = Place::new();
+    place.render(&["--strict"]).exits(0);
+}
+
+/// More faces in one place than a walk may take steps, on any driver: every sample that looks there is cut short, and none beside.
+#[test]
+fn rejected_samples_are_reported_and_strict_fails() {
+    const TOGETHER: usize = 600;
+    let place = Place::new();
+    let face = "3 0 1 2\n".repeat(TOGETHER);
+    let mesh = format!(
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face {TOGETHER}\n\
+         property list uchar int vertex_indices\nend_header\n-1 -1 0\n9 -1 0\n-1 9 0\n{face}"
+    );
+    place.scene("faces.ply", &mesh);
+    let objects = "Mesh(path: \"faces.ply\", material: \"grey\"),".repeat(TOGETHER);
+    let scene = place.scene(
+        "many.ron",
+        &format!(
+            "Scene(image: (width: 4, height: 2),
+             camera: (look_from: (-1, 0, 3), look_at: (-1, 0, 0), vertical_fov: 20),
+             background: Solid((0.5, 0.5, 0.5)),
+             materials: {{ \"grey\": Lambertian(albedo: Rgb(0.5, 0.4, 0.3)) }}, objects: [{objects}],
+             render: (samples: 8, max_depth: 2))"
+        ),
+    );
+    let render = ["render", &scene, "--device", software(), "-o", "a.exr"];
+    // Half of the 8 pixels, with 8 samples each.
+    let words = "32 of 64 samples were rejected: 0 were not a number, 0 infinite, 32 cut short";
+    let ran = place.run(&[&render[..], &["--json"]].concat()).exits(0);
+    assert!(ran.stderr.contains(words), "{}", ran.stderr);
+    assert_eq!(ran.json()["rejected_samples"], 32);
+    let ran = place.run(&[&render[..], &["--strict", "--json", "--quiet"]].concat()).exits(1);
+    assert_eq!(ran.json()["rejected_samples"], 32, "the report comes all the same");
+    assert!(ran.last_line().contains("--strict") && ran.last_line().contains(words), "{}", ran.stderr);
+    // And so does the image, with the rejected samples of each pixel.
+    let image = place.exr("a.exr");
+    assert_eq!(image.rejected, Some([0, 0, 8, 8].repeat(2)));
+    assert_eq!(image.samples, Some([8, 8, 0, 0].repeat(2)));
+    assert_eq!(attribute(&image, "gpu-rt:rejected_cut"), "32");
+    assert_eq!([image.rgb[0], image.rgb[3]], [[0.5; 3], [0.0; 3]]);
+}
+
+/// Any sizes that the command line takes make the same image, or are refused before anything is rendered.
+#[test]
+fn many_slots_and_small_workgroups_render_or_are_refused() {
+    let place = Place::new();
+    place.render(&["-o", "usual.exr"]).exits(0);
+    // More workgroups than the 65 535 that a dispatch may have along one axis (WebGPU's maxComputeWorkgroupsPerDimension).
+    let ran = place.render(&["-o", "a.exr", "--slots", "70000", "--workgroup", "1"]);
+    match ran.code() {
+        2 => assert_eq!(place.files(), ["usual.exr"]),
+        _ => {
+            ran.exits(0);
+            assert!(place.exr("a.exr").rgb == place.exr("usual.exr").rgb);
+        }
+    }
+}
+
+#[test]
+fn a_scene_without_objects_shows_its_sky() {
+    let place = Place::new();
+    let text = SPHERE.replace("Sphere(center: (0, 0, 0), radius: 1, material: \"grey\")", "");
+    let scene = place.scene("sky.ron", &text);
+    place.run(&["render", &scene, "--device", software(), "--spp", "1"]).exits(0);
+    let image = place.exr("sky.exr");
+    assert!(image.rgb.iter().flatten().all(|v| (0.5..=1.0).contains(v)));
+}
+
+// Bad input
+
+/// Scenes with one error each: the text, the line and column of the error, and a word of the message.
+fn bad_scenes() -> Vec<(String, usize, usize, &'static str)> {
+    // The error stands at the mark.
+    let bad = |good: &str, bad: &str, word| {
+        let text = SPHERE.replacen(good, bad, 1);
+        let (before, _) = text.split_once('§').expect("a mark");
+        let (line, column) = (before.split('\n').count(), before.chars().rev().take_while(|c| *c != '\n').count() + 1);
+        (text.replace('§', ""), line, column, word)
+    };
+    vec![
+        (String::new(), 1, 1, "empty"),
+        bad("width: 20", "width: §0", "width"),
+        bad("vertical_fov: 50", "vertical_fov: §180", "vertical_fov"),
+        bad("radius: 1", "radius: §-1", "radius"),
+        bad("material: \"grey\"", "material: §\"gray\"", "grey"),
+        bad("max_depth: 7", "§max_dept: 7", "max_depth"),
+    ]
+}
+
+#[test]
+fn bad_scenes_are_refused_with_file_line_and_column() {
+    let place = Place::new();
+    fs::write(place.work().join("old.exr"), "old").unwrap();
+    for (text, line, column, word) in bad_scenes() {
+        let scene = place.scene("bad.ron", &text);
+        let at = format!("{scene}:{line}:{column}: ");
+        let commands: [&[&str]; 3] = [
+            &["render", &scene, "-o", "old.exr", "--png", "old.png"],
+            &["check", &scene],
+            &["plan", &scene, "--wgsl", "shaders"],
+        ];
+        for command in commands {
+            let ran = place.run(command).exits(2);
+            assert_eq!(ran.stdout, "");
+            assert!(ran.stderr.starts_with(&format!("error: {at}")), "{command:?}: {}, expected {at}", ran.stderr);
+            assert!(ran.stderr.contains(word), "{command:?}: {}, expected {word}", ran.stderr);
+            // Nothing is written, and what was there stays.
+            assert_eq!(place.files(), ["old.exr"]);
+            assert_eq!(fs::read_to_string(place.work().join("old.exr")).unwrap(), "old");
+        }
+    }
+    let ran = place.run(&["render", "missing.ron"]).exits(2);
+    assert!(ran.stderr.contains("missing.ron:1:1: "), "{}", ran.stderr);
+    let lost = SPHERE.replace("Rgb(0.5, 0.4, 0.3)", "Image(path: \"lost.png\")");
+    let scene = place.scene("bad.ron", &lost);
+    let ran = place.run(&["render", &scene]).exits(2);
+    assert!(ran.stderr.contains(&format!("{scene}:5:")) && ran.stderr.contains("lost.png"), "{}", ran.stderr);
+    assert_eq!(place.files(), ["old.exr"]);
+}
+
+#[test]
+fn bad_arguments_are_refused() {
+    let place = Place::new();
+    let sphere = "../scenes/sphere.ron";
+    let commands: &[&[&str]] = &[
+        &[],
+        &["paint"],
+        &["render"],
+        &["render", sphere, sphere],
+        &["render", sphere, "--spp", "0"],
+        &["render", sphere, "--spp", "-1"],
+        &["render", sphere, "--spp", "many"],
+        &["render", sphere, "--samples", "5..5"],
+        &["render", sphere, "--samples", "8..4"],
+        &["render", sphere, "--samples", "8"],
+        &["render", sphere, "--samples", "0..9999999999"],
+        &["render", sphere, "--time", "0"],
+        &["render", sphere, "--time", "-3"],
+        &["render", sphere, "--time", "soon"],
+        &["render", sphere, "--size", "0x5"],
+        &["render", sphere, "--size", "5"],
+        &["render", sphere, "--size", "99999x2"],
+        &["render", sphere, "--size", "65536x65536"],
+        &["render", sphere, "--size", "0%"],
+        &["render", sphere, "--size", "101%"],
+        &["render", sphere, "--size", "nan%"],
+        &["render", sphere, "--clamp", "0"],
+        &["render", sphere, "--clamp=-1"],
+        &["render", sphere, "--clamp", "nan"],
+        &["render", sphere, "--clamp", "inf"],
+        &["render", sphere, "--fresnel", "cubic"],
+        &["render", sphere, "--max-depth", "-1"],
+        &["render", sphere, "--seed", "4294967296"],
+        &["render", sphere, "--exposure", "nan"],
+        &["render", sphere, "--checkpoint", "0s"],
+        &["render", sphere, "--device", "999"],
+        &["render", sphere, "--device", "no such device"],
+        &["render", sphere, "--slots", "0"],
+        &["render", sphere, "--workgroup", "0"],
+        &["render", sphere, "--bounces", "0"],
+        &["render", sphere, "--scatter", "wildly"],
+        &["render", sphere, "--unknown"],
+        &["render", sphere, "-o"],
+        &["plan"],
+        &["plan", sphere, "--device", "999"],
+        &["plan", sphere, "--size", "0x0"],
+        &["check"],
+        &["check", sphere, "--spp", "4"],
+        &["devices", "2"],
+        &["compare"],
+        &["compare", "a.exr"],
+        &["compare", "a.exr", "b.exr", "c.exr"],
+        &["compare", "a.exr", "b.exr"],
+    ];
+    for command in commands {
+        let ran = place.run(command).exits(2);
+        assert!(!ran.stderr.is_empty() && ran.stdout.is_empty(), "{command:?}: {ran:?}");
+        assert!(place.files().is_empty(), "{command:?}: {:?}", place.files());
+    }
+}
+
+#[test]
+fn converge_measures_the_images_that_render_writes() {
+    let place = Place::new();
+    place.render(&["--spp", "512", "--seed", "7", "-o", "reference.exr"]).exits(0);
+    place.render(&["--spp", "24", "-o", "last.exr"]).exits(0);
+    let sphere = place.render_sphere();
+    let converge = [&["converge"], &sphere[1..], &["--reference", "reference.exr"]].concat();
+    let ran = place.run(&[&converge[..], &["--spp", "24", "-o", "plots"]].concat()).exits(0);
+    let csv = fs::read_to_string(place.work().join("plots/sphere-converge.csv")).expect("the table is there");
+    let rows: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
+    assert_eq!(rows[0], ["samples", "seconds", "mse", "rmse", "relmse", "mean_difference", "relative_error"]);
+    let samples: Vec<&str> = rows[1..].iter().map(|row| row[0]).collect();
+    assert_eq!(samples, ["1", "2", "4", "8", "16", "24"]);
+    // A line on the terminal for each, below their names.
+    assert_eq!(ran.stdout.lines().count(), rows.len(), "{}", ran.stdout);
+    assert!(fs::read_to_string(place.work().join("plots/sphere-converge.svg")).unwrap().contains("<svg"));
+
+    // The error falls, time passes, and the last image is, but for where its sums were cut, that of `render`.
+    let number = |row: &[&str], column: usize| row[column].parse::<f64>().expect("a number");
+    assert!(rows[1..].windows(2).all(|two| number(&two[0], 1) < number(&two[1], 1)), "{csv}");
+    assert!(number(&rows[6], 4) < 0.2 * number(&rows[1], 4), "{csv}");
+    let (last, reference) = (place.exr("last.exr"), place.exr("reference.exr"));
+    let relmse = gpu_rt::metrics::error::relmse(&last.rgb, &reference.rgb).expect("of one size");
+    assert!((number(&rows[6], 4) / relmse - 1.0).abs() < 1e-5, "{csv}: {relmse}");
+    let json = place.run(&[&converge[..], &["--spp", "24", "--json"]].concat()).exits(0).json();
+    assert_eq!(json["steps"].as_array().map(Vec::len), Some(6));
+    assert!(json["relmse_of_reference"].as_f64().is_some_and(|own| own > 0.0 && own < relmse), "{json}");
+    // Its own noise would not be found.
+    assert!(!ran.stderr.contains("give another --seed"), "{}", ran.stderr);
+    let ran = place.run(&[&converge[..], &["--spp", "1", "--seed", "7"]].concat()).exits(0);
+    assert!(ran.stderr.contains("reference.exr was rendered with seed 7 too"), "{}", ran.stderr);
+    // Other light is found: the same at half the albedo.
+    let darker = place.scene("darker.ron", &SPHERE.replace("0.5, 0.4, 0.3", "0.25, 0.2, 0.15"));
+    let found = place.run(&["converge", &darker, "--device", software(), "--reference", "reference.exr", "--json"]);
+    let found = found.exits(0).json();
+    assert!(found["steps"][4]["mean_difference"].as_f64().is_some_and(|off| off < -0.05), "{found}");
+
+    for (reference, words) in [("none.exr", "none.exr: cannot read"), ("../scenes/sphere.ron", "cannot read")] {
+        let ran = place.run(&[&["converge"], &sphere[1..], &["--reference", reference]].concat()).exits(2);
+        assert!(ran.stderr.contains(words), "{}", ran.stderr);
+    }
+}
+
+// compare
+
+/// Renders a.exr and b.exr of two seeds, and brighter.exr and local.exr, which are b with 2 % more light, or 30 % more in a corner.
+fn rendered_pair(place: &Place) {
+    for (name, seed) in [("a.exr", "1"), ("b.exr", "2")] {
+        place.render(&["--size", "48x32", "--seed", seed, "-o", name, "--quiet"]).exits(0);
+    }
+    let write = |name: &str, change: &dyn Fn(usize) -> f32| {
+        let image = place.exr("b.exr");
+        let scaled = |(i, rgb): (usize, &[f32; 3])| rgb.map(|v| v * change(i));
+        let picture = gpu_rt::film::Picture {
+            width: image.width,
+            height: image.height,
+            rgb: image.rgb.iter().enumerate().map(scaled).collect(),
+            variance: image.variance.expect("variances"),
+            samples: image.samples.expect("samples"),
+            rejected: image.rejected.expect("rejected samples"),
+        };
+        gpu_rt::output::exr::write_exr(&place.work().join(name), &picture, &[]).expect("it is written");
+    };
+    write("brighter.exr", &|_| 1.02);
+    write("local.exr", &|i| if i % 48 < 6 && i / 48 < 5 { 1.3 } else { 1.0 });
+}
+
+#[test]
+fn compare_tells_noise_from_differences() {
+    let place = Place::new();
+    rendered_pair(&place);
+    for (image, words) in [
+        ("a.exr", "A differs by noise only, p = "),
+        ("b.exr", "noise only"),
+        ("brighter.exr", "A is brighter by "),
+        ("local.exr", "A is brighter by "),
+    ] {
+        let ran = place.run(&["compare", image, "b.exr"]).exits(0);
+        let last = ran.stdout.lines().last().expect("a verdict");
+        assert!(last.contains(words), "{image}: {}", ran.stdout);
+        assert_eq!(ran.stderr, "");
+        for name in ["MSE", "RMSE", "relMSE", "PSNR", "FLIP", "mean difference"] {
+            assert!(ran.stdout.lines().any(|line| line.starts_with(name)), "{name}: {}", ran.stdout);
+        }
+        let json = place.run(&["compare", image, "b.exr", "--json"]).exits(0).json();
+        assert_eq!(json["verdict"], last);
+        for key in ["mse", "rmse", "relmse", "relmse_trimmed", "flip", "mean_difference", "p"] {
+            assert!(json[key].is_number(), "{key}: {json}");
+        }
+        assert_eq!(json["psnr"].is_number(), image != "b.exr", "{json}");
+        assert!(json.get("without_ruling_pixels").is_some_and(Value::is_null), "its noise is even: {json}");
+        let [low, high] = [0, 1].map(|end| json["interval"][end].as_f64().expect("a number"));
+        let mean = json["mean_difference"].as_f64().expect("a number");
+        assert!(low <= mean && mean <= high, "{json}");
+    }
+    // Said of A, and B is the reference.
+    let last = |ran: Ran| ran.stdout.lines().last().unwrap_or_default().to_string();
+    let darker = last(place.run(&["compare", "b.exr", "brighter.exr"]).exits(0));
+    assert!(darker.contains("A is darker by ") && !darker.contains("brighter"), "{darker}");
+    // Where, if it is in one place.
+    let local = last(place.run(&["compare", "local.exr", "b.exr"]).exits(0));
+    assert!(local.contains("around pixel ("), "{local}");
+}
+
+/// The errors are those of the formulas, computed here in another way.
+#[test]
+fn compare_measures_what_it_says() {
+    let place = Place::new();
+    rendered_pair(&place);
+    let json = place.run(&["compare", "a.exr", "b.exr", "--json"]).exits(0).json();
+    let (a, b) = (place.exr("a.exr"), place.exr("b.exr"));
+    let pairs = || a.rgb.as_flattened().iter().zip(b.rgb.as_flattened()).map(|(&a, &b)| (f64::from(a), f64::from(b)));
+    let mean =
+        |error: &dyn Fn(f64, f64) -> f64| pairs().map(|(a, b)| error(a, b)).sum::<f64>() / pairs().count() as f64;
+    let encoded = |v: f64| match v.clamp(0.0, 1.0) {
+        v if v <= 0.003_130_8 => 12.92 * v,
+        v => 1.055 * v.powf(1.0 / 2.4) - 0.055,
+    };
+    let luminance = |image: &ExrImage| {
+        let of = |rgb: &[f32; 3]| 0.2126 * f64::from(rgb[0]) + 0.7152 * f64::from(rgb[1]) + 0.0722 * f64::from(rgb[2]);
+        image.rgb.iter().map(of).sum::<f64>() / image.rgb.len() as f64
+    };
+    let mse = mean(&|a, b| (a - b).powi(2));
+    for (key, expected) in [
+        ("mse", mse),
+        ("rmse", mse.sqrt()),
+        ("relmse", mean(&|a, b| (a - b).powi(2) / (b * b + 0.01))),
+        ("psnr", -10.0 * mean(&|a, b| (encoded(a) - encoded(b)).powi(2)).log10()),
+        ("mean_difference", luminance(&a) - luminance(&b)),
+        ("reference_mean", luminance(&b)),
+    ] {
+        let found = json[key].as_f64().expect("a number");
+        assert!((found - expected).abs() <= 1e-9 * expected.abs().max(1e-3), "{key}: {found}, expected {expected}");
+    }
+}
+
+#[test]
+fn compare_fails_above_limits_and_draws_a_heatmap() {
+    let place = Place::new();
+    rendered_pair(&place);
+    let compare = |more: &[&str]| place.run(&[&["compare", "a.exr", "b.exr"], more].concat());
+    let names = ["mse", "rmse", "relmse", "relmse_trimmed", "flip", "mean_difference"];
+    let all: Vec<String> = names.iter().flat_map(|name| ["--fail-above".to_string(), format!("{name}=1e3")]).collect();
+    compare(&all.iter().map(String::as_str).collect::<Vec<_>>()).exits(0);
+    for name in names {
+        let ran = compare(&["--fail-above", "mse=1000", "--fail-above", &format!("{name}=0")]).exits(1);
+        assert!(ran.stderr.contains(&format!("{name} is ")) && ran.stderr.contains("above 0"), "{}", ran.stderr);
+        assert!(ran.stdout.contains("noise only"), "the report comes all the same: {}", ran.stdout);
+    }
+    compare(&["--fail-above", "flip=0", "--json"]).exits(1).json();
+    for bad in ["psnr=3", "ssim=1", "mse", "mse=", "mse=-1", "mse=nan", "mse=inf", "=1"] {
+        let ran = compare(&["--fail-above", bad]).exits(2);
+        assert!(ran.stderr.contains("mse"), "{bad}: {}", ran.stderr);
+    }
+    compare(&["--heatmap", "map.png"]).exits(0);
+    let map = image::open(place.work().join("map.png")).expect("a PNG").into_rgb8();
+    assert_eq!(map.dimensions(), (48, 32));
+    place.run(&["compare", "b.exr", "b.exr", "--heatmap", "black.png"]).exits(0);
+    let black = image::open(place.work().join("black.png")).expect("a PNG").into_rgb8();
+    assert!(black.pixels().all(|pixel| pixel.0 == [0, 0, 0]) || black.pixels().all(|p| p.0[0] < 6 && p.0[2] < 9));
+    assert!(map.pixels().any(|pixel| pixel.0 != black.get_pixel(0, 0).0));
+    // An image is not overwritten, and what cannot be written is said before the work.
+    for place_of_map in ["a.exr", "./b.exr", "missing/map.png", "."] {
+        compare(&["--heatmap", place_of_map]).exits(2);
+    }
+    assert_eq!(place.files(), ["a.exr", "b.exr", "black.png", "brighter.exr", "local.exr", "map.png"]);
+}
+
+/// Files of other renderers, without variances; sizes that differ; files that are none.
+#[test]
+fn compare_takes_any_exr_and_refuses_the_rest() {
+    let place = Place::new();
+    let write = |name: &str, width: usize, height: usize, value: &(dyn Fn(usize, usize) -> f32 + Sync)| {
+        let rgb = |x, y| (value(x, y), value(x, y), value(x, y));
+        exr::prelude::write_rgb_file(place.work().join(name), width, height, rgb).expect("it is written");
+    };
+    let mut random = stats::Random(7);
+    let noise: Vec<f32> = (0..2 * 64 * 64).map(|_| (1.0 + 0.2 * random.normal()) as f32).collect();
+    write("a.exr", 64, 64, &|x, y| noise[y * 64 + x]);
+    write("b.exr", 64, 64, &|x, y| noise[(64 + y) * 64 + x]);
+    write("dark.exr", 64, 64, &|x, y| 0.95 * noise[y * 64 + x]);
+    write("nan.exr", 64, 64, &|x, y| if (x, y) == (5, 6) { f32::NAN } else { noise[y * 64 + x] });
+    write("negative.exr", 64, 64, &|x, y| if x == 3 { -0.01 } else { noise[y * 64 + x] });
+    write("small.exr", 63, 64, &|_, _| 1.0);
+    write("broken.exr", 64, 64, &|_, _| f32::INFINITY);
+    let verdict = |a: &str| place.run(&["compare", a, "b.exr"]).exits(0);
+    assert!(verdict("a.exr").stdout.contains("noise only") && verdict("a.exr").stdout.contains("paired differences"));
+    assert!(verdict("dark.exr").stdout.contains("A is darker by "));
+    assert!(verdict("negative.exr").stdout.contains("64 of A, 0 of B"));
+    // Pixels that are not finite are left out, and said; no limit lets them pass.
+    let ran = verdict("nan.exr");
+    let words = "1 of 4096 pixels that are NaN or infinite: 1 of A, 0 of B";
+    assert!(ran.stdout.contains(words) && ran.stderr.contains(words), "{ran:?}");
+    let json = place.run(&["compare", "nan.exr", "b.exr", "--json"]).exits(0).json();
+    assert_eq!((&json["pixels"]["compared"], &json["pixels"]["not_finite"]["image"]), (&4095.into(), &1.into()));
+    assert!(json["mse"].as_f64().is_some_and(f64::is_finite) && json["flip"].as_f64().is_some_and(f64::is_finite));
+    assert!(place.run(&["compare", "nan.exr", "b.exr", "--fail-above", "mse=9"]).exits(1).stderr.contains(words));
+    // What cannot be compared.
+    fs::write(place.work().join("text.exr"), "no EXR").unwrap();
+    for (a, b, words) in [
+        ("small.exr", "b.exr", "63 x 64"),
+        ("broken.exr", "b.exr", "no pixel is finite"),
+        ("text.exr", "b.exr", "text.exr"),
+        ("a.exr", "missing.exr", "missing.exr"),
+        (".", "b.exr", "cannot read"),
+    ] {
+        let ran = place.run(&["compare", a, b]).exits(2);
+        assert!(ran.stderr.contains(words) && ran.stdout.is_empty(), "{a} {b}: {ran:?}");
+    }
+    // Of any size.
+    for (width, height) in [(1, 1), (1, 9), (3, 2), (200, 1)] {
+        write("one.exr", width, height, &|x, y| noise[y * width + x]);
+        write("two.exr", width, height, &|x, y| 1.5 * noise[y * width + x]);
+        for other in ["one.exr", "two.exr"] {
+            let ran = place.run(&["compare", "one.exr", other, "--heatmap", "map.png"]).exits(0);
+            let last = ran.stdout.lines().last().unwrap_or_default();
+            assert!(["noise only", "brighter", "darker"].iter().any(|words| last.contains(words)), "{last}");
+        }
+    }
+}
+
+/// The same picture of more code.
+#[test]
+fn all_features_change_the_plan_and_not_the_image() {
+    let place = Place::new();
+    let scene = "../scenes/sphere.ron";
+    let pixels = |features: &str| {
+        let more = ["--spp", "8", "--features", features, "-o", "out.exr", "--quiet", "--json"];
+        assert_eq!(place.render(&more).exits(0).json()["features"], features);
+        gpu_rt::output::exr::read_exr(&place.work().join("out.exr")).expect("it was written").rgb
+    };
+    assert!(pixels("scene") == pixels("all"));
+    let kernels = |features: &str| place.run(&["plan", scene, "--features", features]).exits(0).stdout;
+    assert!(!kernels("scene").contains("--features all"));
+    assert!(kernels("all").contains("--features all"));
+    assert!(place.run(&["render", scene, "--features", "none"]).exits(2).stderr.contains("scene, all"));
+}
+
+/// The README lists options and commands that are not built yet. They are refused, never ignored. Remove each from here when it is built.
+#[test]
+fn what_is_not_built_is_refused() {
+    let place = Place::new();
+    let sphere = "../scenes/sphere.ron";
+    let commands: &[&[&str]] = &[&["render", sphere, "--resume"], &["merge", "a.exr", "b.exr", "-o", "c.exr"]];
+    for command in commands {
+        let ran = place.run(command).exits(2);
+        assert!(!ran.stderr.is_empty() && ran.stdout.is_empty(), "{command:?}: {ran:?}");
+        assert!(place.files().is_empty(), "{command:?}: {:?}", place.files());
+    }
+}
+
+#[test]
+fn settings_that_bias_say_so() {
+    let place = Place::new();
+    let help = place.run(&["render", "--help"]).exits(0).stdout;
+    let about = help.split("--max-depth").nth(1).expect("--max-depth is described");
+    let about = about.split("\n      --").next().unwrap().split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(about.contains("biases the result"), "{about}");
+}
+
+// Places that cannot be written
+
+#[test]
+fn places_that_cannot_be_written_are_refused_before_rendering() {
+    let place = Place::new();
+    fs::write(place.work().join("file"), "").unwrap();
+    fs::create_dir(place.work().join("folder")).unwrap();
+    let mut outputs = vec!["missing/a.exr", "file/a.exr", "folder", "folder/", ".", ""];
+    if cfg!(target_os = "linux") {
+        // A folder where nobody may make files, not even root.
+        outputs.push("/proc/a.exr");
+    }
+    for output in outputs {
+        for option in ["-o", "--png"] {
+            // Only a refusal ends this within the limit.
+            let ran = place.render(&[option, output, "--spp", ENDLESS]);
+            let code = ran.code();
+            assert!(code == 1 || code == 2, "{option} {output:?}: {ran:?}");
+            ran.exits(code);
+            assert_eq!(place.files(), ["file", "folder"], "{option} {output:?}");
+        }
+    }
+}
+
+#[test]
+fn an_output_file_is_replaced_as_a_whole() {
+    let place = Place::new();
+    fs::write(place.work().join("a.exr"), "old").unwrap();
+    place.render(&["-o", "a.exr"]).exits(0);
+    // The temporary file is gone.
+    assert_eq!(place.files(), ["a.exr"]);
+    assert_eq!((place.exr("a.exr").width, place.exr("a.exr").height), (20, 12));
+}
+
+// Interrupts
+
+/// Starts a render without end, with checkpoints all the time, and waits for the first of them.
+fn endless(place: &Place, more: &[&str]) -> Child {
+    let arguments = [&place.render_sphere(), ["--spp", ENDLESS, "--checkpoint", "50ms"].as_slice(), more].concat();
+    let mut child = place.command(&arguments).spawn().expect("the program starts");
+    let start = Instant::now();
+    while !place.work().join("sphere.exr").exists() {
+        assert!(child.try_wait().unwrap().is_none(), "it ended: {:?}", finish(child));
+        if start.elapsed() > LIMIT {
+            let _ = child.kill();
+            panic!("no checkpoint is written");
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    child
+}
+
+#[cfg(unix)]
+fn interrupt(child: &Child) {
+    let status = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill is there");
+    assert!(status.success());
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupt_writes_the_image_and_fails() {
+    let place = Place::new();
+    let child = endless(&place, &[]);
+    interrupt(&child);
+    let ran = finish(child).exits(1);
+    assert!(ran.stderr.contains("sphere.exr"), "{}", ran.stderr);
+    assert_eq!(place.files(), ["sphere.exr"]);
+    let image = place.exr("sphere.exr");
+    let samples = image.samples.as_ref().expect("a layer of samples");
+    // Whole runs, of 8 samples: no path is cut off, and none dropped.
+    assert!(samples.iter().all(|n| n.is_multiple_of(8)), "{samples:?}");
+    assert!(samples.iter().any(|n| *n > 0));
+    assert_eq!(
+        attribute(&image, "gpu-rt:paths").parse::<u64>().unwrap(),
+        samples.iter().map(|&n| u64::from(n)).sum::<u64>()
+    );
+    assert_eq!(attribute(&image, "gpu-rt:complete"), "0");
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_render_reports_the_samples_that_it_has() {
+    let place = Place::new();
+    let child = endless(&place, &["--json"]);
+    interrupt(&child);
+    let ran = finish(child).exits(1);
+    let image = place.exr("sphere.exr");
+    let samples = image.samples.as_ref().expect("a layer of samples");
+    let range = *samples.iter().min().unwrap()..=*samples.iter().max().unwrap();
+    let json = ran.json();
+    let reported = json["samples_per_pixel"].as_u64().expect("a number");
+    assert!(range.contains(&(reported as u32)), "{reported} samples are reported, the pixels have {range:?}");
+    // The line about the image, and the header, do not claim what was asked for either.
+    assert!(!ran.stderr.contains(&format!("{ENDLESS} samples")), "{}", ran.stderr);
+    assert_ne!(attribute(&image, "gpu-rt:end_sample"), ENDLESS);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_killed_render_leaves_its_last_checkpoint() {
+    let place = Place::new();
+    let mut child = endless(&place, &[]);
+    child.kill().expect("the program can be killed");
+    child.wait().unwrap();
+    let image = place.exr("sphere.exr");
+    assert_eq!((image.width, image.height), (20, 12));
+    assert_eq!(attribute(&image, "gpu-rt:complete"), "0");
+}
+
+/// A measurement that is interrupted when `ready` says so of what it has said on stderr. The result is that, and the report.
+#[cfg(unix)]
+fn interrupted_tradeoff(place: &Place, ready: impl Fn(&str) -> bool, says: &str) -> (String, Value) {
+    place.scene("large.ron", &SPHERE.replace("width: 20, height: 12", "width: 96, height: 96"));
+    let said = place.folder.path().join("said");
+    let arguments = ["tradeoff", "../scenes/large.ron", "--budget", "1h", "--knobs", "roulette,clamp"];
+    let mut command = place.command(&[&arguments[..], &["-o", "report", "--device", software()]].concat());
+    let mut child = command.stderr(fs::File::create(&said).unwrap()).spawn().expect("the program starts");
+    let start = Instant::now();
+    while !ready(&fs::read_to_string(&said).unwrap()) {
+        assert!(child.try_wait().unwrap().is_none(), "it ended");
+        if start.elapsed() > LIMIT {
+            let _ = child.kill();
+            panic!("it never comes so far");
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    interrupt(&child);
+    let ran = finish(child).exits(1);
+    let said = fs::read_to_string(&said).unwrap();
+    assert!(said.trim_end().ends_with(says), "{said}");
+    assert!(ran.stdout.starts_with("setting"), "{ran:?}");
+    let folder = place.work().join("report");
+    assert!(fs::read_to_string(folder.join("index.html")).unwrap().ends_with("</html>\n"));
+    let report = serde_json::from_slice(&fs::read(folder.join("tradeoff.json")).unwrap()).expect("an object");
+    let rows = fs::read_to_string(folder.join("tradeoff.csv")).unwrap().lines().count();
+    // The head, the defaults, roulette off, and three limits.
+    assert_eq!(rows, 1 + 5, "{report}");
+    (said, report)
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_tradeoff_reports_what_was_measured() {
+    let place = Place::new();
+    let says = "interrupted; report holds what was measured";
+    let (said, report) = interrupted_tradeoff(&place, |said| said.contains("3 rounds are measured"), says);
+    assert_eq!(report["interrupted"], true, "{said}");
+    let settings = report["settings"].as_array().unwrap();
+    assert!(settings.iter().all(|setting| setting["measured"] == true), "{report:#}");
+    assert!(settings.iter().all(|setting| (3..32).contains(&setting["rounds"].as_u64().unwrap())), "{report:#}");
+    assert!(place.work().join("report/plot.svg").exists());
+}
+
+#[cfg(unix)]
+#[test]
+fn a_tradeoff_that_is_interrupted_at_once_says_that_nothing_is_measured() {
+    let place = Place::new();
+    let folder = place.work().join("report");
+    let (said, report) = interrupted_tradeoff(&place, |_| folder.exists(), "interrupted before anything was measured");
+    assert_eq!(report["interrupted"], true, "{said}");
+    for setting in report["settings"].as_array().unwrap() {
+        assert_eq!(setting["measured"], false, "{report:#}");
+        assert_eq!(setting["verdict"], "not measured: interrupted before it was", "{report:#}");
+    }
+    assert_eq!(report["recommendations"][1]["words"], "relMSE 1e-2: nothing was measured");
+}
+
+// Streams that are closed
+
+#[test]
+fn a_closed_stdout_is_no_failure() {
+    let place = Place::new();
+    let commands: &[&[&str]] = &[
+        &["plan", "../scenes/sphere.ron"],
+        &["plan", "../scenes/sphere.ron", "--json"],
+        &["check", "../scenes/sphere.ron"],
+        &["devices"],
+        &["render", "--help"],
+        &["render", "../scenes/sphere.ron", "--json", "--device", software()],
+    ];
+    for command in commands {
+        let mut child = place.command(command).spawn().expect("the program starts");
+        drop(child.stdout.take());
+        finish(child).exits(0);
+    }
+    assert_eq!(place.files(), ["sphere.exr"]);
+}
+
+/// The image is worth more than the messages: `gpu-rt render scene.ron 2>&1 | head -1` renders on.
+#[test]
+fn a_closed_stderr_is_no_failure() {
+    let place = Place::new();
+    let mut child = place.command(&place.render_sphere()).spawn().expect("the program starts");
+    drop(child.stderr.take());
+    assert_eq!(finish(child).code(), 0);
+    assert_eq!(place.files(), ["sphere.exr"]);
+    // An error that cannot be told is still an exit status.
+    let mut child = place.command(&["render", "missing.ron"]).spawn().expect("the program starts");
+    drop(child.stderr.take());
+    assert_eq!(finish(child).code(), 2);
+}
+
+// check, plan, devices
+
+#[test]
+fn check_finds_errors_and_dangers() {
+    let place = Place::new();
+    let ran = place.run(&["check", "../scenes/sphere.ron"]).exits(0);
+    assert!(ran.stdout.contains("valid") && !ran.stdout.contains("warning:"), "{}", ran.stdout);
+    let json = place.run(&["check", "../scenes/sphere.ron", "--json"]).exits(0).json();
+    assert_eq!(json["valid"], true);
+    assert_eq!(json["warnings"].as_array().map(Vec::len), Some(0));
+    // An albedo of 1 is dangerous, and said to be, at its place.
+    let scene = place.scene("white.ron", &SPHERE.replace("Rgb(0.5, 0.4, 0.3)", "Rgb(1, 1, 1)"));
+    let ran = place.run(&["check", &scene]).exits(0);
+    assert!(ran.stdout.contains(&format!("warning: {scene}:5:")), "{}", ran.stdout);
+    let json = place.run(&["check", &scene, "--json"]).exits(0).json();
+    assert!(json["warnings"][0].as_str().is_some_and(|warning| warning.starts_with(&format!("{scene}:5:"))), "{json}");
+    // An error is one object too.
+    for (text, line, column, word) in bad_scenes() {
+        let scene = place.scene("bad.ron", &text);
+        let json = place.run(&["check", &scene, "--json"]).exits(2).json();
+        let error = &json["error"];
+        assert_eq!(json["valid"], false);
+        assert_eq!(
+            (error["line"].as_u64(), error["column"].as_u64()),
+            (Some(line as u64), Some(column as u64)),
+            "{json}"
+        );
+        assert!(error["message"].to_string().contains(word) || error["field"].to_string().contains(word), "{json}");
+    }
+}
+
+/// All that a scene may ask for, and the same with everything asked for.
+const RICH: &str = "Scene(
+    image: (width: 20, height: 12),
+    camera: (look_from: (0, 0, 3), look_at: (0, 0, 0), vertical_fov: 50, aperture: 0.1),
+    background: Solid((1, 1, 1)),
+    materials: {
+        \"check\": Lambertian(albedo: Checker(scale: 0.3, even: (0.1, 0.1, 0.1), odd: (0.9, 0.9, 0.9))),
+        \"noise\": Metal(albedo: Noise(scale: 2)),
+        \"glass\": Dielectric(ior: 1.5),
+    },
+    objects: [
+        Sphere(center: (0, 0, 0), radius: 1, material: \"check\"),
+        Quad(corner: (0, 0, -2), u: (1, 0, 0), v: (0, 1, 0), material: \"noise\"),
+        Box(min: (-2, -2, -2), max: (-1, -1, -1), material: \"glass\"),
+    ],
+)
+";
+
+/// What a simple scene must do without.
+const LUXURIES: [&str; 5] = ["quad", "cuboid", "texture", "lens", "queue"];
+
+#[test]
+fn plan_lists_what_the_scene_requires_and_no_more() {
+    let place = Place::new();
+    let sphere = "../scenes/sphere.ron";
+    let device = ["--device", software()];
+    let text = place.run(&[["plan", sphere], device].concat()).exits(0).stdout;
+    let json = place.run(&["plan", sphere, device[0], device[1], "--json"]).exits(0).json();
+    let kernels = json["kernels"].as_array().expect("kernels");
+    let names: Vec<&str> = kernels.iter().map(|kernel| kernel["name"].as_str().expect("a name")).collect();
+    assert!(names.len() >= 2, "{names:?}");
+    let buffers = json["buffers"].as_array().expect("buffers");
+    let bytes: u64 = buffers.iter().map(|buffer| buffer["bytes"].as_u64().expect("bytes")).sum();
+    assert_eq!(json["gpu_bytes"], bytes);
+    for name in names.iter().chain(&["spheres", "records"]) {
+        assert!(text.contains(name), "{name} in {text}");
+    }
+    // Which object asked.
+    assert!(text.contains(&format!("{sphere}:6:15")) && text.contains(&format!("{sphere}:5:")), "{text}");
+    // Render agrees.
+    let rendered = place.run(&["render", sphere, device[0], device[1], "--json"]).exits(0).json();
+    let rendered: Vec<&str> = rendered["kernels"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
+    assert_eq!(rendered, names);
+
+    // The plan's modules and bindings, and the shaders as text. A scene that asks for everything shows that the words would be found.
+    let rich = place.scene("rich.ron", RICH);
+    for (scene, luxurious) in [(sphere, false), (rich.as_str(), true)] {
+        for scatter in ["fused", "linked", "queues"] {
+            let plan = place.run(&["plan", scene, "--scatter", scatter, "--json", "--wgsl", scatter]).exits(0).json();
+            let lists = ["kernels", "buffers"].map(|list| plan[list].as_array().expect("a list"));
+            let parts = lists.into_iter().flatten();
+            let parts: Vec<String> =
+                parts.flat_map(|item| ["name", "modules", "bindings"].map(|key| item[key].to_string())).collect();
+            let shaders = shaders(&place.work().join(scatter));
+            assert_eq!(shaders.len(), lists[0].len());
+            let code: String = shaders.into_iter().map(|(_, text)| text).collect();
+            for luxury in LUXURIES {
+                // Queues are not for all who have much.
+                let expected = luxurious && (luxury != "queue" || scatter == "queues");
+                let in_plan = parts.iter().any(|part| part.contains(luxury));
+                assert_eq!(in_plan, expected, "{luxury} in the plan of {scene}, {scatter}: {parts:?}");
+                assert_eq!(declares(&code, luxury), expected, "{luxury} in the code of {scene}, {scatter}");
+            }
+            fs::remove_dir_all(place.work().join(scatter)).unwrap();
+        }
+    }
+}
+
+/// Whether the code has a function or a binding with the word in its name. (Fields of structs are there for all: the host fills one
+/// layout.)
+fn declares(code: &str, word: &str) -> bool {
+    let declarations = code.lines().filter_map(|line| {
+        let rest = line.strip_prefix("fn ").or_else(|| line.split_once("var<").map(|(_, rest)| rest))?;
+        rest.split(['(', ':']).next()
+    });
+    declarations.into_iter().any(|name| name.to_lowercase().contains(word))
+}
+
+/// The files of a folder, by name, with their text.
+fn shaders(folder: &Path) -> Vec<(String, String)> {
+    let entries = fs::read_dir(folder).expect("the folder is made");
+    let paths = entries.map(|entry| entry.unwrap().path());
+    let mut shaders: Vec<_> = paths
+        .map(|path| (path.file_name().unwrap().to_string_lossy().into_owned(), fs::read_to_string(&path).unwrap()))
+        .collect();
+    shaders.sort();
+    shaders
+}
+
+/// A report that does not arrive is a failure that is told; a reader who has read enough is none.
+#[test]
+#[cfg(target_os = "linux")]
+fn lost_output_is_a_failure_and_a_closed_pipe_is_none() {
+    let place = Place::new();
+    let commands: [&[&str]; 5] = [
+        &["plan", "../scenes/sphere.ron", "--json"],
+        &["plan", "../scenes/sphere.ron"],
+        &["check", "../scenes/sphere.ron"],
+        &["devices"],
+        &["render", "../scenes/sphere.ron", "--device", software(), "--json"],
+    ];
+    for command in commands {
+        let full = fs::File::options().write(true).open("/dev/full").expect("there is a full device");
+        let ran = finish(place.command(command).stdout(full).spawn().expect("the program starts")).exits(1);
+        assert!(ran.stderr.contains("stdout: cannot write: No space left on device"), "{command:?}: {}", ran.stderr);
+        let mut child = place.command(command).spawn().expect("the program starts");
+        drop(child.stdout.take());
+        finish(child).exits(0);
+    }
+    // What was rendered is there all the same.
+    assert_eq!(place.files(), ["sphere.exr"]);
+}
+
+#[test]
+fn plan_writes_shaders_that_naga_takes() {
+    let place = Place::new();
+    let rich = place.scene("rich.ron", RICH);
+    for (scene, scatter) in [("../scenes/sphere.ron", "fused"), (&rich, "fused"), (&rich, "linked"), (&rich, "queues")]
+    {
+        let folder = tempfile::tempdir().unwrap();
+        let into = folder.path().join("new/folder");
+        place.run(&["plan", scene, "--scatter", scatter, "--wgsl", into.to_str().unwrap()]).exits(0);
+        let kernels = place.run(&["plan", scene, "--scatter", scatter, "--json"]).exits(0).json();
+        let mut names: Vec<String> = kernels["kernels"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|kernel| format!("{}.wgsl", kernel["name"].as_str().unwrap()))
+            .collect();
+        names.sort();
+        let shaders = shaders(&into);
+        assert_eq!(shaders.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>(), names);
+        for (name, text) in shaders {
+            let module = naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{name}: {error}"));
+            assert_eq!(module.entry_points.len(), 1, "{name}");
+            let flags = naga::valid::ValidationFlags::all();
+            let valid = naga::valid::Validator::new(flags, naga::valid::Capabilities::empty()).validate(&module);
+            valid.unwrap_or_else(|error| panic!("{name}: {error:?}"));
+        }
+    }
+}
+
+#[test]
+fn devices_are_listed_with_drivers_and_limits() {
+    let place = Place::new();
+    let text = place.run(&["devices"]).exits(0).stdout;
+    let json = place.run(&["devices", "--json"]).exits(0).json();
+    let devices = json["devices"].as_array().expect("a list");
+    assert!(!devices.is_empty());
+    for (index, device) in (0..).zip(devices) {
+        let device: &Value = device;
+        assert_eq!(device["index"], index);
+        for key in ["name", "driver"] {
+            let value = device[key].as_str().expect(key);
+            assert!(!value.is_empty() && text.contains(value), "{key}: {value} in {text}");
+        }
+        let limits = device["limits"].as_object().expect("limits");
+        assert!(limits.values().all(|limit| limit.as_u64().is_some_and(|limit| limit > 0)));
+        assert!(text.contains(&format!("{index}: ")), "{text}");
+    }
+    assert_eq!(devices.iter().filter(|device| device["default"] == true).count(), 1);
+}
+
+#[test]
+fn devices_report_the_numerics_probe() {
+    let place = Place::new();
+    let json = place.run(&["devices", "--json"]).exits(0).json();
+    let devices = json["devices"].as_array().expect("a list");
+    for device in devices {
+        let numerics = &device["numerics"];
+        assert!(numerics.is_object(), "{device}");
+        for name in [
+            "two_sum",
+            "two_sum_barrier",
+            "two_product_barrier",
+            "fma_fused",
+            "contraction",
+            "nan_compares",
+            "nan_fails_comparisons",
+            "nan_by_bits",
+            "subnormals",
+            "words_reach_one",
+            "uniforms_exact",
+            "edge_signs",
+        ] {
+            assert!(numerics[name].is_boolean(), "{name}: {numerics}");
+        }
+        for name in ["loop_iterations", "log_error", "log_relative_error", "sin_error", "sin_error_far"] {
+            assert!(numerics[name].is_number(), "{name}: {numerics}");
+        }
+        assert!(numerics["conversion"].is_string(), "{numerics}");
+    }
+    let text = place.run(&["devices"]).exits(0).stdout;
+    for words in ["two-sum", "fma", "x != x", "subnormals", "loops", "log", "sin", "u32 to f32", "signs of edges"] {
+        let lines = text.lines().filter(|line| line.trim_start().starts_with("numerics: ") && line.contains(words));
+        assert_eq!(lines.count(), devices.len(), "{words}: {text}");
+    }
+}
+
+/// What a render found of its device goes with its image, and is what `devices` says of it.
+#[test]
+fn a_render_says_what_the_numerics_probe_found() {
+    let place = Place::new();
+    let report = place.render(&["--json"]).exits(0).json();
+    let header: Value = serde_json::from_str(attribute(&place.exr("sphere.exr"), "gpu-rt:numerics")).expect("JSON");
+    assert_eq!(report["numerics"], header);
+    let listed = place.run(&["devices", "--json"]).exits(0).json();
+    let same = |device: &Value| device["driver"] == report["driver"] && device["numerics"] == header;
+    assert!(listed["devices"].as_array().expect("a list").iter().any(same), "{listed}\n{header}");
+}
+
+/// Without any driver: check and plan work, render and devices say what to install, and nobody panics.
+#[cfg(target_os = "linux")]
+#[test]
+fn without_a_driver_only_rendering_fails() {
+    let place = Place::new();
+    let run = |arguments: &[&str]| {
+        let mut command = place.command(arguments);
+        command.env("VK_DRIVER_FILES", "/nonexistent.json").env("VK_ICD_FILENAMES", "/nonexistent.json");
+        finish(command.spawn().expect("the program starts"))
+    };
+    run(&["check", "../scenes/sphere.ron"]).exits(0);
+    run(&["plan", "../scenes/sphere.ron"]).exits(0);
+    for arguments in [["render", "../scenes/sphere.ron"].as_slice(), &["devices"]] {
+        let ran = run(arguments).exits(1);
+        assert!(ran.stderr.contains("install"), "{}", ran.stderr);
+    }
+    assert!(place.files().is_empty());
+}

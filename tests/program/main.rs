@@ -1,0 +1,6 @@
+//! The program as its users meet it.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod cli;

@@ -1,0 +1,136 @@
+//! What a start costs, by what is compiled: kernels that run, each once, and no others. Seconds depend on the machine, and are in
+//! docs/performance.md.
+
+use crate::common::{device, render};
+use std::path::Path;
+use std::time::Instant;
+
+use crate::common::everything::{Everything, World};
+use gpu_rt::data::Sampler;
+use gpu_rt::film::Film;
+use gpu_rt::flatten::flatten;
+use gpu_rt::gpu::device::Device;
+use gpu_rt::job::{Goal, Job};
+use gpu_rt::options::{RenderOptions, Scatter};
+use gpu_rt::plan::Plan;
+use gpu_rt::render::{Next, Outcome, Renderer};
+use gpu_rt::scene::Scene;
+
+const SIZE: (u32, u32) = (16, 9);
+
+/// Makes a scene's kernels ready and, if it is to be rendered, renders a sample; the result is the kernels that were dispatched.
+fn start(device: &Device, scene: &Scene, scatter: Scatter, to_be_rendered: bool) -> Vec<String> {
+    let options = RenderOptions { scatter: Some(scatter), ..RenderOptions::default() };
+    let flat = flatten(scene, SIZE, &options).expect("the scene flattens");
+    let job = Job { size: SIZE, max_depth: 8, seed: 0, first_sample: 0, goal: Goal::Samples(1) };
+    let plan = Plan::new(&flat, &options, device.class(), &job).expect("the kernels link");
+    // The seconds of each kernel on the device name all that were dispatched.
+    let mut renderer = Renderer::new(device, &plan, &job, true).expect("the kernels compile");
+    if !to_be_rendered {
+        return Vec::new();
+    }
+    let mut film = Film::with_sampler(SIZE.0, SIZE.1, flat.radiance_exponent, Sampler::Sobol).expect("the film fits");
+    let outcome = renderer.run(&job, &mut film, &mut |_, _| Next::GoOn).expect("the device renders");
+    assert_eq!(film.totals().paths, u64::from(SIZE.0 * SIZE.1));
+    outcome.stages.into_iter().map(|(name, _)| name).collect()
+}
+
+/// The kernels that were compiled in vain: for nothing, or once more.
+fn in_vain(device: &Device, ran: &[String]) -> Vec<String> {
+    let mut compiled = device.compiled();
+    for name in ran.iter().map(String::as_str).chain(["probe"]) {
+        let at = compiled.iter().position(|known| known == name).unwrap_or_else(|| panic!("{name} was never compiled"));
+        compiled.swap_remove(at);
+    }
+    compiled
+}
+
+/// One sphere before a sky, with one material: little is required.
+fn sphere() -> Scene {
+    render::scene(
+        "Scene(
+            image: (width: 16, height: 9),
+            camera: (look_from: (0, 0, 3), look_at: (0, 0, 0), up: (0, 1, 0), vertical_fov: 50),
+            background: Solid((1, 1, 1)),
+            materials: { \"grey\": Lambertian(albedo: Rgb(0.5, 0.4, 0.3)) },
+            objects: [Sphere(center: (0, 0, 0), radius: 1, material: \"grey\")],
+        )",
+    )
+}
+
+/// Nothing but a sky.
+fn nothing() -> Scene {
+    render::scene(
+        "Scene(
+            image: (width: 16, height: 9),
+            camera: (look_from: (0, 0, 3), look_at: (0, 0, 0), up: (0, 1, 0), vertical_fov: 50),
+            background: Solid((1, 1, 1)),
+            materials: {},
+            objects: [],
+        )",
+    )
+}
+
+/// The seconds of a submission of a render that goes on until some have been made: the median after the first. Of the cover scene: bounces of a lone
+/// sphere are over in less than 100 ms where there is room for no more runs.
+fn submission(device: &Device, bounces: Option<u32>) -> f64 {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.ron");
+    let scene = Scene::load(&file).expect("it ships");
+    let size = (256, 256);
+    let options = RenderOptions { bounces, ..crate::common::render::plain() };
+    let flat = flatten(&scene, size, &options).expect("the scene flattens");
+    let job = Job { size, max_depth: 8, seed: 0, first_sample: 0, goal: Goal::Samples(1 << 20) };
+    let plan = Plan::new(&flat, &options, device.class(), &job).expect("the kernels link");
+    let mut renderer = Renderer::new(device, &plan, &job, false).expect("the kernels compile");
+    let mut film = Film::with_sampler(size.0, size.1, flat.radiance_exponent, Sampler::Independent).expect("it fits");
+    let mut ends = vec![Instant::now()];
+    let mut watch = |_: &Film, _: &Outcome| {
+        ends.push(Instant::now());
+        if ends.len() < 24 { Next::GoOn } else { Next::Stop }
+    };
+    renderer.run(&job, &mut film, &mut watch).expect("the device renders");
+    let mut seconds: Vec<f64> =
+        ends.windows(2).skip(8).take(15).map(|pair| (pair[1] - pair[0]).as_secs_f64()).collect();
+    seconds.sort_by(f64::total_cmp);
+    seconds[seconds.len() / 2]
+}
+
+/// A submission is to take 100 ms, however fast the device is. Of the median of 15 the half and the double are allowed: a machine that is busy
+/// with other things slows some. A fast device has all that there is room for done sooner.
+#[test]
+fn submissions_are_short() {
+    let device = device::open();
+    let adapted = submission(&device, None);
+    let least = if device.class().software { 0.05 } else { 0.0 };
+    assert!((least..0.2).contains(&adapted), "{adapted} s");
+    // What is not adapted is not near it.
+    let one = submission(&device, Some(1));
+    assert!(one < 0.05, "{one} s a bounce");
+}
+
+#[test]
+fn what_is_compiled_runs() {
+    let files = Everything::new();
+    let scenes = [("nothing", nothing()), ("sphere", sphere()), ("everything", files.scene(World::default()))];
+    for (name, scene) in &scenes {
+        for scatter in [Scatter::Fused, Scatter::Linked, Scatter::Queues] {
+            let device = device::open();
+            assert!(device.timestamps, "this test needs a device that tells which kernels it ran");
+            let ran = start(&device, scene, scatter, true);
+            assert!(ran.len() >= 2, "{name}, {scatter:?}: {ran:?}");
+            assert_eq!(in_vain(&device, &ran), Vec::<String>::new(), "{name}, {scatter:?}");
+        }
+    }
+}
+
+/// Kernels that are compiled and not run are found, and so is one that is compiled twice.
+#[test]
+fn what_is_compiled_in_vain_is_found() {
+    let device = device::open();
+    let scene = sphere();
+    let _ = start(&device, &scene, Scatter::Linked, false);
+    let ran = start(&device, &scene, Scatter::Fused, true);
+    let mut found = in_vain(&device, &ran);
+    found.sort();
+    assert_eq!(found, ["generate", "intersect", "refill", "scatter"]);
+}
