@@ -44,7 +44,7 @@ pub fn warnings(found: &Found) -> Vec<String> {
     let kinds: Vec<Kind> =
         found.scene.materials.iter().map(|(_, material)| Kind::of(material, &found.scene.bitmaps)).collect();
     let mut sizes = Sizes::new(found);
-    let mut surfaces = Surfaces::new(found);
+    let mut surfaces = Surfaces::default();
     let mut same_place = SamePlace::new(found, &kinds);
     let mut planes = Planes::new(found, &kinds);
     let mut walls = Walls::new(found, &kinds);
@@ -197,11 +197,6 @@ impl<'a> Body<'a> {
     fn new(found: &Found, shape: &'a Shape<'a>, to_world: &'a Similarity) -> Body<'a> {
         let hull = shape.hull(&Placement { to_world, space: RenderSpace { eye: found.view.eye, scale: 1.0 } });
         Body { shape, to_world, hull, place: hull.place() }
-    }
-
-    /// The name of the shape's kind in words.
-    fn word(&self) -> &'static str {
-        self.shape.kind().word
     }
 
     /// Half the sides of a box or of the box around a mesh, along its own axes; nothing for others.

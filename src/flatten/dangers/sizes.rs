@@ -24,7 +24,7 @@ const CUT_SHARE: f64 = 0.01;
 const EXTRAPOLATION: f64 = 0.7104;
 
 /// The name of a size, as a message calls it, with the field that holds it.
-pub type Name = (&'static str, &'static str);
+type Name = (&'static str, &'static str);
 
 #[derive(Clone, Copy)]
 struct Small {
@@ -70,7 +70,7 @@ impl<'a> Sizes<'a> {
 
     /// `deep` says whether rays pass through.
     fn measure(&mut self, at: At, body: &Body, deep: bool) {
-        let (size, name) = size_of(body, f64::min);
+        let (size, name) = least_size(body);
         if size < least_share(body) * body.place.length()
             && let Some(small) = lost_in_rounding(self.found, at, body, deep)
         {
@@ -117,10 +117,8 @@ fn sizes(body: &Body) -> impl Iterator<Item = (f64, Name)> {
     sizes.into_iter().zip(names.iter().chain(names.last().into_iter().cycle()).copied())
 }
 
-/// The least of the sizes or the largest, as `choose` has it.
-pub fn size_of(body: &Body, choose: fn(f64, f64) -> f64) -> (f64, Name) {
-    let chosen = sizes(body).reduce(|a, b| if choose(a.0, b.0) == a.0 { a } else { b });
-    chosen.unwrap_or((0.0, ("a size", "")))
+fn least_size(body: &Body) -> (f64, Name) {
+    sizes(body).reduce(|a, b| if b.0 < a.0 { b } else { a }).unwrap_or((0.0, ("a size", "")))
 }
 
 /// The least share of its distance that a shape's sizes may be.
@@ -133,7 +131,7 @@ fn least_share(body: &Body) -> f64 {
 
 /// The coordinates of a place whose rounding shows. Where render space has the camera's axes, opaque things lose nothing
 /// by the rounding of their depth: what is seen of them lies across the view. (Rays that pass through cross them in depth.)
-pub fn shown(found: &Found, place: DVec3, deep: bool) -> DVec3 {
+fn shown(found: &Found, place: DVec3, deep: bool) -> DVec3 {
     let across = DVec3::new(1.0, 1.0, if found.view.turned && !deep { 0.0 } else { 1.0 });
     place.abs() * across
 }
