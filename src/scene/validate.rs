@@ -202,7 +202,7 @@ fn boundary(known: &Known, at: &Place, object: &Object, reach: Reach) -> Result<
                        medium too";
         return Err(inside.field("material").error(message));
     }
-    object.shape(known.meshes).map_or(Ok(()), |shape| shape.check_boundary(inside))
+    object.shape(known.meshes).and_then(|shape| shape.mesh().map(|mesh| mesh.check_closed(inside))).unwrap_or(Ok(()))
 }
 
 /// "a boundary: a Sphere, a Box or a closed Mesh, Transformed or not, without a material"
@@ -262,8 +262,9 @@ impl Known<'_> {
         };
         if material.textures().iter().any(|texture| texture.image().is_some())
             && let Some(shape) = object.shape(self.meshes)
+            && let Some(mesh) = shape.mesh()
         {
-            return shape.check_image(above, name);
+            return mesh.check_image(above, name);
         }
         Ok(())
     }

@@ -26,6 +26,12 @@ pub struct Cuboid {
     pub max: DVec3,
 }
 
+impl Cuboid {
+    fn middle(&self) -> DVec3 {
+        0.5 * (self.min + self.max)
+    }
+}
+
 impl Geometry for Cuboid {
     fn check(&self, at: &Place) -> Result<()> {
         let Cuboid { min, max } = *self;
@@ -41,24 +47,12 @@ impl Geometry for Cuboid {
         Ok(())
     }
 
-    fn check_image(&self, _: &Place, _: &str) -> Result<()> {
-        Ok(())
-    }
-
-    fn check_boundary(&self, _: &Place) -> Result<()> {
-        Ok(())
-    }
-
     fn span(&self) -> (f64, f64) {
         ((self.max - self.min).min_element(), self.min.length().max(self.max.length()))
     }
 
     fn mesh(&self) -> Option<&MeshShape<'_>> {
         None
-    }
-
-    fn middle(&self) -> DVec3 {
-        0.5 * (self.min + self.max)
     }
 
     fn texture_place(&self, _: &DMat3) -> (DVec3, DMat3) {

@@ -99,6 +99,29 @@ impl<'a> MeshShape<'a> {
         *self.open.get_or_init(|| self.mesh.open_edges())
     }
 
+    /// Checks that the image of a material of this name can be placed on it.
+    pub fn check_image(&self, at: &Place, material: &str) -> Result<()> {
+        if !self.mesh.uvs.is_empty() {
+            return Ok(());
+        }
+        Err(at.field("material").error(format!(
+            "the material {material:?} has an image, and the mesh {:?} has no texture coordinates to place it by: \
+             expected a mesh that has them at every corner, or another texture",
+            self.path
+        )))
+    }
+
+    /// Checks that it bounds a body.
+    pub fn check_closed(&self, at: &Place) -> Result<()> {
+        let Some(open) = self.open_edges() else { return Ok(()) };
+        let edges = if open.count == 1 { "edge" } else { "edges" };
+        Err(at.field("path").error(format!(
+            "{}: expected a closed mesh, wound one way, as a medium's boundary: face {} (counted from 0) has an edge that no \
+             neighbour runs along the other way; there are {} such {edges}",
+            self.path, open.face, open.count
+        )))
+    }
+
     /// Length of a unit of the mesh's space on the device.
     pub fn unit(&self) -> f64 {
         let half = 0.5 * (self.around.max - self.around.min).max_element();
@@ -112,27 +135,6 @@ impl<'a> Geometry for &'a MeshShape<'a> {
         Ok(())
     }
 
-    fn check_image(&self, at: &Place, material: &str) -> Result<()> {
-        if !self.mesh.uvs.is_empty() {
-            return Ok(());
-        }
-        Err(at.field("material").error(format!(
-            "the material {material:?} has an image, and the mesh {:?} has no texture coordinates to place it by: \
-             expected a mesh that has them at every corner, or another texture",
-            self.path
-        )))
-    }
-
-    fn check_boundary(&self, at: &Place) -> Result<()> {
-        let Some(open) = self.open_edges() else { return Ok(()) };
-        let edges = if open.count == 1 { "edge" } else { "edges" };
-        Err(at.field("path").error(format!(
-            "{}: expected a closed mesh, wound one way, as a medium's boundary: face {} (counted from 0) has an edge that no \
-             neighbour runs along the other way; there are {} such {edges}",
-            self.path, open.face, open.count
-        )))
-    }
-
     fn span(&self) -> (f64, f64) {
         let AxisBox { min, max } = self.around;
         ((max - min).max_element(), min.abs().max(max.abs()).length())
@@ -142,17 +144,13 @@ impl<'a> Geometry for &'a MeshShape<'a> {
         Some(self)
     }
 
-    fn middle(&self) -> DVec3 {
-        self.around.center()
-    }
-
     fn texture_place(&self, _: &DMat3) -> (DVec3, DMat3) {
-        (self.middle(), DMat3::from_diagonal(DVec3::splat(self.unit())))
+        (self.around.center(), DMat3::from_diagonal(DVec3::splat(self.unit())))
     }
 
     fn lay_out(&self, at: &Placement, element: Element, tables: &mut Tables) -> (Vec3, Vec3) {
         let scale = at.to_world.scale * self.unit() * at.space.scale;
-        let place = at.point(self.middle());
+        let place = at.point(self.around.center());
         let axes = at.to_world.rotation;
         let error = error_bound(&[place.as_vec3(), Vec3::splat((3.0 * scale) as f32)]);
         let placed = AxisBox::around(self.around.corners().map(|p| at.point(p)));
@@ -196,7 +194,7 @@ impl<'a> Geometry for &'a MeshShape<'a> {
 
     fn hull(&self, at: &Placement) -> Hull {
         let half = 0.5 * at.scale() * (self.around.max - self.around.min);
-        Hull::Cuboid { center: at.point(self.middle()), half, axes: at.to_world.rotation }
+        Hull::Cuboid { center: at.point(self.around.center()), half, axes: at.to_world.rotation }
     }
 
     fn is_hull(&self) -> bool {

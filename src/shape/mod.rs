@@ -123,20 +123,11 @@ pub trait Geometry {
     /// Checks its numbers.
     fn check(&self, at: &Place) -> Result<()>;
 
-    /// Checks that the image of a material of this name can be placed on it.
-    fn check_image(&self, at: &Place, material: &str) -> Result<()>;
-
-    /// Checks that it is closed, as the boundary of a medium.
-    fn check_boundary(&self, at: &Place) -> Result<()>;
-
     /// Its smallest size, and a bound of how far it reaches from the origin: by these it is told what transforms may do to it.
     fn span(&self) -> (f64, f64);
 
-    /// The mesh, of one.
+    /// The mesh, if it is one.
     fn mesh(&self) -> Option<&MeshShape<'_>>;
-
-    /// Where media have the middle of their texture, in the shape's own space.
-    fn middle(&self) -> DVec3;
 
     /// The place of the coordinates by which it is textured in the shape's own space: base + columns · local.
     fn texture_place(&self, rotation: &DMat3) -> (DVec3, DMat3);

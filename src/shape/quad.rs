@@ -40,14 +40,6 @@ impl Geometry for Quad {
         Ok(())
     }
 
-    fn check_image(&self, _: &Place, _: &str) -> Result<()> {
-        Ok(())
-    }
-
-    fn check_boundary(&self, _: &Place) -> Result<()> {
-        Ok(())
-    }
-
     fn span(&self) -> (f64, f64) {
         let (u, v) = (self.u.length(), self.v.length());
         (u.min(v), self.corner.length() + u + v)
@@ -55,10 +47,6 @@ impl Geometry for Quad {
 
     fn mesh(&self) -> Option<&MeshShape<'_>> {
         None
-    }
-
-    fn middle(&self) -> DVec3 {
-        self.corner + 0.5 * (self.u + self.v)
     }
 
     fn texture_place(&self, _: &DMat3) -> (DVec3, DMat3) {

@@ -34,24 +34,12 @@ impl Geometry for Sphere {
         length(&at.field("radius"), "a radius", self.radius)
     }
 
-    fn check_image(&self, _: &Place, _: &str) -> Result<()> {
-        Ok(())
-    }
-
-    fn check_boundary(&self, _: &Place) -> Result<()> {
-        Ok(())
-    }
-
     fn span(&self) -> (f64, f64) {
         (self.radius, self.center.length() + self.radius)
     }
 
     fn mesh(&self) -> Option<&MeshShape<'_>> {
         None
-    }
-
-    fn middle(&self) -> DVec3 {
-        self.center
     }
 
     /// A sphere's own coordinates are its normal in the world.
