@@ -130,7 +130,7 @@ device_struct!(
         world_y: [f32; 3],
         world_z: [f32; 3],
         indirect_limit: f32,
-        few: [u32; 4],
+        brute_force: [u32; 4],
         background: u32,
         zero: u32,
     }

@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 use crate::data::{self, QUEUE_HEADER, RUN_LENGTH};
 use crate::error::Result;
 use crate::film::RunRecord;
-use crate::flatten::{BACKGROUNDS, BOUNDARIES, Features, Flat, MATERIALS, PRIMITIVES, TEXTURES};
+use crate::flatten::{BACKGROUNDS, BOUNDARIES, DeviceScene, Features, MATERIALS, PRIMITIVES, TEXTURES};
 use crate::gpu::buffers::BufferSpec;
 use crate::gpu::device::DeviceClass;
 use crate::gpu::layout::{self, Binding, Member};
@@ -46,7 +46,7 @@ pub struct Tables {
 
 impl Tables {
     /// Puts each table that fits into so many bytes into a uniform binding; 0 puts none there.
-    pub fn new(flat: &Flat, uniform_bytes: u64) -> Tables {
+    pub fn new(flat: &DeviceScene, uniform_bytes: u64) -> Tables {
         let fits = |(name, bytes, stride): (&'static str, u64, u64)| {
             let elements = (bytes / stride).max(1).next_power_of_two().min(uniform_bytes / stride);
             (elements * stride >= bytes.max(1)).then_some((name, elements))
@@ -62,7 +62,7 @@ impl Tables {
 }
 
 /// The scene's tables: name, contents, bytes of an element, purpose.
-fn tables(flat: &Flat) -> Vec<(&'static str, Cow<'_, [u8]>, u64, &'static str)> {
+fn tables(flat: &DeviceScene) -> Vec<(&'static str, Cow<'_, [u8]>, u64, &'static str)> {
     fn table<'a, T: bytemuck::Pod>(
         name: &'static str,
         items: &'a [T],
@@ -105,7 +105,7 @@ pub struct Kernel {
 /// What a render of a scene takes: kernels, buffers and sizes.
 #[derive(Debug)]
 pub struct Plan<'a> {
-    pub scene: &'a Flat,
+    pub scene: &'a DeviceScene,
     pub options: RenderOptions,
     pub kernels: Kernels,
     pub tuning: Tuning,
@@ -171,7 +171,7 @@ impl<'a> Plan<'a> {
     ///
     /// # Errors
     /// As of [`Kernels::link`].
-    pub fn new(scene: &'a Flat, options: &RenderOptions, device: DeviceClass, job: &Job) -> Result<Plan<'a>> {
+    pub fn new(scene: &'a DeviceScene, options: &RenderOptions, device: DeviceClass, job: &Job) -> Result<Plan<'a>> {
         let tuning = Tuning::new(device, job, options);
         let tables = Tables::new(scene, device.table_bytes());
         let features = scene.features.of(options);
@@ -279,7 +279,7 @@ impl Kernels {
     }
 
     /// The buffers that the kernels bind, with the scene's data for those that hold it.
-    fn buffers<'a>(&self, flat: &'a Flat, tuning: &Tuning) -> Vec<BufferSpec<'a>> {
+    fn buffers<'a>(&self, flat: &'a DeviceScene, tuning: &Tuning) -> Vec<BufferSpec<'a>> {
         let slots = u64::from(tuning.slots);
         let queues = self.queues();
         let record_bytes = size_of::<RunRecord>() as u64;
@@ -394,7 +394,7 @@ fn choices(
     };
     let walk = match features {
         _ if materials.is_empty() => "scene/nothing",
-        Features { few: true, .. } => "scene/few",
+        Features { brute_force: true, .. } => "scene/brute_force",
         _ => "scene/traverse",
     };
     let image_texture = textures.iter().any(|texture| texture.name == "image");
@@ -451,7 +451,7 @@ fn choices(
             ("lens", only_if(features.thin_lens.is_some(), "lens")),
             ("camera_axes", only_if(features.turned.is_some(), "camera_axes")),
             ("clamp", only_if(clamps, "clamp")),
-            ("few", only_if(walk == "scene/few", "few")),
+            ("brute_force", only_if(walk == "scene/brute_force", "brute_force")),
             ("gradient_background", only_if(features.backgrounds[1].is_some(), "gradient")),
             ("image_background", only_if(features.backgrounds[2].is_some(), "image")),
             ("background", backgrounds),
@@ -507,19 +507,20 @@ fn serve(choices: &mut Choices, features: &Features, materials: &[Entry]) {
     let lights = features.lights > 0;
     let only_if = |wanted: bool, name: &str| if wanted { closed(std::iter::once((name, 0))) } else { Vec::new() };
     let is_in = |used: &[Option<String>], entry: &Entry| used.get(entry.number as usize).is_some_and(Option::is_some);
-    let responders: Vec<Entry> = materials.iter().filter(|entry| is_in(&features.responders, entry)).cloned().collect();
-    let answers = lights && !responders.is_empty();
+    let non_specular: Vec<Entry> =
+        materials.iter().filter(|entry| is_in(&features.non_specular, entry)).cloned().collect();
+    let answers = lights && !non_specular.is_empty();
     let specular = lights && materials.iter().any(|entry| is_in(&features.specular, entry));
     let shines =
         materials.iter().any(|entry| Material::KINDS.get(entry.number as usize).is_some_and(|kind| kind.emits));
     let sampled = features.emitters.iter().any(Option::is_some);
     choices.lists.extend([
-        ("answer", only_if(answers, "answer")),
+        ("surface_samples_light", only_if(answers, "surface_samples_light")),
         ("specular", only_if(specular, "specular")),
-        ("aims", only_if(answers || specular, "aims")),
+        ("sends_shadow_ray", only_if(answers || specular, "sends_shadow_ray")),
         ("met_light", only_if(lights && sampled && shines, "light")),
         ("met_by_chance", only_if(one_way(features) && sampled && shines, "light")),
-        ("responder", responders),
+        ("non_specular", non_specular),
         ("material", materials.to_vec()),
     ]);
 }

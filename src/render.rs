@@ -108,12 +108,12 @@ impl ThroughGlass {
     }
 
     /// What there is of it.
-    pub fn stopped(&self) -> f64 {
+    pub fn blocked_by_dielectrics(&self) -> f64 {
         self.bins.iter().map(|(asked, _)| asked).sum()
     }
 
     /// What paths met of it.
-    pub fn met(&self) -> f64 {
+    pub fn found_by_bsdf(&self) -> f64 {
         self.bins.iter().map(|(_, met)| met).sum()
     }
 

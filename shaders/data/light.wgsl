@@ -47,7 +47,7 @@ const NO_LIGHT: u32 = 0xfffffff9u;
 // The share of a light in what a direction brings, of two ways to draw that direction: the power heuristic with exponent 2
 // (Veach and Guibas, "Optimally Combining Sampling Techniques for Monte Carlo Rendering", SIGGRAPH 1995, section 4.1), by the
 // ratio of the densities so that no square overflows.
-fn power_share(own: f32, other: f32) -> f32 {
+fn power_heuristic(own: f32, other: f32) -> f32 {
     let ratio = min(other / own, 0x1p60f);
     return 1.0 / (1.0 + ratio * ratio);
 }

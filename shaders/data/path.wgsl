@@ -1,5 +1,5 @@
 //@ use data/ray
-//@ use data/found
+//@ use data/hit
 //@ use lib/compensated
 // A path on its way, and the run that it is a sample of.
 struct Path {
@@ -15,7 +15,7 @@ struct Path {
     instance: u32,
     //@ end
     // Scattering events so far.
-    events: u32,
+    depth: u32,
     pixel: u32,
     sample: u32,
     // As in RunRecord.

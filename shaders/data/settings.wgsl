@@ -41,9 +41,9 @@ struct Settings {
     // The most that a contribution of indirect light may be, in device radiance.
     indirect_limit: f32,
     //@ end
-    //@ each few
+    //@ each brute_force
     // How many primitives there are of each kind that the scene has, in the order of the kinds.
-    few: vec4<u32>,
+    brute_force: vec4<u32>,
     //@ end
     //@ each several_backgrounds
     // Number of the background's kind (src/flatten).

@@ -1,4 +1,4 @@
-// One line of the numerics probe's questions; the floats are chosen so that each answer has one right value (src/gpu/probe.rs).
+// One line of the numerics probe's questions; the floats are chosen so that each surface_samples_light has one right value (src/gpu/probe.rs).
 struct Trial {
     // Two floats whose sum and product both round, and their product as it is rounded.
     x: f32,

@@ -1,6 +1,6 @@
 //@ use data/ray
 //@ use data/primitive
-//@ use data/hit
+//@ use data/surface
 //@ use lib/float
 
 // Distance to the parallelogram, or NO_HIT. The axes of a and b are computed in f64 on the host. The edges reach out by the

@@ -1,6 +1,6 @@
 //@ use data/ray
 //@ use data/primitive
-//@ use data/hit
+//@ use data/surface
 //@ use lib/float
 //@ use lib/sphere_map
 //@ use choice/sphere_chord

@@ -1,6 +1,6 @@
 //@ use data/ray
 //@ use data/primitive
-//@ use data/hit
+//@ use data/surface
 // Where a ray's line cuts a sphere, right also where the sphere is small and far away.
 
 // Where a ray's line comes nearest to the centre of a sphere.

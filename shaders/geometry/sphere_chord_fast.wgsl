@@ -1,6 +1,6 @@
 //@ use data/ray
 //@ use data/primitive
-//@ use data/hit
+//@ use data/surface
 // Where a ray's line cuts a sphere, by the quadratic formula as textbooks have it (`--precision fast`; Shirley, Black, Hollasch, "Ray
 // Tracing in One Weekend", sections 5.1 and 6.2), for directions of unit length. b^2 - c cancels: with D the distance, decisions
 // between hit and miss are wrong within u (D/r)^2 radii of the edge, u = 2^-24: a hundredth of a radius from 400 radii on.

@@ -1,5 +1,5 @@
 //@ use data/ray
-//@ use data/hit
+//@ use data/surface
 //@ use lib/float
 //@ relies on signs
 // Rays against triangles: no ray passes between triangles that share an edge or a vertex, and none meets two of them there.

@@ -51,14 +51,14 @@ fn spherical_cuboid(from_point: vec3<f32>, cuboid: Cuboid) -> SphericalCuboid {
     return SphericalCuboid(center, areas);
 }
 
-fn cuboid_light_sample(from_point: vec3<f32>, cuboid: Cuboid, u: vec2<f32>) -> LightSample {
+fn cuboid_light_sample(from_point: vec3<f32>, cuboid: Cuboid, u: vec2<f32>) -> DirectionSample {
     let seen = spherical_cuboid(from_point, cuboid);
     if !any(abs(seen.center) > cuboid.half_extent) {
-        return LightSample(sample_sphere(u), 0.25 / PI);
+        return DirectionSample(sample_sphere(u), 0.25 / PI);
     }
     let area = seen.areas.x + seen.areas.y + seen.areas.z;
     if !(area > 0.0) {
-        return NO_LIGHT_SAMPLE;
+        return NO_DIRECTION_SAMPLE;
     }
     var part = u.x * area;
     var axis = 0u;
@@ -78,7 +78,7 @@ fn cuboid_light_sample(from_point: vec3<f32>, cuboid: Cuboid, u: vec2<f32>) -> L
     let local = spherical_quad_direction(spherical_quad(face.corner, face.u, face.v), face.u, face.v, part, u.y);
     let z_axis = cross(cuboid.x_axis, cuboid.y_axis);
     let direction = normalize(local.x * cuboid.x_axis + local.y * cuboid.y_axis + local.z * z_axis);
-    return LightSample(direction, 1.0 / area);
+    return DirectionSample(direction, 1.0 / area);
 }
 
 // The density with which a direction that meets the box is sampled.

@@ -41,13 +41,13 @@ fn spherical_quad_direction(quad: SphericalQuad, u: vec3<f32>, v: vec3<f32>, par
     return spherical_direction(quad.first, quad.fourth, quad.third, v, u, -quad.determinant, rest, share);
 }
 
-fn quad_light_sample(from_point: vec3<f32>, quad: Quad, u: vec2<f32>) -> LightSample {
+fn quad_light_sample(from_point: vec3<f32>, quad: Quad, u: vec2<f32>) -> DirectionSample {
     let seen = spherical_quad(quad.corner - from_point, quad.u, quad.v);
     let area = seen.areas.x + seen.areas.y;
     if !(area > 0.0) {
-        return NO_LIGHT_SAMPLE;
+        return NO_DIRECTION_SAMPLE;
     }
-    return LightSample(spherical_quad_direction(seen, quad.u, quad.v, u.x * area, u.y), 1.0 / area);
+    return DirectionSample(spherical_quad_direction(seen, quad.u, quad.v, u.x * area, u.y), 1.0 / area);
 }
 
 // The density with which a direction that meets the quad is sampled.

@@ -48,19 +48,19 @@ const SPHERE_LIMB: f32 = 12.0 * UNIT_ROUNDOFF;
 // squares), and no ray of f32 could be aimed at the sphere: it gives nothing.
 const SPHERE_LEAST_SINE: f32 = 0x1p-31f;
 
-fn sphere_light_sample(from_point: vec3<f32>, sphere: Sphere, u: vec2<f32>) -> LightSample {
+fn sphere_light_sample(from_point: vec3<f32>, sphere: Sphere, u: vec2<f32>) -> DirectionSample {
     let cone = sphere_cone(from_point, sphere);
     if cone.sine > 1.0 {
-        return LightSample(sample_sphere(u), sphere_cone_pdf(cone));
+        return DirectionSample(sample_sphere(u), sphere_cone_pdf(cone));
     }
     if !(cone.sine > SPHERE_LEAST_SINE) {
-        return NO_LIGHT_SAMPLE;
+        return NO_DIRECTION_SAMPLE;
     }
     let narrower = max(cone.sine - SPHERE_LIMB, 0.0) / cone.sine;
     let height = u.x * (cone.height * (narrower * narrower));
     let across = sqrt(height * (2.0 - height));
     let local = vec3<f32>(across * sample_circle(u.y), 1.0 - height);
-    return LightSample(normalize(from_basis(basis_around(cone.axis), local)), sphere_cone_pdf(cone));
+    return DirectionSample(normalize(from_basis(basis_around(cone.axis), local)), sphere_cone_pdf(cone));
 }
 
 // The density with which a direction that meets the sphere is sampled.

@@ -15,17 +15,17 @@ fn triangle_light_sample(
     b: vec3<f32>,
     c: vec3<f32>,
     u: vec2<f32>,
-) -> LightSample {
+) -> DirectionSample {
     let first = corner_at(a - from_point);
     let second = corner_at(b - from_point);
     let third = corner_at(c - from_point);
     let determinant = triangle_determinant(from_point, a, b, c);
     let area = spherical_area(first, second, third, abs(determinant));
     if !(area > 0.0) {
-        return NO_LIGHT_SAMPLE;
+        return NO_DIRECTION_SAMPLE;
     }
     let direction = spherical_direction(first, second, third, b - a, c - b, determinant, u.x * area, u.y);
-    return LightSample(direction, 1.0 / area);
+    return DirectionSample(direction, 1.0 / area);
 }
 
 // The density with which a direction that meets the triangle is sampled.

@@ -1,6 +1,6 @@
 //@ use data/material
 //@ use lib/sampling
-fn lambertian_responds(material: Material) -> bool {
+fn lambertian_is_non_specular(material: Material) -> bool {
     return true;
 }
 

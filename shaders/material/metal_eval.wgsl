@@ -1,7 +1,7 @@
 //@ use data/material
 //@ use lib/sampling
 // Without fuzz it is a mirror.
-fn metal_responds(material: Material) -> bool {
+fn metal_is_non_specular(material: Material) -> bool {
     return material.parameter > 0.0;
 }
 

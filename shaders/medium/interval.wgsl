@@ -1,4 +1,4 @@
-//@ use data/hit
+//@ use data/surface
 // The part of a ray within a closed shape: the distances at which it begins and ends, 0 <= x < y.
 
 // No part: the ray misses the shape or has it behind.

@@ -1,5 +1,6 @@
+//@ use data/surface
 //@ use data/hit
-//@ use data/found
+//@ use data/ray
 //@ use choice/offset
 // Surfaces without vertex normals: light scatters about the surface's own normal.
 
@@ -14,15 +15,15 @@ fn event_point(hit: Hit, surface: Surface, facing: vec3<f32>) -> vec3<f32> {
     return surface.point;
 }
 
-// Where a ray in such a direction leaves from.
-fn leaving_point(
+// A ray in a direction, from where it leaves the surface.
+fn spawn_ray(
     hit: Hit,
     surface: Surface,
     facing: vec3<f32>,
     shading: vec3<f32>,
     point: vec3<f32>,
     direction: vec3<f32>,
-) -> vec3<f32> {
+) -> Ray {
     let side = select(facing, -facing, dot(direction, facing) < 0.0);
-    return leave_surface(point, surface.error, side, side);
+    return Ray(leave_surface(point, surface.error, side, side), direction);
 }

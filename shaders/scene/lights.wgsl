@@ -1,6 +1,6 @@
 //@ use data/ray
+//@ use data/surface
 //@ use data/hit
-//@ use data/found
 //@ use data/primitive
 //@ use bind/lights
 //@ use light/sample
@@ -20,7 +20,7 @@
 // The scene's lights, of just the kinds that it has.
 
 // A direction from a point to a light, with its density in solid angle.
-fn direction_to_light(light: Light, from_point: vec3<f32>, u: vec3<f32>) -> LightSample {
+fn direction_to_light(light: Light, from_point: vec3<f32>, u: vec3<f32>) -> DirectionSample {
     let index = primitive_index(light.code);
     //@ each emitting_sky
     if light.code == HIT_NOTHING {
@@ -40,7 +40,7 @@ fn direction_to_light(light: Light, from_point: vec3<f32>, u: vec3<f32>) -> Ligh
         }
         //@ end
         default: {
-            return LightSample(vec3<f32>(0.0), 0.0);
+            return DirectionSample(vec3<f32>(0.0), 0.0);
         }
     }
 }

@@ -1,5 +1,5 @@
 //@ use data/ray
-//@ use data/hit
+//@ use data/surface
 //@ use data/medium
 //@ use data/primitive
 //@ use bind/nodes

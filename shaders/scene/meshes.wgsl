@@ -1,5 +1,5 @@
 //@ use data/ray
-//@ use data/hit
+//@ use data/surface
 //@ use data/primitive
 //@ use bind/meshes
 //@ use bind/instances

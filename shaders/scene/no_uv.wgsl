@@ -1,5 +1,5 @@
+//@ use data/surface
 //@ use data/hit
-//@ use data/found
 // No texture of this scene asks for coordinates.
 fn surface_uv(hit: Hit, point: vec3<f32>, local: vec3<f32>) -> SurfaceUv {
     return SurfaceUv(vec2<f32>(0.0), false);

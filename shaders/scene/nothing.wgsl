@@ -1,5 +1,5 @@
 //@ use data/ray
-//@ use data/found
+//@ use data/hit
 //@ use data/primitive
 //@ use lib/float
 // A scene without surfaces: every ray leaves it, and none is stopped on its way to a light.

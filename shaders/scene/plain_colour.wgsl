@@ -1,5 +1,5 @@
+//@ use data/surface
 //@ use data/hit
-//@ use data/found
 //@ use data/material
 // The colour of a surface of a scene without textures.
 fn surface_colour(material: Material, hit: Hit, surface: Surface) -> vec3<f32> {

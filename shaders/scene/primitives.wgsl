@@ -1,5 +1,5 @@
 //@ use data/ray
-//@ use data/found
+//@ use data/hit
 //@ use data/primitive
 //@ each primitive
 //@ use geometry/${name}

@@ -1,15 +1,15 @@
 //@ use data/material
-//@ each responder
+//@ each non_specular
 //@ use material/${name}_eval
 //@ end
 // How materials answer to light from a given direction. Those that allow one direction alone do not.
 
 // Whether the material scatters into more directions than one.
-fn responds(material: Material) -> bool {
+fn is_non_specular(material: Material) -> bool {
     switch material.kind {
-        //@ each responder
+        //@ each non_specular
         case ${number}u: {
-            return ${name}_responds(material);
+            return ${name}_is_non_specular(material);
         }
         //@ end
         default: {
@@ -20,7 +20,7 @@ fn responds(material: Material) -> bool {
 
 fn response_of_material(material: Material, hit: Interaction, direction: vec3<f32>) -> Response {
     switch material.kind {
-        //@ each responder
+        //@ each non_specular
         case ${number}u: {
             return ${name}_eval(material, hit, direction);
         }

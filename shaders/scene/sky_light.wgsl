@@ -8,11 +8,11 @@
 const SKY_COLUMNS: u32 = ${sky_columns}u;
 const SKY_ROWS: u32 = ${sky_rows}u;
 
-fn sky_light_sample(u: vec3<f32>) -> LightSample {
+fn sky_light_sample(u: vec3<f32>) -> DirectionSample {
     let pick = alias_pick(u.z, SKY_COLUMNS * SKY_ROWS);
     let choice = sky_choice(pick, sky[pick.index]);
     let direction = sky_cell_direction(choice.index, SKY_COLUMNS, SKY_ROWS, u.xy);
-    return LightSample(from_world(direction), choice.pdf);
+    return DirectionSample(from_world(direction), choice.pdf);
 }
 
 // The density by which the sky is chosen, the last light of all, and the direction drawn.

@@ -1,5 +1,6 @@
+//@ use data/surface
 //@ use data/hit
-//@ use data/found
+//@ use data/ray
 //@ use data/primitive
 //@ use choice/offset
 //@ use scene/at_run_time
@@ -64,17 +65,17 @@ fn event_point(hit: Hit, surface: Surface, facing: vec3<f32>) -> vec3<f32> {
     return leave_surface(surface.point + lift, surface.error, facing, facing);
 }
 
-// Where a ray in such a direction leaves from. Below the shading normal it leaves from the facet.
-fn leaving_point(
+// A ray in a direction, from where it leaves the surface. Below the shading normal it leaves from the facet.
+fn spawn_ray(
     hit: Hit,
     surface: Surface,
     facing: vec3<f32>,
     shading: vec3<f32>,
     point: vec3<f32>,
     direction: vec3<f32>,
-) -> vec3<f32> {
+) -> Ray {
     let below = dot(direction, shading) < 0.0;
     let side = select(facing, -facing, below);
     let leaving = leave_surface(surface.point, surface.error, side, side);
-    return select(leaving, point, is_smooth(hit.code) && !below);
+    return Ray(select(leaving, point, is_smooth(hit.code) && !below), direction);
 }

@@ -1,4 +1,4 @@
-//@ use data/hit
+//@ use data/surface
 //@ use data/material
 //@ use data/medium
 //@ use scene/textures

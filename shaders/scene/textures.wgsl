@@ -1,4 +1,4 @@
-//@ use data/hit
+//@ use data/surface
 //@ use data/texture
 //@ use bind/textures
 //@ use bind/frames

@@ -1,6 +1,6 @@
 //@ use data/ray
+//@ use data/surface
 //@ use data/hit
-//@ use data/found
 //@ use data/primitive
 //@ use bind/nodes
 //@ use geometry/bounds

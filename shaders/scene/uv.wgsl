@@ -1,5 +1,5 @@
+//@ use data/surface
 //@ use data/hit
-//@ use data/found
 //@ use data/primitive
 //@ each primitive
 //@ use geometry/${name}

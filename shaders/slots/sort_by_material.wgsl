@@ -1,4 +1,4 @@
-//@ use data/found
+//@ use data/hit
 //@ use bind/queues
 //@ use bind/materials
 //@ use bind/settings

@@ -77,11 +77,11 @@ fn store_ray(slot: u32, path: ptr<function, Path>) {
 fn load_throughput(slot: u32, path: ptr<function, Path>) {
     let words = paths[place(PLANE_OF_THROUGHPUT, slot)];
     (*path).throughput = vector_of(words);
-    (*path).events = words.w;
+    (*path).depth = words.w;
 }
 
 fn store_throughput(slot: u32, path: ptr<function, Path>) {
-    store_plane(PLANE_OF_THROUGHPUT, slot, (*path).throughput, (*path).events);
+    store_plane(PLANE_OF_THROUGHPUT, slot, (*path).throughput, (*path).depth);
 }
 
 fn load_sample_of_path(slot: u32, path: ptr<function, Path>) {

@@ -25,14 +25,14 @@ fn scatter(@builtin(global_invocation_id) id: vec3<u32>) {
     //@ each light
     load_radiance(slot, &path);
     //@ end
-    //@ each aims
+    //@ each sends_shadow_ray
     path.light = NO_LIGHT;
     //@ end
     scatter_path(&path);
     //@ each light
     store_radiance(slot, &path);
     //@ end
-    //@ each aims
+    //@ each sends_shadow_ray
     if path.light != NO_LIGHT {
         store_shadow(slot, &path);
     }

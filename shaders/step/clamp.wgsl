@@ -12,8 +12,8 @@ fn limited(contribution: vec3<f32>) -> vec3<f32> {
 }
 
 // A contribution that was met after so many events.
-fn limited_indirect(contribution: vec3<f32>, events: u32) -> vec3<f32> {
-    if events < INDIRECT_FROM {
+fn limited_indirect(contribution: vec3<f32>, depth: u32) -> vec3<f32> {
+    if depth < INDIRECT_FROM {
         return contribution;
     }
     return limited(contribution);
@@ -21,8 +21,8 @@ fn limited_indirect(contribution: vec3<f32>, events: u32) -> vec3<f32> {
 
 // The weight of a ray to a light, sent by the event after so many others. Nothing that it brings is negative, and so the sign is
 // free to say that the light is indirect: a path's state has no room for that.
-fn weight_of_light(weight: vec3<f32>, events: u32) -> vec3<f32> {
-    return select(weight, -weight, events + 1u >= INDIRECT_FROM);
+fn weight_of_light(weight: vec3<f32>, depth: u32) -> vec3<f32> {
+    return select(weight, -weight, depth + 1u >= INDIRECT_FROM);
 }
 
 // A contribution by such a weight.

@@ -1,4 +1,4 @@
-//@ use data/found
+//@ use data/hit
 //@ use data/path
 //@ use data/dimension
 //@ use data/light
@@ -23,45 +23,45 @@
 //@ use scene/surfaces
 //@ end
 // Light by sampling: at each event a ray towards a light, beside the one that goes on. Both ways can meet a light, and share it
-// by their densities (power_share), so that what either is bad at the other brings.
+// by their densities (power_heuristic), so that what either is bad at the other brings.
 
 // A light and a direction to it, for an event at a point.
-struct Aim {
+struct LightSample {
     light: u32,
     direction: vec3<f32>,
     // Of the light and the direction together; 0 where there is nothing to aim at.
     pdf: f32,
 }
 
-fn aim_at_light(path: ptr<function, Path>, from_point: vec3<f32>) -> Aim {
-    let u = random4((*path).pixel, (*path).sample, event_dimension((*path).events, DIMENSION_LIGHT), settings.seed);
+fn sample_light(path: ptr<function, Path>, from_point: vec3<f32>) -> LightSample {
+    let u = random4((*path).pixel, (*path).sample, bounce_dimension((*path).depth, DIMENSION_LIGHT), settings.seed);
     let choice = choose_light(from_point, u.xw);
     let light = lights[choice.index];
     let sample = direction_to_light(light, from_point, u.yzw);
-    return Aim(choice.index, sample.direction, choice.probability * sample.pdf);
+    return LightSample(choice.index, sample.direction, choice.probability * sample.pdf);
 }
 
 // Sends a ray to the light, with what the event makes of its radiance.
-fn send_shadow_ray(path: ptr<function, Path>, aim: Aim, origin: vec3<f32>, response: vec3<f32>, pdf: f32) {
-    let weight = (*path).throughput * response * (power_share(aim.pdf, pdf) / aim.pdf);
-    if aim.pdf > 0.0 && any(weight > vec3<f32>(0.0)) {
-        let light = lights[aim.light];
-        (*path).shadow = Ray(origin, aim.direction);
+fn send_shadow_ray(path: ptr<function, Path>, light_sample: LightSample, origin: vec3<f32>, response: vec3<f32>, pdf: f32) {
+    let weight = (*path).throughput * response * (power_heuristic(light_sample.pdf, pdf) / light_sample.pdf);
+    if light_sample.pdf > 0.0 && any(weight > vec3<f32>(0.0)) {
+        let light = lights[light_sample.light];
+        (*path).shadow = Ray(origin, light_sample.direction);
         (*path).light = light.code;
         //@ each emitting_mesh
         (*path).light_instance = light.instance;
         //@ end
-        (*path).light_weight = weight_of_light(weight, (*path).events);
+        (*path).light_weight = weight_of_light(weight, (*path).depth);
     }
 }
 
 // The share that a light has which the path met by scattering: all of it, if it could not have been sampled.
-fn share_of_met_light(path: ptr<function, Path>, hit: Hit) -> f32 {
+fn mis_weight(path: ptr<function, Path>, hit: Hit) -> f32 {
     let pdf = (*path).pdf;
     if !(pdf > 0.0) {
         return 1.0;
     }
-    return power_share(pdf, light_density(hit, (*path).ray.origin, (*path).ray.direction));
+    return power_heuristic(pdf, light_density(hit, (*path).ray.origin, (*path).ray.direction));
 }
 
 // What a shadow ray may meet at most: the light that it is sent to.

@@ -34,8 +34,8 @@ fn cross_media(path: ptr<function, Path>) -> u32 {
         return 0u;
     }
     let ray = (*path).ray;
-    let events = (*path).events;
-    let words = random_words((*path).pixel, (*path).sample, event_dimension(events, DIMENSION_MEDIUM), settings.seed);
+    let depth = (*path).depth;
+    let words = random_words((*path).pixel, (*path).sample, bounce_dimension(depth, DIMENSION_MEDIUM), settings.seed);
     var nearest = (*path).t;
     var scatterer = NO_MEDIUM;
     var steps = 0u;
@@ -57,21 +57,21 @@ fn cross_media(path: ptr<function, Path>) -> u32 {
     let medium = media[at_run_time(scatterer)];
     let point = ray.origin + nearest * ray.direction;
     let throughput = (*path).throughput * medium_albedo(medium, point);
-    if events < settings.max_depth && any(throughput != vec3<f32>(0.0)) {
-        let u = random4((*path).pixel, (*path).sample, event_dimension(events, DIMENSION_SCATTER), settings.seed);
+    if depth < settings.max_depth && any(throughput != vec3<f32>(0.0)) {
+        let u = random4((*path).pixel, (*path).sample, bounce_dimension(depth, DIMENSION_SCATTER), settings.seed);
         let direction = sample_phase(ray.direction, medium.anisotropy, medium.one_minus_anisotropy, u.xy);
         //@ each light
-        let aim = aim_at_light(path, point);
+        let light_sample = sample_light(path, point);
         let g = medium.anisotropy;
-        let share = phase_pdf(ray.direction, aim.direction, g, medium.one_minus_anisotropy);
+        let share = phase_pdf(ray.direction, light_sample.direction, g, medium.one_minus_anisotropy);
         let albedo = medium_albedo(medium, point);
-        send_shadow_ray(path, aim, point, albedo * share, share);
+        send_shadow_ray(path, light_sample, point, albedo * share, share);
         (*path).pdf = phase_pdf(ray.direction, direction, g, medium.one_minus_anisotropy);
         //@ end
         (*path).ray = Ray(point, direction);
         (*path).status = RAY_READY;
-        (*path).throughput = survivor(path, throughput);
-        (*path).events = events + 1u;
+        (*path).throughput = russian_roulette(path, throughput);
+        (*path).depth = depth + 1u;
         if all((*path).throughput == vec3<f32>(0.0)) {
             (*path).status = PATH_ENDED;
         }

@@ -1,9 +1,9 @@
 // Every contribution counts as it is.
-fn limited_indirect(contribution: vec3<f32>, events: u32) -> vec3<f32> {
+fn limited_indirect(contribution: vec3<f32>, depth: u32) -> vec3<f32> {
     return contribution;
 }
 
-fn weight_of_light(weight: vec3<f32>, events: u32) -> vec3<f32> {
+fn weight_of_light(weight: vec3<f32>, depth: u32) -> vec3<f32> {
     return weight;
 }
 

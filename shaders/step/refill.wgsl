@@ -9,7 +9,7 @@
 //@ use lib/spread
 //@ use step/start
 //@ each emitting_sky
-//@ use step/sky_share
+//@ use step/sky_mis_weight
 //@ end
 //@ each sky_by_chance
 //@ use step/through_glass
@@ -37,7 +37,7 @@ fn refill_path(path: ptr<function, Path>) {
     var radiance = (*path).throughput;
     if (*path).status == HIT_NOTHING {
         //@ each emitting_sky
-        radiance *= share_of_met_sky(path);
+        radiance *= mis_weight_of_sky(path);
         //@ end
         let behind = background_radiance((*path).ray.direction);
         radiance *= behind;
@@ -49,7 +49,7 @@ fn refill_path(path: ptr<function, Path>) {
         count_too_deep(radiance);
         radiance = vec3<f32>(0.0);
     }
-    radiance = limited_indirect(radiance, (*path).events);
+    radiance = limited_indirect(radiance, (*path).depth);
     //@ each light
     radiance += (*path).radiance;
     //@ end
@@ -65,7 +65,7 @@ fn refill_path(path: ptr<function, Path>) {
         (*path).counts += 1u;
         (*path).sum = compensated_sum((*path).sum, radiance, settings.zero);
     }
-    (*path).rays += (*path).events + 1u;
+    (*path).rays += (*path).depth + 1u;
     let end = end_of_run((*path).sample, settings.end_sample);
     (*path).sample += 1u;
     if (*path).sample < end {

@@ -14,12 +14,12 @@ const ROULETTE_CARE: f32 = 6.0;
 const ROULETTE_LEAST: f32 = 0.05;
 
 // The throughput that the path goes on with after an event, or zero.
-fn survivor(path: ptr<function, Path>, throughput: vec3<f32>) -> vec3<f32> {
-    let events = (*path).events;
+fn russian_roulette(path: ptr<function, Path>, throughput: vec3<f32>) -> vec3<f32> {
+    let depth = (*path).depth;
     let q = max(ROULETTE_CARE * max(max(throughput.x, throughput.y), throughput.z), ROULETTE_LEAST);
-    if events < ROULETTE_AFTER || q >= 1.0 {
+    if depth < ROULETTE_AFTER || q >= 1.0 {
         return throughput;
     }
-    let u = random4((*path).pixel, (*path).sample, event_dimension(events, DIMENSION_ROULETTE), settings.seed);
+    let u = random4((*path).pixel, (*path).sample, bounce_dimension(depth, DIMENSION_ROULETTE), settings.seed);
     return select(vec3<f32>(0.0), throughput / q, u.x < q);
 }

@@ -9,7 +9,7 @@
 //@ use choice/colour
 //@ use choice/roulette
 //@ use choice/shading
-//@ each answer
+//@ each surface_samples_light
 //@ use scene/responses
 //@ use step/light
 //@ end
@@ -36,39 +36,39 @@ fn scatter_path(path: ptr<function, Path>) {
     let arriving = Interaction(ray.direction, shading, front, colour);
     let point = event_point(hit, surface, facing);
 
-    let events = (*path).events;
-    let u = random4((*path).pixel, (*path).sample, event_dimension(events, DIMENSION_SCATTER), settings.seed);
+    let depth = (*path).depth;
+    let u = random4((*path).pixel, (*path).sample, bounce_dimension(depth, DIMENSION_SCATTER), settings.seed);
     let scattered = scatter_by_material(material, arriving, u);
     //@ each light
     var pdf = 0.0;
     var samples_lights = false;
     //@ end
-    //@ each answer
+    //@ each surface_samples_light
     // Whatever answers to lights sends rays to the side that it is seen from.
-    samples_lights = events < settings.max_depth && responds(material);
+    samples_lights = depth < settings.max_depth && is_non_specular(material);
     if samples_lights {
-        let aim = aim_at_light(path, point);
-        let response = response_of_material(material, arriving, aim.direction);
-        let origin = leaving_point(hit, surface, facing, shading, point, aim.direction);
-        send_shadow_ray(path, aim, origin, response.value, response.pdf);
+        let light_sample = sample_light(path, point);
+        let response = response_of_material(material, arriving, light_sample.direction);
+        let origin = spawn_ray(hit, surface, facing, shading, point, light_sample.direction).origin;
+        send_shadow_ray(path, light_sample, origin, response.value, response.pdf);
         pdf = response_of_material(material, arriving, scattered.direction).pdf;
     }
     //@ end
     //@ each specular
     if !samples_lights {
         pdf = pdf_of_one_way((*path).pdf);
-        let can_meet = pdf < 0.0 && scattered.event == SCATTERED && events < settings.max_depth;
+        let can_meet = pdf < 0.0 && scattered.event == SCATTERED && depth < settings.max_depth;
         if can_meet && asks_for_light(path) {
-            let aim = aim_at_light(path, point);
-            let origin = leaving_point(hit, surface, facing, shading, point, scattered.direction);
-            let response = response_to_question(scattered.weight, scattered.direction, aim.direction, shading);
-            send_shadow_ray(path, aim, origin, response, 0.0);
+            let light_sample = sample_light(path, point);
+            let origin = spawn_ray(hit, surface, facing, shading, point, scattered.direction).origin;
+            let response = response_to_question(scattered.weight, scattered.direction, light_sample.direction, shading);
+            send_shadow_ray(path, light_sample, origin, response, 0.0);
         }
     }
     //@ end
     //@ each met_light
     if scattered.event == EMITTED {
-        (*path).throughput *= share_of_met_light(path, hit);
+        (*path).throughput *= mis_weight(path, hit);
     }
     //@ end
     //@ each met_by_chance
@@ -81,15 +81,14 @@ fn scatter_path(path: ptr<function, Path>) {
     //@ end
     var throughput = (*path).throughput * scattered.weight;
     if scattered.event == SCATTERED {
-        throughput = survivor(path, throughput);
+        throughput = russian_roulette(path, throughput);
     }
-    let goes_on = scattered.event == SCATTERED && events < settings.max_depth && any(throughput != vec3<f32>(0.0));
+    let goes_on = scattered.event == SCATTERED && depth < settings.max_depth && any(throughput != vec3<f32>(0.0));
     if goes_on {
-        let leaving = leaving_point(hit, surface, facing, shading, point, scattered.direction);
-        (*path).ray = Ray(leaving, scattered.direction);
+        (*path).ray = spawn_ray(hit, surface, facing, shading, point, scattered.direction);
         (*path).status = RAY_READY;
         (*path).throughput = throughput;
-        (*path).events = events + 1u;
+        (*path).depth = depth + 1u;
     } else if scattered.event == SCATTERED && any(throughput != vec3<f32>(0.0)) {
         (*path).status = PATH_TOO_DEEP;
         (*path).throughput = throughput;

@@ -31,7 +31,7 @@ fn start_sample(path: ptr<function, Path>) {
     (*path).ray = camera_ray(pixel % settings.image_width, pixel / settings.image_width, u);
     (*path).status = RAY_READY;
     (*path).throughput = vec3<f32>(1.0);
-    (*path).events = 0u;
+    (*path).depth = 0u;
     //@ each light
     (*path).radiance = vec3<f32>(0.0);
     (*path).pdf = 0.0;

@@ -78,5 +78,5 @@ fn largest_component(colour: vec3<f32>) -> f32 {
 
 // Of words that are the same however the stages are linked, and of none of the path's own random numbers.
 fn words_of_question(path: ptr<function, Path>) -> vec4<u32> {
-    return pcg4d(vec4<u32>((*path).pixel, (*path).sample, (*path).events, ~settings.seed));
+    return pcg4d(vec4<u32>((*path).pixel, (*path).sample, (*path).depth, ~settings.seed));
 }

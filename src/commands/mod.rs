@@ -14,7 +14,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::cli::{Cli, Command, Size};
 use crate::error::{Error, Result};
-use crate::flatten::{Flat, flatten};
+use crate::flatten::{DeviceScene, flatten};
 use crate::gpu::device::{AdapterName, Adapters, Device, DeviceClass};
 use crate::job::{Goal, Job};
 use crate::options::{MAX_DEPTH, RenderOptions};
@@ -35,7 +35,7 @@ pub fn run(cli: &Cli, start: std::time::Instant) -> Result<()> {
 }
 
 /// The size of the image asked for, and the scene flattened for it.
-fn flatten_for(scene: &Scene, size: Option<Size>, options: &RenderOptions) -> Result<((u32, u32), Flat)> {
+fn flatten_for(scene: &Scene, size: Option<Size>, options: &RenderOptions) -> Result<((u32, u32), DeviceScene)> {
     let of_scene = (scene.image.width, scene.image.height);
     let size = size.map_or(of_scene, |size| size.of(of_scene));
     Ok((size, flatten(scene, size, options)?))
@@ -81,7 +81,7 @@ impl Target {
 fn planned<'a>(
     scene: &Scene,
     size: (u32, u32),
-    flat: &'a Flat,
+    flat: &'a DeviceScene,
     target: &Target,
     options: &RenderOptions,
 ) -> Result<Plan<'a>> {

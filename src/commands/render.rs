@@ -366,8 +366,8 @@ impl About<'_> {
             relative_error_confidence: error.map(|_| 1.0 - NOISE_LEVEL),
             relative_error_excludes: error.map(|_| self.excluded()),
             reliable: finish.reliable(),
-            light_stopped_by_glass: finish.through_glass.stopped(),
-            light_met_through_glass: finish.through_glass.met(),
+            light_stopped_by_glass: finish.through_glass.blocked_by_dielectrics(),
+            light_met_through_glass: finish.through_glass.found_by_bsdf(),
             noise: self.args.noise,
             noise_reached: finish.noise.map(|noise| noise.reached),
         }
@@ -547,8 +547,8 @@ fn summarise(about: &About<'_>, output: &Output<'_>, outcome: &Outcome, finish: 
         tell(&format!(
             "warning: the relative error is unreliable: mirrors and glass block {} % of the image's light from light sampling, and paths \
              have found {} % by chance. Raise --spp.",
-            percent(finish.through_glass.stopped()),
-            percent(finish.through_glass.met())
+            percent(finish.through_glass.blocked_by_dielectrics()),
+            percent(finish.through_glass.found_by_bsdf())
         ));
     }
     if let (Some(wish), Some(noise)) = (args.noise, finish.noise) {

@@ -27,7 +27,7 @@ pub struct Features {
     /// By the numbers of `MATERIALS`: of materials on objects, not of all that are defined.
     pub materials: [Option<String>; MATERIALS.len()],
     /// By the numbers of `MATERIALS`: of those that answer to lights that are sampled.
-    pub responders: [Option<String>; MATERIALS.len()],
+    pub non_specular: [Option<String>; MATERIALS.len()],
     /// By the numbers of `MATERIALS`: of those that send a ray one way alone.
     pub specular: [Option<String>; MATERIALS.len()],
     /// By the numbers of `TEXTURES`.
@@ -61,7 +61,7 @@ pub struct Features {
     /// Pixels so small that render space has the camera's axes and not the world's.
     pub turned: Option<String>,
     /// Whether all primitives are asked of every ray: they are few, and none of them a mesh.
-    pub few: bool,
+    pub brute_force: bool,
     /// Codes that wait at most in a walk through the BVH.
     pub stack_size: u32,
     /// The same of a walk through a mesh that bounds a medium.
@@ -103,12 +103,13 @@ impl Features {
         [&mut self.smooth, &mut self.textured_media, &mut self.thin_lens, &mut self.turned].into_iter().for_each(add);
         if sample_lights {
             add(&mut self.emitting_sky);
-            for (way, used) in [(Scattering::Spread, &mut self.responders), (Scattering::OneWay, &mut self.specular)] {
+            for (way, used) in [(Scattering::Spread, &mut self.non_specular), (Scattering::OneWay, &mut self.specular)]
+            {
                 let materials = Material::KINDS.iter().zip(used);
                 materials.filter(|(kind, _)| kind.scatters.contains(&way)).for_each(|(_, used)| add(used));
             }
         }
-        self.few = false;
+        self.brute_force = false;
         // The sky that `require_all` adds is a light beside the scene's, and is never chosen.
         if sample_lights && self.sky_grid == (0, 0) {
             self.sky_grid = (1, 1);
@@ -127,8 +128,8 @@ impl Features {
     }
 
     /// Whether anything in the scene answers to light from any direction. Where nothing does, no ray is sent to a light.
-    pub(super) fn answers_to_light(&self) -> bool {
-        self.media > 0 || self.responders.iter().any(Option::is_some)
+    pub(super) fn samples_light_anywhere(&self) -> bool {
+        self.media > 0 || self.non_specular.iter().any(Option::is_some)
     }
 
     fn primitive(&self, name: &str) -> Option<&str> {
@@ -158,7 +159,7 @@ impl Features {
             ("medium", _) if BOUNDARIES.iter().any(|(known, _)| *known == name) => boundary(name),
             ("medium", _) => medium(),
             ("light", _) if PRIMITIVES.contains(&name) => of(PRIMITIVES, &self.emitters, name),
-            ("light", "sky") | ("scene", "sky_light") | ("step", "sky_share") => self.emitting_sky.as_deref(),
+            ("light", "sky") | ("scene", "sky_light") | ("step", "sky_mis_weight") => self.emitting_sky.as_deref(),
             ("light", _) => light(),
             ("camera", "thin_lens") => self.thin_lens.as_deref(),
             ("scene", "camera_axes") => self.turned.as_deref(),
@@ -200,7 +201,7 @@ impl Features {
     }
 }
 
-impl super::Flat {
+impl super::DeviceScene {
     /// Tables for what the scene lacks that say so, since kernels with everything bind them: a light that is never chosen, a sky that
     /// sends nothing.
     pub(super) fn require_all(&mut self, sample_lights: bool) {

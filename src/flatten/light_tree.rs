@@ -7,7 +7,7 @@ use glam::{DQuat, DVec3};
 
 use super::meshes::octahedral;
 use crate::data::{self, LIGHT_NODE_LEAF, LIGHT_NODE_SKY, LIGHT_NODE_TWO_SIDED};
-use crate::shape::AxisBox;
+use crate::shape::Aabb;
 
 /// A light's trail is one word.
 const DEEPEST: u32 = 32;
@@ -16,7 +16,7 @@ const BINS: usize = 12;
 /// Where lights are, and the cone around all directions in which they are turned. What they send goes a quarter turn beyond.
 #[derive(Clone, Copy, Debug)]
 pub struct Bounded {
-    pub around: AxisBox,
+    pub around: Aabb,
     pub axis: DVec3,
     /// Half angle of the cone; pi where there is no side on which they are dark.
     pub spread: f64,
@@ -143,7 +143,7 @@ impl LightTree {
 fn cut(lights: &[Bounded], order: &mut [usize], depth: u32) -> usize {
     let half = order.len() / 2;
     let middle = |i: usize| lights[i].around.center();
-    let middles = AxisBox::around(order.iter().map(|&i| middle(i)));
+    let middles = Aabb::around(order.iter().map(|&i| middle(i)));
     let extent = middles.max - middles.min;
     let bin = |axis: usize, i: usize| {
         let share = (middle(i)[axis] - middles.min[axis]) / extent[axis];

@@ -58,7 +58,7 @@ impl Builder<'_> {
     }
 }
 
-impl super::Flat {
+impl super::DeviceScene {
     /// Appends a hierarchy to those that are there; the result is its root's code.
     pub fn add_nodes(&mut self, root: u32, nodes: Vec<data::Node>) -> u32 {
         let first = self.nodes.len() as u32;

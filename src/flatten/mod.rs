@@ -4,7 +4,7 @@
 //! the same to the kernels however large it is and wherever it stands. Where pixels are very small it has the camera's
 //! axes (`view`). Emission is scaled by a power of two likewise.
 
-mod dangers;
+mod diagnostics;
 mod features;
 mod light_tree;
 mod lights;
@@ -35,7 +35,7 @@ pub use lights::MOST_LIGHTS;
 
 /// A scene as the kernels see it.
 #[derive(Clone, Debug, Default)]
-pub struct Flat {
+pub struct DeviceScene {
     pub features: Features,
     /// The camera, the background and the BVH's root; the rest is the render's to fill in.
     pub settings: data::Settings,
@@ -66,7 +66,7 @@ const MOST_MEDIA: usize = 1024;
 
 /// The most primitives that are asked of every ray, without a walk through the hierarchy: as many as a node has children, and as many
 /// as this where a ray meets the boxes of at least so many on average (`bvh::crossings`), as in a room. Measured in docs/performance.md.
-const MOST_OF_FEW: usize = 24;
+const MOST_BY_BRUTE_FORCE: usize = 24;
 const LEAST_CROSSINGS: f32 = 1.25;
 
 /// Flattens a scene for an image of `size` pixels. Of the options those count that change tables: the integrator, the build of the
@@ -74,7 +74,7 @@ const LEAST_CROSSINGS: f32 = 1.25;
 ///
 /// # Errors
 /// `Error::Scene` where there are more primitives than a code can name, or more media than a ray can cross.
-pub fn flatten(scene: &Scene, size: (u32, u32), options: &RenderOptions) -> Result<Flat> {
+pub fn flatten(scene: &Scene, size: (u32, u32), options: &RenderOptions) -> Result<DeviceScene> {
     let mut features = Features::default();
     let meshes = mesh::shapes(&scene.meshes);
     let mut finder = Finder::new(scene, &meshes);
@@ -108,7 +108,7 @@ pub fn flatten(scene: &Scene, size: (u32, u32), options: &RenderOptions) -> Resu
 
     let extent = extent(view.eye, view.lens_radius(), &finder);
     let emissions = emissions(scene, &used);
-    let found = dangers::Found {
+    let found = diagnostics::Found {
         scene,
         placed: &finder.placed,
         media: &finder.media,
@@ -122,7 +122,7 @@ pub fn flatten(scene: &Scene, size: (u32, u32), options: &RenderOptions) -> Resu
     let radiance_exponent = binary_exponent(if brightest > 0.0 { brightest } else { 1.0 });
     let radiance_scale = exp2(-radiance_exponent);
 
-    let mut flat = Flat { features, radiance_exponent, ..Flat::default() };
+    let mut flat = DeviceScene { features, radiance_exponent, ..DeviceScene::default() };
     flat.settings = view.settings(&space);
     let mut builder = Builder {
         scene,
@@ -138,12 +138,12 @@ pub fn flatten(scene: &Scene, size: (u32, u32), options: &RenderOptions) -> Resu
     builder.add_background(radiance_scale);
     builder.add_materials(&used, radiance_scale);
     let sample_lights = options.integrator == Integrator::Mis;
-    // Dangers are looked for while the hierarchies are built.
+    // Diagnostics are looked for while the hierarchies are built.
     let looked = std::thread::scope(|scope| {
-        let looking = scope.spawn(|| dangers::warnings(&found));
+        let looking = scope.spawn(|| diagnostics::warnings(&found));
         builder.add_primitives(&finder.placed);
         builder.add_media(&finder.media);
-        if sample_lights && builder.flat.features.answers_to_light() {
+        if sample_lights && builder.flat.features.samples_light_anywhere() {
             builder.add_lights(&finder.placed);
         }
         looking.join()
@@ -161,7 +161,7 @@ pub fn flatten(scene: &Scene, size: (u32, u32), options: &RenderOptions) -> Resu
     Ok(flat)
 }
 
-/// A scene on its way to a `Flat`.
+/// A scene on its way to a `DeviceScene`.
 struct Builder<'a> {
     scene: &'a Scene,
     space: RenderSpace,
@@ -176,7 +176,7 @@ struct Builder<'a> {
     images: HashMap<String, u32>,
     /// The frames of meshes, by mesh and material.
     mesh_frames: HashMap<(usize, u32), u32>,
-    flat: Flat,
+    flat: DeviceScene,
 }
 
 impl Builder<'_> {
@@ -187,13 +187,13 @@ impl Builder<'_> {
         let bvh = bvh::build(&bounds, &codes, self.quality);
         self.flat.primitives = placed.len() as u32;
         let flat = &mut self.flat;
-        let crowded = placed.len() <= MOST_OF_FEW && bvh::crossings(&bounds) >= LEAST_CROSSINGS;
-        flat.features.few = (placed.len() <= bvh::WIDTH || crowded) && flat.shapes.instances.is_empty();
+        let crowded = placed.len() <= MOST_BY_BRUTE_FORCE && bvh::crossings(&bounds) >= LEAST_CROSSINGS;
+        flat.features.brute_force = (placed.len() <= bvh::WIDTH || crowded) && flat.shapes.instances.is_empty();
         // Of the kinds that there are, in their order, before those that bound media are added.
         let counts = KINDS.iter().map(|kind| kind.table.count(&flat.shapes)).filter(|count| *count > 0);
-        let mut few = flat.settings.few.iter_mut();
+        let mut few = flat.settings.brute_force.iter_mut();
         let fit = counts.fold(true, |fit, count| few.next().map(|few| *few = count as u32).is_some() && fit);
-        flat.features.few &= fit;
+        flat.features.brute_force &= fit;
         self.flat.settings.root = self.flat.add_nodes(bvh.root, bvh.nodes);
         // In a mesh the walk keeps what waits outside of it.
         let within = self.laid.iter().flatten().map(|mesh| mesh.stack_size).max().unwrap_or(0);
@@ -265,7 +265,7 @@ fn note_material(features: &mut Features, scene: &Scene, name: &str, material: &
     let number = material.number();
     features.materials[number].get_or_insert_with(at_material);
     let that_scatter = match material.model().scattering() {
-        Scattering::Spread => Some(&mut features.responders),
+        Scattering::Spread => Some(&mut features.non_specular),
         Scattering::OneWay => Some(&mut features.specular),
         Scattering::Nowhere => None,
     };
@@ -382,7 +382,7 @@ impl Builder<'_> {
     }
 }
 
-impl Flat {
+impl DeviceScene {
     fn add_frame(&mut self, frame: data::Frame) -> u32 {
         self.frames.push(frame);
         self.frames.len() as u32 - 1

@@ -110,7 +110,7 @@ pub struct Kind {
 /// Where a material sends light on to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scattering {
-    /// To many directions, so that it answers to lights that are sampled: SHADER_responds says so on the device.
+    /// To many directions, so that it answers to lights that are sampled: SHADER_is_non_specular says so on the device.
     Spread,
     /// One way alone, which leaves lights to chance.
     OneWay,

@@ -304,7 +304,7 @@ fn asked_for_module<'a>(features: &'a Features, module: &str) -> Option<&'a str>
         "sampler/sobol" => Some("--sampler sobol"),
         "sampler/independent" => Some("--sampler independent"),
         "slots/between" => Some(A_KERNEL_A_STAGE),
-        "bind/nodes" | "scene/traverse" | "scene/few" | "scene/primitives" | "scene/surfaces" => {
+        "bind/nodes" | "scene/traverse" | "scene/brute_force" | "scene/primitives" | "scene/surfaces" => {
             first_surface(features)
         }
         _ => None,

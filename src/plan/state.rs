@@ -65,7 +65,7 @@ pub fn path_fields(features: &Features, fused: bool) -> Vec<PathField> {
         vector(always, "DIRECTION", "its direction"),
         behind(always, "DIRECTION", "status", "what the path is doing, or what its ray has met"),
         vector(always, "THROUGHPUT", "the share of the light met next that reaches the camera"),
-        behind(always, "THROUGHPUT", "events", "scattering events so far"),
+        behind(always, "THROUGHPUT", "depth", "scattering events so far"),
         vector(always, "SUM", "radiance of the run's samples"),
         behind(always, "SUM", "rays", "their rays"),
         vector(always, "EXCESS", "what that sum is too large by, of its roundings"),

@@ -4,7 +4,7 @@ use glam::{DMat3, DVec3, Vec3};
 
 use super::mesh::{Laid, MeshShape};
 use super::{
-    AxisBox, Boundary, Element, Emitter, Geometry, Hull, Kind, MATERIAL, Placement, Shape, Tables, error_bound, padded,
+    Aabb, Boundary, Element, Emitter, Geometry, Hull, Kind, MATERIAL, Placement, Shape, Tables, error_bound, padded,
 };
 use crate::data::{self, f32s};
 use crate::error::Result;
@@ -87,7 +87,7 @@ impl Geometry for Cuboid {
             code: Shape::Cuboid(*self).code(index as usize),
             instance: data::NO_INSTANCE,
             area: 2.0 * (d.x * d.y + d.y * d.z + d.z * d.x),
-            around: AxisBox::around(AxisBox { min, max }.corners().map(|p| at.point(p))),
+            around: Aabb::around(Aabb { min, max }.corners().map(|p| at.point(p))),
             normal: None,
         }]
     }

@@ -7,8 +7,8 @@ use glam::{DMat3, DVec3, Vec2, Vec3};
 
 pub use super::closed::OpenEdges;
 use super::{
-    AxisBox, Boundary, Element, Emitter, Geometry, Hull, Kind, MATERIAL, Placement, Tables, binary_exponent,
-    error_bound, exp2, padded,
+    Aabb, Boundary, Element, Emitter, Geometry, Hull, Kind, MATERIAL, Placement, Tables, binary_exponent, error_bound,
+    exp2, padded,
 };
 use crate::data::{self, KIND_TRIANGLE, NOT_SAMPLED, f32s, primitive_code};
 use crate::error::Result;
@@ -75,7 +75,7 @@ pub struct MeshShape<'a> {
     pub path: &'a str,
     pub mesh: &'a Mesh,
     /// The smallest box around it, in its own space.
-    pub around: AxisBox,
+    pub around: Aabb,
     open: OnceLock<Option<OpenEdges>>,
 }
 
@@ -91,7 +91,7 @@ pub fn shapes(meshes: &BTreeMap<String, Mesh>) -> BTreeMap<&str, MeshShape<'_>> 
 impl<'a> MeshShape<'a> {
     fn new(number: usize, path: &'a str, mesh: &'a Mesh) -> MeshShape<'a> {
         let (min, max) = mesh.bounds();
-        MeshShape { number, path, mesh, around: AxisBox { min, max }, open: OnceLock::new() }
+        MeshShape { number, path, mesh, around: Aabb { min, max }, open: OnceLock::new() }
     }
 
     /// Where it is open, found once: it takes a sort of its edges.
@@ -136,7 +136,7 @@ impl<'a> Geometry for &'a MeshShape<'a> {
     }
 
     fn span(&self) -> (f64, f64) {
-        let AxisBox { min, max } = self.around;
+        let Aabb { min, max } = self.around;
         ((max - min).max_element(), min.abs().max(max.abs()).length())
     }
 
@@ -153,7 +153,7 @@ impl<'a> Geometry for &'a MeshShape<'a> {
         let place = at.point(self.around.center());
         let axes = at.to_world.rotation;
         let error = error_bound(&[place.as_vec3(), Vec3::splat((3.0 * scale) as f32)]);
-        let placed = AxisBox::around(self.around.corners().map(|p| at.point(p)));
+        let placed = Aabb::around(self.around.corners().map(|p| at.point(p)));
         tables.instances.push(data::Instance {
             x_axis: f32s(axes.x_axis),
             order: element.order,
@@ -178,7 +178,7 @@ impl<'a> Geometry for &'a MeshShape<'a> {
                 code: primitive_code(KIND_TRIANGLE, face),
                 instance: index,
                 area: 0.5 * across.length() * at.scale() * at.scale(),
-                around: AxisBox::around([a, b, c].map(|p| at.point(p))),
+                around: Aabb::around([a, b, c].map(|p| at.point(p))),
                 normal: Some(at.to_world.vector(across)),
             }
         };

@@ -24,7 +24,7 @@ pub use cuboid::Cuboid;
 pub use hull::{Hull, normal, reach_of};
 use mesh::{Laid, MeshShape};
 pub use quad::Quad;
-pub use space::{AxisBox, Placement, RenderSpace, binary_exponent, error_bound, exp2, padded};
+pub use space::{Aabb, Placement, RenderSpace, binary_exponent, error_bound, exp2, padded};
 pub use sphere::Sphere;
 
 /// What all shapes of a kind have in common.
@@ -113,7 +113,7 @@ pub struct Emitter {
     /// Of a face, that of its mesh.
     pub instance: u32,
     pub area: f64,
-    pub around: AxisBox,
+    pub around: Aabb,
     /// Of what is flat.
     pub normal: Option<DVec3>,
 }

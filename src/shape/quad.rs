@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3, Vec3};
 
 use super::mesh::{Laid, MeshShape};
-use super::{AxisBox, Element, Emitter, Geometry, Hull, Kind, MATERIAL, Placement, Shape, Tables, error_bound, padded};
+use super::{Aabb, Element, Emitter, Geometry, Hull, Kind, MATERIAL, Placement, Shape, Tables, error_bound, padded};
 use crate::data::{self, f32s};
 use crate::error::Result;
 use crate::source::form::{Form, POINT, VECTOR};
@@ -57,7 +57,7 @@ impl Geometry for Quad {
         let corner = at.point(self.corner);
         let (u, v) = (at.vector(self.u), at.vector(self.v));
         let (normal, a_axis, b_axis) = quad_axes(u, v);
-        let around = AxisBox::around([corner, corner + u, corner + v, corner + u + v]);
+        let around = Aabb::around([corner, corner + u, corner + v, corner + u + v]);
         let error = error_bound(&[corner.as_vec3(), u.as_vec3(), v.as_vec3()]);
         let error_across = error_across(corner.as_vec3(), u.as_vec3(), v.as_vec3(), normal);
         tables.quads.push(data::Quad {
@@ -84,7 +84,7 @@ impl Geometry for Quad {
             code: Shape::Quad(*self).code(index as usize),
             instance: data::NO_INSTANCE,
             area: u.cross(v).length() * at.scale() * at.scale(),
-            around: AxisBox::around(corners.map(|p| at.point(p))),
+            around: Aabb::around(corners.map(|p| at.point(p))),
             normal: Some(at.to_world.vector(u).cross(at.to_world.vector(v))),
         }]
     }

@@ -40,20 +40,20 @@ impl Placement<'_> {
 
 /// A box along the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AxisBox {
+pub struct Aabb {
     pub min: DVec3,
     pub max: DVec3,
 }
 
-impl AxisBox {
+impl Aabb {
     /// The smallest one around points.
-    pub fn around(points: impl IntoIterator<Item = DVec3>) -> AxisBox {
-        let nothing = AxisBox { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
-        points.into_iter().fold(nothing, |around, p| around.union(AxisBox { min: p, max: p }))
+    pub fn around(points: impl IntoIterator<Item = DVec3>) -> Aabb {
+        let nothing = Aabb { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
+        points.into_iter().fold(nothing, |around, p| around.union(Aabb { min: p, max: p }))
     }
 
-    pub fn union(self, other: AxisBox) -> AxisBox {
-        AxisBox { min: self.min.min(other.min), max: self.max.max(other.max) }
+    pub fn union(self, other: Aabb) -> Aabb {
+        Aabb { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
     pub fn center(&self) -> DVec3 {

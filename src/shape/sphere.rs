@@ -6,7 +6,7 @@ use glam::{DMat3, DVec3, Vec3};
 
 use super::mesh::{Laid, MeshShape};
 use super::{
-    AxisBox, Boundary, Element, Emitter, Geometry, Hull, Kind, MATERIAL, Placement, Shape, Tables, error_bound, padded,
+    Aabb, Boundary, Element, Emitter, Geometry, Hull, Kind, MATERIAL, Placement, Shape, Tables, error_bound, padded,
 };
 use crate::data;
 use crate::error::Result;
@@ -60,7 +60,7 @@ impl Geometry for Sphere {
         let reach = DVec3::splat(radius);
         let code = Shape::Sphere(*self).code(index as usize);
         let area = 4.0 * PI * radius.powi(2);
-        let around = AxisBox::around([middle - reach, middle + reach]);
+        let around = Aabb::around([middle - reach, middle + reach]);
         vec![Emitter { code, instance: data::NO_INSTANCE, area, around, normal: None }]
     }
 

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
-use gpu_rt::flatten::{Flat, flatten};
+use gpu_rt::flatten::{DeviceScene, flatten};
 use gpu_rt::options::{Integrator, RenderOptions};
 use gpu_rt::plan::{Tables, choices_of};
 use gpu_rt::scene::Scene;
@@ -81,7 +81,7 @@ pub fn ball_file(cuts: u32, stretch: DVec3) -> String {
 }
 
 /// Objects of the material "m" around a camera at `eye`, with "ball.obj" beside the scene.
-pub fn flat_around(eye: DVec3, mesh: &str, objects: &[String]) -> Flat {
+pub fn flat_around(eye: DVec3, mesh: &str, objects: &[String]) -> DeviceScene {
     let folder = tempfile::tempdir().expect("a temporary folder");
     std::fs::write(folder.path().join("ball.obj"), mesh).expect("the mesh is written");
     let at = eye + DVec3::X * eye.abs().max_element().max(1.0);
@@ -98,14 +98,14 @@ pub fn flat_around(eye: DVec3, mesh: &str, objects: &[String]) -> Flat {
         .expect("the test's scene is small")
 }
 
-pub fn kernel(flat: &Flat, faces: usize, replaced: &[(&str, &str)]) -> Kernel {
+pub fn kernel(flat: &DeviceScene, faces: usize, replaced: &[(&str, &str)]) -> Kernel {
     let plan = choices_of(&flat.features, &RenderOptions::default(), &Tables::default());
     let (instances, faces) = (flat.shapes.instances.len().to_string(), faces.to_string());
     let values = [("instances", &*instances), ("faces", &*faces)];
     Kernel::with("test/meshes", &Setup { plan, values: &values, replaced, ..Setup::default() })
 }
 
-pub fn run(kernel: &Kernel, flat: &Flat, rays: &[In]) -> Vec<Out> {
+pub fn run(kernel: &Kernel, flat: &DeviceScene, rays: &[In]) -> Vec<Out> {
     let tables = [
         array("nodes", &flat.nodes),
         array("spheres", &flat.shapes.spheres),

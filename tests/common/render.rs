@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use gpu_rt::data::{RUN_LENGTH, Sampler};
 use gpu_rt::film::{Film, Picture, UNKNOWN_VARIANCE};
-use gpu_rt::flatten::{Flat, flatten};
+use gpu_rt::flatten::{DeviceScene, flatten};
 use gpu_rt::gpu::layout;
 use gpu_rt::gpu::link::{Choices, Embedded, Library, link};
 use gpu_rt::job::{Goal, Job};
@@ -123,7 +123,7 @@ pub fn scene_in(folder: &Path, text: &str) -> Scene {
 }
 
 /// What `gpu-rt check` warns of in the scene's objects as they are placed.
-pub fn dangers(scene: &Scene) -> Vec<String> {
+pub fn diagnostics(scene: &Scene) -> Vec<String> {
     let flat = flatten(scene, (scene.image.width, scene.image.height), &plain());
     flat.expect("the scene flattens").warnings
 }
@@ -169,7 +169,7 @@ pub fn render_linked(scene: &Scene, ask: &Ask, ranges: &[Range<u32>], library: &
 #[derive(Default)]
 pub struct Change<'a> {
     /// The tables that the kernels read.
-    pub flat: Option<&'a dyn Fn(&mut Flat)>,
+    pub flat: Option<&'a dyn Fn(&mut DeviceScene)>,
     /// What each kernel is linked with.
     pub choices: Option<&'a dyn Fn(&mut Choices)>,
     /// Where its modules come from.

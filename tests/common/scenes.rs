@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use glam::DVec3;
-use gpu_rt::flatten::{Flat, flatten};
+use gpu_rt::flatten::{DeviceScene, flatten};
 use gpu_rt::options::{Integrator, RenderOptions};
 use gpu_rt::scene::Scene;
 
@@ -15,12 +15,12 @@ pub fn triple(v: DVec3) -> String {
 
 /// Flattens a scene with these objects, of the material "m", seen from the origin. The result is in render space: scaled
 /// by a power of two.
-pub fn flat(objects: &[String]) -> Flat {
+pub fn flat(objects: &[String]) -> DeviceScene {
     flat_with("(look_from: (0, 0, 0), look_at: (0, 0, -1), vertical_fov: 40)", (16, 16), objects)
 }
 
 /// The same with a camera, for an image of this size.
-pub fn flat_with(camera: &str, size: (u32, u32), objects: &[String]) -> Flat {
+pub fn flat_with(camera: &str, size: (u32, u32), objects: &[String]) -> DeviceScene {
     let mut text = format!(
         "Scene(image: (width: {}, height: {}), camera: {camera}, background: Solid((1, 1, 1)),\n\
          materials: {{\"m\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5))}}, objects: [\n",

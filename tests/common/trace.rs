@@ -7,7 +7,7 @@ use super::kernel::{Kernel, Setup, array};
 use super::stats::Random;
 use super::vectors::rounded;
 
-/// `NO_HIT` of shaders/data/hit.wgsl.
+/// `NO_HIT` of shaders/data/surface.wgsl.
 pub const NO_HIT: f32 = -1.0;
 
 #[repr(C)]

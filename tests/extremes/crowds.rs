@@ -6,12 +6,12 @@ use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
 use gpu_rt::bvh::{self, Bounds, Quality};
 use gpu_rt::data::{PRIMITIVE_BIT, Sphere};
-use gpu_rt::flatten::Flat;
+use gpu_rt::flatten::DeviceScene;
 use gpu_rt::options::RenderOptions;
 use gpu_rt::plan::{Tables, choices_of};
 
 use crate::common::kernel::{Kernel, Overlay, Setup, array};
-use crate::common::render::{Ask, dangers, render, render_planted, scene_in};
+use crate::common::render::{Ask, diagnostics, render, render_planted, scene_in};
 use crate::common::scenes::flat;
 use crate::common::stats::Random;
 use crate::common::vectors::{U, decades, exact, rounded, unit};
@@ -93,7 +93,7 @@ fn too_many(count: usize, body: &str) -> Cell {
         "none: a walk may take 48,000 steps where a driver limits loops, and 262,144 elsewhere.",
     )
     .achieved(totals.rejected.cut as f64 / totals.paths as f64)
-    .told(dangers(&scene))
+    .told(diagnostics(&scene))
 }
 
 /// A plate of 2^20 triangles with its vertices moved about within it, all of it a lamp: no ray passes between them.
@@ -188,7 +188,7 @@ fn spheres() -> Cell {
     let values = [("spheres", "0"), ("quads", "0"), ("cuboids", "0")];
     let kernel = Kernel::with("test/walk", &Setup { plan, values: &values, ..Setup::default() });
     let walk = |nodes: &[gpu_rt::data::Node]| -> Vec<[[u32; 4]; 2]> {
-        let none = Flat::default();
+        let none = DeviceScene::default();
         let tables = [
             array("nodes", nodes),
             array("spheres", &spheres),

@@ -8,7 +8,7 @@ use gpu_rt::scene::{Background, Scene};
 
 use crate::common::instances::ball_file;
 use crate::common::kernel::Kernel;
-use crate::common::render::{Ask, Shot, dangers, render, scene_in};
+use crate::common::render::{Ask, Shot, diagnostics, render, scene_in};
 use crate::common::scenes::{flat, triple};
 use crate::common::stats::Random;
 use crate::common::trace::{In, NO_HIT, trace, tracer};
@@ -174,7 +174,7 @@ pub fn gaps() -> Vec<Cell> {
         let of = |gap: f64, front, back| scene(pair.camera, 0.0, &(pair.objects)(gap, front, back));
         let shot = |gap: f64, front, back| render(&of(gap, front, back), &Ask::spp(64));
         // Warnings are of what is too near, and not of such pairs.
-        let said = dangers(&of(0.005, "clear", "lamp"));
+        let said = diagnostics(&of(0.005, "clear", "lamp"));
         assert!(said.is_empty(), "{}: {said:?}", pair.name);
         for exponent in 1..=pair.least {
             let gap = 10f64.powi(-exponent);
@@ -211,12 +211,12 @@ pub fn gaps() -> Vec<Cell> {
             // Of meshes those are told that are in one place within rounding, and not all that are nearer than rays start.
             if exponent == 7 || !pair.name.contains("meshes") {
                 let cut = cell(lost).achieved(farthest(&shot(gap, "clear", "lamp"), 1.0));
-                all.push(cut.told(dangers(&of(gap, "clear", "lamp"))));
+                all.push(cut.told(diagnostics(&of(gap, "clear", "lamp"))));
             }
             let passes = "Largest share of a lamp's light that passes a grey surface in front of it, with a gap that f32 does not \
                           resolve; `check` may warn instead";
             let cut = cell(passes).achieved(farthest(&shot(gap, "grey", "lamp"), 0.0));
-            all.push(cut.told(dangers(&of(gap, "grey", "lamp"))));
+            all.push(cut.told(diagnostics(&of(gap, "grey", "lamp"))));
         }
     }
     all
@@ -327,7 +327,9 @@ pub fn distances() -> Vec<Cell> {
         // In a wide view f32 cannot hold the outline: the warning is the answer.
         let untold = |exponent: i32| {
             let objects = ball(10f64.powi(exponent) * DIRECTIONS[1].1, 1.0, "grey");
-            f64::from(u8::from(dangers(&scene(&looking(DVec3::ZERO, DIRECTIONS[1].1, 40.0), 1.0, &objects)).is_empty()))
+            f64::from(u8::from(
+                diagnostics(&scene(&looking(DVec3::ZERO, DIRECTIONS[1].1, 40.0), 1.0, &objects)).is_empty(),
+            ))
         };
         let cell = Cell::new(
             Row::Distance,
@@ -336,7 +338,7 @@ pub fn distances() -> Vec<Cell> {
             0.0,
             "none, because the outline is off by 2 u D, more than a tenth of the radius.",
         );
-        all.push(cell.achieved(untold(exponent)).planted("D/r = 1e4, which is no danger", untold(4)));
+        all.push(cell.achieved(untold(exponent)).planted("D/r = 1e4, which is no diagnostic", untold(4)));
     }
     for exponent in 2..=7 {
         let distance = 10f64.powi(exponent);
@@ -396,7 +398,7 @@ pub fn radii() -> Vec<Cell> {
         let larger: Vec<Sphere> =
             ground.spheres.iter().map(|sphere| Sphere { radius: sphere.radius * (1.0 + 2e-6), ..*sphere }).collect();
         let achieved = ground.worst(&kernel, &ground.spheres);
-        let told = dangers(&scene(
+        let told = diagnostics(&scene(
             &looking(DVec3::ZERO, ground.downs[0], 40.0),
             1.0,
             &ground.texts[0].replace("\"m\"", "\"grey\""),

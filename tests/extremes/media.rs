@@ -6,7 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
 use crate::common::kernel::{Kernel, Overlay, Setup};
-use crate::common::render::{Ask, dangers, render, render_planted, scene};
+use crate::common::render::{Ask, diagnostics, render, render_planted, scene};
 use crate::common::stats::{Random, chi_square, mean_and_variance, sidak};
 use crate::common::vectors::{U, decades, exact, rounded, unit};
 use crate::table::{Cell, LOG_OF_ONE_MINUS, Row};
@@ -245,7 +245,7 @@ fn bright_slabs() -> Vec<Cell> {
                 continue;
             }
             let mean = shot(depth, distance, thickness);
-            let said = dangers(&scene(&slab(depth, ALBEDO, distance, thickness)));
+            let said = diagnostics(&scene(&slab(depth, ALBEDO, distance, thickness)));
             assert!(s > 0.05 || said.is_empty(), "{said:?}");
             all.push(
                 Cell::new(
@@ -260,7 +260,7 @@ fn bright_slabs() -> Vec<Cell> {
             );
         }
         // Wrong as the picture is then, a fifth too bright at s = 1.
-        let told = dangers(&scene(&slab(1e8, ALBEDO, distance, thickness)));
+        let told = diagnostics(&scene(&slab(1e8, ALBEDO, distance, thickness)));
         let mean = shot(1e8, distance, thickness);
         all.push(
             Cell::new(

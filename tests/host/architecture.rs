@@ -147,7 +147,7 @@ fn a_planted_import_is_found() {
         ("gpu/link", "use crate::scene::Scene;\n"),
         ("gpu/link", "use crate::{error::Result, plan::{Plan, Kernel}};\n"),
         ("gpu/link", "use crate::{\n    error::Error,\n    render,\n};\n"),
-        ("gpu/link", "fn f() -> crate::flatten::Flat {}\n"),
+        ("gpu/link", "fn f() -> crate::flatten::DeviceScene {}\n"),
         ("gpu/link", "use super::super::scene;\n"),
         ("gpu", "use super::scene;\n"),
         ("metrics", "use crate::gpu::device::Device;\n"),

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use gpu_rt::flatten::{Flat, flatten};
+use gpu_rt::flatten::{DeviceScene, flatten};
 use gpu_rt::gpu::device::DeviceClass;
 use gpu_rt::gpu::link::{Choices, Entry, Library, link};
 use gpu_rt::gpu::spirv;
@@ -52,16 +52,21 @@ fn options(features: FeatureSet) -> RenderOptions {
 }
 
 /// As `render` flattens by default.
-fn flat(scene: &Scene, features: FeatureSet) -> Flat {
+fn flat(scene: &Scene, features: FeatureSet) -> DeviceScene {
     let size = (scene.image.width, scene.image.height);
     flatten(scene, size, &options(features)).unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn planned<'a>(flat: &'a Flat, class: &Class, scatter: Scatter) -> (Plan<'a>, Report) {
+fn planned<'a>(flat: &'a DeviceScene, class: &Class, scatter: Scatter) -> (Plan<'a>, Report) {
     planned_with(flat, class, scatter, options(FeatureSet::Scene))
 }
 
-fn planned_with<'a>(flat: &'a Flat, class: &Class, scatter: Scatter, options: RenderOptions) -> (Plan<'a>, Report) {
+fn planned_with<'a>(
+    flat: &'a DeviceScene,
+    class: &Class,
+    scatter: Scatter,
+    options: RenderOptions,
+) -> (Plan<'a>, Report) {
     let tables = Tables::new(flat, class.device.table_bytes());
     let kernels = Kernels::link(&flat.features.of(&options), &options, scatter, &tables);
     let kernels = kernels.unwrap_or_else(|error| panic!("{error}"));
@@ -489,7 +494,7 @@ fn steps_are_those_of_the_device() {
 }
 
 /// A lamp beside a sphere of such a material, with an object more.
-fn lamp_beside(material: &str, object: &str) -> Flat {
+fn lamp_beside(material: &str, object: &str) -> DeviceScene {
     let text = SPHERE
         .replace(
             "Lambertian(albedo: Rgb(0.5, 0.4, 0.3))",
@@ -521,7 +526,7 @@ fn lights_are_sampled_where_something_answers() {
                 let (plan, report) = planned(&flat, &class, scatter);
                 let names = names_in(&plan, &report);
                 let has = |word: &str| names.contains(word);
-                let of_lights = ["shadow", "LIGHT_WEIGHT", "aim_at_light", "bind/lights"];
+                let of_lights = ["shadow", "LIGHT_WEIGHT", "sample_light", "bind/lights"];
                 let found: Vec<_> = of_lights.iter().filter(|word| has(word)).collect();
                 assert_eq!(found.is_empty(), !sampled, "{material} {object} {scatter:?}: {found:?}");
                 assert_eq!(report.buffers.iter().any(|buffer| buffer.name == "lights"), sampled, "{material} {object}");
@@ -582,7 +587,7 @@ fn words_of_identifiers_are_told_apart() {
 }
 
 /// The modules of each kernel, and the kernels of the plan.
-fn modules_by_kernel(flat: &Flat, class: &Class, scatter: Scatter) -> BTreeMap<String, BTreeSet<String>> {
+fn modules_by_kernel(flat: &DeviceScene, class: &Class, scatter: Scatter) -> BTreeMap<String, BTreeSet<String>> {
     let (_, report) = planned(flat, class, scatter);
     let modules =
         |kernel: &gpu_rt::plan::KernelReport| kernel.modules.iter().map(|module| module.name.clone()).collect();

@@ -335,7 +335,7 @@ fn smooth_bodies() -> Scene {
 
 fn aimed_from_the_facet() -> Overlay {
     Overlay::new(&[]).rewritten("step/scatter", |text| {
-        text.replace("aim_at_light(path, point)", "aim_at_light(path, surface.point)")
+        text.replace("sample_light(path, point)", "sample_light(path, surface.point)")
     })
 }
 

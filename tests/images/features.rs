@@ -7,7 +7,7 @@ use crate::common::constants::tables_read_at_constants;
 use crate::common::everything::same;
 use crate::common::lattice::Lattice;
 use crate::common::render::{Ask, render};
-use gpu_rt::flatten::{Flat, flatten};
+use gpu_rt::flatten::{DeviceScene, flatten};
 use gpu_rt::gpu::device::DeviceClass;
 use gpu_rt::gpu::link::{Choices, Embedded, Library, Linked, link};
 use gpu_rt::job::{Goal, Job};
@@ -23,7 +23,7 @@ fn usual(scatter: Scatter) -> Ask {
     Ask::spp(16).sobol().mis().roulette().scatter(scatter)
 }
 
-fn flat(scene: &Scene) -> Flat {
+fn flat(scene: &Scene) -> DeviceScene {
     flatten(scene, (12, 9), &RenderOptions::default()).expect("the scene flattens")
 }
 
@@ -114,7 +114,7 @@ fn everything_is_on() {
             "scene/no_uv",
             "scene/world_axes",
             "scene/nothing",
-            "scene/few",
+            "scene/brute_force",
             "step/no_glass",
             "scene/light_tree",
             "bind/light_nodes",

@@ -5,7 +5,7 @@
 use std::collections::BTreeMap;
 
 use crate::common::render::{Ask, Change, Shot, render, render_changed, scene};
-use gpu_rt::flatten::{Flat, MATERIALS};
+use gpu_rt::flatten::{DeviceScene, MATERIALS};
 use gpu_rt::gpu::link::{Choices, Embedded, Entry, Library};
 use gpu_rt::options::Scatter;
 
@@ -29,7 +29,7 @@ fn velvet_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scatter
 ";
 const VELVET_EVAL: &str = "//@ use data/material
 //@ use lib/sampling
-fn velvet_responds(material: Material) -> bool {
+fn velvet_is_non_specular(material: Material) -> bool {
     return true;
 }
 
@@ -53,7 +53,7 @@ impl Library for Beside {
 /// Its name and number in the lists of materials and of those that answer to lights, which the linker goes through wherever materials are
 /// told apart, in queues too: there it has the place of the Lambertian that stands in for it.
 fn listed(choices: &mut Choices, name: &str) {
-    for list in ["material", "responder"] {
+    for list in ["material", "non_specular"] {
         let entries = choices.lists.get_mut(list).expect("the plan has the list");
         for entry in entries.iter_mut().filter(|entry| entry.name == "lambertian") {
             *entry = Entry { name: name.to_string(), number: MATERIALS.len() as u32, ..entry.clone() };
@@ -62,7 +62,7 @@ fn listed(choices: &mut Choices, name: &str) {
 }
 
 /// What its file of src/material would lay out in the scene's table, here in place of the material that the scene file names.
-fn loaded(flat: &mut Flat) {
+fn loaded(flat: &mut DeviceScene) {
     let material = &mut flat.materials[0];
     (material.kind, material.parameter) = (MATERIALS.len() as u32, GAIN);
 }

@@ -92,7 +92,7 @@ fn counted_by(text: &str, samples: u32, ask: Ask) -> ThroughGlass {
 
 fn counted(text: &str, samples: u32) -> Counted {
     let light = counted_by(text, samples, Ask::default().mis().depth(50));
-    Counted { found: light.stopped(), met: light.met(), missing: light.missing() }
+    Counted { found: light.blocked_by_dielectrics(), met: light.found_by_bsdf(), missing: light.missing() }
 }
 
 /// Where a lamp is large enough for chance to meet it, that meets about as much as rays to it find: what a mirror or a clear solid takes in it
@@ -142,7 +142,12 @@ fn max_depth_ends_both() {
     let at = |max_depth| counted_by(&text(AROUND_THE_LAMP, 1.2, 0.3), 64, Ask::default().mis().depth(max_depth));
     assert_eq!(at(1), ThroughGlass::default());
     let two = at(2);
-    assert!(two.met() > 0.0 && two.stopped() > 0.0 && (0.7..1.4).contains(&(two.met() / two.stopped())), "{two:?}");
+    assert!(
+        two.found_by_bsdf() > 0.0
+            && two.blocked_by_dielectrics() > 0.0
+            && (0.7..1.4).contains(&(two.found_by_bsdf() / two.blocked_by_dielectrics())),
+        "{two:?}"
+    );
 }
 
 const SCATTERS: [&str; 3] = ["fused", "linked", "queues"];

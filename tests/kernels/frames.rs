@@ -7,7 +7,7 @@ use std::fmt::Write;
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec3};
 use gpu_rt::data::primitive_code;
-use gpu_rt::flatten::{Flat, flatten};
+use gpu_rt::flatten::{DeviceScene, flatten};
 use gpu_rt::options::{Integrator, RenderOptions};
 use gpu_rt::plan::{Tables, choices_of};
 use gpu_rt::scene::Scene;
@@ -163,7 +163,7 @@ fn expected(object: &Object, place: &Place, texels: &[[f32; 3]]) -> Option<(f64,
     }
 }
 
-fn scene(objects: &[Object], folder: &std::path::Path) -> Flat {
+fn scene(objects: &[Object], folder: &std::path::Path) -> DeviceScene {
     let mut random = Random(111);
     let pixels = image::RgbImage::from_fn(16, 8, |_, _| image::Rgb([0; 3].map(|_| random.bits() as u8)));
     pixels.save(folder.join("image.png")).expect("the image can be written");

@@ -26,7 +26,7 @@ fn modules() -> Vec<naga::Module> {
     let features = Features {
         primitives: Default::default(),
         materials: Default::default(),
-        responders: that_scatter(Scattering::Spread),
+        non_specular: that_scatter(Scattering::Spread),
         specular: that_scatter(Scattering::OneWay),
         textures: Default::default(),
         boundaries: Default::default(),
@@ -35,7 +35,7 @@ fn modules() -> Vec<naga::Module> {
         backgrounds: Default::default(),
         thin_lens: Some("a test".to_string()),
         turned: Some("a test".to_string()),
-        few: false,
+        brute_force: false,
         stack_size: 8,
         boundary_stack_size: 8,
         smooth: Some("a test".to_string()),
@@ -169,7 +169,7 @@ fn every_setting_of_a_kernel_is_one_of_the_hosts() {
     let fields: std::collections::BTreeSet<String> =
         data::Settings::FIELDS.iter().map(|(name, ..)| name.to_string()).collect();
     // A scene of few primitives is linked another way.
-    assert_eq!(fields.difference(&seen).collect::<Vec<_>>(), ["few"]);
+    assert_eq!(fields.difference(&seen).collect::<Vec<_>>(), ["brute_force"]);
     // What the host lacks, or has in another size, is not taken from anywhere.
     let odd = [
         Member { name: "seed".to_string(), offset: 0, bytes: 8 },

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use gpu_rt::data::{LIGHT_NODE_LEAF, LIGHT_NODE_TWO_SIDED, Light};
-use gpu_rt::flatten::{Flat, flatten};
+use gpu_rt::flatten::{DeviceScene, flatten};
 use gpu_rt::options::RenderOptions;
 use gpu_rt::plan::{Tables, choices_of};
 use gpu_rt::scene::Scene;
@@ -41,7 +41,7 @@ struct Out {
 const SKY: &str = "Image(path: \"sky.hdr\")";
 
 /// Lights of all shapes, of powers over three decades and turned anywhere, within a unit or so.
-fn lights(random: &mut Random, sky: bool) -> Flat {
+fn lights(random: &mut Random, sky: bool) -> DeviceScene {
     let objects: Vec<String> = (0..300)
         .map(|i| {
             let place = unit(random) * random.uniform();
@@ -81,7 +81,7 @@ fn lights(random: &mut Random, sky: bool) -> Flat {
 const GREY: &str = "\"grey\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5))";
 const RECEIVER: &str = "Quad(corner: (0, 0, 0.1), u: (0.01, 0, 0), v: (0, 0.01, 0), material: \"grey\")";
 
-fn flattened(text: &str) -> Flat {
+fn flattened(text: &str) -> DeviceScene {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let image = Rgb32FImage::from_pixel(16, 8, Rgb([1.0, 2.0, 3.0]));
     image::DynamicImage::from(image).save(folder.path().join("sky.hdr")).expect("the sky is written");
@@ -90,7 +90,7 @@ fn flattened(text: &str) -> Flat {
 }
 
 /// Whether the light's front is turned towards the point by more than rounding.
-fn reaches(flat: &Flat, light: &Light, from: DVec3) -> bool {
+fn reaches(flat: &DeviceScene, light: &Light, from: DVec3) -> bool {
     let (kind, index) = (light.code >> 28 & 7, (light.code & 0x0fff_ffff) as usize);
     if kind != 1 {
         return true;
@@ -187,7 +187,7 @@ fn two_lights_and_a_lamp_under_a_sky() {
             background: {background}, materials: {{{lamp}, {GREY}}}, objects: [{objects}, {RECEIVER}])"
         ))
     };
-    let probability = |flat: &Flat, light: usize, from: DVec3| -> f64 {
+    let probability = |flat: &DeviceScene, light: usize, from: DVec3| -> f64 {
         let plan = choices_of(&flat.features, &RenderOptions::default(), &Tables::default());
         assert_eq!(plan.modules["light_choice"], "scene/light_tree");
         let setup = Setup { plan, values: &[("draws", "2")], ..Setup::default() };

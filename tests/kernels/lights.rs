@@ -62,7 +62,7 @@ fn a_spheres_directions_are_uniform_in_its_cone() {
 /// A flat light of three or four corners in f64, as the device has it: a + x (b - a) + y (c - b), with y <= x for a
 /// triangle, and c - b for d - a for a parallelogram.
 #[derive(Clone, Copy, Debug)]
-struct Flat {
+struct DeviceScene {
     a: DVec3,
     along: DVec3,
     across: DVec3,
@@ -78,7 +78,7 @@ fn solid_angle(from: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
     2.0 * volume.atan2(x * y * z + p.dot(q) * z + q.dot(r) * x + r.dot(p) * y)
 }
 
-impl Flat {
+impl DeviceScene {
     fn corners(&self) -> Vec<DVec3> {
         let (b, c) = (self.a + self.along, self.a + self.along + self.across);
         if self.triangle { vec![self.a, b, c] } else { vec![self.a, b, c, self.a + self.across] }
@@ -156,7 +156,7 @@ fn views(random: &mut Random, size: f64, normal: DVec3, middle: DVec3, along: DV
 struct Case {
     row: In,
     /// The light's sides that are seen.
-    flats: Vec<Flat>,
+    flats: Vec<DeviceScene>,
     /// Distance from the middle or height, in sizes.
     far: f64,
     /// Roundings on the way to a corner, in those of an offset from the point.
@@ -183,7 +183,7 @@ fn flats(triangle: bool, seed: u64) -> (Vec<Case>, Vec<Triangle>, Vec<Quad>) {
             let b = rounded(exact(corner) + exact(along));
             let c = rounded(exact(b) + exact(across));
             triangles.push(Triangle { a: corner, b, c, ..Triangle::default() });
-            Flat { a: exact(corner), along: exact(b) - exact(corner), across: exact(c) - exact(b), triangle }
+            DeviceScene { a: exact(corner), along: exact(b) - exact(corner), across: exact(c) - exact(b), triangle }
         } else {
             let (u, v) = (exact(along), exact(across));
             let n = u.cross(v);
@@ -198,7 +198,7 @@ fn flats(triangle: bool, seed: u64) -> (Vec<Case>, Vec<Triangle>, Vec<Quad>) {
                 error: (8.0 * U * 3.0 * size) as f32,
                 ..Quad::default()
             });
-            Flat { a: exact(corner), along: u, across: v, triangle }
+            DeviceScene { a: exact(corner), along: u, across: v, triangle }
         };
         for (far, from) in views(&mut random, size, flat.normal(), DVec3::ZERO, flat.along.normalize()) {
             cases.push(Case {
@@ -342,7 +342,7 @@ fn ends_are_numbers<S: Pod>(kind: Kind, rows: &[In], shapes: &[S]) {
 }
 
 /// Points in the light's plane, on its edges and corners, an ulp beside them, and 1e6 sizes away.
-fn awkward(flats: &[Flat], random: &mut Random) -> Vec<In> {
+fn awkward(flats: &[DeviceScene], random: &mut Random) -> Vec<In> {
     let mut rows = Vec::new();
     for (shape, flat) in (0..).zip(flats) {
         let size = flat.along.length();
@@ -372,8 +372,8 @@ fn awkward(flats: &[Flat], random: &mut Random) -> Vec<In> {
 }
 
 /// The light of each shape.
-fn own_flats(cases: &[Case]) -> Vec<Flat> {
-    let mut found: Vec<(u32, Flat)> = cases.iter().map(|case| (case.row.shape, case.flats[0])).collect();
+fn own_flats(cases: &[Case]) -> Vec<DeviceScene> {
+    let mut found: Vec<(u32, DeviceScene)> = cases.iter().map(|case| (case.row.shape, case.flats[0])).collect();
     found.dedup_by_key(|(shape, _)| *shape);
     found.into_iter().map(|(_, flat)| flat).collect()
 }
@@ -421,7 +421,7 @@ fn cuboids(seed: u64) -> (Vec<Case>, Vec<Cuboid>) {
                 if local[i].abs() > f64::from(half[i]) {
                     let (j, k) = ((i + 1) % 3, (i + 2) % 3);
                     let a = local[i].signum() * reach[i] - reach[j] - reach[k];
-                    flats.push(Flat { a, along: 2.0 * reach[j], across: 2.0 * reach[k], triangle: false });
+                    flats.push(DeviceScene { a, along: 2.0 * reach[j], across: 2.0 * reach[k], triangle: false });
                 }
             }
             if flats.is_empty() {

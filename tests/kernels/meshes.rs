@@ -2,7 +2,7 @@
 //! instances are in tests/extremes.
 
 use glam::DVec3;
-use gpu_rt::flatten::Flat;
+use gpu_rt::flatten::DeviceScene;
 
 use crate::common::instances::{In, NOTHING, Out, ball_file, flat_around, kernel, run};
 use crate::common::scenes::triple;
@@ -27,7 +27,7 @@ fn crowd(random: &mut Random, count: usize, extent: f64, scale: f64, shift: DVec
 }
 
 /// Rays within render space's unit cube at what stands there: from the eye, among it, and from afar; a quarter of them along axes.
-fn rays(random: &mut Random, flat: &Flat, count: usize) -> Vec<In> {
+fn rays(random: &mut Random, flat: &DeviceScene, count: usize) -> Vec<In> {
     (0..count)
         .map(|i| {
             let instance = flat.shapes.instances[random.below(flat.shapes.instances.len())];

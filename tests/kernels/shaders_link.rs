@@ -27,7 +27,7 @@ fn features(primitives: usize, materials: usize, textures: usize, background: us
     Features {
         primitives: on(primitives),
         materials: on(materials),
-        responders: on(materials & bits_of(spreads)),
+        non_specular: on(materials & bits_of(spreads)),
         specular: on(materials & bits_of(|kind| kind.scatters.contains(&Scattering::OneWay))),
         textures: on(textures),
         backgrounds: on(1 << background),
@@ -60,7 +60,7 @@ fn with_media(features: Features, boundaries: usize, textured_media: bool) -> Fe
 
 /// The same with Russian roulette, and these emitters sampled as lights where anything answers to them.
 fn lit(features: Features, emitters: usize, sky: bool) -> Features {
-    if features.media == 0 && features.responders.iter().all(Option::is_none) {
+    if features.media == 0 && features.non_specular.iter().all(Option::is_none) {
         return features;
     }
     Features {
@@ -105,7 +105,7 @@ fn turned(features: Features) -> Features {
 
 /// The same with so few primitives that all are asked.
 fn few(features: Features) -> Features {
-    Features { few: true, ..features }
+    Features { brute_force: true, ..features }
 }
 
 /// The defaults with one of the options that approximate, by its number.
@@ -257,7 +257,7 @@ fn every_combination_of_features_links_and_validates() {
                     assert!(asked || !linked, "{}: {module} is linked: {features:?}", kernel.name);
                 }
                 // Nor light sampling where nothing answers to a light: in the scene, or in a kernel of some of its materials.
-                let answered = features.media > 0 || features.responders.iter().any(Option::is_some);
+                let answered = features.media > 0 || features.non_specular.iter().any(Option::is_some);
                 let own = kernel.name.strip_prefix("scatter_").map(kind_of);
                 for (module, wanted) in [
                     ("bind/lights", answered && features.lights > 0),

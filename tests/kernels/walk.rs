@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use gpu_rt::data::Node;
-use gpu_rt::flatten::Flat;
+use gpu_rt::flatten::DeviceScene;
 use gpu_rt::options::RenderOptions;
 use gpu_rt::plan::{Tables, choices_of};
 
@@ -54,7 +54,7 @@ fn clutter(random: &mut Random) -> Vec<String> {
     objects
 }
 
-fn walk(kernel: &Kernel, scene: &Flat, nodes: &[Node], rays: &[In]) -> Vec<[Hit; 2]> {
+fn walk(kernel: &Kernel, scene: &DeviceScene, nodes: &[Node], rays: &[In]) -> Vec<[Hit; 2]> {
     let tables = [
         array("nodes", nodes),
         array("spheres", &scene.shapes.spheres),

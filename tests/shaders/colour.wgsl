@@ -1,4 +1,4 @@
-//@ use data/found
+//@ use data/hit
 //@ use scene/primitives
 //@ use scene/surfaces
 //@ use bind/materials

@@ -1,7 +1,7 @@
 //@ use light/cuboid
 //@ use geometry/cuboid
 // A cuboid behind the names that test/light calls.
-fn shape_sample(from_point: vec3<f32>, shape: Cuboid, u: vec2<f32>) -> LightSample {
+fn shape_sample(from_point: vec3<f32>, shape: Cuboid, u: vec2<f32>) -> DirectionSample {
     return cuboid_light_sample(from_point, shape, u);
 }
 

@@ -1,7 +1,7 @@
 //@ use light/quad
 //@ use geometry/quad
 // A quad behind the names that test/light calls.
-fn shape_sample(from_point: vec3<f32>, shape: Quad, u: vec2<f32>) -> LightSample {
+fn shape_sample(from_point: vec3<f32>, shape: Quad, u: vec2<f32>) -> DirectionSample {
     return quad_light_sample(from_point, shape, u);
 }
 

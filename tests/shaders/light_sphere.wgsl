@@ -1,7 +1,7 @@
 //@ use light/sphere
 //@ use geometry/sphere
 // A sphere behind the names that test/light calls.
-fn shape_sample(from_point: vec3<f32>, shape: Sphere, u: vec2<f32>) -> LightSample {
+fn shape_sample(from_point: vec3<f32>, shape: Sphere, u: vec2<f32>) -> DirectionSample {
     return sphere_light_sample(from_point, shape, u);
 }
 

@@ -8,7 +8,7 @@ struct Triangle {
     c: vec3<f32>,
 }
 
-fn shape_sample(from_point: vec3<f32>, shape: Triangle, u: vec2<f32>) -> LightSample {
+fn shape_sample(from_point: vec3<f32>, shape: Triangle, u: vec2<f32>) -> DirectionSample {
     return triangle_light_sample(from_point, shape.a, shape.b, shape.c, u);
 }
 

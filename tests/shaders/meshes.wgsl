@@ -1,4 +1,4 @@
-//@ use data/found
+//@ use data/hit
 //@ use scene/traverse
 //@ use scene/surfaces
 //@ use choice/shading
@@ -68,7 +68,7 @@ fn run(row: u32) {
         let surface = surface_at(hit, ray);
         let facing = select(-surface.normal, surface.normal, dot(ray.direction, surface.normal) < 0.0);
         let shading = shading_normal(hit, surface, ray.direction, facing);
-        let start = leaving_point(hit, surface, facing, shading, event_point(hit, surface, facing), given.leaving);
+        let start = spawn_ray(hit, surface, facing, shading, event_point(hit, surface, facing), given.leaving).origin;
         let second = nearest_hit(Ray(start, given.leaving), given.root);
         out.point = surface.point;
         out.normal = surface.normal;

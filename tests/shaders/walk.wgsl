@@ -1,4 +1,4 @@
-//@ use data/found
+//@ use data/hit
 //@ use scene/traverse
 // The nearest hit of a ray by the walk through the BVH, and by asking every primitive.
 struct In {

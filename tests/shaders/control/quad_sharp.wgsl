@@ -1,6 +1,6 @@
 //@ use data/ray
 //@ use data/primitive
-//@ use data/hit
+//@ use data/surface
 
 // Wrong on purpose: the edges are tested without an allowance for the rounding of a and b, so that rays pass between
 // quads that share an edge.

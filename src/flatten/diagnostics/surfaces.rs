@@ -1,6 +1,6 @@
 //! Spheres whose own distance from the camera is lost beside their radius.
 
-use super::{At, Body, Danger, U, Worst, short};
+use super::{At, Body, Diagnostic, U, Worst, short};
 use crate::shape::Hull;
 
 /// The largest share of a sphere's distance from the camera by which that may be rounded.
@@ -27,8 +27,8 @@ impl Surfaces {
         }
     }
 
-    pub fn dangers(self) -> Option<Danger> {
-        self.close.danger(tell_close)
+    pub fn diagnostics(self) -> Option<Diagnostic> {
+        self.close.diagnostic(tell_close)
     }
 }
 
@@ -41,7 +41,7 @@ fn close(number: usize, body: &Body) -> Option<Close> {
     (body.shape.is_hull() && error > LARGEST_ERROR * height).then_some(Close { number, radius, height, error })
 }
 
-fn tell_close(Close { number, radius, height, error }: Close) -> Danger {
+fn tell_close(Close { number, radius, height, error }: Close) -> Diagnostic {
     let consequence = match error < height {
         true => format!("{} % of that", short(100.0 * error / height)),
         false => "so that the picture may be wrong: f32 does not tell on which side of it the camera is".to_string(),
@@ -54,5 +54,5 @@ fn tell_close(Close { number, radius, height, error }: Close) -> Danger {
         short(error),
         short(4.0 * U / LARGEST_ERROR * radius)
     );
-    Danger { at: At::Primitive(number), field: "radius", message, other: None, more: 0 }
+    Diagnostic { at: At::Primitive(number), field: "radius", message, other: None, more: 0 }
 }

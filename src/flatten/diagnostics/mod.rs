@@ -58,28 +58,30 @@ pub fn warnings(found: &Found) -> Vec<String> {
         planes.see(number, &body);
         walls.see(number, &body, kind);
     }
-    let mut dangers = sizes.dangers();
-    dangers.extend(surfaces.dangers());
-    dangers.extend(same_place.dangers());
-    dangers.extend(planes.dangers());
-    dangers.extend(emitters::turned_away(found, &kinds));
-    dangers.extend(walls.dangers());
-    dangers.extend(emitters::too_faint(found));
-    if dangers.is_empty() {
+    let mut diagnostics = sizes.diagnostics();
+    diagnostics.extend(surfaces.diagnostics());
+    diagnostics.extend(same_place.diagnostics());
+    diagnostics.extend(planes.diagnostics());
+    diagnostics.extend(emitters::turned_away(found, &kinds));
+    diagnostics.extend(walls.diagnostics());
+    diagnostics.extend(emitters::too_faint(found));
+    if diagnostics.is_empty() {
         return Vec::new();
     }
-    let wanted = dangers.iter().flat_map(|danger| [Some((danger.at, danger.field)), danger.other.map(|at| (at, ""))]);
+    let wanted = diagnostics
+        .iter()
+        .flat_map(|diagnostic| [Some((diagnostic.at, diagnostic.field)), diagnostic.other.map(|at| (at, ""))]);
     let places = places(found.scene, wanted.flatten());
     let place = |at: At, field| places.get(&(at, field)).cloned().unwrap_or_default();
-    let told = dangers.iter().map(|danger| {
-        let Spot { location, path } = place(danger.at, danger.field);
-        let other = danger.other.map_or(String::new(), |at| place(at, "").location);
-        let more = match danger.more {
+    let told = diagnostics.iter().map(|diagnostic| {
+        let Spot { location, path } = place(diagnostic.at, diagnostic.field);
+        let other = diagnostic.other.map_or(String::new(), |at| place(at, "").location);
+        let more = match diagnostic.more {
             0 => String::new(),
             1 => " (and 1 more like it)".to_string(),
             n => format!(" (and {n} more like it)"),
         };
-        format!("{location}: {path}: {}{more}", danger.message.replace(OTHER, &other))
+        format!("{location}: {path}: {}{more}", diagnostic.message.replace(OTHER, &other))
     });
     told.collect()
 }
@@ -102,7 +104,7 @@ enum At {
 }
 
 /// A warning before its places in the file are known.
-struct Danger {
+struct Diagnostic {
     at: At,
     /// Of the object, or "" for the object itself.
     field: &'static str,
@@ -134,9 +136,9 @@ impl<T> Worst<T> {
     }
 
     /// The warning about the worst, which `tell` words.
-    fn danger(self, tell: impl FnOnce(T) -> Danger) -> Option<Danger> {
+    fn diagnostic(self, tell: impl FnOnce(T) -> Diagnostic) -> Option<Diagnostic> {
         let more = self.count.saturating_sub(1);
-        self.worst.map(|(_, of)| Danger { more, ..tell(of) })
+        self.worst.map(|(_, of)| Diagnostic { more, ..tell(of) })
     }
 }
 

@@ -6,7 +6,7 @@
 use glam::DVec3;
 
 use super::within::{Within, is_outside_in_front};
-use super::{At, Body, Danger, Found, Kind, OTHER, U, Worst, power_of_two, short};
+use super::{At, Body, Diagnostic, Found, Kind, OTHER, U, Worst, power_of_two, short};
 use crate::flatten::place::Placed;
 use crate::scene::Background;
 use crate::shape::{Hull, normal};
@@ -22,7 +22,7 @@ const MOST_AROUND: usize = 8;
 const LARGEST_SHARE: f64 = (1u64 << 60) as f64;
 
 /// One-sided quads with all of the scene behind them, the camera too.
-pub fn turned_away(found: &Found, kinds: &[Kind]) -> Option<Danger> {
+pub fn turned_away(found: &Found, kinds: &[Kind]) -> Option<Diagnostic> {
     let shines = |kind: Kind| kind.light && kind.one_sided;
     if !kinds.iter().any(|kind| shines(*kind)) {
         return None;
@@ -54,7 +54,7 @@ pub fn turned_away(found: &Found, kinds: &[Kind]) -> Option<Danger> {
     }
     let message = "a light that shines to one side, and all of the scene is on its other side: exchange u and v to turn it round, or \
                    make it two_sided";
-    worst.danger(|at| Danger { at, field: "", message: message.to_string(), other: None, more: 0 })
+    worst.diagnostic(|at| Diagnostic { at, field: "", message: message.to_string(), other: None, more: 0 })
 }
 
 /// A light among those that are looked for, and a ball around it.
@@ -166,17 +166,17 @@ impl<'a> Walls<'a> {
         self.worst.note(-(emitter.number as f64), (at, other, around_camera));
     }
 
-    pub fn dangers(self) -> Vec<Danger> {
+    pub fn diagnostics(self) -> Vec<Diagnostic> {
         let found = self.found;
-        let outwards = self.outwards.danger(|number| {
+        let outwards = self.outwards.diagnostic(|number| {
             let message = format!(
                 "a light that shines outwards, and the camera is in this {}: nothing that comes out of it is seen, and its inside is \
                  black: make it two_sided",
                 found.placed[number].shape.kind().word
             );
-            Danger { at: At::Primitive(number), field: "", message, other: None, more: 0 }
+            Diagnostic { at: At::Primitive(number), field: "", message, other: None, more: 0 }
         });
-        let hidden = self.worst.danger(|(at, other, around_camera)| {
+        let hidden = self.worst.diagnostic(|(at, other, around_camera)| {
             let shape = match other {
                 At::Primitive(number) => found.placed[number].shape.kind().word,
                 _ => "thing",
@@ -186,7 +186,7 @@ impl<'a> Walls<'a> {
                 "no path reaches this light: the opaque {shape} at {OTHER} is closed around {around}, and the {beyond} is \
                  outside: remove the light, or open what is around"
             );
-            Danger { at, field: "", message, other: Some(other), more: 0 }
+            Diagnostic { at, field: "", message, other: Some(other), more: 0 }
         });
         [outwards, hidden].into_iter().flatten().collect()
     }
@@ -204,7 +204,7 @@ fn is_within(found: &Found, within: &mut Within, wall: &Body, emitter: &Emitter)
 }
 
 /// Emitters so much fainter than the brightest that the film has few digits for them, and those of which a part is.
-pub fn too_faint(found: &Found) -> Option<Danger> {
+pub fn too_faint(found: &Found) -> Option<Diagnostic> {
     let at = |material: Option<usize>| material.map_or(At::Background, At::Emit);
     let (brightest, most) = found.emissions.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1))?;
     let limit = most / LARGEST_SHARE;
@@ -216,7 +216,7 @@ pub fn too_faint(found: &Found) -> Option<Danger> {
             worst.note(most / part, (at(material), part, radiance > part));
         }
     }
-    worst.danger(|(at_it, radiance, is_part)| {
+    worst.diagnostic(|(at_it, radiance, is_part)| {
         let message = format!(
             "a radiance of {}{} is {} of that at {OTHER}, {}: the film has one unit for the whole image, in which less than {} of \
              the brightest keeps few digits: render what differs so much in scenes of their own",
@@ -226,7 +226,7 @@ pub fn too_faint(found: &Found) -> Option<Danger> {
             short(most),
             power_of_two(1.0 / LARGEST_SHARE)
         );
-        Danger { at: at_it, field: "", message, other: Some(at(brightest)), more: 0 }
+        Diagnostic { at: at_it, field: "", message, other: Some(at(brightest)), more: 0 }
     })
 }
 

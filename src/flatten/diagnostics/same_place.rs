@@ -8,7 +8,7 @@ use std::collections::HashSet;
 use glam::DVec3;
 
 use super::repeated::{Repeated, hash};
-use super::{At, Body, Danger, Found, Kind, OTHER, U, Worst, apart, leaving, short};
+use super::{At, Body, Diagnostic, Found, Kind, OTHER, U, Worst, apart, leaving, short};
 use crate::shape::{Hull, binary_exponent, exp2};
 
 /// So many in a cell, next to each other by their sizes, are compared with each.
@@ -75,7 +75,7 @@ impl<'a> SamePlace<'a> {
         }
     }
 
-    pub fn dangers(mut self) -> Vec<Danger> {
+    pub fn diagnostics(mut self) -> Vec<Diagnostic> {
         let again = Repeated::new(self.filed.iter().map(|(hash, _)| *hash));
         self.filed.retain(|(hash, _)| again.holds(*hash));
         self.filed.sort_unstable();
@@ -102,7 +102,7 @@ impl<'a> SamePlace<'a> {
                 }
             }
         }
-        [spheres, meshes].into_iter().filter_map(|kind| kind.danger(|pair| tell(&pair))).collect()
+        [spheres, meshes].into_iter().filter_map(|kind| kind.diagnostic(|pair| tell(&pair))).collect()
     }
 
     /// Whether two are in one place, and that shows.
@@ -137,7 +137,7 @@ impl<'a> SamePlace<'a> {
     }
 }
 
-fn tell(pair: &Pair) -> Danger {
+fn tell(pair: &Pair) -> Diagnostic {
     let what = match (pair.mesh, pair.both_clear) {
         (true, true) => "the same mesh is placed a second time, clear as well, where it stands",
         (true, false) => "the same mesh is placed a second time, of another material, where it stands",
@@ -153,5 +153,5 @@ fn tell(pair: &Pair) -> Danger {
         "{what} at {OTHER}{}: {consequence}: remove one, or set them more than {bound} apart",
         apart(pair.gap, pair.bound, pair.clear),
     );
-    Danger { at: At::Primitive(pair.second), field: "", message, other: Some(At::Primitive(pair.first)), more: 0 }
+    Diagnostic { at: At::Primitive(pair.second), field: "", message, other: Some(At::Primitive(pair.first)), more: 0 }
 }

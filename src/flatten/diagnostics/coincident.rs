@@ -1,4 +1,4 @@
-//! Flat surfaces that coincide: of opaque ones of different materials, which of them is seen is left to rounding; of clear ones, rays that leave
+//! DeviceScene surfaces that coincide: of opaque ones of different materials, which of them is seen is left to rounding; of clear ones, rays that leave
 //! one start beyond the other.
 //!
 //! Looked for among quads and sides of boxes in one plane. Of opaque ones, what no ray from the camera can meet first is left out: a
@@ -10,7 +10,7 @@ use std::collections::HashSet;
 use glam::{DVec2, DVec3};
 
 use super::repeated::{Repeated, hash};
-use super::{At, BY_ROUNDING, Body, Danger, Found, Kind, OTHER, U, Worst, apart, leaving, short};
+use super::{At, BY_ROUNDING, Body, Diagnostic, Found, Kind, OTHER, U, Worst, apart, leaving, short};
 use crate::shape::{Hull, normal};
 
 /// Comparisons a surface in a plane, and for all of a plane.
@@ -166,13 +166,13 @@ impl<'a> Planes<'a> {
         }
     }
 
-    pub fn dangers(mut self) -> Vec<Danger> {
+    pub fn diagnostics(mut self) -> Vec<Diagnostic> {
         self.search();
         let found = self.found;
-        let flat = self.overlapping.danger(|pair| tell_overlapping(found, &pair));
-        let glass = self.at_glass.danger(|pair| tell_at_glass(found, &pair));
-        let clear = self.clear_on_clear.danger(|pair| tell_clear_on_clear(found, &pair));
-        let lost = self.back_to_back.danger(|pair| tell_back_to_back(&pair));
+        let flat = self.overlapping.diagnostic(|pair| tell_overlapping(found, &pair));
+        let glass = self.at_glass.diagnostic(|pair| tell_at_glass(found, &pair));
+        let clear = self.clear_on_clear.diagnostic(|pair| tell_clear_on_clear(found, &pair));
+        let lost = self.back_to_back.diagnostic(|pair| tell_back_to_back(&pair));
         [flat, glass, clear, lost].into_iter().flatten().collect()
     }
 
@@ -374,7 +374,7 @@ fn overlap(one: &Patch, other: &Patch) -> bool {
     })
 }
 
-fn tell_overlapping(found: &Found, pair: &Pair) -> Danger {
+fn tell_overlapping(found: &Found, pair: &Pair) -> Diagnostic {
     let message = format!(
         "its surface overlaps with that of the {} at {OTHER}, of another material{}: {BY_ROUNDING}: set them more than {} apart, or cut \
          one out",
@@ -382,11 +382,11 @@ fn tell_overlapping(found: &Found, pair: &Pair) -> Danger {
         apart(pair.gap, pair.bound, false),
         short(pair.bound)
     );
-    Danger { at: At::Primitive(pair.second), field: "", message, other: Some(At::Primitive(pair.first)), more: 0 }
+    Diagnostic { at: At::Primitive(pair.second), field: "", message, other: Some(At::Primitive(pair.first)), more: 0 }
 }
 
 /// At the one that is clear.
-fn tell_at_glass(found: &Found, pair: &Pair) -> Danger {
+fn tell_at_glass(found: &Found, pair: &Pair) -> Diagnostic {
     let is_clear = |number: usize| found.scene.materials[found.placed[number].material as usize].1.kind().is_clear;
     let (clear, other) = match is_clear(pair.first) {
         true => (pair.first, pair.second),
@@ -399,10 +399,10 @@ fn tell_at_glass(found: &Found, pair: &Pair) -> Danger {
         apart(pair.gap, pair.bound, true),
         short(pair.bound)
     );
-    Danger { at: At::Primitive(clear), field: "", message, other: Some(At::Primitive(other)), more: 0 }
+    Diagnostic { at: At::Primitive(clear), field: "", message, other: Some(At::Primitive(other)), more: 0 }
 }
 
-fn tell_clear_on_clear(found: &Found, pair: &Pair) -> Danger {
+fn tell_clear_on_clear(found: &Found, pair: &Pair) -> Diagnostic {
     let message = format!(
         "this glass touches the {} at {OTHER}, which is clear too{}: of two surfaces in one place rays pass one: set them more than {} apart, or \
          write one solid where they are of one material",
@@ -410,15 +410,15 @@ fn tell_clear_on_clear(found: &Found, pair: &Pair) -> Danger {
         apart(pair.gap, pair.bound, true),
         short(pair.bound)
     );
-    Danger { at: At::Primitive(pair.second), field: "", message, other: Some(At::Primitive(pair.first)), more: 0 }
+    Diagnostic { at: At::Primitive(pair.second), field: "", message, other: Some(At::Primitive(pair.first)), more: 0 }
 }
 
-fn tell_back_to_back(pair: &Pair) -> Danger {
+fn tell_back_to_back(pair: &Pair) -> Diagnostic {
     let message = format!(
         "this light shines to one side, and lies back to back with the one at {OTHER}{}: where a ray meets the back of the other, its \
          light is lost: set them more than {} apart, or write one that is two_sided",
         apart(pair.gap, pair.bound, false),
         short(pair.bound)
     );
-    Danger { at: At::Primitive(pair.second), field: "", message, other: Some(At::Primitive(pair.first)), more: 0 }
+    Diagnostic { at: At::Primitive(pair.second), field: "", message, other: Some(At::Primitive(pair.first)), more: 0 }
 }

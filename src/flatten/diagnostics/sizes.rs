@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::{At, Body, Danger, Found, Kind, U, Worst, leaving, power_of_two, short};
+use super::{At, Body, Diagnostic, Found, Kind, U, Worst, leaving, power_of_two, short};
 use crate::flatten::place::{PlacedMedium, reach};
 use crate::shape::Hull;
 
@@ -81,7 +81,7 @@ impl<'a> Sizes<'a> {
         }
     }
 
-    pub fn dangers(mut self) -> Vec<Danger> {
+    pub fn diagnostics(mut self) -> Vec<Diagnostic> {
         let found = self.found;
         let (mut dense, mut white) = (Worst::default(), Worst::default());
         for (number, medium) in found.media.iter().enumerate() {
@@ -99,10 +99,10 @@ impl<'a> Sizes<'a> {
                 }
             }
         }
-        let tiny = self.tiny.danger(|of| tell_tiny(of, found.extent));
-        let thin = self.thin.danger(tell_thin);
-        let white = white.danger(|of| tell_white(of, found.scene.render.max_depth));
-        let all = [self.lost.danger(tell_lost), thin, tiny, dense.danger(tell_dense), white];
+        let tiny = self.tiny.diagnostic(|of| tell_tiny(of, found.extent));
+        let thin = self.thin.diagnostic(tell_thin);
+        let white = white.diagnostic(|of| tell_white(of, found.scene.render.max_depth));
+        let all = [self.lost.diagnostic(tell_lost), thin, tiny, dense.diagnostic(tell_dense), white];
         all.into_iter().flatten().collect()
     }
 }
@@ -184,7 +184,7 @@ fn cut_share(found: &Found, medium: &PlacedMedium) -> f64 {
     (-f64::from(found.scene.render.max_depth) * each).exp()
 }
 
-fn tell_thin((number, side, start): (usize, f64, f64)) -> Danger {
+fn tell_thin((number, side, start): (usize, f64, f64)) -> Diagnostic {
     let message = format!(
         "a clear box with a side of {}, and rays that enter it may start up to {} from where they enter, beyond its other side: its far \
          surface is lost in rounding: make it thicker than {}, or smaller in its other sides",
@@ -192,19 +192,19 @@ fn tell_thin((number, side, start): (usize, f64, f64)) -> Danger {
         short(start),
         short(start)
     );
-    Danger { at: At::Primitive(number), field: "", message, other: None, more: 0 }
+    Diagnostic { at: At::Primitive(number), field: "", message, other: None, more: 0 }
 }
 
-fn tell_white((at, cut): (At, f64), max_depth: u32) -> Danger {
+fn tell_white((at, cut): (At, f64), max_depth: u32) -> Diagnostic {
     let message = format!(
         "an albedo of 1 absorbs nothing, and the medium is so thick that {} % of the light in it is scattered more than {max_depth} times: paths \
          end there at max_depth: write 0.99 or less, a lower density, or a higher max_depth",
         short((1000.0 * cut).round() / 10.0)
     );
-    Danger { at, field: "albedo", message, other: None, more: 0 }
+    Diagnostic { at, field: "albedo", message, other: None, more: 0 }
 }
 
-fn tell_lost(Small { at, name: (name, field), size, distance, coordinate, share }: Small) -> Danger {
+fn tell_lost(Small { at, name: (name, field), size, distance, coordinate, share }: Small) -> Diagnostic {
     let outline = 2.0 * U * coordinate;
     let consequence = match size < LEAST_SHARE * coordinate {
         true => format!("f32 rounds its place by up to {}, so that its shape is lost", short(U * coordinate)),
@@ -218,10 +218,10 @@ fn tell_lost(Small { at, name: (name, field), size, distance, coordinate, share 
         short(distance),
         short(share * coordinate)
     );
-    Danger { at, field: field_of(at, field), message, other: None, more: 0 }
+    Diagnostic { at, field: field_of(at, field), message, other: None, more: 0 }
 }
 
-fn tell_tiny((at, (name, field), size): (At, Name, f64), extent: f64) -> Danger {
+fn tell_tiny((at, (name, field), size): (At, Name, f64), extent: f64) -> Diagnostic {
     let message = format!(
         "{name} of {} is {} of the scene's extent of {}, expected {} at least: leave out what is so small, or what is \
          so far",
@@ -230,10 +230,10 @@ fn tell_tiny((at, (name, field), size): (At, Name, f64), extent: f64) -> Danger 
         short(extent),
         power_of_two(SMALLEST_SHARE)
     );
-    Danger { at, field: field_of(at, field), message, other: None, more: 0 }
+    Diagnostic { at, field: field_of(at, field), message, other: None, more: 0 }
 }
 
-fn tell_dense((at, density, far): (At, f64, f64)) -> Danger {
+fn tell_dense((at, density, far): (At, f64, f64)) -> Diagnostic {
     let message = format!(
         "a density of {} is a mean free path of {}, and f32 rounds places up to {} from the camera by {}: light that enters or \
          leaves it is scattered wrongly: write a density below {}, or a surface in its place",
@@ -243,7 +243,7 @@ fn tell_dense((at, density, far): (At, f64, f64)) -> Danger {
         short(U * far),
         short(PATH_SHARE / (U * far))
     );
-    Danger { at, field: "density", message, other: None, more: 0 }
+    Diagnostic { at, field: "density", message, other: None, more: 0 }
 }
 
 /// A medium's size is its boundary's.
