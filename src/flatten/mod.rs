@@ -190,10 +190,11 @@ impl Builder<'_> {
         let crowded = placed.len() <= MOST_BY_BRUTE_FORCE && bvh::crossings(&bounds) >= LEAST_CROSSINGS;
         flat.features.brute_force = (placed.len() <= bvh::WIDTH || crowded) && flat.shapes.instances.is_empty();
         // Of the kinds that there are, in their order, before those that bound media are added.
-        let counts = KINDS.iter().map(|kind| kind.table.count(&flat.shapes)).filter(|count| *count > 0);
-        let mut few = flat.settings.brute_force.iter_mut();
-        let fit = counts.fold(true, |fit, count| few.next().map(|few| *few = count as u32).is_some() && fit);
-        flat.features.brute_force &= fit;
+        let counts = KINDS.iter().map(|kind| kind.table.count(&flat.shapes) as u32).filter(|count| *count > 0);
+        let counts: Vec<u32> = counts.collect();
+        let room = &mut flat.settings.brute_force;
+        flat.features.brute_force &= counts.len() <= room.len();
+        room.iter_mut().zip(counts).for_each(|(room, count)| *room = count);
         self.flat.settings.root = self.flat.add_nodes(bvh.root, bvh.nodes);
         // In a mesh the walk keeps what waits outside of it.
         let within = self.laid.iter().flatten().map(|mesh| mesh.stack_size).max().unwrap_or(0);
