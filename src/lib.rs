@@ -17,6 +17,7 @@ pub mod output;
 pub mod plan;
 pub mod render;
 pub mod scene;
+pub mod shape;
 pub mod source;
 pub mod texture;
 pub mod tradeoff;

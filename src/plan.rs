@@ -19,6 +19,7 @@ use crate::gpu::layout::{self, Binding, Member};
 use crate::gpu::link::{Choices, Embedded, Entry, Linked, Reason, link};
 use crate::job::Job;
 use crate::options::{RenderOptions, Scatter};
+use crate::shape::{KINDS, Kind as ShapeKind, Table};
 
 use choices::{decide, entries};
 pub use report::{Buffer, Choice, Constant, KernelReport, Module, Report};
@@ -51,8 +52,8 @@ impl Tables {
         };
         Tables {
             uniform: tables(flat)
-                .map(|(name, bytes, stride, _)| (name, bytes.len() as u64, stride))
                 .into_iter()
+                .map(|(name, bytes, stride, _)| (name, bytes.len() as u64, stride))
                 .filter_map(fits)
                 .collect(),
         }
@@ -60,7 +61,7 @@ impl Tables {
 }
 
 /// The scene's tables: name, contents, bytes of an element, purpose.
-fn tables(flat: &DeviceScene) -> [(&'static str, Cow<'_, [u8]>, u64, &'static str); 11] {
+fn tables(flat: &DeviceScene) -> Vec<(&'static str, Cow<'_, [u8]>, u64, &'static str)> {
     fn table<'a, T: bytemuck::Pod>(
         name: &'static str,
         items: &'a [T],
@@ -68,19 +69,20 @@ fn tables(flat: &DeviceScene) -> [(&'static str, Cow<'_, [u8]>, u64, &'static st
     ) -> (&'static str, Cow<'a, [u8]>, u64, &'static str) {
         (name, Cow::Borrowed(bytemuck::cast_slice(items)), size_of::<T>() as u64, why)
     }
-    [
-        table("nodes", &flat.nodes, "the bounding volume hierarchy"),
-        table("spheres", &flat.spheres, "spheres"),
-        table("quads", &flat.quads, "quads"),
-        table("cuboids", &flat.cuboids, "boxes"),
-        table("instances", &flat.instances, "where meshes stand"),
+    let shape = |kind: &'static ShapeKind| {
+        let Table { name, why, stride, bytes, .. } = kind.table;
+        (name, Cow::Borrowed(bytes(&flat.shapes)), stride as u64, why)
+    };
+    let nodes = table("nodes", &flat.nodes, "the bounding volume hierarchy");
+    let others = [
         table("media", &flat.media, "participating media"),
         table("lights", &flat.lights, "lights that are sampled"),
         table("light_nodes", &flat.light_nodes, "the tree over them"),
         table("materials", &flat.materials, "materials"),
         table("textures", &flat.textures, "textures"),
         table("frames", &flat.frames, "where textured objects stand in their textures"),
-    ]
+    ];
+    std::iter::once(nodes).chain(KINDS.iter().map(shape)).chain(others).collect()
 }
 
 /// A kernel: a linked shader and what it binds.
@@ -328,15 +330,16 @@ impl Kernels {
             BufferSpec::indirect("queue_args", queues * 16, "sizes of the queues' dispatches")
                 .made_of(format!("{queues} queues x 16 bytes")),
         ];
-        let tables = tables(flat).map(|(name, contents, stride, why)| match self.tables.uniform.get(name) {
-            Some(elements) => {
-                let count = contents.len() as u64 / stride;
-                let room = if *elements > count { format!(", room for {elements}") } else { String::new() };
-                BufferSpec::table(name, contents, elements * stride, why)
-                    .made_of(format!("{count} x {stride} bytes{room}"))
-            }
-            None => array(name, contents, stride, why),
-        });
+        let tables =
+            tables(flat).into_iter().map(|(name, contents, stride, why)| match self.tables.uniform.get(name) {
+                Some(elements) => {
+                    let count = contents.len() as u64 / stride;
+                    let room = if *elements > count { format!(", room for {elements}") } else { String::new() };
+                    BufferSpec::table(name, contents, elements * stride, why)
+                        .made_of(format!("{count} x {stride} bytes{room}"))
+                }
+                None => array(name, contents, stride, why),
+            });
         let kernels = self.all();
         let bound = |spec: &BufferSpec| kernels.iter().any(|kernel| kernel.bindings.contains_key(spec.name));
         all.into_iter().chain(tables).filter(bound).collect()

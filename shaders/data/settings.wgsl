@@ -42,7 +42,7 @@ struct Settings {
     indirect_limit: f32,
     //@ end
     //@ if brute_force
-    // How many primitives of each kind there are.
+    // How many primitives there are of each kind that the scene has, in the order of the kinds.
     brute_force: vec4<u32>,
     //@ end
     //@ if several_backgrounds

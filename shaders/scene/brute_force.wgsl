@@ -13,7 +13,7 @@
 fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
     var hit = limit;
     //@ each primitive
-    for (var index = at_run_time(0u); index < settings.brute_force[${number}u]; index += 1u) {
+    for (var index = at_run_time(0u); index < settings.brute_force[${rank}u]; index += 1u) {
         let t = ${name}_distance(ray, ${name}s[index]);
         if t != NO_HIT && t <= hit.t {
             let candidate = hit_at(PRIMITIVE_BIT | ${number}u << PRIMITIVE_KIND_SHIFT | index, t);

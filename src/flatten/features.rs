@@ -5,18 +5,7 @@ use crate::material::{MATERIALS, Material, Scattering};
 use crate::options::{FeatureSet, Integrator, RenderOptions};
 use crate::texture::TEXTURES;
 
-/// The kinds of primitive by number; each is a file of shaders/geometry. Triangles are the faces of meshes.
-pub const PRIMITIVES: &[&str] = &["sphere", "quad", "cuboid", "triangle"];
-const _: () = {
-    assert!(PRIMITIVES.len() <= data::KIND_INSTANCE as usize, "a shape too many: its number is that of an instance");
-    assert!(
-        PRIMITIVES.len() <= 4,
-        "a shape too many for Settings::brute_force: give it a vector more, in src/data, shaders/data/settings and shaders/scene/brute_force"
-    );
-};
-/// The kinds of boundary that media have, with the kinds of their codes. Convex ones are files of shaders/medium; the mesh, which a ray may
-/// enter many times, is `scene/medium_in_mesh`.
-pub const BOUNDARIES: &[(&str, u32)] = &[("sphere", 0), ("cuboid", 2), ("mesh", data::KIND_INSTANCE)];
+pub use crate::shape::{BOUNDARIES, PRIMITIVES};
 /// The kinds of background by number; each is a file of shaders/background.
 pub const BACKGROUNDS: &[&str] = &["solid", "gradient", "image"];
 

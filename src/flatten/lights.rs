@@ -6,51 +6,32 @@ use glam::DVec3;
 
 use super::features::Unsampled;
 use super::light_tree::{Bounded, LightTree};
-use super::place::{Aabb, Placed, Shape};
+use super::place::Placed;
 use super::{Builder, PRIMITIVES};
-use crate::data::{self, HIT_NOTHING, KIND_TRIANGLE, NOT_SAMPLED, luminance, primitive_code};
+use crate::data::{self, HIT_NOTHING, NOT_SAMPLED, luminance};
 use crate::lights::SkyDistribution;
 use crate::material::Emission;
 use crate::scene::{Background, Bitmap};
+use crate::shape::{Emitter, Placement};
 
 /// The most lights, which is room for the tree's nodes in 64 MiB: half of what software drivers allow a binding.
 pub const MOST_LIGHTS: usize = 1 << 20;
 
-/// A light before it has its place in the table; the sky is none.
-struct Emitter {
-    code: u32,
-    instance: u32,
-    /// The radiance that it sends out on the mean, times the area that it shows on the mean.
-    intensity: f64,
-    place: Place,
-}
-
-/// The box around a light, in render space, and its normal; none where it shines to all sides.
-struct Place {
-    around: Aabb,
-    normal: Option<DVec3>,
-    two_sided: bool,
-}
-
-impl Place {
-    fn of(points: impl IntoIterator<Item = DVec3>, normal: Option<DVec3>, two_sided: bool) -> Place {
-        Place { around: Aabb::around(points), normal: normal.and_then(DVec3::try_normalize), two_sided }
-    }
-}
-
 /// A primitive that emits: a light, or of a mesh all faces.
 struct Group<'a> {
-    primitive: &'a Placed,
+    primitive: &'a Placed<'a>,
     /// Its index among its kind.
     index: u32,
-    emitters: Vec<Emitter>,
+    /// Each with the radiance that it sends out on the mean, times the area that it shows on the mean.
+    emitters: Vec<(Emitter, f64)>,
+    two_sided: bool,
     /// Of all its lights together.
     intensity: f64,
 }
 
 impl Builder<'_> {
     /// Makes lights of the primitives that emit, in their order, and of the background's image.
-    pub fn add_lights(&mut self, placed: &[Placed]) {
+    pub fn add_lights(&mut self, placed: &[Placed<'_>]) {
         let materials = &self.scene.materials;
         let bitmaps = &self.scene.bitmaps;
         let radiance = |emission: Emission| (emission.slot.texture.mean_luminance(bitmaps), emission.two_sided);
@@ -59,7 +40,7 @@ impl Builder<'_> {
         let mut counts = [0u32; PRIMITIVES.len()];
         let mut groups = Vec::new();
         for primitive in placed {
-            let kind = primitive.shape.kind();
+            let kind = primitive.shape.number();
             let index = counts[kind];
             counts[kind] += 1;
             if let Some((radiance, two_sided)) = emissions[primitive.material as usize]
@@ -76,26 +57,23 @@ impl Builder<'_> {
             self.flat.features.emitting_sky = None;
             return;
         }
-        let mut emitters = Vec::new();
+        let (mut bounds, mut lights) = (Vec::new(), Vec::new());
         for group in groups {
             let material = group.primitive.material;
             let (name, _) = &materials[material as usize];
             let asked = || format!("\"{name}\" at {}", self.scene.material_location(name));
-            self.flat.features.emitters[group.primitive.shape.kind()].get_or_insert_with(asked);
-            self.set_light(&group, emitters.len() as u32);
-            emitters.extend(group.emitters);
+            self.flat.features.emitters[group.primitive.shape.number()].get_or_insert_with(asked);
+            self.set_light(&group, lights.len() as u32);
+            for (Emitter { code, instance, around, normal, .. }, intensity) in group.emitters {
+                let (axis, spread) = normal.map_or((DVec3::Z, PI), |normal| (normal, 0.0));
+                bounds.push(Bounded { around, axis, spread, two_sided: group.two_sided, intensity });
+                lights.push((code, instance));
+            }
         }
-        let bounded = |emitter: &Emitter| {
-            let (axis, spread) = emitter.place.normal.map_or((DVec3::Z, PI), |normal| (normal, 0.0));
-            let Place { around, two_sided, .. } = emitter.place;
-            Bounded { around, axis, spread, two_sided, intensity: emitter.intensity }
-        };
-        let bounds: Vec<Bounded> = emitters.iter().map(bounded).collect();
         let tree = LightTree::new(&bounds, sky);
-        let codes = emitters.iter().map(|emitter| (emitter.code, emitter.instance));
         let light = |((code, instance), trail)| data::Light { code, instance, trail, padding: 0 };
         let of_sky = sky.map(|_| (HIT_NOTHING, data::NO_INSTANCE));
-        self.flat.lights = codes.chain(of_sky).zip(tree.trails).map(light).collect();
+        self.flat.lights = lights.into_iter().chain(of_sky).zip(tree.trails).map(light).collect();
         self.flat.light_nodes = tree.nodes;
         self.flat.features.lights = self.flat.lights.len() as u32;
         self.flat.features.sky_light = self.flat.features.lights.saturating_sub(1);
@@ -153,60 +131,24 @@ impl Builder<'_> {
 
     /// Tells a primitive its place among the lights, or that it has none.
     fn set_light(&mut self, group: &Group<'_>, light: u32) {
-        let index = group.index as usize;
-        match group.primitive.shape {
-            Shape::Sphere { .. } => self.flat.spheres[index].light = light,
-            Shape::Quad { .. } => self.flat.quads[index].light = light,
-            Shape::Cuboid { .. } => self.flat.cuboids[index].light = light,
-            Shape::Mesh(_) if light == NOT_SAMPLED => self.flat.instances[index].to_light = light,
-            Shape::Mesh(mesh) => {
-                self.flat.instances[index].to_light = light.wrapping_sub(self.laid(mesh).first_face);
-            }
-        }
+        let shape = &group.primitive.shape;
+        let laid = self.laid_of(shape);
+        shape.set_light(&mut self.flat.shapes, group.index as usize, laid, light);
     }
 
     /// The lights of a primitive; `radiance` is the luminance that it sends out on the mean.
-    fn group<'a>(&mut self, primitive: &'a Placed, index: u32, radiance: f64, two_sided: bool) -> Group<'a> {
-        let scale = primitive.to_world.scale * self.space.scale;
-        let (space, to_world) = (self.space, primitive.to_world);
-        let point = |p: DVec3| space.point(to_world.point(p));
-        let emitter = |code, instance, area: f64, place: Place| {
+    fn group<'a>(&mut self, primitive: &'a Placed<'a>, index: u32, radiance: f64, two_sided: bool) -> Group<'a> {
+        let laid = self.laid_of(&primitive.shape);
+        let at = Placement { to_world: &primitive.to_world, space: self.space };
+        let emitters = primitive.shape.emitters(&at, index, laid).into_iter().map(|emitter| {
+            let normal = emitter.normal.and_then(DVec3::try_normalize);
             // A convex body shows a quarter of its surface on the mean, from all directions (Cauchy).
-            let shown = if place.normal.is_some() { area } else { 0.25 * area };
-            Emitter { code, instance, intensity: radiance * shown, place }
-        };
-        let code = primitive.shape.code(index as usize);
-        let emitters = match primitive.shape {
-            Shape::Sphere { center, radius } => {
-                let (middle, reach) = (point(center), DVec3::splat(radius * scale));
-                let place = Place::of([middle - reach, middle + reach], None, two_sided);
-                vec![emitter(code, data::NO_INSTANCE, 4.0 * PI * (radius * scale).powi(2), place)]
-            }
-            Shape::Quad { corner, u, v } => {
-                let corners = [corner, corner + u, corner + v, corner + u + v].map(point);
-                let place = Place::of(corners, Some(to_world.vector(u).cross(to_world.vector(v))), two_sided);
-                vec![emitter(code, data::NO_INSTANCE, u.cross(v).length() * scale * scale, place)]
-            }
-            Shape::Cuboid { min, max } => {
-                let d = (max - min) * scale;
-                let place = Place::of(Aabb { min, max }.corners().map(point), None, two_sided);
-                vec![emitter(code, data::NO_INSTANCE, 2.0 * (d.x * d.y + d.y * d.z + d.z * d.x), place)]
-            }
-            Shape::Mesh(mesh) => {
-                let first_face = self.laid(mesh).first_face;
-                let mesh = self.meshes[mesh];
-                let face = |(face, corners): (u32, &[u32; 3])| {
-                    let [a, b, c] = corners.map(|corner| mesh.positions[corner as usize]);
-                    let across = (b - a).cross(c - a);
-                    let area = 0.5 * across.length() * scale * scale;
-                    let place = Place::of([a, b, c].map(point), Some(to_world.vector(across)), two_sided);
-                    emitter(primitive_code(KIND_TRIANGLE, face), index, area, place)
-                };
-                (first_face..).zip(&mesh.triangles).map(face).collect()
-            }
-        };
-        let intensity = emitters.iter().map(|emitter| emitter.intensity).sum();
-        Group { primitive, index, emitters, intensity }
+            let shown = if normal.is_some() { emitter.area } else { 0.25 * emitter.area };
+            (Emitter { normal, ..emitter }, radiance * shown)
+        });
+        let emitters: Vec<(Emitter, f64)> = emitters.collect();
+        let intensity = emitters.iter().map(|(_, intensity)| intensity).sum();
+        Group { primitive, index, emitters, two_sided, intensity }
     }
 }
 

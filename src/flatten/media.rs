@@ -3,21 +3,17 @@
 use glam::DVec3;
 
 use super::Builder;
-use super::place::{PlacedMedium, Shape};
+use super::place::PlacedMedium;
 use crate::data::{self, f32s};
+use crate::shape::{Element, Placement, RenderSpace};
 
 impl Builder<'_> {
     pub fn add_medium(&mut self, medium: &PlacedMedium<'_>) {
         let PlacedMedium { boundary, to_world, own, density, albedo, anisotropy, .. } = medium;
         // The boundary is no surface: it has neither a material nor a place among the primitives.
-        let (index, _) = self.add_shape(boundary, to_world, 0, 0, 0);
-        let center = match *boundary {
-            Shape::Sphere { center, .. } => center,
-            Shape::Quad { corner, .. } => corner,
-            Shape::Cuboid { min, max } => 0.5 * (min + max),
-            Shape::Mesh(mesh) => self.boxes[mesh].center(),
-        };
-        let center = to_world.point(center);
+        let (index, _) = self.add_shape(boundary, to_world, Element::default());
+        let world = RenderSpace { eye: DVec3::ZERO, scale: 1.0 };
+        let center = boundary.hull(&Placement { to_world, space: world }).place();
         // From render space, seen from the middle of the boundary, to the medium's own space.
         let to_own = own.rotation.transpose() * (1.0 / (own.scale * self.space.scale));
         let base = own.rotation.transpose() * (center - own.translation) / own.scale;

@@ -5,78 +5,24 @@
 
 use glam::Vec3;
 
-use super::place::Aabb;
-use super::shapes::{error_bound, padded};
-use super::similarity::Similarity;
-use super::{Builder, binary_exponent, exp2};
+use super::Builder;
 use crate::bvh::{self, Bounds};
-use crate::data::{self, KIND_TRIANGLE, NO_NORMAL, NO_UVS, PRIMITIVE_BIT, f32s, primitive_code};
-use crate::scene::Mesh;
-
-/// A mesh that has been laid out.
-#[derive(Clone, Copy)]
-pub struct Laid {
-    /// The code of its root.
-    root: u32,
-    /// The index of its first face.
-    pub first_face: u32,
-    to_uvs: u32,
-    /// Codes that wait at most in a walk through its hierarchy.
-    pub stack_size: u32,
-}
-
-impl Aabb {
-    /// Length of a unit of the space of a mesh with this box.
-    pub fn unit(&self) -> f64 {
-        let half = 0.5 * (self.max - self.min).max_element();
-        if half > 0.0 { exp2(binary_exponent(half)) } else { 1.0 }
-    }
-}
+use crate::data::{self, KIND_TRIANGLE, NO_NORMAL, NO_UVS, PRIMITIVE_BIT, primitive_code};
+use crate::shape::mesh::{Laid, MeshShape};
 
 impl Builder<'_> {
-    /// Places a mesh in the scene; the result is the instance's index.
-    pub fn add_instance(
-        &mut self,
-        mesh: usize,
-        to_world: &Similarity,
-        order: u32,
-        material: u32,
-        frame: u32,
-    ) -> (usize, Bounds) {
-        let laid = self.laid(mesh);
-        let around = self.boxes[mesh];
-        let scale = to_world.scale * around.unit() * self.space.scale;
-        let place = self.space.point(to_world.point(around.center()));
-        let axes = to_world.rotation;
-        let error = error_bound(&[place.as_vec3(), Vec3::splat((3.0 * scale) as f32)]);
-        let placed = Aabb::around(around.corners().map(|p| self.space.point(to_world.point(p))));
-        self.flat.instances.push(data::Instance {
-            x_axis: f32s(axes.x_axis),
-            order,
-            y_axis: f32s(axes.y_axis),
-            material,
-            place: f32s(place),
-            frame,
-            scale: scale as f32,
-            to_light: 0,
-            root: laid.root,
-            to_uvs: laid.to_uvs,
-        });
-        (self.flat.instances.len() - 1, padded(placed.min.as_vec3(), placed.max.as_vec3(), error))
-    }
-
     /// The mesh laid out, now or before.
-    pub fn laid(&mut self, mesh: usize) -> Laid {
-        if let Some(laid) = self.laid[mesh] {
+    pub fn laid(&mut self, mesh: &MeshShape) -> Laid {
+        if let Some(laid) = self.laid[mesh.number] {
             return laid;
         }
-        let laid = self.lay_out(self.meshes[mesh], self.boxes[mesh]);
-        self.laid[mesh] = Some(laid);
+        let laid = self.lay_out(mesh);
+        self.laid[mesh.number] = Some(laid);
         laid
     }
 
-    fn lay_out(&mut self, mesh: &Mesh, around: Aabb) -> Laid {
-        let (center, unit) = (around.center(), around.unit());
+    fn lay_out(&mut self, shape: &MeshShape) -> Laid {
+        let (center, unit, mesh) = (shape.around.center(), shape.unit(), shape.mesh);
         let words = &mut self.flat.meshes;
         let first_face = words.len() as u32;
         let first_vertex = first_face + mesh.triangles.len() as u32;

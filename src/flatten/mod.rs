@@ -6,27 +6,26 @@
 
 mod diagnostics;
 mod features;
-mod frames;
 mod light_tree;
 mod lights;
 mod media;
 mod meshes;
 mod place;
-mod shapes;
-mod similarity;
 mod view;
 
 use std::collections::HashMap;
 
-use crate::bvh;
+use crate::bvh::{self, Bounds};
 use crate::data::{self, MAX_PRIMITIVES, NO_TEXTURE, f32s};
 use crate::error::Result;
 use crate::material::{Paint, Scattering, Slot};
 use crate::options::{FeatureSet, Integrator, RenderOptions};
-use crate::scene::{Background, Bitmap, Material, Mesh, Object, Scene, Step, Texture, Use};
-use meshes::Laid;
-use place::{Aabb, Finder, Placed, PlacedMedium, extent};
-use view::{RenderSpace, View};
+use crate::scene::{Background, Bitmap, Material, Object, Scene, Step, Texture, Use};
+use crate::shape::mesh::{self, Laid};
+use crate::shape::similarity::Similarity;
+use crate::shape::{Element, KINDS, Placement, RenderSpace, Shape, Tables, binary_exponent, exp2};
+use place::{Finder, Placed, PlacedMedium, extent};
+use view::View;
 
 pub use crate::material::MATERIALS;
 pub use crate::texture::TEXTURES;
@@ -41,10 +40,7 @@ pub struct DeviceScene {
     /// The camera, the background and the BVH's root; the rest is the render's to fill in.
     pub settings: data::Settings,
     pub nodes: Vec<data::Node>,
-    pub spheres: Vec<data::Sphere>,
-    pub quads: Vec<data::Quad>,
-    pub cuboids: Vec<data::Cuboid>,
-    pub instances: Vec<data::Instance>,
+    pub shapes: Tables,
     /// Faces, vertices and texture coordinates of all meshes, as shaders/bind/meshes says.
     pub meshes: Vec<[u32; 4]>,
     pub media: Vec<data::Medium>,
@@ -80,15 +76,13 @@ const LEAST_CROSSINGS: f32 = 1.25;
 /// `Error::Scene` where there are more primitives than a code can name, or more media than a ray can cross.
 pub fn flatten(scene: &Scene, size: (u32, u32), options: &RenderOptions) -> Result<DeviceScene> {
     let mut features = Features::default();
-    let mut finder = Finder::new(scene);
+    let meshes = mesh::shapes(&scene.meshes);
+    let mut finder = Finder::new(scene, &meshes);
     let view = View::new(&scene.camera, size);
     scene.objects.iter().for_each(|object| finder.place(object, &view.to_space));
-    let meshes: Vec<&Mesh> = scene.meshes.values().collect();
     for (primitive, object) in finder.placed.iter().zip(&finder.objects) {
         note(&mut features, scene, object, primitive);
-        if let place::Shape::Mesh(mesh) = primitive.shape
-            && !meshes[mesh].normals.is_empty()
-        {
+        if primitive.shape.mesh().is_some_and(|shape| !shape.mesh.normals.is_empty()) {
             features.smooth.get_or_insert_with(|| scene.location_of(object).to_string());
         }
     }
@@ -102,7 +96,7 @@ pub fn flatten(scene: &Scene, size: (u32, u32), options: &RenderOptions) -> Resu
         }
     }
     finder.media.iter().for_each(|medium| note_medium(&mut features, scene, medium));
-    let faces: usize = meshes.iter().map(|mesh| mesh.triangles.len() + mesh.positions.len() * 2).sum();
+    let faces: usize = scene.meshes.values().map(|mesh| mesh.triangles.len() + mesh.positions.len() * 2).sum();
     let most = finder.placed.len().max(faces);
     if most >= MAX_PRIMITIVES {
         return Err(scene.error(&[], format!("{most} primitives, expected fewer than {MAX_PRIMITIVES}")));
@@ -111,15 +105,13 @@ pub fn flatten(scene: &Scene, size: (u32, u32), options: &RenderOptions) -> Resu
         let message = format!("{} media, expected {MOST_MEDIA} at most", finder.media.len());
         return Err(scene.error(&[], message));
     }
-    let boxes: Vec<Aabb> = meshes.iter().map(|mesh| Aabb::of(mesh)).collect();
 
-    let extent = extent(view.eye, view.lens_radius(), &finder, &boxes);
+    let extent = extent(view.eye, view.lens_radius(), &finder);
     let emissions = emissions(scene, &used);
     let found = diagnostics::Found {
         scene,
         placed: &finder.placed,
         media: &finder.media,
-        boxes: &boxes,
         view: &view,
         extent,
         emissions: &emissions,
@@ -135,8 +127,6 @@ pub fn flatten(scene: &Scene, size: (u32, u32), options: &RenderOptions) -> Resu
     let mut builder = Builder {
         scene,
         laid: vec![None; meshes.len()],
-        meshes,
-        boxes: &boxes,
         space,
         quality: options.build,
         materials: vec![0; scene.materials.len()],
@@ -174,9 +164,6 @@ pub fn flatten(scene: &Scene, size: (u32, u32), options: &RenderOptions) -> Resu
 /// A scene on its way to a `DeviceScene`.
 struct Builder<'a> {
     scene: &'a Scene,
-    /// In the order of their paths.
-    meshes: Vec<&'a Mesh>,
-    boxes: &'a [Aabb],
     space: RenderSpace,
     quality: Quality,
     /// The meshes that have been laid out.
@@ -194,17 +181,20 @@ struct Builder<'a> {
 
 impl Builder<'_> {
     /// Lays out the primitives and builds the hierarchy over them.
-    fn add_primitives(&mut self, placed: &[Placed]) {
+    fn add_primitives(&mut self, placed: &[Placed<'_>]) {
         let (codes, bounds): (Vec<_>, Vec<_>) =
             (0..).zip(placed).map(|(order, primitive)| self.add_primitive(primitive, order)).unzip();
         let bvh = bvh::build(&bounds, &codes, self.quality);
         self.flat.primitives = placed.len() as u32;
         let flat = &mut self.flat;
         let crowded = placed.len() <= MOST_BY_BRUTE_FORCE && bvh::crossings(&bounds) >= LEAST_CROSSINGS;
-        flat.features.brute_force = (placed.len() <= bvh::WIDTH || crowded) && flat.instances.is_empty();
-        // Before those that bound media are added.
-        flat.settings.brute_force =
-            [flat.spheres.len(), flat.quads.len(), flat.cuboids.len(), 0].map(|count| count as u32);
+        flat.features.brute_force = (placed.len() <= bvh::WIDTH || crowded) && flat.shapes.instances.is_empty();
+        // Of the kinds that there are, in their order, before those that bound media are added.
+        let counts = KINDS.iter().map(|kind| kind.table.count(&flat.shapes) as u32).filter(|count| *count > 0);
+        let counts: Vec<u32> = counts.collect();
+        let room = &mut flat.settings.brute_force;
+        flat.features.brute_force &= counts.len() <= room.len();
+        room.iter_mut().zip(counts).for_each(|(room, count)| *room = count);
         self.flat.settings.root = self.flat.add_nodes(bvh.root, bvh.nodes);
         // In a mesh the walk keeps what waits outside of it.
         let within = self.laid.iter().flatten().map(|mesh| mesh.stack_size).max().unwrap_or(0);
@@ -214,19 +204,60 @@ impl Builder<'_> {
     fn add_media(&mut self, media: &[PlacedMedium<'_>]) {
         for medium in media {
             self.add_medium(medium);
-            if let place::Shape::Mesh(mesh) = medium.boundary {
-                let size = self.laid(mesh).stack_size;
-                let features = &mut self.flat.features;
-                features.boundary_stack_size = features.boundary_stack_size.max(size);
-            }
+            let size = self.laid_of(&medium.boundary).stack_size;
+            let features = &mut self.flat.features;
+            features.boundary_stack_size = features.boundary_stack_size.max(size);
         }
         self.flat.features.media = media.len() as u32;
+    }
+
+    /// Adds a primitive; the result is its code and its bounds.
+    fn add_primitive(&mut self, primitive: &Placed, order: u32) -> (u32, Bounds) {
+        let Placed { shape, to_world, material } = primitive;
+        let frame = self.frame_of(primitive);
+        let material = self.materials[*material as usize];
+        let (index, bounds) = self.add_shape(shape, to_world, Element { order, material, frame, ..Element::default() });
+        (shape.code(index), bounds)
+    }
+
+    /// Adds a shape that is part of the scene, or the boundary of a medium; the result is its index among its kind.
+    fn add_shape(&mut self, shape: &Shape, to_world: &Similarity, element: Element) -> (usize, Bounds) {
+        let element = Element { laid: self.laid_of(shape), ..element };
+        let tables = &mut self.flat.shapes;
+        let (min, max) = shape.lay_out(&Placement { to_world, space: self.space }, element, tables);
+        (shape.kind().table.count(tables) - 1, Bounds { min, max })
+    }
+
+    /// Where the mesh is laid out that a shape is; nothing of others.
+    fn laid_of(&mut self, shape: &Shape) -> Laid {
+        shape.mesh().map(|mesh| self.laid(mesh)).unwrap_or_default()
+    }
+
+    /// The index of the first frame of a primitive, which has one for each texture of its material; 0 where it needs none.
+    fn frame_of(&mut self, primitive: &Placed) -> u32 {
+        let Placed { shape, to_world, material } = primitive;
+        let textures = &self.textures[*material as usize];
+        if textures.is_empty() {
+            return 0;
+        }
+        // All instances of a mesh stand alike in a texture, for it is evaluated in the mesh's own space.
+        let shared = shape.mesh().map(|mesh| (mesh.number, *material));
+        if let Some(&frame) = shared.and_then(|key| self.mesh_frames.get(&key)) {
+            return frame;
+        }
+        let place = shape.texture_place(&to_world.rotation);
+        let index = self.flat.frames.len() as u32;
+        self.flat.frames.extend(textures.iter().filter_map(|texture| texture.frame(place, &to_world.rotation)));
+        if let Some(key) = shared {
+            self.mesh_frames.insert(key, index);
+        }
+        index
     }
 }
 
 /// Notes what a primitive requires.
-fn note(features: &mut Features, scene: &Scene, object: &Object, primitive: &Placed) {
-    features.primitives[primitive.shape.kind()].get_or_insert_with(|| scene.location_of(object).to_string());
+fn note(features: &mut Features, scene: &Scene, object: &Object, primitive: &Placed<'_>) {
+    features.primitives[primitive.shape.number()].get_or_insert_with(|| scene.location_of(object).to_string());
 }
 
 /// Notes what a material on an object requires.
@@ -274,17 +305,6 @@ fn emissions(scene: &Scene, used: &[bool]) -> Vec<(Option<usize>, f64)> {
     };
     let lights = scene.materials.iter().enumerate().filter(|(number, _)| used[*number]).filter_map(light);
     lights.chain([(None, sky)]).collect()
-}
-
-/// The least e with x < 2^e, for a normal x > 0.
-fn binary_exponent(x: f64) -> i32 {
-    const BIAS: i32 = 1022;
-    ((x.to_bits() >> 52) & 0x7ff) as i32 - BIAS
-}
-
-/// 2^e, exactly.
-fn exp2(e: i32) -> f64 {
-    2.0_f64.powi(e)
 }
 
 /// Number among `BACKGROUNDS`.

@@ -2,27 +2,15 @@
 
 use glam::{DMat3, DVec3};
 
-use super::similarity::Similarity;
 use crate::data::{self, f32s};
 use crate::scene::Camera;
+use crate::shape::RenderSpace;
+use crate::shape::similarity::Similarity;
 
 /// The width of a pixel, in units of the distance to it, below which render space gets the camera's axes. In the world's axes a
 /// direction's components are rounded by 2^-25 at least near 1: below 2^-17 that moves a ray by more than 1/256 of a pixel. In the camera's
 /// axes what is across the view is small, and has all of its digits however narrow the view is.
 const NARROW_PIXEL: f64 = 1.0 / (1u64 << 17) as f64;
-
-/// The camera at the origin and lengths scaled by a power of two.
-#[derive(Clone, Copy)]
-pub struct RenderSpace {
-    pub eye: DVec3,
-    pub scale: f64,
-}
-
-impl RenderSpace {
-    pub fn point(&self, p: DVec3) -> DVec3 {
-        (p - self.eye) * self.scale
-    }
-}
 
 /// The camera where it stands in the space that objects are placed in.
 pub struct View<'a> {

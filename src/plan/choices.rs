@@ -8,7 +8,9 @@ use super::{Bounces, QUEUES, Tables};
 use crate::data::{KIND_INSTANCE, KIND_TRIANGLE, RUN_LENGTH};
 use crate::flatten::{BACKGROUNDS, BOUNDARIES, EVERY_FEATURE, Features, PRIMITIVES, TEXTURES};
 use crate::gpu::link::{Choices, Chosen, Entry, Reason};
+use crate::material::Material;
 use crate::options::{self, FeatureSet, Knob, RenderOptions};
+use crate::shape::KINDS;
 
 /// A struct with a member for each name that directives of one kind have in the shaders, so that none can be left undecided.
 macro_rules! named {
@@ -144,20 +146,15 @@ named! {
 macro_rules! tables {
     ($($name:literal),*) => { [$(($name, concat!("space_of_", $name), concat!("size_of_", $name))),*] };
 }
-/// The tables by name, and the names of the values that say how each is bound.
-pub const TABLES: [(&str, &str, &str); 11] = tables![
-    "nodes",
-    "spheres",
-    "quads",
-    "cuboids",
-    "instances",
-    "media",
-    "lights",
-    "light_nodes",
-    "materials",
-    "textures",
-    "frames"
-];
+/// The tables but those of shapes by name, and the names of the values that say how each is bound.
+const OTHER_TABLES: [(&str, &str, &str); 7] =
+    tables!["nodes", "media", "lights", "light_nodes", "materials", "textures", "frames"];
+
+/// The same of all tables.
+pub fn table_names() -> impl Iterator<Item = (&'static str, &'static str, &'static str)> {
+    let of_shapes = KINDS.iter().map(|kind| (kind.table.name, kind.table.space, kind.table.size));
+    OTHER_TABLES.into_iter().chain(of_shapes)
+}
 
 /// What a kernel is linked with.
 pub(super) struct Decided {
@@ -178,7 +175,7 @@ impl Decided {
             conditions: self.conditions.named(),
             lists: self.lists.named(),
             modules: self.modules.named(),
-            values: numbers.chain(TABLES.into_iter().flat_map(table)).collect(),
+            values: numbers.chain(table_names().flat_map(table)).collect(),
         }
     }
 }
@@ -281,7 +278,7 @@ pub(super) fn decide(
     let non_specular = served_in(&features.non_specular);
     let surface_samples_light = light.clone().filter(|_| !non_specular.is_empty());
     let specular = served_in(&features.specular).first().and_then(|kind| light.clone().and(Some(kind.why.clone())));
-    let shines = served.iter().any(|kind| kind.name == "diffuse_light");
+    let shines = served.iter().any(|kind| Material::KINDS.get(kind.number as usize).is_some_and(|kind| kind.emits));
 
     let queue_why = if_so(queues, option(QUEUES));
     let conditions = Conditions {

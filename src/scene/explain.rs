@@ -6,9 +6,11 @@
 use ron::error::{Error as Ron, SpannedError};
 
 use super::nearest::nearest;
+use super::validate::boundaries;
 use crate::error::Error;
 use crate::material::{Material, a_material};
-use crate::source::form::{COLOUR, Form, PATH};
+use crate::shape::KINDS;
+use crate::source::form::{COLOUR, Form, NUMBER, PATH, POINT, VECTOR};
 use crate::source::{Id, Source, Span, Step, skip_space, slice};
 use crate::texture::{TEXTURE, Texture};
 
@@ -286,14 +288,14 @@ fn lower(message: &str) -> String {
     first.into_iter().chain(characters).collect()
 }
 
-const OBJECT: &str = "an object: Sphere(..), Quad(..), Box(..), Mesh(..), Transformed(..), \
-                      Group([..]) or Medium(..)";
-const BOUNDARY: &str = "a boundary: a Sphere(..), a Box(..) or a closed Mesh(..), Transformed(..) or not, without a \
-                        material";
 const TRANSFORM: &str = "a transform: Translate((x, y, z)), Scale(s), RotateX(degrees), \
                          RotateY(degrees), RotateZ(degrees) or Rotate(axis: .., degrees: ..)";
-const POINT: &str = "a point: (x, y, z)";
-const VECTOR: &str = "a vector: (x, y, z)";
+
+/// "an object: Sphere(..), .."
+fn object() -> String {
+    let shapes: Vec<String> = KINDS.iter().map(|kind| format!("{}(..)", kind.form.name)).collect();
+    format!("an object: {}, Transformed(..), Group([..]) or Medium(..)", shapes.join(", "))
+}
 
 /// What the scene format expects at the end of a path.
 fn expected(path: &[Step<'_>]) -> String {
@@ -303,6 +305,10 @@ fn expected(path: &[Step<'_>]) -> String {
         [.., Step::Variant(name), Step::Field(field)] => {
             form(name).and_then(|form| form.expects(field)).map(str::to_owned)
         }
+        [.., Step::Variant(name), Step::Field(field), Step::Index(_)] => form(name)
+            .and_then(|form| form.expects(field))
+            .filter(|expected| [POINT, VECTOR].contains(expected))
+            .map(|_| NUMBER.to_owned()),
         _ => None,
     };
     if let Some(expected) = of_form {
@@ -310,25 +316,32 @@ fn expected(path: &[Step<'_>]) -> String {
     }
     let expected = match path {
         [.., Step::Key(_)] => return a_material(),
+        [.., Step::Field("object")] | [.., Step::Field("objects") | Step::Variant("Group"), Step::Index(_)] => {
+            return object();
+        }
+        [.., Step::Field("boundary")] => return boundaries("(..)", ", Transformed(..) or not"),
         [] => "Scene(image: .., camera: .., background: .., materials: .., objects: .., render: ..)",
         [.., Step::Variant("Medium"), Step::Field("albedo")] => TEXTURE,
         [.., Step::Field(name)] => expected_field(name),
         [.., Step::Variant(name)] => expected_variant(name),
-        [.., Step::Field("objects") | Step::Variant("Group"), Step::Index(_)] => OBJECT,
         [.., Step::Field("by"), Step::Index(_)] => TRANSFORM,
         [.., Step::Variant("Solid"), Step::Index(_)] => "a colour in brackets: Solid((r, g, b))",
         [.., Step::Variant("Translate"), Step::Index(_)] => "a vector in brackets: Translate((x, y, z))",
         [.., Step::Variant("Rgb"), Step::Index(_)] => "a number",
-        [.., Step::Field("look_from" | "look_at" | "up" | "bottom" | "top" | "even" | "odd"), Step::Index(_)]
-        | [.., Step::Field("center" | "corner" | "u" | "v" | "min" | "max" | "axis"), Step::Index(_)] => "a number",
+        [
+            ..,
+            Step::Field("look_from" | "look_at" | "up" | "bottom" | "top" | "even" | "odd" | "axis"),
+            Step::Index(_),
+        ] => NUMBER,
         [.., Step::Index(_)] => "fields by name: (name: value, ..)",
     };
     expected.to_owned()
 }
 
-/// The forms of materials and textures.
+/// The forms of materials, textures and shapes.
 fn forms() -> impl Iterator<Item = &'static Form> {
-    Material::KINDS.iter().map(|kind| &kind.form).chain(Texture::KINDS.iter().map(|kind| &kind.form))
+    let materials = Material::KINDS.iter().map(|kind| &kind.form);
+    materials.chain(Texture::KINDS.iter().map(|kind| &kind.form)).chain(KINDS.iter().map(|kind| &kind.form))
 }
 
 fn expected_field(name: &str) -> &'static str {
@@ -336,18 +349,15 @@ fn expected_field(name: &str) -> &'static str {
         "image" => "(width: .., height: ..)",
         "width" | "height" => "a whole number from 1 to 65536",
         "camera" => "(look_from: .., look_at: .., vertical_fov: ..)",
-        "look_from" | "look_at" | "center" | "corner" | "min" | "max" => POINT,
-        "up" | "u" | "v" | "axis" => VECTOR,
+        "look_from" | "look_at" => POINT,
+        "up" | "axis" => VECTOR,
         "vertical_fov" => "a number of degrees between 0 and 180",
         "degrees" => "a number of degrees",
         "background" => "a background: Solid((r, g, b)), Gradient(bottom: .., top: ..) or Image(path: ..)",
         "bottom" | "top" => COLOUR,
         "path" => PATH,
         "materials" => "a map of materials: {\"name\": Lambertian(..), ..}",
-        "material" => "a material's name in quotes",
         "objects" => "a list of objects: [..]",
-        "object" => OBJECT,
-        "boundary" => BOUNDARY,
         "by" => "a list of transforms: [..]",
         "render" => "(samples: .., max_depth: ..)",
         "samples" => "a whole number from 1 to 2147483648",
@@ -361,10 +371,6 @@ fn expected_variant(name: &str) -> &'static str {
         "Solid" => COLOUR,
         "Gradient" => "Gradient(bottom: .., top: ..)",
         "Image" => "Image(path: ..)",
-        "Sphere" => "Sphere(center: .., radius: .., material: ..)",
-        "Quad" => "Quad(corner: .., u: .., v: .., material: ..)",
-        "Box" => "Box(min: .., max: .., material: ..)",
-        "Mesh" => "Mesh(path: .., material: ..)",
         "Transformed" => "Transformed(by: [..], object: ..)",
         "Group" => "a list of objects: [..]",
         "Medium" => "Medium(boundary: .., density: .., albedo: .., anisotropy: ..)",

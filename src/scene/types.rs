@@ -1,9 +1,13 @@
 //! The scene as its file says it: f64, in scene units, before anything is flattened or made f32.
 
+use std::collections::BTreeMap;
+
 use glam::DVec3;
 use serde::Deserialize;
 
 pub use crate::material::Material;
+use crate::shape::mesh::{self, MeshShape};
+use crate::shape::{Kind, Shape, cuboid, quad, sphere};
 pub use crate::texture::{Bitmap, Bitmaps, Colour, Texture, Use};
 
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
@@ -122,16 +126,37 @@ impl Default for RenderDefaults {
 }
 
 impl Object {
+    /// The kind of shape that it is; nothing of objects that hold others.
+    pub fn kind(&self) -> Option<&'static Kind> {
+        match self {
+            Object::Sphere { .. } => Some(&sphere::KIND),
+            Object::Quad { .. } => Some(&quad::KIND),
+            Object::Box { .. } => Some(&cuboid::KIND),
+            Object::Mesh { .. } => Some(&mesh::KIND),
+            Object::Transformed { .. } | Object::Group(_) | Object::Medium { .. } => None,
+        }
+    }
+
+    /// The shape that it is; nothing of objects that hold others, or of a mesh that is not among those given.
+    pub fn shape<'a>(&self, meshes: &'a BTreeMap<&str, MeshShape<'a>>) -> Option<Shape<'a>> {
+        match self {
+            Object::Sphere { center, radius, .. } => {
+                Some(Shape::Sphere(sphere::Sphere { center: *center, radius: *radius }))
+            }
+            Object::Quad { corner, u, v, .. } => Some(Shape::Quad(quad::Quad { corner: *corner, u: *u, v: *v })),
+            Object::Box { min, max, .. } => Some(Shape::Cuboid(cuboid::Cuboid { min: *min, max: *max })),
+            Object::Mesh { path, .. } => meshes.get(path.as_str()).map(Shape::Mesh),
+            Object::Transformed { .. } | Object::Group(_) | Object::Medium { .. } => None,
+        }
+    }
+
     /// The variant's name, as the scene file writes it.
     pub fn name(&self) -> &'static str {
         match self {
-            Object::Sphere { .. } => "Sphere",
-            Object::Quad { .. } => "Quad",
-            Object::Box { .. } => "Box",
-            Object::Mesh { .. } => "Mesh",
             Object::Transformed { .. } => "Transformed",
             Object::Group(_) => "Group",
             Object::Medium { .. } => "Medium",
+            shape => shape.kind().map_or("", |kind| kind.form.name),
         }
     }
 

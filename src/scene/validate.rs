@@ -1,18 +1,18 @@
 //! Refuses what parses and means nothing: every error at the value's own place.
 
-use std::cell::RefCell;
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap};
 
 use glam::DVec3;
 
+use super::Scene;
 use super::nearest::nearest;
 use super::types::*;
-use super::{Mesh, Scene};
 use crate::error::Result;
-use crate::source::{LARGEST, Place, SMALLEST, length, number, vector};
+use crate::shape::mesh::{self, MeshShape};
+use crate::shape::{KINDS, Kind};
+use crate::source::form::any;
+use crate::source::{LARGEST, Place, SMALLEST, length, number, parallel, vector};
 
-/// Directions whose angle has a sine below this count as parallel.
-const SMALLEST_SINE: f64 = 1e-9;
 const LARGEST_SIDE: u32 = 1 << 16;
 const LARGEST_AREA: u64 = 1 << 30;
 const MOST_SAMPLES: u32 = 1 << 31;
@@ -37,11 +37,11 @@ pub fn with_meshes(scene: &Scene) -> Result<()> {
 }
 
 fn objects(scene: &Scene) -> Result<()> {
+    let meshes = mesh::shapes(&scene.meshes);
     let known = Known {
         all: &scene.materials,
         materials: scene.materials.iter().map(|(name, material)| (name.as_str(), material)).collect(),
-        meshes: &scene.meshes,
-        closed: RefCell::default(),
+        meshes: &meshes,
     };
     let top = scene.top();
     for (index, value) in scene.objects.iter().enumerate() {
@@ -144,10 +144,6 @@ const OUT_OF_REACH: &str = "the transforms around this place take it out of the 
 fn object(known: &Known, at: &Place, object: &Object, reach: Reach) -> Result<()> {
     let at = &at.variant(object.name());
     match object {
-        Object::Sphere { .. } | Object::Quad { .. } | Object::Box { .. } | Object::Mesh { .. } => {
-            shape(known, at, object, reach)?;
-            known.check_material(at, object)
-        }
         Object::Transformed { by, object: inner } => {
             let reach = transforms(&at.field("by"), by, reach)?;
             self::object(known, &at.field("object"), inner, reach)
@@ -172,33 +168,18 @@ fn object(known: &Known, at: &Place, object: &Object, reach: Reach) -> Result<()
             }
             Ok(())
         }
+        _ => {
+            shape(known, at, object, reach)?;
+            known.check_material(at, object)
+        }
     }
 }
 
 /// Checks the numbers of an object that is a shape, but not its material. Of a mesh, once it is read.
 fn shape(known: &Known, at: &Place, object: &Object, reach: Reach) -> Result<()> {
-    let (size, distance) = match object {
-        Object::Sphere { center, radius, .. } => {
-            vector(&at.field("center"), *center)?;
-            length(&at.field("radius"), "a radius", *radius)?;
-            (*radius, center.length() + radius)
-        }
-        Object::Quad { corner, u, v, .. } => {
-            vector(&at.field("corner"), *corner)?;
-            edges(at, *u, *v)?;
-            (u.length().min(v.length()), corner.length() + u.length() + v.length())
-        }
-        Object::Box { min, max, .. } => {
-            sides(at, *min, *max)?;
-            ((max - min).min_element(), min.length().max(max.length()))
-        }
-        Object::Mesh { path, .. } => {
-            let Some(mesh) = known.meshes.get(path) else { return Ok(()) };
-            let (low, high) = mesh.bounds();
-            ((high - low).max_element(), low.abs().max(high.abs()).length())
-        }
-        Object::Transformed { .. } | Object::Group(_) | Object::Medium { .. } => return Ok(()),
-    };
+    let Some(shape) = object.shape(known.meshes) else { return Ok(()) };
+    shape.check(at)?;
+    let (size, distance) = shape.span();
     if !reach.holds(size, distance) {
         return Err(at.error(OUT_OF_REACH));
     }
@@ -208,52 +189,26 @@ fn shape(known: &Known, at: &Place, object: &Object, reach: Reach) -> Result<()>
 /// Checks what a medium fills.
 fn boundary(known: &Known, at: &Place, object: &Object, reach: Reach) -> Result<()> {
     let inside = &at.variant(object.name());
-    match object {
-        Object::Sphere { .. } | Object::Box { .. } | Object::Mesh { .. } => shape(known, inside, object, reach)?,
-        Object::Transformed { by, object } => {
-            let reach = transforms(&inside.field("by"), by, reach)?;
-            return boundary(known, &inside.field("object"), object, reach);
-        }
-        Object::Quad { .. } | Object::Group(_) | Object::Medium { .. } => {
-            let boundary = "a boundary: a Sphere, a Box or a closed Mesh, Transformed or not, without a material";
-            return Err(at.unexpected(boundary));
-        }
+    if let Object::Transformed { by, object } = object {
+        let reach = transforms(&inside.field("by"), by, reach)?;
+        return boundary(known, &inside.field("object"), object, reach);
     }
+    if object.kind().is_none_or(|kind| kind.boundary.is_none()) {
+        return Err(at.unexpected(boundaries("", ", Transformed or not")));
+    }
+    shape(known, inside, object, reach)?;
     if object.material().is_some() {
         let message = "a medium's boundary has no surface, and so no material: remove it, or list the object beside the \
                        medium too";
         return Err(inside.field("material").error(message));
     }
-    match object {
-        Object::Mesh { path, .. } => known.check_closed(&inside.field("path"), path),
-        _ => Ok(()),
-    }
+    object.shape(known.meshes).and_then(|shape| shape.mesh().map(|mesh| mesh.check_closed(inside))).unwrap_or(Ok(()))
 }
 
-fn edges(at: &Place, u: DVec3, v: DVec3) -> Result<()> {
-    for (name, edge) in [("u", u), ("v", v)] {
-        vector(&at.field(name), edge)?;
-        if edge.length() < SMALLEST {
-            return Err(at.field(name).error(format!("the quad has no extent along {name}")));
-        }
-    }
-    if parallel(u, v) {
-        return Err(at.error("the quad has no area: u and v are parallel"));
-    }
-    Ok(())
-}
-
-fn sides(at: &Place, min: DVec3, max: DVec3) -> Result<()> {
-    vector(&at.field("min"), min)?;
-    vector(&at.field("max"), max)?;
-    for (axis, (low, high)) in ["x", "y", "z"].into_iter().zip(min.to_array().into_iter().zip(max.to_array())) {
-        if high - low < SMALLEST {
-            let message =
-                format!("the box has no extent along {axis}: expected min below max, found {low:?} and {high:?}");
-            return Err(at.error(message));
-        }
-    }
-    Ok(())
+/// "a boundary: a Sphere, a Box or a closed Mesh, Transformed or not, without a material"
+pub fn boundaries(after_each: &str, transformed: &str) -> String {
+    let boundary = |kind: &Kind| Some(format!("{} {}{after_each}", kind.boundary.as_ref()?.words, kind.form.name));
+    format!("a boundary: {}{transformed}, without a material", any(KINDS.iter().filter_map(boundary)))
 }
 
 /// Checks a list of transforms and adds them to what is around them: the last listed is the outermost.
@@ -289,16 +244,14 @@ struct Known<'a> {
     /// The same materials, found in constant time.
     materials: HashMap<&'a str, &'a Material>,
     /// The meshes that have been read: none before all else is checked.
-    meshes: &'a BTreeMap<String, Mesh>,
-    /// The paths of those that are known to be closed.
-    closed: RefCell<HashSet<&'a str>>,
+    meshes: &'a BTreeMap<&'a str, MeshShape<'a>>,
 }
 
-impl<'a> Known<'a> {
+impl Known<'_> {
     /// Checks that the object has a material, that it exists, and that it can be put on the object.
-    fn check_material(&self, at: &Place, object: &Object) -> Result<()> {
+    fn check_material(&self, above: &Place, object: &Object) -> Result<()> {
         let names = || self.all.iter().map(|(name, _)| name.as_str());
-        let at = at.field("material");
+        let at = above.field("material");
         let Some(name) = object.material() else {
             return Err(at.error(format!("material is missing: {}", known(names()))));
         };
@@ -307,34 +260,12 @@ impl<'a> Known<'a> {
             let meant = meant.map_or(String::new(), |meant| format!("; did you mean {meant:?}?"));
             return Err(at.error(format!("there is no material {name:?}: {}{meant}", known(names()))));
         };
-        if let Object::Mesh { path, .. } = object
-            && self.meshes.get(path).is_some_and(|mesh| mesh.uvs.is_empty())
-            && material.textures().iter().any(|texture| texture.image().is_some())
+        if material.textures().iter().any(|texture| texture.image().is_some())
+            && let Some(shape) = object.shape(self.meshes)
+            && let Some(mesh) = shape.mesh()
         {
-            let message = format!(
-                "the material {name:?} has an image, and the mesh {path:?} has no texture coordinates to place it by: \
-                 expected a mesh that has them at every corner, or another texture"
-            );
-            return Err(at.error(message));
+            return mesh.check_image(above, name);
         }
-        Ok(())
-    }
-
-    /// Checks that a mesh, once it is read, bounds a body.
-    fn check_closed(&self, at: &Place, path: &str) -> Result<()> {
-        let Some((path, mesh)) = self.meshes.get_key_value(path) else { return Ok(()) };
-        if self.closed.borrow().contains(path.as_str()) {
-            return Ok(());
-        }
-        if let Some(open) = mesh.open_edges() {
-            let edges = if open.count == 1 { "edge" } else { "edges" };
-            return Err(at.error(format!(
-                "{path}: expected a closed mesh, wound one way, as a medium's boundary: face {} (counted from 0) has an \
-                 edge that no neighbour runs along the other way; there are {} such {edges}",
-                open.face, open.count
-            )));
-        }
-        self.closed.borrow_mut().insert(path);
         Ok(())
     }
 }
@@ -362,10 +293,4 @@ fn render(at: &Place, render: &RenderDefaults) -> Result<()> {
         return Err(at.field("max_depth").unexpected(format!("a max_depth from 0 to {DEEPEST}")));
     }
     Ok(())
-}
-
-/// Whether two directions are parallel, whatever their lengths.
-fn parallel(a: DVec3, b: DVec3) -> bool {
-    let unit = |v: DVec3| (v / v.abs().max_element()).normalize();
-    unit(a).cross(unit(b)).length() < SMALLEST_SINE
 }

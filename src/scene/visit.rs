@@ -15,7 +15,8 @@ pub fn visit(at: &Place, object: &Object, visitor: &mut dyn FnMut(&Place, &Objec
         Object::Group(objects) => {
             objects.iter().enumerate().try_for_each(|(index, object)| visit(&at.index(index), object, visitor))
         }
-        Object::Sphere { .. } | Object::Quad { .. } | Object::Box { .. } | Object::Mesh { .. } => Ok(()),
+        // A shape holds no others.
+        _ => Ok(()),
     }
 }
 

@@ -3,6 +3,8 @@
 pub const NUMBER: &str = "a number";
 pub const COLOUR: &str = "a colour: (r, g, b)";
 pub const PATH: &str = "a file's path in quotes";
+pub const POINT: &str = "a point: (x, y, z)";
+pub const VECTOR: &str = "a vector: (x, y, z)";
 
 /// A variant as the scene file writes it.
 #[derive(Debug)]
@@ -33,6 +35,12 @@ pub fn any_of<'a>(forms: impl Iterator<Item = &'a Form>) -> String {
     let short = |form: &Form| if form.in_order { form.in_full() } else { format!("{}(..)", form.name) };
     let all = forms.map(short).collect::<Vec<_>>().join(", ");
     all.rsplit_once("), ").map_or(all.clone(), |(others, last)| format!("{others}) or {last}"))
+}
+
+/// "a, b or c"
+pub fn any(all: impl Iterator<Item = String>) -> String {
+    let all = all.collect::<Vec<_>>().join(", ");
+    all.rsplit_once(", ").map_or(all.clone(), |(others, last)| format!("{others} or {last}"))
 }
 
 /// Lists the kinds of an enum's values. The number of a value, which kernels switch on, is the place of its kind in the list; a variant that

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use crate::error::{Error, Location};
 use spans::Spans;
 
-pub use numbers::{LARGEST, SMALLEST, length, number, share, vector};
+pub use numbers::{LARGEST, SMALLEST, length, number, parallel, share, vector};
 pub use spans::{Id, Span, Step, skip_space, slice};
 
 /// A scene file's text with the places of its values.

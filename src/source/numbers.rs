@@ -9,6 +9,8 @@ use crate::error::Result;
 pub const LARGEST: f64 = 1e100;
 /// Smallest length other than zero: its square is still a normal number.
 pub const SMALLEST: f64 = 1e-100;
+/// Directions whose angle has a sine below this count as parallel.
+const SMALLEST_SINE: f64 = 1e-9;
 
 /// Any finite number that may be squared.
 pub fn number(at: &Place, x: f64) -> Result<()> {
@@ -29,6 +31,12 @@ pub fn length(at: &Place, what: &str, x: f64) -> Result<()> {
     }
     let range = if x > 0.0 { format!("from {SMALLEST:e} to {LARGEST:e}") } else { "greater than 0".to_owned() };
     Err(at.unexpected(format!("{what} {range}")))
+}
+
+/// Whether two directions are parallel, whatever their lengths.
+pub fn parallel(a: DVec3, b: DVec3) -> bool {
+    let unit = |v: DVec3| (v / v.abs().max_element()).normalize();
+    unit(a).cross(unit(b)).length() < SMALLEST_SINE
 }
 
 /// A number from 0 to 1.

@@ -32,7 +32,7 @@ pub fn assorted(random: &mut Random, count: usize, aspect: f64, place: (f64, f64
             )
         })
         .collect();
-    flat(&texts).cuboids
+    flat(&texts).shapes.cuboids
 }
 
 /// A cuboid in f64: its axes as columns, the centre and half its edges.

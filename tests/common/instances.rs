@@ -100,7 +100,7 @@ pub fn flat_around(eye: DVec3, mesh: &str, objects: &[String]) -> DeviceScene {
 
 pub fn kernel(flat: &DeviceScene, faces: usize, replaced: &[(&str, &str)]) -> Kernel {
     let plan = choices_of(&flat.features, &RenderOptions::default(), &Tables::default());
-    let (instances, faces) = (flat.instances.len().to_string(), faces.to_string());
+    let (instances, faces) = (flat.shapes.instances.len().to_string(), faces.to_string());
     let values = [("instances", &*instances), ("faces", &*faces)];
     Kernel::with("test/meshes", &Setup { plan, values: &values, replaced, ..Setup::default() })
 }
@@ -108,8 +108,8 @@ pub fn kernel(flat: &DeviceScene, faces: usize, replaced: &[(&str, &str)]) -> Ke
 pub fn run(kernel: &Kernel, flat: &DeviceScene, rays: &[In]) -> Vec<Out> {
     let tables = [
         array("nodes", &flat.nodes),
-        array("spheres", &flat.spheres),
-        array("instances", &flat.instances),
+        array("spheres", &flat.shapes.spheres),
+        array("instances", &flat.shapes.instances),
         array("meshes", &flat.meshes),
     ];
     kernel.run_with(rays, rays.len(), &tables)

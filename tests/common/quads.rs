@@ -30,7 +30,7 @@ pub fn assorted(random: &mut Random, count: usize, aspect: f64, place: (f64, f64
             }
         })
         .collect();
-    flat(&texts).quads
+    flat(&texts).shapes.quads
 }
 
 /// Rays at points of the quads' planes on the quads and a little outside, whose cosines with the normal are within these decades, from

@@ -192,8 +192,8 @@ fn spheres() -> Cell {
         let tables = [
             array("nodes", nodes),
             array("spheres", &spheres),
-            array("quads", &none.quads),
-            array("cuboids", &none.cuboids),
+            array("quads", &none.shapes.quads),
+            array("cuboids", &none.shapes.cuboids),
         ];
         kernel.run_with(&rays, rays.len(), &tables)
     };

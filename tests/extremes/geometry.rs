@@ -195,8 +195,8 @@ pub fn gaps_by_rays() -> Vec<Cell> {
     let mut all = Vec::new();
     for exponent in 1..=6 {
         let gap = 10f64.powi(-exponent);
-        let spheres = flat(&[sphere(1.0, "m"), sphere(1.0 + gap, "m")]).spheres;
-        let quads = flat(&[floor(-1.0, "m"), floor(-1.0 - gap, "m")]).quads;
+        let spheres = flat(&[sphere(1.0, "m"), sphere(1.0 + gap, "m")]).shapes.spheres;
+        let quads = flat(&[floor(-1.0, "m"), floor(-1.0 - gap, "m")]).shapes.quads;
         let mut random = Random(91);
         let rays: Vec<In> = (0..RAYS)
             .map(|_| {
@@ -390,7 +390,7 @@ impl Ground {
         let mut random = Random(92);
         let downs: Vec<DVec3> = (0..20).map(|_| unit(&mut random)).collect();
         let texts: Vec<String> = downs.iter().map(|down| ball((radius + HEIGHT) * *down, radius, "m")).collect();
-        let spheres = flat(&texts).spheres;
+        let spheres = flat(&texts).shapes.spheres;
         let scale = 2f64.powf((f64::from(spheres[0].radius) / radius).log2().round());
         Ground { radius, downs, texts, spheres, scale }
     }

@@ -21,7 +21,7 @@ fn leave(size: f64, place: f64, replaced: &[(&str, &str)]) -> f64 {
         triple(center)
     );
     let flat = flat_around(DVec3::ZERO, &mesh, &[object]);
-    let instance = flat.instances[0];
+    let instance = flat.shapes.instances[0];
     let (at, radius) = (exact(instance.place), f64::from(instance.scale));
     let rays: Vec<In> = (0..RAYS)
         .map(|i| {

@@ -140,7 +140,7 @@ fn far_objects() -> Vec<Cell> {
             objects.join(", ")
         ));
         let flat = flatten(&scene, (16, 16), &crate::common::render::plain()).expect("the test's scene is small");
-        let to_render = f64::from(flat.spheres[0].radius);
+        let to_render = f64::from(flat.shapes.spheres[0].radius);
         let (mut rays, mut places) = (Vec::new(), Vec::new());
         for (index, center) in (0u32..).zip(&centers) {
             for _ in 0..200 {
@@ -157,7 +157,7 @@ fn far_objects() -> Vec<Cell> {
         let plan = choices_of(&flat.features, &RenderOptions::default(), &Tables::default());
         let kernel = Kernel::with("test/colour", &Setup { plan, ..Setup::default() });
         let buffers = [
-            array("spheres", &flat.spheres),
+            array("spheres", &flat.shapes.spheres),
             array("materials", &flat.materials),
             array("textures", &flat.textures),
             array("frames", &flat.frames),

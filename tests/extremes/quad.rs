@@ -156,7 +156,7 @@ fn floors_grazed(kernel: &Kernel) -> Vec<Cell> {
         };
         (0..1000).map(|_| floor()).collect()
     };
-    let quads = flat(&texts).quads;
+    let quads = flat(&texts).shapes.quads;
     (0..7)
         .map(|exponent| {
             let decade = f64::from(exponent);

@@ -5,22 +5,32 @@ use std::path::{Path, PathBuf};
 
 /// A part of the program and the parts that it never imports.
 const NEVER: &[(&str, &[&str])] = &[
-    ("gpu", &["texture", "material", "scene", "flatten", "plan", "render", "bvh", "film", "output", "tradeoff", "cli"]),
+    (
+        "gpu",
+        &[
+            "texture", "material", "shape", "scene", "flatten", "plan", "render", "bvh", "film", "output", "tradeoff",
+            "cli",
+        ],
+    ),
     ("metrics", &["gpu", "scene", "flatten", "plan", "render", "tradeoff", "commands", "cli"]),
-    ("bvh", &["gpu", "scene", "flatten", "plan", "render", "film", "output", "tradeoff", "commands", "cli"]),
+    ("bvh", &["gpu", "scene", "shape", "flatten", "plan", "render", "film", "output", "tradeoff", "commands", "cli"]),
     ("film", &["gpu", "scene", "flatten", "plan", "render", "bvh", "tradeoff", "commands", "cli"]),
     ("scene", &["gpu", "flatten", "plan", "render", "bvh", "film", "output", "tradeoff", "commands", "cli"]),
     ("flatten", &["gpu", "plan", "render", "film", "output", "tradeoff", "commands", "cli"]),
     ("plan", &["scene", "render", "output", "tradeoff", "commands", "cli"]),
     ("render", &["scene", "output", "tradeoff", "commands", "cli"]),
     ("output", &["gpu", "scene", "flatten", "plan", "render", "tradeoff", "commands", "cli"]),
-    ("data", &["gpu", "scene", "flatten", "plan", "render", "film", "output", "tradeoff", "commands", "cli"]),
-    ("error", &["gpu", "scene", "flatten", "plan", "render", "film", "output", "tradeoff", "commands", "cli"]),
+    ("data", &["gpu", "shape", "scene", "flatten", "plan", "render", "film", "output", "tradeoff", "commands", "cli"]),
+    ("error", &["gpu", "shape", "scene", "flatten", "plan", "render", "film", "output", "tradeoff", "commands", "cli"]),
     ("options", &["gpu", "scene", "flatten", "plan", "render", "film", "output", "tradeoff", "commands", "cli"]),
     ("job", &["gpu", "scene", "flatten", "plan", "render", "film", "output", "tradeoff", "commands", "cli"]),
     ("material", &["gpu", "scene", "flatten", "plan", "render", "bvh", "film", "output", "tradeoff", "cli"]),
     ("texture", &["gpu", "material", "scene", "flatten", "plan", "render", "film", "output", "tradeoff", "cli"]),
-    ("source", &["gpu", "texture", "material", "scene", "flatten", "plan", "render", "output", "tradeoff", "cli"]),
+    ("shape", &["gpu", "material", "scene", "flatten", "plan", "render", "bvh", "film", "output", "tradeoff", "cli"]),
+    (
+        "source",
+        &["gpu", "texture", "material", "shape", "scene", "flatten", "plan", "render", "output", "tradeoff", "cli"],
+    ),
     ("tradeoff", &["commands", "cli"]),
     ("cli", &["commands"]),
 ];

@@ -375,7 +375,7 @@ fn buffers_hold_what_is_used_and_each_image_once() {
             .replace("Gradient(bottom: (1, 1, 1), top: (0.5, 0.7, 1))", background);
         let scene = Scene::parse(&text, &folder.path().join("images.ron")).unwrap_or_else(|error| panic!("{error}"));
         let flat = flat(&scene, FeatureSet::Scene);
-        let of_spheres: Vec<u32> = flat.spheres.iter().map(|sphere| sphere.material).collect();
+        let of_spheres: Vec<u32> = flat.shapes.spheres.iter().map(|sphere| sphere.material).collect();
         (flat.texels.len(), flat.materials.len(), flat.textures.len(), of_spheres)
     };
     let solid = "Solid((1, 1, 1))";

@@ -175,38 +175,6 @@ fn of_a_kind_the_worst_is_told_and_the_others_are_counted() {
 }
 
 #[test]
-fn surfaces_rounded_by_more_than_a_pixel() {
-    let ground = |r: &str| format!("Sphere(center: (0, -{r}, 0), radius: §{r}, material: \"grey\"),");
-    let words = ["a sphere with a radius of 9500", "off by up to 0.00453, 1.0", " pixels: make it smaller than"];
-    assert_warns(&scene(ABOVE, &ground("9500")), "objects[0].Sphere.radius", &words);
-    assert_silent(&scene(ABOVE, &ground("9000")));
-    // Out of sight.
-    assert_silent(&scene(&ABOVE.replace("look_at: (0, 0, 0)", "look_at: (0, 5, 0)"), &ground("9500")));
-    let quad = |s: f64| {
-        let (corner, side) = (format!("({:?}, 0, {:?})", -s, -s), 2.0 * s);
-        format!("Quad(corner: {corner}, u: §({side:?}, 0, 0), v: (0, 0, {side:?}), material: \"grey\"),")
-    };
-    assert_warns(&scene(ABOVE, &quad(1e9)), "objects[0].Quad.u", &["an edge of 2e9", "off by up to 2384, "]);
-    assert_warns(&scene(ABOVE, &quad(1900.0)), "objects[0].Quad.u", &["an edge of 3800"]);
-    assert_silent(&scene(ABOVE, &quad(1800.0)));
-    let cuboid = |s: f64| {
-        format!("§Box(min: ({:?}, {:?}, {:?}), max: ({s:?}, 0, {s:?}), material: \"grey\"),", -s, -2.0 * s, -s)
-    };
-    assert_warns(&scene(ABOVE, &cuboid(2400.0)), "objects[0].Box", &["a box with a side of 4800"]);
-    assert_silent(&scene(ABOVE, &cuboid(2250.0)));
-    let folder = tempfile::tempdir().unwrap_or_else(|e| panic!("{e}"));
-    let mesh = |s: f64| {
-        let path = folder.path().join(format!("{s}.obj"));
-        let corners = format!("v 0 0 0\nv {s} 0 {s}\nv {s} 0 -{s}\nv -{s} 0 -{s}\n");
-        fs::write(&path, corners + "f 1 2 3\nf 1 3 4\n").unwrap_or_else(|e| panic!("{e}"));
-        scene(ABOVE, &format!("§Mesh(path: {path:?}, material: \"grey\"),"))
-    };
-    let words = ["a mesh with a size of 2e6 is seen from a distance of 5.099", "off by up to 1.431, 115"];
-    assert_warns(&mesh(1e6), "objects[0].Mesh", &words);
-    assert_silent(&mesh(6000.0));
-}
-
-#[test]
 fn ranges_of_more_than_2_to_the_40() {
     let grain = |r: &str| {
         let ball = "Sphere(center: (0, 0, 0), radius: 1, material: \"grey\"),";

@@ -182,7 +182,7 @@ fn textures_are_evaluated_in_their_objects_own_space() {
     let flat = scene(&objects, folder.path());
     // Render space is the world scaled by a power of two: as the spheres' radii show.
     let Shape::Sphere { radius, .. } = objects[0].shape else { panic!("the first object is a sphere") };
-    let to_render = 2f64.powf((f64::from(flat.spheres[0].radius) / (radius * objects[0].scale)).log2().round());
+    let to_render = 2f64.powf((f64::from(flat.shapes.spheres[0].radius) / (radius * objects[0].scale)).log2().round());
 
     let mut counts = [0u32; 3];
     let mut rays = Vec::new();
@@ -210,9 +210,9 @@ fn textures_are_evaluated_in_their_objects_own_space() {
     let kernel = Kernel::with("test/colour", &Setup { plan, ..Setup::default() });
     let judge = |frames: &[gpu_rt::data::Frame]| {
         let buffers = [
-            array("spheres", &flat.spheres),
-            array("quads", &flat.quads),
-            array("cuboids", &flat.cuboids),
+            array("spheres", &flat.shapes.spheres),
+            array("quads", &flat.shapes.quads),
+            array("cuboids", &flat.shapes.cuboids),
             array("materials", &flat.materials),
             array("textures", &flat.textures),
             array("frames", frames),

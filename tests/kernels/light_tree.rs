@@ -95,7 +95,7 @@ fn reaches(flat: &DeviceScene, light: &Light, from: DVec3) -> bool {
     if kind != 1 {
         return true;
     }
-    let quad = &flat.quads[index];
+    let quad = &flat.shapes.quads[index];
     let to_point = (from - exact(quad.corner)).normalize();
     flat.materials[quad.material as usize].parameter != 0.0 || to_point.dot(exact(quad.normal)) > 1e-3
 }
@@ -117,7 +117,7 @@ fn lights_are_chosen_as_often_as_is_said() {
         );
         // Among the lights, at the middle of one, and from afar.
         let mut points: Vec<[f32; 3]> = (0..6).map(|_| rounded(0.5 * random.uniform() * unit(&mut random))).collect();
-        points.push(flat.spheres[3].center);
+        points.push(flat.shapes.spheres[3].center);
         points.extend([1.0, 30.0].map(|distance| rounded(distance * unit(&mut random))));
         let rows: Vec<In> = points.iter().map(|&from| In { from, padding: 0 }).collect();
         let more = [array("lights", &flat.lights), array("light_nodes", &flat.light_nodes)];
@@ -162,7 +162,7 @@ fn nearer_lights_and_those_turned_towards_a_point_are_chosen_more_often() {
     );
     // At a sphere's middle nothing is nearer.
     let more = [array("lights", &flat.lights), array("light_nodes", &flat.light_nodes)];
-    let rows: Vec<In> = flat.spheres.iter().map(|sphere| In { from: sphere.center, padding: 0 }).collect();
+    let rows: Vec<In> = flat.shapes.spheres.iter().map(|sphere| In { from: sphere.center, padding: 0 }).collect();
     let leaf = |light: u32| {
         let found = flat.light_nodes.iter().find(|node| node.child & !LIGHT_NODE_TWO_SIDED == LIGHT_NODE_LEAF | light);
         f64::from(found.expect("each light is a leaf").intensity)
@@ -174,7 +174,8 @@ fn nearer_lights_and_those_turned_towards_a_point_are_chosen_more_often() {
         (f64::from(found[light as usize].of_row) / share(light)).ln()
     };
     let mean = |shift: usize| {
-        let gains = rows.iter().enumerate().map(|(i, row)| gain(row, flat.spheres[(i + shift) % rows.len()].light));
+        let gains =
+            rows.iter().enumerate().map(|(i, row)| gain(row, flat.shapes.spheres[(i + shift) % rows.len()].light));
         (gains.sum::<f64>() / rows.len() as f64).exp()
     };
     assert!(mean(0) > 4.0, "{} times as often as by intensity", mean(0));
@@ -200,7 +201,7 @@ fn two_lights_and_a_lamp_under_a_sky() {
         let setup = Setup { plan, values: &[("draws", "2"), ("lights", &*lights)], ..Setup::default() };
         let more = [array("lights", &flat.lights), array("light_nodes", &flat.light_nodes)];
         // The scene moved so that the camera is at the origin, and scaled by a power of two.
-        let scale = f64::from(flat.spheres[0].radius) / 0.01;
+        let scale = f64::from(flat.shapes.spheres[0].radius) / 0.01;
         let row = In { from: rounded(scale * (from - DVec3::new(0.0, 0.0, 2.0))), padding: 0 };
         let found: Vec<Out> = Kernel::with("test/light_choice", &setup).run_with(&[row], 2, &more);
         f64::from(found[light].of_row)

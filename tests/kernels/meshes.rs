@@ -30,7 +30,7 @@ fn crowd(random: &mut Random, count: usize, extent: f64, scale: f64, shift: DVec
 fn rays(random: &mut Random, flat: &DeviceScene, count: usize) -> Vec<In> {
     (0..count)
         .map(|i| {
-            let instance = flat.instances[random.below(flat.instances.len())];
+            let instance = flat.shapes.instances[random.below(flat.shapes.instances.len())];
             let (target, near) = (exact(instance.place), f64::from(instance.scale));
             let origin = match i % 3 {
                 0 => DVec3::ZERO,

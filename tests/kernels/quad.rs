@@ -66,7 +66,7 @@ fn folds(random: &mut Random, general: bool) -> (Vec<Quad>, Vec<In>) {
             _ => quad_text(corner + v + along, -along, -v),
         });
     }
-    let quads = flat(&texts).quads;
+    let quads = flat(&texts).shapes.quads;
     let mut rays = Vec::new();
     for i in 0..100_000 {
         let left = 2 * (i % 2000);

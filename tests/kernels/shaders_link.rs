@@ -9,7 +9,7 @@ use gpu_rt::gpu::layout::BindingKind;
 use gpu_rt::gpu::link::{Choices, Chosen, Embedded, Entry, Library, Linked, Reason, link};
 use gpu_rt::material::{Kind, Material, Scattering};
 use gpu_rt::options::{FeatureSet, Fresnel, Offset, Precision, RenderOptions, Scatter, Switch};
-use gpu_rt::plan::choices::{Conditions, Lists, Modules, TABLES, Values};
+use gpu_rt::plan::choices::{Conditions, Lists, Modules, Values, table_names};
 use gpu_rt::plan::{Kernels, Tables};
 
 const SCATTERS: [Scatter; 3] = [Scatter::Fused, Scatter::Linked, Scatter::Queues];
@@ -567,7 +567,7 @@ fn directives_name_what_the_plan_decides_and_all_of_that() {
             }
         }
     }
-    let of_tables = TABLES.iter().flat_map(|(_, space, size)| [*space, *size]);
+    let of_tables = table_names().flat_map(|(_, space, size)| [space, size]);
     let decided = [
         Conditions::NAMES.to_vec(),
         Lists::NAMES.to_vec(),

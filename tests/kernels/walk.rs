@@ -57,9 +57,9 @@ fn clutter(random: &mut Random) -> Vec<String> {
 fn walk(kernel: &Kernel, scene: &DeviceScene, nodes: &[Node], rays: &[In]) -> Vec<[Hit; 2]> {
     let tables = [
         array("nodes", nodes),
-        array("spheres", &scene.spheres),
-        array("quads", &scene.quads),
-        array("cuboids", &scene.cuboids),
+        array("spheres", &scene.shapes.spheres),
+        array("quads", &scene.shapes.quads),
+        array("cuboids", &scene.shapes.cuboids),
     ];
     kernel.run_with(rays, rays.len(), &tables)
 }
@@ -68,7 +68,8 @@ fn walk(kernel: &Kernel, scene: &DeviceScene, nodes: &[Node], rays: &[In]) -> Ve
 fn the_walk_finds_what_asking_every_primitive_finds() {
     let mut random = Random(41);
     let scene = flat(&clutter(&mut random));
-    let counts = [scene.spheres.len(), scene.quads.len(), scene.cuboids.len()].map(|n| n.to_string());
+    let counts =
+        [scene.shapes.spheres.len(), scene.shapes.quads.len(), scene.shapes.cuboids.len()].map(|n| n.to_string());
     let plan = choices_of(&scene.features, &RenderOptions::default(), &Tables::default());
     let values = [("spheres", &*counts[0]), ("quads", &*counts[1]), ("cuboids", &*counts[2])];
     let kernel = Kernel::with("test/walk", &Setup { plan, values: &values, ..Setup::default() });

@@ -10,8 +10,8 @@ use std::collections::HashSet;
 use glam::{DVec2, DVec3};
 
 use super::repeated::{Repeated, hash};
-use super::{At, BY_ROUNDING, Body, Diagnostic, Found, Kind, OTHER, U, Worst, apart, leaving, name, normal, short};
-use crate::flatten::place::Shape;
+use super::{At, BY_ROUNDING, Body, Diagnostic, Found, Kind, OTHER, U, Worst, apart, leaving, short};
+use crate::shape::{Hull, normal};
 
 /// Comparisons a surface in a plane, and for all of a plane.
 const TESTS_EACH: usize = 16;
@@ -26,8 +26,7 @@ const MOST_CELLS: usize = 64;
 const NORMAL_STEPS: f64 = 1e6;
 /// The share of their width by which surfaces overlap at least, lest neighbours count.
 const LEAST_OVERLAP: f64 = 1e-5;
-/// The number of a quad's only side; those of a box are 0 to 5.
-const QUAD: u32 = 6;
+/// More than a shape has; they are numbered.
 const SIDES: u32 = 8;
 
 /// Two objects that coincide, the first in the file first.
@@ -157,38 +156,13 @@ impl<'a> Planes<'a> {
     }
 
     pub fn see(&mut self, number: usize, body: &Body) {
-        let place = body.place;
         let share = 1.0 / self.found.extent;
-        let reach = |rounding: f64, leaving: f64| share * if self.clear { rounding + leaving } else { rounding };
-        match *body.shape {
-            Shape::Quad { u, v, .. } => {
-                let (u, v) = body.edges(u, v);
-                let n = normal(u, v);
-                let reach = reach(rounding(n, place, 0.0), leaving::from_quad(n, place, u, v));
-                self.planes.push(Plane::new(share * n.dot(place), hash_of(n), reach, number as u32 * SIDES + QUAD));
+        for (which, side) in self.sides(number, body) {
+            if self.clear || !side.hidden {
+                let reach = share * if self.clear { side.rounding + side.leaving } else { side.rounding };
+                let normal = hash_of(side.normal);
+                self.planes.push(Plane::new(share * side.distance, normal, reach, number as u32 * SIDES + which));
             }
-            Shape::Cuboid { .. } => {
-                if self.planes.is_empty() {
-                    // Three sides are seen of most.
-                    self.planes.reserve(if self.clear { 6 } else { 3 } * self.found.placed.len());
-                }
-                let half = body.half_sides(self.found).unwrap_or_default();
-                let axes = body.to_world.rotation;
-                let middle = axes.transpose() * place;
-                let inside = (middle.abs() - half).max_element() < 0.0;
-                for axis in 0..3 {
-                    let n = axes.col(axis);
-                    let leaving = leaving::from_cuboid(n, place, half, &axes);
-                    let (reach, normal) = (reach(rounding(n, place, half[axis]), leaving), hash_of(n));
-                    for (low, outward) in [(0, middle[axis] + half[axis]), (1, half[axis] - middle[axis])] {
-                        if self.clear || inside || outward < 0.0 {
-                            let side = number as u32 * SIDES + 2 * axis as u32 + low;
-                            self.planes.push(Plane::new(share * outward, normal, reach, side));
-                        }
-                    }
-                }
-            }
-            Shape::Sphere { .. } | Shape::Mesh(_) => {}
         }
     }
 
@@ -241,39 +215,48 @@ impl<'a> Planes<'a> {
         let owner = (plane.side / SIDES) as usize;
         let placed = &self.found.placed[owner];
         let body = Body::new(self.found, &placed.shape, &placed.to_world);
-        let (normal, corners, hidden, rounding, leaving) = match placed.shape {
-            Shape::Quad { u, v, .. } => {
-                let (u, v) = body.edges(u, v);
-                let p = body.place;
-                let n = normal(u, v);
-                let leaving = leaving::from_quad(n, p, u, v);
-                (n, [p, p + u, p + u + v, p + v], false, rounding(n, p, 0.0), leaving)
-            }
-            _ => {
-                let half = body.half_sides(self.found)?;
-                let axes = body.to_world.rotation;
-                let number = plane.side % SIDES;
-                let axis = (number / 2) as usize;
-                let sign = if number.is_multiple_of(2) { 1.0 } else { -1.0 };
-                let (b, c) = ((axis + 1) % 3, (axis + 2) % 3);
-                let normal = sign * axes.col(axis);
-                let middle = body.place + half[axis] * normal;
-                let (b, c) = (half[b] * axes.col(b), half[c] * axes.col(c));
-                let rounding = rounding(normal, body.place, half[axis]);
-                let leaving = leaving::from_cuboid(normal, body.place, half, &axes);
-                let inside = ((axes.transpose() * body.place).abs() - half).max_element() < 0.0;
-                let hidden = !inside && normal.dot(middle) >= 0.0;
-                let corners = [middle - b - c, middle + b - c, middle + b + c, middle - b + c];
-                (normal, corners, hidden, rounding, leaving)
-            }
+        self.sides(owner, &body).find(|(which, _)| *which == plane.side % SIDES).map(|(_, side)| side)
+    }
+
+    /// What is flat of a shape, numbered.
+    fn sides(&self, owner: usize, body: &Body) -> impl Iterator<Item = (u32, Side)> + use<> {
+        let light = self.kinds[self.found.placed[owner].material as usize].light;
+        let (hull, place) = (body.hull, body.place);
+        let count = match hull {
+            Hull::Parallelogram { .. } if body.shape.is_hull() => 1,
+            Hull::Cuboid { .. } if body.shape.is_hull() => 6,
+            _ => 0,
         };
-        let key = steps(normal);
-        let turned = key.into_iter().find(|step| *step != 0)? < 0;
-        let (normal, key) = if turned { (-normal, steps(-normal)) } else { (normal, key) };
-        let distance = normal.dot(corners[0]);
-        // Nothing leaves a light.
-        let leaving = if self.kinds[placed.material as usize].light { 0.0 } else { leaving };
-        Some(Side { owner, normal, turned, key, distance, rounding, leaving, hidden, corners })
+        (0..count).filter_map(move |which: u32| {
+            let (normal, corners, hidden, rounding, leaving) = match hull {
+                Hull::Ball { .. } => return None,
+                Hull::Parallelogram { u, v, .. } => {
+                    let n = normal(u, v);
+                    let corners = [place, place + u, place + u + v, place + v];
+                    (n, corners, false, rounding(n, place, 0.0), leaving::from_quad(n, place, u, v))
+                }
+                Hull::Cuboid { half, axes, .. } => {
+                    let axis = (which / 2) as usize;
+                    let sign = if which.is_multiple_of(2) { 1.0 } else { -1.0 };
+                    let (b, c) = ((axis + 1) % 3, (axis + 2) % 3);
+                    let normal = sign * axes.col(axis);
+                    let middle = place + half[axis] * normal;
+                    let (b, c) = (half[b] * axes.col(b), half[c] * axes.col(c));
+                    let inside = ((axes.transpose() * place).abs() - half).max_element() < 0.0;
+                    let hidden = !inside && normal.dot(middle) >= 0.0;
+                    let corners = [middle - b - c, middle + b - c, middle + b + c, middle - b + c];
+                    let leaving = leaving::from_cuboid(normal, place, half, &axes);
+                    (normal, corners, hidden, rounding(normal, place, half[axis]), leaving)
+                }
+            };
+            let key = steps(normal);
+            let turned = key.into_iter().find(|step| *step != 0)? < 0;
+            let (normal, key) = if turned { (-normal, steps(-normal)) } else { (normal, key) };
+            let distance = normal.dot(corners[0]);
+            // Nothing leaves a light.
+            let leaving = if light { 0.0 } else { leaving };
+            Some((which, Side { owner, normal, turned, key, distance, rounding, leaving, hidden, corners }))
+        })
     }
 
     /// Compares surfaces in parallel planes that are as near to each other as rounding.
@@ -395,7 +378,7 @@ fn tell_overlapping(found: &Found, pair: &Pair) -> Diagnostic {
     let message = format!(
         "its surface overlaps with that of the {} at {OTHER}, of another material{}: {BY_ROUNDING}: set them more than {} apart, or cut \
          one out",
-        name(&found.placed[pair.first].shape),
+        found.placed[pair.first].shape.kind().word,
         apart(pair.gap, pair.bound, false),
         short(pair.bound)
     );
@@ -412,7 +395,7 @@ fn tell_at_glass(found: &Found, pair: &Pair) -> Diagnostic {
     let message = format!(
         "this glass touches the {} at {OTHER}{}: rays that leave the glass there do not meet what it touches, or the reverse: let one \
          reach into the other, or set them more than {} apart",
-        name(&found.placed[other].shape),
+        found.placed[other].shape.kind().word,
         apart(pair.gap, pair.bound, true),
         short(pair.bound)
     );
@@ -423,7 +406,7 @@ fn tell_clear_on_clear(found: &Found, pair: &Pair) -> Diagnostic {
     let message = format!(
         "this glass touches the {} at {OTHER}, which is clear too{}: of two surfaces in one place rays pass one: set them more than {} apart, or \
          write one solid where they are of one material",
-        name(&found.placed[pair.first].shape),
+        found.placed[pair.first].shape.kind().word,
         apart(pair.gap, pair.bound, true),
         short(pair.bound)
     );

@@ -5,10 +5,11 @@
 
 use glam::DVec3;
 
-use super::within::Within;
-use super::{At, Body, Diagnostic, Found, Kind, OTHER, U, Worst, name, normal, power_of_two, short};
-use crate::flatten::place::{Placed, Shape};
+use super::within::{Within, is_outside_in_front};
+use super::{At, Body, Diagnostic, Found, Kind, OTHER, U, Worst, power_of_two, short};
+use crate::flatten::place::Placed;
 use crate::scene::Background;
+use crate::shape::{Hull, normal};
 
 /// So many emitters are looked for within things, and with so many comparisons for each thing.
 const MOST_EMITTERS: usize = 4096;
@@ -26,29 +27,28 @@ pub fn turned_away(found: &Found, kinds: &[Kind]) -> Option<Diagnostic> {
     if !kinds.iter().any(|kind| shines(*kind)) {
         return None;
     }
+    let body = |number: usize| Body::new(found, &found.placed[number].shape, &found.placed[number].to_world);
     let one_sided = |number: &usize| {
-        let placed = &found.placed[*number];
-        shines(kinds[placed.material as usize]) && matches!(placed.shape, Shape::Quad { .. })
+        let body = body(*number);
+        let kind = kinds[found.placed[*number].material as usize];
+        shines(kind) && body.shape.is_hull() && matches!(body.hull, Hull::Parallelogram { .. })
     };
     let mut lights = (0..found.placed.len()).filter(one_sided).peekable();
     lights.peek()?;
     let lens = DVec3::splat(found.view.lens_radius());
-    let primitives = found.placed.iter().map(|placed| (&placed.shape, &placed.to_world));
-    let media = found.media.iter().map(|medium| (&medium.boundary, &medium.to_world));
-    let (low, high) = primitives.chain(media).fold((-lens, lens), |(low, high), (shape, to_world)| {
-        let (l, h) = Body::new(found, shape, to_world).bounds(found);
+    let primitives = (0..found.placed.len()).map(body);
+    let media = found.media.iter().map(|medium| Body::new(found, &medium.boundary, &medium.to_world));
+    let (low, high) = primitives.chain(media).fold((-lens, lens), |(low, high), body| {
+        let (l, h) = body.hull.bounds();
         (low.min(l), high.max(h))
     });
     let mut worst = Worst::default();
     for number in lights {
-        let placed = &found.placed[number];
-        let body = Body::new(found, &placed.shape, &placed.to_world);
-        let Shape::Quad { u, v, .. } = placed.shape else { continue };
-        let (u, v) = body.edges(u, v);
+        let Hull::Parallelogram { corner, u, v } = body(number).hull else { continue };
         let n = normal(u, v);
         let farthest = DVec3::select(n.cmpge(DVec3::ZERO), high, low);
         let rounding = 8.0 * U * n.abs().dot(low.abs().max(high.abs()));
-        if n.dot(farthest - body.place) <= rounding {
+        if n.dot(farthest - corner) <= rounding {
             worst.note(-(number as f64), At::Primitive(number));
         }
     }
@@ -84,7 +84,7 @@ pub struct Walls<'a> {
     worst: Worst<(At, At, bool)>,
     /// Closed lights around the camera that shine outwards.
     outwards: Worst<usize>,
-    within: Within<'a>,
+    within: Within,
 }
 
 impl<'a> Walls<'a> {
@@ -94,7 +94,7 @@ impl<'a> Walls<'a> {
             let lights = (0..found.placed.len()).filter(|number| kinds[found.placed[*number].material as usize].light);
             emitters.extend(lights.take(MOST_EMITTERS).map(|number| {
                 let Placed { shape, to_world, .. } = &found.placed[number];
-                let (center, radius) = Body::new(found, shape, to_world).ball(found);
+                let (center, radius) = Body::new(found, shape, to_world).hull.ball();
                 Emitter { number, center, radius }
             }));
             emitters.sort_unstable_by(|a, b| a.center.x.total_cmp(&b.center.x));
@@ -115,7 +115,7 @@ impl<'a> Walls<'a> {
             around: 0,
             worst: Worst::default(),
             outwards: Worst::default(),
-            within: Within::new(found),
+            within: Within::default(),
         }
     }
 
@@ -129,7 +129,7 @@ impl<'a> Walls<'a> {
         let strip = |x: f64| (((x - least_x) * strips) as usize).min(STRIPS - 1);
         if depth > lens && self.around < MOST_AROUND {
             self.around += 1;
-            if kind.light && kind.one_sided && self.within.is_outside_in_front(wall) {
+            if kind.light && kind.one_sided && is_outside_in_front(wall) {
                 self.outwards.note(-(number as f64), number);
             }
             for at in 0..self.emitters.len() {
@@ -141,7 +141,7 @@ impl<'a> Walls<'a> {
                 }
             }
         } else if depth < -lens {
-            let (_, reach) = wall.ball(self.found);
+            let (_, reach) = wall.hull.ball();
             if reach <= self.smallest {
                 return;
             }
@@ -172,13 +172,13 @@ impl<'a> Walls<'a> {
             let message = format!(
                 "a light that shines outwards, and the camera is in this {}: nothing that comes out of it is seen, and its inside is \
                  black: make it two_sided",
-                name(&found.placed[number].shape)
+                found.placed[number].shape.kind().word
             );
             Diagnostic { at: At::Primitive(number), field: "", message, other: None, more: 0 }
         });
         let hidden = self.worst.diagnostic(|(at, other, around_camera)| {
             let shape = match other {
-                At::Primitive(number) => name(&found.placed[number].shape),
+                At::Primitive(number) => found.placed[number].shape.kind().word,
                 _ => "thing",
             };
             let (around, beyond) = if around_camera { ("the camera", "light") } else { ("it", "camera") };
@@ -196,11 +196,11 @@ impl<'a> Walls<'a> {
 fn is_within(found: &Found, within: &mut Within, wall: &Body, emitter: &Emitter) -> bool {
     let Placed { shape, to_world, .. } = &found.placed[emitter.number];
     // The corners decide where the wall is convex.
-    let by_ball = matches!(shape, Shape::Sphere { .. }) || matches!(wall.shape, Shape::Mesh(_));
+    let body = Body::new(found, shape, to_world);
+    let by_ball = matches!(body.hull, Hull::Ball { .. }) || wall.shape.mesh().is_some();
     let least = if by_ball { emitter.radius } else { 0.0 };
     let mut inside = |p: DVec3, least: f64| within.depth(wall, p).is_some_and(|depth| depth > least);
-    inside(emitter.center, least)
-        && (by_ball || Body::new(found, shape, to_world).corners(found).into_iter().all(|p| inside(p, 0.0)))
+    inside(emitter.center, least) && (by_ball || body.hull.corners().into_iter().all(|p| inside(p, 0.0)))
 }
 
 /// Emitters so much fainter than the brightest that the film has few digits for them, and those of which a part is.

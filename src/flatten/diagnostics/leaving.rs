@@ -7,6 +7,7 @@
 use glam::{DMat3, DVec3};
 
 use super::U;
+use crate::shape::reach_of;
 
 /// From a quad: the bound is u Σ |n_i| (2 |Q_i| + 10 |u_i| + 10 |v_i|), Q the corner, and no coordinate is larger than |Q_i| + |u_i| + |v_i|.
 pub fn from_quad(normal: DVec3, corner: DVec3, u: DVec3, v: DVec3) -> f64 {
@@ -16,8 +17,7 @@ pub fn from_quad(normal: DVec3, corner: DVec3, u: DVec3, v: DVec3) -> f64 {
 /// From a side of a box: u Σ |n_i| (2 |c_i| + 12 h_i), c the middle and h what the half sides reach along the axes of space, and no coordinate is
 /// larger than |c_i| + h_i.
 pub fn from_cuboid(normal: DVec3, middle: DVec3, half: DVec3, axes: &DMat3) -> f64 {
-    let reach = half.x * axes.x_axis.abs() + half.y * axes.y_axis.abs() + half.z * axes.z_axis.abs();
-    U * normal.abs().dot(4.0 * middle.abs() + 14.0 * reach)
+    U * normal.abs().dot(4.0 * middle.abs() + 14.0 * reach_of(half, axes))
 }
 
 /// From a sphere: 4 u (max |c_i| + r), and Σ |n_i p_i| is no more than |c| + r on it (Cauchy and Schwarz).

@@ -16,10 +16,11 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 
-use super::place::{Aabb, Placed, PlacedMedium, Shape};
-use super::similarity::Similarity;
+use super::place::{Placed, PlacedMedium};
 use super::view::View;
 use crate::scene::{Bitmaps, Material, Object, Scene};
+use crate::shape::similarity::Similarity;
+use crate::shape::{Hull, Placement, RenderSpace, Shape};
 use coincident::Planes;
 use emitters::Walls;
 use same_place::SamePlace;
@@ -29,9 +30,8 @@ use surfaces::Surfaces;
 /// What is known of a scene when its objects have been placed.
 pub struct Found<'a> {
     pub scene: &'a Scene,
-    pub placed: &'a [Placed],
+    pub placed: &'a [Placed<'a>],
     pub media: &'a [PlacedMedium<'a>],
-    pub boxes: &'a [Aabb],
     pub view: &'a View<'a>,
     /// The farthest that anything reaches from the camera along an axis.
     pub extent: f64,
@@ -44,7 +44,7 @@ pub fn warnings(found: &Found) -> Vec<String> {
     let kinds: Vec<Kind> =
         found.scene.materials.iter().map(|(_, material)| Kind::of(material, &found.scene.bitmaps)).collect();
     let mut sizes = Sizes::new(found);
-    let mut surfaces = Surfaces::new(found);
+    let mut surfaces = Surfaces::default();
     let mut same_place = SamePlace::new(found, &kinds);
     let mut planes = Planes::new(found, &kinds);
     let mut walls = Walls::new(found, &kinds);
@@ -188,98 +188,25 @@ fn places(scene: &Scene, wanted: impl Iterator<Item = (At, &'static str)>) -> BT
 /// Something placed, as seen from the camera.
 #[derive(Clone, Copy)]
 struct Body<'a> {
-    shape: &'a Shape,
+    shape: &'a Shape<'a>,
     to_world: &'a Similarity,
+    hull: Hull,
     /// The middle of a sphere, box or mesh; the corner of a quad.
     place: DVec3,
 }
 
 impl<'a> Body<'a> {
-    fn new(found: &Found, shape: &'a Shape, to_world: &'a Similarity) -> Body<'a> {
-        let point = match *shape {
-            Shape::Sphere { center, .. } => center,
-            Shape::Quad { corner, .. } => corner,
-            Shape::Cuboid { min, max } => 0.5 * (min + max),
-            Shape::Mesh(mesh) => found.boxes[mesh].center(),
-        };
-        Body { shape, to_world, place: to_world.point(point) - found.view.eye }
-    }
-
-    /// The edges of a quad.
-    fn edges(&self, u: DVec3, v: DVec3) -> (DVec3, DVec3) {
-        (self.to_world.vector(u), self.to_world.vector(v))
+    fn new(found: &Found, shape: &'a Shape<'a>, to_world: &'a Similarity) -> Body<'a> {
+        let hull = shape.hull(&Placement { to_world, space: RenderSpace { eye: found.view.eye, scale: 1.0 } });
+        Body { shape, to_world, hull, place: hull.place() }
     }
 
     /// Half the sides of a box or of the box around a mesh, along its own axes; nothing for others.
-    fn half_sides(&self, found: &Found) -> Option<DVec3> {
-        let (min, max) = match *self.shape {
-            Shape::Cuboid { min, max } => (min, max),
-            Shape::Mesh(mesh) => (found.boxes[mesh].min, found.boxes[mesh].max),
-            Shape::Sphere { .. } | Shape::Quad { .. } => return None,
-        };
-        Some(0.5 * self.to_world.scale * (max - min))
-    }
-
-    /// The middle of a ball around it, and the ball's radius.
-    fn ball(&self, found: &Found) -> (DVec3, f64) {
-        match *self.shape {
-            Shape::Sphere { radius, .. } => (self.place, self.to_world.scale * radius),
-            Shape::Quad { u, v, .. } => {
-                let (u, v) = self.edges(u, v);
-                (self.place + 0.5 * (u + v), 0.5 * (u + v).length().max((u - v).length()))
-            }
-            _ => (self.place, self.half_sides(found).map_or(0.0, |half| half.length())),
+    fn half_sides(&self) -> Option<DVec3> {
+        match self.hull {
+            Hull::Cuboid { half, .. } => Some(half),
+            Hull::Ball { .. } | Hull::Parallelogram { .. } => None,
         }
-    }
-
-    /// The lowest and the highest coordinates that it reaches.
-    fn bounds(&self, found: &Found) -> (DVec3, DVec3) {
-        let (center, reach) = match *self.shape {
-            Shape::Sphere { radius, .. } => (self.place, DVec3::splat(self.to_world.scale * radius)),
-            Shape::Quad { u, v, .. } => {
-                let (u, v) = self.edges(u, v);
-                (self.place + 0.5 * (u + v), 0.5 * (u.abs() + v.abs()))
-            }
-            _ => {
-                let half = self.half_sides(found).unwrap_or_default();
-                let axes = self.to_world.rotation;
-                (self.place, half.x * axes.x_axis.abs() + half.y * axes.y_axis.abs() + half.z * axes.z_axis.abs())
-            }
-        };
-        (center - reach, center + reach)
-    }
-
-    /// Corners of what holds it: of the parallelogram, or of the box; nothing for a sphere.
-    fn corners(&self, found: &Found) -> Vec<DVec3> {
-        match *self.shape {
-            Shape::Sphere { .. } => Vec::new(),
-            Shape::Quad { u, v, .. } => {
-                let (u, v) = self.edges(u, v);
-                vec![self.place, self.place + u, self.place + u + v, self.place + v]
-            }
-            _ => {
-                let half = self.half_sides(found).unwrap_or_default();
-                let sign = |i: usize, axis: usize| if i >> axis & 1 == 0 { -1.0 } else { 1.0 };
-                let corner =
-                    |i| self.place + self.to_world.rotation * (half * DVec3::new(sign(i, 0), sign(i, 1), sign(i, 2)));
-                (0..8).map(corner).collect()
-            }
-        }
-    }
-}
-
-/// The unit normal of a parallelogram, however large or small its edges are.
-fn normal(u: DVec3, v: DVec3) -> DVec3 {
-    u.normalize_or_zero().cross(v.normalize_or_zero()).normalize_or_zero()
-}
-
-/// The kind of a shape in words.
-fn name(shape: &Shape) -> &'static str {
-    match shape {
-        Shape::Sphere { .. } => "sphere",
-        Shape::Quad { .. } => "quad",
-        Shape::Cuboid { .. } => "box",
-        Shape::Mesh(_) => "mesh",
     }
 }
 

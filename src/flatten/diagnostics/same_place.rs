@@ -9,8 +9,7 @@ use glam::DVec3;
 
 use super::repeated::{Repeated, hash};
 use super::{At, Body, Diagnostic, Found, Kind, OTHER, U, Worst, apart, leaving, short};
-use crate::flatten::place::Shape;
-use crate::flatten::{binary_exponent, exp2};
+use crate::shape::{Hull, binary_exponent, exp2};
 
 /// So many in a cell, next to each other by their sizes, are compared with each.
 const TESTS_EACH: usize = 16;
@@ -42,11 +41,9 @@ pub struct SamePlace<'a> {
 }
 
 /// The place and the radius of a sphere, or of a ball around a mesh; nothing of others.
-fn ball(found: &Found, body: &Body) -> Option<(DVec3, f64)> {
-    match body.shape {
-        Shape::Sphere { .. } | Shape::Mesh(_) => Some(body.ball(found)),
-        Shape::Quad { .. } | Shape::Cuboid { .. } => None,
-    }
+fn ball(body: &Body) -> Option<(DVec3, f64)> {
+    let is_sphere = body.shape.is_hull() && matches!(body.hull, Hull::Ball { .. });
+    (is_sphere || body.shape.mesh().is_some()).then(|| body.hull.ball())
 }
 
 impl<'a> SamePlace<'a> {
@@ -55,11 +52,8 @@ impl<'a> SamePlace<'a> {
     }
 
     pub fn see(&mut self, number: usize, body: &Body) {
-        let Some((place, radius)) = ball(self.found, body) else { return };
-        let what = match *body.shape {
-            Shape::Mesh(mesh) => mesh as u32 + 1,
-            _ => 0,
-        };
+        let Some((place, radius)) = ball(body) else { return };
+        let what = body.shape.mesh().map_or(0, |mesh| mesh.number as u32 + 1);
         let size = place.abs().max_element() + radius;
         if size <= 0.0 {
             return;
@@ -87,7 +81,7 @@ impl<'a> SamePlace<'a> {
         self.filed.sort_unstable();
         let found = self.found;
         let body = |number: usize| Body::new(found, &found.placed[number].shape, &found.placed[number].to_world);
-        let radius = |number: usize| body(number).ball(found).1;
+        let radius = |number: usize| body(number).hull.ball().1;
         let mut told = HashSet::new();
         let (mut spheres, mut meshes) = (Worst::default(), Worst::default());
         for group in self.filed.chunk_by(|a, b| a.0 == b.0).filter(|group| group.len() > 1) {
@@ -120,21 +114,21 @@ impl<'a> SamePlace<'a> {
         if materials[0] == materials[1] && !clear {
             return None;
         }
-        let ((place, r), (other, s)) = (a.ball(self.found), b.ball(self.found));
+        let ((place, r), (other, s)) = (a.hull.ball(), b.hull.ball());
         let rounding = 4.0 * U * (place.abs().max_element() + r);
         // Of meshes no more than what rounding alone may come to is looked for.
-        let (gap, most, bound, mesh) = match (a.shape, b.shape) {
-            (Shape::Sphere { .. }, Shape::Sphere { .. }) => {
+        let (gap, most, bound, mesh) = match (a.shape.mesh(), b.shape.mesh()) {
+            (None, None) => {
                 // Rays that leave either, and what the radius and the next distance are rounded by.
                 let leaving = [(place, r), (other, s)].into_iter().zip(kinds).filter(|(_, kind)| !kind.light);
                 let start = leaving.map(|((c, r), _)| leaving::from_sphere(c, r)).fold(0.0, f64::max);
                 let bound = if clear { start + 4.0 * U * r.max(s) } else { rounding };
                 ((r - s).abs() + place.distance(other), bound, bound, false)
             }
-            (Shape::Mesh(one), Shape::Mesh(same)) if one == same => {
-                let corners = a.corners(self.found).into_iter().zip(b.corners(self.found));
+            (Some(one), Some(same)) if one.number == same.number => {
+                let corners = a.hull.corners().into_iter().zip(b.hull.corners());
                 let gap = corners.map(|(p, q)| p.distance(q)).fold(0.0, f64::max);
-                let start = leaving::from_mesh(place, a.half_sides(self.found)?);
+                let start = leaving::from_mesh(place, a.half_sides()?);
                 (gap, rounding, if clear { rounding + start } else { rounding }, true)
             }
             _ => return None,

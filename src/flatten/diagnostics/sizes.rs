@@ -6,7 +6,8 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use super::{At, Body, Diagnostic, Found, Kind, U, Worst, leaving, power_of_two, short};
-use crate::flatten::place::{PlacedMedium, Shape, reach};
+use crate::flatten::place::{PlacedMedium, reach};
+use crate::shape::Hull;
 
 /// The least share of its distance that a feature may be, eight roundings of its place: there its shape is off by an eighth.
 const LEAST_SHARE: f64 = 8.0 * U;
@@ -23,7 +24,7 @@ const CUT_SHARE: f64 = 0.01;
 const EXTRAPOLATION: f64 = 0.7104;
 
 /// The name of a size, as a message calls it, with the field that holds it.
-pub type Name = (&'static str, &'static str);
+type Name = (&'static str, &'static str);
 
 #[derive(Clone, Copy)]
 struct Small {
@@ -60,7 +61,7 @@ impl<'a> Sizes<'a> {
     }
 
     pub fn see(&mut self, number: usize, body: &Body, kind: Kind) {
-        let thinnest = if kind.glass { thinnest(self.found, body) } else { None };
+        let thinnest = if kind.glass { thinnest(body) } else { None };
         if let Some((side, start)) = thinnest.filter(|(side, start)| side <= start) {
             return self.thin.note(start / side, (number, side, start));
         }
@@ -69,8 +70,8 @@ impl<'a> Sizes<'a> {
 
     /// `deep` says whether rays pass through.
     fn measure(&mut self, at: At, body: &Body, deep: bool) {
-        let (size, name) = size_of(self.found, body, f64::min);
-        if size < least_share(body.shape) * body.place.length()
+        let (size, name) = least_size(body);
+        if size < least_share(body) * body.place.length()
             && let Some(small) = lost_in_rounding(self.found, at, body, deep)
         {
             self.lost.note(small.coordinate / small.size, small);
@@ -86,7 +87,7 @@ impl<'a> Sizes<'a> {
         for (number, medium) in found.media.iter().enumerate() {
             let at = At::Medium(number);
             self.measure(at, &Body::new(found, &medium.boundary, &medium.to_world), true);
-            let far = reach(&medium.boundary, &medium.to_world, found.view.eye, found.boxes);
+            let far = reach(&medium.boundary, &medium.to_world, found.view.eye);
             let share = medium.density * U * far;
             if share > PATH_SHARE {
                 dense.note(share, (at, medium.density, far));
@@ -106,42 +107,31 @@ impl<'a> Sizes<'a> {
     }
 }
 
-/// A length of a shape that is meant to be seen: the least of its sizes or the largest, as `choose` has it. A mesh may be flat: what counts
-/// is the longest side of the box around it.
-pub fn size_of(found: &Found, body: &Body, choose: fn(f64, f64) -> f64) -> (f64, Name) {
-    let (size, name) = match *body.shape {
-        Shape::Sphere { radius, .. } => (radius, RADIUS),
-        Shape::Quad { u, v, .. } => {
-            let (u, v) = (u.length(), v.length());
-            let chosen = choose(u, v);
-            (chosen, if chosen == u { U_EDGE } else { V_EDGE })
-        }
-        Shape::Cuboid { min, max } => {
-            let sides = max - min;
-            (choose(choose(sides.x, sides.y), sides.z), SIDE)
-        }
-        Shape::Mesh(mesh) => ((found.boxes[mesh].max - found.boxes[mesh].min).max_element(), SIZE),
-    };
-    (body.to_world.scale * size, name)
+/// The sizes of a shape that are meant to be seen, with their names. A mesh may be flat: what counts is the longest side of the box around it.
+fn sizes(body: &Body) -> impl Iterator<Item = (f64, Name)> {
+    let mut sizes = body.hull.sizes();
+    if !body.shape.is_hull() {
+        sizes = vec![sizes.into_iter().fold(0.0, f64::max)];
+    }
+    let names = body.shape.kind().sizes;
+    sizes.into_iter().zip(names.iter().chain(names.last().into_iter().cycle()).copied())
 }
 
-const RADIUS: Name = ("a radius", "radius");
-const U_EDGE: Name = ("an edge", "u");
-const V_EDGE: Name = ("an edge", "v");
-const SIDE: Name = ("a side", "");
-const SIZE: Name = ("a size", "");
+fn least_size(body: &Body) -> (f64, Name) {
+    sizes(body).reduce(|a, b| if b.0 < a.0 { b } else { a }).unwrap_or((0.0, ("a size", "")))
+}
 
 /// The least share of its distance that a shape's sizes may be.
-fn least_share(shape: &Shape) -> f64 {
-    match shape {
-        Shape::Sphere { .. } => LEAST_SPHERE,
+fn least_share(body: &Body) -> f64 {
+    match body.hull {
+        Hull::Ball { .. } => LEAST_SPHERE,
         _ => LEAST_SHARE,
     }
 }
 
 /// The coordinates of a place whose rounding shows. Where render space has the camera's axes, opaque things lose nothing
 /// by the rounding of their depth: what is seen of them lies across the view. (Rays that pass through cross them in depth.)
-pub fn shown(found: &Found, place: DVec3, deep: bool) -> DVec3 {
+fn shown(found: &Found, place: DVec3, deep: bool) -> DVec3 {
     let across = DVec3::new(1.0, 1.0, if found.view.turned && !deep { 0.0 } else { 1.0 });
     place.abs() * across
 }
@@ -151,39 +141,26 @@ pub fn shown(found: &Found, place: DVec3, deep: bool) -> DVec3 {
 fn lost_in_rounding(found: &Found, at: At, body: &Body, deep: bool) -> Option<Small> {
     let place = shown(found, body.place, deep);
     let distance = body.place.length();
-    let along = |size: f64, axis: DVec3, name: Name| Small {
-        at,
-        name,
-        size,
-        distance,
-        coordinate: place.dot(axis.abs()),
-        share: LEAST_SHARE,
+    let share = least_share(body);
+    let along = |direction: DVec3| place.dot(direction.abs());
+    let coordinate = |which: usize| match body.hull {
+        Hull::Ball { .. } => place.length(),
+        _ if !body.shape.is_hull() => place.max_element(),
+        Hull::Parallelogram { u, v, .. } => along([u, v][which].normalize_or_zero()),
+        Hull::Cuboid { axes, .. } => along(axes.col(which)),
     };
-    let axes = body.to_world.rotation;
-    let (size, name) = size_of(found, body, f64::min);
-    let features = match *body.shape {
-        Shape::Sphere { .. } => {
-            vec![Small { at, name, size, distance, coordinate: place.length(), share: LEAST_SPHERE }]
-        }
-        Shape::Mesh(_) => vec![Small { at, name, size, distance, coordinate: place.max_element(), share: LEAST_SHARE }],
-        Shape::Quad { u, v, .. } => {
-            let (u, v) = body.edges(u, v);
-            vec![along(u.length(), u.normalize_or_zero(), U_EDGE), along(v.length(), v.normalize_or_zero(), V_EDGE)]
-        }
-        Shape::Cuboid { min, max } => {
-            let sides = body.to_world.scale * (max - min);
-            (0..3).map(|axis| along(sides[axis], axes.col(axis), SIDE)).collect()
-        }
-    };
-    let lost = features.into_iter().filter(|small| small.size < small.share * small.coordinate);
+    let feature = |(which, (size, name))| Small { at, name, size, distance, coordinate: coordinate(which), share };
+    let features = sizes(body).enumerate().map(feature);
+    let lost = features.filter(|small| small.size < small.share * small.coordinate);
     lost.max_by(|a, b| (a.coordinate / a.size).total_cmp(&(b.coordinate / b.size)))
 }
 
 /// The side of a box that is thinnest against how far from it rays start that enter there, and that.
-fn thinnest(found: &Found, body: &Body) -> Option<(f64, f64)> {
-    let Shape::Cuboid { .. } = body.shape else { return None };
-    let half = body.half_sides(found)?;
-    let axes = body.to_world.rotation;
+fn thinnest(body: &Body) -> Option<(f64, f64)> {
+    let Hull::Cuboid { half, axes, .. } = body.hull else { return None };
+    if !body.shape.is_hull() {
+        return None;
+    }
     let sides = (0..3).map(|axis| (2.0 * half[axis], leaving::from_cuboid(axes.col(axis), body.place, half, &axes)));
     sides.min_by(|(a, start_a), (b, start_b)| (a / start_a).total_cmp(&(b / start_b)))
 }
@@ -200,9 +177,9 @@ fn cut_share(found: &Found, medium: &PlacedMedium) -> f64 {
         let depth = medium.density * length;
         PI * PI / (3.0 * depth * (depth * transport + 2.0 * ends * EXTRAPOLATION))
     };
-    let each = match body.half_sides(found) {
+    let each = match body.half_sides() {
         Some(half) => leave(2.0 * half.x, 2.0) + leave(2.0 * half.y, 2.0) + leave(2.0 * half.z, 2.0),
-        None => leave(body.ball(found).1, 1.0),
+        None => leave(body.hull.ball().1, 1.0),
     };
     (-f64::from(found.scene.render.max_depth) * each).exp()
 }

@@ -1,30 +1,10 @@
-//! Surfaces too large for the distance that they are seen from: rounded by more than a pixel, and spheres whose own distance from the camera
-//! is lost beside their radius.
+//! Spheres whose own distance from the camera is lost beside their radius.
 
-use glam::DVec3;
-
-use super::sizes::{Name, shown, size_of};
-use super::{At, Body, Diagnostic, Found, U, Worst, normal, short};
-use crate::flatten::place::Shape;
-use crate::scene::Mesh;
+use super::{At, Body, Diagnostic, U, Worst, short};
+use crate::shape::Hull;
 
 /// The largest share of a sphere's distance from the camera by which that may be rounded.
 const LARGEST_ERROR: f64 = 0.01;
-/// So many surfaces that may be too near are looked at more closely, and so many meshes, which takes longer.
-const MOST_LOOKS: usize = 256;
-const MOST_MESH_LOOKS: usize = 4;
-/// Rays along a side of the image that look for the place where a surface is nearest.
-const LOOKS: u32 = 17;
-
-struct Near {
-    number: usize,
-    what: &'static str,
-    name: Name,
-    size: f64,
-    distance: f64,
-    pixel: f64,
-    error: f64,
-}
 
 /// A sphere with the camera near its surface.
 struct Close {
@@ -35,164 +15,30 @@ struct Close {
 }
 
 /// What is found of surfaces near the camera.
-pub struct Surfaces<'a> {
-    found: &'a Found<'a>,
-    near: Worst<Near>,
+#[derive(Default)]
+pub struct Surfaces {
     close: Worst<Close>,
-    looks: usize,
-    mesh_looks: usize,
 }
 
-impl<'a> Surfaces<'a> {
-    pub fn new(found: &'a Found<'a>) -> Surfaces<'a> {
-        Surfaces { found, near: Worst::default(), close: Worst::default(), looks: 0, mesh_looks: 0 }
-    }
-
+impl Surfaces {
     pub fn see(&mut self, number: usize, body: &Body) {
-        let distance = least_distance(self.found, body);
-        if let Some(close) = close(number, body, distance) {
-            return self.close.note(close.error / close.height, close);
-        }
-        let error = rounding(self.found, body);
-        if error > self.found.view.pixel * distance {
-            self.look(number, body, error);
+        if let Some(close) = close(number, body) {
+            self.close.note(close.error / close.height, close);
         }
     }
 
-    /// Compares the rounding of a surface with a pixel where it is seen nearest.
-    fn look(&mut self, number: usize, body: &Body, error: f64) {
-        let (looks, most) = match body.shape {
-            Shape::Mesh(_) => (&mut self.mesh_looks, MOST_MESH_LOOKS),
-            _ => (&mut self.looks, MOST_LOOKS),
-        };
-        *looks += 1;
-        if *looks > most {
-            return;
-        }
-        let Some(distance) = nearest_seen(self.found, body) else { return };
-        let pixel = self.found.view.pixel * distance;
-        if error > pixel {
-            let (size, name) = size_of(self.found, body, f64::max);
-            let what = super::name(body.shape);
-            self.near.note(error / pixel, Near { number, what, name, size, distance, pixel, error });
-        }
-    }
-
-    pub fn diagnostics(self) -> Vec<Diagnostic> {
-        [self.close.diagnostic(tell_close), self.near.diagnostic(tell_near)].into_iter().flatten().collect()
+    pub fn diagnostics(self) -> Option<Diagnostic> {
+        self.close.diagnostic(tell_close)
     }
 }
 
 /// Whether the distance of a sphere from the camera is rounded by too large a share of it. The centre and the radius are rounded, and the length
 /// between camera and centre by 2 u: 4 u (r + h) of the height h.
-fn close(number: usize, body: &Body, height: f64) -> Option<Close> {
-    let Shape::Sphere { radius, .. } = *body.shape else { return None };
-    let radius = body.to_world.scale * radius;
+fn close(number: usize, body: &Body) -> Option<Close> {
+    let Hull::Ball { center, radius } = body.hull else { return None };
+    let height = (center.length() - radius).abs();
     let error = 4.0 * U * (radius + height);
-    (error > LARGEST_ERROR * height).then_some(Close { number, radius, height, error })
-}
-
-/// The bound of the rounding of a point on a shape and of the start of a ray that leaves it, as the kernels have it.
-fn rounding(found: &Found, body: &Body) -> f64 {
-    let place = shown(found, body.place, false).max_element();
-    let scale = body.to_world.scale;
-    match *body.shape {
-        Shape::Sphere { radius, .. } => 4.0 * U * (place + scale * radius),
-        Shape::Quad { u, v, .. } => {
-            let (u, v) = body.edges(u, v);
-            8.0 * U * (place + u.abs().max_element() + v.abs().max_element())
-        }
-        Shape::Cuboid { min, max } => 8.0 * U * (place + 0.5 * scale * (max - min).element_sum()),
-        Shape::Mesh(mesh) => {
-            let sides = found.boxes[mesh].max - found.boxes[mesh].min;
-            8.0 * U * (place + 1.5 * scale * sides.max_element())
-        }
-    }
-}
-
-/// A distance that a shape is certainly not nearer than. Of a mesh, that of the box around it.
-fn least_distance(found: &Found, body: &Body) -> f64 {
-    match *body.shape {
-        Shape::Sphere { radius, .. } => (body.place.length() - body.to_world.scale * radius).abs(),
-        Shape::Quad { u, v, .. } => {
-            let (u, v) = body.edges(u, v);
-            let by_size = body.place.length() - u.length() - v.length();
-            by_size.max(normal(u, v).dot(body.place).abs())
-        }
-        Shape::Cuboid { .. } | Shape::Mesh(_) => {
-            let half = body.half_sides(found).unwrap_or_default();
-            let outside = (body.to_world.rotation.transpose() * body.place).abs() - half;
-            let nearest = outside.max_element();
-            match body.shape {
-                Shape::Mesh(_) => nearest.max(0.0),
-                _ => nearest.abs(),
-            }
-        }
-    }
-}
-
-/// The least depth at which a shape is in view: of a grid of rays that meet it, or of the vertices of a mesh.
-fn nearest_seen(found: &Found, body: &Body) -> Option<f64> {
-    if let Shape::Mesh(mesh) = *body.shape {
-        return nearest_vertex(found, body, found.scene.meshes.values().nth(mesh)?);
-    }
-    let (width, height) = found.view.size;
-    let place = |i: u32, side: u32| (f64::from(i) / f64::from(LOOKS - 1) - 0.5) * f64::from(side) * found.view.pixel;
-    let rays = (0..LOOKS * LOOKS).map(|i| (place(i % LOOKS, width), place(i / LOOKS, height)));
-    let met = rays.filter_map(|(x, y)| crossing(found, body, found.view.axes * DVec3::new(x, y, -1.0)));
-    met.min_by(f64::total_cmp)
-}
-
-fn nearest_vertex(found: &Found, body: &Body, mesh: &Mesh) -> Option<f64> {
-    let (width, height) = found.view.size;
-    let half = 0.5 * found.view.pixel * DVec3::new(f64::from(width), f64::from(height), 0.0);
-    let to_camera = found.view.axes.transpose();
-    let depths = mesh.positions.iter().filter_map(|p| {
-        let p = to_camera * (body.to_world.point(*p) - found.view.eye);
-        let depth = -p.z;
-        (depth > 0.0 && p.x.abs() <= half.x * depth && p.y.abs() <= half.y * depth).then_some(depth)
-    });
-    depths.min_by(f64::total_cmp)
-}
-
-/// Where a ray from the camera first meets a shape, in lengths of its direction.
-fn crossing(found: &Found, body: &Body, d: DVec3) -> Option<f64> {
-    let met = match *body.shape {
-        Shape::Sphere { radius, .. } => {
-            let (c, r) = (body.place, body.to_world.scale * radius);
-            let dd = d.length_squared();
-            let k = d.dot(c) / dd;
-            let l = (c - k * d).length();
-            let h = ((r - l) * (r + l) / dd).sqrt();
-            // The root that would cancel, from the product of both; of a miss all is NaN.
-            let far = k + h.copysign(k);
-            let near = (c.length() - r) * (c.length() + r) / dd / far;
-            let (first, second) = (far.min(near), far.max(near));
-            if first > 0.0 { first } else { second }
-        }
-        Shape::Quad { u, v, .. } => {
-            let (u, v) = body.edges(u, v);
-            let n = normal(u, v);
-            let t = n.dot(body.place) / n.dot(d);
-            let p = t * d - body.place;
-            let area = u.cross(v).dot(n);
-            let (a, b) = (p.cross(v).dot(n) / area, u.cross(p).dot(n) / area);
-            if (0.0..=1.0).contains(&a) && (0.0..=1.0).contains(&b) { t } else { f64::NAN }
-        }
-        Shape::Cuboid { .. } | Shape::Mesh(_) => {
-            let half = body.half_sides(found).unwrap_or_default();
-            let to_own = body.to_world.rotation.transpose();
-            let (c, inverse) = (to_own * body.place, (to_own * d).recip());
-            let (low, high) = ((c - half) * inverse, (c + half) * inverse);
-            let (enter, leave) = (low.min(high).max_element(), low.max(high).min_element());
-            match enter <= leave {
-                true if enter > 0.0 => enter,
-                true => leave,
-                false => f64::NAN,
-            }
-        }
-    };
-    (met > 0.0 && met.is_finite()).then_some(met)
+    (body.shape.is_hull() && error > LARGEST_ERROR * height).then_some(Close { number, radius, height, error })
 }
 
 fn tell_close(Close { number, radius, height, error }: Close) -> Diagnostic {
@@ -209,19 +55,4 @@ fn tell_close(Close { number, radius, height, error }: Close) -> Diagnostic {
         short(4.0 * U / LARGEST_ERROR * radius)
     );
     Diagnostic { at: At::Primitive(number), field: "radius", message, other: None, more: 0 }
-}
-
-fn tell_near(Near { number, what, name: (name, field), size, distance, pixel, error }: Near) -> Diagnostic {
-    let pixels = error / pixel;
-    let message = format!(
-        "a {what} with {name} of {} is seen from a distance of {}, where a pixel is {} wide: its points and the rays that leave \
-         them are off by up to {}, {} pixels: make it smaller than {}, or build it of parts",
-        short(size),
-        short(distance),
-        short(pixel),
-        short(error),
-        short(pixels),
-        short(size / pixels)
-    );
-    Diagnostic { at: At::Primitive(number), field, message, other: None, more: 0 }
 }

@@ -1,64 +1,52 @@
 //! How deep within a closed shape a point is.
 
-use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::{Body, Found};
-use crate::flatten::place::Shape;
-use crate::scene::Mesh;
+use super::Body;
+use crate::shape::Hull;
+use crate::shape::mesh::MeshShape;
 
 /// So many triangles are looked at in all, of meshes with points in the boxes around them.
 const MOST_TRIANGLES: usize = 1 << 19;
 
 /// Tells how deep points are within spheres, boxes and meshes that are closed.
-pub struct Within<'a> {
-    found: &'a Found<'a>,
-    /// In the order of their paths.
-    meshes: Vec<&'a Mesh>,
-    /// What is known of whether a mesh is closed.
-    closed: BTreeMap<usize, bool>,
+pub struct Within {
     /// Triangles that may still be looked at.
     left: usize,
 }
 
-impl<'a> Within<'a> {
-    pub fn new(found: &'a Found<'a>) -> Within<'a> {
-        Within { found, meshes: found.scene.meshes.values().collect(), closed: BTreeMap::new(), left: MOST_TRIANGLES }
+impl Default for Within {
+    fn default() -> Self {
+        Within { left: MOST_TRIANGLES }
     }
+}
 
+impl Within {
     /// How deep within a sphere, box or closed mesh a point is, at least; negative outside, and there no more than the distance. Nothing of
     /// shapes that are not closed, nor of a mesh where that would take long.
     pub fn depth(&mut self, wall: &Body, p: DVec3) -> Option<f64> {
-        if let Shape::Sphere { radius, .. } = *wall.shape {
-            return Some(wall.to_world.scale * radius - p.distance(wall.place));
-        }
-        let half = wall.half_sides(self.found)?;
-        let by_box = (half - (wall.to_world.rotation.transpose() * (p - wall.place)).abs()).min_element();
-        match *wall.shape {
-            Shape::Mesh(mesh) if by_box > 0.0 => self.depth_in_mesh(mesh, wall, p),
-            _ => Some(by_box),
-        }
-    }
-
-    /// Whether the side that a light shines from, if it shines to one, is its outside: not so of a mesh that is wound the other way.
-    pub fn is_outside_in_front(&self, wall: &Body) -> bool {
-        match *wall.shape {
-            Shape::Mesh(mesh) => self.meshes.get(mesh).is_some_and(|mesh| mesh.volume_is_positive()),
-            _ => true,
+        let by_hull = match wall.hull {
+            Hull::Ball { center, radius } => radius - p.distance(center),
+            Hull::Cuboid { center, half, axes } => (half - (axes.transpose() * (p - center)).abs()).min_element(),
+            Hull::Parallelogram { .. } => return None,
+        };
+        match wall.shape.mesh() {
+            Some(mesh) if by_hull > 0.0 => self.depth_in_mesh(mesh, wall, p),
+            None if !wall.shape.is_hull() => None,
+            _ => Some(by_hull),
         }
     }
 
-    fn depth_in_mesh(&mut self, number: usize, wall: &Body, p: DVec3) -> Option<f64> {
-        let mesh = *self.meshes.get(number)?;
+    fn depth_in_mesh(&mut self, shape: &MeshShape, wall: &Body, p: DVec3) -> Option<f64> {
+        let mesh = shape.mesh;
         self.left = self.left.checked_sub(mesh.triangles.len())?;
-        // A sort of its edges, once a mesh.
-        if !*self.closed.entry(number).or_insert_with(|| mesh.open_edges().is_none()) {
+        if shape.open_edges().is_some() {
             return None;
         }
         let to_own = wall.to_world.rotation.transpose();
-        let p = self.found.boxes[number].center() + to_own * (p - wall.place) / wall.to_world.scale;
+        let p = shape.around.center() + to_own * (p - wall.place) / wall.to_world.scale;
         let (mut angle, mut nearest) = (0.0, f64::INFINITY);
         for corners in &mesh.triangles {
             let [a, b, c] = corners.map(|corner| mesh.positions.get(corner as usize).copied().unwrap_or(p) - p);
@@ -68,6 +56,11 @@ impl<'a> Within<'a> {
         let distance = wall.to_world.scale * nearest.sqrt();
         Some(if angle.abs() > 2.0 * PI { distance } else { -distance })
     }
+}
+
+/// Whether the side that a light shines from, if it shines to one, is its outside: not so of a mesh that is wound the other way.
+pub fn is_outside_in_front(wall: &Body) -> bool {
+    wall.shape.mesh().is_none_or(|shape| shape.mesh.volume_is_positive())
 }
 
 /// The solid angle of a triangle seen from the origin, positive from the side where it is clockwise (Van Oosterom and Strackee, "The Solid Angle of

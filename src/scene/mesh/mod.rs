@@ -4,7 +4,6 @@
 //! for some panic on what a file may say. What they read is a `Draft`, whose `finish` checks it, drops what has no area or is
 //! not used, and makes a `Mesh` of it.
 
-mod closed;
 mod draft;
 mod gltf;
 mod guard;
@@ -16,8 +15,6 @@ use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::Path;
 
-use glam::{DVec3, Vec2, Vec3};
-
 use super::Scene;
 use super::types::Object;
 use super::visit::visit_all;
@@ -25,40 +22,10 @@ use crate::error::Result;
 use draft::Draft;
 use input::Input;
 
-pub use closed::OpenEdges;
+pub use crate::shape::mesh::{Mesh, OpenEdges};
 
 /// Told how far the reading of a file is: its path, the bytes that are done, and the bytes in all.
 pub type OnProgress<'a> = dyn FnMut(&Path, u64, u64) + 'a;
-
-/// A triangle mesh in its own space, in the file's units. Every vertex belongs to a triangle.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Mesh {
-    /// Each coordinate is finite, at most 1e100 in magnitude.
-    pub positions: Vec<DVec3>,
-    /// Indices of vertices, counter-clockwise seen from outside; in the file's order. The three positions differ.
-    pub triangles: Vec<[u32; 3]>,
-    /// A unit vector for each vertex; empty where the file has none, and then the mesh is flat-shaded.
-    pub normals: Vec<Vec3>,
-    /// Texture coordinates for each vertex, u to the right and v up, all finite; empty where the file has none.
-    pub uvs: Vec<Vec2>,
-    /// The face of the file, counted from 0, that each triangle is part of.
-    pub faces: Vec<u32>,
-    /// What of the file is not used, in words.
-    pub warnings: Vec<String>,
-}
-
-impl Mesh {
-    /// The number in its file of the face that a triangle is part of, counted from 0.
-    pub fn face(&self, triangle: usize) -> u32 {
-        self.faces.get(triangle).copied().unwrap_or(triangle as u32)
-    }
-
-    /// The corners of the smallest box around it. An empty mesh has none, and gives infinities.
-    pub fn bounds(&self) -> (DVec3, DVec3) {
-        let nothing = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        self.positions.iter().fold(nothing, |(low, high), &p| (low.min(p), high.max(p)))
-    }
-}
 
 /// Reads every mesh of the scene once, by its path as written. An error stands at the `path` field.
 pub fn load_all(scene: &Scene, progress: &mut OnProgress) -> Result<BTreeMap<String, Mesh>> {

@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 
 use glam::DVec3;
 
-use super::Mesh;
+use super::mesh::Mesh;
 
 /// Why a mesh bounds no body: edges that no neighbouring face runs along in the other direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

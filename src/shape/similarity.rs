@@ -1,8 +1,6 @@
-//! What a scene's transforms come to: similarities, in f64.
+//! Similarities, in f64: what a scene's transforms come to.
 
 use glam::{DMat3, DVec3};
-
-use crate::scene::Transform;
 
 /// A uniform scaling, then a rotation, then a translation.
 #[derive(Clone, Copy)]
@@ -15,21 +13,17 @@ pub struct Similarity {
 impl Similarity {
     pub const IDENTITY: Similarity = Similarity { scale: 1.0, rotation: DMat3::IDENTITY, translation: DVec3::ZERO };
 
-    pub fn new(transform: &Transform) -> Similarity {
-        let rotate = |rotation| Similarity { rotation, ..Similarity::IDENTITY };
-        match *transform {
-            Transform::Translate(translation) => Similarity { translation, ..Similarity::IDENTITY },
-            Transform::Scale(scale) => Similarity { scale, ..Similarity::IDENTITY },
-            Transform::RotateX(degrees) => rotate(rotation_about(DVec3::X, degrees)),
-            Transform::RotateY(degrees) => rotate(rotation_about(DVec3::Y, degrees)),
-            Transform::RotateZ(degrees) => rotate(rotation_about(DVec3::Z, degrees)),
-            Transform::Rotate { axis, degrees } => rotate(rotation_about(axis, degrees)),
-        }
+    pub fn translation(translation: DVec3) -> Similarity {
+        Similarity { translation, ..Similarity::IDENTITY }
     }
 
-    /// A list of transforms, applied in the order listed.
-    pub fn of_all(transforms: &[Transform]) -> Similarity {
-        transforms.iter().fold(Similarity::IDENTITY, |done, next| Similarity::new(next).after(&done))
+    pub fn scale(scale: f64) -> Similarity {
+        Similarity { scale, ..Similarity::IDENTITY }
+    }
+
+    /// Right-handed, by Rodrigues' formula. Quarter turns are exact: sines and cosines of degrees, not of rounded radians.
+    pub fn rotation(axis: DVec3, degrees: f64) -> Similarity {
+        Similarity { rotation: rotation_about(axis, degrees), ..Similarity::IDENTITY }
     }
 
     pub fn point(&self, p: DVec3) -> DVec3 {
@@ -50,7 +44,6 @@ impl Similarity {
     }
 }
 
-/// Right-handed, by Rodrigues' formula. Quarter turns are exact: sines and cosines of degrees, not of rounded radians.
 fn rotation_about(axis: DVec3, degrees: f64) -> DMat3 {
     // Normalised by its largest component first: the squares of a short axis would vanish.
     let axis = (axis / axis.abs().max_element()).normalize();

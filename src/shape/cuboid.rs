@@ -1,0 +1,107 @@
+//! A box along the axes of its own space. "Cuboid" in code, since a box is something else there.
+
+use glam::{DMat3, DVec3, Vec3};
+
+use super::mesh::{Laid, MeshShape};
+use super::{
+    Aabb, Boundary, Element, Emitter, Geometry, Hull, Kind, MATERIAL, Placement, Shape, Tables, error_bound, padded,
+};
+use crate::data::{self, f32s};
+use crate::error::Result;
+use crate::source::form::{Form, POINT};
+use crate::source::{Place, SMALLEST, vector};
+
+pub const KIND: Kind = Kind {
+    form: Form { name: "Box", fields: &[("min", POINT), ("max", POINT), MATERIAL], in_order: false },
+    shader: "cuboid",
+    word: "box",
+    sizes: &[("a side", "")],
+    table: super::table!(cuboids of data::Cuboid, "boxes"),
+    boundary: Some(Boundary { name: "cuboid", words: "a" }),
+};
+
+#[derive(Clone, Copy)]
+pub struct Cuboid {
+    pub min: DVec3,
+    pub max: DVec3,
+}
+
+impl Cuboid {
+    fn middle(&self) -> DVec3 {
+        0.5 * (self.min + self.max)
+    }
+}
+
+impl Geometry for Cuboid {
+    fn check(&self, at: &Place) -> Result<()> {
+        let Cuboid { min, max } = *self;
+        vector(&at.field("min"), min)?;
+        vector(&at.field("max"), max)?;
+        for (axis, (low, high)) in ["x", "y", "z"].into_iter().zip(min.to_array().into_iter().zip(max.to_array())) {
+            if high - low < SMALLEST {
+                let message =
+                    format!("the box has no extent along {axis}: expected min below max, found {low:?} and {high:?}");
+                return Err(at.error(message));
+            }
+        }
+        Ok(())
+    }
+
+    fn span(&self) -> (f64, f64) {
+        ((self.max - self.min).min_element(), self.min.length().max(self.max.length()))
+    }
+
+    fn mesh(&self) -> Option<&MeshShape<'_>> {
+        None
+    }
+
+    fn texture_place(&self, _: &DMat3) -> (DVec3, DMat3) {
+        (self.min, DMat3::from_diagonal(self.max - self.min))
+    }
+
+    fn lay_out(&self, at: &Placement, element: Element, tables: &mut Tables) -> (Vec3, Vec3) {
+        let center = at.point(self.middle()).as_vec3();
+        let half = (0.5 * (self.max - self.min) * at.to_world.scale * at.space.scale).as_vec3();
+        let axes = at.to_world.rotation;
+        let reach = half.x * axes.x_axis.as_vec3().abs()
+            + half.y * axes.y_axis.as_vec3().abs()
+            + half.z * axes.z_axis.as_vec3().abs();
+        let error = error_bound(&[center, Vec3::splat(half.x + half.y + half.z)]);
+        tables.cuboids.push(data::Cuboid {
+            center: center.to_array(),
+            order: element.order,
+            half_extent: half.to_array(),
+            material: element.material,
+            x_axis: f32s(axes.x_axis),
+            frame: element.frame,
+            y_axis: f32s(axes.y_axis),
+            light: 0,
+        });
+        padded(center - reach, center + reach, error)
+    }
+
+    fn emitters(&self, at: &Placement, index: u32, _: Laid) -> Vec<Emitter> {
+        let Cuboid { min, max } = *self;
+        let d = (max - min) * at.scale();
+        vec![Emitter {
+            code: Shape::Cuboid(*self).code(index as usize),
+            instance: data::NO_INSTANCE,
+            area: 2.0 * (d.x * d.y + d.y * d.z + d.z * d.x),
+            around: Aabb::around(Aabb { min, max }.corners().map(|p| at.point(p))),
+            normal: None,
+        }]
+    }
+
+    fn set_light(&self, tables: &mut Tables, index: usize, _: Laid, light: u32) {
+        tables.cuboids[index].light = light;
+    }
+
+    fn hull(&self, at: &Placement) -> Hull {
+        let half = 0.5 * at.scale() * (self.max - self.min);
+        Hull::Cuboid { center: at.point(self.middle()), half, axes: at.to_world.rotation }
+    }
+
+    fn is_hull(&self) -> bool {
+        true
+    }
+}

@@ -1,0 +1,74 @@
+//! Simple bodies around shapes, by which numbers are judged.
+
+use glam::{DMat3, DVec3};
+
+/// A simple body around a placed shape.
+#[derive(Clone, Copy)]
+pub enum Hull {
+    Ball { center: DVec3, radius: f64 },
+    Parallelogram { corner: DVec3, u: DVec3, v: DVec3 },
+    Cuboid { center: DVec3, half: DVec3, axes: DMat3 },
+}
+
+impl Hull {
+    /// The middle of a ball or box; the corner of a parallelogram.
+    pub fn place(&self) -> DVec3 {
+        match *self {
+            Hull::Ball { center, .. } | Hull::Cuboid { center, .. } => center,
+            Hull::Parallelogram { corner, .. } => corner,
+        }
+    }
+
+    /// A radius, two edges, or three sides.
+    pub fn sizes(&self) -> Vec<f64> {
+        match *self {
+            Hull::Ball { radius, .. } => vec![radius],
+            Hull::Parallelogram { u, v, .. } => vec![u.length(), v.length()],
+            Hull::Cuboid { half, .. } => (2.0 * half).to_array().to_vec(),
+        }
+    }
+
+    /// The middle of a ball around it, and the ball's radius.
+    pub fn ball(&self) -> (DVec3, f64) {
+        match *self {
+            Hull::Ball { center, radius } => (center, radius),
+            Hull::Parallelogram { corner, u, v } => {
+                (corner + 0.5 * (u + v), 0.5 * (u + v).length().max((u - v).length()))
+            }
+            Hull::Cuboid { center, half, .. } => (center, half.length()),
+        }
+    }
+
+    /// The corners; a ball has none.
+    pub fn corners(&self) -> Vec<DVec3> {
+        match *self {
+            Hull::Ball { .. } => Vec::new(),
+            Hull::Parallelogram { corner, u, v } => vec![corner, corner + u, corner + u + v, corner + v],
+            Hull::Cuboid { center, half, axes } => {
+                let sign = |i: usize, axis: usize| if i >> axis & 1 == 0 { -1.0 } else { 1.0 };
+                let corner = |i| center + axes * (half * DVec3::new(sign(i, 0), sign(i, 1), sign(i, 2)));
+                (0..8).map(corner).collect()
+            }
+        }
+    }
+
+    /// The lowest and the highest coordinates that it reaches.
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        let (center, reach) = match *self {
+            Hull::Ball { center, radius } => (center, DVec3::splat(radius)),
+            Hull::Parallelogram { corner, u, v } => (corner + 0.5 * (u + v), 0.5 * (u.abs() + v.abs())),
+            Hull::Cuboid { center, half, axes } => (center, reach_of(half, &axes)),
+        };
+        (center - reach, center + reach)
+    }
+}
+
+/// What the half sides of a box reach along the axes of space.
+pub fn reach_of(half: DVec3, axes: &DMat3) -> DVec3 {
+    half.x * axes.x_axis.abs() + half.y * axes.y_axis.abs() + half.z * axes.z_axis.abs()
+}
+
+/// The unit normal of a parallelogram, however large or small its edges are.
+pub fn normal(u: DVec3, v: DVec3) -> DVec3 {
+    u.normalize_or_zero().cross(v.normalize_or_zero()).normalize_or_zero()
+}

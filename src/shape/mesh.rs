@@ -1,0 +1,203 @@
+//! A mesh: triangles in a space of their own, placed in the scene any number of times.
+
+use std::collections::BTreeMap;
+use std::sync::OnceLock;
+
+use glam::{DMat3, DVec3, Vec2, Vec3};
+
+pub use super::closed::OpenEdges;
+use super::{
+    Aabb, Boundary, Element, Emitter, Geometry, Hull, Kind, MATERIAL, Placement, Tables, binary_exponent, error_bound,
+    exp2, padded,
+};
+use crate::data::{self, KIND_TRIANGLE, NOT_SAMPLED, f32s, primitive_code};
+use crate::error::Result;
+use crate::source::Place;
+use crate::source::form::{Form, PATH};
+
+/// Rays meet the faces, whose files are those of the triangle.
+pub const KIND: Kind = Kind {
+    form: Form { name: "Mesh", fields: &[("path", PATH), MATERIAL], in_order: false },
+    shader: "triangle",
+    word: "mesh",
+    sizes: &[("a size", "")],
+    table: super::table!(instances of data::Instance, "where meshes stand"),
+    boundary: Some(Boundary { name: "mesh", words: "a closed" }),
+};
+
+/// A triangle mesh in its own space, in the file's units. Every vertex belongs to a triangle.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mesh {
+    /// Each coordinate is finite, at most 1e100 in magnitude.
+    pub positions: Vec<DVec3>,
+    /// Indices of vertices, counter-clockwise seen from outside; in the file's order. The three positions differ.
+    pub triangles: Vec<[u32; 3]>,
+    /// A unit vector for each vertex; empty where the file has none, and then the mesh is flat-shaded.
+    pub normals: Vec<Vec3>,
+    /// Texture coordinates for each vertex, u to the right and v up, all finite; empty where the file has none.
+    pub uvs: Vec<Vec2>,
+    /// The face of the file, counted from 0, that each triangle is part of.
+    pub faces: Vec<u32>,
+    /// What of the file is not used, in words.
+    pub warnings: Vec<String>,
+}
+
+impl Mesh {
+    /// The number in its file of the face that a triangle is part of, counted from 0.
+    pub fn face(&self, triangle: usize) -> u32 {
+        self.faces.get(triangle).copied().unwrap_or(triangle as u32)
+    }
+
+    /// The corners of the smallest box around it. An empty mesh has none, and gives infinities.
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        let nothing = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        self.positions.iter().fold(nothing, |(low, high), &p| (low.min(p), high.max(p)))
+    }
+}
+
+/// Where a mesh has been laid out.
+#[derive(Clone, Copy, Default)]
+pub struct Laid {
+    /// The code of its root.
+    pub root: u32,
+    /// The index of its first face.
+    pub first_face: u32,
+    pub to_uvs: u32,
+    /// Codes that wait at most in a walk through its hierarchy.
+    pub stack_size: u32,
+}
+
+/// A mesh of the scene, which objects place.
+pub struct MeshShape<'a> {
+    /// Its place among the scene's meshes.
+    pub number: usize,
+    /// As the scene file writes it.
+    pub path: &'a str,
+    pub mesh: &'a Mesh,
+    /// The smallest box around it, in its own space.
+    pub around: Aabb,
+    open: OnceLock<Option<OpenEdges>>,
+}
+
+/// The meshes of a scene as shapes, by their paths.
+pub fn shapes(meshes: &BTreeMap<String, Mesh>) -> BTreeMap<&str, MeshShape<'_>> {
+    meshes
+        .iter()
+        .enumerate()
+        .map(|(number, (path, mesh))| (path.as_str(), MeshShape::new(number, path, mesh)))
+        .collect()
+}
+
+impl<'a> MeshShape<'a> {
+    fn new(number: usize, path: &'a str, mesh: &'a Mesh) -> MeshShape<'a> {
+        let (min, max) = mesh.bounds();
+        MeshShape { number, path, mesh, around: Aabb { min, max }, open: OnceLock::new() }
+    }
+
+    /// Where it is open, found once: it takes a sort of its edges.
+    pub fn open_edges(&self) -> Option<OpenEdges> {
+        *self.open.get_or_init(|| self.mesh.open_edges())
+    }
+
+    /// Checks that the image of a material of this name can be placed on it.
+    pub fn check_image(&self, at: &Place, material: &str) -> Result<()> {
+        if !self.mesh.uvs.is_empty() {
+            return Ok(());
+        }
+        Err(at.field("material").error(format!(
+            "the material {material:?} has an image, and the mesh {:?} has no texture coordinates to place it by: \
+             expected a mesh that has them at every corner, or another texture",
+            self.path
+        )))
+    }
+
+    /// Checks that it bounds a body.
+    pub fn check_closed(&self, at: &Place) -> Result<()> {
+        let Some(open) = self.open_edges() else { return Ok(()) };
+        let edges = if open.count == 1 { "edge" } else { "edges" };
+        Err(at.field("path").error(format!(
+            "{}: expected a closed mesh, wound one way, as a medium's boundary: face {} (counted from 0) has an edge that no \
+             neighbour runs along the other way; there are {} such {edges}",
+            self.path, open.face, open.count
+        )))
+    }
+
+    /// Length of a unit of the mesh's space on the device.
+    pub fn unit(&self) -> f64 {
+        let half = 0.5 * (self.around.max - self.around.min).max_element();
+        if half > 0.0 { exp2(binary_exponent(half)) } else { 1.0 }
+    }
+}
+
+impl<'a> Geometry for &'a MeshShape<'a> {
+    /// Its numbers were checked when its file was read.
+    fn check(&self, _: &Place) -> Result<()> {
+        Ok(())
+    }
+
+    fn span(&self) -> (f64, f64) {
+        let Aabb { min, max } = self.around;
+        ((max - min).max_element(), min.abs().max(max.abs()).length())
+    }
+
+    fn mesh(&self) -> Option<&MeshShape<'_>> {
+        Some(self)
+    }
+
+    fn texture_place(&self, _: &DMat3) -> (DVec3, DMat3) {
+        (self.around.center(), DMat3::from_diagonal(DVec3::splat(self.unit())))
+    }
+
+    fn lay_out(&self, at: &Placement, element: Element, tables: &mut Tables) -> (Vec3, Vec3) {
+        let scale = at.to_world.scale * self.unit() * at.space.scale;
+        let place = at.point(self.around.center());
+        let axes = at.to_world.rotation;
+        let error = error_bound(&[place.as_vec3(), Vec3::splat((3.0 * scale) as f32)]);
+        let placed = Aabb::around(self.around.corners().map(|p| at.point(p)));
+        tables.instances.push(data::Instance {
+            x_axis: f32s(axes.x_axis),
+            order: element.order,
+            y_axis: f32s(axes.y_axis),
+            material: element.material,
+            place: f32s(place),
+            frame: element.frame,
+            scale: scale as f32,
+            to_light: 0,
+            root: element.laid.root,
+            to_uvs: element.laid.to_uvs,
+        });
+        padded(placed.min.as_vec3(), placed.max.as_vec3(), error)
+    }
+
+    /// A face is a light.
+    fn emitters(&self, at: &Placement, index: u32, laid: Laid) -> Vec<Emitter> {
+        let face = |(face, corners): (u32, &[u32; 3])| {
+            let [a, b, c] = corners.map(|corner| self.mesh.positions[corner as usize]);
+            let across = (b - a).cross(c - a);
+            Emitter {
+                code: primitive_code(KIND_TRIANGLE, face),
+                instance: index,
+                area: 0.5 * across.length() * at.scale() * at.scale(),
+                around: Aabb::around([a, b, c].map(|p| at.point(p))),
+                normal: Some(at.to_world.vector(across)),
+            }
+        };
+        (laid.first_face..).zip(&self.mesh.triangles).map(face).collect()
+    }
+
+    fn set_light(&self, tables: &mut Tables, index: usize, laid: Laid, light: u32) {
+        tables.instances[index].to_light = match light {
+            NOT_SAMPLED => NOT_SAMPLED,
+            _ => light.wrapping_sub(laid.first_face),
+        };
+    }
+
+    fn hull(&self, at: &Placement) -> Hull {
+        let half = 0.5 * at.scale() * (self.around.max - self.around.min);
+        Hull::Cuboid { center: at.point(self.around.center()), half, axes: at.to_world.rotation }
+    }
+
+    fn is_hull(&self) -> bool {
+        false
+    }
+}

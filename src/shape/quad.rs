@@ -1,0 +1,122 @@
+//! A quad: a parallelogram.
+
+use glam::{DMat3, DVec3, Vec3};
+
+use super::mesh::{Laid, MeshShape};
+use super::{Aabb, Element, Emitter, Geometry, Hull, Kind, MATERIAL, Placement, Shape, Tables, error_bound, padded};
+use crate::data::{self, f32s};
+use crate::error::Result;
+use crate::source::form::{Form, POINT, VECTOR};
+use crate::source::{Place, SMALLEST, parallel, vector};
+
+pub const KIND: Kind = Kind {
+    form: Form { name: "Quad", fields: &[("corner", POINT), ("u", VECTOR), ("v", VECTOR), MATERIAL], in_order: false },
+    shader: "quad",
+    word: "quad",
+    sizes: &[("an edge", "u"), ("an edge", "v")],
+    table: super::table!(quads of data::Quad, "quads"),
+    boundary: None,
+};
+
+#[derive(Clone, Copy)]
+pub struct Quad {
+    pub corner: DVec3,
+    pub u: DVec3,
+    pub v: DVec3,
+}
+
+impl Geometry for Quad {
+    fn check(&self, at: &Place) -> Result<()> {
+        vector(&at.field("corner"), self.corner)?;
+        for (name, edge) in [("u", self.u), ("v", self.v)] {
+            vector(&at.field(name), edge)?;
+            if edge.length() < SMALLEST {
+                return Err(at.field(name).error(format!("the quad has no extent along {name}")));
+            }
+        }
+        if parallel(self.u, self.v) {
+            return Err(at.error("the quad has no area: u and v are parallel"));
+        }
+        Ok(())
+    }
+
+    fn span(&self) -> (f64, f64) {
+        let (u, v) = (self.u.length(), self.v.length());
+        (u.min(v), self.corner.length() + u + v)
+    }
+
+    fn mesh(&self) -> Option<&MeshShape<'_>> {
+        None
+    }
+
+    fn texture_place(&self, _: &DMat3) -> (DVec3, DMat3) {
+        (self.corner, DMat3::from_cols(self.u, self.v, DVec3::ZERO))
+    }
+
+    fn lay_out(&self, at: &Placement, element: Element, tables: &mut Tables) -> (Vec3, Vec3) {
+        let corner = at.point(self.corner);
+        let (u, v) = (at.vector(self.u), at.vector(self.v));
+        let (normal, a_axis, b_axis) = quad_axes(u, v);
+        let around = Aabb::around([corner, corner + u, corner + v, corner + u + v]);
+        let error = error_bound(&[corner.as_vec3(), u.as_vec3(), v.as_vec3()]);
+        let error_across = error_across(corner.as_vec3(), u.as_vec3(), v.as_vec3(), normal);
+        tables.quads.push(data::Quad {
+            corner: f32s(corner),
+            order: element.order,
+            normal: f32s(normal),
+            material: element.material,
+            a_axis: f32s(a_axis),
+            frame: element.frame,
+            light: 0,
+            b_axis: f32s(b_axis),
+            error,
+            u: f32s(u),
+            v: f32s(v),
+            error_across,
+        });
+        padded(around.min.as_vec3(), around.max.as_vec3(), error)
+    }
+
+    fn emitters(&self, at: &Placement, index: u32, _: Laid) -> Vec<Emitter> {
+        let Quad { corner, u, v } = *self;
+        let corners = [corner, corner + u, corner + v, corner + u + v];
+        vec![Emitter {
+            code: Shape::Quad(*self).code(index as usize),
+            instance: data::NO_INSTANCE,
+            area: u.cross(v).length() * at.scale() * at.scale(),
+            around: Aabb::around(corners.map(|p| at.point(p))),
+            normal: Some(at.to_world.vector(u).cross(at.to_world.vector(v))),
+        }]
+    }
+
+    fn set_light(&self, tables: &mut Tables, index: usize, _: Laid, light: u32) {
+        tables.quads[index].light = light;
+    }
+
+    fn hull(&self, at: &Placement) -> Hull {
+        Hull::Parallelogram { corner: at.point(self.corner), u: at.vector(self.u), v: at.vector(self.v) }
+    }
+
+    fn is_hull(&self) -> bool {
+        true
+    }
+}
+
+/// A bound of the rounding of a quad's point along its normal, and of the next distance's from there. Own derivation, in units of
+/// roundoff, each component as often as the normal has it: `u` and `v` are rounded, multiplied, added, and added to the corner (4 of both
+/// and 1 of the corner); the next difference, its product with a rounded normal, and two sums (5 of both). One more of the corner for what
+/// the sum of both does to a last digit. A floor has nothing of its length in it: its normal has nothing along that.
+fn error_across(corner: Vec3, u: Vec3, v: Vec3, normal: DVec3) -> f32 {
+    let reach = 2.0 * corner.abs() + 10.0 * (u.abs() + v.abs());
+    (0.5 * f32::EPSILON) * normal.as_vec3().abs().dot(reach)
+}
+
+/// The unit normal u × v, and the vectors whose products with a point's offset from the corner are the point's a and b.
+/// Computed on u and v scaled to unit length, so that neither tiny nor needle-like quads lose digits.
+fn quad_axes(u: DVec3, v: DVec3) -> (DVec3, DVec3, DVec3) {
+    let (u_length, v_length) = (u.length(), v.length());
+    let (u, v) = (u / u_length, v / v_length);
+    let n = u.cross(v);
+    let w = n / n.length_squared();
+    (n.normalize(), v.cross(w) / u_length, w.cross(u) / v_length)
+}

@@ -1,0 +1,91 @@
+//! Where shapes stand, and boxes around them.
+
+use glam::{DVec3, Vec3};
+
+use super::similarity::Similarity;
+
+/// The camera at the origin and lengths scaled by a power of two.
+#[derive(Clone, Copy)]
+pub struct RenderSpace {
+    pub eye: DVec3,
+    pub scale: f64,
+}
+
+impl RenderSpace {
+    pub fn point(&self, p: DVec3) -> DVec3 {
+        (p - self.eye) * self.scale
+    }
+}
+
+/// The way from a shape's own space to render space, or to one that is as large as the world.
+#[derive(Clone, Copy)]
+pub struct Placement<'a> {
+    pub to_world: &'a Similarity,
+    pub space: RenderSpace,
+}
+
+impl Placement<'_> {
+    pub fn point(&self, p: DVec3) -> DVec3 {
+        self.space.point(self.to_world.point(p))
+    }
+
+    pub fn vector(&self, v: DVec3) -> DVec3 {
+        self.to_world.vector(v) * self.space.scale
+    }
+
+    pub fn scale(&self) -> f64 {
+        self.to_world.scale * self.space.scale
+    }
+}
+
+/// A box along the axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Aabb {
+    pub min: DVec3,
+    pub max: DVec3,
+}
+
+impl Aabb {
+    /// The smallest one around points.
+    pub fn around(points: impl IntoIterator<Item = DVec3>) -> Aabb {
+        let nothing = Aabb { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
+        points.into_iter().fold(nothing, |around, p| around.union(Aabb { min: p, max: p }))
+    }
+
+    pub fn union(self, other: Aabb) -> Aabb {
+        Aabb { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    pub fn center(&self) -> DVec3 {
+        0.5 * self.min + 0.5 * self.max
+    }
+
+    pub fn corners(&self) -> [DVec3; 8] {
+        std::array::from_fn(|i| {
+            let pick = |axis: usize| if i >> axis & 1 == 0 { self.min[axis] } else { self.max[axis] };
+            DVec3::new(pick(0), pick(1), pick(2))
+        })
+    }
+}
+
+/// A bound of the rounding of a point that is a sum of such vectors, and of the tests made with it: eight roundings of
+/// the largest coordinates that can occur on the way.
+pub fn error_bound(summands: &[Vec3]) -> f32 {
+    const UNIT_ROUNDOFF: f32 = f32::EPSILON / 2.0;
+    8.0 * UNIT_ROUNDOFF * summands.iter().map(|v| v.abs().max_element()).sum::<f32>()
+}
+
+pub fn padded(min: Vec3, max: Vec3, by: f32) -> (Vec3, Vec3) {
+    (min - by, max + by)
+}
+
+/// The least e with x < 2^e, for a normal x > 0.
+pub fn binary_exponent(x: f64) -> i32 {
+    const BIAS: i32 = 1022;
+    ((x.to_bits() >> 52) & 0x7ff) as i32 - BIAS
+}
+
+/// 2^e, exactly.
+pub fn exp2(e: i32) -> f64 {
+    2.0_f64.powi(e)
+}

@@ -1,0 +1,78 @@
+//! A sphere.
+
+use std::f64::consts::PI;
+
+use glam::{DMat3, DVec3, Vec3};
+
+use super::mesh::{Laid, MeshShape};
+use super::{
+    Aabb, Boundary, Element, Emitter, Geometry, Hull, Kind, MATERIAL, Placement, Shape, Tables, error_bound, padded,
+};
+use crate::data;
+use crate::error::Result;
+use crate::source::form::{Form, NUMBER, POINT};
+use crate::source::{Place, length, vector};
+
+pub const KIND: Kind = Kind {
+    form: Form { name: "Sphere", fields: &[("center", POINT), ("radius", NUMBER), MATERIAL], in_order: false },
+    shader: "sphere",
+    word: "sphere",
+    sizes: &[("a radius", "radius")],
+    table: super::table!(spheres of data::Sphere, "spheres"),
+    boundary: Some(Boundary { name: "sphere", words: "a" }),
+};
+
+#[derive(Clone, Copy)]
+pub struct Sphere {
+    pub center: DVec3,
+    pub radius: f64,
+}
+
+impl Geometry for Sphere {
+    fn check(&self, at: &Place) -> Result<()> {
+        vector(&at.field("center"), self.center)?;
+        length(&at.field("radius"), "a radius", self.radius)
+    }
+
+    fn span(&self) -> (f64, f64) {
+        (self.radius, self.center.length() + self.radius)
+    }
+
+    fn mesh(&self) -> Option<&MeshShape<'_>> {
+        None
+    }
+
+    /// A sphere's own coordinates are its normal in the world.
+    fn texture_place(&self, rotation: &DMat3) -> (DVec3, DMat3) {
+        (self.center, rotation.transpose() * self.radius)
+    }
+
+    fn lay_out(&self, at: &Placement, element: Element, tables: &mut Tables) -> (Vec3, Vec3) {
+        let center = at.point(self.center).as_vec3();
+        let radius = (at.to_world.scale * self.radius * at.space.scale) as f32;
+        let Element { order, material, frame, .. } = element;
+        tables.spheres.push(data::Sphere { center: center.to_array(), radius, order, material, frame, light: 0 });
+        padded(center - radius, center + radius, error_bound(&[center, Vec3::splat(radius)]))
+    }
+
+    fn emitters(&self, at: &Placement, index: u32, _: Laid) -> Vec<Emitter> {
+        let (middle, radius) = (at.point(self.center), self.radius * at.scale());
+        let reach = DVec3::splat(radius);
+        let code = Shape::Sphere(*self).code(index as usize);
+        let area = 4.0 * PI * radius.powi(2);
+        let around = Aabb::around([middle - reach, middle + reach]);
+        vec![Emitter { code, instance: data::NO_INSTANCE, area, around, normal: None }]
+    }
+
+    fn set_light(&self, tables: &mut Tables, index: usize, _: Laid, light: u32) {
+        tables.spheres[index].light = light;
+    }
+
+    fn hull(&self, at: &Placement) -> Hull {
+        Hull::Ball { center: at.point(self.center), radius: at.scale() * self.radius }
+    }
+
+    fn is_hull(&self) -> bool {
+        true
+    }
+}
