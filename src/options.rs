@@ -55,10 +55,8 @@ impl Default for RenderOptions {
 impl RenderOptions {
     /// Those that bias the result or are less exact, with their values.
     pub fn biases(&self) -> impl Iterator<Item = (&'static Knob, String)> {
-        let given = |knob: &&'static Knob| Some((*knob, (knob.reading?.value)(self)?));
-        let biased = |knob: &&&'static Knob| matches!(knob.class, Class::Bias | Class::Numerics);
-        let options = KNOBS.iter().filter(biased).filter_map(given);
-        options.filter(|(knob, value)| knob.default != Some(value.as_str())).collect::<Vec<_>>().into_iter()
+        let biased = KNOBS.iter().filter(|knob| matches!(knob.class, Class::Bias | Class::Numerics));
+        biased.filter(|knob| !knob.is_default(self)).filter_map(|knob| Some((*knob, knob.value(self)?)))
     }
 }
 
@@ -262,13 +260,25 @@ impl Knob {
         format!("--{} {value}", self.name)
     }
 
-    /// The module that the option links, or that its default links where the scene has nothing that the option is about; and the reason.
-    pub fn module(&self, options: &RenderOptions, in_scene: bool) -> (&'static str, String) {
-        let default = RenderOptions::default();
-        let options = if in_scene { options } else { &default };
-        let value = self.reading.and_then(|reading| (reading.value)(options)).unwrap_or_default();
-        let of_default = if self.default == Some(value.as_str()) { ", the default" } else { "" };
-        (self.links.map_or("", |links| links(options)), format!("{}{of_default}", self.option(&value)))
+    /// The module that the option links.
+    pub fn module(&self, options: &RenderOptions) -> &'static str {
+        self.links.map_or("", |links| links(options))
+    }
+
+    /// Whether the option has its default value.
+    pub fn is_default(&self, options: &RenderOptions) -> bool {
+        self.default == self.value(options).as_deref()
+    }
+
+    /// The option as it was given, for the reasons of a plan: `--roulette on, the default`.
+    pub fn asked(&self, options: &RenderOptions) -> String {
+        let given = self.option(&self.value(options).unwrap_or_default());
+        if self.is_default(options) { format!("{given}, the default") } else { given }
+    }
+
+    /// Its value; nothing where that is left to the scene or the device.
+    fn value(&self, options: &RenderOptions) -> Option<String> {
+        self.reading.and_then(|reading| (reading.value)(options))
     }
 
     /// The option for the command line.

@@ -1,5 +1,6 @@
 //! What this scene requires: which kernels, linked from which modules, and which buffers, each with the reason.
 
+pub mod choices;
 mod report;
 mod state;
 mod text;
@@ -8,26 +9,24 @@ mod tuning;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use crate::data::{self, QUEUE_HEADER, RUN_LENGTH};
+use crate::data::{self, QUEUE_HEADER};
 use crate::error::Result;
 use crate::film::RunRecord;
-use crate::flatten::{BACKGROUNDS, BOUNDARIES, DeviceScene, Features, MATERIALS, PRIMITIVES, TEXTURES};
+use crate::flatten::{BOUNDARIES, DeviceScene, Features, MATERIALS, PRIMITIVES};
 use crate::gpu::buffers::BufferSpec;
 use crate::gpu::device::DeviceClass;
 use crate::gpu::layout::{self, Binding, Member};
-use crate::gpu::link::{Choices, Embedded, Entry, Linked, link};
+use crate::gpu::link::{Choices, Embedded, Entry, Linked, Reason, link};
 use crate::job::Job;
-use crate::material::Material;
-use crate::options::{self, FeatureSet, RenderOptions, Scatter};
+use crate::options::{RenderOptions, Scatter};
 use crate::shape::{KINDS, Kind, Table};
 
+use choices::{decide, entries};
 pub use report::{Buffer, Choice, Constant, KernelReport, Module, Report};
 pub use state::{MOST_PATH_BYTES, PathField};
 use state::{path_fields, places};
 pub use tuning::Tuning;
 
-/// The reason of what no scene can do without.
-const EVERY_RENDER: &str = "every render";
 /// The reason of what sorts slots into queues.
 const QUEUES: &str = "--scatter queues";
 /// The reason of what stages hand to each other where they are kernels of their own.
@@ -100,6 +99,8 @@ pub struct Kernel {
     pub bindings: BTreeMap<String, Binding>,
     /// What of the scene asked for it.
     pub why: String,
+    /// The first of that, where there is no such kernel without it.
+    pub asked_by: Reason,
 }
 
 /// What a render of a scene takes: kernels, buffers and sizes.
@@ -205,15 +206,24 @@ impl Kernels {
     /// `Error::Shader` where a kernel does not link or validate: a defect of gpu-rt, not of the scene.
     pub fn link(features: &Features, options: &RenderOptions, scatter: Scatter, tables: &Tables) -> Result<Kernels> {
         let materials = entries(MATERIALS, &features.materials);
-        let empty = materials.is_empty();
         // A queue each is no use where there is one material.
         let queues = scatter == Scatter::Queues && materials.len() > 1;
         let fused = scatter == Scatter::Fused;
-        let choices = choices(features, options, &materials, Bounces { fused, queues }, tables);
-        let always = EVERY_RENDER;
+        let bounces = Bounces { fused, queues };
+        let decided = decide(features, options, &materials, &materials, 0, bounces);
+        let path_fields = path_fields(&decided.conditions, fused);
+        let [surface, medium, light, queue] = [
+            &decided.conditions.surface,
+            &decided.conditions.medium,
+            &decided.conditions.light,
+            &decided.conditions.queue,
+        ]
+        .map(Clone::clone);
+        let choices = decided.choices(tables);
+        let always = |name, why: &str| kernel(name, name, &choices, why, &Reason::EveryRender);
+        let every_render = Reason::EveryRender.to_string();
         let geometry = asked(PRIMITIVES, &features.primitives, "");
         let media = asked(&boundary_names(), &features.boundaries, " medium");
-        let lights = features.lights > 0;
         let of_sky = asked(&["sky"], std::slice::from_ref(&features.emitting_sky), " light");
         let emitters = [asked(PRIMITIVES, &features.emitters, " light"), of_sky];
         let emitters = emitters.into_iter().filter(|why| !why.is_empty()).collect::<Vec<_>>().join(", ");
@@ -221,34 +231,36 @@ impl Kernels {
         let reasons = [&geometry, &all_materials, &media, &emitters];
         let all_reasons = reasons.into_iter().filter(|why| !why.is_empty()).cloned().collect::<Vec<_>>().join("; ");
         let bounce = if fused {
-            let why = if all_reasons.is_empty() { always } else { &all_reasons };
-            Bounce::Fused(Box::new(kernel("bounce", "bounce", &choices, why)?))
+            Bounce::Fused(Box::new(always(
+                "bounce",
+                if all_reasons.is_empty() { &every_render } else { &all_reasons },
+            )?))
         } else {
-            let if_any = |wanted: bool, name: &str, stage, why: &str| {
-                wanted.then(|| kernel(name, stage, &choices, why)).transpose()
+            let if_any = |asked_by: &Option<Reason>, name, why: &str| {
+                asked_by.as_ref().map(|asked_by| kernel(name, name, &choices, why, asked_by)).transpose()
+            };
+            // A scatter kernel for each material: the linked kernel's own file with a list of one.
+            let queued_scatter = |(queue, material): (u32, &Entry)| {
+                let served = [Entry { closes: true, ..material.clone() }];
+                let own = decide(features, options, &materials, &served, queue, bounces).choices(tables);
+                let name = format!("scatter_{}", material.name);
+                kernel(&name, "scatter", &own, &material.why.to_string(), &material.why)
             };
             Bounce::Staged(Box::new(Staged {
-                intersect: kernel("intersect", "intersect", &choices, if empty { always } else { &geometry })?,
-                medium: if_any(features.crosses_media(), "medium", "medium", &media)?,
-                dispatch: if_any(queues, "dispatch", "dispatch", &format!("a queue for each material ({QUEUES})"))?,
+                intersect: always("intersect", if surface.is_none() { &every_render } else { &geometry })?,
+                medium: if_any(&medium, "medium", &media)?,
+                dispatch: if_any(&queue, "dispatch", &format!("a queue for each material ({QUEUES})"))?,
                 scatter: match queues {
-                    true => queued_scatters(features, &materials, &choices)?,
-                    false => if_any(!empty, "scatter", "scatter", &all_materials)?.into_iter().collect(),
+                    true => (0..).zip(&materials).map(queued_scatter).collect::<Result<_>>()?,
+                    false => if_any(&surface, "scatter", &all_materials)?.into_iter().collect(),
                 },
-                shadow: if_any(lights, "shadow", "shadow", &emitters)?,
-                refill: kernel("refill", "refill", &choices, always)?,
+                shadow: if_any(&light, "shadow", &emitters)?,
+                refill: always("refill", &every_render)?,
             }))
         };
-        let generate = kernel("generate", "generate", &choices, always)?;
+        let generate = always("generate", &every_render)?;
         let settings = SettingsLayout::of(&generate.module)?;
-        Ok(Kernels {
-            generate,
-            bounce,
-            path_fields: path_fields(features, fused),
-            settings,
-            tables: tables.clone(),
-            features: features.clone(),
-        })
+        Ok(Kernels { generate, bounce, path_fields, settings, tables: tables.clone(), features: features.clone() })
     }
 
     /// Bytes of the state of one slot's path.
@@ -342,20 +354,6 @@ fn element_bytes<T>(_: &[T]) -> u64 {
     size_of::<T>() as u64
 }
 
-/// The entries of a list of kinds that the scene uses; the last one closes a switch over them.
-fn entries(names: &[&str], used: &[Option<String>]) -> Vec<Entry> {
-    closed((0..).zip(names).zip(used).filter(|(_, used)| used.is_some()).map(|((number, name), _)| (*name, number)))
-}
-
-fn closed<'a>(kinds: impl Iterator<Item = (&'a str, u32)>) -> Vec<Entry> {
-    let mut entries: Vec<_> =
-        kinds.map(|(name, number)| Entry { name: name.to_string(), number, closes: false }).collect();
-    if let Some(last) = entries.last_mut() {
-        last.closes = true;
-    }
-    entries
-}
-
 fn boundary_names() -> Vec<&'static str> {
     BOUNDARIES.iter().map(|(name, _)| *name).collect()
 }
@@ -368,7 +366,8 @@ fn asked(names: &[&str], used: &[Option<String>], suffix: &str) -> String {
 
 /// What a kernel over all materials of the scene is linked with: for benchmarks and tests that link their own.
 pub fn choices_of(features: &Features, options: &RenderOptions, tables: &Tables) -> Choices {
-    choices(features, options, &entries(MATERIALS, &features.materials), Bounces { fused: true, queues: false }, tables)
+    let materials = entries(MATERIALS, &features.materials);
+    decide(features, options, &materials, &materials, 0, Bounces { fused: true, queues: false }).choices(tables)
 }
 
 /// How the steps of a bounce are cut into kernels.
@@ -378,193 +377,10 @@ struct Bounces {
     queues: bool,
 }
 
-fn choices(
-    features: &Features,
-    options: &RenderOptions,
-    materials: &[Entry],
-    bounces: Bounces,
-    tables: &Tables,
-) -> Choices {
-    let Bounces { fused, queues } = bounces;
-    let textures = entries(TEXTURES, &features.textures);
-    let backgrounds = entries(BACKGROUNDS, &features.backgrounds);
-    let (own_background, other_backgrounds) = match backgrounds.split_last() {
-        Some((own, others)) => (vec![own.clone()], others.to_vec()),
-        None => (Vec::new(), Vec::new()),
-    };
-    let walk = match features {
-        _ if materials.is_empty() => "scene/nothing",
-        Features { brute_force: true, .. } => "scene/brute_force",
-        _ => "scene/traverse",
-    };
-    let image_texture = textures.iter().any(|texture| texture.name == "image");
-    let pick = |condition, yes, no| if condition { yes } else { no };
-    // The faces of meshes are tested, told apart and shaded beside the other primitives; `mesh` is a list of its own, so that
-    // what meshes alone need stands in the same files. So it is with lights and with boundaries of media.
-    let of_meshes = |entry: &Entry| [data::KIND_TRIANGLE, data::KIND_INSTANCE].contains(&entry.number);
-    let split = |all: Vec<Entry>| all.into_iter().partition::<Vec<_>, _>(of_meshes);
-    let (meshes, primitives) = split(entries(PRIMITIVES, &features.primitives));
-    let (emitting_meshes, emitters) = split(entries(PRIMITIVES, &features.emitters));
-    let boundaries = BOUNDARIES.iter().zip(&features.boundaries).filter(|(_, used)| used.is_some());
-    let (mesh_boundaries, convex_boundaries) = split(closed(boundaries.map(|(boundary, _)| *boundary)));
-    let media = features.crosses_media();
-    let lights = features.lights > 0;
-    // One entry or none: what is linked where there are lights, and of which kinds.
-    let only_if = |wanted: bool, name: &str| if wanted { closed(std::iter::once((name, 0))) } else { Vec::new() };
-    let one_way = one_way(features);
-    let places = places(&path_fields(features, fused));
-    let numbered = |all: &[(&'static str, u32)]| closed(all.iter().copied());
-    let surfaces = !materials.is_empty();
-    let has_events = surfaces || features.media > 0;
-    let clamps = options.clamp.is_some() && has_events;
-    let has_glass = materials.iter().any(|material| material.name == "dielectric");
-    let is_sphere = |entry: &Entry| entry.name == "sphere";
-    let has_spheres = primitives.iter().chain(&convex_boundaries).any(is_sphere);
-    let mut choices = Choices {
-        modules: BTreeMap::from([
-            ("axes", pick(features.turned.is_some(), "scene/camera_axes", "scene/world_axes")),
-            ("camera", pick(features.thin_lens.is_some(), "camera/thin_lens", "camera/pinhole")),
-            ("colour", pick(textures.is_empty(), "scene/plain_colour", "scene/textured_colour")),
-            ("uv", pick(image_texture, "scene/uv", "scene/no_uv")),
-            ("shading", pick(features.smooth.is_some(), "scene/smooth_shading", "scene/flat_shading")),
-            ("medium_albedo", pick(features.textured_media.is_some(), "scene/textured_medium", "scene/plain_medium")),
-            ("roulette", options::ROULETTE.module(options, true).0),
-            ("clamp", options::CLAMP.module(options, has_events).0),
-            ("fresnel", options::FRESNEL.module(options, has_glass).0),
-            ("offset", options::OFFSET.module(options, surfaces).0),
-            ("sphere_chord", options::PRECISION.module(options, has_spheres).0),
-            ("light_choice", pick(features.lights > 1, "scene/light_tree", "scene/one_light")),
-            ("walk", walk),
-            ("sampler", options::SAMPLER.module(options, true).0),
-        ]),
-        lists: BTreeMap::from([
-            ("primitive", primitives),
-            ("mesh", meshes),
-            ("light", only_if(lights, "light")),
-            ("staged_light", only_if(lights && !fused, "light")),
-            ("medium", only_if(media, "medium")),
-            ("queue", only_if(queues, "queue")),
-            // Slots are sorted when it is known what becomes of their rays: after the media, where there are any.
-            ("queue_of_hits", only_if(queues && !media, "queue")),
-            ("surface", only_if(surfaces, "surface")),
-            ("event", only_if(surfaces || media, "event")),
-            ("lens", only_if(features.thin_lens.is_some(), "lens")),
-            ("camera_axes", only_if(features.turned.is_some(), "camera_axes")),
-            ("clamp", only_if(clamps, "clamp")),
-            ("brute_force", only_if(walk == "scene/brute_force", "brute_force")),
-            ("gradient_background", only_if(features.backgrounds[1].is_some(), "gradient")),
-            ("image_background", only_if(features.backgrounds[2].is_some(), "image")),
-            ("background", backgrounds),
-            ("several_backgrounds", only_if(!other_backgrounds.is_empty(), "several")),
-            ("own_background", own_background),
-            ("other_background", other_backgrounds),
-            ("path_plane", numbered(&places.planes)),
-            ("path_word", numbered(&places.words)),
-            ("other_path_word", numbered(&places.others)),
-            ("emitter", emitters),
-            ("emitting_mesh", emitting_meshes),
-            ("emitting_surface", only_if(features.emitters.iter().any(Option::is_some), "surface")),
-            ("unsampled", only_if(features.unsampled.is_some() || options.features == FeatureSet::All, "unsampled")),
-            ("emitting_sky", only_if(features.emitting_sky.is_some(), "sky")),
-            ("one_way", only_if(one_way, "one_way")),
-            ("sky_by_chance", only_if(one_way && features.emitting_sky.is_some(), "sky")),
-            ("convex_boundary", convex_boundaries),
-            ("mesh_boundary", mesh_boundaries),
-            ("texture", textures),
-        ]),
-        values: TABLES
-            .iter()
-            .copied()
-            .chain(KINDS.iter().map(|kind| (kind.table.name, kind.table.space, kind.table.size)))
-            .flat_map(|names| table_values(names, tables))
-            .chain([
-                ("stack_size", (features.stack_size + 1).to_string()),
-                // A walk that looks at all children has one more waiting at each level.
-                ("boundary_stack_size", (features.boundary_stack_size + 2).to_string()),
-                ("media", features.media.to_string()),
-                ("lights", features.lights.to_string()),
-                ("sky_light", features.sky_light.to_string()),
-                ("sky_columns", features.sky_grid.0.to_string()),
-                ("sky_rows", features.sky_grid.1.to_string()),
-                // Mesa 22.3 allows an invocation 65,535 iterations: for one walk, or for two, the other being a shadow ray's.
-                ("most_steps", if features.shadow_rays { "19000" } else { "48000" }.to_string()),
-                ("run_length", RUN_LENGTH.to_string()),
-                ("queues", materials.len().to_string()),
-            ])
-            .collect(),
-    };
-    serve(&mut choices, features, materials);
-    choices
-}
-
-/// Whether lights are sampled, and mirrors or glass leave some to chance.
-fn one_way(features: &Features) -> bool {
-    features.lights > 0 && features.specular.iter().any(Option::is_some)
-}
-
-/// What a kernel has that serves these materials.
-fn serve(choices: &mut Choices, features: &Features, materials: &[Entry]) {
-    let lights = features.lights > 0;
-    let only_if = |wanted: bool, name: &str| if wanted { closed(std::iter::once((name, 0))) } else { Vec::new() };
-    let is_in = |used: &[Option<String>], entry: &Entry| used.get(entry.number as usize).is_some_and(Option::is_some);
-    let non_specular: Vec<Entry> =
-        materials.iter().filter(|entry| is_in(&features.non_specular, entry)).cloned().collect();
-    let answers = lights && !non_specular.is_empty();
-    let specular = lights && materials.iter().any(|entry| is_in(&features.specular, entry));
-    let shines =
-        materials.iter().any(|entry| Material::KINDS.get(entry.number as usize).is_some_and(|kind| kind.emits));
-    let sampled = features.emitters.iter().any(Option::is_some);
-    choices.lists.extend([
-        ("surface_samples_light", only_if(answers, "surface_samples_light")),
-        ("specular", only_if(specular, "specular")),
-        ("sends_shadow_ray", only_if(answers || specular, "sends_shadow_ray")),
-        ("met_light", only_if(lights && sampled && shines, "light")),
-        ("met_by_chance", only_if(one_way(features) && sampled && shines, "light")),
-        ("non_specular", non_specular),
-        ("material", materials.to_vec()),
-    ]);
-}
-
-/// The tables but those of shapes by name, and the names of the values that say how each is bound.
-const TABLES: [(&str, &str, &str); 7] = [
-    ("nodes", "space_of_nodes", "size_of_nodes"),
-    ("media", "space_of_media", "size_of_media"),
-    ("lights", "space_of_lights", "size_of_lights"),
-    ("light_nodes", "space_of_light_nodes", "size_of_light_nodes"),
-    ("materials", "space_of_materials", "size_of_materials"),
-    ("textures", "space_of_textures", "size_of_textures"),
-    ("frames", "space_of_frames", "size_of_frames"),
-];
-
-/// The address space of a table's binding, and the size of its array.
-fn table_values(
-    (name, space, size): (&'static str, &'static str, &'static str),
-    tables: &Tables,
-) -> [(&'static str, String); 2] {
-    match tables.uniform.get(name) {
-        Some(elements) => [(space, "uniform".to_string()), (size, format!(", {elements}"))],
-        None => [(space, "storage, read".to_string()), (size, String::new())],
-    }
-}
-
-/// A scatter kernel for each material: the linked kernel's own file with a list of one.
-fn queued_scatters(features: &Features, materials: &[Entry], choices: &Choices) -> Result<Vec<Kernel>> {
-    (0..)
-        .zip(materials)
-        .map(|(queue, material)| {
-            let mut own = choices.clone();
-            serve(&mut own, features, &[Entry { closes: true, ..material.clone() }]);
-            own.values.insert("queue", i32::to_string(&queue));
-            let why = features.materials[material.number as usize].clone().unwrap_or_default();
-            kernel(&format!("scatter_{}", material.name), "scatter", &own, &why)
-        })
-        .collect()
-}
-
-fn kernel(name: &str, stage: &'static str, choices: &Choices, why: &str) -> Result<Kernel> {
+fn kernel(name: &str, stage: &'static str, choices: &Choices, why: &str, asked_by: &Reason) -> Result<Kernel> {
     let linked = link(&Embedded, &format!("stage/{stage}"), choices)?;
     let (module, _) = linked.validate()?;
     let bindings = layout::bindings(&module)?;
-    let choices = choices.clone();
-    Ok(Kernel { name: name.to_string(), stage, choices, linked, module, bindings, why: why.to_string() })
+    let (name, choices, why, asked_by) = (name.to_string(), choices.clone(), why.to_string(), asked_by.clone());
+    Ok(Kernel { name, stage, choices, linked, module, bindings, why, asked_by })
 }

@@ -4,7 +4,7 @@ struct Hit {
     t: f32,
     // Nodes and primitives looked at.
     steps: u32,
-    //@ each mesh
+    //@ if mesh
     // The mesh that a triangle is part of.
     instance: u32,
     //@ end
@@ -17,7 +17,7 @@ fn hit_at(code: u32, t: f32) -> Hit {
     var hit: Hit;
     hit.code = code;
     hit.t = t;
-    //@ each mesh
+    //@ if mesh
     hit.instance = NO_INSTANCE;
     //@ end
     return hit;

@@ -10,7 +10,7 @@ struct Path {
     status: u32,
     // The share of the light met next that reaches the camera; of an ended path its radiance.
     throughput: vec3<f32>,
-    //@ each mesh
+    //@ if mesh
     // With a triangle's code: the instance that it is part of.
     instance: u32,
     //@ end
@@ -20,7 +20,7 @@ struct Path {
     sample: u32,
     // As in RunRecord.
     counts: u32,
-    //@ each light
+    //@ if light
     // Radiance of the sample so far, by sampled lights.
     radiance: vec3<f32>,
     // Density of the last scattering's direction; 0 where no other direction was possible, and for the camera's rays.
@@ -30,7 +30,7 @@ struct Path {
     light: u32,
     light_weight: vec3<f32>,
     //@ end
-    //@ each emitting_mesh
+    //@ if emitting_mesh
     // With a triangle's code for the light: the instance that it is part of.
     light_instance: u32,
     //@ end
@@ -44,7 +44,7 @@ struct Path {
 // What the path's ray met.
 fn path_hit(path: ptr<function, Path>) -> Hit {
     var hit = hit_at((*path).status, (*path).t);
-    //@ each mesh
+    //@ if mesh
     hit.instance = (*path).instance;
     //@ end
     return hit;

@@ -17,35 +17,35 @@ struct Settings {
     background_bottom: vec3<f32>,
     // Code of the BVH's root (data/primitive).
     root: u32,
-    //@ each lens
+    //@ if lens
     // The lens's radius along the image's x and y, in render space.
     lens_x: vec3<f32>,
     // 1 / focus distance in render space: the lens offset times this bends the ray back to the point in focus.
     inverse_focus: f32,
     lens_y: vec3<f32>,
     //@ end
-    //@ each image_background
+    //@ if image_background
     background_width: u32,
     background_height: u32,
     //@ end
-    //@ each gradient_background
+    //@ if gradient_background
     background_top: vec3<f32>,
     //@ end
-    //@ each camera_axes
+    //@ if camera_axes
     // The world's axes in render space.
     world_x: vec3<f32>,
     world_y: vec3<f32>,
     world_z: vec3<f32>,
     //@ end
-    //@ each clamp
+    //@ if clamp
     // The most that a contribution of indirect light may be, in device radiance.
     indirect_limit: f32,
     //@ end
-    //@ each brute_force
+    //@ if brute_force
     // How many primitives there are of each kind that the scene has, in the order of the kinds.
     brute_force: vec4<u32>,
     //@ end
-    //@ each several_backgrounds
+    //@ if several_backgrounds
     // Number of the background's kind (src/flatten).
     background: u32,
     //@ end

@@ -29,7 +29,7 @@ struct Counters {
     too_deep: atomic<u32>,
     too_deep_low: atomic<u32>,
     too_deep_high: atomic<u32>,
-    //@ each one_way
+    //@ if one_way
     // Of each bin of lights what mirrors and glass may send of it, and what was met of it there: in units of 2^-24, the low word and the high
     // one (step/through_glass).
     light: array<array<atomic<u32>, 4>, 32>,

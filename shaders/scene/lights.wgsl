@@ -9,12 +9,12 @@
 //@ use light/${name}
 //@ use bind/${name}s
 //@ end
-//@ each emitting_mesh
+//@ if emitting_mesh
 //@ use light/triangle
 //@ use scene/at_run_time
 //@ use scene/meshes
 //@ end
-//@ each emitting_sky
+//@ if emitting_sky
 //@ use scene/sky_light
 //@ end
 // The scene's lights, of just the kinds that it has.
@@ -22,7 +22,7 @@
 // A direction from a point to a light, with its density in solid angle.
 fn direction_to_light(light: Light, from_point: vec3<f32>, u: vec3<f32>) -> DirectionSample {
     let index = primitive_index(light.code);
-    //@ each emitting_sky
+    //@ if emitting_sky
     if light.code == HIT_NOTHING {
         return sky_light_sample(u);
     }
@@ -33,7 +33,7 @@ fn direction_to_light(light: Light, from_point: vec3<f32>, u: vec3<f32>) -> Dire
             return ${name}_light_sample(from_point, ${name}s[index], u.xy);
         }
         //@ end
-        //@ each emitting_mesh
+        //@ if emitting_mesh
         case KIND_TRIANGLE: {
             let corners = placed_corners(instances[light.instance], index);
             return triangle_light_sample(from_point, corners.a, corners.b, corners.c, u.xy);
@@ -54,7 +54,7 @@ fn distance_to_light(code: u32, ray: Ray) -> f32 {
             return ${name}_light_distance(ray, ${name}s[index]);
         }
         //@ end
-        //@ each emitting_mesh
+        //@ if emitting_mesh
         case KIND_TRIANGLE: {
             let corners = corners_of(index);
             let normal = triangle_cross(corners.a, corners.b, corners.c);
@@ -84,7 +84,7 @@ fn arrives_at_front(code: u32, ray: Ray, normal: vec3<f32>) -> bool {
 
 // The probability that a light is chosen, which something that emits may not be.
 fn probability_of_light(index: u32, from_point: vec3<f32>) -> f32 {
-    //@ each unsampled
+    //@ if unsampled
     if index >= NOT_SAMPLED {
         return 0.0;
     }
@@ -101,7 +101,7 @@ fn number_of_light(hit: Hit) -> u32 {
             return ${name}s[index].light;
         }
         //@ end
-        //@ each emitting_mesh
+        //@ if emitting_mesh
         case KIND_TRIANGLE: {
             return instances[at_run_time(hit.instance)].to_light + index;
         }
@@ -122,7 +122,7 @@ fn light_density(hit: Hit, from_point: vec3<f32>, direction: vec3<f32>) -> f32 {
             return probability_of_light(shape.light, from_point) * ${name}_light_pdf(from_point, direction, shape);
         }
         //@ end
-        //@ each emitting_mesh
+        //@ if emitting_mesh
         case KIND_TRIANGLE: {
             let placed = instances[at_run_time(hit.instance)];
             let corners = placed_corners(placed, index);

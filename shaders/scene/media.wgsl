@@ -7,7 +7,7 @@
 //@ use medium/${name}
 //@ use bind/${name}s
 //@ end
-//@ each mesh_boundary
+//@ if mesh_boundary
 //@ use scene/medium_in_mesh
 //@ end
 // Where media scatter rays.
@@ -23,8 +23,8 @@ fn collision(medium: Medium, ray: Ray, depth: f32, limit: f32, steps: ptr<functi
             return collision_within(${name}_interval(ray, ${name}s[index]), way, limit);
         }
         //@ end
-        //@ each mesh_boundary
-        ${case}: {
+        //@ if mesh_boundary
+        default: {
             return collision_in_mesh(ray, index, way, limit, steps);
         }
         //@ end

@@ -5,7 +5,7 @@
 //@ use geometry/${name}
 //@ use bind/${name}s
 //@ end
-//@ each mesh
+//@ if mesh
 //@ use bind/instances
 //@ use scene/at_run_time
 //@ use scene/meshes
@@ -22,8 +22,8 @@ fn primitive_distance(code: u32, ray: Ray, inverse: vec3<f32>) -> f32 {
             return ${name}_distance(ray, ${name}s[index]);
         }
         //@ end
-        //@ each mesh
-        ${case}: {
+        //@ if mesh
+        default: {
             return face_hit(ray, inverse, index).t;
         }
         //@ end
@@ -39,8 +39,8 @@ fn primitive_order(hit: Hit) -> u32 {
             return ${name}s[index].order;
         }
         //@ end
-        //@ each mesh
-        ${case}: {
+        //@ if mesh
+        default: {
             return instances[at_run_time(hit.instance)].order;
         }
         //@ end
@@ -52,7 +52,7 @@ fn primitive_order(hit: Hit) -> u32 {
 fn comes_before(candidate: Hit, hit: Hit) -> bool {
     let order = primitive_order(candidate);
     let other = primitive_order(hit);
-    //@ each mesh
+    //@ if mesh
     if order == other {
         return face_number(primitive_index(candidate.code)) < face_number(primitive_index(hit.code));
     }

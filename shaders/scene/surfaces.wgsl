@@ -6,7 +6,7 @@
 //@ use geometry/${name}
 //@ use bind/${name}s
 //@ end
-//@ each mesh
+//@ if mesh
 //@ use bind/instances
 //@ use scene/at_run_time
 //@ use scene/meshes
@@ -20,8 +20,8 @@ fn surface_at(hit: Hit, ray: Ray) -> Surface {
             return ${name}_surface(ray, hit.t, ${name}s[index]);
         }
         //@ end
-        //@ each mesh
-        ${case}: {
+        //@ if mesh
+        default: {
             return mesh_surface(ray, instances[at_run_time(hit.instance)], index);
         }
         //@ end
@@ -37,8 +37,8 @@ fn material_index(hit: Hit) -> u32 {
             return ${name}s[index].material;
         }
         //@ end
-        //@ each mesh
-        ${case}: {
+        //@ if mesh
+        default: {
             return instances[at_run_time(hit.instance)].material;
         }
         //@ end

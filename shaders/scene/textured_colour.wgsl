@@ -4,7 +4,7 @@
 //@ use data/primitive
 //@ use scene/textures
 //@ use choice/uv
-//@ each mesh
+//@ if mesh
 //@ use scene/meshes
 //@ end
 // The colour of a surface: the material's own, or that of its texture at the point in the object's space.
@@ -14,7 +14,7 @@ fn surface_colour(material: Material, hit: Hit, surface: Surface) -> vec3<f32> {
     }
     let frame = frames[surface.frame];
     var local = surface.local;
-    //@ each mesh
+    //@ if mesh
     if primitive_kind(hit.code) == KIND_TRIANGLE {
         local = mesh_point(primitive_index(hit.code), local);
     }

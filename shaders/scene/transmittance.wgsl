@@ -7,7 +7,7 @@
 //@ use medium/${name}
 //@ use bind/${name}s
 //@ end
-//@ each mesh_boundary
+//@ if mesh_boundary
 //@ use scene/medium_in_mesh
 //@ end
 // The share of light that gets through all media on the way to distance t; WALK_CUT where that took too many steps to find out.
@@ -23,8 +23,8 @@ fn transmittance(ray: Ray, t: f32, steps: ptr<function, u32>) -> f32 {
                 way = way_within(${name}_interval(ray, ${name}s[index]), t);
             }
             //@ end
-            //@ each mesh_boundary
-            ${case}: {
+            //@ if mesh_boundary
+            default: {
                 way = way_in_mesh(ray, index, t, steps);
             }
             //@ end

@@ -5,7 +5,7 @@
 //@ use bind/nodes
 //@ use geometry/bounds
 //@ use scene/primitives
-//@ each mesh
+//@ if mesh
 //@ use geometry/instance
 //@ end
 //@ use lib/float
@@ -31,7 +31,7 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
     // The ray in the space of the nodes that are walked: the scene's, or that of the mesh that has been entered.
     var here = ray;
     var inverse = slab_inverse(ray.direction);
-    //@ each mesh
+    //@ if mesh
     var instance = NO_INSTANCE;
     // The stack's depth when the mesh was entered.
     var entered_at = 0u;
@@ -48,7 +48,7 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
         hit.steps += 1u;
         var next = CHILD_MISSED;
         if (code & PRIMITIVE_BIT) != 0u {
-            //@ each mesh
+            //@ if mesh
             if primitive_kind(code) == KIND_INSTANCE {
                 let entered = primitive_index(code);
                 instance = entered;
@@ -62,7 +62,7 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
             let t = primitive_distance(code, here, inverse);
             if t != NO_HIT && t <= hit.t {
                 var candidate = hit_at(code, t);
-                //@ each mesh
+                //@ if mesh
                 candidate.instance = instance;
                 //@ end
                 if t < hit.t || comes_before(candidate, hit) {
@@ -85,7 +85,7 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
             next = select(code * 4u + (keys.x & CHILD_MASK), CHILD_MISSED, keys.x == CHILD_MISSED);
         }
         if next == CHILD_MISSED {
-            //@ each mesh
+            //@ if mesh
             if instance != NO_INSTANCE && depth == entered_at {
                 instance = NO_INSTANCE;
                 here = ray;

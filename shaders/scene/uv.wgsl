@@ -4,7 +4,7 @@
 //@ each primitive
 //@ use geometry/${name}
 //@ end
-//@ each mesh
+//@ if mesh
 //@ use scene/at_run_time
 //@ use scene/meshes
 //@ end
@@ -16,8 +16,8 @@ fn surface_uv(hit: Hit, point: vec3<f32>, local: vec3<f32>) -> SurfaceUv {
             return ${name}_uv(point, local);
         }
         //@ end
-        //@ each mesh
-        ${case}: {
+        //@ if mesh
+        default: {
             return mesh_uv(instances[at_run_time(hit.instance)], primitive_index(hit.code), local);
         }
         //@ end

@@ -4,17 +4,17 @@
 fn load_hit(slot: u32, path: ptr<function, Path>) {
     load_ray(slot, path);
     (*path).t = bitcast<f32>(load_t(slot));
-    //@ each mesh
+    //@ if mesh
     (*path).instance = load_instance(slot);
     //@ end
 }
 
 fn store_hit(slot: u32, path: ptr<function, Path>) {
     store_status(slot, (*path).status);
-    //@ each event
+    //@ if event
     store_t(slot, bitcast<u32>((*path).t));
     //@ end
-    //@ each mesh
+    //@ if mesh
     store_instance(slot, (*path).instance);
     //@ end
 }
@@ -33,7 +33,7 @@ fn load_shadow(slot: u32, path: ptr<function, Path>) {
     (*path).shadow = Ray(vector_of(origin), vector_of(paths[place(PLANE_OF_SHADOW_DIRECTION, slot)]));
     (*path).light = origin.w;
     (*path).light_weight = vector_of(paths[place(PLANE_OF_LIGHT_WEIGHT, slot)]);
-    //@ each emitting_mesh
+    //@ if emitting_mesh
     (*path).light_instance = load_light_instance(slot);
     //@ end
 }
@@ -42,7 +42,7 @@ fn store_shadow(slot: u32, path: ptr<function, Path>) {
     store_plane(PLANE_OF_SHADOW_ORIGIN, slot, (*path).shadow.origin, (*path).light);
     store_vector(PLANE_OF_SHADOW_DIRECTION, slot, (*path).shadow.direction);
     store_vector(PLANE_OF_LIGHT_WEIGHT, slot, (*path).light_weight);
-    //@ each emitting_mesh
+    //@ if emitting_mesh
     store_light_instance(slot, (*path).light_instance);
     //@ end
 }

@@ -4,7 +4,7 @@
 //@ end
 //@ use bind/settings
 //@ use data/path
-//@ each light
+//@ if light
 //@ use data/light
 //@ end
 // The state of the slots' paths in memory, of just the fields that this scene's kernels hand to each other (src/plan/state.rs lists
@@ -121,7 +121,7 @@ fn load_path(slot: u32, path: ptr<function, Path>) {
     load_throughput(slot, path);
     load_sample_of_path(slot, path);
     load_run(slot, path);
-    //@ each light
+    //@ if light
     load_radiance(slot, path);
     (*path).light = NO_LIGHT;
     //@ end
@@ -136,7 +136,7 @@ fn store_path(slot: u32, path: ptr<function, Path>) {
     store_vector(PLANE_OF_EXCESS, slot, (*path).sum.excess);
     store_vector(PLANE_OF_SPREAD, slot, (*path).spread);
     store_counts(slot, (*path).counts);
-    //@ each light
+    //@ if light
     store_radiance(slot, path);
     //@ end
 }

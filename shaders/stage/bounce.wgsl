@@ -1,9 +1,9 @@
 //@ use slots/state
 //@ use step/trace
-//@ each medium
+//@ if medium
 //@ use step/media
 //@ end
-//@ each surface
+//@ if surface
 //@ use step/scatter
 //@ end
 //@ use step/refill
@@ -27,20 +27,20 @@ fn bounce(@builtin(global_invocation_id) id: vec3<u32>) {
     var path: Path;
     load_path(slot, &path);
     var iterations = 0u;
-    //@ each medium
+    //@ if medium
     iterations = MOST_STEPS_OF_MEDIA;
     //@ end
     for (var i = 0u; i < window.bounces && iterations < MOST_ITERATIONS; i++) {
         iterations += trace(&path) + ITERATIONS_OF_SHADING;
-        //@ each medium
+        //@ if medium
         iterations += cross_media(&path);
         //@ end
-        //@ each surface
+        //@ if surface
         if path.status < FIRST_STATUS {
             scatter_path(&path);
         }
         //@ end
-        //@ each light
+        //@ if light
         if path.light != NO_LIGHT {
             iterations += trace_shadow(&path);
         }

@@ -1,6 +1,6 @@
 //@ use slots/state
 //@ use step/start
-//@ each staged_light
+//@ if staged_light
 //@ use slots/between
 //@ end
 // Gives every slot a run, when none has one.
@@ -15,7 +15,7 @@ fn generate(@builtin(global_invocation_id) id: vec3<u32>) {
     var path: Path;
     start_run(&path);
     store_path(slot, &path);
-    //@ each staged_light
+    //@ if staged_light
     store_no_light(slot);
     //@ end
 }

@@ -1,6 +1,6 @@
 //@ use slots/between
 //@ use step/trace
-//@ each queue_of_hits
+//@ if queue_of_hits
 //@ use slots/sort_by_material
 //@ end
 // Finds what each slot's ray meets first.
@@ -19,7 +19,7 @@ fn intersect(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     trace(&path);
     store_hit(slot, &path);
-    //@ each queue_of_hits
+    //@ if queue_of_hits
     sort_slot(slot, path_hit(&path));
     //@ end
 }

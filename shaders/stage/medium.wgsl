@@ -1,6 +1,6 @@
 //@ use slots/between
 //@ use step/media
-//@ each queue
+//@ if queue
 //@ use slots/sort_by_material
 //@ end
 // Lets media scatter the slots' rays before they reach what they met.
@@ -19,12 +19,12 @@ fn medium(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     load_throughput(slot, &path);
     load_sample_of_path(slot, &path);
-    //@ each light
+    //@ if light
     load_radiance(slot, &path);
     path.light = NO_LIGHT;
     //@ end
     cross_media(&path);
-    //@ each light
+    //@ if light
     store_radiance(slot, &path);
     if path.light != NO_LIGHT {
         store_shadow(slot, &path);
@@ -32,7 +32,7 @@ fn medium(@builtin(global_invocation_id) id: vec3<u32>) {
     //@ end
     store_ray(slot, &path);
     store_throughput(slot, &path);
-    //@ each queue
+    //@ if queue
     sort_slot(slot, path_hit(&path));
     //@ end
 }

@@ -1,6 +1,6 @@
 //@ use slots/between
 //@ use step/scatter
-//@ each queue
+//@ if queue
 //@ use slots/queue_turn
 //@ end
 // Scatters the slots whose rays met a surface.
@@ -9,7 +9,7 @@ override WORKGROUP_SIZE: u32 = 64u;
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn scatter(@builtin(global_invocation_id) id: vec3<u32>) {
     var slot = id.x;
-    //@ each queue
+    //@ if queue
     slot = queued_slot(id.x);
     //@ end
     if slot >= settings.slots {
@@ -22,17 +22,17 @@ fn scatter(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     load_throughput(slot, &path);
     load_sample_of_path(slot, &path);
-    //@ each light
+    //@ if light
     load_radiance(slot, &path);
     //@ end
-    //@ each sends_shadow_ray
+    //@ if sends_shadow_ray
     path.light = NO_LIGHT;
     //@ end
     scatter_path(&path);
-    //@ each light
+    //@ if light
     store_radiance(slot, &path);
     //@ end
-    //@ each sends_shadow_ray
+    //@ if sends_shadow_ray
     if path.light != NO_LIGHT {
         store_shadow(slot, &path);
     }

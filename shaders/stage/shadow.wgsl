@@ -14,7 +14,7 @@ fn shadow(@builtin(global_invocation_id) id: vec3<u32>) {
     load_shadow(slot, &path);
     load_radiance(slot, &path);
     path.rays = load_rays(slot);
-    //@ each one_way
+    //@ if one_way
     load_sample_of_path(slot, &path);
     load_throughput(slot, &path);
     //@ end

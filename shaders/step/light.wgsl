@@ -6,18 +6,18 @@
 //@ use choice/sampler
 //@ use lib/float
 //@ use choice/walk
-//@ each medium
+//@ if medium
 //@ use scene/transmittance
 //@ end
 //@ use choice/clamp
-//@ each one_way
+//@ if one_way
 //@ use step/through_glass
 //@ end
 //@ use scene/lights
-//@ each emitting_sky
+//@ if emitting_sky
 //@ use scene/background
 //@ end
-//@ each emitting_surface
+//@ if emitting_surface
 //@ use bind/materials
 //@ use choice/colour
 //@ use scene/surfaces
@@ -48,7 +48,7 @@ fn send_shadow_ray(path: ptr<function, Path>, light_sample: LightSample, origin:
         let light = lights[light_sample.light];
         (*path).shadow = Ray(origin, light_sample.direction);
         (*path).light = light.code;
-        //@ each emitting_mesh
+        //@ if emitting_mesh
         (*path).light_instance = light.instance;
         //@ end
         (*path).light_weight = weight_of_light(weight, (*path).depth);
@@ -66,7 +66,7 @@ fn mis_weight(path: ptr<function, Path>, hit: Hit) -> f32 {
 
 // What a shadow ray may meet at most: the light that it is sent to.
 fn limit_of_shadow(path: ptr<function, Path>) -> Hit {
-    //@ each emitting_surface
+    //@ if emitting_surface
     if (*path).light != HIT_NOTHING {
         return limit_at_surface(path);
     }
@@ -79,7 +79,7 @@ fn limit_at_surface(path: ptr<function, Path>) -> Hit {
     var ray = (*path).shadow;
     // Asked for by faces of meshes alone.
     var inverse = vec3<f32>(0.0);
-    //@ each emitting_mesh
+    //@ if emitting_mesh
     if primitive_kind(code) == KIND_TRIANGLE {
         ray = to_mesh(instances[at_run_time((*path).light_instance)], ray);
         inverse = slab_inverse(ray.direction);
@@ -89,7 +89,7 @@ fn limit_at_surface(path: ptr<function, Path>) -> Hit {
     // A direction drawn towards a light that is tiny from here, or near the edge of any, can pass it by its rounding. It counts all
     // the same, for its density says that it was drawn: only something before the light can take it away.
     var limit = hit_at(code, select(distance_to_light(code, ray), t, t != NO_HIT));
-    //@ each emitting_mesh
+    //@ if emitting_mesh
     limit.instance = (*path).light_instance;
     //@ end
     return limit;
@@ -106,7 +106,7 @@ fn trace_shadow(path: ptr<function, Path>) -> u32 {
     }
     let hit = first_hit((*path).shadow, settings.root, limit, true);
     var is_hidden = hit.code != code;
-    //@ each emitting_mesh
+    //@ if emitting_mesh
     is_hidden |= hit.instance != limit.instance;
     //@ end
     var status = (*path).status;
@@ -116,7 +116,7 @@ fn trace_shadow(path: ptr<function, Path>) -> u32 {
     if !is_hidden {
         emitted = emitted_along((*path).shadow, hit);
         var radiance = emitted;
-        //@ each medium
+        //@ if medium
         let through = transmittance((*path).shadow, hit.t, &steps);
         if through == WALK_CUT {
             status = PATH_CUT;
@@ -128,7 +128,7 @@ fn trace_shadow(path: ptr<function, Path>) -> u32 {
     } else if hit.code == PATH_CUT {
         status = PATH_CUT;
     }
-    //@ each one_way
+    //@ if one_way
     // A question is no part of the image, nor is what becomes of it.
     if is_by_chance(path) {
         if !is_hidden {
@@ -145,12 +145,12 @@ fn trace_shadow(path: ptr<function, Path>) -> u32 {
 // The radiance that a light sends back along a ray that was sent to it.
 fn emitted_along(ray: Ray, hit: Hit) -> vec3<f32> {
     var radiance = vec3<f32>(0.0);
-    //@ each emitting_sky
+    //@ if emitting_sky
     if hit.code == HIT_NOTHING {
         radiance = background_radiance(ray.direction);
     }
     //@ end
-    //@ each emitting_surface
+    //@ if emitting_surface
     if hit.code != HIT_NOTHING {
         radiance = emitted_by_surface(ray, hit);
     }

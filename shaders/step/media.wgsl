@@ -11,7 +11,7 @@
 //@ use scene/media
 //@ use choice/medium_albedo
 //@ use choice/roulette
-//@ each light
+//@ if light
 //@ use medium/phase_pdf
 //@ use step/light
 //@ end
@@ -60,7 +60,7 @@ fn cross_media(path: ptr<function, Path>) -> u32 {
     if depth < settings.max_depth && any(throughput != vec3<f32>(0.0)) {
         let u = random4((*path).pixel, (*path).sample, bounce_dimension(depth, DIMENSION_SCATTER), settings.seed);
         let direction = sample_phase(ray.direction, medium.anisotropy, medium.one_minus_anisotropy, u.xy);
-        //@ each light
+        //@ if light
         let light_sample = sample_light(path, point);
         let g = medium.anisotropy;
         let share = phase_pdf(ray.direction, light_sample.direction, g, medium.one_minus_anisotropy);

@@ -8,10 +8,10 @@
 //@ use lib/compensated
 //@ use lib/spread
 //@ use step/start
-//@ each emitting_sky
+//@ if emitting_sky
 //@ use step/sky_mis_weight
 //@ end
-//@ each sky_by_chance
+//@ if sky_by_chance
 //@ use step/through_glass
 //@ end
 //@ relies on bits
@@ -36,12 +36,12 @@ fn count_too_deep(throughput: vec3<f32>) {
 fn refill_path(path: ptr<function, Path>) {
     var radiance = (*path).throughput;
     if (*path).status == HIT_NOTHING {
-        //@ each emitting_sky
+        //@ if emitting_sky
         radiance *= mis_weight_of_sky(path);
         //@ end
         let behind = background_radiance((*path).ray.direction);
         radiance *= behind;
-        //@ each sky_by_chance
+        //@ if sky_by_chance
         note_met_light(path, NUMBER_OF_SKY, behind, radiance);
         //@ end
     }
@@ -50,7 +50,7 @@ fn refill_path(path: ptr<function, Path>) {
         radiance = vec3<f32>(0.0);
     }
     radiance = limited_indirect(radiance, (*path).depth);
-    //@ each light
+    //@ if light
     radiance += (*path).radiance;
     //@ end
     // A sample that is not finite is dropped and counted by reason; the bits tell, since x != x may be assumed false.

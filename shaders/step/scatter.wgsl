@@ -9,17 +9,17 @@
 //@ use choice/colour
 //@ use choice/roulette
 //@ use choice/shading
-//@ each surface_samples_light
+//@ if surface_samples_light
 //@ use scene/responses
 //@ use step/light
 //@ end
-//@ each met_light
+//@ if met_light
 //@ use step/light
 //@ end
-//@ each met_by_chance
+//@ if met_by_chance
 //@ use step/through_glass
 //@ end
-//@ each specular
+//@ if specular
 //@ use step/light
 //@ use step/through_glass
 //@ end
@@ -39,11 +39,11 @@ fn scatter_path(path: ptr<function, Path>) {
     let depth = (*path).depth;
     let u = random4((*path).pixel, (*path).sample, bounce_dimension(depth, DIMENSION_SCATTER), settings.seed);
     let scattered = scatter_by_material(material, arriving, u);
-    //@ each light
+    //@ if light
     var pdf = 0.0;
     var samples_lights = false;
     //@ end
-    //@ each surface_samples_light
+    //@ if surface_samples_light
     // Whatever answers to lights sends rays to the side that it is seen from.
     samples_lights = depth < settings.max_depth && is_non_specular(material);
     if samples_lights {
@@ -54,7 +54,7 @@ fn scatter_path(path: ptr<function, Path>) {
         pdf = response_of_material(material, arriving, scattered.direction).pdf;
     }
     //@ end
-    //@ each specular
+    //@ if specular
     if !samples_lights {
         pdf = pdf_of_one_way((*path).pdf);
         let can_meet = pdf < 0.0 && scattered.event == SCATTERED && depth < settings.max_depth;
@@ -66,17 +66,17 @@ fn scatter_path(path: ptr<function, Path>) {
         }
     }
     //@ end
-    //@ each met_light
+    //@ if met_light
     if scattered.event == EMITTED {
         (*path).throughput *= mis_weight(path, hit);
     }
     //@ end
-    //@ each met_by_chance
+    //@ if met_by_chance
     if scattered.event == EMITTED {
         note_met_light(path, number_of_light(hit), scattered.weight, (*path).throughput * scattered.weight);
     }
     //@ end
-    //@ each light
+    //@ if light
     (*path).pdf = pdf;
     //@ end
     var throughput = (*path).throughput * scattered.weight;

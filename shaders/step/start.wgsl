@@ -6,7 +6,7 @@
 //@ use bind/counters
 //@ use choice/camera
 //@ use choice/sampler
-//@ each light
+//@ if light
 //@ use data/light
 //@ end
 // Starting a sample, and a run.
@@ -32,7 +32,7 @@ fn start_sample(path: ptr<function, Path>) {
     (*path).status = RAY_READY;
     (*path).throughput = vec3<f32>(1.0);
     (*path).depth = 0u;
-    //@ each light
+    //@ if light
     (*path).radiance = vec3<f32>(0.0);
     (*path).pdf = 0.0;
     (*path).light = NO_LIGHT;

@@ -6,7 +6,7 @@ fn trace(path: ptr<function, Path>) -> u32 {
     let hit = nearest_hit((*path).ray, settings.root);
     (*path).t = hit.t;
     (*path).status = hit.code;
-    //@ each mesh
+    //@ if mesh
     (*path).instance = hit.instance;
     //@ end
     return hit.steps;

@@ -102,9 +102,9 @@ fn words(found: &Numerics) -> Vec<String> {
         ),
     ];
     lines.extend(
-        found
-            .lacking()
-            .map(|property| format!("numerics: kernels that rely on it are refused: this driver {}", property.without)),
+        found.lacking().map(|property| {
+            format!("numerics: kernels that rely on it are refused: this driver {}", property.without())
+        }),
     );
     lines
 }

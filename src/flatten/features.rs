@@ -9,6 +9,9 @@ pub use crate::shape::{BOUNDARIES, PRIMITIVES};
 /// The kinds of background by number; each is a file of shaders/background.
 pub const BACKGROUNDS: &[&str] = &["solid", "gradient", "image"];
 
+/// What asks for everything that a scene can have.
+pub const EVERY_FEATURE: &str = "--features all";
+
 /// What emits and is left to chance.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unsampled {
@@ -68,12 +71,6 @@ pub struct Features {
     pub boundary_stack_size: u32,
 }
 
-/// What asked for the kind of this name.
-fn of<'a>(names: &[&str], used: &'a [Option<String>], name: &str) -> Option<&'a str> {
-    let place = names.iter().position(|known| *known == name)?;
-    used.get(place)?.as_deref()
-}
-
 impl Features {
     /// What a render with these options requires: with `--features all` everything that a scene can have.
     pub fn of(&self, options: &RenderOptions) -> Features {
@@ -87,9 +84,8 @@ impl Features {
     /// Everything that a scene can have, as asked for by `--features all`. Of what chooses between two ways, such as the number of
     /// lights, the scene's own way stays, and so do the settings that approximate.
     fn add_all(&mut self, sample_lights: bool) {
-        let all = "--features all";
         let add = |used: &mut Option<String>| {
-            used.get_or_insert_with(|| all.to_string());
+            used.get_or_insert_with(|| EVERY_FEATURE.to_string());
         };
         let emitters = if sample_lights { self.emitters.as_mut_slice() } else { &mut [] };
         let lists: [&mut [Option<String>]; 5] = [
@@ -130,74 +126,6 @@ impl Features {
     /// Whether anything in the scene answers to light from any direction. Where nothing does, no ray is sent to a light.
     pub(super) fn samples_light_anywhere(&self) -> bool {
         self.media > 0 || self.non_specular.iter().any(Option::is_some)
-    }
-
-    fn primitive(&self, name: &str) -> Option<&str> {
-        of(PRIMITIVES, &self.primitives, name)
-    }
-
-    fn boundary(&self, name: &str) -> Option<&str> {
-        let place = BOUNDARIES.iter().position(|(known, _)| *known == name)?;
-        self.boundaries.get(place)?.as_deref()
-    }
-
-    /// The scene's object that asked for what a module of the shaders is for; nothing of modules that serve all scenes.
-    pub fn asked_for(&self, module: &str) -> Option<&str> {
-        let texture = || self.textures.iter().flatten().next().map(String::as_str);
-        let light = || self.emitters.iter().flatten().chain(&self.emitting_sky).next().map(String::as_str);
-        let medium = || self.boundaries.iter().flatten().next().map(String::as_str);
-        let (primitive, boundary) = (|name| self.primitive(name), |name| self.boundary(name));
-        let (folder, name) = module.split_once('/')?;
-        let stem = name.split('_').next().unwrap_or(name);
-        match (folder, name) {
-            ("material", _) => of(MATERIALS, &self.materials, name.trim_end_matches("_eval")),
-            ("texture", _) => of(TEXTURES, &self.textures, name),
-            ("background", _) => of(BACKGROUNDS, &self.backgrounds, name),
-            ("bind", _) => self.asked_for_table(name),
-            ("geometry", "instance" | "slab") => primitive("triangle").or_else(|| boundary("mesh")),
-            ("geometry", _) => primitive(stem).or_else(|| boundary(stem)),
-            ("medium", _) if BOUNDARIES.iter().any(|(known, _)| *known == name) => boundary(name),
-            ("medium", _) => medium(),
-            ("light", _) if PRIMITIVES.contains(&name) => of(PRIMITIVES, &self.emitters, name),
-            ("light", "sky") | ("scene", "sky_light") | ("step", "sky_mis_weight") => self.emitting_sky.as_deref(),
-            ("light", _) => light(),
-            ("camera", "thin_lens") => self.thin_lens.as_deref(),
-            ("scene", "camera_axes") => self.turned.as_deref(),
-            ("scene", "smooth_shading") => self.smooth.as_deref(),
-            ("scene", "textured_medium") => self.textured_media.as_deref(),
-            ("scene", "medium_in_mesh") => boundary("mesh"),
-            ("scene", "meshes") => primitive("triangle").or_else(|| boundary("mesh")),
-            ("scene", "uv") => of(TEXTURES, &self.textures, "image"),
-            ("scene", "texel") => {
-                of(TEXTURES, &self.textures, "image").or_else(|| of(BACKGROUNDS, &self.backgrounds, "image"))
-            }
-            ("scene", "textures" | "textured_colour") => texture(),
-            ("scene", "media" | "transmittance") | ("step", "media") | ("stage", "medium") => medium(),
-            ("scene", "lights" | "light_tree" | "one_light" | "responses")
-            | ("step", "light")
-            | ("stage", "shadow") => light(),
-            ("step", "through_glass") => self.specular.iter().flatten().next().map(String::as_str),
-            ("lib", "fresnel" | "refraction") => of(MATERIALS, &self.materials, "dielectric"),
-            ("lib", "perlin") => {
-                of(TEXTURES, &self.textures, "noise").or_else(|| of(TEXTURES, &self.textures, "marble"))
-            }
-            _ => None,
-        }
-    }
-
-    /// The same of a table or buffer.
-    fn asked_for_table(&self, name: &str) -> Option<&str> {
-        match name {
-            "meshes" | "instances" => self.asked_for("scene/meshes"),
-            "media" => self.asked_for("step/media"),
-            "lights" | "light_nodes" => self.asked_for("step/light"),
-            "sky" => self.emitting_sky.as_deref(),
-            "textures" | "frames" => self.asked_for("scene/textures"),
-            "texels" => self.asked_for("scene/texel"),
-            "materials" => self.materials.iter().flatten().next().map(String::as_str),
-            // Shapes have a table each, named for them.
-            _ => name.strip_suffix('s').and_then(|kind| self.primitive(kind).or_else(|| self.boundary(kind))),
-        }
     }
 }
 

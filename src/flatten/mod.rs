@@ -30,7 +30,7 @@ use view::View;
 pub use crate::material::MATERIALS;
 pub use crate::texture::TEXTURES;
 pub use bvh::Quality;
-pub use features::{BACKGROUNDS, BOUNDARIES, Features, PRIMITIVES, Unsampled};
+pub use features::{BACKGROUNDS, BOUNDARIES, EVERY_FEATURE, Features, PRIMITIVES, Unsampled};
 pub use lights::MOST_LIGHTS;
 
 /// A scene as the kernels see it.

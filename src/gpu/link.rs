@@ -3,25 +3,53 @@
 //! A module is a file under shaders/, named by its path without the ending. Its directives are comments that start
 //! with `//@`:
 //! - `//@ use lib/rng` joins that module once, before this one. `choice/x` is whatever module the plan chose for x.
+//! - `//@ if light` … `//@ end` keeps the lines between where that condition holds.
 //! - `//@ each material` … `//@ end` repeats the lines between for every entry of that list. Within, `${name}` is the
 //!   entry's name, `${number}` its number, `${rank}` its place in the list, and `${case}` the selector of a switch: `case 2u`, or `default` for
-//!   an entry that closes it. A list of one entry or none makes its lines conditional.
+//!   an entry that closes it.
 //! - `${value}` elsewhere is a value of the plan.
-//! - `//@ relies on loops` says that the module is right only on drivers with that property ([`super::probe::PROPERTIES`]).
+//! - `//@ relies on loops` says that the module is right only on drivers with that property ([`PROPERTIES`]).
 //!
-//! Other lines that start with `//@` are errors.
+//! Blocks do not stand within each other. Other lines that start with `//@` are errors.
 //!
 //! Of what is joined, declarations that the entry point does not reach are left out, and comments ([`super::reach`]); a module of which
-//! nothing is left has not been linked. Of what is left the result says who uses it, and which of the plan's choices and values it has.
+//! nothing is left has not been linked. Of what is left the result says who uses it and why it is there, and which of the plan's choices and
+//! values it has.
 //!
 //! A line table tells which file and line each line of the result came from, so that naga's errors can name them.
 
-use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
 use std::sync::LazyLock;
 
-use super::probe::PROPERTIES;
+use super::properties::PROPERTIES;
 use super::reach;
 use crate::error::{Error, Result};
+
+/// Why something is linked.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Reason {
+    /// It is there for whatever uses it, and at last for every render.
+    EveryRender,
+    /// An object of the scene, by its place in the file, or an option asked for it.
+    Asked(String),
+}
+
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Reason::EveryRender => f.write_str("every render"),
+            Reason::Asked(by) => f.write_str(by),
+        }
+    }
+}
+
+impl Reason {
+    /// This reason if someone asked, else the other.
+    fn or(self, other: &Reason) -> Reason {
+        if self == Reason::EveryRender { other.clone() } else { self }
+    }
+}
 
 /// One entry of a list: a feature that the scene uses, and the number by which the scene's data names it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -30,13 +58,24 @@ pub struct Entry {
     pub number: u32,
     /// Whether it is the last case of a switch over its list.
     pub closes: bool,
+    pub why: Reason,
 }
 
-/// What the plan decided about a kernel: the modules behind `choice/…`, the lists, and the values.
+/// The module behind a `choice/…`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Chosen {
+    pub module: &'static str,
+    pub why: Reason,
+}
+
+/// What the plan decided about a kernel, by the names that shaders use.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Choices {
-    pub modules: BTreeMap<&'static str, &'static str>,
+    /// Of a condition that holds, why.
+    pub conditions: BTreeMap<&'static str, Option<Reason>>,
     pub lists: BTreeMap<&'static str, Vec<Entry>>,
+    /// The modules behind `choice/…`.
+    pub modules: BTreeMap<&'static str, Chosen>,
     pub values: BTreeMap<&'static str, String>,
 }
 
@@ -49,12 +88,15 @@ pub struct Linked {
     pub modules: Vec<String>,
     /// What of the driver its modules rely on: a property's name, and the module.
     pub relies: Vec<(String, String)>,
-    /// For each module but the root the one that uses it, nearest to the root: going on from there leads to the root.
+    /// For each module but the root the one that uses it: going on from there leads to the root, by the fewest uses that someone asked for
+    /// and then by the fewest of all.
     pub used_by: BTreeMap<String, String>,
+    /// Why each module is there, as the conditions, list entries and choices say that lead to it from the root.
+    pub why: BTreeMap<String, Reason>,
     /// The choices that it has, with the modules chosen.
     pub choices: BTreeMap<&'static str, String>,
-    /// The plan's values that were filled into its lines.
-    pub values: BTreeMap<&'static str, String>,
+    /// The plan's values that were filled into its lines, and the module of such a line.
+    pub values: BTreeMap<&'static str, (String, String)>,
 }
 
 /// Where module texts come from: the shaders compiled into the program, and in tests more beside them.
@@ -118,7 +160,7 @@ impl Embedded {
 /// Links `root` with everything it uses.
 ///
 /// # Errors
-/// `Error::Shader` naming the file and line of a directive that is none, or names a module, list or value which does not exist.
+/// `Error::Shader` naming the file and line of a directive that is none, or names a module, condition, list or value which does not exist.
 pub fn link(library: &dyn Library, root: &str, choices: &Choices) -> Result<Linked> {
     let mut linker = Linker {
         library,
@@ -131,6 +173,7 @@ pub fn link(library: &dyn Library, root: &str, choices: &Choices) -> Result<Link
             modules: Vec::new(),
             relies: Vec::new(),
             used_by: BTreeMap::new(),
+            why: BTreeMap::new(),
             choices: BTreeMap::new(),
             values: BTreeMap::new(),
         },
@@ -138,18 +181,33 @@ pub fn link(library: &dyn Library, root: &str, choices: &Choices) -> Result<Link
         uses: Vec::new(),
         filled: Vec::new(),
     };
-    linker.join(root, "(the plan)", 0)?;
+    linker.join(root, "(the plan)", 0, &Reason::EveryRender)?;
     Ok(linker.finish())
 }
 
-/// The entries that a block of `each` is repeated for, and its lines with their numbers.
-type Block<'a> = (&'a [Entry], Vec<(usize, &'a str)>);
+/// What becomes of the lines before the next `//@ end`.
+#[derive(Clone, Copy)]
+enum Block<'a> {
+    If(Option<&'a Reason>),
+    Each(&'a [Entry]),
+}
 
-/// A line of a module, its number, and the names of the values filled in.
+/// The directive that a block began with, what is to become of it, and its lines as yet with their numbers.
+type OpenBlock<'a> = (&'a str, Block<'a>, Vec<(usize, &'a str)>);
+
+/// A line of a module, its number, the names of the values filled in, and why it is there.
 struct Line {
     number: usize,
     text: String,
     values: Vec<&'static str>,
+    why: Reason,
+}
+
+/// That a module uses another one.
+struct Use {
+    user: String,
+    used: String,
+    why: Reason,
 }
 
 struct Linker<'a> {
@@ -160,24 +218,25 @@ struct Linker<'a> {
     /// All lines, reached or not.
     joined: Vec<String>,
     /// Which module uses which, in the order in which they were joined.
-    uses: Vec<(String, String)>,
+    uses: Vec<Use>,
     /// Which line of `joined` has which value.
     filled: Vec<(usize, &'static str)>,
 }
 
 impl Linker<'_> {
-    fn join(&mut self, name: &str, user: &str, user_line: usize) -> Result<()> {
-        let module = match name.strip_prefix("choice/") {
+    /// Joins the module of this name, and before it what it uses; `why` is that of the line that uses it.
+    fn join(&mut self, name: &str, user: &str, user_line: usize, why: &Reason) -> Result<()> {
+        let (module, why) = match name.strip_prefix("choice/") {
             Some(choice) => {
                 let chosen = self.choices.modules.get_key_value(choice);
-                let (choice, module) =
+                let (choice, chosen) =
                     chosen.ok_or_else(|| fault(user, user_line, &format!("the plan chose no module for `{name}`")))?;
-                self.linked.choices.insert(choice, (*module).to_string());
-                module
+                self.linked.choices.insert(choice, chosen.module.to_string());
+                (chosen.module, chosen.why.clone().or(why))
             }
-            None => name,
+            None => (name, why.clone()),
         };
-        self.uses.push((user.to_string(), module.to_string()));
+        self.uses.push(Use { user: user.to_string(), used: module.to_string(), why });
         if !self.done.insert(module.to_string()) {
             return Ok(());
         }
@@ -186,18 +245,18 @@ impl Linker<'_> {
             .module(module)
             .ok_or_else(|| fault(user, user_line, &format!("there is no module `{module}`")))?;
         let lines = self.expand(module, text)?;
-        for Line { number, text, .. } in &lines {
+        for Line { number, text, why, .. } in &lines {
             if let Some(used) = text.trim().strip_prefix("//@ use ") {
-                self.join(used.trim(), module, *number)?;
+                self.join(used.trim(), module, *number, why)?;
             }
             if let Some(property) = text.trim().strip_prefix("//@ relies on ") {
-                if !PROPERTIES.iter().any(|known| known.name == property) {
+                if !PROPERTIES.iter().any(|known| known.name() == property) {
                     return Err(fault(module, *number, &format!("the probe knows no property `{property}`")));
                 }
                 self.linked.relies.push((property.to_string(), module.to_string()));
             }
         }
-        for Line { number, text, values } in lines {
+        for Line { number, text, values, .. } in lines {
             if !text.trim_start().starts_with("//@") {
                 self.filled.extend(values.into_iter().map(|value| (self.joined.len(), value)));
                 self.joined.push(text);
@@ -213,7 +272,10 @@ impl Linker<'_> {
         let Linker { mut linked, joined, uses, filled, choices, .. } = self;
         let reached = reach::reached(&joined);
         let values = filled.into_iter().filter(|(line, _)| reached[*line]);
-        linked.values = values.filter_map(|(_, name)| Some((name, choices.values.get(name)?.clone()))).collect();
+        let value = |(line, name): (usize, &'static str)| {
+            Some((name, (choices.values.get(name)?.clone(), linked.lines.get(line)?.0.clone())))
+        };
+        linked.values = values.filter_map(value).collect();
         let mut places = Vec::with_capacity(joined.len());
         let mut kept = BTreeSet::new();
         for ((line, place), _) in joined.iter().zip(linked.lines).zip(reached).filter(|(_, reached)| *reached) {
@@ -228,60 +290,64 @@ impl Linker<'_> {
         linked.modules.retain(|module| kept.contains(module));
         linked.relies.retain(|(_, module)| kept.contains(module));
         linked.choices.retain(|_, module| kept.contains(module));
-        linked.used_by = nearest_users(&linked.root, &uses, &kept);
+        (linked.used_by, linked.why) = users(&linked.root, &uses, &kept);
         linked
     }
 
-    /// Repeats the blocks of `each` and fills in the values; every line keeps the number it had in its file.
+    /// Keeps or repeats the lines of blocks, and fills in the values; every line keeps the number it had in its file.
     fn expand(&self, module: &str, text: &str) -> Result<Vec<Line>> {
         let mut out = Vec::new();
-        let mut block: Option<Block<'_>> = None;
+        let mut block: Option<OpenBlock<'_>> = None;
         for (number, line) in (1..).zip(text.lines()) {
-            let directive = line.trim().strip_prefix("//@ ");
-            if let Some(list) = directive.and_then(|d| d.strip_prefix("each ")) {
-                let entries = self
-                    .choices
-                    .lists
-                    .get(list.trim())
-                    .ok_or_else(|| fault(module, number, &format!("the plan has no list `{}`", list.trim())))?;
-                if block.is_some() {
-                    return Err(fault(module, number, "`//@ each` within `//@ each`"));
+            let trimmed = line.trim();
+            let words: Vec<&str> = trimmed.split_whitespace().collect();
+            let begins = match words[..] {
+                ["//@", "if", name] => {
+                    let condition = self.choices.conditions.get(name);
+                    let condition = condition
+                        .ok_or_else(|| fault(module, number, &format!("the plan has no condition `{name}`")))?;
+                    Some(Block::If(condition.as_ref()))
                 }
-                block = Some((entries, Vec::new()));
-            } else if directive == Some("end") {
-                let (entries, body) =
-                    block.take().ok_or_else(|| fault(module, number, "`//@ end` without `//@ each`"))?;
-                for (rank, entry) in entries.iter().enumerate() {
-                    let case = match entry.closes {
-                        true => "default".to_string(),
-                        false => format!("case {}u", entry.number),
-                    };
-                    for (number, line) in &body {
-                        let text = line
-                            .replace("${name}", &entry.name)
-                            .replace("${number}", &entry.number.to_string())
-                            .replace("${rank}", &rank.to_string())
-                            .replace("${case}", &case);
-                        out.push(Line { number: *number, text, values: Vec::new() });
+                ["//@", "each", name] => {
+                    let list = self.choices.lists.get(name);
+                    let list = list.ok_or_else(|| fault(module, number, &format!("the plan has no list `{name}`")))?;
+                    Some(Block::Each(list))
+                }
+                _ => None,
+            };
+            if let Some(begins) = begins {
+                if let Some((outer, ..)) = block {
+                    return Err(fault(module, number, &format!("`{trimmed}` within `{outer}`")));
+                }
+                block = Some((trimmed, begins, Vec::new()));
+            } else if words == ["//@", "end"] {
+                let (_, what, lines) =
+                    block.take().ok_or_else(|| fault(module, number, "`//@ end` without `//@ if` or `//@ each`"))?;
+                match what {
+                    Block::If(None) => {}
+                    Block::If(Some(why)) => {
+                        for (number, line) in lines {
+                            out.push(self.fill(module, number, line, why)?);
+                        }
                     }
+                    Block::Each(entries) => out.extend((0..).zip(entries).flat_map(|entry| repeated(entry, &lines))),
                 }
-            } else if line.trim().starts_with("//@")
-                && !directive.is_some_and(|d| JOINED.iter().any(|start| d.starts_with(start)))
+            } else if trimmed.starts_with("//@") && !matches!(words[..], ["//@", "use", _] | ["//@", "relies", "on", _])
             {
-                return Err(fault(module, number, &format!("`{}` is no directive of the linker", line.trim())));
-            } else if let Some((_, body)) = &mut block {
-                body.push((number, line));
+                return Err(fault(module, number, &format!("`{trimmed}` is no directive of the linker")));
+            } else if let Some((.., lines)) = &mut block {
+                lines.push((number, line));
             } else {
-                out.push(self.fill(module, number, line)?);
+                out.push(self.fill(module, number, line, &Reason::EveryRender)?);
             }
         }
         match block {
-            Some(_) => Err(fault(module, text.lines().count(), "`//@ each` without `//@ end`")),
+            Some((begun, ..)) => Err(fault(module, text.lines().count(), &format!("`{begun}` without `//@ end`"))),
             None => Ok(out),
         }
     }
 
-    fn fill(&self, module: &str, number: usize, line: &str) -> Result<Line> {
+    fn fill(&self, module: &str, number: usize, line: &str, why: &Reason) -> Result<Line> {
         let mut rest = line;
         let mut out = String::with_capacity(line.len());
         let mut values = Vec::new();
@@ -296,33 +362,47 @@ impl Linker<'_> {
             rest = tail;
         }
         out.push_str(rest);
-        Ok(Line { number, text: out, values })
+        Ok(Line { number, text: out, values, why: why.clone() })
     }
 }
 
-/// The user of each module that is kept, on a shortest way to the root; modules of which nothing is kept are passed over.
-fn nearest_users(root: &str, uses: &[(String, String)], kept: &BTreeSet<String>) -> BTreeMap<String, String> {
-    let mut users = BTreeMap::new();
-    let mut seen = BTreeSet::from([root]);
-    // A module, and the nearest kept one on the way to it.
-    let mut waiting = VecDeque::from([(root, root)]);
-    while let Some((module, nearest)) = waiting.pop_front() {
-        for (_, used) in uses.iter().filter(|(user, _)| user == module) {
-            if !seen.insert(used) {
-                continue;
+/// The lines of a block of `each` for one entry, which stands at this place in the list.
+fn repeated((rank, entry): (u32, &Entry), lines: &[(usize, &str)]) -> Vec<Line> {
+    let case = if entry.closes { "default".to_string() } else { format!("case {}u", entry.number) };
+    let line = |(number, line): &(usize, &str)| {
+        let text = line
+            .replace("${name}", &entry.name)
+            .replace("${number}", &entry.number.to_string())
+            .replace("${rank}", &rank.to_string())
+            .replace("${case}", &case);
+        Line { number: *number, text, values: Vec::new(), why: entry.why.clone() }
+    };
+    lines.iter().map(line).collect()
+}
+
+/// The user of each module that is kept, and why it is there: by the way from the root that has the fewest uses that someone asked for, and
+/// then the fewest of all. Modules of which nothing is kept are passed over.
+fn users(root: &str, uses: &[Use], kept: &BTreeSet<String>) -> (BTreeMap<String, String>, BTreeMap<String, Reason>) {
+    // The best ways to modules as yet: uses that were asked for, all uses, the nearest kept module before, and the reason.
+    let mut ways = BTreeMap::from([(root, ((0, 0), root, &Reason::EveryRender))]);
+    let mut better = true;
+    while std::mem::take(&mut better) {
+        for Use { user, used, why } in uses {
+            let Some(&((asked, all), nearest, inherited)) = ways.get(user.as_str()) else { continue };
+            let user = if kept.contains(user) { user } else { nearest };
+            let (asked, why) = if *why == Reason::EveryRender { (asked, inherited) } else { (asked + 1, why) };
+            let cost = (asked, all + 1);
+            if ways.get(used.as_str()).is_none_or(|(known, ..)| cost < *known) {
+                ways.insert(used, (cost, user, why));
+                better = true;
             }
-            let is_kept = kept.contains(used);
-            if is_kept {
-                users.insert(used.clone(), nearest.to_string());
-            }
-            waiting.push_back((used, if is_kept { used } else { nearest }));
         }
     }
-    users
+    ways.retain(|module, _| kept.contains(*module));
+    let users = ways.iter().filter(|(module, _)| **module != root);
+    let users = users.map(|(module, (_, user, _))| (module.to_string(), user.to_string())).collect();
+    (users, ways.into_iter().map(|(module, (.., why))| (module.to_string(), why.clone())).collect())
 }
-
-/// How the directives begin that stay until modules are joined.
-const JOINED: [&str; 2] = ["use ", "relies on "];
 
 fn fault(module: &str, line: usize, message: &str) -> Error {
     Error::Shader(format!("shaders/{module}.wgsl:{line}: {message}"))

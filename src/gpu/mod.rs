@@ -6,6 +6,7 @@ pub mod layout;
 pub mod link;
 pub mod pipeline;
 pub mod probe;
+pub mod properties;
 mod reach;
 pub mod spirv;
 pub mod timing;

@@ -11,6 +11,7 @@ use super::device::Device;
 use super::layout;
 use super::link::{Choices, Embedded, Linked, link};
 use super::pipeline::{Pipeline, PipelineSpec};
+use super::properties::{PROPERTIES, Property};
 use crate::data::{Answer, Trial};
 use crate::error::Result;
 
@@ -87,44 +88,6 @@ impl Serialize for Rounding {
     }
 }
 
-/// Something that a shader may rely on: `//@ relies on NAME`.
-#[derive(Clone, Copy, Debug)]
-pub struct Property {
-    pub name: &'static str,
-    pub holds: fn(&Numerics) -> bool,
-    /// What a driver without it does, to follow on its name.
-    pub without: &'static str,
-}
-
-/// All that a shader may rely on.
-pub const PROPERTIES: [Property; 5] = [
-    Property {
-        name: "loops",
-        holds: |found| found.loop_iterations >= LOOPS_NEEDED.min(LOOPS),
-        without: "ends loops before 65,535 iterations",
-    },
-    Property {
-        name: "uniforms",
-        holds: |found| found.uniforms_exact,
-        without: "converts integers of 24 bits inexactly, so that random numbers could be 1",
-    },
-    Property {
-        name: "bits",
-        holds: |found| found.nan_by_bits,
-        without: "does not tell NaN and infinity from numbers by their bits",
-    },
-    Property {
-        name: "logarithm",
-        holds: |found| found.log_error <= 1.0 / 2_097_152.0,
-        without: "computes log between 0.5 and 1 with a larger error than the 2^-21 that WGSL allows",
-    },
-    Property {
-        name: "signs",
-        holds: |found| found.edge_signs,
-        without: "gets signs of differences of products wrong, on which meshes without gaps rest",
-    },
-];
-
 impl Numerics {
     /// The steps that a walk through the tree is allowed, where loops have no limit: a bound for what no scene should ask
     /// for, so that a dispatch ends. Where loops have one the kernels' own defaults hold.
@@ -132,9 +95,19 @@ impl Numerics {
         (self.loop_iterations >= LOOPS).then_some(1 << 18)
     }
 
+    fn holds(&self, property: Property) -> bool {
+        match property {
+            Property::Loops => self.loop_iterations >= LOOPS_NEEDED.min(LOOPS),
+            Property::Uniforms => self.uniforms_exact,
+            Property::Bits => self.nan_by_bits,
+            Property::Logarithm => self.log_error <= 1.0 / 2_097_152.0,
+            Property::Signs => self.edge_signs,
+        }
+    }
+
     /// The properties that a driver with these findings lacks.
-    pub fn lacking(&self) -> impl Iterator<Item = &'static Property> {
-        PROPERTIES.iter().filter(|property| !(property.holds)(self))
+    pub fn lacking(&self) -> impl Iterator<Item = Property> {
+        PROPERTIES.into_iter().filter(|property| !self.holds(*property))
     }
 
     /// Whether a kernel has what it relies on.
@@ -143,11 +116,11 @@ impl Numerics {
     /// `Error::Device` naming the driver, the shader and what it relies on.
     pub fn allow(&self, device: &Device, kernel: &str, linked: &Linked) -> Result<()> {
         for property in self.lacking() {
-            if let Some((_, module)) = linked.relies.iter().find(|(name, _)| name == property.name) {
+            if let Some((_, module)) = linked.relies.iter().find(|(name, _)| name == property.name()) {
                 return Err(device.failed(&format!(
                     "this driver {}. The kernel {kernel} relies on it (`{}`, in shaders/{module}.wgsl), and its image would be \
                      wrong. Update the driver, or choose another device: `gpu-rt devices` shows what each can do",
-                    property.without, property.name
+                    property.without(), property.name()
                 )));
             }
         }

@@ -2,15 +2,14 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::{
-    A_KERNEL_A_STAGE, Bounce, EVERY_RENDER, Kernel, PathField, Plan, QUEUES, STEPS, Scatter, Tuning, boundary_names,
-};
+use super::{Bounce, Kernel, PathField, Plan, QUEUES, STEPS, Tuning, boundary_names};
 use crate::error::Result;
 use crate::flatten::{BACKGROUNDS, Features, MATERIALS, MOST_LIGHTS, PRIMITIVES, TEXTURES, Unsampled};
 use crate::gpu::buffers::BufferSpec;
 use crate::gpu::layout::{self, BindingKind};
+use crate::gpu::link::Reason;
 use crate::gpu::spirv::{self, Size};
-use crate::options::Integrator;
+use crate::options::{Integrator, Scatter};
 
 /// A plan in words and numbers.
 #[derive(Clone, Debug)]
@@ -146,7 +145,7 @@ impl Report {
                 .filter(|known| known.asked_by.is_some() && kernel.linked.modules.contains(&known.module))
                 .map(|known| known.name.clone())
                 .collect(),
-            modules: modules(kernel, features),
+            modules: modules(kernel),
             bindings: kernel.bindings.iter().map(|(name, binding)| (name.clone(), kind_word(binding.kind))).collect(),
             storage_limit: u64::from(limits.max_storage_buffers_per_shader_stage),
             path_fields: path_fields(kernel, plan),
@@ -160,7 +159,7 @@ impl Report {
             size: spec.size.clone(),
             binding: spec.binding(),
             limit: spec.limit(limits),
-            asked_by: asked_for_buffer(features, spec.name),
+            asked_by: why_buffer(&kernels, spec.name).to_string(),
         };
         Report {
             features: there.iter().filter_map(asked).collect(),
@@ -171,7 +170,7 @@ impl Report {
             kernels: kernels.iter().map(of_kernel).collect(),
             slots: tuning.slots,
             path_fields: plan.kernels.path_fields.clone(),
-            constants: constants(&kernels, features, tuning),
+            constants: constants(&kernels, tuning),
             buffers: plan.buffers().iter().map(buffer).collect(),
             limits: [limits.max_uniform_buffer_binding_size, limits.max_storage_buffer_binding_size]
                 .map(|limit| limit.min(limits.max_buffer_size)),
@@ -257,7 +256,7 @@ fn known_features(features: &Features) -> Vec<Known<'_>> {
 }
 
 /// The modules of a kernel, each behind the one that uses it.
-fn modules(kernel: &Kernel, features: &Features) -> Vec<Module> {
+fn modules(kernel: &Kernel) -> Vec<Module> {
     let linked = &kernel.linked;
     let mut users: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
     for name in linked.modules.iter().filter(|name| **name != linked.root) {
@@ -270,7 +269,7 @@ fn modules(kernel: &Kernel, features: &Features) -> Vec<Module> {
         ordered.push(Module {
             name: name.to_string(),
             used_by: user.map(str::to_string),
-            asked_by: asked_for_module(features, name).map(str::to_string),
+            asked_by: Some(why_module(kernel, name)).filter(|why| **why != Reason::EveryRender).map(Reason::to_string),
         });
         let mut used = users.remove(name).unwrap_or_default();
         used.sort_unstable_by(|a, b| b.cmp(a));
@@ -287,43 +286,22 @@ fn path_fields(kernel: &Kernel, plan: &Plan<'_>) -> Vec<PathField> {
     plan.kernels.path_fields.iter().filter(|field| field.is_used(|name| names.contains(name))).cloned().collect()
 }
 
-fn asked_for_module<'a>(features: &'a Features, module: &str) -> Option<&'a str> {
-    features.asked_for(module).or(match module {
-        "bind/queues"
-        | "bind/queue_args"
-        | "bind/queue_turns"
-        | "data/queue"
-        | "slots/queue_turn"
-        | "slots/sort_by_material"
-        | "stage/dispatch" => Some(QUEUES),
-        "step/roulette" => Some("--roulette on, the default"),
-        "step/clamp" => Some("--clamp"),
-        "lib/fresnel_schlick" => Some("--fresnel schlick"),
-        "geometry/offset_fast" => Some("--offset fast"),
-        "geometry/sphere_chord_fast" => Some("--precision fast"),
-        "sampler/sobol" => Some("--sampler sobol"),
-        "sampler/independent" => Some("--sampler independent"),
-        "slots/between" => Some(A_KERNEL_A_STAGE),
-        "bind/nodes" | "scene/traverse" | "scene/brute_force" | "scene/primitives" | "scene/surfaces" => {
-            first_surface(features)
-        }
-        _ => None,
-    })
+/// Why a module is in a kernel: what asked for the module, or else for the kernel.
+fn why_module<'a>(kernel: &'a Kernel, module: &str) -> &'a Reason {
+    let own = kernel.linked.why.get(module).filter(|why| **why != Reason::EveryRender);
+    own.unwrap_or(&kernel.asked_by)
 }
 
-fn asked_for_buffer(features: &Features, name: &str) -> String {
-    let asked = match name {
-        "queues" | "queue_args" => Some(QUEUES),
-        "nodes" => first_surface(features).or_else(|| features.asked_for("scene/medium_in_mesh")),
-        _ => features.asked_for(&format!("bind/{name}")),
+/// Why there is a buffer: the reason of a kernel that has it in every render, or else of the first that has it.
+fn why_buffer<'a>(kernels: &[&'a Kernel], name: &str) -> &'a Reason {
+    // What sorts slots into queues also reads tables that are there without queues.
+    let rank = |why: &&Reason| match why {
+        Reason::EveryRender => 0,
+        Reason::Asked(by) => 1 + u8::from(by == QUEUES),
     };
-    asked.unwrap_or(EVERY_RENDER).to_string()
-}
-
-/// An object that rays can hit: a mesh, which makes walks long, or else the first of any kind.
-fn first_surface(features: &Features) -> Option<&str> {
-    let mesh = features.asked_for("geometry/triangle");
-    mesh.or_else(|| features.primitives.iter().flatten().next().map(String::as_str))
+    let having = kernels.iter().filter(|kernel| kernel.bindings.contains_key(name));
+    let reasons = having.map(|kernel| why_module(kernel, &format!("bind/{name}")));
+    reasons.min_by_key(rank).unwrap_or(&Reason::EveryRender)
 }
 
 fn kind_word(kind: BindingKind) -> &'static str {
@@ -335,65 +313,61 @@ fn kind_word(kind: BindingKind) -> &'static str {
 }
 
 /// The numbers that the plan filled into lines of some kernel, and the override constants that some kernel has.
-fn constants(kernels: &[&Kernel], features: &Features, tuning: &Tuning) -> Vec<Constant> {
+fn constants(kernels: &[&Kernel], tuning: &Tuning) -> Vec<Constant> {
     let mut found: Vec<Constant> = Vec::new();
-    let mut add = |kernel: &Kernel, constant: Constant| {
-        let same = |known: &&mut Constant| known.name == constant.name && known.value == constant.value;
-        match found.iter_mut().find(same) {
-            Some(known) => known.kernels.push(kernel.name.clone()),
-            None => found.push(Constant { kernels: vec![kernel.name.clone()], ..constant }),
+    let mut add = |kernel: &Kernel, name: String, value: String, module: &str, is_override| match found
+        .iter_mut()
+        .find(|known| known.name == name && known.value == value)
+    {
+        Some(known) => known.kernels.push(kernel.name.clone()),
+        None => {
+            let (what, asked_by) = (about_constant(&name), why_module(kernel, module).to_string());
+            found.push(Constant { name, value, what, asked_by, is_override, kernels: vec![kernel.name.clone()] });
         }
     };
     for kernel in kernels {
+        let linked = &kernel.linked;
         for (name, default) in layout::overrides(&kernel.module) {
             let value = if name == "WORKGROUP_SIZE" { Some(u64::from(tuning.workgroup)) } else { default };
-            let (what, asked_by) = about_constant(&name, features);
             let value = value.map_or_else(|| "?".to_string(), |value| value.to_string());
-            add(kernel, Constant { name, value, what, asked_by, is_override: true, kernels: Vec::new() });
+            let begins = format!("override {name}:");
+            let place = linked.text.lines().zip(&linked.lines).find(|(line, _)| line.starts_with(&begins));
+            let module = place.map_or(&linked.root, |(_, (module, _))| module);
+            add(kernel, name, value, module, true);
         }
     }
     for kernel in kernels {
-        for (name, value) in &kernel.linked.values {
+        for (name, (value, module)) in &kernel.linked.values {
             // How a table is bound is told with the buffers; the steps of a walk are an override's value.
-            if name.starts_with("space_of_") || *name == "most_steps" || value.is_empty() {
-                continue;
+            if !name.starts_with("space_of_") && *name != "most_steps" && !value.is_empty() {
+                add(kernel, name.to_string(), value.trim_start_matches([',', ' ']).to_string(), module, false);
             }
-            let (what, asked_by) = about_constant(name, features);
-            let value = value.trim_start_matches([',', ' ']).to_string();
-            let (name, is_override) = (name.to_string(), false);
-            add(kernel, Constant { name, value, what, asked_by, is_override, kernels: Vec::new() });
         }
     }
     found
 }
 
-/// What a constant is, and what asked for it.
-fn about_constant(name: &str, features: &Features) -> (String, String) {
+/// What a constant is.
+fn about_constant(name: &str) -> String {
     if let Some(table) = name.strip_prefix("size_of_") {
-        return (format!("elements that the binding `{table}` has room for"), asked_for_buffer(features, table));
+        return format!("elements that the binding `{table}` has room for");
     }
-    let mesh_media = features.asked_for("scene/medium_in_mesh");
-    let sky = features.asked_for("light/sky");
-    let (what, asked_by) = match name {
-        "WORKGROUP_SIZE" => ("invocations of a workgroup", None),
-        "MOST_STEPS_OF_WALK" => (
-            "steps after which a walk is given up; 262144 where the driver's loops have no limit",
-            first_surface(features),
-        ),
-        "MOST_STEPS_OF_CROSSINGS" => ("the same of all walks through the meshes that bound media", mesh_media),
-        "stack_size" => ("what waits at most in a walk through the hierarchy", first_surface(features)),
-        "boundary_stack_size" => ("the same in a mesh that bounds a medium", mesh_media),
-        "media" => ("media that rays cross", features.asked_for("step/media")),
-        "lights" => ("lights to choose from", features.asked_for("step/light")),
-        "sky_light" => ("the place of the sky among the lights", sky),
-        "sky_columns" => ("columns of the grid that directions to the sky are drawn from", sky),
-        "sky_rows" => ("rows of that grid", sky),
-        "run_length" => ("samples of a run at most", None),
-        "queues" => ("queues that slots are sorted into", Some(QUEUES)),
-        "queue" => ("the queue that the kernel serves", Some(QUEUES)),
-        _ => ("", None),
+    let what = match name {
+        "WORKGROUP_SIZE" => "invocations of a workgroup",
+        "MOST_STEPS_OF_WALK" => "steps after which a walk is given up; 262144 where the driver's loops have no limit",
+        "MOST_STEPS_OF_CROSSINGS" => "the same of all walks through the meshes that bound media",
+        "stack_size" => "what waits at most in a walk through the hierarchy",
+        "boundary_stack_size" => "the same in a mesh that bounds a medium",
+        "media" => "media that rays cross",
+        "sky_light" => "the place of the sky among the lights",
+        "sky_columns" => "columns of the grid that directions to the sky are drawn from",
+        "sky_rows" => "rows of that grid",
+        "run_length" => "samples of a run at most",
+        "queues" => "queues that slots are sorted into",
+        "queue" => "the queue that the kernel serves",
+        _ => "",
     };
-    (what.to_string(), asked_by.unwrap_or(EVERY_RENDER).to_string())
+    what.to_string()
 }
 
 fn integrator_words(features: &Features, integrator: Integrator) -> String {

@@ -1,9 +1,9 @@
 //! What slots keep of their paths from one dispatch to the next: just the fields that the kernels of a scene hand to each other, and where
 //! they lie.
 
-use super::{A_KERNEL_A_STAGE, EVERY_RENDER};
-use crate::data;
-use crate::flatten::Features;
+use super::A_KERNEL_A_STAGE;
+use super::choices::Conditions;
+use crate::gpu::link::Reason;
 
 /// A field of the paths' state: words of 32 bits.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -41,47 +41,44 @@ impl PathField {
 pub const MOST_PATH_BYTES: u64 = 164;
 
 /// The fields that kernels hand to each other. The fused kernel keeps to itself what lies between a ray and its scattering.
-pub fn path_fields(features: &Features, fused: bool) -> Vec<PathField> {
-    let always = Some(EVERY_RENDER);
-    let lights = (features.lights > 0).then(|| features.asked_for("step/light").unwrap_or(EVERY_RENDER));
-    let triangle = data::KIND_TRIANGLE as usize;
-    let [meshes, mesh_lights] = [&features.primitives, &features.emitters].map(|used| used[triangle].as_deref());
+pub fn path_fields(conditions: &Conditions, fused: bool) -> Vec<PathField> {
+    let words = |why: &Option<Reason>| why.as_ref().map(Reason::to_string);
+    let always = words(&Some(Reason::EveryRender));
+    let lights = words(&conditions.light);
     // What only stages that are kernels of their own hand on: for all scenes, or beside that for what some of them ask.
-    let staged = |why: Option<&str>| why.filter(|_| !fused).map(|why| format!("{A_KERNEL_A_STAGE}, and {why}"));
-    let (staged_lights, staged_meshes, staged_mesh_lights) = (staged(lights), staged(meshes), staged(mesh_lights));
-    let [staged_lights, staged_meshes, staged_mesh_lights] =
-        [&staged_lights, &staged_meshes, &staged_mesh_lights].map(|why| why.as_deref());
+    let staged = |why| words(why).filter(|_| !fused).map(|why| format!("{A_KERNEL_A_STAGE}, and {why}"));
+    let (staged_lights, staged_meshes, staged_mesh_lights) =
+        (staged(&conditions.light), staged(&conditions.mesh), staged(&conditions.emitting_mesh));
     // Without a surface or a medium nobody asks how far it is.
-    let events = features.primitives.iter().any(Option::is_some) || features.crosses_media();
-    let staged_events = (!fused && events).then_some(A_KERNEL_A_STAGE);
-    let field = |why: Option<&str>, name, words, behind, what| {
-        Some(PathField { name, words, behind, what, why: why?.to_string() })
+    let staged_events = (!fused && conditions.event.is_some()).then(|| A_KERNEL_A_STAGE.to_string());
+    let field = |why: &Option<String>, name, words, behind, what| {
+        Some(PathField { name, words, behind, what, why: why.clone()? })
     };
     let vector = |why, name, what| field(why, name, 3, None, what);
     let behind = |why, vector, name, what| field(why, name, 1, Some(vector), what);
     let word = |why, name, what| field(why, name, 1, None, what);
     let all = [
-        vector(always, "ORIGIN", "where the ray starts"),
-        vector(always, "DIRECTION", "its direction"),
-        behind(always, "DIRECTION", "status", "what the path is doing, or what its ray has met"),
-        vector(always, "THROUGHPUT", "the share of the light met next that reaches the camera"),
-        behind(always, "THROUGHPUT", "depth", "scattering events so far"),
-        vector(always, "SUM", "radiance of the run's samples"),
-        behind(always, "SUM", "rays", "their rays"),
-        vector(always, "EXCESS", "what that sum is too large by, of its roundings"),
-        vector(always, "SPREAD", "squared deviations of the run's samples from their mean"),
-        vector(lights, "RADIANCE", "radiance of the sample so far, by lights that were sampled"),
-        behind(lights, "RADIANCE", "pdf", "density of the last scattering's direction"),
-        vector(staged_lights, "SHADOW_ORIGIN", "where the ray to a light starts"),
-        behind(staged_lights, "SHADOW_ORIGIN", "light", "the light"),
-        vector(staged_lights, "SHADOW_DIRECTION", "the direction of that ray"),
-        vector(staged_lights, "LIGHT_WEIGHT", "what the light brings per radiance, if nothing is in its way"),
-        word(staged_events, "t", "distance to what the ray has met"),
-        word(always, "counts", "samples of the run, accepted and rejected"),
-        word(always, "pixel", "the pixel"),
-        word(always, "sample", "the sample of the pixel"),
-        word(staged_meshes, "instance", "the mesh that the ray has met a part of"),
-        word(staged_mesh_lights, "light_instance", "the mesh that the light is part of"),
+        vector(&always, "ORIGIN", "where the ray starts"),
+        vector(&always, "DIRECTION", "its direction"),
+        behind(&always, "DIRECTION", "status", "what the path is doing, or what its ray has met"),
+        vector(&always, "THROUGHPUT", "the share of the light met next that reaches the camera"),
+        behind(&always, "THROUGHPUT", "depth", "scattering events so far"),
+        vector(&always, "SUM", "radiance of the run's samples"),
+        behind(&always, "SUM", "rays", "their rays"),
+        vector(&always, "EXCESS", "what that sum is too large by, of its roundings"),
+        vector(&always, "SPREAD", "squared deviations of the run's samples from their mean"),
+        vector(&lights, "RADIANCE", "radiance of the sample so far, by lights that were sampled"),
+        behind(&lights, "RADIANCE", "pdf", "density of the last scattering's direction"),
+        vector(&staged_lights, "SHADOW_ORIGIN", "where the ray to a light starts"),
+        behind(&staged_lights, "SHADOW_ORIGIN", "light", "the light"),
+        vector(&staged_lights, "SHADOW_DIRECTION", "the direction of that ray"),
+        vector(&staged_lights, "LIGHT_WEIGHT", "what the light brings per radiance, if nothing is in its way"),
+        word(&staged_events, "t", "distance to what the ray has met"),
+        word(&always, "counts", "samples of the run, accepted and rejected"),
+        word(&always, "pixel", "the pixel"),
+        word(&always, "sample", "the sample of the pixel"),
+        word(&staged_meshes, "instance", "the mesh that the ray has met a part of"),
+        word(&staged_mesh_lights, "light_instance", "the mesh that the light is part of"),
     ];
     all.into_iter().flatten().collect()
 }

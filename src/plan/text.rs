@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use super::PathField;
 use super::report::{Buffer, Constant, KernelReport, Module, Report};
 use crate::gpu::buffers::LEAST;
+use crate::gpu::link::Reason;
 
 /// Columns that paragraphs are broken at; tables are as wide as they are.
 const WIDTH: usize = 110;
@@ -93,7 +94,8 @@ impl Report {
             let [instructions, bytes] = sizes(kernel).unwrap_or_default();
             let modules = kernel.modules.len().to_string();
             let buffers = kernel.bindings.len().to_string();
-            let always = (kernel.features.is_empty() || kernel.why == super::EVERY_RENDER).then(|| kernel.why.clone());
+            let always = (kernel.features.is_empty() || kernel.why == Reason::EveryRender.to_string())
+                .then(|| kernel.why.clone());
             let reason: Vec<String> = always.into_iter().chain(by_last_word(&kernel.features)).collect();
             [kernel.name.clone(), instructions, bytes, modules, buffers, reason.join(", ")]
         };

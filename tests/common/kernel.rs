@@ -10,7 +10,7 @@ use bytemuck::Pod;
 use gpu_rt::data::Settings;
 use gpu_rt::gpu::buffers::{BufferSpec, Buffers, Readback};
 use gpu_rt::gpu::layout::{self, Binding};
-use gpu_rt::gpu::link::{Choices, Embedded, Entry, Library, link};
+use gpu_rt::gpu::link::{Choices, Chosen, Embedded, Library, Reason, link};
 use gpu_rt::gpu::pipeline::{Pipeline, PipelineSpec};
 use gpu_rt::plan::SettingsLayout;
 
@@ -81,7 +81,7 @@ const USUAL: [(&str, &str); 4] = [
     ("sphere_chord", "geometry/sphere_chord"),
 ];
 
-/// The lists that are empty where nothing else is asked, and those of the settings' members, which are all there.
+/// The conditions that do not hold where nothing else is asked, and those of the settings' members, which are all there.
 const NONE: [&str; 8] =
     ["mesh", "light", "emitting_mesh", "emitting_sky", "unsampled", "one_way", "medium", "several_backgrounds"];
 const SETTINGS: [&str; 6] = ["lens", "gradient_background", "image_background", "camera_axes", "clamp", "brute_force"];
@@ -115,18 +115,18 @@ impl Kernel {
     /// Links `test/NAME`, whose `run(row)` is called once for every row of input.
     pub fn with(name: &'static str, setup: &Setup<'_>) -> Kernel {
         let mut choices = setup.plan.clone();
+        let chosen = |module| Chosen { module, why: Reason::EveryRender };
         for (choice, module) in USUAL {
-            choices.modules.entry(choice).or_insert(module);
+            choices.modules.entry(choice).or_insert(chosen(module));
         }
-        for list in NONE {
-            choices.lists.entry(list).or_default();
+        for condition in NONE {
+            choices.conditions.entry(condition).or_default();
         }
-        for list in SETTINGS {
-            let one = || vec![Entry { name: list.to_string(), number: 0, closes: true }];
-            choices.lists.entry(list).or_insert_with(one);
+        for condition in SETTINGS {
+            choices.conditions.entry(condition).or_insert(Some(Reason::EveryRender));
         }
-        choices.modules.extend(setup.choices.iter().copied());
-        choices.modules.insert("kernel", name);
+        choices.modules.extend(setup.choices.iter().map(|(choice, module)| (*choice, chosen(module))));
+        choices.modules.insert("kernel", chosen(name));
         choices.values.extend(setup.values.iter().map(|(name, value)| (*name, value.to_string())));
         let linked = link(&Overlay::new(setup.replaced), "test/main", &choices)
             .unwrap_or_else(|error| panic!("{name}: {error}"));

@@ -7,7 +7,7 @@ use std::process::{Command, Output};
 
 use gpu_rt::flatten::{DeviceScene, flatten};
 use gpu_rt::gpu::device::DeviceClass;
-use gpu_rt::gpu::link::{Choices, Entry, Library, link};
+use gpu_rt::gpu::link::{Choices, Chosen, Entry, Library, Reason, link};
 use gpu_rt::gpu::spirv;
 use gpu_rt::job::{Goal, Job};
 use gpu_rt::options::{FeatureSet, Integrator, RenderOptions, Scatter};
@@ -778,11 +778,13 @@ impl Library for Texts {
 }
 
 #[test]
-fn the_linker_notes_users_choices_and_values() {
+fn the_linker_notes_users_reasons_choices_and_values() {
     let library = Texts(&[
         (
             "root",
-            "//@ use empty\n//@ use long\n//@ use choice/x\n@compute @workgroup_size(1)\nfn f() {\n    g();\n    h();\n}\n",
+            "//@ use empty\n//@ use long\n//@ use choice/x\n//@ each list\n//@ use ${name}\n//@ end\n//@ if asked\n//@ use leaf\n\
+             //@ use deep\n//@ end\n//@ if absent\n//@ use nothing\n//@ end\n@compute @workgroup_size(1)\nfn f() {\n    g();\n    \
+             h();\n    entry();\n}\n",
         ),
         // Nothing of it is reached: it leads to `deep` all the same.
         ("empty", "//@ use deep\nfn unreached() -> u32 {\n    return ${lost}u;\n}\n"),
@@ -790,19 +792,45 @@ fn the_linker_notes_users_choices_and_values() {
         ("chosen", "//@ use choice/y\nconst N: u32 = ${kept}u;\nfn h() {\n    var n = N;\n}\n"),
         ("other", "fn unreached_too() {\n}\n"),
         ("deep", "fn deepest() {\n}\n"),
+        ("entry", "//@ use leaf\n//@ use choice/z\nfn entry() {\n    leaf();\n    last();\n}\n"),
+        ("leaf", "fn leaf() {\n}\n"),
+        ("last", "fn last() {\n}\n"),
     ]);
+    let asked = |by: &str| Reason::Asked(by.to_string());
+    let chosen = |module, why| Chosen { module, why };
+    let entry = Entry { name: "entry".to_string(), number: 0, closes: true, why: asked("an object") };
     let choices = Choices {
-        modules: BTreeMap::from([("x", "chosen"), ("y", "other")]),
-        lists: BTreeMap::from([("list", Vec::<Entry>::new())]),
+        conditions: BTreeMap::from([("asked", Some(asked("an option"))), ("absent", None)]),
+        modules: BTreeMap::from([
+            ("x", chosen("chosen", asked("a choice"))),
+            ("y", chosen("other", Reason::EveryRender)),
+            ("z", chosen("last", Reason::EveryRender)),
+        ]),
+        lists: BTreeMap::from([("list", vec![entry])]),
         values: BTreeMap::from([("lost", "1".to_string()), ("kept", "2".to_string()), ("absent", "3".to_string())]),
     };
     let linked = link(&library, "root", &choices).unwrap_or_else(|error| panic!("{error}"));
     let pairs = |pairs: &[(&str, &str)]| -> BTreeMap<String, String> {
         pairs.iter().map(|(a, b)| (a.to_string(), b.to_string())).collect()
     };
-    assert_eq!(linked.used_by, pairs(&[("deep", "root"), ("long", "root"), ("chosen", "root")]));
-    assert_eq!(linked.choices, BTreeMap::from([("x", "chosen".to_string())]));
-    assert_eq!(linked.values, BTreeMap::from([("kept", "2".to_string())]));
+    // `long` uses `chosen` in every render, `root` does where it was chosen; `root` uses `leaf` in fewer steps than `entry` does.
+    let users = [
+        ("deep", "root"),
+        ("long", "root"),
+        ("chosen", "long"),
+        ("entry", "root"),
+        ("leaf", "root"),
+        ("last", "entry"),
+    ];
+    assert_eq!(linked.used_by, pairs(&users));
+    let reasons = linked.why.iter().map(|(module, why)| (module.clone(), why.to_string())).collect();
+    let every = |module| (module, "every render");
+    // `last` was chosen for whoever uses it: what asked for `entry` asked for it.
+    let asked = [("entry", "an object"), ("leaf", "an option"), ("last", "an object")];
+    assert_eq!(pairs(&[["root", "deep", "long", "chosen"].map(every).as_slice(), &asked].concat()), reasons);
+    let z = ("z", "last".to_string());
+    assert_eq!(linked.choices, BTreeMap::from([("x", "chosen".to_string()), z]));
+    assert_eq!(linked.values, BTreeMap::from([("kept", ("2".to_string(), "chosen".to_string()))]));
 }
 
 fn run(arguments: &[&str]) -> Output {

@@ -136,7 +136,7 @@ fn settings_ask_for_nothing_that_the_scene_lacks() {
             ("offset", "geometry/offset_fast"),
             ("sphere_chord", "geometry/sphere_chord_fast"),
         ];
-        linked.map(|(choice, module)| choices[choice] == module)
+        linked.map(|(choice, module)| choices[choice].module == module)
     };
     let box_of = |material: &str| format!("Box(min: (0, 0, 0), max: (1, 1, 1), material: \"{material}\")");
     let sphere = "Sphere(center: (0, 0, 0), radius: 1, material: \"grey\")";

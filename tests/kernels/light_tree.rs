@@ -109,9 +109,12 @@ fn lights_are_chosen_as_often_as_is_said() {
         assert_eq!(flat.light_nodes.len(), 2 * (count - 1));
         let draws = DRAWS.to_string();
         let plan = choices_of(&flat.features, &RenderOptions::default(), &Tables::default());
-        assert_eq!(plan.modules["light_choice"], "scene/light_tree");
-        let kernel =
-            Kernel::with("test/light_choice", &Setup { plan, values: &[("draws", &*draws)], ..Setup::default() });
+        let lights = flat.features.lights.to_string();
+        assert_eq!(plan.modules["light_choice"].module, "scene/light_tree");
+        let kernel = Kernel::with(
+            "test/light_choice",
+            &Setup { plan, values: &[("draws", &*draws), ("lights", &*lights)], ..Setup::default() },
+        );
         // Among the lights, at the middle of one, and from afar.
         let mut points: Vec<[f32; 3]> = (0..6).map(|_| rounded(0.5 * random.uniform() * unit(&mut random))).collect();
         points.push(flat.shapes.spheres[3].center);
@@ -152,7 +155,11 @@ fn nearer_lights_and_those_turned_towards_a_point_are_chosen_more_often() {
     let flat = lights(&mut Random(78), false);
     let draws = DRAWS.to_string();
     let plan = choices_of(&flat.features, &RenderOptions::default(), &Tables::default());
-    let kernel = Kernel::with("test/light_choice", &Setup { plan, values: &[("draws", &*draws)], ..Setup::default() });
+    let lights = flat.features.lights.to_string();
+    let kernel = Kernel::with(
+        "test/light_choice",
+        &Setup { plan, values: &[("draws", &*draws), ("lights", &*lights)], ..Setup::default() },
+    );
     // At a sphere's middle nothing is nearer.
     let more = [array("lights", &flat.lights), array("light_nodes", &flat.light_nodes)];
     let rows: Vec<In> = flat.shapes.spheres.iter().map(|sphere| In { from: sphere.center, padding: 0 }).collect();
@@ -189,8 +196,9 @@ fn two_lights_and_a_lamp_under_a_sky() {
     };
     let probability = |flat: &DeviceScene, light: usize, from: DVec3| -> f64 {
         let plan = choices_of(&flat.features, &RenderOptions::default(), &Tables::default());
-        assert_eq!(plan.modules["light_choice"], "scene/light_tree");
-        let setup = Setup { plan, values: &[("draws", "2")], ..Setup::default() };
+        let lights = flat.features.lights.to_string();
+        assert_eq!(plan.modules["light_choice"].module, "scene/light_tree");
+        let setup = Setup { plan, values: &[("draws", "2"), ("lights", &*lights)], ..Setup::default() };
         let more = [array("lights", &flat.lights), array("light_nodes", &flat.light_nodes)];
         // The scene moved so that the camera is at the origin, and scaled by a power of two.
         let scale = f64::from(flat.shapes.spheres[0].radius) / 0.01;

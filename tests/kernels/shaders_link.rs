@@ -6,9 +6,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use gpu_rt::data::{KIND_TRIANGLE, Sampler};
 use gpu_rt::flatten::{BACKGROUNDS, BOUNDARIES, Features, MATERIALS, PRIMITIVES, TEXTURES, Unsampled};
 use gpu_rt::gpu::layout::BindingKind;
-use gpu_rt::gpu::link::{Choices, Embedded, Entry, Library, Linked, link};
+use gpu_rt::gpu::link::{Choices, Chosen, Embedded, Entry, Library, Linked, Reason, link};
 use gpu_rt::material::{Kind, Material, Scattering};
 use gpu_rt::options::{FeatureSet, Fresnel, Offset, Precision, RenderOptions, Scatter, Switch};
+use gpu_rt::plan::choices::{Conditions, Lists, Modules, Values, tables};
 use gpu_rt::plan::{Kernels, Tables};
 
 const SCATTERS: [Scatter; 3] = [Scatter::Fused, Scatter::Linked, Scatter::Queues];
@@ -450,15 +451,12 @@ impl Library for Beside {
 }
 
 fn linked(modules: &[(&'static str, &'static str)]) -> Result<Linked, String> {
+    let why = Reason::EveryRender;
+    let entry = |name: &str, number, closes| Entry { name: name.to_string(), number, closes, why: why.clone() };
     let choices = Choices {
-        modules: BTreeMap::from([("known", "lib/rng")]),
-        lists: BTreeMap::from([(
-            "animal",
-            vec![
-                Entry { name: "cat".to_string(), number: 3, closes: false },
-                Entry { name: "dog".to_string(), number: 5, closes: true },
-            ],
-        )]),
+        conditions: BTreeMap::from([("wet", Some(why.clone())), ("dry", None)]),
+        modules: BTreeMap::from([("known", Chosen { module: "lib/rng", why: why.clone() })]),
+        lists: BTreeMap::from([("animal", vec![entry("cat", 3, false), entry("dog", 5, true)])]),
         values: BTreeMap::from([("size", "7".to_string())]),
     };
     let library = Beside(modules.iter().copied().collect());
@@ -488,12 +486,28 @@ fn the_linkers_errors_name_file_and_line() {
     assert_fault(&[("test/root", nested), ("test/inner", missing)], "shaders/test/inner.wgsl:3:", "lib/nothing");
     assert_fault(&[("test/root", "//@ use choice/unheard\n")], "shaders/test/root.wgsl:1:", "unheard");
     assert_fault(&[("test/root", "fn f() {}\n//@ each plant\n//@ end\n")], "shaders/test/root.wgsl:2:", "plant");
-    assert_fault(&[("test/root", "fn f() {}\n//@ end\n")], "shaders/test/root.wgsl:2:", "without `//@ each`");
+    assert_fault(
+        &[("test/root", "fn f() {}\n//@ end\n")],
+        "shaders/test/root.wgsl:2:",
+        "without `//@ if` or `//@ each`",
+    );
     assert_fault(&[("test/root", "\n//@ each animal\nfn f() {}\n")], "shaders/test/root.wgsl:3:", "without `//@ end`");
+    assert_fault(
+        &[("test/root", "fn f() {}\n//@ if cold\n//@ end\n")],
+        "shaders/test/root.wgsl:2:",
+        "condition `cold`",
+    );
+    for (outer, inner) in
+        [("if wet", "if dry"), ("if dry", "each animal"), ("each animal", "if wet"), ("each animal", "each animal")]
+    {
+        let text = format!("//@ {outer}\n//@ {inner}\n//@ end\n//@ end\n");
+        let about = format!("`//@ {inner}` within `//@ {outer}`");
+        assert_fault(&[("test/root", text.leak())], "shaders/test/root.wgsl:2:", &about);
+    }
     assert_fault(&[("test/root", "\nconst A: u32 = ${length}u;\n")], "shaders/test/root.wgsl:2:", "length");
     assert_fault(&[("test/root", "\n\nconst A: u32 = ${size;\n")], "shaders/test/root.wgsl:3:", "without `}`");
     assert_fault(&[], "shaders/(the plan).wgsl:0:", "test/root");
-    for wrong in ["//@ uses lib/rng", "//@use lib/rng", "//@ use", "//@", "//@ End", "//@ ends"] {
+    for wrong in ["//@ uses lib/rng", "//@use lib/rng", "//@ use", "//@", "//@ End", "//@ ends", "//@ if", "//@ else"] {
         let about = format!("`{wrong}` is no directive");
         let texts = [format!("fn f() {{}}\n    {wrong}\n"), format!("//@ each animal\n{wrong}\n//@ end\n")];
         for text in texts {
@@ -520,6 +534,49 @@ fn nagas_errors_name_the_file_and_line_of_the_module() {
     assert_fault(&[("test/root", root), ("test/inner", within)], "shaders/test/inner.wgsl:3:", "");
     // In the root itself.
     assert_fault(&[("test/root", "//@ use lib/rng\n\nfn main( {}\n")], "shaders/test/root.wgsl:3:", "");
+}
+
+#[test]
+fn lines_of_a_condition_are_there_where_it_holds() {
+    let root = "//@ if wet\nconst WET: u32 = ${size}u;\n//@ use lib/rng\n//@ end\n//@ if dry\nconst DRY: u32 = ${none}u;\n//@ use no/module\n//@ end\n";
+    let linked = linked(&[("test/root", root)]).expect("it links");
+    assert!(linked.text.ends_with("const WET: u32 = 7u;\n") && !linked.text.contains("DRY"), "{}", linked.text);
+    assert_eq!(linked.modules, ["lib/rng", "test/root"]);
+}
+
+/// What shaders name and what the plan decides are the same names: none is unknown, and none is decided for nothing.
+#[test]
+fn directives_name_what_the_plan_decides_and_all_of_that() {
+    let mut named: [BTreeSet<String>; 4] = Default::default();
+    let [conditions, lists, modules, values] = &mut named;
+    for name in Embedded::names() {
+        let mut is_in_list = false;
+        for line in Embedded.module(&name).expect("it is listed").lines().map(str::trim) {
+            match line.split_whitespace().collect::<Vec<_>>()[..] {
+                ["//@", "if", condition] => drop(conditions.insert(condition.to_string())),
+                ["//@", "each", list] => {
+                    is_in_list = true;
+                    lists.insert(list.to_string());
+                }
+                ["//@", "end"] => is_in_list = false,
+                ["//@", "use", used] => modules.extend(used.strip_prefix("choice/").map(str::to_string)),
+                _ if is_in_list => {}
+                _ => {
+                    values.extend(line.split("${").skip(1).filter_map(|rest| Some(rest.split_once('}')?.0.to_string())))
+                }
+            }
+        }
+    }
+    let of_tables = tables().flat_map(|(_, space, size)| [space, size]);
+    let decided = [
+        Conditions::NAMES.to_vec(),
+        Lists::NAMES.to_vec(),
+        Modules::NAMES.to_vec(),
+        Values::NAMES.iter().copied().chain(of_tables).collect(),
+    ];
+    for (named, decided) in named.iter().zip(decided) {
+        assert_eq!(named.iter().map(String::as_str).collect::<BTreeSet<_>>(), decided.into_iter().collect());
+    }
 }
 
 #[test]

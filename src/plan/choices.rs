@@ -1,0 +1,372 @@
+//! What the plan decides for the directives of the shaders: which conditions hold, what the lists have, which modules and values are chosen,
+//! each with the reason.
+
+use std::collections::BTreeMap;
+
+use super::state::{path_fields, places};
+use super::{Bounces, QUEUES, Tables};
+use crate::data::{KIND_INSTANCE, KIND_TRIANGLE, RUN_LENGTH};
+use crate::flatten::{BACKGROUNDS, BOUNDARIES, EVERY_FEATURE, Features, PRIMITIVES, TEXTURES};
+use crate::gpu::link::{Choices, Chosen, Entry, Reason};
+use crate::options::{self, FeatureSet, Knob, RenderOptions};
+use crate::shape::KINDS;
+
+/// A struct with a member for each name that directives of one kind have in the shaders, so that none can be left undecided.
+macro_rules! named {
+    ($(#[$doc:meta])* $name:ident: $type:ty { $($(#[$about:meta])* $member:ident,)* }) => {
+        $(#[$doc])*
+        pub struct $name { $($(#[$about])* pub $member: $type,)* }
+
+        impl $name {
+            /// As the shaders write them.
+            pub const NAMES: &[&str] = &[$(stringify!($member)),*];
+
+            fn named(self) -> BTreeMap<&'static str, $type> {
+                BTreeMap::from([$((stringify!($member), self.$member)),*])
+            }
+        }
+    };
+}
+
+named! {
+    /// What `//@ if` asks.
+    Conditions: Option<Reason> {
+        /// Rays are sent to lights.
+        light,
+        /// And by a kernel of their own.
+        staged_light,
+        medium,
+        /// There is something to hit.
+        surface,
+        /// There is something that scatters: a surface or a medium.
+        event,
+        mesh,
+        /// A mesh bounds a medium.
+        mesh_boundary,
+        /// Slots are sorted into queues,
+        queue,
+        /// and that as soon as it is known what rays meet: there are no media that may scatter them before.
+        queue_of_hits,
+        lens,
+        /// Render space has the camera's axes.
+        camera_axes,
+        clamp,
+        /// All primitives are asked of every ray.
+        brute_force,
+        gradient_background,
+        image_background,
+        several_backgrounds,
+        /// Faces of meshes are sampled as lights.
+        emitting_mesh,
+        /// Primitives of any kind are.
+        emitting_surface,
+        emitting_sky,
+        /// Something that emits is not sampled.
+        unsampled,
+        /// Lights are sampled, and mirrors or glass leave some to chance.
+        one_way,
+        /// The sky is one that they may leave to chance.
+        sky_by_chance,
+        /// A material of the kernel is non-specular, and lights are sampled.
+        surface_samples_light,
+        /// One of them sends rays one way alone.
+        specular,
+        /// One of them does either.
+        sends_shadow_ray,
+        /// One of them is a light that is sampled,
+        met_light,
+        /// and may be left to chance.
+        met_by_chance,
+    }
+}
+
+named! {
+    /// What `//@ each` goes through.
+    Lists: Vec<Entry> {
+        /// The kinds of primitive but for the faces of meshes, which `mesh` is about: those need more than the others.
+        primitive,
+        /// The same of primitives that are sampled as lights.
+        emitter,
+        /// The same of boundaries of media.
+        convex_boundary,
+        /// The materials that the kernel serves.
+        material,
+        /// Those of them that are not specular.
+        non_specular,
+        texture,
+        background,
+        /// The last of them,
+        own_background,
+        /// and the ones before.
+        other_background,
+        path_plane,
+        path_word,
+        other_path_word,
+    }
+}
+
+named! {
+    /// The modules behind `choice/…`.
+    Modules: Chosen {
+        axes,
+        camera,
+        colour,
+        uv,
+        shading,
+        medium_albedo,
+        roulette,
+        clamp,
+        fresnel,
+        offset,
+        sphere_chord,
+        light_choice,
+        walk,
+        sampler,
+    }
+}
+
+named! {
+    /// The numbers behind `${…}`.
+    Values: u32 {
+        stack_size,
+        boundary_stack_size,
+        media,
+        sky_light,
+        sky_columns,
+        sky_rows,
+        most_steps,
+        run_length,
+        queues,
+        /// The queue that the kernel serves.
+        queue,
+    }
+}
+
+macro_rules! tables {
+    ($($name:literal),*) => { [$(($name, concat!("space_of_", $name), concat!("size_of_", $name))),*] };
+}
+/// Of those that are no shapes'.
+const TABLES: [(&str, &str, &str); 7] =
+    tables!["nodes", "media", "lights", "light_nodes", "materials", "textures", "frames"];
+
+/// All tables by name, and the names of the values that say how each is bound.
+pub fn tables() -> impl Iterator<Item = (&'static str, &'static str, &'static str)> {
+    TABLES.into_iter().chain(KINDS.iter().map(|kind| (kind.table.name, kind.table.space, kind.table.size)))
+}
+
+/// What a kernel is linked with.
+pub(super) struct Decided {
+    pub conditions: Conditions,
+    lists: Lists,
+    modules: Modules,
+    values: Values,
+}
+
+impl Decided {
+    pub fn choices(self, tables: &Tables) -> Choices {
+        let table = |(name, space, size)| match tables.uniform.get(name) {
+            Some(elements) => [(space, "uniform".to_string()), (size, format!(", {elements}"))],
+            None => [(space, "storage, read".to_string()), (size, String::new())],
+        };
+        let numbers = self.values.named().into_iter().map(|(name, number)| (name, number.to_string()));
+        Choices {
+            conditions: self.conditions.named(),
+            lists: self.lists.named(),
+            modules: self.modules.named(),
+            values: numbers.chain(self::tables().flat_map(table)).collect(),
+        }
+    }
+}
+
+/// The first that asked.
+fn first<'a>(used: impl IntoIterator<Item = &'a Option<String>>) -> Option<Reason> {
+    used.into_iter().flatten().next().cloned().map(Reason::Asked)
+}
+
+fn asked(used: &Option<String>) -> Option<Reason> {
+    first([used])
+}
+
+fn option(text: &str) -> Reason {
+    Reason::Asked(text.to_string())
+}
+
+/// A module that nobody asks for by itself.
+fn usual(module: &'static str) -> Chosen {
+    Chosen { module, why: Reason::EveryRender }
+}
+
+/// One module where someone asked for it, else the usual one.
+fn either(why: Option<Reason>, module: &'static str, other: &'static str) -> Chosen {
+    why.map_or(usual(other), |why| Chosen { module, why })
+}
+
+/// The kinds that the scene uses, by the place of their names; the last one closes a switch over them.
+pub(super) fn entries(names: &[&str], used: &[Option<String>]) -> Vec<Entry> {
+    let kinds = (0..).zip(names).zip(used);
+    closed(kinds.filter_map(|((number, name), used)| Some((*name, number, asked(used)?))))
+}
+
+fn closed<'a>(kinds: impl Iterator<Item = (&'a str, u32, Reason)>) -> Vec<Entry> {
+    let entry = |(name, number, why): (&str, u32, _)| Entry { name: name.to_string(), number, closes: false, why };
+    let mut entries: Vec<_> = kinds.map(entry).collect();
+    if let Some(last) = entries.last_mut() {
+        last.closes = true;
+    }
+    entries
+}
+
+/// Why there are meshes among these kinds, and the other kinds. Where there are, it is their lines that close a switch.
+fn split_meshes(kinds: Vec<Entry>) -> (Option<Reason>, Vec<Entry>) {
+    let (meshes, mut others): (Vec<_>, Vec<_>) =
+        kinds.into_iter().partition(|kind| [KIND_TRIANGLE, KIND_INSTANCE].contains(&kind.number));
+    others.iter_mut().for_each(|kind| kind.closes &= meshes.is_empty());
+    (meshes.into_iter().next().map(|mesh| mesh.why), others)
+}
+
+/// Decides for a kernel that serves some of the scene's materials, and `queue` if they are sorted into queues.
+pub(super) fn decide(
+    features: &Features,
+    options: &RenderOptions,
+    materials: &[Entry],
+    served: &[Entry],
+    queue: u32,
+    bounces: Bounces,
+) -> Decided {
+    let Bounces { fused, queues } = bounces;
+    let if_so = |condition: bool, why: Reason| condition.then_some(why);
+    let by_option = |knob: &Knob| Chosen { module: knob.module(options), why: option(&knob.asked(options)) };
+    // What approximates, where the scene has what the option is about.
+    let approximate = |knob: &Knob, in_scene: bool| match in_scene && !knob.is_default(options) {
+        true => by_option(knob),
+        false => usual(knob.module(&RenderOptions::default())),
+    };
+    let (mesh, primitive) = split_meshes(entries(PRIMITIVES, &features.primitives));
+    let (emitting_mesh, emitter) = split_meshes(entries(PRIMITIVES, &features.emitters));
+    let boundaries = BOUNDARIES.iter().zip(&features.boundaries);
+    let boundaries = boundaries.filter_map(|((name, kind), used)| Some((*name, *kind, asked(used)?)));
+    let (mesh_boundary, convex_boundary) = split_meshes(closed(boundaries));
+    let texture = entries(TEXTURES, &features.textures);
+    let background = entries(BACKGROUNDS, &features.backgrounds);
+    let (own_background, other_background) = match background.split_last() {
+        Some((own, others)) => (vec![own.clone()], others.to_vec()),
+        None => (Vec::new(), Vec::new()),
+    };
+
+    let emitting_surface = first(&features.emitters);
+    let emitting_sky = asked(&features.emitting_sky);
+    let any_light = emitting_surface.clone().or(emitting_sky.clone()).unwrap_or(Reason::EveryRender);
+    let light = if_so(features.lights > 0, any_light);
+    let medium = if_so(features.crosses_media(), first(&features.boundaries).unwrap_or(Reason::EveryRender));
+    let surface = materials.first().map(|kind| kind.why.clone());
+    // A mesh makes walks long.
+    let hit = mesh.clone().or(first(&features.primitives)).unwrap_or(Reason::EveryRender);
+    let brute_force = if_so(surface.is_some() && features.brute_force, hit.clone());
+    let walk = match (&surface, &brute_force) {
+        (None, _) => usual("scene/nothing"),
+        (Some(_), Some(_)) => Chosen { module: "scene/brute_force", why: hit },
+        (Some(_), None) => Chosen { module: "scene/traverse", why: hit },
+    };
+    let one_way = light.clone().and(first(&features.specular));
+
+    let served_in = |used: &[Option<String>]| -> Vec<Entry> {
+        let is_in = |kind: &&Entry| used.get(kind.number as usize).is_some_and(Option::is_some);
+        served.iter().filter(is_in).cloned().collect()
+    };
+    let non_specular = served_in(&features.non_specular);
+    let surface_samples_light = light.clone().filter(|_| !non_specular.is_empty());
+    let specular = served_in(&features.specular).first().and_then(|kind| light.clone().and(Some(kind.why.clone())));
+    let shines = served.iter().any(|kind| kind.name == "diffuse_light");
+
+    let queue_why = if_so(queues, option(QUEUES));
+    let conditions = Conditions {
+        staged_light: light.clone().filter(|_| !fused),
+        event: surface.clone().or(medium.clone()),
+        queue_of_hits: queue_why.clone().filter(|_| medium.is_none()),
+        queue: queue_why,
+        lens: asked(&features.thin_lens),
+        camera_axes: asked(&features.turned),
+        clamp: if_so(
+            options.clamp.is_some() && (surface.is_some() || features.media > 0),
+            by_option(&options::CLAMP).why,
+        ),
+        gradient_background: asked(&features.backgrounds[1]),
+        image_background: asked(&features.backgrounds[2]),
+        several_backgrounds: if_so(!other_background.is_empty(), option(EVERY_FEATURE)),
+        unsampled: match &features.unsampled {
+            Some(left) => Some(option(&left.asked_by)),
+            None => if_so(options.features == FeatureSet::All, option(EVERY_FEATURE)),
+        },
+        sky_by_chance: emitting_sky.clone().and(one_way.clone()),
+        sends_shadow_ray: surface_samples_light.clone().or(specular.clone()),
+        met_light: light.clone().and(emitting_surface.clone()).filter(|_| shines),
+        met_by_chance: one_way.clone().filter(|_| shines && emitting_surface.is_some()),
+        surface_samples_light,
+        specular,
+        one_way,
+        light,
+        medium,
+        surface,
+        mesh,
+        mesh_boundary,
+        brute_force,
+        emitting_mesh,
+        emitting_surface,
+        emitting_sky,
+    };
+    let has_glass = materials.iter().any(|kind| kind.name == "dielectric");
+    let has_spheres = primitive.iter().chain(&convex_boundary).any(|kind| kind.name == "sphere");
+    let places = places(&path_fields(&conditions, fused));
+    let numbered = |all: Vec<(&'static str, u32)>| {
+        closed(all.into_iter().map(|(name, number)| (name, number, Reason::EveryRender)))
+    };
+    let image_texture = texture.iter().find(|kind| kind.name == "image").map(|kind| kind.why.clone());
+    let modules = Modules {
+        axes: either(asked(&features.turned), "scene/camera_axes", "scene/world_axes"),
+        camera: either(asked(&features.thin_lens), "camera/thin_lens", "camera/pinhole"),
+        colour: either(first(&features.textures), "scene/textured_colour", "scene/plain_colour"),
+        uv: either(image_texture, "scene/uv", "scene/no_uv"),
+        shading: either(asked(&features.smooth), "scene/smooth_shading", "scene/flat_shading"),
+        medium_albedo: either(asked(&features.textured_media), "scene/textured_medium", "scene/plain_medium"),
+        light_choice: usual(if features.lights > 1 { "scene/light_tree" } else { "scene/one_light" }),
+        walk,
+        roulette: by_option(&options::ROULETTE),
+        clamp: approximate(&options::CLAMP, conditions.clamp.is_some()),
+        fresnel: approximate(&options::FRESNEL, has_glass),
+        offset: approximate(&options::OFFSET, conditions.surface.is_some()),
+        sphere_chord: approximate(&options::PRECISION, has_spheres),
+        sampler: by_option(&options::SAMPLER),
+    };
+    Decided {
+        conditions,
+        lists: Lists {
+            primitive,
+            emitter,
+            convex_boundary,
+            material: served.to_vec(),
+            non_specular,
+            texture,
+            background,
+            own_background,
+            other_background,
+            path_plane: numbered(places.planes),
+            path_word: numbered(places.words),
+            other_path_word: numbered(places.others),
+        },
+        modules,
+        values: Values {
+            stack_size: features.stack_size + 1,
+            // A walk that looks at all children has one more waiting at each level.
+            boundary_stack_size: features.boundary_stack_size + 2,
+            media: features.media,
+            sky_light: features.sky_light,
+            sky_columns: features.sky_grid.0,
+            sky_rows: features.sky_grid.1,
+            // Mesa 22.3 allows an invocation 65,535 iterations: for one walk, or for two, the other being a shadow ray's.
+            most_steps: if features.shadow_rays { 19_000 } else { 48_000 },
+            run_length: RUN_LENGTH,
+            queues: materials.len() as u32,
+            queue,
+        },
+    }
+}
