@@ -327,6 +327,13 @@ impl clap::FromArgMatches for RenderOptions {
     }
 }
 
+/// The default of the option that links this module by default.
+pub fn default_of(module: &str) -> Option<&'static str> {
+    let options = RenderOptions::default();
+    let knob = KNOBS.iter().find(|knob| knob.links.is_some_and(|links| links(&options) == module))?;
+    knob.default
+}
+
 /// A whole number of a range.
 fn number(text: &str, range: std::ops::RangeInclusive<u32>) -> Result<u32, String> {
     let known = text.parse().ok().filter(|number| range.contains(number));

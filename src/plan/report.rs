@@ -9,7 +9,7 @@ use crate::gpu::buffers::BufferSpec;
 use crate::gpu::layout::{self, BindingKind};
 use crate::gpu::link::Reason;
 use crate::gpu::spirv::{self, Size};
-use crate::options::{Integrator, Scatter};
+use crate::options::{Integrator, Scatter, default_of};
 
 /// A plan in words and numbers.
 #[derive(Clone, Debug)]
@@ -103,19 +103,15 @@ impl Buffer {
 }
 
 impl Choice {
-    /// What was chosen, in a word: "yes" and "no" where it is that kind of choice.
+    /// What was chosen, in a word: "yes" and "no" where it is that kind of choice, or the default of the option that chose.
     pub fn answer(&self) -> String {
         let name = self.module.rsplit('/').next().unwrap_or(&self.module);
-        // What is not approximate is called as its option calls it.
-        match name {
-            "fresnel" => return "exact".to_string(),
-            "offset" => return "robust".to_string(),
-            "sphere_chord" => return "strict".to_string(),
-            _ => {}
-        }
         let own: Vec<&str> = self.name.split('_').collect();
         let rest: Vec<&str> = name.split('_').filter(|word| !own.contains(word)).collect();
-        if rest.is_empty() { "yes".to_string() } else { rest.join(" ") }
+        match rest.is_empty() {
+            true => default_of(&self.module).unwrap_or("yes").to_string(),
+            false => rest.join(" "),
+        }
     }
 }
 
