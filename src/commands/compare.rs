@@ -1,18 +1,21 @@
 //! `gpu-rt compare`: the error of an image against a reference.
 
+use std::collections::BTreeMap;
+
 use serde_json::{Value, json};
 
 use super::{check_place, path_text, print_json, print_line, same_file, tell};
 use crate::cli::{CompareArgs, Limit, Metric};
 use crate::error::{Error, Result};
-use crate::metrics::difference::{CONFIDENCE, Difference, Estimate, Images, LEVEL, QUANTITIES, Source, difference};
+use crate::metrics::difference::{Difference, ErrorSource, Images, LEVEL, MeanDifference, QUANTITIES, difference};
 use crate::metrics::error::{mse, psnr, relmse, relmse_trimmed};
+use crate::metrics::estimate::{CONFIDENCE, Estimate};
 use crate::metrics::flip::error_map;
 use crate::metrics::verdict::verdict;
 use crate::output::exr::{ExrImage, read_exr};
 use crate::output::png::write_heatmap;
 
-/// Reads both images, prints how they differ, and fails where that is more than the limits asked for.
+/// Reads both images, prints how they differ, and fails where an error is above its limit.
 pub fn run(args: &CompareArgs) -> Result<()> {
     if let Some(heatmap) = &args.heatmap {
         check_place(heatmap, "nothing has been compared")?;
@@ -45,7 +48,7 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     })?;
     let broken: Vec<usize> = (0..width * height).filter(|&pixel| !images.counts(pixel)).collect();
 
-    // Means are over what counts; pictures keep their shape, with black where a pixel does not count.
+    // Means are over the pixels that count. FLIP needs the whole picture: pixels that do not count are black in both.
     for &pixel in &broken {
         (a.rgb[pixel], b.rgb[pixel]) = ([0.0; 3], [0.0; 3]);
     }
@@ -63,7 +66,8 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     }
     drop(map);
     for image in [&mut a.rgb, &mut b.rgb] {
-        remove(image, &broken);
+        let mut pixels = 0..;
+        image.retain(|_| pixels.next().is_some_and(|pixel| broken.binary_search(&pixel).is_err()));
     }
     let unequal = || Error::Usage("the images hold fewer pixels than they say".to_string());
     let errors = Errors {
@@ -72,7 +76,7 @@ pub fn run(args: &CompareArgs) -> Result<()> {
         relmse_trimmed: relmse_trimmed(&a.rgb, &b.rgb).ok_or_else(unequal)?,
         psnr: psnr(&a.rgb, &b.rgb).ok_or_else(unequal)?,
         flip,
-        mean_difference: difference.means[0].0.mean,
+        mean_difference: difference.means[0].0.difference.value,
     };
     let mut words = verdict(&difference);
     if !broken.is_empty() {
@@ -86,20 +90,7 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     check(&args.fail_above, &errors, &pixels)
 }
 
-/// Removes the pixels at these places, which rise.
-fn remove(image: &mut Vec<[f32; 3]>, places: &[usize]) {
-    let (mut pixel, mut left) = (0, places);
-    image.retain(|_| {
-        let keep = left.first() != Some(&pixel);
-        if !keep {
-            left = &left[1..];
-        }
-        pixel += 1;
-        keep
-    });
-}
-
-/// How many pixels there are, and how many of each image are unusual.
+/// The number of pixels, and of those that are NaN, infinite or negative.
 struct Pixels {
     count: usize,
     /// In the image, in the reference, and in either.
@@ -151,7 +142,7 @@ impl Errors {
     }
 }
 
-/// Fails where a metric is above its limit. Pixels that are left out have no error, and so no limit allows for them.
+/// Fails where a metric is above its limit, or where pixels had to be left out: these have no error to hold against a limit.
 fn check(limits: &[Limit], errors: &Errors, pixels: &Pixels) -> Result<()> {
     let above = limits.iter().filter(|limit| errors.of(limit.metric) > limit.value);
     let mut words: Vec<String> = above
@@ -166,51 +157,46 @@ fn check(limits: &[Limit], errors: &Errors, pixels: &Pixels) -> Result<()> {
     }
 }
 
-/// The interval that holds the true difference; nothing where so few pixels do not tell.
+/// The interval that holds the true difference; none where too few pixels tell the error.
 fn interval(estimate: &Estimate) -> Option<[f64; 2]> {
     let half = estimate.half_width();
-    half.is_finite().then_some([estimate.mean - half, estimate.mean + half])
+    half.is_finite().then_some([estimate.value - half, estimate.value + half])
 }
 
-fn source_words(source: Source) -> &'static str {
+fn source_words(source: ErrorSource) -> &'static str {
     match source {
-        Source::Variances => "variance layers",
-        Source::Pairs => "paired differences",
-        Source::SharedNoise => "paired differences (the images share their noise)",
+        ErrorSource::Variances => "variance layers",
+        ErrorSource::Pairs => "paired differences",
+        ErrorSource::SharedNoise => "paired differences (the images share their noise)",
     }
+}
+
+/// A mean difference with its interval and p-value.
+fn mean_json(mean: &MeanDifference, p: f64) -> Value {
+    json!({
+        "mean_difference": mean.difference.value,
+        "interval": interval(&mean.difference),
+        "reference_mean": mean.reference,
+        "p": p,
+    })
 }
 
 fn report(args: &CompareArgs, errors: &Errors, difference: &Difference, pixels: &Pixels, words: &str) -> Value {
     let [(mean, _), colours @ ..] = &difference.means;
-    // JSON has no infinity.
-    let finite = |value: f64| value.is_finite().then_some(value);
     let relative = |value: f64| (mean.reference > 0.0).then(|| value / mean.reference);
-    let colours: serde_json::Map<String, Value> = colours
-        .iter()
-        .zip(&QUANTITIES[1..])
-        .map(|((mean, p), quantity)| {
-            let value = json!({"mean_difference": mean.mean, "interval": interval(mean), "reference_mean": mean.reference, "p": p});
-            (quantity.name().to_string(), value)
-        })
-        .collect();
+    let colours = colours.iter().zip(&QUANTITIES[1..]);
     let local = difference.local.map(|local| {
-        let [left, top, width, height] = local.tile;
-        json!({
-            "left": left, "top": top, "width": width, "height": height,
-            "quantity": local.quantity.name(),
-            "mean_difference": local.estimate.mean,
-            "interval": interval(&local.estimate),
-            "reference_mean": local.estimate.reference,
-            "p": local.p,
-        })
+        let mut object = mean_json(&local.estimate, local.p);
+        for (key, value) in ["left", "top", "width", "height"].into_iter().zip(local.tile) {
+            object[key] = json!(value);
+        }
+        object["quantity"] = json!(local.quantity.name());
+        object
     });
-    let rest = difference.rest.map(|(pixels, [(mean, _), ..])| {
-        json!({
-            "pixels": pixels,
-            "mean_difference": mean.mean,
-            "interval": interval(&mean),
-            "reference_mean": mean.reference,
-        })
+    let rest = difference.rest.map(|(pixels, [(mean, p), ..])| {
+        let mut object = mean_json(&mean, p);
+        object["pixels"] = json!(pixels);
+        object
     });
     json!({
         "image": path_text(&args.image),
@@ -219,17 +205,18 @@ fn report(args: &CompareArgs, errors: &Errors, difference: &Difference, pixels: 
         "rmse": errors.mse.sqrt(),
         "relmse": errors.relmse,
         "relmse_trimmed": errors.relmse_trimmed,
-        "psnr": finite(errors.psnr),
+        // JSON has no infinity: it becomes null.
+        "psnr": errors.psnr,
         "flip": errors.flip,
-        "mean_difference": mean.mean,
-        "interval": interval(mean),
+        "mean_difference": mean.difference.value,
+        "interval": interval(&mean.difference),
         "confidence": CONFIDENCE,
         "reference_mean": mean.reference,
-        "relative_mean_difference": relative(mean.mean),
-        "relative_interval": interval(mean).and_then(|[low, high]| Some([relative(low)?, relative(high)?])),
+        "relative_mean_difference": relative(mean.difference.value),
+        "relative_interval": interval(&mean.difference).and_then(|[low, high]| Some([relative(low)?, relative(high)?])),
         "interval_from": source_words(difference.source),
         "without_ruling_pixels": rest,
-        "colours": colours,
+        "colours": colours.map(|((mean, p), colour)| (colour.name(), mean_json(mean, *p))).collect::<BTreeMap<_, _>>(),
         "largest_local_difference": local,
         "identical": difference.identical,
         "p": difference.p,
@@ -249,22 +236,21 @@ fn print_table(errors: &Errors, difference: &Difference, pixels: &Pixels, words:
     line("RMSE", format!("{:.4e}", errors.mse.sqrt()))?;
     line("relMSE", format!("{:.4e}", errors.relmse))?;
     line("relMSE, trimmed", format!("{:.4e}   without the worst 0.1 % of the pixels", errors.relmse_trimmed))?;
-    line(
-        "PSNR",
-        match errors.psnr.is_finite() {
-            true => format!("{:.2} dB", errors.psnr),
-            false => "infinite".to_string(),
-        },
-    )?;
+    let infinite = errors.psnr.is_infinite();
+    line("PSNR", if infinite { "infinite".to_string() } else { format!("{:.2} dB", errors.psnr) })?;
     line("FLIP", format!("{:.5}", errors.flip))?;
-    let (mean, _) = &difference.means[0];
-    let bounds = |mean: &Estimate| match interval(mean) {
-        Some([low, high]) => format!("95 % interval {low:+.3e} to {high:+.3e}, by {}", source_words(difference.source)),
-        None => "its error is unknown".to_string(),
+    let bounds = |mean: &MeanDifference| {
+        let words = match interval(&mean.difference) {
+            Some([low, high]) => {
+                format!("95 % interval {low:+.3e} to {high:+.3e}, by {}", source_words(difference.source))
+            }
+            None => "its error is unknown".to_string(),
+        };
+        format!("{:+.4e}   {words}", mean.difference.value)
     };
-    line("mean difference", format!("{:+.4e}   {}", mean.mean, bounds(mean)))?;
+    line("mean difference", bounds(&difference.means[0].0))?;
     if let Some((pixels, [(mean, _), ..])) = &difference.rest {
-        line("of the others", format!("{:+.4e}   {}; without {pixels} that rule the noise", mean.mean, bounds(mean)))?;
+        line("of the others", format!("{}; without the {pixels} pixels that hold most of the noise", bounds(mean)))?;
     }
     let [a, b] = pixels.negative;
     if a + b > 0 {

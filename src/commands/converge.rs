@@ -1,9 +1,10 @@
-//! `gpu-rt converge`: the error of a render at 1, 2, 4 … samples against a reference, and the seconds that each took.
+//! `gpu-rt converge`: the error of a render against a reference at 1, 2, 4 … samples, with the seconds of each.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
-use serde_json::json;
+use serde::Serialize;
+use serde_json::{Value, json};
 
 use super::{
     flatten_for, make_folder, open_device, path_text, print_json, print_line, stop_on_interrupt, tell, tell_biases,
@@ -15,6 +16,7 @@ use crate::film::Film;
 use crate::job::{Goal, Job};
 use crate::metrics::error as metrics;
 use crate::output::atomic;
+use crate::output::csv::csv;
 use crate::output::exr::{ExrImage, read_exr};
 use crate::output::plot::{Curve, Plot, svg};
 use crate::plan::Plan;
@@ -22,20 +24,21 @@ use crate::render::{Next, Outcome, Renderer};
 use crate::scene::Scene;
 
 /// The render after so many samples.
-#[derive(Clone, Copy, Debug)]
-struct Step {
+#[derive(Clone, Copy, Debug, Serialize)]
+struct Measurement {
     samples: u32,
-    /// Of the passes up to here: neither compiling nor measuring.
+    /// Of the passes up to here, without compiling and measuring.
     seconds: f64,
     mse: f64,
+    rmse: f64,
     relmse: f64,
-    /// Mean over pixels and channels of image less reference, over that of the reference; none where that is black.
+    /// Mean over pixels and channels of image less reference, over the mean of the reference; none where that is black.
     mean_difference: Option<f64>,
-    /// What the render itself says of its noise (`Film::relative_error`); unknown with few samples.
+    /// The render's own estimate of its noise (`Film::relative_error`); none with few samples.
     relative_error: Option<f64>,
 }
 
-/// Renders with doubled numbers of samples onto one film, and measures it in between.
+/// Doubles the samples on one film again and again, and measures the image each time.
 pub fn run(args: &ConvergeArgs) -> Result<()> {
     let reference = read_exr(&args.reference)?;
     let own_error = error_of_reference(&reference);
@@ -43,12 +46,12 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
     let biases = tell_biases(&args.options, args.paths.max_depth, &scene, args.quiet);
     if reference.seed() == Some(args.paths.seed) && !args.quiet {
         tell(&format!(
-            "warning: {} was rendered with seed {} too: what both have of its noise looks like no error; give another --seed",
+            "warning: {} was rendered with seed {} too. The two images share noise, which hides error; give another --seed",
             args.reference.display(),
             args.paths.seed
         ));
     }
-    let (csv, plot) = outputs(args)?;
+    let (table, plot) = outputs(args)?;
     let size = (reference.width, reference.height);
     let (size, flat) = flatten_for(&scene, Some(Size::Pixels(size.0, size.1)), &args.options)?;
     let device = open_device(args.paths.device.as_deref())?;
@@ -62,7 +65,7 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
     let mut film = Film::with_sampler(size.0, size.1, flat.radiance_exponent, args.options.sampler)?;
 
     let stopped = stop_on_interrupt();
-    let mut steps: Vec<Step> = Vec::new();
+    let mut steps: Vec<Measurement> = Vec::new();
     let (mut done, mut seconds) = (0, 0.0);
     while done < end {
         let next = if done == 0 { 1 } else { done.saturating_mul(2).min(end) };
@@ -85,7 +88,10 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
         let step = measure(&film, &reference, done, seconds)?;
         if !args.quiet && !args.json {
             if steps.is_empty() {
-                print_line(&header())?;
+                print_line(&format!(
+                    "{:>8} {:>10} {:>10} {:>10} {:>12}",
+                    "samples", "seconds", "RMSE", "relMSE", "mean, % off"
+                ))?;
             }
             print_line(&line(&step))?;
         }
@@ -94,18 +100,19 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
     if steps.is_empty() {
         return Err(Error::Interrupted("interrupted before the first sample; nothing has been written".into()));
     }
-    atomic::write(&csv, table(&steps).as_bytes())?;
+    let rows: Vec<Value> = steps.iter().map(|step| json!(step)).collect();
+    atomic::write(&table, csv(COLUMNS, &rows).as_bytes())?;
     let name = args.scene.file_name().unwrap_or_default().to_string_lossy();
     let title = format!("{name} on {}", device.name.driver);
     atomic::write(&plot, svg(&drawing(&title, &steps, own_error))?.as_bytes())?;
-    report(args, &biases, &device.name.to_string(), &steps, own_error, (&csv, &plot))?;
+    report(args, &biases, &device.name.to_string(), (&steps, rows), own_error, (&table, &plot))?;
     match stopped.load(Ordering::Relaxed) {
-        true => Err(Error::Interrupted(format!("interrupted; {} holds the samples so far", csv.display()))),
+        true => Err(Error::Interrupted(format!("interrupted; {} holds the samples so far", table.display()))),
         false => Ok(()),
     }
 }
 
-/// The files to write, in a folder that is there.
+/// The table's path and the plot's, in a folder that now exists.
 fn outputs(args: &ConvergeArgs) -> Result<(PathBuf, PathBuf)> {
     make_folder(&args.output, "nothing has been rendered")?;
     let stem = args.scene.file_stem().unwrap_or_default().to_string_lossy();
@@ -113,20 +120,21 @@ fn outputs(args: &ConvergeArgs) -> Result<(PathBuf, PathBuf)> {
     Ok((file("csv"), file("svg")))
 }
 
-/// The relMSE that a reference has itself by its noise, where its file tells the variance.
+/// The relMSE of the reference by its own noise, where its file holds the variance.
 fn error_of_reference(reference: &ExrImage) -> Option<f64> {
     metrics::relative_variance(reference.known_variance()?, &reference.rgb)
 }
 
-fn measure(film: &Film, reference: &ExrImage, samples: u32, seconds: f64) -> Result<Step> {
+fn measure(film: &Film, reference: &ExrImage, samples: u32, seconds: f64) -> Result<Measurement> {
     let picture = film.develop();
     let found = |value: Option<f64>| value.filter(|value| value.is_finite());
-    let not_numbers =
-        || Error::Usage("the reference holds pixels that are no finite numbers, so that it measures nothing".into());
-    Ok(Step {
+    let not_numbers = || Error::Usage("expected a reference of finite numbers, found NaN or infinite pixels".into());
+    let mse = found(metrics::mse(&picture.rgb, &reference.rgb)).ok_or_else(not_numbers)?;
+    Ok(Measurement {
         samples,
         seconds,
-        mse: found(metrics::mse(&picture.rgb, &reference.rgb)).ok_or_else(not_numbers)?,
+        mse,
+        rmse: mse.sqrt(),
         relmse: found(metrics::relmse(&picture.rgb, &reference.rgb)).ok_or_else(not_numbers)?,
         mean_difference: found(metrics::mean_difference(&picture.rgb, &reference.rgb)),
         relative_error: film.relative_error(),
@@ -134,7 +142,7 @@ fn measure(film: &Film, reference: &ExrImage, samples: u32, seconds: f64) -> Res
 }
 
 /// The exponent p of an error that falls as N^-p, over the steps from 8 samples on: least squares of logarithms.
-fn slope(steps: &[Step], own_error: f64) -> Option<f64> {
+fn slope(steps: &[Measurement], own_error: f64) -> Option<f64> {
     let known = steps.iter().filter(|step| step.samples >= 8 && step.relmse > own_error);
     let points: Vec<(f64, f64)> =
         known.map(|step| (f64::from(step.samples).ln(), (step.relmse - own_error).ln())).collect();
@@ -146,8 +154,8 @@ fn slope(steps: &[Step], own_error: f64) -> Option<f64> {
     (points.len() >= 3).then(|| -both / along)
 }
 
-fn drawing<'a>(title: &'a str, steps: &[Step], own_error: Option<f64>) -> Plot<'a> {
-    let curve = |name: &str, of: &dyn Fn(&Step) -> f64| Curve {
+fn drawing<'a>(title: &'a str, steps: &[Measurement], own_error: Option<f64>) -> Plot<'a> {
+    let curve = |name: &str, of: &dyn Fn(&Measurement) -> f64| Curve {
         name: name.into(),
         points: steps.iter().map(|step| (step.seconds, of(step))).collect(),
         marks: Vec::new(),
@@ -155,41 +163,20 @@ fn drawing<'a>(title: &'a str, steps: &[Step], own_error: Option<f64>) -> Plot<'
     let measured = curve("relMSE against the reference", &|step| step.relmse);
     let mut curves = vec![Curve { marks: measured.points.clone(), ..measured }];
     if let Some(own) = own_error {
-        curves.push(curve("relMSE of the reference itself", &|_| own));
-        curves.push(curve("less that", &|step| step.relmse - own));
+        curves.push(curve("relMSE of the reference by its noise", &|_| own));
+        curves.push(curve("relMSE less the reference's own", &|step| step.relmse - own));
     }
     Plot { title, x: "seconds of rendering", y: "relMSE", curves }
 }
 
-const COLUMNS: [&str; 7] = ["samples", "seconds", "mse", "rmse", "relmse", "mean_difference", "relative_error"];
+const COLUMNS: &str = "samples,seconds,mse,rmse,relmse,mean_difference,relative_error";
 
-fn table(steps: &[Step]) -> String {
-    let rows = steps.iter().map(|step| {
-        let known = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
-        format!(
-            "{},{},{},{},{},{},{}\n",
-            step.samples,
-            step.seconds,
-            step.mse,
-            step.mse.sqrt(),
-            step.relmse,
-            known(step.mean_difference),
-            known(step.relative_error)
-        )
-    });
-    format!("{}\n{}", COLUMNS.join(","), rows.collect::<String>())
-}
-
-fn header() -> String {
-    format!("{:>8} {:>10} {:>10} {:>10} {:>12}", "samples", "seconds", "RMSE", "relMSE", "mean, % off")
-}
-
-fn line(step: &Step) -> String {
+fn line(step: &Measurement) -> String {
     format!(
         "{:>8} {:>10.3} {:>10.3e} {:>10.3e} {:>12}",
         step.samples,
         step.seconds,
-        step.mse.sqrt(),
+        step.rmse,
         step.relmse,
         step.mean_difference.map_or("-".into(), |off| format!("{:+.3}", 100.0 * off))
     )
@@ -199,26 +186,12 @@ fn report(
     args: &ConvergeArgs,
     biases: &[String],
     device: &str,
-    steps: &[Step],
+    (steps, rows): (&[Measurement], Vec<Value>),
     own_error: Option<f64>,
-    (csv, plot): (&Path, &Path),
+    (table, plot): (&Path, &Path),
 ) -> Result<()> {
     let slope = slope(steps, own_error.unwrap_or(0.0));
     if args.json {
-        let rows: Vec<_> = steps
-            .iter()
-            .map(|step| {
-                json!({
-                    "samples": step.samples,
-                    "seconds": step.seconds,
-                    "mse": step.mse,
-                    "rmse": step.mse.sqrt(),
-                    "relmse": step.relmse,
-                    "mean_difference": step.mean_difference,
-                    "relative_error": step.relative_error,
-                })
-            })
-            .collect();
         print_json(&json!({
             "scene": path_text(&args.scene),
             "reference": path_text(&args.reference),
@@ -230,7 +203,7 @@ fn report(
             "steps": rows,
             "relmse_of_reference": own_error,
             "relmse_falls_as": slope.map(|p| -p),
-            "csv": path_text(csv),
+            "csv": path_text(table),
             "plot": path_text(plot),
         }))?;
     }
@@ -238,11 +211,13 @@ fn report(
         return Ok(());
     }
     if let Some(own) = own_error {
-        tell(&format!("the reference's own noise is a relMSE of {own:.2e}; what is not far above it says little"));
+        tell(&format!(
+            "the reference's own noise is a relMSE of {own:.2e}; errors near that say little about the render"
+        ));
     }
     if let Some(p) = slope {
         tell(&format!("relMSE falls as N^-{p:.2} from 8 samples on"));
     }
-    tell(&format!("{} and {}", csv.display(), plot.display()));
+    tell(&format!("{} and {}", table.display(), plot.display()));
     Ok(())
 }

@@ -4,13 +4,11 @@
 //! Every mean difference comes with a standard error of a known number of degrees of freedom, and so with a p-value by Student's t:
 //! how often noise alone would make a difference of at least this size. docs/comparing.md derives it and has the measurements.
 
-use super::student;
+use super::estimate::{Estimate, degrees_of_sum};
 use crate::data::luminance;
 
 /// Differences with a p-value below this are called more than noise.
 pub const LEVEL: f64 = 0.01;
-/// The probability of an interval that is stated.
-pub const CONFIDENCE: f64 = 0.95;
 
 /// The least and the largest side of a tile in pixels.
 const TILE: (usize, usize) = (4, 16);
@@ -128,7 +126,7 @@ impl Images<'_> {
 
 /// Where the standard errors come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Source {
+pub enum ErrorSource {
     /// The variances in the files.
     Variances,
     /// How the paired differences a − b are spread over the image.
@@ -139,33 +137,10 @@ pub enum Source {
 
 /// A mean difference a − b.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Estimate {
-    pub mean: f64,
+pub struct MeanDifference {
+    pub difference: Estimate,
     /// The mean of b there.
     pub reference: f64,
-    /// Standard error of `mean`; infinite where nothing tells it.
-    pub error: f64,
-    /// Degrees of freedom of the error.
-    pub degrees: f64,
-}
-
-impl Estimate {
-    /// The probability of a difference at least as large, if there were only noise.
-    pub fn p(&self) -> f64 {
-        match (self.mean == 0.0, self.error == 0.0) {
-            (true, _) => 1.0,
-            (false, true) => 0.0,
-            (false, false) => student::two_sided(self.mean / self.error, self.degrees),
-        }
-    }
-
-    /// Half of the interval that holds the true difference with a probability of [`CONFIDENCE`].
-    pub fn half_width(&self) -> f64 {
-        match self.error == 0.0 {
-            true => 0.0,
-            false => self.error * student::quantile(1.0 - CONFIDENCE, self.degrees),
-        }
-    }
 }
 
 /// The most significant difference in a place.
@@ -174,18 +149,18 @@ pub struct Local {
     /// The tile in pixels: left, top, width, height.
     pub tile: [usize; 4],
     pub quantity: Quantity,
-    pub estimate: Estimate,
+    pub estimate: MeanDifference,
     /// As if it were the only test: corrected for how many tiles there are, and for the tests beside.
     pub p: f64,
 }
 
 /// Mean differences in the order of [`QUANTITIES`], each with a p-value as of [`Local::p`].
-pub type Means = [(Estimate, f64); 4];
+pub type Means = [(MeanDifference, f64); 4];
 
 /// What the comparison came to.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Difference {
-    pub source: Source,
+    pub source: ErrorSource,
     /// Every pixel that counts is the same in both.
     pub identical: bool,
     pub means: Means,
@@ -233,11 +208,10 @@ impl Sums {
         f64::from(f32::EPSILON) * ((self.reference / self.pixels).abs() + self.mean().abs())
     }
 
-    /// From the pixels' variances: their sum. Each of them is an estimate, of one degree of freedom at least (two halves), and so v² has
-    /// the expectation of 3/2 of its variance at least; the sum then has 2 (E Σ v)² / Var Σ v = 3 (Σ v)² / Σ v² − 2 degrees of freedom
-    /// or more (Satterthwaite, Biometrics Bulletin 2(6), 1946). Where few bright pixels make the sum, it says so by having few.
-    fn noise_by_variances(&self) -> Noise {
-        Noise {
+    /// From the pixels' variances: their sum. Each has one degree of freedom at least, of two halves. Where few bright pixels make the sum,
+    /// it has few degrees of freedom.
+    fn noise_by_variances(&self) -> MeanVariance {
+        MeanVariance {
             variance: self.variance / (self.pixels * self.pixels),
             degrees: degrees_of_sum(self.variance, self.variance2),
         }
@@ -250,46 +224,51 @@ impl Sums {
     }
 
     /// From that spread: its sum times J/(J − 1), J being the number of parts.
-    fn noise_by_parts(&self, parts: &[Sums]) -> Noise {
+    fn noise_by_parts(&self, parts: &[Sums]) -> MeanVariance {
         let squares = self.squares(parts);
         let count = squares.len() as f64;
         match count > 1.0 {
-            true => Noise { variance: squares.iter().sum::<f64>() * count / (count - 1.0), degrees: count - 1.0 },
-            false => Noise { variance: f64::INFINITY, degrees: 1.0 },
+            true => {
+                MeanVariance { variance: squares.iter().sum::<f64>() * count / (count - 1.0), degrees: count - 1.0 }
+            }
+            false => MeanVariance { variance: f64::INFINITY, degrees: 1.0 },
         }
     }
 
     /// The same where a part may hold most of the noise, as a rare bright pixel does: no more degrees of freedom than a sum of squares of
     /// one each has.
-    fn noise_by_uneven_parts(&self, parts: &[Sums]) -> Noise {
+    fn noise_by_uneven_parts(&self, parts: &[Sums]) -> MeanVariance {
         let squares = self.squares(parts);
         let of_sum = degrees_of_sum(squares.iter().sum(), squares.iter().map(|square| square * square).sum());
         let even = self.noise_by_parts(parts);
-        Noise { degrees: even.degrees.min(of_sum), ..even }
+        MeanVariance { degrees: even.degrees.min(of_sum), ..even }
     }
 
     /// Of a tile or what is left of one, by its pixels' variances or by its cells.
-    fn noise(&self, cells: &[Sums], source: Source) -> Noise {
+    fn noise(&self, cells: &[Sums], source: ErrorSource) -> MeanVariance {
         match source {
-            Source::Variances => self.noise_by_variances(),
-            Source::Pairs | Source::SharedNoise => self.noise_by_parts(cells),
+            ErrorSource::Variances => self.noise_by_variances(),
+            ErrorSource::Pairs | ErrorSource::SharedNoise => self.noise_by_parts(cells),
         }
     }
 
-    fn estimate(&self, noise: Noise) -> Estimate {
+    fn estimate(&self, noise: MeanVariance) -> Estimate {
         let error = (noise.variance + self.rounding().powi(2)).sqrt();
         Estimate {
-            mean: self.mean(),
-            reference: self.reference / self.pixels,
+            value: self.mean(),
             error: if self.difference == 0.0 && noise.variance == 0.0 { 0.0 } else { error },
             degrees: noise.degrees,
         }
+    }
+
+    fn against_reference(&self, difference: Estimate) -> MeanDifference {
+        MeanDifference { difference, reference: self.reference / self.pixels }
     }
 }
 
 /// The variance of a mean, and how well it is known.
 #[derive(Clone, Copy, Debug)]
-struct Noise {
+struct MeanVariance {
     variance: f64,
     degrees: f64,
 }
@@ -363,15 +342,6 @@ impl Grid {
     }
 }
 
-/// The degrees of freedom of a sum of estimates of one degree of freedom each, by the sum and that of their squares (derived at
-/// [`Sums::noise_by_variances`]).
-fn degrees_of_sum(sum: f64, squares: f64) -> f64 {
-    match squares > 0.0 {
-        true => (3.0 * sum * sum / squares - 2.0).max(1.0),
-        false => f64::INFINITY,
-    }
-}
-
 /// The sums of one quantity at every scale.
 struct Scales {
     cells: Vec<[Sums; CELLS * CELLS]>,
@@ -394,13 +364,13 @@ impl Scales {
     /// and in the spread of the cells alike. So a mean must differ by both, and the wider interval is stated. A difference that k cells
     /// make is √k of its errors by their spread at most, whatever they hold. And where both signs of a cell are as likely, as of two renders
     /// of one kind, t of these errors have a probability of 2 e^(-t²/2) at most, whatever the sizes are (Hoeffding, JASA 58(301), 1963).
-    fn mean(&self, source: Source) -> (Estimate, f64) {
+    fn mean(&self, source: ErrorSource) -> (Estimate, f64) {
         // Tiles are better replicates than pixels: what neighbouring pixels have in common, by a filter wider than one of them, is within
         // a tile nearly all. Variances take pixels to be independent anyway.
-        let by_tiles = source != Source::Variances && self.tiles.len() >= ENOUGH_TILES;
+        let by_tiles = source != ErrorSource::Variances && self.tiles.len() >= ENOUGH_TILES;
         let parts = if by_tiles { &self.tiles } else { self.cells.as_flattened() };
         let pairs = self.whole.estimate(self.whole.noise_by_uneven_parts(parts));
-        if source != Source::Variances {
+        if source != ErrorSource::Variances {
             return (pairs, pairs.p());
         }
         let variances = self.whole.estimate(self.whole.noise_by_variances());
@@ -409,7 +379,7 @@ impl Scales {
     }
 
     /// Of each tile that has pixels which count.
-    fn tile_noise(&self, source: Source) -> Vec<Option<Noise>> {
+    fn tile_noise(&self, source: ErrorSource) -> Vec<Option<MeanVariance>> {
         let of =
             |(tile, cells): (&Sums, &[Sums; CELLS * CELLS])| (tile.pixels > 0.0).then(|| tile.noise(cells, source));
         self.tiles.iter().zip(&self.cells).map(of).collect()
@@ -417,13 +387,14 @@ impl Scales {
 
     /// A tile without the cell that makes most of its difference, and without the next two where they differ by more than their variances
     /// tell; with what taking so many away takes from noise alone.
-    fn without_worst_cells(&self, tile: usize, source: Source) -> (Sums, Vec<Sums>, f64) {
+    fn without_worst_cells(&self, tile: usize, source: ErrorSource) -> (Sums, Vec<Sums>, f64) {
         let sign = self.tiles[tile].difference.signum();
         let mut cells: Vec<Sums> = self.cells[tile].iter().copied().filter(|cell| cell.pixels > 0.0).collect();
         cells.sort_by(|a, b| f64::total_cmp(&(sign * a.difference), &(sign * b.difference)));
         cells.pop();
-        let doubtful =
-            |cell: &Sums| source == Source::Variances && cell.difference.powi(2) > DOUBTFUL.powi(2) * cell.variance;
+        let doubtful = |cell: &Sums| {
+            source == ErrorSource::Variances && cell.difference.powi(2) > DOUBTFUL.powi(2) * cell.variance
+        };
         let mut taken = 0;
         while taken < TAKEN.len() - 1 && cells.pop_if(|cell| doubtful(cell)).is_some() {
             taken += 1;
@@ -444,7 +415,10 @@ pub fn difference(images: &Images<'_>) -> Option<Difference> {
     let means = |scales: &[Scales; 4]| {
         [0, 1, 2, 3].map(|i| {
             let (estimate, p) = scales[i].mean(source);
-            (estimate, corrected(p, if i == 0 { SHARE_LUMINANCE } else { SHARE_COLOUR }))
+            (
+                scales[i].whole.against_reference(estimate),
+                corrected(p, if i == 0 { SHARE_LUMINANCE } else { SHARE_COLOUR }),
+            )
         })
     };
     let all = scales(&[]);
@@ -458,9 +432,9 @@ pub fn difference(images: &Images<'_>) -> Option<Difference> {
 }
 
 /// What the errors are to be taken from. Pixels vote by number: sums of squares would be ruled by the few that hold most of the noise.
-fn source(images: &Images<'_>) -> Source {
+fn source(images: &Images<'_>) -> ErrorSource {
     if images.variances.is_none() {
-        return Source::Pairs;
+        return ErrorSource::Pairs;
     }
     let (mut noisy, mut beyond) = (0, 0);
     for pixel in (0..images.width * images.height).filter(|&pixel| images.counts(pixel)) {
@@ -471,8 +445,8 @@ fn source(images: &Images<'_>) -> Source {
         beyond += usize::from(variance > 0.0 && difference * difference > variance);
     }
     match noisy >= ENOUGH_PIXELS && (beyond as f64) < SHARED * noisy as f64 {
-        true => Source::SharedNoise,
-        false => Source::Variances,
+        true => ErrorSource::SharedNoise,
+        false => ErrorSource::Variances,
     }
 }
 
@@ -490,7 +464,7 @@ fn corrected(p: f64, share: f64) -> f64 {
 /// two halves agree by chance has a variance that says nothing, and such pixels may hold most of a tile's noise. They come together, as along
 /// the edge of a lamp. Where the halves of each agree in half of the images, and then deviate to one side as often as to the other, four that
 /// all agree and all deviate to one side come in 0.8 % of images, and more are rarer.
-fn local(grid: &Grid, scales: &[Scales; 4], source: Source) -> Option<Local> {
+fn local(grid: &Grid, scales: &[Scales; 4], source: ErrorSource) -> Option<Local> {
     let share = SHARE_TILES / (QUANTITIES.len() * grid.tiles()) as f64;
     let mut worst: Option<Local> = None;
     for (quantity, scales) in QUANTITIES.into_iter().zip(scales) {
@@ -501,9 +475,9 @@ fn local(grid: &Grid, scales: &[Scales; 4], source: Source) -> Option<Local> {
             // The variance of a pixel, not of a mean, since tiles differ in size.
             let (total, count) =
                 near.fold((0.0, 0.0), |(total, count), (pixels, noise)| (total + noise.variance * pixels, count + 1.0));
-            let estimate = |sums: &Sums, own: Noise| {
+            let estimate = |sums: &Sums, own: MeanVariance| {
                 let variance = own.variance.max(total / count / sums.pixels);
-                sums.estimate(Noise { variance, degrees: own.degrees })
+                sums.estimate(MeanVariance { variance, degrees: own.degrees })
             };
             let whole = estimate(sums, own);
             let p = corrected(whole.p(), share);
@@ -514,13 +488,13 @@ fn local(grid: &Grid, scales: &[Scales; 4], source: Source) -> Option<Local> {
             let p = match rest.pixels > 0.0 && rest.difference * sums.difference > 0.0 {
                 true => {
                     let mut rest = estimate(&rest, rest.noise(&cells, source));
-                    rest.mean += taken * rest.error.copysign(rest.mean);
+                    rest.value += taken * rest.error.copysign(rest.value);
                     p.max(corrected(rest.p(), share))
                 }
                 false => 1.0,
             };
             if worst.is_none_or(|worst| p < worst.p) {
-                worst = Some(Local { tile: grid.place(tile), quantity, estimate: whole, p });
+                worst = Some(Local { tile: grid.place(tile), quantity, estimate: sums.against_reference(whole), p });
             }
         }
     }

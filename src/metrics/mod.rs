@@ -2,6 +2,7 @@
 
 pub mod difference;
 pub mod error;
+pub mod estimate;
 pub mod flip;
 pub mod student;
 pub mod verdict;

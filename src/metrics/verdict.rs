@@ -1,24 +1,26 @@
-//! What a comparison came to, in one sentence.
+//! The result of a comparison in one sentence.
 
-use super::difference::{Difference, Estimate, LEVEL, Local, QUANTITIES, Quantity};
+use super::difference::{Difference, LEVEL, Local, MeanDifference, QUANTITIES, Quantity};
 
-/// Says whether A differs from B by more than noise, and how. The sentence contains "noise only", or else "brighter" or "darker", said
-/// of A.
+/// Says whether A differs from B by more than noise, and how. The sentence contains "noise only", or else says that A is "brighter" or
+/// "darker".
 pub fn verdict(difference: &Difference) -> String {
     let (without, [(luminance, p), colours @ ..]) = match &difference.rest {
         None => (String::new(), &difference.means),
-        Some((1, means)) => (" without the pixel that rules the noise".to_string(), means),
-        Some((pixels, means)) => (format!(" without the {pixels} pixels that rule the noise"), means),
+        Some((1, means)) => (" without the pixel that holds most of the noise".to_string(), means),
+        Some((pixels, means)) => (format!(" without the {pixels} pixels that hold most of the noise"), means),
     };
     let local = difference.local.filter(|local| local.p < LEVEL);
     let around = |local: Local| format!(", most clearly around {}", place(&local));
     if difference.identical {
         return "A differs by noise only, p = 1: the images are identical".to_string();
     }
-    if luminance.error.is_infinite() {
-        return match luminance.mean == 0.0 {
-            true => "A differs by noise only, as far as the mean of so few pixels tells".to_string(),
-            false => format!("A is {}, and so few pixels do not tell how much of that is noise", amount(luminance)),
+    if luminance.difference.error.is_infinite() {
+        return match luminance.difference.value == 0.0 {
+            true => "A differs by noise only: both means are equal; the error of so few pixels is unknown".to_string(),
+            false => {
+                format!("A is {}; it may be noise, because so few pixels do not show their error", amount(luminance))
+            }
         };
     }
     if *p < LEVEL {
@@ -35,7 +37,7 @@ pub fn verdict(difference: &Difference) -> String {
                 colour => format!(" in {}", colour.name()),
             };
             format!(
-                "A is {}{colour} around {}, p = {}; on the mean of the image it is not",
+                "A is {}{colour} around {}, p = {}; the mean of the image is within noise",
                 amount(&local.estimate),
                 place(&local),
                 probability(local.p)
@@ -51,22 +53,22 @@ fn place(local: &Local) -> String {
     format!("pixel ({}, {})", left + width / 2, top + height / 2)
 }
 
-/// "darker by 1.2 ± 0.1 %", of the reference's mean; "darker by 0.012 ± 0.001" where that is none.
-fn amount(estimate: &Estimate) -> String {
-    let direction = if estimate.mean < 0.0 { "darker" } else { "brighter" };
-    let (mean, half) = (estimate.mean.abs(), estimate.half_width());
-    match estimate.reference > 0.0 {
+/// "darker by 1.2 ± 0.1 %" of the reference's mean; "darker by 0.012 ± 0.001" where the reference is black.
+fn amount(mean: &MeanDifference) -> String {
+    let direction = if mean.difference.value < 0.0 { "darker" } else { "brighter" };
+    let (size, half) = (mean.difference.value.abs(), mean.difference.half_width());
+    match mean.reference > 0.0 {
         true => {
-            let percent = 100.0 / estimate.reference;
-            format!("{direction} by {} %", with_error(mean * percent, half * percent))
+            let percent = 100.0 / mean.reference;
+            format!("{direction} by {} %", with_error(size * percent, half * percent))
         }
-        false => format!("{direction} by {}", with_error(mean, half)),
+        false => format!("{direction} by {}", with_error(size, half)),
     }
 }
 
-/// A number with its error, to as many digits as the error has a meaning.
+/// A number with its error, to the error's digits.
 fn with_error(value: f64, error: f64) -> String {
-    // Where the error is nothing beside the value or not known, three digits of the value do.
+    // Three digits of the value are enough where the error is tiny, two where it is unknown.
     let known = error.is_finite() && error > 0.0;
     let step = if known { error.max(value * 1e-3) } else { value * 1e-1 };
     if !(1e-6..1e9).contains(&step) {
@@ -82,7 +84,7 @@ fn with_error(value: f64, error: f64) -> String {
     }
 }
 
-/// A p-value in words' precision.
+/// A p-value with as many digits as a sentence needs.
 fn probability(p: f64) -> String {
     match p {
         p if p >= 0.1 => format!("{p:.2}"),
@@ -96,15 +98,16 @@ fn probability(p: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::metrics::difference::Source;
+    use crate::metrics::difference::ErrorSource;
+    use crate::metrics::estimate::Estimate;
 
-    fn estimate(mean: f64, error: f64) -> Estimate {
-        Estimate { mean, reference: 0.5, error, degrees: 1e6 }
+    fn estimate(value: f64, error: f64) -> MeanDifference {
+        MeanDifference { difference: Estimate { value, error, degrees: 1e6 }, reference: 0.5 }
     }
 
     fn nothing() -> Difference {
         Difference {
-            source: Source::Variances,
+            source: ErrorSource::Variances,
             identical: false,
             means: [(estimate(0.0001, 0.0002), 0.9); 4],
             rest: None,
@@ -127,26 +130,28 @@ mod tests {
             Local { tile: [16, 32, 16, 15], quantity: Quantity::Red, estimate: estimate(0.05, 0.003), p: 3.21e-8 };
         darker.local = Some(tile);
         assert_eq!(verdict(&darker), "A is darker by 1.20 ± 0.20 %, most clearly around pixel (24, 39)");
-        let expected =
-            "A is brighter by 10.0 ± 1.2 % in red around pixel (24, 39), p = 3e-8; on the mean of the image it is not";
+        let expected = "A is brighter by 10.0 ± 1.2 % in red around pixel (24, 39), p = 3e-8; the mean of the image is within noise";
         assert_eq!(verdict(&Difference { local: Some(tile), ..nothing() }), expected);
         let mut coloured = nothing();
         coloured.means[1] = (estimate(0.005, 0.000_1), 1e-9);
         coloured.means[3] = (estimate(-0.02, 0.001), 1e-9);
         assert_eq!(verdict(&coloured), "A is brighter by 1.00 ± 0.04 % in red, darker by 4.0 ± 0.4 % in blue");
-        // Where few pixels rule the noise, the others are judged.
+        // Where few pixels hold most of the noise, the others are judged.
         let mut ruled = nothing();
         ruled.rest = Some((2, darker.means));
-        assert_eq!(verdict(&ruled), "A is darker by 1.20 ± 0.20 % without the 2 pixels that rule the noise");
+        assert_eq!(verdict(&ruled), "A is darker by 1.20 ± 0.20 % without the 2 pixels that hold most of the noise");
         ruled.rest = Some((1, coloured.means));
-        let expected = "A is brighter by 1.00 ± 0.04 % in red, darker by 4.0 ± 0.4 % in blue without the pixel that rules the noise";
+        let expected = "A is brighter by 1.00 ± 0.04 % in red, darker by 4.0 ± 0.4 % in blue without the pixel that holds most of the noise";
         assert_eq!(verdict(&ruled), expected);
         // Black references have no percents, and single pixels no errors.
         let mut black = nothing();
-        black.means[0] = (Estimate { reference: 0.0, ..estimate(0.02, 0.001) }, 1e-9);
+        black.means[0] = (MeanDifference { reference: 0.0, ..estimate(0.02, 0.001) }, 1e-9);
         assert_eq!(verdict(&black), "A is brighter by 0.0200 ± 0.0020");
-        black.means[0].0.error = f64::INFINITY;
-        assert_eq!(verdict(&black), "A is brighter by 0.020, and so few pixels do not tell how much of that is noise");
+        black.means[0].0.difference.error = f64::INFINITY;
+        assert_eq!(
+            verdict(&black),
+            "A is brighter by 0.020; it may be noise, because so few pixels do not show their error"
+        );
     }
 
     #[test]

@@ -1,4 +1,5 @@
 pub mod atomic;
+pub mod csv;
 pub mod exr;
 mod magma;
 pub mod plot;

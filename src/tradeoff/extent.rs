@@ -3,9 +3,10 @@
 use std::time::{Duration, Instant};
 
 use super::pace::median;
-use super::replicates::{Estimate, FEWEST_ROUNDS, Pixels, Weights, noise, signed_bias, squared_bias};
+use super::replicates::{FEWEST_ROUNDS, Pixels, Weights, noise, signed_bias, squared_bias};
 use super::sweep::{LEVEL, SAMPLES_OF_ROUND, Sweep, coarsened};
 use crate::error::Result;
+use crate::metrics::estimate::Estimate;
 
 /// The most pixels of the images that are measured: more tell the same about the settings.
 const MOST_PIXELS: f64 = 65_536.0;

@@ -3,10 +3,11 @@
 use super::extent::Whole;
 use super::model::{Falling, Model, Standing, Times, doubt, falling, standings};
 use super::pace::{Pace, paces};
-use super::replicates::{Estimate, FEWEST_ROUNDS, Pixels, Weights, noise, signed_bias, squared_bias, sum_of};
+use super::replicates::{FEWEST_ROUNDS, Pixels, Weights, noise, signed_bias, squared_bias, sum_of};
 use super::sweep::{LEVEL, LEVELS, Setting, Subject, Sweep, rounds_between};
 use super::truth::{Distance, Truth};
 use crate::metrics::error::RELATIVE_FLOOR;
+use crate::metrics::estimate::Estimate;
 use crate::options::Class;
 
 /// relMSE to reach.

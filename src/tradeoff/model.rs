@@ -1,6 +1,6 @@
 //! How the error of a setting falls with time: relMSE = bias² + c N^-p, and what that says of settings beside each other.
 
-use super::replicates::Estimate;
+use crate::metrics::estimate::Estimate;
 
 /// Noise that falls as c N^-p, and how sure that is.
 #[derive(Clone, Copy, Debug, PartialEq)]

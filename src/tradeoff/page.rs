@@ -5,12 +5,9 @@ use std::fmt::Write as _;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
-use super::judge::{Measured, TARGETS};
+use super::judge::Measured;
 use super::model::Standing;
-use super::report::{
-    CAPTION, MOST_CURVES, Report, bias_text, class_name, efficiency_text, relmse_text, seconds_text, target_name,
-    time_text,
-};
+use super::report::{CAPTION, HEADINGS, MOST_CURVES, Report, class_name, relmse_text, time_text};
 use super::sweep::LEVEL;
 use crate::error::Result;
 use crate::output::plot::{Curve, Plot, svg};
@@ -151,42 +148,21 @@ pub fn plot(report: &Report) -> Result<Option<String>> {
 }
 
 fn table(report: &Report) -> String {
-    let mut text =
-        String::from("<h2>All settings</h2>\n<div class=\"wide\"><table>\n<tr><th>setting<th>verdict<th>gives up");
-    for target in TARGETS {
-        let _ = write!(text, "<th>to {}", target_name(target));
-    }
-    text += "<th>bias of the mean<th>bias²<th>s / sample<th>noise<th>p<th>efficiency\n";
-    let base = report.measured.first().map_or(1.0, Measured::efficiency);
+    let mut text = format!(
+        "<h2>All settings</h2>\n<div class=\"wide\"><table>\n<tr>{}\n",
+        HEADINGS.map(|heading| format!("<th>{heading}")).concat()
+    );
     for measured in report.sorted() {
         let class = if measured.standing == Standing::Front { " class=\"front\"" } else { "" };
-        let _ = write!(
-            text,
-            "<tr{class}><td>{}<td>{}<td>{}",
-            escaped(&measured.setting.name()),
-            escaped(&measured.verdict()),
-            class_name(measured.setting.class()),
-        );
-        for time in measured.times {
-            let _ = write!(text, "<td>{}", time_text(time));
-        }
-        let _ = writeln!(
-            text,
-            "<td>{}<td>{}<td>{}<td>{:.3}<td>{:.2}<td>{}",
-            bias_text(measured),
-            relmse_text(measured.model.squared_bias),
-            seconds_text(measured),
-            measured.model.noise.noise,
-            measured.model.noise.exponent,
-            efficiency_text(measured, base)
-        );
+        let cells = report.cells(measured).map(|cell| format!("<td>{}", escaped(&cell))).concat();
+        let _ = writeln!(text, "<tr{class}>{cells}");
     }
     for left in &report.unmeasured {
         let _ = writeln!(
             text,
             "<tr><td>{}<td colspan=\"{}\">not measured: {}",
             escaped(&left.setting.name()),
-            8 + TARGETS.len(),
+            HEADINGS.len() - 1,
             escaped(&left.why)
         );
     }

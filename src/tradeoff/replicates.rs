@@ -5,69 +5,13 @@
 //! make up for it. Half the square of what two replicates differ by is the noise of one.
 
 use crate::metrics::error::RELATIVE_FLOOR;
-use crate::metrics::student;
+use crate::metrics::estimate::Estimate;
 
 /// An image: linear radiance, row 0 on top.
 pub type Pixels = Vec<[f32; 3]>;
 
 /// The fewest rounds that tell anything.
 pub const FEWEST_ROUNDS: usize = 3;
-
-/// The probability of the intervals that are stated.
-pub const CONFIDENCE: f64 = 0.95;
-
-/// An estimate, its standard error, and how many degrees of freedom that has.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Estimate {
-    pub value: f64,
-    pub error: f64,
-    pub degrees: f64,
-}
-
-impl Estimate {
-    /// Half the width of the interval that holds the truth with [`CONFIDENCE`].
-    pub fn half_width(&self) -> f64 {
-        match self.error == 0.0 {
-            true => 0.0,
-            false => self.error * student::quantile(1.0 - CONFIDENCE, self.degrees),
-        }
-    }
-
-    /// The end of a one-sided interval: what the truth, which is not below 0, is below with [`CONFIDENCE`]. An estimate below 0 is so by noise
-    /// alone, and says no more than 0 would.
-    pub fn upper(&self) -> f64 {
-        let value = self.value.max(0.0);
-        match self.error == 0.0 {
-            true => value,
-            false => value + self.error * student::quantile(2.0 * (1.0 - CONFIDENCE), self.degrees),
-        }
-    }
-
-    /// The same, nearer to 0 by what something else may bring.
-    pub fn beyond(&self, slack: f64) -> Estimate {
-        Estimate { value: self.value.signum() * (self.value.abs() - slack).max(0.0), ..*self }
-    }
-
-    /// The probability that noise alone brings a value at least as far from 0.
-    pub fn p(&self) -> f64 {
-        match (self.value == 0.0, self.error == 0.0) {
-            (true, _) => 1.0,
-            (false, true) => 0.0,
-            (false, false) => student::two_sided(self.value / self.error, self.degrees),
-        }
-    }
-
-    /// Mean of independent values, with the error of that mean.
-    pub fn of_values(values: &[f64]) -> Option<Estimate> {
-        let n = values.len() as f64;
-        if values.len() < 2 {
-            return None;
-        }
-        let mean = values.iter().sum::<f64>() / n;
-        let squares: f64 = values.iter().map(|v| (v - mean) * (v - mean)).sum();
-        Some(Estimate { value: mean, error: (squares / (n * (n - 1.0))).sqrt(), degrees: n - 1.0 })
-    }
-}
 
 /// What errors are relative to: an image r, whose w = 1 / (r² + 0.01) weighs the products of replicates.
 ///
@@ -375,12 +319,5 @@ pub(super) mod tests {
             }
         }
         assert!(Weights::of_rounds(std::iter::empty()).is_none());
-    }
-
-    #[test]
-    fn the_upper_end_of_a_square_is_not_below_0() {
-        let found = Estimate { value: -3.0, error: 1.0, degrees: 7.0 };
-        assert!((found.upper() - 1.8946).abs() < 1e-3, "{}", found.upper());
-        assert_eq!(Estimate { error: 0.0, ..found }.upper(), 0.0);
     }
 }

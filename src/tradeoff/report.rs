@@ -4,10 +4,11 @@ use serde_json::{Value, json};
 
 use super::judge::{Measured, TARGETS, preferred, recommended};
 use super::model::{Standing, doubt};
-use super::replicates::Estimate;
-use super::sweep::{LEVEL, Unmeasured};
+use super::sweep::{LEVEL, Setting, Unmeasured};
 use super::truth::Distance;
+use crate::metrics::estimate::Estimate;
 use crate::options::Class;
+use crate::output::csv::csv;
 
 /// All that the report is made of.
 #[derive(Clone, Debug)]
@@ -63,6 +64,26 @@ pub const CAPTION: &str = "relMSE is the mean over pixels and channels of (error
 /// The most curves that a plot has colours for.
 pub const MOST_CURVES: usize = 10;
 
+/// The columns of the tables.
+pub const HEADINGS: [&str; 12] = [
+    "setting",
+    "verdict",
+    "gives up",
+    "to 1e-1",
+    "to 1e-2",
+    "to 1e-3",
+    "bias of the mean",
+    "bias²",
+    "s / sample",
+    "noise",
+    "p",
+    "efficiency",
+];
+/// The columns of the CSV.
+const COLUMNS: &str = "setting,knob,value,class,gives_up,measured,rounds,seconds_compile,seconds_per_sample,seconds_spread,variance_1spp,\
+                       exponent,bias,bias_half_width,squared_bias,squared_bias_upper,biased,reliable,seconds_to_1e-1,seconds_to_1e-2,\
+                       seconds_to_1e-3,efficiency,verdict,device,driver";
+
 /// A class as the tables call it.
 pub fn class_name(class: Class) -> &'static str {
     match class {
@@ -75,7 +96,7 @@ pub fn class_name(class: Class) -> &'static str {
 }
 
 /// 1e-2 and the like.
-pub fn target_name(target: f64) -> String {
+fn target_name(target: f64) -> String {
     format!("{target:e}")
 }
 
@@ -101,13 +122,13 @@ pub fn time_text(seconds: Option<f64>) -> String {
 }
 
 /// Efficiency over that of the defaults, or a dash where nothing is noisy.
-pub fn efficiency_text(measured: &Measured, defaults: f64) -> String {
+fn efficiency_text(measured: &Measured, defaults: f64) -> String {
     let ratio = measured.efficiency() / defaults;
     if ratio.is_finite() { format!("{ratio:.2}") } else { "-".to_string() }
 }
 
 /// Seconds of a sample, with how much they vary.
-pub fn seconds_text(measured: &Measured) -> String {
+fn seconds_text(measured: &Measured) -> String {
     let (value, spread) = (measured.seconds, measured.seconds_spread);
     let digits = digits(spread.max(1e-3 * value));
     format!("{value:.digits$} ± {spread:.digits$}")
@@ -119,7 +140,7 @@ fn digits(value: f64) -> usize {
 }
 
 /// The signed bias in percent with its interval.
-pub fn bias_text(measured: &Measured) -> String {
+fn bias_text(measured: &Measured) -> String {
     let (value, half) = (100.0 * measured.signed.value, 100.0 * measured.signed.half_width());
     match measured.signed.error == 0.0 && measured.signed.value == 0.0 {
         true => "0".to_string(),
@@ -322,39 +343,33 @@ impl Report {
         ]
     }
 
+    /// The cells of the tables, below [`HEADINGS`].
+    pub fn cells(&self, measured: &Measured) -> [String; HEADINGS.len()] {
+        let defaults = self.measured.first().map_or(1.0, Measured::efficiency);
+        let [coarse, middle, fine] = measured.times.map(time_text);
+        [
+            measured.setting.name(),
+            measured.verdict(),
+            class_name(measured.setting.class()).to_string(),
+            coarse,
+            middle,
+            fine,
+            bias_text(measured),
+            relmse_text(measured.model.squared_bias),
+            seconds_text(measured),
+            format!("{:.3}", measured.model.noise.noise),
+            format!("{:.2}", measured.model.noise.exponent),
+            efficiency_text(measured, defaults),
+        ]
+    }
+
     /// The table for the terminal.
     pub fn table(&self) -> String {
-        let mut rows = vec![[
-            "setting".to_string(),
-            "verdict".into(),
-            "gives up".into(),
-            "s/sample".into(),
-            "noise".into(),
-            "bias of the mean".into(),
-            "to 1e-1".into(),
-            "to 1e-2".into(),
-            "to 1e-3".into(),
-            "efficiency".into(),
-        ]];
-        let base = self.measured.first().map_or(1.0, Measured::efficiency);
-        for measured in self.sorted() {
-            let [a, b, c] = measured.times.map(time_text);
-            rows.push([
-                measured.setting.name(),
-                measured.verdict(),
-                class_name(measured.setting.class()).into(),
-                seconds_text(measured),
-                format!("{:.3}", measured.model.noise.noise),
-                bias_text(measured),
-                a,
-                b,
-                c,
-                efficiency_text(measured, base),
-            ]);
-        }
-        let widths: [usize; 10] =
+        let mut rows = vec![HEADINGS.map(str::to_string)];
+        rows.extend(self.sorted().into_iter().map(|measured| self.cells(measured)));
+        let widths: [usize; HEADINGS.len()] =
             std::array::from_fn(|column| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0));
-        let line = |row: &[String; 10]| {
+        let line = |row: &[String; HEADINGS.len()]| {
             let cells = row.iter().zip(widths).enumerate().map(|(column, (cell, width))| match column {
                 0..=2 => format!("{cell:<width$}"),
                 _ => format!("{cell:>width$}"),
@@ -368,104 +383,65 @@ impl Report {
 
     /// A row for every setting.
     pub fn csv(&self) -> String {
-        let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
-        let mut text = String::from(
-            "setting,knob,value,class,gives_up,measured,rounds,seconds_compile,seconds_per_sample,seconds_spread,variance_1spp,exponent,\
-             bias,bias_half_width,squared_bias,squared_bias_upper,biased,reliable,seconds_to_1e-1,seconds_to_1e-2,seconds_to_1e-3,\
-             efficiency,verdict,device,driver\n",
-        );
-        let of_device = format!(",{},{}\n", quoted(&self.device), quoted(&self.driver));
-        let known = |value: Option<f64>| value.map_or(String::new(), |v| v.to_string());
-        for measured in self.sorted() {
-            let Measured { setting, model, .. } = measured;
-            let [a, b, c] = measured.times.map(known);
-            let cells = [
-                quoted(&setting.name()),
-                setting.knob.map_or("", |knob| knob.name).to_string(),
-                setting.value.clone(),
-                class_name(setting.class()).to_string(),
-                quoted(setting.knob.map_or("", |knob| knob.gives_up)),
-                "true".to_string(),
-                measured.rounds.to_string(),
-                measured.seconds_compile.to_string(),
-                measured.seconds.to_string(),
-                measured.seconds_spread.to_string(),
-                model.noise.noise.to_string(),
-                model.noise.exponent.to_string(),
-                measured.signed.value.to_string(),
-                measured.signed.half_width().to_string(),
-                measured.squared.value.to_string(),
-                measured.squared.upper().to_string(),
-                measured.biased.to_string(),
-                measured.reliable.to_string(),
-                a,
-                b,
-                c,
-                known(Some(measured.efficiency()).filter(|efficiency| efficiency.is_finite())),
-                quoted(&measured.verdict()),
-            ];
-            text += &cells.join(",");
-            text += &of_device;
+        let mut rows = self.rows();
+        for row in &mut rows {
+            for (i, target) in TARGETS.into_iter().enumerate() {
+                let seconds = row["seconds_to"][i]["seconds"].clone();
+                row[format!("seconds_to_{}", target_name(target))] = seconds;
+            }
+            row["device"] = json!(self.device);
+            row["driver"] = json!(self.driver);
         }
-        for left in &self.unmeasured {
-            let knob = left.setting.knob;
-            let name = quoted(&left.setting.name());
-            let gives_up = quoted(knob.map_or("", |knob| knob.gives_up));
-            let class = class_name(left.setting.class());
-            let (knob, value) = (knob.map_or("", |knob| knob.name), &left.setting.value);
-            let why = quoted(&format!("not measured: {}", left.why));
-            text += &format!("{name},{knob},{value},{class},{gives_up},false{}{why}{of_device}", ",".repeat(17));
-        }
-        text
+        csv(COLUMNS, &rows)
+    }
+
+    /// The settings as JSON and CSV hold them: the measured ones, then the others.
+    fn rows(&self) -> Vec<Value> {
+        let row = |setting: &Setting, measured: bool, verdict: String| {
+            json!({
+                "setting": setting.name(),
+                "knob": setting.knob.map(|knob| knob.name),
+                "value": setting.value,
+                "class": class_name(setting.class()),
+                "gives_up": setting.knob.map(|knob| knob.gives_up),
+                "measured": measured,
+                "verdict": verdict,
+            })
+        };
+        let of_measured = |measured: &Measured| {
+            let (model, half) = (&measured.model, measured.signed.half_width());
+            let times = TARGETS.iter().zip(measured.times);
+            let figures = json!({
+                "rounds": measured.rounds,
+                "seconds_compile": measured.seconds_compile,
+                "seconds_per_sample": measured.seconds,
+                "seconds_doubt": measured.seconds_doubt,
+                "seconds_spread": measured.seconds_spread,
+                "variance_1spp": model.noise.noise,
+                "exponent": model.noise.exponent,
+                "bias": measured.signed.value,
+                "bias_half_width": half,
+                "against": if measured.against_reference { "reference" } else { "defaults" },
+                "bias_interval": [measured.signed.value - half, measured.signed.value + half],
+                "squared_bias": measured.squared.value,
+                "squared_bias_upper": measured.squared.upper(),
+                "biased": measured.biased,
+                "reliable": measured.reliable,
+                "noise_doubt": measured.noise_doubt,
+                "seconds_to": times.map(|(target, time)| json!({"relmse": target, "seconds": time})).collect::<Vec<_>>(),
+                "efficiency": measured.efficiency(),
+            });
+            let mut row = row(&measured.setting, true, measured.verdict());
+            if let (Some(row), Value::Object(figures)) = (row.as_object_mut(), figures) {
+                row.extend(figures);
+            }
+            row
+        };
+        let unmeasured = |left: &Unmeasured| row(&left.setting, false, format!("not measured: {}", left.why));
+        self.sorted().into_iter().map(of_measured).chain(self.unmeasured.iter().map(unmeasured)).collect()
     }
 
     pub fn json(&self) -> Value {
-        let settings: Vec<Value> = self
-            .sorted()
-            .into_iter()
-            .map(|measured| {
-                let Measured { setting, model, .. } = measured;
-                let half = measured.signed.half_width();
-                json!({
-                    "setting": setting.name(),
-                    "knob": setting.knob.map(|knob| knob.name),
-                    "value": setting.value,
-                    "class": class_name(setting.class()),
-                    "gives_up": setting.knob.map(|knob| knob.gives_up),
-                    "measured": true,
-                    "rounds": measured.rounds,
-                    "seconds_compile": measured.seconds_compile,
-                    "seconds_per_sample": measured.seconds,
-                        "seconds_doubt": measured.seconds_doubt,
-                    "seconds_spread": measured.seconds_spread,
-                    "variance_1spp": model.noise.noise,
-                    "exponent": model.noise.exponent,
-                    "bias": measured.signed.value,
-                    "against": if measured.against_reference { "reference" } else { "defaults" },
-                    "bias_interval": [measured.signed.value - half, measured.signed.value + half],
-                    "squared_bias": measured.squared.value,
-                    "squared_bias_upper": measured.squared.upper(),
-                    "biased": measured.biased,
-                    "reliable": measured.reliable,
-                    "noise_doubt": measured.noise_doubt,
-                    "seconds_to": TARGETS.iter().zip(measured.times).map(|(target, time)| json!({"relmse": target, "seconds": time}))
-                        .collect::<Vec<_>>(),
-                    "efficiency": measured.efficiency(),
-                    "verdict": measured.verdict(),
-                })
-            })
-            .chain(self.unmeasured.iter().map(|left| {
-                json!({
-                    "setting": left.setting.name(),
-                    "knob": left.setting.knob.map(|knob| knob.name),
-                    "value": left.setting.value,
-                    "class": class_name(left.setting.class()),
-                    "gives_up": left.setting.knob.map(|knob| knob.gives_up),
-                    "measured": false,
-                    "verdict": format!("not measured: {}", left.why),
-                })
-            }))
-            .collect();
         let best = recommended(&self.measured);
         let recommendations: Vec<Value> = TARGETS
             .iter()
@@ -504,7 +480,7 @@ impl Report {
             "interrupted": self.interrupted,
             "basis": self.basis(),
             "left_out": self.left_out(),
-            "settings": settings,
+            "settings": self.rows(),
             "recommendations": recommendations,
             "equal_time": self.shown.iter().map(|shown| json!({
                 "setting": shown.setting,

@@ -1,8 +1,9 @@
 //! What images are measured against: a file's image, or the pooled samples of the sweep itself; and how far off that is by its own noise.
 
-use super::replicates::{Estimate, Pixels, Weights, difference, distance, signed_bias, squared_mean, sum_of};
+use super::replicates::{Pixels, Weights, difference, distance, signed_bias, squared_mean, sum_of};
 use super::sweep::{Subject, Sweep};
 use crate::metrics::error::{RELATIVE_FLOOR, relative_variance};
+use crate::metrics::estimate::{Estimate, degrees_of_sum};
 use crate::options::Class;
 use crate::output::exr::ExrImage;
 
@@ -124,21 +125,16 @@ impl Truth {
         // both cases. The product 2 b e varies by 4 b² σ².
         let squared_noise = (2.0 * own2 + 4.0 * with_bias) / (count * count);
         Some(Distance {
-            signed: joined(signed, of_mean / (count * mean).powi(2), degrees(of_mean, of_mean2)),
+            signed: joined(signed, of_mean / (count * mean).powi(2), degrees_of_sum(of_mean, of_mean2)),
             squared: joined(
                 Estimate { value: squared.value - own / count, ..squared },
                 squared_noise,
-                degrees(own, own2),
+                degrees_of_sum(own, own2),
             ),
             // An estimate of one degree of freedom varies by 2 σ⁴, two thirds of what its square is on the mean.
             doubt: (2.0 / 3.0 * own2).sqrt() / count,
         })
     }
-}
-
-/// Of a sum of variances of one degree of freedom each, of which the sum of squares is given (Satterthwaite, Biometrics Bulletin 2(6), 1946).
-fn degrees(sum: f64, squares: f64) -> f64 {
-    if squares > 0.0 { (3.0 * sum * sum / squares - 2.0).max(1.0) } else { f64::INFINITY }
 }
 
 /// An estimate with more noise, of a variance that is known with so many degrees of freedom (Welch, Biometrika 34, 1947).

@@ -4,7 +4,8 @@
 
 use crate::common::stats;
 use crate::common::stats::Random;
-use gpu_rt::metrics::difference::{CONFIDENCE, Difference, Images, LEVEL, Source, difference};
+use gpu_rt::metrics::difference::{Difference, ErrorSource, Images, LEVEL, difference};
+use gpu_rt::metrics::estimate::CONFIDENCE;
 use gpu_rt::metrics::verdict::verdict;
 
 /// An image and the variances of its pixels, as a render delivers them.
@@ -110,7 +111,9 @@ impl Count {
         assert_eq!(found.p < LEVEL, !verdict(found).contains("noise only"), "{}", verdict(found));
         self.alarms += usize::from(found.p < LEVEL);
         let stated = found.rest.iter().map(|(_, means)| means).chain([&found.means]);
-        self.outside += usize::from(stated.into_iter().any(|means| means[0].0.mean.abs() > means[0].0.half_width()));
+        self.outside += usize::from(
+            stated.into_iter().any(|means| means[0].0.difference.value.abs() > means[0].0.difference.half_width()),
+        );
     }
 }
 
@@ -160,7 +163,7 @@ fn noise_is_called_noise() {
                 let (a, b) = (noisy(&mut random, size, kind), rendered(&mut random, size, kind, samples));
                 for (layers, count) in [true, false].into_iter().zip(&mut counts) {
                     let found = compare(size, &a, &b, layers);
-                    assert_eq!(found.source, if layers { Source::Variances } else { Source::Pairs });
+                    assert_eq!(found.source, if layers { ErrorSource::Variances } else { ErrorSource::Pairs });
                     count.add(&found);
                 }
                 without_guard += usize::from(unguarded(&a, &b));
@@ -211,7 +214,9 @@ fn a_difference_beside_a_pixel_that_rules_the_noise_is_found() {
         let (a, b) = (noisy(&mut random, size, Kind::Ruled(1)), noisy(&mut random, size, Kind::Ruled(1)));
         let difference = compare(size, &a.scaled(size.0, 0.98, |_, _| true), &b, true);
         let words = verdict(&difference);
-        found += usize::from(words.contains("darker by") && words.contains(" without the pixel that rules the noise"));
+        found += usize::from(
+            words.contains("darker by") && words.contains(" without the pixel that holds most of the noise"),
+        );
         assert!(difference.means[0].1 >= LEVEL, "the mean of all tells nothing");
     }
     println!("found in {found} of 100");
@@ -251,7 +256,7 @@ fn shared_noise_does_not_hide_a_difference() {
     let same = compare(SIZE, &a, &b, true);
     assert!(same.identical && verdict(&same).contains("noise only") && same.p == 1.0);
     let found = compare(SIZE, &a.scaled(SIZE.0, 0.999, |_, _| true), &b, true);
-    assert_eq!(found.source, Source::SharedNoise);
+    assert_eq!(found.source, ErrorSource::SharedNoise);
     assert!(verdict(&found).starts_with("A is darker by 0.1"), "{}", verdict(&found));
 }
 

@@ -1,0 +1,76 @@
+//! An estimate with its standard error, and what Student's t says of it.
+
+use super::student;
+
+/// The probability of the intervals that are stated.
+pub const CONFIDENCE: f64 = 0.95;
+
+/// An estimate, its standard error, and the degrees of freedom of that error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    pub value: f64,
+    /// Infinite where nothing tells it.
+    pub error: f64,
+    pub degrees: f64,
+}
+
+impl Estimate {
+    /// The mean of independent values, with the error of that mean.
+    pub fn of_values(values: &[f64]) -> Option<Estimate> {
+        let n = values.len() as f64;
+        if values.len() < 2 {
+            return None;
+        }
+        let mean = values.iter().sum::<f64>() / n;
+        let squares: f64 = values.iter().map(|v| (v - mean) * (v - mean)).sum();
+        Some(Estimate { value: mean, error: (squares / (n * (n - 1.0))).sqrt(), degrees: n - 1.0 })
+    }
+
+    /// Half the width of the interval that holds the true value with [`CONFIDENCE`].
+    pub fn half_width(&self) -> f64 {
+        self.error_times_quantile(1.0 - CONFIDENCE)
+    }
+
+    /// The upper end of a one-sided interval: the true value, which is not below 0, is below this with [`CONFIDENCE`]. An estimate below 0
+    /// is so by noise alone, and counts as 0.
+    pub fn upper(&self) -> f64 {
+        self.value.max(0.0) + self.error_times_quantile(2.0 * (1.0 - CONFIDENCE))
+    }
+
+    fn error_times_quantile(&self, p: f64) -> f64 {
+        if self.error == 0.0 { 0.0 } else { self.error * student::quantile(p, self.degrees) }
+    }
+
+    /// The same estimate, moved towards 0 by `slack`.
+    pub fn beyond(&self, slack: f64) -> Estimate {
+        Estimate { value: self.value.signum() * (self.value.abs() - slack).max(0.0), ..*self }
+    }
+
+    /// The probability that noise alone brings a value at least as far from 0.
+    pub fn p(&self) -> f64 {
+        match (self.value == 0.0, self.error == 0.0) {
+            (true, _) => 1.0,
+            (false, true) => 0.0,
+            (false, false) => student::two_sided(self.value / self.error, self.degrees),
+        }
+    }
+}
+
+/// The degrees of freedom of a sum of variances, each an estimate v of one degree of freedom at least, by Σ v and Σ v². E v² is then 3/2 of
+/// the variance of v at least, and the sum has 2 (E Σ v)² / Var Σ v = 3 (Σ v)² / Σ v² − 2 degrees of freedom or more (Satterthwaite,
+/// Biometrics Bulletin 2(6), 1946).
+pub fn degrees_of_sum(sum: f64, squares: f64) -> f64 {
+    if squares > 0.0 { (3.0 * sum * sum / squares - 2.0).max(1.0) } else { f64::INFINITY }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_upper_end_of_a_square_is_not_below_0() {
+        let found = Estimate { value: -3.0, error: 1.0, degrees: 7.0 };
+        assert!((found.upper() - 1.8946).abs() < 1e-3, "{}", found.upper());
+        assert_eq!(Estimate { error: 0.0, ..found }.upper(), 0.0);
+    }
+}
