@@ -20,7 +20,7 @@ use crate::gpu::probe::{Numerics, numerics};
 use crate::job::{Goal, Job};
 use crate::output::exr::{Attribute, write_exr};
 use crate::output::png::write_png;
-use crate::output::progress::{self, Loading, Progress, Status};
+use crate::output::progress::{Loading, Progress, Status};
 use crate::plan::Plan;
 use crate::render::{NOISE_LEVEL, Next, Noise, Outcome, Renderer, ThroughGlass, TooDeep};
 use crate::scene::Scene;
@@ -94,7 +94,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     let stopped = stop_on_interrupt();
     let about =
         About { args, device: &device, numerics: numerics(&device)?, job: &job, biases: &biases, warnings: &warnings };
-    let progress = Progress::new(args.quiet, progress_goal(&job));
+    let progress = Progress::new(args.quiet, &job);
     let mut watcher = Watcher {
         progress: &progress,
         stopped: &stopped,
@@ -207,17 +207,6 @@ fn job_of(args: &RenderArgs, scene: &Scene, size: (u32, u32), start: Instant) ->
 /// What developing and writing the image is allowed for under `--time`: measured as 0.3 to 0.5 µs a pixel on two cores.
 fn write_time((width, height): (u32, u32)) -> Duration {
     Duration::from_nanos(u64::from(width) * u64::from(height) * 500) + Duration::from_millis(20)
-}
-
-fn progress_goal(job: &Job) -> progress::Goal {
-    match job.goal {
-        Goal::Samples(end) => progress::Goal::Samples { from: 0, to: u64::from(end - job.first_sample) },
-        Goal::Until { deadline, .. } => progress::Goal::Time(deadline.saturating_duration_since(Instant::now())),
-        Goal::Noise { error, deadline, .. } => progress::Goal::Error {
-            below: error,
-            within: deadline.map(|deadline| deadline.saturating_duration_since(Instant::now())),
-        },
-    }
 }
 
 /// Looks at the film after each submission: shows progress, writes checkpoints, passes interrupts on.

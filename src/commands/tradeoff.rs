@@ -21,7 +21,7 @@ use crate::tradeoff::extent::{FEWEST_PIXELS, Whole, calibrate, middle_of, pixels
 use crate::tradeoff::judge::{Judged, Measured, judge};
 use crate::tradeoff::page::{html, plot};
 use crate::tradeoff::replicates::{FEWEST_ROUNDS, Pixels, signed_bias};
-use crate::tradeoff::report::{Report, Shown};
+use crate::tradeoff::report::{Findings, Shown};
 use crate::tradeoff::sweep::{LEVEL, MOST_ROUNDS, SAMPLES_OF_FEWEST, Setting, Subject, Sweep};
 use crate::tradeoff::truth::Truth;
 
@@ -125,7 +125,7 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
         let found = judged.against_reference;
         found.map(|(distance, _)| distance.signed).or_else(|| against(&sweep, truth))
     };
-    let report = Report {
+    let report = Findings {
         scene: args.scene.file_name().unwrap_or_default().to_string_lossy().into_owned(),
         device: device.name.name.clone(),
         driver: device.name.driver.clone(),
@@ -349,7 +349,7 @@ fn pictures(
     Ok(shown)
 }
 
-fn write(folder: &Path, report: &Report) -> Result<()> {
+fn write(folder: &Path, report: &Findings) -> Result<()> {
     let file = |name: &str, text: &str| atomic::write(&folder.join(name), text.as_bytes());
     file("tradeoff.csv", &report.csv())?;
     file("tradeoff.json", &format!("{:#}\n", report.json()))?;

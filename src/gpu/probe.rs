@@ -176,11 +176,11 @@ pub fn ask(device: &Device, trials: &[Trial]) -> Result<Vec<Answer>> {
 
 /// The questions: always the same.
 pub fn trials() -> Vec<Trial> {
-    let mut random = Random(1);
+    let mut random = TrialNumbers(1);
     (0..TRIALS).map(|index| trial(index, &mut random)).collect()
 }
 
-fn trial(index: usize, random: &mut Random) -> Trial {
+fn trial(index: usize, random: &mut TrialNumbers) -> Trial {
     // NaNs of either sign, quiet and signalling; infinities; and numbers beside them.
     const SPECIAL: [u32; 8] =
         [0x7fc0_0000, 0xffc0_0001, 0x7f80_0001, 0xffff_ffff, 0x7f80_0000, 0xff80_0000, 0x7f7f_ffff, 0x4000_0000];
@@ -323,9 +323,9 @@ fn loops_until(state: u32) -> u32 {
 }
 
 /// Numbers for the trials: SplitMix64 (Steele, Lea and Flood, OOPSLA 2014).
-struct Random(u64);
+struct TrialNumbers(u64);
 
-impl Random {
+impl TrialNumbers {
     fn bits(&mut self) -> u32 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;

@@ -28,11 +28,11 @@ pub fn error_map(width: usize, a: &[[f32; 3]], b: &[[f32; 3]]) -> Vec<f32> {
 }
 
 /// A filter's weights at −radius … radius.
-struct Kernel(Vec<f64>);
+struct Filter(Vec<f64>);
 
-impl Kernel {
-    fn new(radius: usize, weight: impl Fn(f64) -> f64) -> Kernel {
-        Kernel((0..=2 * radius).map(|i| weight(i as f64 - radius as f64)).collect())
+impl Filter {
+    fn new(radius: usize, weight: impl Fn(f64) -> f64) -> Filter {
+        Filter((0..=2 * radius).map(|i| weight(i as f64 - radius as f64)).collect())
     }
 
     fn radius(&self) -> usize {
@@ -43,23 +43,23 @@ impl Kernel {
         self.0.iter().sum()
     }
 
-    fn scaled(self, factor: f64) -> Kernel {
-        Kernel(self.0.into_iter().map(|weight| weight * factor).collect())
+    fn scaled(self, factor: f64) -> Filter {
+        Filter(self.0.into_iter().map(|weight| weight * factor).collect())
     }
 
     /// The positive weights scaled to a sum of 1, the negative ones to −1 (section 4.2.1).
-    fn balanced(self) -> Kernel {
+    fn balanced(self) -> Filter {
         let positive: f64 = self.0.iter().filter(|w| **w > 0.0).sum();
         let negative: f64 = -self.0.iter().filter(|w| **w < 0.0).sum::<f64>();
-        Kernel(self.0.into_iter().map(|w| if w > 0.0 { w / positive } else { w / negative }).collect())
+        Filter(self.0.into_iter().map(|w| if w > 0.0 { w / positive } else { w / negative }).collect())
     }
 
     /// Without the outer weights that are nothing beside the middle one.
-    fn cropped(self) -> Kernel {
+    fn cropped(self) -> Filter {
         const NOTHING: f64 = 1e-8;
         let (radius, least) = (self.radius(), NOTHING * self.0[self.radius()]);
         let cut = self.0[..radius].iter().take_while(|w| **w < least).count();
-        Kernel(self.0[cut..self.0.len() - cut].to_vec())
+        Filter(self.0[cut..self.0.len() - cut].to_vec())
     }
 
     /// `row` filtered; it has `margin` values on either side beside those of `out`.
@@ -70,7 +70,7 @@ impl Kernel {
         }
     }
 
-    /// Row `at` of the filtered columns of `rows`.
+    /// FilteredRow `at` of the filtered columns of `rows`.
     fn along_columns(&self, rows: &[Vec<f64>], at: usize, out: &mut [f64]) {
         out.fill(0.0);
         for (weight, row) in self.0.iter().zip(&rows[at - self.radius()..]) {
@@ -83,9 +83,9 @@ impl Kernel {
 struct Flip {
     /// Of the opponent channels: the contrast sensitivity of achromatic, red-green and blue-yellow light, the last one as a sum of two
     /// (section 4.1.1, equation 4).
-    colour: [Kernel; 4],
+    colour: [Filter; 4],
     /// A Gaussian, and its balanced first and second derivatives (section 4.2.1).
-    feature: [Kernel; 3],
+    feature: [Filter; 3],
     /// The largest radius.
     margin: usize,
     /// The largest colour difference: of green and blue (section 4.1.3).
@@ -99,7 +99,7 @@ const CHANNEL: [usize; TERMS] = [0, 1, 2, 2, 0, 0, 0];
 
 /// What is compared of a row of pixels.
 #[derive(Default)]
-struct Row {
+struct FilteredRow {
     /// L*, and a* and b* with Hunt's adjustment (section 4.1.2).
     lab: Vec<[f64; 3]>,
     /// Magnitudes of the gradient and of the second derivative.
@@ -116,7 +116,7 @@ impl Flip {
         let colour_radius = radius((0.04_f64 / (2.0 * PI * PI)).sqrt());
         let gaussian = |(_, b): (f64, f64)| {
             let degrees = move |x: f64| x / pixels_per_degree;
-            Kernel::new(colour_radius, move |x| (-(PI * degrees(x)).powi(2) / b).exp())
+            Filter::new(colour_radius, move |x| (-(PI * degrees(x)).powi(2) / b).exp())
         };
         // The weight of a term in two dimensions; each direction gets its root.
         let weight = |(a, b): (f64, f64)| a * (PI / b).sqrt();
@@ -129,7 +129,7 @@ impl Flip {
         const FEATURE: f64 = 0.5 * 0.082;
         let deviation = FEATURE * pixels_per_degree;
         let bell = move |x: f64| (-x * x / (2.0 * deviation * deviation)).exp();
-        let kernel = |weight: &dyn Fn(f64) -> f64| Kernel::new(radius(FEATURE), weight);
+        let kernel = |weight: &dyn Fn(f64) -> f64| Filter::new(radius(FEATURE), weight);
         let smooth = kernel(&bell);
         let sum = smooth.sum();
         let feature = [
@@ -170,9 +170,9 @@ impl Flip {
     }
 
     /// The filtered rows of a band.
-    fn rows(&self, width: usize, height: usize, image: &[[f32; 3]], band: Range<usize>) -> Vec<Row> {
+    fn rows(&self, width: usize, height: usize, image: &[[f32; 3]], band: Range<usize>) -> Vec<FilteredRow> {
         let margin = self.margin;
-        let kernels: [&Kernel; TERMS] = {
+        let filters: [&Filter; TERMS] = {
             let [a, rg, by, by2] = &self.colour;
             let [smooth, first, second] = &self.feature;
             [a, rg, by, by2, smooth, first, second]
@@ -190,9 +190,9 @@ impl Flip {
                 row[..margin].fill(first);
                 row[margin + width..].fill(last);
             }
-            for ((kernel, rows), channel) in kernels.iter().zip(&mut filtered).zip(CHANNEL) {
+            for ((filter, rows), channel) in filters.iter().zip(&mut filtered).zip(CHANNEL) {
                 let mut out = vec![0.0; width];
-                kernel.along_row(&opponents[channel], margin, &mut out);
+                filter.along_row(&opponents[channel], margin, &mut out);
                 rows.push(out);
             }
         }
@@ -200,8 +200,8 @@ impl Flip {
     }
 
     /// What is compared of the row `at` of what is filtered by rows.
-    fn columns(&self, width: usize, rows: &[Vec<Vec<f64>>; TERMS], at: usize) -> Row {
-        let filtered = |kernel: &Kernel, term: usize| {
+    fn columns(&self, width: usize, rows: &[Vec<Vec<f64>>; TERMS], at: usize) -> FilteredRow {
+        let filtered = |kernel: &Filter, term: usize| {
             let mut out = vec![0.0; width];
             kernel.along_columns(&rows[term], at, &mut out);
             out
@@ -211,15 +211,15 @@ impl Flip {
         let [smooth, first, second] = &self.feature;
         // A derivative along x is smoothed along y, and the other way round. Y + 16 over 116 is what the paper filters: the
         // derivatives do not see the sum.
-        let magnitude = |derivative: &Kernel, term: usize| {
+        let magnitude = |derivative: &Filter, term: usize| {
             let (along_x, along_y) = (filtered(smooth, term), filtered(derivative, 4));
             along_x.iter().zip(&along_y).map(|(x, y)| x.hypot(*y) / 116.0).collect()
         };
-        Row { lab, edge: magnitude(first, 5), point: magnitude(second, 6) }
+        FilteredRow { lab, edge: magnitude(first, 5), point: magnitude(second, 6) }
     }
 
     /// The error of each pixel of a row.
-    fn compare(&self, a: &Row, b: &Row, out: &mut [f32]) {
+    fn compare(&self, a: &FilteredRow, b: &FilteredRow, out: &mut [f32]) {
         /// Where the large colour differences begin, as a share of the largest, and the error there (section 4.1.3).
         const KNEE: f64 = 0.4;
         const AT_KNEE: f64 = 0.95;

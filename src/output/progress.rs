@@ -1,4 +1,4 @@
-//! Progress on stderr: a bar on a terminal, now and then a plain line elsewhere. Nothing here touches stdout.
+//! Progress on stderr: a bar on a terminal, a plain line every few seconds elsewhere. Nothing here writes to stdout.
 
 use std::io::Write;
 use std::path::Path;
@@ -7,30 +7,21 @@ use std::time::{Duration, Instant};
 
 use indicatif::{FormattedDuration, ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle};
 
+use crate::job::{Goal, Job};
+
 /// Time between lines where stderr is no terminal: few enough for the log of a long render.
 const LINE_INTERVAL: Duration = Duration::from_secs(5);
-/// What takes less is over before a bar could be read.
+/// Shorter work is over before a bar could be read, and shows none.
 const MOMENT: Duration = Duration::from_millis(500);
 /// Length of the bar. Its unit is a share of the whole, since the whole may be samples or seconds.
 const BAR_STEPS: u64 = 10_000;
 /// Indicatif leaves the colour out where stderr is no terminal, and where NO_COLOR is set.
 const TEMPLATE: &str = "{bar:24.cyan} {msg}";
 
-/// When the render will be done.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Goal {
-    /// At `to` samples a pixel, `from` of which were there before (`--resume`).
-    Samples { from: u64, to: u64 },
-    /// After this time.
-    Time(Duration),
-    /// When the relative error is below this, or after the time.
-    Error { below: f64, within: Option<Duration> },
-}
-
-/// Where the render stands.
+/// The state of the render.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Status {
-    /// Samples a pixel so far, those from before included.
+    /// Samples a pixel so far.
     pub samples_per_pixel: u64,
     pub paths_per_second: f64,
     /// As [`crate::film::Film::relative_error`].
@@ -39,7 +30,7 @@ pub struct Status {
 
 /// Shows how far a render is. All methods may be called from any thread.
 pub struct Progress {
-    goal: Goal,
+    job: Job,
     start: Instant,
     display: Display,
 }
@@ -53,16 +44,16 @@ enum Display {
 
 impl Progress {
     /// The time runs from here. `quiet` shows nothing at all.
-    pub fn new(quiet: bool, goal: Goal) -> Progress {
+    pub fn new(quiet: bool, job: &Job) -> Progress {
         let start = Instant::now();
         let display = if quiet { Display::Hidden } else { Display::for_stderr(start) };
-        Progress { goal, start, display }
+        Progress { job: job.clone(), start, display }
     }
 
     /// May be called as often as is convenient.
     pub fn update(&self, status: Status) {
         let elapsed = self.start.elapsed();
-        self.display.show(self.goal.share(&status, elapsed), || describe(&self.goal, &status, elapsed));
+        self.display.show(self.share(&status, elapsed), || self.describe(&status, elapsed));
     }
 
     /// Prints a line, above the bar; nothing where quiet.
@@ -74,7 +65,7 @@ impl Progress {
         }
     }
 
-    /// Takes the bar away. So does dropping, that an error's text stands on a line of its own.
+    /// Removes the bar. Dropping does the same, so that an error's text stands on a line of its own.
     pub fn finish(&self) {
         if let Display::Bar(bar) = &self.display {
             bar.finish_and_clear();
@@ -114,8 +105,8 @@ impl Display {
     }
 }
 
-/// Shows how far the reading of the scene's files is, or other work of a known length, if it takes longer than a moment. Dropping it takes
-/// the bar away.
+/// Shows the progress of reading the scene's files, or of other work of a known length, once that takes longer than a moment. Dropping it
+/// removes the bar.
 pub struct Loading {
     quiet: bool,
     start: Instant,
@@ -129,13 +120,9 @@ impl Loading {
         Loading { quiet, start: Instant::now(), display: None }
     }
 
-    /// What is going on, and how much of it is done.
+    /// The current work, and the share of it that is done.
     pub fn show(&mut self, words: &str, share: f64) {
-        if self.quiet || self.start.elapsed() < MOMENT {
-            return;
-        }
-        let display = self.display.get_or_insert_with(|| Display::for_stderr(self.start));
-        display.show(share, || words.to_string());
+        self.show_with(share, || words.to_string());
     }
 
     /// Prints a line, above the bar; nothing where quiet.
@@ -149,11 +136,14 @@ impl Loading {
 
     /// `done` of the `whole` bytes of a file are read. May be called as often as is convenient.
     pub fn update(&mut self, file: &Path, done: u64, whole: u64) {
+        self.show_with(done as f64 / whole.max(1) as f64, || describe_file(file, done, whole));
+    }
+
+    fn show_with(&mut self, share: f64, words: impl FnOnce() -> String) {
         if self.quiet || self.start.elapsed() < MOMENT {
             return;
         }
-        let display = self.display.get_or_insert_with(|| Display::for_stderr(self.start));
-        display.show(done as f64 / whole.max(1) as f64, || describe_file(file, done, whole));
+        self.display.get_or_insert_with(|| Display::for_stderr(self.start)).show(share, words);
     }
 }
 
@@ -162,58 +152,54 @@ fn describe_file(file: &Path, done: u64, whole: u64) -> String {
     format!("reading {}  {}/{} MiB", file.display(), done >> 20, whole.div_ceil(1 << 20))
 }
 
-/// A failure to report is not worth failing the render, nor a panic, as `eprintln` would have it.
+/// Prints a line. A stderr that cannot be written to must not end the render; `eprintln` would panic.
 fn print(text: &str) {
     let _ = writeln!(std::io::stderr(), "{text}");
 }
 
-impl Goal {
-    /// What is done of what this process has to do, 0 to 1.
+impl Progress {
+    /// The share of the work that is done, 0 to 1.
     fn share(&self, status: &Status, elapsed: Duration) -> f64 {
-        let share = match *self {
-            Goal::Samples { from, to } => {
-                let (done, whole) = (status.samples_per_pixel.saturating_sub(from), to.saturating_sub(from));
-                done as f64 / whole.max(1) as f64
-            }
-            Goal::Time(limit) => share_of_time(elapsed, limit),
+        let samples = status.samples_per_pixel as f64;
+        let of_time = |deadline: Instant| {
+            let limit = deadline.saturating_duration_since(self.start).as_secs_f64();
+            elapsed.as_secs_f64() / limit.max(f64::MIN_POSITIVE)
+        };
+        let share = match self.job.goal {
+            Goal::Samples(end) => samples / f64::from(end.saturating_sub(self.job.first_sample).max(1)),
+            Goal::Until { deadline, .. } => of_time(deadline),
             // The error falls with the root of the samples or faster.
-            Goal::Error { below, within } => {
+            Goal::Noise { error: below, deadline, .. } => {
                 let of_error = status.relative_error.map_or(0.0, |error| (below / error).powi(2));
-                of_error.max(within.map_or(0.0, |limit| share_of_time(elapsed, limit)))
+                of_error.max(deadline.map_or(0.0, of_time))
             }
         };
         share.min(1.0)
     }
 
-    /// Time to go; for samples, at the speed so far. Unknown before anything is done.
+    /// The time left; for samples, at the speed so far. None before anything is done.
     fn remaining(&self, status: &Status, elapsed: Duration) -> Option<Duration> {
-        match *self {
-            Goal::Time(limit) => Some(limit.saturating_sub(elapsed)),
-            Goal::Samples { .. } | Goal::Error { .. } => {
-                let share = self.share(status, elapsed);
-                // Too long to be held in a duration is unknown too.
-                Duration::try_from_secs_f64(elapsed.as_secs_f64() * (1.0 - share) / share).ok()
-            }
+        if let Goal::Until { deadline, .. } = self.job.goal {
+            return Some(deadline.saturating_duration_since(self.start + elapsed));
         }
+        let share = self.share(status, elapsed);
+        // None also where no duration holds it.
+        Duration::try_from_secs_f64(elapsed.as_secs_f64() * (1.0 - share) / share).ok()
     }
-}
 
-/// `12/500 spp  1.42 Mpaths/s  error 3.2 %  ETA 00:01:23`
-fn describe(goal: &Goal, status: &Status, elapsed: Duration) -> String {
-    let done = status.samples_per_pixel;
-    let samples = match goal {
-        Goal::Samples { to, .. } => format!("{done}/{to} spp"),
-        Goal::Time(_) => format!("{done} spp"),
-        Goal::Error { below, .. } => format!("{done} spp until {} %", two_digits(100.0 * below)),
-    };
-    let speed = format!("{:.2} Mpaths/s", status.paths_per_second / 1e6);
-    let error = status.relative_error.map(|error| format!("error {} %", two_digits(100.0 * error)));
-    let remaining = goal.remaining(status, elapsed).map(|time| format!("ETA {}", FormattedDuration(time)));
-    [Some(samples), Some(speed), error, remaining].into_iter().flatten().collect::<Vec<_>>().join("  ")
-}
-
-fn share_of_time(elapsed: Duration, limit: Duration) -> f64 {
-    elapsed.as_secs_f64() / limit.as_secs_f64().max(f64::MIN_POSITIVE)
+    /// `12/500 spp  1.42 Mpaths/s  error 3.2 %  ETA 00:01:23`
+    fn describe(&self, status: &Status, elapsed: Duration) -> String {
+        let done = status.samples_per_pixel;
+        let samples = match self.job.goal {
+            Goal::Samples(end) => format!("{done}/{} spp", end.saturating_sub(self.job.first_sample)),
+            Goal::Until { .. } => format!("{done} spp"),
+            Goal::Noise { error, .. } => format!("{done} spp until {} %", two_digits(100.0 * error)),
+        };
+        let speed = format!("{:.2} Mpaths/s", status.paths_per_second / 1e6);
+        let error = status.relative_error.map(|error| format!("error {} %", two_digits(100.0 * error)));
+        let remaining = self.remaining(status, elapsed).map(|time| format!("ETA {}", FormattedDuration(time)));
+        [Some(samples), Some(speed), error, remaining].into_iter().flatten().collect::<Vec<_>>().join("  ")
+    }
 }
 
 /// As many decimals as two significant digits need, 4 at most.
@@ -229,37 +215,35 @@ mod tests {
     const STATUS: Status = Status { samples_per_pixel: 125, paths_per_second: 1.416e6, relative_error: Some(0.0321) };
     const MINUTE: Duration = Duration::from_secs(60);
 
+    fn progress(goal: Goal) -> Progress {
+        Progress::new(true, &Job { size: (1, 1), max_depth: 1, seed: 0, first_sample: 100, goal })
+    }
+
     #[test]
     fn the_line_says_samples_speed_error_and_time_to_go() {
-        let line = describe(&Goal::Samples { from: 0, to: 500 }, &STATUS, MINUTE);
+        let line = progress(Goal::Samples(600)).describe(&STATUS, MINUTE);
         assert_eq!(line, "125/500 spp  1.42 Mpaths/s  error 3.2 %  ETA 00:03:00");
-        let line = describe(&Goal::Time(Duration::from_secs(90)), &STATUS, MINUTE);
-        assert_eq!(line, "125 spp  1.42 Mpaths/s  error 3.2 %  ETA 00:00:30");
+        let mut timed = progress(Goal::Samples(0));
+        timed.job.goal = Goal::Until { deadline: timed.start + Duration::from_secs(90), end: 600 };
+        assert_eq!(timed.describe(&STATUS, MINUTE), "125 spp  1.42 Mpaths/s  error 3.2 %  ETA 00:00:30");
     }
 
     #[test]
     fn what_is_not_known_is_left_out() {
         let nothing = Status { samples_per_pixel: 0, paths_per_second: 0.0, relative_error: None };
-        assert_eq!(describe(&Goal::Samples { from: 0, to: 500 }, &nothing, MINUTE), "0/500 spp  0.00 Mpaths/s");
-    }
-
-    #[test]
-    fn a_resumed_render_counts_its_own_samples() {
-        let goal = Goal::Samples { from: 100, to: 200 };
-        assert_eq!(goal.share(&STATUS, MINUTE), 0.25);
-        assert_eq!(goal.remaining(&STATUS, MINUTE), Some(3 * MINUTE));
+        assert_eq!(progress(Goal::Samples(600)).describe(&nothing, MINUTE), "0/500 spp  0.00 Mpaths/s");
     }
 
     #[test]
     fn goals_that_are_met_or_empty_do_no_harm() {
-        for goal in [Goal::Samples { from: 0, to: 0 }, Goal::Samples { from: 200, to: 100 }, Goal::Time(Duration::ZERO)]
-        {
-            let share = goal.share(&STATUS, MINUTE);
-            assert!((0.0..=1.0).contains(&share), "{goal:?}: {share}");
-            describe(&goal, &STATUS, MINUTE);
-            describe(&goal, &STATUS, Duration::ZERO);
+        let now = Goal::Until { deadline: Instant::now(), end: 600 };
+        for progress in [Goal::Samples(100), Goal::Samples(50), now].map(progress) {
+            let share = progress.share(&STATUS, MINUTE);
+            assert!((0.0..=1.0).contains(&share), "{:?}: {share}", progress.job);
+            progress.describe(&STATUS, MINUTE);
+            progress.describe(&STATUS, Duration::ZERO);
         }
-        assert_eq!(Goal::Samples { from: 0, to: 100 }.remaining(&STATUS, MINUTE), Some(Duration::ZERO));
+        assert_eq!(progress(Goal::Samples(200)).remaining(&STATUS, MINUTE), Some(Duration::ZERO));
     }
 
     #[test]
@@ -294,7 +278,7 @@ mod tests {
     #[test]
     fn a_quiet_one_and_one_without_terminal_take_every_call() {
         for quiet in [true, false] {
-            let progress = Progress::new(quiet, Goal::Samples { from: 0, to: 500 });
+            let progress = Progress::new(quiet, &progress(Goal::Samples(600)).job);
             progress.update(STATUS);
             progress.message("");
             progress.finish();

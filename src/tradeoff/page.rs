@@ -7,7 +7,7 @@ use base64::engine::general_purpose::STANDARD;
 
 use super::judge::Measured;
 use super::model::Standing;
-use super::report::{CAPTION, HEADINGS, MOST_CURVES, Report, class_name, relmse_text, time_text};
+use super::report::{CAPTION, Findings, HEADINGS, MOST_CURVES, class_name, relmse_text, time_text};
 use super::sweep::LEVEL;
 use crate::error::Result;
 use crate::output::plot::{Curve, Plot, svg};
@@ -52,7 +52,7 @@ fn marked(text: &str) -> String {
 }
 
 /// The whole page, with the plot where there is one.
-pub fn html(report: &Report, plot: Option<&str>) -> String {
+pub fn html(report: &Findings, plot: Option<&str>) -> String {
     let mut page = String::new();
     let scene = escaped(&report.scene);
     let _ = write!(
@@ -126,7 +126,7 @@ pub fn html(report: &Report, plot: Option<&str>) -> String {
 ///
 /// # Errors
 /// Where the plot cannot be drawn.
-pub fn plot(report: &Report) -> Result<Option<String>> {
+pub fn plot(report: &Findings) -> Result<Option<String>> {
     let curve = |measured: &Measured| {
         let points = (0..=12).map(|power| {
             let samples = f64::from(1u32 << power);
@@ -147,7 +147,7 @@ pub fn plot(report: &Report) -> Result<Option<String>> {
     svg(&Plot { title: "", x: "seconds", y: "relMSE", curves }).map(Some)
 }
 
-fn table(report: &Report) -> String {
+fn table(report: &Findings) -> String {
     let mut text = format!(
         "<h2>All settings</h2>\n<div class=\"wide\"><table>\n<tr>{}\n",
         HEADINGS.map(|heading| format!("<th>{heading}")).concat()

@@ -12,7 +12,7 @@ use crate::output::csv::csv;
 
 /// All that the report is made of.
 #[derive(Clone, Debug)]
-pub struct Report {
+pub struct Findings {
     pub scene: String,
     pub device: String,
     pub driver: String,
@@ -173,7 +173,7 @@ fn cost_text(best: &Measured) -> String {
     }
 }
 
-impl Report {
+impl Findings {
     /// The measured settings by their time to the middle target, then to the last, then to the first.
     pub fn sorted(&self) -> Vec<&Measured> {
         let mut sorted: Vec<&Measured> = self.measured.iter().collect();

@@ -1,4 +1,4 @@
-//! The measuring itself: all settings in turn, round after round with new random numbers, until the time is spent.
+//! The measurement: renders all settings in turn, round after round with new random numbers, until the time is over.
 
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
@@ -17,19 +17,19 @@ use crate::scene::Scene;
 
 /// Samples a pixel of the blocks of a round. The middle one is the one that biases are measured with.
 pub const LEVELS: [u32; 3] = [4, 16, 64];
-/// The level of which every round has a block, as of the first; the last is dear, and has one in so many rounds.
+/// Every round has a block of the first and of this level. The last level costs most, and has a block every few rounds.
 pub const LEVEL: u32 = LEVELS[1];
 const ROUNDS_OF_LAST: usize = 4;
 /// The most rounds of a sweep.
 pub const MOST_ROUNDS: usize = 32;
-/// How many rounds lie between two blocks of so many samples.
+/// The rounds from one block of so many samples to the next.
 pub fn rounds_between(samples: u32) -> usize {
     if samples == LEVELS[2] { ROUNDS_OF_LAST } else { 1 }
 }
 
-/// What a round costs in samples a pixel, on the mean.
+/// The mean cost of a round in samples a pixel.
 pub const SAMPLES_OF_ROUND: f64 = (LEVELS[0] + LEVELS[1]) as f64 + LEVELS[2] as f64 / ROUNDS_OF_LAST as f64;
-/// What the fewest rounds cost.
+/// The cost of the fewest rounds.
 pub const SAMPLES_OF_FEWEST: f64 = (FEWEST_ROUNDS as u32 * (LEVELS[0] + LEVELS[1]) + LEVELS[2]) as f64;
 
 /// The defaults with one knob turned, or the defaults themselves.
@@ -51,13 +51,13 @@ impl Setting {
         self.knob.map_or("defaults".to_string(), |knob| knob.option(&self.value))
     }
 
-    /// What it gives up, by its knob's declaration.
+    /// The class that its knob declares.
     pub fn class(&self) -> Class {
         self.knob.map_or(Class::Exact, |knob| knob.class)
     }
 }
 
-/// One image and how long it took.
+/// An image and the seconds that it took.
 #[derive(Clone, Debug)]
 pub struct Block {
     pub image: Pixels,
@@ -92,15 +92,15 @@ pub struct Sweep<'a> {
     device: &'a Device,
     scene: &'a Scene,
     pub seed: u32,
-    /// That all subjects have.
+    /// The rounds that all subjects have.
     rounds: usize,
-    /// What the defaults come to, for telling which settings do nothing to this scene.
-    defaults: Option<Linked>,
+    /// The effect of the defaults: a setting with the same one does nothing to this scene.
+    defaults: Option<Effect>,
 }
 
-/// What a setting makes of a scene, where that decides its image and its speed.
+/// All that decides the image and the speed of a setting.
 #[derive(PartialEq)]
-struct Linked {
+struct Effect {
     /// The kernels' shaders.
     shaders: Vec<String>,
     settings: data::Settings,
@@ -108,18 +108,18 @@ struct Linked {
     radiance_exponent: i32,
 }
 
-impl Linked {
-    fn of(plan: &Plan<'_>, max_depth: u32) -> Linked {
+impl Effect {
+    fn of(plan: &Plan<'_>, max_depth: u32) -> Effect {
         let shaders = plan.kernels().into_iter().map(|kernel| kernel.linked.text.clone()).collect();
         let indirect_limit = plan.indirect_limit();
         let settings = data::Settings { max_depth, indirect_limit, ..plan.scene.settings };
         let nodes = plan.scene.nodes.clone();
-        Linked { shaders, settings, nodes, radiance_exponent: plan.scene.radiance_exponent }
+        Effect { shaders, settings, nodes, radiance_exponent: plan.scene.radiance_exponent }
     }
 }
 
 impl Sweep<'_> {
-    /// How many seeds before a sweep's own are for images beside the rounds.
+    /// The number of seeds before a sweep's own that are kept for images outside the rounds.
     pub const SEEDS_BEFORE: u32 = 4;
 
     /// One of them.
@@ -135,12 +135,12 @@ impl Sweep<'_> {
 }
 
 impl<'a> Sweep<'a> {
-    /// A sweep of nothing yet, over images of that size.
+    /// An empty sweep over images of that size.
     pub fn new(device: &'a Device, scene: &'a Scene, size: (u32, u32), seed: u32) -> Sweep<'a> {
         Sweep { size, subjects: Vec::new(), unmeasured: Vec::new(), device, scene, seed, rounds: 0, defaults: None }
     }
 
-    /// Compiles a setting, the defaults first. One that does nothing to this scene, or that the device does not take, is noted as not
+    /// Compiles a setting, the defaults first. A setting that does nothing to this scene, or that the device refuses, is noted as not
     /// measured.
     ///
     /// # Errors
@@ -159,12 +159,12 @@ impl<'a> Sweep<'a> {
         Ok(())
     }
 
-    /// What no radiance of the scene is above, in its own units.
+    /// An upper bound of the scene's radiance, in its own units.
     pub fn brightest(&self) -> f64 {
         self.defaults.as_ref().map_or(0.0, |defaults| 2f64.powi(defaults.radiance_exponent))
     }
 
-    /// Another sweep of the same scene with the same seed, of nothing yet.
+    /// An empty sweep of the same scene with the same seed.
     pub fn of_size(&self, size: (u32, u32)) -> Sweep<'a> {
         Sweep::new(self.device, self.scene, size, self.seed)
     }
@@ -180,8 +180,8 @@ impl<'a> Sweep<'a> {
         let flat = flatten(self.scene, size, &setting.options)?;
         let job = self.job(size, setting.max_depth, LEVEL, 0);
         let plan = Plan::new(&flat, &setting.options, self.device.class(), &job)?;
-        let linked = Linked::of(&plan, setting.max_depth);
-        if size == self.size && self.defaults.as_ref() == Some(&linked) {
+        let effect = Effect::of(&plan, setting.max_depth);
+        if size == self.size && self.defaults.as_ref() == Some(&effect) {
             return Ok(None);
         }
         let renderer = Renderer::new(self.device, &plan, &job, false)?;
@@ -194,7 +194,7 @@ impl<'a> Sweep<'a> {
             seconds_compile: begin.elapsed().as_secs_f64(),
             blocks: BTreeMap::new(),
         };
-        self.defaults.get_or_insert(linked);
+        self.defaults.get_or_insert(effect);
         Ok(Some(subject))
     }
 
@@ -202,7 +202,7 @@ impl<'a> Sweep<'a> {
         Job { size, max_depth, seed, first_sample: 0, goal: Goal::Samples(samples) }
     }
 
-    /// An image of one subject, at the size of the sweep; nothing where it was interrupted.
+    /// An image of one subject, enlarged to the size of the sweep; none where it was interrupted.
     pub fn image(&mut self, subject: usize, samples: u32, seed: u32, stop: &dyn Fn() -> bool) -> Result<Option<Block>> {
         let Subject { size, setting, .. } = &self.subjects[subject];
         let job = self.job(*size, setting.max_depth, samples, seed);
@@ -217,8 +217,8 @@ impl<'a> Sweep<'a> {
         Ok(Some(Block { image, seconds: outcome.seconds }))
     }
 
-    /// Rounds of blocks of every subject until the time is over, the stop is asked for, or `most` rounds are done, with those of earlier
-    /// calls. The order turns from round to round, so that a machine that slows down or speeds up does so to all of them.
+    /// Renders rounds of blocks of every subject until the time is over, `stop` asks for an end, or `most` rounds are done, earlier calls
+    /// included. The order of the subjects rotates from round to round, so that a machine that slows down slows all of them alike.
     ///
     /// # Errors
     /// Where the device fails.
@@ -252,7 +252,7 @@ impl<'a> Sweep<'a> {
         Ok(())
     }
 
-    /// Of a round that was begun some subjects have blocks. It is done again, and an image that is there twice would be no replicate.
+    /// Removes the blocks of an unfinished round. It is rendered again, and the same image twice would be no replicate.
     fn drop_begun_round(&mut self) {
         let rounds = self.rounds;
         for (level, blocks) in self.subjects.iter_mut().flat_map(|subject| &mut subject.blocks) {
@@ -272,7 +272,7 @@ impl<'a> Sweep<'a> {
         Some(blocks.iter().map(|(samples, blocks)| samples * blocks.len() as u32).sum()).filter(|samples| *samples > 0)
     }
 
-    /// How long a block is expected to take, from those before.
+    /// The expected time of a block, from those before.
     fn expected(&self, subject: usize, level: u32) -> Duration {
         let mut known = self.subjects[subject].blocks.iter().filter_map(|(samples, blocks)| {
             let last = blocks.last()?;
@@ -288,10 +288,10 @@ fn scaled((width, height): (u32, u32), factor: f64) -> (u32, u32) {
     (side(width), side(height))
 }
 
-/// What an image of a share of the sides shows, enlarged again: each of its pixels is the mean over a larger rectangle.
+/// The image at a share of its sides, enlarged again: each pixel is the mean over a larger rectangle.
 pub fn coarsened(image: &Pixels, size: (u32, u32), share: f64) -> Pixels {
     let small = scaled(size, share);
-    // The pixels that one of the smaller image covers, each with how much of it.
+    // The pixels that a pixel of the smaller image covers, each with its share.
     let covers = |at: u32, from: u32, to: u32| {
         let ratio = f64::from(from) / f64::from(to);
         let (begin, end) = (f64::from(at) * ratio, f64::from(at + 1) * ratio);
