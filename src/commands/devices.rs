@@ -1,4 +1,4 @@
-//! `gpu-rt devices`: what there is to render on.
+//! `gpu-rt devices`: the devices of this machine.
 
 use serde_json::json;
 
@@ -71,7 +71,7 @@ fn words(found: &Numerics) -> Vec<String> {
     let pick = |holds: bool, yes: &'static str, no: &'static str| if holds { yes } else { no };
     let mut lines = vec![
         format!(
-            "numerics: two-sum {}, {} behind a uniform, two-product {} there; fma {}, x * y - z {}",
+            "numerics: two-sum {}; behind a uniform zero, two-sum {} and two-product {}; fma {}, x * y - z {}",
             pick(found.two_sum, "exact", "undone by the compiler"),
             pick(found.two_sum_barrier, "exact", "undone"),
             pick(found.two_product_barrier, "exact", "inexact"),
@@ -79,7 +79,7 @@ fn words(found: &Numerics) -> Vec<String> {
             pick(found.contraction, "contracted", "not contracted"),
         ),
         format!(
-            "numerics: x != x is {} of a NaN, its comparisons are {}, its bits {}; subnormals are {}",
+            "numerics: for a NaN, x != x is {}, comparisons are {}, and its bits {}; subnormals are {}",
             found.nan_compares,
             pick(found.nan_fails_comparisons, "false", "not all false"),
             pick(found.nan_by_bits, "tell it", "do not tell it"),
@@ -90,7 +90,7 @@ fn words(found: &Numerics) -> Vec<String> {
             false => format!("numerics: loops end after {} iterations", found.loop_iterations),
         },
         format!(
-            "numerics: log is off by {:.1e} on [0.5, 1), near 1 by {:.1e} of itself; sin by {:.1e} within [-pi, pi], by {:.1e} up to 1e6",
+            "numerics: largest error of log on [0.5, 1): {:.1e}, relative {:.1e}; of sin within [-pi, pi]: {:.1e}, up to 1e6: {:.1e}",
             found.log_error, found.log_relative_error, found.sin_error, found.sin_error_far,
         ),
         format!(
@@ -103,7 +103,7 @@ fn words(found: &Numerics) -> Vec<String> {
     ];
     lines.extend(
         found.lacking().map(|property| {
-            format!("numerics: kernels that rely on it are refused: this driver {}", property.without())
+            format!("numerics: this driver {}; kernels that rely on this are refused", property.without())
         }),
     );
     lines

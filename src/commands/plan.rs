@@ -1,4 +1,4 @@
-//! `gpu-rt plan`: what a scene requires.
+//! `gpu-rt plan`: the kernels and buffers that a scene requires.
 
 use std::path::Path;
 
@@ -117,7 +117,7 @@ fn buffer_json(buffer: &Buffer) -> Value {
     })
 }
 
-/// The shaders of a folder that are no kernels of the plan: an earlier plan's, perhaps.
+/// The shaders in a folder that are not kernels of this plan, for example of an earlier one.
 fn other_shaders(folder: &Path, plan: &Plan<'_>) -> Vec<String> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let names = entries.filter_map(|entry| entry.file_name().into_string().ok());
@@ -135,11 +135,7 @@ fn write_shaders(folder: &Path, plan: &Plan<'_>) -> Result<()> {
     }
     let others = other_shaders(folder, plan);
     if !others.is_empty() {
-        tell(&format!(
-            "warning: {} also holds {}, of which this plan has nothing",
-            folder.display(),
-            others.join(", ")
-        ));
+        tell(&format!("warning: {} also holds {}; this plan did not write them", folder.display(), others.join(", ")));
     }
     Ok(())
 }

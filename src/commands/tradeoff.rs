@@ -1,4 +1,4 @@
-//! `gpu-rt tradeoff`: what the settings of `render` trade on a scene, measured within a budget of time.
+//! `gpu-rt tradeoff`: measures what the settings of `render` trade on a scene, within a budget of time.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
@@ -35,9 +35,9 @@ const COMPILING: f64 = 0.5;
 const ROUNDS_LEFT: f64 = 2.0;
 const MARGIN: f64 = 1.3;
 
-/// Why a setting is not measured.
+/// The reasons why a setting is not measured.
 const UNREACHED: &str = "the budget did not reach it";
-const INTERRUPTED: &str = "interrupted before it was";
+const INTERRUPTED: &str = "interrupted before it was measured";
 
 /// Measures and reports.
 pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
@@ -96,7 +96,7 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
         if round >= FEWEST_ROUNDS && !enough {
             enough = true;
             loading.message(&format!(
-                "{round} rounds are measured; more make it surer, and an interrupt ends it with what there is"
+                "{round} rounds are measured; more reduce the error. An interrupt ends the measurement and writes the report"
             ));
         }
         loading.show(&format!("round {}: {name}", round + 1), share());
@@ -172,13 +172,13 @@ fn reference_of(path: &Path) -> Result<ExrImage> {
     match image.rgb.as_flattened().iter().all(|v| v.is_finite()) {
         true => Ok(image),
         false => Err(Error::Usage(format!(
-            "{}: it holds pixels that are no finite numbers, so that it measures nothing",
+            "{}: expected a reference of finite numbers, found NaN or infinite pixels",
             path.display()
         ))),
     }
 }
 
-/// The middle of a reference that pixels can be joined in, and the camera that sees just that.
+/// Crops the reference to a size with enough divisors, and narrows the camera to the same view.
 fn middle(image: ExrImage, scene: &mut Scene) -> ExrImage {
     let size = middle_of((image.width, image.height));
     if size == (image.width, image.height) {
@@ -208,7 +208,7 @@ fn seed_beside(wish: u32, reference: Option<&ExrImage>) -> u32 {
 fn too_short(args: &TradeoffArgs) -> Error {
     let budget = args.budget.as_secs_f64();
     Error::Usage(format!(
-        "--budget {budget} s: no setting was measured {FEWEST_ROUNDS} times beside the defaults within it; give it more, or fewer --knobs"
+        "--budget {budget} s: it is too short to measure the defaults and one setting {FEWEST_ROUNDS} times each; give it more time, or fewer --knobs"
     ))
 }
 
@@ -217,7 +217,7 @@ fn knobs_of(args: &TradeoffArgs) -> Result<Vec<&'static Knob>> {
     let all = || KNOBS.iter().copied().filter(|knob| knob.name != SPP.name);
     for name in &args.knobs {
         if name == SPP.name {
-            let why = "every setting is measured over its samples, and how many it takes is in the report";
+            let why = "every setting is measured over its samples; the report has the number that each target takes";
             return Err(Error::Usage(format!("--knobs {name}: {why}")));
         }
         if !all().any(|knob| knob.name == name) {

@@ -1,4 +1,4 @@
-//! How large the images are that a budget is enough for, and what their numbers say of images of the whole size.
+//! The size of the images that a budget allows, and how their times and noise scale to the whole size.
 
 use std::time::{Duration, Instant};
 
@@ -8,20 +8,20 @@ use super::sweep::{LEVEL, SAMPLES_OF_ROUND, Sweep, coarsened};
 use crate::error::Result;
 use crate::metrics::estimate::Estimate;
 
-/// The most pixels of the images that are measured: more tell the same about the settings.
+/// The most pixels of an image: more say the same about the settings.
 const MOST_PIXELS: f64 = 65_536.0;
-/// The fewest, below which an image is no picture of its scene.
+/// The fewest pixels that still show the scene.
 pub const FEWEST_PIXELS: f64 = 1_024.0;
-/// The rounds that the size is chosen for.
+/// The size is chosen for this many rounds.
 const ROUNDS: f64 = 12.0;
 
-/// The pixels of images of so many settings that so much time is enough for, where a sample of one pixel takes that.
+/// The pixels of each image, so that `time` is enough for all settings; a sample of one pixel takes `of_pixel` seconds.
 pub fn pixels_for(of_pixel: f64, settings: usize, time: Duration) -> f64 {
     let round = of_pixel * SAMPLES_OF_ROUND * settings as f64;
     (time.as_secs_f64() / (round * ROUNDS)).clamp(FEWEST_PIXELS, MOST_PIXELS)
 }
 
-/// What the defaults are at the whole size.
+/// The defaults at the whole size.
 #[derive(Clone, Debug)]
 pub struct Whole {
     /// Seconds of a sample and relMSE by noise over those at the sweep's size. All settings are taken to change alike.
@@ -33,7 +33,7 @@ pub struct Whole {
 }
 
 impl Whole {
-    /// What a sweep says of itself, where that is of the whole size.
+    /// Of a sweep that is itself at the whole size.
     pub fn of_sweep(sweep: &Sweep<'_>) -> Whole {
         let blocks = sweep.subjects.first().and_then(|defaults| defaults.blocks.get(&LEVEL));
         let images = blocks.into_iter().flatten().map(|block| block.image.clone()).collect();
@@ -71,7 +71,7 @@ fn ratio(whole: Estimate, small: Estimate) -> f64 {
 /// The most samples of an image of the whole size.
 const MOST_SAMPLES: u32 = LEVEL;
 
-/// Measures the defaults at the whole size. Nothing where the time is not enough.
+/// Measures the defaults at the whole size. None where the time is too short.
 pub fn calibrate(
     sweep: &mut Sweep<'_>,
     whole: (u32, u32),
@@ -119,7 +119,7 @@ pub fn calibrate(
     Ok(Some(Whole { slower: median(&slower), noisier, size: whole, images: at_whole }))
 }
 
-/// How many times as many pixels the one size has.
+/// The pixels of one size over those of another.
 pub fn pixels_ratio(a: (u32, u32), b: (u32, u32)) -> f64 {
     f64::from(a.0) * f64::from(a.1) / (f64::from(b.0) * f64::from(b.1))
 }

@@ -1,4 +1,4 @@
-//! What the blocks of a sweep say of every setting: seconds, noise, bias, time to an error, and where that puts it beside the others.
+//! Judges every setting from the blocks of a sweep: seconds, noise, bias, time to an error, and how it compares with the others.
 
 use super::extent::Whole;
 use super::model::{Falling, Model, Standing, Times, doubt, falling, standings};
@@ -19,9 +19,9 @@ const FALSE_ALARMS: f64 = 0.05;
 pub const RELIABLE: f64 = 0.2;
 
 /// Why the loss of detail of an image of fewer pixels is not known.
-const NOT_AT_WHOLE_SIZE: &str = "what it loses is not measured at the whole size, which the budget did not reach";
+const NOT_AT_WHOLE_SIZE: &str = "its loss of detail is not measured at the whole size, which the budget did not reach";
 
-/// What is known of a setting.
+/// The findings about a setting.
 #[derive(Clone, Debug)]
 pub struct Measured {
     pub setting: Setting,
@@ -70,7 +70,7 @@ impl Measured {
         matches!(self.setting.class(), Class::Exact | Class::Noise)
     }
 
-    /// What it is, within a sentence.
+    /// Its name within a sentence.
     pub fn named(&self) -> String {
         match self.setting.knob {
             None => "the defaults".to_string(),
@@ -78,7 +78,7 @@ impl Measured {
         }
     }
 
-    /// Where it stands, in words.
+    /// Its standing in words.
     pub fn verdict(&self) -> String {
         let standing = match self.standing {
             Standing::Front => "on the front",
@@ -96,14 +96,14 @@ impl Measured {
         }
         match (self.reliable, self.bias_known) {
             (true, _) => {}
-            (false, false) => words.push("unreliable: its bias is against what is not known well"),
+            (false, false) => words.push("unreliable: the image that its bias refers to is not known well"),
             (false, true) => words.push("unreliable: rare bright paths, or too few rounds"),
         }
         words.join(", ")
     }
 }
 
-/// What a sweep came to.
+/// The result of a sweep.
 #[derive(Clone, Debug, Default)]
 pub struct Judged {
     /// The settings that have three rounds; the defaults first.
@@ -304,14 +304,14 @@ fn measured(
     })
 }
 
-/// The setting that reaches a target soonest, of those that meet a condition.
+/// The setting that reaches a target first, of those that meet a condition.
 fn soonest(found: &[Measured], target: usize, condition: impl Fn(&Measured) -> bool) -> Option<&Measured> {
     let time = |measured: &Measured| measured.times[target].unwrap_or(f64::INFINITY);
     let reaching = found.iter().filter(|m| m.times[target].is_some() && condition(m));
     reaching.min_by(|a, b| time(a).total_cmp(&time(b)))
 }
 
-/// The soonest that meets a condition, or the defaults or another setting declared unbiased that is as soon within the doubt of timings.
+/// The fastest setting that meets a condition; or the defaults, or another setting declared unbiased, if as fast within the error of timings.
 pub fn preferred(found: &[Measured], target: usize, condition: impl Fn(&Measured) -> bool) -> Option<&Measured> {
     let time = |measured: &Measured| measured.times[target].unwrap_or(f64::INFINITY);
     let best = soonest(found, target, &condition)?;
@@ -321,7 +321,7 @@ pub fn preferred(found: &[Measured], target: usize, condition: impl Fn(&Measured
     Some(defaults.or(faithful).unwrap_or(best))
 }
 
-/// What is advised for each target: nothing whose noise is not known.
+/// The setting advised for each target; never one whose noise is not known.
 pub fn recommended(found: &[Measured]) -> [Option<&Measured>; TARGETS.len()] {
     std::array::from_fn(|target| preferred(found, target, |measured| measured.reliable))
 }

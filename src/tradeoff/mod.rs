@@ -1,8 +1,13 @@
-//! Measuring what a render's settings trade: seconds against noise and bias, setting by setting, beside each other.
+//! Measures what the settings of a render trade: seconds against noise and bias.
 //!
-//! [`sweep`] renders images of a size that [`extent`] finds; [`replicates`] says what they tell of each other, [`truth`] what they are measured
-//! against, [`pace`] how long they took, [`model`] what follows for the time to an error. [`judge`] joins these for all settings, and
-//! [`report`] and [`page`] say it.
+//! Each module imports only modules of the lines above its own:
+//!
+//! 1. [`replicates`]: noise and bias from images with different seeds; [`pace`]: the time of a sample; [`model`]: the time to an error.
+//! 2. [`sweep`]: renders all settings in rounds.
+//! 3. [`truth`]: the image that the others are measured against; [`extent`]: the size of the images, and what follows for the whole size.
+//! 4. [`judge`]: joins these for every setting.
+//! 5. [`report`]: tables, CSV, JSON and advice.
+//! 6. [`page`]: the HTML page.
 
 pub mod extent;
 pub mod judge;

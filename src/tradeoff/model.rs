@@ -1,8 +1,8 @@
-//! How the error of a setting falls with time: relMSE = bias² + c N^-p, and what that says of settings beside each other.
+//! The model of the error of a setting, relMSE = bias² + c N^-p, and the comparison of settings by it.
 
 use crate::metrics::estimate::Estimate;
 
-/// Noise that falls as c N^-p, and how sure that is.
+/// Noise that falls as c N^-p, with the errors of the fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Falling {
     /// relMSE by noise with one sample, extrapolated.
@@ -31,7 +31,7 @@ impl Falling {
         self.error.hypot(self.exponent_error * (samples.ln() - self.middle))
     }
 
-    /// Where there is none.
+    /// No noise.
     pub const SILENT: Falling = Falling { noise: 0.0, exponent: 1.0, middle: 0.0, error: 0.0, exponent_error: 0.0 };
 }
 
@@ -97,7 +97,7 @@ pub fn falling(levels: &[(u32, Estimate)]) -> Option<Falling> {
     })
 }
 
-/// What a setting is beside the others.
+/// How a setting compares with the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Standing {
     /// No other setting reaches every target at least as soon.
@@ -117,7 +117,7 @@ pub fn doubt(a: f64, b: f64) -> f64 {
     (2.0 * a.hypot(b)).exp().max(NO_DIFFERENCE)
 }
 
-/// What a setting is placed by.
+/// The times by which settings are ranked.
 #[derive(Clone, Debug)]
 pub struct Times {
     /// To the targets, none where it does not reach them.
@@ -128,7 +128,7 @@ pub struct Times {
     pub reliable: bool,
 }
 
-/// Where each setting stands.
+/// The standing of each setting.
 pub fn standings(all: &[Times]) -> Vec<Standing> {
     let time = |t: &Option<f64>| t.unwrap_or(f64::INFINITY);
     let beats = |a: &Times, b: &Times| {

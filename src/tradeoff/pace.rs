@@ -1,4 +1,4 @@
-//! How long settings take beside each other, on a machine that others slow down now and then.
+//! The relative times of settings, on a machine that other work slows down now and then.
 //!
 //! Every round times every setting once, soon after each other: what slows the machine for seconds slows them alike. So the logarithm of
 //! a time is what the setting takes, what the round was slowed by, and a rest. The first two are found by a median polish (Tukey,

@@ -1,4 +1,4 @@
-//! The report as one HTML file: no network, no scripts, for light and dark screens, wide and narrow.
+//! The findings as one HTML file without scripts, for light and dark, wide and narrow screens. It loads nothing from the network.
 
 use std::fmt::Write as _;
 
@@ -41,7 +41,7 @@ fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
-/// The same, and what stands between backticks as code.
+/// The same, with text between backticks as code.
 fn marked(text: &str) -> String {
     let parts: Vec<String> = text.split('`').map(escaped).collect();
     let mark = |(i, part): (usize, &String)| match i % 2 {
@@ -80,9 +80,8 @@ pub fn html(report: &Findings, plot: Option<&str>) -> String {
     if !report.shown.is_empty() {
         let _ = write!(
             page,
-            "<h2>The same time for each</h2>\n<p class=\"note\">{}x{} pixels, each setting with the whole number of samples nearest to the time that the \
-             defaults take for {LEVEL}; below, the time that it took. To the right of each its FLIP map: what an eye sees of the difference, from black \
-             (nothing) to white.</p>\n<div class=\"pictures\">\n",
+            "<h2>The same time for each</h2>\n<p class=\"note\">{}x{} pixels. Each setting has the number of samples that comes nearest to the time of {LEVEL} samples of the defaults; its own time is below. \
+             The picture on the right is its FLIP map: the difference that an eye sees, from black (none) to white.</p>\n<div class=\"pictures\">\n",
             report.size.0, report.size.1
         );
         for picture in &report.shown {
@@ -122,7 +121,7 @@ pub fn html(report: &Findings, plot: Option<&str>) -> String {
     page
 }
 
-/// Error against seconds; nothing where nothing has an error.
+/// The plot of error against seconds; none where no setting has an error.
 ///
 /// # Errors
 /// Where the plot cannot be drawn.
@@ -166,8 +165,8 @@ fn table(report: &Findings) -> String {
             escaped(&left.why)
         );
     }
-    text += "</table></div>\n<p class=\"note\">Sorted by the time to 1e-2. Green: on the front, no other setting reaches every target as soon. Noise and bias² are relMSE: \
-             noise extrapolated to one sample a pixel; it falls as N^-p. Behind ±: of the bias half its 95 % interval, of seconds half \
-             the interquartile range over the rounds. Efficiency is 1 / (noise × seconds), over that of the defaults.</p>\n";
+    text += "</table></div>\n<p class=\"note\">Sorted by the time to 1e-2. Green settings are on the front: no other setting reaches every target as soon. Noise and bias² are \
+             relMSE. Noise is extrapolated to one sample a pixel; it falls as N^-p. The figure after ± is half the 95 % interval of the bias, and half the \
+             interquartile range of the seconds over the rounds. Efficiency is 1 / (noise × seconds), relative to the defaults.</p>\n";
     text
 }

@@ -1,4 +1,4 @@
-//! What images by several seeds say of a setting: its noise, its bias against another setting, and how sure both are.
+//! The noise of a setting and its bias against another one, both with errors, from images with several seeds.
 //!
 //! Everything is a mean over pairs of different replicates. In the product of two differences from the baseline noise cancels in the mean:
 //! it is the square of the bias, with nothing to subtract (independent halves), and pixels in which light is lost count even where others
@@ -10,7 +10,7 @@ use crate::metrics::estimate::Estimate;
 /// An image: linear radiance, row 0 on top.
 pub type Pixels = Vec<[f32; 3]>;
 
-/// The fewest rounds that tell anything.
+/// Errors need this many rounds.
 pub const FEWEST_ROUNDS: usize = 3;
 
 /// What errors are relative to: an image r, whose w = 1 / (r² + 0.01) weighs the products of replicates.

@@ -1,4 +1,4 @@
-//! The report in words and numbers: the table on the terminal, CSV, JSON, and what is recommended.
+//! The findings in words and numbers: the table on the terminal, CSV, JSON, and advice.
 
 use serde_json::{Value, json};
 
@@ -10,14 +10,14 @@ use crate::metrics::estimate::Estimate;
 use crate::options::Class;
 use crate::output::csv::csv;
 
-/// All that the report is made of.
+/// The results of a measurement.
 #[derive(Clone, Debug)]
 pub struct Findings {
     pub scene: String,
     pub device: String,
     pub driver: String,
     pub size: (u32, u32),
-    /// What the scene or the reference has.
+    /// The size of the scene's image, or of the reference.
     pub whole_size: (u32, u32),
     /// Seconds of a sample and relMSE by noise at the whole size over those at the measured one, of the defaults; none where that was
     /// not measured.
@@ -57,11 +57,11 @@ pub struct Shown {
     pub flip_map: Vec<u8>,
 }
 
-/// What a plot shows.
+/// The caption of the plot.
 pub const CAPTION: &str = "relMSE is the mean over pixels and channels of (error)² / (value² + 0.01); 1e-2 is noise of about 10 %. Each curve is \
-                           bias² + c N^-p, with the measured bias. The dots are the noise measured at 4, 16 and 64 samples. A curve that ends level \
-                           has a bias that no time removes.";
-/// The most curves that a plot has colours for.
+                           bias² + c N^-p, with the measured bias. The dots are the noise measured at 4, 16 and 64 samples. A curve that becomes level has a \
+                           bias that more samples do not remove.";
+/// The plot has colours for this many curves.
 pub const MOST_CURVES: usize = 10;
 
 /// The columns of the tables.
@@ -95,12 +95,12 @@ pub fn class_name(class: Class) -> &'static str {
     }
 }
 
-/// 1e-2 and the like.
+/// A target as `1e-2`.
 fn target_name(target: f64) -> String {
     format!("{target:e}")
 }
 
-/// A relMSE with two digits. Less its reference's own noise it may come out below 0.
+/// A relMSE with two digits. It may be below 0 once the reference's own noise is subtracted.
 pub fn relmse_text(relmse: f64) -> String {
     match relmse {
         ..=0.0 => "0".to_string(),
@@ -168,8 +168,8 @@ fn cost_text(best: &Measured) -> String {
     match best.signed.error == 0.0 {
         true => "no bias".to_string(),
         // Its mean is that of the light, whatever is lost.
-        false if best.setting.class() == Class::Detail => "loses detail, no more than may be noise".to_string(),
-        false => format!("off by {value:+.digits$} ± {half:.digits$} % of the light, which may be noise"),
+        false if best.setting.class() == Class::Detail => "the lost detail is within noise".to_string(),
+        false => format!("differs by {value:+.digits$} ± {half:.digits$} % of the light, which may be noise"),
     }
 }
 
@@ -203,13 +203,13 @@ impl Findings {
         (others, same)
     }
 
-    /// What the plot leaves out.
+    /// The settings that the plot leaves out.
     pub fn left_out(&self) -> Vec<String> {
         let (drawn, same) = self.drawn();
         let names = |list: &[&Measured]| list.iter().map(|measured| measured.named()).collect::<Vec<_>>().join(", ");
         let mut words = Vec::new();
         if !same.is_empty() {
-            words.push(format!("As the defaults within the doubt of timings: {}.", names(&same)));
+            words.push(format!("As fast as the defaults, within the error of the timings: {}.", names(&same)));
         }
         if drawn.len() > MOST_CURVES {
             words.push(format!("Not drawn: {}.", names(&drawn[MOST_CURVES..])));
@@ -229,7 +229,7 @@ impl Findings {
                 }
                 let words = doubtful.map_or(String::new(), |m| {
                     format!(
-                        "; {} would take {}, or more where rare bright paths were missed",
+                        "; {} would take {}, or longer if rare bright paths were missed",
                         m.named(),
                         time_text(m.times[index])
                     )
@@ -244,7 +244,7 @@ impl Findings {
                 _ if best.declared_unbiased() && !best.biased => String::new(),
                 (Some(other), _) => format!("; without bias, {}: {}", other.named(), time_text(other.times[index])),
                 (None, Some(other)) => format!(
-                    "; without bias, {}: about {}, not known well",
+                    "; without bias, {}: about {}, measured poorly",
                     other.named(),
                     time_text(other.times[index])
                 ),
@@ -255,11 +255,11 @@ impl Findings {
         recommended(&self.measured).into_iter().enumerate().map(sentence).collect()
     }
 
-    /// What the numbers hold for and what they rest on.
+    /// The conditions of the measurement.
     pub fn basis(&self) -> Vec<String> {
         let (w, h) = self.size;
         let mut lines = vec![format!(
-            "measured at {w}x{h} on {} ({}), {} rounds of {LEVEL} samples; on another device the advice may be another",
+            "measured at {w}x{h} on {} ({}), {} rounds of {LEVEL} samples; another device may need other settings",
             self.device,
             self.driver,
             self.measured.first().map_or(0, |defaults| defaults.rounds)
@@ -267,62 +267,61 @@ impl Findings {
         let (w, h) = self.whole_size;
         if let Some((width, height)) = self.middle_of {
             lines.push(format!(
-                "of the reference's {width}x{height} the {w}x{h} in the middle are measured, whose sides have the divisors that smaller images take"
+                "only the middle {w}x{h} pixels of the reference's {width}x{height} are measured, because their sides divide into those of smaller images"
             ));
         }
         match self.calibration {
             _ if self.whole_size == self.size => {}
             Some((slower, noisier)) => lines.push(format!(
-                "all seconds are those of {w}x{h}: of the defaults a sample takes {slower:.1} times as long there and has {noisier:.2} times the \
-                 noise, both measured, and the other settings are taken to change alike"
+                "all seconds are for {w}x{h}: a sample of the defaults takes {slower:.1} times as long there and has {noisier:.2} times the noise, \
+                 both measured; the other settings are assumed to change by the same factors"
             )),
             None => lines.push(format!(
-                "all seconds are those of {w}x{h}, which the budget did not reach: a sample is taken to take as many times as long there as there are \
-                 more pixels, with the same noise"
+                "all seconds are for {w}x{h}, which the budget did not reach: time is assumed to grow with the number of pixels, and noise to \
+                 stay the same"
             )),
         }
         if let Some(defaults) = self.measured.first().filter(|defaults| !defaults.reliable) {
             let known = self.measured.iter().any(|m| !m.declared_unbiased() && m.bias_known);
-            let so = if known { "" } else { ", so that no bias is known, and nothing that biases is recommended" };
+            let so = if known { "" } else { "; so no bias is known, and no biased setting is recommended" };
             lines.push(format!(
-                "the noise of the defaults is known to {:.0} % only, because of rare bright paths or too few rounds{so}",
+                "the noise of the defaults is known to {:.0} % only, because paths are rare and bright, or rounds are too few{so}",
                 100.0 * defaults.noise_doubt
             ));
         }
         lines.extend(self.measured_against());
         if self.interrupted {
-            lines.push("interrupted: what was measured until then".to_string());
+            lines.push("interrupted: the report has only the measurements until then".to_string());
         }
         lines
     }
 
-    /// What biases and the errors of pictures are against.
+    /// The images that biases and the errors of pictures refer to.
     fn measured_against(&self) -> Vec<String> {
-        const TO_DEFAULTS: &str = "biases are against the defaults, with the same random numbers";
-        let own =
-            self.error_of_truth.map(|own| format!("its own noise, a relMSE of {own:.1e}, is subtracted from theirs"));
+        const TO_DEFAULTS: &str = "biases are differences from the defaults, rendered with the same random numbers";
+        let own = self
+            .error_of_truth
+            .map(|own| format!("its own noise, a relMSE of {own:.1e}, is subtracted from their errors"));
         let Some(file) = &self.reference else {
             let own = own.map_or(String::new(), |own| format!("; {own}"));
             return vec![format!(
-                "{TO_DEFAULTS}; pictures are compared with the pooled samples of all unbiased settings but the one judged{own}"
+                "{TO_DEFAULTS}; each picture is compared with the mean image of all other unbiased settings{own}"
             )];
         };
-        let mean = self.against_reference.map(|found| {
-            format!("the defaults' mean is {:+.2} ± {:.2} % off", 100.0 * found.value, 100.0 * found.half_width())
+        let mean = self.against_reference.map_or(String::new(), |found| {
+            let (value, half) = (100.0 * found.value, 100.0 * found.half_width());
+            format!("; the mean of the defaults' image differs by {value:+.2} ± {half:.2} % from the reference's")
         });
-        let mean = mean.map_or(String::new(), |words| format!("; {words}"));
         let Some((distance, differs)) = &self.distance else {
             return vec![
-                format!(
-                    "the reference is {file}, which does not tell its own noise: nothing is subtracted, and the pictures' errors include it"
-                ),
-                format!("{TO_DEFAULTS}, not the reference{mean} it, its noise left out of the interval"),
+                format!("the reference is {file}; it has no variance, so the errors of the pictures include its noise"),
+                format!("{TO_DEFAULTS}{mean}; that interval leaves out the reference's noise"),
             ];
         };
         let own = own.unwrap_or_default();
         let squared = &distance.squared;
         let far = format!(
-            "relMSE {:.1e}, at most {:.1e}, beyond the noise of both",
+            "the relMSE between them is {:.1e}, at most {:.1e}, after subtracting the noise of both",
             squared.value.max(0.0),
             squared.upper().max(0.0)
         );
@@ -330,14 +329,14 @@ impl Findings {
             format!("the reference is {file}; pictures are compared with it, and {own}"),
             match (differs, self.measured.iter().any(|measured| measured.against_reference)) {
                 (false, false) => {
-                    format!("{TO_DEFAULTS}, which differ from the reference by noise only{mean}, with {far}")
+                    format!("{TO_DEFAULTS}; the defaults differ from the reference by noise only{mean}; {far}")
                 }
                 (false, true) => format!(
-                    "the defaults differ from the reference by noise only{mean}, with {far}; as their noise is not known well, all biases are against \
+                    "the defaults differ from the reference by noise only{mean}; {far}; their noise is not known well, so all biases are against \
                      the reference"
                 ),
                 (true, _) => format!(
-                    "the defaults differ from the reference by more than noise{mean}, with {far}: all biases are against the reference"
+                    "the defaults differ from the reference by more than noise{mean}; {far}; all biases are against the reference"
                 ),
             },
         ]

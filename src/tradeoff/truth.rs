@@ -1,4 +1,4 @@
-//! What images are measured against: a file's image, or the pooled samples of the sweep itself; and how far off that is by its own noise.
+//! The image that others are measured against, with its own noise: that of a file, or the mean of the sweep's own images.
 
 use super::replicates::{Pixels, Weights, difference, distance, signed_bias, squared_mean, sum_of};
 use super::sweep::{Subject, Sweep};
@@ -15,7 +15,7 @@ pub struct Truth {
     pub variance: Option<Pixels>,
 }
 
-/// How far images are from a truth, what noise does in it taken into account.
+/// How far images are from a truth, with the noise of both taken into account.
 #[derive(Clone, Copy, Debug)]
 pub struct Distance {
     /// Relative difference of the means, with sign; its error is that of both.

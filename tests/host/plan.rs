@@ -845,7 +845,7 @@ fn why_is_answered_for_kernels_and_refused_for_others() {
     let write = || text(plan(&["--wgsl", shaders.to_str().expect("UTF-8")]).stderr);
     assert!(!write().contains("also holds"));
     std::fs::write(shaders.join("scatter_metal.wgsl"), "").expect("a file is written");
-    assert!(write().contains("also holds scatter_metal.wgsl, of which"));
+    assert!(write().contains("also holds scatter_metal.wgsl; this plan"));
 
     let unknown = plan(&["--why", "bounce", "--wgsl", into.to_str().expect("UTF-8")]);
     assert_eq!(unknown.status.code(), Some(2));

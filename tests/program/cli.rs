@@ -1024,7 +1024,7 @@ fn a_tradeoff_that_is_interrupted_at_once_says_that_nothing_is_measured() {
     assert_eq!(report["interrupted"], true, "{said}");
     for setting in report["settings"].as_array().unwrap() {
         assert_eq!(setting["measured"], false, "{report:#}");
-        assert_eq!(setting["verdict"], "not measured: interrupted before it was", "{report:#}");
+        assert_eq!(setting["verdict"], "not measured: interrupted before it was measured", "{report:#}");
     }
     assert_eq!(report["recommendations"][1]["words"], "relMSE 1e-2: nothing was measured");
 }

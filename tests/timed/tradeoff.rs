@@ -252,7 +252,7 @@ fn a_bias_against_what_is_not_known_is_not_known() {
     for clamp in &found[1..] {
         // Its own noise is small, and known.
         assert!(clamp.noise_doubt < 0.2 && !clamp.bias_known && !clamp.reliable, "{clamp:?}");
-        assert!(clamp.verdict().contains("unreliable: its bias is against what is not known well"));
+        assert!(clamp.verdict().contains("unreliable: the image that its bias refers to is not known well"));
     }
     assert!(recommended(&found).iter().all(Option::is_none));
 }

@@ -76,14 +76,14 @@ impl Draft {
         self.leave_out_unused_vertices();
         let normals = self.take_normals();
         warnings.extend(normals.is_err().then(|| {
-            "some of its faces have corners without a normal, or with one of no length: its normals are not used, and \
-             it is flat-shaded"
+            "some corners have no normal, or one of length 0: all normals are ignored, and the mesh is flat-shaded"
                 .to_owned()
         }));
         let uvs = self.take_uvs();
-        warnings.extend(uvs.is_err().then(|| {
-            "some of its faces have corners without texture coordinates: those of the others are not used".to_owned()
-        }));
+        warnings.extend(
+            uvs.is_err()
+                .then(|| "some corners have no texture coordinates: all texture coordinates are ignored".to_owned()),
+        );
         Ok(Mesh {
             positions: self.positions,
             triangles: self.triangles,
@@ -109,8 +109,8 @@ impl Draft {
                     }
                     None => {
                         return Err(format!(
-                            "face {face} (counted from 0): there is no vertex {corner}, for the file has {count}, \
-                             counted from 0"
+                            "face {face} (counted from 0): there is no vertex {corner}; the file has {count} \
+                             vertices, counted from 0"
                         ));
                     }
                 }
@@ -146,7 +146,7 @@ impl Draft {
         self.triangles.truncate(kept);
         self.faces.truncate(kept);
         if kept == 0 {
-            return Err(format!("none of its {} faces has an area: it has no extent", self.face_count));
+            return Err(format!("none of its {} faces has an area", self.face_count));
         }
         Ok(first.map(|first| {
             let (have, were) = if left_out == 1 { ("has", "was") } else { ("have", "were") };
