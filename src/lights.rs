@@ -1,4 +1,4 @@
-//! What the host prepares so that lights can be drawn by chance: tables for the alias method, and the sky's distribution.
+//! Tables for light sampling: alias tables, and the distribution of the sky's radiance.
 
 use std::f64::consts::PI;
 
@@ -20,7 +20,7 @@ pub struct AliasEntry {
     pub threshold: f32,
     /// The entry that is drawn otherwise.
     pub alias: u32,
-    /// With what probability this entry is drawn, by whatever way; exact.
+    /// The exact probability that this entry is drawn, directly or as an alias.
     pub probability: f32,
     /// The same of the alias.
     pub alias_probability: f32,
@@ -33,12 +33,12 @@ pub struct AliasTable {
     pub entries: Vec<AliasEntry>,
 }
 
-/// How many of the uniforms each weight gets: in proportion, but at least one for each that is positive.
+/// The number of uniforms of each weight: in proportion, but at least one for each positive weight.
 fn apportion(weights: &[f64]) -> Option<Vec<u64>> {
     if weights.len() > MAX_ENTRIES || weights.iter().any(|w| !w.is_finite() || *w < 0.0) {
         return None;
     }
-    // By the largest, so that the sum can neither overflow nor vanish.
+    // Relative to the largest weight, the sum neither overflows nor vanishes.
     let largest = weights.iter().copied().fold(0.0, f64::max);
     let sum: f64 = weights.iter().map(|w| w / largest).sum();
     if largest == 0.0 {
@@ -62,7 +62,7 @@ fn apportion(weights: &[f64]) -> Option<Vec<u64>> {
 }
 
 impl AliasTable {
-    /// Nothing where no weight is positive, where one is negative or no number, or where they are more than [`MAX_ENTRIES`].
+    /// None where no weight is positive, one is negative or not finite, or there are more than [`MAX_ENTRIES`].
     pub fn new(weights: &[f64]) -> Option<AliasTable> {
         let wanted = apportion(weights)?;
         let count = wanted.len() as u64;
@@ -108,8 +108,8 @@ impl AliasTable {
     }
 }
 
-/// By what chance directions towards the sky are drawn: cells of a grid over its image, by the luminance of what the
-/// kernels interpolate there times the cell's solid angle.
+/// The distribution of directions towards the sky: cells of a grid over its image, weighed by the mean luminance that the kernels
+/// interpolate there, times the solid angle of the cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SkyDistribution {
     pub columns: u32,
@@ -135,14 +135,14 @@ fn tents(x0: f64, x1: f64) -> impl Iterator<Item = (i64, f64)> {
 }
 
 impl SkyDistribution {
-    /// Nothing where the image is black everywhere, empty, or of another size than it says. What is negative or no number
-    /// counts as black.
+    /// None where the image is black everywhere, empty, or of another size than it says. Negative and non-finite texels count
+    /// as black.
     pub fn new(width: u32, height: u32, texels: &[[f32; 3]]) -> Option<SkyDistribution> {
         let (w, h) = (width as usize, height as usize);
         if w == 0 || h == 0 || w.checked_mul(h) != Some(texels.len()) {
             return None;
         }
-        // The finest grid of whole texels that has few enough cells.
+        // The finest grid of whole texels with at most MAX_CELLS cells.
         let block = (1..).find(|block| w.div_ceil(*block) * h.div_ceil(*block) <= MAX_CELLS)?;
         let (columns, rows) = (w.div_ceil(block), h.div_ceil(block));
         let brightness = |texel: [f32; 3]| {

@@ -16,7 +16,7 @@ pub struct BufferSpec<'a> {
     pub usage: wgpu::BufferUsages,
     /// What it is for.
     pub why: &'static str,
-    /// What its bytes are, in words: "485 x 32 bytes".
+    /// The make-up of its bytes: "485 x 32 bytes".
     pub size: String,
 }
 
@@ -26,7 +26,7 @@ impl<'a> BufferSpec<'a> {
         BufferSpec { name, bytes, contents: Cow::Borrowed(&[]), usage, why, size: format!("{bytes} bytes") }
     }
 
-    /// Says what its bytes are.
+    /// The same, with the make-up of its bytes.
     #[must_use]
     pub fn made_of(self, size: String) -> BufferSpec<'a> {
         BufferSpec { size, ..self }
@@ -90,8 +90,7 @@ pub struct Buffers {
     named: BTreeMap<&'static str, wgpu::Buffer>,
 }
 
-/// Says of every buffer that the device has no room for how many bytes it needs and how many are allowed. Nothing is
-/// allocated.
+/// A sentence for every buffer that is larger than the device allows. Allocates nothing.
 pub fn too_large(specs: &[BufferSpec<'_>], limits: &wgpu::Limits) -> Vec<String> {
     let too_large = |spec: &BufferSpec<'_>| {
         let (limit, what) = (spec.limit(limits), spec.binding());
@@ -153,7 +152,7 @@ impl Buffers {
     }
 }
 
-/// A buffer that the host reads what the device wrote from.
+/// A staging buffer, through which the host reads what the device wrote.
 pub struct Readback {
     staging: wgpu::Buffer,
 }

@@ -19,7 +19,7 @@ pub struct AdapterName {
     pub driver: String,
     pub backend: String,
     pub kind: &'static str,
-    /// Whether it is a processor that plays a GPU.
+    /// Whether it is a software driver, which runs on the processor.
     pub software: bool,
 }
 
@@ -105,7 +105,7 @@ impl Adapters {
     }
 }
 
-/// What of a device decides the sizes that suit it.
+/// The properties of a device that decide the sizes of buffers and dispatches.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DeviceClass {
     pub software: bool,
@@ -195,7 +195,7 @@ impl Device {
         Ok(Device { name, device, queue, limits, timestamps, numerics, compiled, fault })
     }
 
-    /// What sizes suit it.
+    /// Its class.
     pub fn class(&self) -> DeviceClass {
         DeviceClass::new(self.name.software, &self.limits)
     }

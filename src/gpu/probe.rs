@@ -1,6 +1,6 @@
-//! What a driver makes of arithmetic that WGSL leaves open, or that drivers get wrong: one dispatch of a small kernel
-//! (shaders/stage/probe.wgsl), whose answers are compared with the right ones bit by bit. Shaders say what they rely on,
-//! and a kernel with a shader that relies on what the driver lacks is refused.
+//! Probes how a driver computes what WGSL leaves open, and what drivers get wrong: one dispatch of a small kernel
+//! (shaders/stage/probe.wgsl). Its answers are compared with the right ones bit by bit. Shaders declare the properties that
+//! they rely on. A kernel is refused where the driver lacks a property of one of its shaders.
 
 use std::f64::consts::PI;
 
@@ -17,12 +17,12 @@ use crate::error::Result;
 
 /// Trials of the probe, one an invocation.
 pub const TRIALS: usize = 64;
-/// Iterations of the loop that finds whether they have a limit.
+/// Iterations of the loop that finds out whether loops have a limit.
 pub const LOOPS: u32 = 70_000;
 /// The iterations that kernels are made for: those that Mesa 22.3 allows an invocation in all of its loops.
 pub const LOOPS_NEEDED: u32 = 65_535;
 
-/// What the probe has found of a driver.
+/// The findings of the probe about a driver.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Numerics {
     /// Knuth's two-sum as it is written gives the rounding error. False where the compiler takes `(x + y) - x` for `y`.
@@ -128,7 +128,7 @@ impl Numerics {
     }
 }
 
-/// What the probe finds of this device; it runs once.
+/// The findings of the probe about this device. It runs once.
 ///
 /// # Errors
 /// `Error::Device` where the device fails.
@@ -228,7 +228,7 @@ fn trial(index: usize, random: &mut TrialNumbers) -> Trial {
     }
 }
 
-/// What answers say of a driver.
+/// The findings from a driver's answers.
 pub fn judge(trials: &[Trial], answers: &[Answer]) -> Numerics {
     let whole = answers.len() == trials.len();
     let all = |right: &dyn Fn(&Trial, &Answer) -> bool| {
@@ -296,7 +296,7 @@ fn error_of_sum(x: f32, y: f32) -> f32 {
     (exact - f64::from(exact as f32)) as f32
 }
 
-/// The same of x y, whose digits are 48 at most.
+/// x y less its rounding to f32; exact, since the product has 48 digits at most.
 fn error_of_product(x: f32, y: f32) -> f32 {
     let exact = f64::from(x) * f64::from(y);
     (exact - f64::from(exact as f32)) as f32
@@ -315,7 +315,7 @@ fn truncated(word: u32) -> f32 {
     (word >> dropped << dropped) as f32
 }
 
-/// After how many steps the probe's generator is in this state; 0 where it is in none that is its own.
+/// The steps after which the probe's generator reaches this state; 0 where it never does.
 fn loops_until(state: u32) -> u32 {
     let step = |state: &u32| Some(state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
     let found = std::iter::successors(Some(1), step).take(LOOPS as usize + 1).position(|reached| reached == state);

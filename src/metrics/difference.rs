@@ -1,8 +1,8 @@
 //! Whether the difference of two images is more than noise: on the whole, in one colour, or in one place.
 //!
-//! What is compared are the means over the whole image of luminance, red, green and blue, and the same four over each tile of a grid.
+//! It compares the means of luminance, red, green and blue over the whole image, and over each tile of a grid.
 //! Every mean difference comes with a standard error of a known number of degrees of freedom, and so with a p-value by Student's t:
-//! how often noise alone would make a difference of at least this size. docs/comparing.md derives it and has the measurements.
+//! the probability that noise alone makes a difference of at least this size. docs/comparing.md has the derivation and measurements.
 
 use super::estimate::{Estimate, degrees_of_sum};
 use crate::data::luminance;
@@ -27,10 +27,10 @@ const ENOUGH_TILES: usize = 32;
 const SHARED: f64 = 0.16;
 /// Fewer noisy pixels than this do not tell.
 const ENOUGH_PIXELS: usize = 64;
-/// A pixel that holds more than this share of the noise of each image rules it. (Of 256 squares of normal numbers, as even noise has them,
+/// A pixel rules the noise if it holds more than this share of it in each image. (Of 256 squares of normal numbers, as even noise has them,
 /// one does in 4 images of 1e6.)
 const RULING: f64 = 0.125;
-/// Few pixels are this many at most, and as little a share of all.
+/// At most this many pixels may rule, and at most one of this many.
 const FEW: usize = 16;
 
 /// How the tests share the false alarms: the mean luminance, the mean of each colour, and all tiles together.
@@ -38,7 +38,7 @@ const SHARE_LUMINANCE: f64 = 0.5;
 const SHARE_COLOUR: f64 = 1.0 / 18.0;
 const SHARE_TILES: f64 = 1.0 / 3.0;
 
-/// What of the pixels is compared.
+/// A quantity of pixels that is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     Luminance,
@@ -99,9 +99,9 @@ impl Images<'_> {
         self.variances(quantity, pixel).map(|[a, b]| a + b)
     }
 
-    /// The few pixels that rule the noise of both images: the mean of a mostly is what they are by chance, and hides the others. A pixel
-    /// that is noisy in one image alone may be one that a rare path has met there: to leave it out would darken that image. Nothing
-    /// where no variances tell, or where the noise is not that of few.
+    /// The few pixels that rule the noise of both images. Their chance values decide the mean, and hide the other pixels. A pixel that is
+    /// noisy in one image alone may have met a rare path there, and leaving it out would darken that image. None without
+    /// variances, or where many pixels share the noise.
     fn ruling(&self) -> Vec<usize> {
         let pixels = (0..self.width * self.height).filter(|&pixel| self.counts(pixel));
         let known = pixels.filter_map(|pixel| Some((pixel, self.variances(Quantity::Luminance, pixel)?)));
@@ -124,14 +124,14 @@ impl Images<'_> {
     }
 }
 
-/// Where the standard errors come from.
+/// The source of the standard errors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ErrorSource {
     /// The variances in the files.
     Variances,
     /// How the paired differences a − b are spread over the image.
     Pairs,
-    /// The same, although the files have variances: pixels differ by much less, as of two images that share their random numbers.
+    /// The same, although the files have variances: pixels differ by much less than these say, as in images that share random numbers.
     SharedNoise,
 }
 
@@ -157,7 +157,7 @@ pub struct Local {
 /// Mean differences in the order of [`QUANTITIES`], each with a p-value as of [`Local::p`].
 pub type Means = [(MeanDifference, f64); 4];
 
-/// What the comparison came to.
+/// The result of the comparison.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Difference {
     pub source: ErrorSource,
@@ -403,7 +403,7 @@ impl Scales {
     }
 }
 
-/// Compares the images. Nothing, where no pixel is finite in both.
+/// Compares the images. None where no pixel is finite in both.
 pub fn difference(images: &Images<'_>) -> Option<Difference> {
     let pixels = images.width * images.height;
     let mut counted = (0..pixels).filter(|&pixel| images.counts(pixel)).peekable();
@@ -431,7 +431,7 @@ pub fn difference(images: &Images<'_>) -> Option<Difference> {
     Some(Difference { source, identical, means: whole, rest, local, p: least })
 }
 
-/// What the errors are to be taken from. Pixels vote by number: sums of squares would be ruled by the few that hold most of the noise.
+/// Chooses the source of the errors. Each pixel has one vote, because few pixels would decide a sum of squares.
 fn source(images: &Images<'_>) -> ErrorSource {
     if images.variances.is_none() {
         return ErrorSource::Pairs;

@@ -1,4 +1,4 @@
-//! How far an image is from another: mean square errors over pixels and channels, of linear radiance and of what a screen shows.
+//! Mean square errors over pixels and channels, of linear radiance and of sRGB pictures.
 
 use crate::data::{srgb, unit};
 

@@ -1,4 +1,4 @@
-//! How far an image is from another: errors, what the eye sees of them, and whether they are more than noise.
+//! Compares images: errors, the visible difference (FLIP), and whether a difference is more than noise.
 
 pub mod difference;
 pub mod error;

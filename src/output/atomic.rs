@@ -1,4 +1,4 @@
-//! Replacing a file as a whole: whoever reads it finds the old contents or the new, never a part.
+//! Replaces a file as a whole: a reader finds the old contents or the new, never a part.
 
 use std::fs::{self, File};
 use std::io::{self, Seek, Write};
@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
 
-/// As many links as Linux follows before it speaks of a loop.
+/// Linux reports a loop after this many links.
 const MAX_LINKS: usize = 40;
 
 /// Replaces the file at `path` by what `write` writes, from the start of an empty file that can seek.

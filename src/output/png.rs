@@ -47,7 +47,7 @@ fn failed(path: &Path, reason: String) -> Error {
     Error::File { path: path.to_owned(), action: "write", reason }
 }
 
-/// In memory, where it is small beside the film: so no error of the disk can be lost inside the encoder.
+/// Encodes in memory, so that the encoder cannot lose an error of the disk. The PNG is small beside the film.
 fn compress((width, height): (u32, u32), pixels: &[[u8; 3]]) -> std::result::Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
     let written =

@@ -1,4 +1,4 @@
-//! A mesh while its file is read, and what makes a checked mesh of it.
+//! A mesh while its file is read, and the checks that make a `Mesh` of it.
 
 use glam::{DVec3, Vec2, Vec3};
 
@@ -10,7 +10,7 @@ pub const MOST_VERTICES: usize = u32::MAX as usize;
 /// Largest coordinate, as in the scene file.
 const LARGEST: f64 = 1e100;
 
-/// What a file says, unchecked.
+/// The contents of a file, unchecked.
 #[derive(Default)]
 pub struct Draft {
     pub positions: Vec<DVec3>,
@@ -94,7 +94,7 @@ impl Draft {
         })
     }
 
-    /// Whether all corners of all faces are places.
+    /// Checks that every corner is a vertex with finite coordinates.
     fn check_faces(&self) -> Result<(), String> {
         let count = self.positions.len();
         for (triangle, &face) in self.triangles.iter().zip(&self.faces) {
@@ -119,7 +119,7 @@ impl Draft {
         Ok(())
     }
 
-    /// Leaves out the triangles of which two corners are at the same place. A face of which nothing stays is warned about.
+    /// Leaves out the triangles with two corners at the same place. Warns of faces of which no triangle is left.
     fn leave_out_flat_faces(&mut self) -> Result<Option<String>, String> {
         let (mut left_out, mut first, mut next) = (0, None, 0);
         let mut note = |from: u32, to: u32| {
@@ -157,7 +157,7 @@ impl Draft {
         }))
     }
 
-    /// Vertices of no triangle may be anything, and would be in the way of whoever looks at all positions.
+    /// Removes the vertices of no triangle. They may be anything, and would spoil bounds.
     fn leave_out_unused_vertices(&mut self) {
         let mut is_used = vec![false; self.positions.len()];
         for &corner in self.triangles.as_flattened() {

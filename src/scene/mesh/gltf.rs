@@ -1,8 +1,8 @@
 //! glTF 2.0, as JSON and as GLB, as the crate `gltf` reads it: the triangles of the default scene, with its nodes' transforms
 //! applied in f64.
 //!
-//! The crate's own validation is passed by, for it panics. Every index is looked up where it is used, and what an accessor
-//! spans is held against its buffer before the crate's iterators see it: they trust offsets and counts.
+//! The crate's own validation is skipped, because it panics. Every index is looked up where it is used. The span of an accessor is
+//! checked against its buffer before the crate's iterators see it, because they trust offsets and counts.
 
 use std::borrow::Cow;
 use std::collections::HashSet;
@@ -201,7 +201,7 @@ impl File<'_> {
         let corners = corners.into_iter().map(|index| match index < count as u64 {
             true => Ok(first as u32 + index as u32),
             false => Err(format!(
-                "face {} (counted from 0) or a later one: there is no vertex {index}, for the primitive has {count}, \
+                "face {} (counted from 0) or a later one: there is no vertex {index}; the primitive has {count}, \
                  counted from 0",
                 draft.next_face()
             )),

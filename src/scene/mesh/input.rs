@@ -2,10 +2,10 @@
 
 use std::io::{self, BufRead, Read};
 
-/// Bytes between two words about progress.
+/// Bytes between two reports of progress.
 const TELL_EVERY: usize = 1 << 20;
 
-/// What is left of a file. As it gets less, it says how much is done.
+/// The rest of a file. Taking from it reports progress.
 pub struct Input<'a> {
     rest: &'a [u8],
     whole: usize,

@@ -1,8 +1,8 @@
-//! Triangle meshes as their files say them.
+//! Triangle meshes from files.
 //!
-//! A file a format: `obj` by the crate `tobj`, `ply` by `serde-ply`, `gltf` by `gltf`. The parsers are called under `guard`,
-//! for some panic on what a file may say. What they read is a `Draft`, whose `finish` checks it, drops what has no area or is
-//! not used, and makes a `Mesh` of it.
+//! One module per format: `obj` with the crate `tobj`, `ply` with `serde-ply`, `gltf` with `gltf`. The parsers run under `guard`,
+//! because some panic on damaged files. They fill a `Draft`. Its `finish` checks it, drops faces without area and unused vertices,
+//! and makes a `Mesh` of it.
 
 mod draft;
 mod gltf;
@@ -24,7 +24,7 @@ use input::Input;
 
 pub use crate::shape::mesh::{Mesh, OpenEdges};
 
-/// Told how far the reading of a file is: its path, the bytes that are done, and the bytes in all.
+/// Called with the progress of reading a file: its path, the bytes that are done, and the bytes in all.
 pub type OnProgress<'a> = dyn FnMut(&Path, u64, u64) + 'a;
 
 /// Reads every mesh of the scene once, by its path as written. An error stands at the `path` field.
@@ -62,7 +62,7 @@ fn load(path: &Path, progress: &mut OnProgress) -> std::result::Result<Mesh, Str
     parse(path, &mut Input::new(&bytes, &mut tell))?.finish()
 }
 
-/// The bytes of a file, of which no more are asked for than it has.
+/// The bytes of a file.
 fn read(path: &Path) -> std::result::Result<Vec<u8>, String> {
     let cannot = |reason: std::io::Error| format!("cannot read the mesh: {reason}");
     let meta = std::fs::metadata(path).map_err(cannot)?;

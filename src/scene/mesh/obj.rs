@@ -1,10 +1,9 @@
 //! Wavefront OBJ: positions, texture coordinates, normals and faces, as the crate `tobj` reads them.
 //!
-//! It is given only the lines that say something of these, each in one piece and without what has no use here: comments,
-//! weights, colours. That is for more than thrift. Groups and materials would cut its faces into several lists before all
-//! vertices are known, lines would be counted as faces; it refuses colours that only some vertices have, texture coordinates
-//! of one number, lines that go on in the next, comments behind a face, and text that is not UTF-8. And since it says what is
-//! wrong but not where, what it refuses is looked through for the place.
+//! The crate sees only the lines of these, joined where they continue, and without comments, weights and colours. Otherwise it would
+//! split faces at groups and materials before all vertices are known, and count lines as faces. It would also refuse colours of
+//! only some vertices, texture coordinates of one number, continued lines, comments behind a face, and text that is not UTF-8. Its
+//! errors name no place, so `fault` looks for the place in a refused file.
 
 use std::io::{self, BufRead, Read};
 use std::path::Path;
@@ -31,7 +30,9 @@ pub fn parse(_: &Path, input: &mut Input) -> Result<Draft, String> {
     for model in models {
         let mesh = model.mesh;
         if (!has[1] && !mesh.texcoords.is_empty()) || (!has[2] && !mesh.normals.is_empty()) {
-            return Err(fault(bytes).unwrap_or_else(|| "a face refers to what the file has not".to_owned()));
+            return Err(
+                fault(bytes).unwrap_or_else(|| "a face refers to an entry that the file does not have".to_owned())
+            );
         }
         draft.positions = triples(&mesh.positions).collect();
         let count = draft.positions.len();
@@ -170,7 +171,7 @@ impl Read for Lines<'_, '_> {
     }
 }
 
-/// What is wrong with a file that is refused, and where; nothing if that is not to be seen.
+/// The fault of a refused file, with its place; none if it cannot be found.
 fn fault(bytes: &[u8]) -> Option<String> {
     let mut tell = |_| {};
     let mut input = Input::new(bytes, &mut tell);
@@ -209,9 +210,7 @@ fn fault(bytes: &[u8]) -> Option<String> {
     ahead.into_iter().find_map(|(face, list, entry)| {
         let (count, (_, what)) = (lines.counts.get(list)?, LISTS.get(list)?);
         (entry > *count).then(|| {
-            format!(
-                "face {face} (counted from 0): there is no {what} {entry}, for the file has {count}, counted from 1"
-            )
+            format!("face {face} (counted from 0): there is no {what} {entry}; the file has {count}, counted from 1")
         })
     })
 }

@@ -1,8 +1,8 @@
 //! PLY, as text and in binary of either order of bytes, as the crate `serde-ply` reads it: the elements `vertex` and `face`;
 //! all others are passed over.
 //!
-//! The crate hands out the numbers of one row after the other, and holds none of them; it reserves nothing by what the header
-//! says. Lines of the header that it does not know it would pass over: they are refused before it sees them.
+//! The crate hands out the numbers row by row and keeps none. It reserves no memory by the header's counts. It would ignore unknown
+//! lines of the header, so these are refused before it sees them.
 
 use std::io::{ErrorKind, Read};
 use std::path::Path;
@@ -158,7 +158,7 @@ struct Rows<'a> {
     row: usize,
     /// The number that is read, for messages.
     wanted: &'static str,
-    /// What is wrong with the row, if it is not for the crate to say.
+    /// Our own error for the row, where the crate has none.
     wrong: Option<String>,
 }
 
