@@ -430,7 +430,7 @@ impl Film {
         }
         let floor = DARK_PIXEL_FLOOR * mean_luminance * mean_luminance;
         let (mut total, mut pixels) = (0.0, 0u64);
-        let (mut usual, mut rare) = (Noise::default(), Noise::default());
+        let (mut usual, mut rare) = (NoiseSum::default(), NoiseSum::default());
         for pixel in &self.pixels {
             if pixel.rejected > 0 && !pixel.has_halves() {
                 continue;
@@ -470,7 +470,7 @@ fn weighted(variance: Rgb<f64>, weight: Rgb<f64>) -> f64 {
 
 /// The squared relative errors of pixels ([`Film::error_estimate`]), summed.
 #[derive(Clone, Debug, Default)]
-struct Noise {
+struct NoiseSum {
     /// Σ x, and what is at hand of its variance.
     total: f64,
     variance: f64,
@@ -479,7 +479,7 @@ struct Noise {
     largest: Vec<Rgb<f64>>,
 }
 
-impl Noise {
+impl NoiseSum {
     /// Adds a pixel: its x, of so many degrees of freedom, and its w.
     fn add(&mut self, x: f64, degrees: f64, w: f64) {
         const MOST: usize = (1.0 / MOST_OF_HALVES) as usize;

@@ -19,7 +19,7 @@ use crate::gpu::layout::{self, Binding, Member};
 use crate::gpu::link::{Choices, Embedded, Entry, Linked, Reason, link};
 use crate::job::Job;
 use crate::options::{RenderOptions, Scatter};
-use crate::shape::{KINDS, Kind as ShapeKind, Table};
+use crate::shape::{KINDS, ShapeKind, Table};
 
 use choices::{decide, entries};
 pub use report::{Buffer, Choice, Constant, KernelReport, Module, Report};
@@ -38,19 +38,19 @@ pub const STEPS: [&str; 2] = ["MOST_STEPS_OF_WALK", "MOST_STEPS_OF_CROSSINGS"];
 /// Where the scene's tables live. Small ones fit a uniform binding, which software drivers read several times as fast as
 /// a storage binding; real GPUs serialise lanes that read a uniform at different places.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Tables {
+pub struct UniformTables {
     /// Elements of the uniform array, by the table's name; the others are storage.
     uniform: BTreeMap<&'static str, u64>,
 }
 
-impl Tables {
+impl UniformTables {
     /// Puts each table that fits into so many bytes into a uniform binding; 0 puts none there.
-    pub fn new(flat: &DeviceScene, uniform_bytes: u64) -> Tables {
+    pub fn new(flat: &DeviceScene, uniform_bytes: u64) -> UniformTables {
         let fits = |(name, bytes, stride): (&'static str, u64, u64)| {
             let elements = (bytes / stride).max(1).next_power_of_two().min(uniform_bytes / stride);
             (elements * stride >= bytes.max(1)).then_some((name, elements))
         };
-        Tables {
+        UniformTables {
             uniform: tables(flat)
                 .into_iter()
                 .map(|(name, bytes, stride, _)| (name, bytes.len() as u64, stride))
@@ -122,7 +122,7 @@ pub struct Kernels {
     pub settings: SettingsLayout,
     /// What they are linked for.
     pub features: Features,
-    tables: Tables,
+    tables: UniformTables,
 }
 
 /// The settings as the kernels of a plan have them: just the members that they need.
@@ -174,7 +174,7 @@ impl<'a> Plan<'a> {
     /// As of [`Kernels::link`].
     pub fn new(scene: &'a DeviceScene, options: &RenderOptions, device: DeviceClass, job: &Job) -> Result<Plan<'a>> {
         let tuning = Tuning::new(device, job, options);
-        let tables = Tables::new(scene, device.table_bytes());
+        let tables = UniformTables::new(scene, device.table_bytes());
         let features = scene.features.of(options);
         let kernels = Kernels::link(&features, options, tuning.scatter, &tables)?;
         Ok(Plan { scene, options: options.clone(), kernels, tuning })
@@ -204,7 +204,12 @@ impl Kernels {
     ///
     /// # Errors
     /// `Error::Shader` where a kernel does not link or validate: a defect of gpu-rt, not of the scene.
-    pub fn link(features: &Features, options: &RenderOptions, scatter: Scatter, tables: &Tables) -> Result<Kernels> {
+    pub fn link(
+        features: &Features,
+        options: &RenderOptions,
+        scatter: Scatter,
+        tables: &UniformTables,
+    ) -> Result<Kernels> {
         let materials = entries(MATERIALS, &features.materials);
         // A queue each is no use where there is one material.
         let queues = scatter == Scatter::Queues && materials.len() > 1;
@@ -365,7 +370,7 @@ fn asked(names: &[&str], used: &[Option<String>], suffix: &str) -> String {
 }
 
 /// What a kernel over all materials of the scene is linked with: for benchmarks and tests that link their own.
-pub fn choices_of(features: &Features, options: &RenderOptions, tables: &Tables) -> Choices {
+pub fn choices_of(features: &Features, options: &RenderOptions, tables: &UniformTables) -> Choices {
     let materials = entries(MATERIALS, &features.materials);
     decide(features, options, &materials, &materials, 0, Bounces { fused: true, queues: false }).choices(tables)
 }

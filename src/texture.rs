@@ -27,22 +27,26 @@ pub enum Texture {
 
 /// What is known of all textures of a kind.
 #[derive(Debug)]
-pub struct Kind {
+pub struct TextureKind {
     pub form: Form,
     /// Its file of shaders/texture.
     pub shader: &'static str,
 }
 
-const fn kind(shader: &'static str, name: &'static str, fields: &'static [(&'static str, &'static str)]) -> Kind {
-    Kind { form: Form { name, fields, in_order: false }, shader }
+const fn kind(
+    shader: &'static str,
+    name: &'static str,
+    fields: &'static [(&'static str, &'static str)],
+) -> TextureKind {
+    TextureKind { form: Form { name, fields, in_order: false }, shader }
 }
 
 /// It has no shader file: a plain colour is the material's own.
 const RGB: Form = Form { name: "Rgb", fields: &[("r", NUMBER), ("g", NUMBER), ("b", NUMBER)], in_order: true };
 
 kinds! {
-    Texture: Kind;
-    Rgb => Kind { form: RGB, shader: "" },
+    Texture: TextureKind;
+    Rgb => TextureKind { form: RGB, shader: "" },
     Checker => kind("checker", "Checker", &[("scale", NUMBER), ("even", COLOUR), ("odd", COLOUR)]),
     Image => kind("image", "Image", &[("path", PATH)]),
     Noise => kind("noise", "Noise", &[("scale", NUMBER)]),

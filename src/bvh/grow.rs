@@ -20,7 +20,7 @@ const PIECES: usize = 16;
 const LEAST_PIECE: usize = 4096;
 
 /// A group whose node is to be made, and what of the path from the root matters to it.
-struct Place<'a> {
+struct Branch<'a> {
     group: Group<'a>,
     depth: u32,
     /// Children that wait above while a walk is here.
@@ -40,7 +40,7 @@ struct Grown {
 pub fn grow(all: Group<'_>, search: &Search, threads: usize) -> Bvh {
     let piece = (all.items.len() / PIECES).max(LEAST_PIECE);
     let mut top = Grown::default();
-    let pieces = top.grow(Place { group: all, depth: 0, waiting: 0, parent: None }, search, piece);
+    let pieces = top.grow(Branch { group: all, depth: 0, waiting: 0, parent: None }, search, piece);
     let parents: Vec<_> = pieces.iter().map(|piece| piece.parent).collect();
     for (parent, subtree) in parents.into_iter().zip(grow_all(pieces, search, threads)) {
         top.append(parent, subtree);
@@ -49,7 +49,7 @@ pub fn grow(all: Group<'_>, search: &Search, threads: usize) -> Bvh {
 }
 
 /// The subtrees of all pieces, in their order.
-fn grow_all(pieces: Vec<Place<'_>>, search: &Search, threads: usize) -> Vec<Grown> {
+fn grow_all(pieces: Vec<Branch<'_>>, search: &Search, threads: usize) -> Vec<Grown> {
     let mut grown: Vec<Grown> = pieces.iter().map(|_| Grown::default()).collect();
     let workers = threads.clamp(1, pieces.len().max(1));
     let queue = Mutex::new(pieces.into_iter().zip(&mut grown));
@@ -57,7 +57,7 @@ fn grow_all(pieces: Vec<Place<'_>>, search: &Search, threads: usize) -> Vec<Grow
         loop {
             let next = queue.lock().unwrap_or_else(PoisonError::into_inner).next();
             let Some((piece, subtree)) = next else { break };
-            subtree.grow(Place { parent: None, ..piece }, search, 0);
+            subtree.grow(Branch { parent: None, ..piece }, search, 0);
         }
     };
     std::thread::scope(|scope| {
@@ -72,7 +72,7 @@ fn grow_all(pieces: Vec<Place<'_>>, search: &Search, threads: usize) -> Vec<Grow
 
 impl Grown {
     /// Makes the nodes of a group, depth first; what groups of `piece` primitives or fewer are under it is handed back.
-    fn grow<'a>(&mut self, root: Place<'a>, search: &Search, piece: usize) -> Vec<Place<'a>> {
+    fn grow<'a>(&mut self, root: Branch<'a>, search: &Search, piece: usize) -> Vec<Branch<'a>> {
         let mut pieces = Vec::new();
         let mut open = vec![root];
         while let Some(place) = open.pop() {
@@ -92,7 +92,7 @@ impl Grown {
             for (child, group) in groups.into_iter().enumerate() {
                 match group.items {
                     [only] => node.children[child] = only.code,
-                    _ => open.push(Place { group, depth: place.depth + 1, waiting, parent: Some((here, child)) }),
+                    _ => open.push(Branch { group, depth: place.depth + 1, waiting, parent: Some((here, child)) }),
                 }
             }
             self.nodes.push(node);

@@ -31,13 +31,13 @@ impl Item {
 
 /// A box that grows around others.
 #[derive(Clone, Copy)]
-pub struct Hull {
+pub struct Extent {
     min: Vec3A,
     max: Vec3A,
 }
 
-impl Hull {
-    const EMPTY: Hull = Hull { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
+impl Extent {
+    const EMPTY: Extent = Extent { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
 
     fn add(&mut self, min: Vec3A, max: Vec3A) {
         self.min = self.min.min(min);
@@ -51,8 +51,8 @@ impl Hull {
     }
 }
 
-impl From<Hull> for Bounds {
-    fn from(hull: Hull) -> Bounds {
+impl From<Extent> for Bounds {
+    fn from(hull: Extent) -> Bounds {
         Bounds { min: hull.min.into(), max: hull.max.into() }
     }
 }
@@ -69,8 +69,8 @@ pub struct Search {
 /// Some primitives, one at least, with the box around them and the one around their middles.
 pub struct Group<'a> {
     pub items: &'a mut [Item],
-    pub bounds: Hull,
-    middles: Hull,
+    pub bounds: Extent,
+    middles: Extent,
 }
 
 /// A plane between two bins of an axis.
@@ -83,7 +83,7 @@ struct Cut {
 
 impl<'a> Group<'a> {
     pub fn new(items: &'a mut [Item]) -> Group<'a> {
-        let (mut bounds, mut middles) = (Hull::EMPTY, Hull::EMPTY);
+        let (mut bounds, mut middles) = (Extent::EMPTY, Extent::EMPTY);
         for item in items.iter() {
             bounds.add(item.min.into(), item.max.into());
             middles.add(item.middle(), item.middle());
@@ -135,14 +135,14 @@ impl<'a> Group<'a> {
         for axis in axes {
             // The costs of what lies above each cut, from the top down, then of what lies below, from the bottom up.
             let mut above = [0.0; BINS];
-            let (mut hull, mut items) = (Hull::EMPTY, 0);
+            let (mut hull, mut items) = (Extent::EMPTY, 0);
             for bin in (1..BINS).rev() {
                 let (bounds, count) = bins[axis][bin];
                 hull.add(bounds.min, bounds.max);
                 items += count;
                 above[bin] = cost(&hull, items);
             }
-            let (mut hull, mut items) = (Hull::EMPTY, 0);
+            let (mut hull, mut items) = (Extent::EMPTY, 0);
             for bin in 1..BINS {
                 let (bounds, count) = bins[axis][bin - 1];
                 hull.add(bounds.min, bounds.max);
@@ -158,8 +158,8 @@ impl<'a> Group<'a> {
     }
 
     /// The boxes around the primitives of each bin, and their numbers.
-    fn bins<const BINS: usize>(&self, axes: Range<usize>, scale: Vec3A) -> [[(Hull, u32); BINS]; 3] {
-        let mut bins = [[(Hull::EMPTY, 0); BINS]; 3];
+    fn bins<const BINS: usize>(&self, axes: Range<usize>, scale: Vec3A) -> [[(Extent, u32); BINS]; 3] {
+        let mut bins = [[(Extent::EMPTY, 0); BINS]; 3];
         for item in self.items.iter() {
             let place = ((item.middle() - self.middles.min) * scale).to_array();
             for axis in axes.clone() {
@@ -173,7 +173,7 @@ impl<'a> Group<'a> {
 
     /// The groups on either side of a cut.
     fn partition(self, cut: &Cut) -> [Group<'a>; 2] {
-        let mut sides = [(Hull::EMPTY, Hull::EMPTY); 2];
+        let mut sides = [(Extent::EMPTY, Extent::EMPTY); 2];
         let (mut low, mut high) = (0, self.items.len());
         while low < high {
             let item = self.items[low];
@@ -198,7 +198,7 @@ impl<'a> Group<'a> {
 
 /// What a ray that meets a group's parent pays for the group, in parts of what it pays for one box; infinite where the
 /// group is empty.
-fn cost(hull: &Hull, items: u32) -> f32 {
+fn cost(hull: &Extent, items: u32) -> f32 {
     match items {
         0 => f32::INFINITY,
         _ => hull.half_area() * items as f32,

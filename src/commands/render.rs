@@ -442,7 +442,7 @@ fn write_all(output: &Output<'_>, picture: &Picture, attributes: &[(String, Attr
 
 /// The record, and what the JSON has beside it.
 #[derive(Serialize)]
-struct Report<'a> {
+struct RenderReport<'a> {
     output: String,
     width: u32,
     height: u32,
@@ -469,10 +469,10 @@ fn report<'a>(
     finish: &Finish,
     seconds: &Seconds,
     plan: &'a Plan<'_>,
-) -> Report<'a> {
+) -> RenderReport<'a> {
     let per_second = |n: u64| n as f64 / outcome.seconds.max(1e-9);
     let stages = || outcome.stages.iter().map(|(name, s)| (name.clone(), json!(s))).collect();
-    Report {
+    RenderReport {
         output: path_text(&output.exr),
         width: about.job.size.0,
         height: about.job.size.1,

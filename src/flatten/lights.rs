@@ -18,7 +18,7 @@ use crate::shape::{Emitter, Placement};
 pub const MOST_LIGHTS: usize = 1 << 20;
 
 /// A primitive that emits: a light, or of a mesh all faces.
-struct Group<'a> {
+struct LightGroup<'a> {
     primitive: &'a Placed<'a>,
     /// Its index among its kind.
     index: u32,
@@ -93,12 +93,12 @@ impl Builder<'_> {
 
     /// Leaves out whole primitives until the others' lights are no more than `most`: first those whose lights are the faintest on the
     /// mean. What is left out is met by chance alone, and that is said.
-    fn that_fit<'a>(&mut self, groups: Vec<Group<'a>>, most: usize) -> Vec<Group<'a>> {
+    fn that_fit<'a>(&mut self, groups: Vec<LightGroup<'a>>, most: usize) -> Vec<LightGroup<'a>> {
         let wanted: usize = groups.iter().map(|group| group.emitters.len()).sum();
         if wanted <= most {
             return groups;
         }
-        let each = |group: &Group<'_>| group.intensity / group.emitters.len().max(1) as f64;
+        let each = |group: &LightGroup<'_>| group.intensity / group.emitters.len().max(1) as f64;
         let mut order: Vec<usize> = (0..groups.len()).collect();
         order.sort_by(|&a, &b| each(&groups[b]).total_cmp(&each(&groups[a])).then(a.cmp(&b)));
         let mut taken = vec![false; groups.len()];
@@ -108,7 +108,7 @@ impl Builder<'_> {
             room -= if taken[i] { groups[i].emitters.len() } else { 0 };
         }
         let (fitting, left): (Vec<_>, Vec<_>) = groups.into_iter().zip(taken).partition(|(_, taken)| *taken);
-        let left: Vec<Group<'_>> = left.into_iter().map(|(group, _)| group).collect();
+        let left: Vec<LightGroup<'_>> = left.into_iter().map(|(group, _)| group).collect();
         left.iter().for_each(|group| self.set_light(group, NOT_SAMPLED));
         if let Some(first) = left.first() {
             let (name, _) = &self.scene.materials[first.primitive.material as usize];
@@ -130,14 +130,14 @@ impl Builder<'_> {
     }
 
     /// Tells a primitive its place among the lights, or that it has none.
-    fn set_light(&mut self, group: &Group<'_>, light: u32) {
+    fn set_light(&mut self, group: &LightGroup<'_>, light: u32) {
         let shape = &group.primitive.shape;
         let laid = self.laid_of(shape);
         shape.set_light(&mut self.flat.shapes, group.index as usize, laid, light);
     }
 
     /// The lights of a primitive; `radiance` is the luminance that it sends out on the mean.
-    fn group<'a>(&mut self, primitive: &'a Placed<'a>, index: u32, radiance: f64, two_sided: bool) -> Group<'a> {
+    fn group<'a>(&mut self, primitive: &'a Placed<'a>, index: u32, radiance: f64, two_sided: bool) -> LightGroup<'a> {
         let laid = self.laid_of(&primitive.shape);
         let at = Placement { to_world: &primitive.to_world, space: self.space };
         let emitters = primitive.shape.emitters(&at, index, laid).into_iter().map(|emitter| {
@@ -148,7 +148,7 @@ impl Builder<'_> {
         });
         let emitters: Vec<(Emitter, f64)> = emitters.collect();
         let intensity = emitters.iter().map(|(_, intensity)| intensity).sum();
-        Group { primitive, index, emitters, two_sided, intensity }
+        LightGroup { primitive, index, emitters, two_sided, intensity }
     }
 }
 

@@ -187,13 +187,13 @@ pub fn link(library: &dyn Library, root: &str, choices: &Choices) -> Result<Link
 
 /// What becomes of the lines before the next `//@ end`.
 #[derive(Clone, Copy)]
-enum Block<'a> {
+enum OpenBlock<'a> {
     If(Option<&'a Reason>),
     Each(&'a [Entry]),
 }
 
 /// The directive that a block began with, what is to become of it, and its lines as yet with their numbers.
-type OpenBlock<'a> = (&'a str, Block<'a>, Vec<(usize, &'a str)>);
+type OpenBlock<'a> = (&'a str, OpenBlock<'a>, Vec<(usize, &'a str)>);
 
 /// A line of a module, its number, the names of the values filled in, and why it is there.
 struct Line {
@@ -204,7 +204,7 @@ struct Line {
 }
 
 /// That a module uses another one.
-struct Use {
+struct ModuleUse {
     user: String,
     used: String,
     why: Reason,
@@ -218,7 +218,7 @@ struct Linker<'a> {
     /// All lines, reached or not.
     joined: Vec<String>,
     /// Which module uses which, in the order in which they were joined.
-    uses: Vec<Use>,
+    uses: Vec<ModuleUse>,
     /// Which line of `joined` has which value.
     filled: Vec<(usize, &'static str)>,
 }
@@ -236,7 +236,7 @@ impl Linker<'_> {
             }
             None => (name, why.clone()),
         };
-        self.uses.push(Use { user: user.to_string(), used: module.to_string(), why });
+        self.uses.push(ModuleUse { user: user.to_string(), used: module.to_string(), why });
         if !self.done.insert(module.to_string()) {
             return Ok(());
         }
@@ -306,12 +306,12 @@ impl Linker<'_> {
                     let condition = self.choices.conditions.get(name);
                     let condition = condition
                         .ok_or_else(|| fault(module, number, &format!("the plan has no condition `{name}`")))?;
-                    Some(Block::If(condition.as_ref()))
+                    Some(OpenBlock::If(condition.as_ref()))
                 }
                 ["//@", "each", name] => {
                     let list = self.choices.lists.get(name);
                     let list = list.ok_or_else(|| fault(module, number, &format!("the plan has no list `{name}`")))?;
-                    Some(Block::Each(list))
+                    Some(OpenBlock::Each(list))
                 }
                 _ => None,
             };
@@ -324,13 +324,15 @@ impl Linker<'_> {
                 let (_, what, lines) =
                     block.take().ok_or_else(|| fault(module, number, "`//@ end` without `//@ if` or `//@ each`"))?;
                 match what {
-                    Block::If(None) => {}
-                    Block::If(Some(why)) => {
+                    OpenBlock::If(None) => {}
+                    OpenBlock::If(Some(why)) => {
                         for (number, line) in lines {
                             out.push(self.fill(module, number, line, why)?);
                         }
                     }
-                    Block::Each(entries) => out.extend((0..).zip(entries).flat_map(|entry| repeated(entry, &lines))),
+                    OpenBlock::Each(entries) => {
+                        out.extend((0..).zip(entries).flat_map(|entry| repeated(entry, &lines)))
+                    }
                 }
             } else if trimmed.starts_with("//@") && !matches!(words[..], ["//@", "use", _] | ["//@", "relies", "on", _])
             {
@@ -382,12 +384,16 @@ fn repeated((rank, entry): (u32, &Entry), lines: &[(usize, &str)]) -> Vec<Line> 
 
 /// The user of each module that is kept, and why it is there: by the way from the root that has the fewest uses that someone asked for, and
 /// then the fewest of all. Modules of which nothing is kept are passed over.
-fn users(root: &str, uses: &[Use], kept: &BTreeSet<String>) -> (BTreeMap<String, String>, BTreeMap<String, Reason>) {
+fn users(
+    root: &str,
+    uses: &[ModuleUse],
+    kept: &BTreeSet<String>,
+) -> (BTreeMap<String, String>, BTreeMap<String, Reason>) {
     // The best ways to modules as yet: uses that were asked for, all uses, the nearest kept module before, and the reason.
     let mut ways = BTreeMap::from([(root, ((0, 0), root, &Reason::EveryRender))]);
     let mut better = true;
     while std::mem::take(&mut better) {
-        for Use { user, used, why } in uses {
+        for ModuleUse { user, used, why } in uses {
             let Some(&((asked, all), nearest, inherited)) = ways.get(user.as_str()) else { continue };
             let user = if kept.contains(user) { user } else { nearest };
             let (asked, why) = if *why == Reason::EveryRender { (asked, inherited) } else { (asked + 1, why) };

@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 
 /// The size of a module of SPIR-V.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Size {
+pub struct KernelSize {
     pub instructions: u64,
     pub bytes: u64,
 }
@@ -18,7 +18,7 @@ pub struct Size {
 ///
 /// # Errors
 /// `Error::Shader` where naga does not write it: a defect of gpu-rt.
-pub fn size(module: &naga::Module, entry_point: &str, overrides: &[(&str, f64)]) -> Result<Size> {
+pub fn size(module: &naga::Module, entry_point: &str, overrides: &[(&str, f64)]) -> Result<KernelSize> {
     let fault = |error: &dyn std::fmt::Display| Error::Shader(format!("{entry_point} as SPIR-V: {error}"));
     let info = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(module);
     let info = info.map_err(|error| fault(&error))?;
@@ -41,7 +41,7 @@ pub fn size(module: &naga::Module, entry_point: &str, overrides: &[(&str, f64)])
     };
     let pipeline = spv::PipelineOptions { shader_stage: stage, entry_point: entry_point.to_string() };
     let words = spv::write_vec(&module, &info, &options, Some(&pipeline)).map_err(|error| fault(&error))?;
-    Ok(Size { instructions: instructions(&words), bytes: words.len() as u64 * 4 })
+    Ok(KernelSize { instructions: instructions(&words), bytes: words.len() as u64 * 4 })
 }
 
 /// How many instructions follow the header of five words: each begins with its own number of words in the upper half of its first

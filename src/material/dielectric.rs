@@ -1,12 +1,12 @@
 //! A clear solid: glass, water.
 
-use super::{Emission, Kind, Model, Paint, Scattering, Slot};
+use super::{Emission, MaterialKind, Model, Paint, Scattering, Slot};
 use crate::data::{self, NO_TEXTURE};
 use crate::error::Result;
 use crate::source::form::{Form, NUMBER};
 use crate::source::{Place, length};
 
-pub const KIND: Kind = Kind {
+pub const KIND: MaterialKind = MaterialKind {
     form: Form { name: "Dielectric", fields: &[("ior", NUMBER)], in_order: false },
     shader: "dielectric",
     scatters: &[Scattering::OneWay],

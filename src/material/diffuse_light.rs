@@ -1,13 +1,13 @@
 //! A lamp: it emits alike to all directions, and reflects nothing.
 
-use super::{Emission, Kind, Model, Paint, Scattering, Slot};
+use super::{Emission, MaterialKind, Model, Paint, Scattering, Slot};
 use crate::data;
 use crate::error::Result;
 use crate::source::Place;
 use crate::source::form::Form;
 use crate::texture::{TEXTURE, Texture, Use};
 
-pub const KIND: Kind = Kind {
+pub const KIND: MaterialKind = MaterialKind {
     form: Form { name: "DiffuseLight", fields: &[("emit", TEXTURE), ("two_sided", "true or false")], in_order: false },
     shader: "diffuse_light",
     scatters: &[],

@@ -1,13 +1,13 @@
 //! A matt surface: as bright from everywhere.
 
-use super::{Emission, Kind, Model, Paint, Scattering, Slot};
+use super::{Emission, MaterialKind, Model, Paint, Scattering, Slot};
 use crate::data;
 use crate::error::Result;
 use crate::source::Place;
 use crate::source::form::Form;
 use crate::texture::{TEXTURE, Texture};
 
-pub const KIND: Kind = Kind {
+pub const KIND: MaterialKind = MaterialKind {
     form: Form { name: "Lambertian", fields: &[("albedo", TEXTURE)], in_order: false },
     shader: "lambertian",
     scatters: &[Scattering::Spread],

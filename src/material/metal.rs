@@ -1,13 +1,13 @@
 //! A mirror, blurred or not.
 
-use super::{Emission, Kind, Model, Paint, Scattering, Slot};
+use super::{Emission, MaterialKind, Model, Paint, Scattering, Slot};
 use crate::data;
 use crate::error::Result;
 use crate::source::form::{Form, NUMBER};
 use crate::source::{Place, share};
 use crate::texture::{TEXTURE, Texture};
 
-pub const KIND: Kind = Kind {
+pub const KIND: MaterialKind = MaterialKind {
     form: Form { name: "Metal", fields: &[("albedo", TEXTURE), ("fuzz", NUMBER)], in_order: false },
     shader: "metal",
     scatters: &[Scattering::Spread, Scattering::OneWay],

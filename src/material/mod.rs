@@ -41,7 +41,7 @@ fn yes() -> bool {
 }
 
 kinds! {
-    Material: Kind;
+    Material: MaterialKind;
     Lambertian => lambertian::KIND,
     Metal => metal::KIND,
     Dielectric => dielectric::KIND,
@@ -96,7 +96,7 @@ pub fn a_material() -> String {
 
 /// What is known of all materials of a kind.
 #[derive(Debug)]
-pub struct Kind {
+pub struct MaterialKind {
     pub form: Form,
     /// Its file of shaders/material.
     pub shader: &'static str,

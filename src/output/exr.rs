@@ -180,7 +180,7 @@ pub fn read_exr(path: &Path) -> Result<ExrImage> {
         .non_parallel()
         .from_unbuffered(open()?)
         .map_err(|error| failed(error.to_string()))?;
-    let Place { part: layer, channels, .. } = find_rgb(&image.layer_data).map_err(failed)?;
+    let RgbPlace { part: layer, channels, .. } = find_rgb(&image.layer_data).map_err(failed)?;
     let size = |length: usize| u32::try_from(length).map_err(|_| failed("its size is not supported".into()));
     let mut attributes: Vec<(String, String)> =
         image.attributes.other.iter().chain(&layer.attributes.other).filter_map(describe).collect();
@@ -235,7 +235,7 @@ const PICTURES: [&str; 8] = ["combined", "beauty", "rgba", "rgb", "color", "colo
 const SPELLINGS: [Rgb<&str>; 3] = [CHANNELS, ["r", "g", "b"], ["red", "green", "blue"]];
 
 /// Red, green and blue in a file.
-struct Place<'a> {
+struct RgbPlace<'a> {
     part: &'a FlatLayer,
     channels: Rgb<String>,
     /// The name of their layer, with that of the part where both have one.
@@ -244,7 +244,7 @@ struct Place<'a> {
     is_part: bool,
 }
 
-impl Place<'_> {
+impl RgbPlace<'_> {
     /// The less, the more likely it is the picture.
     fn rank(&self) -> usize {
         let last = self.layer.rsplit('.').next().unwrap_or_default().to_lowercase();
@@ -263,9 +263,9 @@ const UNNAMED_LAYER: usize = UNNAMED_PART + 1 + PICTURES.len();
 
 /// The red, green and blue that are the picture: those without a layer's name, of the part that has a picture's name if there are several;
 /// else of the layer that has a picture's name, else of the only one. Where several may be it, none is chosen.
-fn find_rgb(parts: &[FlatLayer]) -> std::result::Result<Place<'_>, String> {
-    let mut places: Vec<Place<'_>> = parts.iter().flat_map(rgb_of_part).collect();
-    places.sort_by_key(Place::rank);
+fn find_rgb(parts: &[FlatLayer]) -> std::result::Result<RgbPlace<'_>, String> {
+    let mut places: Vec<RgbPlace<'_>> = parts.iter().flat_map(rgb_of_part).collect();
+    places.sort_by_key(RgbPlace::rank);
     let alike = places.iter().filter(|place| place.rank() == places[0].rank()).count();
     if alike > 1 && [UNNAMED_PART, UNNAMED_LAYER].contains(&places[0].rank()) {
         let names: Vec<&str> = places.iter().map(|place| place.layer.as_str()).collect();
@@ -279,7 +279,7 @@ fn find_rgb(parts: &[FlatLayer]) -> std::result::Result<Place<'_>, String> {
 }
 
 /// All red, green and blue of a part, in the order of their names.
-fn rgb_of_part(part: &FlatLayer) -> Vec<Place<'_>> {
+fn rgb_of_part(part: &FlatLayer) -> Vec<RgbPlace<'_>> {
     let part_name =
         part.attributes.layer_name.as_ref().map(|name| String::from_utf8_lossy(name.as_slice()).into_owned());
     let names = part.channel_data.list.iter().map(|channel| channel.name.to_string());
@@ -293,7 +293,7 @@ fn rgb_of_part(part: &FlatLayer) -> Vec<Place<'_>> {
             (Some(part), "") => part.clone(),
             (Some(part), _) => format!("{part}.{prefix}"),
         };
-        channels.iter().all(|name| floats(part, name).is_some()).then_some(Place {
+        channels.iter().all(|name| floats(part, name).is_some()).then_some(RgbPlace {
             part,
             channels,
             layer,

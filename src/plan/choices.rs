@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use super::state::{path_fields, places};
-use super::{Bounces, QUEUES, Tables};
+use super::{Bounces, QUEUES, UniformTables};
 use crate::data::{KIND_INSTANCE, KIND_TRIANGLE, RUN_LENGTH};
 use crate::flatten::{BACKGROUNDS, BOUNDARIES, EVERY_FEATURE, Features, PRIMITIVES, TEXTURES};
 use crate::gpu::link::{Choices, Chosen, Entry, Reason};
@@ -165,7 +165,7 @@ pub(super) struct Decided {
 }
 
 impl Decided {
-    pub fn choices(self, tables: &Tables) -> Choices {
+    pub fn choices(self, tables: &UniformTables) -> Choices {
         let table = |(name, space, size)| match tables.uniform.get(name) {
             Some(elements) => [(space, "uniform".to_string()), (size, format!(", {elements}"))],
             None => [(space, "storage, read".to_string()), (size, String::new())],

@@ -8,7 +8,7 @@ use crate::flatten::{BACKGROUNDS, Features, MATERIALS, MOST_LIGHTS, PRIMITIVES, 
 use crate::gpu::buffers::BufferSpec;
 use crate::gpu::layout::{self, BindingKind};
 use crate::gpu::link::Reason;
-use crate::gpu::spirv::{self, Size};
+use crate::gpu::spirv::{self, KernelSize};
 use crate::options::{Integrator, Scatter, default_of};
 
 /// A plan in words and numbers.
@@ -56,7 +56,7 @@ pub struct KernelReport {
     pub path_fields: Vec<PathField>,
     pub wgsl_bytes: u64,
     /// As SPIR-V, where it was measured.
-    pub size: Option<Size>,
+    pub size: Option<KernelSize>,
 }
 
 /// A module of a kernel.

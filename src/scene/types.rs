@@ -7,7 +7,7 @@ use serde::Deserialize;
 
 pub use crate::material::Material;
 use crate::shape::mesh::{self, MeshShape};
-use crate::shape::{Kind, Shape, cuboid, quad, sphere};
+use crate::shape::{Shape, ShapeKind, cuboid, quad, sphere};
 pub use crate::texture::{Bitmap, Bitmaps, Colour, Texture, Use};
 
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
@@ -127,7 +127,7 @@ impl Default for RenderDefaults {
 
 impl Object {
     /// The kind of shape that it is; nothing of objects that hold others.
-    pub fn kind(&self) -> Option<&'static Kind> {
+    pub fn kind(&self) -> Option<&'static ShapeKind> {
         match self {
             Object::Sphere { .. } => Some(&sphere::KIND),
             Object::Quad { .. } => Some(&quad::KIND),

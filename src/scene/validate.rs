@@ -9,7 +9,7 @@ use super::nearest::nearest;
 use super::types::*;
 use crate::error::Result;
 use crate::shape::mesh::{self, MeshShape};
-use crate::shape::{KINDS, Kind};
+use crate::shape::{KINDS, ShapeKind};
 use crate::source::form::any;
 use crate::source::{LARGEST, Place, SMALLEST, length, number, parallel, vector};
 
@@ -38,7 +38,7 @@ pub fn with_meshes(scene: &Scene) -> Result<()> {
 
 fn objects(scene: &Scene) -> Result<()> {
     let meshes = mesh::shapes(&scene.meshes);
-    let known = Known {
+    let known = KnownNames {
         all: &scene.materials,
         materials: scene.materials.iter().map(|(name, material)| (name.as_str(), material)).collect(),
         meshes: &meshes,
@@ -141,7 +141,7 @@ impl Reach {
 const OUT_OF_REACH: &str = "the transforms around this place take it out of the range of numbers, \
                             1e-100 to 1e100";
 
-fn object(known: &Known, at: &Place, object: &Object, reach: Reach) -> Result<()> {
+fn object(known: &KnownNames, at: &Place, object: &Object, reach: Reach) -> Result<()> {
     let at = &at.variant(object.name());
     match object {
         Object::Transformed { by, object: inner } => {
@@ -176,7 +176,7 @@ fn object(known: &Known, at: &Place, object: &Object, reach: Reach) -> Result<()
 }
 
 /// Checks the numbers of an object that is a shape, but not its material. Of a mesh, once it is read.
-fn shape(known: &Known, at: &Place, object: &Object, reach: Reach) -> Result<()> {
+fn shape(known: &KnownNames, at: &Place, object: &Object, reach: Reach) -> Result<()> {
     let Some(shape) = object.shape(known.meshes) else { return Ok(()) };
     shape.check(at)?;
     let (size, distance) = shape.span();
@@ -187,7 +187,7 @@ fn shape(known: &Known, at: &Place, object: &Object, reach: Reach) -> Result<()>
 }
 
 /// Checks what a medium fills.
-fn boundary(known: &Known, at: &Place, object: &Object, reach: Reach) -> Result<()> {
+fn boundary(known: &KnownNames, at: &Place, object: &Object, reach: Reach) -> Result<()> {
     let inside = &at.variant(object.name());
     if let Object::Transformed { by, object } = object {
         let reach = transforms(&inside.field("by"), by, reach)?;
@@ -207,7 +207,7 @@ fn boundary(known: &Known, at: &Place, object: &Object, reach: Reach) -> Result<
 
 /// "a boundary: a Sphere, a Box or a closed Mesh, Transformed or not, without a material"
 pub fn boundaries(after_each: &str, transformed: &str) -> String {
-    let boundary = |kind: &Kind| Some(format!("{} {}{after_each}", kind.boundary.as_ref()?.words, kind.form.name));
+    let boundary = |kind: &ShapeKind| Some(format!("{} {}{after_each}", kind.boundary.as_ref()?.words, kind.form.name));
     format!("a boundary: {}{transformed}, without a material", any(KINDS.iter().filter_map(boundary)))
 }
 
@@ -239,7 +239,7 @@ fn transforms(at: &Place, by: &[Transform], mut reach: Reach) -> Result<Reach> {
 }
 
 /// What objects may name.
-struct Known<'a> {
+struct KnownNames<'a> {
     all: &'a [(String, Material)],
     /// The same materials, found in constant time.
     materials: HashMap<&'a str, &'a Material>,
@@ -247,7 +247,7 @@ struct Known<'a> {
     meshes: &'a BTreeMap<&'a str, MeshShape<'a>>,
 }
 
-impl Known<'_> {
+impl KnownNames<'_> {
     /// Checks that the object has a material, that it exists, and that it can be put on the object.
     fn check_material(&self, above: &Place, object: &Object) -> Result<()> {
         let names = || self.all.iter().map(|(name, _)| name.as_str());

@@ -4,14 +4,15 @@ use glam::{DMat3, DVec3, Vec3};
 
 use super::mesh::{Laid, MeshShape};
 use super::{
-    Aabb, Boundary, Element, Emitter, Geometry, Hull, Kind, MATERIAL, Placement, Shape, Tables, error_bound, padded,
+    Aabb, Boundary, Element, Emitter, Geometry, Hull, MATERIAL, Placement, Shape, ShapeKind, Tables, error_bound,
+    padded,
 };
 use crate::data::{self, f32s};
 use crate::error::Result;
 use crate::source::form::{Form, POINT};
 use crate::source::{Place, SMALLEST, vector};
 
-pub const KIND: Kind = Kind {
+pub const KIND: ShapeKind = ShapeKind {
     form: Form { name: "Box", fields: &[("min", POINT), ("max", POINT), MATERIAL], in_order: false },
     shader: "cuboid",
     word: "box",

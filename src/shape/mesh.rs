@@ -7,8 +7,8 @@ use glam::{DMat3, DVec3, Vec2, Vec3};
 
 pub use super::closed::OpenEdges;
 use super::{
-    Aabb, Boundary, Element, Emitter, Geometry, Hull, Kind, MATERIAL, Placement, Tables, binary_exponent, error_bound,
-    exp2, padded,
+    Aabb, Boundary, Element, Emitter, Geometry, Hull, MATERIAL, Placement, ShapeKind, Tables, binary_exponent,
+    error_bound, exp2, padded,
 };
 use crate::data::{self, KIND_TRIANGLE, NOT_SAMPLED, f32s, primitive_code};
 use crate::error::Result;
@@ -16,7 +16,7 @@ use crate::source::Place;
 use crate::source::form::{Form, PATH};
 
 /// Rays meet the faces, whose files are those of the triangle.
-pub const KIND: Kind = Kind {
+pub const KIND: ShapeKind = ShapeKind {
     form: Form { name: "Mesh", fields: &[("path", PATH), MATERIAL], in_order: false },
     shader: "triangle",
     word: "mesh",

@@ -1,6 +1,6 @@
 //! The shapes: what a sphere, a quad, a box and a mesh are, each in a file of its own.
 //!
-//! `KINDS` is the one list of them. What else is to be said of a shape is a field of `Kind` or a method of `Geometry`. Neither has
+//! `KINDS` is the one list of them. What else is to be said of a shape is a field of `ShapeKind` or a method of `Geometry`. Neither has
 //! defaults, so that a new shape says all of it.
 
 mod closed;
@@ -28,7 +28,7 @@ pub use space::{Aabb, Placement, RenderSpace, binary_exponent, error_bound, exp2
 pub use sphere::Sphere;
 
 /// What all shapes of a kind have in common.
-pub struct Kind {
+pub struct ShapeKind {
     /// In the scene file.
     pub form: Form,
     /// Of its files under shaders/geometry and shaders/light.
@@ -156,7 +156,7 @@ macro_rules! shapes {
         pub enum Shape<'a> { $($name($shape),)* }
 
         /// The kinds of shape by number.
-        pub const KINDS: &[Kind] = &[$($kind),*];
+        pub const KINDS: &[ShapeKind] = &[$($kind),*];
 
         impl Shape<'_> {
             /// Number among `KINDS`.
@@ -184,7 +184,7 @@ shapes! {
 }
 
 impl Shape<'_> {
-    pub fn kind(&self) -> &'static Kind {
+    pub fn kind(&self) -> &'static ShapeKind {
         &KINDS[self.number()]
     }
 

@@ -3,13 +3,15 @@
 use glam::{DMat3, DVec3, Vec3};
 
 use super::mesh::{Laid, MeshShape};
-use super::{Aabb, Element, Emitter, Geometry, Hull, Kind, MATERIAL, Placement, Shape, Tables, error_bound, padded};
+use super::{
+    Aabb, Element, Emitter, Geometry, Hull, MATERIAL, Placement, Shape, ShapeKind, Tables, error_bound, padded,
+};
 use crate::data::{self, f32s};
 use crate::error::Result;
 use crate::source::form::{Form, POINT, VECTOR};
 use crate::source::{Place, SMALLEST, parallel, vector};
 
-pub const KIND: Kind = Kind {
+pub const KIND: ShapeKind = ShapeKind {
     form: Form { name: "Quad", fields: &[("corner", POINT), ("u", VECTOR), ("v", VECTOR), MATERIAL], in_order: false },
     shader: "quad",
     word: "quad",

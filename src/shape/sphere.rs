@@ -6,14 +6,15 @@ use glam::{DMat3, DVec3, Vec3};
 
 use super::mesh::{Laid, MeshShape};
 use super::{
-    Aabb, Boundary, Element, Emitter, Geometry, Hull, Kind, MATERIAL, Placement, Shape, Tables, error_bound, padded,
+    Aabb, Boundary, Element, Emitter, Geometry, Hull, MATERIAL, Placement, Shape, ShapeKind, Tables, error_bound,
+    padded,
 };
 use crate::data;
 use crate::error::Result;
 use crate::source::form::{Form, NUMBER, POINT};
 use crate::source::{Place, length, vector};
 
-pub const KIND: Kind = Kind {
+pub const KIND: ShapeKind = ShapeKind {
     form: Form { name: "Sphere", fields: &[("center", POINT), ("radius", NUMBER), MATERIAL], in_order: false },
     shader: "sphere",
     word: "sphere",

@@ -8,7 +8,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use gpu_rt::flatten::{DeviceScene, flatten};
 use gpu_rt::options::{Integrator, RenderOptions};
-use gpu_rt::plan::{Tables, choices_of};
+use gpu_rt::plan::{UniformTables, choices_of};
 use gpu_rt::scene::Scene;
 
 use super::kernel::{Kernel, Setup, array};
@@ -99,7 +99,7 @@ pub fn flat_around(eye: DVec3, mesh: &str, objects: &[String]) -> DeviceScene {
 }
 
 pub fn kernel(flat: &DeviceScene, faces: usize, replaced: &[(&str, &str)]) -> Kernel {
-    let plan = choices_of(&flat.features, &RenderOptions::default(), &Tables::default());
+    let plan = choices_of(&flat.features, &RenderOptions::default(), &UniformTables::default());
     let (instances, faces) = (flat.shapes.instances.len().to_string(), faces.to_string());
     let values = [("instances", &*instances), ("faces", &*faces)];
     Kernel::with("test/meshes", &Setup { plan, values: &values, replaced, ..Setup::default() })

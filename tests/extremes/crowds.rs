@@ -8,7 +8,7 @@ use gpu_rt::bvh::{self, Bounds, Quality};
 use gpu_rt::data::{PRIMITIVE_BIT, Sphere};
 use gpu_rt::flatten::DeviceScene;
 use gpu_rt::options::RenderOptions;
-use gpu_rt::plan::{Tables, choices_of};
+use gpu_rt::plan::{UniformTables, choices_of};
 
 use crate::common::kernel::{Kernel, Overlay, Setup, array};
 use crate::common::render::{Ask, diagnostics, render, render_planted, scene_in};
@@ -184,7 +184,7 @@ fn spheres() -> Cell {
     let one = flat(&["Sphere(center: (0, 0, -2), radius: 1, material: \"m\")".to_string()]);
     let mut features = one.features.clone();
     features.stack_size = tree.stack_size.max(1);
-    let plan = choices_of(&features, &RenderOptions::default(), &Tables::default());
+    let plan = choices_of(&features, &RenderOptions::default(), &UniformTables::default());
     let values = [("spheres", "0"), ("quads", "0"), ("cuboids", "0")];
     let kernel = Kernel::with("test/walk", &Setup { plan, values: &values, ..Setup::default() });
     let walk = |nodes: &[gpu_rt::data::Node]| -> Vec<[[u32; 4]; 2]> {

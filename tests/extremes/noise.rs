@@ -4,7 +4,7 @@ use glam::DVec3;
 use gpu_rt::data::PRIMITIVE_BIT;
 use gpu_rt::flatten::flatten;
 use gpu_rt::options::RenderOptions;
-use gpu_rt::plan::{Tables, choices_of};
+use gpu_rt::plan::{UniformTables, choices_of};
 
 use crate::common::kernel::{Kernel, Setup, array};
 use crate::common::oracles::{NOISE_ERROR, perlin, turbulence};
@@ -154,7 +154,7 @@ fn far_objects() -> Vec<Cell> {
                 places.push((*center, n));
             }
         }
-        let plan = choices_of(&flat.features, &RenderOptions::default(), &Tables::default());
+        let plan = choices_of(&flat.features, &RenderOptions::default(), &UniformTables::default());
         let kernel = Kernel::with("test/colour", &Setup { plan, ..Setup::default() });
         let buffers = [
             array("spheres", &flat.shapes.spheres),

@@ -11,7 +11,7 @@ use gpu_rt::gpu::link::{Choices, Chosen, Entry, Library, Reason, link};
 use gpu_rt::gpu::spirv;
 use gpu_rt::job::{Goal, Job};
 use gpu_rt::options::{FeatureSet, Integrator, RenderOptions, Scatter};
-use gpu_rt::plan::{Kernels, Plan, Report, Tables, Tuning};
+use gpu_rt::plan::{Kernels, Plan, Report, Tuning, UniformTables};
 use gpu_rt::scene::Scene;
 
 /// A kind of device, so that plans do not depend on the machine.
@@ -67,7 +67,7 @@ fn planned_with<'a>(
     scatter: Scatter,
     options: RenderOptions,
 ) -> (Plan<'a>, Report) {
-    let tables = Tables::new(flat, class.device.table_bytes());
+    let tables = UniformTables::new(flat, class.device.table_bytes());
     let kernels = Kernels::link(&flat.features.of(&options), &options, scatter, &tables);
     let kernels = kernels.unwrap_or_else(|error| panic!("{error}"));
     let plan = Plan { scene: flat, options, kernels, tuning: Tuning { scatter, ..class.tuning } };

@@ -14,7 +14,7 @@ use crate::common::render::{Ask, Shot, render, render_all, render_planted, same_
 use crate::common::stats::{one_sample_t, sidak, welch_t};
 use gpu_rt::flatten::{MOST_LIGHTS, flatten};
 use gpu_rt::options::{RenderOptions, Scatter};
-use gpu_rt::plan::{Kernels, Tables};
+use gpu_rt::plan::{Kernels, UniformTables};
 use gpu_rt::scene::Scene;
 use image::{Rgb, Rgb32FImage};
 
@@ -587,8 +587,8 @@ fn scenes_without_lights_to_sample_have_no_code_for_it() {
     let flat = flatten(&scene(&text), (16, 16), &RenderOptions::default()).expect("it flattens");
     assert_eq!((flat.features.lights, flat.lights.len()), (0, 0));
     for scatter in [Scatter::Fused, Scatter::Linked, Scatter::Queues] {
-        let plan =
-            Kernels::link(&flat.features, &RenderOptions::default(), scatter, &Tables::default()).expect("it links");
+        let plan = Kernels::link(&flat.features, &RenderOptions::default(), scatter, &UniformTables::default())
+            .expect("it links");
         for kernel in plan.all() {
             let of_lights =
                 |module: &&String| module.starts_with("light/") || module.contains("shadow") || *module == "step/light";
@@ -598,7 +598,7 @@ fn scenes_without_lights_to_sample_have_no_code_for_it() {
     let lit = scene(&text.replace("Sphere(", &format!("{CEILING} Sphere(")));
     let lit = flatten(&lit, (16, 16), &RenderOptions::default()).expect("it flattens");
     assert_eq!(lit.features.lights, 1);
-    let plan =
-        Kernels::link(&lit.features, &RenderOptions::default(), Scatter::Linked, &Tables::default()).expect("it links");
+    let plan = Kernels::link(&lit.features, &RenderOptions::default(), Scatter::Linked, &UniformTables::default())
+        .expect("it links");
     assert!(plan.all().iter().any(|kernel| kernel.name == "shadow"));
 }

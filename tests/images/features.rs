@@ -12,7 +12,7 @@ use gpu_rt::gpu::device::DeviceClass;
 use gpu_rt::gpu::link::{Choices, Embedded, Library, Linked, link};
 use gpu_rt::job::{Goal, Job};
 use gpu_rt::options::{FeatureSet, RenderOptions, Scatter};
-use gpu_rt::plan::{Kernels, MOST_PATH_BYTES, PathField, Plan, Tables};
+use gpu_rt::plan::{Kernels, MOST_PATH_BYTES, PathField, Plan, UniformTables};
 use gpu_rt::scene::Scene;
 use naga::compact::{KeepUnused, compact};
 
@@ -28,7 +28,7 @@ fn flat(scene: &Scene) -> DeviceScene {
 }
 
 fn plan(scene: &Scene, scatter: Scatter) -> Kernels {
-    Kernels::link(&flat(scene).features, &RenderOptions::default(), scatter, &Tables::default())
+    Kernels::link(&flat(scene).features, &RenderOptions::default(), scatter, &UniformTables::default())
         .expect("the kernels link")
 }
 
@@ -103,7 +103,8 @@ fn everything_is_on() {
         };
         let all = flatten(spheres, (12, 9), &every).expect("the scene flattens");
         let all = modules(
-            &Kernels::link(&all.features.of(&every), &every, scatter, &Tables::default()).expect("the kernels link"),
+            &Kernels::link(&all.features.of(&every), &every, scatter, &UniformTables::default())
+                .expect("the kernels link"),
         );
         // What stands for the absence of another thing, or is chosen by the numbers of primitives and lights.
         let instead = [

@@ -8,7 +8,7 @@ use glam::{DMat3, DVec3};
 use gpu_rt::flatten::flatten;
 use gpu_rt::gpu::buffers::{BufferSpec, too_large};
 use gpu_rt::options::Scatter;
-use gpu_rt::plan::{Kernels, Plan, Tables, Tuning};
+use gpu_rt::plan::{Kernels, Plan, Tuning, UniformTables};
 use gpu_rt::scene::Scene;
 
 /// A torus of radii 1 and 0.4 about the y axis, as corners and faces.
@@ -91,8 +91,9 @@ fn a_mesh_of_copies_and_instances_of_one_look_the_same() {
 /// Device bytes of a scene, and of its meshes and hierarchy.
 fn bytes(scene: &Scene) -> (u64, u64) {
     let flat = flatten(scene, (48, 32), &crate::common::render::plain()).expect("the scene flattens");
-    let kernels = Kernels::link(&flat.features, &crate::common::render::plain(), Scatter::Linked, &Tables::default())
-        .expect("the kernels link");
+    let kernels =
+        Kernels::link(&flat.features, &crate::common::render::plain(), Scatter::Linked, &UniformTables::default())
+            .expect("the kernels link");
     let tuning = Tuning { slots: 1024, workgroup: 64, scatter: Scatter::Linked, bounces: None, records_per_slot: 2 };
     let plan = Plan { scene: &flat, options: crate::common::render::plain(), kernels, tuning };
     let buffers = plan.buffers();

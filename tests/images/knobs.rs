@@ -14,7 +14,7 @@ use gpu_rt::cli::Cli;
 use gpu_rt::flatten::flatten;
 use gpu_rt::options::{Class, Fresnel, KNOBS, Knob, Offset, Precision, RenderOptions};
 use gpu_rt::output::exr::{ExrImage, read_exr};
-use gpu_rt::plan::{Tables, choices_of};
+use gpu_rt::plan::{UniformTables, choices_of};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -129,7 +129,7 @@ fn settings_ask_for_nothing_that_the_scene_lacks() {
     };
     let asked = |objects: &str, options: &RenderOptions| {
         let flat = flatten(&render::scene(&text(objects)), (4, 4), options).expect("it flattens");
-        let choices = choices_of(&flat.features, options, &Tables::default()).modules;
+        let choices = choices_of(&flat.features, options, &UniformTables::default()).modules;
         let linked = [
             ("fresnel", "lib/fresnel_schlick"),
             ("clamp", "step/clamp"),

@@ -159,8 +159,11 @@ fn errors_name_the_new_file() {
     let flat =
         gpu_rt::flatten::flatten(&ball("(1, 1, 1)", "(1, 1, 1)", BALL), (16, 16), &crate::common::render::plain())
             .expect("the scene flattens");
-    let mut choices =
-        gpu_rt::plan::choices_of(&flat.features, &crate::common::render::plain(), &gpu_rt::plan::Tables::default());
+    let mut choices = gpu_rt::plan::choices_of(
+        &flat.features,
+        &crate::common::render::plain(),
+        &gpu_rt::plan::UniformTables::default(),
+    );
     listed(&mut choices, NAME);
     let linked = gpu_rt::gpu::link::link(&library, "stage/bounce", &choices).expect("it links");
     let error = linked.validate().map(|_| ()).expect_err("it has no such member").to_string();

@@ -8,7 +8,7 @@ use glam::{DMat3, DVec3};
 use gpu_rt::data::primitive_code;
 use gpu_rt::flatten::{DeviceScene, flatten};
 use gpu_rt::options::{Integrator, RenderOptions};
-use gpu_rt::plan::{Tables, choices_of};
+use gpu_rt::plan::{UniformTables, choices_of};
 use gpu_rt::scene::Scene;
 
 use crate::common::kernel::{Kernel, Setup, array};
@@ -206,7 +206,7 @@ fn textures_are_evaluated_in_their_objects_own_space() {
             of.push((object, place));
         }
     }
-    let plan = choices_of(&flat.features, &RenderOptions::default(), &Tables::default());
+    let plan = choices_of(&flat.features, &RenderOptions::default(), &UniformTables::default());
     let kernel = Kernel::with("test/colour", &Setup { plan, ..Setup::default() });
     let judge = |frames: &[gpu_rt::data::Frame]| {
         let buffers = [

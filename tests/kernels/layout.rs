@@ -10,7 +10,7 @@ use gpu_rt::gpu::layout::{Member, members, pack};
 use gpu_rt::gpu::link::{Choices, Embedded, link};
 use gpu_rt::material::{Material, Scattering};
 use gpu_rt::options::{Fresnel, RenderOptions, Scatter};
-use gpu_rt::plan::{Kernels, Tables};
+use gpu_rt::plan::{Kernels, UniformTables};
 
 /// Name, offset and bytes of each field.
 type Fields = Vec<(String, usize, usize)>;
@@ -62,7 +62,8 @@ fn modules() -> Vec<naga::Module> {
         .into_iter()
         .flat_map(|scatter| {
             let options = RenderOptions { fresnel: Fresnel::Schlick, clamp: Some(1.0), ..RenderOptions::default() };
-            let kernels = Kernels::link(&features, &options, scatter, &Tables::default()).expect("everything links");
+            let kernels =
+                Kernels::link(&features, &options, scatter, &UniformTables::default()).expect("everything links");
             kernels.all().into_iter().map(|kernel| kernel.module.clone()).collect::<Vec<_>>()
         })
         .chain(std::iter::once(probe))

@@ -8,7 +8,7 @@ use glam::DVec3;
 use gpu_rt::data::{LIGHT_NODE_LEAF, LIGHT_NODE_TWO_SIDED, Light};
 use gpu_rt::flatten::{DeviceScene, flatten};
 use gpu_rt::options::RenderOptions;
-use gpu_rt::plan::{Tables, choices_of};
+use gpu_rt::plan::{UniformTables, choices_of};
 use gpu_rt::scene::Scene;
 use image::{Rgb, Rgb32FImage};
 
@@ -108,7 +108,7 @@ fn lights_are_chosen_as_often_as_is_said() {
         let count = flat.lights.len();
         assert_eq!(flat.light_nodes.len(), 2 * (count - 1));
         let draws = DRAWS.to_string();
-        let plan = choices_of(&flat.features, &RenderOptions::default(), &Tables::default());
+        let plan = choices_of(&flat.features, &RenderOptions::default(), &UniformTables::default());
         let lights = flat.features.lights.to_string();
         assert_eq!(plan.modules["light_choice"].module, "scene/light_tree");
         let kernel = Kernel::with(
@@ -154,7 +154,7 @@ fn lights_are_chosen_as_often_as_is_said() {
 fn nearer_lights_and_those_turned_towards_a_point_are_chosen_more_often() {
     let flat = lights(&mut Random(78), false);
     let draws = DRAWS.to_string();
-    let plan = choices_of(&flat.features, &RenderOptions::default(), &Tables::default());
+    let plan = choices_of(&flat.features, &RenderOptions::default(), &UniformTables::default());
     let lights = flat.features.lights.to_string();
     let kernel = Kernel::with(
         "test/light_choice",
@@ -195,7 +195,7 @@ fn two_lights_and_a_lamp_under_a_sky() {
         ))
     };
     let probability = |flat: &DeviceScene, light: usize, from: DVec3| -> f64 {
-        let plan = choices_of(&flat.features, &RenderOptions::default(), &Tables::default());
+        let plan = choices_of(&flat.features, &RenderOptions::default(), &UniformTables::default());
         let lights = flat.features.lights.to_string();
         assert_eq!(plan.modules["light_choice"].module, "scene/light_tree");
         let setup = Setup { plan, values: &[("draws", "2"), ("lights", &*lights)], ..Setup::default() };

@@ -7,10 +7,10 @@ use gpu_rt::data::{KIND_TRIANGLE, Sampler};
 use gpu_rt::flatten::{BACKGROUNDS, BOUNDARIES, Features, MATERIALS, PRIMITIVES, TEXTURES, Unsampled};
 use gpu_rt::gpu::layout::BindingKind;
 use gpu_rt::gpu::link::{Choices, Chosen, Embedded, Entry, Library, Linked, Reason, link};
-use gpu_rt::material::{Kind, Material, Scattering};
+use gpu_rt::material::{Material, MaterialKind, Scattering};
 use gpu_rt::options::{FeatureSet, Fresnel, Offset, Precision, RenderOptions, Scatter, Switch};
 use gpu_rt::plan::choices::{Conditions, Lists, Modules, Values, table_names};
-use gpu_rt::plan::{Kernels, Tables};
+use gpu_rt::plan::{Kernels, UniformTables};
 
 const SCATTERS: [Scatter; 3] = [Scatter::Fused, Scatter::Linked, Scatter::Queues];
 /// Numbers of backgrounds.
@@ -39,16 +39,16 @@ fn features(primitives: usize, materials: usize, textures: usize, background: us
 }
 
 /// The bits of some kinds of material.
-fn bits_of(wanted: impl Fn(&Kind) -> bool) -> usize {
+fn bits_of(wanted: impl Fn(&MaterialKind) -> bool) -> usize {
     (0..).zip(Material::KINDS).filter(|(_, kind)| wanted(kind)).map(|(i, _)| 1 << i).sum()
 }
 
 /// Whether materials of the kind can answer to lights.
-fn spreads(kind: &Kind) -> bool {
+fn spreads(kind: &MaterialKind) -> bool {
     kind.scatters.contains(&Scattering::Spread)
 }
 
-fn kind_of(shader: &str) -> &'static Kind {
+fn kind_of(shader: &str) -> &'static MaterialKind {
     Material::KINDS.iter().find(|kind| kind.shader == shader).expect("there is such a material")
 }
 
@@ -215,7 +215,7 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
 }
 
 fn kernels(features: &Features, options: &RenderOptions, scatter: Scatter) -> Kernels {
-    Kernels::link(features, options, scatter, &Tables::default())
+    Kernels::link(features, options, scatter, &UniformTables::default())
         .unwrap_or_else(|error| panic!("{features:?}, {options:?}, {scatter:?}: {error}"))
 }
 

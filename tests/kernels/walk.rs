@@ -5,7 +5,7 @@ use glam::DVec3;
 use gpu_rt::data::Node;
 use gpu_rt::flatten::DeviceScene;
 use gpu_rt::options::RenderOptions;
-use gpu_rt::plan::{Tables, choices_of};
+use gpu_rt::plan::{UniformTables, choices_of};
 
 use crate::common::kernel::{Kernel, Setup, array};
 use crate::common::scenes::{flat, triple};
@@ -70,7 +70,7 @@ fn the_walk_finds_what_asking_every_primitive_finds() {
     let scene = flat(&clutter(&mut random));
     let counts =
         [scene.shapes.spheres.len(), scene.shapes.quads.len(), scene.shapes.cuboids.len()].map(|n| n.to_string());
-    let plan = choices_of(&scene.features, &RenderOptions::default(), &Tables::default());
+    let plan = choices_of(&scene.features, &RenderOptions::default(), &UniformTables::default());
     let values = [("spheres", &*counts[0]), ("quads", &*counts[1]), ("cuboids", &*counts[2])];
     let kernel = Kernel::with("test/walk", &Setup { plan, values: &values, ..Setup::default() });
     let rays: Vec<In> = (0..20_000)

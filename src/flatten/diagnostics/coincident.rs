@@ -10,7 +10,7 @@ use std::collections::HashSet;
 use glam::{DVec2, DVec3};
 
 use super::repeated::{Repeated, hash};
-use super::{At, BY_ROUNDING, Body, Diagnostic, Found, Kind, OTHER, U, Worst, apart, leaving, short};
+use super::{At, BY_ROUNDING, Body, Diagnostic, Found, OTHER, Role, U, Worst, apart, leaving, short};
 use crate::shape::{Hull, normal};
 
 /// Comparisons a surface in a plane, and for all of a plane.
@@ -30,7 +30,7 @@ const LEAST_OVERLAP: f64 = 1e-5;
 const SIDES: u32 = 8;
 
 /// Two objects that coincide, the first in the file first.
-struct Pair {
+struct PlanePair {
     first: usize,
     second: usize,
     gap: f64,
@@ -129,19 +129,19 @@ impl Patch<'_> {
 /// The search among what is flat, and what it finds.
 pub struct Planes<'a> {
     found: &'a Found<'a>,
-    kinds: &'a [Kind],
+    kinds: &'a [Role],
     /// Whether anything is clear: then all sides count, and where rays start.
     clear: bool,
     planes: Vec<Plane>,
     told: HashSet<(usize, usize)>,
-    overlapping: Worst<Pair>,
-    at_glass: Worst<Pair>,
-    clear_on_clear: Worst<Pair>,
-    back_to_back: Worst<Pair>,
+    overlapping: Worst<PlanePair>,
+    at_glass: Worst<PlanePair>,
+    clear_on_clear: Worst<PlanePair>,
+    back_to_back: Worst<PlanePair>,
 }
 
 impl<'a> Planes<'a> {
-    pub fn new(found: &'a Found<'a>, kinds: &'a [Kind]) -> Planes<'a> {
+    pub fn new(found: &'a Found<'a>, kinds: &'a [Role]) -> Planes<'a> {
         Planes {
             found,
             kinds,
@@ -338,7 +338,7 @@ impl<'a> Planes<'a> {
             (.., false) => &mut self.overlapping,
         };
         if self.told.insert((a.owner, b.owner)) {
-            return kind.note(-(b.owner as f64), Pair { first: a.owner, second: b.owner, gap, bound });
+            return kind.note(-(b.owner as f64), PlanePair { first: a.owner, second: b.owner, gap, bound });
         }
         // Of boxes with several sides that coincide, the largest bound is what to keep apart by.
         if let Some((_, pair)) = &mut kind.worst
@@ -374,7 +374,7 @@ fn overlap(one: &Patch, other: &Patch) -> bool {
     })
 }
 
-fn tell_overlapping(found: &Found, pair: &Pair) -> Diagnostic {
+fn tell_overlapping(found: &Found, pair: &PlanePair) -> Diagnostic {
     let message = format!(
         "its surface overlaps with that of the {} at {OTHER}, of another material{}: {BY_ROUNDING}: set them more than {} apart, or cut \
          one out",
@@ -386,7 +386,7 @@ fn tell_overlapping(found: &Found, pair: &Pair) -> Diagnostic {
 }
 
 /// At the one that is clear.
-fn tell_at_glass(found: &Found, pair: &Pair) -> Diagnostic {
+fn tell_at_glass(found: &Found, pair: &PlanePair) -> Diagnostic {
     let is_clear = |number: usize| found.scene.materials[found.placed[number].material as usize].1.kind().is_clear;
     let (clear, other) = match is_clear(pair.first) {
         true => (pair.first, pair.second),
@@ -402,7 +402,7 @@ fn tell_at_glass(found: &Found, pair: &Pair) -> Diagnostic {
     Diagnostic { at: At::Primitive(clear), field: "", message, other: Some(At::Primitive(other)), more: 0 }
 }
 
-fn tell_clear_on_clear(found: &Found, pair: &Pair) -> Diagnostic {
+fn tell_clear_on_clear(found: &Found, pair: &PlanePair) -> Diagnostic {
     let message = format!(
         "this glass touches the {} at {OTHER}, which is clear too{}: of two surfaces in one place rays pass one: set them more than {} apart, or \
          write one solid where they are of one material",
@@ -413,7 +413,7 @@ fn tell_clear_on_clear(found: &Found, pair: &Pair) -> Diagnostic {
     Diagnostic { at: At::Primitive(pair.second), field: "", message, other: Some(At::Primitive(pair.first)), more: 0 }
 }
 
-fn tell_back_to_back(pair: &Pair) -> Diagnostic {
+fn tell_back_to_back(pair: &PlanePair) -> Diagnostic {
     let message = format!(
         "this light shines to one side, and lies back to back with the one at {OTHER}{}: where a ray meets the back of the other, its \
          light is lost: set them more than {} apart, or write one that is two_sided",

@@ -6,7 +6,7 @@
 use glam::DVec3;
 
 use super::within::{Within, is_outside_in_front};
-use super::{At, Body, Diagnostic, Found, Kind, OTHER, U, Worst, power_of_two, short};
+use super::{At, Body, Diagnostic, Found, OTHER, Role, U, Worst, power_of_two, short};
 use crate::flatten::place::Placed;
 use crate::scene::Background;
 use crate::shape::{Hull, normal};
@@ -22,8 +22,8 @@ const MOST_AROUND: usize = 8;
 const LARGEST_SHARE: f64 = (1u64 << 60) as f64;
 
 /// One-sided quads with all of the scene behind them, the camera too.
-pub fn turned_away(found: &Found, kinds: &[Kind]) -> Option<Diagnostic> {
-    let shines = |kind: Kind| kind.light && kind.one_sided;
+pub fn turned_away(found: &Found, kinds: &[Role]) -> Option<Diagnostic> {
+    let shines = |kind: Role| kind.light && kind.one_sided;
     if !kinds.iter().any(|kind| shines(*kind)) {
         return None;
     }
@@ -59,7 +59,7 @@ pub fn turned_away(found: &Found, kinds: &[Kind]) -> Option<Diagnostic> {
 
 /// A light among those that are looked for, and a ball around it.
 #[derive(Clone, Copy)]
-struct Emitter {
+struct EmittingBody {
     number: usize,
     center: DVec3,
     radius: f64,
@@ -69,7 +69,7 @@ struct Emitter {
 pub struct Walls<'a> {
     found: &'a Found<'a>,
     /// By the x of their centres.
-    emitters: Vec<Emitter>,
+    emitters: Vec<EmittingBody>,
     /// The first of them in each of `STRIPS` strips from the least x to the largest, or beyond.
     starts: Vec<u32>,
     least_x: f64,
@@ -88,14 +88,14 @@ pub struct Walls<'a> {
 }
 
 impl<'a> Walls<'a> {
-    pub fn new(found: &'a Found<'a>, kinds: &[Kind]) -> Walls<'a> {
-        let mut emitters: Vec<Emitter> = Vec::new();
+    pub fn new(found: &'a Found<'a>, kinds: &[Role]) -> Walls<'a> {
+        let mut emitters: Vec<EmittingBody> = Vec::new();
         if kinds.iter().any(|kind| kind.light) {
             let lights = (0..found.placed.len()).filter(|number| kinds[found.placed[*number].material as usize].light);
             emitters.extend(lights.take(MOST_EMITTERS).map(|number| {
                 let Placed { shape, to_world, .. } = &found.placed[number];
                 let (center, radius) = Body::new(found, shape, to_world).hull.ball();
-                Emitter { number, center, radius }
+                EmittingBody { number, center, radius }
             }));
             emitters.sort_unstable_by(|a, b| a.center.x.total_cmp(&b.center.x));
         }
@@ -119,7 +119,7 @@ impl<'a> Walls<'a> {
         }
     }
 
-    pub fn see(&mut self, number: usize, wall: &Body, kind: Kind) {
+    pub fn see(&mut self, number: usize, wall: &Body, kind: Role) {
         if self.emitters.is_empty() || self.tests == 0 || kind.glass {
             return;
         }
@@ -161,7 +161,7 @@ impl<'a> Walls<'a> {
         }
     }
 
-    fn note(&mut self, wall: usize, emitter: &Emitter, around_camera: bool) {
+    fn note(&mut self, wall: usize, emitter: &EmittingBody, around_camera: bool) {
         let (at, other) = (At::Primitive(emitter.number), At::Primitive(wall));
         self.worst.note(-(emitter.number as f64), (at, other, around_camera));
     }
@@ -193,7 +193,7 @@ impl<'a> Walls<'a> {
 }
 
 /// Whether all of an emitter is within a sphere, box or mesh.
-fn is_within(found: &Found, within: &mut Within, wall: &Body, emitter: &Emitter) -> bool {
+fn is_within(found: &Found, within: &mut Within, wall: &Body, emitter: &EmittingBody) -> bool {
     let Placed { shape, to_world, .. } = &found.placed[emitter.number];
     // The corners decide where the wall is convex.
     let body = Body::new(found, shape, to_world);

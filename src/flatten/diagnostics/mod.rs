@@ -41,8 +41,8 @@ pub struct Found<'a> {
 
 /// The warnings about a placed scene.
 pub fn warnings(found: &Found) -> Vec<String> {
-    let kinds: Vec<Kind> =
-        found.scene.materials.iter().map(|(_, material)| Kind::of(material, &found.scene.bitmaps)).collect();
+    let kinds: Vec<Role> =
+        found.scene.materials.iter().map(|(_, material)| Role::of(material, &found.scene.bitmaps)).collect();
     let mut sizes = Sizes::new(found);
     let mut surfaces = Surfaces::default();
     let mut same_place = SamePlace::new(found, &kinds);
@@ -212,16 +212,16 @@ impl<'a> Body<'a> {
 
 /// What of a material matters here.
 #[derive(Clone, Copy, Default)]
-struct Kind {
+struct Role {
     glass: bool,
     light: bool,
     one_sided: bool,
 }
 
-impl Kind {
-    fn of(material: &Material, bitmaps: &Bitmaps) -> Kind {
+impl Role {
+    fn of(material: &Material, bitmaps: &Bitmaps) -> Role {
         let emission = material.model().emission();
-        Kind {
+        Role {
             glass: material.kind().is_clear,
             light: emission.is_some_and(|emission| emission.slot.texture.brightest(bitmaps) > 0.0),
             one_sided: emission.is_some_and(|emission| !emission.two_sided),

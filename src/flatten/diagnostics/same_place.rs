@@ -8,7 +8,7 @@ use std::collections::HashSet;
 use glam::DVec3;
 
 use super::repeated::{Repeated, hash};
-use super::{At, Body, Diagnostic, Found, Kind, OTHER, U, Worst, apart, leaving, short};
+use super::{At, Body, Diagnostic, Found, OTHER, Role, U, Worst, apart, leaving, short};
 use crate::shape::{Hull, binary_exponent, exp2};
 
 /// So many in a cell, next to each other by their sizes, are compared with each.
@@ -21,7 +21,7 @@ const CELL_DIGITS: i32 = 15;
 const GRID_OFFSET: f64 = 0.37;
 
 /// Two objects in one place, the first in the file first.
-struct Pair {
+struct BodyPair {
     first: usize,
     second: usize,
     gap: f64,
@@ -35,7 +35,7 @@ struct Pair {
 /// The search among spheres and meshes.
 pub struct SamePlace<'a> {
     found: &'a Found<'a>,
-    kinds: &'a [Kind],
+    kinds: &'a [Role],
     /// A number made of a cell, and the object.
     filed: Vec<(u32, u32)>,
 }
@@ -47,7 +47,7 @@ fn ball(body: &Body) -> Option<(DVec3, f64)> {
 }
 
 impl<'a> SamePlace<'a> {
-    pub fn new(found: &'a Found<'a>, kinds: &'a [Kind]) -> SamePlace<'a> {
+    pub fn new(found: &'a Found<'a>, kinds: &'a [Role]) -> SamePlace<'a> {
         SamePlace { found, kinds, filed: Vec::new() }
     }
 
@@ -106,7 +106,7 @@ impl<'a> SamePlace<'a> {
     }
 
     /// Whether two are in one place, and that shows.
-    fn compare(&self, first: usize, second: usize, a: &Body, b: &Body) -> Option<Pair> {
+    fn compare(&self, first: usize, second: usize, a: &Body, b: &Body) -> Option<BodyPair> {
         let materials = [first, second].map(|number| self.found.placed[number].material);
         let kinds = materials.map(|material| self.kinds[material as usize]);
         let clear = kinds.iter().any(|kind| kind.glass);
@@ -133,11 +133,11 @@ impl<'a> SamePlace<'a> {
             }
             _ => return None,
         };
-        (gap <= most).then_some(Pair { first, second, gap, bound, clear, both_clear, mesh })
+        (gap <= most).then_some(BodyPair { first, second, gap, bound, clear, both_clear, mesh })
     }
 }
 
-fn tell(pair: &Pair) -> Diagnostic {
+fn tell(pair: &BodyPair) -> Diagnostic {
     let what = match (pair.mesh, pair.both_clear) {
         (true, true) => "the same mesh is placed a second time, clear as well, where it stands",
         (true, false) => "the same mesh is placed a second time, of another material, where it stands",

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::{At, Body, Diagnostic, Found, Kind, U, Worst, leaving, power_of_two, short};
+use super::{At, Body, Diagnostic, Found, Role, U, Worst, leaving, power_of_two, short};
 use crate::flatten::place::{PlacedMedium, reach};
 use crate::shape::Hull;
 
@@ -60,7 +60,7 @@ impl<'a> Sizes<'a> {
         }
     }
 
-    pub fn see(&mut self, number: usize, body: &Body, kind: Kind) {
+    pub fn see(&mut self, number: usize, body: &Body, kind: Role) {
         let thinnest = if kind.glass { thinnest(body) } else { None };
         if let Some((side, start)) = thinnest.filter(|(side, start)| side <= start) {
             return self.thin.note(start / side, (number, side, start));
