@@ -187,13 +187,13 @@ pub fn link(library: &dyn Library, root: &str, choices: &Choices) -> Result<Link
 
 /// What becomes of the lines before the next `//@ end`.
 #[derive(Clone, Copy)]
-enum OpenBlock<'a> {
+enum Repetition<'a> {
     If(Option<&'a Reason>),
     Each(&'a [Entry]),
 }
 
 /// The directive that a block began with, what is to become of it, and its lines as yet with their numbers.
-type OpenBlock<'a> = (&'a str, OpenBlock<'a>, Vec<(usize, &'a str)>);
+type OpenBlock<'a> = (&'a str, Repetition<'a>, Vec<(usize, &'a str)>);
 
 /// A line of a module, its number, the names of the values filled in, and why it is there.
 struct Line {
@@ -306,12 +306,12 @@ impl Linker<'_> {
                     let condition = self.choices.conditions.get(name);
                     let condition = condition
                         .ok_or_else(|| fault(module, number, &format!("the plan has no condition `{name}`")))?;
-                    Some(OpenBlock::If(condition.as_ref()))
+                    Some(Repetition::If(condition.as_ref()))
                 }
                 ["//@", "each", name] => {
                     let list = self.choices.lists.get(name);
                     let list = list.ok_or_else(|| fault(module, number, &format!("the plan has no list `{name}`")))?;
-                    Some(OpenBlock::Each(list))
+                    Some(Repetition::Each(list))
                 }
                 _ => None,
             };
@@ -324,13 +324,13 @@ impl Linker<'_> {
                 let (_, what, lines) =
                     block.take().ok_or_else(|| fault(module, number, "`//@ end` without `//@ if` or `//@ each`"))?;
                 match what {
-                    OpenBlock::If(None) => {}
-                    OpenBlock::If(Some(why)) => {
+                    Repetition::If(None) => {}
+                    Repetition::If(Some(why)) => {
                         for (number, line) in lines {
                             out.push(self.fill(module, number, line, why)?);
                         }
                     }
-                    OpenBlock::Each(entries) => {
+                    Repetition::Each(entries) => {
                         out.extend((0..).zip(entries).flat_map(|entry| repeated(entry, &lines)))
                     }
                 }
