@@ -45,7 +45,7 @@ fn direction_to_light(light: Light, from_point: vec3<f32>, u: vec3<f32>) -> Dire
     }
 }
 
-// About how far it is to a primitive along a ray that passes it by, in its mesh's space where it is a face.
+// The approximate distance to a primitive along a ray that misses it; for a face in the space of its mesh.
 fn distance_to_light(code: u32, ray: Ray) -> f32 {
     let index = primitive_index(code);
     switch primitive_kind(code) {
@@ -67,7 +67,7 @@ fn distance_to_light(code: u32, ray: Ray) -> f32 {
     }
 }
 
-// Whether a ray that was sent to a light arrives at its front, where its normal is this.
+// Whether a shadow ray arrives at the front of a light with this normal.
 fn arrives_at_front(code: u32, ray: Ray, normal: vec3<f32>) -> bool {
     let index = primitive_index(code);
     switch primitive_kind(code) {
@@ -82,7 +82,7 @@ fn arrives_at_front(code: u32, ray: Ray, normal: vec3<f32>) -> bool {
     }
 }
 
-// The probability that a light is chosen, which something that emits may not be.
+// The probability of choosing a light; 0 for an emitter that is not sampled.
 fn probability_of_light(index: u32, from_point: vec3<f32>) -> f32 {
     //@ if unsampled
     if index >= NOT_SAMPLED {
@@ -92,7 +92,7 @@ fn probability_of_light(index: u32, from_point: vec3<f32>) -> f32 {
     return light_probability(index, from_point);
 }
 
-// The number of the light that a ray met; the sky is one by itself.
+// The number of the light that a ray hit. The sky has its own.
 fn number_of_light(hit: Hit) -> u32 {
     let index = primitive_index(hit.code);
     switch primitive_kind(hit.code) {
@@ -112,7 +112,7 @@ fn number_of_light(hit: Hit) -> u32 {
     }
 }
 
-// The density by which the primitive that the direction meets is chosen as a light and the direction drawn.
+// The density of light sampling for the primitive that the direction hits: choice times direction.
 fn light_density(hit: Hit, from_point: vec3<f32>, direction: vec3<f32>) -> f32 {
     let index = primitive_index(hit.code);
     switch primitive_kind(hit.code) {

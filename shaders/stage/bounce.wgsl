@@ -8,8 +8,8 @@
 //@ end
 //@ use step/refill
 //@ relies on loops
-// Intersect, cross media, scatter and refill linked into one kernel, several bounces a dispatch: where the state of a path costs more
-// to store and load than its divergence does, as on software drivers.
+// Intersect, cross media, scatter and refill in one kernel, several bounces per dispatch: for devices where the state of a path costs
+// more to store and load than its divergence does, such as software drivers.
 override WORKGROUP_SIZE: u32 = 64u;
 
 // Loop iterations after which an invocation leaves its bounces to the next dispatch: with the longest walks

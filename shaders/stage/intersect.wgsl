@@ -3,7 +3,7 @@
 //@ if queue_of_hits
 //@ use slots/sort_by_material
 //@ end
-// Finds what each slot's ray meets first.
+// Finds the nearest hit of each slot's ray.
 override WORKGROUP_SIZE: u32 = 64u;
 
 @compute @workgroup_size(WORKGROUP_SIZE)

@@ -3,7 +3,7 @@
 //@ if queue
 //@ use slots/sort_by_material
 //@ end
-// Lets media scatter the slots' rays before they reach what they met.
+// Lets media scatter the paths before they reach their hits.
 override WORKGROUP_SIZE: u32 = 64u;
 
 @compute @workgroup_size(WORKGROUP_SIZE)

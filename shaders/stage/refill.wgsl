@@ -1,6 +1,6 @@
 //@ use slots/state
 //@ use step/refill
-// Takes in the paths that ended, and refills their slots.
+// Adds ended paths to their runs, and refills their slots.
 override WORKGROUP_SIZE: u32 = 64u;
 
 @compute @workgroup_size(WORKGROUP_SIZE)

@@ -3,7 +3,7 @@
 //@ if queue
 //@ use slots/queue_turn
 //@ end
-// Scatters the slots whose rays met a surface.
+// Scatters the paths that hit a surface.
 override WORKGROUP_SIZE: u32 = 64u;
 
 @compute @workgroup_size(WORKGROUP_SIZE)

@@ -1,6 +1,6 @@
 //@ use slots/between
 //@ use step/light
-// Traces the slots' shadow rays, and takes in the light that they find.
+// Traces the shadow rays, and adds the light that they find.
 override WORKGROUP_SIZE: u32 = 64u;
 
 @compute @workgroup_size(WORKGROUP_SIZE)

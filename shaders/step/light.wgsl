@@ -22,14 +22,15 @@
 //@ use choice/colour
 //@ use scene/surfaces
 //@ end
-// Light by sampling: at each event a ray towards a light, beside the one that goes on. Both ways can meet a light, and share it
-// by their densities (power_heuristic), so that what either is bad at the other brings.
+// Light sampling: each event sends a shadow ray to a light, beside the ray that continues the path. Both can find the same light.
+// They are combined by multiple importance sampling with the power heuristic (Veach, "Robust Monte Carlo Methods for Light
+// Transport Simulation", 1997, section 9.2.4).
 
-// A light and a direction to it, for an event at a point.
+// A sampled light, and a sampled direction to it from the point of an event.
 struct LightSample {
     light: u32,
     direction: vec3<f32>,
-    // Of the light and the direction together; 0 where there is nothing to aim at.
+    // The joint density of light and direction; 0 where no light can be sampled.
     pdf: f32,
 }
 
@@ -41,7 +42,7 @@ fn sample_light(path: ptr<function, Path>, from_point: vec3<f32>) -> LightSample
     return LightSample(choice.index, sample.direction, choice.probability * sample.pdf);
 }
 
-// Sends a ray to the light, with what the event makes of its radiance.
+// Stores a shadow ray to the light. `response` is BSDF times cosine, or the phase function; `pdf` the density of BSDF sampling.
 fn send_shadow_ray(path: ptr<function, Path>, light_sample: LightSample, origin: vec3<f32>, response: vec3<f32>, pdf: f32) {
     let weight = (*path).throughput * response * (power_heuristic(light_sample.pdf, pdf) / light_sample.pdf);
     if light_sample.pdf > 0.0 && any(weight > vec3<f32>(0.0)) {
@@ -55,7 +56,7 @@ fn send_shadow_ray(path: ptr<function, Path>, light_sample: LightSample, origin:
     }
 }
 
-// The share that a light has which the path met by scattering: all of it, if it could not have been sampled.
+// The MIS weight of a light that the BSDF ray found: 1 if light sampling cannot sample it.
 fn mis_weight(path: ptr<function, Path>, hit: Hit) -> f32 {
     let pdf = (*path).pdf;
     if !(pdf > 0.0) {
@@ -64,7 +65,7 @@ fn mis_weight(path: ptr<function, Path>, hit: Hit) -> f32 {
     return power_heuristic(pdf, light_density(hit, (*path).ray.origin, (*path).ray.direction));
 }
 
-// What a shadow ray may meet at most: the light that it is sent to.
+// The farthest hit that matters to a shadow ray: its light.
 fn limit_of_shadow(path: ptr<function, Path>) -> Hit {
     //@ if emitting_surface
     if (*path).light != HIT_NOTHING {
@@ -77,7 +78,7 @@ fn limit_of_shadow(path: ptr<function, Path>) -> Hit {
 fn limit_at_surface(path: ptr<function, Path>) -> Hit {
     let code = (*path).light;
     var ray = (*path).shadow;
-    // Asked for by faces of meshes alone.
+    // Only faces of meshes need it.
     var inverse = vec3<f32>(0.0);
     //@ if emitting_mesh
     if primitive_kind(code) == KIND_TRIANGLE {
@@ -86,8 +87,8 @@ fn limit_at_surface(path: ptr<function, Path>) -> Hit {
     }
     //@ end
     let t = primitive_distance(code, ray, inverse);
-    // A direction drawn towards a light that is tiny from here, or near the edge of any, can pass it by its rounding. It counts all
-    // the same, for its density says that it was drawn: only something before the light can take it away.
+    // Rounding can make a sampled direction miss a light that is tiny from here, or miss the edge of any light. The sample counts all
+    // the same, because its density says that it was drawn. Only a hit before the light blocks it.
     var limit = hit_at(code, select(distance_to_light(code, ray), t, t != NO_HIT));
     //@ if emitting_mesh
     limit.instance = (*path).light_instance;
@@ -95,7 +96,7 @@ fn limit_at_surface(path: ptr<function, Path>) -> Hit {
     return limit;
 }
 
-// Takes the light in, where its shadow ray meets nothing before it; the result is the number of steps that took.
+// Adds the light if nothing blocks its shadow ray. Returns the number of steps.
 fn trace_shadow(path: ptr<function, Path>) -> u32 {
     let limit = limit_of_shadow(path);
     let code = (*path).light;
@@ -129,7 +130,7 @@ fn trace_shadow(path: ptr<function, Path>) -> u32 {
         status = PATH_CUT;
     }
     //@ if one_way
-    // A question is no part of the image, nor is what becomes of it.
+    // Rays that only count light are no part of the image.
     if is_by_chance(path) {
         if !is_hidden {
             note_asked_light(path, number_of_light(hit), emitted, brought);
@@ -142,7 +143,7 @@ fn trace_shadow(path: ptr<function, Path>) -> u32 {
     return steps;
 }
 
-// The radiance that a light sends back along a ray that was sent to it.
+// The radiance of a light along a shadow ray.
 fn emitted_along(ray: Ray, hit: Hit) -> vec3<f32> {
     var radiance = vec3<f32>(0.0);
     //@ if emitting_sky

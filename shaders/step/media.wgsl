@@ -15,10 +15,10 @@
 //@ use medium/phase_pdf
 //@ use step/light
 //@ end
-// Lets the media on the path's way to what its ray met scatter it before it gets there.
+// Lets media scatter the path before it reaches its hit.
 
 const MEDIA: u32 = ${media}u;
-// Loop iterations of crossing them at most: one a medium, and the walks through meshes.
+// The most loop iterations: one per medium, and the walks through meshes.
 const MOST_STEPS_OF_MEDIA: u32 = MEDIA + STEPS_OF_CROSSINGS;
 
 // The first medium takes the sampler's own words, which may be stratified; the others a hash of them.
@@ -26,9 +26,9 @@ fn words_of_medium(words: vec4<u32>, medium: u32) -> vec2<u32> {
     return select(pcg4d(words + medium), words, medium == 0u).xy;
 }
 
-// Each medium draws the optical depth at which it alone would scatter the ray; the nearest scattering is the path's. Where
-// media overlap their densities add up by that: the first event of independent Poisson processes is one of the process
-// with the sum of their rates, and belongs to each with its share of the sum. The result is the number of steps it took.
+// Each medium samples the optical depth of its own scattering event; the nearest event wins. In overlaps the densities add up: the
+// first event of independent Poisson processes is an event of the process with the sum of their rates, and belongs to each process
+// in proportion to its rate. Returns the number of steps.
 fn cross_media(path: ptr<function, Path>) -> u32 {
     if (*path).status == PATH_CUT {
         return 0u;

@@ -1,4 +1,4 @@
-// Every contribution counts as it is.
+// No contribution is limited.
 fn limited_indirect(contribution: vec3<f32>, depth: u32) -> vec3<f32> {
     return contribution;
 }

@@ -1,5 +1,5 @@
 //@ use data/path
-// Every path goes on.
+// Without Russian roulette every path goes on.
 fn russian_roulette(path: ptr<function, Path>, throughput: vec3<f32>) -> vec3<f32> {
     return throughput;
 }

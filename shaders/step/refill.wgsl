@@ -20,8 +20,9 @@ fn has_ended(status: u32) -> bool {
     return status == HIT_NOTHING || status == PATH_ENDED || status == PATH_TOO_DEEP || status == PATH_CUT;
 }
 
-// Counts a path that max_depth ended, with what it could still have brought of any light: rounded up, since the sum is told as a bound.
-// (No throughput is larger than 1: albedos are not, and a survivor of the roulette is given 1 at most.)
+// Counts a path that max_depth ended, with its throughput: the most that it could still have added per radiance. Rounded up, since the
+// sum is a bound.
+// (No throughput exceeds 1: albedos do not, and roulette raises none above 1.)
 fn count_too_deep(throughput: vec3<f32>) {
     let most = clamp(max(max(throughput.x, throughput.y), throughput.z), 0.0, 32768.0);
     let added = u32(ceil(most * 65536.0));
@@ -32,7 +33,7 @@ fn count_too_deep(throughput: vec3<f32>) {
     atomicAdd(&counters.too_deep, 1u);
 }
 
-// Takes the radiance of a path that ended into its run, and starts the next sample or run.
+// Adds the radiance of an ended path to its run, and starts the next sample or run.
 fn refill_path(path: ptr<function, Path>) {
     var radiance = (*path).throughput;
     if (*path).status == HIT_NOTHING {
@@ -53,7 +54,7 @@ fn refill_path(path: ptr<function, Path>) {
     //@ if light
     radiance += (*path).radiance;
     //@ end
-    // A sample that is not finite is dropped and counted by reason; the bits tell, since x != x may be assumed false.
+    // A sample that is not finite is dropped, and counted by its reason. Tested by bits: a compiler may assume that x != x is false.
     if (*path).status == PATH_CUT {
         (*path).counts += 0x1000000u;
     } else if is_nan(radiance.x) || is_nan(radiance.y) || is_nan(radiance.z) {

@@ -23,7 +23,7 @@
 //@ use step/light
 //@ use step/through_glass
 //@ end
-// Lets the material of the surface that the path's ray met decide how the path goes on.
+// The material at the hit of the path scatters or ends it.
 fn scatter_path(path: ptr<function, Path>) {
     let ray = (*path).ray;
     let hit = path_hit(path);
@@ -44,7 +44,7 @@ fn scatter_path(path: ptr<function, Path>) {
     var samples_lights = false;
     //@ end
     //@ if surface_samples_light
-    // Whatever answers to lights sends rays to the side that it is seen from.
+    // Non-specular materials sample lights on the side from which they are seen.
     samples_lights = depth < settings.max_depth && is_non_specular(material);
     if samples_lights {
         let light_sample = sample_light(path, point);

@@ -1,7 +1,7 @@
 //@ use data/path
 //@ use bind/settings
 //@ use choice/walk
-// Finds what the path's ray meets first.
+// Finds the nearest hit of the path's ray.
 fn trace(path: ptr<function, Path>) -> u32 {
     let hit = nearest_hit((*path).ray, settings.root);
     (*path).t = hit.t;
