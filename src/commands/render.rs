@@ -67,7 +67,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     let output = output_of(args)?;
     seconds.load = clock.lap();
 
-    // The driver loads while the scene is built: `open` is what is left of that then. A scene that does not load waits for no driver.
+    // The driver loads while the scene is built; `device` is the time that it takes beyond. A scene that does not load waits for no driver.
     let (built, device) = std::thread::scope(|scope| {
         let opening = scope.spawn(|| open_device(args.paths.device.as_deref()));
         let built = flatten_for(&scene, args.size, &args.options);
@@ -413,6 +413,8 @@ impl Record<'_> {
         };
         let (times, others): (Vec<_>, Vec<_>) = fields.into_iter().partition(|(name, _)| name == "seconds");
         let times = times.into_iter().filter_map(|(_, times)| times.as_object().cloned()).flatten();
+        // What has not ended when the file is written has no time yet.
+        let times = times.filter(|(_, seconds)| seconds.as_f64() != Some(0.0));
         times.map(|(name, value)| (format!("seconds_{name}"), value)).chain(others).filter_map(attribute).collect()
     }
 }

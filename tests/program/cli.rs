@@ -324,6 +324,10 @@ fn the_exr_holds_linear_floats_and_says_how_it_was_made() {
         let seconds = attribute(&image, &format!("gpu-rt:{name}"));
         assert!(seconds.parse::<f64>().is_ok_and(|seconds| seconds >= 0.0), "{name}: {seconds}");
     }
+    // The file is written before these are known.
+    for name in ["seconds_write", "seconds_total", "seconds_first_pass"] {
+        assert!(image.attributes.iter().all(|(known, _)| *known != format!("gpu-rt:{name}")), "{name}");
+    }
     // The error with its bound, how sure that is, what it is not about, and how much of that is known.
     for name in ["relative_error", "relative_error_bound", "relative_error_confidence", "cut_paths", "cut_throughput"] {
         let (in_file, in_json) = (attribute(&image, &format!("gpu-rt:{name}")), &json[name]);
