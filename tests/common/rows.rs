@@ -70,3 +70,23 @@ pub struct Aimed {
     pub direction: [f32; 3],
     pub padding: u32,
 }
+
+/// What tests/shaders/camera.wgsl takes: a pixel, and the place in it and on the lens.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct OnFilm {
+    pub column: u32,
+    pub row: u32,
+    pub padding: [u32; 2],
+    pub u: [f32; 4],
+}
+
+/// What it gives.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct CameraRay {
+    pub origin: [f32; 3],
+    pub padding0: u32,
+    pub direction: [f32; 3],
+    pub padding1: u32,
+}

@@ -10,7 +10,7 @@ use gpu_rt::flatten::flatten;
 use crate::common::kernel::{Kernel, Overlay, Setup};
 use crate::common::light_kernel::{self, CUBOID, Kind, QUAD, SHARES, SPHERE, TRIANGLE, Triangle, spheres};
 use crate::common::render::{Ask, render_linked, scene};
-use crate::common::rows::{Answer, Maps, Met, Words, glass};
+use crate::common::rows::{Answer, CameraRay, Maps, Met, OnFilm, Words, glass};
 use crate::common::stats::Random;
 use crate::common::vectors::{U, decades, exact, rounded, unit};
 use crate::media::{ASYMMETRIES, Scattered, Scattering, phase};
@@ -382,24 +382,6 @@ fn maps() -> Vec<Cell> {
         .into()
 }
 
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct CameraIn {
-    column: u32,
-    row: u32,
-    padding: [u32; 2],
-    u: [f32; 4],
-}
-
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct CameraOut {
-    origin: [f32; 3],
-    padding0: u32,
-    direction: [f32; 3],
-    padding1: u32,
-}
-
 /// Rays through the corners of pixels from the edge of the lens: within the image's own corners.
 fn camera() -> Cell {
     let mut wrong = 0;
@@ -412,14 +394,14 @@ fn camera() -> Cell {
             ));
             let settings = flatten(&scene, (8, 8), &crate::common::render::plain()).expect("it is a scene").settings;
             let kernel = Kernel::with("test/camera", &Setup { values: &[("camera", camera)], ..Setup::default() });
-            let rows: Vec<CameraIn> = [0, 7]
+            let rows: Vec<OnFilm> = [0, 7]
                 .iter()
                 .flat_map(|&column| {
-                    fours(ENDS).map(move |u| CameraIn { column, row: 7 - column, u, ..CameraIn::default() })
+                    fours(ENDS).map(move |u| OnFilm { column, row: 7 - column, u, ..OnFilm::default() })
                 })
                 .collect();
             let lens = exact(settings.lens_x).length();
-            for out in kernel.run_with::<_, CameraOut>(&rows, rows.len(), &[kernel.settings(&settings)]) {
+            for out in kernel.run_with::<_, CameraRay>(&rows, rows.len(), &[kernel.settings(&settings)]) {
                 let within = exact(out.origin).length() <= lens * (1.0 + 1e-3);
                 wrong += u32::from(!(is_unit(out.direction) && within));
             }

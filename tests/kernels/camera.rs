@@ -2,33 +2,14 @@
 
 use std::f64::consts::{PI, TAU};
 
-use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use gpu_rt::data::Settings;
 
 use crate::common::kernel::{Kernel, Setup};
+use crate::common::rows::{CameraRay as Out, OnFilm as In};
 use crate::common::scenes::{flat_with, triple};
 use crate::common::stats::{Random, chi_square};
 use crate::common::vectors::{U, decades, exact, unit};
-
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct In {
-    column: u32,
-    row: u32,
-    padding: [u32; 2],
-    /// Place in the pixel, and on the lens.
-    u: [f32; 4],
-}
-
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct Out {
-    origin: [f32; 3],
-    padding0: u32,
-    direction: [f32; 3],
-    padding1: u32,
-}
 
 /// A camera by the words of the scene file.
 #[derive(Clone, Copy, Debug)]
