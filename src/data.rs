@@ -79,15 +79,6 @@ pub enum Sampler {
     Sobol,
 }
 
-impl Sampler {
-    pub fn name(self) -> &'static str {
-        match self {
-            Sampler::Independent => "independent",
-            Sampler::Sobol => "sobol",
-        }
-    }
-}
-
 /// Declares a struct for the device, with its fields' names kept for the layout test.
 macro_rules! device_struct {
     ($(#[$meta:meta])* $name:ident { $($field:ident: $ty:ty,)* }) => {

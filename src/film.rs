@@ -342,11 +342,11 @@ impl Film {
                 self.width,
                 self.height,
                 self.exponent,
-                self.sampler.name(),
+                self.sampler,
                 other.width,
                 other.height,
                 other.exponent,
-                other.sampler.name()
+                other.sampler
             )));
         }
         self.pixels.iter_mut().zip(&other.pixels).for_each(|(mine, theirs)| mine.add(theirs));

@@ -21,7 +21,7 @@ use crate::job::Job;
 use crate::options::{RenderOptions, Scatter};
 use crate::shape::{KINDS, ShapeKind, Table};
 
-use choices::{decide, entries};
+use choices::{Conditions, decide, entries};
 pub use report::{Buffer, Choice, Constant, KernelReport, Module, Report};
 pub use state::{MOST_PATH_BYTES, PathField};
 use state::{path_fields, places};
@@ -217,13 +217,7 @@ impl Kernels {
         let bounces = Bounces { fused, queues };
         let decided = decide(features, options, &materials, &materials, 0, bounces);
         let path_fields = path_fields(&decided.conditions, fused);
-        let [surface, medium, light, queue] = [
-            &decided.conditions.surface,
-            &decided.conditions.medium,
-            &decided.conditions.light,
-            &decided.conditions.queue,
-        ]
-        .map(Clone::clone);
+        let Conditions { surface, medium, light, queue, .. } = decided.conditions.clone();
         let choices = decided.choices(tables);
         let always = |name, why: &str| kernel(name, name, &choices, why, &Reason::EveryRender);
         let every_render = Reason::EveryRender.to_string();

@@ -18,6 +18,7 @@
 //!
 //! A line table tells which file and line each line of the result came from, so that naga's errors can name them.
 
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::sync::LazyLock;
@@ -109,13 +110,13 @@ pub trait Library {
 pub struct Embedded;
 
 #[cfg(not(debug_assertions))]
-static TEXTS: LazyLock<BTreeMap<String, String>> = LazyLock::new(|| {
+static TEXTS: LazyLock<BTreeMap<String, Cow<'static, str>>> = LazyLock::new(|| {
     use include_dir::{Dir, include_dir};
     static SHADERS: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/shaders");
-    fn walk(dir: &'static Dir<'static>, texts: &mut BTreeMap<String, String>) {
+    fn walk(dir: &'static Dir<'static>, texts: &mut BTreeMap<String, Cow<'static, str>>) {
         texts.extend(dir.files().filter_map(|file| {
             let name = file.path().to_str()?.strip_suffix(".wgsl")?;
-            Some((name.replace('\\', "/"), file.contents_utf8()?.to_string()))
+            Some((name.replace('\\', "/"), file.contents_utf8()?.into()))
         }));
         dir.dirs().for_each(|dir| walk(dir, texts));
     }
@@ -125,16 +126,16 @@ static TEXTS: LazyLock<BTreeMap<String, String>> = LazyLock::new(|| {
 });
 
 #[cfg(debug_assertions)]
-static TEXTS: LazyLock<BTreeMap<String, String>> = LazyLock::new(|| {
+static TEXTS: LazyLock<BTreeMap<String, Cow<'static, str>>> = LazyLock::new(|| {
     use std::path::Path;
-    fn walk(root: &Path, dir: &Path, texts: &mut BTreeMap<String, String>) {
+    fn walk(root: &Path, dir: &Path, texts: &mut BTreeMap<String, Cow<'static, str>>) {
         for path in std::fs::read_dir(dir).into_iter().flatten().flatten().map(|entry| entry.path()) {
             if path.is_dir() {
                 walk(root, &path, texts);
             } else if let Some(name) = path.strip_prefix(root).ok().and_then(|p| p.to_str()?.strip_suffix(".wgsl"))
                 && let Ok(text) = std::fs::read_to_string(&path)
             {
-                texts.insert(name.replace('\\', "/"), text);
+                texts.insert(name.replace('\\', "/"), text.into());
             }
         }
     }
@@ -146,7 +147,7 @@ static TEXTS: LazyLock<BTreeMap<String, String>> = LazyLock::new(|| {
 
 impl Library for Embedded {
     fn module(&self, name: &str) -> Option<&str> {
-        TEXTS.get(name).map(String::as_str)
+        TEXTS.get(name).map(|text| &**text)
     }
 }
 

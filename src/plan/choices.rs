@@ -16,6 +16,7 @@ use crate::shape::KINDS;
 macro_rules! named {
     ($(#[$doc:meta])* $name:ident: $type:ty { $($(#[$about:meta])* $member:ident,)* }) => {
         $(#[$doc])*
+        #[derive(Clone)]
         pub struct $name { $($(#[$about])* pub $member: $type,)* }
 
         impl $name {
