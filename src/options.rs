@@ -16,13 +16,13 @@ pub struct RenderOptions {
     pub roulette: Switch,
     pub sampler: Sampler,
     pub fresnel: Fresnel,
-    /// The most radiance of a contribution of indirect light, in the scene's units; nothing where that is not limited.
+    /// The most indirect radiance that a path may add, in scene units; `None` for no limit.
     pub clamp: Option<f64>,
     pub offset: Offset,
     pub precision: Precision,
     pub build: Quality,
     pub features: FeatureSet,
-    /// The device's choice where absent, as are the next three.
+    /// This and the next three are the device's choice where absent.
     pub scatter: Option<Scatter>,
     /// Paths in flight.
     pub slots: Option<u32>,
@@ -53,7 +53,7 @@ impl Default for RenderOptions {
 }
 
 impl RenderOptions {
-    /// Those that bias the result or are less exact, with their values.
+    /// The options that bias the result or are less exact, with their values.
     pub fn biases(&self) -> impl Iterator<Item = (&'static Knob, String)> {
         let biased = KNOBS.iter().filter(|knob| matches!(knob.class, Class::Bias | Class::Numerics));
         biased.filter(|knob| !knob.is_default(self)).filter_map(|knob| Some((*knob, knob.value(self)?)))
@@ -104,11 +104,11 @@ words!(
     }
 );
 words!(
-    /// How light is found.
+    /// How paths find light.
     enum Integrator {
-        /// By scattered rays and by rays to lights, combined by multiple importance sampling.
+        /// BSDF sampling and light sampling, combined by multiple importance sampling.
         Mis = "mis",
-        /// By scattered rays alone.
+        /// BSDF sampling only.
         Bsdf = "bsdf",
     }
 );
@@ -195,7 +195,7 @@ pub struct Knob {
     pub class: Class,
     /// What its values other than the default give up, in a sentence.
     pub gives_up: &'static str,
-    /// How its value becomes one of [`RenderOptions`]; nothing for what is of the job: samples, size and depth.
+    /// How its value gets into [`RenderOptions`]; `None` for samples, size and depth, which are the job's.
     reading: Option<Reading>,
     /// The module that a value links, for an option that chooses between modules.
     links: Option<fn(&RenderOptions) -> &'static str>,
@@ -204,7 +204,7 @@ pub struct Knob {
 /// How a value is read, and told.
 #[derive(Clone, Copy, Debug)]
 struct Reading {
-    /// The words that it may be; or what `--help` has for it, where it is no word.
+    /// Its words, or the name of its value in `--help`.
     takes: Takes,
     read: fn(&mut RenderOptions, &str) -> Result<(), String>,
     /// The value; nothing where it is left to the device.
@@ -228,7 +228,7 @@ macro_rules! word {
     };
 }
 
-/// The same of a number between two others, which the device chooses where it is not given.
+/// The reading of a number in a range. The device chooses it where it is not given.
 macro_rules! number {
     ($field:ident: $range:expr) => {
         Some(Reading {

@@ -183,7 +183,7 @@ impl<'a> Plan<'a> {
     /// The most radiance of a contribution of indirect light, in device radiance; 0 where it is not limited.
     pub fn indirect_limit(&self) -> f32 {
         let Some(limit) = self.options.clamp else { return 0.0 };
-        // Beyond what f32 holds it is as good as the least or the most.
+        // Values beyond the range of f32 become its least or largest.
         let device = limit * 2f64.powi(-self.scene.radiance_exponent);
         device.clamp(f64::from(f32::MIN_POSITIVE), f64::from(f32::MAX)) as f32
     }

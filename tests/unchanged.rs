@@ -1,8 +1,8 @@
-//! What is rendered stays what it is, to the last bit: the table of hashes under tests/unchanged, a file a driver, is from before the
-//! code was put in order. It goes by the command line alone, so that the code below can be turned over.
+//! Images stay the same to the last bit. The hashes under tests/unchanged, one file per driver, were recorded before the code was
+//! rearranged. The test uses the command line alone, so that it does not depend on that code.
 //!
-//! The scenes that ship and the references, each linked in every way. A driver without a table has its own arithmetic; there the
-//! ways of linking are held against each other. `GPU_RT_RENEW_HASHES=1` writes the table: only where images are meant to change.
+//! It renders the scenes that ship and the references, each linked in every way. On a driver without a table it compares the ways of
+//! linking with each other. `GPU_RT_RENEW_HASHES=1` writes the table: do this only where images are meant to change.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

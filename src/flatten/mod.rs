@@ -69,8 +69,8 @@ const MOST_MEDIA: usize = 1024;
 const MOST_BY_BRUTE_FORCE: usize = 24;
 const LEAST_CROSSINGS: f32 = 1.25;
 
-/// Flattens a scene for an image of `size` pixels. Of the options those count that change tables: the integrator, the build of the
-/// hierarchies, and the features that are linked.
+/// Flattens a scene for an image of `size` pixels. It reads only the options that change tables: the integrator, the build of the
+/// hierarchies, and the features.
 ///
 /// # Errors
 /// `Error::Scene` where there are more primitives than a code can name, or more media than a ray can cross.
@@ -138,7 +138,7 @@ pub fn flatten(scene: &Scene, size: (u32, u32), options: &RenderOptions) -> Resu
     builder.add_background(radiance_scale);
     builder.add_materials(&used, radiance_scale);
     let sample_lights = options.integrator == Integrator::Mis;
-    // Diagnostics are looked for while the hierarchies are built.
+    // The diagnostics run while the hierarchies are built.
     let looked = std::thread::scope(|scope| {
         let looking = scope.spawn(|| diagnostics::warnings(&found));
         builder.add_primitives(&finder.placed);
@@ -228,7 +228,7 @@ impl Builder<'_> {
         (shape.kind().table.count(tables) - 1, Bounds { min, max })
     }
 
-    /// Where the mesh is laid out that a shape is; nothing of others.
+    /// Where a mesh is laid out; the default for other shapes.
     fn laid_of(&mut self, shape: &Shape) -> Laid {
         shape.mesh().map(|mesh| self.laid(mesh)).unwrap_or_default()
     }
