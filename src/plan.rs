@@ -9,9 +9,8 @@ mod tuning;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use crate::data::{self, QUEUE_HEADER};
+use crate::data::{self, PixelTotals, QUEUE_HEADER};
 use crate::error::Result;
-use crate::film::RunRecord;
 use crate::flatten::{BOUNDARIES, DeviceScene, Features, MATERIALS, PRIMITIVES};
 use crate::gpu::buffers::BufferSpec;
 use crate::gpu::device::DeviceClass;
@@ -293,8 +292,7 @@ impl Kernels {
     fn buffers<'a>(&self, flat: &'a DeviceScene, tuning: &Tuning) -> Vec<BufferSpec<'a>> {
         let slots = u64::from(tuning.slots);
         let queues = self.queues();
-        let record_bytes = size_of::<RunRecord>() as u64;
-        let runs = u64::from(tuning.records_per_slot);
+        let (tile, pixel_bytes) = (u64::from(tuning.tile), size_of::<PixelTotals>() as u64);
         let places = places(&self.path_fields);
         let (plane_bytes, word_bytes) = (places.plane_bytes(), places.word_bytes());
         let header = u64::from(QUEUE_HEADER);
@@ -308,10 +306,10 @@ impl Kernels {
             BufferSpec::working(
                 "counters",
                 size_of::<data::Counters>() as u64,
-                "runs started and finished, idle slots",
+                "runs started, idle slots, samples and rays",
             ),
-            BufferSpec::working("records", slots * runs * record_bytes, "finished runs on their way to the film")
-                .made_of(format!("{slots} slots x {runs} runs x {record_bytes} bytes")),
+            BufferSpec::working("film", tile * pixel_bytes, "what each pixel has received")
+                .made_of(format!("{tile} pixels x {pixel_bytes} bytes")),
             BufferSpec::working("paths", slots * plane_bytes, "the state of the paths in flight")
                 .made_of(format!("{slots} slots x {plane_bytes} bytes")),
             BufferSpec::working("path_words", slots * word_bytes, "what of that state fills no vec4")

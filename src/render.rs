@@ -1,24 +1,43 @@
-//! The render loop: generate → { intersect → scatter → refill } … → accumulate.
+//! The render loop: generate → { intersect → scatter → refill, which adds finished runs to the film } …
 
-use std::collections::BTreeMap;
+mod turns;
+
+use std::collections::{BTreeMap, VecDeque};
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
-use crate::data::{Counters, LIGHT_BINS, RUN_LENGTH, Settings, Window};
+use cpu_time::ThreadTime;
+
+use crate::data::{
+    Counters, LIGHT_BINS, PATHS, PixelTotals, RAYS, RUN_LENGTH, Settings, TOO_DEEP, TOO_DEEP_THROUGHPUT, Window,
+};
 use crate::error::{Error, Result};
-use crate::film::{Film, RunRecord};
+use crate::film::{Film, Rejected, Totals};
 use crate::gpu::buffers::{Buffers, Readback};
 use crate::gpu::device::Device;
 use crate::gpu::pipeline::{Pipeline, PipelineSpec};
 use crate::gpu::probe;
-use crate::gpu::timing::{MAX_PASSES, Timing};
+use crate::gpu::timing::{MAX_PASSES, StageTimes, Timing};
 use crate::job::{Goal, Job, blocks};
 use crate::plan::{Bounce, Kernel, Plan, STEPS, SettingsLayout, Tuning};
+use turns::{Turn, pixel_in_order, turns};
+
+/// A look at the film of a render that goes on.
+pub struct Look<'a> {
+    pub film: &'a Film,
+    /// When the device had nothing left to do but to wait for the look's end.
+    pub begin: Instant,
+}
+
+/// What the caller of a render is called with after each submission: what came of it so far, and the film where it asked for it.
+pub type Watch<'a> = &'a mut dyn FnMut(&Outcome, Option<Look<'_>>) -> Next;
 
 /// What the caller of a render wants next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Next {
     GoOn,
+    /// Bring the film up to date, and show it as a [`Look`].
+    Look,
     /// Start nothing new, and end with what has been started.
     Stop,
 }
@@ -31,6 +50,8 @@ pub struct Outcome {
     pub interrupted: bool,
     /// Of an interrupted render: one past the last sample that any pixel has.
     pub stopped_at: Option<u32>,
+    /// Samples and rays, those of the film and those that are still to be added to it.
+    pub totals: Totals,
     /// Paths that max_depth ended.
     pub too_deep: TooDeep,
     /// What is met by mirrors and through glass by chance.
@@ -41,8 +62,12 @@ pub struct Outcome {
     pub seconds: f64,
     /// Seconds until the first pass had ended.
     pub first_pass: f64,
+    /// Processor seconds of the thread that renders, from the first pass to the last. A driver's own threads are not in it.
+    pub host_seconds: f64,
     /// Seconds on the device by stage, where they were asked for and the device can tell.
     pub stages: Vec<(String, f64)>,
+    /// The share of the time in which the device ran no kernel, where it was asked for and the device can tell; 0 to 1.
+    pub device_idle: Option<f64>,
 }
 
 /// What came of a render until an error.
@@ -77,9 +102,32 @@ impl TooDeep {
 
     /// What has been counted since the last reading.
     fn add(&mut self, now: &Counters, before: &Counters) {
-        let sum = |c: &Counters| u64::from(c.too_deep_high) << 32 | u64::from(c.too_deep_low);
-        self.paths += u64::from(now.too_deep.wrapping_sub(before.too_deep));
-        self.throughput += sum(now).wrapping_sub(sum(before)) as f64 / 65_536.0;
+        self.paths += since(TOO_DEEP, now, before);
+        self.throughput += since(TOO_DEEP_THROUGHPUT, now, before) as f64 / 65_536.0;
+    }
+}
+
+/// What has been added to a count since the last reading.
+fn since(which: u32, now: &Counters, before: &Counters) -> u64 {
+    let count = |counters: &Counters| {
+        let [low, high] = counters.counts[which as usize];
+        u64::from(high) << 32 | u64::from(low)
+    };
+    count(now).wrapping_sub(count(before))
+}
+
+/// Samples and rays since the last reading.
+fn totals_since(now: &Counters, before: &Counters) -> Totals {
+    let count = |of: fn(&Counters) -> u32| u64::from(of(now).wrapping_sub(of(before)));
+    Totals {
+        paths: since(PATHS, now, before),
+        rays: since(RAYS, now, before),
+        rejected: Rejected {
+            nan: count(|counters| counters.nan),
+            infinite: count(|counters| counters.infinite),
+            cut: count(|counters| counters.cut),
+            refused: count(|counters| counters.refused),
+        },
     }
 }
 
@@ -123,9 +171,13 @@ impl ThroughGlass {
     }
 }
 
-/// The share of a submission's target that a submission should take: long enough to hide what it costs to make one, short
+/// The time that a submission should take: long enough to hide what it costs to make one, short
 /// enough that no watchdog fires and no user waits.
 const SUBMISSION: Duration = Duration::from_millis(100);
+/// Submissions that the device has at a time: while it executes one, the host reads what the one before has counted, and the next one waits.
+const IN_FLIGHT: usize = 2;
+/// Bytes of the film that go to the host at a time.
+const FILM_AT_ONCE: u64 = 64 << 20;
 
 fn seconds_until(deadline: Instant) -> f64 {
     deadline.saturating_duration_since(Instant::now()).as_secs_f64()
@@ -144,9 +196,36 @@ pub struct Renderer<'a> {
     buffers: Buffers,
     generate: Pipeline,
     bounce: BouncePipelines,
+    /// One for each submission in flight.
+    reports: Vec<Report>,
+    /// The film on its way to the host.
+    film: Readback,
+    /// The tile that the device's film is of.
+    tile: Range<u32>,
+    /// What the device's film has received since it was last brought to the host.
+    received: Totals,
+    /// Whether what it holds is of no more use: the next submission empties it.
+    stale: bool,
+    /// Whether something has been rendered.
+    used: bool,
+    stages: StageTimes,
+    /// When the last submission ended.
+    landed: Instant,
+}
+
+/// What a submission reports to the host.
+struct Report {
     counters: Readback,
-    records: Readback,
     timing: Option<Timing>,
+}
+
+/// A submission that the device has not reported on yet.
+struct Flight {
+    submission: wgpu::SubmissionIndex,
+    /// Its place among the reports.
+    report: usize,
+    bounces: u32,
+    begin: Instant,
 }
 
 impl BouncePipelines {
@@ -165,7 +244,7 @@ impl BouncePipelines {
 /// What a stretch of rendering reports to.
 struct Stretch<'a> {
     film: &'a mut Film,
-    watch: &'a mut dyn FnMut(&Film, &Outcome) -> Next,
+    watch: Watch<'a>,
     start: Instant,
     outcome: &'a mut Outcome,
 }
@@ -235,7 +314,11 @@ impl<'a> Renderer<'a> {
                 refill: pipeline(&staged.refill)?,
             },
         };
-        let record_bytes = u64::from(tuning.slots) * u64::from(tuning.records_per_slot) * size_of::<RunRecord>() as u64;
+        let film_bytes = u64::from(tuning.tile) * size_of::<PixelTotals>() as u64;
+        let report = |_| Report {
+            counters: Readback::new(device, "counters", size_of::<Counters>() as u64),
+            timing: if profile { Timing::new(device) } else { None },
+        };
         let settings = Settings {
             max_depth: job.max_depth,
             seed: job.seed,
@@ -252,9 +335,14 @@ impl<'a> Renderer<'a> {
             bounces_fixed: tuning.bounces.is_some(),
             generate: pipeline(&plan.kernels.generate)?,
             bounce,
-            counters: Readback::new(device, "counters", size_of::<Counters>() as u64),
-            records: Readback::new(device, "records", record_bytes),
-            timing: if profile { Timing::new(device) } else { None },
+            reports: (0..IN_FLIGHT).map(report).collect(),
+            film: Readback::new(device, "film", film_bytes.min(FILM_AT_ONCE)),
+            tile: 0..0,
+            received: Totals::default(),
+            stale: false,
+            used: false,
+            stages: StageTimes::default(),
+            landed: Instant::now(),
             tuning,
             buffers,
         };
@@ -273,22 +361,22 @@ impl<'a> Renderer<'a> {
         self.device.wait(self.device.queue.submit([encoder.finish()]))
     }
 
-    /// Renders until the goal is reached, calling `watch` after each submission with the film and what came of the render so far, but for
-    /// what is known at its end alone. The job may be another one than the renderer was made for, of the same size.
+    /// Renders until the goal is reached, calling `watch` after each submission with what came of the render so far, but for what is known
+    /// at its end alone. Where it asks for a look, it is called again with the film. The job may be another one than the renderer was made for,
+    /// of the same size.
     ///
     /// # Errors
-    /// `Error::Device` where the device fails; the film keeps the runs that were finished before.
-    pub fn run(
-        &mut self,
-        job: &Job,
-        film: &mut Film,
-        watch: &mut dyn FnMut(&Film, &Outcome) -> Next,
-    ) -> Result<Outcome> {
+    /// `Error::Device` where the device fails; the film keeps what was in it at the last look.
+    pub fn run(&mut self, job: &Job, film: &mut Film, watch: Watch<'_>) -> Result<Outcome> {
         let mut outcome = Outcome::default();
         let start = Instant::now();
+        let processor = ThreadTime::now();
+        self.stages = StageTimes::default();
+        self.stale = std::mem::replace(&mut self.used, true);
+        self.received = Totals::default();
         let first = job.first_sample;
         self.settings = Settings { max_depth: job.max_depth, seed: job.seed, ..self.settings };
-        let mut stretch = Stretch { film, watch, start, outcome: &mut outcome };
+        let mut stretch = Stretch { film: &mut *film, watch, start, outcome: &mut outcome };
         let end = match job.goal {
             Goal::Samples(end) => {
                 self.render_samples(first..end, &mut stretch)?;
@@ -298,10 +386,11 @@ impl<'a> Renderer<'a> {
             Goal::Noise { error, deadline, end } => self.render_noise(first..end, error, deadline, &mut stretch)?,
         };
         outcome.samples = first..outcome.stopped_at.unwrap_or(end).min(end);
+        self.bring_film(film)?;
         outcome.seconds = start.elapsed().as_secs_f64();
-        if let Some(timing) = &self.timing {
-            outcome.stages = timing.seconds.iter().map(|(name, seconds)| (name.clone(), *seconds)).collect();
-        }
+        outcome.host_seconds = processor.elapsed().as_secs_f64();
+        outcome.stages = self.stages.seconds.iter().map(|(name, seconds)| (name.clone(), *seconds)).collect();
+        outcome.device_idle = self.stages.idle();
         Ok(outcome)
     }
 
@@ -323,7 +412,10 @@ impl<'a> Renderer<'a> {
             return Ok(None);
         }
         // Its runs of one sample would be parts of longer runs.
+        self.stale = true;
+        self.received = Totals::default();
         stretch.film.clear();
+        stretch.outcome.totals = Totals::default();
         stretch.outcome.too_deep = TooDeep::default();
         stretch.outcome.through_glass = ThroughGlass::default();
         Ok(Some(pace))
@@ -359,7 +451,7 @@ impl<'a> Renderer<'a> {
                 break;
             }
         }
-        if done == most.start && stretch.film.totals().paths == 0 {
+        if done == most.start && stretch.outcome.totals.paths == 0 {
             // The pilot was wrong about a second sample, and is gone.
             self.render_samples(done..done + 1, stretch)?;
             done += 1;
@@ -403,6 +495,7 @@ impl<'a> Renderer<'a> {
                     end
                 }
             };
+            self.bring_film(stretch.film)?;
             let bound = stretch.film.error_estimate(noise.level).map_or(f64::INFINITY, |found| found.bound);
             noise.reached = bound < error;
             stretch.outcome.noise = Some(noise);
@@ -420,70 +513,136 @@ impl<'a> Renderer<'a> {
         self.settings.first_sample = samples.start;
         self.settings.end_sample = samples.end;
         self.write("settings", &self.settings_layout.bytes(&self.settings))?;
-        let pixels = self.size.0 * self.size.1;
-        // Runs of a window are counted in 32 bits, with room for each slot to ask once too often.
-        let window_blocks = ((1u32 << 31) / pixels).max(1);
-        let blocks = blocks(samples.clone());
-        let mut first_block = blocks.start;
-        while first_block < blocks.end && !stretch.outcome.interrupted {
-            let end_block = blocks.end.min(first_block.saturating_add(window_blocks));
-            let window = Window { first_block, end: (end_block - first_block) * pixels, bounces: 0 };
-            self.render_window(window, &samples, stretch)?;
-            first_block = end_block;
+        let pixels = u64::from(self.size.0) * u64::from(self.size.1);
+        let pixels = u32::try_from(pixels).unwrap_or(u32::MAX);
+        for turn in turns(pixels, self.tuning.tile, blocks(samples)) {
+            if stretch.outcome.interrupted {
+                break;
+            }
+            if turn.pixels != self.tile {
+                self.bring_film(stretch.film)?;
+                self.tile = turn.pixels.clone();
+            }
+            self.render_turn(&turn, stretch)?;
         }
         Ok(())
     }
 
-    /// Renders the runs of a window, until every slot is idle.
-    fn render_window(&mut self, mut window: Window, samples: &Range<u32>, stretch: &mut Stretch<'_>) -> Result<()> {
+    /// Renders the runs of a turn, until every slot is idle.
+    fn render_turn(&mut self, turn: &Turn, stretch: &mut Stretch<'_>) -> Result<()> {
+        let pixels = turn.pixels.len() as u32;
+        let first_block = turn.blocks.start;
+        let end = turn.blocks.len() as u32 * pixels;
+        let mut window = Window { first_block, end, bounces: 0, first_pixel: turn.pixels.start, pixels };
         self.write("counters", bytemuck::bytes_of(&Counters::default()))?;
-        let most_bounces = self.most_bounces(samples);
-        let mut starting = true;
-        let mut before = Counters::default();
+        let mut flights: VecDeque<Flight> = VecDeque::new();
+        let mut counters = Counters::default();
+        let mut submitted = 0;
+        let mut look = false;
         loop {
-            let bounces = self.bounces.clamp(1, most_bounces);
-            window.bounces = bounces;
-            self.write("window", bytemuck::bytes_of(&window))?;
-            let begin = Instant::now();
-            let submission = self.submit(bounces, starting);
-            starting = false;
-            let counters = self.read_counters(submission.clone())?;
-            self.adapt(bounces, begin.elapsed());
-            if let Some(timing) = &mut self.timing {
-                timing.collect(self.device, submission)?;
+            // Where no run is left to be started, paths end one by one: what is submitted too much would find idle slots.
+            let most = if counters.next < window.end { IN_FLIGHT } else { 1 };
+            while counters.idle < self.tuning.slots && !look && flights.len() < most {
+                flights.push_back(self.submit(&mut window, submitted)?);
+                submitted += 1;
             }
-            self.accumulate(counters.records, stretch.film)?;
-            let Stretch { film, watch, start, outcome } = stretch;
-            outcome.too_deep.add(&counters, &before);
-            outcome.through_glass.add(&counters, &before);
-            before = counters;
-            if outcome.first_pass == 0.0 {
-                outcome.first_pass = start.elapsed().as_secs_f64();
-            }
-            if watch(film, outcome) == Next::Stop && !outcome.interrupted {
-                outcome.interrupted = true;
-                // No run beyond those started begins. The started ones end: to drop them would favour short paths.
+            let next = match flights.pop_front() {
+                Some(flight) => {
+                    let before = std::mem::replace(&mut counters, self.land(flight)?);
+                    let counted = totals_since(&counters, &before);
+                    self.received += counted;
+                    let Stretch { watch, start, outcome, .. } = stretch;
+                    outcome.totals += counted;
+                    outcome.too_deep.add(&counters, &before);
+                    outcome.through_glass.add(&counters, &before);
+                    if outcome.first_pass == 0.0 {
+                        outcome.first_pass = start.elapsed().as_secs_f64();
+                    }
+                    let next = watch(outcome, None);
+                    look |= next == Next::Look;
+                    next
+                }
+                None if look => {
+                    look = false;
+                    let begin = Instant::now();
+                    self.bring_film(stretch.film)?;
+                    (stretch.watch)(stretch.outcome, Some(Look { film: stretch.film, begin }))
+                }
+                None => break,
+            };
+            if next == Next::Stop && !stretch.outcome.interrupted {
+                stretch.outcome.interrupted = true;
+                // No run begins beyond those that had been started when the device is told. The started ones end: to drop them would favour
+                // short paths.
                 window.end = window.end.min(counters.next);
-                let blocks_begun = window.end.div_ceil(film.width() * film.height());
-                outcome.stopped_at = Some((window.first_block + blocks_begun) * RUN_LENGTH);
-            }
-            if counters.idle >= self.tuning.slots {
-                return Ok(());
             }
         }
+        if stretch.outcome.interrupted {
+            // Each slot has asked once too often.
+            let started = counters.next - counters.idle;
+            stretch.outcome.stopped_at = Some((first_block + started.div_ceil(pixels)) * RUN_LENGTH);
+        }
+        Ok(())
     }
 
-    fn read_counters(&self, submission: wgpu::SubmissionIndex) -> Result<Counters> {
+    /// Waits for a submission, and reads what it has counted.
+    fn land(&mut self, flight: Flight) -> Result<Counters> {
+        let Flight { submission, report, bounces, begin } = flight;
+        let Report { counters, timing } = &mut self.reports[report];
         let bytes = size_of::<Counters>() as u64;
-        self.counters.read(self.device, submission, bytes, bytemuck::pod_read_unaligned)
+        let counted = counters.read(self.device, submission.clone(), bytes, bytemuck::pod_read_unaligned)?;
+        if let Some(timing) = timing {
+            timing.collect(self.device, submission, &mut self.stages)?;
+        }
+        // The device begins with it when the one before has ended.
+        let now = Instant::now();
+        let took = now - begin.max(std::mem::replace(&mut self.landed, now));
+        self.adapt(bounces, took);
+        Ok(counted)
     }
 
-    /// Records and submits a pass: starting the slots if they have no runs yet, then so many bounces.
-    fn submit(&mut self, bounces: u32, starting: bool) -> wgpu::SubmissionIndex {
+    /// Adds what the device's film has received to the film.
+    fn bring_film(&mut self, film: &mut Film) -> Result<()> {
+        if self.received == Totals::default() {
+            return Ok(());
+        }
+        let each = size_of::<PixelTotals>() as u64;
+        let at_once = (self.film.room() / each).clamp(1, u64::from(u32::MAX)) as u32;
+        let tile = self.tile.clone();
+        let places: Vec<u32> = tile.clone().step_by(at_once as usize).collect();
+        for first in places {
+            let end = tile.end.min(first.saturating_add(at_once));
+            let bytes = u64::from(end - first) * each;
+            let mut encoder = self.encoder();
+            self.film.copy(&mut encoder, self.buffers.get("film")?, u64::from(first - tile.start) * each, bytes);
+            let submission = self.device.queue.submit([encoder.finish()]);
+            self.film.read(self.device, submission, bytes, |bytes| {
+                let indices = (first..end).map(|place| pixel_in_order(place, self.size));
+                match bytemuck::try_cast_slice::<u8, PixelTotals>(bytes) {
+                    Ok(totals) => film.add(indices.zip(totals), Totals::default()),
+                    Err(_) => film.add(indices.zip(&bytemuck::pod_collect_to_vec(bytes)), Totals::default()),
+                }
+            })?;
+        }
+        film.add([], std::mem::take(&mut self.received));
+        self.stale = true;
+        Ok(())
+    }
+
+    /// Records and submits a pass, the turn's first, second and so on: starting the slots if they have no runs yet, then some bounces.
+    fn submit(&mut self, window: &mut Window, number: usize) -> Result<Flight> {
+        let bounces = self.bounces.clamp(1, self.most_bounces());
+        window.bounces = bounces;
+        self.write("window", bytemuck::bytes_of(window))?;
+        let begin = Instant::now();
+        let report = number % IN_FLIGHT;
         let mut encoder = self.encoder();
+        if std::mem::take(&mut self.stale) {
+            encoder.clear_buffer(self.buffers.get("film")?, 0, None);
+        }
         let groups = self.tuning.slots.div_ceil(self.tuning.workgroup);
         let mut stages: Vec<Stage<'_>> = Vec::new();
-        if starting {
+        if number == 0 {
             stages.push(Stage::all(&self.generate, groups));
         }
         match &self.bounce {
@@ -505,7 +664,8 @@ impl<'a> Renderer<'a> {
             }
         }
         let sizes = self.buffers.get("queue_args").ok();
-        match &mut self.timing {
+        let Report { counters, timing } = &mut self.reports[report];
+        match timing {
             None => {
                 let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
                 stages.iter().for_each(|stage| stage.record(&mut pass, sizes));
@@ -521,56 +681,18 @@ impl<'a> Renderer<'a> {
                 timing.resolve(&mut encoder);
             }
         }
-        if let Ok(counters) = self.buffers.get("counters") {
-            self.counters.copy(&mut encoder, counters, size_of::<Counters>() as u64);
-        }
-        self.device.queue.submit([encoder.finish()])
-    }
-
-    /// Takes the finished runs into the film.
-    fn accumulate(&mut self, records: u32, film: &mut Film) -> Result<()> {
-        if records == 0 {
-            return Ok(());
-        }
-        let capacity = self.tuning.slots * self.tuning.records_per_slot;
-        if records > capacity {
-            return Err(Error::Device(format!(
-                "{}: {records} runs were delivered where {capacity} have room; please report this",
-                self.device.name
-            )));
-        }
-        let bytes = u64::from(records) * size_of::<RunRecord>() as u64;
-        let mut encoder = self.encoder();
-        self.records.copy(&mut encoder, self.buffers.get("records")?, bytes);
-        // Only the number of records starts again; `next` and `idle` go on.
-        encoder.clear_buffer(self.buffers.get("counters")?, std::mem::offset_of!(Counters, records) as u64, Some(4));
+        counters.copy(&mut encoder, self.buffers.get("counters")?, 0, size_of::<Counters>() as u64);
         let submission = self.device.queue.submit([encoder.finish()]);
-        self.records.read(self.device, submission, bytes, |bytes| match bytemuck::try_cast_slice(bytes) {
-            Ok(records) => film.add(records),
-            Err(_) => film
-                .add(&bytes.chunks_exact(size_of::<RunRecord>()).map(bytemuck::pod_read_unaligned).collect::<Vec<_>>()),
-        })
+        Ok(Flight { submission, report, bounces, begin })
     }
 
-    /// The bounces after which the records are sure to have room: a slot ends at most one run that it is in, and then one
-    /// for each of its samples' bounces.
-    fn most_bounces(&self, samples: &Range<u32>) -> u32 {
-        let whole = samples.start.is_multiple_of(RUN_LENGTH) && samples.end.is_multiple_of(RUN_LENGTH);
-        let shortest = match whole {
-            true => RUN_LENGTH,
-            false => {
-                let blocks = blocks(samples.clone());
-                let first = ((blocks.start + 1) * RUN_LENGTH).min(samples.end) - samples.start;
-                let last = samples.end - (samples.end - 1) / RUN_LENGTH * RUN_LENGTH;
-                first.min(last)
-            }
-        };
+    /// The bounces whose passes can be timed.
+    fn most_bounces(&self) -> u32 {
         let kernels = self.bounce.pipelines().count() as u32;
-        let recordable = match self.timing {
-            Some(_) => (MAX_PASSES as u32 - 1) / kernels,
-            None => u32::MAX,
-        };
-        ((self.tuning.records_per_slot - 1) * shortest).clamp(1, recordable)
+        match self.reports.iter().any(|report| report.timing.is_some()) {
+            true => ((MAX_PASSES as u32 - 1) / kernels).max(1),
+            false => u32::MAX,
+        }
     }
 
     /// Aims the next submission at its target time.

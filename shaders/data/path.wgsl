@@ -18,7 +18,7 @@ struct Path {
     depth: u32,
     pixel: u32,
     sample: u32,
-    // As in RunRecord.
+    // Of the run: accepted samples | rejected as NaN << 8 | rejected as infinite << 16 | cut short << 24 | ODD_RUN.
     counts: u32,
     //@ if light
     // Radiance of the sample so far, by sampled lights.

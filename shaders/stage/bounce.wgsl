@@ -15,8 +15,8 @@ override WORKGROUP_SIZE: u32 = 64u;
 // Loop iterations after which an invocation leaves its bounces to the next dispatch: with the longest walks
 // (scene/traverse, step/media) still to come they stay below the 65,535 that Mesa 22.3 allows an invocation.
 const MOST_ITERATIONS: u32 = 16384u;
-// The most that shading takes: seven octaves of noise over eight corners.
-const ITERATIONS_OF_SHADING: u32 = 64u;
+// The most that the rest of a bounce takes: seven octaves of noise over eight corners, and six sums of four words in the film.
+const ITERATIONS_OF_SHADING: u32 = 96u;
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn bounce(@builtin(global_invocation_id) id: vec3<u32>) {

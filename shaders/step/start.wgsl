@@ -24,6 +24,15 @@ fn pixel_in_order(position: u32) -> u32 {
     return (first_row + within % rows) * settings.image_width + within / rows;
 }
 
+// Where a pixel stands in that order.
+fn place_in_order(pixel: u32) -> u32 {
+    let column = pixel % settings.image_width;
+    let row = pixel / settings.image_width;
+    let first_row = row / STRIP_ROWS * STRIP_ROWS;
+    let rows = min(STRIP_ROWS, settings.image_height - first_row);
+    return first_row * settings.image_width + column * rows + row - first_row;
+}
+
 // Puts the path onto the camera ray of its sample.
 fn start_sample(path: ptr<function, Path>) {
     let pixel = (*path).pixel;
@@ -47,9 +56,8 @@ fn start_run(path: ptr<function, Path>) {
         atomicAdd(&counters.idle, 1u);
         return;
     }
-    let pixels = settings.image_width * settings.image_height;
-    let block = window.first_block + run / pixels;
-    (*path).pixel = pixel_in_order(run % pixels);
+    let block = window.first_block + run / window.pixels;
+    (*path).pixel = pixel_in_order(window.first_pixel + run % window.pixels);
     (*path).sample = max(block * RUN_LENGTH, settings.first_sample);
     (*path).counts = select(0u, ODD_RUN, (block & 1u) == 1u);
     (*path).sum = Compensated();

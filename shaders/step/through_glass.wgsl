@@ -2,6 +2,7 @@
 //@ use data/light
 //@ use bind/counters
 //@ use bind/settings
+//@ use lib/carry
 //@ use lib/rng
 // Light that mirrors and glass block from light sampling. They scatter one way only, so BSDF sampling must find such light by chance. It
 // finds small lights so seldom that an image may lack them and still seem free of noise. So some specular events send a shadow ray
@@ -67,7 +68,7 @@ fn add_light(path: ptr<function, Path>, bin: u32, sum: u32, brought: vec3<f32>) 
     let chance = f32(words_of_question(path).y >> 8u) * 0x1p-24f;
     let added = u32(min(largest_component(abs(brought)), 100.0) * 0x1p24f + chance);
     let before = atomicAdd(&counters.light[bin][sum], added);
-    if before + added < before {
+    if carry(before, added) != 0u {
         atomicAdd(&counters.light[bin][sum + 1u], 1u);
     }
 }

@@ -20,7 +20,7 @@ use crate::output::csv::csv;
 use crate::output::exr::{ExrImage, read_exr};
 use crate::output::plot::{Curve, Plot, svg};
 use crate::plan::Plan;
-use crate::render::{Next, Outcome, Renderer};
+use crate::render::{Look, Next, Outcome, Renderer};
 use crate::scene::Scene;
 
 /// The render after so many samples.
@@ -76,7 +76,7 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
             break;
         }
         let part = Job { first_sample: done, goal: Goal::Samples(next), ..job };
-        let mut go_on = |_: &Film, _: &Outcome| match stopped.load(Ordering::Relaxed) {
+        let mut go_on = |_: &Outcome, _: Option<Look<'_>>| match stopped.load(Ordering::Relaxed) {
             true => Next::Stop,
             false => Next::GoOn,
         };

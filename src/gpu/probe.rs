@@ -169,7 +169,7 @@ pub fn ask(device: &Device, trials: &[Trial]) -> Result<Vec<Answer>> {
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
         pipeline.dispatch(&mut pass, 1);
     }
-    readback.copy(&mut encoder, buffers.get("answers")?, answers_bytes);
+    readback.copy(&mut encoder, buffers.get("answers")?, 0, answers_bytes);
     let submission = device.queue.submit([encoder.finish()]);
     readback.read(device, submission, answers_bytes, bytemuck::pod_collect_to_vec)
 }

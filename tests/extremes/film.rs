@@ -2,9 +2,10 @@
 
 use bytemuck::{Pod, Zeroable};
 use gpu_rt::data::{ODD_RUN, RUN_LENGTH, Settings};
-use gpu_rt::film::{Film, RunRecord};
+use gpu_rt::film::Film;
 use gpu_rt::options::Scatter;
 
+use crate::common::film::{AddRuns, RunRecord};
 use crate::common::kernel::{Kernel, Overlay, Setup};
 use crate::common::render::{Ask, render_planted, scene};
 use crate::common::stats::Random;
@@ -94,10 +95,10 @@ fn mean_error(samples: &[f32], count: u64, exponent: i32) -> f64 {
     let of_all: f64 = samples.iter().map(|x| f64::from(*x)).sum();
     let (whole, rest) = (count / DISTINCT as u64, (count % DISTINCT as u64) as usize);
     for _ in 0..whole {
-        film.add(&records);
+        film.add_runs(&records);
         exact += of_all;
     }
-    film.add(&runs(&[], &samples[..rest]));
+    film.add_runs(&runs(&[], &samples[..rest]));
     exact += samples[..rest].iter().map(|x| f64::from(*x)).sum::<f64>();
     let expected = exact / count as f64 * 2f64.powi(exponent);
     (f64::from(film.develop().rgb[0][0]) / expected - 1.0).abs()
@@ -206,7 +207,7 @@ fn variances() -> Vec<Cell> {
     let mut all = Vec::new();
     for (((exponent, deviation), samples), naive) in deviations.into_iter().zip(&samples).zip(naive) {
         let mut film = Film::new(1, 1, 0).expect("a pixel fits");
-        film.add(&runs(&[], samples));
+        film.add_runs(&runs(&[], samples));
         let found = f64::from(film.develop().variance[0][0]);
         // The same in f64.
         let spread = |run: &[f32]| {

@@ -1,8 +1,10 @@
 //! The film: exact totals whatever the order, and an error estimate that is right on average.
 
+use crate::common::film::{AddRuns, RunRecord, to_fixed};
 use crate::common::stats::{Random, one_sample_t};
-use gpu_rt::data::{ODD_RUN, RUN_LENGTH, Sampler};
-use gpu_rt::film::{Film, RunRecord, UNKNOWN_VARIANCE};
+use gpu_rt::data::{ODD_RUN, Sampler};
+use gpu_rt::film::{Film, UNKNOWN_VARIANCE};
+use gpu_rt::output::exr::{read_exr, write_exr};
 
 fn run(pixel: u32, sum: [f32; 3], accepted: u32) -> RunRecord {
     RunRecord { sum, pixel, counts: accepted, rays: 2 * accepted, spread: [0.0; 3] }
@@ -27,7 +29,7 @@ fn odd(record: RunRecord) -> RunRecord {
 
 fn film(width: u32, height: u32, records: &[RunRecord]) -> Film {
     let mut film = Film::new(width, height, 0).unwrap();
-    film.add(records);
+    film.add_runs(records);
     film
 }
 
@@ -65,7 +67,7 @@ fn any_order_and_any_split_give_the_same_bits() {
         let mut rest = records.as_slice();
         while !rest.is_empty() {
             let (now, later) = rest.split_at(random.below(rest.len()) + 1);
-            split.add(now);
+            split.add_runs(now);
             rest = later;
         }
         assert!(split == expected);
@@ -109,8 +111,8 @@ fn sixteen_million_equal_samples_keep_their_mean() {
     let runs = 1 << 21;
     let mut film = Film::new(1, 1, 0).unwrap();
     let block: Vec<_> = (0..1 << 12).map(|index| numbered(index, full)).collect();
-    (0..runs >> 12).for_each(|_| film.add(&block));
-    film.add(&[run(0, [0.3; 3], 1)]);
+    (0..runs >> 12).for_each(|_| film.add_runs(&block));
+    film.add_runs(&[run(0, [0.3; 3], 1)]);
     let picture = film.develop();
     assert_eq!(picture.samples, [(1 << 24) + 1]);
     assert!((f64::from(picture.rgb[0][0]) / 0.3 - 1.0).abs() < 1e-7, "{:?}", picture.rgb);
@@ -208,7 +210,7 @@ fn variance_is_unbiased() {
 
 fn film_of_halves(width: u32, records: &[RunRecord]) -> Film {
     let mut film = Film::with_sampler(width, 1, 0, Sampler::Sobol).unwrap();
-    film.add(records);
+    film.add_runs(records);
     film
 }
 
@@ -258,7 +260,7 @@ fn noisy_film(random: &mut Random, pixels: u32, runs: u32, sampler: Sampler) -> 
         let b = brightness(pixel);
         for index in 0..runs {
             let samples = [(); 8].map(|_| b * (4.0 + random.uniform()));
-            film.add(&[numbered(index, run_of(pixel, &samples))]);
+            film.add_runs(&[numbered(index, run_of(pixel, &samples))]);
         }
         mean_of_all += 4.5 * b / f64::from(pixels);
         means.push(4.5 * b);
@@ -323,7 +325,7 @@ fn the_bound_is_corrected_for_what_goes_together_with_the_mean() {
             for pixel in 0..256 {
                 for index in 0..RUNS {
                     let samples = [(); 8].map(|_| if random.uniform() < SHARE { 9.0 } else { 1.0 });
-                    film.add(&[numbered(index, run_of(pixel, &samples))]);
+                    film.add_runs(&[numbered(index, run_of(pixel, &samples))]);
                 }
             }
             let truth = error_against(&film, &[mean; 256], 0.01 * mean * mean);
@@ -360,8 +362,8 @@ fn a_pixel_that_holds_the_noise_is_not_lost_by_chance() {
                             _ => 1.0 + 0.02 * random.normal(),
                         });
                         let record = numbered(index, run_of(pixel, &samples));
-                        film.add(&[record]);
-                        of_halves.add(&[RunRecord { spread: [0.0; 3], ..record }]);
+                        film.add_runs(&[record]);
+                        of_halves.add_runs(&[RunRecord { spread: [0.0; 3], ..record }]);
                     }
                 }
                 let means: Vec<f64> =
@@ -405,7 +407,7 @@ fn many_rare_bright_paths_are_unreliable() {
                         [_] => run_of(pixel, &[1e3, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
                         _ => run_of(pixel, &[125.0; 8]),
                     };
-                    film.add(&[numbered(u32::from(is_odd), bright)]);
+                    film.add_runs(&[numbered(u32::from(is_odd), bright)]);
                 }
             }
             film.error_estimate(0.05).expect("it has halves")
@@ -434,7 +436,7 @@ fn few_pixels_that_make_the_error_are_unreliable() {
     assert!(bound(0.5) < 1.01 * usual.value.max(usual.against_better));
     // Three fireflies.
     for pixel in [100, 500, 900] {
-        film.add(&[run(pixel, [1e3; 3], 8)]);
+        film.add_runs(&[run(pixel, [1e3; 3], 8)]);
     }
     let found = film.error_estimate(0.05).unwrap();
     assert!(!found.reliable && found.bound > 1.5 * found.value, "{found:?}");
@@ -484,24 +486,19 @@ fn rejected_samples_are_counted_by_reason_and_leave_the_mean_alone() {
 }
 
 #[test]
-fn records_that_cannot_be_are_refused_and_corrupt_nothing() {
+fn sums_that_cannot_be_are_refused_and_corrupt_nothing() {
     let good = [run(0, [1.0; 3], 8), run(1, [2.0; 3], 8), odd(run(1, [3.0; 3], 8))];
     let expected = film(2, 1, &good).develop();
     let bad = [
-        run(2, [1.0; 3], 8),
-        run(u32::MAX, [1.0; 3], 8),
         run(0, [f32::NAN, 1.0, 1.0], 8),
         run(0, [1.0, -1e-30, 1.0], 8),
         run(0, [1.0, f32::NEG_INFINITY, 1.0], 8),
-        run(0, [1.0; 3], RUN_LENGTH + 1),
-        run(0, [1.0; 3], 7 | 2 << 24),
-        run(0, [1.0; 3], 8 | 1 << 8),
         RunRecord { spread: [0.0, f32::NAN, 0.0], ..run(0, [1.0; 3], 8) },
         RunRecord { spread: [-1e-30, 0.0, 0.0], ..run(0, [1.0; 3], 8) },
     ];
     for record in bad {
         let mut film = film(2, 1, &good);
-        film.add(&[record]);
+        film.add_runs(&[record]);
         let picture = film.develop();
         assert_eq!(
             (&picture.rgb, &picture.variance, &picture.samples),
@@ -509,11 +506,15 @@ fn records_that_cannot_be_are_refused_and_corrupt_nothing() {
         );
         assert_eq!(film.totals().rejected.refused, 8, "{record:?}");
         assert_eq!(film.totals().paths, 32);
-        assert_eq!(picture.rejected[0], if record.pixel == 0 { 8 } else { 0 });
+        assert_eq!(picture.rejected[0], 8);
     }
+    // A pixel outside the image is left out.
+    let mut outside = film(2, 1, &good);
+    outside.add_runs(&[RunRecord { rays: 0, ..run(2, [1.0; 3], 8) }, run(u32::MAX, [1.0; 3], 8)]);
+    assert!(outside.develop() == film(2, 1, &good).develop());
     // Finite samples whose f32 sum overflows are infinite, not refused.
     let mut film = film(2, 1, &good);
-    film.add(&[run(0, [1.0, f32::INFINITY, 1.0], 8)]);
+    film.add_runs(&[run(0, [1.0, f32::INFINITY, 1.0], 8)]);
     assert_eq!((film.totals().rejected.infinite, film.totals().rejected.refused), (8, 0));
     assert_eq!(film.develop().rgb, expected.rgb);
 }
@@ -561,7 +562,7 @@ fn the_exponent_scales_the_picture_and_never_the_relative_error() {
     let (mean, variance) = (unit.develop().rgb[0][0], unit.develop().variance[0][0]);
     for exponent in [-40, -1, 3, 40] {
         let mut film = Film::new(1, 1, exponent).unwrap();
-        film.add(&records);
+        film.add_runs(&records);
         let picture = film.develop();
         assert_eq!(picture.rgb[0][0], mean * 2f32.powi(exponent));
         assert_eq!(picture.variance[0][0], variance * 2f32.powi(2 * exponent));
@@ -570,7 +571,7 @@ fn the_exponent_scales_the_picture_and_never_the_relative_error() {
     // What f32 cannot hold: never infinite, and a variance never turns into certainty.
     for (exponent, value, error) in [(300, f32::MAX, f32::MAX), (-300, 0.0, f32::MIN_POSITIVE)] {
         let mut film = Film::new(1, 1, exponent).unwrap();
-        film.add(&records);
+        film.add_runs(&records);
         assert_eq!((film.develop().rgb[0], film.develop().variance[0]), ([value; 3], [error; 3]));
     }
     assert!(Film::new(1, 1, 301).is_err() && Film::new(1, 1, i32::MIN).is_err());
@@ -594,7 +595,7 @@ fn relative_error_follows_the_formula() {
 fn relative_error_is_unknown_until_each_pixel_has_two_runs() {
     let mut film = film(2, 1, &[run(0, [1.0; 3], 8), odd(run(0, [3.0; 3], 8)), run(1, [1.0; 3], 8)]);
     assert_eq!(film.relative_error(), None);
-    film.add(&[odd(run(1, [3.0; 3], 8))]);
+    film.add_runs(&[odd(run(1, [3.0; 3], 8))]);
     assert!(film.relative_error().is_some());
 }
 
@@ -619,5 +620,46 @@ fn images_that_cannot_be_held_are_errors() {
     for (width, height) in [(0, 1), (1, 0), (u32::MAX, u32::MAX)] {
         let message = Film::new(width, height, 0).unwrap_err().to_string();
         assert!(message.contains(&format!("{width} x {height}")), "{message}");
+    }
+}
+
+#[test]
+fn fixed_point_is_exact_and_rounds_to_nearest() {
+    let exp2 = |exponent: i32| 2f64.powi(exponent);
+    assert_eq!(to_fixed(0.0, 88), Some(0));
+    assert_eq!(to_fixed(-0.0, 88), Some(0));
+    assert_eq!(to_fixed(1.0, 88), Some(1 << 88));
+    let mantissa = u128::from(0.3f32.to_bits() & 0x7f_ffff | 0x80_0000);
+    assert_eq!(to_fixed(f64::from(0.3f32), 88), Some(mantissa << (88 - 25)));
+    assert_eq!(to_fixed(exp2(-88), 88), Some(1));
+    assert_eq!(to_fixed(exp2(-89), 88), Some(1));
+    assert_eq!(to_fixed(exp2(-89) * 0.999, 88), Some(0));
+    assert_eq!(to_fixed(exp2(-88) * 2.5, 88), Some(3));
+    assert_eq!(to_fixed(exp2(-88) * 2.4, 88), Some(2));
+    assert_eq!(to_fixed(exp2(39), 88), Some(1 << 127));
+    assert_eq!(to_fixed(exp2(40), 88), None);
+    assert_eq!(to_fixed(f64::from(f32::MAX), 88), None);
+    assert_eq!(to_fixed(f64::MIN_POSITIVE, 88), Some(0));
+    assert_eq!(to_fixed(f64::from_bits(1), 88), Some(0));
+}
+
+#[test]
+fn nothing_that_is_not_finite_is_written_whatever_the_film_got() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.exr");
+    for exponent in [-300, 0, 300] {
+        let mut film = Film::new(4, 2, exponent).unwrap();
+        for (pixel, value) in
+            [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1.0, f32::MAX, 1e-45, 0.0].into_iter().enumerate()
+        {
+            let record =
+                RunRecord { sum: [1.0, value, 1.0], pixel: pixel as u32, counts: 4, rays: 0, spread: [0.0; 3] };
+            film.add_runs(&[record; 9]);
+        }
+        write_exr(&path, &film.develop(), &[]).unwrap();
+        let read = read_exr(&path).unwrap();
+        let variance = read.variance.unwrap();
+        assert!(read.rgb.as_flattened().iter().chain(variance.as_flattened()).all(|v| v.is_finite() && *v >= 0.0));
+        assert_eq!(read.rejected.unwrap(), [36, 36, 36, 36, 0, 0, 0, 0]);
     }
 }

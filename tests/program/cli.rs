@@ -1130,7 +1130,7 @@ fn plan_lists_what_the_scene_requires_as_render_does() {
     let buffers = json["buffers"].as_array().expect("buffers");
     let bytes: u64 = buffers.iter().map(|buffer| buffer["bytes"].as_u64().expect("bytes")).sum();
     assert_eq!(json["gpu_bytes"], bytes);
-    for name in names.iter().chain(&["spheres", "records"]) {
+    for name in names.iter().chain(&["spheres", "film"]) {
         assert!(text.contains(name), "{name} in {text}");
     }
     // Which object asked.
