@@ -22,7 +22,7 @@ struct CuboidFace {
 
 fn cuboid_face(center: vec3<f32>, half_extent: vec3<f32>, axis: u32) -> CuboidFace {
     let unit = select(vec3<f32>(0.0), vec3<f32>(1.0), vec3<u32>(axis) == vec3<u32>(0u, 1u, 2u));
-    // The side towards the point is the one away from the centre's direction.
+    // The half extents on the side towards the point, which is opposite to the centre's.
     let side = select(half_extent, -half_extent, center > vec3<f32>(0.0));
     let corner = center + select(-half_extent, side, unit > vec3<f32>(0.0));
     return CuboidFace(corner, 2.0 * half_extent * unit.zxy, 2.0 * half_extent * unit.yzx);
