@@ -1,7 +1,7 @@
 // The random dimensions, in blocks of four with names. Every block is reserved whether or not a scene uses it, so no feature
 // changes the numbers of another. Each bounce has DIMENSION_BLOCKS_PER_BOUNCE consecutive blocks, from DIMENSION_FIRST_BOUNCE on.
 
-const DIMENSION_CAMERA: u32 = 0u; // x, y within the pixel; lens, lens
+const DIMENSION_CAMERA: u32 = 0u; // two for the point in the pixel, two for the point on the lens
 const DIMENSION_FIRST_BOUNCE: u32 = 1u;
 const DIMENSION_BLOCKS_PER_BOUNCE: u32 = 4u;
 

@@ -30,13 +30,13 @@ struct LightNode {
 }
 
 const LIGHT_NODE_LEAF: u32 = 0x80000000u;
-// Its lights emit as much against the cone's directions as along them.
+// Its lights emit equally along the cone's directions and opposite to them.
 const LIGHT_NODE_TWO_SIDED: u32 = 0x40000000u;
 // The node is the sky, which surrounds every point and is equally bright from each.
 const LIGHT_NODE_SKY: u32 = 0x20000000u;
 const LIGHT_NODE_INDEX: u32 = 0x1fffffffu;
 
-// Values from here on are no places in the table of lights. An emitter with such a value is not sampled.
+// Values from here on are not places in the table of lights. An emitter with such a value is not sampled.
 const NOT_SAMPLED: u32 = 0x80000000u;
 
 // The sky's number when lights are sorted into bins (step/through_glass). It does not depend on the sky's place in the table of lights.

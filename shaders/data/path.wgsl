@@ -8,7 +8,7 @@ struct Path {
     t: f32,
     // Code of the primitive that the ray hit, or what the path is doing (data/primitive).
     status: u32,
-    // The factor by which the radiance that the ray finds contributes to the sample. Once the path has ended: its radiance.
+    // The factor that multiplies the radiance found by the ray. Once the path has ended, it holds the path's radiance.
     throughput: vec3<f32>,
     //@ if mesh
     // For a hit on a triangle: the instance of its mesh.
@@ -23,8 +23,8 @@ struct Path {
     //@ if light
     // Radiance of this sample so far from light sampling.
     radiance: vec3<f32>,
-    // The pdf with which the last event sampled the ray's direction. 0 for camera rays and after specular events;
-    // step/through_glass marks some of the latter by BY_CHANCE instead.
+    // The pdf with which the last event sampled the ray's direction. 0 for camera rays and after specular events. After some
+    // specular events it is BY_CHANCE (step/through_glass).
     pdf: f32,
     // The shadow ray; the code of its light, or NO_LIGHT; and its contribution per unit of radiance if nothing blocks it.
     shadow: Ray,

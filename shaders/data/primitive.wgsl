@@ -12,7 +12,7 @@ const KIND_INSTANCE: u32 = 6u;
 
 // The ray left the scene.
 const HIT_NOTHING: u32 = 0xffffffffu;
-// The path has ended. Its `throughput` now holds its radiance.
+// The path has ended. `throughput` now holds its radiance.
 const PATH_ENDED: u32 = 0xfffffffeu;
 // The slot has no run.
 const SLOT_IDLE: u32 = 0xfffffffdu;
@@ -20,7 +20,7 @@ const SLOT_IDLE: u32 = 0xfffffffdu;
 const RAY_READY: u32 = 0xfffffffcu;
 // The walk through the BVH took too many steps and was given up. The path's sample is rejected.
 const PATH_CUT: u32 = 0xfffffffbu;
-// The path reached max_depth before it ended. Its `throughput` is still its throughput.
+// The path reached max_depth before it ended. `throughput` still holds its throughput.
 const PATH_TOO_DEEP: u32 = 0xfffffffau;
 const FIRST_STATUS: u32 = PATH_TOO_DEEP;
 

@@ -20,7 +20,8 @@ struct Settings {
     //@ if lens
     // The image's x and y directions in render space, times the lens's radius.
     lens_x: vec3<f32>,
-    // 1 / focus distance in render space. The pinhole's direction minus this times the point on the lens goes to the point in focus.
+    // 1 / focus distance in render space. The ray from a point on the lens to the point in focus has this direction: the
+    // pinhole's direction minus the point on the lens times this value.
     inverse_focus: f32,
     lens_y: vec3<f32>,
     //@ end

@@ -13,7 +13,7 @@ struct Trial {
     word: u32,
     // The bits of a NaN, an infinity or another number.
     special: u32,
-    // The bits of a normal number of which a 16th is subnormal, and the bits of a subnormal number.
+    // The bits of a normal number whose 16th part is subnormal, and the bits of a subnormal number.
     least: u32,
     subnormal: u32,
     // 0. No compiler knows its value.

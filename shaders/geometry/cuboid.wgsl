@@ -30,10 +30,10 @@ fn cuboid_distance(ray: Ray, cuboid: Cuboid) -> f32 {
     return select(t.y, t.x, t.x > 0.0);
 }
 
-// Bound of the rounding error of a point on a face along the normal, plus the error of the next distance that is computed
-// from the point. Own derivation, in units of roundoff. h are the half edges as vectors and c is the centre; each component
-// counts with its share in the normal:
-// - The point is off by 3 |h|. Adding the centre makes it off by |c| + |h| more.
+// Bound of the rounding error of a point on a face along the normal, plus the error of the next distance that is computed from
+// the point. Own derivation, in units of roundoff. h are the half edges as vectors and c is the centre. Their components are
+// weighted by those of the normal:
+// - The point is off by 3 |h|. Adding the centre adds |c| + |h|.
 // - The origin of the next ray, in the box's axes, is off by |h| from the difference and by 3 |h| from the products and sums.
 // - The axes are rounded and not exactly perpendicular: 2 |h| on the way to render space, and 2 |h| on the way back.
 // For a box along the axes of render space, only one of the half edges has a component along the normal.
@@ -65,7 +65,7 @@ fn cuboid_surface(ray: Ray, t: f32, cuboid: Cuboid) -> Surface {
     surface.error = cuboid_error(cuboid, surface.normal);
     surface.material = cuboid.material;
     surface.frame = cuboid.frame;
-    // From 0 at the low corner to 1 at the high one, and exactly 0 or 1 across the hit face.
+    // From 0 at the low corner to 1 at the high one. Along the normal of the hit face it is exactly 0 or 1.
     surface.local = select(0.5 + 0.5 * (local / cuboid.half_extent), 0.5 + 0.5 * outward, axis != vec3<f32>(0.0));
     return surface;
 }

@@ -5,8 +5,8 @@
 
 // Distance to the parallelogram, or NO_HIT. The host computes a_axis and b_axis in f64. The edges are widened by a bound of the
 // rounding error of a and b, so that quads that share an edge leave no gap. This bound is the error of the quad's points plus
-// the error of t, divided by the cosine between ray and normal: an offset of the plane moves the hit point on it by that much.
-// The bound grows without limit for rays along the plane, so it is limited to 1/64.
+// the error of t, divided by the cosine between ray and normal: an offset of the plane moves the hit point within it by up to
+// that much. The bound grows without limit for rays along the plane, so it is limited to 1/64.
 fn quad_distance(ray: Ray, quad: Quad) -> f32 {
     let from_origin = quad.corner - ray.origin;
     let facing = dot(ray.direction, quad.normal);

@@ -9,15 +9,15 @@ struct SphereFoot {
     perpendicular: vec3<f32>,
     // The distance to that point along the ray.
     k: f32,
-    // The square of half the chord, in units of the direction's length. Negative if the line misses the sphere.
+    // The square of half the chord, measured in units of the direction's length. Negative if the line misses the sphere.
     discriminant: f32,
 }
 
 // The discriminant is (r + l)(r - l), with l the length of the perpendicular from the centre to the ray. It keeps its precision
 // where b^2 - ac has none (Haines, Günther, Akenine-Möller, "Precision Improvements for Ray/Sphere Intersection", Ray Tracing
-// Gems, ch. 7). At the distance D, rounding leaves a component of up to 8 u D along the ray in the perpendicular. A second
-// projection removes it (own derivation: "twice is enough", Parlett, The Symmetric Eigenvalue Problem, section 6.9). Without
-// that, the square of this component would be part of l^2, and from D = 1e6 r on it is as large as r^2.
+// Gems, ch. 7). At the distance D, the computed perpendicular has an error of up to 8 u D along the ray. A second projection
+// removes it (own derivation: "twice is enough", Parlett, The Symmetric Eigenvalue Problem, section 6.9). Without that, the
+// square of this error would be part of l^2, and from D = 1e6 r on it is as large as r^2.
 fn sphere_foot(ray: Ray, sphere: Sphere) -> SphereFoot {
     let d = ray.direction;
     let f = ray.origin - sphere.center;

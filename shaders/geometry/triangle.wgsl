@@ -48,7 +48,7 @@ fn flush_small(v: vec3<f32>) -> vec3<f32> {
     return select(v, vec3<f32>(0.0), abs(v) < vec3<f32>(0x1p-60f));
 }
 
-// |x y| exactly, for normal floats: an integer of two digits in base 2^24, times a power of two by the sum of the exponents.
+// |x y| exactly, for normal floats: an integer of two digits in base 2^24, times 2 to the power of the sum of the exponents.
 struct ExactProduct {
     high: vec3<u32>,
     low: vec3<u32>,
@@ -113,8 +113,8 @@ fn triangle_hit(shear: Shear, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> Trian
     let first = x.yzx * y.zxy;
     let second = y.yzx * x.zxy;
     let areas = first - second;
-    // Each product is off by at most two units of roundoff, however it is rounded or fused. Their difference
-    // adds two units of its own size.
+    // Each product is off by at most two units of roundoff, however it is rounded or fused. Their difference is off by
+    // two more units of its own size.
     let certain = abs(areas) > 4.0 * UNIT_ROUNDOFF * (abs(first) + abs(second));
     if any(certain & areas > vec3<f32>(0.0)) && any(certain & areas < vec3<f32>(0.0)) {
         return miss;
@@ -127,8 +127,8 @@ fn triangle_hit(shear: Shear, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> Trian
         return miss;
     }
     // The weights. The first is that of the vertex opposite to the shortest edge, a quotient of two areas. Both areas are
-    // products with that edge, which keep their precision in needles. The other two weights share the rest. Their vertices are
-    // close together, so the point depends little on how they share it.
+    // computed as products with that edge, so they keep their precision in needles. The other two weights share the rest. Their
+    // vertices are close together, so the point depends little on how they share it.
     let edge_x = x.zxy - x.yzx;
     let edge_y = y.zxy - y.yzx;
     let edge_z = z.zxy - z.yzx;
@@ -155,14 +155,14 @@ fn triangle_hit(shear: Shear, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> Trian
 
 // Bound of the error of a point that is computed from the weights of a hit. It is large enough that a ray which leaves from
 // there (leave_surface) does not hit the triangle again. Own derivation, in units of roundoff u. Let m be the sum over x, y, z
-// of the largest coordinate, l and s the longest and the shortest edge, and n twice the area:
+// of the vertices' largest coordinate, l and s the longest and the shortest edge, and n twice the area:
 // - The point: sums of products with weights that add up to 1 within a few u are off by 7 u m (PBR 4th ed., section 6.8.5).
 //   With the rounding of the offset point it is 8 u m.
 // - The next test, from a point within l of the vertices: differences, slopes and shear move each sheared vertex by 9 u l, and
-//   the direction's slopes are off by 6 u. `part` and `whole` are off by 6 u l s each, and their quotient by 5 u. With these,
-//   the place along the needle is off by up to 17 u l (l s / n), and the last difference by 3 u l: together below 32 u l (l s /
-//   n). A place that is off within the triangle's plane changes the height of the origin over that plane by its component along
-//   the ray, times the cosine. So grazing rays need no larger bound.
+//   the direction's slopes are off by 6 u. `part` and `whole` are off by 6 u l s each, and their quotient by 5 u. So the place
+//   along the needle is off by up to 17 u l (l s / n), and the last difference by 3 u l: together below 32 u l (l s / n). If
+//   the place is off within the triangle's plane, the origin's height over that plane is off only by the component along the
+//   ray, times the cosine. So grazing rays need no larger bound.
 // l s / n is near 1 for all shapes, including needles, except for triangles whose vertices lie nearly on a line with no two of
 // them close together. The bound follows l s / n up to 64.
 fn triangle_error(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> f32 {

@@ -1,4 +1,4 @@
-// Facts about f32 that hold on every driver. They use bits, because a compiler may assume the results of some comparisons.
+// Facts about f32 that hold on every driver. NaN and infinity are tested by bits, because a compiler may assume that they do not occur.
 
 // Half an ulp of 1: the relative error of one correctly rounded operation.
 const UNIT_ROUNDOFF: f32 = 0x1p-24f;

@@ -13,7 +13,7 @@ struct SphericalCuboid {
     areas: vec3<f32>,
 }
 
-// The one of the two faces across an axis that is turned towards the point: a corner and two edges.
+// The face across an axis that is turned towards the point: a corner and its two edges.
 struct CuboidFace {
     corner: vec3<f32>,
     u: vec3<f32>,
@@ -22,7 +22,7 @@ struct CuboidFace {
 
 fn cuboid_face(center: vec3<f32>, half_extent: vec3<f32>, axis: u32) -> CuboidFace {
     let unit = select(vec3<f32>(0.0), vec3<f32>(1.0), vec3<u32>(axis) == vec3<u32>(0u, 1u, 2u));
-    // The half extents on the side towards the point, which is opposite to the centre's.
+    // The face towards the point is on the side opposite to the direction of the centre.
     let side = select(half_extent, -half_extent, center > vec3<f32>(0.0));
     let corner = center + select(-half_extent, side, unit > vec3<f32>(0.0));
     return CuboidFace(corner, 2.0 * half_extent * unit.zxy, 2.0 * half_extent * unit.yzx);

@@ -20,8 +20,8 @@ struct SphereCone {
 }
 
 // The sine is off by at most 4 u, with u the unit of roundoff: 2 u from the length, 1 u from each difference, 1 u from the
-// quotient. So a point inside never counts as outside; the far half of what it sees would never be sampled. A point outside may
-// count as inside if it is within 8 u of the surface. Then half of the directions miss, and the density is still right.
+// quotient. So a point inside never counts as outside. If it did, the far half of what it sees would never be sampled. A point
+// outside may count as inside if it is within 8 u of the surface. Then half of the directions miss, and the density is still right.
 fn sphere_cone(from_point: vec3<f32>, sphere: Sphere) -> SphereCone {
     let to_center = sphere.center - from_point;
     let distance = length(to_center);
@@ -39,11 +39,11 @@ fn sphere_cone_pdf(cone: SphereCone) -> f32 {
     return 1.0 / (2.0 * PI * cone.height);
 }
 
-// Rounding moves some directions of the cone out of it, where they miss the sphere, and moves none in. That would lose 2 d / sine
-// of the light, with d the rounding error. So directions are drawn from a cone that is narrower by a bound of d, and the density
-// stays that of the whole cone. The estimate is then the mean of the integrand over the narrower cone, times the whole solid
-// angle. It is off by d times the change of the integrand over the cone, or by less if the integrand is smooth. d is 3 u from the
-// axis and the basis, 4 u from the three products and two sums, and 4 u from the perpendicular in the intersection test.
+// Rounding moves some directions of the cone out of it, where they miss the sphere, and moves none in. With d the rounding error,
+// that would lose a fraction 2 d / sine of the light. So directions are drawn from a cone that is narrower by a bound of d, and
+// the density stays that of the whole cone. The estimate is then the mean of the integrand over the narrower cone, times the whole
+// solid angle. It is off by d times the change of the integrand over the cone, or by less if the integrand is smooth. d is 3 u
+// from the axis and the basis, 4 u from the three products and two sums, and 4 u from the perpendicular in the intersection test.
 const SPHERE_LIMB: f32 = 12.0 * UNIT_ROUNDOFF;
 
 // For a smaller sine, the square of the density would come near the end of f32's range (MIS weights need squares), and no ray

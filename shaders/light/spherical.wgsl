@@ -5,13 +5,13 @@
 // of the triangle, and the sum of the angles minus pi suffers cancellation in small triangles. The formulas here use tangents only.
 //
 // Own derivation. Let t be the unit tangent at a towards c, and m = p.a, q = p.t, n = |a.(p x t)|, so that m^2 + q^2 + n^2 = 1.
-// For the point a cos s + t sin s of the arc, the formula of Van Oosterom and Strackee ("The Solid Angle of a Plane Triangle",
-// IEEE Trans. Biomed. Eng. 30(2), 1983, equation 8) gives the solid angle E of the part beside a:
+// For the point a cos s + t sin s of the arc a c, the formula of Van Oosterom and Strackee ("The Solid Angle of a Plane
+// Triangle", IEEE Trans. Biomed. Eng. 30(2), 1983, equation 8) gives the solid angle E of the part beside a:
 //     tan(E/2) = n sin s / ((1 + m)(1 + cos s) + q sin s),   so   tan(s/2) = (1 + m) sin(E/2) / (n cos(E/2) - q sin(E/2)).
-// This is inserted into the components of that point along the tangent at p towards a, and across it. Without common factors, they are
-//     n (cos E - m) - q sin E   and   n sin E - q (1 - cos E),
-// which is the direction in which the arc leaves p. Close above a triangle, n approaches 0 and the arcs approach half circles.
-// The ratio of the two components then approaches tan(E/2), with full precision.
+// With this s, the components of the point as seen from p, along the tangent at p towards a and across it, are, without common factors,
+//     n (cos E - m) - q sin E   and   n sin E - q (1 - cos E).
+// They are the direction in which the cutting arc leaves p. Close above a triangle, n approaches 0 and the arcs approach half
+// circles. The ratio of the two components then approaches tan(E/2), with full precision.
 
 // A corner as seen from the point of the event.
 struct Corner {
@@ -45,7 +45,7 @@ fn spherical_direction(
     part: f32,
     v: f32,
 ) -> vec3<f32> {
-    // The components of the edges across the directions to their first corners.
+    // The components of the two edges perpendicular to the directions of their first corners.
     let across_a = to_a - dot(p.direction, to_a) * p.direction;
     let across_c = to_c - dot(a.direction, to_c) * a.direction;
     let length_a = length(across_a);

@@ -4,13 +4,13 @@
 //@ use scene/at_run_time
 // Chooses a light by its estimated contribution to a point. The choice descends a tree over the lights. At each node, the
 // probability of the left child is its share of the sum of both children's importances (Conty Estevez and Kulla, "Importance
-// Sampling of Many Lights with Adaptive Tree Splitting", HPG 2018; src/flatten/light_tree.rs). The sky is the second node of
-// the first pair, and surrounds everything.
+// Sampling of Many Lights with Adaptive Tree Splitting", HPG 2018; src/flatten/light_tree.rs). A sampled sky is the second node
+// of the first pair, and surrounds everything.
 
 // The importance of a node: the intensity of its lights over the squared distance, times the largest cosine that any of their
-// normals can have to the point (section 4.2). It bounds the irradiance except for the distance, which a node around the point
-// does not have; it is never taken as less than the node's radius. The point's own normal is not used, so a path that hits a
-// light need not store the normal of its last event.
+// normals can have to the point (section 4.2). Apart from the distance, this is an upper bound of the irradiance. The distance
+// is that to the node's centre, and at least the node's radius, because a node around the point has no distance to it. The
+// point's own normal is not used, so a path that hits a light need not store the normal of its last event.
 fn light_node_importance(node: LightNode, from_point: vec3<f32>) -> f32 {
     let to_point = from_point - node.center;
     let distance2 = dot(to_point, to_point);
@@ -24,7 +24,7 @@ fn light_node_importance(node: LightNode, from_point: vec3<f32>) -> f32 {
     let beyond = cosine < node.cos_spread;
     let less_cosine = select(1.0, cosine * node.cos_spread + sine * spread_sine, beyond);
     let less_sine = select(0.0, sine * node.cos_spread - cosine * spread_sine, beyond);
-    // Minus half the angle that the node fills as seen from the point. Inside the node, every direction is possible.
+    // From this, subtract half the angle that the node fills as seen from the point. Inside the node, every direction is possible.
     let seen_sine2 = radius2 / max(distance2, radius2);
     let seen_cosine = sqrt(1.0 - seen_sine2);
     let turned = less_cosine * seen_cosine + less_sine * sqrt(seen_sine2);
@@ -63,7 +63,7 @@ fn choose_light(from_point: vec3<f32>, u: vec2<f32>) -> LightChoice {
         let pair = child & LIGHT_NODE_INDEX;
         let share = light_node_share(pair, from_point);
         rest = select(rest, u.y, level == LEVELS_OF_ONE_UNIFORM);
-        // If rounding made it 1, it would choose the second node even at probability 0.
+        // If rounding made `rest` 1, the second node would be chosen even at probability 0.
         rest = min(rest, 1.0 - 0x1p-24f);
         let second = rest >= share;
         let taken = select(share, 1.0 - share, second);

@@ -67,7 +67,7 @@ fn distance_to_light(code: u32, ray: Ray) -> f32 {
     }
 }
 
-// Whether a shadow ray arrives at the front of a light, which has this normal there.
+// Whether a shadow ray arrives at the front of a light. `normal` is the light's normal at the hit.
 fn arrives_at_front(code: u32, ray: Ray, normal: vec3<f32>) -> bool {
     let index = primitive_index(code);
     switch primitive_kind(code) {

@@ -25,9 +25,10 @@ struct Crossing {
     winding: i32,
 }
 
-// The next crossing after `last`, and the winding number on the part of the ray between them. Every face that the ray hits from
-// there to infinity counts 1 if the ray leaves the mesh through it, and -1 if it enters. A ray never slips between the faces of
-// a closed mesh and never hits two of them at once (geometry/triangle), so the count is right wherever the ray starts.
+// The next crossing after `last`, and the winding number on the part of the ray between them. The winding number is a sum over
+// the faces that the ray hits from there to infinity: 1 for each face through which the ray leaves the mesh, and -1 for each
+// through which it enters. A ray never slips between the faces of a closed mesh and never hits two of them at once
+// (geometry/triangle), so the sum is right wherever the ray starts.
 fn next_crossing(ray: Ray, root: u32, last: Crossing, steps: ptr<function, u32>) -> Crossing {
     let inverse = slab_inverse(ray.direction);
     var next = Crossing(VERY_FAR, 0xffffffffu, 0);
@@ -66,8 +67,8 @@ fn next_crossing(ray: Ray, root: u32, last: Crossing, steps: ptr<function, u32>)
     return next;
 }
 
-// The distance at which the ray has passed the length `way` inside the mesh, if that is nearer than `limit`; NO_HIT otherwise,
-// or WALK_CUT if finding out took too many steps.
+// The distance at which the ray has travelled the length `way` inside the mesh, if that is nearer than `limit`; NO_HIT
+// otherwise, or WALK_CUT if finding out took too many steps.
 fn collision_in_mesh(ray: Ray, index: u32, way: f32, limit: f32, steps: ptr<function, u32>) -> f32 {
     let instance = instances[index];
     let here = to_mesh(instance, ray);
@@ -91,7 +92,7 @@ fn collision_in_mesh(ray: Ray, index: u32, way: f32, limit: f32, steps: ptr<func
     return NO_HIT;
 }
 
-// The length that the ray passes inside the mesh up to distance t, or WALK_CUT.
+// The length that the ray travels inside the mesh up to distance t, or WALK_CUT.
 fn way_in_mesh(ray: Ray, index: u32, t: f32, steps: ptr<function, u32>) -> f32 {
     let instance = instances[index];
     let here = to_mesh(instance, ray);

@@ -24,7 +24,7 @@ fn corners_of(index: u32) -> Corners {
     return Corners(a, b, c);
 }
 
-// The hit of a face by a ray in the mesh's space.
+// Where a ray in the mesh's space hits a face.
 fn face_hit(ray: Ray, inverse: vec3<f32>, index: u32) -> TriangleHit {
     let corners = corners_of(index);
     return triangle_hit(shear_along(ray, inverse), corners.a, corners.b, corners.c);

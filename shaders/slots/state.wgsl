@@ -9,8 +9,8 @@
 //@ end
 // The state of the slots' paths in memory. It has only the fields that this scene's kernels pass to each other
 // (src/plan/state.rs lists them). Most fields lie in planes of one vec4 of words per slot, which are read and written as a
-// whole. Words that fit no plane lie in a separate buffer. A vector without a companion of its own leaves the fourth word of
-// its vec4 to another field, as long as there is one.
+// whole. Words that fit no plane lie in a separate buffer. If a vector has no fourth word of its own, the fourth word of its
+// vec4 holds another field, as long as there is one.
 
 //@ each path_plane
 const PLANE_OF_${name}: u32 = ${number}u;

@@ -12,8 +12,8 @@
 // storing and loading a path's state costs more than divergence, such as software drivers.
 override WORKGROUP_SIZE: u32 = 64u;
 
-// The loop iterations after which an invocation leaves its other bounces to the next dispatch. With the longest walks that may
-// still follow (scene/traverse, step/media), they stay below the 65,535 that Mesa 22.3 allows an invocation.
+// After this many loop iterations, an invocation leaves its other bounces to the next dispatch. Even with the longest walks that
+// may still follow (scene/traverse, step/media), the total stays below the 65,535 iterations that Mesa 22.3 allows an invocation.
 const MOST_ITERATIONS: u32 = 16384u;
 // The most iterations that shading takes: seven octaves of noise over eight corners.
 const ITERATIONS_OF_SHADING: u32 = 64u;

@@ -2,7 +2,7 @@
 //@ use bind/answers
 //@ use geometry/triangle
 //@ use lib/float
-// Finds out how this driver computes what kernels may rely on. The host knows the correct answers (src/gpu/probe.rs). All
+// Probes the arithmetic of this driver that kernels may rely on. The host knows the correct answers (src/gpu/probe.rs). All
 // inputs come from a uniform, so that no compiler computes a result in advance.
 override WORKGROUP_SIZE: u32 = 64u;
 

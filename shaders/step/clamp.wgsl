@@ -11,7 +11,7 @@ fn limited(contribution: vec3<f32>) -> vec3<f32> {
     return select(contribution, contribution * (settings.indirect_limit / most), most > settings.indirect_limit);
 }
 
-// A contribution that the path found after `depth` events.
+// A contribution found after `depth` events, limited if it is indirect.
 fn limited_indirect(contribution: vec3<f32>, depth: u32) -> vec3<f32> {
     if depth < INDIRECT_FROM {
         return contribution;
@@ -19,13 +19,13 @@ fn limited_indirect(contribution: vec3<f32>, depth: u32) -> vec3<f32> {
     return limited(contribution);
 }
 
-// The weight of a shadow ray from an event at this depth. No contribution is negative, so the sign marks indirect light; the state
-// of a path has no room for a flag.
+// The weight of a shadow ray from an event at this depth. No contribution is negative, so a negative weight marks indirect
+// light; the state of a path has no room for a flag.
 fn weight_of_light(weight: vec3<f32>, depth: u32) -> vec3<f32> {
     return select(weight, -weight, depth + 1u >= INDIRECT_FROM);
 }
 
-// The contribution of a shadow ray, from a weight of weight_of_light.
+// The contribution of a shadow ray with such a weight, limited if it is indirect.
 fn limited_light(contribution: vec3<f32>) -> vec3<f32> {
     if any(contribution < vec3<f32>(0.0)) {
         return limited(-contribution);

@@ -131,7 +131,7 @@ fn trace_shadow(path: ptr<function, Path>) -> u32 {
         status = PATH_CUT;
     }
     //@ if one_way
-    // A shadow ray that only counts light is no part of the image.
+    // A shadow ray that only counts light does not change the image.
     if is_by_chance(path) {
         if !is_hidden {
             note_asked_light(path, number_of_light(hit), emitted, brought);

@@ -3,10 +3,10 @@
 //@ use bind/counters
 //@ use bind/settings
 //@ use lib/rng
-// Light that mirrors and glass block from light sampling. They scatter to one direction only, so only BSDF sampling can find
-// such light, by chance. It finds small lights so rarely that an image may lack them and still seem free of noise. So some
-// specular events send a shadow ray to a light within a cone around their direction. The light that these rays find is counted,
-// and so is the light that BSDF sampling finds there. The counts are no part of the image.
+// Counts the light that mirrors and glass block from light sampling. Mirrors and glass scatter to one direction only, so only
+// BSDF sampling can find such light, by chance. It finds small lights so rarely that an image may lack them and still seem free
+// of noise. So some specular events send a shadow ray to a light within a cone around their direction. The light that these
+// rays find is counted, and so is the light that BSDF sampling finds there. The counts do not change the image.
 
 // The value of `pdf` after a specular event if an earlier event of the path sampled lights. If none did, `pdf` is 0.
 const BY_CHANCE: f32 = -1.0;
@@ -20,7 +20,7 @@ const SOLID_ANGLE_OF_CONE: f32 = 0.58868553;
 
 // The number of bins in which lights are counted.
 const LIGHT_BINS: u32 = 32u;
-// The places in a bin of the low words of its two sums: the light that shadow rays found, and the light that BSDF sampling found.
+// Each bin has two sums of two words, the low word first: light that shadow rays found (ASKED), and light that BSDF sampling found (MET).
 const ASKED: u32 = 0u;
 const MET: u32 = 2u;
 
@@ -65,8 +65,8 @@ fn bin_of_light(light: u32, radiance: vec3<f32>) -> u32 {
 }
 
 fn add_light(path: ptr<function, Path>, bin: u32, sum: u32, brought: vec3<f32>) {
-    // In units of 2^-24 of the device's unit of radiance. The fraction of a unit that is left is rounded up
-    // with a probability equal to it.
+    // In units of 2^-24 of the device's unit of radiance. The remaining fraction of a unit is rounded up with a
+    // probability equal to that fraction.
     let chance = f32(words_of_question(path).y >> 8u) * 0x1p-24f;
     let added = u32(min(largest_component(abs(brought)), 100.0) * 0x1p24f + chance);
     let before = atomicAdd(&counters.light[bin][sum], added);
@@ -79,8 +79,7 @@ fn largest_component(colour: vec3<f32>) -> f32 {
     return max(max(colour.x, colour.y), colour.z);
 }
 
-// Random words for the shadow rays that count. They do not depend on how stages are linked, and they are none of
-// the path's own random numbers.
+// Random words for the counting. They do not depend on how stages are linked, and they are not among the path's own random numbers.
 fn words_of_question(path: ptr<function, Path>) -> vec4<u32> {
     return pcg4d(vec4<u32>((*path).pixel, (*path).sample, (*path).depth, ~settings.seed));
 }
