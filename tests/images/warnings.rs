@@ -133,7 +133,7 @@ fn spheres_with_the_camera_near_their_surface() {
     assert_silent(&ground("41900"));
     // 4 u r is 1 at 4.19e6.
     assert_warns(&ground("4.1e6"), field, &["by up to 0.9775, 97.75 % of this distance"]);
-    let words = ["by up to 1.001, so that the image may be wrong", "which side of it the camera is", "write a quad"];
+    let words = ["by up to 1.001, so that the image may be wrong", "which side of the surface the camera is", "write a quad"];
     assert_warns(&ground("4.2e6"), field, &words);
     // From within, and on it.
     let within = ground("42000").replace("(0, 1, 0)", "(0, -1, 0)").replace("(0, 2, 1)", "(0, -2, 1)");
@@ -377,7 +377,7 @@ fn boxes_that_share_a_plane() {
     let words =
         ["this glass touches the quad at", "x.ron:13:1, which coincides with it", "let one reach into the other"];
     assert_warns(&scene(ABOVE, &format!("§{glass}\n{floor}")), "objects[0].Box", &words);
-    assert_warns(&scene(ABOVE, &format!("{floor}\n§{glass}")), "objects[1].Box", &["the quad at", "x.ron:12:9 and"]);
+    assert_warns(&scene(ABOVE, &format!("{floor}\n§{glass}")), "objects[1].Box", &["the quad at", "x.ron:12:9, which"]);
     assert_warns(&scene(below, &format!("{floor}\n§{glass}")), "objects[1].Box", &["the quad at"]);
     assert_silent(&scene(ABOVE, &format!("{floor}\n{}", glass.replace("(-0.5, 0, ", "(-0.5, -0.01, "))));
     assert_silent(&scene(ABOVE, &format!("{floor}\n{}", glass.replace("(-0.5, 0, ", "(-0.5, 0.01, "))));
