@@ -55,8 +55,8 @@ pub fn cells() -> Vec<Cell> {
     for aspect in [0, 3, 6] {
         for (name, place) in [("up to 1", (-2.0, 0.0)), ("1e2", (1.9, 2.1)), ("1e4", (3.9, 4.1))] {
             let range = format!("edges down to 1e-{aspect} of the longest, {name} edges from the origin");
-            let figure =
-                "Boxes: rays of 10 000 that hit their own box again or lost their chord inside, cosines from 0.05 to 1";
+            let figure = "Boxes: of 10 000 rays, those that hit their own box again or had a wrong chord inside, with cosines from \
+                          0.05 to 1";
             let (aspect, cosines) = (f64::from(aspect), (-1.3, 0.0));
             let mut cell = Cell::new(Row::Leaving, range, figure, 0.0, BECAUSE)
                 .achieved(leave(&own, aspect, place, cosines))
@@ -71,7 +71,8 @@ pub fn cells() -> Vec<Cell> {
         let decade = f64::from(exponent);
         let cosines = (-decade - 1.0, -decade);
         let range = format!("1e-{} to 1e-{exponent}", exponent + 1);
-        let figure = "Boxes by the cosine of the leaving ray: rays of 10 000 that hit their own box again or lost their chord inside";
+        let figure = "Boxes by the cosine of the leaving ray: of 10 000 rays, those that hit their own box again or had a wrong \
+                      chord inside";
         all.push(
             Cell::new(Row::Grazing, range, figure, 0.0, BECAUSE)
                 .achieved(leave(&own, 1.0, (-2.0, 1.0), cosines))

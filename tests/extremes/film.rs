@@ -117,8 +117,8 @@ fn means() -> Vec<Cell> {
                 format!("{name}, {}", of.0),
                 "Relative error of a pixel's mean, with runs summed by a kernel",
                 1e-7,
-                "the required accuracy. A run's sum is off by at most 6e-8: by nothing if its samples are equal, and otherwise at \
-                 random, which averages out over many runs. Sums of runs are exact. The picture rounds by at most 6e-8.",
+                "the required accuracy. A run's sum is off by at most 6e-8. It is exact if its samples are equal; otherwise its \
+                 errors are random and average out over many runs. Sums of runs are exact. The image is rounded by at most 6e-8.",
             )
             .achieved(mean_error(samples, count, 0));
             let exact = samples.iter().map(|x| f64::from(*x)).sum::<f64>() * (part / DISTINCT) as f64;
@@ -175,7 +175,8 @@ fn constants() -> Vec<Cell> {
             "8, a million constants",
             "Relative error of a run whose samples are all equal, summed by a kernel",
             0.0,
-            "none, because eight times a number is a number of f32, and the sum of a run is off by less than the distance to the next one.",
+            "none, because f32 represents eight times a number exactly, and the sum of a run is off by less than the distance to \
+             the next float.",
         )
         .achieved(worst(&[]))
         .planted(PLAIN_NAME, worst(PLAIN)),
@@ -186,7 +187,7 @@ fn constants() -> Vec<Cell> {
             format!("2^24 + 1, a sky of {WORST}; {name}"),
             "Relative error of a rendered pixel whose samples are all equal",
             1e-7,
-            "none, as required: all runs have eight samples, except the last with one.",
+            "none, as required. All runs have eight samples, except the last, which has one.",
         )
         .achieved(of_render(&Overlay::new(&[]), Some(scatter)));
         all.push(cell.planted(PLAIN_NAME, of_render(&Overlay::new(PLAIN), Some(scatter))));
@@ -227,8 +228,8 @@ fn variances() -> Vec<Cell> {
             format!("2^20, mean 1, spread 1e-{exponent}"),
             "Relative error of a pixel's variance",
             limit,
-            "r² + 10 r / sqrt(n) for n samples, with r the rounding of a mean within a run, at most 2^-22/sqrt(3), over the deviation \
-             of a sample.",
+            "r² + 10 r / sqrt(n) for n samples, where r is the rounding of a mean within a run, at most 2^-22/sqrt(3), divided by \
+             the deviation of a sample.",
         );
         all.push(cell.achieved((found / expected - 1.0).abs()).planted(MEAN_OF_SQUARES, naive_error));
     }

@@ -70,9 +70,9 @@ pub fn cells() -> Vec<Cell> {
         let cell = Cell::new(
             Row::Leaving,
             format!("scaled by {size:e}, {place:e} from the eye"),
-            "Instances: rays of 10 000 that hit the face or the ball that they left, or lost its inside",
+            "Instances: of 10 000 rays, those that hit the face or the ball that they left, or missed its far side",
             0.0,
-            "none, because the offset exceeds the error within the mesh, and 16 u of the position in it for the transforms \
+            "none, because the offset exceeds the error within the mesh, plus 16 u of the position in it for the transforms \
              (geometry/instance).",
         )
         .achieved(leave(size, place, &[]));

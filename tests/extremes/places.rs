@@ -24,9 +24,9 @@ fn powers_of_two() -> Vec<Cell> {
             Cell::new(
                 Row::Scale,
                 format!("2^{exponent}"),
-                "Whether any bit of the image of a scene with everything in it differs",
+                "Whether any bit of the image differs, for a scene with every feature",
                 0.0,
-                "none, because the host scales to an extent of 1 by a power of two in f64: every number that kernels see is the same.",
+                "none, because the host scales the scene to an extent of 1 by a power of two, in f64: kernels read the same numbers.",
             )
             .achieved(differs(&shot(world)))
             .planted("camera moved by a millionth", differs(&shot(moved)))
@@ -44,8 +44,7 @@ fn powers_of_two() -> Vec<Cell> {
 fn scales_and_places() -> Vec<Cell> {
     const FIGURE: &str = "Largest difference from the scene at scale 1 and the origin, with the same seed, over tiles and the whole \
                           image, in standard deviations";
-    const BECAUSE: &str =
-        "the largest of 78 normal variates exceeds it once in 1e6 (Šidák): differences by noise alone.";
+    const BECAUSE: &str = "noise alone: the largest of 78 normal variates exceeds the limit once in 1e6 (Šidák).";
     let files = Everything::new();
     let usual_world = World { lamp: 0.1, ..World::default() };
     let shot = |world: World| render(&files.scene(world), &Ask::spp(256).size(32, 24).seed(10));

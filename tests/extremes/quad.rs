@@ -113,10 +113,11 @@ fn grazed(kernel: &Kernel) -> Vec<Cell> {
             let cell = Cell::new(
                 Row::Grazing,
                 format!("1e-{} to 1e-{exponent}", exponent + 1),
-                "Quads by the sine of the angle with the plane: largest error of decision, distance, point and place over its bound",
+                "Quads by the sine of the angle with the plane: largest error of the decision, the distance, the point and its \
+                 coordinates over its bound",
                 1.0,
-                "offset, product and normal are off by 8 u of the lengths that take part; the error of the plane moves the point by it \
-                 over the sine.",
+                "the offset, the product and the normal are off by 8 u of the lengths involved; the error of the plane, divided by \
+                 the sine, is that of the point.",
             );
             // What the host computes in f64, computed in f32 instead: normal and axes of needles have no digits left.
             let in_f32: Vec<Quad> = quads
@@ -216,13 +217,13 @@ fn again(kernel: &Kernel, aspect: f64, place: (f64, f64), cosines: (f64, f64)) -
 
 fn leavings(kernel: &Kernel) -> Vec<Cell> {
     const BECAUSE: &str =
-        "none, because the offset exceeds the bound of the error of the point and of the next distance.";
+        "none, because the offset exceeds the bound of the errors of the point and of the next distance.";
     let without = tracer("quad", &[("geometry/offset", "test/control/offset_none")]);
     let mut all = Vec::new();
     for aspect in [0, 3, 6] {
         for (name, place) in [("up to 1", (-2.0, 0.0)), ("1e3", (2.9, 3.1)), ("1e6", (5.9, 6.1))] {
             let range = format!("1e{aspect} times as long as wide, {name} lengths from the origin");
-            let figure = "Quads: rays of 10 000 that hit their own quad again, cosines from 0.01 to 1";
+            let figure = "Quads: of 10 000 rays, those that hit their own quad again, with cosines from 0.01 to 1";
             let (aspect, cosines) = (f64::from(aspect), (-2.0, 0.0));
             all.push(
                 Cell::new(Row::Leaving, range, figure, 0.0, BECAUSE)
@@ -235,7 +236,7 @@ fn leavings(kernel: &Kernel) -> Vec<Cell> {
         let decade = f64::from(exponent);
         let cosines = (-decade - 1.0, -decade);
         let range = format!("1e-{} to 1e-{exponent}", exponent + 1);
-        let figure = "Quads by the cosine of the leaving ray: rays of 10 000 that hit their own quad again";
+        let figure = "Quads by the cosine of the leaving ray: of 10 000 rays, those that hit their own quad again";
         all.push(
             Cell::new(Row::Grazing, range, figure, 0.0, BECAUSE)
                 .achieved(again(kernel, 3.0, (-2.0, 1.0), cosines))

@@ -141,10 +141,10 @@ fn distances() -> Vec<Cell> {
             distance >= 1e3,
         ));
         all.push(cell(
-            "Spheres: share of wrong decisions, of impacts in 0..1.05 radii",
+            "Spheres: share of wrongly decided rays, for impact parameters of 0 to 1.05 radii",
             // Of impact parameters uniform in 0..1.05, a share below the error over 1.05 can lie on the wrong side.
             limit,
-            "the share of impacts that lie within that error of the edge.",
+            "the share of impact parameters that lie within that error of the edge.",
             &|v| v.wrong,
             distance >= 1e3,
         ));
@@ -158,14 +158,14 @@ fn distances() -> Vec<Cell> {
         all.push(cell(
             "Spheres: largest error of the distance over its bound",
             1.0,
-            "the bound is 8 u D for k; for the root it is the error of the line's position over half the chord (`impact_error`).",
+            "the bound is 8 u D for k, plus for the root the error of the line's position divided by half the chord (`impact_error`).",
             &|v| v.worst_distance,
             distance >= 1e1,
         ));
         all.push(cell(
             "Spheres: largest error of the normal over its bound",
             1.0,
-            "the bound is that of the line's position, and once more over half the chord (`compare`).",
+            "the bound is that of the line's position, plus the same divided by half the chord (`compare`).",
             &|v| v.worst_normal,
             false,
         ));
@@ -217,7 +217,7 @@ fn on_the_axis() -> Vec<Cell> {
             &range,
             "Spheres near the axis of view: largest error of the normal, over its bound",
             1.0,
-            "that error, and once more over half the chord.",
+            "that error, and that error divided by half the chord.",
         );
         let cell = cell.achieved(found.worst_normal);
         all.push(match exponent >= 4 {
@@ -334,8 +334,8 @@ fn leave(kernel: &Kernel, radius: f64, ratio: f64) -> Leaving {
 
 /// Rays that leave spheres of radii from 1e-6 to 1e6, each with its centre up to 1000 radii away from the origin of space.
 fn leavings() -> Vec<Cell> {
-    const FIGURE: &str =
-        "Spheres: rays of 1000 that hit their own sphere again or lost their chord inside, cosines from 0.05 to 1";
+    const FIGURE: &str = "Spheres: of 1000 rays, those that hit their own sphere again or had a wrong chord inside, with cosines \
+                          from 0.05 to 1";
     const BECAUSE: &str =
         "none, because the offset exceeds the bound of the point's error, and is below a tenth of the shortest chord.";
     let wrong = |found: Leaving| f64::from(found.again + found.chords);
@@ -415,9 +415,10 @@ fn grazing() -> Vec<Cell> {
             let decade = f64::from(exponent);
             let cosines = (-decade - 1.0, -decade);
             let range = format!("1e-{} to 1e-{exponent}, {ratio} radii from the origin", exponent + 1);
-            let figure = "Spheres by the cosine of the leaving ray: rays of 10 000 that hit their own sphere again or lost their chord";
-            let because = "none, because the offset exceeds the bound of the error, and the chord from there, at least sqrt(8 ε r), is \
-                           found to the error of its half, 6 u over it.";
+            let figure = "Spheres by the cosine of the leaving ray: of 10 000 rays, those that hit their own sphere again or had a \
+                          wrong chord inside";
+            let because = "none, because the offset ε exceeds the bound of the error, and the chord from there is at least sqrt(8 ε \
+                           r) long and has an error of 6 u divided by half of it.";
             all.push(
                 Cell::new(Row::Grazing, range, figure, 0.0, because)
                     .achieved(graze(&own, ratio, cosines))

@@ -133,7 +133,8 @@ fn spheres_with_the_camera_near_their_surface() {
     assert_silent(&ground("41900"));
     // 4 u r is 1 at 4.19e6.
     assert_warns(&ground("4.1e6"), field, &["by up to 0.9775, 97.75 % of this distance"]);
-    let words = ["by up to 1.001, so that the image may be wrong", "which side of the surface the camera is", "write a quad"];
+    let words =
+        ["by up to 1.001, so that the image may be wrong", "which side of the surface the camera is", "write a quad"];
     assert_warns(&ground("4.2e6"), field, &words);
     // From within, and on it.
     let within = ground("42000").replace("(0, 1, 0)", "(0, -1, 0)").replace("(0, 2, 1)", "(0, -2, 1)");
