@@ -1,7 +1,7 @@
 //! Writes docs/accuracy.md: the findings of `gpu-rt tradeoff` on scenes of this repository.
 //!
-//! `cargo bench --bench accuracy [-- --budget 70s]`: the budget is for each scene. GPU_RT_BENCH_DEVICE names the device, if it is not the
-//! default one. `make accuracy` runs it.
+//! `cargo bench --bench accuracy [-- --budget 70s]`: the budget is for each scene. GPU_RT_BENCH_DEVICE names the
+//! device, if it is not the default one. `make accuracy` runs it.
 
 use std::error::Error;
 use std::fmt::Write as _;

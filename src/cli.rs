@@ -50,11 +50,12 @@ pub struct RenderArgs {
     /// Sample indices A to B - 1 of each pixel, to split a render over machines.
     #[arg(long, value_name = "A..B", value_parser = sample_range, conflicts_with_all = ["spp", "time"])]
     pub samples: Option<Range<u32>>,
-    /// Render for this time, counted from the start of the program [30s, 5m, …]: at least one sample per pixel, at most --spp if given.
+    /// Render for this time, counted from the start of the program [30s, 5m, …]: at least one sample per pixel, at most
+    /// --spp if given.
     #[arg(long, value_name = "TIME", value_parser = duration)]
     pub time: Option<Duration>,
-    /// Render until the relative error is below this with 95 % confidence, such as 0.01 for 1 %: 16, 32, 64 … samples, limited by --spp
-    /// and --time if given.
+    /// Render until the relative error is below this with 95 % confidence, such as 0.01 for 1 %: 16, 32, 64 … samples,
+    /// limited by --spp and --time if given.
     #[arg(long, value_name = "E", value_parser = relative_error, conflicts_with = "samples")]
     pub noise: Option<f64>,
     #[arg(long, value_name = "WxH|N%", value_parser = image_size,
@@ -168,8 +169,9 @@ pub struct CompareArgs {
     /// Also write a heat map of FLIP's error: black is none, pale yellow is the most.
     #[arg(long, value_name = "FILE.png")]
     pub heatmap: Option<PathBuf>,
-    /// Exit with status 1 if this metric is above the value, such as relmse=0.01. Metrics: mse, rmse, relmse, relmse_trimmed, flip and
-    /// mean_difference (its magnitude). Can be given several times. A pixel that is not finite fails too.
+    /// Exit with status 1 if this metric is above the value, such as relmse=0.01. Metrics: mse, rmse, relmse,
+    /// relmse_trimmed, flip and mean_difference (its magnitude). Can be given several times. A pixel that is not finite
+    /// fails too.
     #[arg(long, value_name = "METRIC=VALUE", value_parser = limit)]
     pub fail_above: Vec<Limit>,
     /// Print one JSON object on stdout.
@@ -218,8 +220,8 @@ pub struct PlanArgs {
     /// Write the linked shaders into this folder.
     #[arg(long, value_name = "DIR")]
     pub wgsl: Option<PathBuf>,
-    /// Explain one kernel: its modules, with the user of each and the object or option that asked for it; its bindings, path state and
-    /// constants. With --json: list this kernel only.
+    /// Explain one kernel: its modules, with the user of each and the object or option that asked for it; its bindings,
+    /// path state and constants. With --json: list this kernel only.
     #[arg(long, value_name = "KERNEL")]
     pub why: Option<String>,
     #[arg(long, value_name = "WxH|N%", value_parser = image_size,

@@ -7,7 +7,8 @@ use crate::data::{SkyCell, luminance};
 /// The number of values of a uniform number on the device: the multiples of 2^-24.
 const UNIFORMS: u64 = 1 << 24;
 
-/// The most entries of a table. Each entry gets at least one of the 2^24 uniform numbers. With so many entries, this takes 1/16 of them.
+/// The most entries of a table. Each entry gets at least one of the 2^24 uniform numbers. A full table needs 1/16 of
+/// them for this minimum.
 pub const MAX_ENTRIES: usize = 1 << 20;
 
 /// The most cells of the sky's grid. 2^16 cells are 1 MiB of entries, with 256 uniform numbers per cell on average.
@@ -66,7 +67,8 @@ impl AliasTable {
     pub fn new(weights: &[f64]) -> Option<AliasTable> {
         let wanted = apportion(weights)?;
         let count = wanted.len() as u64;
-        // Entry i is found by the uniform numbers k from ceil(i 2^24 / n) on. k n = i 2^24 + rest, and the rest grows by n with each k.
+        // Entry i is found by the uniform numbers k from ceil(i 2^24 / n) on. k n = i 2^24 + rest, and the rest grows
+        // by n with each k.
         let first = |i: u64| (i * UNIFORMS).div_ceil(count);
         // Vose, "A Linear Algorithm for Generating Random Numbers with a Given Distribution", IEEE Trans. Softw. Eng. 17(9),
         // 1991, in integers: entries that need fewer uniform numbers than find them give the others to entries that need more.
@@ -108,8 +110,8 @@ impl AliasTable {
     }
 }
 
-/// The distribution of directions towards the sky: cells of a grid over its image. The weight of a cell is its mean luminance, as the kernels
-/// interpolate it, times its solid angle.
+/// The distribution of directions towards the sky: cells of a grid over its image. The weight of a cell is its mean
+/// luminance, as the kernels interpolate it, times its solid angle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SkyDistribution {
     pub columns: u32,
@@ -118,8 +120,8 @@ pub struct SkyDistribution {
     pub cells: Vec<SkyCell>,
 }
 
-/// The texels that contribute to the interpolation between x0 and x1 (in texels), with the integral of each one's weight. The weight is a
-/// tent around the texel's centre, two texels wide and 1 high.
+/// The texels that contribute to the interpolation between x0 and x1 (in texels), with the integral of each one's
+/// weight. The weight is a tent around the texel's centre, two texels wide and 1 high.
 fn tents(x0: f64, x1: f64) -> impl Iterator<Item = (i64, f64)> {
     // The integral of the tent from its start to t.
     let until = |t: f64| match t.clamp(-1.0, 1.0) {
@@ -135,8 +137,8 @@ fn tents(x0: f64, x1: f64) -> impl Iterator<Item = (i64, f64)> {
 }
 
 impl SkyDistribution {
-    /// None if the image is black everywhere or empty, or if the number of texels does not match its size. Negative and non-finite texels
-    /// count as black.
+    /// None if the image is black everywhere or empty, or if the number of texels does not match its size. Negative and
+    /// non-finite texels count as black.
     pub fn new(width: u32, height: u32, texels: &[[f32; 3]]) -> Option<SkyDistribution> {
         let (w, h) = (width as usize, height as usize);
         if w == 0 || h == 0 || w.checked_mul(h) != Some(texels.len()) {

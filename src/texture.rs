@@ -223,8 +223,8 @@ impl Texture {
         }
     }
 
-    /// The struct that kernels read, with values multiplied by `brightness`; none for a plain colour. `add_image` returns the index of an
-    /// image's first texel.
+    /// The struct that kernels read, with values multiplied by `brightness`; none for a plain colour. `add_image`
+    /// returns the index of an image's first texel.
     pub fn upload(
         &self,
         brightness: f64,
@@ -251,9 +251,9 @@ impl Texture {
         Some(texture)
     }
 
-    /// The frame of the texture: it maps local coordinates to the point base + columns · local in the object's own space, in the texture's
-    /// units. The base is reduced by the texture's period, in f64. For an image the frame only undoes the object's rotation, for the normals of
-    /// spheres. A plain colour needs no frame.
+    /// The frame of the texture: it maps local coordinates to the point base + columns · local in the object's own
+    /// space, in the texture's units. The base is reduced by the texture's period, in f64. For an image the frame only
+    /// undoes the object's rotation, for the normals of spheres. A plain colour needs no frame.
     pub fn frame(&self, (base, columns): (DVec3, DMat3), rotation: &DMat3) -> Option<data::Frame> {
         let (base, columns, phase) = match *self {
             Texture::Rgb(..) => return None,

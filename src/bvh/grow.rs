@@ -117,8 +117,8 @@ impl Grown {
     }
 }
 
-/// Splits a group of two or more primitives until there are four groups or nothing to split. The next group to split is the one with the
-/// largest surface; without `seek` it is the one with the most primitives, and is halved.
+/// Splits a group of two or more primitives until there are four groups or nothing to split. The next group to split is
+/// the one with the largest surface; without `seek` it is the one with the most primitives, and is halved.
 fn four<'a>(group: Group<'a>, seek: bool, search: &Search) -> Vec<Group<'a>> {
     let mut groups = Vec::with_capacity(WIDTH);
     groups.push(group);

@@ -56,9 +56,9 @@ impl Quality {
     }
 }
 
-/// The expected number of boxes that a line hits if it hits the box around all of them: the ratio of the sum of their surfaces to its
-/// surface. The surface area heuristic uses the same ratio (Goldsmith and Salmon, IEEE CG&A 7(5), 1987). 0 if there are no boxes, or if all
-/// are at one point.
+/// The expected number of boxes that a line hits if it hits the box around all of them: the ratio of the sum of their
+/// surfaces to its surface. The surface area heuristic uses the same ratio (Goldsmith and Salmon, IEEE CG&A 7(5),
+/// 1987). 0 if there are no boxes, or if all are at one point.
 pub fn crossings(bounds: &[Bounds]) -> f32 {
     let half_area = |all: &Bounds| {
         let d = all.max - all.min;

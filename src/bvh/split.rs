@@ -195,8 +195,8 @@ impl<'a> Group<'a> {
     }
 }
 
-/// The cost of a group under the surface area heuristic, up to a constant factor: half its surface times its number of primitives; infinite
-/// if the group is empty.
+/// The cost of a group under the surface area heuristic, up to a constant factor: half its surface times its number of
+/// primitives; infinite if the group is empty.
 fn cost(hull: &Extent, items: u32) -> f32 {
     match items {
         0 => f32::INFINITY,

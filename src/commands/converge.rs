@@ -32,7 +32,8 @@ struct Measurement {
     mse: f64,
     rmse: f64,
     relmse: f64,
-    /// The mean over pixels and channels of the image minus the reference, relative to the mean of the reference; none if that is black.
+    /// The mean over pixels and channels of the image minus the reference, relative to the mean of the reference; none
+    /// if that is black.
     mean_difference: Option<f64>,
     /// The render's own estimate of its noise (`Film::relative_error`); none if there are few samples.
     relative_error: Option<f64>,

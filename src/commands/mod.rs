@@ -41,7 +41,8 @@ fn flatten_for(scene: &Scene, size: Option<Size>, options: &RenderOptions) -> Re
     Ok((size, flatten(scene, size, options)?))
 }
 
-/// Prints warnings about settings that bias the result or are less exact, unless `quiet`. Returns these options as the user gave them.
+/// Prints warnings about settings that bias the result or are less exact, unless `quiet`. Returns these options as the
+/// user gave them.
 fn tell_biases(options: &RenderOptions, max_depth: Option<u32>, scene: &Scene, quiet: bool) -> Vec<String> {
     let cut = max_depth.filter(|depth| *depth < scene.render.max_depth);
     let biases: Vec<_> = cut.map(|depth| (&MAX_DEPTH, depth.to_string())).into_iter().chain(options.biases()).collect();
@@ -102,7 +103,7 @@ fn tell_software(device: &Device, quiet: bool) {
     }
 }
 
-/// Creates a folder unless it exists. If that fails, the error says with `undone` what has not been done.
+/// Creates a folder unless it exists. If that fails, the error includes `undone`: the work that has not been done.
 fn make_folder(folder: &Path, undone: &str) -> Result<()> {
     let failed = |error: std::io::Error| Error::File {
         path: folder.to_path_buf(),
@@ -125,7 +126,7 @@ fn stop_on_interrupt() -> Arc<AtomicBool> {
     stopped
 }
 
-/// Checks that a file can be written to this path. If not, the error says with `undone` what has not been done.
+/// Checks that a file can be written to this path. If not, the error includes `undone`: the work that has not been done.
 fn check_place(path: &Path, undone: &str) -> Result<()> {
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
@@ -171,7 +172,7 @@ fn print_line(text: &str) -> Result<()> {
     print_text(&format!("{text}\n"))
 }
 
-/// Prints text, which has its own line ends, on stdout. A closed pipe is not an error, because the reader closed it.
+/// Prints text, without an additional line end, on stdout. A closed pipe is not an error, because the reader chose to close it.
 fn print_text(text: &str) -> Result<()> {
     use std::io::{ErrorKind, Write};
     let mut stdout = std::io::stdout();

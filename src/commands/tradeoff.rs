@@ -25,14 +25,14 @@ use crate::tradeoff::report::{Findings, Shown};
 use crate::tradeoff::sweep::{LEVEL, MOST_ROUNDS, SAMPLES_OF_FEWEST, Setting, Subject, Sweep};
 use crate::tradeoff::truth::Truth;
 
-/// The shares of the budget after which compiling and measuring end, and after which the calibration at the whole size ends. The rest is
-/// for pictures and the report.
+/// The shares of the budget after which compiling and measuring end, and after which the calibration at the whole size
+/// ends. The rest is for pictures and the report.
 const MEASURING: f64 = 0.8;
 const CALIBRATING: f64 = 0.9;
 /// The largest share of the measuring time that the choice of the image size leaves to compiling.
 const COMPILING: f64 = 0.5;
-/// One more setting is compiled only if there is time left for twice the fewest rounds. The margin allows for a machine that becomes
-/// slower.
+/// One more setting is compiled only if there is time left for twice the fewest rounds. The margin allows for a machine
+/// that becomes slower.
 const ROUNDS_LEFT: f64 = 2.0;
 const MARGIN: f64 = 1.3;
 
@@ -198,8 +198,8 @@ fn middle(image: ExrImage, scene: &mut Scene) -> ExrImage {
     ExrImage { width: size.0, height: size.1, rgb, variance, samples: None, rejected: None, ..image }
 }
 
-/// A seed with which no image of the sweep shares its random numbers with a reference of this program: shared noise would look like no
-/// error.
+/// A seed with which no image of the sweep shares its random numbers with a reference of this program: shared noise
+/// would look like no error.
 fn seed_beside(wish: u32, reference: Option<&ExrImage>) -> u32 {
     match reference.and_then(ExrImage::seed) {
         Some(taken) if Sweep::uses(wish, taken) => taken.wrapping_add(Sweep::SEEDS_BEFORE + 1),
@@ -214,8 +214,8 @@ fn too_short(args: &TradeoffArgs) -> Error {
     ))
 }
 
-/// The knobs of the command line, each once; all knobs by default. The number of samples is not a knob here, because every setting is
-/// measured at several numbers.
+/// The knobs of the command line, each once; all knobs by default. The number of samples is not a knob here, because
+/// every setting is measured at several numbers.
 fn knobs_of(args: &TradeoffArgs) -> Result<Vec<&'static Knob>> {
     let all = || KNOBS.iter().copied().filter(|knob| knob.name != SPP.name);
     for name in &args.knobs {
@@ -277,8 +277,8 @@ fn settings_of(scene: &Scene, knobs: &[&'static Knob]) -> Result<Vec<Setting>> {
     Ok(settings)
 }
 
-/// Compiles the settings in turn, as long as there is time to measure the compiled ones. A sample of each is assumed to take as many
-/// seconds as one of the defaults. The defaults may be compiled already.
+/// Compiles the settings in turn, as long as there is time to measure the compiled ones. A sample of each is assumed to
+/// take as many seconds as one of the defaults. The defaults may be compiled already.
 fn compile(
     sweep: &mut Sweep<'_>,
     settings: Vec<Setting>,

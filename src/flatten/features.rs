@@ -82,8 +82,8 @@ impl Features {
         features
     }
 
-    /// Adds everything that a scene can have, for `--features all`. Features that select one of two algorithms, such as the number of lights,
-    /// stay as they are, and so do the settings that approximate.
+    /// Adds everything that a scene can have, for `--features all`. Features that select one of two algorithms, such as
+    /// the number of lights, stay as they are, and so do the settings that approximate.
     fn add_all(&mut self, sample_lights: bool) {
         let add = |used: &mut Option<String>| {
             used.get_or_insert_with(|| EVERY_FEATURE.to_string());
@@ -131,8 +131,8 @@ impl Features {
 }
 
 impl super::DeviceScene {
-    /// Fills the tables of features that the scene lacks, because kernels with everything bind them: a light that is never chosen, a black
-    /// sky.
+    /// Fills the tables of features that the scene lacks, because kernels with everything bind them: a light that is
+    /// never chosen, a black sky.
     pub(super) fn require_all(&mut self, sample_lights: bool) {
         if sample_lights && self.sky.is_empty() {
             self.sky.push(data::SkyCell::default());

@@ -1,5 +1,5 @@
-//! A hierarchy over the lights. With it, shaders/scene/light_tree prefers lights that are near a point and face it: Conty Estevez and
-//! Kulla, "Importance Sampling of Many Lights with Adaptive Tree Splitting", HPG 2018.
+//! A hierarchy over the lights. With it, shaders/scene/light_tree prefers lights that are near a point and face it:
+//! Conty Estevez and Kulla, "Importance Sampling of Many Lights with Adaptive Tree Splitting", HPG 2018.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -107,7 +107,8 @@ impl LightTree {
         tree
     }
 
-    /// Makes the subtree under a node: a light or a pair of nodes. Returns its code and its bounds. `at` is the node's depth and its trail.
+    /// Makes the subtree under a node: a light or a pair of nodes. Returns its code and its bounds. `at` is the node's
+    /// depth and its trail.
     fn under(&mut self, lights: &[Bounded], order: &mut [usize], unit: f64, at: (u32, u32)) -> (u32, Bounded) {
         match order {
             [light] => {
@@ -118,8 +119,8 @@ impl LightTree {
         }
     }
 
-    /// Builds a pair of nodes and everything below it. Returns the index of the pair's first node, and the bounds. `at` is the depth and the
-    /// trail of the node above.
+    /// Builds a pair of nodes and everything below it. Returns the index of the pair's first node, and the bounds. `at`
+    /// is the depth and the trail of the node above.
     fn grow(
         &mut self,
         lights: &[Bounded],

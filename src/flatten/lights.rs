@@ -91,8 +91,8 @@ impl Builder<'_> {
         Some(0.5 * integral_over_directions(bitmap))
     }
 
-    /// Leaves out whole primitives until at most `most` lights remain, first the primitives whose lights have the lowest mean intensity. Paths
-    /// find these only by chance; a warning says so.
+    /// Leaves out whole primitives until at most `most` lights remain, first the primitives whose lights have the
+    /// lowest mean intensity. Paths find these only by chance; a warning says so.
     fn that_fit<'a>(&mut self, groups: Vec<LightGroup<'a>>, most: usize) -> Vec<LightGroup<'a>> {
         let wanted: usize = groups.iter().map(|group| group.emitters.len()).sum();
         if wanted <= most {

@@ -64,8 +64,9 @@ pub struct DeviceScene {
 /// The most media. Each takes one of the loop iterations that an invocation is allowed (shaders/stage/bounce).
 const MOST_MEDIA: usize = 1024;
 
-/// The most primitives that every ray tests directly, without a hierarchy, if a ray hits at least `LEAST_CROSSINGS` of their boxes on average
-/// (`bvh::crossings`), as in a room. Otherwise it is the number of children of a node. Measured in docs/performance.md.
+/// The most primitives that every ray tests directly, without a hierarchy, if a ray hits at least `LEAST_CROSSINGS` of
+/// their boxes on average (`bvh::crossings`), as in a room. Otherwise it is the number of children of a node. Measured
+/// in docs/performance.md.
 const MOST_BY_BRUTE_FORCE: usize = 24;
 const LEAST_CROSSINGS: f32 = 1.25;
 

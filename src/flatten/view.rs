@@ -7,9 +7,10 @@ use crate::scene::Camera;
 use crate::shape::RenderSpace;
 use crate::shape::similarity::Similarity;
 
-/// The width of a pixel, relative to its distance, below which render space gets the camera's axes. In the world's axes, the components of
-/// a direction that are near 1 are rounded by 2^-25 or more: for pixels below 2^-17, this moves a ray by more than 1/256 of a pixel. In the
-/// camera's axes, the components across the view are small, and keep all of their digits however narrow the view is.
+/// The width of a pixel, relative to its distance, below which render space gets the camera's axes. In the world's
+/// axes, the components of a direction that are near 1 are rounded by 2^-25 or more: for pixels below 2^-17, this moves
+/// a ray by more than 1/256 of a pixel. In the camera's axes, the components across the view are small, and keep all of
+/// their digits however narrow the view is.
 const NARROW_PIXEL: f64 = 1.0 / (1u64 << 17) as f64;
 
 /// The camera, in the space in which objects are placed.

@@ -200,8 +200,8 @@ impl Device {
         DeviceClass::new(self.name.software, &self.limits)
     }
 
-    /// The names of all kernels that were compiled for it, one entry for each compilation. The order is not defined, because kernels are
-    /// compiled in parallel.
+    /// The names of all kernels that were compiled for it, one entry for each compilation. The order is not defined,
+    /// because kernels are compiled in parallel.
     pub fn compiled(&self) -> Vec<String> {
         self.compiled.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }

@@ -96,8 +96,8 @@ fn whole_number(module: &naga::Module, value: naga::Handle<naga::Expression>) ->
     }
 }
 
-/// Converts a host's struct to the layout of a shader's struct, member by member, by name. `fields` has the name, offset and size of each
-/// member of the host's struct. Members that the host lacks are zero.
+/// Converts a host's struct to the layout of a shader's struct, member by member, by name. `fields` has the name,
+/// offset and size of each member of the host's struct. Members that the host lacks are zero.
 pub fn pack(members: &[Member], fields: &[(&str, usize, usize)], host: &[u8]) -> Vec<u8> {
     let mut packed = vec![0; packed_bytes(members) as usize];
     for member in members {

@@ -12,9 +12,9 @@
 //!
 //! Blocks cannot be nested. Other lines that start with `//@` are errors.
 //!
-//! The linker removes comments and the declarations that the entry point does not reach ([`super::reach`]). A module without remaining lines
-//! does not count as linked. For each linked module the result has its user and the reason why it is there. It also has the choices and values
-//! of the plan that were used.
+//! The linker removes comments and the declarations that the entry point does not reach ([`super::reach`]). A module
+//! without remaining lines does not count as linked. For each linked module the result has its user and the reason why
+//! it is there. It also has the choices and values of the plan that were used.
 //!
 //! A line table maps each line of the result to its file and line, so that naga's errors can name them.
 
@@ -89,8 +89,8 @@ pub struct Linked {
     pub modules: Vec<String>,
     /// The properties of the driver that its modules rely on: the property's name, and the module.
     pub relies: Vec<(String, String)>,
-    /// For each module except the root, the module that uses it. These links form the best path to the root: the one with the fewest uses that
-    /// have a reason of their own, and among those the shortest.
+    /// For each module except the root, the module that uses it. These links form the best path to the root: the one
+    /// with the fewest uses that have a reason of their own, and among those the shortest.
     pub used_by: BTreeMap<String, String>,
     /// The reason for each module, from the conditions, list entries and choices on its path from the root.
     pub why: BTreeMap<String, Reason>,
@@ -105,8 +105,8 @@ pub trait Library {
     fn module(&self, name: &str) -> Option<&str>;
 }
 
-/// The modules under shaders/. They are compiled into the program. With debug assertions they are read from disk, so that an edit of a
-/// shader needs no recompilation.
+/// The modules under shaders/. They are compiled into the program. With debug assertions they are read from disk, so
+/// that an edit of a shader needs no recompilation.
 pub struct Embedded;
 
 #[cfg(not(debug_assertions))]
@@ -383,14 +383,15 @@ fn repeated((rank, entry): (u32, &Entry), lines: &[(usize, &str)]) -> Vec<Line> 
     lines.iter().map(line).collect()
 }
 
-/// The user of each kept module, and the reason for the module. Both come from the path from the root with the fewest uses that have a reason of
-/// their own, and among those the shortest. Modules without kept lines are skipped.
+/// The user of each kept module, and the reason for the module. Both come from the path from the root with the fewest
+/// uses that have a reason of their own, and among those the shortest. Modules without kept lines are skipped.
 fn users(
     root: &str,
     uses: &[ModuleUse],
     kept: &BTreeSet<String>,
 ) -> (BTreeMap<String, String>, BTreeMap<String, Reason>) {
-    // The best paths so far: the number of uses with a reason, the number of all uses, the nearest kept module before, and the reason.
+    // The best paths so far: the number of uses with a reason, the number of all uses, the nearest kept module before,
+    // and the reason.
     let mut ways = BTreeMap::from([(root, ((0, 0), root, &Reason::EveryRender))]);
     let mut better = true;
     while std::mem::take(&mut better) {

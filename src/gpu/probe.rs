@@ -89,8 +89,8 @@ impl Serialize for Rounding {
 }
 
 impl Numerics {
-    /// The largest number of steps of a walk through the tree, if loops have no limit. No scene should need so many; the bound ensures that a
-    /// dispatch ends. None if loops have a limit: the kernels' own defaults then apply.
+    /// The largest number of steps of a walk through the tree, if loops have no limit. No scene should need so many;
+    /// the bound ensures that a dispatch ends. None if loops have a limit: the kernels' own defaults then apply.
     pub fn most_steps(&self) -> Option<u32> {
         (self.loop_iterations >= LOOPS).then_some(1 << 18)
     }

@@ -1,12 +1,14 @@
-//! Finds the declarations of a joined shader that its entry point reaches, directly or through others. The linker removes the rest, and
-//! comments, so that a kernel contains only code that it can run.
+//! Finds the declarations of a joined shader that its entry point reaches, directly or through others. The linker
+//! removes the rest, and comments, so that a kernel contains only code that it can run.
 
 use std::collections::{BTreeSet, HashMap};
 
-/// For each line, whether it belongs to a declaration that an entry point reaches. In a text without an entry point all lines count.
+/// For each line, whether it belongs to a declaration that an entry point reaches. In a text without an entry point all
+/// lines count.
 ///
-/// A declaration begins at the start of a line and ends with the `;` or `}` that leaves no bracket open. Names are compared as words. If a local
-/// variable has the name of a declaration, the declaration may be kept unnecessarily, but none is ever missing.
+/// A declaration begins at the start of a line and ends with the `;` or `}` that leaves no bracket open. Names are
+/// compared as words. If a local variable has the name of a declaration, the declaration may be kept unnecessarily, but
+/// none is ever missing.
 pub fn reached(lines: &[String]) -> Vec<bool> {
     let declarations = declarations(lines);
     let by_name: HashMap<&str, Vec<usize>> = declarations.iter().enumerate().fold(HashMap::new(), |mut all, (i, d)| {
@@ -71,8 +73,8 @@ fn declarations(lines: &[String]) -> Vec<Declaration<'_>> {
     found
 }
 
-/// Collects the words of a line, except those that only name a member, a parameter or a variable of this declaration. The first word after the
-/// keyword, and after the angle brackets of `var`, is the declaration's name.
+/// Collects the words of a line, except those that only name a member, a parameter or a variable of this declaration.
+/// The first word after the keyword, and after the angle brackets of `var`, is the declaration's name.
 fn take_words<'a>(code: &'a str, declaration: &mut Declaration<'a>) {
     const KEYWORDS: [&str; 6] = ["fn", "const", "override", "struct", "alias", "var"];
     let is_word = |c: char| c.is_alphanumeric() || c == '_';

@@ -44,8 +44,8 @@ pub fn size(module: &naga::Module, entry_point: &str, overrides: &[(&str, f64)])
     Ok(KernelSize { instructions: instructions(&words), bytes: words.len() as u64 * 4 })
 }
 
-/// The number of instructions after the header of five words. The upper half of an instruction's first word is its number of words (SPIR-V
-/// specification, section 2.3).
+/// The number of instructions after the header of five words. The upper half of an instruction's first word is its
+/// number of words (SPIR-V specification, section 2.3).
 fn instructions(words: &[u32]) -> u64 {
     const HEADER: usize = 5;
     let mut at = HEADER;

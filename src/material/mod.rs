@@ -1,5 +1,5 @@
-//! Materials: how surfaces scatter and emit light. Each material has one file here with all that the host needs of it, and one file under
-//! shaders/material with the functions of the kernels.
+//! Materials: how surfaces scatter and emit light. Each material has one file here with all that the host needs of it,
+//! and one file under shaders/material with the functions of the kernels.
 
 mod dielectric;
 mod diffuse_light;
@@ -100,8 +100,8 @@ pub struct MaterialKind {
     pub form: Form,
     /// The name of its file under shaders/material.
     pub shader: &'static str,
-    /// The ways in which materials of the kind scatter. If one of them is `Spread`, a second file SHADER_eval evaluates the BSDF for
-    /// light sampling.
+    /// The ways in which materials of the kind scatter. If one of them is `Spread`, a second file SHADER_eval evaluates
+    /// the BSDF for light sampling.
     pub scatters: &'static [Scattering],
     /// Whether it transmits light.
     pub is_clear: bool,

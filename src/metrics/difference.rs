@@ -1,8 +1,9 @@
 //! Tests whether two images differ by more than noise: as a whole, in one colour, or in one place.
 //!
-//! It compares the means of luminance, red, green and blue over the whole image, and over each tile of a grid.
-//! Every mean difference has a standard error with a known number of degrees of freedom. Student's t gives its p-value: the probability
-//! that noise alone makes a difference of at least this size. docs/comparing.md has the derivation and measurements.
+//! It compares the means of luminance, red, green and blue over the whole image, and over each tile of a grid. Every
+//! mean difference has a standard error with a known number of degrees of freedom. Student's t gives its p-value: the
+//! probability that noise alone makes a difference of at least this size. docs/comparing.md has the derivation and
+//! measurements.
 
 use super::estimate::{Estimate, degrees_of_sum};
 use crate::data::luminance;
@@ -14,21 +15,22 @@ pub const LEVEL: f64 = 0.01;
 const TILE: (usize, usize) = (4, 16);
 /// Cells along each side of a tile.
 const CELLS: usize = 4;
-/// The shift of a mean, in its standard errors, if the largest one, two or three of [`CELLS`]² normal numbers are removed: the sums of
-/// their expectations, 1.766 + 1.285 + 0.990, over √15, √14 and √13.
+/// The shift of a mean, in its standard errors, if the largest one, two or three of [`CELLS`]² normal numbers are
+/// removed: the sums of their expectations, 1.766 + 1.285 + 0.990, over √15, √14 and √13.
 const TAKEN: [f64; 3] = [0.456, 0.815, 1.121];
-/// If a cell differs by more than this many of its standard errors, these may be wrong. In a tile of sixteen cells, three cells that differ
-/// by less make 3.8 standard errors of the tile; a significant tile among 64 needs 4.3.
+/// If a cell differs by more than this many of its standard errors, these may be wrong. In a tile of sixteen cells,
+/// three cells that differ by less make 3.8 standard errors of the tile; a significant tile among 64 needs 4.3.
 const DOUBTFUL: f64 = 5.0;
 /// With fewer tiles than this, cells are the replicates of the whole image.
 const ENOUGH_TILES: usize = 32;
-/// Two images share their noise if a smaller share of their pixels differs by more than the standard error. For independent images it is a
-/// third to a half (for a normal variable over its standard deviation, known or estimated from one square).
+/// Two images share their noise if a smaller share of their pixels differs by more than the standard error. For
+/// independent images it is a third to a half (for a normal variable over its standard deviation, known or estimated
+/// from one square).
 const SHARED: f64 = 0.16;
 /// With fewer noisy pixels than this, shared noise is not detected.
 const ENOUGH_PIXELS: usize = 64;
-/// A pixel rules the noise if it holds more than this share of it in each image. (With uniform noise in 256 pixels, this happens in 4 of 1e6
-/// images.)
+/// A pixel rules the noise if it holds more than this share of it in each image. (With uniform noise in 256 pixels,
+/// this happens in 4 of 1e6 images.)
 const RULING: f64 = 0.125;
 /// At most this many pixels can rule the noise, and at most one of this many pixels.
 const FEW: usize = 16;
@@ -87,8 +89,9 @@ impl Images<'_> {
         self.a[pixel].iter().chain(&self.b[pixel]).all(|v| v.is_finite())
     }
 
-    /// The variances of a quantity at a pixel of a and of b. The correlation of a pixel's channels is unknown. They are assumed to be fully
-    /// correlated, which is the upper bound (Cauchy-Schwarz: Var Σ w c ≤ (Σ w σ)²), and nearly true because paths carry all three.
+    /// The variances of a quantity at a pixel of a and of b. The correlation of a pixel's channels is unknown. They are
+    /// assumed to be fully correlated, which is the upper bound (Cauchy-Schwarz: Var Σ w c ≤ (Σ w σ)²), and nearly true
+    /// because paths carry all three.
     fn variances(&self, quantity: Quantity, pixel: usize) -> Option<[f64; 2]> {
         let of = |variance: &[[f32; 3]]| quantity.of(variance[pixel].map(|v| f64::from(v).sqrt())).powi(2);
         self.variances.map(|images| images.map(of))
@@ -99,9 +102,9 @@ impl Images<'_> {
         self.variances(quantity, pixel).map(|[a, b]| a + b)
     }
 
-    /// The few pixels that rule the noise of both images. Their chance values dominate the mean, and hide the other pixels. A pixel that is
-    /// noisy in only one image may have a rare path there; leaving it out would darken that image. Empty without variances, or if the noise
-    /// is spread over many pixels.
+    /// The few pixels that rule the noise of both images. Their chance values dominate the mean, and hide the other
+    /// pixels. A pixel that is noisy in only one image may have a rare path there; leaving it out would darken that
+    /// image. Empty without variances, or if the noise is spread over many pixels.
     fn ruling(&self) -> Vec<usize> {
         let pixels = (0..self.width * self.height).filter(|&pixel| self.counts(pixel));
         let known = pixels.filter_map(|pixel| Some((pixel, self.variances(Quantity::Luminance, pixel)?)));
@@ -131,8 +134,8 @@ pub enum ErrorSource {
     Variances,
     /// The spread of the paired differences a − b over the image.
     Pairs,
-    /// The same, although the files have variances: the pixels differ by much less than their variances, as in images that share random
-    /// numbers.
+    /// The same, although the files have variances: the pixels differ by much less than their variances, as in images
+    /// that share random numbers.
     SharedNoise,
 }
 
@@ -165,8 +168,8 @@ pub struct Difference {
     /// Whether all pixels that count are equal in both images.
     pub identical: bool,
     pub means: Means,
-    /// If few pixels rule the noise of both images: their number, and the means without them. These means are tested instead of those of the
-    /// whole image.
+    /// If few pixels rule the noise of both images: their number, and the means without them. These means are tested
+    /// instead of those of the whole image.
     pub rest: Option<(usize, Means)>,
     /// None if the image is a single tile.
     pub local: Option<Local>,
@@ -210,8 +213,8 @@ impl Sums {
         f64::from(f32::EPSILON) * ((self.reference / self.pixels).abs() + self.mean().abs())
     }
 
-    /// The variance of the mean from the pixels' variances. Each variance has at least one degree of freedom, from two halves. If few bright
-    /// pixels dominate the sum, the sum has few degrees of freedom.
+    /// The variance of the mean from the pixels' variances. Each variance has at least one degree of freedom, from two
+    /// halves. If few bright pixels dominate the sum, the sum has few degrees of freedom.
     fn noise_by_variances(&self) -> MeanVariance {
         MeanVariance {
             variance: self.variance / (self.pixels * self.pixels),
@@ -219,7 +222,8 @@ impl Sums {
         }
     }
 
-    /// The contribution of each part's mean m to the spread around the whole's mean M, by its share n/N of the pixels: (n/N)² (m − M)².
+    /// The contribution of each part's mean m to the spread around the whole's mean M, by its share n/N of the pixels:
+    /// (n/N)² (m − M)².
     fn squares(&self, parts: &[Sums]) -> Vec<f64> {
         let filled = parts.iter().filter(|part| part.pixels > 0.0);
         filled.map(|part| (part.pixels / self.pixels * (part.mean() - self.mean())).powi(2)).collect()
@@ -237,8 +241,8 @@ impl Sums {
         }
     }
 
-    /// The same for parts of which one may hold most of the noise, as with a rare bright pixel. The degrees of freedom are limited to those of
-    /// the sum of squares, with one degree each.
+    /// The same, if a single part may hold most of the noise, as with a rare bright pixel. The degrees of freedom are
+    /// then at most those of a sum of squares with one degree each.
     fn noise_by_uneven_parts(&self, parts: &[Sums]) -> MeanVariance {
         let squares = self.squares(parts);
         let of_sum = degrees_of_sum(squares.iter().sum(), squares.iter().map(|square| square * square).sum());
@@ -361,15 +365,16 @@ impl Scales {
 
     /// The mean difference of the whole image and its p-value.
     ///
-    /// A pixel whose two halves agree by chance seems to have no noise. If it holds most of the image's noise, this noise is missing in the sum
-    /// of variances, and the degrees of freedom do not show that one pixel dominates. But the difference of this pixel is in the mean as well as
-    /// in the spread of the cells. So a mean must differ by both standard errors, and the wider interval is reported. If a difference comes from
-    /// k cells, it is at most √k standard errors by their spread, whatever their values. And if both signs of a cell's difference are equally
-    /// likely, as for two renders of one kind, t standard errors have a probability of at most 2 e^(-t²/2), whatever the sizes of the
-    /// differences (Hoeffding, JASA 58(301), 1963).
+    /// A pixel whose two halves agree by chance seems to have no noise. If it holds most of the image's noise, this
+    /// noise is missing in the sum of variances, and the degrees of freedom do not show that one pixel dominates. But
+    /// the difference of this pixel is in the mean as well as in the spread of the cells. So a mean must differ by both
+    /// standard errors, and the wider interval is reported. If a difference comes from k cells, it is at most √k
+    /// standard errors by their spread, whatever their values. And if both signs of a cell's difference are equally
+    /// likely, as for two renders of one kind, t standard errors have a probability of at most 2 e^(-t²/2), whatever
+    /// the sizes of the differences (Hoeffding, JASA 58(301), 1963).
     fn mean(&self, source: ErrorSource) -> (Estimate, f64) {
-        // Tiles are better replicates than pixels: a filter wider than a pixel correlates neighbours, but nearly all such pairs are within one
-        // tile. The variances assume independent pixels in any case.
+        // Tiles are better replicates than pixels: a filter wider than a pixel correlates neighbours, but nearly all
+        // such pairs are within one tile. The variances assume independent pixels in any case.
         let by_tiles = source != ErrorSource::Variances && self.tiles.len() >= ENOUGH_TILES;
         let parts = if by_tiles { &self.tiles } else { self.cells.as_flattened() };
         let pairs = self.whole.estimate(self.whole.noise_by_uneven_parts(parts));
@@ -388,8 +393,8 @@ impl Scales {
         self.tiles.iter().zip(&self.cells).map(of).collect()
     }
 
-    /// A tile without the cell that contributes most to its difference, and without the next two if they differ by far more than their standard
-    /// errors. Also returns the shift of the mean that the removal of so many cells causes in pure noise.
+    /// A tile without the cell that contributes most to its difference, and without the next two if they differ by far
+    /// more than their standard errors. Also returns the shift of the mean that this removal causes in pure noise.
     fn without_worst_cells(&self, tile: usize, source: ErrorSource) -> (Sums, Vec<Sums>, f64) {
         let sign = self.tiles[tile].difference.signum();
         let mut cells: Vec<Sums> = self.cells[tile].iter().copied().filter(|cell| cell.pixels > 0.0).collect();
@@ -453,8 +458,9 @@ fn source(images: &Images<'_>) -> ErrorSource {
     }
 }
 
-/// Corrects the p-value of one of several tests, which has this share of the false alarms. After the correction, the probability that any
-/// test's p-value is below x is at most x, if the tests are independent or positively correlated (Šidák, JASA 62(318), 1967, with weights).
+/// Corrects the p-value of one of several tests, which has this share of the false alarms. After the correction, the
+/// probability that any test's p-value is below x is at most x, if the tests are independent or positively correlated
+/// (Šidák, JASA 62(318), 1967, with weights).
 fn corrected(p: f64, share: f64) -> f64 {
     // 1 − (1 − p)^(1/share)
     -((-p).ln_1p() / share).exp_m1()
@@ -462,11 +468,12 @@ fn corrected(p: f64, share: f64) -> f64 {
 
 /// The most significant tile.
 ///
-/// The noise of a tile is at least that of the tiles around it: if rare paths have missed a tile, it is too dark and looks free of noise, but they
-/// have reached its neighbours. A tile must also differ without its worst cells: if the two halves of a pixel agree by chance, its variance is
-/// far too small, and such pixels may hold most of a tile's noise. They are often neighbours, for example along the edge of a lamp. If the halves
-/// of each pixel agree in half of the images, and such pixels are as often too bright as too dark, four pixels that all agree and deviate to the
-/// same side occur in 0.8 % of the images; more are rarer.
+/// The noise of a tile is at least that of the tiles around it: if rare paths have missed a tile, it is too dark and
+/// looks free of noise, but they have reached its neighbours. A tile must also differ without its worst cells: if the
+/// two halves of a pixel agree by chance, its variance is far too small, and such pixels may hold most of a tile's
+/// noise. They are often neighbours, for example along the edge of a lamp. If the halves of each pixel agree in half of
+/// the images, and such pixels are as often too bright as too dark, four pixels that all agree and deviate to the same
+/// side occur in 0.8 % of the images; more are rarer.
 fn local(grid: &Grid, scales: &[Scales; 4], source: ErrorSource) -> Option<Local> {
     let share = SHARE_TILES / (QUANTITIES.len() * grid.tiles()) as f64;
     let mut worst: Option<Local> = None;

@@ -2,7 +2,8 @@
 
 use crate::data::{srgb, unit};
 
-/// A constant that keeps dark pixels from dominating the relative error, in squared radiance. docs/comparing.md defines relMSE with it.
+/// A constant that keeps dark pixels from dominating the relative error, in squared radiance. docs/comparing.md defines
+/// relMSE with it.
 pub const RELATIVE_FLOOR: f64 = 0.01;
 
 /// Mean square error: mean over pixels and channels of (a − b)².
@@ -19,8 +20,9 @@ pub fn relmse(a: &[[f32; 3]], b: &[[f32; 3]]) -> Option<f64> {
     mean(a, b, |a, b| (a - b) * (a - b) / (b * b + RELATIVE_FLOOR))
 }
 
-/// The relative mean square error without the 0.1 % of the pixels with the largest error (rounded down to whole pixels). The few rare bright
-/// paths that dominate the untrimmed error do not count. It proves nothing, because errors in few pixels do not count either.
+/// The relative mean square error without the 0.1 % of the pixels with the largest error (rounded down to whole
+/// pixels). The few rare bright paths that dominate the untrimmed error do not count. It proves nothing, because errors
+/// in few pixels do not count either.
 ///
 /// None if the images differ in size or are empty. A NaN or infinite input makes the result so, unless it is trimmed.
 pub fn relmse_trimmed(a: &[[f32; 3]], b: &[[f32; 3]]) -> Option<f64> {
@@ -35,8 +37,8 @@ pub fn relmse_trimmed(a: &[[f32; 3]], b: &[[f32; 3]]) -> Option<f64> {
     Some(errors[..kept].iter().sum::<f64>() / kept as f64)
 }
 
-/// The peak signal-to-noise ratio in dB of both images, clamped to 0..1 and sRGB-encoded: 10 log10(1 / MSE), with a peak of 1. Infinite
-/// if the encoded images are equal.
+/// The peak signal-to-noise ratio in dB of both images, clamped to 0..1 and sRGB-encoded: 10 log10(1 / MSE), with a
+/// peak of 1. Infinite if the encoded images are equal.
 ///
 /// None if the images differ in size or are empty.
 pub fn psnr(a: &[[f32; 3]], b: &[[f32; 3]]) -> Option<f64> {

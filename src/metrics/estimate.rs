@@ -31,8 +31,8 @@ impl Estimate {
         self.error_times_quantile(1.0 - CONFIDENCE)
     }
 
-    /// The upper end of a one-sided interval: the true value is below this with [`CONFIDENCE`]. The true value is not negative, so that a
-    /// negative estimate counts as 0.
+    /// The upper end of a one-sided interval: the true value is below this with [`CONFIDENCE`]. The true value is not
+    /// negative, so that a negative estimate counts as 0.
     pub fn upper(&self) -> f64 {
         self.value.max(0.0) + self.error_times_quantile(2.0 * (1.0 - CONFIDENCE))
     }
@@ -56,9 +56,9 @@ impl Estimate {
     }
 }
 
-/// A lower bound of the degrees of freedom of a sum of variances, from Σ v and Σ v², if each v is an estimate with at least one degree of
-/// freedom. E v² is then at least 3/2 of the variance of v, and the sum has at least 2 (E Σ v)² / Var Σ v = 3 (Σ v)² / Σ v² − 2 degrees of
-/// freedom (Satterthwaite, Biometrics Bulletin 2(6), 1946).
+/// A lower bound of the degrees of freedom of a sum of variances, from Σ v and Σ v², if each v is an estimate with at
+/// least one degree of freedom. E v² is then at least 3/2 of the variance of v, and the sum has at least 2 (E Σ v)² /
+/// Var Σ v = 3 (Σ v)² / Σ v² − 2 degrees of freedom (Satterthwaite, Biometrics Bulletin 2(6), 1946).
 pub fn degrees_of_sum(sum: f64, squares: f64) -> f64 {
     if squares > 0.0 { (3.0 * sum * sum / squares - 2.0).max(1.0) } else { f64::INFINITY }
 }

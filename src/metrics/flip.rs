@@ -1,11 +1,13 @@
 //! LDR-FLIP: the perceived difference of two images that are shown in alternation.
 //!
-//! P. Andersson, J. Nilsson, T. Akenine-Möller, M. Oskarsson, K. Åström and M. D. Fairchild, "FLIP: A Difference Evaluator for Alternating
-//! Images", Proceedings of the ACM on Computer Graphics and Interactive Techniques (HPG) 3(2), 2020. Section and equation
-//! numbers are that paper's; constants are those of its table 1 and its supplement. The tests compare with the authors' program.
+//! P. Andersson, J. Nilsson, T. Akenine-Möller, M. Oskarsson, K. Åström and M. D. Fairchild, "FLIP: A Difference
+//! Evaluator for Alternating Images", Proceedings of the ACM on Computer Graphics and Interactive Techniques (HPG)
+//! 3(2), 2020. Section and equation numbers are that paper's; constants are those of its table 1 and its supplement.
+//! The tests compare with the authors' program.
 //!
-//! All kernels of the paper are sums of separable kernels, so that rows are filtered first and columns then. The image is processed in bands
-//! of rows, so that the filtered rows stay in the caches and the memory does not grow with the image.
+//! All kernels of the paper are sums of separable kernels, so that rows are filtered first and columns then. The image
+//! is processed in bands of rows, so that the filtered rows stay in the caches and the memory does not grow with the
+//! image.
 
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -19,8 +21,9 @@ pub const PIXELS_PER_DEGREE: f64 = 0.7 * (3840.0 / 0.7) * (PI / 180.0);
 /// The rows of a band. More rows need more memory; with fewer rows, more of them are filtered twice.
 const BAND: usize = 64;
 
-/// FLIP's error of each pixel, 0..1, with row 0 at the top, for two images in linear Rec. 709. They are clamped to 0..1 and not sRGB-encoded,
-/// because FLIP's first step is to decode. It is symmetric. NaN counts as 0. Edge pixels are repeated outwards.
+/// FLIP's error of each pixel, 0..1, with row 0 at the top, for two images in linear Rec. 709. They are clamped to 0..1
+/// and not sRGB-encoded, because FLIP's first step is to decode. It is symmetric. NaN counts as 0. Edge pixels are
+/// repeated outwards.
 ///
 /// Each row has `width` pixels. If one image is longer, its additional pixels are ignored.
 pub fn error_map(width: usize, a: &[[f32; 3]], b: &[[f32; 3]]) -> Vec<f32> {
@@ -81,8 +84,8 @@ impl Filter {
 
 /// The filters for one pixel density.
 struct Flip {
-    /// The contrast sensitivity of the opponent channels: achromatic, red-green and blue-yellow. The last one is a sum of two filters
-    /// (section 4.1.1, equation 4).
+    /// The contrast sensitivity of the opponent channels: achromatic, red-green and blue-yellow. The last one is a sum
+    /// of two filters (section 4.1.1, equation 4).
     colour: [Filter; 4],
     /// A Gaussian, and its balanced first and second derivatives (section 4.2.1).
     feature: [Filter; 3],
@@ -209,8 +212,8 @@ impl Flip {
         let [a, rg, by, by2] = [0, 1, 2, 3].map(|term| filtered(&self.colour[term], term));
         let lab = (0..width).map(|x| hunt(linear([a[x], rg[x], by[x] + by2[x]]))).collect();
         let [smooth, first, second] = &self.feature;
-        // A derivative along x is smoothed along y, and the reverse. The paper filters (Y + 16) / 116; the constant 16 does not change
-        // derivatives.
+        // A derivative along x is smoothed along y, and the reverse. The paper filters (Y + 16) / 116; the constant 16
+        // does not change derivatives.
         let magnitude = |derivative: &Filter, term: usize| {
             let (along_x, along_y) = (filtered(smooth, term), filtered(derivative, 4));
             along_x.iter().zip(&along_y).map(|(x, y)| x.hypot(*y) / 116.0).collect()
@@ -317,8 +320,8 @@ mod tests {
         expected: [f64; 2],
     }
 
-    /// Image pairs with the results of the authors' program: the Python package flip-evaluator 1.7, `evaluate(b, a, "LDR")` of both images
-    /// clamped to 0..1 and sRGB-encoded, in f32.
+    /// Image pairs with the results of the authors' program: the Python package flip-evaluator 1.7, `evaluate(b, a,
+    /// "LDR")` of both images clamped to 0..1 and sRGB-encoded, in f32.
     fn cases() -> Vec<Case> {
         fn is(condition: bool) -> f64 {
             f64::from(u8::from(condition))

@@ -28,8 +28,8 @@ pub fn quantile(p: f64, degrees: f64) -> f64 {
     (0.5 * (low + high)).exp()
 }
 
-/// The regularised incomplete beta function I_x(a, b), with y = 1 − x, by its continued fraction (Press et al., Numerical Recipes, 3rd
-/// edition, section 6.4).
+/// The regularised incomplete beta function I_x(a, b), with y = 1 − x, by its continued fraction (Press et al.,
+/// Numerical Recipes, 3rd edition, section 6.4).
 fn beta_share(a: f64, b: f64, x: f64, y: f64) -> f64 {
     if x <= 0.0 {
         return 0.0;
@@ -68,7 +68,8 @@ fn beta_fraction(a: f64, b: f64, x: f64) -> f64 {
     value
 }
 
-/// The natural logarithm of the gamma function, x > 0, by Stirling's series (Abramowitz and Stegun, 6.1.41) above 10, the recurrence below.
+/// The natural logarithm of the gamma function, x > 0, by Stirling's series (Abramowitz and Stegun, 6.1.41) above 10,
+/// the recurrence below.
 fn ln_gamma(mut x: f64) -> f64 {
     let mut product = 1.0;
     while x < 10.0 {

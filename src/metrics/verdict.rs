@@ -2,8 +2,8 @@
 
 use super::difference::{Difference, LEVEL, Local, MeanDifference, QUANTITIES, Quantity};
 
-/// Says whether and how A differs from B by more than noise. The sentence contains "noise only", or else says that A is "brighter" or
-/// "darker".
+/// Says whether and how A differs from B by more than noise. The sentence contains "noise only", or else says that A is
+/// "brighter" or "darker".
 pub fn verdict(difference: &Difference) -> String {
     let (without, [(luminance, p), colours @ ..]) = match &difference.rest {
         None => (String::new(), &difference.means),

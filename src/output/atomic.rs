@@ -11,9 +11,10 @@ const MAX_LINKS: usize = 40;
 
 /// Replaces the file at `path` by what `write` writes to an empty file that can seek.
 ///
-/// The bytes go to a temporary file in the same folder. Once they are on the disk, it replaces the old file. If anything fails, the temporary
-/// file is removed and the old file stays. A symbolic link stays, and the file that it points to is replaced. Other kinds of files (/dev/null,
-/// a pipe, /dev/stdout) are written to directly, once `write` has succeeded.
+/// The bytes go to a temporary file in the same folder. Once they are on the disk, it replaces the old file. If
+/// anything fails, the temporary file is removed and the old file stays. A symbolic link stays, and the file that it
+/// points to is replaced. Other kinds of files (/dev/null, a pipe, /dev/stdout) are written to directly, once `write`
+/// has succeeded.
 pub fn replace(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> Result<()> {
     let failed = |reason: String| Error::File { path: path.to_owned(), action: "write", reason };
     match destination(path).map_err(|error| failed(error.to_string()))? {
@@ -45,8 +46,8 @@ fn destination(path: &Path) -> io::Result<Destination> {
     }
     let mut target = path.to_owned();
     for _ in 0..MAX_LINKS {
-        // An open file, such as /dev/stdout redirected to a file: if the file were replaced, other writers of the open file would write to
-        // the old one.
+        // An open file, such as /dev/stdout redirected to a file: if the file were replaced, other writers of the open
+        // file would write to the old one.
         if target.starts_with("/proc") || target.starts_with("/dev/fd") {
             return Ok(Destination::Stream);
         }

@@ -2,7 +2,8 @@
 
 use serde_json::Value;
 
-/// The header, which names the columns, and a line for each object. A cell is empty if the object lacks the column or its value is null.
+/// The header, which names the columns, and a line for each object. A cell is empty if the object lacks the column or
+/// its value is null.
 pub fn csv(header: &str, rows: &[Value]) -> String {
     let cell = |value: &Value| match value {
         Value::Null => String::new(),

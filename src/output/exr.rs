@@ -21,9 +21,9 @@ use crate::output::atomic;
 const COMMENTS: &str = "R, G, B: linear radiance. variance: of the pixel's mean; 3.4028235e38 where unknown. \
     samples, rejected: camera samples of the pixel that went into the mean, and that were left out as not finite.";
 
-/// Lossless and readable everywhere. Noise hardly compresses. All channels of 1200 x 675 noisy pixels, on 2 cores: 25.9 MB in 0.09 s
-/// without compression, 21.3 MB in 0.14 s by run lengths, 19.4 MB in 0.45 s by ZIP1, 19.0 MB in 0.70 s by ZIP16, 18.3 MB in
-/// 0.51 s by PIZ.
+/// Lossless and readable everywhere. Noise hardly compresses. All channels of 1200 x 675 noisy pixels, on 2 cores: 25.9
+/// MB in 0.09 s without compression, 21.3 MB in 0.14 s by run lengths, 19.4 MB in 0.45 s by ZIP1, 19.0 MB in 0.70 s by
+/// ZIP16, 18.3 MB in 0.51 s by PIZ.
 const ENCODING: Encoding = Encoding {
     compression: Compression::RLE,
     blocks: Blocks::ScanLines,
@@ -49,8 +49,9 @@ pub enum Attribute {
 /// The channels of the variance of each pixel's mean.
 const VARIANCES: Rgb<&str> = ["variance.R", "variance.G", "variance.B"];
 
-/// Writes the picture as one part, row 0 on top: R, G, B and variance.R, .G, .B in 32-bit floats, samples.Y and rejected.Y (Y, so that
-/// viewers show them as grey) in 32-bit unsigned integers. The file is a function of the arguments, byte for byte.
+/// Writes the picture as one part, row 0 on top: R, G, B and variance.R, .G, .B in 32-bit floats, samples.Y and
+/// rejected.Y (Y, so that viewers show them as grey) in 32-bit unsigned integers. The file is a function of the
+/// arguments, byte for byte.
 ///
 /// Attribute names must not be empty, longer than 255 bytes, or reserved by the EXR standard.
 pub fn write_exr(path: &Path, picture: &Picture, attributes: &[(String, Attribute)]) -> Result<()> {
@@ -108,8 +109,9 @@ fn to_io(error: ::exr::error::Error) -> io::Error {
     }
 }
 
-/// Sorts the header's attributes in place, because the crate keeps them in a hash map, whose order differs each time. The header is a list
-/// of (name, 0, type, 0, size, value), and ends with an empty name (The OpenEXR file layout, section "Header").
+/// Sorts the header's attributes in place, because the crate keeps them in a hash map, whose order differs each time.
+/// The header is a list of (name, 0, type, 0, size, value), and ends with an empty name (The OpenEXR file layout,
+/// section "Header").
 fn sort_attributes(file: &mut File) -> io::Result<()> {
     /// The magic number and the version come first.
     const HEADER: SeekFrom = SeekFrom::Start(8);
@@ -165,8 +167,8 @@ impl ExrImage {
 
 type FlatLayer = Layer<AnyChannels<FlatSamples>>;
 
-/// Reads red, green and blue, in half or float, from the part or layer whose name says that it is the picture. The size is that of the data
-/// window.
+/// Reads red, green and blue, in half or float, from the part or layer whose name says that it is the picture. The size
+/// is that of the data window.
 pub fn read_exr(path: &Path) -> Result<ExrImage> {
     let failed = |reason: String| Error::File { path: path.to_owned(), action: "read", reason };
     let open = || File::open(path).map_err(|error| failed(error.to_string()));
@@ -197,8 +199,8 @@ pub fn read_exr(path: &Path) -> Result<ExrImage> {
     })
 }
 
-/// Checks that there is enough memory for the pixels. A damaged header may ask for more, and a failed allocation ends the process. The pixels
-/// are in memory up to four times: packed, unpacked, by channel, and in the result.
+/// Checks that there is enough memory for the pixels. A damaged header may ask for more, and a failed allocation ends
+/// the process. The pixels are in memory up to four times: packed, unpacked, by channel, and in the result.
 fn check_memory(header: &MetaData) -> std::result::Result<(), String> {
     let bytes_of = |(Vec2(width, height), pixel): (Vec2<usize>, usize)| width.checked_mul(height)?.checked_mul(pixel);
     let sizes = header.headers.iter().map(|h| bytes_of((h.layer_size, h.channels.bytes_per_pixel)));
@@ -262,8 +264,9 @@ impl RgbPlace<'_> {
 const UNNAMED_PART: usize = 1 + PICTURES.len();
 const UNNAMED_LAYER: usize = UNNAMED_PART + 1 + PICTURES.len();
 
-/// Finds the red, green and blue of the picture. Channels without a layer's name come first; if several parts have them, the part with a
-/// picture's name counts. Next come layers with a picture's name, and then a single layer of any name. It is an error if several are possible.
+/// Finds the red, green and blue of the picture. Channels without a layer's name come first; if several parts have
+/// them, the part with a picture's name counts. Next come layers with a picture's name, and then a single layer of any
+/// name. It is an error if several are possible.
 fn find_rgb(parts: &[FlatLayer]) -> std::result::Result<RgbPlace<'_>, String> {
     let mut places: Vec<RgbPlace<'_>> = parts.iter().flat_map(rgb_of_part).collect();
     places.sort_by_key(RgbPlace::rank);

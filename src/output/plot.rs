@@ -30,8 +30,8 @@ const HEIGHT: u32 = 540;
 const LEGEND_COLUMNS: usize = 3;
 const LEGEND_ROW: u32 = 24;
 
-/// Colours that are distinct on white, also for most people with colour blindness: those of M. Okabe and K. Ito ("Color Universal Design",
-/// 2008) without yellow, and darker versions of them.
+/// Colours that are distinct on white, also for most people with colour blindness: those of M. Okabe and K. Ito ("Color
+/// Universal Design", 2008) without yellow, and darker versions of them.
 const COLOURS: [RGBColor; 10] = [
     RGBColor(0, 0, 0),
     RGBColor(0, 114, 178),

@@ -29,7 +29,7 @@ pub fn write_heatmap(path: &Path, size: (u32, u32), values: &[f32]) -> Result<()
     atomic::write(path, &bytes)
 }
 
-/// The bytes of a PNG as of [`write_png`] with an exposure of 0. The error is a reason in words.
+/// The bytes that [`write_png`] writes with an exposure of 0. The error is a reason in words.
 pub fn picture(size: (u32, u32), rgb: &[[f32; 3]]) -> std::result::Result<Vec<u8>, String> {
     compress(size, &shown(rgb, 1.0))
 }
@@ -63,8 +63,8 @@ fn encode(color: [f64; 3]) -> [u8; 3] {
 }
 
 /// Khronos PBR Neutral tone mapper (github.com/KhronosGroup/ToneMapping, PBR_Neutral/README.md, "PBR Neutral
-/// Specification", 2024): linear Rec. 709 of any brightness ≥ 0 to 0..1. Below its shoulder it subtracts the 4 % that a dielectric's
-/// reflection of white adds to a base colour, so that the displayed colour is the base colour.
+/// Specification", 2024): linear Rec. 709 of any brightness ≥ 0 to 0..1. Below its shoulder it subtracts the 4 % that a
+/// dielectric's reflection of white adds to a base colour, so that the displayed colour is the base colour.
 fn neutral(color: [f64; 3]) -> [f64; 3] {
     /// The Fresnel reflection at normal incidence that the colours are assumed to contain.
     const F90: f64 = 0.04;

@@ -105,8 +105,8 @@ impl Display {
     }
 }
 
-/// Shows the progress of reading the scene's files, or of other work of a known length. The bar appears if the work takes longer than a
-/// moment. Dropping it removes the bar.
+/// Shows the progress of reading the scene's files, or of other work of a known length. The bar appears if the work
+/// takes longer than a moment. Dropping it removes the bar.
 pub struct Loading {
     quiet: bool,
     start: Instant,

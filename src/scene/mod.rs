@@ -130,8 +130,8 @@ impl Scene {
         self.top().field("background").spot()
     }
 
-    /// Warnings about values that are allowed but likely to disappoint. Each names file:line:column, the number and a remedy. Warnings
-    /// that depend on the positions of placed objects come from flattening.
+    /// Warnings about values that are allowed but likely to disappoint. Each names file:line:column, the number and a
+    /// remedy. Warnings that depend on the positions of placed objects come from flattening.
     pub fn warnings(&self) -> Vec<String> {
         warn::warnings(self)
     }

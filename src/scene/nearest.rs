@@ -4,7 +4,8 @@ const LONGEST: usize = 100;
 
 /// The candidate whose spelling is nearest to `word`, if it is near enough to be a misspelling.
 ///
-/// Letter case does not count. Up to a third of the letters may differ, and at least one. A word longer than any name has no candidate.
+/// Letter case does not count. Up to a third of the letters may differ, and at least one. A word longer than any name
+/// has no candidate.
 pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let word = word.to_lowercase();
     let length = word.chars().count();

@@ -18,8 +18,8 @@ pub struct OpenEdges {
 impl Mesh {
     /// The edges at which the mesh is open or its winding changes; none if it is closed and wound one way.
     ///
-    /// Vertices at the same position count as one. A mesh is closed if along every edge as many faces run in one direction as in the
-    /// other. Solids that share an edge are therefore closed, too.
+    /// Vertices at the same position count as one. A mesh is closed if along every edge as many faces run in one
+    /// direction as in the other. Solids that share an edge are therefore closed, too.
     pub fn open_edges(&self) -> Option<OpenEdges> {
         let places = self.places();
         let place = |corner: u32| places.get(corner as usize).copied().unwrap_or_default();

@@ -1,7 +1,7 @@
 //! The shapes: sphere, quad, box and mesh, one file each.
 //!
-//! `KINDS` is the one list of them. Everything about a shape is a field of `ShapeKind` or a method of `Geometry`. Neither has defaults,
-//! so that a new shape cannot forget one.
+//! `KINDS` is the one list of them. Everything about a shape is a field of `ShapeKind` or a method of `Geometry`.
+//! Neither has defaults, so that a new shape cannot forget one.
 
 mod closed;
 pub mod cuboid;
@@ -233,8 +233,8 @@ const BOUNDARY_COUNT: usize = {
     count
 };
 
-/// The shapes that can bound media, with the kinds in their codes. Convex ones have files under shaders/medium. A ray can enter a mesh many
-/// times, so meshes have `scene/medium_in_mesh` instead.
+/// The shapes that can bound media, with the kinds in their codes. Convex ones have files under shaders/medium. A ray
+/// can enter a mesh many times, so meshes have `scene/medium_in_mesh` instead.
 pub const BOUNDARIES: &[(&str, u32)] = &{
     let mut found = [("", 0); BOUNDARY_COUNT];
     let (mut i, mut count) = (0, 0);

@@ -21,7 +21,8 @@ impl Similarity {
         Similarity { scale, ..Similarity::IDENTITY }
     }
 
-    /// Right-handed, by Rodrigues' formula. Quarter turns are exact, because sines and cosines are of degrees, not of rounded radians.
+    /// Right-handed, by Rodrigues' formula. Quarter turns are exact, because sines and cosines are of degrees, not of
+    /// rounded radians.
     pub fn rotation(axis: DVec3, degrees: f64) -> Similarity {
         Similarity { rotation: rotation_about(axis, degrees), ..Similarity::IDENTITY }
     }

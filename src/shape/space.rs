@@ -68,8 +68,8 @@ impl Aabb {
     }
 }
 
-/// A bound of the rounding error of a point that is a sum of such vectors, and of the tests made with it: eight roundings of the largest
-/// intermediate coordinates.
+/// A bound of the rounding error of a point that is a sum of such vectors, and of the tests made with it: eight
+/// roundings of the largest intermediate coordinates.
 pub fn error_bound(summands: &[Vec3]) -> f32 {
     const UNIT_ROUNDOFF: f32 = f32::EPSILON / 2.0;
     8.0 * UNIT_ROUNDOFF * summands.iter().map(|v| v.abs().max_element()).sum::<f32>()

@@ -43,8 +43,8 @@ pub fn any(all: impl Iterator<Item = String>) -> String {
     all.rsplit_once(", ").map_or(all.clone(), |(others, last)| format!("{others} or {last}"))
 }
 
-/// Lists the kinds of an enum's values. The number of a value is the index of its kind in the list; kernels switch on it. A variant that
-/// the list lacks does not compile.
+/// Lists the kinds of an enum's values. The number of a value is the index of its kind in the list; kernels switch on
+/// it. A variant that the list lacks does not compile.
 macro_rules! kinds {
     ($values:ident: $kind:ty; $($variant:ident => $about:expr),* $(,)?) => {
         impl $values {

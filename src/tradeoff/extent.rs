@@ -24,8 +24,8 @@ pub fn pixels_for(of_pixel: f64, settings: usize, time: Duration) -> f64 {
 /// Measurements of the defaults at the whole size.
 #[derive(Clone, Debug)]
 pub struct Whole {
-    /// Ratios of the seconds of a sample, and of the relMSE of the noise, to those at the sweep's size. All settings are assumed to change
-    /// by the same factors.
+    /// Ratios of the seconds of a sample, and of the relMSE of the noise, to those at the sweep's size. All settings
+    /// are assumed to change by the same factors.
     pub slower: f64,
     pub noisier: f64,
     pub size: (u32, u32),
@@ -46,9 +46,10 @@ impl Whole {
         Whole { slower: pixels_ratio(size, sweep.size), noisier: 1.0, size, images: Vec::new() }
     }
 
-    /// The bias of an image with smaller sides: that of the mean, and that of the pixels, squared. The expectation of a pixel is the mean
-    /// over the full-size pixels that it covers, so that the full-size images determine the bias, and nothing else is rendered. Images of
-    /// another size would have another bias, because edges cover a larger share of a smaller image.
+    /// The bias of an image with smaller sides: that of the mean, and that of the pixels, squared. The expectation of a
+    /// pixel is the mean over the full-size pixels that it covers, so that the full-size images determine the bias, and
+    /// nothing else is rendered. Images of another size would have another bias, because edges cover a larger share of
+    /// a smaller image.
     pub fn lost_detail(&self, share: f64) -> Option<(Estimate, Estimate)> {
         let weights = Weights::of_rounds(self.images.iter().enumerate().map(|(i, image)| (i, 1, image)))?;
         let coarse: Vec<Pixels> = self.images.iter().map(|image| coarsened(image, self.size, share)).collect();
@@ -57,8 +58,8 @@ impl Whole {
     }
 }
 
-/// The standard error of the logarithm of a ratio of noises in the prior, whose mean ratio is 1. Without a prior, a ratio from few images with
-/// rare bright paths was 0.46 by chance, and the predicted times were wrong by this factor.
+/// The standard error of the logarithm of a ratio of noises in the prior, whose mean ratio is 1. Without a prior, a
+/// ratio from few images with rare bright paths was 0.46 by chance, and the predicted times were wrong by this factor.
 const USUAL: f64 = 0.1;
 
 /// The ratio of two noises: the measured logarithm and the prior, weighted by their certainties.
@@ -125,9 +126,9 @@ pub fn pixels_ratio(a: (u32, u32), b: (u32, u32)) -> f64 {
     f64::from(a.0) * f64::from(a.1) / (f64::from(b.0) * f64::from(b.1))
 }
 
-/// The size of the middle part of an image whose sides have enough divisors. It is the whole image, unless the smallest image of whole pixels
-/// would have sixteen times the fewest pixels. If so, both sides become multiples of 15, or of 24 if even. A side keeps its parity, so that
-/// the middle of the part is exactly the middle of the image.
+/// The size of the middle part of an image whose sides have enough divisors. It is the whole image, unless the smallest
+/// image of whole pixels would have sixteen times [`FEWEST_PIXELS`]. If so, both sides become multiples of 15, or of 24
+/// if even. A side keeps its parity, so that the middle of the part is exactly the middle of the image.
 pub fn middle_of((width, height): (u32, u32)) -> (u32, u32) {
     let (w, h) = size_of((width, height), FEWEST_PIXELS, true);
     if f64::from(w) * f64::from(h) <= 16.0 * FEWEST_PIXELS {
@@ -143,10 +144,11 @@ pub fn middle_of((width, height): (u32, u32)) -> (u32, u32) {
     (side(width), side(height))
 }
 
-/// The sides of measured images are multiples of this if possible, so that images of half and a quarter of the sides show the same view.
+/// The sides of measured images are multiples of this if possible, so that images of half and a quarter of the sides
+/// show the same view.
 const SIDES: u32 = 4;
 
-/// The whole size, reduced to about so many pixels. If `exact`, both sides are divided by a common divisor.
+/// The whole size, reduced to about `pixels` pixels. If `exact`, both sides are divided by a common divisor.
 pub fn size_of((width, height): (u32, u32), pixels: f64, exact: bool) -> (u32, u32) {
     let times = (f64::from(width) * f64::from(height) / pixels).sqrt().max(1.0);
     if exact {

@@ -37,7 +37,8 @@ pub struct Measured {
     pub model: Model,
     /// The relMSE of the noise for each measured number of samples, at the whole size.
     pub noises: Vec<(u32, f64)>,
-    /// The relative bias of the mean, with its sign. It is against the defaults, or against the reference if the defaults differ from it.
+    /// The relative bias of the mean, with its sign. It is against the defaults, or against the reference if the
+    /// defaults differ from it.
     pub signed: Estimate,
     /// The relMSE of the pixels' bias.
     pub squared: Estimate,
@@ -45,8 +46,8 @@ pub struct Measured {
     pub biased: bool,
     /// Whether the biases are against the reference.
     pub against_reference: bool,
-    /// Whether its noise is known, and also its bias if it may have one. If most of the noise is in few pixels, estimates are too low until
-    /// paths have found these.
+    /// Whether its noise is known, and also its bias if it may have one. If most of the noise is in few pixels,
+    /// estimates are too low until paths have found these.
     pub reliable: bool,
     /// Whether the image that its bias refers to is known, or the setting is declared unbiased.
     pub bias_known: bool,
@@ -58,7 +59,8 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// 1 / (relative variance of a sample × its seconds) (Pharr, Jakob, Humphreys, PBR 4th ed., section 2.1.4), at [`LEVEL`] samples.
+    /// 1 / (relative variance of a sample × its seconds) (Pharr, Jakob, Humphreys, PBR 4th ed., section 2.1.4), at
+    /// [`LEVEL`] samples.
     pub fn efficiency(&self) -> f64 {
         let samples = f64::from(LEVEL);
         let variance = samples * (self.model.error(samples) - self.model.squared_bias);
@@ -108,8 +110,8 @@ impl Measured {
 pub struct Judged {
     /// The settings with at least three rounds, the defaults first.
     pub measured: Vec<Measured>,
-    /// The distance of the defaults from the given reference, and whether it is more than the noise of both; none if the reference's noise
-    /// is unknown.
+    /// The distance of the defaults from the given reference, and whether it is more than the noise of both; none if
+    /// the reference's noise is unknown.
     pub against_reference: Option<(Distance, bool)>,
     /// The weights that make errors relative.
     pub weights: Option<Weights>,
@@ -117,9 +119,9 @@ pub struct Judged {
 
 /// Judges every subject with at least three rounds. The others are noted as not measured, with `unreached` as the reason.
 ///
-/// Biases are against the defaults, which share their random numbers, so that most of the noise cancels. If the defaults differ from a given
-/// reference, or are not known well, biases are against the reference instead. The loss of detail with fewer pixels depends on the size of the
-/// image, so it is computed from images of the whole size.
+/// Biases are against the defaults, which share their random numbers, so that most of the noise cancels. If the
+/// defaults differ from a given reference, or are not known well, biases are against the reference instead. The loss of
+/// detail with fewer pixels depends on the size of the image, so it is computed from images of the whole size.
 pub fn judge(sweep: &mut Sweep<'_>, reference: Option<&Truth>, whole: &Whole, unreached: &str) -> Judged {
     let Some(weights) = weights(sweep, reference) else {
         let all: Vec<Setting> = sweep.subjects.iter().map(|subject| subject.setting.clone()).collect();
@@ -205,9 +207,9 @@ pub fn judge(sweep: &mut Sweep<'_>, reference: Option<&Truth>, whole: &Whole, un
     Judged { measured: found, against_reference, weights: Some(weights) }
 }
 
-/// The weights that make errors relative, from the less noisy of the reference and the defaults' images. If noise makes a pixel dark, its
-/// relative errors look too large. Images of noisier settings are therefore not used: a pixel is half as bright if half of the images found
-/// no light in it.
+/// The weights that make errors relative, from the less noisy of the reference and the defaults' images. If noise makes
+/// a pixel dark, its relative errors look too large. Images of noisier settings are therefore not used: a pixel is half
+/// as bright if half of the images found no light in it.
 fn weights(sweep: &Sweep<'_>, reference: Option<&Truth>) -> Option<Weights> {
     let defaults = sweep.subjects.first()?;
     let blocks = defaults.blocks.iter().flat_map(|(&samples, blocks)| {
@@ -221,23 +223,24 @@ fn weights(sweep: &Sweep<'_>, reference: Option<&Truth>) -> Option<Weights> {
     Some(if noisier { own } else { Weights::of_image(reference.image.clone()) })
 }
 
-/// A bound of the light that no path found in so many rounds, relative to the mean, and its bound in the squared bias. The light may be missing
-/// in a setting or in the images that it is compared with. Own derivation: if k paths are expected, none is found with the probability e^-k,
-/// and a path carries at most the brightest radiance M of the scene. So, except with the probability `level`, the missed light b has a mean
-/// below ln(1/level) M / N, where N is the number of samples in all pixels. Its part of b² / (r² + 0.01) with b <= r is at most
-/// b r / (r² + 0.01) <= 5 b.
+/// Bounds of the light that no path found in `rounds` rounds: as a share of the mean, and as squared bias. The light
+/// may be missing in a setting or in the images that it is compared with. Own derivation: if k paths are expected, none
+/// is found with the probability e^-k, and a path carries at most the brightest radiance M of the scene. So, except
+/// with the probability `level`, the missed light b has a mean below ln(1/level) M / N, where N is the number of
+/// samples in all pixels. Its part of b² / (r² + 0.01) with b <= r is at most b r / (r² + 0.01) <= 5 b.
 fn unmet(brightest: f64, rounds: usize, level: f64, image: &Pixels) -> (f64, f64) {
     let samples = rounds as f64 * f64::from(LEVEL) * image.len() as f64;
     let light = level.recip().ln() * brightest / samples;
     let mean = sum_of(image) / (3 * image.len()) as f64;
-    // A black image has no light, and its mean cannot make anything relative.
+    // The mean of a black image is 0, so that no share of it exists.
     let of_mean = if mean > 0.0 { light / mean } else { 0.0 };
     (of_mean, 0.5 / RELATIVE_FLOOR.sqrt() * light)
 }
 
-/// Lower bounds of the pixels' squared bias from the bias of the mean: one with confidence, and one for the largest mean bias that the interval
-/// allows. For a bias b and w = 1 / (r² + 0.01), (mean b)² <= mean(w b²) mean(1/w) (Cauchy-Schwarz). Bias in rare bright paths, such as that of
-/// a clamp, shows in the mean long before it shows in the same pixels of different images.
+/// The squared bias of the pixels that follows from the bias of the mean: its certain part, and its largest value for a
+/// mean within the interval. For a bias b and w = 1 / (r² + 0.01), (mean b)² <= mean(w b²) mean(1/w) (Cauchy-Schwarz).
+/// Bias in rare bright paths, such as that of a clamp, shows in the mean long before it shows in the same pixels of
+/// different images.
 fn by_mean(signed: &Estimate, weights: &Pixels) -> (f64, f64) {
     let values = weights.as_flattened().iter().map(|&r| f64::from(r));
     let (sum, squares) = values.fold((0.0, 0.0), |(sum, squares), r| (sum + r, squares + r * r + RELATIVE_FLOOR));
@@ -313,8 +316,8 @@ fn soonest(found: &[Measured], target: usize, condition: impl Fn(&Measured) -> b
     reaching.min_by(|a, b| time(a).total_cmp(&time(b)))
 }
 
-/// The fastest setting that satisfies a condition. If the defaults or another unbiased setting are as fast within the error of the timings,
-/// they are preferred.
+/// The fastest setting that satisfies a condition. If the defaults or another unbiased setting are as fast within the
+/// error of the timings, they are preferred.
 pub fn preferred(found: &[Measured], target: usize, condition: impl Fn(&Measured) -> bool) -> Option<&Measured> {
     let time = |measured: &Measured| measured.times[target].unwrap_or(f64::INFINITY);
     let best = soonest(found, target, &condition)?;
@@ -357,8 +360,8 @@ mod tests {
         assert_eq!(by_mean(&Estimate { value: 0.1, error: 1.0, degrees: 7.0 }, &weights).0, 0.0);
     }
 
-    /// If k paths are expected, none is found with the probability e^-k. A setting that misses light of k < ln(1/level) paths is not told from
-    /// one that has it; a setting that misses more is.
+    /// If k paths are expected, none is found with the probability e^-k. A setting that misses the light of k <
+    /// ln(1/level) paths cannot be distinguished from one that has it; a setting that misses more can.
     #[test]
     fn light_that_few_paths_bring_may_be_missed() {
         let image: Pixels = vec![[0.05; 3]; 100];

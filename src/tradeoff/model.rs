@@ -16,7 +16,7 @@ pub struct Falling {
 }
 
 impl Falling {
-    /// The relMSE of the noise with so many samples.
+    /// The relMSE of the noise after this many samples.
     pub fn at(&self, samples: f64) -> f64 {
         self.noise * samples.powf(-self.exponent)
     }
@@ -49,19 +49,19 @@ pub struct Model {
 
 /// The range of plausible exponents. Sobol points reach at most 3, in smooth pixels.
 const EXPONENTS: (f64, f64) = (0.8, 3.0);
-/// The prior of the exponent, with its standard error. Noise from rare bright paths is measured too poorly to determine an exponent, and a
-/// wrong exponent is far off at many samples. The mean is that of independent samples; the standard error is what Sobol points gain on the
-/// scenes of this repository.
+/// The prior of the exponent, with its standard error. Noise from rare bright paths is measured too poorly to determine
+/// an exponent, and a wrong exponent is far off at many samples. The mean is that of independent samples; the standard
+/// error is what Sobol points gain on the scenes of this repository.
 const USUAL: (f64, f64) = (1.0, 0.1);
 
 impl Model {
-    /// The relMSE with so many samples.
+    /// The relMSE after this many samples.
     pub fn error(&self, samples: f64) -> f64 {
         self.squared_bias + self.noise.at(samples)
     }
 
-    /// The seconds until the relMSE reaches the target, at least those of one sample. None if the upper bound of the squared bias is not below
-    /// the target.
+    /// The seconds until the relMSE reaches the target, at least those of one sample. None if the upper bound of the
+    /// squared bias is not below the target.
     pub fn seconds_to(&self, target: f64) -> Option<f64> {
         let left = target - self.squared_bias_upper;
         (left > 0.0).then(|| self.seconds * self.noise.samples_to(left))
@@ -109,8 +109,9 @@ pub enum Standing {
     NeverReaches,
 }
 
-/// Smaller ratios of seconds do not count as a difference, however certain the timings are. Of five settings that do the same work, one or two
-/// were 7 to 12 % slower in half of the sweeps, from the first round to the last (llvmpipe): the placement of memory has this effect.
+/// Smaller ratios of seconds do not count as a difference, however certain the timings are. Of five settings that do
+/// the same work, one or two were 7 to 12 % slower in half of the sweeps, from the first round to the last (llvmpipe):
+/// the placement of memory has this effect.
 const NO_DIFFERENCE: f64 = 1.15;
 
 /// The ratio of seconds below which two settings count as equally fast: two standard errors of the ratio.
@@ -125,7 +126,7 @@ pub struct Times {
     pub seconds: Vec<Option<f64>>,
     /// Their relative standard error.
     pub doubt: f64,
-    /// Whether noise and bias are known, too. A setting for which they are not never dominates one for which they are.
+    /// Whether noise and bias are known, too. A setting with unknown noise or bias never dominates a setting with known ones.
     pub reliable: bool,
 }
 
@@ -212,7 +213,7 @@ mod tests {
         let found = |doubt: f64| standings(&times(doubt));
         use Standing::*;
         assert_eq!(found(0.001), [Front, Front, Dominated, Front, NeverReaches]);
-        // If timings are off by 30 %, twice the seconds are no difference, but reaching a target is.
+        // If timings are off by 30 %, a factor of two is no difference in time, but to reach a target or not is one.
         assert_eq!(found(0.3), [Front, Dominated, Front, Front, NeverReaches]);
         // The first and the fourth can dominate the third only if their noise and bias are known.
         let mut doubtful = times(0.001);

@@ -1,8 +1,9 @@
 //! The relative times of settings, on a machine that other load slows down at times.
 //!
-//! Every round times every setting once, in quick succession, so that a load of some seconds slows all of them alike. The logarithm of a
-//! time is therefore the sum of the setting's own time, the slowdown of the round, and a residual. A median polish (Tukey, Exploratory
-//! Data Analysis, 1977, chapter 11) finds the first two; single slow blocks do not affect it.
+//! Every round times every setting once, in quick succession, so that a load of some seconds slows all of them alike.
+//! The logarithm of a time is therefore the sum of the setting's own time, the slowdown of the round, and a residual. A
+//! median polish (Tukey, Exploratory Data Analysis, 1977, chapter 11) finds the first two; single slow blocks do not
+//! affect it.
 
 /// The time of a setting.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,7 +16,8 @@ pub struct Pace {
     pub doubt: f64,
 }
 
-/// The interquartile range of a normal variate in standard deviations, and the factor of the median's standard error over that of the mean.
+/// The interquartile range of a normal variate in standard deviations, and the factor of the median's standard error
+/// over that of the mean.
 const QUARTILES_PER_DEVIATION: f64 = 1.349;
 const ERROR_OF_MEDIAN: f64 = 1.2533;
 const PASSES: usize = 10;

@@ -1,4 +1,5 @@
-//! The findings as one HTML file without scripts, for light and dark themes, and wide and narrow screens. It loads nothing from the network.
+//! The findings as one HTML file without scripts, for light and dark themes, and wide and narrow screens. It loads
+//! nothing from the network.
 
 use std::fmt::Write as _;
 

@@ -1,8 +1,9 @@
 //! The noise of a setting and its bias against another one, both with standard errors, from images with several seeds.
 //!
-//! Every result is a mean over pairs of different replicates. The expected product of two replicates' differences from the baseline is the
-//! squared bias: their noise is independent, so that nothing has to be subtracted (independent halves). Pixels that lose light count even if
-//! others gain as much. The noise of one replicate is half the squared difference of two.
+//! Every result is a mean over pairs of different replicates. The expected product of two replicates' differences from
+//! the baseline is the squared bias: their noise is independent, so that nothing has to be subtracted (independent
+//! halves). Pixels that lose light count even if others gain as much. The noise of one replicate is half the squared
+//! difference of two.
 
 use crate::metrics::error::RELATIVE_FLOOR;
 use crate::metrics::estimate::Estimate;
@@ -15,9 +16,10 @@ pub const FEWEST_ROUNDS: usize = 3;
 
 /// The weights w = 1 / (r² + 0.01) that make products of replicates relative to an image r.
 ///
-/// If r contained the multiplied images themselves, w would be small exactly where these are bright by chance, and products with an expectation of
-/// 0 would get another one: paths that rarely find a light would hardly count when they do. So the rounds are divided into five folds, and the w
-/// for two rounds is computed from an r without the folds of these rounds.
+/// If r contained the multiplied images themselves, w would be small exactly where these are bright by chance, and
+/// products with an expectation of 0 would get another one: paths that rarely find a light would hardly count when they
+/// do. So the rounds are divided into five folds, and the w for two rounds is computed from an r without the folds of
+/// these rounds.
 #[derive(Clone, Debug)]
 pub struct Weights {
     /// The whole r.
@@ -123,7 +125,8 @@ impl Pairs {
         self.0.iter().enumerate().map(row).sum::<f64>() / (0.5 * n * (n - 1.0))
     }
 
-    /// The jackknife over replicates (Efron and Stein, Annals of Statistics 9(3), 1981). The expectation of its variance is never too small.
+    /// The jackknife over replicates (Efron and Stein, Annals of Statistics 9(3), 1981). The expectation of its
+    /// variance is never too small.
     fn jackknife(&self) -> Option<Estimate> {
         let n = self.0.len();
         if n < FEWEST_ROUNDS {
@@ -137,8 +140,8 @@ impl Pairs {
     }
 }
 
-/// The relMSE of one image's noise: half that of two images against each other. Needs three replicates, which are `apart` rounds from each
-/// other.
+/// The relMSE of one image's noise: half that of two images against each other. Needs three replicates, which are
+/// `apart` rounds from each other.
 pub fn noise(images: &[Pixels], weights: &Weights, apart: usize) -> Option<Estimate> {
     let of_pair = |a: usize, b: usize| {
         let off = difference(&images[a], &images[b]);
@@ -147,8 +150,8 @@ pub fn noise(images: &[Pixels], weights: &Weights, apart: usize) -> Option<Estim
     Pairs::of(images.len(), of_pair).jackknife()
 }
 
-/// The mean over pixels and channels of the squared expectation of differences, divided by r² + 0.01. Needs the differences of three rounds. If
-/// there is no difference, it may be below 0 by chance.
+/// The mean over pixels and channels of the squared expectation of differences, divided by r² + 0.01. Needs the
+/// differences of three rounds. If there is no difference, it may be below 0 by chance.
 pub(super) fn squared_mean(differences: &[Pixels], weights: &Weights) -> Option<Estimate> {
     let of_pair = |a: usize, b: usize| {
         product(differences[a].as_flattened(), differences[b].as_flattened(), weights.between(a, b))
@@ -156,15 +159,15 @@ pub(super) fn squared_mean(differences: &[Pixels], weights: &Weights) -> Option<
     Pairs::of(differences.len(), of_pair).jackknife()
 }
 
-/// The squared bias of the pixels: the relMSE that remains with infinitely many samples. Needs three pairs of replicates of the setting and
-/// of the baseline.
+/// The squared bias of the pixels: the relMSE that remains with infinitely many samples. Needs three pairs of
+/// replicates of the setting and of the baseline.
 pub fn squared_bias(setting: &[Pixels], baseline: &[Pixels], weights: &Weights) -> Option<Estimate> {
     let differences: Vec<Pixels> = setting.iter().zip(baseline).map(|(a, b)| difference(a, b)).collect();
     squared_mean(&differences, weights)
 }
 
-/// The signed bias of the mean over pixels and channels, relative to the mean of the reference. Pairs share their random numbers, so that
-/// noise that the two settings have in common cancels.
+/// The signed bias of the mean over pixels and channels, relative to the mean of the reference. Pairs share their
+/// random numbers, so that noise that the two settings have in common cancels.
 pub fn signed_bias(setting: &[Pixels], baseline: &[Pixels], reference: &Pixels) -> Option<Estimate> {
     let whole = sum_of(reference);
     let off = |(a, b)| match sum_of(a) - sum_of(b) {
@@ -270,8 +273,9 @@ pub(super) mod tests {
         }
     }
 
-    /// Images that are dark except for a few bright pixels, as from paths that find a light once in thousands of times. Their expectation equals
-    /// that of the other images; weighted by an image that contains themselves, they would seem darker.
+    /// Images that are dark except for a few bright pixels, as from paths that find a light once in thousands of times.
+    /// Their expectation equals that of the other images; weighted by an image that contains themselves, they would
+    /// seem darker.
     #[test]
     fn rare_bright_pixels_are_no_bias() {
         const VALUE: f64 = 0.2;

@@ -19,8 +19,8 @@ pub struct Findings {
     pub size: (u32, u32),
     /// The size of the scene's image, or of the reference.
     pub whole_size: (u32, u32),
-    /// Ratios, for the defaults, of the seconds of a sample and of the relMSE of the noise at the whole size to those at the measured size; none
-    /// if they were not measured.
+    /// Ratios, for the defaults, of the seconds of a sample and of the relMSE of the noise at the whole size to those
+    /// at the measured size; none if they were not measured.
     pub calibration: Option<(f64, f64)>,
     pub seed: u32,
     pub budget: f64,
@@ -30,8 +30,8 @@ pub struct Findings {
     pub reference: Option<String>,
     /// The relMSE of the noise of the reference or of the pooled image, if known.
     pub error_of_truth: Option<f64>,
-    /// The relative difference of the defaults' mean from the given reference. If the noise of the reference is unknown, the error of the
-    /// estimate includes only the noise of the defaults.
+    /// The relative difference of the defaults' mean from the given reference. If the noise of the reference is
+    /// unknown, the error of the estimate includes only the noise of the defaults.
     pub against_reference: Option<Estimate>,
     /// If the noise of the reference is known: the distance of the defaults from it, and whether that is more than noise.
     pub distance: Option<(Distance, bool)>,
@@ -186,8 +186,8 @@ impl Findings {
         sorted
     }
 
-    /// The settings that the plot draws: the defaults, then the front, then the rest by their times. The second list has those that it leaves
-    /// out because they are as fast as the defaults within the error of the timings.
+    /// The settings that the plot draws: the defaults, then the front, then the rest by their times. The second list
+    /// has those that it leaves out because they are as fast as the defaults within the error of the timings.
     pub fn drawn(&self) -> (Vec<&Measured>, Vec<&Measured>) {
         let Some(defaults) = self.measured.first() else { return (Vec::new(), Vec::new()) };
         let alike = |a: Option<f64>, b: Option<f64>, doubt: f64| match (a, b) {

@@ -22,7 +22,7 @@ pub const LEVEL: u32 = LEVELS[1];
 const ROUNDS_OF_LAST: usize = 4;
 /// The most rounds of a sweep.
 pub const MOST_ROUNDS: usize = 32;
-/// The number of rounds from one block of so many samples to the next.
+/// The number of rounds from one block of `samples` samples to the next.
 pub fn rounds_between(samples: u32) -> usize {
     if samples == LEVELS[2] { ROUNDS_OF_LAST } else { 1 }
 }
@@ -73,8 +73,8 @@ pub struct Subject<'a> {
     size: (u32, u32),
     /// The time to build its hierarchies and to compile its kernels.
     pub seconds_compile: f64,
-    /// The blocks for each number of samples per pixel, in the order of the rounds. The n-th blocks of all subjects have the same random
-    /// numbers.
+    /// The blocks for each number of samples per pixel, in the order of the rounds. The n-th blocks of all subjects
+    /// have the same random numbers.
     pub blocks: BTreeMap<u32, Vec<Block>>,
 }
 
@@ -141,8 +141,8 @@ impl<'a> Sweep<'a> {
         Sweep { size, subjects: Vec::new(), unmeasured: Vec::new(), device, scene, seed, rounds: 0, defaults: None }
     }
 
-    /// Compiles a setting; the first must be the defaults. A setting that does nothing to this scene, or that the device refuses, is noted as
-    /// not measured.
+    /// Compiles a setting; the first must be the defaults. A setting that does nothing to this scene, or that the
+    /// device refuses, is noted as not measured.
     ///
     /// # Errors
     /// If the defaults themselves fail.
@@ -218,8 +218,9 @@ impl<'a> Sweep<'a> {
         Ok(Some(Block { image, seconds: outcome.seconds }))
     }
 
-    /// Renders rounds of blocks of every subject until the time is over, `stop` is true, or `most` rounds are done, including those of earlier
-    /// calls. The order of the subjects rotates from round to round, so that a machine that becomes slower slows all of them alike.
+    /// Renders rounds of blocks of every subject until the time is over, `stop` is true, or `most` rounds are done,
+    /// including those of earlier calls. The order of the subjects rotates from round to round, so that a machine that
+    /// becomes slower slows all of them alike.
     ///
     /// # Errors
     /// If the device fails.

@@ -36,8 +36,8 @@ impl Truth {
         Truth { image: shrunk(&file.rgb, file.width, by), variance: file.known_variance().map(of_mean) }
     }
 
-    /// The mean of all images of unbiased settings, weighted by their samples. The images of the subject `without` are left out, because no
-    /// image should be judged by itself.
+    /// The mean of all images of unbiased settings, weighted by their samples. The images of the subject `without` are
+    /// left out, because no image should be judged by itself.
     pub fn pooled(sweep: &Sweep<'_>, without: Option<usize>) -> Option<Truth> {
         let unbiased = |subject: &Subject<'_>| matches!(subject.setting.class(), Class::Exact | Class::Noise);
         Truth::joined(sweep, |i, subject| Some(i) != without && unbiased(subject))
@@ -49,8 +49,8 @@ impl Truth {
     }
 
     fn joined(sweep: &Sweep<'_>, takes: impl Fn(usize, &Subject<'_>) -> bool) -> Option<Truth> {
-        // Two halves: the even and the odd rounds. Images of one round share their random numbers, but the two halves share none, so that
-        // their difference measures the noise, whatever the number of settings.
+        // Two halves: the even and the odd rounds. Images of one round share their random numbers, but the two halves
+        // share none, so that their difference measures the noise, whatever the number of settings.
         let empty = vec![[0.0f64; 3]; sweep.size.0 as usize * sweep.size.1 as usize];
         let (mut sums, mut weights) = ([empty.clone(), empty], [0.0f64; 2]);
         for (i, subject) in sweep.subjects.iter().enumerate() {
@@ -81,25 +81,26 @@ impl Truth {
         })
     }
 
-    /// The relMSE of its own noise, with weights from the same image or a less noisy one.
+    /// The relMSE of the truth's own noise, with weights from this image or a less noisy one.
     pub fn error(&self, weights: &Weights) -> Option<f64> {
         relative_variance(self.variance.as_ref()?, &weights.image)
     }
 
-    /// The relMSE of an image against it, minus the expected contribution of its own noise.
+    /// The relMSE of an image against the truth, minus the expected contribution of the truth's own noise.
     pub fn relmse_of(&self, image: &Pixels, weights: &Weights) -> f64 {
         distance(image, &self.image, weights) - self.error(weights).unwrap_or(0.0)
     }
 
-    /// The distance of the images' expectation from the truth, with weights from another image. None if the truth's own noise is unknown, or for
-    /// fewer than three images.
+    /// The distance of the images' expectation from the truth, with weights from another image. None if the truth's own
+    /// noise is unknown, or for fewer than three images.
     pub fn distance(&self, images: &[Pixels], weights: &Weights) -> Option<Distance> {
         let variance = self.variance.as_ref()?;
         let count = (3 * self.image.len()) as f64;
         let mean = sum_of(&self.image) / count;
         let of_images = |at: usize, c: usize| images.iter().map(|i| f64::from(i[at][c])).sum::<f64>();
-        // Sums and sums of squares of each pixel's contributions: its standard deviations to the mean of the image, and its relative variances to
-        // relMSE. Its channels are assumed to be fully correlated, which gives the largest variance.
+        // Sums and sums of squares of each pixel's contributions: its standard deviations to the mean of the image, and
+        // its relative variances to relMSE. Its channels are assumed to be fully correlated, which gives the largest
+        // variance.
         let (mut of_mean, mut of_mean2, mut own, mut own2, mut with_bias) = (0.0, 0.0, 0.0, 0.0, 0.0);
         for (at, (pixel, variance)) in self.image.iter().zip(variance).enumerate() {
             let (mut deviation, mut relative, mut product) = (0.0, 0.0, 0.0);
@@ -121,9 +122,10 @@ impl Truth {
         let signed = signed_bias(images, &same, &self.image)?;
         let differences: Vec<Pixels> = images.iter().map(|image| difference(image, &self.image)).collect();
         let squared = squared_mean(&differences, weights)?;
-        // The variance of (b + e)² minus an estimate of E e² has three parts. e² contributes 2 σ⁴. An estimate with one degree of freedom
-        // contributes 2 σ⁴, and the expectation of its square is 3 σ⁴. With more degrees the estimate contributes less, and its square is about
-        // σ⁴. Twice the square is enough in both cases. The product 2 b e contributes 4 b² σ².
+        // The variance of (b + e)² minus an estimate of E e² has three parts. e² contributes 2 σ⁴. An estimate with one
+        // degree of freedom contributes 2 σ⁴, and the expectation of its square is 3 σ⁴. With more degrees the estimate
+        // contributes less, and its square is about σ⁴. Twice the square is enough in both cases. The product 2 b e
+        // contributes 4 b² σ².
         let squared_noise = (2.0 * own2 + 4.0 * with_bias) / (count * count);
         Some(Distance {
             signed: joined(signed, of_mean / (count * mean).powi(2), degrees_of_sum(of_mean, of_mean2)),
@@ -138,7 +140,7 @@ impl Truth {
     }
 }
 
-/// An estimate with additional noise, whose variance has so many degrees of freedom (Welch, Biometrika 34, 1947).
+/// An estimate with additional noise. `degrees` are the degrees of freedom of its variance (Welch, Biometrika 34, 1947).
 fn joined(own: Estimate, variance: f64, degrees: f64) -> Estimate {
     let (a, b) = (own.error * own.error, variance);
     if b <= 0.0 {
@@ -210,8 +212,8 @@ mod tests {
                 let own = truth.error(&weights()).unwrap();
                 not_subtracted += u32::from(within(expected - own, found.squared));
             }
-            // 5 % of the intervals miss the value, and 2.5 % more do so once in 50 times. Uncorrelated channels make the intervals wider than
-            // necessary.
+            // 5 % of the intervals miss the value, and 2.5 % more do so once in 50 times. Uncorrelated channels make
+            // the intervals wider than necessary.
             assert!(signed >= 370 && squared >= 370, "{bias} {deviation}: {signed} {squared}");
             assert!(not_subtracted < 40, "{bias} {deviation}: {not_subtracted}");
         }

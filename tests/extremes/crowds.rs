@@ -80,7 +80,8 @@ fn in_one_place(name: &str, count: usize, body: &str) -> Cell {
     .planted("image of another object", differ(pixels(count, "both")))
 }
 
-/// More meshes in one place than a walk may go through where loops are limited: the render counts and tells what it cuts, and the scene is warned of.
+/// More meshes in one place than a walk may go through where loops are limited: the render counts and tells what it
+/// cuts, and the scene is warned of.
 fn too_many(count: usize, body: &str) -> Cell {
     let scene = scene(CAMERA, 1.0, &crowd(body, count, "grey"));
     let shot = render_planted(&scene, &Ask::spp(8).size(8, 8), &Overlay::new(&[]));
@@ -197,7 +198,8 @@ fn spheres() -> Cell {
         ];
         kernel.run_with(&rays, rays.len(), &tables)
     };
-    // Nearest crossing ahead in f64; what is within the error of the edge, or of the distance of another, may be decided either way.
+    // Nearest crossing ahead in f64; what is within the error of the edge, or of the distance of another, may be
+    // decided either way.
     let truth: Vec<(f64, f64)> = rays.iter().map(|ray| nearest(ray, &spheres)).collect();
     let wrong = |found: &[[[u32; 4]; 2]]| {
         let off = found.iter().zip(&truth).filter(|([walked, _], (surely, maybe))| {

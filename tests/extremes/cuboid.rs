@@ -25,7 +25,8 @@ fn leave(kernel: &Kernel, aspect: f64, place: (f64, f64), cosines: (f64, f64)) -
             continue;
         }
         hits += 1;
-        // The side that it left to. Along the face, to within the rounding of the direction and of its product with the normal, either will do.
+        // The side that it left to. Along the face, to within the rounding of the direction and of its product with the
+        // normal, either will do.
         let outwards = (exact(out.start) - exact(out.point)).dot(exact(out.normal)) >= 0.0;
         let cosine = exact(out.leaving).dot(exact(out.normal));
         wrong_side += usize::from(cosine.abs() > 8.0 * U && outwards != (cosine > 0.0));

@@ -273,8 +273,8 @@ pub fn distances() -> Vec<Cell> {
             let expected = 1.0 - 0.5 * silhouette / 16.0;
             // Of the 256 pixels some 40 are mixed; the mean of 64 draws of a half is off by at most half of that in each.
             let noise = 40f64.sqrt() * 0.25 / 8.0 / 256.0;
-            // In general position directions are off by u, and the picture by u D radii. From 1e5 on a pixel, 1/4 of D, is below the 2^-17 of
-            // its distance at which the view has axes of its own.
+            // In general position directions are off by u, and the picture by u D radii. From 1e5 on a pixel, 1/4 of D,
+            // is below the 2^-17 of its distance at which the view has axes of its own.
             let blur = if direction == DVec3::NEG_Z || exponent > 4 { 0.0 } else { 2.0 * U * distance };
             let cell = Cell::new(
                 Row::Distance,
@@ -434,7 +434,8 @@ pub fn grazing() -> Vec<Cell> {
     for (place, turned) in [("", DMat3::IDENTITY), (", tilted", tilt)] {
         for exponent in 1..=7 {
             let angle = 10f64.powi(-exponent);
-            // From a height of `angle` over a grey floor that ends 1 ahead: its edge is at `angle` below the horizon, three quarters down.
+            // From a height of `angle` over a grey floor that ends 1 ahead: its edge is at `angle` below the horizon,
+            // three quarters down.
             let triple = |v: DVec3| triple(turned * v);
             let camera = format!(
                 "(look_from: (0, 0, 0), look_at: {}, up: {}, vertical_fov: {:?})",

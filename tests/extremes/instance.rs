@@ -7,8 +7,8 @@ use crate::common::vectors::{exact, rounded, unit};
 use crate::table::{Cell, NO_OFFSET, Row};
 use glam::DVec3;
 
-/// Rays at a ball of so many units, placed by a transform so far from the eye: how many of those that leave it again met the face that they
-/// left, met the ball though they left it outwards, or lost the inside though they went in.
+/// Rays at a ball of so many units, placed by a transform so far from the eye: how many of those that leave it again
+/// met the face that they left, met the ball though they left it outwards, or lost the inside though they went in.
 fn leave(size: f64, place: f64, replaced: &[(&str, &str)]) -> f64 {
     let random = &mut Random(62);
     const RAYS: usize = 10_000;

@@ -185,8 +185,8 @@ fn slab(depth: f64, albedo: f64, distance: f64, thickness: f64) -> String {
     )
 }
 
-/// Slabs that only absorb: what gets through straight. A depth of 1e-8 scatters one path of 1e8: the medium's random numbers are then the
-/// lowest 2^-k of all, of which 2^k as many scatter.
+/// Slabs that only absorb: what gets through straight. A depth of 1e-8 scatters one path of 1e8: the medium's random
+/// numbers are then the lowest 2^-k of all, of which 2^k as many scatter.
 fn black_slabs() -> Vec<Cell> {
     const SAMPLES: f64 = 1024.0 * 64.0;
     [1e-8, 1e-7, 1e-6, 1e-4, 1e-2, 1.0, 10.0, 1e2, 1e4, 1e6, 1e8]

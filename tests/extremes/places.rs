@@ -34,13 +34,15 @@ fn powers_of_two() -> Vec<Cell> {
         .into()
 }
 
-/// Other scales and places round the scene's numbers otherwise, so that some paths differ. At 1e8 the scene is stored to 1.5e-8 of its unit.
+/// Other scales and places round the scene's numbers otherwise, so that some paths differ. At 1e8 the scene is stored
+/// to 1.5e-8 of its unit.
 ///
-/// The seed is that of the usual scene, so that what both have alike cancels: of their pixels' differences, over tiles of 8 x 8 pixels and the
-/// whole image, Student's test tells whether their mean is none, but for 1e-5 of the value. The lamp is dim here, and makes about a tenth of the light: a lamp
-/// that is brighter by a twentieth is half a percent of it. A camera that is moved by a fiftieth of its
-/// distance moves light from pixel to pixel: the images as if of two seeds tell that, of whose tiles the means' difference has a standard error of
-/// 0.7 % up to 1.8 %. (What both have alike makes that test the safer.)
+/// The seed is that of the usual scene, so that what both have alike cancels: of their pixels' differences, over tiles
+/// of 8 x 8 pixels and the whole image, Student's test tells whether their mean is none, but for 1e-5 of the value. The
+/// lamp is dim here, and makes about a tenth of the light: a lamp that is brighter by a twentieth is half a percent of
+/// it. A camera that is moved by a fiftieth of its distance moves light from pixel to pixel: the images as if of two
+/// seeds tell that, of whose tiles the means' difference has a standard error of 0.7 % up to 1.8 %. (What both have
+/// alike makes that test the safer.)
 fn scales_and_places() -> Vec<Cell> {
     const FIGURE: &str = "Largest difference from the scene at scale 1 and the origin, with the same seed, over tiles and the whole \
                           image, in standard deviations";

@@ -146,7 +146,8 @@ fn grazed(kernel: &Kernel) -> Vec<Cell> {
         .collect()
 }
 
-/// Rays at floors: planes whose normal is an axis, so that products with it are exact. Distances keep all their digits at every angle.
+/// Rays at floors: planes whose normal is an axis, so that products with it are exact. Distances keep all their digits
+/// at every angle.
 fn floors_grazed(kernel: &Kernel) -> Vec<Cell> {
     let texts: Vec<String> = {
         let mut random = Random(15);
@@ -197,8 +198,8 @@ fn worst_of_tilted(kernel: &Kernel, quads: &[Quad], rays: &[In]) -> f64 {
     })
 }
 
-/// Rays that met quads of which the corner is at a distance from the origin of space within these decades of the longer side, and leave them
-/// on either side at cosines within these decades: the share that met them again.
+/// Rays that met quads of which the corner is at a distance from the origin of space within these decades of the longer
+/// side, and leave them on either side at cosines within these decades: the share that met them again.
 fn again(kernel: &Kernel, aspect: f64, place: (f64, f64), cosines: (f64, f64)) -> f64 {
     let mut random = Random(14);
     let quads = assorted(&mut random, 3000, aspect, place);

@@ -62,8 +62,8 @@ struct In {
     padding: u32,
 }
 
-/// Numbers and others made by division, difference, product, root, logarithm and exponential, that the device takes for something else
-/// than what their bits say, of some 1000; and how many of them were NaN, and infinite.
+/// Numbers and others made by division, difference, product, root, logarithm and exponential, that the device takes for
+/// something else than what their bits say, of some 1000; and how many of them were NaN, and infinite.
 fn mistaken(kernel: &Kernel) -> (f64, [u32; 2]) {
     let (nan, infinity) = (f32::NAN, f32::INFINITY);
     let special = [0.0, -0.0, 1.0, -1.0, 3e38, -3e38, 1000.0, infinity, -infinity, nan, 1e-38];

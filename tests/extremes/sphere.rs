@@ -57,9 +57,9 @@ struct Verdict {
     worst_normal: f64,
 }
 
-/// The error of the line's distance from the centre, in radii, for a sphere `distance` radii away. The rounding of
-/// o - c and that of k d are at most u D each; what of the direction the first perpendicular keeps, at most 8 u D, the second step takes
-/// out; the length, its root and r + l round by 4 u at most.
+/// The error of the line's distance from the centre, in radii, for a sphere `distance` radii away. The rounding of o -
+/// c and that of k d are at most u D each; what of the direction the first perpendicular keeps, at most 8 u D, the
+/// second step takes out; the length, its root and r + l round by 4 u at most.
 fn impact_error(distance: f64) -> f64 {
     2.0 * U * distance + 4.0 * U
 }
@@ -120,7 +120,8 @@ fn distances() -> Vec<Cell> {
     let textbook = tracer("sphere", &[("geometry/sphere", "test/control/sphere_textbook")]);
     let mut all = Vec::new();
     // Measured on both Mesas: 0 wrong of 20 000 up to 1e4 radii, 0.1 % at 1e5, 1 % at 1e6; the median of the distance's
-    // error is 1 u D. At 1e7 the rounding of the centre alone is 0.6 radii: nothing can be promised there, but in the camera's own axes.
+    // error is 1 u D. At 1e7 the rounding of the centre alone is 0.6 radii: nothing can be promised there, but in the
+    // camera's own axes.
     for distance in [0.0, 0.5, 0.99, 1.000_01, 1.001, 1.5, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6] {
         let range = format!("D/r = {distance}");
         let found = judge(&own, distance);
@@ -173,7 +174,8 @@ fn distances() -> Vec<Cell> {
     all
 }
 
-/// Spheres of radius 1 near the axis of view, where space is turned with the camera: what a telescope sees. The rays start at the origin.
+/// Spheres of radius 1 near the axis of view, where space is turned with the camera: what a telescope sees. The rays
+/// start at the origin.
 fn on_axis(kernel: &Kernel, distance: f64) -> Verdict {
     const RAYS: usize = 20_000;
     let mut random = Random(5);
@@ -189,8 +191,9 @@ fn on_axis(kernel: &Kernel, distance: f64) -> Verdict {
     compare(kernel, distance, AXIS_ERROR, &spheres, &rays)
 }
 
-/// The error of a line's distance from the centre where both lie within a few radii of the axis: across it nothing is larger than those few
-/// radii, 4 here, and a difference, two products and two sums round in it; along it the error of the foot is taken out again.
+/// The error of a line's distance from the centre where both lie within a few radii of the axis: across it nothing is
+/// larger than those few radii, 4 here, and a difference, two products and two sums round in it; along it the error of
+/// the foot is taken out again.
 const AXIS_ERROR: f64 = 4.0 * 6.0 * U;
 
 fn on_the_axis() -> Vec<Cell> {
@@ -370,9 +373,9 @@ fn leavings() -> Vec<Cell> {
     all
 }
 
-/// Rays that leave spheres with their centres at `ratio` radii from the origin of space, at cosines within these decades: how many met the sphere
-/// again that went out, and of those that went in how many left to the wrong side, or lost their chord, or found its end elsewhere than rounding
-/// allows.
+/// Rays that leave spheres with their centres at `ratio` radii from the origin of space, at cosines within these
+/// decades: how many met the sphere again that went out, and of those that went in how many left to the wrong side, or
+/// lost their chord, or found its end elsewhere than rounding allows.
 fn graze(kernel: &Kernel, ratio: f64, cosines: (f64, f64)) -> f64 {
     const RAYS: usize = 10_000;
     let mut random = Random(6);

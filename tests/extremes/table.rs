@@ -183,8 +183,8 @@ fn heading(name: &str) -> String {
     format!("{}{}", name[..1].to_uppercase(), &name[1..])
 }
 
-/// Everything that is wrong with the cells, by their document and the one that is wanted: over a limit, other cells, or a form that none
-/// has. Empty where all is well.
+/// Everything that is wrong with the cells, by their document and the one that is wanted: over a limit, other cells, or
+/// a form that none has. Empty where all is well.
 pub fn faults(cells: &[Cell], text: &str, wanted_text: &str, forms: &[&str]) -> Vec<String> {
     let mut all: Vec<String> = cells.iter().flat_map(Cell::faults).collect();
     let (there, wanted) = (places(text), places(wanted_text));

@@ -7,8 +7,8 @@ use crate::common::triangles::{Corners, In, stout, trace, tracer};
 use crate::common::vectors::{decades, rounded, unit};
 use crate::table::{Cell, NO_OFFSET, Row};
 
-/// Rays that meet triangles of all sizes, every second a needle down to 1e-5 of its length, up to `far` sizes from the origin, and leave
-/// them at cosines within these decades: how many met the triangle again.
+/// Rays that meet triangles of all sizes, every second a needle down to 1e-5 of its length, up to `far` sizes from the
+/// origin, and leave them at cosines within these decades: how many met the triangle again.
 fn leave(kernel: &Kernel, far: f64, cosines: (f64, f64)) -> f64 {
     const RAYS: usize = 20_000;
     let mut random = Random(73);

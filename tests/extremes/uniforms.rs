@@ -1,4 +1,5 @@
-//! Random numbers at the ends of their range, 0 and 1 - 2^-24, in every dimension: nothing that is drawn from them leaves its range.
+//! Random numbers at the ends of their range, 0 and 1 - 2^-24, in every dimension: nothing that is drawn from them
+//! leaves its range.
 
 use std::collections::BTreeMap;
 

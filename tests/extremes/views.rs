@@ -13,8 +13,8 @@ use crate::table::{Cell, Row, TEXTBOOK_SPHERE};
 
 /// Samples of a pixel.
 const SAMPLES: u32 = 256;
-/// How much above its expectation a root mean square of hundreds of pixels' errors may be by chance: a chi-square of 100 degrees is above
-/// 1.8 times its mean once in a million.
+/// How much above its expectation a root mean square of hundreds of pixels' errors may be by chance: a chi-square of
+/// 100 degrees is above 1.8 times its mean once in a million.
 const CHANCE: f64 = 1.35;
 
 /// The table's cells of cameras.
@@ -56,7 +56,8 @@ impl Oblique {
     }
 }
 
-/// The mean of a function over each pixel of an image of `size`, by 32 x 32 places: of the direction (x, y, -1) in the camera's space.
+/// The mean of a function over each pixel of an image of `size`, by 32 x 32 places: of the direction (x, y, -1) in the
+/// camera's space.
 fn integrated((width, height): (u32, u32), vertical_fov: f64, f: impl Fn(DVec3) -> f64) -> Vec<f64> {
     const PLACES: u32 = 32;
     let pixel = 2.0 * (0.5 * vertical_fov).to_radians().tan() / f64::from(height);
@@ -81,8 +82,8 @@ fn rms(found: &[f64], expected: &[f64], counts: impl Fn(f64) -> bool) -> f64 {
     (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
 }
 
-/// A shining sphere, seen by an oblique camera a little beside its middle: the error of its coverage of the pixels on its edge. What is rendered has
-/// a view so many times as wide, and kernels with modules in others' places.
+/// A shining sphere, seen by an oblique camera a little beside its middle: the error of its coverage of the pixels on
+/// its edge. What is rendered has a view so many times as wide, and kernels with modules in others' places.
 fn edge_error_of(distance: f64, radius: f64, vertical_fov: f64, wider: f64, replaced: &[(&str, &str)]) -> f64 {
     let camera = Oblique::new();
     let beside = DVec3::new(0.13 * radius, -0.07 * radius, -distance);
@@ -191,8 +192,9 @@ fn shading_error(distance: f64, vertical_fov: f64, top: f64) -> f64 {
     rms(&found, &expected, |e| !e.is_nan())
 }
 
-/// The half plane x < 0 of a plane at distance 5 shines, through a lens: a point o of the lens sees o (1 - 5/f) + 5 x of it. The picture is as wide
-/// as twice what the lens spreads the edge by, up to 40 degrees: its blur is a quarter of it or more.
+/// The half plane x < 0 of a plane at distance 5 shines, through a lens: a point o of the lens sees o (1 - 5/f) + 5 x
+/// of it. The picture is as wide as twice what the lens spreads the edge by, up to 40 degrees: its blur is a quarter of
+/// it or more.
 fn lenses() -> Vec<Cell> {
     const FIGURE: &str = "Root mean square error of the pixels in an image of a half plane at distance 5 through a lens, with an \
                           image as wide as the blur";

@@ -1,5 +1,6 @@
-//! Warnings about numbers that are allowed and dangerous: each at its place, with the number and what to do, and none for a twin scene
-//! just on the other side of its limit. What surfaces near glass are warned of is held against pictures.
+//! Warnings about numbers that are allowed and dangerous: each at its place, with the number and what to do, and none
+//! for a twin scene just on the other side of its limit. What surfaces near glass are warned of is held against
+//! pictures.
 
 use crate::common::{render, stats};
 use std::fs;
@@ -439,8 +440,9 @@ fn limit(warning: &str) -> f64 {
     number.unwrap_or_else(|| panic!("no limit in {warning}"))
 }
 
-/// A lamp behind clear surfaces is seen, and glass bends what is behind it, from a little more than the limit on; at half of it they
-/// are wrong in most pixels. At all widths of what is warned of, from one end of the scene to the other.
+/// A lamp behind clear surfaces is seen, and glass bends what is behind it, from a little more than the limit on; at
+/// half of it they are wrong in most pixels. At all widths of what is warned of, from one end of the scene to the
+/// other.
 #[test]
 fn pictures_are_wrong_where_it_is_warned_of_and_right_beyond() {
     let quads = |half: f64| {

@@ -1,9 +1,10 @@
 //! Finds flat surfaces that coincide. If two opaque surfaces of different materials coincide, rounding decides which of them is
 //! visible. If one of two coincident surfaces is clear, rays that leave one start behind the other and miss it.
 //!
-//! The search compares quads and sides of boxes that lie in one plane. It skips opaque sides that face away from the camera, because
-//! no camera ray can hit them first: a box may rest on a floor. It skips media, because their boundaries are not surfaces. In crowded
-//! planes the number of comparisons is limited, in proportion to the number of surfaces.
+//! The search compares quads and sides of boxes that lie in one plane. It skips opaque sides that face away from the
+//! camera, because no camera ray can hit them first: a box may rest on a floor. It skips media, because their
+//! boundaries are not surfaces. In crowded planes the number of comparisons is limited, in proportion to the number of
+//! surfaces.
 
 use std::collections::HashSet;
 
@@ -13,7 +14,7 @@ use super::repeated::{Repeated, hash};
 use super::{At, BY_ROUNDING, Body, Diagnostic, Found, OTHER, Role, U, Worst, apart, leaving, short};
 use crate::shape::{Hull, normal};
 
-/// The limit on comparisons in a plane: so many for each surface, and so many more for the whole plane.
+/// The limit on comparisons in a plane: the first number for each surface, and the second for the whole plane.
 const TESTS_EACH: usize = 16;
 const TESTS_MORE: usize = 1000;
 /// The search looks at this many surfaces, and one more for each 16 objects. It takes the planes nearest to the camera first.
@@ -41,7 +42,8 @@ struct PlanePair {
 /// The plane of a surface.
 #[derive(Clone, Copy)]
 struct Plane {
-    /// The bits of its distance from the camera, in units of the scene's extent, as f32. Bits of positive floats sort like the floats.
+    /// The bits of its distance from the camera, in units of the scene's extent, as f32. Bits of positive floats sort
+    /// like the floats.
     bits: u32,
     /// Two planes can matter to each other if their distance is at most the sum of their reaches. In units of the scene's extent.
     reach: f32,
@@ -69,8 +71,8 @@ fn hash_of(normal: DVec3) -> u32 {
     hash(steps(normal.abs()).map(|step| step as u32))
 }
 
-/// A bound of how far rounding moves a surface along its normal. Each coordinate of the position is rounded, and so is the half side of
-/// a box.
+/// A bound of how far rounding moves a surface along its normal. Each coordinate of the position is rounded, and so is
+/// the half side of a box.
 fn rounding(normal: DVec3, place: DVec3, half: f64) -> f64 {
     2.0 * U * (normal.abs().dot(place.abs()) + half)
 }
@@ -199,8 +201,8 @@ impl<'a> Planes<'a> {
         }
     }
 
-    /// Whether the surfaces may include two parallel ones whose coincidence shows. Exact for two surfaces; for more, only the materials
-    /// are compared.
+    /// Whether the surfaces may include two parallel ones whose coincidence is visible. Exact for two surfaces; for
+    /// more, only the materials are compared.
     fn may_differ(&self, run: &[Plane]) -> bool {
         let differ = |a: &Plane, b: &Plane| {
             let [of_a, of_b] = [a, b].map(|plane| self.found.placed[(plane.side / SIDES) as usize].material);

@@ -1,7 +1,8 @@
 //! Finds emitters that no path can reach, and emitters that are too faint beside others.
 //!
-//! It finds three cases of unreachable light: a one-sided light with nothing on its emitting side; a closed light around the camera that
-//! emits outwards; and a closed opaque sphere, box or mesh around either the light or the camera, with the other one outside.
+//! It finds three cases of unreachable light: a one-sided light with nothing on its emitting side; a closed light
+//! around the camera that emits outwards; and a closed opaque sphere, box or mesh around either the light or the
+//! camera, with the other one outside.
 
 use glam::DVec3;
 
@@ -231,8 +232,8 @@ pub fn too_faint(found: &Found) -> Option<Diagnostic> {
     })
 }
 
-/// The radiance of a part of an emitter that is too faint: the fainter colour of a checker, or the brightest of an image's too faint
-/// texels, if they are many.
+/// The radiance of a part of an emitter that is too faint: the fainter colour of a checker, or the brightest of an
+/// image's too faint texels, if they are many.
 fn faint_part(found: &Found, material: Option<usize>, is_faint: impl Fn(f64) -> bool) -> Option<f64> {
     let bitmaps = &found.scene.bitmaps;
     match material {

@@ -15,8 +15,8 @@ pub fn from_quad(normal: DVec3, corner: DVec3, u: DVec3, v: DVec3) -> f64 {
     U * normal.abs().dot(4.0 * corner.abs() + 12.0 * (u.abs() + v.abs()))
 }
 
-/// From a side of a box with the centre c: the bound is u Σ |n_i| (2 |c_i| + 12 h_i), where h is how far the half sides reach along the
-/// axes of space. No coordinate is larger than |c_i| + h_i.
+/// From a side of a box with the centre c: the bound is u Σ |n_i| (2 |c_i| + 12 h_i), where h is how far the half sides
+/// reach along the axes of space. No coordinate is larger than |c_i| + h_i.
 pub fn from_cuboid(normal: DVec3, middle: DVec3, half: DVec3, axes: &DMat3) -> f64 {
     U * normal.abs().dot(4.0 * middle.abs() + 14.0 * reach_of(half, axes))
 }

@@ -35,7 +35,8 @@ pub struct Found<'a> {
     pub view: &'a View<'a>,
     /// The largest distance from the camera, along an axis, that any object reaches.
     pub extent: f64,
-    /// The largest component of the emitted radiance: of each material that an object has, by its number, and of the background (`None`).
+    /// The largest component of the emitted radiance: of each material that an object has, by its number, and of the
+    /// background (`None`).
     pub emissions: &'a [(Option<usize>, f64)],
 }
 

@@ -1,7 +1,9 @@
-//! Finds spheres that coincide, and meshes that are placed twice at one position: rounding decides which of the two surfaces a ray hits.
+//! Finds spheres that coincide, and meshes that are placed twice at one position: rounding decides which of the two
+//! surfaces a ray hits.
 //!
-//! Candidates share a cell of a grid over positions and sizes. The width of a cell is in proportion to both. An object that is closer to
-//! the edge of its cell than coincident objects can be apart is also entered in the next cell, so that no pair is missed.
+//! Candidates share a cell of a grid over positions and sizes. The width of a cell is in proportion to both. An object
+//! that is closer to the edge of its cell than coincident objects can be apart is also entered in the next cell, so
+//! that no pair is missed.
 
 use std::collections::HashSet;
 
@@ -13,8 +15,8 @@ use crate::shape::{Hull, binary_exponent, exp2};
 
 /// Each object in a cell is compared with this number of others, those nearest in size.
 const TESTS_EACH: usize = 16;
-/// Coincident objects differ by less than this, relative to the sum of the largest coordinate and the radius. The largest of the bounds
-/// below is 10 u.
+/// Coincident objects differ by less than this, relative to the sum of the largest coordinate and the radius. The
+/// largest of the bounds below is 10 u.
 const SLACK: f64 = 16.0 * U;
 /// A cell is 2^15 times smaller than that sum, and thus 32 times as wide as the slack.
 const CELL_DIGITS: i32 = 15;

@@ -9,7 +9,8 @@ use super::{At, Body, Diagnostic, Found, Role, U, Worst, leaving, power_of_two, 
 use crate::flatten::place::{PlacedMedium, reach};
 use crate::shape::Hull;
 
-/// The least size of a feature, as a share of its distance: eight roundings of its position. At this size its shape is off by an eighth.
+/// The least size of a feature, as a share of its distance: eight roundings of its position. At this size its shape is
+/// off by an eighth.
 const LEAST_SHARE: f64 = 8.0 * U;
 /// The same for a sphere's radius. At this size its outline is off by 2 u / 1e-5, an eightieth of the radius.
 const LEAST_SPHERE: f64 = 1e-5;
@@ -19,8 +20,8 @@ const SMALLEST_SHARE: f64 = 1.0 / (1u64 << 40) as f64;
 const PATH_SHARE: f64 = 0.1;
 /// The largest share of the light in a medium that `max_depth` may cut off.
 const CUT_SHARE: f64 = 0.01;
-/// The extrapolation distance of diffusion theory: the fluence in a medium extrapolates to 0 this far outside its boundary, in transport
-/// mean free paths (Milne's problem: Chandrasekhar, Radiative Transfer, section 27).
+/// The extrapolation distance of diffusion theory: the fluence in a medium extrapolates to 0 this far outside its
+/// boundary, in transport mean free paths (Milne's problem: Chandrasekhar, Radiative Transfer, section 27).
 const EXTRAPOLATION: f64 = 0.7104;
 
 /// The name of a size in messages, and the field that holds it.
@@ -129,15 +130,17 @@ fn least_share(body: &Body) -> f64 {
     }
 }
 
-/// The coordinates of a position whose rounding is visible. If render space has the camera's axes, the rounding of the depth of an opaque
-/// object is not visible: the image shows only its extent across the view. In clear objects and media, rays travel in depth too.
+/// The coordinates of a position whose rounding is visible. If render space has the camera's axes, the rounding of the
+/// depth of an opaque object is not visible: the image shows only its extent across the view. In clear objects and
+/// media, rays travel in depth too.
 fn shown(found: &Found, place: DVec3, deep: bool) -> DVec3 {
     let across = DVec3::new(1.0, 1.0, if found.view.turned && !deep { 0.0 } else { 1.0 });
     place.abs() * across
 }
 
-/// The feature that is worst lost in the rounding of its position, if any is. Along a direction, a coordinate x is rounded by u |x|. A
-/// sphere's outline is off by the rounding of its distance, in any direction. `deep`: rays pass through the object.
+/// The feature that is worst lost in the rounding of its position, if any is. Along a direction, a coordinate x is
+/// rounded by u |x|. A sphere's outline is off by the rounding of its distance, in any direction. `deep`: rays pass
+/// through the object.
 fn lost_in_rounding(found: &Found, at: At, body: &Body, deep: bool) -> Option<Small> {
     let place = shown(found, body.place, deep);
     let distance = body.place.length();
@@ -165,11 +168,12 @@ fn thinnest(body: &Body) -> Option<(f64, f64)> {
     sides.min_by(|(a, start_a), (b, start_b)| (a / start_a).total_cmp(&(b / start_b)))
 }
 
-/// The share of the light in a medium of albedo 1 that is still inside after `max_depth` events. Own derivation from diffusion theory
-/// (Chandrasekhar, as above). σ is the density, l = 1 / (σ (1 - g)) the transport mean free path, and z is `EXTRAPOLATION`. The slowest
-/// mode decays by l B² / (3 σ) an event, where B² is the sum of (π / (L + 2 z l))² over the sides L of a box, or (π / (R + z l))² for a
-/// sphere of radius R. For a side with τ = σ L this is 1 in 3 / π² τ (τ (1 - g) + 4 z) events. The term (2 z)² / (1 - g) is left out, so
-/// that the number of events stays right for g near 1, where light goes almost straight. A mesh counts as the box around it.
+/// The share of the light in a medium of albedo 1 that is still inside after `max_depth` events. Own derivation from
+/// diffusion theory (Chandrasekhar, as above). σ is the density, l = 1 / (σ (1 - g)) the transport mean free path, and
+/// z is `EXTRAPOLATION`. The slowest mode decays by the share l B² / (3 σ) in each event, where B² is the sum of (π /
+/// (L + 2 z l))² over the sides L of a box, or (π / (R + z l))² for a sphere of radius R. For a side with τ = σ L this
+/// share is 1 / N with N = 3 / π² τ (τ (1 - g) + 4 z). The term (2 z)² / (1 - g) is left out, so that N is also right
+/// for g near 1, where light goes almost straight. A mesh counts as the box around it.
 fn cut_share(found: &Found, medium: &PlacedMedium) -> f64 {
     let body = Body::new(found, &medium.boundary, &medium.to_world);
     let transport = 1.0 - medium.anisotropy;

@@ -24,8 +24,9 @@ impl Default for Within {
 }
 
 impl Within {
-    /// A lower bound of the depth of a point within a sphere, box or closed mesh. Outside it is negative, and at most the distance in
-    /// magnitude. None for shapes that are not closed, and for a mesh once the limit on triangles is reached.
+    /// A lower bound of the depth of a point within a sphere, box or closed mesh. Outside it is negative, and at most
+    /// the distance in magnitude. None for shapes that are not closed, and for a mesh once the limit on triangles is
+    /// reached.
     pub fn depth(&mut self, wall: &Body, p: DVec3) -> Option<f64> {
         let by_hull = match wall.hull {
             Hull::Ball { center, radius } => radius - p.distance(center),
@@ -63,16 +64,17 @@ pub fn is_outside_in_front(wall: &Body) -> bool {
     wall.shape.mesh().is_none_or(|shape| shape.mesh.volume_is_positive())
 }
 
-/// The solid angle of a triangle seen from the origin, positive if it looks clockwise from there (Van Oosterom and Strackee, "The Solid
-/// Angle of a Plane Triangle", IEEE Trans. Biomed. Eng. 30(2), 1983). Over a closed mesh they sum to 4 π or -4 π inside, and to 0 outside.
+/// The solid angle of a triangle seen from the origin, positive if it looks clockwise from there (Van Oosterom and
+/// Strackee, "The Solid Angle of a Plane Triangle", IEEE Trans. Biomed. Eng. 30(2), 1983). Over a closed mesh they sum
+/// to 4 π or -4 π inside, and to 0 outside.
 fn solid_angle(a: DVec3, b: DVec3, c: DVec3) -> f64 {
     let (x, y, z) = (a.length(), b.length(), c.length());
     let below = x * y * z + a.dot(b) * z + b.dot(c) * x + c.dot(a) * y;
     2.0 * a.dot(b.cross(c)).atan2(below)
 }
 
-/// The square of a triangle's distance from the origin (Ericson, Real-Time Collision Detection, section 5.1.5): the distance to the plane
-/// if the origin projects into the triangle, else the least distance to an edge.
+/// The square of a triangle's distance from the origin (Ericson, Real-Time Collision Detection, section 5.1.5): the
+/// distance to the plane if the origin projects into the triangle, else the least distance to an edge.
 fn distance_squared(a: DVec3, b: DVec3, c: DVec3) -> f64 {
     let n = (b - a).cross(c - a);
     let within = [(a, b), (b, c), (c, a)].iter().all(|(p, q)| n.dot((*q - *p).cross(-*p)) >= 0.0);

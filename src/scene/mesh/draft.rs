@@ -31,14 +31,15 @@ impl Draft {
         self.face_count
     }
 
-    /// Reserves memory for about so many triangles.
+    /// Reserves memory for about this many triangles.
     pub fn reserve(&mut self, triangles: usize) {
         let triangles = triangles.min(MOST_TRIANGLES);
         self.triangles.reserve(triangles);
         self.faces.reserve(triangles);
     }
 
-    /// Adds the file's next face as a fan of triangles around its first corner. A face with fewer than three corners has no triangles.
+    /// Adds the file's next face as a fan of triangles around its first corner. A face with fewer than three corners
+    /// has no triangles.
     pub fn face(&mut self, corners: &[u32]) -> Result<(), String> {
         let face = self.face_count;
         self.face_count = face.checked_add(1).ok_or("it has more than 2^32 - 1 faces")?;

@@ -169,7 +169,8 @@ impl File<'_> {
         for position in positions {
             draft.vertex(to_scene.transform_point3(DVec3::from_array(position)))?;
         }
-        // Normals transform by the inverse transpose. The cofactor matrix is a multiple of it, and exists for singular matrices too.
+        // Normals transform by the inverse transpose. The cofactor matrix is a multiple of it, and exists for singular
+        // matrices too.
         let m = to_scene.matrix3;
         let sign = m.determinant().signum();
         let cofactors = DMat3::from_cols(
@@ -319,7 +320,8 @@ impl File<'_> {
         accessor.and_then(|accessor| Iter::new(accessor, bytes)).ok_or_else(|| "an accessor cannot be read".to_owned())
     }
 
-    /// Checks that a view contains so many elements, and its buffer the view. The format demands at least one element.
+    /// Checks that a view contains `count` elements, and that its buffer contains the view. The format demands at least
+    /// one element.
     fn check_span(&self, view: Index<buffer::View>, offset: u64, count: u64, size: u64) -> Result<(), String> {
         let view = self.document.as_json().get(view).ok_or("an accessor's bufferView is not there")?;
         let stride = match view.byte_stride {

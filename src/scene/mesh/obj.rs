@@ -1,9 +1,10 @@
 //! Wavefront OBJ: positions, texture coordinates, normals and faces, as the crate `tobj` reads them.
 //!
-//! The crate gets only the lines of these kinds, with continued lines joined, and without comments, weights and colours. With all lines it
-//! would split faces at groups and materials before all vertices are known, and count lines as faces. It would also refuse colours of
-//! only some vertices, texture coordinates of one number, continued lines, comments behind a face, and text that is not UTF-8. Its
-//! errors name no position, so `fault` searches a refused file for it.
+//! The crate gets only the lines of these kinds, with continued lines joined, and without comments, weights and
+//! colours. With all lines it would split faces at groups and materials before all vertices are known, and count lines
+//! as faces. It would also refuse colours of only some vertices, texture coordinates of one number, continued lines,
+//! comments behind a face, and text that is not UTF-8. Its errors name no position, so `fault` searches a refused file
+//! for it.
 
 use std::io::{self, BufRead, Read};
 use std::path::Path;

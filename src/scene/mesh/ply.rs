@@ -1,5 +1,5 @@
-//! PLY, as text and as binary of either byte order, with the crate `serde-ply`. Reads the elements `vertex` and `face`, and skips all
-//! others.
+//! PLY, as text and as binary of either byte order, with the crate `serde-ply`. Reads the elements `vertex` and `face`,
+//! and skips all others.
 //!
 //! The crate hands out the numbers row by row and stores none. It reserves no memory for the counts in the header. It would ignore
 //! unknown lines of the header, so these are refused before.
@@ -206,7 +206,7 @@ impl<'a> Rows<'a> {
         })
     }
 
-    /// Reserves memory for the largest number of rows that fit into so many bytes, if lists have three entries.
+    /// Reserves memory for the largest number of rows that fit into `bytes`, if lists have three entries.
     fn reserve(&mut self, format: PlyFormat, bytes: usize) {
         let is_text = format == PlyFormat::Ascii;
         let size = |kind: ScalarType| match kind {
@@ -277,7 +277,7 @@ impl<'de> Visitor<'de> for &mut Rows<'_> {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut rows: A) -> Result<(), A::Error> {
-        // Rows without properties take no bytes: they are not read, or a huge count of them would take for ever.
+        // Rows without properties take no bytes. They are not read, because the header can claim any number of them.
         while !self.columns.is_empty() && rows.next_element_seed(Row(self))?.is_some() {}
         Ok(())
     }
