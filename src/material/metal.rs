@@ -1,4 +1,4 @@
-//! A mirror, blurred or not.
+//! A mirror, perfect or rough.
 
 use super::{Emission, MaterialKind, Model, Paint, Scattering, Slot};
 use crate::data;
@@ -33,7 +33,7 @@ impl<'a> Model<'a> for Metal<'a> {
         None
     }
 
-    /// By the fuzz that the device knows: one that is 0 there makes a mirror.
+    /// A fuzz that rounds to 0 in f32 makes a perfect mirror, because kernels read it as f32.
     fn scattering(&self) -> Scattering {
         if self.fuzz as f32 > 0.0 { Scattering::Spread } else { Scattering::OneWay }
     }

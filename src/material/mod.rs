@@ -1,5 +1,5 @@
-//! Materials: what happens where a path meets a surface. One file a material, which answers all that is asked of it on the host; its file
-//! of shaders/material has the rest.
+//! Materials: how surfaces scatter and emit light. Each material has one file here with all that the host needs of it,
+//! and one file under shaders/material with the functions of the kernels.
 
 mod dielectric;
 mod diffuse_light;
@@ -49,7 +49,7 @@ kinds! {
 }
 
 impl Material {
-    /// What answers for the material.
+    /// The implementation of the material.
     pub fn model(&self) -> Box<dyn Model<'_> + '_> {
         match self {
             Material::Lambertian { albedo } => Box::new(lambertian::Lambertian { albedo }),
@@ -61,13 +61,13 @@ impl Material {
         }
     }
 
-    /// Its textures, but for plain colours.
+    /// Its textures, without plain colours.
     pub fn textures(&self) -> Vec<&Texture> {
         let textures = self.model().slots().into_iter().map(|slot| slot.texture);
         textures.filter(|texture| texture.plain().is_none()).collect()
     }
 
-    /// Refuses what means nothing; `at` is the place of the material.
+    /// Refuses invalid values; `at` is the place of the material.
     pub fn check(&self, at: &Place) -> Result<()> {
         let at = at.variant(self.name());
         let model = self.model();
@@ -77,7 +77,7 @@ impl Material {
         model.check(&at)
     }
 
-    /// What is allowed and yet likely to disappoint.
+    /// Warnings about values that are allowed but likely to disappoint.
     pub fn warnings(&self, at: &Place, bitmaps: &Bitmaps) -> Vec<String> {
         let at = at.variant(self.name());
         let model = self.model();
@@ -86,48 +86,49 @@ impl Material {
     }
 }
 
-/// The kinds of material by the numbers that kernels switch on; each is a file of shaders/material.
+/// The shader files of the kinds of material, under shaders/material. Kernels switch on the indices.
 pub const MATERIALS: &[&str] = Material::SHADERS;
 
-/// What is expected where a material belongs.
+/// The words in error messages for an expected material.
 pub fn a_material() -> String {
     format!("a material: {}", any_of(Material::KINDS.iter().map(|kind| &kind.form)))
 }
 
-/// What is known of all materials of a kind.
+/// The properties that all materials of a kind share.
 #[derive(Debug)]
 pub struct MaterialKind {
     pub form: Form,
-    /// Its file of shaders/material.
+    /// The name of its file under shaders/material.
     pub shader: &'static str,
-    /// The ways in which materials of the kind scatter. Where they can answer to light, there is a file SHADER_eval beside the other.
+    /// The ways in which materials of the kind scatter. If one of them is `Spread`, a second file SHADER_eval evaluates
+    /// the BSDF for light sampling.
     pub scatters: &'static [Scattering],
-    /// Whether light goes through.
+    /// Whether it transmits light.
     pub is_clear: bool,
     pub emits: bool,
 }
 
-/// Where a material sends light on to.
+/// How a material scatters light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scattering {
-    /// To many directions, so that it answers to lights that are sampled: SHADER_is_non_specular says so on the device.
+    /// Into many directions, so that lights can be sampled. On the device, SHADER_is_non_specular says whether a material does.
     Spread,
-    /// One way alone, which leaves lights to chance.
+    /// Specular: into a single direction, so that paths find lights only by chance.
     OneWay,
     Nowhere,
 }
 
-/// What the host asks of a material. No answer has a default: a new material gives each of them.
+/// What every material implements on the host. No method has a default, so that a new material cannot forget one.
 pub trait Model<'a> {
     /// Its textures.
     fn slots(&self) -> Vec<Slot<'a>>;
-    /// Refuses numbers that mean nothing, but for textures; `at` is the place of the variant.
+    /// Refuses invalid numbers; textures are checked elsewhere. `at` is the place of the variant.
     fn check(&self, at: &Place) -> Result<()>;
-    /// A warning of numbers that are allowed, but for textures.
+    /// A warning about numbers that are allowed; warnings about textures are made elsewhere.
     fn warning(&self, at: &Place) -> Option<String>;
     fn scattering(&self) -> Scattering;
     fn emission(&self) -> Option<Emission<'a>>;
-    /// What kernels read of it. `paint` lays out a slot's texture; the number of the kind is filled in later.
+    /// The struct that kernels read. `paint` lays out a slot's texture. The number of the kind is filled in later.
     fn upload(&self, paint: &mut dyn FnMut(Slot<'a>) -> Paint) -> data::Material;
 }
 
@@ -142,13 +143,13 @@ pub struct Slot<'a> {
 /// A slot as kernels read it.
 #[derive(Clone, Copy, Debug)]
 pub struct Paint {
-    /// Where it is the same everywhere.
+    /// The colour, if it is the same everywhere.
     pub colour: [f32; 3],
-    /// Its number, or `NO_TEXTURE`.
+    /// The number of the texture, or `NO_TEXTURE`.
     pub texture: u32,
 }
 
-/// What a material emits.
+/// The emission of a material.
 #[derive(Clone, Copy, Debug)]
 pub struct Emission<'a> {
     pub slot: Slot<'a>,
@@ -165,11 +166,11 @@ impl<'a> Slot<'a> {
             Use::Albedo => (
                 self.texture.is_white(bitmaps),
                 "an albedo of 1 absorbs nothing, so that paths in a closed scene end only at max_depth: write 0.99 or less unless that \
-                 is meant",
+                 is intended",
             ),
             Use::Radiance => (
                 self.texture.brightest(bitmaps) == 0.0,
-                "an emission of 0 is no light: raise it, or write Lambertian(albedo: Rgb(0, 0, 0)) for a black surface",
+                "an emission of 0 emits no light: raise it, or write Lambertian(albedo: Rgb(0, 0, 0)) for a black surface",
             ),
         };
         is_odd.then(|| at.field(self.field).warning(message))

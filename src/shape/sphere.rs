@@ -43,7 +43,7 @@ impl Geometry for Sphere {
         None
     }
 
-    /// A sphere's own coordinates are its normal in the world.
+    /// The texture coordinates of a sphere's point are the components of its normal in the world.
     fn texture_place(&self, rotation: &DMat3) -> (DVec3, DMat3) {
         (self.center, rotation.transpose() * self.radius)
     }

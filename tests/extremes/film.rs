@@ -118,8 +118,8 @@ fn means() -> Vec<Cell> {
                 format!("{name}, {}", of.0),
                 "Relative error of a pixel's mean, with runs summed by a kernel",
                 1e-7,
-                "the required accuracy. A run's sum is off by at most 6e-8: by nothing if its samples are equal, and otherwise at \
-                 random, which averages out over many runs. Sums of runs are exact. The picture rounds by at most 6e-8.",
+                "the required accuracy. A run's sum is off by at most 6e-8. It is exact if its samples are equal; otherwise its \
+                 errors are random and average out over many runs. Sums of runs are exact. The image is rounded by at most 6e-8.",
             )
             .achieved(mean_error(samples, count, 0));
             let exact = samples.iter().map(|x| f64::from(*x)).sum::<f64>() * (part / DISTINCT) as f64;
@@ -176,7 +176,8 @@ fn constants() -> Vec<Cell> {
             "8, a million constants",
             "Relative error of a run whose samples are all equal, summed by a kernel",
             0.0,
-            "none, because eight times a number is a number of f32, and the sum of a run is off by less than the distance to the next one.",
+            "none, because f32 represents eight times a number exactly, and the sum of a run is off by less than the distance to \
+             the next float.",
         )
         .achieved(worst(&[]))
         .planted(PLAIN_NAME, worst(PLAIN)),
@@ -187,7 +188,7 @@ fn constants() -> Vec<Cell> {
             format!("2^24 + 1, a sky of {WORST}; {name}"),
             "Relative error of a rendered pixel whose samples are all equal",
             1e-7,
-            "none, as required: all runs have eight samples, except the last with one.",
+            "none, as required. All runs have eight samples, except the last, which has one.",
         )
         .achieved(of_render(&Overlay::new(&[]), Some(scatter)));
         all.push(cell.planted(PLAIN_NAME, of_render(&Overlay::new(PLAIN), Some(scatter))));
@@ -218,9 +219,10 @@ fn variances() -> Vec<Cell> {
         let expected = samples.chunks(8).map(spread).sum::<f64>() / (7.0 * count * samples.len() as f64);
         let in_f32 = naive.squares / DISTINCT as f32 - (naive.sum / DISTINCT as f32).powi(2);
         let naive_error = (f64::from(in_f32) / (expected * DISTINCT as f64) - 1.0).abs();
-        // The mean that a sample deviates from rounds by up to 2^-23, of its sum and of the quotient, in [1, 2): as noise of variance 2^-44 / 3
-        // and less. With r its share of the deviation of a sample, it adds r², and 2 r times a correlation that is 1 / sqrt(n) of n
-        // samples, five times by chance. Then come the roundings of seven squares and their sum.
+        // The mean that a sample deviates from rounds by up to 2^-23, of its sum and of the quotient, in [1, 2): as
+        // noise of variance 2^-44 / 3 and less. With r its share of the deviation of a sample, it adds r², and 2 r
+        // times a correlation that is 1 / sqrt(n) of n samples, five times by chance. Then come the roundings of seven
+        // squares and their sum.
         let r = (2f64.powi(-44) / 3.0 / (deviation * deviation / 3.0)).sqrt();
         let limit = 8.0 * U + r * r + 10.0 * r / (samples.len() as f64).sqrt();
         let cell = Cell::new(
@@ -228,8 +230,8 @@ fn variances() -> Vec<Cell> {
             format!("2^20, mean 1, spread 1e-{exponent}"),
             "Relative error of a pixel's variance",
             limit,
-            "r² + 10 r / sqrt(n) for n samples, with r the rounding of a mean within a run, at most 2^-22/sqrt(3), over the deviation \
-             of a sample.",
+            "r² + 10 r / sqrt(n) for n samples, where r is the rounding of a mean within a run, at most 2^-22/sqrt(3), divided by \
+             the deviation of a sample.",
         );
         all.push(cell.achieved((found / expected - 1.0).abs()).planted(MEAN_OF_SQUARES, naive_error));
     }

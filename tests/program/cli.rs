@@ -675,7 +675,7 @@ fn converge_measures_the_images_that_render_writes() {
     // Its own noise would not be found.
     assert!(!ran.stderr.contains("give another --seed"), "{}", ran.stderr);
     let ran = place.run(&[&converge[..], &["--spp", "1", "--seed", "7"]].concat()).exits(0);
-    assert!(ran.stderr.contains("reference.exr was rendered with seed 7 too"), "{}", ran.stderr);
+    assert!(ran.stderr.contains("reference.exr was also rendered with seed 7"), "{}", ran.stderr);
     // Other light is found: the same at half the albedo.
     let darker = place.scene("darker.ron", &SPHERE.replace("0.5, 0.4, 0.3", "0.25, 0.2, 0.15"));
     let found = place.run(&["converge", &darker, "--device", software(), "--reference", "reference.exr", "--json"]);

@@ -1,9 +1,10 @@
-//! DeviceScene surfaces that coincide: of opaque ones of different materials, which of them is seen is left to rounding; of clear ones, rays that leave
-//! one start beyond the other.
+//! Finds flat surfaces that coincide. If two opaque surfaces of different materials coincide, rounding decides which of them is
+//! visible. If one of two coincident surfaces is clear, rays that leave one start behind the other and miss it.
 //!
-//! Looked for among quads and sides of boxes in one plane. Of opaque ones, what no ray from the camera can meet first is left out: a
-//! box may rest on a floor. So are media, whose boundaries are no surfaces. In crowded planes the search ends after a number of comparisons in
-//! proportion to what lies there.
+//! The search compares quads and sides of boxes that lie in one plane. It skips opaque sides that face away from the
+//! camera, because no camera ray can hit them first: a box may rest on a floor. It skips media, because their
+//! boundaries are not surfaces. In crowded planes the number of comparisons is limited, in proportion to the number of
+//! surfaces.
 
 use std::collections::HashSet;
 
@@ -13,48 +14,49 @@ use super::repeated::{Repeated, hash};
 use super::{At, BY_ROUNDING, Body, Diagnostic, Found, OTHER, Role, U, Worst, apart, leaving, short};
 use crate::shape::{Hull, normal};
 
-/// Comparisons a surface in a plane, and for all of a plane.
+/// The limit on comparisons in a plane: the first number for each surface, and the second for the whole plane.
 const TESTS_EACH: usize = 16;
 const TESTS_MORE: usize = 1000;
-/// So many surfaces are looked at, and one more for each 16 objects: those in the planes nearest to the camera.
+/// The search looks at this many surfaces, and one more for each 16 objects. It takes the planes nearest to the camera first.
 const MOST_SIDES: usize = 1 << 14;
-/// So many surfaces in a plane are compared one by one.
+/// Up to this number of surfaces in a plane, all pairs are compared.
 const FEW: usize = 24;
-/// Cells of the grid over a plane that a surface is filed in at most; larger ones are compared with all others.
+/// The most cells of the grid over a plane that one surface is entered in. Larger surfaces are compared with all others.
 const MOST_CELLS: usize = 64;
-/// Components of normals are compared in so many steps.
+/// The resolution at which components of normals are compared: steps per unit.
 const NORMAL_STEPS: f64 = 1e6;
-/// The share of their width by which surfaces overlap at least, lest neighbours count.
+/// The least overlap, as a share of the narrower surface's width. Neighbours that share an edge overlap by less.
 const LEAST_OVERLAP: f64 = 1e-5;
-/// More than a shape has; they are numbered.
+/// More than the sides of any shape. Sides are numbered below it.
 const SIDES: u32 = 8;
 
-/// Two objects that coincide, the first in the file first.
+/// Two objects that coincide, in the order of the file.
 struct PlanePair {
     first: usize,
     second: usize,
     gap: f64,
-    /// They are told of up to this gap.
+    /// The largest gap that causes a warning.
     bound: f64,
 }
 
-/// A plane that a surface lies in.
+/// The plane of a surface.
 #[derive(Clone, Copy)]
 struct Plane {
-    /// Of its distance from the camera in extents of the scene, as f32; they have its order.
+    /// The bits of its distance from the camera, in units of the scene's extent, as f32. Bits of positive floats sort
+    /// like the floats.
     bits: u32,
-    /// How far from it another one may matter, together with the other's own, in extents.
+    /// Two planes can matter to each other if their distance is at most the sum of their reaches. In units of the scene's extent.
     reach: f32,
-    /// A number made of its normal.
+    /// A hash of its normal.
     normal: u32,
-    /// Number of the object times `SIDES`, and the side.
+    /// The number of the object times `SIDES`, plus the number of the side.
     side: u32,
 }
 
 impl Plane {
-    /// At this distance from the camera along its normal; that and the reach are in extents.
+    /// `distance` is along the normal from the camera. It and `reach` are in units of the scene's extent.
     fn new(distance: f64, normal: u32, reach: f64, side: u32) -> Plane {
-        // As a f32 the distance is off by half an ulp.
+        // Half an ulp more: the distance is rounded to f32.
         let reach = reach + U * distance.abs();
         Plane { bits: (distance.abs() as f32).to_bits(), reach: reach as f32 * (1.0 + f32::EPSILON), normal, side }
     }
@@ -64,17 +66,18 @@ impl Plane {
     }
 }
 
-/// A number made of a normal, the same one for -n as for n.
+/// A hash of a normal, equal for n and -n.
 fn hash_of(normal: DVec3) -> u32 {
     hash(steps(normal.abs()).map(|step| step as u32))
 }
 
-/// By how much rounding may move a surface along its normal: each coordinate of the place is rounded, and half of a box.
+/// A bound of how far rounding moves a surface along its normal. Each coordinate of the position is rounded, and so is
+/// the half side of a box.
 fn rounding(normal: DVec3, place: DVec3, half: f64) -> f64 {
     2.0 * U * (normal.abs().dot(place.abs()) + half)
 }
 
-/// The runs of planes, ordered by their distance, in which each may matter to one before it.
+/// Splits planes that are sorted by distance into runs: the reach of each plane in a run overlaps that of an earlier one.
 fn runs(planes: &[Plane]) -> impl Iterator<Item = &[Plane]> {
     let mut rest = planes;
     std::iter::from_fn(move || {
@@ -94,17 +97,17 @@ fn runs(planes: &[Plane]) -> impl Iterator<Item = &[Plane]> {
 /// A surface in its plane.
 struct Side {
     owner: usize,
-    /// The normal, turned so that its first component that is not zero is positive.
+    /// The normal, with the sign that makes its first non-zero component positive.
     normal: DVec3,
-    /// Whether it was turned.
+    /// Whether the sign was changed.
     turned: bool,
     key: [i32; 3],
-    /// Along the normal.
+    /// From the camera, along the normal.
     distance: f64,
     rounding: f64,
-    /// How far from it rays start that leave it.
+    /// The offset of rays that leave it.
     leaving: f64,
-    /// Whether no ray from the camera can meet it first: the side of a box that is turned away.
+    /// Whether no camera ray can hit it first: it is a side of a box and faces away from the camera.
     hidden: bool,
     corners: [DVec3; 4],
 }
@@ -126,11 +129,11 @@ impl Patch<'_> {
     }
 }
 
-/// The search among what is flat, and what it finds.
+/// The search among flat surfaces, and its findings.
 pub struct Planes<'a> {
     found: &'a Found<'a>,
     kinds: &'a [Role],
-    /// Whether anything is clear: then all sides count, and where rays start.
+    /// Whether any object is clear. If so, hidden sides count too, and so does the offset of rays.
     clear: bool,
     planes: Vec<Plane>,
     told: HashSet<(usize, usize)>,
@@ -198,7 +201,8 @@ impl<'a> Planes<'a> {
         }
     }
 
-    /// Whether among surfaces there are parallel ones of different materials; of many, it may be so.
+    /// Whether the surfaces may include two parallel ones whose coincidence is visible. Exact for two surfaces; for
+    /// more, only the materials are compared.
     fn may_differ(&self, run: &[Plane]) -> bool {
         let differ = |a: &Plane, b: &Plane| {
             let [of_a, of_b] = [a, b].map(|plane| self.found.placed[(plane.side / SIDES) as usize].material);
@@ -218,7 +222,7 @@ impl<'a> Planes<'a> {
         self.sides(owner, &body).find(|(which, _)| *which == plane.side % SIDES).map(|(_, side)| side)
     }
 
-    /// What is flat of a shape, numbered.
+    /// The flat surfaces of a shape, with their numbers.
     fn sides(&self, owner: usize, body: &Body) -> impl Iterator<Item = (u32, Side)> + use<> {
         let light = self.kinds[self.found.placed[owner].material as usize].light;
         let (hull, place) = (body.hull, body.place);
@@ -253,13 +257,13 @@ impl<'a> Planes<'a> {
             let turned = key.into_iter().find(|step| *step != 0)? < 0;
             let (normal, key) = if turned { (-normal, steps(-normal)) } else { (normal, key) };
             let distance = normal.dot(corners[0]);
-            // Nothing leaves a light.
+            // No ray starts at a light.
             let leaving = if light { 0.0 } else { leaving };
             Some((which, Side { owner, normal, turned, key, distance, rounding, leaving, hidden, corners }))
         })
     }
 
-    /// Compares surfaces in parallel planes that are as near to each other as rounding.
+    /// Compares surfaces in parallel planes whose distances are within the rounding.
     fn compare(&mut self, sides: &[Side]) {
         let normal = sides[0].normal;
         let a = (sides[0].corners[1] - sides[0].corners[0]).normalize_or_zero();
@@ -277,7 +281,7 @@ impl<'a> Planes<'a> {
         let mut filed: Vec<(u64, u32)> = Vec::new();
         let mut large = Vec::new();
         for (number, patch) in (0..).zip(&patches) {
-            // Neighbours that only touch need not meet in a cell.
+            // Neighbours that only share an edge need not share a cell.
             let inset = LEAST_OVERLAP * (patch.high - patch.low);
             let (from, to) = (cell_of(patch.low + inset), cell_of(patch.high - inset));
             if (to.x - from.x + 1) as usize * (to.y - from.y + 1) as usize > MOST_CELLS {
@@ -325,7 +329,7 @@ impl<'a> Planes<'a> {
         let same = material_a == material_b;
         let opposed = same && a.turned != b.turned && self.kinds[material_a as usize].one_sided;
         let gap = (a.distance - b.distance).abs();
-        // Rays that pass a clear one start beyond the other, or those that leave the other beyond the clear one.
+        // With a clear surface, rays that leave either one can start behind the other.
         let bound = a.rounding + b.rounding + if clear { a.leaving.max(b.leaving) } else { 0.0 };
         let shows = clear || (!same || opposed) && !a.hidden && !b.hidden;
         if a.owner == b.owner || gap > bound || !shows || !overlap(first, second) {
@@ -340,7 +344,7 @@ impl<'a> Planes<'a> {
         if self.told.insert((a.owner, b.owner)) {
             return kind.note(-(b.owner as f64), PlanePair { first: a.owner, second: b.owner, gap, bound });
         }
-        // Of boxes with several sides that coincide, the largest bound is what to keep apart by.
+        // If several sides of two boxes coincide, the warning names the largest bound: it separates all of them.
         if let Some((_, pair)) = &mut kind.worst
             && (pair.first, pair.second) == (a.owner, b.owner)
         {
@@ -349,12 +353,12 @@ impl<'a> Planes<'a> {
     }
 }
 
-/// The components of a normal in steps, the same ones for -n as for n but for the sign.
+/// The components of a normal, rounded to steps. Those of -n are the negatives of those of n.
 fn steps(normal: DVec3) -> [i32; 3] {
     normal.to_array().map(|x| ((x.abs() * NORMAL_STEPS + 0.5) as i32) * if x < 0.0 { -1 } else { 1 })
 }
 
-/// Whether two parallelograms in a plane share an area: no line along an edge of either parts them (the separating axis theorem).
+/// Whether two parallelograms in a plane overlap in an area: no line parallel to an edge separates them (separating axis theorem).
 fn overlap(one: &Patch, other: &Patch) -> bool {
     let edges = [one, other].map(|patch| {
         let [p, q, _, s] = patch.corners;
@@ -376,8 +380,8 @@ fn overlap(one: &Patch, other: &Patch) -> bool {
 
 fn tell_overlapping(found: &Found, pair: &PlanePair) -> Diagnostic {
     let message = format!(
-        "its surface overlaps with that of the {} at {OTHER}, of another material{}: {BY_ROUNDING}: set them more than {} apart, or cut \
-         one out",
+        "its surface overlaps with the {} at {OTHER}, which has another material and {}: {BY_ROUNDING}: set them more than {} apart, or \
+         cut a hole in one",
         found.placed[pair.first].shape.kind().word,
         apart(pair.gap, pair.bound, false),
         short(pair.bound)
@@ -385,7 +389,7 @@ fn tell_overlapping(found: &Found, pair: &PlanePair) -> Diagnostic {
     Diagnostic { at: At::Primitive(pair.second), field: "", message, other: Some(At::Primitive(pair.first)), more: 0 }
 }
 
-/// At the one that is clear.
+/// The warning points at the clear object.
 fn tell_at_glass(found: &Found, pair: &PlanePair) -> Diagnostic {
     let is_clear = |number: usize| found.scene.materials[found.placed[number].material as usize].1.kind().is_clear;
     let (clear, other) = match is_clear(pair.first) {
@@ -393,8 +397,8 @@ fn tell_at_glass(found: &Found, pair: &PlanePair) -> Diagnostic {
         false => (pair.second, pair.first),
     };
     let message = format!(
-        "this glass touches the {} at {OTHER}{}: rays that leave the glass there do not meet what it touches, or the reverse: let one \
-         reach into the other, or set them more than {} apart",
+        "this glass touches the {} at {OTHER}, which {}: rays that leave one of the two there start behind the other and miss it: let \
+         one reach into the other, or set them more than {} apart",
         found.placed[other].shape.kind().word,
         apart(pair.gap, pair.bound, true),
         short(pair.bound)
@@ -404,8 +408,8 @@ fn tell_at_glass(found: &Found, pair: &PlanePair) -> Diagnostic {
 
 fn tell_clear_on_clear(found: &Found, pair: &PlanePair) -> Diagnostic {
     let message = format!(
-        "this glass touches the {} at {OTHER}, which is clear too{}: of two surfaces in one place rays pass one: set them more than {} apart, or \
-         write one solid where they are of one material",
+        "this glass touches the {} at {OTHER}, which is also clear and {}: rays miss one of the two surfaces: set them more than {} apart, \
+         or make them one solid if they have one material",
         found.placed[pair.first].shape.kind().word,
         apart(pair.gap, pair.bound, true),
         short(pair.bound)
@@ -415,8 +419,8 @@ fn tell_clear_on_clear(found: &Found, pair: &PlanePair) -> Diagnostic {
 
 fn tell_back_to_back(pair: &PlanePair) -> Diagnostic {
     let message = format!(
-        "this light shines to one side, and lies back to back with the one at {OTHER}{}: where a ray meets the back of the other, its \
-         light is lost: set them more than {} apart, or write one that is two_sided",
+        "this light emits to one side and lies back to back with the light at {OTHER}, which {}: rays that hit the back of the other \
+         light get no light: set them more than {} apart, or replace them by one light that is two_sided",
         apart(pair.gap, pair.bound, false),
         short(pair.bound)
     );

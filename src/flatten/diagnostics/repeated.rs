@@ -1,12 +1,12 @@
-//! Hashes, and which of many occur more than once.
+//! Hashes, and a filter for those that occur more than once.
 
-/// A number in which all bits of others are mixed.
+/// A hash of words.
 pub fn hash<const N: usize>(words: [u32; N]) -> u32 {
     let mix = |hash: u64, word: u32| (hash ^ u64::from(word)).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29);
     (words.into_iter().fold(0, mix) >> 32) as u32
 }
 
-/// Which hashes occur more than once, and a few that do not.
+/// A set of the hashes that occur more than once. By chance it also holds a few others.
 pub struct Repeated {
     twice: Vec<u64>,
     shift: u32,

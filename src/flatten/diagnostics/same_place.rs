@@ -1,7 +1,9 @@
-//! Spheres about one centre, and meshes placed where they stand already: which of two surfaces is met is left to rounding.
+//! Finds spheres that coincide, and meshes that are placed twice at one position: rounding decides which of the two
+//! surfaces a ray hits.
 //!
-//! Candidates share a cell of a grid over places and sizes, with a width in proportion to both. Where one is nearer to the cell's edge than two that
-//! coincide can be apart, it is filed in the next cell as well, so that none are missed.
+//! Candidates share a cell of a grid over positions and sizes. The width of a cell is in proportion to both. An object
+//! that is closer to the edge of its cell than coincident objects can be apart is also entered in the next cell, so
+//! that no pair is missed.
 
 use std::collections::HashSet;
 
@@ -11,21 +13,22 @@ use super::repeated::{Repeated, hash};
 use super::{At, Body, Diagnostic, Found, OTHER, Role, U, Worst, apart, leaving, short};
 use crate::shape::{Hull, binary_exponent, exp2};
 
-/// So many in a cell, next to each other by their sizes, are compared with each.
+/// Each object in a cell is compared with this number of others, those nearest in size.
 const TESTS_EACH: usize = 16;
-/// What coincides differs by less than this, in units of its largest coordinate and its radius: the largest of the bounds below is 10 u.
+/// Coincident objects differ by less than this, relative to the sum of the largest coordinate and the radius. The
+/// largest of the bounds below is 10 u.
 const SLACK: f64 = 16.0 * U;
-/// A cell is so many binary digits smaller than that: 32 times as wide as the slack.
+/// A cell is 2^15 times smaller than that sum, and thus 32 times as wide as the slack.
 const CELL_DIGITS: i32 = 15;
-/// Of a cell's width: 0 is not to lie on an edge, since many places are there.
+/// A shift of the grid, in cells. It keeps 0, where many objects are, off the edge of a cell.
 const GRID_OFFSET: f64 = 0.37;
 
-/// Two objects in one place, the first in the file first.
+/// Two objects at one position, in the order of the file.
 struct BodyPair {
     first: usize,
     second: usize,
     gap: f64,
-    /// From this gap on all is well.
+    /// The least gap that causes no warning.
     bound: f64,
     clear: bool,
     both_clear: bool,
@@ -36,11 +39,11 @@ struct BodyPair {
 pub struct SamePlace<'a> {
     found: &'a Found<'a>,
     kinds: &'a [Role],
-    /// A number made of a cell, and the object.
+    /// The hash of a cell, and the object.
     filed: Vec<(u32, u32)>,
 }
 
-/// The place and the radius of a sphere, or of a ball around a mesh; nothing of others.
+/// The centre and radius of a sphere, or of a ball around a mesh; none for other shapes.
 fn ball(body: &Body) -> Option<(DVec3, f64)> {
     let is_sphere = body.shape.is_hull() && matches!(body.hull, Hull::Ball { .. });
     (is_sphere || body.shape.mesh().is_some()).then(|| body.hull.ball())
@@ -105,7 +108,7 @@ impl<'a> SamePlace<'a> {
         [spheres, meshes].into_iter().filter_map(|kind| kind.diagnostic(|pair| tell(&pair))).collect()
     }
 
-    /// Whether two are in one place, and that shows.
+    /// The pair, if the two coincide and this is visible.
     fn compare(&self, first: usize, second: usize, a: &Body, b: &Body) -> Option<BodyPair> {
         let materials = [first, second].map(|number| self.found.placed[number].material);
         let kinds = materials.map(|material| self.kinds[material as usize]);
@@ -116,10 +119,10 @@ impl<'a> SamePlace<'a> {
         }
         let ((place, r), (other, s)) = (a.hull.ball(), b.hull.ball());
         let rounding = 4.0 * U * (place.abs().max_element() + r);
-        // Of meshes no more than what rounding alone may come to is looked for.
+        // Meshes count only if they are within the rounding. The distance that the warning advises includes the ray offset.
         let (gap, most, bound, mesh) = match (a.shape.mesh(), b.shape.mesh()) {
             (None, None) => {
-                // Rays that leave either, and what the radius and the next distance are rounded by.
+                // The offset of rays that leave either one, and the rounding of the radius and of the next distance.
                 let leaving = [(place, r), (other, s)].into_iter().zip(kinds).filter(|(_, kind)| !kind.light);
                 let start = leaving.map(|((c, r), _)| leaving::from_sphere(c, r)).fold(0.0, f64::max);
                 let bound = if clear { start + 4.0 * U * r.max(s) } else { rounding };
@@ -139,18 +142,18 @@ impl<'a> SamePlace<'a> {
 
 fn tell(pair: &BodyPair) -> Diagnostic {
     let what = match (pair.mesh, pair.both_clear) {
-        (true, true) => "the same mesh is placed a second time, clear as well, where it stands",
-        (true, false) => "the same mesh is placed a second time, of another material, where it stands",
-        (false, true) => "there is a clear sphere already",
-        (false, false) => "there is a sphere of another material",
+        (true, true) => "the same mesh, also clear,",
+        (true, false) => "the same mesh with another material",
+        (false, true) => "another clear sphere",
+        (false, false) => "a sphere of another material",
     };
     let consequence = match pair.clear {
-        true => "rays that leave one start beyond the other",
+        true => "rays that leave one start behind the other and miss it",
         false => super::BY_ROUNDING,
     };
     let bound = short(pair.bound);
     let message = format!(
-        "{what} at {OTHER}{}: {consequence}: remove one, or set them more than {bound} apart",
+        "{what} at {OTHER} {}: {consequence}: remove one, or set them more than {bound} apart",
         apart(pair.gap, pair.bound, pair.clear),
     );
     Diagnostic { at: At::Primitive(pair.second), field: "", message, other: Some(At::Primitive(pair.first)), more: 0 }
