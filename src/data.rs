@@ -144,6 +144,7 @@ device_struct!(
     /// What the device counts for the host.
     Counters {
         next: u32,
+        records: u32,
         idle: u32,
         nan: u32,
         infinite: u32,
@@ -151,6 +152,21 @@ device_struct!(
         refused: u32,
         counts: [[u32; 2]; 4],
         light: [[u32; 4]; LIGHT_BINS],
+    }
+);
+
+device_struct!(
+    /// A finished run, on its way to the film.
+    RunRecord {
+        sum_r: f32,
+        sum_g: f32,
+        sum_b: f32,
+        pixel: u32,
+        counts: u32,
+        rays: u32,
+        spread_r: f32,
+        spread_g: f32,
+        spread_b: f32,
     }
 );
 

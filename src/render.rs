@@ -1,4 +1,4 @@
-//! The render loop: generate → { intersect → scatter → refill, which adds finished runs to the film } …
+//! The render loop: generate → { { intersect → scatter → refill } … → accumulate } …
 
 mod turns;
 
@@ -193,9 +193,12 @@ pub struct Renderer<'a> {
     /// Bounces of the next submission, and whether their number is fixed.
     bounces: u32,
     bounces_fixed: bool,
+    /// Bounces after which finished runs are added to the film.
+    bounces_at_once: u32,
     buffers: Buffers,
     generate: Pipeline,
     bounce: BouncePipelines,
+    accumulate: Pipeline,
     /// One for each submission in flight.
     reports: Vec<Report>,
     /// The film on its way to the host.
@@ -333,8 +336,10 @@ impl<'a> Renderer<'a> {
             size: job.size,
             bounces: tuning.bounces.unwrap_or(1),
             bounces_fixed: tuning.bounces.is_some(),
+            bounces_at_once: 1,
             generate: pipeline(&plan.kernels.generate)?,
             bounce,
+            accumulate: pipeline(&plan.kernels.accumulate)?,
             reports: (0..IN_FLIGHT).map(report).collect(),
             film: Readback::new(device, "film", film_bytes.min(FILM_AT_ONCE)),
             tile: 0..0,
@@ -355,7 +360,7 @@ impl<'a> Renderer<'a> {
         let mut encoder = self.encoder();
         {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-            let stages = std::iter::once(&self.generate).chain(self.bounce.pipelines());
+            let stages = [&self.generate, &self.accumulate].into_iter().chain(self.bounce.pipelines());
             stages.for_each(|pipeline| pipeline.dispatch(&mut pass, 0));
         }
         self.device.wait(self.device.queue.submit([encoder.finish()]))
@@ -513,6 +518,7 @@ impl<'a> Renderer<'a> {
         self.settings.first_sample = samples.start;
         self.settings.end_sample = samples.end;
         self.write("settings", &self.settings_layout.bytes(&self.settings))?;
+        self.bounces_at_once = self.bounces_with_room(&samples);
         let pixels = u64::from(self.size.0) * u64::from(self.size.1);
         let pixels = u32::try_from(pixels).unwrap_or(u32::MAX);
         for turn in turns(pixels, self.tuning.tile, blocks(samples)) {
@@ -632,7 +638,8 @@ impl<'a> Renderer<'a> {
     /// Records and submits a pass, the turn's first, second and so on: starting the slots if they have no runs yet, then some bounces.
     fn submit(&mut self, window: &mut Window, number: usize) -> Result<Flight> {
         let bounces = self.bounces.clamp(1, self.most_bounces());
-        window.bounces = bounces;
+        let at_once = bounces.min(self.bounces_at_once);
+        window.bounces = at_once;
         self.write("window", bytemuck::bytes_of(window))?;
         let begin = Instant::now();
         let report = number % IN_FLIGHT;
@@ -641,58 +648,82 @@ impl<'a> Renderer<'a> {
             encoder.clear_buffer(self.buffers.get("film")?, 0, None);
         }
         let groups = self.tuning.slots.div_ceil(self.tuning.workgroup);
-        let mut stages: Vec<Stage<'_>> = Vec::new();
-        if number == 0 {
-            stages.push(Stage::all(&self.generate, groups));
-        }
-        match &self.bounce {
-            BouncePipelines::Fused(bounce) => stages.push(Stage::all(bounce, groups)),
-            BouncePipelines::Staged { intersect, medium, dispatch, scatter, shadow, refill } => {
-                for _ in 0..bounces {
-                    stages.push(Stage::all(intersect, groups));
-                    stages.extend(medium.iter().map(|medium| Stage::all(medium, groups)));
-                    match dispatch {
-                        None => stages.extend(scatter.iter().map(|kernel| Stage::all(kernel, groups))),
-                        Some(dispatch) => {
-                            stages.push(Stage::all(dispatch, 1));
-                            stages.extend((0..).zip(scatter).map(|(queue, kernel)| Stage::queue(kernel, queue)));
-                        }
-                    }
-                    stages.extend(shadow.iter().map(|shadow| Stage::all(shadow, groups)));
-                    stages.push(Stage::all(refill, groups));
-                }
-            }
-        }
         let sizes = self.buffers.get("queue_args").ok();
-        let Report { counters, timing } = &mut self.reports[report];
-        match timing {
-            None => {
-                let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-                stages.iter().for_each(|stage| stage.record(&mut pass, sizes));
+        let counters = self.buffers.get("counters")?;
+        let Report { counters: readback, timing } = &mut self.reports[report];
+        for done in (0..bounces).step_by(at_once as usize) {
+            let mut stages: Vec<Stage<'_>> = Vec::new();
+            if number == 0 && done == 0 {
+                stages.push(Stage::all(&self.generate, groups));
             }
-            Some(timing) => {
-                for stage in &stages {
-                    let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-                        label: Some(&stage.kernel.name),
-                        timestamp_writes: timing.next(&stage.kernel.name),
-                    });
-                    stage.record(&mut pass, sizes);
+            match &self.bounce {
+                BouncePipelines::Fused(bounce) => stages.push(Stage::all(bounce, groups)),
+                BouncePipelines::Staged { intersect, medium, dispatch, scatter, shadow, refill } => {
+                    for _ in done..bounces.min(done + at_once) {
+                        stages.push(Stage::all(intersect, groups));
+                        stages.extend(medium.iter().map(|medium| Stage::all(medium, groups)));
+                        match dispatch {
+                            None => stages.extend(scatter.iter().map(|kernel| Stage::all(kernel, groups))),
+                            Some(dispatch) => {
+                                stages.push(Stage::all(dispatch, 1));
+                                stages.extend((0..).zip(scatter).map(|(queue, kernel)| Stage::queue(kernel, queue)));
+                            }
+                        }
+                        stages.extend(shadow.iter().map(|shadow| Stage::all(shadow, groups)));
+                        stages.push(Stage::all(refill, groups));
+                    }
                 }
-                timing.resolve(&mut encoder);
             }
+            stages.push(Stage::all(&self.accumulate, groups));
+            match timing {
+                None => {
+                    let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+                    stages.iter().for_each(|stage| stage.record(&mut pass, sizes));
+                }
+                Some(timing) => {
+                    for stage in &stages {
+                        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                            label: Some(&stage.kernel.name),
+                            timestamp_writes: timing.next(&stage.kernel.name),
+                        });
+                        stage.record(&mut pass, sizes);
+                    }
+                }
+            }
+            encoder.clear_buffer(counters, std::mem::offset_of!(Counters, records) as u64, Some(4));
         }
-        counters.copy(&mut encoder, self.buffers.get("counters")?, 0, size_of::<Counters>() as u64);
+        if let Some(timing) = timing {
+            timing.resolve(&mut encoder);
+        }
+        readback.copy(&mut encoder, counters, 0, size_of::<Counters>() as u64);
         let submission = self.device.queue.submit([encoder.finish()]);
         Ok(Flight { submission, report, bounces, begin })
     }
 
     /// The bounces whose passes can be timed.
     fn most_bounces(&self) -> u32 {
-        let kernels = self.bounce.pipelines().count() as u32;
+        // Each bounce may be followed by the accumulation.
+        let kernels = self.bounce.pipelines().count() as u32 + 1;
         match self.reports.iter().any(|report| report.timing.is_some()) {
             true => ((MAX_PASSES as u32 - 1) / kernels).max(1),
             false => u32::MAX,
         }
+    }
+
+    /// The bounces after which the records of finished runs are sure to have room: a slot ends at most one run that it is in, and then one
+    /// for each of its samples' bounces.
+    fn bounces_with_room(&self, samples: &Range<u32>) -> u32 {
+        let whole = samples.start.is_multiple_of(RUN_LENGTH) && samples.end.is_multiple_of(RUN_LENGTH);
+        let shortest = match whole {
+            true => RUN_LENGTH,
+            false => {
+                let blocks = blocks(samples.clone());
+                let first = ((blocks.start + 1) * RUN_LENGTH).min(samples.end) - samples.start;
+                let last = samples.end - (samples.end - 1) / RUN_LENGTH * RUN_LENGTH;
+                first.min(last)
+            }
+        };
+        ((self.tuning.records_per_slot - 1) * shortest).max(1)
     }
 
     /// Aims the next submission at its target time.

@@ -18,7 +18,7 @@ struct Path {
     depth: u32,
     pixel: u32,
     sample: u32,
-    // Of the run: accepted samples | rejected as NaN << 8 | rejected as infinite << 16 | cut short << 24 | ODD_RUN.
+    // As in RunRecord.
     counts: u32,
     //@ if light
     // Radiance of this sample so far from light sampling.

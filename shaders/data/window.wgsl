@@ -25,6 +25,8 @@ fn end_of_run(sample: u32, end_sample: u32) -> u32 {
 struct Counters {
     // Next run of the window to be started.
     next: atomic<u32>,
+    // Records of finished runs that the film does not have yet.
+    records: atomic<u32>,
     // Slots without a run.
     idle: atomic<u32>,
     // Samples rejected as NaN, as infinite, as cut short, and because their run's sum was none.
@@ -47,3 +49,19 @@ const RAYS: u32 = 1u;
 // Paths that max_depth ended, and the sum of the largest component of their throughput in units of 2^-16, rounded up.
 const TOO_DEEP: u32 = 2u;
 const TOO_DEEP_THROUGHPUT: u32 = 3u;
+
+// A finished run, on its way to the film.
+struct RunRecord {
+    // The sum of the radiance of the accepted samples, in device units.
+    sum_r: f32,
+    sum_g: f32,
+    sum_b: f32,
+    pixel: u32,
+    // Accepted | rejected as NaN << 8 | rejected as infinite << 16 | rejected as cut short << 24 | ODD_RUN.
+    counts: u32,
+    rays: u32,
+    // The sum of the squared deviations of those samples from their mean.
+    spread_r: f32,
+    spread_g: f32,
+    spread_b: f32,
+}

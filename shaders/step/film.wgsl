@@ -1,6 +1,5 @@
 //@ use bind/film
 //@ use bind/counters
-//@ use step/count
 //@ use lib/carry
 //@ use lib/float
 //@ relies on bits
@@ -51,17 +50,16 @@ fn add_to_film(pixel: u32, sum: u32, value: f32, fraction: u32) {
     }
 }
 
-// Adds a finished run to a pixel of the tile: its counts (data/path), the rays traced for it, the sum of its accepted samples, and their
-// squared deviations from their mean.
-fn add_run(pixel: u32, counts: u32, rays: u32, sum: vec3<f32>, spread: vec3<f32>) {
-    let accepted = counts & 0xffu;
-    let nan = (counts >> 8u) & 0xffu;
-    let infinite = (counts >> 16u) & 0xffu;
+// Adds a finished run to a pixel of the tile. Returns its samples.
+fn add_run(pixel: u32, run: RunRecord) -> u32 {
+    let accepted = run.counts & 0xffu;
+    let nan = (run.counts >> 8u) & 0xffu;
+    let infinite = (run.counts >> 16u) & 0xffu;
     // ODD_RUN is the highest bit.
-    let cut = (counts >> 24u) & 0x7fu;
-    let half = counts >> 31u;
-    count(PATHS, accepted + nan + infinite + cut);
-    count(RAYS, rays);
+    let cut = (run.counts >> 24u) & 0x7fu;
+    let half = run.counts >> 31u;
+    let sum = vec3<f32>(run.sum_r, run.sum_g, run.sum_b);
+    let spread = vec3<f32>(run.spread_r, run.spread_g, run.spread_b);
     var rejected = nan + infinite + cut;
     if rejected != 0u {
         atomicAdd(&counters.nan, nan);
@@ -86,4 +84,5 @@ fn add_run(pixel: u32, counts: u32, rays: u32, sum: vec3<f32>, spread: vec3<f32>
     if rejected != 0u {
         atomicAdd(&film[pixel].rejected, rejected);
     }
+    return accepted + nan + infinite + cut;
 }

@@ -8,7 +8,7 @@
 //@ use lib/spread
 //@ use step/start
 //@ use step/count
-//@ use step/film
+//@ use bind/records
 //@ if emitting_sky
 //@ use step/sky_mis_weight
 //@ end
@@ -70,8 +70,11 @@ fn refill_path(path: ptr<function, Path>) {
     if (*path).sample < end {
         start_sample(path);
     } else {
-        let pixel = place_in_order((*path).pixel) - window.first_pixel;
-        add_run(pixel, (*path).counts, (*path).rays, (*path).sum.sum - (*path).sum.excess, (*path).spread);
+        let at = atomicAdd(&counters.records, 1u);
+        let sum = (*path).sum.sum - (*path).sum.excess;
+        records[at] = RunRecord(
+            sum.x, sum.y, sum.z, (*path).pixel, (*path).counts, (*path).rays,
+            (*path).spread.x, (*path).spread.y, (*path).spread.z);
         start_run(path);
     }
 }

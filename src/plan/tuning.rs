@@ -1,7 +1,7 @@
 //! Sizes that suit a device for a job; they do not change the image.
 
 use super::MOST_PATH_BYTES;
-use crate::data::PixelTotals;
+use crate::data::{PixelTotals, RunRecord};
 use crate::gpu::device::DeviceClass;
 use crate::job::Job;
 use crate::options::{RenderOptions, Scatter};
@@ -18,6 +18,8 @@ pub struct Tuning {
     pub scatter: Scatter,
     /// Bounces of a submission; measured and adapted where this is absent.
     pub bounces: Option<u32>,
+    /// Finished runs of a slot for which there is room until the film has them.
+    pub records_per_slot: u32,
     /// Pixels of the film that the device holds at a time.
     pub tile: u32,
 }
@@ -35,6 +37,7 @@ impl Tuning {
         // Their state is one buffer.
         let most = most.min(device.max_binding_bytes / MOST_PATH_BYTES).max(fewest);
         let slots = options.slots.unwrap_or((runs / 8).clamp(fewest, most) as u32).max(1);
+        let room_for_records = device.max_binding_bytes / (u64::from(slots) * size_of::<RunRecord>() as u64);
         let pixels = u64::from(job.size.0) * u64::from(job.size.1);
         let room = device.max_binding_bytes.min(MOST_FILM_BYTES) / size_of::<PixelTotals>() as u64;
         Tuning {
@@ -43,6 +46,7 @@ impl Tuning {
             // Measured in docs/performance.md: a processor pays more for storing a path's state than for its divergence.
             scatter: options.scatter.unwrap_or(if device.software { Scatter::Fused } else { Scatter::Linked }),
             bounces: options.bounces,
+            records_per_slot: room_for_records.clamp(2, 8) as u32,
             tile: pixels.min(room).max(1) as u32,
         }
     }

@@ -1,12 +1,11 @@
 //! The referee of the film on the device: runs added one by one on the host, in integers of 128 bits.
 
-use gpu_rt::data::{ODD_RUN, PixelTotals, Rgb, SQUARE_FRACTION, SUM_FRACTION};
+use gpu_rt::data::{ODD_RUN, PixelTotals, Rgb, RunRecord, SQUARE_FRACTION, SUM_FRACTION};
 use gpu_rt::film::{Film, Rejected, Totals};
 
-/// A finished run, as the film gets it.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-pub struct RunRecord {
+/// A finished run, as the film gets it, by channels.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Run {
     /// The sum of the accepted samples' radiance.
     pub sum: Rgb<f32>,
     pub pixel: u32,
@@ -17,7 +16,13 @@ pub struct RunRecord {
     pub spread: Rgb<f32>,
 }
 
-impl RunRecord {
+impl Run {
+    /// As the device has it.
+    pub fn record(&self) -> RunRecord {
+        let Run { sum: [sum_r, sum_g, sum_b], pixel, counts, rays, spread: [spread_r, spread_g, spread_b] } = *self;
+        RunRecord { sum_r, sum_g, sum_b, pixel, counts, rays, spread_r, spread_g, spread_b }
+    }
+
     /// What it adds to its pixel and to the film's counts.
     fn totals(&self) -> (PixelTotals, Totals) {
         let [accepted, nan, infinite, cut] = (self.counts & !ODD_RUN).to_le_bytes();
@@ -69,14 +74,14 @@ pub fn to_fixed(value: f64, fraction: i32) -> Option<u128> {
 
 /// Adds runs to a film, one by one.
 pub trait AddRuns {
-    fn add_runs(&mut self, records: &[RunRecord]);
+    fn add_runs(&mut self, runs: &[Run]);
 }
 
 impl AddRuns for Film {
-    fn add_runs(&mut self, records: &[RunRecord]) {
-        for record in records {
-            let (pixel, counted) = record.totals();
-            self.add([(record.pixel as usize, &pixel)], counted);
+    fn add_runs(&mut self, runs: &[Run]) {
+        for run in runs {
+            let (pixel, counted) = run.totals();
+            self.add([(run.pixel as usize, &pixel)], counted);
         }
     }
 }

@@ -245,6 +245,7 @@ fn relink(plan: &mut Kernels, change: &Change<'_>) {
         kernel.bindings = layout::bindings(&kernel.module).expect("the kernel has bindings");
     };
     relink(&mut plan.generate);
+    relink(&mut plan.accumulate);
     match &mut plan.bounce {
         Bounce::Fused(bounce) => relink(bounce),
         Bounce::Staged(staged) => {

@@ -5,7 +5,7 @@ use gpu_rt::data::{ODD_RUN, RUN_LENGTH, Settings};
 use gpu_rt::film::Film;
 use gpu_rt::options::Scatter;
 
-use crate::common::film::{AddRuns, RunRecord};
+use crate::common::film::{AddRuns, Run};
 use crate::common::kernel::{Kernel, Overlay, Setup};
 use crate::common::render::{Ask, render_planted, scene};
 use crate::common::stats::Random;
@@ -42,12 +42,12 @@ const PLAIN: &[(&str, &str)] = &[("lib/compensated", "test/control/compensated_p
 const PLAIN_NAME: &str = "plain sums of runs";
 
 /// Runs of samples as the device sums them, by the function that renders.
-fn runs(replaced: &[(&str, &str)], samples: &[f32]) -> Vec<RunRecord> {
+fn runs(replaced: &[(&str, &str)], samples: &[f32]) -> Vec<Run> {
     let kernel = Kernel::with("test/run_sum", &Setup { replaced, ..Setup::default() });
     let length = RUN_LENGTH as usize;
     let settings = [kernel.settings(&Settings::default())];
     let sums = kernel.run_with::<f32, [f32; 2]>(samples, samples.len().div_ceil(length), &settings);
-    let record = |(index, (chunk, [sum, spread])): (usize, (&[f32], [f32; 2]))| RunRecord {
+    let record = |(index, (chunk, [sum, spread])): (usize, (&[f32], [f32; 2]))| Run {
         sum: [sum; 3],
         pixel: 0,
         counts: chunk.len() as u32 | if index % 2 == 1 { ODD_RUN } else { 0 },
@@ -154,7 +154,7 @@ fn constants() -> Vec<Cell> {
     let samples: Vec<f32> = of_runs.iter().flat_map(|x| [*x; RUN_LENGTH as usize]).collect();
     let worst = |replaced| {
         let sums = runs(replaced, &samples);
-        let error = |(run, x): (&RunRecord, &f32)| (f64::from(run.sum[0]) / (8.0 * f64::from(*x)) - 1.0).abs();
+        let error = |(run, x): (&Run, &f32)| (f64::from(run.sum[0]) / (8.0 * f64::from(*x)) - 1.0).abs();
         sums.iter().zip(&of_runs).map(error).fold(0.0, f64::max)
     };
     let of_render = |library: &Overlay, scatter: Option<Scatter>| {

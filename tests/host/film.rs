@@ -1,40 +1,40 @@
 //! The film: exact totals whatever the order, and an error estimate that is right on average.
 
-use crate::common::film::{AddRuns, RunRecord, to_fixed};
+use crate::common::film::{AddRuns, Run, to_fixed};
 use crate::common::stats::{Random, one_sample_t};
 use gpu_rt::data::{ODD_RUN, Sampler};
 use gpu_rt::film::{Film, UNKNOWN_VARIANCE};
 use gpu_rt::output::exr::{read_exr, write_exr};
 
-fn run(pixel: u32, sum: [f32; 3], accepted: u32) -> RunRecord {
-    RunRecord { sum, pixel, counts: accepted, rays: 2 * accepted, spread: [0.0; 3] }
+fn run(pixel: u32, sum: [f32; 3], accepted: u32) -> Run {
+    Run { sum, pixel, counts: accepted, rays: 2 * accepted, spread: [0.0; 3] }
 }
 
 /// The run of these samples, alike in all channels.
-fn run_of(pixel: u32, samples: &[f64]) -> RunRecord {
+fn run_of(pixel: u32, samples: &[f64]) -> Run {
     let sum: f64 = samples.iter().sum();
     let mean = sum / samples.len() as f64;
     let spread: f64 = samples.iter().map(|sample| (sample - mean).powi(2)).sum();
-    RunRecord { spread: [spread as f32; 3], ..run(pixel, [sum as f32; 3], samples.len() as u32) }
+    Run { spread: [spread as f32; 3], ..run(pixel, [sum as f32; 3], samples.len() as u32) }
 }
 
 /// The run of a number: odd or even.
-fn numbered(index: u32, record: RunRecord) -> RunRecord {
+fn numbered(index: u32, record: Run) -> Run {
     if index % 2 == 1 { odd(record) } else { record }
 }
 
-fn odd(record: RunRecord) -> RunRecord {
-    RunRecord { counts: record.counts | ODD_RUN, ..record }
+fn odd(record: Run) -> Run {
+    Run { counts: record.counts | ODD_RUN, ..record }
 }
 
-fn film(width: u32, height: u32, records: &[RunRecord]) -> Film {
+fn film(width: u32, height: u32, records: &[Run]) -> Film {
     let mut film = Film::new(width, height, 0).unwrap();
     film.add_runs(records);
     film
 }
 
 /// Runs of all sizes for 12 pixels, radiance over 12 decades, some samples rejected.
-fn assorted_runs(seed: u64) -> Vec<RunRecord> {
+fn assorted_runs(seed: u64) -> Vec<Run> {
     let mut random = Random(seed);
     let mut value = || (10f64.powf(-8.0 + 12.0 * random.uniform())) as f32;
     let sums: Vec<[f32; 3]> = (0..5000).map(|_| [value(), value(), value()]).collect();
@@ -46,7 +46,7 @@ fn assorted_runs(seed: u64) -> Vec<RunRecord> {
             let parity = if random.below(2) == 1 { ODD_RUN } else { 0 };
             let counts = accepted | nan << 8 | infinite << 16 | parity;
             let spread = [sum[1] * sum[2], sum[0] * sum[0], 0.0];
-            RunRecord { sum, pixel: random.below(12) as u32, counts, rays: random.below(100) as u32, spread }
+            Run { sum, pixel: random.below(12) as u32, counts, rays: random.below(100) as u32, spread }
         })
         .collect()
 }
@@ -55,9 +55,9 @@ fn assorted_runs(seed: u64) -> Vec<RunRecord> {
 fn any_order_and_any_split_give_the_same_bits() {
     let mut records = assorted_runs(1);
     let expected = film(4, 3, &records);
-    let f32_sum = |records: &[RunRecord]| records.iter().map(|r| r.sum[0]).sum::<f32>();
+    let f32_sum = |records: &[Run]| records.iter().map(|r| r.sum[0]).sum::<f32>();
     let expected_f32 = f32_sum(&records);
-    let f64_sum = |records: &[RunRecord]| records.iter().map(|r| f64::from(r.sum[0]).powi(2)).sum::<f64>();
+    let f64_sum = |records: &[Run]| records.iter().map(|r| f64::from(r.sum[0]).powi(2)).sum::<f64>();
     let expected_f64 = f64_sum(&records);
     let (mut f32_differs, mut f64_differs) = (false, false);
     let mut random = Random(2);
@@ -208,7 +208,7 @@ fn variance_is_unbiased() {
     assert!(biased(70.0 / 89.0) < 1e-6);
 }
 
-fn film_of_halves(width: u32, records: &[RunRecord]) -> Film {
+fn film_of_halves(width: u32, records: &[Run]) -> Film {
     let mut film = Film::with_sampler(width, 1, 0, Sampler::Sobol).unwrap();
     film.add_runs(records);
     film
@@ -223,9 +223,9 @@ fn variance_of_halves_follows_the_formula() {
     assert_eq!((picture.rgb[0], picture.samples[0]), ([1.9; 3], 20));
     assert!((f64::from(picture.variance[0][0]) / (0.16 * 0.25) - 1.0).abs() < 1e-7);
     // The halves say nothing about the variance of independent samples.
-    let runs = |records: &[RunRecord]| self::film(1, 1, records).develop();
-    let spread = records.map(|record| RunRecord { spread: [2.0; 3], ..record });
-    assert!(runs(&spread) == runs(&spread.map(|record| RunRecord { counts: record.counts ^ ODD_RUN, ..record })));
+    let runs = |records: &[Run]| self::film(1, 1, records).develop();
+    let spread = records.map(|record| Run { spread: [2.0; 3], ..record });
+    assert!(runs(&spread) == runs(&spread.map(|record| Run { counts: record.counts ^ ODD_RUN, ..record })));
     assert_ne!(runs(&spread).variance, picture.variance);
     // One half alone tells nothing, nor do halves that are equal tell of an error.
     assert_eq!(film_of_halves(1, &[records[0], records[2]]).develop().variance, [[UNKNOWN_VARIANCE; 3]]);
@@ -363,7 +363,7 @@ fn a_pixel_that_holds_the_noise_is_not_lost_by_chance() {
                         });
                         let record = numbered(index, run_of(pixel, &samples));
                         film.add_runs(&[record]);
-                        of_halves.add_runs(&[RunRecord { spread: [0.0; 3], ..record }]);
+                        of_halves.add_runs(&[Run { spread: [0.0; 3], ..record }]);
                     }
                 }
                 let means: Vec<f64> =
@@ -469,10 +469,10 @@ fn unknown_variance_can_be_told_from_none() {
 #[test]
 fn rejected_samples_are_counted_by_reason_and_leave_the_mean_alone() {
     let records = [
-        RunRecord { counts: 6 | 2 << 8, rays: 10, ..run(0, [6.0; 3], 0) },
-        RunRecord { counts: 4 | 1 << 8 | 3 << 16, rays: 20, ..run(0, [4.0; 3], 0) },
+        Run { counts: 6 | 2 << 8, rays: 10, ..run(0, [6.0; 3], 0) },
+        Run { counts: 4 | 1 << 8 | 3 << 16, rays: 20, ..run(0, [4.0; 3], 0) },
         // All rejected: the sum says nothing, and the run is none of the replicates.
-        RunRecord { counts: 8 << 16, rays: 30, ..run(1, [f32::NAN; 3], 0) },
+        Run { counts: 8 << 16, rays: 30, ..run(1, [f32::NAN; 3], 0) },
     ];
     let film = film(2, 1, &records);
     let picture = film.develop();
@@ -493,8 +493,8 @@ fn sums_that_cannot_be_are_refused_and_corrupt_nothing() {
         run(0, [f32::NAN, 1.0, 1.0], 8),
         run(0, [1.0, -1e-30, 1.0], 8),
         run(0, [1.0, f32::NEG_INFINITY, 1.0], 8),
-        RunRecord { spread: [0.0, f32::NAN, 0.0], ..run(0, [1.0; 3], 8) },
-        RunRecord { spread: [-1e-30, 0.0, 0.0], ..run(0, [1.0; 3], 8) },
+        Run { spread: [0.0, f32::NAN, 0.0], ..run(0, [1.0; 3], 8) },
+        Run { spread: [-1e-30, 0.0, 0.0], ..run(0, [1.0; 3], 8) },
     ];
     for record in bad {
         let mut film = film(2, 1, &good);
@@ -510,7 +510,7 @@ fn sums_that_cannot_be_are_refused_and_corrupt_nothing() {
     }
     // A pixel outside the image is left out.
     let mut outside = film(2, 1, &good);
-    outside.add_runs(&[RunRecord { rays: 0, ..run(2, [1.0; 3], 8) }, run(u32::MAX, [1.0; 3], 8)]);
+    outside.add_runs(&[Run { rays: 0, ..run(2, [1.0; 3], 8) }, run(u32::MAX, [1.0; 3], 8)]);
     assert!(outside.develop() == film(2, 1, &good).develop());
     // Finite samples whose f32 sum overflows are infinite, not refused.
     let mut film = film(2, 1, &good);
@@ -538,7 +538,7 @@ fn large_and_small_values_keep_their_precision() {
 #[test]
 fn totals_saturate_to_unknown_in_any_order() {
     // Squares overflow first: the mean is still right.
-    let mut records = vec![RunRecord { spread: [1e12; 3], ..run(0, [1e6; 3], 8) }; 10];
+    let mut records = vec![Run { spread: [1e12; 3], ..run(0, [1e6; 3], 8) }; 10];
     records.extend(vec![odd(run(0, [8.0; 3], 8)); 10]);
     let bright = film(1, 1, &records);
     let picture = bright.develop();
@@ -601,11 +601,8 @@ fn relative_error_is_unknown_until_each_pixel_has_two_runs() {
 
 #[test]
 fn a_broken_pixel_does_not_hide_the_error_of_the_others() {
-    let film = film(
-        2,
-        1,
-        &[run(0, [1.0; 3], 8), odd(run(0, [3.0; 3], 8)), RunRecord { counts: 8 << 8, ..run(1, [0.0; 3], 0) }],
-    );
+    let film =
+        film(2, 1, &[run(0, [1.0; 3], 8), odd(run(0, [3.0; 3], 8)), Run { counts: 8 << 8, ..run(1, [0.0; 3], 0) }]);
     assert!(film.relative_error().is_some());
 }
 
@@ -652,8 +649,7 @@ fn nothing_that_is_not_finite_is_written_whatever_the_film_got() {
         for (pixel, value) in
             [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1.0, f32::MAX, 1e-45, 0.0].into_iter().enumerate()
         {
-            let record =
-                RunRecord { sum: [1.0, value, 1.0], pixel: pixel as u32, counts: 4, rays: 0, spread: [0.0; 3] };
+            let record = Run { sum: [1.0, value, 1.0], pixel: pixel as u32, counts: 4, rays: 0, spread: [0.0; 3] };
             film.add_runs(&[record; 9]);
         }
         write_exr(&path, &film.develop(), &[]).unwrap();

@@ -1,17 +1,17 @@
 //! shaders/step/film.wgsl: the film on the device holds what exact addition on the host gives, to the bit.
 
-use gpu_rt::data::{Counters, ODD_RUN, PATHS, PixelTotals, RAYS};
+use gpu_rt::data::{Counters, ODD_RUN, PATHS, PixelTotals, RAYS, RunRecord};
 use gpu_rt::film::{Film, Rejected, Totals};
 use gpu_rt::gpu::buffers::BufferSpec;
 
-use crate::common::film::{AddRuns, RunRecord};
+use crate::common::film::{AddRuns, Run};
 use crate::common::kernel::{Kernel, Setup};
 use crate::common::stats::Random;
 
 const PIXELS: u32 = 5;
 
 /// Adds runs to an empty film on the device.
-fn on_device(replaced: &[(&str, &str)], records: &[RunRecord]) -> Film {
+fn on_device(replaced: &[(&str, &str)], records: &[Run]) -> Film {
     let run_length = gpu_rt::data::RUN_LENGTH.to_string();
     let setup = Setup { replaced, values: &[("run_length", &run_length)], ..Setup::default() };
     let kernel = Kernel::with("test/film", &setup);
@@ -19,7 +19,8 @@ fn on_device(replaced: &[(&str, &str)], records: &[RunRecord]) -> Film {
         BufferSpec::working("film", u64::from(PIXELS) * size_of::<PixelTotals>() as u64, "the test"),
         BufferSpec::working("counters", size_of::<Counters>() as u64, "the test"),
     ];
-    let read = |buffer, rows| kernel.run_for::<_, u32>(records, records.len(), &buffers, (buffer, rows));
+    let rows: Vec<RunRecord> = records.iter().map(Run::record).collect();
+    let read = |buffer, count| kernel.run_for::<_, u32>(&rows, rows.len(), &buffers, (buffer, count));
     let words = read("film", PIXELS as usize * size_of::<PixelTotals>() / 4);
     let totals: Vec<PixelTotals> = bytemuck::pod_collect_to_vec(&words);
     // The same once more, for the counters.
@@ -34,7 +35,7 @@ fn on_device(replaced: &[(&str, &str)], records: &[RunRecord]) -> Film {
     film
 }
 
-fn on_host(records: &[RunRecord]) -> Film {
+fn on_host(records: &[Run]) -> Film {
     let mut film = Film::new(PIXELS, 1, 0).expect("a few pixels fit");
     film.add_runs(records);
     film
@@ -70,12 +71,12 @@ fn value(random: &mut Random) -> f32 {
     }
 }
 
-fn runs(count: usize, values: &mut dyn FnMut() -> f32, random: &mut Random) -> Vec<RunRecord> {
+fn runs(count: usize, values: &mut dyn FnMut() -> f32, random: &mut Random) -> Vec<Run> {
     (0..count)
         .map(|_| {
             let [accepted, nan, infinite, cut] = [6, 2, 2, 2].map(|below| random.below(below) as u32);
             let parity = if random.below(2) == 1 { ODD_RUN } else { 0 };
-            RunRecord {
+            Run {
                 sum: [values(), values(), values()],
                 pixel: random.below(PIXELS as usize) as u32,
                 counts: accepted | nan << 8 | infinite << 16 | cut << 24 | parity,
@@ -110,7 +111,7 @@ fn the_device_adds_as_exactly_as_the_host() {
 /// Each of the nine sums saturates by itself, whether by one value or by the sum of many, and stays so.
 #[test]
 fn sums_saturate_on_their_own() {
-    let one = |sum: [f32; 3], spread: [f32; 3], counts: u32| RunRecord { sum, spread, counts, ..RunRecord::default() };
+    let one = |sum: [f32; 3], spread: [f32; 3], counts: u32| Run { sum, spread, counts, ..Run::default() };
     for channel in 0..3 {
         let only = |value: f32| std::array::from_fn(|c| if c == channel { value } else { 1.0 });
         let large = [
