@@ -91,7 +91,7 @@ type Halves = [Rgb<f64>; 2];
 impl From<&PixelTotals> for Pixel {
     fn from(totals: &PixelTotals) -> Pixel {
         let sum = |index: usize| match totals.saturated >> index & 1 {
-            0 => totals.sums[index].iter().rev().fold(0, |sum, word| sum << 32 | u128::from(*word)),
+            0 => u128::from_le_bytes(bytemuck::cast(totals.sums[index].map(u32::to_le))),
             _ => u128::MAX,
         };
         let sums = |first: usize| [0, 1, 2].map(|channel| sum(first * CHANNELS.len() + channel));

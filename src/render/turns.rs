@@ -40,12 +40,12 @@ pub fn turns(pixels: u32, tile: u32, blocks: Range<u32>) -> impl Iterator<Item =
 /// The index (row 0 on top, `y * width + x`) of the pixel at a place in the order in which pixels are handed out, as shaders/step/start.wgsl
 /// has it.
 pub fn pixel_in_order(place: u32, (width, height): (u32, u32)) -> usize {
-    let (place, width, height) = (u64::from(place), u64::from(width), u64::from(height));
-    let strip_rows = u64::from(STRIP_ROWS);
-    let first_row = place / (strip_rows * width) * strip_rows;
-    let rows = strip_rows.min(height - first_row);
-    let within = place - first_row * width;
-    ((first_row + within % rows) * width + within / rows) as usize
+    // In 32 bits, which divide faster: this is called for each pixel. A strip that they do not hold is the only one.
+    let strip = STRIP_ROWS.saturating_mul(width);
+    let first_row = place / strip * STRIP_ROWS;
+    let rows = STRIP_ROWS.min(height - first_row);
+    let within = place % strip;
+    (first_row + within % rows) as usize * width as usize + (within / rows) as usize
 }
 
 #[cfg(test)]
