@@ -1,6 +1,8 @@
 //! What a render does with its film does not show: the tiles that it is cut into, the looks at it, and where it is stopped.
 
+use std::ops::Range;
 use std::path::Path;
+use std::time::{Duration, Instant};
 
 use gpu_rt::data::{RUN_LENGTH, Sampler};
 use gpu_rt::film::Film;
@@ -29,14 +31,24 @@ fn options(scatter: Scatter) -> RenderOptions {
 fn render(
     options: &RenderOptions,
     size: (u32, u32),
-    samples: std::ops::Range<u32>,
+    samples: Range<u32>,
+    tile: Option<u32>,
+    watch: Watch<'_>,
+) -> (Film, Outcome, u32) {
+    render_until(options, size, samples.start, Goal::Samples(samples.end), tile, watch)
+}
+
+fn render_until(
+    options: &RenderOptions,
+    size: (u32, u32),
+    first_sample: u32,
+    goal: Goal,
     tile: Option<u32>,
     watch: Watch<'_>,
 ) -> (Film, Outcome, u32) {
     let scene = cover();
     let flat = flatten(&scene, size, options).expect("it flattens");
-    let goal = Goal::Samples(samples.end);
-    let job = Job { size, max_depth: 20, seed: 3, first_sample: samples.start, goal };
+    let job = Job { size, max_depth: 20, seed: 3, first_sample, goal };
     let device = device::software();
     let mut plan = Plan::new(&flat, options, device.class(), &job).expect("it links");
     plan.tuning.tile = tile.unwrap_or(plan.tuning.tile);
@@ -75,6 +87,27 @@ fn a_film_beyond_a_binding_is_whole() {
     assert!(tile < 1_300_000 || !device::software().class().software, "{tile}");
     assert!(film.develop().samples.iter().all(|n| *n == 1));
     assert!(film == render(&options, size, 0..1, Some(500_000), &mut |_, _| Next::GoOn).0);
+}
+
+/// What `--time` renders to learn its pace is not in the film twice, and `--noise` goes on with the samples that it has looked at.
+#[test]
+fn pilots_and_goals_do_not_show() {
+    let options = RenderOptions { slots: None, bounces: None, ..options(Scatter::Fused) };
+    for tile in [None, Some(97)] {
+        let deadline = Instant::now() + Duration::from_millis(1500);
+        for goal in [
+            Goal::Until { deadline, end: 100 },
+            Goal::Noise { error: 0.05, deadline: None, end: 100 },
+            Goal::Noise { error: 1e-9, deadline: Some(deadline), end: 20 },
+        ] {
+            let (film, outcome, _) = render_until(&options, SIZE, 0, goal, tile, &mut |_, _| Next::GoOn);
+            assert!(!outcome.samples.is_empty() && film.totals() == outcome.totals);
+            let whole = render(&options, SIZE, outcome.samples.clone(), None, &mut |_, _| Next::GoOn).0;
+            assert!(film.develop().samples == whole.develop().samples, "{goal:?}: {:?}", outcome.samples);
+            // Stretches end within a run at their end alone.
+            assert!(film == whole, "{goal:?}: {:?}", outcome.samples);
+        }
+    }
 }
 
 /// A look shows the finished runs, and changes nothing.

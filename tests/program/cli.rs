@@ -265,6 +265,10 @@ fn json_is_one_object_with_every_key() {
     for (key, count) in [("paths_per_second", paths), ("rays_per_second", rays)] {
         assert!((number(&json, key) * seconds[4] / count - 1.0).abs() < 1e-6, "{key}");
     }
+    let host = number(&json, "host_seconds");
+    assert!(host > 0.0 && host <= seconds[4], "{host} s of {seconds:?}");
+    let profiled = place.render(&["--quiet", "--json", "--profile"]).exits(0).json();
+    assert!((0.0..1.0).contains(&number(&profiled, "device_idle")) && json.get("device_idle").is_none(), "{profiled}");
     assert!(number(&json, "relative_error") > 0.0);
     assert!(number(&json, "relative_error_bound") > number(&json, "relative_error"));
     assert!(json["reliable"].is_boolean() && json["sampler"] == "sobol");

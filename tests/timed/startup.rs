@@ -122,5 +122,5 @@ fn what_is_compiled_in_vain_is_found() {
     let ran = start(&device, &scene, Scatter::Fused, true);
     let mut found = in_vain(&device, &ran);
     found.sort();
-    assert_eq!(found, ["generate", "intersect", "refill", "scatter"]);
+    assert_eq!(found, ["accumulate", "generate", "intersect", "refill", "scatter"]);
 }
