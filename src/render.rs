@@ -1,5 +1,7 @@
 //! The render loop: generate → { { intersect → scatter → refill } … → accumulate } …
 
+mod goals;
+mod outcome;
 mod turns;
 
 use std::collections::{BTreeMap, VecDeque};
@@ -8,11 +10,9 @@ use std::time::{Duration, Instant};
 
 use cpu_time::ThreadTime;
 
-use crate::data::{
-    Counters, LIGHT_BINS, PATHS, PixelTotals, RAYS, RUN_LENGTH, Settings, TOO_DEEP, TOO_DEEP_THROUGHPUT, Window,
-};
+use crate::data::{Counters, PixelTotals, RUN_LENGTH, Settings, Window};
 use crate::error::{Error, Result};
-use crate::film::{Film, Rejected, Totals};
+use crate::film::{Film, Totals};
 use crate::gpu::buffers::{Buffers, Readback};
 use crate::gpu::device::Device;
 use crate::gpu::pipeline::{Pipeline, PipelineSpec};
@@ -20,6 +20,8 @@ use crate::gpu::probe;
 use crate::gpu::timing::{MAX_PASSES, StageTimes, Timing};
 use crate::job::{Goal, Job, blocks};
 use crate::plan::{Bounce, Kernel, Plan, STEPS, SettingsLayout, Tuning};
+use outcome::totals_since;
+pub use outcome::{NOISE_LEVEL, Noise, Outcome, ThroughGlass, TooDeep};
 use turns::{Turn, pixel_in_order, turns};
 
 /// A look at the film of a render that goes on.
@@ -42,135 +44,6 @@ pub enum Next {
     Stop,
 }
 
-/// What a render came to, beside its film.
-#[derive(Clone, Debug, Default)]
-pub struct Outcome {
-    /// The samples of every pixel; of an interrupted render pixels may have a run less.
-    pub samples: Range<u32>,
-    pub interrupted: bool,
-    /// Of an interrupted render: one past the last sample that any pixel has.
-    pub stopped_at: Option<u32>,
-    /// Samples and rays, those of the film and those that are still to be added to it.
-    pub totals: Totals,
-    /// Paths that max_depth ended.
-    pub too_deep: TooDeep,
-    /// What is met by mirrors and through glass by chance.
-    pub through_glass: ThroughGlass,
-    /// Of a render until an error: what came of it.
-    pub noise: Option<Noise>,
-    /// Seconds of the passes, from the first to the last.
-    pub seconds: f64,
-    /// Seconds until the first pass had ended.
-    pub first_pass: f64,
-    /// Processor seconds of the thread that renders, from the first pass to the last. A driver's own threads are not in it.
-    pub host_seconds: f64,
-    /// Seconds on the device by stage, where they were asked for and the device can tell.
-    pub stages: Vec<(String, f64)>,
-    /// The share of the time in which the device ran no kernel, where it was asked for and the device can tell; 0 to 1.
-    pub device_idle: Option<f64>,
-}
-
-/// What came of a render until an error.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Noise {
-    /// The probability that was left to the last look for finding the error below its bound by chance.
-    pub level: f64,
-    /// Whether the bound was below the error asked.
-    pub reached: bool,
-}
-
-/// The probability that a render until an error ends with a larger one, over all its looks.
-pub const NOISE_LEVEL: f64 = 0.05;
-/// The samples at which such a render looks first.
-const FIRST_LOOK: u32 = 2 * RUN_LENGTH;
-/// The samples at which it gives up where nothing bounds the error: pixels too few, or without light.
-const LAST_LOOK: u32 = 1 << 14;
-
-/// What max_depth cut off. The throughput of such a path is what it could still have brought of the light that it would have met.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct TooDeep {
-    pub paths: u64,
-    /// The sum of the largest components of their throughput, each rounded up to a multiple of 2^-16.
-    pub throughput: f64,
-}
-
-impl TooDeep {
-    /// The mean throughput of a path that was cut.
-    pub fn mean(&self) -> f64 {
-        self.throughput / self.paths.max(1) as f64
-    }
-
-    /// What has been counted since the last reading.
-    fn add(&mut self, now: &Counters, before: &Counters) {
-        self.paths += since(TOO_DEEP, now, before);
-        self.throughput += since(TOO_DEEP_THROUGHPUT, now, before) as f64 / 65_536.0;
-    }
-}
-
-/// What has been added to a count since the last reading.
-fn since(which: u32, now: &Counters, before: &Counters) -> u64 {
-    let count = |counters: &Counters| {
-        let [low, high] = counters.counts[which as usize];
-        u64::from(high) << 32 | u64::from(low)
-    };
-    count(now).wrapping_sub(count(before))
-}
-
-/// Samples and rays since the last reading.
-fn totals_since(now: &Counters, before: &Counters) -> Totals {
-    let count = |of: fn(&Counters) -> u32| u64::from(of(now).wrapping_sub(of(before)));
-    Totals {
-        paths: since(PATHS, now, before),
-        rays: since(RAYS, now, before),
-        rejected: Rejected {
-            nan: count(|counters| counters.nan),
-            infinite: count(|counters| counters.infinite),
-            cut: count(|counters| counters.cut),
-            refused: count(|counters| counters.refused),
-        },
-    }
-}
-
-/// Light of lights that are sampled, by mirrors and through glass, in device units, summed over all samples
-/// (shaders/step/through_glass.wgsl).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ThroughGlass {
-    /// By bins of lights: what there is of it, as rays to lights found, and what paths met by chance.
-    bins: [(f64, f64); LIGHT_BINS],
-}
-
-impl ThroughGlass {
-    /// What has been counted since the last reading.
-    fn add(&mut self, now: &Counters, before: &Counters) {
-        let light = |low: u32, high: u32| u64::from(high) << 32 | u64::from(low);
-        let since = |now: u64, before: u64| now.wrapping_sub(before) as f64 / 16_777_216.0;
-        for ((asked, met), (now, before)) in self.bins.iter_mut().zip(now.light.iter().zip(&before.light)) {
-            *asked += since(light(now[0], now[1]), light(before[0], before[1]));
-            *met += since(light(now[2], now[3]), light(before[2], before[3]));
-        }
-    }
-
-    /// The same in other units.
-    pub fn times(&self, factor: f64) -> ThroughGlass {
-        ThroughGlass { bins: self.bins.map(|(asked, met)| (asked * factor, met * factor)) }
-    }
-
-    /// What there is of it.
-    pub fn blocked_by_dielectrics(&self) -> f64 {
-        self.bins.iter().map(|(asked, _)| asked).sum()
-    }
-
-    /// What paths met of it.
-    pub fn found_by_bsdf(&self) -> f64 {
-        self.bins.iter().map(|(_, met)| met).sum()
-    }
-
-    /// What is certainly missing of it. What rays find is about what paths would meet; a quarter of that may be error.
-    pub fn missing(&self) -> f64 {
-        self.bins.iter().map(|(asked, met)| (0.75 * asked - met).max(0.0)).sum()
-    }
-}
-
 /// The time that a submission should take: long enough to hide what it costs to make one, short
 /// enough that no watchdog fires and no user waits.
 const SUBMISSION: Duration = Duration::from_millis(100);
@@ -178,10 +51,6 @@ const SUBMISSION: Duration = Duration::from_millis(100);
 const IN_FLIGHT: usize = 2;
 /// Bytes of the film that go to the host at a time.
 const FILM_AT_ONCE: u64 = 64 << 20;
-
-fn seconds_until(deadline: Instant) -> f64 {
-    deadline.saturating_duration_since(Instant::now()).as_secs_f64()
-}
 
 /// A render that is ready to go: kernels compiled, buffers filled.
 pub struct Renderer<'a> {
@@ -397,120 +266,6 @@ impl<'a> Renderer<'a> {
         outcome.stages = self.stages.seconds.iter().map(|(name, seconds)| (name.clone(), *seconds)).collect();
         outcome.device_idle = self.stages.idle();
         Ok(outcome)
-    }
-
-    /// Renders as many samples as fit until the deadline, one at least; the result is one past the last.
-    fn render_until(&mut self, most: Range<u32>, deadline: Instant, stretch: &mut Stretch<'_>) -> Result<u32> {
-        match self.render_pilot(&most, deadline, stretch)? {
-            Some(mut pace) => self.fill(most, deadline, &mut pace, stretch),
-            None => Ok(most.start + 1),
-        }
-    }
-
-    /// Renders one sample and takes it back: the result is the pace, samples a second. Nothing, where no other sample fits; then
-    /// the one stays.
-    fn render_pilot(&mut self, most: &Range<u32>, deadline: Instant, stretch: &mut Stretch<'_>) -> Result<Option<f64>> {
-        let begin = Instant::now();
-        self.render_samples(most.start..most.start + 1, stretch)?;
-        let pace = 1.0 / begin.elapsed().as_secs_f64().max(1e-6);
-        if pace * seconds_until(deadline) < 1.0 || most.len() <= 1 || stretch.outcome.interrupted {
-            return Ok(None);
-        }
-        // Its runs of one sample would be parts of longer runs.
-        self.stale = true;
-        self.received = Totals::default();
-        stretch.film.clear();
-        stretch.outcome.totals = Totals::default();
-        stretch.outcome.too_deep = TooDeep::default();
-        stretch.outcome.through_glass = ThroughGlass::default();
-        Ok(Some(pace))
-    }
-
-    /// Renders as many samples as fit until the deadline, which may be none; the result is one past the last.
-    ///
-    /// Their number is fixed before the last stretch begins, from the pace of the one before it: to stop when a pass happens
-    /// to end would favour short paths. The last stretch is short, so that an error of the pace does little, and ends within a
-    /// run: whole runs may be longer than what an error of the pace does.
-    fn fill(&mut self, most: Range<u32>, deadline: Instant, pace: &mut f64, stretch: &mut Stretch<'_>) -> Result<u32> {
-        /// The shares of the time at whose end the pace is taken again; the last leaves room for its error.
-        const SHARES: [f64; 4] = [0.1, 0.5, 0.85, 0.985];
-        let begin = Instant::now();
-        let all = seconds_until(deadline);
-        let mut done = most.start;
-        for share in SHARES {
-            let spent = begin.elapsed().as_secs_f64();
-            let fits = (*pace * (share * all - spent)).max(0.0) as u32;
-            let aim = done.saturating_add(fits).min(most.end);
-            let last = share == SHARES[SHARES.len() - 1];
-            let end = match last || aim == most.end {
-                true => aim,
-                false => aim / RUN_LENGTH * RUN_LENGTH,
-            };
-            if end <= done {
-                continue;
-            }
-            self.render_samples(done..end, stretch)?;
-            *pace = f64::from(end - done) / (begin.elapsed().as_secs_f64() - spent).max(1e-6);
-            done = end;
-            if stretch.outcome.interrupted || done == most.end {
-                break;
-            }
-        }
-        if done == most.start && stretch.outcome.totals.paths == 0 {
-            // The pilot was wrong about a second sample, and is gone.
-            self.render_samples(done..done + 1, stretch)?;
-            done += 1;
-        }
-        Ok(done)
-    }
-
-    /// Renders until the relative error is below the one asked; the result is one past the last sample.
-    ///
-    /// The film is looked at when the number of samples has doubled. To stop at the first look that pleases would favour those that are
-    /// too low by chance: the k-th has a 2^-k-th of the probability of being wrong that all have together, by the union bound. Samples that
-    /// have been looked at stay: they are as good as others, and the image is that of `--spp` with their number.
-    ///
-    /// The error of a handful of pixels is never known with such confidence, nor that of an image without light: there it gives up.
-    fn render_noise(
-        &mut self,
-        most: Range<u32>,
-        error: f64,
-        deadline: Option<Instant>,
-        stretch: &mut Stretch<'_>,
-    ) -> Result<u32> {
-        let mut done = most.start;
-        let mut noise = Noise { level: NOISE_LEVEL / 2.0, reached: false };
-        let mut timed = None;
-        if let Some(deadline) = deadline {
-            match self.render_pilot(&most, deadline, stretch)? {
-                Some(pace) => timed = Some((deadline, pace)),
-                None => {
-                    stretch.outcome.noise = Some(noise);
-                    return Ok(done + 1);
-                }
-            }
-        }
-        let mut aim = FIRST_LOOK;
-        loop {
-            let end = most.end.min(most.start.saturating_add(aim));
-            done = match &mut timed {
-                Some((deadline, pace)) => self.fill(done..end, *deadline, pace, stretch)?,
-                None => {
-                    self.render_samples(done..end, stretch)?;
-                    end
-                }
-            };
-            self.bring_film(stretch.film)?;
-            let bound = stretch.film.error_estimate(noise.level).map_or(f64::INFINITY, |found| found.bound);
-            noise.reached = bound < error;
-            stretch.outcome.noise = Some(noise);
-            let hopeless = bound == f64::INFINITY && done - most.start >= LAST_LOOK;
-            if noise.reached || hopeless || done < end || done == most.end || stretch.outcome.interrupted {
-                return Ok(done);
-            }
-            noise.level /= 2.0;
-            aim = aim.saturating_mul(2);
-        }
     }
 
     /// Renders a range of samples of every pixel.
