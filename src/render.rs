@@ -50,7 +50,7 @@ const SUBMISSION: Duration = Duration::from_millis(100);
 /// Submissions that the device has at a time: while it executes one, the host reads what the one before has counted, and the next one waits.
 const IN_FLIGHT: usize = 2;
 /// Bytes of the film that go to the host at a time.
-const FILM_AT_ONCE: u64 = 64 << 20;
+const FILM_AT_ONCE: u64 = 16 << 20;
 
 /// A render that is ready to go: kernels compiled, buffers filled.
 pub struct Renderer<'a> {

@@ -618,3 +618,49 @@ fn rejected_words(totals: &Totals) -> String {
         rejected.refused
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a watcher says to `calls` submissions, with a film that takes 10 ms to be looked at: how often it looks.
+    fn looks(next_look: Option<Instant>, checkpoint: Duration, calls: usize) -> usize {
+        let goal = Goal::Samples(1);
+        let job = Job { size: (1, 1), max_depth: 1, seed: 0, first_sample: 0, goal };
+        let (film, outcome) = (Film::new(1, 1, 0).unwrap(), Outcome::default());
+        let (progress, stopped, begun) = (Progress::new(true, &job), AtomicBool::new(false), Instant::now());
+        let mut watcher = Watcher {
+            progress: &progress,
+            stopped: &stopped,
+            begun,
+            pixels: 1,
+            next_look,
+            next_checkpoint: begun + checkpoint,
+            interval: checkpoint,
+            error: None,
+            failed: None,
+            outcome: Outcome::default(),
+            checkpoint: &|_, _| Ok(()),
+        };
+        let mut count = 0;
+        for _ in 0..calls {
+            if watcher.watch(&outcome, None) == Next::Look {
+                count += 1;
+                let begin = Instant::now() - Duration::from_millis(10);
+                assert_eq!(watcher.watch(&outcome, Some(Look { film: &film, begin })), Next::GoOn);
+            }
+        }
+        count
+    }
+
+    /// A look of 10 ms is followed by two seconds without one, and nobody looks for a quiet render but to write checkpoints.
+    #[test]
+    fn looks_are_rare_and_for_somebody() {
+        let hour = Duration::from_secs(3600);
+        assert_eq!(looks(Some(Instant::now()), hour, 1000), 1);
+        assert_eq!(looks(None, hour, 1000), 0);
+        assert_eq!(looks(None, Duration::ZERO, 10), 10);
+        assert_eq!(pause_after(Duration::from_millis(10)), Duration::from_secs(2));
+        assert_eq!(pause_after(Duration::ZERO), Duration::from_secs(1));
+    }
+}
