@@ -1,72 +1,32 @@
-//! DeviceScene surfaces that coincide: of opaque ones of different materials, which of them is seen is left to rounding; of clear ones, rays that leave
+//! Surfaces that coincide: of opaque ones of different materials, which of them is seen is left to rounding; of clear ones, rays that leave
 //! one start beyond the other.
 //!
 //! Looked for among quads and sides of boxes in one plane. Of opaque ones, what no ray from the camera can meet first is left out: a
-//! box may rest on a floor. So are media, whose boundaries are no surfaces. In crowded planes the search ends after a number of comparisons in
-//! proportion to what lies there.
+//! box may rest on a floor. So are media, whose boundaries are no surfaces.
 
 use std::collections::HashSet;
 
 use glam::{DVec2, DVec3};
 
-use super::repeated::{Repeated, hash};
-use super::{At, BY_ROUNDING, Body, Diagnostic, Found, OTHER, Role, U, Worst, apart, leaving, short};
+use super::{BY_ROUNDING, Body, Diagnostic, Found, OTHER, Pair, Role, U, Worst, apart, leaving, short};
 use crate::shape::{Hull, normal};
 
-/// Comparisons a surface in a plane, and for all of a plane.
-const TESTS_EACH: usize = 16;
-const TESTS_MORE: usize = 1000;
-/// So many surfaces are looked at, and one more for each 16 objects: those in the planes nearest to the camera.
-const MOST_SIDES: usize = 1 << 14;
-/// So many surfaces in a plane are compared one by one.
-const FEW: usize = 24;
-/// Cells of the grid over a plane that a surface is filed in at most; larger ones are compared with all others.
-const MOST_CELLS: usize = 64;
+/// So many surfaces in a plane, next to each other along a line, are compared with each.
+const TESTS_EACH: usize = 64;
 /// Components of normals are compared in so many steps.
 const NORMAL_STEPS: f64 = 1e6;
 /// The share of their width by which surfaces overlap at least, lest neighbours count.
 const LEAST_OVERLAP: f64 = 1e-5;
-/// More than a shape has; they are numbered.
-const SIDES: u32 = 8;
-
-/// Two objects that coincide, the first in the file first.
-struct PlanePair {
-    first: usize,
-    second: usize,
-    gap: f64,
-    /// They are told of up to this gap.
-    bound: f64,
-}
 
 /// A plane that a surface lies in.
-#[derive(Clone, Copy)]
 struct Plane {
-    /// Of its distance from the camera in extents of the scene, as f32; they have its order.
-    bits: u32,
-    /// How far from it another one may matter, together with the other's own, in extents.
-    reach: f32,
-    /// A number made of its normal.
-    normal: u32,
-    /// Number of the object times `SIDES`, and the side.
-    side: u32,
-}
-
-impl Plane {
-    /// At this distance from the camera along its normal; that and the reach are in extents.
-    fn new(distance: f64, normal: u32, reach: f64, side: u32) -> Plane {
-        // As a f32 the distance is off by half an ulp.
-        let reach = reach + U * distance.abs();
-        Plane { bits: (distance.abs() as f32).to_bits(), reach: reach as f32 * (1.0 + f32::EPSILON), normal, side }
-    }
-
-    fn distance(&self) -> f32 {
-        f32::from_bits(self.bits)
-    }
-}
-
-/// A number made of a normal, the same one for -n as for n.
-fn hash_of(normal: DVec3) -> u32 {
-    hash(steps(normal.abs()).map(|step| step as u32))
+    /// Its normal.
+    key: [i32; 3],
+    distance: f64,
+    /// How far from it another one may matter, together with the other's own.
+    reach: f64,
+    owner: u32,
+    which: u32,
 }
 
 /// By how much rounding may move a surface along its normal: each coordinate of the place is rounded, and half of a box.
@@ -74,20 +34,16 @@ fn rounding(normal: DVec3, place: DVec3, half: f64) -> f64 {
     2.0 * U * (normal.abs().dot(place.abs()) + half)
 }
 
-/// The runs of planes, ordered by their distance, in which each may matter to one before it.
+/// The runs of planes, ordered by their normals and distances, in which each may matter to one before it.
 fn runs(planes: &[Plane]) -> impl Iterator<Item = &[Plane]> {
-    let mut rest = planes;
-    std::iter::from_fn(move || {
-        let first = rest.first()?;
-        let mut reach = first.distance() + first.reach;
-        let more = rest[1..].iter().take_while(|plane| {
-            let near = plane.distance() - plane.reach <= reach;
-            reach = reach.max(plane.distance() + plane.reach);
-            near
-        });
-        let (run, after) = rest.split_at(1 + more.count());
-        rest = after;
-        Some(run)
+    let mut reach = f64::NEG_INFINITY;
+    planes.chunk_by(move |one, next| {
+        reach = reach.max(one.distance + one.reach);
+        let near = one.key == next.key && next.distance - next.reach <= reach;
+        if !near {
+            reach = f64::NEG_INFINITY;
+        }
+        near
     })
 }
 
@@ -126,6 +82,15 @@ impl Patch<'_> {
     }
 }
 
+/// What is told of two surfaces in one plane.
+#[derive(Clone, Copy)]
+enum Touch {
+    Overlapping,
+    AtGlass,
+    ClearOnClear,
+    BackToBack,
+}
+
 /// The search among what is flat, and what it finds.
 pub struct Planes<'a> {
     found: &'a Found<'a>,
@@ -134,34 +99,22 @@ pub struct Planes<'a> {
     clear: bool,
     planes: Vec<Plane>,
     told: HashSet<(usize, usize)>,
-    overlapping: Worst<PlanePair>,
-    at_glass: Worst<PlanePair>,
-    clear_on_clear: Worst<PlanePair>,
-    back_to_back: Worst<PlanePair>,
+    /// Of each `Touch`.
+    worst: [Worst<Pair>; 4],
 }
 
 impl<'a> Planes<'a> {
     pub fn new(found: &'a Found<'a>, kinds: &'a [Role]) -> Planes<'a> {
-        Planes {
-            found,
-            kinds,
-            clear: found.placed.iter().any(|placed| kinds[placed.material as usize].glass),
-            planes: Vec::new(),
-            told: HashSet::new(),
-            overlapping: Worst::default(),
-            at_glass: Worst::default(),
-            clear_on_clear: Worst::default(),
-            back_to_back: Worst::default(),
-        }
+        let clear = found.placed.iter().any(|placed| kinds[placed.material as usize].glass);
+        Planes { found, kinds, clear, planes: Vec::new(), told: HashSet::new(), worst: Default::default() }
     }
 
     pub fn see(&mut self, number: usize, body: &Body) {
-        let share = 1.0 / self.found.extent;
         for (which, side) in self.sides(number, body) {
             if self.clear || !side.hidden {
-                let reach = share * if self.clear { side.rounding + side.leaving } else { side.rounding };
-                let normal = hash_of(side.normal);
-                self.planes.push(Plane::new(share * side.distance, normal, reach, number as u32 * SIDES + which));
+                let reach = if self.clear { side.rounding + side.leaving } else { side.rounding };
+                let (key, distance, owner) = (side.key, side.distance, number as u32);
+                self.planes.push(Plane { key, distance, reach, owner, which });
             }
         }
     }
@@ -169,53 +122,36 @@ impl<'a> Planes<'a> {
     pub fn diagnostics(mut self) -> Vec<Diagnostic> {
         self.search();
         let found = self.found;
-        let flat = self.overlapping.diagnostic(|pair| tell_overlapping(found, &pair));
-        let glass = self.at_glass.diagnostic(|pair| tell_at_glass(found, &pair));
-        let clear = self.clear_on_clear.diagnostic(|pair| tell_clear_on_clear(found, &pair));
-        let lost = self.back_to_back.diagnostic(|pair| tell_back_to_back(&pair));
-        [flat, glass, clear, lost].into_iter().flatten().collect()
+        let touches = [Touch::Overlapping, Touch::AtGlass, Touch::ClearOnClear, Touch::BackToBack];
+        let told = touches.into_iter().zip(self.worst);
+        told.filter_map(|(touch, worst)| worst.diagnostic(|pair| tell(found, touch, &pair))).collect()
     }
 
     fn search(&mut self) {
         let mut planes = std::mem::take(&mut self.planes);
-        let again = Repeated::new(planes.iter().map(|plane| plane.normal));
-        planes.retain(|plane| again.holds(plane.normal));
-        planes.sort_unstable_by_key(|plane| plane.bits);
-        let mut left = MOST_SIDES + self.found.placed.len() / 16;
-        let mut sides: Vec<Side> = Vec::new();
+        planes.sort_unstable_by(|a, b| a.key.cmp(&b.key).then(a.distance.total_cmp(&b.distance)));
         for run in runs(&planes) {
-            if !self.may_differ(run) {
-                continue;
-            }
-            let Some(after) = left.checked_sub(run.len()) else { break };
-            left = after;
-            sides.clear();
-            sides.extend(run.iter().filter_map(|plane| self.side(plane)));
-            sides.sort_unstable_by_key(|side| side.key);
-            for parallel in sides.chunk_by(|a, b| a.key == b.key).filter(|parallel| parallel.len() > 1) {
-                self.compare(parallel);
+            if self.may_differ(run) {
+                let sides: Vec<Side> = run.iter().filter_map(|plane| self.side(plane)).collect();
+                self.compare(&sides);
             }
         }
     }
 
-    /// Whether among surfaces there are parallel ones of different materials; of many, it may be so.
+    /// Whether among surfaces there may be two that are told of.
     fn may_differ(&self, run: &[Plane]) -> bool {
-        let differ = |a: &Plane, b: &Plane| {
-            let [of_a, of_b] = [a, b].map(|plane| self.found.placed[(plane.side / SIDES) as usize].material);
-            of_a != of_b || self.kinds[of_a as usize].one_sided || self.kinds[of_a as usize].glass
-        };
-        match run {
-            [] | [_] => false,
-            [a, b] => a.normal == b.normal && differ(a, b),
-            [first, rest @ ..] => rest.iter().any(|other| differ(first, other)),
-        }
+        let material = |plane: &Plane| self.found.placed[plane.owner as usize].material;
+        let [first, rest @ ..] = run else { return false };
+        let kind = self.kinds[material(first) as usize];
+        !rest.is_empty()
+            && (kind.one_sided || kind.glass || rest.iter().any(|other| material(other) != material(first)))
     }
 
     fn side(&self, plane: &Plane) -> Option<Side> {
-        let owner = (plane.side / SIDES) as usize;
+        let owner = plane.owner as usize;
         let placed = &self.found.placed[owner];
         let body = Body::new(self.found, &placed.shape, &placed.to_world);
-        self.sides(owner, &body).find(|(which, _)| *which == plane.side % SIDES).map(|(_, side)| side)
+        self.sides(owner, &body).find(|(which, _)| *which == plane.which).map(|(_, side)| side)
     }
 
     /// What is flat of a shape, numbered.
@@ -264,50 +200,11 @@ impl<'a> Planes<'a> {
         let normal = sides[0].normal;
         let a = (sides[0].corners[1] - sides[0].corners[0]).normalize_or_zero();
         let b = normal.cross(a);
-        let patches: Vec<Patch> = sides.iter().map(|side| Patch::new(side, a, b)).collect();
-        let mut tests = TESTS_EACH * patches.len() + TESTS_MORE;
-        if patches.len() <= FEW {
-            return self.compare_all(patches.iter(), &mut tests);
-        }
-        let low = patches.iter().fold(patches[0].low, |low, patch| low.min(patch.low));
-        let high = patches.iter().fold(patches[0].high, |high, patch| high.max(patch.high));
-        let cells = (patches.len() as f64).sqrt().ceil();
-        let cell = ((high - low) / cells).max(DVec2::splat(f64::MIN_POSITIVE));
-        let cell_of = |p: DVec2| ((p - low) / cell).floor().clamp(DVec2::ZERO, DVec2::splat(cells - 1.0)).as_uvec2();
-        let mut filed: Vec<(u64, u32)> = Vec::new();
-        let mut large = Vec::new();
-        for (number, patch) in (0..).zip(&patches) {
-            // Neighbours that only touch need not meet in a cell.
-            let inset = LEAST_OVERLAP * (patch.high - patch.low);
-            let (from, to) = (cell_of(patch.low + inset), cell_of(patch.high - inset));
-            if (to.x - from.x + 1) as usize * (to.y - from.y + 1) as usize > MOST_CELLS {
-                large.push(patch);
-                continue;
-            }
-            for y in from.y..=to.y {
-                filed.extend((from.x..=to.x).map(|x| (u64::from(y) << 32 | u64::from(x), number)));
-            }
-        }
-        for one in large {
-            for other in patches.iter().take(tests) {
-                self.test(one, other);
-            }
-            tests = tests.saturating_sub(patches.len());
-        }
-        filed.sort_unstable();
-        for together in filed.chunk_by(|a, b| a.0 == b.0) {
-            self.compare_all(together.iter().map(|(_, number)| &patches[*number as usize]), &mut tests);
-        }
-    }
-
-    fn compare_all<'p>(&mut self, patches: impl Iterator<Item = &'p Patch<'p>> + Clone, tests: &mut usize) {
-        let mut rest = patches;
-        while let Some(one) = rest.next() {
-            for other in rest.clone() {
-                if *tests == 0 {
-                    return;
-                }
-                *tests -= 1;
+        let mut patches: Vec<Patch> = sides.iter().map(|side| Patch::new(side, a, b)).collect();
+        patches.sort_unstable_by(|a, b| a.low.x.total_cmp(&b.low.x).then(a.low.y.total_cmp(&b.low.y)));
+        for (at, one) in patches.iter().enumerate() {
+            let beside = patches[at + 1..].iter().take_while(|other| other.low.x < one.high.x);
+            for other in beside.take(TESTS_EACH) {
                 self.test(one, other);
             }
         }
@@ -331,14 +228,15 @@ impl<'a> Planes<'a> {
         if a.owner == b.owner || gap > bound || !shows || !overlap(first, second) {
             return;
         }
-        let kind = match (glass_a, glass_b, opposed) {
-            (true, true, _) => &mut self.clear_on_clear,
-            (true, ..) | (_, true, _) => &mut self.at_glass,
-            (.., true) => &mut self.back_to_back,
-            (.., false) => &mut self.overlapping,
+        let touch = match (glass_a, glass_b, opposed) {
+            (true, true, _) => Touch::ClearOnClear,
+            (true, ..) | (_, true, _) => Touch::AtGlass,
+            (.., true) => Touch::BackToBack,
+            (.., false) => Touch::Overlapping,
         };
+        let kind = &mut self.worst[touch as usize];
         if self.told.insert((a.owner, b.owner)) {
-            return kind.note(-(b.owner as f64), PlanePair { first: a.owner, second: b.owner, gap, bound });
+            return kind.note(-(b.owner as f64), Pair { first: a.owner, second: b.owner, gap, bound });
         }
         // Of boxes with several sides that coincide, the largest bound is what to keep apart by.
         if let Some((_, pair)) = &mut kind.worst
@@ -374,51 +272,30 @@ fn overlap(one: &Patch, other: &Patch) -> bool {
     })
 }
 
-fn tell_overlapping(found: &Found, pair: &PlanePair) -> Diagnostic {
-    let message = format!(
-        "its surface overlaps with that of the {} at {OTHER}, of another material{}: {BY_ROUNDING}: set them more than {} apart, or cut \
-         one out",
-        found.placed[pair.first].shape.kind().word,
-        apart(pair.gap, pair.bound, false),
-        short(pair.bound)
-    );
-    Diagnostic { at: At::Primitive(pair.second), field: "", message, other: Some(At::Primitive(pair.first)), more: 0 }
-}
-
-/// At the one that is clear.
-fn tell_at_glass(found: &Found, pair: &PlanePair) -> Diagnostic {
+fn tell(found: &Found, touch: Touch, pair: &Pair) -> Diagnostic {
+    let Pair { first, second, gap, bound } = *pair;
     let is_clear = |number: usize| found.scene.materials[found.placed[number].material as usize].1.kind().is_clear;
-    let (clear, other) = match is_clear(pair.first) {
-        true => (pair.first, pair.second),
-        false => (pair.second, pair.first),
+    // At glass if one of them is.
+    let (at, other) = if is_clear(first) && !is_clear(second) { (first, second) } else { (second, first) };
+    let word = found.placed[other].shape.kind().word;
+    let (off, limit) = (apart(gap, bound, is_clear(at)), short(bound));
+    let message = match touch {
+        Touch::Overlapping => format!(
+            "its surface overlaps with that of the {word} at {OTHER}, of another material{off}: {BY_ROUNDING}: set them more than \
+             {limit} apart, or cut one out"
+        ),
+        Touch::AtGlass => format!(
+            "this glass touches the {word} at {OTHER}{off}: rays that leave the glass there do not meet what it touches, or the \
+             reverse: let one reach into the other, or set them more than {limit} apart"
+        ),
+        Touch::ClearOnClear => format!(
+            "this glass touches the {word} at {OTHER}, which is clear too{off}: of two surfaces in one place rays pass one: set them \
+             more than {limit} apart, or write one solid where they are of one material"
+        ),
+        Touch::BackToBack => format!(
+            "this light shines to one side, and lies back to back with the one at {OTHER}{off}: where a ray meets the back of the \
+             other, its light is lost: set them more than {limit} apart, or write one that is two_sided"
+        ),
     };
-    let message = format!(
-        "this glass touches the {} at {OTHER}{}: rays that leave the glass there do not meet what it touches, or the reverse: let one \
-         reach into the other, or set them more than {} apart",
-        found.placed[other].shape.kind().word,
-        apart(pair.gap, pair.bound, true),
-        short(pair.bound)
-    );
-    Diagnostic { at: At::Primitive(clear), field: "", message, other: Some(At::Primitive(other)), more: 0 }
-}
-
-fn tell_clear_on_clear(found: &Found, pair: &PlanePair) -> Diagnostic {
-    let message = format!(
-        "this glass touches the {} at {OTHER}, which is clear too{}: of two surfaces in one place rays pass one: set them more than {} apart, or \
-         write one solid where they are of one material",
-        found.placed[pair.first].shape.kind().word,
-        apart(pair.gap, pair.bound, true),
-        short(pair.bound)
-    );
-    Diagnostic { at: At::Primitive(pair.second), field: "", message, other: Some(At::Primitive(pair.first)), more: 0 }
-}
-
-fn tell_back_to_back(pair: &PlanePair) -> Diagnostic {
-    let message = format!(
-        "this light shines to one side, and lies back to back with the one at {OTHER}{}: where a ray meets the back of the other, its \
-         light is lost: set them more than {} apart, or write one that is two_sided",
-        apart(pair.gap, pair.bound, false),
-        short(pair.bound)
-    );
-    Diagnostic { at: At::Primitive(pair.second), field: "", message, other: Some(At::Primitive(pair.first)), more: 0 }
+    Diagnostic::of_two(at, other, message)
 }

@@ -14,8 +14,6 @@ use crate::shape::{Hull, normal};
 /// So many emitters are looked for within things, and with so many comparisons for each thing.
 const MOST_EMITTERS: usize = 4096;
 const TESTS_EACH: usize = 1;
-/// Emitters are filed in so many strips along x.
-const STRIPS: usize = 1024;
 /// So many things around the camera are looked at.
 const MOST_AROUND: usize = 8;
 /// The largest share between the brightest emitter and another.
@@ -54,7 +52,7 @@ pub fn turned_away(found: &Found, kinds: &[Role]) -> Option<Diagnostic> {
     }
     let message = "a light that shines to one side, and all of the scene is on its other side: exchange u and v to turn it round, or \
                    make it two_sided";
-    worst.diagnostic(|at| Diagnostic { at, field: "", message: message.to_string(), other: None, more: 0 })
+    worst.diagnostic(|at| Diagnostic::of(at, "", message.to_string()))
 }
 
 /// A light among those that are looked for, and a ball around it.
@@ -70,18 +68,14 @@ pub struct Walls<'a> {
     found: &'a Found<'a>,
     /// By the x of their centres.
     emitters: Vec<EmittingBody>,
-    /// The first of them in each of `STRIPS` strips from the least x to the largest, or beyond.
-    starts: Vec<u32>,
-    least_x: f64,
-    /// Strips in a unit of length.
-    strips: f64,
     /// The least radius of a ball around one.
     smallest: f64,
     /// Comparisons that are left.
     tests: usize,
     /// Things around the camera.
     around: usize,
-    worst: Worst<(At, At, bool)>,
+    /// The light, what is closed around it or the camera, and whether it is the camera.
+    worst: Worst<(usize, usize, bool)>,
     /// Closed lights around the camera that shine outwards.
     outwards: Worst<usize>,
     within: Within,
@@ -99,16 +93,8 @@ impl<'a> Walls<'a> {
             }));
             emitters.sort_unstable_by(|a, b| a.center.x.total_cmp(&b.center.x));
         }
-        let least_x = emitters.first().map_or(0.0, |emitter| emitter.center.x);
-        let width = emitters.last().map_or(0.0, |emitter| emitter.center.x) - least_x;
-        let strips = if width > 0.0 { STRIPS as f64 / width } else { 0.0 };
-        let edge = |strip: usize| least_x + strip as f64 / strips;
-        let start = |strip| emitters.partition_point(|emitter| strips > 0.0 && emitter.center.x < edge(strip));
         Walls {
             found,
-            starts: (0..STRIPS).map(|strip| start(strip) as u32).collect(),
-            least_x,
-            strips,
             smallest: emitters.iter().map(|emitter| emitter.radius).fold(f64::INFINITY, f64::min),
             emitters,
             tests: TESTS_EACH * (found.placed.len() + 1000),
@@ -125,8 +111,6 @@ impl<'a> Walls<'a> {
         }
         let lens = self.found.view.lens_radius();
         let Some(depth) = self.within.depth(wall, DVec3::ZERO) else { return };
-        let (least_x, strips) = (self.least_x, self.strips);
-        let strip = |x: f64| (((x - least_x) * strips) as usize).min(STRIPS - 1);
         if depth > lens && self.around < MOST_AROUND {
             self.around += 1;
             if kind.light && kind.one_sided && is_outside_in_front(wall) {
@@ -145,7 +129,7 @@ impl<'a> Walls<'a> {
             if reach <= self.smallest {
                 return;
             }
-            let from = self.starts.get(strip(wall.place.x - reach)).map_or(0, |start| *start as usize);
+            let from = self.emitters.partition_point(|emitter| emitter.center.x < wall.place.x - reach);
             for at in from..self.emitters.len() {
                 let emitter = self.emitters[at];
                 if emitter.center.x > wall.place.x + reach || self.tests == 0 {
@@ -162,8 +146,7 @@ impl<'a> Walls<'a> {
     }
 
     fn note(&mut self, wall: usize, emitter: &EmittingBody, around_camera: bool) {
-        let (at, other) = (At::Primitive(emitter.number), At::Primitive(wall));
-        self.worst.note(-(emitter.number as f64), (at, other, around_camera));
+        self.worst.note(-(emitter.number as f64), (emitter.number, wall, around_camera));
     }
 
     pub fn diagnostics(self) -> Vec<Diagnostic> {
@@ -174,19 +157,16 @@ impl<'a> Walls<'a> {
                  black: make it two_sided",
                 found.placed[number].shape.kind().word
             );
-            Diagnostic { at: At::Primitive(number), field: "", message, other: None, more: 0 }
+            Diagnostic::of(At::Primitive(number), "", message)
         });
-        let hidden = self.worst.diagnostic(|(at, other, around_camera)| {
-            let shape = match other {
-                At::Primitive(number) => found.placed[number].shape.kind().word,
-                _ => "thing",
-            };
+        let hidden = self.worst.diagnostic(|(emitter, wall, around_camera)| {
+            let shape = found.placed[wall].shape.kind().word;
             let (around, beyond) = if around_camera { ("the camera", "light") } else { ("it", "camera") };
             let message = format!(
                 "no path reaches this light: the opaque {shape} at {OTHER} is closed around {around}, and the {beyond} is \
                  outside: remove the light, or open what is around"
             );
-            Diagnostic { at, field: "", message, other: Some(other), more: 0 }
+            Diagnostic::of_two(emitter, wall, message)
         });
         [outwards, hidden].into_iter().flatten().collect()
     }
@@ -226,7 +206,7 @@ pub fn too_faint(found: &Found) -> Option<Diagnostic> {
             short(most),
             power_of_two(1.0 / LARGEST_SHARE)
         );
-        Diagnostic { at: at_it, field: "", message, other: Some(at(brightest)), more: 0 }
+        Diagnostic { other: Some(at(brightest)), ..Diagnostic::of(at_it, "", message) }
     })
 }
 

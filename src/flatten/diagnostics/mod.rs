@@ -6,7 +6,6 @@
 mod coincident;
 mod emitters;
 mod leaving;
-mod repeated;
 mod same_place;
 mod sizes;
 mod surfaces;
@@ -113,6 +112,26 @@ struct Diagnostic {
     other: Option<At>,
     /// How many more there are of its kind.
     more: usize,
+}
+
+impl Diagnostic {
+    fn of(at: At, field: &'static str, message: String) -> Diagnostic {
+        Diagnostic { at, field, message, other: None, more: 0 }
+    }
+
+    /// Of an object and another one, whose place stands for `OTHER`.
+    fn of_two(number: usize, other: usize, message: String) -> Diagnostic {
+        Diagnostic { other: Some(At::Primitive(other)), ..Diagnostic::of(At::Primitive(number), "", message) }
+    }
+}
+
+/// Two objects that coincide, the first in the file first.
+struct Pair {
+    first: usize,
+    second: usize,
+    gap: f64,
+    /// From this gap on all is well.
+    bound: f64,
 }
 
 /// How often something was found, and the worst of it; of equals, the first.
