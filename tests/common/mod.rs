@@ -19,6 +19,7 @@ pub mod kernel;
 pub mod lattice;
 pub mod light_kernel;
 pub mod oracles;
+pub mod program;
 pub mod quads;
 pub mod render;
 pub mod rooms;

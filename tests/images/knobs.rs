@@ -1,11 +1,9 @@
 //! The table of knobs (src/options.rs): every option of `render` that changes the image is in it, and every value does to the image what
 //! its class says. All of it by the program, since a value is a text that the option takes.
 
-use crate::common::device;
-use crate::common::render;
+use crate::common::{device, program, render};
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 use crate::common::everything::{Everything, World};
 use crate::common::stats::{one_sample_t, sidak, student_two_sided};
@@ -157,8 +155,8 @@ fn settings_ask_for_nothing_that_the_scene_lacks() {
 
 struct Place(TempDir);
 
-/// What a run of the program wrote.
-struct Ran {
+/// What a render of the program wrote.
+struct Rendered {
     image: ExrImage,
     json: Value,
     stderr: String,
@@ -176,21 +174,14 @@ impl Place {
     }
 
     /// `gpu-rt render SCENE OPTIONS --json` on the software device.
-    fn render(&self, scene: &Path, options: &[&str]) -> Ran {
-        let out = self.0.path().join("out.exr");
-        let mut command = Command::new(env!("CARGO_BIN_EXE_gpu-rt"));
-        command.current_dir(self.0.path()).arg("render").arg(scene).arg("-o").arg(&out);
-        command.args(["--device", device::index()]).args(options);
-        if !options.contains(&"--json") {
-            command.arg("--json");
-        }
-        let output = command.output().expect("the program runs");
-        let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("UTF-8");
-        let (stdout, stderr) = (text(output.stdout), text(output.stderr));
-        assert!(output.status.success(), "{options:?}: {}: {stderr}", output.status);
-        let image = read_exr(&out).unwrap_or_else(|error| panic!("{error}"));
+    fn render(&self, scene: &Path, options: &[&str]) -> Rendered {
+        let scene = scene.to_str().expect("UTF-8");
+        let usual = ["render", scene, "-o", "out.exr", "--device", device::index()];
+        let json: &[&str] = if options.contains(&"--json") { &[] } else { &["--json"] };
+        let ran = program::run(self.0.path(), &[&usual, options, json].concat()).exits(0);
+        let image = read_exr(&self.0.path().join("out.exr")).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(image.rejected.as_ref().map(|rejected| rejected.iter().sum::<u32>()), Some(0), "{options:?}");
-        Ran { image, json: serde_json::from_str(&stdout).expect("JSON"), stderr }
+        Rendered { image, json: ran.json(), stderr: ran.stderr }
     }
 }
 
