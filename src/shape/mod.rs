@@ -126,9 +126,6 @@ pub trait Geometry {
     /// Its smallest size, and a bound of how far it reaches from the origin: by these it is told what transforms may do to it.
     fn span(&self) -> (f64, f64);
 
-    /// The mesh, if it is one.
-    fn mesh(&self) -> Option<&MeshShape<'_>>;
-
     /// The place of the coordinates by which it is textured in the shape's own space: base + columns · local.
     fn texture_place(&self, rotation: &DMat3) -> (DVec3, DMat3);
 
@@ -143,9 +140,6 @@ pub trait Geometry {
 
     /// A simple body around it, by which numbers are judged.
     fn hull(&self, at: &Placement) -> Hull;
-
-    /// Whether it is the surface of its hull.
-    fn is_hull(&self) -> bool;
 }
 
 /// Declares the kinds in the order of their numbers: what follows is made of the list.
@@ -183,7 +177,20 @@ shapes! {
     Mesh: &'a MeshShape<'a>, mesh::KIND;
 }
 
-impl Shape<'_> {
+impl<'a> Shape<'a> {
+    /// The mesh, if it is one.
+    pub fn mesh(&self) -> Option<&'a MeshShape<'a>> {
+        match self {
+            Shape::Mesh(mesh) => Some(mesh),
+            _ => None,
+        }
+    }
+
+    /// Whether it is the surface of its hull.
+    pub fn is_hull(&self) -> bool {
+        self.mesh().is_none()
+    }
+
     pub fn kind(&self) -> &'static ShapeKind {
         &KINDS[self.number()]
     }
