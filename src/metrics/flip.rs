@@ -70,7 +70,7 @@ impl Filter {
         }
     }
 
-    /// FilteredRow `at` of the filtered columns of `rows`.
+    /// Row `at` of the filtered columns of `rows`.
     fn along_columns(&self, rows: &[Vec<f64>], at: usize, out: &mut [f64]) {
         out.fill(0.0);
         for (weight, row) in self.0.iter().zip(&rows[at - self.radius()..]) {

@@ -198,6 +198,19 @@ pub fn pixel_test(
     worst
 }
 
+/// The cell of so many of a value from 0 to 1.
+pub fn bin(x: f64, bins: usize) -> usize {
+    ((x * bins as f64).max(0.0) as usize).min(bins - 1)
+}
+
+/// The p-value of points that are uniform in the unit square, by Pearson's test of so many cells.
+pub fn uniform_in_cells((columns, rows): (usize, usize), points: impl Iterator<Item = (f64, f64)>) -> f64 {
+    let mut cells = vec![0u64; columns * rows];
+    points.for_each(|(x, y)| cells[bin(x, columns) * rows + bin(y, rows)] += 1);
+    let count: u64 = cells.iter().sum();
+    chi_square(&cells, &vec![count as f64 / cells.len() as f64; cells.len()], 1)
+}
+
 /// Pearson's test that counts follow the expected ones. Cells of less than 5 expected are pooled, smallest first (Cochran's rule), as the
 /// statistic is not chi-square distributed with them. Cells that cannot occur must be empty. Returns the
 /// p-value; 1 where too few cells are left to say anything.

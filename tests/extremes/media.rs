@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use crate::common::kernel::{Kernel, Overlay, Setup};
 use crate::common::render::{Ask, diagnostics, render, render_planted, scene};
-use crate::common::stats::{Random, chi_square, mean_and_variance, sidak};
+use crate::common::stats::{Random, mean_and_variance, sidak, uniform_in_cells};
 use crate::common::vectors::{U, decades, exact, rounded, unit};
 use crate::table::{Cell, LOG_OF_ONE_MINUS, Row};
 
@@ -402,8 +402,6 @@ fn cosines() -> Vec<Cell> {
 
 fn directions() -> Vec<Cell> {
     const DRAWS: usize = 1 << 18;
-    const RINGS: usize = 61;
-    const SECTORS: usize = 7;
     let kernel = phase("true", &[]);
     let mut random = Random(87);
     let tests = 2 * asymmetries().count();
@@ -425,15 +423,12 @@ fn directions() -> Vec<Cell> {
             .collect();
         // Uniform, if the distribution function is that of h: (1 - h) (1 + cos) / (S (1 + h + S)), S^2 = 1 + h^2 - 2 h cos.
         let p_for = |h: f64| {
-            let mut cells = vec![0u64; RINGS * SECTORS];
-            for &(less, angle) in &draws {
+            let points = draws.iter().map(|&(less, angle)| {
                 let root = ((1.0 - h).powi(2) + 2.0 * h * less).sqrt();
                 let share = (1.0 - h) * (2.0 - less) / (root * (1.0 + h + root));
-                let bin = |x: f64, bins: usize| ((x * bins as f64).max(0.0) as usize).min(bins - 1);
-                let angle = 0.5 + angle / std::f64::consts::TAU;
-                cells[bin(share, RINGS) * SECTORS + bin(angle, SECTORS)] += 1;
-            }
-            chi_square(&cells, &vec![DRAWS as f64 / cells.len() as f64; cells.len()], 1)
+                (share, 0.5 + angle / std::f64::consts::TAU)
+            });
+            uniform_in_cells((61, 7), points)
         };
         // Off by 0.02, or by 5 % of 1 - |g|.
         let other = if g.abs() < 0.6 { g + 0.02 } else { 0.95 * g + 0.05 * g.signum() };

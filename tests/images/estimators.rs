@@ -4,7 +4,6 @@
 //! Noise without rare values is what the comparison is for: lamps here are large, or the room is bright.
 
 use crate::common::render;
-use std::f64::consts::PI;
 use std::fmt::Write;
 use std::ops::Range;
 use std::path::Path;
@@ -14,7 +13,7 @@ use crate::common::render::{Ask, Shot, render, render_all, render_planted, same_
 use crate::common::stats::{one_sample_t, sidak, welch_t};
 use gpu_rt::flatten::{MOST_LIGHTS, flatten};
 use gpu_rt::options::{RenderOptions, Scatter};
-use gpu_rt::plan::{Kernels, UniformTables};
+
 use gpu_rt::scene::Scene;
 use image::{Rgb, Rgb32FImage};
 
@@ -214,8 +213,8 @@ fn scenes_of(albedo: &str, max_depth: Option<u32>) -> Vec<(&'static str, Scene)>
 
 /// By Sobol points either way, whose pixels each have scrambles of their own: Welch's test of tiles and of the whole image. The difference of the
 /// means is known to 0.05 to 0.15 % of them (printed), of which 5.5 standard errors are found, 0.3 to 0.8 %: 1 % more light is planted, and found
-/// in each scene. A small lamp is hardly met by chance: it has closed forms instead (`a_lamp_that_nothing_meets_by_chance`, and
-/// tests/images/closed_form.rs has one that lights a room).
+/// in each scene. A small lamp is hardly met by chance: it has closed forms instead (tests/extremes/lights.rs has
+/// one above a floor, and tests/images/closed_form.rs one that lights a room).
 #[test]
 fn sending_rays_to_lights_changes_no_expectation() {
     for (name, scene) in scenes().into_iter().filter(|(name, _)| *name != "a small lamp") {
@@ -548,57 +547,4 @@ fn lights_make_an_image_of_the_same_bytes_however_the_work_is_cut() {
         let other = render(&scene, &Ask { seed: 8, ..ask.clone() });
         assert!(bits(&usual) != bits(&other), "{name}: another seed delivers the same bytes");
     }
-}
-
-/// A floor under a tiny spherical lamp, which nothing meets by chance: L = a Le (r/D)² cos, D the distance of the lamp's middle; exact for a
-/// Lambertian floor wherever the whole lamp is above it.
-#[test]
-fn a_lamp_that_nothing_meets_by_chance() {
-    for radius in [1e-2, 1e-4, 1e-6, 1e-8] {
-        let emit = 1.0 / (radius * radius);
-        let scene = scene(&format!(
-            "Scene(image: (width: 8, height: 8),
-                camera: (look_from: (0.3, 1, 0.2), look_at: (0.3, 0, 0.2), up: (0, 0, -1), vertical_fov: 2),
-                background: Solid((0, 0, 0)),
-                materials: {{ \"floor\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5)), \"lamp\": DiffuseLight(emit: Rgb({emit:e}, {emit:e}, {emit:e})) }},
-                objects: [Quad(corner: (-2, 0, 2), u: (4, 0, 0), v: (0, 0, -4), material: \"floor\"),
-                          Sphere(center: (0, 0.7, 0), radius: {radius:e}, material: \"lamp\")],
-                render: (samples: 64, max_depth: 1))"
-        ));
-        let shot = render(&scene, &Ask::spp(64).seed(9).mis());
-        let d2 = 0.3f64 * 0.3 + 0.2 * 0.2 + 0.7 * 0.7;
-        let expected = 0.5 * (0.7 / d2.sqrt()) / d2;
-        let found = shot.mean_of_all().value[0];
-        // Over the two degrees of the image the value changes by 2 %, nearly linearly about its middle; the rest is second order. The
-        // density is right to 2e-5 for the smallest lamp: its sine is off by rounding, and by as much the radius in render space.
-        assert!((found / expected - 1.0).abs() < 1e-3, "radius {radius:e}: {found}, expected {expected}");
-        assert!(PI * expected > 0.0);
-    }
-}
-
-#[test]
-fn scenes_without_lights_to_sample_have_no_code_for_it() {
-    let text = room(
-        "Gradient(bottom: (1, 1, 1), top: (0.5, 0.6, 1))",
-        "",
-        "Sphere(center: (0, 0.5, 0), radius: 0.5, material: \"wall\"),",
-        8,
-    );
-    let flat = flatten(&scene(&text), (16, 16), &RenderOptions::default()).expect("it flattens");
-    assert_eq!((flat.features.lights, flat.lights.len()), (0, 0));
-    for scatter in [Scatter::Fused, Scatter::Linked, Scatter::Queues] {
-        let plan = Kernels::link(&flat.features, &RenderOptions::default(), scatter, &UniformTables::default())
-            .expect("it links");
-        for kernel in plan.all() {
-            let of_lights =
-                |module: &&String| module.starts_with("light/") || module.contains("shadow") || *module == "step/light";
-            assert_eq!(kernel.linked.modules.iter().find(of_lights), None, "{}", kernel.name);
-        }
-    }
-    let lit = scene(&text.replace("Sphere(", &format!("{CEILING} Sphere(")));
-    let lit = flatten(&lit, (16, 16), &RenderOptions::default()).expect("it flattens");
-    assert_eq!(lit.features.lights, 1);
-    let plan = Kernels::link(&lit.features, &RenderOptions::default(), Scatter::Linked, &UniformTables::default())
-        .expect("it links");
-    assert!(plan.all().iter().any(|kernel| kernel.name == "shadow"));
 }

@@ -8,7 +8,7 @@ use gpu_rt::data::Settings;
 use crate::common::kernel::{Kernel, Setup};
 use crate::common::rows::{CameraRay as Out, OnFilm as In};
 use crate::common::scenes::{flat_with, triple};
-use crate::common::stats::{Random, chi_square};
+use crate::common::stats::{Random, uniform_in_cells};
 use crate::common::vectors::{U, decades, exact, unit};
 
 /// A camera by the words of the scene file.
@@ -175,8 +175,6 @@ fn thin_lens_rays_of_a_place_meet_in_focus() {
 #[test]
 fn rays_leave_all_parts_of_the_lens_alike() {
     const RAYS: usize = 1 << 18;
-    const RINGS: usize = 31;
-    const SECTORS: usize = 17;
     let mut random = Random(103);
     let camera = Camera { aperture: 0.3, ..Camera::random(&mut random, 40.0) };
     let rows: Vec<In> =
@@ -186,13 +184,11 @@ fn rays_leave_all_parts_of_the_lens_alike() {
     let [right, up, _] = camera.axes();
     let scale = camera.unit_of_render_space() / (0.5 * camera.aperture);
     let p = |share: fn(f64) -> f64| {
-        let mut cells = vec![0u64; RINGS * SECTORS];
-        for out in &found {
+        let points = found.iter().map(|out| {
             let (x, y) = (exact(out.origin).dot(right) * scale, exact(out.origin).dot(up) * scale);
-            let bin = |x: f64, bins: usize| ((x * bins as f64) as usize).min(bins - 1);
-            cells[bin(share(x.hypot(y)), RINGS) * SECTORS + bin((y.atan2(x) + PI) / TAU, SECTORS)] += 1;
-        }
-        chi_square(&cells, &vec![RAYS as f64 / cells.len() as f64; RINGS * SECTORS], 1)
+            (share(x.hypot(y)), (y.atan2(x) + PI) / TAU)
+        });
+        uniform_in_cells((31, 17), points)
     };
     assert!(p(|r| r * r) > 1e-6, "p = {:e}", p(|r| r * r));
     // Uniform by radius instead of by area.

@@ -8,7 +8,7 @@ use gpu_rt::data::Material;
 use crate::common::kernel::{Kernel, Setup};
 use crate::common::oracles::{fresnel, metal_density};
 use crate::common::rows::{Answer as Out, Met as In, glass};
-use crate::common::stats::{Random, chi_square, normal_two_sided, sidak};
+use crate::common::stats::{Random, bin, chi_square, normal_two_sided, sidak, uniform_in_cells};
 use crate::common::vectors::{U, decades, exact, rounded, unit};
 
 /// As shaders/data/material.wgsl has them.
@@ -68,7 +68,6 @@ impl Cells {
     }
 
     fn cell(ring: f64, azimuth: f64) -> usize {
-        let bin = |x: f64, bins: usize| ((x * bins as f64) as usize).min(bins - 1);
         bin(ring, Cells::RINGS) * Cells::SECTORS + bin((azimuth + PI) / TAU, Cells::SECTORS)
     }
 }
@@ -85,22 +84,23 @@ fn lambertian_scatters_by_the_cosine_and_weighs_by_the_albedo() {
         let normal = rounded(normal.normalize());
         let row = In { incoming: [0.0, 0.0, -1.0], front: 1, normal, colour, ..In::default() };
         let cells = Cells::around(exact(normal), DVec3::new(0.3, 0.5, 0.8));
-        let mut counts = [vec![0u64; Cells::COUNT], vec![0u64; Cells::COUNT]];
+        let mut angles = Vec::new();
         for out in draws("lambertian", &row) {
             assert_eq!((out.event, out.weight), (SCATTERED, colour));
             let direction = exact(out.direction);
             assert!((direction.length() - 1.0).abs() < 4.0 * U, "{out:?}");
             // z is 2^-12 at least before it is turned, by a basis that is off by 3 u.
             assert!(direction.dot(exact(normal)) > 2e-4, "{out:?}");
-            let (theta, azimuth) = cells.angles(direction);
-            // The share of directions nearer to the horizon is cos^2; were they uniform, it would be the cosine.
-            counts[0][Cells::cell(theta.cos().powi(2), azimuth)] += 1;
-            counts[1][Cells::cell(theta.cos(), azimuth)] += 1;
+            angles.push(cells.angles(direction));
         }
-        let expected = vec![DRAWS as f64 / Cells::COUNT as f64; Cells::COUNT];
-        let p = chi_square(&counts[0], &expected, 1);
+        // The share of directions nearer to the horizon is cos^2; were they uniform, it would be the cosine.
+        let p_by = |share: fn(f64) -> f64| {
+            let points = angles.iter().map(|(theta, azimuth)| (share(theta.cos()), (azimuth + PI) / TAU));
+            uniform_in_cells((Cells::RINGS, Cells::SECTORS), points)
+        };
+        let p = p_by(|cos| cos * cos);
         assert!(p > sidak(ALPHA, normals.len()), "around {normal:?}: p = {p:e}");
-        wrong_density.push(chi_square(&counts[1], &expected, 1));
+        wrong_density.push(p_by(|cos| cos));
     }
     assert!(wrong_density.iter().all(|p| *p < ALPHA), "{wrong_density:?}");
 }

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use crate::common::kernel::{Kernel, Setup};
 use crate::common::rows::Maps as Out;
-use crate::common::stats::{Random, chi_square, sidak};
+use crate::common::stats::{Random, bin, chi_square, sidak};
 use crate::common::vectors::{U, exact};
 
 fn kernel(keyed: bool) -> Kernel {
@@ -25,7 +25,6 @@ const DRAWS: usize = 1 << 19;
 fn uniform_cells(draws: impl Iterator<Item = (f64, f64, f64)>, shells: usize) -> f64 {
     let mut cells = vec![0u64; RINGS * SECTORS * shells];
     for (share, angle, shell) in draws {
-        let bin = |x: f64, bins: usize| ((x * bins as f64) as usize).min(bins - 1);
         let at = bin(share, RINGS) * SECTORS + bin((angle + PI) / TAU, SECTORS);
         cells[at * shells + bin(shell, shells)] += 1;
     }
