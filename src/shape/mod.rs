@@ -1,6 +1,6 @@
 //! The shapes: what a sphere, a quad, a box and a mesh are, each in a file of its own.
 //!
-//! `KINDS` is the one list of them. What else is to be said of a shape is a field of `ShapeKind` or a method of `Geometry`. Neither has
+//! `kinds!` has the one list of them. What else is to be said of a shape is a field of `ShapeKind` or a method of `Geometry`. Neither has
 //! defaults, so that a new shape says all of it.
 
 mod closed;
@@ -19,7 +19,7 @@ use glam::{DMat3, DVec3, Vec3};
 use crate::data::{self, KIND_INSTANCE, KIND_TRIANGLE, primitive_code};
 use crate::error::Result;
 use crate::source::Place;
-use crate::source::form::Form;
+use crate::source::form::{Form, kinds};
 pub use cuboid::Cuboid;
 pub use hull::{Hull, normal, reach_of};
 use mesh::{Laid, MeshShape};
@@ -142,40 +142,38 @@ pub trait Geometry {
     fn hull(&self, at: &Placement) -> Hull;
 }
 
-/// Declares the kinds in the order of their numbers: what follows is made of the list.
-macro_rules! shapes {
-    ($($name:ident: $shape:ty, $kind:expr;)*) => {
-        /// A shape in its own space.
-        #[derive(Clone, Copy)]
-        pub enum Shape<'a> { $($name($shape),)* }
-
-        /// The kinds of shape by number.
-        pub const KINDS: &[ShapeKind] = &[$($kind),*];
-
-        impl Shape<'_> {
-            /// Number among `KINDS`.
-            pub fn number(&self) -> usize {
-                enum Number { $($name),* }
-                match self { $(Shape::$name(_) => Number::$name as usize,)* }
-            }
-        }
-
-        impl<'a> Deref for Shape<'a> {
-            type Target = dyn Geometry + 'a;
-
-            fn deref(&self) -> &Self::Target {
-                match self { $(Shape::$name(shape) => shape,)* }
-            }
-        }
-    };
+/// A shape in its own space.
+#[derive(Clone, Copy)]
+pub enum Shape<'a> {
+    Sphere(Sphere),
+    Quad(Quad),
+    Cuboid(Cuboid),
+    Mesh(&'a MeshShape<'a>),
 }
 
-shapes! {
-    Sphere: Sphere, sphere::KIND;
-    Quad: Quad, quad::KIND;
-    Cuboid: Cuboid, cuboid::KIND;
-    Mesh: &'a MeshShape<'a>, mesh::KIND;
+kinds! {
+    Shape<'_>: ShapeKind;
+    Sphere => sphere::KIND,
+    Quad => quad::KIND,
+    Cuboid => cuboid::KIND,
+    Mesh => mesh::KIND,
 }
+
+impl<'a> Deref for Shape<'a> {
+    type Target = dyn Geometry + 'a;
+
+    fn deref(&self) -> &Self::Target {
+        match self {
+            Shape::Sphere(shape) => shape,
+            Shape::Quad(shape) => shape,
+            Shape::Cuboid(shape) => shape,
+            Shape::Mesh(shape) => shape,
+        }
+    }
+}
+
+/// The kinds of shape by number.
+pub const KINDS: &[ShapeKind] = Shape::KINDS;
 
 impl<'a> Shape<'a> {
     /// The mesh, if it is one.
@@ -189,10 +187,6 @@ impl<'a> Shape<'a> {
     /// Whether it is the surface of its hull.
     pub fn is_hull(&self) -> bool {
         self.mesh().is_none()
-    }
-
-    pub fn kind(&self) -> &'static ShapeKind {
-        &KINDS[self.number()]
     }
 
     pub fn code_kind(&self) -> u32 {
@@ -211,15 +205,7 @@ const fn code_kind(number: usize) -> u32 {
 }
 
 /// The names of the kinds' shader files, by number. Of a mesh it is that of its triangles.
-pub const PRIMITIVES: &[&str] = &{
-    let mut names = [""; KINDS.len()];
-    let mut i = 0;
-    while i < KINDS.len() {
-        names[i] = KINDS[i].shader;
-        i += 1;
-    }
-    names
-};
+pub const PRIMITIVES: &[&str] = Shape::SHADERS;
 const _: () = {
     assert!(KINDS.len() <= KIND_INSTANCE as usize, "a shape too many: its number is that of an instance");
     assert!(
