@@ -44,17 +44,25 @@ impl Camera {
         flat_with(&camera, self.size, &[]).settings
     }
 
-    /// Right, up and forward.
+    /// Right, up and forward. Where pixels are too narrow for the world's axes they are render space's own.
     fn axes(&self) -> [DVec3; 3] {
+        if 2.0 * self.half_height() / f64::from(self.size.1) < 2f64.powi(-17) {
+            return [DVec3::X, DVec3::Y, -DVec3::Z];
+        }
         let forward = (self.look_at - self.look_from).normalize();
         let right = forward.cross(self.up).normalize();
         [right, right.cross(forward), forward]
     }
 
+    /// Of the image at distance 1.
+    fn half_height(&self) -> f64 {
+        (0.5 * self.vertical_fov).to_radians().tan()
+    }
+
     /// The ray through a place of the image in pixels from the top left corner, not normalised: one unit forward.
     fn towards(&self, x: f64, y: f64) -> DVec3 {
         let (width, height) = (f64::from(self.size.0), f64::from(self.size.1));
-        let half = (0.5 * self.vertical_fov).to_radians().tan();
+        let half = self.half_height();
         let [right, up, forward] = self.axes();
         let aspect = width / height;
         forward + half * aspect * (2.0 * x / width - 1.0) * right + half * (1.0 - 2.0 * y / height) * up
@@ -95,8 +103,8 @@ fn place(row: &In) -> (f64, f64) {
     (f64::from(row.column) + f64::from(row.u[0]), f64::from(row.row) + f64::from(row.u[1]))
 }
 
-/// From a tenth of a degree to 179.
-const FIELDS: [f64; 8] = [0.1, 1.0, 20.0, 40.0, 90.0, 150.0, 170.0, 179.0];
+/// From a thousandth of a degree to 179.
+const FIELDS: [f64; 9] = [1e-3, 0.1, 1.0, 20.0, 40.0, 90.0, 150.0, 170.0, 179.0];
 
 #[test]
 fn pinhole_rays_go_through_their_places() {
@@ -127,7 +135,7 @@ fn pinhole_rays_go_through_their_places() {
 fn thin_lens_rays_of_a_place_meet_in_focus() {
     let mut random = Random(102);
     let kernel = kernel("thin_lens");
-    for vertical_fov in [0.1, 40.0, 150.0] {
+    for vertical_fov in [1e-3, 0.1, 40.0, 150.0] {
         for focus_exponent in [-4, -2, 0, 2, 5, 8] {
             let mut camera = Camera::random(&mut random, vertical_fov);
             camera.focus_distance = 10f64.powi(focus_exponent) * (1.0 + random.uniform());

@@ -333,7 +333,7 @@ fn ends_are_numbers<S: Pod>(kind: Kind, rows: &[In], shapes: &[S]) {
     }
 }
 
-/// Points in the light's plane, on its edges and corners, an ulp beside them, and 1e6 sizes away.
+/// Points in the light's plane, on its edges and corners, an ulp beside them, and up to 1e12 sizes away on either side.
 fn awkward(flats: &[Flat], random: &mut Random) -> Vec<In> {
     let mut rows = Vec::new();
     for (shape, flat) in (0..).zip(flats) {
@@ -351,8 +351,10 @@ fn awkward(flats: &[Flat], random: &mut Random) -> Vec<In> {
         ];
         for (x, y) in places {
             let on = flat.a + x * flat.along + y * flat.across;
-            for height in [0.0, 1e-9, 1e-7, 1e-6, 1e-5, 1e-3] {
-                rows.push(In { from: rounded(on + height * size * flat.normal()), shape, ..In::default() });
+            for height in [0.0, 1e-9, 1e-7, 1e-6, 1e-5, 1e-3, 0.1, 1.0, 1e4, 1e8, 1e12] {
+                for height in [height, -height] {
+                    rows.push(In { from: rounded(on + height * size * flat.normal()), shape, ..In::default() });
+                }
             }
             rows.push(In { from: rounded(on + 1e-7 * size * unit(random)), shape, ..In::default() });
         }

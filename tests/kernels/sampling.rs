@@ -114,4 +114,7 @@ fn the_ends_of_the_unit_interval_give_what_is_promised() {
         assert!((exact(out.ball).length() - f64::from(u[2]).cbrt()).abs() < 4e-6, "{u:?}: {out:?}");
         assert!(exact(out.ball).length() <= 1.0 + near, "{u:?}: {out:?}");
     }
+    // Uniforms that reach 1 would lay it in the surface.
+    let flat = kernel(false).run::<_, Out>(&[[1.0f32; 4]])[0].hemisphere[2];
+    assert!(flat < 2f32.powi(-12), "{flat:e}");
 }
