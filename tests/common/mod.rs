@@ -18,6 +18,7 @@ pub mod instances;
 pub mod kernel;
 pub mod lattice;
 pub mod light_kernel;
+pub mod marked;
 pub mod oracles;
 pub mod program;
 pub mod quads;

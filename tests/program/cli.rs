@@ -4,6 +4,7 @@
 //! measure of anything.
 
 use crate::common::device::index as software;
+use crate::common::marked::{self, unmarked};
 use crate::common::program::{Ran, command, finish, meanwhile};
 use crate::common::{render, stats};
 use std::fs;
@@ -451,17 +452,11 @@ fn many_slots_and_small_workgroups_render_or_are_refused() {
 
 // Bad input
 
-/// Scenes with one error each: the text, the line and column of the error, and a word of the message.
-fn bad_scenes() -> Vec<(String, usize, usize, &'static str)> {
-    // The error stands at the mark.
-    let bad = |good: &str, bad: &str, word| {
-        let text = SPHERE.replacen(good, bad, 1);
-        let (before, _) = text.split_once('§').expect("a mark");
-        let (line, column) = (before.split('\n').count(), before.chars().rev().take_while(|c| *c != '\n').count() + 1);
-        (text.replace('§', ""), line, column, word)
-    };
+/// Scenes with one error each, at the mark, and a word of the message.
+fn bad_scenes() -> Vec<(String, &'static str)> {
+    let bad = |good: &str, bad: &str, word| (SPHERE.replacen(good, bad, 1), word);
     vec![
-        (String::new(), 1, 1, "empty"),
+        ("§".to_owned(), "empty"),
         bad("width: 20", "width: §0", "width"),
         bad("vertical_fov: 50", "vertical_fov: §180", "vertical_fov"),
         bad("radius: 1", "radius: §-1", "radius"),
@@ -474,8 +469,9 @@ fn bad_scenes() -> Vec<(String, usize, usize, &'static str)> {
 fn bad_scenes_are_refused_with_file_line_and_column() {
     let place = Place::new();
     fs::write(place.work().join("old.exr"), "old").unwrap();
-    for (text, line, column, word) in bad_scenes() {
-        let scene = place.scene("bad.ron", &text);
+    for (text, word) in bad_scenes() {
+        let scene = place.scene("bad.ron", &unmarked(&text));
+        let (line, column) = marked::place(&text);
         let at = format!("{scene}:{line}:{column}: ");
         let commands: [&[&str]; 3] = [
             &["render", &scene, "-o", "old.exr", "--png", "old.png"],
@@ -971,8 +967,9 @@ fn check_finds_errors_and_dangers() {
     let json = place.run(&["check", &scene, "--json"]).exits(0).json();
     assert!(json["warnings"][0].as_str().is_some_and(|warning| warning.starts_with(&format!("{scene}:5:"))), "{json}");
     // An error is one object too.
-    for (text, line, column, word) in bad_scenes() {
-        let scene = place.scene("bad.ron", &text);
+    for (text, word) in bad_scenes() {
+        let scene = place.scene("bad.ron", &unmarked(&text));
+        let (line, column) = marked::place(&text);
         let json = place.run(&["check", &scene, "--json"]).exits(2).json();
         let error = &json["error"];
         assert_eq!(json["valid"], false);
