@@ -1,15 +1,13 @@
 //! Random numbers at the ends of their range, 0 and 1 - 2^-24, in every dimension: nothing that is drawn from them leaves its range.
 
 use bytemuck::{Pod, Zeroable};
-use glam::DVec3;
-use gpu_rt::data::{Material, RUN_LENGTH, Sampler, Sphere};
+use gpu_rt::data::{RUN_LENGTH, Sampler, Sphere};
 
 use crate::common::kernel::{Kernel, Overlay, Setup};
 use crate::common::light_kernel::{self, SHARES, SPHERE, spheres};
 use crate::common::render::{Ask, render_linked, scene};
-use crate::common::rows::{Answer, Met, Words, glass};
-use crate::common::stats::Random;
-use crate::common::vectors::{U, decades, exact, rounded, unit};
+use crate::common::rows::Words;
+use crate::common::vectors::{U, exact};
 use crate::table::{Cell, Row};
 
 const LAST: f32 = 1.0 - U as f32;
@@ -20,23 +18,13 @@ const ENDS: [f32; 4] = [0.0, U as f32, 0.5, LAST];
 const WITH_ONE: [f32; 4] = [0.0, U as f32, 0.5, 1.0];
 const ONE: &str = "uniforms that reach 1";
 
-/// As shaders/data/material.wgsl has them.
-const SCATTERED: u32 = 0;
-const ABSORBED: u32 = 1;
-
 /// The table's cells of uniforms.
 pub fn cells() -> Vec<Cell> {
     let mut all = vec![words()];
     all.extend(forced());
-    all.extend(materials());
     all.push(spheres_as_lights());
     all.push(picks());
     all
-}
-
-/// All that four numbers from a list can be.
-fn fours(ends: [f32; 4]) -> impl Iterator<Item = [f32; 4]> {
-    (0..256).map(move |i| [i & 3, i >> 2 & 3, i >> 4 & 3, i >> 6].map(|at| ends[at]))
 }
 
 fn cell(range: impl Into<String>, figure: &'static str) -> Cell {
@@ -172,66 +160,6 @@ fn forced() -> Vec<Cell> {
 
 fn is_unit(direction: [f32; 3]) -> bool {
     (exact(direction).length() - 1.0).abs() < 8.0 * U
-}
-
-fn materials() -> Vec<Cell> {
-    let metal = |fuzz: f32| Material { parameter: fuzz, ..Material::default() };
-    let kinds: [(&'static str, Vec<Material>); 3] = [
-        ("lambertian", vec![Material::default()]),
-        ("metal", [0.0, 1e-7, 0.5, 1.0].map(metal).to_vec()),
-        ("dielectric", [1.0, 1.5, 1.0 / 1.5, 1.0 + 1e-6, 1.0 - 1e-6, 4.0].map(glass).to_vec()),
-    ];
-    kinds
-        .map(|(name, materials)| {
-            let values = [("material", name), ("times", "1"), ("keyed", "false")];
-            let kernel = Kernel::with("test/scatter", &Setup { values: &values, ..Setup::default() });
-            let wrong = |ends| {
-                let mut random = Random(72);
-                let mut rows = Vec::new();
-                for i in 0..12 * materials.len() {
-                    let normal = if i % 2 == 0 { unit(&mut random) } else { -DVec3::Z + 1e-3 * unit(&mut random) };
-                    let normal = normal.normalize();
-                    let across = normal.cross(unit(&mut random)).normalize();
-                    let cos = if i % 3 == 0 { 1.0 } else { decades(&mut random, -4.0, 0.0) };
-                    let incoming = ((1.0 - cos * cos).sqrt() * across - cos * normal).normalize();
-                    rows.extend(fours(ends).map(|u| Met {
-                        incoming: rounded(incoming),
-                        normal: rounded(normal),
-                        front: (i as u32 / 2) & 1,
-                        colour: [1.0; 3],
-                        u,
-                        material: materials[i % materials.len()],
-                        ..Met::default()
-                    }));
-                }
-                let found = kernel.run::<_, Answer>(&rows);
-                rows.iter().zip(found).filter(|(row, out)| !is_right(name, row, out)).count() as f64
-            };
-            let cell = cell(name, ANSWERS).achieved(wrong(ENDS));
-            if name == "metal" { cell } else { cell.planted(ONE, wrong(WITH_ONE)) }
-        })
-        .into()
-}
-
-/// Whether a material's answer is a direction on the side on which it may be, or none.
-fn is_right(name: &str, row: &Met, out: &Answer) -> bool {
-    let (incoming, normal, direction) = (exact(row.incoming), exact(row.normal), exact(out.direction));
-    let height = direction.dot(normal);
-    match (name, out.event) {
-        ("metal", ABSORBED) => out.weight == [0.0; 3],
-        (_, event) if event != SCATTERED || out.weight != [1.0; 3] || !is_unit(out.direction) => false,
-        // z is 2^-12 at least before it is turned, by a basis that is off by 3 u.
-        ("lambertian", _) => height > 2e-4,
-        ("metal", _) => height > -2.0 * U,
-        _ => {
-            let (contrast, cos) = match row.front {
-                0 => (row.material.contrast_inside, -incoming.dot(normal)),
-                _ => (row.material.contrast_outside, -incoming.dot(normal)),
-            };
-            // Under total reflection the ray stays on its side, up to the numbers' last digits.
-            f64::from(contrast) + cos * cos > -8.0 * U * f64::from(contrast).abs() || height > 0.0
-        }
-    }
 }
 
 /// Answers of a sphere as a light that are no unit direction, or whose density or its square is no number, or not the same when told

@@ -186,14 +186,18 @@ fn metal_scatters_by_the_density_of_its_lobe() {
     }
 }
 
-/// Dielectric rows at cosines from 1e-3 to 1, from both sides, with the relative index of each.
-fn dielectric_rows(random: &mut Random, ior: f64, count: usize) -> Vec<(f64, In)> {
+/// Dielectric rows at cosines from 1e-3 to 1, from both sides, with the relative index of each. Uniforms reach `last`.
+fn dielectric_rows(random: &mut Random, ior: f64, count: usize, last: f32) -> Vec<(f64, In)> {
     (0..count)
         .map(|i| {
             let cos = if i % 2 == 0 { random.uniform() } else { decades(random, -3.0, 0.0) };
             let (normal, incoming) = arriving(random, cos);
             let front = i % 4 < 2;
-            let u = [0; 4].map(|_| (random.bits() >> 40) as f32 * U as f32);
+            let mut u = [0; 4].map(|_| (random.bits() >> 40) as f32 * U as f32);
+            // Every fourth time at an end of its range.
+            if i % 16 < 4 {
+                u[0] = [0.0, last][i / 16 % 2];
+            }
             let (incoming, normal) = (rounded(incoming), rounded(normal));
             let row = In { incoming, normal, front: u32::from(front), u, material: glass(ior), ..In::default() };
             (if front { ior } else { 1.0 / ior }, row)
@@ -212,10 +216,13 @@ fn dielectric_faults(kernel: &Kernel, rows: &[(f64, In)]) -> (usize, usize) {
         let c = -incoming.dot(normal);
         let (share, transmitted) = fresnel(c, *eta);
         let reflected = direction.dot(normal) > 0.0;
-        // The reflectance is off by what the cosine's 3 u do to it: next to total reflection by their root.
-        let blur = (fresnel(c + 4.0 * U, *eta).0 - fresnel(c - 4.0 * U, *eta).0).abs() + 64.0 * U;
-        wrong_way +=
-            usize::from(reflected != (f64::from(row.u[0]) < share) && (f64::from(row.u[0]) - share).abs() > blur);
+        // The reflectance is off by what the cosine's 3 u do to it: next to total reflection by their root. Beyond that, all is reflected.
+        let near = [c - 4.0 * U, c + 4.0 * U].map(|c| fresnel(c, *eta).0);
+        let u = f64::from(row.u[0]);
+        wrong_way += usize::from(match near {
+            [1.0, 1.0] => !reflected,
+            [low, high] => reflected != (u < share) && (u - share).abs() > (high - low).abs() + 64.0 * U,
+        });
         let expected = match reflected {
             true => incoming + 2.0 * c * normal,
             false => incoming / *eta + (c / eta - transmitted) * normal,
@@ -232,17 +239,20 @@ fn dielectric_reflects_by_fresnel_and_refracts_by_snell() {
     let own = once("dielectric", &[]);
     let schlick = once("dielectric", &[("lib/fresnel", "test/control/fresnel_schlick")]);
     for ior in [1.5, 1.0 / 1.5, 2.4, 1.1, 1.000_001] {
-        let rows = dielectric_rows(&mut random, ior, 20_000);
+        let rows = dielectric_rows(&mut random, ior, 20_000, 1.0 - U as f32);
         assert_eq!(dielectric_faults(&own, &rows), (0, 0), "ior {ior}");
         let (wrong_way, _) = dielectric_faults(&schlick, &rows);
         assert!(wrong_way > 100, "ior {ior}: {wrong_way}");
     }
+    // Under total reflection a uniform of 1 would pass.
+    let rows = dielectric_rows(&mut random, 1.5, 20_000, 1.0);
+    assert!(dielectric_faults(&own, &rows).0 > 100);
 }
 
 #[test]
 fn a_dielectric_of_index_one_changes_nothing() {
     let mut random = Random(77);
-    let rows: Vec<In> = dielectric_rows(&mut random, 1.0, 10_000)
+    let rows: Vec<In> = dielectric_rows(&mut random, 1.0, 10_000, 1.0)
         .into_iter()
         // The least uniform reflects wherever the reflectance is not 0.
         .map(|(_, row)| In { u: [0.0; 4], ..row })
