@@ -80,6 +80,17 @@ pub fn ball_file(cuts: u32, stretch: DVec3) -> String {
     text
 }
 
+/// The ball as an OBJ file whose vertices are their own normals.
+pub fn smooth_ball_file(cuts: u32) -> String {
+    let (corners, faces) = ball(cuts);
+    let vertices = corners.iter().map(|p| format!("v {0:?} {1:?} {2:?}\nvn {0:?} {1:?} {2:?}\n", p.x, p.y, p.z));
+    let faces = faces.iter().map(|face| {
+        let [a, b, c] = face.map(|corner| corner + 1);
+        format!("f {a}//{a} {b}//{b} {c}//{c}\n")
+    });
+    vertices.chain(faces).collect()
+}
+
 /// Objects of the material "m" around a camera at `eye`, with "ball.obj" beside the scene.
 pub fn flat_around(eye: DVec3, mesh: &str, objects: &[String]) -> DeviceScene {
     let folder = tempfile::tempdir().expect("a temporary folder");

@@ -8,9 +8,11 @@ use std::fmt::Write;
 use std::ops::Range;
 use std::path::Path;
 
+use crate::common::instances::{ball_file, smooth_ball_file};
 use crate::common::kernel::Overlay;
 use crate::common::render::{Ask, Shot, render, render_all, render_planted, same_expectation, scene, worst_difference};
 use crate::common::stats::{one_sample_t, sidak, welch_t};
+use glam::DVec3;
 use gpu_rt::flatten::{MOST_LIGHTS, flatten};
 use gpu_rt::options::{RenderOptions, Scatter};
 
@@ -55,9 +57,9 @@ fn room(background: &str, materials: &str, objects: &str, depth: u32) -> String 
 
 const CEILING: &str = "Quad(corner: (-0.6, 1.99, -0.6), u: (1.2, 0, 0), v: (0, 0, 1.2), material: \"lamp\"),";
 
-/// A closed mesh, an octahedron, as an OBJ file.
-const OCTAHEDRON: &str = "v 1 0 0\nv -1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\nf 5 1 3\nf 1 6 3\nf 6 2 3\nf 2 5 3\nf 1 5 4\nf 6 1 4\n\
-                          f 2 6 4\nf 5 2 4\n";
+fn octahedron() -> String {
+    ball_file(0, DVec3::ONE)
+}
 
 /// Scenes by name: all kinds of lights, of materials that answer to them, media, and the sky.
 fn scenes() -> Vec<(&'static str, Scene)> {
@@ -112,7 +114,7 @@ fn scenes_of(albedo: &str, max_depth: Option<u32>) -> Vec<(&'static str, Scene)>
         .expect("a string takes text");
     }
     let folder = tempfile::tempdir().expect("a temporary folder");
-    std::fs::write(folder.path().join("octahedron.obj"), OCTAHEDRON).expect("the mesh is written");
+    std::fs::write(folder.path().join("octahedron.obj"), octahedron()).expect("the mesh is written");
     let sky = Rgb32FImage::from_fn(16, 8, |x, y| match (x, y) {
         (3, 2) => Rgb([20.0, 15.0, 10.0]),
         (_, 0..=3) => Rgb([0.5, 0.6, 0.8]),
@@ -241,67 +243,12 @@ fn sending_rays_to_lights_changes_no_expectation() {
     }
 }
 
-/// An octahedron of radius 1 with the normals of a sphere, and after so many subdivisions of an icosahedron a ball, as OBJ files.
-fn smooth_octahedron() -> String {
-    let axes =
-        [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]];
-    let faces = [[4, 0, 2], [0, 5, 2], [5, 1, 2], [1, 4, 2], [0, 4, 3], [5, 0, 3], [1, 5, 3], [4, 1, 3]];
-    smooth(&axes, &faces)
-}
-
-fn smooth_ball() -> String {
-    let long = 0.5 * (1.0 + 5f64.sqrt());
-    let around = |[a, b, c]: [f64; 3]| [[a, b, c], [c, a, b], [b, c, a]];
-    let signs = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
-    let corners: Vec<[f64; 3]> = signs.into_iter().flat_map(|(i, j)| around([0.0, i, j * long])).collect();
-    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    // Neighbours are 2 apart. Each face is divided into four.
-    let next = |a: [f64; 3], b: [f64; 3]| (dot(a, b) - long).abs() < 1e-9;
-    let (mut points, mut faces) = (Vec::new(), Vec::new());
-    for (i, a) in corners.iter().enumerate() {
-        for (j, b) in corners.iter().enumerate().skip(i + 1) {
-            for c in &corners[j + 1..] {
-                if !(next(*a, *b) && next(*b, *c) && next(*c, *a)) {
-                    continue;
-                }
-                let middle = |p: &[f64; 3], q: &[f64; 3]| [0, 1, 2].map(|i| 0.5 * (p[i] + q[i]));
-                let [ab, bc, ca] = [middle(a, b), middle(b, c), middle(c, a)];
-                for face in [[*a, ab, ca], [ab, *b, bc], [ca, bc, *c], [ab, bc, ca]] {
-                    let unit = face.map(|p| p.map(|v| v / dot(p, p).sqrt()));
-                    let cross = |u: [f64; 3], v: [f64; 3]| {
-                        [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
-                    };
-                    let outward = dot(unit[0], cross(unit[1], unit[2])) > 0.0;
-                    let n = points.len();
-                    points.extend(unit);
-                    faces.push(if outward { [n, n + 1, n + 2] } else { [n, n + 2, n + 1] });
-                }
-            }
-        }
-    }
-    assert_eq!(faces.len(), 80);
-    smooth(&points, &faces)
-}
-
-/// A mesh whose vertices are their own normals.
-fn smooth(points: &[[f64; 3]], faces: &[[usize; 3]]) -> String {
-    let mut text = String::new();
-    for [x, y, z] in points {
-        text += &format!("v {x} {y} {z}\nvn {x} {y} {z}\n");
-    }
-    for face in faces {
-        let [a, b, c] = face.map(|i| i + 1);
-        text += &format!("f {a}//{a} {b}//{b} {c}//{c}\n");
-    }
-    text
-}
-
 /// Four bodies with vertex normals, one in each tile of the image, scaled and turned, near lamps of all shapes: it matters from where a lamp is
 /// chosen and aimed at, since their facets lie well below the points that light is sent from.
 fn smooth_bodies() -> Scene {
     let folder = tempfile::tempdir().expect("a temporary folder");
     for (name, text) in
-        [("octahedron.obj", smooth_octahedron()), ("ball.obj", smooth_ball()), ("lamp.obj", OCTAHEDRON.to_string())]
+        [("octahedron.obj", smooth_ball_file(0)), ("ball.obj", smooth_ball_file(1)), ("lamp.obj", octahedron())]
     {
         std::fs::write(folder.path().join(name), text).expect("the mesh is written");
     }
@@ -373,7 +320,7 @@ fn known(name: &str, bsdf: &Shot, mis: &Shot) {
 #[test]
 fn a_smooth_octahedron_beside_a_lamp() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    std::fs::write(folder.path().join("octahedron.obj"), smooth_octahedron()).expect("the mesh is written");
+    std::fs::write(folder.path().join("octahedron.obj"), smooth_ball_file(0)).expect("the mesh is written");
     let scene = render::scene_in(
         folder.path(),
         "Scene(image: (width: 16, height: 16),
@@ -506,7 +453,7 @@ fn what_there_is_no_room_for_is_left_to_chance() {
             face.iter().for_each(|v| ply.extend(v.to_le_bytes()));
         }
     }
-    std::fs::write(folder.path().join("octahedron.obj"), OCTAHEDRON).expect("the mesh is written");
+    std::fs::write(folder.path().join("octahedron.obj"), octahedron()).expect("the mesh is written");
     std::fs::write(folder.path().join("ceiling.ply"), ply).expect("the mesh is written");
     let objects = "Mesh(path: \"ceiling.ply\", material: \"dim\"), Transformed(by: [Scale(0.2), Translate((0.3, 0.6, 0.2))], object: Mesh(path: \"octahedron.obj\", material: \"lamp\")),";
     let dim = "\"dim\": DiffuseLight(emit: Rgb(1, 1, 1)),";

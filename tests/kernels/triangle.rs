@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
+use crate::common::instances;
 use crate::common::kernel::Kernel;
 use crate::common::stats::Random;
 use crate::common::trace::NO_HIT;
@@ -60,8 +61,7 @@ fn on_grid(p: DVec3) -> DVec3 {
 }
 
 fn octahedron() -> Mesh {
-    let points = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z].to_vec();
-    let faces = [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]].to_vec();
+    let (points, faces) = instances::ball(0);
     Mesh { points, faces, convex: true }
 }
 
