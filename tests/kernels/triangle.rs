@@ -1,7 +1,5 @@
 //! geometry/triangle: closed meshes without holes or double walls, distances and weights. The rays that leave are in tests/extremes.
 
-use std::collections::HashMap;
-
 use glam::DVec3;
 
 use crate::common::instances;
@@ -21,21 +19,9 @@ struct Mesh {
 
 impl Mesh {
     /// Each triangle cut in four at the middles of its edges.
-    fn subdivided(&self) -> Mesh {
-        let mut points = self.points.clone();
-        let mut middles = HashMap::new();
-        let mut middle = |a: usize, b: usize| {
-            *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
-                points.push(0.5 * (points[a] + points[b]));
-                points.len() - 1
-            })
-        };
-        let mut faces = Vec::new();
-        for &[a, b, c] in &self.faces {
-            let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
-            faces.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
-        }
-        Mesh { points, faces, convex: self.convex }
+    fn subdivided(self) -> Mesh {
+        let (points, faces) = instances::cut((self.points, self.faces), |middle| middle);
+        Mesh { points, faces, ..self }
     }
 
     fn moved(mut self, by: impl FnMut(DVec3) -> DVec3) -> Mesh {
