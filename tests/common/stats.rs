@@ -98,6 +98,32 @@ pub fn one_sample_t(values: &[f64], expected: f64) -> TTest {
     t_test(mean - expected, variance / n, n - 1.0)
 }
 
+/// Why two square images of the same seed have not one expectation, in tiles of 8 x 8 pixels and as a whole: Student's test that the pixels'
+/// differences are none on the mean, a false alarm once in 1 / `alpha` times. What both have alike cancels, and pixels are independent.
+pub fn same_expectation_paired(a: &[[f32; 3]], b: &[[f32; 3]], alpha: f64) -> Result<(), String> {
+    const TILE: usize = 8;
+    assert_eq!(a.len(), b.len());
+    let side = a.len().isqrt();
+    let starts = || (0..side).step_by(TILE);
+    let tiles = starts().flat_map(|top| starts().map(move |left| (left, top, TILE)));
+    let areas: Vec<(usize, usize, usize)> = tiles.chain([(0, 0, side)]).collect();
+    let threshold = sidak(alpha, 3 * areas.len());
+    for (left, top, size) in areas {
+        for channel in 0..3 {
+            let pixels = (top..top + size).flat_map(|y| (left..left + size).map(move |x| y * side + x));
+            let differences: Vec<f64> = pixels.map(|i| f64::from(a[i][channel]) - f64::from(b[i][channel])).collect();
+            let found = one_sample_t(&differences, 0.0);
+            if size == side {
+                println!("channel {channel}: {found:?}");
+            }
+            if found.p < threshold {
+                return Err(format!("{size} x {size} pixels at ({left}, {top}), channel {channel}: {found:?}"));
+            }
+        }
+    }
+    Ok(())
+}
+
 /// Welch's test that two samples have one expectation, whatever their variances (Welch 1947). At least two values in each.
 pub fn welch_t(a: &[f64], b: &[f64]) -> TTest {
     let (na, nb) = (a.len() as f64, b.len() as f64);

@@ -5,13 +5,12 @@
 
 use crate::common::render;
 use std::fmt::Write;
-use std::ops::Range;
 use std::path::Path;
 
 use crate::common::instances::{ball_file, smooth_ball_file};
 use crate::common::kernel::Overlay;
 use crate::common::render::{Ask, Shot, render, render_all, render_planted, same_expectation, scene, worst_difference};
-use crate::common::stats::{one_sample_t, sidak, welch_t};
+use crate::common::stats::{same_expectation_paired, sidak, welch_t};
 use glam::DVec3;
 use gpu_rt::flatten::{MOST_LIGHTS, flatten};
 use gpu_rt::options::{RenderOptions, Scatter};
@@ -350,28 +349,6 @@ fn a_smooth_octahedron_beside_a_lamp() {
     assert!((mean(&bsdf) / expected - 1.0).abs() < 0.03);
 }
 
-/// Tests that two renders of the same seed have one expectation, in tiles of 8 x 8 pixels and the whole image: Student's test that the
-/// pixels' differences are none on the mean. What both have alike cancels, and pixels are independent.
-fn same_expectation_paired(a: &Shot, b: &Shot) -> Result<(), String> {
-    let width = a.picture.width;
-    let tiles = [0..8, 8..16].into_iter().flat_map(|y| [0..8, 8..16].map(move |x| (x, y.clone())));
-    let areas: Vec<(Range<u32>, Range<u32>)> = tiles.chain([(0..16, 0..16)]).collect();
-    assert_eq!((width, a.picture.height), (16, 16));
-    let threshold = sidak(ALPHA, 3 * areas.len());
-    for (columns, rows) in areas {
-        for channel in 0..3 {
-            let value = |shot: &Shot, i: u32| f64::from(shot.picture.rgb[i as usize][channel]);
-            let pixels = rows.clone().flat_map(|y| columns.clone().map(move |x| y * width + x));
-            let differences: Vec<f64> = pixels.map(|i| value(a, i) - value(b, i)).collect();
-            let found = one_sample_t(&differences, 0.0);
-            if found.p < threshold {
-                return Err(format!("columns {columns:?}, rows {rows:?}, channel {channel}: {found:?}"));
-            }
-        }
-    }
-    Ok(())
-}
-
 /// With half of the light absorbed at every event and 24 events, roulette saves 9 to 28 % of the rays. The seeds are the same: what differs is
 /// what became of dark paths. Planted are survivors that are worth no more than before, which loses 0.3 to 1.7 % of the light, and 1 % less light.
 #[test]
@@ -387,10 +364,11 @@ fn roulette_changes_no_expectation() {
         let lost = 1.0 - wrong.mean_of_all().value[0] / off.mean_of_all().value[0];
         println!("{name}: roulette saves {saved:.3} of the rays; unweighted it loses {lost:.4} of the light");
         assert!(saved > LEAST_SAVED, "{name}: roulette saves {saved:.3} of the rays");
-        same_expectation_paired(&off, &on).unwrap_or_else(|error| panic!("{name}: {error}"));
-        assert!(same_expectation_paired(&off, &wrong).is_err(), "{name}: a wrong weight is not found");
+        let paired = |other: &Shot| same_expectation_paired(&off.picture.rgb, &other.picture.rgb, ALPHA);
+        paired(&on).unwrap_or_else(|error| panic!("{name}: {error}"));
+        assert!(paired(&wrong).is_err(), "{name}: a wrong weight is not found");
         let planted = on.changed(|_, _, rgb| rgb.map(|v| 0.99 * v));
-        assert!(same_expectation_paired(&off, &planted).is_err(), "{name}: 1 % less light is not found");
+        assert!(paired(&planted).is_err(), "{name}: 1 % less light is not found");
     }
 }
 

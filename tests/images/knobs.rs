@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
 use crate::common::everything::{Everything, World};
-use crate::common::stats::{one_sample_t, sidak, student_two_sided};
+use crate::common::stats::{same_expectation_paired, sidak, student_two_sided};
 use clap::CommandFactory;
 use gpu_rt::cli::Cli;
 use gpu_rt::flatten::flatten;
@@ -524,33 +524,13 @@ fn less_precision_is_right_in_an_ordinary_scene() {
         place.render(&scene, &options).image
     };
     let usual = shot(&[]);
-    // The least p of the whole image and of 16 tiles, with the other image times a factor.
-    let least = |other: &ExrImage, factor: f64| {
-        let tiles = (0..16).map(|i| (i % 4 * 8, i / 4 * 8, 8));
-        let areas = std::iter::once((0, 0, 32)).chain(tiles);
-        let p = areas.flat_map(|(left, top, side)| (0..3).map(move |channel| (left, top, side, channel))).map(
-            |(left, top, side, channel)| {
-                let pixels = (top..top + side).flat_map(|y| (left..left + side).map(move |x| (y * 32 + x) as usize));
-                let value = |image: &ExrImage, pixel: usize| f64::from(image.rgb[pixel][channel]);
-                let differences: Vec<f64> =
-                    pixels.map(|pixel| factor * value(other, pixel) - value(&usual, pixel)).collect();
-                let found = one_sample_t(&differences, 0.0);
-                if side == 32 {
-                    println!("times {factor}, channel {channel}: {found:?}");
-                }
-                found.p
-            },
-        );
-        p.fold(1.0, f64::min)
-    };
-    let threshold = sidak(ALPHA, 3 * 17);
     for (knob, value) in values(Class::Numerics) {
         let other = shot(&[&format!("--{}", knob.name), value]);
         assert!(bits(&other) != bits(&usual), "{} changes nothing", knob.option(value));
-        let p = least(&other, 1.0);
-        assert!(p >= threshold, "{}: p = {p:e}", knob.option(value));
-        let p = least(&other, 1.001);
-        assert!(p < threshold, "{}: a thousandth more light is not found, p = {p:e}", knob.option(value));
+        let paired = |other: &[[f32; 3]]| same_expectation_paired(&usual.rgb, other, ALPHA);
+        paired(&other.rgb).unwrap_or_else(|error| panic!("{}: {error}", knob.option(value)));
+        let brighter: Vec<_> = other.rgb.iter().map(|rgb| rgb.map(|v| 1.001 * v)).collect();
+        assert!(paired(&brighter).is_err(), "{}: a thousandth more light is not found", knob.option(value));
     }
 }
 
