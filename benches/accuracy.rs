@@ -1,7 +1,7 @@
-//! Writes docs/accuracy.md: what `gpu-rt tradeoff` measures on scenes of this repository, one after the other.
+//! Writes docs/accuracy.md: the findings of `gpu-rt tradeoff` on scenes of this repository.
 //!
-//! `cargo bench --bench accuracy [-- --budget 70s]`: the time for each scene; on the device that GPU_RT_BENCH_DEVICE names or the default
-//! one. `make accuracy` does it.
+//! `cargo bench --bench accuracy [-- --budget 70s]`: the budget is for each scene. GPU_RT_BENCH_DEVICE names the
+//! device, if it is not the default one. `make accuracy` runs it.
 
 use std::error::Error;
 use std::fmt::Write as _;
@@ -13,14 +13,14 @@ use gpu_rt::tradeoff::report::{CAPTION, time_text};
 use serde_json::Value;
 
 const SCENES: [&str; 6] = ["weekend", "cornell", "cornell-smoke", "next-week", "lights", "glass"];
-/// The target whose times are compared over all scenes: its place among the report's.
+/// The target whose times are compared over all scenes: its index among the report's targets.
 const MIDDLE: usize = 1;
-/// Less than this is no difference between settings (`tradeoff::model`).
+/// A smaller ratio is no difference between settings (`tradeoff::model`).
 const NO_DIFFERENCE: f64 = 1.15;
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
-/// A scene's report, as `tradeoff.json` has it.
+/// A scene's report, the contents of `tradeoff.json`.
 struct Report {
     scene: &'static str,
     json: Value,
@@ -39,7 +39,7 @@ impl Report {
         self.settings().find(|setting| setting.name() == name)
     }
 
-    /// Its time to the middle target over that of the defaults.
+    /// The ratio of its time to the middle target to that of the defaults.
     fn ratio(&self, setting: Setting<'_>) -> Option<f64> {
         Some(setting.time(MIDDLE)? / self.setting("defaults")?.time(MIDDLE)?)
     }
@@ -78,7 +78,7 @@ impl<'a> Setting<'a> {
         self.0["class"] == "detail"
     }
 
-    /// The bias of the mean in percent, with half its interval if asked for.
+    /// The bias of the mean in percent, optionally with half its interval.
     fn bias(self, interval: bool) -> String {
         let value = 100.0 * self.number("bias");
         let half = (100.0 * self.0["bias_interval"][1].as_f64().unwrap_or(f64::NAN) - value).abs();
@@ -96,7 +96,7 @@ impl<'a> Setting<'a> {
     }
 }
 
-/// Three digits.
+/// A number with three digits.
 fn short(value: f64) -> String {
     let digits = (2.0 - value.abs().max(1e-9).log10().floor()).clamp(0.0, 6.0) as usize;
     format!("{value:.digits$}")
@@ -128,7 +128,7 @@ fn plot(scene: &str) -> String {
     format!("accuracy-{scene}.svg")
 }
 
-/// What the processor calls itself, and how many of it there are.
+/// The number of processors and their name.
 fn machine() -> String {
     let about = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let name = about.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": "));
@@ -177,8 +177,9 @@ fn document(reports: &[Report], budget: &str) -> String {
         let found = if found.is_empty() { "nothing".to_string() } else { found.join("; ") };
         let _ = writeln!(text, "- {heading}: {found}.");
     }
-    text += "\nSeconds to a relMSE of 1e-2 over those of the defaults, and the bias of the mean if one was found. Less than 15 % is no difference. \
-             *Italic*: unreliable. never: the bias may be larger than the target. –: the setting does not affect the scene. Empty: not measured.\n\n";
+    text += "\nThe table has the ratio of the seconds to a relMSE of 1e-2 to those of the defaults, and the bias of the mean if one was found. Less than \
+             15 % is no difference. *Italic*: unreliable. never: the bias may be larger than the target. –: the setting does not affect the scene. \
+             Empty: not measured.\n\n";
     text += &overview(reports);
     for report in reports {
         text += &section(report);
@@ -186,7 +187,7 @@ fn document(reports: &[Report], budget: &str) -> String {
     text
 }
 
-/// Settings of a report that a condition on them and their ratio holds for, with the scene.
+/// The settings of a report that satisfy a condition on them and their ratio, after a link to the scene.
 fn list(
     report: &Report,
     condition: impl Fn(Setting<'_>, f64) -> bool,
@@ -219,7 +220,9 @@ fn biased(report: &Report) -> Vec<String> {
 
 fn coarser(report: &Report) -> Vec<String> {
     let sooner = |s: Setting<'_>, ratio: f64| s.is("reliable") && s.loses_detail() && ratio * NO_DIFFERENCE < 1.0;
-    list(report, sooner, |s, ratio| format!("{} (a relMSE of {:.0e} stays)", times(s, ratio), s.number("squared_bias")))
+    list(report, sooner, |s, ratio| {
+        format!("{} (a relMSE of {:.0e} remains)", times(s, ratio), s.number("squared_bias"))
+    })
 }
 
 fn later(report: &Report) -> Vec<String> {
@@ -280,9 +283,9 @@ fn section(report: &Report) -> String {
     for advice in report.json["recommendations"].as_array().into_iter().flatten() {
         let _ = writeln!(text, "- **{}**", words(&advice["words"]));
     }
-    // What holds for all of them is said above.
+    // The document states above what all biases are relative to.
     let bases = report.json["basis"].as_array().into_iter().flatten();
-    for basis in bases.filter(|basis| !words(basis).starts_with("biases are against the defaults")) {
+    for basis in bases.filter(|basis| !words(basis).starts_with("biases are differences from the defaults")) {
         let _ = writeln!(text, "- {}", words(basis));
     }
     let _ = writeln!(text, "\n![Error against seconds](plots/{})\n", plot(report.scene));

@@ -1,4 +1,4 @@
-//! The command line: what can be asked, and how it is read.
+//! The command line: the commands, their arguments, and the parsers of the values.
 
 use std::ops::Range;
 use std::path::PathBuf;
@@ -8,7 +8,7 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::options::{self, Class, RenderOptions};
 
-/// A path tracer on the GPU, and without one.
+/// A path tracer for GPUs, and for machines without one.
 #[derive(Debug, Parser)]
 #[command(name = "gpu-rt", version, about, max_term_width = 100)]
 pub struct Cli {
@@ -50,11 +50,12 @@ pub struct RenderArgs {
     /// Sample indices A to B - 1 of each pixel, to split a render over machines.
     #[arg(long, value_name = "A..B", value_parser = sample_range, conflicts_with_all = ["spp", "time"])]
     pub samples: Option<Range<u32>>,
-    /// Render for this time, counted from the start of the program [30s, 5m, …]: at least one sample per pixel, at most --spp if given.
+    /// Render for this time, counted from the start of the program [30s, 5m, …]: at least one sample per pixel, at most
+    /// --spp if given.
     #[arg(long, value_name = "TIME", value_parser = duration)]
     pub time: Option<Duration>,
-    /// Render until the relative error is below this with 95 % confidence, such as 0.01 for 1 %: 16, 32, 64 … samples, limited by --spp
-    /// and --time if given.
+    /// Render until the relative error is below this with 95 % confidence, such as 0.01 for 1 %: 16, 32, 64 … samples,
+    /// limited by --spp and --time if given.
     #[arg(long, value_name = "E", value_parser = relative_error, conflicts_with = "samples")]
     pub noise: Option<f64>,
     #[arg(long, value_name = "WxH|N%", value_parser = image_size,
@@ -162,14 +163,15 @@ pub struct CompareArgs {
     /// The EXR to judge.
     #[arg(value_name = "A.exr")]
     pub image: PathBuf,
-    /// The reference: an EXR of the same size. Any renderer's will do.
+    /// The reference: an EXR of the same size, from any renderer.
     #[arg(value_name = "B.exr")]
     pub reference: PathBuf,
     /// Also write a heat map of FLIP's error: black is none, pale yellow is the most.
     #[arg(long, value_name = "FILE.png")]
     pub heatmap: Option<PathBuf>,
-    /// Exit with status 1 if this metric is above the value, such as relmse=0.01. Metrics: mse, rmse, relmse, relmse_trimmed, flip and
-    /// mean_difference (its magnitude). Can be given several times. A pixel that is not finite fails too.
+    /// Exit with status 1 if this metric is above the value, such as relmse=0.01. Metrics: mse, rmse, relmse,
+    /// relmse_trimmed, flip and mean_difference (its magnitude). Can be given several times. A pixel that is not finite
+    /// fails too.
     #[arg(long, value_name = "METRIC=VALUE", value_parser = limit)]
     pub fail_above: Vec<Limit>,
     /// Print one JSON object on stdout.
@@ -177,14 +179,14 @@ pub struct CompareArgs {
     pub json: bool,
 }
 
-/// What `--fail-above` asks for.
+/// A limit of `--fail-above`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limit {
     pub metric: Metric,
     pub value: f64,
 }
 
-/// The metrics that are errors: zero is best.
+/// The metrics for which 0 is best.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Metric {
     Mse,
@@ -218,8 +220,8 @@ pub struct PlanArgs {
     /// Write the linked shaders into this folder.
     #[arg(long, value_name = "DIR")]
     pub wgsl: Option<PathBuf>,
-    /// Explain one kernel: its modules, with what uses and what asked for each; its bindings, path state and constants. With --json:
-    /// list this kernel only.
+    /// Explain one kernel: its modules, with the user of each and the object or option that asked for it; its bindings,
+    /// path state and constants. With --json: list this kernel only.
     #[arg(long, value_name = "KERNEL")]
     pub why: Option<String>,
     #[arg(long, value_name = "WxH|N%", value_parser = image_size,
@@ -259,7 +261,7 @@ pub enum Size {
 }
 
 impl Size {
-    /// In pixels, at least one each way.
+    /// The size in pixels, at least one in each direction.
     pub fn of(self, (width, height): (u32, u32)) -> (u32, u32) {
         match self {
             Size::Pixels(width, height) => (width, height),
@@ -271,7 +273,7 @@ impl Size {
     }
 }
 
-/// The most samples of a pixel: sample indices are 32-bit words, with room to round up to a block.
+/// The most samples of a pixel. Sample indices are 32-bit words, and must leave room to round up to a block.
 pub const MOST_SAMPLES: i64 = 1 << 31;
 
 fn sample_range(text: &str) -> Result<Range<u32>, String> {
@@ -299,7 +301,7 @@ fn duration(text: &str) -> Result<Duration, String> {
     }
 }
 
-/// The limits of an image's size, as for a scene's `image`; a share makes it no larger than the scene's.
+/// Parses an image's size. The limits are those of a scene's `image`; a share is at most 100 % of the scene's size.
 fn image_size(text: &str) -> Result<Size, String> {
     let expected = || {
         "expected WIDTHxHEIGHT from 1x1 to 65536x65536, 2^30 pixels at most, such as 640x360, or a share of the scene's up to 100%"
@@ -328,15 +330,18 @@ fn relative_error(text: &str) -> Result<f64, String> {
 fn limit(text: &str) -> Result<Limit, String> {
     let names = || Metric::ALL.map(Metric::name).join(", ");
     let (name, value) =
-        text.split_once('=').ok_or_else(|| format!("expected METRIC=VALUE, METRIC one of {}", names()))?;
+        text.split_once('=').ok_or_else(|| format!("expected METRIC=VALUE, with a METRIC of {}", names()))?;
     if name == "psnr" {
-        return Err("psnr is the higher the better; its opposites are mse, and flip for what the eye sees".to_string());
+        return Err(
+            "a higher psnr is better, so it cannot have an upper limit; use mse, or flip for the perceived difference"
+                .to_string(),
+        );
     }
     let metric = Metric::ALL.into_iter().find(|metric| metric.name() == name);
-    let metric = metric.ok_or_else(|| format!("{name} is none of {}", names()))?;
+    let metric = metric.ok_or_else(|| format!("expected one of {}, found {name}", names()))?;
     match value.parse::<f64>() {
         Ok(value) if value >= 0.0 && value.is_finite() => Ok(Limit { metric, value }),
-        _ => Err(format!("expected a number from 0 on as the limit of {name}, such as {name}=0.01")),
+        _ => Err(format!("expected a number of at least 0 as the limit of {name}, such as {name}=0.01")),
     }
 }
 

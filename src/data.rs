@@ -33,8 +33,16 @@ pub const LIGHT_NODE_TWO_SIDED: u32 = 0x4000_0000;
 pub const LIGHT_NODE_SKY: u32 = 0x2000_0000;
 /// Samples of a run at most; runs are cut at multiples of it.
 pub const RUN_LENGTH: u32 = 8;
-/// In `RunRecord::counts`: the run is an odd one.
+/// In the counts of a run: it is an odd one.
 pub const ODD_RUN: u32 = 0x8000_0000;
+/// The places in `Counters::counts` of camera samples, rays, paths that max_depth ended, and the throughput of these.
+pub const PATHS: u32 = 0;
+pub const RAYS: u32 = 1;
+pub const TOO_DEEP: u32 = 2;
+pub const TOO_DEEP_THROUGHPUT: u32 = 3;
+/// Bits after the binary point of the film's sums of radiance, in device units, and of its sums of squares, in device units squared.
+pub const SUM_FRACTION: u32 = 88;
+pub const SQUARE_FRACTION: u32 = 96;
 /// Bins that light is counted in which mirrors and glass leave to chance.
 pub const LIGHT_BINS: usize = 32;
 /// Words before the first queue.
@@ -129,7 +137,7 @@ device_struct!(
 
 device_struct!(
     /// The runs that may be started now.
-    Window { first_block: u32, end: u32, bounces: u32, }
+    Window { first_block: u32, end: u32, bounces: u32, first_pixel: u32, pixels: u32, }
 );
 
 device_struct!(
@@ -138,10 +146,38 @@ device_struct!(
         next: u32,
         records: u32,
         idle: u32,
-        too_deep: u32,
-        too_deep_low: u32,
-        too_deep_high: u32,
+        nan: u32,
+        infinite: u32,
+        cut: u32,
+        refused: u32,
+        counts: [[u32; 2]; 4],
         light: [[u32; 4]; LIGHT_BINS],
+    }
+);
+
+device_struct!(
+    /// A finished run, on its way to the film.
+    RunRecord {
+        sum_r: f32,
+        sum_g: f32,
+        sum_b: f32,
+        pixel: u32,
+        counts: u32,
+        rays: u32,
+        spread_r: f32,
+        spread_g: f32,
+        spread_b: f32,
+    }
+);
+
+device_struct!(
+    /// What the film on the device holds of a pixel.
+    PixelTotals {
+        sums: [[u32; 4]; 3 * CHANNELS.len()],
+        samples: [u32; 2],
+        runs: u32,
+        rejected: u32,
+        saturated: u32,
     }
 );
 

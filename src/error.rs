@@ -1,4 +1,4 @@
-//! The one error type: what went wrong, where, and what to do about it.
+//! The error type of the whole program: what went wrong, where, and what to do about it.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -17,27 +17,27 @@ impl fmt::Display for Location {
     }
 }
 
-/// Everything that can stop gpu-rt. Its text names the place or the limit concerned, and what to do.
+/// All errors of gpu-rt. The text names the place or the limit, and what to do.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// Something in the scene file, or in a file it names, is wrong.
+    /// The scene file, or a file that it names, has an error.
     #[error("{location}: {field}: {message}")]
     Scene {
         location: Location,
-        /// The field at fault, by its path from the top: `objects[3].Sphere.radius`.
+        /// The path of the wrong field from the top: `objects[3].Sphere.radius`.
         field: String,
         message: String,
     },
-    /// The command line asks for something that cannot be.
+    /// The command line asks for something impossible.
     #[error("{0}")]
     Usage(String),
     /// A file could not be read or written.
     #[error("{}: cannot {action}: {reason}", path.display())]
     File { path: PathBuf, action: &'static str, reason: String },
-    /// No device fits, the device refused, or it was lost.
+    /// No device is suitable, the device refused, or it was lost.
     #[error("{0}")]
     Device(String),
-    /// A shader did not link or did not validate: a defect of gpu-rt, never of the scene.
+    /// A shader did not link or validate. This is a defect of gpu-rt, never of the scene.
     #[error("{0}")]
     Shader(String),
     /// `--strict` was given and samples were rejected.
@@ -46,7 +46,7 @@ pub enum Error {
     /// `--fail-above` was given and a metric is above its limit.
     #[error("{0}")]
     Limit(String),
-    /// The user stopped the work before it was done; what was done is kept.
+    /// The user interrupted the work. Finished parts are kept.
     #[error("{0}")]
     Interrupted(String),
 }
@@ -54,7 +54,7 @@ pub enum Error {
 pub type Result<T> = std::result::Result<T, Error>;
 
 impl Error {
-    /// The process's exit status: 2 for bad input or arguments, 1 when the work itself failed.
+    /// The exit status of the process: 2 for bad input or arguments, 1 if the work itself failed.
     pub fn exit_status(&self) -> u8 {
         match self {
             Error::Scene { .. } | Error::Usage(_) => 2,

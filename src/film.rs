@@ -1,19 +1,15 @@
 //! The film: exact totals of what each pixel has received, in which order cannot matter.
 //!
-//! The device delivers sums over short runs of samples in f32. Here they are added as integers of a fixed scale (a sum of integers is
-//! the same in any order and split), together with the sums of squares that the error estimate needs.
+//! The device adds sums over short runs of samples as integers of a fixed scale (shaders/step/film.wgsl): a sum of integers is the same in
+//! any order and split. With them come the sums of squares that the error estimate needs. Here the device's totals are joined.
 
-use crate::data::{ODD_RUN, RUN_LENGTH, Rgb, Sampler, luminance};
+use crate::data::{CHANNELS, PixelTotals, Rgb, SQUARE_FRACTION, SUM_FRACTION, Sampler, luminance};
 use crate::error::{Error, Result};
 
 /// What [`Picture::variance`] holds where the variance is not known: the largest finite f32. An image file must hold finite values, 0
 /// would claim exactness, and whoever takes this one for a number concludes that the pixel is worthless, which is right.
 pub const UNKNOWN_VARIANCE: f32 = f32::MAX;
 
-/// Bits after the binary point of a pixel's sum, in device units.
-const SUM_FRACTION: i32 = 88;
-/// Bits after the binary point of a pixel's sum of squares, in device units squared.
-const SQUARE_FRACTION: i32 = 96;
 /// The largest power of two, up or down, between device units and scene units: its square is far inside f64.
 const MAX_EXPONENT: i32 = 300;
 /// This share of the image's mean luminance keeps dark pixels from dominating the relative error.
@@ -32,31 +28,6 @@ const DEGREES_OF_SPREAD: f64 = 4.0;
 /// unit at most.
 const LEAST_SQUARES: u128 = 1 << 10;
 
-/// One run as the device delivers it.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-pub struct RunRecord {
-    /// Sum of the accepted samples' radiance, in device units, as added in f32 in sample order.
-    pub sum: Rgb<f32>,
-    /// Index of the pixel: row 0 on top, `y * width + x`.
-    pub pixel: u32,
-    /// Accepted samples | rejected as NaN << 8 | rejected as infinite << 16 | rejected as cut short << 24; their sum is
-    /// at most [`RUN_LENGTH`]. And [`ODD_RUN`] where the run is one of odd number.
-    pub counts: u32,
-    /// Rays traced for the run.
-    pub rays: u32,
-    /// Squared deviations of the accepted samples from their mean, summed, in device units squared.
-    pub spread: Rgb<f32>,
-}
-
-impl RunRecord {
-    /// `[accepted, NaN, infinite, cut short]`, or nothing where they cannot be the counts of one run.
-    fn counts(&self) -> Option<[u32; 4]> {
-        let counts = (self.counts & !ODD_RUN).to_le_bytes().map(u32::from);
-        (counts.iter().sum::<u32>() <= RUN_LENGTH).then_some(counts)
-    }
-}
-
 /// Samples that were left out of the image, by reason.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Rejected {
@@ -66,7 +37,7 @@ pub struct Rejected {
     pub infinite: u64,
     /// The ray's walk through the BVH was given up as too long (shaders/scene/traverse.wgsl).
     pub cut: u64,
-    /// The record itself was refused: its pixel is not in the image, its sum is negative or NaN, or its counts are not those of a run.
+    /// The sum of their run was negative or NaN, which no sum of accepted samples is.
     pub refused: u64,
 }
 
@@ -84,6 +55,17 @@ pub struct Totals {
     /// Rays of every kind.
     pub rays: u64,
     pub rejected: Rejected,
+}
+
+impl std::ops::AddAssign for Totals {
+    fn add_assign(&mut self, other: Totals) {
+        self.paths += other.paths;
+        self.rays += other.rays;
+        self.rejected.nan += other.rejected.nan;
+        self.rejected.infinite += other.rejected.infinite;
+        self.rejected.cut += other.rejected.cut;
+        self.rejected.refused += other.rejected.refused;
+    }
 }
 
 /// What one pixel has received, in device units.
@@ -105,6 +87,27 @@ struct Pixel {
 
 /// The halves of a pixel's samples: the even runs and the odd ones.
 type Halves = [Rgb<f64>; 2];
+
+impl From<&PixelTotals> for Pixel {
+    fn from(totals: &PixelTotals) -> Pixel {
+        let sum = |index: usize| match totals.saturated >> index & 1 {
+            0 => u128::from_le_bytes(bytemuck::cast(totals.sums[index].map(u32::to_le))),
+            _ => u128::MAX,
+        };
+        let sums = |first: usize| [0, 1, 2].map(|channel| sum(first * CHANNELS.len() + channel));
+        let (even_sum, odd_sum) = (sums(0), sums(1));
+        let [even, odd] = totals.samples;
+        Pixel {
+            sum: [0, 1, 2].map(|channel| even_sum[channel].saturating_add(odd_sum[channel])),
+            odd_sum,
+            spread: sums(2),
+            even,
+            odd,
+            runs: totals.runs,
+            rejected: totals.rejected,
+        }
+    }
+}
 
 impl Pixel {
     fn samples(&self) -> u64 {
@@ -163,7 +166,7 @@ impl Pixel {
         // Means are rounded down by 2^-88 at most, so that nothing cancels but equal digits.
         let mean_odd = self.odd_sum[channel] / u128::from(self.odd);
         let mean_even = self.sum[channel].saturating_sub(self.odd_sum[channel]) / u128::from(self.even);
-        let difference = mean_odd.abs_diff(mean_even) as f64 * exp2(-SUM_FRACTION);
+        let difference = mean_odd.abs_diff(mean_even) as f64 * exp2(-(SUM_FRACTION as i32));
         let all = self.samples() as f64;
         let weights = (f64::from(self.even) / all) * (f64::from(self.odd) / all);
         weights * difference * difference
@@ -176,11 +179,7 @@ impl Pixel {
         let degrees = self.samples().checked_sub(u64::from(self.runs)).filter(|degrees| *degrees > 0)?;
         let squares = self.spread[channel];
         let known = squares >= LEAST_SQUARES * u128::from(self.runs);
-        known.then(|| squares as f64 * exp2(-SQUARE_FRACTION) / (degrees as f64 * self.samples() as f64))
-    }
-
-    fn reject(&mut self, samples: u32) {
-        self.rejected = self.rejected.saturating_add(samples);
+        known.then(|| squares as f64 * exp2(-(SQUARE_FRACTION as i32)) / (degrees as f64 * self.samples() as f64))
     }
 
     fn add(&mut self, other: &Pixel) {
@@ -192,7 +191,7 @@ impl Pixel {
         self.even = self.even.saturating_add(other.even);
         self.odd = self.odd.saturating_add(other.odd);
         self.runs = self.runs.saturating_add(other.runs);
-        self.reject(other.rejected);
+        self.rejected = self.rejected.saturating_add(other.rejected);
     }
 }
 
@@ -270,67 +269,15 @@ impl Film {
         self.totals
     }
 
-    /// Adds runs. Any order and any split into calls gives the same film.
-    ///
-    /// A record that no correct device delivers is refused as a whole and counted, so that it cannot corrupt a pixel.
-    pub fn add(&mut self, records: &[RunRecord]) {
-        for record in records {
-            self.add_one(record);
+    /// Adds what the device has added up for pixels, named by their indices (row 0 on top, `y * width + x`), and what it has counted
+    /// meanwhile. Any order and any split into calls gives the same film. A pixel that is not in the image is left out.
+    pub fn add<'a>(&mut self, pixels: impl IntoIterator<Item = (usize, &'a PixelTotals)>, counted: Totals) {
+        for (index, totals) in pixels {
+            if let Some(pixel) = self.pixels.get_mut(index) {
+                pixel.add(&Pixel::from(totals));
+            }
         }
-    }
-
-    fn add_one(&mut self, record: &RunRecord) {
-        self.totals.rays += u64::from(record.rays);
-        let Some([accepted, nan, infinite, cut]) = record.counts() else {
-            self.refuse(record, RUN_LENGTH);
-            return;
-        };
-        let samples = accepted + nan + infinite + cut;
-        // A NaN fails this too.
-        let sum_is_valid = record.sum.iter().chain(&record.spread).all(|s| *s >= 0.0);
-        if accepted > 0 && !sum_is_valid {
-            self.refuse(record, samples);
-            return;
-        }
-        let Some(pixel) = self.pixels.get_mut(record.pixel as usize) else {
-            self.refuse(record, samples);
-            return;
-        };
-        self.totals.paths += u64::from(samples);
-        self.totals.rejected.nan += u64::from(nan);
-        self.totals.rejected.infinite += u64::from(infinite);
-        self.totals.rejected.cut += u64::from(cut);
-        pixel.reject(nan + infinite + cut);
-        if accepted == 0 {
-            return;
-        }
-        if record.sum.iter().any(|s| s.is_infinite()) {
-            // Finite samples whose sum is not: too bright for the device's unit.
-            self.totals.rejected.infinite += u64::from(accepted);
-            pixel.reject(accepted);
-            return;
-        }
-        let odd = record.counts & ODD_RUN != 0;
-        let mut run = Pixel { runs: 1, ..Pixel::default() };
-        for channel in 0..3 {
-            run.sum[channel] = to_fixed(f64::from(record.sum[channel]), SUM_FRACTION);
-            run.spread[channel] = to_fixed(f64::from(record.spread[channel]), SQUARE_FRACTION);
-        }
-        match odd {
-            true => (run.odd_sum, run.odd) = (run.sum, accepted),
-            false => run.even = accepted,
-        }
-        pixel.add(&run);
-    }
-
-    /// Counts a record's samples as rejected and takes nothing else from it.
-    #[cold]
-    fn refuse(&mut self, record: &RunRecord, samples: u32) {
-        self.totals.paths += u64::from(samples);
-        self.totals.rejected.refused += u64::from(samples);
-        if let Some(pixel) = self.pixels.get_mut(record.pixel as usize) {
-            pixel.reject(samples);
-        }
+        self.totals += counted;
     }
 
     /// Adds another film of the same image. It is the same as if this film had got the other's records too.
@@ -350,12 +297,7 @@ impl Film {
             )));
         }
         self.pixels.iter_mut().zip(&other.pixels).for_each(|(mine, theirs)| mine.add(theirs));
-        self.totals.paths += other.totals.paths;
-        self.totals.rays += other.totals.rays;
-        self.totals.rejected.nan += other.totals.rejected.nan;
-        self.totals.rejected.infinite += other.totals.rejected.infinite;
-        self.totals.rejected.cut += other.totals.rejected.cut;
-        self.totals.rejected.refused += other.totals.rejected.refused;
+        self.totals += other.totals;
         Ok(())
     }
 
@@ -571,22 +513,7 @@ fn exp2(exponent: i32) -> f64 {
 
 /// The mean of a sum in units of 2^-[`SUM_FRACTION`]; 0 without samples.
 fn mean(sum: u128, samples: u64) -> f64 {
-    if samples == 0 { 0.0 } else { sum as f64 * exp2(-SUM_FRACTION) / samples as f64 }
-}
-
-/// `value`, not negative, in units of 2^-fraction, rounded to the nearest (halves up); saturates.
-fn to_fixed(value: f64, fraction: i32) -> u128 {
-    // value = mantissa * 2^(exponent - 1075) (IEEE 754-2019, section 3.4). Denormals, below 2^-1022, round to 0 here anyway.
-    let bits = value.to_bits();
-    let exponent = (bits >> 52 & 0x7ff) as i32;
-    let mantissa = u128::from(bits & ((1 << 52) - 1) | 1 << 52);
-    match exponent - 1075 + fraction {
-        // The mantissa has 53 bits.
-        76.. => u128::MAX,
-        shift @ 0..76 => mantissa << shift,
-        shift @ -53..0 => (mantissa + (1 << (-shift - 1))) >> -shift,
-        _ => 0,
-    }
+    if samples == 0 { 0.0 } else { sum as f64 * exp2(-(SUM_FRACTION as i32)) / samples as f64 }
 }
 
 /// `value`, not negative, as f32; saturates at f32::MAX.
@@ -599,28 +526,5 @@ fn variance_to_f32(variance: Option<f64>, scale: f64) -> f32 {
         None => UNKNOWN_VARIANCE,
         Some(0.0) => 0.0,
         Some(variance) => to_f32(variance * scale).max(f32::MIN_POSITIVE),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn fixed_point_is_exact_and_rounds_to_nearest() {
-        assert_eq!(to_fixed(0.0, 88), 0);
-        assert_eq!(to_fixed(-0.0, 88), 0);
-        assert_eq!(to_fixed(1.0, 88), 1 << 88);
-        assert_eq!(to_fixed(f64::from(0.3f32), 88), u128::from(0.3f32.to_bits() & 0x7f_ffff | 0x80_0000) << (88 - 25));
-        assert_eq!(to_fixed(exp2(-88), 88), 1);
-        assert_eq!(to_fixed(exp2(-89), 88), 1);
-        assert_eq!(to_fixed(exp2(-89) * 0.999, 88), 0);
-        assert_eq!(to_fixed(exp2(-88) * 2.5, 88), 3);
-        assert_eq!(to_fixed(exp2(-88) * 2.4, 88), 2);
-        assert_eq!(to_fixed(exp2(39), 88), 1 << 127);
-        assert_eq!(to_fixed(exp2(40), 88), u128::MAX);
-        assert_eq!(to_fixed(f64::from(f32::MAX), 88), u128::MAX);
-        assert_eq!(to_fixed(f64::MIN_POSITIVE, 88), 0);
-        assert_eq!(to_fixed(f64::from_bits(1), 88), 0);
     }
 }

@@ -1,16 +1,16 @@
-//! What is to be rendered of a scene: how large, which samples, until when.
+//! The job of a render: the image size, the range of samples, and when it ends.
 
 use std::ops::Range;
 use std::time::Instant;
 
 use crate::data::RUN_LENGTH;
 
-/// What is to be rendered of a scene.
+/// The job of a render.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Job {
     /// Width and height in pixels.
     pub size: (u32, u32),
-    /// Scattering events of a path at most.
+    /// The most scattering events of a path.
     pub max_depth: u32,
     pub seed: u32,
     /// The first sample of each pixel.
@@ -18,19 +18,19 @@ pub struct Job {
     pub goal: Goal,
 }
 
-/// When a render has all its samples.
+/// The condition that ends a render.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Goal {
-    /// One past the last sample of each pixel.
+    /// One past the index of the last sample of each pixel.
     Samples(u32),
-    /// As many as fit until then, but one at least and `end` at most.
+    /// As many samples as fit before the deadline: at least one, and at most those below `end`.
     Until { deadline: Instant, end: u32 },
-    /// Until the relative error is below `error`, but `end` at most, and no more than fit until the deadline where there is one.
+    /// Until the relative error is below `error`, the deadline is reached, or `end` is reached.
     Noise { error: f64, deadline: Option<Instant>, end: u32 },
 }
 
 impl Job {
-    /// How many runs it takes, where that is known before.
+    /// The number of runs, if it is known in advance.
     pub fn runs(&self) -> Option<u64> {
         match self.goal {
             Goal::Samples(end) => {
@@ -42,7 +42,7 @@ impl Job {
     }
 }
 
-/// The blocks of RUN_LENGTH samples that a range of samples touches.
+/// The blocks of RUN_LENGTH samples that a range of samples overlaps.
 pub fn blocks(samples: Range<u32>) -> Range<u32> {
     samples.start / RUN_LENGTH..samples.end.div_ceil(RUN_LENGTH)
 }

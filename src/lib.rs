@@ -1,4 +1,4 @@
-//! gpu-rt: a path tracer whose kernels run as WGSL on any GPU that wgpu reaches, and on software Vulkan.
+//! gpu-rt: a path tracer with WGSL kernels. It runs on any GPU that wgpu supports, and on software Vulkan.
 
 pub mod bvh;
 pub mod cli;

@@ -4,41 +4,42 @@ use std::f64::consts::PI;
 
 use crate::data::{SkyCell, luminance};
 
-/// The values that a uniform number on the device may have: multiples of 2^-24.
+/// The number of values of a uniform number on the device: the multiples of 2^-24.
 const UNIFORMS: u64 = 1 << 24;
 
-/// The most entries of a table: each is drawn by at least one of the uniforms, which then takes at most 1/16 of them.
+/// The most entries of a table. Each entry gets at least one of the 2^24 uniform numbers. A full table needs 1/16 of
+/// them for this minimum.
 pub const MAX_ENTRIES: usize = 1 << 20;
 
-/// The most cells of the sky's grid. 2^16 are 1 MiB of entries, and leave 256 uniforms a cell on average.
+/// The most cells of the sky's grid. 2^16 cells are 1 MiB of entries, with 256 uniform numbers per cell on average.
 pub const MAX_CELLS: usize = 1 << 16;
 
 /// An entry of a table for the alias method (shaders/light/alias.wgsl).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AliasEntry {
-    /// The entry itself is drawn where the rest of the uniform is below this.
+    /// The entry itself is drawn if the rest of the uniform number is below this.
     pub threshold: f32,
     /// The entry that is drawn otherwise.
     pub alias: u32,
     /// The exact probability that this entry is drawn, directly or as an alias.
     pub probability: f32,
-    /// The same of the alias.
+    /// The same for the alias.
     pub alias_probability: f32,
 }
 
-/// A table for the alias method: probabilities in proportion to weights, in whole multiples of 2^-24, so that they are
-/// exactly those with which the device draws.
+/// A table for the alias method. Probabilities are in proportion to weights, rounded to multiples of 2^-24, so that they are
+/// exactly the probabilities with which the device draws.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AliasTable {
     pub entries: Vec<AliasEntry>,
 }
 
-/// The number of uniforms of each weight: in proportion, but at least one for each positive weight.
+/// The number of uniform numbers for each weight: in proportion, but at least one for each positive weight.
 fn apportion(weights: &[f64]) -> Option<Vec<u64>> {
     if weights.len() > MAX_ENTRIES || weights.iter().any(|w| !w.is_finite() || *w < 0.0) {
         return None;
     }
-    // Relative to the largest weight, the sum neither overflows nor vanishes.
+    // Relative to the largest weight, the sum neither overflows nor underflows.
     let largest = weights.iter().copied().fold(0.0, f64::max);
     let sum: f64 = weights.iter().map(|w| w / largest).sum();
     if largest == 0.0 {
@@ -48,7 +49,7 @@ fn apportion(weights: &[f64]) -> Option<Vec<u64>> {
     let excess = |w: f64| ((w / largest) / sum * UNIFORMS as f64 - 1.0).max(0.0);
     let whole: f64 = weights.iter().map(|w| excess(*w)).sum();
     let rest = UNIFORMS - positive;
-    // Rounded as running totals, which leaves every part within one of its share and their sum exact.
+    // The running totals are rounded, so that every part is within one of its exact share and the sum is exact.
     let last = weights.iter().rposition(|w| excess(*w) > 0.0)?;
     let (mut total, mut given) = (0.0, 0);
     let parts = weights.iter().enumerate().map(|(i, &w)| {
@@ -62,14 +63,15 @@ fn apportion(weights: &[f64]) -> Option<Vec<u64>> {
 }
 
 impl AliasTable {
-    /// None where no weight is positive, one is negative or not finite, or there are more than [`MAX_ENTRIES`].
+    /// None if no weight is positive, if a weight is negative or not finite, or if there are more than [`MAX_ENTRIES`].
     pub fn new(weights: &[f64]) -> Option<AliasTable> {
         let wanted = apportion(weights)?;
         let count = wanted.len() as u64;
-        // An entry is found by the uniforms k from ceil(i 2^24 / n) on; k n = i 2^24 + the rest, which grows by n.
+        // Entry i is found by the uniform numbers k from ceil(i 2^24 / n) on. k n = i 2^24 + rest, and the rest grows
+        // by n with each k.
         let first = |i: u64| (i * UNIFORMS).div_ceil(count);
         // Vose, "A Linear Algorithm for Generating Random Numbers with a Given Distribution", IEEE Trans. Softw. Eng. 17(9),
-        // 1991, in integers: entries that want less than what finds them are filled up by those that want more.
+        // 1991, in integers: entries that need fewer uniform numbers than find them give the others to entries that need more.
         let found_by: Vec<u64> = (0..count).map(|i| first(i + 1) - first(i)).collect();
         let mut left = wanted.clone();
         let (mut less, mut more) = (Vec::new(), Vec::new());
@@ -79,7 +81,7 @@ impl AliasTable {
         let mut own = found_by.clone();
         let mut alias: Vec<usize> = (0..wanted.len()).collect();
         while let Some(i) = less.pop() {
-            // The sums are equal, so that where one wants less another wants more.
+            // The sums are equal, so that if one entry needs fewer, another needs more.
             let Some(&from) = more.last() else { break };
             own[i] = left[i];
             alias[i] = from;
@@ -108,8 +110,8 @@ impl AliasTable {
     }
 }
 
-/// The distribution of directions towards the sky: cells of a grid over its image, weighed by the mean luminance that the kernels
-/// interpolate there, times the solid angle of the cell.
+/// The distribution of directions towards the sky: cells of a grid over its image. The weight of a cell is its mean
+/// luminance, as the kernels interpolate it, times its solid angle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SkyDistribution {
     pub columns: u32,
@@ -118,10 +120,10 @@ pub struct SkyDistribution {
     pub cells: Vec<SkyCell>,
 }
 
-/// The texels that are interpolated between x0 and x1, counted in texels, with the integral of each one's share (a tent one
-/// texel high and two wide about its centre).
+/// The texels that contribute to the interpolation between x0 and x1 (in texels), with the integral of each one's
+/// weight. The weight is a tent around the texel's centre, two texels wide and 1 high.
 fn tents(x0: f64, x1: f64) -> impl Iterator<Item = (i64, f64)> {
-    // The integral of the tent from its beginning to t.
+    // The integral of the tent from its start to t.
     let until = |t: f64| match t.clamp(-1.0, 1.0) {
         t if t < 0.0 => 0.5 * (t + 1.0) * (t + 1.0),
         t => 1.0 - 0.5 * (1.0 - t) * (1.0 - t),
@@ -135,8 +137,8 @@ fn tents(x0: f64, x1: f64) -> impl Iterator<Item = (i64, f64)> {
 }
 
 impl SkyDistribution {
-    /// None where the image is black everywhere, empty, or of another size than it says. Negative and non-finite texels count
-    /// as black.
+    /// None if the image is black everywhere or empty, or if the number of texels does not match its size. Negative and
+    /// non-finite texels count as black.
     pub fn new(width: u32, height: u32, texels: &[[f32; 3]]) -> Option<SkyDistribution> {
         let (w, h) = (width as usize, height as usize);
         if w == 0 || h == 0 || w.checked_mul(h) != Some(texels.len()) {
@@ -150,7 +152,7 @@ impl SkyDistribution {
             let lit = texel.iter().any(|x| *x > 0.0);
             if y.is_finite() && lit { y.max(0.0) } else { 0.0 }
         };
-        // The mean of what is interpolated over each cell, one direction after the other.
+        // The mean of the interpolated luminance over each cell, first along x and then along y.
         let (wide, high) = (w as f64 / columns as f64, h as f64 / rows as f64);
         let across: Vec<Vec<(usize, f64)>> = (0..columns)
             .map(|c| {
@@ -161,7 +163,7 @@ impl SkyDistribution {
         let mut weights = vec![0.0; columns * rows];
         let mut row = vec![0.0; columns];
         let mut line = vec![0.0; w];
-        // Every line of texels gives to the cells that its tents reach.
+        // Every row of texels contributes to the cells that its tents reach.
         let mut given: Vec<Vec<(usize, f64)>> = vec![Vec::new(); h];
         for r in 0..rows {
             for (y, share) in tents(r as f64 * high, (r + 1) as f64 * high) {
@@ -181,7 +183,7 @@ impl SkyDistribution {
                 }
             }
         }
-        // 2 pi / columns times the cosines' difference, as a product.
+        // 2 pi / columns times the difference of the cosines, written as a product.
         let solid_angles: Vec<f64> = (0..rows)
             .map(|r| {
                 let step = 0.5 * PI / rows as f64;

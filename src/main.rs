@@ -1,4 +1,4 @@
-//! The program: reads the command line, runs the command, tells what went wrong.
+//! The program: reads the command line, runs the command, and prints errors.
 
 use std::process::ExitCode;
 use std::time::Instant;
@@ -20,8 +20,8 @@ fn main() -> ExitCode {
     }
 }
 
-/// Mesa's device-select layer asks a Wayland server which GPU drives the screen, and complains on stderr where there is no
-/// session to have one. Without a session there is nothing for it to select.
+/// Mesa's device-select layer asks a Wayland server which GPU drives the screen, and complains on stderr if there is no
+/// session. Without a session there is nothing to select.
 fn quiet_the_loader() {
     let session = ["XDG_RUNTIME_DIR", "WAYLAND_DISPLAY", "DISPLAY", "MESA_VK_DEVICE_SELECT"];
     if session.iter().all(|name| std::env::var_os(name).is_none()) {

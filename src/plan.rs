@@ -9,9 +9,8 @@ mod tuning;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use crate::data::{self, QUEUE_HEADER};
+use crate::data::{self, PixelTotals, QUEUE_HEADER, RunRecord};
 use crate::error::Result;
-use crate::film::RunRecord;
 use crate::flatten::{BOUNDARIES, DeviceScene, Features, MATERIALS, PRIMITIVES};
 use crate::gpu::buffers::BufferSpec;
 use crate::gpu::device::DeviceClass;
@@ -117,6 +116,8 @@ pub struct Plan<'a> {
 pub struct Kernels {
     pub generate: Kernel,
     pub bounce: Bounce,
+    /// Adds finished runs to the film, after some bounces.
+    pub accumulate: Kernel,
     /// What slots keep of their paths from one dispatch to the next.
     pub path_fields: Vec<PathField>,
     pub settings: SettingsLayout,
@@ -259,7 +260,16 @@ impl Kernels {
         };
         let generate = always("generate", &every_render)?;
         let settings = SettingsLayout::of(&generate.module)?;
-        Ok(Kernels { generate, bounce, path_fields, settings, tables: tables.clone(), features: features.clone() })
+        let accumulate = always("accumulate", &every_render)?;
+        Ok(Kernels {
+            generate,
+            bounce,
+            accumulate,
+            path_fields,
+            settings,
+            tables: tables.clone(),
+            features: features.clone(),
+        })
     }
 
     /// Bytes of the state of one slot's path.
@@ -278,6 +288,7 @@ impl Kernels {
                 all.push(refill);
             }
         }
+        all.push(&self.accumulate);
         all
     }
 
@@ -293,8 +304,8 @@ impl Kernels {
     fn buffers<'a>(&self, flat: &'a DeviceScene, tuning: &Tuning) -> Vec<BufferSpec<'a>> {
         let slots = u64::from(tuning.slots);
         let queues = self.queues();
-        let record_bytes = size_of::<RunRecord>() as u64;
-        let runs = u64::from(tuning.records_per_slot);
+        let (runs, record_bytes) = (u64::from(tuning.records_per_slot), size_of::<RunRecord>() as u64);
+        let (tile, pixel_bytes) = (u64::from(tuning.tile), size_of::<PixelTotals>() as u64);
         let places = places(&self.path_fields);
         let (plane_bytes, word_bytes) = (places.plane_bytes(), places.word_bytes());
         let header = u64::from(QUEUE_HEADER);
@@ -308,10 +319,12 @@ impl Kernels {
             BufferSpec::working(
                 "counters",
                 size_of::<data::Counters>() as u64,
-                "runs started and finished, idle slots",
+                "runs started, idle slots, samples and rays",
             ),
             BufferSpec::working("records", slots * runs * record_bytes, "finished runs on their way to the film")
                 .made_of(format!("{slots} slots x {runs} runs x {record_bytes} bytes")),
+            BufferSpec::working("film", tile * pixel_bytes, "what each pixel has received")
+                .made_of(format!("{tile} pixels x {pixel_bytes} bytes")),
             BufferSpec::working("paths", slots * plane_bytes, "the state of the paths in flight")
                 .made_of(format!("{slots} slots x {plane_bytes} bytes")),
             BufferSpec::working("path_words", slots * word_bytes, "what of that state fills no vec4")

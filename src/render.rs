@@ -1,135 +1,56 @@
-//! The render loop: generate → { intersect → scatter → refill } … → accumulate.
+//! The render loop: generate → { { intersect → scatter → refill } … → accumulate } …
 
-use std::collections::BTreeMap;
+mod goals;
+mod outcome;
+mod turns;
+
+use std::collections::{BTreeMap, VecDeque};
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
-use crate::data::{Counters, LIGHT_BINS, RUN_LENGTH, Settings, Window};
+use cpu_time::ThreadTime;
+
+use crate::data::{Counters, PixelTotals, RUN_LENGTH, Settings, Window};
 use crate::error::{Error, Result};
-use crate::film::{Film, RunRecord};
+use crate::film::{Film, Totals};
 use crate::gpu::buffers::{Buffers, Readback};
 use crate::gpu::device::Device;
 use crate::gpu::pipeline::{Pipeline, PipelineSpec};
 use crate::gpu::probe;
-use crate::gpu::timing::{MAX_PASSES, Timing};
+use crate::gpu::timing::{MAX_PASSES, StageTimes, Timing};
 use crate::job::{Goal, Job, blocks};
 use crate::plan::{Bounce, Kernel, Plan, STEPS, SettingsLayout, Tuning};
+use outcome::totals_since;
+pub use outcome::{NOISE_LEVEL, Noise, Outcome, ThroughGlass, TooDeep};
+use turns::{Turn, pixel_in_order, turns};
+
+/// A look at the film of a render that goes on.
+pub struct Look<'a> {
+    pub film: &'a Film,
+    /// When the device had nothing left to do but to wait for the look's end.
+    pub begin: Instant,
+}
+
+/// What the caller of a render is called with after each submission: what came of it so far, and the film where it asked for it.
+pub type Watch<'a> = &'a mut dyn FnMut(&Outcome, Option<Look<'_>>) -> Next;
 
 /// What the caller of a render wants next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Next {
     GoOn,
+    /// Bring the film up to date, and show it as a [`Look`].
+    Look,
     /// Start nothing new, and end with what has been started.
     Stop,
 }
 
-/// What a render came to, beside its film.
-#[derive(Clone, Debug, Default)]
-pub struct Outcome {
-    /// The samples of every pixel; of an interrupted render pixels may have a run less.
-    pub samples: Range<u32>,
-    pub interrupted: bool,
-    /// Of an interrupted render: one past the last sample that any pixel has.
-    pub stopped_at: Option<u32>,
-    /// Paths that max_depth ended.
-    pub too_deep: TooDeep,
-    /// What is met by mirrors and through glass by chance.
-    pub through_glass: ThroughGlass,
-    /// Of a render until an error: what came of it.
-    pub noise: Option<Noise>,
-    /// Seconds of the passes, from the first to the last.
-    pub seconds: f64,
-    /// Seconds until the first pass had ended.
-    pub first_pass: f64,
-    /// Seconds on the device by stage, where they were asked for and the device can tell.
-    pub stages: Vec<(String, f64)>,
-}
-
-/// What came of a render until an error.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Noise {
-    /// The probability that was left to the last look for finding the error below its bound by chance.
-    pub level: f64,
-    /// Whether the bound was below the error asked.
-    pub reached: bool,
-}
-
-/// The probability that a render until an error ends with a larger one, over all its looks.
-pub const NOISE_LEVEL: f64 = 0.05;
-/// The samples at which such a render looks first.
-const FIRST_LOOK: u32 = 2 * RUN_LENGTH;
-/// The samples at which it gives up where nothing bounds the error: pixels too few, or without light.
-const LAST_LOOK: u32 = 1 << 14;
-
-/// What max_depth cut off. The throughput of such a path is what it could still have brought of the light that it would have met.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct TooDeep {
-    pub paths: u64,
-    /// The sum of the largest components of their throughput, each rounded up to a multiple of 2^-16.
-    pub throughput: f64,
-}
-
-impl TooDeep {
-    /// The mean throughput of a path that was cut.
-    pub fn mean(&self) -> f64 {
-        self.throughput / self.paths.max(1) as f64
-    }
-
-    /// What has been counted since the last reading.
-    fn add(&mut self, now: &Counters, before: &Counters) {
-        let sum = |c: &Counters| u64::from(c.too_deep_high) << 32 | u64::from(c.too_deep_low);
-        self.paths += u64::from(now.too_deep.wrapping_sub(before.too_deep));
-        self.throughput += sum(now).wrapping_sub(sum(before)) as f64 / 65_536.0;
-    }
-}
-
-/// Light of lights that are sampled, by mirrors and through glass, in device units, summed over all samples
-/// (shaders/step/through_glass.wgsl).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ThroughGlass {
-    /// By bins of lights: what there is of it, as rays to lights found, and what paths met by chance.
-    bins: [(f64, f64); LIGHT_BINS],
-}
-
-impl ThroughGlass {
-    /// What has been counted since the last reading.
-    fn add(&mut self, now: &Counters, before: &Counters) {
-        let light = |low: u32, high: u32| u64::from(high) << 32 | u64::from(low);
-        let since = |now: u64, before: u64| now.wrapping_sub(before) as f64 / 16_777_216.0;
-        for ((asked, met), (now, before)) in self.bins.iter_mut().zip(now.light.iter().zip(&before.light)) {
-            *asked += since(light(now[0], now[1]), light(before[0], before[1]));
-            *met += since(light(now[2], now[3]), light(before[2], before[3]));
-        }
-    }
-
-    /// The same in other units.
-    pub fn times(&self, factor: f64) -> ThroughGlass {
-        ThroughGlass { bins: self.bins.map(|(asked, met)| (asked * factor, met * factor)) }
-    }
-
-    /// What there is of it.
-    pub fn blocked_by_dielectrics(&self) -> f64 {
-        self.bins.iter().map(|(asked, _)| asked).sum()
-    }
-
-    /// What paths met of it.
-    pub fn found_by_bsdf(&self) -> f64 {
-        self.bins.iter().map(|(_, met)| met).sum()
-    }
-
-    /// What is certainly missing of it. What rays find is about what paths would meet; a quarter of that may be error.
-    pub fn missing(&self) -> f64 {
-        self.bins.iter().map(|(asked, met)| (0.75 * asked - met).max(0.0)).sum()
-    }
-}
-
-/// The share of a submission's target that a submission should take: long enough to hide what it costs to make one, short
+/// The time that a submission should take: long enough to hide what it costs to make one, short
 /// enough that no watchdog fires and no user waits.
 const SUBMISSION: Duration = Duration::from_millis(100);
-
-fn seconds_until(deadline: Instant) -> f64 {
-    deadline.saturating_duration_since(Instant::now()).as_secs_f64()
-}
+/// Submissions that the device has at a time: while it executes one, the host reads what the one before has counted, and the next one waits.
+const IN_FLIGHT: usize = 2;
+/// Bytes of the film that go to the host at a time.
+const FILM_AT_ONCE: u64 = 64 << 20;
 
 /// A render that is ready to go: kernels compiled, buffers filled.
 pub struct Renderer<'a> {
@@ -141,12 +62,42 @@ pub struct Renderer<'a> {
     /// Bounces of the next submission, and whether their number is fixed.
     bounces: u32,
     bounces_fixed: bool,
+    /// Bounces after which finished runs are added to the film.
+    bounces_at_once: u32,
     buffers: Buffers,
     generate: Pipeline,
     bounce: BouncePipelines,
+    accumulate: Pipeline,
+    /// One for each submission in flight.
+    reports: Vec<Report>,
+    /// The film on its way to the host.
+    film: Readback,
+    /// The tile that the device's film is of.
+    tile: Range<u32>,
+    /// What the device's film has received since it was last brought to the host.
+    received: Totals,
+    /// Whether what it holds is of no more use: the next submission empties it.
+    stale: bool,
+    /// Whether something has been rendered.
+    used: bool,
+    stages: StageTimes,
+    /// When the last submission ended.
+    landed: Instant,
+}
+
+/// What a submission reports to the host.
+struct Report {
     counters: Readback,
-    records: Readback,
     timing: Option<Timing>,
+}
+
+/// A submission that the device has not reported on yet.
+struct Flight {
+    submission: wgpu::SubmissionIndex,
+    /// Its place among the reports.
+    report: usize,
+    bounces: u32,
+    begin: Instant,
 }
 
 impl BouncePipelines {
@@ -165,7 +116,7 @@ impl BouncePipelines {
 /// What a stretch of rendering reports to.
 struct Stretch<'a> {
     film: &'a mut Film,
-    watch: &'a mut dyn FnMut(&Film, &Outcome) -> Next,
+    watch: Watch<'a>,
     start: Instant,
     outcome: &'a mut Outcome,
 }
@@ -235,7 +186,11 @@ impl<'a> Renderer<'a> {
                 refill: pipeline(&staged.refill)?,
             },
         };
-        let record_bytes = u64::from(tuning.slots) * u64::from(tuning.records_per_slot) * size_of::<RunRecord>() as u64;
+        let film_bytes = u64::from(tuning.tile) * size_of::<PixelTotals>() as u64;
+        let report = |_| Report {
+            counters: Readback::new(device, "counters", size_of::<Counters>() as u64),
+            timing: if profile { Timing::new(device) } else { None },
+        };
         let settings = Settings {
             max_depth: job.max_depth,
             seed: job.seed,
@@ -250,11 +205,18 @@ impl<'a> Renderer<'a> {
             size: job.size,
             bounces: tuning.bounces.unwrap_or(1),
             bounces_fixed: tuning.bounces.is_some(),
+            bounces_at_once: 1,
             generate: pipeline(&plan.kernels.generate)?,
             bounce,
-            counters: Readback::new(device, "counters", size_of::<Counters>() as u64),
-            records: Readback::new(device, "records", record_bytes),
-            timing: if profile { Timing::new(device) } else { None },
+            accumulate: pipeline(&plan.kernels.accumulate)?,
+            reports: (0..IN_FLIGHT).map(report).collect(),
+            film: Readback::new(device, "film", film_bytes.min(FILM_AT_ONCE)),
+            tile: 0..0,
+            received: Totals::default(),
+            stale: false,
+            used: false,
+            stages: StageTimes::default(),
+            landed: Instant::now(),
             tuning,
             buffers,
         };
@@ -267,28 +229,28 @@ impl<'a> Renderer<'a> {
         let mut encoder = self.encoder();
         {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-            let stages = std::iter::once(&self.generate).chain(self.bounce.pipelines());
+            let stages = [&self.generate, &self.accumulate].into_iter().chain(self.bounce.pipelines());
             stages.for_each(|pipeline| pipeline.dispatch(&mut pass, 0));
         }
         self.device.wait(self.device.queue.submit([encoder.finish()]))
     }
 
-    /// Renders until the goal is reached, calling `watch` after each submission with the film and what came of the render so far, but for
-    /// what is known at its end alone. The job may be another one than the renderer was made for, of the same size.
+    /// Renders until the goal is reached, calling `watch` after each submission with what came of the render so far, but for what is known
+    /// at its end alone. Where it asks for a look, it is called again with the film. The job may be another one than the renderer was made for,
+    /// of the same size.
     ///
     /// # Errors
-    /// `Error::Device` where the device fails; the film keeps the runs that were finished before.
-    pub fn run(
-        &mut self,
-        job: &Job,
-        film: &mut Film,
-        watch: &mut dyn FnMut(&Film, &Outcome) -> Next,
-    ) -> Result<Outcome> {
+    /// `Error::Device` where the device fails; the film keeps what was in it at the last look.
+    pub fn run(&mut self, job: &Job, film: &mut Film, watch: Watch<'_>) -> Result<Outcome> {
         let mut outcome = Outcome::default();
         let start = Instant::now();
+        let processor = ThreadTime::now();
+        self.stages = StageTimes::default();
+        self.stale = std::mem::replace(&mut self.used, true);
+        self.received = Totals::default();
         let first = job.first_sample;
         self.settings = Settings { max_depth: job.max_depth, seed: job.seed, ..self.settings };
-        let mut stretch = Stretch { film, watch, start, outcome: &mut outcome };
+        let mut stretch = Stretch { film: &mut *film, watch, start, outcome: &mut outcome };
         let end = match job.goal {
             Goal::Samples(end) => {
                 self.render_samples(first..end, &mut stretch)?;
@@ -298,121 +260,12 @@ impl<'a> Renderer<'a> {
             Goal::Noise { error, deadline, end } => self.render_noise(first..end, error, deadline, &mut stretch)?,
         };
         outcome.samples = first..outcome.stopped_at.unwrap_or(end).min(end);
+        self.bring_film(film)?;
         outcome.seconds = start.elapsed().as_secs_f64();
-        if let Some(timing) = &self.timing {
-            outcome.stages = timing.seconds.iter().map(|(name, seconds)| (name.clone(), *seconds)).collect();
-        }
+        outcome.host_seconds = processor.elapsed().as_secs_f64();
+        outcome.stages = self.stages.seconds.iter().map(|(name, seconds)| (name.clone(), *seconds)).collect();
+        outcome.device_idle = self.stages.idle();
         Ok(outcome)
-    }
-
-    /// Renders as many samples as fit until the deadline, one at least; the result is one past the last.
-    fn render_until(&mut self, most: Range<u32>, deadline: Instant, stretch: &mut Stretch<'_>) -> Result<u32> {
-        match self.render_pilot(&most, deadline, stretch)? {
-            Some(mut pace) => self.fill(most, deadline, &mut pace, stretch),
-            None => Ok(most.start + 1),
-        }
-    }
-
-    /// Renders one sample and takes it back: the result is the pace, samples a second. Nothing, where no other sample fits; then
-    /// the one stays.
-    fn render_pilot(&mut self, most: &Range<u32>, deadline: Instant, stretch: &mut Stretch<'_>) -> Result<Option<f64>> {
-        let begin = Instant::now();
-        self.render_samples(most.start..most.start + 1, stretch)?;
-        let pace = 1.0 / begin.elapsed().as_secs_f64().max(1e-6);
-        if pace * seconds_until(deadline) < 1.0 || most.len() <= 1 || stretch.outcome.interrupted {
-            return Ok(None);
-        }
-        // Its runs of one sample would be parts of longer runs.
-        stretch.film.clear();
-        stretch.outcome.too_deep = TooDeep::default();
-        stretch.outcome.through_glass = ThroughGlass::default();
-        Ok(Some(pace))
-    }
-
-    /// Renders as many samples as fit until the deadline, which may be none; the result is one past the last.
-    ///
-    /// Their number is fixed before the last stretch begins, from the pace of the one before it: to stop when a pass happens
-    /// to end would favour short paths. The last stretch is short, so that an error of the pace does little, and ends within a
-    /// run: whole runs may be longer than what an error of the pace does.
-    fn fill(&mut self, most: Range<u32>, deadline: Instant, pace: &mut f64, stretch: &mut Stretch<'_>) -> Result<u32> {
-        /// The shares of the time at whose end the pace is taken again; the last leaves room for its error.
-        const SHARES: [f64; 4] = [0.1, 0.5, 0.85, 0.985];
-        let begin = Instant::now();
-        let all = seconds_until(deadline);
-        let mut done = most.start;
-        for share in SHARES {
-            let spent = begin.elapsed().as_secs_f64();
-            let fits = (*pace * (share * all - spent)).max(0.0) as u32;
-            let aim = done.saturating_add(fits).min(most.end);
-            let last = share == SHARES[SHARES.len() - 1];
-            let end = match last || aim == most.end {
-                true => aim,
-                false => aim / RUN_LENGTH * RUN_LENGTH,
-            };
-            if end <= done {
-                continue;
-            }
-            self.render_samples(done..end, stretch)?;
-            *pace = f64::from(end - done) / (begin.elapsed().as_secs_f64() - spent).max(1e-6);
-            done = end;
-            if stretch.outcome.interrupted || done == most.end {
-                break;
-            }
-        }
-        if done == most.start && stretch.film.totals().paths == 0 {
-            // The pilot was wrong about a second sample, and is gone.
-            self.render_samples(done..done + 1, stretch)?;
-            done += 1;
-        }
-        Ok(done)
-    }
-
-    /// Renders until the relative error is below the one asked; the result is one past the last sample.
-    ///
-    /// The film is looked at when the number of samples has doubled. To stop at the first look that pleases would favour those that are
-    /// too low by chance: the k-th has a 2^-k-th of the probability of being wrong that all have together, by the union bound. Samples that
-    /// have been looked at stay: they are as good as others, and the image is that of `--spp` with their number.
-    ///
-    /// The error of a handful of pixels is never known with such confidence, nor that of an image without light: there it gives up.
-    fn render_noise(
-        &mut self,
-        most: Range<u32>,
-        error: f64,
-        deadline: Option<Instant>,
-        stretch: &mut Stretch<'_>,
-    ) -> Result<u32> {
-        let mut done = most.start;
-        let mut noise = Noise { level: NOISE_LEVEL / 2.0, reached: false };
-        let mut timed = None;
-        if let Some(deadline) = deadline {
-            match self.render_pilot(&most, deadline, stretch)? {
-                Some(pace) => timed = Some((deadline, pace)),
-                None => {
-                    stretch.outcome.noise = Some(noise);
-                    return Ok(done + 1);
-                }
-            }
-        }
-        let mut aim = FIRST_LOOK;
-        loop {
-            let end = most.end.min(most.start.saturating_add(aim));
-            done = match &mut timed {
-                Some((deadline, pace)) => self.fill(done..end, *deadline, pace, stretch)?,
-                None => {
-                    self.render_samples(done..end, stretch)?;
-                    end
-                }
-            };
-            let bound = stretch.film.error_estimate(noise.level).map_or(f64::INFINITY, |found| found.bound);
-            noise.reached = bound < error;
-            stretch.outcome.noise = Some(noise);
-            let hopeless = bound == f64::INFINITY && done - most.start >= LAST_LOOK;
-            if noise.reached || hopeless || done < end || done == most.end || stretch.outcome.interrupted {
-                return Ok(done);
-            }
-            noise.level /= 2.0;
-            aim = aim.saturating_mul(2);
-        }
     }
 
     /// Renders a range of samples of every pixel.
@@ -420,141 +273,201 @@ impl<'a> Renderer<'a> {
         self.settings.first_sample = samples.start;
         self.settings.end_sample = samples.end;
         self.write("settings", &self.settings_layout.bytes(&self.settings))?;
-        let pixels = self.size.0 * self.size.1;
-        // Runs of a window are counted in 32 bits, with room for each slot to ask once too often.
-        let window_blocks = ((1u32 << 31) / pixels).max(1);
-        let blocks = blocks(samples.clone());
-        let mut first_block = blocks.start;
-        while first_block < blocks.end && !stretch.outcome.interrupted {
-            let end_block = blocks.end.min(first_block.saturating_add(window_blocks));
-            let window = Window { first_block, end: (end_block - first_block) * pixels, bounces: 0 };
-            self.render_window(window, &samples, stretch)?;
-            first_block = end_block;
+        self.bounces_at_once = self.bounces_with_room(&samples);
+        let pixels = u64::from(self.size.0) * u64::from(self.size.1);
+        let pixels = u32::try_from(pixels).unwrap_or(u32::MAX);
+        for turn in turns(pixels, self.tuning.tile, blocks(samples)) {
+            if stretch.outcome.interrupted {
+                break;
+            }
+            if turn.pixels != self.tile {
+                self.bring_film(stretch.film)?;
+                self.tile = turn.pixels.clone();
+            }
+            self.render_turn(&turn, stretch)?;
         }
         Ok(())
     }
 
-    /// Renders the runs of a window, until every slot is idle.
-    fn render_window(&mut self, mut window: Window, samples: &Range<u32>, stretch: &mut Stretch<'_>) -> Result<()> {
+    /// Renders the runs of a turn, until every slot is idle.
+    fn render_turn(&mut self, turn: &Turn, stretch: &mut Stretch<'_>) -> Result<()> {
+        let pixels = turn.pixels.len() as u32;
+        let first_block = turn.blocks.start;
+        let end = turn.blocks.len() as u32 * pixels;
+        let mut window = Window { first_block, end, bounces: 0, first_pixel: turn.pixels.start, pixels };
         self.write("counters", bytemuck::bytes_of(&Counters::default()))?;
-        let most_bounces = self.most_bounces(samples);
-        let mut starting = true;
-        let mut before = Counters::default();
+        let mut flights: VecDeque<Flight> = VecDeque::new();
+        let mut counters = Counters::default();
+        let mut submitted = 0;
+        let mut look = false;
         loop {
-            let bounces = self.bounces.clamp(1, most_bounces);
-            window.bounces = bounces;
-            self.write("window", bytemuck::bytes_of(&window))?;
-            let begin = Instant::now();
-            let submission = self.submit(bounces, starting);
-            starting = false;
-            let counters = self.read_counters(submission.clone())?;
-            self.adapt(bounces, begin.elapsed());
-            if let Some(timing) = &mut self.timing {
-                timing.collect(self.device, submission)?;
+            // Where no run is left to be started, paths end one by one: what is submitted too much would find idle slots.
+            let most = if counters.next < window.end { IN_FLIGHT } else { 1 };
+            while counters.idle < self.tuning.slots && !look && flights.len() < most {
+                flights.push_back(self.submit(&mut window, submitted)?);
+                submitted += 1;
             }
-            self.accumulate(counters.records, stretch.film)?;
-            let Stretch { film, watch, start, outcome } = stretch;
-            outcome.too_deep.add(&counters, &before);
-            outcome.through_glass.add(&counters, &before);
-            before = counters;
-            if outcome.first_pass == 0.0 {
-                outcome.first_pass = start.elapsed().as_secs_f64();
-            }
-            if watch(film, outcome) == Next::Stop && !outcome.interrupted {
-                outcome.interrupted = true;
-                // No run beyond those started begins. The started ones end: to drop them would favour short paths.
-                window.end = window.end.min(counters.next);
-                let blocks_begun = window.end.div_ceil(film.width() * film.height());
-                outcome.stopped_at = Some((window.first_block + blocks_begun) * RUN_LENGTH);
-            }
-            if counters.idle >= self.tuning.slots {
-                return Ok(());
-            }
-        }
-    }
-
-    fn read_counters(&self, submission: wgpu::SubmissionIndex) -> Result<Counters> {
-        let bytes = size_of::<Counters>() as u64;
-        self.counters.read(self.device, submission, bytes, bytemuck::pod_read_unaligned)
-    }
-
-    /// Records and submits a pass: starting the slots if they have no runs yet, then so many bounces.
-    fn submit(&mut self, bounces: u32, starting: bool) -> wgpu::SubmissionIndex {
-        let mut encoder = self.encoder();
-        let groups = self.tuning.slots.div_ceil(self.tuning.workgroup);
-        let mut stages: Vec<Stage<'_>> = Vec::new();
-        if starting {
-            stages.push(Stage::all(&self.generate, groups));
-        }
-        match &self.bounce {
-            BouncePipelines::Fused(bounce) => stages.push(Stage::all(bounce, groups)),
-            BouncePipelines::Staged { intersect, medium, dispatch, scatter, shadow, refill } => {
-                for _ in 0..bounces {
-                    stages.push(Stage::all(intersect, groups));
-                    stages.extend(medium.iter().map(|medium| Stage::all(medium, groups)));
-                    match dispatch {
-                        None => stages.extend(scatter.iter().map(|kernel| Stage::all(kernel, groups))),
-                        Some(dispatch) => {
-                            stages.push(Stage::all(dispatch, 1));
-                            stages.extend((0..).zip(scatter).map(|(queue, kernel)| Stage::queue(kernel, queue)));
-                        }
+            let next = match flights.pop_front() {
+                Some(flight) => {
+                    let before = std::mem::replace(&mut counters, self.land(flight)?);
+                    let counted = totals_since(&counters, &before);
+                    self.received += counted;
+                    let Stretch { watch, start, outcome, .. } = stretch;
+                    outcome.totals += counted;
+                    outcome.too_deep.add(&counters, &before);
+                    outcome.through_glass.add(&counters, &before);
+                    if outcome.first_pass == 0.0 {
+                        outcome.first_pass = start.elapsed().as_secs_f64();
                     }
-                    stages.extend(shadow.iter().map(|shadow| Stage::all(shadow, groups)));
-                    stages.push(Stage::all(refill, groups));
+                    let next = watch(outcome, None);
+                    look |= next == Next::Look;
+                    next
                 }
-            }
-        }
-        let sizes = self.buffers.get("queue_args").ok();
-        match &mut self.timing {
-            None => {
-                let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-                stages.iter().for_each(|stage| stage.record(&mut pass, sizes));
-            }
-            Some(timing) => {
-                for stage in &stages {
-                    let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-                        label: Some(&stage.kernel.name),
-                        timestamp_writes: timing.next(&stage.kernel.name),
-                    });
-                    stage.record(&mut pass, sizes);
+                None if look => {
+                    look = false;
+                    let begin = Instant::now();
+                    self.bring_film(stretch.film)?;
+                    (stretch.watch)(stretch.outcome, Some(Look { film: stretch.film, begin }))
                 }
-                timing.resolve(&mut encoder);
+                None => break,
+            };
+            if next == Next::Stop && !stretch.outcome.interrupted {
+                stretch.outcome.interrupted = true;
+                // No run begins beyond those that had been started when the device is told. The started ones end: to drop them would favour
+                // short paths.
+                window.end = window.end.min(counters.next);
             }
         }
-        if let Ok(counters) = self.buffers.get("counters") {
-            self.counters.copy(&mut encoder, counters, size_of::<Counters>() as u64);
+        if stretch.outcome.interrupted {
+            // Each slot has asked once too often.
+            let started = counters.next - counters.idle;
+            stretch.outcome.stopped_at = Some((first_block + started.div_ceil(pixels)) * RUN_LENGTH);
         }
-        self.device.queue.submit([encoder.finish()])
+        Ok(())
     }
 
-    /// Takes the finished runs into the film.
-    fn accumulate(&mut self, records: u32, film: &mut Film) -> Result<()> {
-        if records == 0 {
+    /// Waits for a submission, and reads what it has counted.
+    fn land(&mut self, flight: Flight) -> Result<Counters> {
+        let Flight { submission, report, bounces, begin } = flight;
+        let Report { counters, timing } = &mut self.reports[report];
+        let bytes = size_of::<Counters>() as u64;
+        let counted = counters.read(self.device, submission.clone(), bytes, bytemuck::pod_read_unaligned)?;
+        if let Some(timing) = timing {
+            timing.collect(self.device, submission, &mut self.stages)?;
+        }
+        // The device begins with it when the one before has ended.
+        let now = Instant::now();
+        let took = now - begin.max(std::mem::replace(&mut self.landed, now));
+        self.adapt(bounces, took);
+        Ok(counted)
+    }
+
+    /// Adds what the device's film has received to the film.
+    fn bring_film(&mut self, film: &mut Film) -> Result<()> {
+        if self.received == Totals::default() {
             return Ok(());
         }
-        let capacity = self.tuning.slots * self.tuning.records_per_slot;
-        if records > capacity {
-            return Err(Error::Device(format!(
-                "{}: {records} runs were delivered where {capacity} have room; please report this",
-                self.device.name
-            )));
+        let each = size_of::<PixelTotals>() as u64;
+        let at_once = (self.film.room() / each).clamp(1, u64::from(u32::MAX)) as u32;
+        let tile = self.tile.clone();
+        let places: Vec<u32> = tile.clone().step_by(at_once as usize).collect();
+        for first in places {
+            let end = tile.end.min(first.saturating_add(at_once));
+            let bytes = u64::from(end - first) * each;
+            let mut encoder = self.encoder();
+            self.film.copy(&mut encoder, self.buffers.get("film")?, u64::from(first - tile.start) * each, bytes);
+            let submission = self.device.queue.submit([encoder.finish()]);
+            self.film.read(self.device, submission, bytes, |bytes| {
+                let indices = (first..end).map(|place| pixel_in_order(place, self.size));
+                match bytemuck::try_cast_slice::<u8, PixelTotals>(bytes) {
+                    Ok(totals) => film.add(indices.zip(totals), Totals::default()),
+                    Err(_) => film.add(indices.zip(&bytemuck::pod_collect_to_vec(bytes)), Totals::default()),
+                }
+            })?;
         }
-        let bytes = u64::from(records) * size_of::<RunRecord>() as u64;
-        let mut encoder = self.encoder();
-        self.records.copy(&mut encoder, self.buffers.get("records")?, bytes);
-        // Only the number of records starts again; `next` and `idle` go on.
-        encoder.clear_buffer(self.buffers.get("counters")?, std::mem::offset_of!(Counters, records) as u64, Some(4));
-        let submission = self.device.queue.submit([encoder.finish()]);
-        self.records.read(self.device, submission, bytes, |bytes| match bytemuck::try_cast_slice(bytes) {
-            Ok(records) => film.add(records),
-            Err(_) => film
-                .add(&bytes.chunks_exact(size_of::<RunRecord>()).map(bytemuck::pod_read_unaligned).collect::<Vec<_>>()),
-        })
+        film.add([], std::mem::take(&mut self.received));
+        self.stale = true;
+        Ok(())
     }
 
-    /// The bounces after which the records are sure to have room: a slot ends at most one run that it is in, and then one
+    /// Records and submits a pass, the turn's first, second and so on: starting the slots if they have no runs yet, then some bounces.
+    fn submit(&mut self, window: &mut Window, number: usize) -> Result<Flight> {
+        let bounces = self.bounces.clamp(1, self.most_bounces());
+        let at_once = bounces.min(self.bounces_at_once);
+        window.bounces = at_once;
+        self.write("window", bytemuck::bytes_of(window))?;
+        let begin = Instant::now();
+        let report = number % IN_FLIGHT;
+        let mut encoder = self.encoder();
+        if std::mem::take(&mut self.stale) {
+            encoder.clear_buffer(self.buffers.get("film")?, 0, None);
+        }
+        let groups = self.tuning.slots.div_ceil(self.tuning.workgroup);
+        let sizes = self.buffers.get("queue_args").ok();
+        let counters = self.buffers.get("counters")?;
+        let Report { counters: readback, timing } = &mut self.reports[report];
+        for done in (0..bounces).step_by(at_once as usize) {
+            let mut stages: Vec<Stage<'_>> = Vec::new();
+            if number == 0 && done == 0 {
+                stages.push(Stage::all(&self.generate, groups));
+            }
+            match &self.bounce {
+                BouncePipelines::Fused(bounce) => stages.push(Stage::all(bounce, groups)),
+                BouncePipelines::Staged { intersect, medium, dispatch, scatter, shadow, refill } => {
+                    for _ in done..bounces.min(done + at_once) {
+                        stages.push(Stage::all(intersect, groups));
+                        stages.extend(medium.iter().map(|medium| Stage::all(medium, groups)));
+                        match dispatch {
+                            None => stages.extend(scatter.iter().map(|kernel| Stage::all(kernel, groups))),
+                            Some(dispatch) => {
+                                stages.push(Stage::all(dispatch, 1));
+                                stages.extend((0..).zip(scatter).map(|(queue, kernel)| Stage::queue(kernel, queue)));
+                            }
+                        }
+                        stages.extend(shadow.iter().map(|shadow| Stage::all(shadow, groups)));
+                        stages.push(Stage::all(refill, groups));
+                    }
+                }
+            }
+            stages.push(Stage::all(&self.accumulate, groups));
+            match timing {
+                None => {
+                    let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+                    stages.iter().for_each(|stage| stage.record(&mut pass, sizes));
+                }
+                Some(timing) => {
+                    for stage in &stages {
+                        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                            label: Some(&stage.kernel.name),
+                            timestamp_writes: timing.next(&stage.kernel.name),
+                        });
+                        stage.record(&mut pass, sizes);
+                    }
+                }
+            }
+            encoder.clear_buffer(counters, std::mem::offset_of!(Counters, records) as u64, Some(4));
+        }
+        if let Some(timing) = timing {
+            timing.resolve(&mut encoder);
+        }
+        readback.copy(&mut encoder, counters, 0, size_of::<Counters>() as u64);
+        let submission = self.device.queue.submit([encoder.finish()]);
+        Ok(Flight { submission, report, bounces, begin })
+    }
+
+    /// The bounces whose passes can be timed.
+    fn most_bounces(&self) -> u32 {
+        // Each bounce may be followed by the accumulation.
+        let kernels = self.bounce.pipelines().count() as u32 + 1;
+        match self.reports.iter().any(|report| report.timing.is_some()) {
+            true => ((MAX_PASSES as u32 - 1) / kernels).max(1),
+            false => u32::MAX,
+        }
+    }
+
+    /// The bounces after which the records of finished runs are sure to have room: a slot ends at most one run that it is in, and then one
     /// for each of its samples' bounces.
-    fn most_bounces(&self, samples: &Range<u32>) -> u32 {
+    fn bounces_with_room(&self, samples: &Range<u32>) -> u32 {
         let whole = samples.start.is_multiple_of(RUN_LENGTH) && samples.end.is_multiple_of(RUN_LENGTH);
         let shortest = match whole {
             true => RUN_LENGTH,
@@ -565,12 +478,7 @@ impl<'a> Renderer<'a> {
                 first.min(last)
             }
         };
-        let kernels = self.bounce.pipelines().count() as u32;
-        let recordable = match self.timing {
-            Some(_) => (MAX_PASSES as u32 - 1) / kernels,
-            None => u32::MAX,
-        };
-        ((self.tuning.records_per_slot - 1) * shortest).clamp(1, recordable)
+        ((self.tuning.records_per_slot - 1) * shortest).max(1)
     }
 
     /// Aims the next submission at its target time.

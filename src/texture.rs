@@ -1,4 +1,4 @@
-//! Textures: colours that vary over a surface or in space. All that is asked of a texture is answered here, next to its variant.
+//! Textures: colours that vary over a surface or in space. This file has everything that the host knows about them.
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -25,11 +25,11 @@ pub enum Texture {
     Marble { scale: f64 },
 }
 
-/// What is known of all textures of a kind.
+/// The properties that all textures of a kind share.
 #[derive(Debug)]
 pub struct TextureKind {
     pub form: Form,
-    /// Its file of shaders/texture.
+    /// The name of its file under shaders/texture.
     pub shader: &'static str,
 }
 
@@ -41,7 +41,7 @@ const fn kind(
     TextureKind { form: Form { name, fields, in_order: false }, shader }
 }
 
-/// It has no shader file: a plain colour is the material's own.
+/// A plain colour is stored in the material, and has no shader file.
 const RGB: Form = Form { name: "Rgb", fields: &[("r", NUMBER), ("g", NUMBER), ("b", NUMBER)], in_order: true };
 
 kinds! {
@@ -53,16 +53,16 @@ kinds! {
     Marble => kind("marble", "Marble", &[("scale", NUMBER)]),
 }
 
-/// The kinds of texture by the numbers that kernels switch on; each is a file of shaders/texture.
+/// The shader files of the kinds of texture, under shaders/texture. Kernels switch on the indices.
 pub const TEXTURES: &[&str] = match Texture::SHADERS {
     [_plain, shaders @ ..] => shaders,
     [] => &[],
 };
 
-/// What is expected where a texture belongs.
+/// The words in error messages for an expected texture.
 pub const TEXTURE: &str = "a texture: Rgb(r, g, b), Checker(..), Image(..), Noise(..) or Marble(..)";
 
-/// An image file of the scene, decoded: linear Rec. 709, row 0 on top.
+/// A decoded image file of the scene: linear Rec. 709, with row 0 at the top.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bitmap {
     pub width: u32,
@@ -70,26 +70,26 @@ pub struct Bitmap {
     pub texels: Vec<[f32; 3]>,
 }
 
-/// The decoded images, by their path as the scene file writes it.
+/// The decoded images, by the paths that the scene file writes.
 pub type Bitmaps = BTreeMap<String, Bitmap>;
 
-/// What a texture's values mean, which is what bounds them.
+/// The meaning of a texture's values, which determines their range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Use {
     /// The share of light that is not absorbed: 0 to 1.
     Albedo,
-    /// Light: 0, or 1e-30 to 1e30.
+    /// Emitted light: 0, or 1e-30 to 1e30.
     Radiance,
 }
 
-/// Largest radiance, and smallest other than zero: both are normal numbers in f32 too.
+/// The largest radiance, and the smallest other than zero. Both are normal numbers in f32.
 const LARGEST_RADIANCE: f64 = 1e30;
 const SMALLEST_RADIANCE: f64 = 1e-30;
-/// Of the texels of an image that are not black at least one in so many: fewer may be what an encoding left over.
+/// Faint texels count if they are at least one in this number of an image's lit texels. Fewer may be artefacts of the encoding.
 const TEXELS_EACH: usize = 100;
 
 impl Use {
-    /// Refuses a colour of the scene file that has a channel out of range.
+    /// Refuses a colour with a channel out of range.
     pub fn check(self, at: &Place, colour: Colour) -> Result<()> {
         let (expected, range) = match self {
             Use::Albedo => ("an albedo from 0 to 1".to_owned(), 0.0..=1.0),
@@ -105,7 +105,7 @@ impl Use {
         }
     }
 
-    /// Names the first texel of an image that is no light, or more than its use allows.
+    /// Refuses an image with a texel out of range, and names the first one.
     pub fn check_texels(self, bitmap: &Bitmap) -> std::result::Result<(), String> {
         let (expected, range): (_, RangeInclusive<f32>) = match self {
             Use::Albedo => ("an albedo from 0 to 1", 0.0..=1.0),
@@ -127,7 +127,7 @@ impl Bitmap {
         self.texels.iter().flatten().fold(0.0, |most, &x| f64::from(x).max(most))
     }
 
-    /// The brightest of the texels that are too faint and not black, if they are many.
+    /// The brightest of the texels that are too faint but not black, if they are many.
     pub fn faint_part(&self, is_faint: impl Fn(f64) -> bool) -> Option<f64> {
         let texels = self.texels.iter().map(|texel| texel.iter().fold(0.0, |most, &x| f64::from(x).max(most)));
         let lit = texels.filter(|x| *x > 0.0);
@@ -140,7 +140,7 @@ impl Bitmap {
 }
 
 impl Texture {
-    /// Refuses numbers that mean nothing, or not what they are used for.
+    /// Refuses numbers that are invalid, or out of range for the use of the texture.
     pub fn check(&self, at: &Place, usage: Use) -> Result<()> {
         let at = at.variant(self.name());
         match self {
@@ -155,7 +155,7 @@ impl Texture {
         }
     }
 
-    /// The colour, where it is the same everywhere.
+    /// The colour, if it is the same everywhere.
     pub fn plain(&self) -> Option<Colour> {
         match self {
             Texture::Rgb(r, g, b) => Some(DVec3::new(*r, *g, *b)),
@@ -163,7 +163,7 @@ impl Texture {
         }
     }
 
-    /// The path of the image that it shows: it needs texture coordinates.
+    /// The path of its image, which needs texture coordinates.
     pub fn image(&self) -> Option<&String> {
         match self {
             Texture::Image { path } => Some(path),
@@ -171,7 +171,7 @@ impl Texture {
         }
     }
 
-    /// Its number among `TEXTURES`; nothing for a plain colour.
+    /// Its index in `TEXTURES`; none for a plain colour.
     pub fn shader_number(&self) -> Option<usize> {
         self.number().checked_sub(1)
     }
@@ -186,7 +186,7 @@ impl Texture {
         }
     }
 
-    /// The luminance of its mean.
+    /// The luminance of its mean colour.
     pub fn mean_luminance(&self, bitmaps: &Bitmaps) -> f64 {
         match self {
             Texture::Rgb(r, g, b) => luminance([*r, *g, *b]),
@@ -199,12 +199,12 @@ impl Texture {
         }
     }
 
-    /// Whether a channel is 1: of a colour, or of all texels of an image.
+    /// Whether a channel is 1: of one of its colours, or of all texels of its image.
     pub fn is_white(&self, bitmaps: &Bitmaps) -> bool {
         match self {
             Texture::Rgb(r, g, b) => [*r, *g, *b].contains(&1.0),
             Texture::Checker { even, odd, .. } => even.max(*odd).max_element() == 1.0,
-            // A white place here and there is nothing to warn of.
+            // Single white texels deserve no warning.
             Texture::Image { path } => bitmaps
                 .get(path)
                 .is_some_and(|image| (0..3).any(|channel| image.texels.iter().all(|texel| texel[channel] >= 1.0))),
@@ -212,7 +212,7 @@ impl Texture {
         }
     }
 
-    /// The radiance of a part that is too faint, where it has several parts.
+    /// The radiance of a part that is too faint, if it has several parts.
     pub fn faint_part(&self, bitmaps: &Bitmaps, is_faint: impl Fn(f64) -> bool) -> Option<f64> {
         match self {
             Texture::Checker { even, odd, .. } => {
@@ -223,8 +223,8 @@ impl Texture {
         }
     }
 
-    /// What kernels read of it, its values multiplied by `brightness`; nothing of a plain colour. `add_image` gives the place of an
-    /// image's first texel.
+    /// The struct that kernels read, with values multiplied by `brightness`; none for a plain colour. `add_image`
+    /// returns the index of an image's first texel.
     pub fn upload(
         &self,
         brightness: f64,
@@ -251,9 +251,9 @@ impl Texture {
         Some(texture)
     }
 
-    /// The frame of the texture: the point p(local) = base + columns · local in the object's own space, in the texture's units, its base
-    /// reduced by the texture's period in f64. For an image the object's rotation alone is undone, for the normals of spheres. A plain
-    /// colour needs none.
+    /// The frame of the texture: it maps local coordinates to the point base + columns · local in the object's own
+    /// space, in the texture's units. The base is reduced by the texture's period, in f64. For an image the frame only
+    /// undoes the object's rotation, for the normals of spheres. A plain colour needs no frame.
     pub fn frame(&self, (base, columns): (DVec3, DMat3), rotation: &DMat3) -> Option<data::Frame> {
         let (base, columns, phase) = match *self {
             Texture::Rgb(..) => return None,
@@ -273,7 +273,7 @@ impl Texture {
     }
 }
 
-/// Each coordinate less whole periods, within half a period of zero.
+/// Each coordinate minus whole periods, within half a period of zero.
 fn reduce(v: DVec3, period: f64) -> DVec3 {
     v - period * (v / period).round()
 }

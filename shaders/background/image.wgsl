@@ -2,7 +2,7 @@
 //@ use choice/axes
 //@ use lib/sphere_map
 //@ use scene/texel
-// The radiance of the sky where a ray leaves the scene: a latitude-longitude image, the first of the scene's texels.
+// The radiance of a ray that leaves the scene: a latitude-longitude image. Its texels come first in the table of texels.
 fn image_background(direction: vec3<f32>) -> vec3<f32> {
     let at = sky_place(to_world(direction));
     return settings.background_bottom

@@ -1,5 +1,5 @@
 //@ use bind/settings
-// The radiance of the sky where a ray leaves the scene: one colour.
+// The radiance of a ray that leaves the scene: one colour.
 fn solid_background(direction: vec3<f32>) -> vec3<f32> {
     return settings.background_bottom;
 }

@@ -1,2 +1,2 @@
-// Slots waiting for the scatter kernels: the length of each queue, then the queues, each with room for every slot.
+// The slots that wait for the scatter kernels: first the length of each queue, then the queues. Each queue has room for all slots.
 @group(0) @binding(13) var<storage, read_write> queues: array<atomic<u32>>;

@@ -1,2 +1,2 @@
 //@ use data/window
-@group(0) @binding(3) var<storage, read_write> records: array<RunRecord>;
+@group(0) @binding(23) var<storage, read_write> records: array<RunRecord>;

@@ -2,13 +2,13 @@
 //@ use data/ray
 //@ use lib/sampling
 //@ use camera/film_plane
-// A point of the lens, uniform by area.
+// A point on the lens, uniform by area.
 fn lens_point(u: vec2<f32>) -> vec3<f32> {
     let place = sample_disk(u);
     return place.x * settings.lens_x + place.y * settings.lens_y;
 }
 
-// Rays leave a point of the lens for the point at the focus distance that the pinhole's ray would meet
+// A ray starts at a point of the lens. It goes to the point at the focus distance through which the pinhole's ray would go
 // (Cook, Porter, Carpenter, "Distributed Ray Tracing", SIGGRAPH 1984, section 4.3).
 fn camera_ray(column: u32, row: u32, u: vec4<f32>) -> Ray {
     let origin = lens_point(u.zw);

@@ -1,11 +1,11 @@
-// Blocks of four random dimensions, by name. Reserved whether a scene uses them or not, so that no feature shifts
-// another's numbers. A bounce owns BLOCKS_PER_EVENT consecutive blocks from FIRST_EVENT on.
+// The random dimensions, in blocks of four with names. Every block is reserved whether or not a scene uses it, so no feature
+// changes the numbers of another. Each bounce has DIMENSION_BLOCKS_PER_BOUNCE consecutive blocks, from DIMENSION_FIRST_BOUNCE on.
 
-const DIMENSION_CAMERA: u32 = 0u; // x, y within the pixel; lens, lens
+const DIMENSION_CAMERA: u32 = 0u; // two for the point in the pixel, two for the point on the lens
 const DIMENSION_FIRST_BOUNCE: u32 = 1u;
 const DIMENSION_BLOCKS_PER_BOUNCE: u32 = 4u;
 
-// The blocks of one scattering event, in this order: direction, light, medium, roulette.
+// The blocks of one scattering event, in order: direction, light, medium, roulette.
 const DIMENSION_SCATTER: u32 = 0u;
 const DIMENSION_LIGHT: u32 = 1u;
 const DIMENSION_MEDIUM: u32 = 2u;

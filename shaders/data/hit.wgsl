@@ -1,18 +1,18 @@
-// What a ray meets first.
+// The nearest hit of a ray.
 struct Hit {
     code: u32,
     t: f32,
-    // Nodes and primitives looked at.
+    // The number of nodes and primitives that the walk has visited.
     steps: u32,
     //@ if mesh
-    // The mesh that a triangle is part of.
+    // For a triangle: the instance of its mesh.
     instance: u32,
     //@ end
 }
 
 const NO_INSTANCE: u32 = 0xffffffffu;
 
-// Something that is part of no mesh.
+// A hit without an instance: on a primitive that is not part of a mesh, or on nothing.
 fn hit_at(code: u32, t: f32) -> Hit {
     var hit: Hit;
     hit.code = code;

@@ -1,52 +1,53 @@
-// Something that is sampled as a light: an emitting primitive, a face of an emitting mesh, or the sky.
+// A light that can be sampled: an emitting primitive, a face of an emitting mesh, or the sky.
 struct Light {
-    // Code of the primitive (data/primitive); HIT_NOTHING is the sky.
+    // Code of the primitive (data/primitive). HIT_NOTHING stands for the sky.
     code: u32,
-    // With a triangle's code: the instance that it is part of.
+    // For a triangle: the instance of its mesh.
     instance: u32,
-    // The way to it in the tree (scene/light_tree), from the lowest bit on: whether it goes to the second of a pair.
+    // The way from the tree's root to this light (scene/light_tree), one bit per level, the lowest first: 1
+    // for the second node of a pair.
     trail: u32,
     padding: u32,
 }
 
-// A light that was chosen for a point.
+// A light chosen to be sampled from a point, and the probability of that choice.
 struct LightChoice {
     index: u32,
     probability: f32,
 }
 
-// A node of the tree over the lights: the sphere around its lights, and the cone around the directions in which they are turned.
+// A node of the light tree: a sphere that bounds its lights, and a cone that bounds their normals.
 struct LightNode {
     center: vec3<f32>,
     radius: f32,
-    // Radiance times the area that its lights show on the mean, over that of the brightest light.
+    // The sum over its lights of radiance times mean projected area, relative to the brightest light.
     intensity: f32,
-    // Octahedral.
+    // The cone's axis, octahedral (lib/octahedral).
     axis: u32,
     cos_spread: f32,
-    // The index of a pair of nodes or of a light, and three bits.
+    // The index of a pair of nodes or of a light, and three flags.
     child: u32,
 }
 
 const LIGHT_NODE_LEAF: u32 = 0x80000000u;
-// Its lights shine against the cone as they do along it.
+// Its lights emit equally along the cone's directions and opposite to them.
 const LIGHT_NODE_TWO_SIDED: u32 = 0x40000000u;
-// It is the sky: around all points, and as bright from each.
+// The node is the sky, which surrounds every point and is equally bright from each.
 const LIGHT_NODE_SKY: u32 = 0x20000000u;
 const LIGHT_NODE_INDEX: u32 = 0x1fffffffu;
 
-// From here on no light has its place: what emits and has such a one is not sampled.
+// Values from here on are not places in the table of lights. An emitter with such a value is not sampled.
 const NOT_SAMPLED: u32 = 0x80000000u;
 
-// Of the sky among the bins of lights (step/through_glass), whatever its place among the lights.
+// The sky's number when lights are sorted into bins (step/through_glass). It does not depend on the sky's place in the table of lights.
 const NUMBER_OF_SKY: u32 = 0u;
 
-// What stands for the code of a light where none is asked.
+// Stands in place of a light's code where there is no shadow ray.
 const NO_LIGHT: u32 = 0xfffffff9u;
 
-// The share of a light in what a direction brings, of two ways to draw that direction: the power heuristic with exponent 2
-// (Veach and Guibas, "Optimally Combining Sampling Techniques for Monte Carlo Rendering", SIGGRAPH 1995, section 4.1), by the
-// ratio of the densities so that no square overflows.
+// The MIS weight of a direction that one technique draws with density `own` and another one with density `other`: the power
+// heuristic with exponent 2 (Veach and Guibas, "Optimally Combining Sampling Techniques for Monte Carlo Rendering", SIGGRAPH
+// 1995, section 4.1). It uses the ratio of the densities, so that no square overflows.
 fn power_heuristic(own: f32, other: f32) -> f32 {
     let ratio = min(other / own, 0x1p60f);
     return 1.0 / (1.0 + ratio * ratio);

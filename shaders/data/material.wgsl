@@ -1,28 +1,28 @@
-// A material. `kind` is the place of its file in the list of materials.
+// A material. `kind` is its number in the list of materials.
 struct Material {
-    // Albedo or emission where no texture replaces it.
+    // Albedo or emission, unless a texture replaces it.
     colour: vec3<f32>,
     kind: u32,
-    // The material's own, as its file says.
+    // The material's file defines what this means.
     parameter: f32,
-    // Dielectric: (ior - 1)(ior + 1), and the same of 1/ior; rounded once, from f64.
+    // Dielectric: (ior - 1)(ior + 1), and the same for 1/ior. Computed in f64 and rounded once.
     contrast_outside: f32,
     contrast_inside: f32,
-    // Index of the texture of the colour, or NO_TEXTURE.
+    // Index of the texture that gives the colour, or NO_TEXTURE.
     texture: u32,
 }
 
 const NO_TEXTURE: u32 = 0xffffffffu;
 
-// A ray arriving at a surface, as the materials see it.
+// What a material knows of a ray that hits its surface.
 struct Interaction {
-    // Unit direction of the arriving ray.
+    // Unit direction of the incoming ray.
     incoming: vec3<f32>,
-    // Unit normal on the side that the ray comes from.
+    // Unit shading normal, on the side from which the ray comes.
     normal: vec3<f32>,
-    // Whether that is the side the surface's own normal points to.
+    // Whether the ray comes from the side to which the surface's own normal points.
     front: bool,
-    // The material's colour at the point: albedo, or emission.
+    // The material's colour at the hit point: albedo or emission.
     colour: vec3<f32>,
 }
 
@@ -30,16 +30,16 @@ const SCATTERED: u32 = 0u;
 const ABSORBED: u32 = 1u;
 const EMITTED: u32 = 2u;
 
-// What a material makes of it. Scattered: the new unit direction and weight = BSDF x cosine / pdf.
-// Emitted: weight = emitted radiance, and the path ends.
+// What a material does with a ray. SCATTERED: the new unit direction, and weight = BSDF x cosine / pdf. EMITTED: weight =
+// emitted radiance, and the path ends.
 struct Scatter {
     event: u32,
     direction: vec3<f32>,
     weight: vec3<f32>,
 }
 
-// How a surface answers to light from a direction: BSDF times cosine, and the density by which its material would have drawn
-// the direction.
+// The response of a surface to light from a given direction: BSDF times cosine, and the pdf with which the
+// material would sample that direction.
 struct Response {
     value: vec3<f32>,
     pdf: f32,

@@ -1,47 +1,48 @@
 //@ use data/ray
 //@ use data/hit
 //@ use lib/compensated
-// A path on its way, and the run that it is a sample of.
+// The state of a path, and of the run that its sample belongs to.
 struct Path {
     ray: Ray,
     // Distance to the hit that `status` names.
     t: f32,
     // Code of the primitive that the ray hit, or what the path is doing (data/primitive).
     status: u32,
-    // The share of the light met next that reaches the camera; of an ended path its radiance.
+    // The factor that multiplies the radiance found by the ray. Once the path has ended, it holds the path's radiance.
     throughput: vec3<f32>,
     //@ if mesh
-    // With a triangle's code: the instance that it is part of.
+    // For a hit on a triangle: the instance of its mesh.
     instance: u32,
     //@ end
-    // Scattering events so far.
+    // Number of scattering events so far.
     depth: u32,
     pixel: u32,
     sample: u32,
     // As in RunRecord.
     counts: u32,
     //@ if light
-    // Radiance of the sample so far, by sampled lights.
+    // Radiance of this sample so far from light sampling.
     radiance: vec3<f32>,
-    // Density of the last scattering's direction; 0 where no other direction was possible, and for the camera's rays.
+    // The pdf with which the last event sampled the ray's direction. 0 for camera rays and after specular events. After some
+    // specular events it is BY_CHANCE (step/through_glass).
     pdf: f32,
-    // A ray on its way to a light, the light or NO_LIGHT, and what it brings per radiance if nothing is in its way.
+    // The shadow ray; the code of its light, or NO_LIGHT; and its contribution per unit of radiance if nothing blocks it.
     shadow: Ray,
     light: u32,
     light_weight: vec3<f32>,
     //@ end
     //@ if emitting_mesh
-    // With a triangle's code for the light: the instance that it is part of.
+    // For a light that is a triangle: the instance of its mesh.
     light_instance: u32,
     //@ end
-    // Radiance of the run's samples so far, and their rays.
+    // Sum of the radiance of the run's finished samples, and the number of rays traced for them.
     sum: Compensated,
     rays: u32,
-    // Sum of the squared deviations of those samples from their mean, by channel.
+    // Sum of the squared deviations of those samples from their mean, per channel.
     spread: vec3<f32>,
 }
 
-// What the path's ray met.
+// The hit of the path's ray.
 fn path_hit(path: ptr<function, Path>) -> Hit {
     var hit = hit_at((*path).status, (*path).t);
     //@ if mesh

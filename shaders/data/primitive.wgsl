@@ -1,26 +1,26 @@
-// A code names a BVH node or a primitive in one word: the highest bit tells a primitive, the next three its kind, the
-// rest its index among its kind. The highest codes name no primitive; they say what a slot's path is doing.
+// A code names a BVH node or a primitive in one word. The highest bit is set for a primitive, the next three are its kind, and
+// the rest is its index within its kind. The highest codes name no primitive: they say what a slot's path is doing.
 
 const PRIMITIVE_BIT: u32 = 0x80000000u;
 const PRIMITIVE_KIND_SHIFT: u32 = 28u;
 const PRIMITIVE_INDEX_MASK: u32 = 0x0fffffffu;
 
-// A face of a mesh; and a mesh placed in the scene, below which the walk goes on in the mesh's own space. The kinds before an instance are
-// shapes; the one behind it is that of the codes below.
+// KIND_TRIANGLE is a face of a mesh. KIND_INSTANCE is a mesh placed in the scene; the walk continues there in the mesh's own
+// space. The other kinds below KIND_INSTANCE are shapes. The kind above it belongs to the codes below, which name no primitive.
 const KIND_TRIANGLE: u32 = 3u;
 const KIND_INSTANCE: u32 = 6u;
 
 // The ray left the scene.
 const HIT_NOTHING: u32 = 0xffffffffu;
-// The path ended; its radiance stands where its throughput stood.
+// The path has ended. `throughput` now holds its radiance.
 const PATH_ENDED: u32 = 0xfffffffeu;
 // The slot has no run.
 const SLOT_IDLE: u32 = 0xfffffffdu;
-// The slot's ray has yet to be traced.
+// The slot's ray is not traced yet.
 const RAY_READY: u32 = 0xfffffffcu;
-// The walk through the BVH was given up as too long: the path is worth nothing.
+// The walk through the BVH took too many steps and was given up. The path's sample is rejected.
 const PATH_CUT: u32 = 0xfffffffbu;
-// The path would have gone on beyond max_depth; its throughput stands where it stood.
+// The path reached max_depth before it ended. `throughput` still holds its throughput.
 const PATH_TOO_DEEP: u32 = 0xfffffffau;
 const FIRST_STATUS: u32 = PATH_TOO_DEEP;
 
@@ -32,34 +32,34 @@ fn primitive_index(code: u32) -> u32 {
     return code & PRIMITIVE_INDEX_MASK;
 }
 
-// A BVH node: the boxes of up to four children and their codes. A box's planes are bytes of a grid of the node's own:
-// origin + byte * scale, where the host has made sure that this sum, rounded as here, lies outside what the box bounds.
+// A BVH node: the boxes of up to four children, and their codes. Each plane of a box is one byte, a position on the node's own grid:
+// origin + byte * scale. The host makes sure that this sum, rounded as the kernel rounds it, lies outside what the box bounds.
 struct Node {
     origin: vec3<f32>,
-    // Biased binary exponents of the grid's scale along x, y and z in the low three bytes; the children's number above.
+    // The low three bytes: biased binary exponents of the grid's scale along x, y and z. The high byte: the number of children.
     exponents: u32,
-    // The lower planes along x, y and z: a byte a child.
+    // The lower planes along x, y and z: one byte per child.
     low: vec3<u32>,
     padding0: u32,
-    // The upper planes.
+    // The upper planes, likewise.
     high: vec3<u32>,
     padding1: u32,
-    // Codes of the children.
+    // The codes of the children.
     children: vec4<u32>,
 }
 
 struct Sphere {
     center: vec3<f32>,
     radius: f32,
-    // Place among the scene's primitives: of two hits at one distance the lower wins.
+    // Place in the scene's order of primitives. Of two hits at the same distance, the primitive with the lower place wins.
     order: u32,
     material: u32,
     frame: u32,
-    // Its place among the lights, if it is one.
+    // Its place in the table of lights, if it is a light.
     light: u32,
 }
 
-// A parallelogram corner + a u + b v, 0 <= a, b <= 1; a = (p - corner) . a_axis, and b likewise.
+// A parallelogram corner + a u + b v with 0 <= a, b <= 1, where a = (p - corner) . a_axis and b = (p - corner) . b_axis.
 struct Quad {
     corner: vec3<f32>,
     order: u32,
@@ -68,17 +68,17 @@ struct Quad {
     a_axis: vec3<f32>,
     frame: u32,
     b_axis: vec3<f32>,
-    // Bound of the error of a point on the quad, in render space.
+    // Bound of the rounding error of a point on the quad, in render space.
     error: f32,
     u: vec3<f32>,
-    // Its place among the lights, if it is one.
+    // Its place in the table of lights, if it is a light.
     light: u32,
     v: vec3<f32>,
-    // Bound of that error along the normal, and of the next distance's from there.
+    // Bound of that error along the normal, plus the error of the next distance to the quad that is computed from the point.
     error_across: f32,
 }
 
-// A cuboid about `center` with half its edges along the unit vectors x_axis, y_axis and x_axis × y_axis.
+// A cuboid around `center`. `half_extent` holds half its edge lengths along the unit vectors x_axis, y_axis and x_axis × y_axis.
 struct Cuboid {
     center: vec3<f32>,
     order: u32,
@@ -87,30 +87,30 @@ struct Cuboid {
     x_axis: vec3<f32>,
     frame: u32,
     y_axis: vec3<f32>,
-    // Its place among the lights, if it is one.
+    // Its place in the table of lights, if it is a light.
     light: u32,
 }
 
-// A mesh placed in render space: turned, scaled and moved there from its own space, in which its box stands about the
-// origin with an extent near 1.
+// A mesh rotated, scaled and moved from its own space to its place in render space. In its own space, its box is centred on the
+// origin and has an extent near 1.
 struct Instance {
-    // The mesh's x and y in render space; its z is x × y.
+    // The mesh's x and y axes in render space. Its z axis is x × y.
     x_axis: vec3<f32>,
     order: u32,
     y_axis: vec3<f32>,
     material: u32,
-    // Where the mesh's origin stands.
+    // The mesh's origin in render space.
     place: vec3<f32>,
     frame: u32,
     scale: f32,
-    // From a face's index to its place among the lights, if it is one.
+    // A face's index plus this is the face's place in the table of lights, if it is a light.
     to_light: u32,
-    // Code of the mesh's root (data/primitive).
+    // Code of the root of the mesh's BVH.
     root: u32,
-    // From a vertex to its texture coordinates in `meshes`, or NO_UVS.
+    // A vertex's index plus this is the index of its texture coordinates in `meshes`; or NO_UVS.
     to_uvs: u32,
 }
 
 const NO_UVS: u32 = 0xffffffffu;
-// What stands for the normal of a vertex of a flat-shaded mesh.
+// Stands in place of a vertex normal in flat-shaded meshes.
 const NO_NORMAL: u32 = 0x80008000u;

@@ -1,4 +1,4 @@
-// Where the queues lie in their buffer.
+// The layout of the queues' buffer: the header holds the length of each queue, and the queues follow.
 const QUEUE_HEADER: u32 = 8u;
 
 fn queue_place(queue: u32, turn: u32, slots: u32) -> u32 {

@@ -1,4 +1,4 @@
-// A ray: origin and unit direction, in render space (the camera at the origin, the scene's extent near 1).
+// A ray: origin and unit direction in render space, where the camera is at the origin and the scene's extent is near 1.
 struct Ray {
     origin: vec3<f32>,
     direction: vec3<f32>,

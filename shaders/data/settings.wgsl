@@ -1,26 +1,27 @@
-// What one render is told: constant over all its passes. The host places the members by name (src/plan.rs).
+// The settings of a render, the same for all its dispatches. The host places the members by name (src/plan.rs).
 struct Settings {
-    // Direction of the image's middle, and its change from one pixel to the next along x and y.
+    // The direction through the image's middle, and the change of direction from one pixel to the next along x and y.
     forward: vec3<f32>,
     image_width: u32,
     pixel_x: vec3<f32>,
     image_height: u32,
     pixel_y: vec3<f32>,
-    // Scattering events of a path at most.
+    // The most scattering events of a path.
     max_depth: u32,
     seed: u32,
-    // First and one past the last sample of a pixel.
+    // The first sample of each pixel, and one past the last.
     first_sample: u32,
     end_sample: u32,
     slots: u32,
-    // What the gradient starts with, the only radiance of a solid background, and what an image is multiplied by.
+    // Solid background: its radiance. Gradient: its radiance at the bottom. Image: the factor that its texels are multiplied by.
     background_bottom: vec3<f32>,
-    // Code of the BVH's root (data/primitive).
+    // Code of the root of the scene's BVH (data/primitive).
     root: u32,
     //@ if lens
-    // The lens's radius along the image's x and y, in render space.
+    // The image's x and y directions in render space, times the lens's radius.
     lens_x: vec3<f32>,
-    // 1 / focus distance in render space: the lens offset times this bends the ray back to the point in focus.
+    // 1 / focus distance in render space. The ray from a point on the lens to the point in focus has this direction: the
+    // pinhole's direction minus the point on the lens times this value.
     inverse_focus: f32,
     lens_y: vec3<f32>,
     //@ end
@@ -38,17 +39,17 @@ struct Settings {
     world_z: vec3<f32>,
     //@ end
     //@ if clamp
-    // The most that a contribution of indirect light may be, in device radiance.
+    // The limit on a contribution of indirect light, in device radiance.
     indirect_limit: f32,
     //@ end
     //@ if brute_force
-    // How many primitives there are of each kind that the scene has, in the order of the kinds.
+    // The number of primitives of each kind that the scene has, in the order of the kinds.
     brute_force: vec4<u32>,
     //@ end
     //@ if several_backgrounds
-    // Number of the background's kind (src/flatten).
+    // The kind of the background (src/flatten).
     background: u32,
     //@ end
-    // 0, which no compiler knows (lib/compensated).
+    // 0. No compiler knows its value (lib/compensated).
     zero: u32,
 }

@@ -1,21 +1,22 @@
-// The hit record: where a ray met a surface, as its primitive tells it.
+// The hit record: the surface at the point where a ray hit it.
 struct Surface {
-    // On the surface, in render space; off it by `error` at most, with what the next distance from there is off.
+    // The hit point in render space. `error` bounds its distance from the surface, plus the rounding error of the next distance
+    // to this surface that is computed from the point.
     point: vec3<f32>,
     error: f32,
-    // Unit normal on the surface's own side: outwards, or u x v of a quad.
+    // Unit normal on the surface's front: outwards, or u x v for a quad.
     normal: vec3<f32>,
     material: u32,
-    // The place in the primitive's own coordinates: a sphere's normal, a quad's (a, b, 0), in a cuboid 0..1 along each
-    // axis from its low corner, the weights of a triangle's vertices.
+    // The point in the primitive's own coordinates. Sphere: its normal. Quad: (a, b, 0). Cuboid: 0..1 along each axis from its
+    // low corner. Triangle: the weights of its vertices.
     local: vec3<f32>,
-    // Index of the frame that maps `local` to the object's space for textures.
+    // Index of the frame that maps `local` to the point at which a texture is evaluated.
     frame: u32,
 }
 
 const NO_HIT: f32 = -1.0;
 
-// Texture coordinates, and whether u = 1 meets u = 0 there.
+// Texture coordinates, and whether the texture continues from u = 1 to u = 0.
 struct SurfaceUv {
     uv: vec2<f32>,
     wraps: bool,

@@ -1,21 +1,21 @@
-// A texture. `kind` is the place of its file in the list of textures; the parameters are each file's own.
+// A texture. `kind` is its number in the list of textures. Each texture's file defines which parameters it uses.
 struct Texture {
-    // Checker: the even colour. Others: what the texture's value is multiplied by.
+    // Checker: the even colour. Others: the factor that the texture's value is multiplied by.
     first: vec3<f32>,
     kind: u32,
     // Checker: the odd colour.
     second: vec3<f32>,
-    // Marble: radians of the stripes per unit of the object's z.
+    // Marble: phase of the stripes in radians per unit of the object's z.
     parameter: f32,
-    // Image: its first texel, width and height.
+    // Image: index of its first texel, its width and its height.
     texel: u32,
     width: u32,
     height: u32,
     padding: u32,
 }
 
-// Maps a surface's local place to the point at which a texture is evaluated, in the texture's own units and reduced by
-// its period in f64 on the host: origin + x local.x + y local.y + z local.z.
+// Maps a point in a primitive's own coordinates (Surface.local) to the point at which a texture is evaluated, in the texture's
+// units: origin + x local.x + y local.y + z local.z. The host reduces the origin by the texture's period in f64.
 struct Frame {
     x: vec3<f32>,
     // Marble: the stripes' phase at the origin, in [-pi, pi).
@@ -28,14 +28,14 @@ struct Frame {
     padding2: u32,
 }
 
-// Where a texture is evaluated.
+// The point at which a texture is evaluated.
 struct TexturePoint {
-    // In the texture's units; of a sphere under an image, the unit normal in the object's space.
+    // In the texture's units. For an image on a sphere: the unit normal in the object's space.
     point: vec3<f32>,
-    // The z of the point less that of the frame's origin, and the origin's phase (Frame).
+    // Marble: the point's z relative to the frame's origin, and the stripes' phase at that origin (Frame).
     along_z: f32,
     phase: f32,
-    // For images alone.
+    // For images only.
     uv: vec2<f32>,
     wraps: bool,
 }

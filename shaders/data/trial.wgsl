@@ -1,32 +1,32 @@
-// One line of the numerics probe's questions; the floats are chosen so that each surface_samples_light has one right value (src/gpu/probe.rs).
+// The inputs of one trial of the numerics probe. The floats are chosen so that each answer has one correct value (src/gpu/probe.rs).
 struct Trial {
-    // Two floats whose sum and product both round, and their product as it is rounded.
+    // Two floats whose sum and product are both rounded, and their rounded product.
     x: f32,
     y: f32,
     product: f32,
     // Within [-pi, pi].
     angle: f32,
-    // Far outside it.
+    // Far outside [-pi, pi].
     far_angle: f32,
     // In [0.5, 1).
     log_of: f32,
     word: u32,
     // The bits of a NaN, an infinity or another number.
     special: u32,
-    // The bits of a normal number whose 16th part is subnormal, and of a subnormal one.
+    // The bits of a normal number whose 16th part is subnormal, and the bits of a subnormal number.
     least: u32,
     subnormal: u32,
-    // 0, and no compiler knows it.
+    // 0. No compiler knows its value.
     zero: u32,
     loops: u32,
-    // Two points seen under nearly the same angle.
+    // Two points in nearly the same direction from the origin.
     p_x: f32,
     p_y: f32,
     q_x: f32,
     q_y: f32,
 }
 
-// What the driver makes of a trial: bits of floats where a name is a number's, so that nothing is flushed on the way out.
+// What the driver computes for a trial. Floats are stored as their bits, so that nothing is flushed on the way out.
 struct Answer {
     sum_error: u32,
     sum_error_barrier: u32,
@@ -39,7 +39,7 @@ struct Answer {
     converted: u32,
     uniform_of_32: u32,
     uniform_of_24: u32,
-    // What comparisons and the tests by bits say of `special`, a bit each.
+    // The results of comparisons and bit tests of `special`, one bit each.
     said_of_special: u32,
     made_subnormal: u32,
     from_subnormal: u32,

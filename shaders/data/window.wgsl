@@ -1,11 +1,15 @@
 // The runs that may be started now. A run is up to RUN_LENGTH consecutive samples of one pixel, cut at multiples of
-// RUN_LENGTH; run i of the window belongs to sample block first_block + i / pixels.
+// RUN_LENGTH; run i of the window belongs to sample block first_block + i / pixels, and to pixel first_pixel + i % pixels in the order in
+// which pixels are handed out (step/start).
 struct Window {
     first_block: u32,
     // One past the last run of the window.
     end: u32,
     // Bounces of a dispatch, where one kernel does several.
     bounces: u32,
+    // The tile of the film.
+    first_pixel: u32,
+    pixels: u32,
 }
 
 const RUN_LENGTH: u32 = ${run_length}u;
@@ -17,18 +21,21 @@ fn end_of_run(sample: u32, end_sample: u32) -> u32 {
     return min((sample / RUN_LENGTH + 1u) * RUN_LENGTH, end_sample);
 }
 
-// What the device counts for the host. Reset by the host while nothing runs.
+// What the device counts for the host, which resets it while nothing runs.
 struct Counters {
     // Next run of the window to be started.
     next: atomic<u32>,
-    // Records written since the host last read them.
+    // Records of finished runs that the film does not have yet.
     records: atomic<u32>,
     // Slots without a run.
     idle: atomic<u32>,
-    // Paths that max_depth ended, and the sum of the largest component of their throughput in units of 2^-16, rounded up, in two words.
-    too_deep: atomic<u32>,
-    too_deep_low: atomic<u32>,
-    too_deep_high: atomic<u32>,
+    // Samples rejected as NaN, as infinite, as cut short, and because their run's sum was none.
+    nan: atomic<u32>,
+    infinite: atomic<u32>,
+    cut: atomic<u32>,
+    refused: atomic<u32>,
+    // Counts of 64 bits, the low word first (step/count).
+    counts: array<array<atomic<u32>, 2>, 4>,
     //@ if one_way
     // Of each bin of lights what mirrors and glass may send of it, and what was met of it there: in units of 2^-24, the low word and the high
     // one (step/through_glass).
@@ -36,17 +43,24 @@ struct Counters {
     //@ end
 }
 
-// A finished run.
+// Camera samples of finished runs, and the rays traced for them.
+const PATHS: u32 = 0u;
+const RAYS: u32 = 1u;
+// Paths that max_depth ended, and the sum of the largest component of their throughput in units of 2^-16, rounded up.
+const TOO_DEEP: u32 = 2u;
+const TOO_DEEP_THROUGHPUT: u32 = 3u;
+
+// A finished run, on its way to the film.
 struct RunRecord {
-    // Sum of the radiance of the accepted samples, in device units.
-    r: f32,
-    g: f32,
-    b: f32,
+    // The sum of the radiance of the accepted samples, in device units.
+    sum_r: f32,
+    sum_g: f32,
+    sum_b: f32,
     pixel: u32,
     // Accepted | rejected as NaN << 8 | rejected as infinite << 16 | rejected as cut short << 24 | ODD_RUN.
     counts: u32,
     rays: u32,
-    // Sum of the squared deviations of those samples from their mean.
+    // The sum of the squared deviations of those samples from their mean.
     spread_r: f32,
     spread_g: f32,
     spread_b: f32,

@@ -1,7 +1,8 @@
 //@ use data/primitive
 //@ use geometry/slab
 //@ use lib/float
-// Which children of a BVH node a ray may meet nearer than `nearest`; never a false no.
+// Finds the children of a BVH node that a ray may hit nearer than `nearest`. The test is conservative: it never
+// rejects a child that the ray hits.
 
 const CHILD_MISSED: u32 = 0xffffffffu;
 const CHILD_MASK: u32 = 3u;
@@ -11,16 +12,15 @@ fn bytes_of(word: u32) -> vec4<f32> {
     return vec4<f32>((vec4<u32>(word) >> vec4<u32>(0u, 8u, 16u, 24u)) & vec4<u32>(255u));
 }
 
-// The slab of the node's grid along one axis: the distance to the plane of byte b is b * step + start, off by less than
-// `error`.
+// The node's grid along one axis: the ray reaches the plane of byte b at the distance b * step + start, with an error below `error`.
 struct GridAxis {
     step: f32,
     start: f32,
     error: f32,
 }
 
-// Rounding: the difference, twice the reciprocal's 2.5 ulps (it scales both terms), the products and the sum come to less
-// than eight roundings of the largest term that can occur.
+// The bound of the rounding error: the difference, the reciprocal's 2.5 ulps counted twice (the reciprocal scales both terms),
+// the products and the sum add up to less than eight roundings of the largest possible term.
 fn grid_axis(origin: f32, exponent: u32, ray_origin: f32, inverse: f32) -> GridAxis {
     let step = bitcast<f32>(exponent << 23u) * inverse;
     let start = (origin - ray_origin) * inverse;
@@ -35,8 +35,8 @@ fn leave_axis(axis: GridAxis, planes: u32) -> vec4<f32> {
     return bytes_of(planes) * axis.step + (axis.start + axis.error);
 }
 
-// A key for each child that the ray may meet, else CHILD_MISSED: the bits of the distance at which it enters the box (0
-// from inside), which sort as the distances do, with the child's number in place of the last two.
+// A key for each child that the ray may hit, and CHILD_MISSED for the others. A key holds the bits of the distance at which the ray
+// enters the box (0 from inside), with the child's number in place of the last two bits. Keys sort in the order of the distances.
 fn child_keys(node: Node, origin: vec3<f32>, inverse: vec3<f32>, nearest: f32) -> vec4<u32> {
     let exponents = (vec3<u32>(node.exponents) >> vec3<u32>(0u, 8u, 16u)) & vec3<u32>(255u);
     let x = grid_axis(node.origin.x, exponents.x, origin.x, inverse.x);
@@ -55,7 +55,7 @@ fn child_keys(node: Node, origin: vec3<f32>, inverse: vec3<f32>, nearest: f32) -
     return select(vec4<u32>(CHILD_MISSED), key, met);
 }
 
-// Sorts four keys, the smallest first: a network of five exchanges.
+// The four keys in ascending order, by a sorting network of five exchanges.
 fn sort_keys(keys: vec4<u32>) -> vec4<u32> {
     let low = min(keys.xz, keys.yw);
     let high = max(keys.xz, keys.yw);

@@ -15,7 +15,7 @@ fn cuboid_slab(ray: Ray, cuboid: Cuboid) -> Slab {
     return slab(origin, slab_inverse(direction), -cuboid.half_extent, cuboid.half_extent);
 }
 
-// Distances at which the ray's line enters and leaves; it misses where the first is larger.
+// The distances at which the ray's line enters and leaves the cuboid. The line misses it if the first is larger.
 fn cuboid_crossings(s: Slab) -> vec2<f32> {
     return vec2<f32>(max(max(s.enter.x, s.enter.y), s.enter.z), min(min(s.leave.x, s.leave.y), s.leave.z));
 }
@@ -30,11 +30,13 @@ fn cuboid_distance(ray: Ray, cuboid: Cuboid) -> f32 {
     return select(t.y, t.x, t.x > 0.0);
 }
 
-// Bound of the error of a point on a face along its normal, and of the next distance's from there. Own derivation, in units of
-// roundoff, of the half edges as vectors h and the centre c, each component as often as the normal has it: the point is off by 3 |h|
-// and, with the centre added, by |c| + |h|; the next origin within the box by |h| of the difference, and 3 |h| of the products and
-// sums; the axes are rounded and off a right angle by 2 |h| there and back each. Where the box lies along the axes, all but one of the
-// half edges have nothing along the normal.
+// Bound of the rounding error of a point on a face along the normal, plus the error of the next distance that is computed from
+// the point. Own derivation, in units of roundoff. h are the half edges as vectors and c is the centre. Their components are
+// weighted by those of the normal:
+// - The point is off by 3 |h|. Adding the centre adds |c| + |h|.
+// - The origin of the next ray, in the box's axes, is off by |h| from the difference and by 3 |h| from the products and sums.
+// - The axes are rounded and not exactly perpendicular: 2 |h| on the way to render space, and 2 |h| on the way back.
+// For a box along the axes of render space, only one of the half edges has a component along the normal.
 fn cuboid_error(cuboid: Cuboid, normal: vec3<f32>) -> f32 {
     let z_axis = cross(cuboid.x_axis, cuboid.y_axis);
     let h = cuboid.half_extent;
@@ -42,7 +44,8 @@ fn cuboid_error(cuboid: Cuboid, normal: vec3<f32>) -> f32 {
     return UNIT_ROUNDOFF * dot(abs(normal), 2.0 * abs(cuboid.center) + 12.0 * reach);
 }
 
-// The face is the one whose crossing is t, found again by the same arithmetic; the point is put back onto it.
+// Finds the hit face with the same arithmetic as the distance: it is the face whose crossing is t. Then puts
+// the point back onto that face.
 fn cuboid_surface(ray: Ray, t: f32, cuboid: Cuboid) -> Surface {
     let s = cuboid_slab(ray, cuboid);
     let enter = cuboid_crossings(s).x;
@@ -62,12 +65,12 @@ fn cuboid_surface(ray: Ray, t: f32, cuboid: Cuboid) -> Surface {
     surface.error = cuboid_error(cuboid, surface.normal);
     surface.material = cuboid.material;
     surface.frame = cuboid.frame;
-    // From 0 at the low corner to 1, exactly so on the face.
+    // From 0 at the low corner to 1 at the high one. Along the normal of the hit face it is exactly 0 or 1.
     surface.local = select(0.5 + 0.5 * (local / cuboid.half_extent), 0.5 + 0.5 * outward, axis != vec3<f32>(0.0));
     return surface;
 }
 
-// 0..1 over each face, u to the right and v up as seen from outside; on the top and bottom u runs along x.
+// 0..1 over each face. Seen from outside, u goes right and v goes up. On the top and the bottom, u goes along x.
 fn cuboid_uv(point: vec3<f32>, local: vec3<f32>) -> SurfaceUv {
     if local.z == 0.0 || local.z == 1.0 {
         return SurfaceUv(vec2<f32>(select(local.x, 1.0 - local.x, local.z == 0.0), local.y), false);

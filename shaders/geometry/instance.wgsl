@@ -1,7 +1,7 @@
 //@ use data/ray
 //@ use data/primitive
 //@ use lib/float
-// Between render space and the space of a mesh.
+// Transforms between render space and the space of a mesh.
 
 fn turned_to_mesh(instance: Instance, v: vec3<f32>) -> vec3<f32> {
     let z_axis = cross(instance.x_axis, instance.y_axis);
@@ -17,7 +17,7 @@ fn from_mesh(instance: Instance, point: vec3<f32>) -> vec3<f32> {
     return instance.place + instance.scale * from_mesh_turned(instance, point);
 }
 
-// The ray in the mesh's space. Its direction is not made a unit vector again, so that t means the same in both spaces.
+// The ray in the mesh's space. Its direction is not normalised again, so t means the same in both spaces.
 fn to_mesh(instance: Instance, ray: Ray) -> Ray {
     let inverse_scale = 1.0 / instance.scale;
     return Ray(
@@ -26,13 +26,12 @@ fn to_mesh(instance: Instance, ray: Ray) -> Ray {
     );
 }
 
-// Bound of the error of a point of a mesh, in render space, as a ray that starts there sees it: the error within the mesh,
-// and the rounding on the way to render space and back.
-// There: 4 u for the turn (three products and two sums, from axes rounded themselves) and 1 u for the scale. Back: 1 u for the
-// difference, 4 u for the turn, 2 u for the scale and its reciprocal; and since the axes are off a right angle and unit
-// length by 2 u each, turning back and forth is off by 4 u more. All are relative to the point's coordinates in the mesh,
-// scaled. What is relative to the place, the rounding of the sum with it, is half an ulp of the point's own coordinates: the
-// float further by which rays leave (geometry/offset) is more than that.
+// Bound of the error of a mesh's point in render space, as a ray that starts there sees it: the error in the mesh's space, plus
+// the rounding on the way to render space and back. This rounding is relative to the point's coordinates in the mesh, scaled:
+// - To render space: 4 u for the rotation (three products and two sums, with axes that are rounded) and 1 u for the scale.
+// - Back: 1 u for the difference, 4 u for the rotation, 2 u for the scale and its reciprocal.
+// - The axes are off a right angle and off unit length by 2 u each, so rotating there and back adds 4 u.
+// Adding `place` rounds by half an ulp of the point's own coordinates. The step to the next float in geometry/offset is larger than that.
 fn instance_error(instance: Instance, point: vec3<f32>, error: f32) -> f32 {
     let p = abs(point);
     return instance.scale * (error + 16.0 * UNIT_ROUNDOFF * (p.x + p.y + p.z));

@@ -3,15 +3,15 @@
 //@ use data/surface
 //@ use lib/float
 
-// Distance to the parallelogram, or NO_HIT. The axes of a and b are computed in f64 on the host. The edges reach out by the
-// bound of the rounding of a and b, so that neighbours that share an edge leave no gap: by the primitive's own error and
-// that of t, over the cosine by which a plane's offset moves the point on it; no more than 1/64, for that grows without
-// bound in rays along the plane.
+// Distance to the parallelogram, or NO_HIT. The host computes a_axis and b_axis in f64. The edges are widened by a bound of the
+// rounding error of a and b, so that quads that share an edge leave no gap. This bound is the error of the quad's points plus
+// the error of t, divided by the cosine between ray and normal: an offset of the plane moves the hit point within it by up to
+// that much. The bound grows without limit for rays along the plane, so it is limited to 1/64.
 fn quad_distance(ray: Ray, quad: Quad) -> f32 {
     let from_origin = quad.corner - ray.origin;
     let facing = dot(ray.direction, quad.normal);
     let t = dot(from_origin, quad.normal) / facing;
-    // A parallel ray gives no finite t; every comparison below is written so that a NaN fails it.
+    // A parallel ray gives no finite t. Every comparison below fails for a NaN.
     if !(t > 0.0) {
         return NO_HIT;
     }
@@ -25,7 +25,7 @@ fn quad_distance(ray: Ray, quad: Quad) -> f32 {
     return select(NO_HIT, t, inside);
 }
 
-// The point is put back onto the plane as corner + a u + b v.
+// The point is computed as corner + a u + b v, which puts it back onto the plane.
 fn quad_surface(ray: Ray, t: f32, quad: Quad) -> Surface {
     let on_plane = t * ray.direction - (quad.corner - ray.origin);
     let a = clamp(dot(on_plane, quad.a_axis), 0.0, 1.0);

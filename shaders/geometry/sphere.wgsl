@@ -5,13 +5,13 @@
 //@ use lib/sphere_map
 //@ use choice/sphere_chord
 
-// Distance to the sphere's nearest point in front of the origin, or NO_HIT.
+// Distance to the nearest crossing of the sphere in front of the ray's origin, or NO_HIT.
 fn sphere_distance(ray: Ray, sphere: Sphere) -> f32 {
     let t = sphere_crossings(ray, sphere);
     return select(select(NO_HIT, t.y, t.y > 0.0), t.x, t.x > 0.0);
 }
 
-// The point is put onto the sphere along the normal, which leaves only the rounding of centre + r n.
+// The point is computed from the normal, as centre + r n. Its only error is the rounding of that sum.
 fn sphere_surface(ray: Ray, t: f32, sphere: Sphere) -> Surface {
     let normal = sphere_normal(ray, t, sphere);
     var surface: Surface;

@@ -1,23 +1,23 @@
 //@ use data/ray
 //@ use data/primitive
 //@ use data/surface
-// Where a ray's line cuts a sphere, right also where the sphere is small and far away.
+// Where a ray's line crosses a sphere, accurate even if the sphere is small and far away.
 
-// Where a ray's line comes nearest to the centre of a sphere.
+// The point of a ray's line that is nearest to the centre of a sphere.
 struct SphereFoot {
-    // From the centre.
+    // The vector from the centre to that point.
     perpendicular: vec3<f32>,
-    // Distance along the ray.
+    // The distance to that point along the ray.
     k: f32,
-    // The square of half the chord, in lengths of the direction; negative where the line misses the sphere.
+    // The square of half the chord, measured in units of the direction's length. Negative if the line misses the sphere.
     discriminant: f32,
 }
 
-// The discriminant is (r + l)(r - l) with l the length of the perpendicular from the centre to the ray, which keeps its
-// digits where b^2 - ac has none (Haines, Günther, Akenine-Möller, "Precision Improvements for Ray/Sphere Intersection", Ray Tracing
-// Gems, ch. 7). What rounding has left of the ray's direction in the perpendicular, up to 8 u D, is taken out by the same step
-// again (own derivation: "twice is enough", Parlett, The Symmetric Eigenvalue Problem, section 6.9): it would count by its square,
-// which is the sphere's own size from D = 1e6 r on.
+// The discriminant is (r + l)(r - l), with l the length of the perpendicular from the centre to the ray. It keeps its precision
+// where b^2 - ac has none (Haines, Günther, Akenine-Möller, "Precision Improvements for Ray/Sphere Intersection", Ray Tracing
+// Gems, ch. 7). At the distance D, the computed perpendicular has an error of up to 8 u D along the ray. A second projection
+// removes it (own derivation: "twice is enough", Parlett, The Symmetric Eigenvalue Problem, section 6.9). Without that, the
+// square of this error would be part of l^2, and from D = 1e6 r on it is as large as r^2.
 fn sphere_foot(ray: Ray, sphere: Sphere) -> SphereFoot {
     let d = ray.direction;
     let f = ray.origin - sphere.center;
@@ -30,8 +30,9 @@ fn sphere_foot(ray: Ray, sphere: Sphere) -> SphereFoot {
     return SphereFoot(perpendicular, k + rest, (sphere.radius + l) * (sphere.radius - l) * inverse);
 }
 
-// Distances at which the ray's line meets the sphere, the smaller first, or twice NO_HIT. A tangent from where it touches
-// gives no numbers, which fail every comparison. The root that would cancel is found from the product of the roots.
+// The distances at which the ray's line crosses the sphere, the smaller first; NO_HIT twice if it misses. A tangent ray
+// that starts at its point of contact gives NaN, which fails every comparison. One root would suffer cancellation; it is
+// computed from the product of both.
 fn sphere_crossings(ray: Ray, sphere: Sphere) -> vec2<f32> {
     let foot = sphere_foot(ray, sphere);
     if !(foot.discriminant >= 0.0) {
@@ -46,12 +47,13 @@ fn sphere_crossings(ray: Ray, sphere: Sphere) -> vec2<f32> {
     return vec2<f32>(min(far_from_zero, near_to_zero), max(far_from_zero, near_to_zero));
 }
 
-// Unit normal where the ray meets the sphere at t. It is the perpendicular and half a chord, not the point at t: that one is off by the
-// rounding of t, which of a small sphere far away is as large as the sphere.
+// Unit normal where the ray hits the sphere at t, computed from the perpendicular and half the chord. The point at t would not
+// do: it is off by the rounding of t, which is as large as the sphere if the sphere is small and far away.
 fn sphere_normal(ray: Ray, t: f32, sphere: Sphere) -> vec3<f32> {
     let foot = sphere_foot(ray, sphere);
     let h = sqrt(max(foot.discriminant, 0.0));
-    // From inside the far end of the chord is met, from outside the near one: as their product tells sphere_crossings.
+    // From inside, the ray hits the far end of the chord, and from outside the near end. This is the same decision as in
+    // sphere_crossings, by the sign of the product of the roots.
     let along = select(-h, h, length(ray.origin - sphere.center) < sphere.radius);
     return normalize(foot.perpendicular + along * ray.direction);
 }

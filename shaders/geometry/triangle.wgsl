@@ -2,16 +2,16 @@
 //@ use data/surface
 //@ use lib/float
 //@ relies on signs
-// Rays against triangles: no ray passes between triangles that share an edge or a vertex, and none meets two of them there.
-// The vertices are sheared so that the ray runs along z, and three edge functions tell on which sides of the edges the
-// origin of the x, y plane lies (Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013). Here
-// their signs are exact for the sheared vertices, whatever a driver rounds or fuses, and never 0: the origin counts as
-// moved by an infinitesimal (Edelsbrunner and Mücke, "Simulation of Simplicity", ACM TOG 9(1), 1990). A sheared vertex
-// depends on the ray and the vertex only, so that what is told of one triangle agrees with what is told of its neighbours.
-// Holds for coordinates below 2^62 relative to the ray's origin.
+// Intersects rays with triangles, without gaps: no ray passes between triangles that share an edge or a vertex, and none hits
+// two of them there. The vertices are sheared so that the ray runs along z. Three edge functions tell on which sides of the
+// edges the origin of the x, y plane lies (Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013).
+// Here the signs of the edge functions are exact for the sheared vertices, however a driver rounds or fuses. They are never 0,
+// because the origin is treated as if moved by an infinitesimal (Edelsbrunner and Mücke, "Simulation of Simplicity", ACM TOG
+// 9(1), 1990). A sheared vertex depends only on the ray and the vertex, so the results for neighbouring triangles are
+// consistent. This holds for coordinates below 2^62 relative to the ray's origin.
 
 struct TriangleHit {
-    // NO_HIT, or the distance in lengths of the direction, above 0.
+    // NO_HIT, or the distance, above 0, in units of the direction's length.
     t: f32,
     // The ray comes from the side on which a, b, c run counter-clockwise.
     front: bool,
@@ -19,17 +19,17 @@ struct TriangleHit {
     barycentric: vec3<f32>,
 }
 
-// What a ray's triangle tests share.
+// The part of the test that all triangles share for one ray.
 struct Shear {
-    // The largest component of the direction: 0, 1 or 2 for x, y or z; it becomes z.
+    // The axis of the direction's largest component: 0, 1 or 2 for x, y or z. It becomes z.
     axis: u32,
-    // The origin with its components in the new order.
+    // The ray's origin with its components in the new order.
     origin: vec3<f32>,
     // d.x / d.z and d.y / d.z in the new order, and 1 / d.z.
     slope: vec3<f32>,
 }
 
-// The components in cyclic order, ending with the axis: handedness stays.
+// The components in cyclic order, with that of the axis last. This preserves handedness.
 fn end_with_axis(v: vec3<f32>, axis: u32) -> vec3<f32> {
     return select(select(v, v.zxy, axis == 1u), v.yzx, axis == 0u);
 }
@@ -43,12 +43,12 @@ fn shear_along(ray: Ray, inverse: vec3<f32>) -> Shear {
     return Shear(axis, end_with_axis(ray.origin, axis), vec3<f32>(direction.xy * over_z, over_z));
 }
 
-// Below 2^-60 to 0, so that no product of two can be subnormal and flushed.
+// Components below 2^-60 become 0, so that no product of two is subnormal and flushed.
 fn flush_small(v: vec3<f32>) -> vec3<f32> {
     return select(v, vec3<f32>(0.0), abs(v) < vec3<f32>(0x1p-60f));
 }
 
-// |x y| exactly, for normal floats: an integer of two digits to the base 2^24, times 2 to the sum of their exponents.
+// |x y| exactly, for normal floats: an integer of two digits in base 2^24, times 2 to the power of the sum of the exponents.
 struct ExactProduct {
     high: vec3<u32>,
     low: vec3<u32>,
@@ -70,20 +70,19 @@ fn exact_product(x: vec3<f32>, y: vec3<f32>) -> ExactProduct {
     );
 }
 
-// The sign of p.x q.y - p.y q.x, for each of three pairs of points, where the two products as floats are both 0 or differ
-// by a few roundings: then their exponents differ by one at most. Where the exact difference is 0, the sign is that of
-// the same with (e, e^2), e > 0 infinitesimal, subtracted from both points: of e (p.y - q.y) + e^2 (q.x - p.x) + 0 e^3.
-// 0 is left for p = q only.
+// The sign of p.x q.y - p.y q.x, for each of three pairs of points. The two products, as floats, must be both 0 or differ by a
+// few roundings; their exponents then differ by at most one. If the exact difference is 0, (e, e^2) with an infinitesimal e > 0
+// is subtracted from both points, and the sign is that of e (p.y - q.y) + e^2 (q.x - p.x) + 0 e^3. Only p = q gives 0.
 fn close_signs(px: vec3<f32>, py: vec3<f32>, qx: vec3<f32>, qy: vec3<f32>) -> vec3<f32> {
     let one = exact_product(px, qy);
     let other = exact_product(py, qx);
     let most = max(one.exponent, other.exponent);
-    // The digits of the product with the larger exponent count twice.
+    // If the exponents differ, the digits of the product with the larger exponent are doubled.
     let one_doubled = select(vec3<u32>(0u), vec3<u32>(1u), one.exponent > other.exponent);
     let other_doubled = select(vec3<u32>(0u), vec3<u32>(1u), other.exponent > one.exponent);
     let high = vec3<i32>(one.high << one_doubled) - vec3<i32>(other.high << other_doubled);
     let low = vec3<i32>(one.low << one_doubled) - vec3<i32>(other.low << other_doubled);
-    // |low| is below 2 x 2^24, so that beyond a difference of 4 the high digits decide alone.
+    // |low| is below 2 x 2^24. So if the high digits differ by more than 4, they alone decide.
     let larger = sign(clamp(high, vec3<i32>(-4), vec3<i32>(4)) * 0x1000000 + low);
     let first = px * qy;
     let difference = sign(first) * vec3<f32>(larger);
@@ -92,7 +91,7 @@ fn close_signs(px: vec3<f32>, py: vec3<f32>, qx: vec3<f32>, qy: vec3<f32>) -> ve
     return select(moved_y, difference, difference != vec3<f32>(0.0));
 }
 
-// The components in cyclic order, starting with x, y or z as turn is 0, 1 or 2.
+// The components in cyclic order, starting with x, y or z for a turn of 0, 1 or 2.
 fn turned(v: vec3<f32>, turn: u32) -> vec3<f32> {
     return select(select(v, v.yzx, turn == 1u), v.zxy, turn == 2u);
 }
@@ -106,16 +105,16 @@ fn triangle_hit(shear: Shear, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> Trian
     let from_a = end_with_axis(a, shear.axis) - shear.origin;
     let from_b = end_with_axis(b, shear.axis) - shear.origin;
     let from_c = end_with_axis(c, shear.axis) - shear.origin;
-    // One expression for the three vertices, so that each goes through the same operations in every triangle.
+    // One expression for all three vertices, so that a vertex goes through the same operations in every triangle.
     let z = vec3<f32>(from_a.z, from_b.z, from_c.z);
     let x = flush_small(vec3<f32>(from_a.x, from_b.x, from_c.x) - shear.slope.x * z);
     let y = flush_small(vec3<f32>(from_a.y, from_b.y, from_c.y) - shear.slope.y * z);
-    // Twice the signed areas between the origin and the edges opposite to a, b, c.
+    // Twice the signed areas of the three triangles that the origin forms with the edges opposite to a, b, c.
     let first = x.yzx * y.zxy;
     let second = y.yzx * x.zxy;
     let areas = first - second;
-    // The products are off by two units of roundoff at most, whichever way they are rounded or fused; the sum adds two of
-    // itself.
+    // Each product is off by at most two units of roundoff, however it is rounded or fused. Their difference is off by
+    // two more units of its own size.
     let certain = abs(areas) > 4.0 * UNIT_ROUNDOFF * (abs(first) + abs(second));
     if any(certain & areas > vec3<f32>(0.0)) && any(certain & areas < vec3<f32>(0.0)) {
         return miss;
@@ -127,8 +126,9 @@ fn triangle_hit(shear: Shear, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> Trian
     if !(all(signs > vec3<f32>(0.0)) || all(signs < vec3<f32>(0.0))) {
         return miss;
     }
-    // The weights, from the vertex opposite to the shortest edge: its area and the whole one as products with that edge
-    // keep their digits in needles, and between the near ends of the edge little depends on the weights.
+    // The weights. The first is that of the vertex opposite to the shortest edge, a quotient of two areas. Both areas are
+    // computed as products with that edge, so they keep their precision in needles. The other two weights share the rest. Their
+    // vertices are close together, so the point depends little on how they share it.
     let edge_x = x.zxy - x.yzx;
     let edge_y = y.zxy - y.yzx;
     let edge_z = z.zxy - z.yzx;
@@ -140,7 +140,7 @@ fn triangle_hit(shear: Shear, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> Trian
     let edge = vec2<f32>(px.z - px.y, py.z - py.y);
     let whole = edge.x * (py.x - py.y) - edge.y * (px.x - px.y);
     let part = px.y * edge.y - py.y * edge.x;
-    // Areas that are 0 as floats, seen along an edge or a needle, say nothing of the place within.
+    // In a needle, or seen along an edge, areas can be 0 as floats. Then they do not tell where in the triangle the hit lies.
     let tip = select(clamp(part / whole, 0.0, 1.0), 1.0 / 3.0, whole == 0.0);
     let rest = ends.y + ends.z;
     let share = select(clamp(ends.z / rest, 0.0, 1.0), 0.5, rest == 0.0);
@@ -153,18 +153,18 @@ fn triangle_hit(shear: Shear, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> Trian
     return TriangleHit(t, front, turned(weights, (3u - turn) % 3u));
 }
 
-// Bound of the error of a point made of the weights of a hit, with what it takes that a ray which leaves from there by
-// leave_surface does not meet the triangle again. Own derivation, in units of roundoff u, with m the sum over x, y, z of the
-// largest coordinate, l and s the longest and the shortest edge, n twice the area:
-// - the point: sums of products by weights that add up to 1 within a few u are off by 7 u m (PBR 4th ed., section 6.8.5);
-//   8 u m with the rounding of the offset point itself;
-// - the next test, from a point within l of the vertices: differences, slopes and shear move each sheared vertex by 9 u l,
-//   and the direction's slopes are off by 6 u; part and whole are off by 6 u l s each, the quotient by 5 u, and with them
-//   the place along the needle by up to 17 u l (l s / n), the last difference by 3 u l: together below 32 u l (l s / n).
-//   A place that is off within the triangle's plane changes the height of the origin over that plane by its
-//   component along the ray, times the cosine: grazing rays need no more.
-// l s / n is near 1 for all shapes, needles too, but for triangles whose vertices lie nearly on a line with none close to
-// another; beyond 64 the bound does not follow it.
+// Bound of the error of a point that is computed from the weights of a hit. It is large enough that a ray which leaves from
+// there (leave_surface) does not hit the triangle again. Own derivation, in units of roundoff u. Let m be the sum over x, y, z
+// of the vertices' largest coordinate, l and s the longest and the shortest edge, and n twice the area:
+// - The point: sums of products with weights that add up to 1 within a few u are off by 7 u m (PBR 4th ed., section 6.8.5).
+//   With the rounding of the offset point it is 8 u m.
+// - The next test, from a point within l of the vertices: differences, slopes and shear move each sheared vertex by 9 u l, and
+//   the direction's slopes are off by 6 u. `part` and `whole` are off by 6 u l s each, and their quotient by 5 u. So the place
+//   along the needle is off by up to 17 u l (l s / n), and the last difference by 3 u l: together below 32 u l (l s / n). If
+//   the place is off within the triangle's plane, the origin's height over that plane is off only by the component along the
+//   ray, times the cosine. So grazing rays need no larger bound.
+// l s / n is near 1 for all shapes, including needles, except for triangles whose vertices lie nearly on a line with no two of
+// them close together. The bound follows l s / n up to 64.
 fn triangle_error(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> f32 {
     let largest = max(max(abs(a), abs(b)), abs(c));
     let edges = vec3<f32>(length(b - a), length(c - b), length(a - c));
@@ -175,8 +175,8 @@ fn triangle_error(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> f32 {
     return UNIT_ROUNDOFF * (8.0 * (largest.x + largest.y + largest.z) + 32.0 * longest * factor);
 }
 
-// Twice the area along the normal on the side from which a, b, c run counter-clockwise. From the two shortest edges: with
-// others a needle's normal loses digits, and grazing rays would be told the wrong side.
+// The normal times twice the area, on the side from which a, b, c run counter-clockwise. It is computed from the two shortest
+// edges. With other edges, a needle's normal loses precision, and grazing rays would get the wrong side.
 fn triangle_cross(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec3<f32> {
     let ab = b - a;
     let bc = c - b;

@@ -1,9 +1,10 @@
-// Angles, sines and cosines to the last digits. WGSL promises 4096 ulp for atan2, an absolute 7e-5 for acos and 2^-11 for sin and cos
-// within [-pi, pi] (section 15.7.4), and drivers use that up: a solid angle that is a sum of such angles less pi has no digits at all
-// where it is small, and points on a circle would not be on it.
+// Angles, sines and cosines with full precision. WGSL only promises 4096 ulp for atan2, an absolute error of 7e-5 for acos, and
+// of 2^-11 for sin and cos within [-pi, pi] (section 15.7.4), and drivers make use of that. With such angles, a small solid
+// angle that is their sum minus pi has no correct digits, and points on a circle do not lie on it.
 
-// The angle in [0, pi] of the point (x, y), y >= 0: halved three times by tan(t/2) = y / (x + r), then the arc tangent's
-// series, whose first term left out, t^11/11 with t <= tan(pi/16), is 9e-9 of the sum. Off by some 8 units of roundoff.
+// The angle in [0, pi] of the point (x, y), y >= 0. It is halved three times by tan(t/2) = y / (x + r). The rest is the
+// series of the arc tangent. The first term that it leaves out, t^11/11 with t <= tan(pi/16), is 9e-9 of the sum. The result
+// is off by some 8 units of roundoff.
 fn angle_of(y: f32, x: f32) -> f32 {
     let size = abs(x);
     let half = y / (size + length(vec2<f32>(x, y)));
@@ -15,8 +16,9 @@ fn angle_of(y: f32, x: f32) -> f32 {
     return select(acute, 3.14159265358979 - acute, x < 0.0);
 }
 
-// The point on the unit circle so many turns from (1, 0) towards (0, 1), of fewer than 2^29 turns. Whole quarters are taken off without
-// rounding; the polynomials are minimax on what is left, [-pi/4, pi/4], to 3.8e-9 and 1.2e-10 relative (own fit).
+// The point on the unit circle that lies `turns` turns from (1, 0) towards (0, 1), for fewer than 2^29 turns. Whole
+// quarter turns are subtracted without rounding. The polynomials are minimax on the rest, [-pi/4, pi/4], with relative
+// errors of 3.8e-9 and 1.2e-10 (own fit).
 fn circle_point(turns: f32) -> vec2<f32> {
     let quarters = round(4.0 * turns);
     let angle = (4.0 * turns - quarters) * 1.57079633;
@@ -28,7 +30,7 @@ fn circle_point(turns: f32) -> vec2<f32> {
     return select(within_half, -within_half, (quarter & 2) != 0);
 }
 
-// Sine and 1 - cosine of an angle in [0, pi], from half the angle; both with their digits where the angle is small.
+// Sine and 1 - cosine of an angle in [0, pi], from half the angle. Both keep their precision for small angles.
 fn sine_and_rise(angle: f32) -> vec2<f32> {
     let half = circle_point(angle * 0.0795774715);
     return 2.0 * half.y * half;

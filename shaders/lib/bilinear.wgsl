@@ -1,13 +1,13 @@
-// The four texels around a point of an image and their weights; texel centres lie at half-integers.
+// The four texels around a point of an image, and their weights. Texel centres lie at half-integers.
 struct Bilinear {
-    // Columns left and right, rows above and below.
+    // The left and the right column; the upper and the lower row.
     columns: vec2<u32>,
     rows: vec2<u32>,
-    // Share of the right column and of the lower row.
+    // The weights of the right column and of the lower row.
     share: vec2<f32>,
 }
 
-// u to the right and down to the bottom row, both in [0, 1]. `wraps` joins the right edge to the left.
+// u goes right and `down` goes to the bottom row, both in [0, 1]. `wraps` joins the right edge to the left.
 fn bilinear(u: f32, down: f32, width: u32, height: u32, wraps: bool) -> Bilinear {
     let w = i32(width);
     let h = i32(height);

@@ -1,19 +1,19 @@
-// Sums with what they have lost to rounding beside them: Kahan, "Pracniques: further remarks on reducing truncation errors",
-// Communications of the ACM 8(1), 1965. Of n terms of one sign, sum - excess is off by 2 u and some n u² of it (Higham, "Accuracy and
-// Stability of Numerical Algorithms", 2nd ed., section 4.3).
+// Sums that keep their rounding error beside them: Kahan, "Pracniques: further remarks on reducing truncation errors",
+// Communications of the ACM 8(1), 1965. For n terms of one sign, the relative error of sum - excess is 2 u plus a multiple of n
+// u² (Higham, "Accuracy and Stability of Numerical Algorithms", 2nd ed., section 4.3).
 
 struct Compensated {
     sum: vec3<f32>,
-    // What the sum is too large by.
+    // How much the sum is too large.
     excess: vec3<f32>,
 }
 
-// The same floats, in a form that no compiler sees through: `zero` is 0, and comes from a uniform.
+// The same floats, in a form that no compiler can simplify: `zero` is 0 and comes from a uniform.
 fn barrier(x: vec3<f32>, zero: u32) -> vec3<f32> {
     return bitcast<vec3<f32>>(bitcast<vec3<u32>>(x) ^ vec3<u32>(zero));
 }
 
-// Where a driver undoes it in spite of the barriers (src/gpu/probe.rs), the excess is 0 and the sum is a plain one.
+// If a driver simplifies it in spite of the barriers (src/gpu/probe.rs), the excess is 0 and the sum is a plain sum.
 fn compensated_sum(before: Compensated, term: vec3<f32>, zero: u32) -> Compensated {
     let added = term - before.excess;
     let sum = barrier(before.sum + added, zero);

@@ -1,8 +1,8 @@
-// Facts about f32 that hold on every driver: bits instead of comparisons that a compiler may assume away.
+// Facts about f32 that hold on every driver. NaN and infinity are tested by bits, because a compiler may assume that they do not occur.
 
 // Half an ulp of 1: the relative error of one correctly rounded operation.
 const UNIT_ROUNDOFF: f32 = 0x1p-24f;
-// Stands for "no bound" where an infinity could be assumed absent by the compiler (WGSL section 15.7.2).
+// Stands for "no bound". A compiler may assume that infinities do not occur (WGSL section 15.7.2).
 const VERY_FAR: f32 = 0x1p126f;
 
 fn is_nan(x: f32) -> bool {
@@ -13,8 +13,8 @@ fn is_infinite(x: f32) -> bool {
     return (bitcast<u32>(x) & 0x7fffffffu) == 0x7f800000u;
 }
 
-// The float next to x on the side of `toward`'s sign; x itself where either is zero or x is subnormal,
-// since the neighbours of zero may be flushed back to zero.
+// The float next to x in the direction of `toward`'s sign. It is x itself if either is zero or x is subnormal, because the
+// neighbours of zero may be flushed back to zero.
 fn next_float(x: f32, toward: f32) -> f32 {
     let bits = bitcast<u32>(x);
     let steady = (bits & 0x7f800000u) == 0u || toward == 0.0;

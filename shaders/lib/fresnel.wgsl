@@ -1,10 +1,10 @@
 //@ use lib/refraction
-// Fresnel reflection at a smooth boundary, in a form without cancellation as the relative index approaches 1.
+// Fresnel reflection at a smooth boundary. This form has no cancellation as the relative index approaches 1.
 
-// cos_incident in [0, 1]; contrast = (eta - 1)(eta + 1), eta the index of the far side relative to the near one.
-// With c = cos_incident and g = sqrt(contrast + c^2) = eta cos_transmitted, the amplitude of the perpendicular
-// polarisation is (c - g)/(c + g) = -contrast / (c + g)^2, and the parallel one that times (c g - s^2)/(c g + s^2),
-// s the sine (Born and Wolf, Principles of Optics, section 1.5.2, equations 21 and 21a rearranged).
+// cos_incident is in [0, 1]. contrast is (eta - 1)(eta + 1), with eta the index of the far side relative to the near one. Let c
+// = cos_incident, s the sine, and g = sqrt(contrast + c^2) = eta cos_transmitted. The amplitude of the perpendicular
+// polarisation is (c - g)/(c + g) = -contrast / (c + g)^2. The amplitude of the parallel one is that times (c g - s^2)/(c g +
+// s^2) (Born and Wolf, Principles of Optics, section 1.5.2, equations 21 and 21a rearranged).
 fn fresnel(cos_incident: f32, eta: f32, contrast: f32) -> Refraction {
     let c = cos_incident;
     let g2 = contrast + c * c;

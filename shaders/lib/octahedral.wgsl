@@ -1,4 +1,4 @@
-// A unit vector in one word: the octahedron |x| + |y| + |z| = 1 unfolded onto a square, two signed 16-bit numbers
+// A unit vector in one word: the octahedron |x| + |y| + |z| = 1 unfolded to a square, stored as two signed 16-bit numbers
 // (Cigolle et al., "A Survey of Efficient Representations for Independent Unit Vectors", JCGT 3(2), 2014, section 3.2).
 fn unit_from_octahedral(word: u32) -> vec3<f32> {
     let p = unpack2x16snorm(word);

@@ -1,11 +1,12 @@
-// A random permutation of words that lets each bit be flipped by what the bits below it are: read from its lowest bit on, a
-// word is scrambled as Owen does it ("Randomly permuted (t,m,s)-nets and (t,s)-sequences", 1995, section 3). Sums and products
-// have this form: Laine and Karras, "Stratified Sampling for Stochastic Transparency", EGSR 2011, section 3.1. The affine map alone, of
-// a random summand and odd factor, gives any two words the joint distribution that Owen asks for in the first 15 bits, on
-// which the variance depends (Owen, "Scrambled net variance for integrals of smooth functions", Annals of Statistics 25(4),
-// 1997, section 2; own derivation: for words that first differ in bit k the summand makes the bits of one uniform, the factor
-// those above k of the difference). The other steps make it anything but affine. Their factors are even, so that each is a
-// permutation; found by a random search, such that every bit flips every higher one with probability 1/2 within noise.
+// A random permutation of words, in which the bits below a bit decide whether it is flipped. Read from the lowest bit on, this
+// is Owen's scrambling ("Randomly permuted (t,m,s)-nets and (t,s)-sequences", 1995, section 3). Sums and products have this
+// form: Laine and Karras, "Stratified Sampling for Stochastic Transparency", EGSR 2011, section 3.1.
+// The affine map alone, with a random summand and a random odd factor, gives any two words the joint distribution of Owen's
+// scrambling in the first 15 bits. The variance depends on this distribution (Owen, "Scrambled net variance for integrals of
+// smooth functions", Annals of Statistics 25(4), 1997, section 2). Own derivation: for two words that first differ in bit k,
+// the summand makes the bits of one word uniform, and the factor makes the bits above k of their difference uniform.
+// The other steps make the map non-affine. Their factors are even, so each step is a permutation. A random search found the
+// factors: each bit flips every higher bit with probability 1/2 within noise.
 fn nested_permutation(words: vec4<u32>, seeds: vec4<u32>) -> vec4<u32> {
     var v = words ^ (words * 0xab13244eu);
     v += seeds;

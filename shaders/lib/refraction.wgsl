@@ -1,13 +1,13 @@
-// What happens at a smooth boundary between two clear solids.
+// Refraction at a smooth boundary between two clear solids.
 
 struct Refraction {
-    // Reflected share of unpolarised light.
+    // The reflected fraction of unpolarised light.
     reflectance: f32,
-    // Cosine of the transmitted ray with the inverted normal; 0 under total internal reflection.
+    // Cosine between the transmitted ray and the inverted normal; 0 for total internal reflection.
     cos_transmitted: f32,
 }
 
-// The transmitted direction by Snell's law; normal on the side of the incoming ray.
+// The transmitted direction by Snell's law. The normal is on the side of the incoming ray.
 fn refract_by(incoming: vec3<f32>, normal: vec3<f32>, cos_incident: f32, eta: f32, cos_transmitted: f32) -> vec3<f32> {
     return normalize(incoming / eta + (cos_incident / eta - cos_transmitted) * normal);
 }

@@ -1,16 +1,16 @@
 //@ relies on uniforms
-// The alias method (Walker, "An Efficient Method for Generating Discrete Random Variables with General Distributions", ACM
-// TOMS 3(3), 1977): an entry is found in one step, and it or the other one that it names is drawn. In integers, so that
-// the probabilities that the host states (src/lights.rs) are the exact ones.
+// The alias method (Walker, "An Efficient Method for Generating Discrete Random Variables with General Distributions", ACM TOMS
+// 3(3), 1977): one lookup finds an entry, and either the entry or its alias is drawn. It uses integers, so that the
+// probabilities that the host states (src/lights.rs) are exact.
 
 struct AliasPick {
     index: u32,
-    // What is left of the uniform, again a multiple of 2^-24 in [0, 1): the entry's own if below its threshold.
+    // The rest of the uniform number, again a multiple of 2^-24 in [0, 1). Below the entry's threshold it draws the entry itself.
     rest: f32,
 }
 
-// u is a multiple of 2^-24 in [0, 1), count 2^24 at most: the 48 digits of their product as two numbers of 24, from
-// halves of 12.
+// u is a multiple of 2^-24 in [0, 1), and count is at most 2^24. Their product of 48 bits is computed as two numbers of
+// 24 bits, from halves of 12 bits.
 fn alias_pick(u: f32, count: u32) -> AliasPick {
     let k = u32(u * 0x1p24f);
     let middle = (k >> 12u) * (count & 0xfffu) + (k & 0xfffu) * (count >> 12u);

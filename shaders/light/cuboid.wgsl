@@ -2,18 +2,18 @@
 //@ use geometry/cuboid
 //@ use light/quad
 //@ use lib/sampling
-// A box as a light: directions uniform in its solid angle, that of the up to three faces that are seen; one of them is
-// chosen in proportion to its own. From inside, uniform over all directions.
+// A box as a light. From outside, directions are uniform in its solid angle: one of the up to three visible faces is chosen
+// with a probability proportional to its solid angle. From inside, directions are uniform over the sphere.
 
-// A box as seen from the point that is lit, in its own axes.
+// A box as seen from the point of the event, in the box's own axes.
 struct SphericalCuboid {
     // From the point to the centre.
     center: vec3<f32>,
-    // Solid angles of the faces across x, y and z; all 0 from inside.
+    // Solid angles of the visible faces across x, y and z; all 0 from inside.
     areas: vec3<f32>,
 }
 
-// The sides of the face across an axis that is turned towards the point: its corner and its edges.
+// The face across an axis that is turned towards the point: a corner and its two edges.
 struct CuboidFace {
     corner: vec3<f32>,
     u: vec3<f32>,
@@ -22,7 +22,7 @@ struct CuboidFace {
 
 fn cuboid_face(center: vec3<f32>, half_extent: vec3<f32>, axis: u32) -> CuboidFace {
     let unit = select(vec3<f32>(0.0), vec3<f32>(1.0), vec3<u32>(axis) == vec3<u32>(0u, 1u, 2u));
-    // Towards the point: against the centre.
+    // The face towards the point is on the side opposite to the direction of the centre.
     let side = select(half_extent, -half_extent, center > vec3<f32>(0.0));
     let corner = center + select(-half_extent, side, unit > vec3<f32>(0.0));
     return CuboidFace(corner, 2.0 * half_extent * unit.zxy, 2.0 * half_extent * unit.yzx);
@@ -65,7 +65,7 @@ fn cuboid_light_sample(from_point: vec3<f32>, cuboid: Cuboid, u: vec2<f32>) -> D
     if part >= seen.areas.x {
         part -= seen.areas.x;
         axis = 1u;
-        // The sum may have been rounded up beyond what is left.
+        // The sum of the solid angles may have been rounded up, so `part` may exceed the last of them.
         if part >= seen.areas.y && seen.areas.z > 0.0 {
             part = min(part - seen.areas.y, seen.areas.z);
             axis = 2u;
@@ -81,7 +81,7 @@ fn cuboid_light_sample(from_point: vec3<f32>, cuboid: Cuboid, u: vec2<f32>) -> D
     return DirectionSample(direction, 1.0 / area);
 }
 
-// The density with which a direction that meets the box is sampled.
+// The pdf with which light sampling draws a direction that hits the box.
 fn cuboid_light_pdf(from_point: vec3<f32>, direction: vec3<f32>, cuboid: Cuboid) -> f32 {
     let seen = spherical_cuboid(from_point, cuboid);
     if !any(abs(seen.center) > cuboid.half_extent) {
@@ -91,12 +91,12 @@ fn cuboid_light_pdf(from_point: vec3<f32>, direction: vec3<f32>, cuboid: Cuboid)
     return select(0.0, 1.0 / area, area > 0.0);
 }
 
-// Whether a ray to the box comes from outside.
+// Whether a ray to the box arrives from outside.
 fn cuboid_light_front(ray: Ray, normal: vec3<f32>, cuboid: Cuboid) -> bool {
     return dot(ray.direction, normal) < 0.0;
 }
 
-// About how far the near side of the cuboid is along a ray that passes it by.
+// Approximate distance to the near side of the box along a ray that narrowly misses it.
 fn cuboid_light_distance(ray: Ray, cuboid: Cuboid) -> f32 {
     return dot(cuboid.center - ray.origin, ray.direction) - length(cuboid.half_extent);
 }

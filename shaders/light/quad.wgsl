@@ -2,20 +2,20 @@
 //@ use data/primitive
 //@ use light/sample
 //@ use light/spherical
-// A parallelogram as a light: directions uniform in its solid angle, at any distance and size. It is the two triangles on
-// both sides of a diagonal, sampled as one fan about the corner, so that u.x goes on where it passes from one to the
-// other. Rectangles go the same way: the map of Ureña, Fajardo and King ("An Area-Preserving Parametrization for Spherical
-// Rectangles", EGSR 2013) needs sums of four arc cosines less 2 pi, which leave no digits in f32 for quads far away.
+// A parallelogram as a light: directions are uniform in its solid angle, at any distance and size. A diagonal divides it into
+// two triangles. They are sampled as one fan around the corner, so that the direction is continuous in u.x across the diagonal.
+// Rectangles are sampled in the same way. The map of Ureña, Fajardo and King ("An Area-Preserving Parametrization for Spherical
+// Rectangles", EGSR 2013) needs sums of four arc cosines minus 2 pi, which have no precision left in f32 for quads far away.
 
-// A parallelogram as seen from the point that is lit.
+// A parallelogram as seen from the point of the event.
 struct SphericalQuad {
-    // The corner and the next ones around.
+    // The four corners in their order around the quad.
     first: Corner,
     second: Corner,
     third: Corner,
     fourth: Corner,
     determinant: f32,
-    // Solid angles of first, second, third and of first, fourth, third.
+    // Solid angles of the triangle first, second, third and of the triangle first, fourth, third.
     areas: vec2<f32>,
 }
 
@@ -32,7 +32,7 @@ fn spherical_quad(corner: vec3<f32>, u: vec3<f32>, v: vec3<f32>) -> SphericalQua
     return SphericalQuad(first, second, third, fourth, determinant, areas);
 }
 
-// The direction for a part of the solid angle.
+// The direction for the solid angle `part` of the fan and the fraction `share` of the arc's height (light/spherical).
 fn spherical_quad_direction(quad: SphericalQuad, u: vec3<f32>, v: vec3<f32>, part: f32, share: f32) -> vec3<f32> {
     if part < quad.areas.x {
         return spherical_direction(quad.first, quad.second, quad.third, u, v, quad.determinant, part, share);
@@ -50,19 +50,19 @@ fn quad_light_sample(from_point: vec3<f32>, quad: Quad, u: vec2<f32>) -> Directi
     return DirectionSample(spherical_quad_direction(seen, quad.u, quad.v, u.x * area, u.y), 1.0 / area);
 }
 
-// The density with which a direction that meets the quad is sampled.
+// The pdf with which light sampling draws a direction that hits the quad.
 fn quad_light_pdf(from_point: vec3<f32>, direction: vec3<f32>, quad: Quad) -> f32 {
     let seen = spherical_quad(quad.corner - from_point, quad.u, quad.v);
     let area = seen.areas.x + seen.areas.y;
     return select(0.0, 1.0 / area, area > 0.0);
 }
 
-// Whether a ray to the quad arrives on the side of its normal.
+// Whether a ray to the quad arrives at its front, the side of its normal.
 fn quad_light_front(ray: Ray, normal: vec3<f32>, quad: Quad) -> bool {
     return dot(ray.direction, normal) < 0.0;
 }
 
-// How far the plane of the quad is along a ray that passes it by.
+// Distance to the plane of the quad along a ray that narrowly misses the quad.
 fn quad_light_distance(ray: Ray, quad: Quad) -> f32 {
     return dot(quad.corner - ray.origin, quad.normal) / dot(ray.direction, quad.normal);
 }

@@ -1,8 +1,8 @@
-// What choosing a direction towards a light gives.
+// A sampled direction towards a light.
 struct DirectionSample {
-    // Unit.
+    // Unit vector.
     direction: vec3<f32>,
-    // Density of the direction in solid angle; 0 where the light has nothing to sample from there.
+    // Pdf of the direction in solid angle. 0 if the light cannot be sampled from the point.
     pdf: f32,
 }
 

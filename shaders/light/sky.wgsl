@@ -2,12 +2,12 @@
 //@ use light/sample
 //@ use lib/angle
 //@ use lib/sphere_map
-// The sky's image as a light: a cell of a grid over it is drawn by the alias method, and a direction uniform in the cell's
-// solid angle. What is loaded is one entry of four words a sample, and one for the density of a direction.
-// The grid lies as the image does (lib/sphere_map): rows from +y down, columns around from +z through -x, -z and +x.
+// The sky's image as a light. The alias method draws a cell of a grid over the image. Then a direction is drawn uniformly in
+// the cell's solid angle. A sample loads one entry of four words, and so does the density of a given direction. The grid has
+// the layout of the image (lib/sphere_map): rows go down from +y, and columns go around from +z through -x, -z and +x.
 
-// An entry of the grid, row by row (src/lights.rs): the cell is drawn itself where the rest of the uniform is below the
-// threshold, the one that it names otherwise. Densities are in solid angle.
+// An entry of the grid, row by row (src/lights.rs). Where the rest of the uniform number is below the threshold, this cell is
+// drawn, and otherwise its alias. Densities are in solid angle.
 struct SkyCell {
     threshold: f32,
     alias_index: u32,
@@ -20,32 +20,32 @@ struct SkyChoice {
     pdf: f32,
 }
 
-// What is drawn, where alias_pick led to this cell.
+// The cell that is drawn where alias_pick gives this entry.
 fn sky_choice(pick: AliasPick, cell: SkyCell) -> SkyChoice {
     let own = pick.rest < cell.threshold;
     return SkyChoice(select(cell.alias_index, pick.index, own), select(cell.alias_density, cell.density, own));
 }
 
-// A direction uniform in the solid angle of a cell: (1 - cos theta) / 2 = sin^2(theta / 2) is uniform between its values at
-// the cell's upper and lower edge, which differ by sin(b - a) sin(b + a), a and b their halved angles. Below the horizon
-// the same from -y up, so that the digits are those of the nearer pole.
+// A direction uniform in the solid angle of a cell: (1 - cos theta) / 2 = sin^2(theta / 2) is uniform between its values at the
+// cell's upper and lower edge. These values differ by sin(b - a) sin(b + a), with a and b half the edges' angles. Below the
+// horizon, angles are measured from -y instead of +y, so the precision is always that of the nearer pole.
 fn sky_cell_direction(index: u32, columns: u32, rows: u32, u: vec2<f32>) -> vec3<f32> {
     let column = index % columns;
     let row = index / columns;
     let below = row >= rows - row;
     let from_pole = f32(select(row, rows - 1u - row, below));
-    // In turns, as circle_point takes them.
+    // In turns, the unit of circle_point.
     let step = 0.25 / f32(rows);
     let edge = circle_point(from_pole * step).y;
     let height = edge * edge + u.y * (circle_point(step).y * circle_point(min((2.0 * from_pole + 1.0) * step, 0.5)).y);
     let across = 2.0 * sqrt(height * max(1.0 - height, 0.0));
     let y = 1.0 - 2.0 * height;
-    // From -z towards +x.
+    // Around the y axis, from -z towards +x.
     let around = across * circle_point((f32(column) + u.x) / f32(columns) - 0.5);
     return normalize(vec3<f32>(around.y, select(y, -y, below), -around.x));
 }
 
-// The cell in which a direction lies.
+// The cell that contains a direction.
 fn sky_cell_at(direction: vec3<f32>, columns: u32, rows: u32) -> u32 {
     let place = sky_place(direction);
     let column = min(u32(place.x * f32(columns)), columns - 1u);

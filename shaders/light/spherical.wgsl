@@ -1,19 +1,19 @@
 //@ use lib/angle
-// Spherical triangles: their solid angle, and directions uniform in it. As Arvo samples them ("Stratified Sampling of
-// Spherical Triangles", SIGGRAPH 1995), the triangle p, a, c is cut by an arc from p to a point of the arc a c so that the
-// part beside a has a share of the solid angle, and the direction lies on that arc by its height. Arvo's formulas take the
-// angles of the triangle, whose sum less pi cancels for small ones; those here have tangents only.
+// Spherical triangles: their solid angle, and directions uniform in it, by Arvo's method ("Stratified Sampling of Spherical
+// Triangles", SIGGRAPH 1995). An arc from p to a point of the arc a c cuts the triangle p, a, c so that the part beside a has a given
+// fraction of the solid angle. The direction lies on this arc, at a given fraction of the arc's height. Arvo's formulas use the angles
+// of the triangle, and the sum of the angles minus pi suffers cancellation in small triangles. The formulas here use tangents only.
 //
-// Own derivation. Let t be the unit tangent at a towards c, and m = p.a, q = p.t, n = |a.(p x t)|, m^2 + q^2 + n^2 = 1. For
-// the point a cos s + t sin s of the arc the formula of Van Oosterom and Strackee ("The Solid Angle of a Plane
-// Triangle", IEEE Trans. Biomed. Eng. 30(2), 1983, equation 8) gives for the part E
+// Own derivation. Let t be the unit tangent at a towards c, and m = p.a, q = p.t, n = |a.(p x t)|, so that m^2 + q^2 + n^2 = 1.
+// For the point a cos s + t sin s of the arc a c, the formula of Van Oosterom and Strackee ("The Solid Angle of a Plane
+// Triangle", IEEE Trans. Biomed. Eng. 30(2), 1983, equation 8) gives the solid angle E of the part beside a:
 //     tan(E/2) = n sin s / ((1 + m)(1 + cos s) + q sin s),   so   tan(s/2) = (1 + m) sin(E/2) / (n cos(E/2) - q sin(E/2)).
-// Put into the point's components seen from p, along the tangent at p towards a and across it, common factors left out,
-//     n (cos E - m) - q sin E   and   n sin E - q (1 - cos E),
-// which is the direction in which the arc leaves p. Close above a triangle n goes to 0 and the arcs to half circles,
-// but these go to the tangent of E/2 with all digits.
+// With this s, the components of the point as seen from p, along the tangent at p towards a and across it, are, without common factors,
+//     n (cos E - m) - q sin E   and   n sin E - q (1 - cos E).
+// They are the direction in which the cutting arc leaves p. Close above a triangle, n approaches 0 and the arcs approach half
+// circles. The ratio of the two components then approaches tan(E/2), with full precision.
 
-// A corner as seen from the point that is lit.
+// A corner as seen from the point of the event.
 struct Corner {
     direction: vec3<f32>,
     distance: f32,
@@ -24,8 +24,8 @@ fn corner_at(offset: vec3<f32>) -> Corner {
     return Corner(offset / distance, distance);
 }
 
-// Solid angle of the triangle of three corners; `volume` is the absolute value of their determinant.
-// 0 on the triangle's plane, and where the density's square would come near the end of f32's range.
+// Solid angle of the triangle with these three corners; `volume` is the absolute value of their determinant. It is 0 in the
+// plane of the triangle, and where the square of the density would come near the end of f32's range.
 fn spherical_area(p: Corner, a: Corner, c: Corner, volume: f32) -> f32 {
     let shape = volume / p.distance / a.distance / c.distance;
     let beside = 1.0 + dot(p.direction, a.direction) + dot(a.direction, c.direction) + dot(c.direction, p.direction);
@@ -33,8 +33,8 @@ fn spherical_area(p: Corner, a: Corner, c: Corner, volume: f32) -> f32 {
     return select(0.0, area, shape > 0x1p-59f);
 }
 
-// The direction for a part of the solid angle, and a share v of the height of the arc there. `to_a` leads from corner p to
-// a, `to_c` from a to c: differences of corners, which have more digits than those of directions.
+// The direction on the arc that cuts off the solid angle `part`, at the fraction v of the arc's height. `to_a` is the edge from
+// corner p to a, and `to_c` that from a to c. They are differences of corners, which are more precise than differences of directions.
 fn spherical_direction(
     p: Corner,
     a: Corner,
@@ -45,7 +45,7 @@ fn spherical_direction(
     part: f32,
     v: f32,
 ) -> vec3<f32> {
-    // The edges' components across the views to their beginnings.
+    // The components of the two edges perpendicular to the directions of their first corners.
     let across_a = to_a - dot(p.direction, to_a) * p.direction;
     let across_c = to_c - dot(a.direction, to_c) * a.direction;
     let length_a = length(across_a);
@@ -57,7 +57,7 @@ fn spherical_direction(
     let side = cross(p.direction, tangent_a) * select(-1.0, 1.0, determinant > 0.0);
     let m = dot(p.direction, a.direction);
     let sine_a = length_a / a.distance;
-    // 1 + m and 1 - m, whose product is the sine's square: the smaller from the larger.
+    // 1 + m and 1 - m. Their product is the square of the sine, so the smaller one is computed from the larger one.
     let above = select(sine_a * sine_a / (1.0 - m), 1.0 + m, m > 0.0);
     let below = select(1.0 - m, sine_a * sine_a / (1.0 + m), m > 0.0);
     let q = -dot(to_a, across_c) / (length_c * p.distance);
@@ -65,13 +65,13 @@ fn spherical_direction(
 
     let whole = sine_and_rise(part);
     let half = sine_and_rise(0.5 * part);
-    // tan(s/2) = y / x, scaled so that no square vanishes.
+    // tan(s/2) = y / x, scaled so that no square underflows.
     let y = half.x * above;
     let x = max(n * (1.0 - half.y) - q * half.x, 0.0);
     let largest = max(max(x, y), 0x1p-120f);
     let t = vec2<f32>(x, y) / largest;
     let scale = 2.0 / max(dot(t, t), 0x1p-120f);
-    // 1 - p.(a cos s + t sin s), and of it the share v.
+    // The height of the arc is 1 - p.(a cos s + t sin s), and the direction is at the fraction v of it.
     let height = v * clamp(below + scale * t.y * (t.y * m - t.x * q), 0.0, 2.0);
 
     let leaving = vec2<f32>(n * (below - whole.y) - q * whole.x, n * whole.x - q * whole.y);

@@ -1,10 +1,10 @@
 //@ use geometry/triangle
 //@ use light/sample
 //@ use light/spherical
-// A triangle as a light: directions uniform in its solid angle, at any distance and size. There is no switch to sampling
-// by area: light/spherical has its digits for small triangles as for large ones, and the density is one number.
+// A triangle as a light: directions are uniform in its solid angle, at any distance and size. It never switches to sampling by
+// area: light/spherical is as precise for small triangles as for large ones, and the density is the same for all directions.
 
-// The corners' determinant. Its sign tells from which side the triangle is seen.
+// The determinant of the corners as seen from the point. Its sign tells from which side the point sees the triangle.
 fn triangle_determinant(from_point: vec3<f32>, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> f32 {
     return dot(a - from_point, triangle_cross(a, b, c));
 }
@@ -28,7 +28,7 @@ fn triangle_light_sample(
     return DirectionSample(direction, 1.0 / area);
 }
 
-// The density with which a direction that meets the triangle is sampled.
+// The pdf with which light sampling draws a direction that hits the triangle.
 fn triangle_light_pdf(
     from_point: vec3<f32>,
     direction: vec3<f32>,

@@ -1,7 +1,7 @@
 //@ use data/material
 //@ use choice/fresnel
-// A smooth boundary of a clear solid. Reflects with the probability of its reflectance, else refracts, so that
-// the weight is 1. Radiance is not scaled by the index squared: sensor and lights share one medium.
+// A smooth boundary of a clear solid. It reflects with the probability of its reflectance and refracts otherwise, so the weight
+// is 1. Radiance is not scaled by the index squared, because the camera and the lights are in the same medium.
 fn dielectric_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scatter {
     let ior = material.parameter;
     let eta = select(1.0 / ior, ior, hit.front);

@@ -1,11 +1,11 @@
 //@ use data/material
 //@ use lib/sampling
-// A mirror blurred by a point of the unit ball times fuzz, the parameter; what falls below the surface is absorbed
-// (Shirley, Black, Hollasch, "Ray Tracing in One Weekend", section 10.6). No Fresnel: the weight is the albedo.
+// A mirror direction, blurred by adding a random point of the unit ball times the fuzz (`parameter`). A direction below the surface is
+// absorbed (Shirley, Black, Hollasch, "Ray Tracing in One Weekend", section 10.6). There is no Fresnel factor: the weight is the albedo.
 fn metal_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scatter {
     let mirrored = normalize(hit.incoming - 2.0 * dot(hit.incoming, hit.normal) * hit.normal);
     let blurred = mirrored + material.parameter * sample_ball(u.xyz);
-    // At fuzz 1 the sum can vanish; nothing below this length has a direction worth normalising.
+    // At fuzz 1 the sum can vanish. Below this length its direction means nothing.
     if !(dot(blurred, blurred) > 1e-12) || !(dot(blurred, hit.normal) > 0.0) {
         return absorbed();
     }

@@ -1,15 +1,16 @@
 //@ use data/material
 //@ use lib/sampling
-// Without fuzz it is a mirror.
+// A metal without fuzz is a mirror.
 fn metal_is_non_specular(material: Material) -> bool {
     return material.parameter > 0.0;
 }
 
-// The density by which metal_scatter draws the direction: that of a point of the ball of radius fuzz about the tip of the
-// mirrored ray, integrated along the direction. With d the distances at which the direction's ray enters and leaves the
-// ball it is (d+^3 - d-^3) / (4 pi fuzz^3) (own derivation; docs/light-transport.md). In a form without cancellation for
-// small fuzz: with c the cosine to the mirrored ray and h = sqrt(fuzz^2 - s^2), d+^3 - d-^3 = 2 h (3 c^2 + h^2), and where
-// the origin lies in the ball, d- = 0. The value is the albedo times that; what falls below the surface is absorbed.
+// The pdf with which metal_scatter samples the direction: the density of points in the ball of radius fuzz around the tip of
+// the mirrored direction, integrated along a ray from the origin in this direction. With d- and d+ the distances at which that
+// ray enters and leaves the ball, it is (d+^3 - d-^3) / (4 pi fuzz^3) (own derivation; docs/light-transport.md). The form here
+// has no cancellation for small fuzz: d+^3 - d-^3 = 2 h (3 c^2 + h^2), with c the cosine to the mirrored direction, s the sine,
+// and h = sqrt(fuzz^2 - s^2). If the origin lies in the ball, d- = 0. The BSDF times cosine is the albedo times the pdf.
+// Directions below the surface are absorbed.
 fn metal_eval(material: Material, hit: Interaction, direction: vec3<f32>) -> Response {
     let fuzz = material.parameter;
     let mirrored = normalize(hit.incoming - 2.0 * dot(hit.incoming, hit.normal) * hit.normal);

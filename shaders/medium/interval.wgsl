@@ -1,22 +1,23 @@
 //@ use data/surface
-// The part of a ray within a closed shape: the distances at which it begins and ends, 0 <= x < y.
+// The interval of a ray inside a closed shape: the distances at which it begins and ends, 0 <= x < y.
 
-// No part: the ray misses the shape or has it behind.
+// The empty interval: the ray misses the shape, or the shape is behind its origin.
 const NO_INTERVAL: vec2<f32> = vec2<f32>(1.0, 0.0);
 
-// Of the line's crossings, the part in front of the origin. A NaN fails the comparison.
+// The part of the interval between a line's two crossings that lies in front of the origin. A NaN fails the comparison.
 fn interval_ahead(crossings: vec2<f32>) -> vec2<f32> {
     let interval = vec2<f32>(max(crossings.x, 0.0), crossings.y);
     return select(NO_INTERVAL, interval, interval.x < interval.y);
 }
 
-// The distance at which the way inside has a length, if that is nearer than `limit`; else NO_HIT.
+// The distance at which the ray has travelled the length `way` inside the shape, if it does so before it leaves and
+// before `limit`; NO_HIT otherwise.
 fn collision_within(inside: vec2<f32>, way: f32, limit: f32) -> f32 {
     let t = inside.x + way;
     return select(NO_HIT, t, t < min(inside.y, limit));
 }
 
-// The length of the way inside up to distance t.
+// The length that the ray travels inside the shape up to distance t.
 fn way_within(inside: vec2<f32>, t: f32) -> f32 {
     return max(min(inside.y, t) - inside.x, 0.0);
 }

@@ -1,7 +1,7 @@
 //@ use lib/sampling
-// The density of Henyey and Greenstein's phase function in solid angle: (1 - g^2) / (4 pi (1 + g^2 - 2 g cos)^(3/2)). With h = |g|
-// and the angle taken from the side to which g scatters, 1 + g^2 - 2 g cos = (1 - h)^2 + 2 h (1 - cos), and 1 - cos is half of
-// the square of the directions' difference, so that nothing cancels near the peak. `one_minus_g` is 1 - |g|.
+// The pdf of Henyey and Greenstein's phase function in solid angle: (1 - g^2) / (4 pi (1 + g^2 - 2 g cos)^(3/2)). Let h = |g|, and
+// measure the angle from the direction of the peak: forwards for g > 0, backwards for g < 0. Then 1 + g^2 - 2 g cos = (1 - h)^2 + 2 h (1
+// - cos), and 1 - cos is half the squared difference of the two directions, so nothing cancels near the peak. `one_minus_g` is 1 - |g|.
 fn phase_pdf(incoming: vec3<f32>, direction: vec3<f32>, g: f32, one_minus_g: f32) -> f32 {
     let h = abs(g);
     let apart = direction - select(-incoming, incoming, g >= 0.0);

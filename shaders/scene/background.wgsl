@@ -2,7 +2,7 @@
 //@ each background
 //@ use background/${name}
 //@ end
-// The radiance where a ray leaves the scene. A scene has one background; more are linked where everything is (`--features all`).
+// The radiance of a ray that leaves the scene. A scene has one background; `--features all` links more.
 fn background_radiance(direction: vec3<f32>) -> vec3<f32> {
     //@ each other_background
     if settings.background == ${number}u {

@@ -6,10 +6,11 @@
 //@ use scene/primitives
 //@ use scene/at_run_time
 //@ use lib/float
-// The nearest primitive along a ray in a scene of so few that all are asked, without a hierarchy: every lane asks the same one at a time.
+// Finds the nearest primitive along a ray in a scene of few primitives. There is no hierarchy: every ray tests all primitives,
+// and all lanes test the same one at a time.
 
-// Nearest hit with t > 0 and before `limit`; or, where any will do, the first one found. Of two hits at one distance the primitive
-// that comes first in the scene wins.
+// The nearest hit with t > 0 that is not beyond `limit`; with `any_will_do`, the first such hit found. Of two hits at the same
+// distance, the primitive that comes first in the scene wins.
 fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
     var hit = limit;
     //@ each primitive

@@ -1,5 +1,5 @@
 //@ use bind/settings
-// Render space has the axes of the camera: the world's are the rows of a rotation.
+// Render space has the camera's axes. The world's axes are the rows of a rotation.
 fn to_world(direction: vec3<f32>) -> vec3<f32> {
     return vec3<f32>(
         dot(settings.world_x, direction), dot(settings.world_y, direction), dot(settings.world_z, direction));

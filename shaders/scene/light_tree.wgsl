@@ -2,27 +2,29 @@
 //@ use bind/light_nodes
 //@ use lib/octahedral
 //@ use scene/at_run_time
-// Lights chosen by what they can bring to a point: down a tree over them, at each node to the child on the left with the
-// left one's share of both importances (Conty Estevez and Kulla, "Importance Sampling of Many Lights with Adaptive Tree
-// Splitting", HPG 2018; src/flatten/light_tree.rs). The sky is the second of the first pair, a node around everything.
+// Chooses a light by its estimated contribution to a point. The choice descends a tree over the lights. At each node, the
+// probability of the left child is its share of the sum of both children's importances (Conty Estevez and Kulla, "Importance
+// Sampling of Many Lights with Adaptive Tree Splitting", HPG 2018; src/flatten/light_tree.rs). A sampled sky is the second node
+// of the first pair, and surrounds everything.
 
-// The intensity of a node's lights over the squared distance, times the largest cosine that any of their normals can have
-// to the point (section 4.2): a bound of the irradiance, but for a distance that nodes around the point do not have. The
-// point's own normal is not asked, so that a path that meets a light need not remember it.
+// The importance of a node: the intensity of its lights over the squared distance, times the largest cosine that any of their
+// normals can have to the point (section 4.2). Apart from the distance, this is an upper bound of the irradiance. The distance
+// is that to the node's centre, and at least the node's radius, because a node around the point has no distance to it. The
+// point's own normal is not used, so a path that hits a light need not store the normal of its last event.
 fn light_node_importance(node: LightNode, from_point: vec3<f32>) -> f32 {
     let to_point = from_point - node.center;
     let distance2 = dot(to_point, to_point);
     let radius2 = node.radius * node.radius;
-    // Between the axis and the direction to the point.
+    // The cosine of the angle between the axis and the direction to the point.
     var cosine = dot(unit_from_octahedral(node.axis), to_point) * inverseSqrt(max(distance2, 0x1p-100f));
     cosine = select(cosine, abs(cosine), (node.child & LIGHT_NODE_TWO_SIDED) != 0u);
     let sine = sqrt(max(1.0 - cosine * cosine, 0.0));
-    // The angle less the spread, where it is beyond.
+    // That angle minus the spread, and 0 within the spread.
     let spread_sine = sqrt(max(1.0 - node.cos_spread * node.cos_spread, 0.0));
     let beyond = cosine < node.cos_spread;
     let less_cosine = select(1.0, cosine * node.cos_spread + sine * spread_sine, beyond);
     let less_sine = select(0.0, sine * node.cos_spread - cosine * spread_sine, beyond);
-    // Less what the node takes of the directions from the point. In it, all is possible.
+    // From this, subtract half the angle that the node fills as seen from the point. Inside the node, every direction is possible.
     let seen_sine2 = radius2 / max(distance2, radius2);
     let seen_cosine = sqrt(1.0 - seen_sine2);
     let turned = less_cosine * seen_cosine + less_sine * sqrt(seen_sine2);
@@ -30,10 +32,11 @@ fn light_node_importance(node: LightNode, from_point: vec3<f32>) -> f32 {
     return node.intensity * max(select(turned, 1.0, open), 0.0) / max(max(distance2, radius2), 0x1p-80f);
 }
 
-// Where there are other lights, the sky is chosen at least and at most so often: what of either is hidden is not asked.
+// Beside other lights, the sky has at least this probability and at most 1 minus this, because the importances do not know what
+// is occluded.
 const LEAST_OF_SKY: f32 = 0.1;
 
-// The probability of the first of a pair. Either keeps a chance where both can matter, however little.
+// The probability of the first node of a pair. If both nodes can contribute, however little, both keep some probability.
 fn light_node_share(pair: u32, from_point: vec3<f32>) -> f32 {
     let left = light_node_importance(light_nodes[pair], from_point);
     let right = light_node_importance(light_nodes[pair + 1u], from_point);
@@ -42,14 +45,14 @@ fn light_node_share(pair: u32, from_point: vec3<f32>) -> f32 {
     least = select(least, LEAST_OF_SKY, (light_nodes[pair + 1u].child & LIGHT_NODE_SKY) != 0u);
     //@ end
     if left == 0.0 || right == 0.0 {
-        // Where nothing matters, anything is right.
+        // If only one of them can contribute, it is chosen. If neither can, the choice does not matter.
         return select(select(0.0, 1.0, left > 0.0), 0.5, left == right);
     }
     return clamp(left / (left + right), least, 1.0 - least);
 }
 
-// Levels for which one uniform serves: at each it loses as many of its 24 digits as the choice tells. Beyond, the other one
-// goes on, or lights deep in a large tree would be chosen more or less often than their probability says.
+// The number of levels that share one uniform number. Each level uses up some of its 24 bits. Deeper levels use the second
+// uniform number; otherwise lights deep in a large tree would be chosen more or less often than their probability says.
 const LEVELS_OF_ONE_UNIFORM: u32 = 10u;
 
 fn choose_light(from_point: vec3<f32>, u: vec2<f32>) -> LightChoice {
@@ -60,7 +63,7 @@ fn choose_light(from_point: vec3<f32>, u: vec2<f32>) -> LightChoice {
         let pair = child & LIGHT_NODE_INDEX;
         let share = light_node_share(pair, from_point);
         rest = select(rest, u.y, level == LEVELS_OF_ONE_UNIFORM);
-        // Rounded up to 1, the rest would take the second of a pair that has no chance.
+        // If rounding made `rest` 1, the second node would be chosen even at probability 0.
         rest = min(rest, 1.0 - 0x1p-24f);
         let second = rest >= share;
         let taken = select(share, 1.0 - share, second);
@@ -71,7 +74,7 @@ fn choose_light(from_point: vec3<f32>, u: vec2<f32>) -> LightChoice {
     return LightChoice(child & LIGHT_NODE_INDEX, probability);
 }
 
-// The probability that a light is chosen: down the same way.
+// The probability that choose_light chooses a given light, by the same descent.
 fn light_probability(index: u32, from_point: vec3<f32>) -> f32 {
     var probability = 1.0;
     var trail = lights[index].trail;

@@ -17,9 +17,9 @@
 //@ if emitting_sky
 //@ use scene/sky_light
 //@ end
-// The scene's lights, of just the kinds that it has.
+// The scene's lights; only the kinds that the scene has.
 
-// A direction from a point to a light, with its density in solid angle.
+// Samples a direction from a point to a light, with its pdf in solid angle.
 fn direction_to_light(light: Light, from_point: vec3<f32>, u: vec3<f32>) -> DirectionSample {
     let index = primitive_index(light.code);
     //@ if emitting_sky
@@ -45,7 +45,7 @@ fn direction_to_light(light: Light, from_point: vec3<f32>, u: vec3<f32>) -> Dire
     }
 }
 
-// The approximate distance to a primitive along a ray that misses it; for a face in the space of its mesh.
+// Approximate distance to a primitive along a ray that misses it. For a face, the ray is in its mesh's space.
 fn distance_to_light(code: u32, ray: Ray) -> f32 {
     let index = primitive_index(code);
     switch primitive_kind(code) {
@@ -67,7 +67,7 @@ fn distance_to_light(code: u32, ray: Ray) -> f32 {
     }
 }
 
-// Whether a shadow ray arrives at the front of a light with this normal.
+// Whether a shadow ray arrives at the front of a light. `normal` is the light's normal at the hit.
 fn arrives_at_front(code: u32, ray: Ray, normal: vec3<f32>) -> bool {
     let index = primitive_index(code);
     switch primitive_kind(code) {
@@ -92,7 +92,7 @@ fn probability_of_light(index: u32, from_point: vec3<f32>) -> f32 {
     return light_probability(index, from_point);
 }
 
-// The number of the light that a ray hit. The sky has its own.
+// The number of the light that a ray hit. The sky has a number of its own.
 fn number_of_light(hit: Hit) -> u32 {
     let index = primitive_index(hit.code);
     switch primitive_kind(hit.code) {
@@ -112,7 +112,7 @@ fn number_of_light(hit: Hit) -> u32 {
     }
 }
 
-// The density of light sampling for the primitive that the direction hits: choice times direction.
+// The pdf of light sampling for a direction that hits a light: the probability of choosing the light, times the pdf of the direction.
 fn light_density(hit: Hit, from_point: vec3<f32>, direction: vec3<f32>) -> f32 {
     let index = primitive_index(hit.code);
     switch primitive_kind(hit.code) {

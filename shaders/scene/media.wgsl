@@ -10,10 +10,10 @@
 //@ if mesh_boundary
 //@ use scene/medium_in_mesh
 //@ end
-// Where media scatter rays.
+// Finds where media scatter rays.
 
-// Distance at which the medium scatters a ray that is to cross `depth` of its optical depth, if that is nearer than
-// `limit`; else NO_HIT, or WALK_CUT where that took too many steps to find out. Just the kinds of boundary that the scene has.
+// The distance at which the medium scatters a ray after the optical depth `depth`, if that is nearer than `limit`; NO_HIT
+// otherwise, or WALK_CUT if finding out took too many steps. Only the kinds of boundary that the scene has.
 fn collision(medium: Medium, ray: Ray, depth: f32, limit: f32, steps: ptr<function, u32>) -> f32 {
     let way = depth / medium.density;
     let index = primitive_index(medium.boundary);

@@ -10,24 +10,25 @@
 //@ relies on loops
 // Media bounded by closed meshes, which a ray may enter and leave any number of times.
 
-// The deepest that the stack can get in such a mesh's BVH.
+// The greatest depth of the stack in the BVH of such a mesh.
 const CROSSING_STACK_SIZE: u32 = ${boundary_stack_size}u;
 
-// Steps of all walks along one ray, in all media (stage/bounce). More where the numerics probe finds no limit on loops.
+// The most steps of all walks along one ray, in all media (stage/bounce). It is raised if the numerics probe finds no limit on loops.
 override MOST_STEPS_OF_CROSSINGS: u32 = STEPS_OF_CROSSINGS;
 
-// Where a ray crosses a closed mesh.
+// A crossing of a ray with a closed mesh.
 struct Crossing {
     t: f32,
-    // The face's index; among crossings at one distance they come in its order.
+    // The face's index. Crossings at the same distance are ordered by it.
     face: u32,
-    // How many times the mesh winds around the ray's way before the crossing; 0 is outside.
+    // The winding number of the mesh on the part of the ray before the crossing; 0 is outside.
     winding: i32,
 }
 
-// The next crossing behind another one, and the winding on the way between: every face that the ray meets from there on
-// to infinity is either left, from a place inside, or entered. The faces of a closed mesh are met without gaps and
-// doubles (geometry/triangle), so that the count is right wherever the ray starts.
+// The next crossing after `last`, and the winding number on the part of the ray between them. The winding number is a sum over
+// the faces that the ray hits from there to infinity: 1 for each face through which the ray leaves the mesh, and -1 for each
+// through which it enters. A ray never slips between the faces of a closed mesh and never hits two of them at once
+// (geometry/triangle), so the sum is right wherever the ray starts.
 fn next_crossing(ray: Ray, root: u32, last: Crossing, steps: ptr<function, u32>) -> Crossing {
     let inverse = slab_inverse(ray.direction);
     var next = Crossing(VERY_FAR, 0xffffffffu, 0);
@@ -66,14 +67,14 @@ fn next_crossing(ray: Ray, root: u32, last: Crossing, steps: ptr<function, u32>)
     return next;
 }
 
-// The distance along a ray at which its way inside the mesh has a length, if that is nearer than `limit`; else NO_HIT,
-// or WALK_CUT.
+// The distance at which the ray has travelled the length `way` inside the mesh, if that is nearer than `limit`; NO_HIT
+// otherwise, or WALK_CUT if finding out took too many steps.
 fn collision_in_mesh(ray: Ray, index: u32, way: f32, limit: f32, steps: ptr<function, u32>) -> f32 {
     let instance = instances[index];
     let here = to_mesh(instance, ray);
     var left = way;
     var last = Crossing(0.0, 0xffffffffu, 0);
-    // The last crossing of all is not followed by another one: its distance is VERY_FAR.
+    // After the last crossing, next_crossing returns the distance VERY_FAR, which ends the loop.
     while last.t < limit {
         let next = next_crossing(here, instance.root, last, steps);
         if *steps >= MOST_STEPS_OF_CROSSINGS {
@@ -91,7 +92,7 @@ fn collision_in_mesh(ray: Ray, index: u32, way: f32, limit: f32, steps: ptr<func
     return NO_HIT;
 }
 
-// The length of the way inside up to distance t, or WALK_CUT.
+// The length that the ray travels inside the mesh up to distance t, or WALK_CUT.
 fn way_in_mesh(ray: Ray, index: u32, t: f32, steps: ptr<function, u32>) -> f32 {
     let instance = instances[index];
     let here = to_mesh(instance, ray);

@@ -15,7 +15,7 @@ struct Corners {
     c: vec3<f32>,
 }
 
-// Where they are, in the mesh's space.
+// The positions of a face's corners in the mesh's space.
 fn corners_of(index: u32) -> Corners {
     let face = meshes[index];
     let a = bitcast<vec3<f32>>(meshes[face.x].xyz);
@@ -24,13 +24,13 @@ fn corners_of(index: u32) -> Corners {
     return Corners(a, b, c);
 }
 
-// Where a ray in the mesh's space meets a face.
+// Where a ray in the mesh's space hits a face.
 fn face_hit(ray: Ray, inverse: vec3<f32>, index: u32) -> TriangleHit {
     let corners = corners_of(index);
     return triangle_hit(shear_along(ray, inverse), corners.a, corners.b, corners.c);
 }
 
-// A face's number in its file, by which ties between faces of one mesh are broken.
+// A face's number in its file. It breaks ties between faces of one mesh.
 fn face_number(index: u32) -> u32 {
     return meshes[index].w;
 }
@@ -39,7 +39,7 @@ fn blend(weights: vec3<f32>, corners: Corners) -> vec3<f32> {
     return weights.x * corners.a + weights.y * corners.b + weights.z * corners.c;
 }
 
-// The point of a face in the mesh's space.
+// The point of a face with these weights, in the mesh's space.
 fn mesh_point(index: u32, weights: vec3<f32>) -> vec3<f32> {
     return blend(weights, corners_of(index));
 }
@@ -49,13 +49,13 @@ fn face_normal(corners: Corners) -> vec3<f32> {
     return normalize(triangle_cross(corners.a, corners.b, corners.c));
 }
 
-// The corners of a face in render space.
+// The positions of a face's corners in render space.
 fn placed_corners(instance: Instance, index: u32) -> Corners {
     let corners = corners_of(index);
     return Corners(from_mesh(instance, corners.a), from_mesh(instance, corners.b), from_mesh(instance, corners.c));
 }
 
-// The hit record of a ray that meets the face; the point is put back onto it.
+// The hit record of a ray that hits the face. The point is computed from the weights, which puts it back onto the face.
 fn mesh_surface(ray: Ray, instance: Instance, index: u32) -> Surface {
     let corners = corners_of(index);
     let here = to_mesh(instance, ray);
@@ -71,7 +71,7 @@ fn mesh_surface(ray: Ray, instance: Instance, index: u32) -> Surface {
     return surface;
 }
 
-// A mesh's own texture coordinates, repeated beyond 0..1.
+// The mesh's own texture coordinates, repeated outside 0..1.
 fn mesh_uv(instance: Instance, index: u32, weights: vec3<f32>) -> SurfaceUv {
     if instance.to_uvs == NO_UVS {
         return SurfaceUv(vec2<f32>(0.0), false);

@@ -2,7 +2,7 @@
 //@ use data/hit
 //@ use data/primitive
 //@ use lib/float
-// A scene without surfaces: every ray leaves it, and none is stopped on its way to a light.
+// A scene without surfaces: every ray leaves it, and nothing blocks a shadow ray.
 fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
     return limit;
 }

@@ -1,12 +1,12 @@
 //@ use data/light
 //@ use scene/at_run_time
-// Where there is one light, there is nothing to choose.
+// With a single light, there is nothing to choose.
 
 fn choose_light(from_point: vec3<f32>, u: vec2<f32>) -> LightChoice {
     return LightChoice(at_run_time(0u), 1.0);
 }
 
-// The probability that a light is chosen.
+// The probability that choose_light chooses a given light.
 fn light_probability(index: u32, from_point: vec3<f32>) -> f32 {
     return 1.0;
 }

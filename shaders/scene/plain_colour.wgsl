@@ -1,7 +1,7 @@
 //@ use data/surface
 //@ use data/hit
 //@ use data/material
-// The colour of a surface of a scene without textures.
+// The colour of a surface in a scene without textures.
 fn surface_colour(material: Material, hit: Hit, surface: Surface) -> vec3<f32> {
     return material.colour;
 }

@@ -1,5 +1,5 @@
 //@ use data/medium
-// The albedo of a medium of a scene without textures.
+// The albedo of a medium in a scene without textures.
 fn medium_albedo(medium: Medium, point: vec3<f32>) -> vec3<f32> {
     return medium.colour;
 }

@@ -10,10 +10,10 @@
 //@ use scene/at_run_time
 //@ use scene/meshes
 //@ end
-// The scene's primitives by their codes, of just the kinds that the scene has.
+// The scene's primitives by their codes; only the kinds that the scene has.
 
-// Distance to the primitive in front of the ray's origin, or NO_HIT. For a triangle the ray is in its mesh's space, and
-// `inverse` are the guarded reciprocals of its direction (geometry/slab).
+// Distance to the primitive in front of the ray's origin, or NO_HIT. For a triangle, the ray is in its mesh's space, and
+// `inverse` holds the guarded reciprocals of its direction (geometry/slab).
 fn primitive_distance(code: u32, ray: Ray, inverse: vec3<f32>) -> f32 {
     let index = primitive_index(code);
     switch primitive_kind(code) {
@@ -30,7 +30,7 @@ fn primitive_distance(code: u32, ray: Ray, inverse: vec3<f32>) -> f32 {
     }
 }
 
-// Place among the scene's primitives; of a triangle that of its instance.
+// Place in the scene's order of primitives; for a triangle, that of its instance.
 fn primitive_order(hit: Hit) -> u32 {
     let index = primitive_index(hit.code);
     switch primitive_kind(hit.code) {
@@ -47,7 +47,7 @@ fn primitive_order(hit: Hit) -> u32 {
     }
 }
 
-// Whether a primitive comes before another one at the same distance: by their places in the scene, and within a mesh by
+// Whether a hit wins against another one at the same distance: by the primitives' order in the scene, and within a mesh by
 // the faces' numbers in its file.
 fn comes_before(candidate: Hit, hit: Hit) -> bool {
     let order = primitive_order(candidate);

@@ -2,9 +2,9 @@
 //@ each non_specular
 //@ use material/${name}_eval
 //@ end
-// How materials answer to light from a given direction. Those that allow one direction alone do not.
+// The response of materials to light from a given direction. Specular materials have none.
 
-// Whether the material scatters into more directions than one.
+// Whether the material scatters to more than one direction.
 fn is_non_specular(material: Material) -> bool {
     switch material.kind {
         //@ each non_specular

@@ -15,7 +15,8 @@ fn sky_light_sample(u: vec3<f32>) -> DirectionSample {
     return DirectionSample(from_world(direction), choice.pdf);
 }
 
-// The density by which the sky is chosen, the last light of all, and the direction drawn.
+// The pdf of light sampling for a direction to the sky: the probability of choosing the sky, which is the last of all lights,
+// times the pdf of the direction.
 fn sky_density(from_point: vec3<f32>, direction: vec3<f32>) -> f32 {
     let density = sky[sky_cell_at(to_world(direction), SKY_COLUMNS, SKY_ROWS)].density;
     return light_probability(at_run_time(${sky_light}u), from_point) * density;

@@ -6,8 +6,8 @@
 //@ use scene/at_run_time
 //@ use scene/meshes
 //@ use lib/octahedral
-// Meshes with vertex normals look smooth: light scatters about the interpolated normal, and rays leave from the smooth
-// surface that it belongs to.
+// Meshes with vertex normals look smooth: light scatters around the interpolated normal, and rays leave from the smooth
+// surface that this normal describes.
 
 fn is_smooth(code: u32) -> bool {
     return primitive_kind(code) == KIND_TRIANGLE && meshes[meshes[primitive_index(code)].x].w != NO_NORMAL;
@@ -22,9 +22,9 @@ fn normals_of(code: u32) -> Corners {
     );
 }
 
-// The normal that the material sees; `facing` is the surface's own, on the side that the ray came from. Near a silhouette the
-// interpolated normal can face away from the ray, and would send a mirrored one into the surface: it is bent back until
-// the ray grazes it.
+// The normal for the material. `facing` is the surface's own normal, on the side from which the ray comes. Near a silhouette
+// the interpolated normal can face away from the ray, and a mirror would reflect the ray into the surface. Such a normal is
+// bent back until the ray grazes it.
 fn shading_normal(hit: Hit, surface: Surface, incoming: vec3<f32>, facing: vec3<f32>) -> vec3<f32> {
     if !is_smooth(hit.code) {
         return facing;
@@ -33,17 +33,18 @@ fn shading_normal(hit: Hit, surface: Surface, incoming: vec3<f32>, facing: vec3<
     let turned = from_mesh_turned(instances[at_run_time(hit.instance)], blend(surface.local, normals));
     let sided = select(-turned, turned, dot(facing, surface.normal) > 0.0);
     let bent = sided - max(dot(sided, incoming), 0.0) * incoming;
-    // Opposite normals can cancel.
+    // Vertex normals in opposite directions can cancel.
     if !(dot(bent, bent) > 1e-12) {
         return facing;
     }
     return normalize(bent);
 }
 
-// The point of an event on the side of `facing`: light is chosen and aimed at from here, and rays to that side leave here. Two points would give
-// two densities for one direction. Facets shadow each other where the smooth surface would not, which shows as a jagged shadow terminator. So
-// the point is lifted to the smooth surface: the mean of its projections onto the tangent planes of the vertices, weighted as the normals are
-// (Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II, ch. 4).
+// The point of an event, on the side of `facing`. Lights are chosen and sampled from this point, and rays to that side start
+// here. With two different points, one direction would have two densities. Facets shadow each other where the smooth surface
+// would not, which shows as a jagged shadow terminator. So the point is lifted to the smooth surface: the mean of its
+// projections onto the tangent planes of the vertices, with the same weights as the normals (Hanika, "Hacking the Shadow
+// Terminator", Ray Tracing Gems II, ch. 4).
 fn event_point(hit: Hit, surface: Surface, facing: vec3<f32>) -> vec3<f32> {
     if !is_smooth(hit.code) {
         return surface.point;
@@ -52,7 +53,7 @@ fn event_point(hit: Hit, surface: Surface, facing: vec3<f32>) -> vec3<f32> {
     let normals = normals_of(hit.code);
     let weights = surface.local;
     let point = blend(weights, corners);
-    // Seen from behind, the tangent planes are approached from their other side.
+    // From behind, the point lies on the other side of the tangent planes.
     let side = select(-1.0, 1.0, dot(facing, surface.normal) > 0.0);
     let below = side * vec3<f32>(
         dot(corners.a - point, normals.a),
@@ -65,7 +66,7 @@ fn event_point(hit: Hit, surface: Surface, facing: vec3<f32>) -> vec3<f32> {
     return leave_surface(surface.point + lift, surface.error, facing, facing);
 }
 
-// A ray in a direction, from where it leaves the surface. Below the shading normal it leaves from the facet.
+// A ray in a direction, starting where it leaves the surface. A direction below the shading normal leaves from the facet.
 fn spawn_ray(
     hit: Hit,
     surface: Surface,

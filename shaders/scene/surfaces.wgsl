@@ -11,7 +11,7 @@
 //@ use scene/at_run_time
 //@ use scene/meshes
 //@ end
-// The hit record where a ray meets a primitive.
+// The hit record of a ray that hits a primitive.
 fn surface_at(hit: Hit, ray: Ray) -> Surface {
     let index = primitive_index(hit.code);
     switch primitive_kind(hit.code) {
@@ -28,7 +28,7 @@ fn surface_at(hit: Hit, ray: Ray) -> Surface {
     }
 }
 
-// Index of the primitive's material.
+// Index of the material of the primitive that was hit.
 fn material_index(hit: Hit) -> u32 {
     let index = primitive_index(hit.code);
     switch primitive_kind(hit.code) {

@@ -7,7 +7,7 @@
 //@ if mesh
 //@ use scene/meshes
 //@ end
-// The colour of a surface: the material's own, or that of its texture at the point in the object's space.
+// The colour of a surface at a hit: the material's own, or that of its texture, evaluated in the object's space.
 fn surface_colour(material: Material, hit: Hit, surface: Surface) -> vec3<f32> {
     if material.texture == NO_TEXTURE {
         return material.colour;

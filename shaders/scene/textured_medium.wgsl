@@ -2,8 +2,8 @@
 //@ use data/material
 //@ use data/medium
 //@ use scene/textures
-// The albedo of a medium at a point of render space: its own, or that of its texture in the medium's own space. There
-// are no texture coordinates in a volume; images are refused when the scene is read.
+// The albedo of a medium at a point of render space: its own, or that of its texture, evaluated in the medium's space. A volume
+// has no texture coordinates, so scenes with an image texture there are refused when they are read.
 fn medium_albedo(medium: Medium, point: vec3<f32>) -> vec3<f32> {
     if medium.texture == NO_TEXTURE {
         return medium.colour;

@@ -10,25 +10,26 @@
 //@ end
 //@ use lib/float
 //@ relies on loops
-// The nearest primitive along a ray.
+// Finds the nearest primitive along a ray.
 
-// The deepest that the stack can get in this scene's BVH. A text constant, since WGSL sizes no private array by an
-// override.
+// The greatest depth of the stack in this scene's BVH. It is filled in as text, because an override cannot be the
+// size of a private array in WGSL.
 const STACK_SIZE: u32 = ${stack_size}u;
 
-// Mesa 22.3 ends all loops of an invocation after 65,535 iterations without a word; this many leave room for the others
-// (stage/bounce). A walk this long has met tens of thousands of objects in one place; its path is dropped and counted.
-// More where the numerics probe finds no such limit.
+// Mesa 22.3 silently ends all loops of an invocation after 65,535 iterations. This limit leaves room for the other loops
+// (stage/bounce). A walk takes this many steps only among tens of thousands of objects in one place. Its path is then rejected
+// and counted. The limit is higher if the numerics probe finds no limit on loops.
 override MOST_STEPS_OF_WALK: u32 = ${most_steps}u;
 
-// Nearest hit with t > 0 and before `limit`; or, where any will do, the first one found. There is no least distance: rays start off the surfaces that they leave. Of two hits at one
-// distance the primitive that comes first in the scene wins, so that the order of the walk cannot show.
+// The nearest hit with t > 0 that is not beyond `limit`; with `any_will_do`, the first such hit found. There is no minimum
+// distance, because rays start with an offset from the surface that they leave. Of two hits at the same distance, the primitive
+// that comes first in the scene wins, so the order of the walk does not change the image.
 fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
     var hit = limit;
     if root == HIT_NOTHING {
         return hit;
     }
-    // The ray in the space of the nodes that are walked: the scene's, or that of the mesh that has been entered.
+    // The ray in the space of the current nodes: the scene's space, or that of the mesh that the walk has entered.
     var here = ray;
     var inverse = slab_inverse(ray.direction);
     //@ if mesh
@@ -36,7 +37,7 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
     // The stack's depth when the mesh was entered.
     var entered_at = 0u;
     //@ end
-    // Children that wait: the node's index times four, and the child's number.
+    // The children that are still to be visited: the node's index times four, plus the child's number.
     var stack: array<u32, STACK_SIZE>;
     var depth = 0u;
     var code = root;
@@ -75,7 +76,7 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
             }
         } else {
             let keys = sort_keys(child_keys(nodes[code], here.origin, inverse, hit.t));
-            // The farther children wait. Each is stored whether it was met or not: only `depth` tells.
+            // The farther children wait on the stack. All three are written, but `depth` only counts those that the ray may hit.
             stack[depth] = code * 4u + (keys.w & CHILD_MASK);
             depth += u32(keys.w != CHILD_MISSED);
             stack[depth] = code * 4u + (keys.z & CHILD_MASK);

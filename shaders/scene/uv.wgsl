@@ -8,7 +8,8 @@
 //@ use scene/at_run_time
 //@ use scene/meshes
 //@ end
-// Texture coordinates of a place on a primitive; `point` is its image in the frame.
+// Texture coordinates of a point on a primitive. `local` is the point in the primitive's own coordinates, and `point` is
+// that point mapped by the frame.
 fn surface_uv(hit: Hit, point: vec3<f32>, local: vec3<f32>) -> SurfaceUv {
     switch primitive_kind(hit.code) {
         //@ each primitive

@@ -1,5 +1,5 @@
 //@ use slots/state
-// What the stages of a bounce hand to each other: the hit, and the ray to a light.
+// The data that the stages of a bounce pass to each other: the hit and the shadow ray.
 
 fn load_hit(slot: u32, path: ptr<function, Path>) {
     load_ray(slot, path);
@@ -23,7 +23,7 @@ fn load_light(slot: u32) -> u32 {
     return paths[place(PLANE_OF_SHADOW_ORIGIN, slot)].w;
 }
 
-// No ray to a light is on its way.
+// Marks that the slot has no shadow ray.
 fn store_no_light(slot: u32) {
     paths[place(PLANE_OF_SHADOW_ORIGIN, slot)].w = NO_LIGHT;
 }

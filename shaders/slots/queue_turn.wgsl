@@ -2,7 +2,8 @@
 //@ use bind/queue_turns
 //@ use bind/settings
 //@ use data/queue
-// One scatter kernel for each material: an invocation for each slot in its queue. Turns past the end name no slot.
+// For one scatter kernel per material: each slot in the material's queue has an invocation. Invocations past the
+// end of the queue have no slot.
 const QUEUE: u32 = ${queue}u;
 
 fn queued_slot(turn: u32) -> u32 {

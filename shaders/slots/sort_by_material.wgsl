@@ -5,7 +5,7 @@
 //@ use data/queue
 //@ use data/primitive
 //@ use scene/surfaces
-// Puts a slot whose ray met a surface into the queue of the surface's material.
+// Puts a slot whose ray hit a surface into the queue of that surface's material.
 
 fn queue_of(kind: u32) -> u32 {
     switch kind {

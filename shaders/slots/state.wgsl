@@ -7,9 +7,10 @@
 //@ if light
 //@ use data/light
 //@ end
-// The state of the slots' paths in memory, of just the fields that this scene's kernels hand to each other (src/plan/state.rs lists
-// them): planes of a vec4 of words a slot, which are read and written as a whole, and beside them the words that fill no plane. The
-// words behind vectors without a companion of their own belong to other fields, as long as there are any.
+// The state of the slots' paths in memory. It has only the fields that this scene's kernels pass to each other
+// (src/plan/state.rs lists them). Most fields lie in planes of one vec4 of words per slot, which are read and written as a
+// whole. Words that fit no plane lie in a separate buffer. If a vector has no fourth word of its own, the fourth word of its
+// vec4 holds another field, as long as there is one.
 
 //@ each path_plane
 const PLANE_OF_${name}: u32 = ${number}u;
@@ -27,7 +28,7 @@ fn store_plane(plane: u32, slot: u32, vector: vec3<f32>, last: u32) {
     paths[place(plane, slot)] = vec4<u32>(bitcast<vec3<u32>>(vector), last);
 }
 
-// A vector alone: the word behind it is another field's.
+// Stores a vector alone, because the fourth word belongs to another field.
 fn store_vector(plane: u32, slot: u32, vector: vec3<f32>) {
     let words = bitcast<vec3<u32>>(vector);
     paths[place(plane, slot)].x = words.x;
@@ -115,7 +116,7 @@ fn store_radiance(slot: u32, path: ptr<function, Path>) {
     store_plane(PLANE_OF_RADIANCE, slot, (*path).radiance, bitcast<u32>((*path).pdf));
 }
 
-// Between bounces: all that a path is when it has a new ray.
+// Loads all that a path keeps between two bounces.
 fn load_path(slot: u32, path: ptr<function, Path>) {
     load_ray(slot, path);
     load_throughput(slot, path);

@@ -8,14 +8,14 @@
 //@ end
 //@ use step/refill
 //@ relies on loops
-// Intersect, cross media, scatter and refill in one kernel, several bounces per dispatch: for devices where the state of a path costs
-// more to store and load than its divergence does, such as software drivers.
+// Intersects, crosses media, scatters and refills in one kernel, with several bounces per dispatch. It is for devices where
+// storing and loading a path's state costs more than divergence, such as software drivers.
 override WORKGROUP_SIZE: u32 = 64u;
 
-// Loop iterations after which an invocation leaves its bounces to the next dispatch: with the longest walks
-// (scene/traverse, step/media) still to come they stay below the 65,535 that Mesa 22.3 allows an invocation.
+// After this many loop iterations, an invocation leaves its other bounces to the next dispatch. Even with the longest walks that
+// may still follow (scene/traverse, step/media), the total stays below the 65,535 iterations that Mesa 22.3 allows an invocation.
 const MOST_ITERATIONS: u32 = 16384u;
-// The most that shading takes: seven octaves of noise over eight corners.
+// The most iterations that shading takes: seven octaves of noise over eight corners.
 const ITERATIONS_OF_SHADING: u32 = 64u;
 
 @compute @workgroup_size(WORKGROUP_SIZE)

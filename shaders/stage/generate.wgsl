@@ -3,7 +3,7 @@
 //@ if staged_light
 //@ use slots/between
 //@ end
-// Gives every slot a run, when none has one.
+// Gives every slot its first run.
 override WORKGROUP_SIZE: u32 = 64u;
 
 @compute @workgroup_size(WORKGROUP_SIZE)

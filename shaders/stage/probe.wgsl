@@ -2,11 +2,11 @@
 //@ use bind/answers
 //@ use geometry/triangle
 //@ use lib/float
-// Finds out what this driver makes of the arithmetic that kernels may rely on. The host knows the right answers
-// (src/gpu/probe.rs). Everything comes from a uniform, so that no compiler works it out beforehand.
+// Probes the arithmetic of this driver that kernels may rely on. The host knows the correct answers (src/gpu/probe.rs). All
+// inputs come from a uniform, so that no compiler computes a result in advance.
 override WORKGROUP_SIZE: u32 = 64u;
 
-// The same float, in a form that no compiler sees through: `zero` is 0.
+// The same float, in a form that no compiler can simplify: `zero` is 0.
 fn barrier(x: f32, zero: u32) -> f32 {
     return bitcast<f32>(bitcast<u32>(x) ^ zero);
 }
@@ -46,8 +46,8 @@ fn said_of(x: f32) -> u32 {
         | select(0u, 32u, is_infinite(x));
 }
 
-// The state of a generator after so many steps, which no compiler takes a short cut to (ranqd1 of Press, Teukolsky, Vetterling
-// and Flannery, "Numerical Recipes in C", 2nd ed., section 7.1).
+// The state of a generator after `loops` steps. No compiler finds a shortcut for this loop (ranqd1 of Press, Teukolsky,
+// Vetterling and Flannery, "Numerical Recipes in C", 2nd ed., section 7.1).
 fn state_after(loops: u32) -> u32 {
     var state = 1u;
     for (var i = 0u; i < loops; i++) {
@@ -84,7 +84,7 @@ fn probe(@builtin(global_invocation_id) id: vec3<u32>) {
         vec3<f32>(trial.q_y),
     );
     answer.edge_sign = i32(signs.x);
-    // Last, and the only loop: a limit would end all that come after.
+    // This is the only loop, and it comes last: a limit on loops would end every loop after it.
     answer.loop_state = state_after(trial.loops);
     answers[id.x] = answer;
 }

@@ -22,15 +22,15 @@
 //@ use choice/colour
 //@ use scene/surfaces
 //@ end
-// Light sampling: each event sends a shadow ray to a light, beside the ray that continues the path. Both can find the same light.
-// They are combined by multiple importance sampling with the power heuristic (Veach, "Robust Monte Carlo Methods for Light
-// Transport Simulation", 1997, section 9.2.4).
+// Light sampling: each event sends a shadow ray to a light, in addition to the ray that continues the path. Both rays can find
+// the same light. They are combined by multiple importance sampling with the power heuristic (Veach, "Robust Monte Carlo
+// Methods for Light Transport Simulation", 1997, section 9.2.4).
 
 // A sampled light, and a sampled direction to it from the point of an event.
 struct LightSample {
     light: u32,
     direction: vec3<f32>,
-    // The joint density of light and direction; 0 where no light can be sampled.
+    // The joint pdf of light and direction; 0 if no light can be sampled.
     pdf: f32,
 }
 
@@ -42,7 +42,8 @@ fn sample_light(path: ptr<function, Path>, from_point: vec3<f32>) -> LightSample
     return LightSample(choice.index, sample.direction, choice.probability * sample.pdf);
 }
 
-// Stores a shadow ray to the light. `response` is BSDF times cosine, or the phase function; `pdf` the density of BSDF sampling.
+// Stores a shadow ray to the light. `response` is BSDF times cosine, or the phase function. `pdf` is the pdf with which BSDF
+// sampling draws the same direction.
 fn send_shadow_ray(path: ptr<function, Path>, light_sample: LightSample, origin: vec3<f32>, response: vec3<f32>, pdf: f32) {
     let weight = (*path).throughput * response * (power_heuristic(light_sample.pdf, pdf) / light_sample.pdf);
     if light_sample.pdf > 0.0 && any(weight > vec3<f32>(0.0)) {
@@ -56,7 +57,7 @@ fn send_shadow_ray(path: ptr<function, Path>, light_sample: LightSample, origin:
     }
 }
 
-// The MIS weight of a light that the BSDF ray found: 1 if light sampling cannot sample it.
+// The MIS weight of a light that BSDF sampling hit; 1 if light sampling cannot sample it.
 fn mis_weight(path: ptr<function, Path>, hit: Hit) -> f32 {
     let pdf = (*path).pdf;
     if !(pdf > 0.0) {
@@ -65,7 +66,7 @@ fn mis_weight(path: ptr<function, Path>, hit: Hit) -> f32 {
     return power_heuristic(pdf, light_density(hit, (*path).ray.origin, (*path).ray.direction));
 }
 
-// The farthest hit that matters to a shadow ray: its light.
+// The hit of the shadow ray on its light. Hits beyond it do not matter.
 fn limit_of_shadow(path: ptr<function, Path>) -> Hit {
     //@ if emitting_surface
     if (*path).light != HIT_NOTHING {
@@ -78,7 +79,7 @@ fn limit_of_shadow(path: ptr<function, Path>) -> Hit {
 fn limit_at_surface(path: ptr<function, Path>) -> Hit {
     let code = (*path).light;
     var ray = (*path).shadow;
-    // Only faces of meshes need it.
+    // Only the faces of meshes need this.
     var inverse = vec3<f32>(0.0);
     //@ if emitting_mesh
     if primitive_kind(code) == KIND_TRIANGLE {
@@ -87,8 +88,8 @@ fn limit_at_surface(path: ptr<function, Path>) -> Hit {
     }
     //@ end
     let t = primitive_distance(code, ray, inverse);
-    // Rounding can make a sampled direction miss a light that is tiny from here, or miss the edge of any light. The sample counts all
-    // the same, because its density says that it was drawn. Only a hit before the light blocks it.
+    // Rounding can make a sampled direction miss a light that is tiny as seen from here, or miss the edge of any light. The
+    // sample counts nevertheless, because the pdf says that it was drawn. Only a hit before the light blocks it.
     var limit = hit_at(code, select(distance_to_light(code, ray), t, t != NO_HIT));
     //@ if emitting_mesh
     limit.instance = (*path).light_instance;
@@ -96,7 +97,7 @@ fn limit_at_surface(path: ptr<function, Path>) -> Hit {
     return limit;
 }
 
-// Adds the light if nothing blocks its shadow ray. Returns the number of steps.
+// Traces the shadow ray, and adds the light if nothing blocks it. Returns the number of steps.
 fn trace_shadow(path: ptr<function, Path>) -> u32 {
     let limit = limit_of_shadow(path);
     let code = (*path).light;
@@ -130,7 +131,7 @@ fn trace_shadow(path: ptr<function, Path>) -> u32 {
         status = PATH_CUT;
     }
     //@ if one_way
-    // Rays that only count light are no part of the image.
+    // A shadow ray that only counts light does not change the image.
     if is_by_chance(path) {
         if !is_hidden {
             note_asked_light(path, number_of_light(hit), emitted, brought);

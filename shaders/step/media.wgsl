@@ -18,17 +18,17 @@
 // Lets media scatter the path before it reaches its hit.
 
 const MEDIA: u32 = ${media}u;
-// The most loop iterations: one per medium, and the walks through meshes.
+// The most loop iterations: one per medium, and the steps of the walks through meshes.
 const MOST_STEPS_OF_MEDIA: u32 = MEDIA + STEPS_OF_CROSSINGS;
 
-// The first medium takes the sampler's own words, which may be stratified; the others a hash of them.
+// The first medium uses the sampler's own words, which may be stratified. Each other medium uses a hash of them.
 fn words_of_medium(words: vec4<u32>, medium: u32) -> vec2<u32> {
     return select(pcg4d(words + medium), words, medium == 0u).xy;
 }
 
-// Each medium samples the optical depth of its own scattering event; the nearest event wins. In overlaps the densities add up: the
-// first event of independent Poisson processes is an event of the process with the sum of their rates, and belongs to each process
-// in proportion to its rate. Returns the number of steps.
+// Each medium samples the optical depth of its own scattering event, and the nearest event is the path's. Where media overlap,
+// their densities add up: the first event of independent Poisson processes is an event of the process with the sum of their
+// rates, and it belongs to each process with a probability proportional to its rate. Returns the number of steps.
 fn cross_media(path: ptr<function, Path>) -> u32 {
     if (*path).status == PATH_CUT {
         return 0u;

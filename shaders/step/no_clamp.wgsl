@@ -1,4 +1,4 @@
-// No contribution is limited.
+// Without a clamp, no contribution is limited.
 fn limited_indirect(contribution: vec3<f32>, depth: u32) -> vec3<f32> {
     return contribution;
 }

@@ -1,6 +1,5 @@
 //@ use data/path
 //@ use data/primitive
-//@ use bind/records
 //@ use bind/settings
 //@ use scene/background
 //@ use choice/clamp
@@ -8,6 +7,8 @@
 //@ use lib/compensated
 //@ use lib/spread
 //@ use step/start
+//@ use step/count
+//@ use bind/records
 //@ if emitting_sky
 //@ use step/sky_mis_weight
 //@ end
@@ -26,11 +27,8 @@ fn has_ended(status: u32) -> bool {
 fn count_too_deep(throughput: vec3<f32>) {
     let most = clamp(max(max(throughput.x, throughput.y), throughput.z), 0.0, 32768.0);
     let added = u32(ceil(most * 65536.0));
-    let before = atomicAdd(&counters.too_deep_low, added);
-    if before + added < before {
-        atomicAdd(&counters.too_deep_high, 1u);
-    }
-    atomicAdd(&counters.too_deep, 1u);
+    count(TOO_DEEP_THROUGHPUT, added);
+    count(TOO_DEEP, 1u);
 }
 
 // Adds the radiance of an ended path to its run, and starts the next sample or run.

@@ -2,18 +2,18 @@
 //@ use data/dimension
 //@ use bind/settings
 //@ use choice/sampler
-// Russian roulette (Arvo and Kirk, "Particle Transport and Image Synthesis", SIGGRAPH 1990): a path of small throughput goes on with
-// a probability q, and its throughput is divided by q. The expectation stays.
+// Russian roulette (Arvo and Kirk, "Particle Transport and Image Synthesis", SIGGRAPH 1990): a path of small throughput
+// continues with a probability q, and its throughput is divided by q. The expectation does not change.
 
-// The first depth at which a path can end: near the camera a path is cheap and its light bright.
+// The first depth at which a path can end. Near the camera, paths are cheap and their light is bright.
 const ROULETTE_AFTER: u32 = 2u;
-// A path always goes on while its throughput is above one over this. Measured: at 1 the error at equal cost grows under bright
-// skies; from 5 on it falls in every scene.
+// A path always continues if the largest component of its throughput is at least 1 over this. Measured: at 1, the error at
+// equal cost grows under bright skies; from 5 on, it falls in every scene.
 const ROULETTE_CARE: f32 = 6.0;
-// The most that roulette multiplies a throughput by.
+// The smallest q. Roulette multiplies a throughput by at most 1 over this.
 const ROULETTE_LEAST: f32 = 0.05;
 
-// The throughput after roulette: zero ends the path.
+// The throughput after roulette. Zero ends the path.
 fn russian_roulette(path: ptr<function, Path>, throughput: vec3<f32>) -> vec3<f32> {
     let depth = (*path).depth;
     let q = max(ROULETTE_CARE * max(max(throughput.x, throughput.y), throughput.z), ROULETTE_LEAST);

@@ -23,7 +23,7 @@
 //@ use step/light
 //@ use step/through_glass
 //@ end
-// The material at the hit of the path scatters or ends it.
+// The material at the path's hit scatters the path or ends it.
 fn scatter_path(path: ptr<function, Path>) {
     let ray = (*path).ray;
     let hit = path_hit(path);
@@ -44,7 +44,7 @@ fn scatter_path(path: ptr<function, Path>) {
     var samples_lights = false;
     //@ end
     //@ if surface_samples_light
-    // Non-specular materials sample lights on the side from which they are seen.
+    // Non-specular materials sample lights, on the side from which the ray comes.
     samples_lights = depth < settings.max_depth && is_non_specular(material);
     if samples_lights {
         let light_sample = sample_light(path, point);

@@ -1,7 +1,7 @@
 //@ use data/path
 //@ use data/light
 //@ use scene/sky_light
-// The MIS weight of the sky, where the BSDF ray found it: 1 if light sampling cannot sample it.
+// The MIS weight of the sky that BSDF sampling found; 1 if light sampling cannot sample it.
 fn mis_weight_of_sky(path: ptr<function, Path>) -> f32 {
     let pdf = (*path).pdf;
     if !(pdf > 0.0) {

@@ -6,23 +6,11 @@
 //@ use bind/counters
 //@ use choice/camera
 //@ use choice/sampler
+//@ use step/pixel_order
 //@ if light
 //@ use data/light
 //@ end
 // Starting a sample, and a run.
-
-// Pixels are handed out in strips of eight rows, each walked column by column, so that neighbouring slots start on
-// neighbouring pixels.
-const STRIP_ROWS: u32 = 8u;
-
-fn pixel_in_order(position: u32) -> u32 {
-    let strip_pixels = STRIP_ROWS * settings.image_width;
-    let strip = position / strip_pixels;
-    let within = position % strip_pixels;
-    let first_row = strip * STRIP_ROWS;
-    let rows = min(STRIP_ROWS, settings.image_height - first_row);
-    return (first_row + within % rows) * settings.image_width + within / rows;
-}
 
 // Puts the path onto the camera ray of its sample.
 fn start_sample(path: ptr<function, Path>) {
@@ -47,9 +35,8 @@ fn start_run(path: ptr<function, Path>) {
         atomicAdd(&counters.idle, 1u);
         return;
     }
-    let pixels = settings.image_width * settings.image_height;
-    let block = window.first_block + run / pixels;
-    (*path).pixel = pixel_in_order(run % pixels);
+    let block = window.first_block + run / window.pixels;
+    (*path).pixel = pixel_in_order(window.first_pixel + run % window.pixels);
     (*path).sample = max(block * RUN_LENGTH, settings.first_sample);
     (*path).counts = select(0u, ODD_RUN, (block & 1u) == 1u);
     (*path).sum = Compensated();

@@ -1,4 +1,4 @@
-//! Grows the tree from the root down.
+//! Builds the tree from the root down.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -7,36 +7,36 @@ use super::wide::{WIDTH, quantised};
 use super::{Bounds, Bvh};
 use crate::data::{Node, PRIMITIVE_BIT};
 
-/// Nodes on a path from the root for which cuts are sought; from there on groups are halved, so that at most 16 more
-/// follow. Boxes within boxes would else make a path as long as there are boxes, and the kernels' stack is a private
-/// array.
+/// The depth down to which the heuristic chooses cuts. Deeper groups are halved, so that at most 16 more levels follow.
+/// Otherwise nested boxes would make a path as long as their number, and the kernels' stack is a private array of fixed
+/// size.
 const DEEPEST_SOUGHT: u32 = 32;
 
-/// A subtree with this part of all primitives or fewer is a piece of work for one thread. The number of threads decides
-/// nothing: the nodes are the same for any.
+/// A subtree with at most 1 / `PIECES` of all primitives is a piece of work for one thread. The nodes do not depend on the
+/// number of threads.
 const PIECES: usize = 16;
 
-/// Primitives that a thread is not started for.
+/// A piece of fewer primitives is not worth a thread.
 const LEAST_PIECE: usize = 4096;
 
-/// A group whose node is to be made, and what of the path from the root matters to it.
+/// A group that becomes a node, and the properties of its path from the root.
 struct Branch<'a> {
     group: Group<'a>,
     depth: u32,
-    /// Children that wait above while a walk is here.
+    /// The number of codes on the stack when a walk is at this group.
     waiting: u32,
-    /// The node and child that wait for its code.
+    /// The parent node, and the child there that gets its code.
     parent: Option<(usize, usize)>,
 }
 
-/// Nodes as they come.
+/// The nodes so far, in the order of their creation.
 #[derive(Default)]
 struct Grown {
     nodes: Vec<Node>,
     stack_size: u32,
 }
 
-/// The tree over two primitives or more.
+/// Builds the tree over two primitives or more.
 pub fn grow(all: Group<'_>, search: &Search, threads: usize) -> Bvh {
     let piece = (all.items.len() / PIECES).max(LEAST_PIECE);
     let mut top = Grown::default();
@@ -48,7 +48,7 @@ pub fn grow(all: Group<'_>, search: &Search, threads: usize) -> Bvh {
     Bvh { nodes: top.nodes, root: 0, stack_size: top.stack_size }
 }
 
-/// The subtrees of all pieces, in their order.
+/// Builds the subtrees of all pieces, and returns them in the order of the pieces.
 fn grow_all(pieces: Vec<Branch<'_>>, search: &Search, threads: usize) -> Vec<Grown> {
     let mut grown: Vec<Grown> = pieces.iter().map(|_| Grown::default()).collect();
     let workers = threads.clamp(1, pieces.len().max(1));
@@ -71,7 +71,7 @@ fn grow_all(pieces: Vec<Branch<'_>>, search: &Search, threads: usize) -> Vec<Gro
 }
 
 impl Grown {
-    /// Makes the nodes of a group, depth first; what groups of `piece` primitives or fewer are under it is handed back.
+    /// Makes the nodes of a group, depth first. Groups of at most `piece` primitives are returned instead.
     fn grow<'a>(&mut self, root: Branch<'a>, search: &Search, piece: usize) -> Vec<Branch<'a>> {
         let mut pieces = Vec::new();
         let mut open = vec![root];
@@ -100,14 +100,14 @@ impl Grown {
         pieces
     }
 
-    /// Takes over a subtree's nodes, for which a child of one that is here waits.
+    /// Appends the nodes of a subtree, and writes its root's code into the parent.
     fn append(&mut self, parent: Option<(usize, usize)>, subtree: Grown) {
         let first = self.nodes.len() as u32;
         if let Some((node, child)) = parent {
             self.nodes[node].children[child] = first;
         }
         self.nodes.extend(subtree.nodes.into_iter().map(|mut node| {
-            // The codes of children that are not there have the bit as well.
+            // The codes of absent children have the bit, too.
             for code in node.children.iter_mut().filter(|code| **code & PRIMITIVE_BIT == 0) {
                 *code += first;
             }
@@ -117,8 +117,8 @@ impl Grown {
     }
 }
 
-/// Splits a group of two or more until there are four groups or nothing to split: always the one with the largest
-/// surface, or when halving the one with the most primitives.
+/// Splits a group of two or more primitives until there are four groups or nothing to split. The next group to split is
+/// the one with the largest surface; without `seek` it is the one with the most primitives, and is halved.
 fn four<'a>(group: Group<'a>, seek: bool, search: &Search) -> Vec<Group<'a>> {
     let mut groups = Vec::with_capacity(WIDTH);
     groups.push(group);
@@ -131,7 +131,7 @@ fn four<'a>(group: Group<'a>, seek: bool, search: &Search) -> Vec<Group<'a>> {
         let Some((largest, _)) = largest else { break };
         let group = groups.swap_remove(largest);
         if groups.len() + group.items.len() <= WIDTH {
-            // No need to seek where all have room.
+            // All primitives fit into the node, so that no cut is needed.
             groups.extend(group.singles());
         } else if seek {
             groups.extend(group.split(search));

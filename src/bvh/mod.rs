@@ -1,5 +1,5 @@
-//! The bounding volume hierarchy: grown from the root down by the surface area heuristic, straight into nodes of four
-//! children with quantised boxes. Few words a node is what counts: loads by lane are the cost of a walk.
+//! The bounding volume hierarchy. It is built from the root down with the surface area heuristic, directly into nodes of four
+//! children with quantised boxes. Nodes are small, because the cost of a walk is that of gathers from memory.
 
 mod grow;
 mod split;
@@ -33,11 +33,11 @@ pub struct Bvh {
     pub nodes: Vec<Node>,
     /// The root's code: a node's index, the only primitive's code, or `HIT_NOTHING`.
     pub root: u32,
-    /// Codes that wait at most while a walk goes down: the size of its stack.
+    /// The largest number of codes that wait during a walk, which is the size of its stack.
     pub stack_size: u32,
 }
 
-/// How much time a build may take for how fast a walk. It changes no image.
+/// The trade-off between the time of the build and the time of the walks. It does not change the image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Quality {
     Fast,
@@ -56,8 +56,9 @@ impl Quality {
     }
 }
 
-/// How many of the boxes a line that meets the box around them all meets on average: the share of its surface that theirs is, by
-/// which the surface area heuristic counts too (Goldsmith and Salmon, IEEE CG&A 7(5), 1987). 0 for no boxes, and where all are in one point.
+/// The expected number of boxes that a line hits if it hits the box around all of them: the ratio of the sum of their
+/// surfaces to its surface. The surface area heuristic uses the same ratio (Goldsmith and Salmon, IEEE CG&A 7(5),
+/// 1987). 0 if there are no boxes, or if all are at one point.
 pub fn crossings(bounds: &[Bounds]) -> f32 {
     let half_area = |all: &Bounds| {
         let d = all.max - all.min;
@@ -73,7 +74,7 @@ pub fn build(bounds: &[Bounds], codes: &[u32], quality: Quality) -> Bvh {
     build_with_threads(bounds, codes, quality, threads)
 }
 
-/// [`build`] with so many threads, which change nothing in the nodes.
+/// [`build`] with a number of threads. The nodes do not depend on it.
 pub fn build_with_threads(bounds: &[Bounds], codes: &[u32], quality: Quality, threads: usize) -> Bvh {
     let mut items: Vec<Item> = bounds.iter().zip(codes).map(|(bounds, &code)| Item::new(bounds, code)).collect();
     match &mut items[..] {

@@ -1,4 +1,4 @@
-//! Splits groups of primitives by the surface area heuristic, its cuts sought between bins (Wald 2007, "On fast
+//! Splits groups of primitives by the surface area heuristic, with cuts between bins (Wald 2007, "On fast
 //! construction of SAH-based bounding volume hierarchies").
 
 use std::ops::Range;
@@ -7,8 +7,8 @@ use glam::Vec3A;
 
 use super::Bounds;
 
-/// A primitive on its way into the tree. The code stands first: vector loads of `max` reach into what follows it, and a
-/// code read as a float is subnormal, which makes every operation on it slow.
+/// A primitive during the build. The code comes first, because vector loads of `max` also read the word after it: a code, read as a
+/// float, is subnormal, which makes every operation on it slow.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct Item {
@@ -23,13 +23,13 @@ impl Item {
         Item { code, min: bounds.min.to_array(), max: bounds.max.to_array(), zero: 0 }
     }
 
-    /// The middle of its box; the sum of the halves cannot overflow.
+    /// The middle of its box. It is a sum of halves, because the sum of the corners could overflow.
     fn middle(&self) -> Vec3A {
         0.5 * Vec3A::from_array(self.min) + 0.5 * Vec3A::from_array(self.max)
     }
 }
 
-/// A box that grows around others.
+/// A bounding box under construction.
 #[derive(Clone, Copy)]
 pub struct Extent {
     min: Vec3A,
@@ -44,7 +44,7 @@ impl Extent {
         self.max = self.max.max(max);
     }
 
-    /// Half the surface.
+    /// Half the surface area.
     pub fn half_area(&self) -> f32 {
         let d = self.max - self.min;
         d.x * d.y + d.y * d.z + d.z * d.x
@@ -57,16 +57,16 @@ impl From<Extent> for Bounds {
     }
 }
 
-/// How cuts are sought.
+/// The parameters of the search for cuts.
 #[derive(Clone, Copy, Debug)]
 pub struct Search {
-    /// Bins of an axis, for groups that are not small: 16 or 32.
+    /// The number of bins on an axis, 16 or 32. Small groups have fewer.
     pub bins: usize,
-    /// Along all three axes instead of the longest alone.
+    /// Whether cuts along all three axes are considered, and not only along the longest.
     pub all_axes: bool,
 }
 
-/// Some primitives, one at least, with the box around them and the one around their middles.
+/// One or more primitives, with the box around them and the box around their middles.
 pub struct Group<'a> {
     pub items: &'a mut [Item],
     pub bounds: Extent,
@@ -91,12 +91,12 @@ impl<'a> Group<'a> {
         Group { items, bounds, middles }
     }
 
-    /// Each primitive for itself.
+    /// A group for each primitive.
     pub fn singles(self) -> impl Iterator<Item = Group<'a>> {
         self.items.chunks_mut(1).map(Group::new)
     }
 
-    /// Two groups, where the cost of walking is least. The bins of a small group need not be many.
+    /// Splits at the cut with the least cost. A small group needs only few bins.
     pub fn split(self, search: &Search) -> [Group<'a>; 2] {
         let cut = match (self.items.len(), search.bins) {
             (0..=6, _) => self.best::<4>(search),
@@ -110,7 +110,7 @@ impl<'a> Group<'a> {
         }
     }
 
-    /// Two halves along the longest axis.
+    /// Splits into two halves along the longest axis.
     pub fn halve(self) -> [Group<'a>; 2] {
         let axis = longest(self.middles.max - self.middles.min);
         let half = self.items.len() / 2;
@@ -119,11 +119,10 @@ impl<'a> Group<'a> {
         [Group::new(low), Group::new(high)]
     }
 
-    /// The cut of least cost. None where there is nothing to choose by: all middles in one bin, surfaces that are zero or
-    /// infinite.
+    /// The cut with the least cost. None if all middles are in one bin, or if surfaces are zero or infinite.
     fn best<const BINS: usize>(&self, search: &Search) -> Option<Cut> {
         let extent = self.middles.max - self.middles.min;
-        // Just less than the bins, so that the last middle is in the last one.
+        // Slightly less than the number of bins, so that the last middle is in the last bin.
         let scale = Vec3A::splat(BINS as f32 * (1.0 - 1e-6)) / extent;
         let scale = Vec3A::select(scale.is_finite_mask(), scale, Vec3A::ZERO);
         let axes = match search.all_axes {
@@ -133,7 +132,7 @@ impl<'a> Group<'a> {
         let bins = self.bins::<BINS>(axes.clone(), scale);
         let mut best: Option<(f32, Cut)> = None;
         for axis in axes {
-            // The costs of what lies above each cut, from the top down, then of what lies below, from the bottom up.
+            // The costs above each cut, from the top down; then the costs below, from the bottom up.
             let mut above = [0.0; BINS];
             let (mut hull, mut items) = (Extent::EMPTY, 0);
             for bin in (1..BINS).rev() {
@@ -157,7 +156,7 @@ impl<'a> Group<'a> {
         best.filter(|(cost, _)| *cost > 0.0).map(|(_, cut)| cut)
     }
 
-    /// The boxes around the primitives of each bin, and their numbers.
+    /// For each bin, the box around its primitives and their number.
     fn bins<const BINS: usize>(&self, axes: Range<usize>, scale: Vec3A) -> [[(Extent, u32); BINS]; 3] {
         let mut bins = [[(Extent::EMPTY, 0); BINS]; 3];
         for item in self.items.iter() {
@@ -178,7 +177,7 @@ impl<'a> Group<'a> {
         while low < high {
             let item = self.items[low];
             let middle = item.middle();
-            // What decides about the bin, in the same arithmetic.
+            // The same arithmetic as in the choice of the bin.
             let above = (middle[cut.axis] - cut.low) * cut.scale >= cut.bin;
             let (bounds, middles) = &mut sides[usize::from(above)];
             bounds.add(item.min.into(), item.max.into());
@@ -196,8 +195,8 @@ impl<'a> Group<'a> {
     }
 }
 
-/// What a ray that meets a group's parent pays for the group, in parts of what it pays for one box; infinite where the
-/// group is empty.
+/// The cost of a group under the surface area heuristic, up to a constant factor: half its surface times its number of
+/// primitives; infinite if the group is empty.
 fn cost(hull: &Extent, items: u32) -> f32 {
     match items {
         0 => f32::INFINITY,

@@ -1,18 +1,18 @@
-//! Nodes of four children, their boxes quantised.
+//! Nodes of four children with quantised boxes.
 
 use super::Bounds;
 use crate::data::{HIT_NOTHING, Node};
 
-/// Children of a node.
+/// The number of children of a node.
 pub const WIDTH: usize = 4;
 
-/// A node over such boxes, its codes still to come.
+/// A node over these boxes. Its codes are filled in later.
 pub fn quantised(boxes: &[Bounds]) -> Node {
     let all = boxes.iter().skip(1).fold(boxes[0], |all, bounds| all.union(*bounds));
     let mut node = Node {
         origin: all.min.to_array(),
         exponents: (boxes.len() as u32) << 24,
-        // An empty box for the children that are not there: the lower planes above the upper ones.
+        // Absent children have an empty box: the lower planes are above the upper ones.
         low: [u32::MAX; 3],
         children: [HIT_NOTHING; WIDTH],
         ..Node::default()
@@ -20,7 +20,7 @@ pub fn quantised(boxes: &[Bounds]) -> Node {
     for axis in 0..3 {
         let origin = all.min[axis];
         let mut exponent = least_exponent(all.max[axis] - origin);
-        // One step of the grid more where rounding puts the last plane inside.
+        // The grid becomes twice as coarse if rounding puts the last plane inside a box.
         while !quantise_axis(&mut node, boxes, axis, origin, exponent) {
             exponent += 1;
         }
@@ -29,22 +29,22 @@ pub fn quantised(boxes: &[Bounds]) -> Node {
     node
 }
 
-/// The biased exponent of the least power of two of which 255 span the extent, 1 at least.
+/// The biased exponent of the smallest power of two of which 255 steps span the extent. At least 1.
 fn least_exponent(extent: f32) -> u32 {
     let exponent = (extent / 255.0).to_bits() >> 23;
-    // The exponent rounds down; anything above the power itself needs the next.
+    // The exponent rounds down. Any value above the power itself needs the next exponent.
     (exponent + 1).clamp(1, 254)
 }
 
-/// Sets the planes of one axis; false where the grid does not reach around all boxes.
+/// Sets the planes of one axis. Returns false if the grid does not span all boxes.
 fn quantise_axis(node: &mut Node, boxes: &[Bounds], axis: usize, origin: f32, exponent: u32) -> bool {
     let scale = f32::from_bits(exponent << 23);
-    // As the kernel computes it: the product is exact, the sum is rounded once.
+    // The kernel's own arithmetic: the product is exact, and the sum is rounded once.
     let plane = |byte: i64| origin + byte as f32 * scale;
     let (mut lows, mut highs) = (u32::MAX, 0);
     for (child, bounds) in boxes.iter().enumerate() {
         let step = |x: f32| (f64::from(x) - f64::from(origin)) / f64::from(scale);
-        // Not below zero, so that to truncate is to round down.
+        // Not negative, so that truncation rounds down.
         let mut low = step(bounds.min[axis]) as i64;
         while low > 0 && plane(low) > bounds.min[axis] {
             low -= 1;
@@ -70,7 +70,7 @@ mod tests {
     use super::*;
     use glam::Vec3;
 
-    /// The box that a kernel reads, in its own arithmetic.
+    /// The box that a kernel decodes, in the kernel's arithmetic.
     fn decoded(node: &Node, child: usize) -> Bounds {
         let plane = |packed: &[u32; 3], axis: usize| {
             let byte = packed[axis] >> (8 * child) & 255;
@@ -111,7 +111,7 @@ mod tests {
                 let box_read = decoded(&node, child);
                 assert!(box_read.min.cmple(bounds.min).all(), "{bounds:?} reads as {box_read:?}");
                 assert!(box_read.max.cmpge(bounds.max).all(), "{bounds:?} reads as {box_read:?}");
-                // The grid is at most twice as coarse as need be: 255 steps span no more than twice the extent.
+                // The grid is at most twice as coarse as necessary: 255 steps span at most twice the extent.
                 let all = boxes.iter().fold(boxes[0], |all, b| all.union(*b));
                 let step = (all.max - all.min) / 127.0;
                 loose += u32::from(!(bounds.min - box_read.min).cmple(step + 1e-6 * base.abs().max_element()).all());

@@ -9,7 +9,7 @@ use crate::gpu::buffers::too_large;
 use crate::options::RenderOptions;
 use crate::scene::Scene;
 
-/// Reads, validates and flattens the scene, links its kernels, and compares its buffers with what the device here allows.
+/// Reads, validates and flattens the scene, links its kernels, and compares its buffers with the limits of this machine's device.
 pub fn run(args: &CheckArgs) -> Result<()> {
     match examine(args) {
         Ok((primitives, warnings)) => {
@@ -38,13 +38,13 @@ pub fn run(args: &CheckArgs) -> Result<()> {
 
 fn examine(args: &CheckArgs) -> Result<(usize, Vec<String>)> {
     let scene = Scene::load(&args.scene)?;
-    // As `render` does by default.
+    // With the default options of `render`.
     let (size, flat) = flatten_for(&scene, None, &RenderOptions::default())?;
     let target = Target::find(None)?;
     let plan = planned(&scene, size, &flat, &target, &RenderOptions::default())?;
     let mut warnings = scene.warnings();
     warnings.extend_from_slice(&flat.warnings);
-    // Valid, and yet not to be rendered here.
+    // A valid scene can be too large for this machine's device.
     let refused = too_large(&plan.buffers(), &target.limits);
     warnings.extend(refused.into_iter().map(|why| format!("{}: {why}", target.name)));
     Ok((flat.primitives as usize, warnings))

@@ -15,12 +15,12 @@ use crate::metrics::verdict::verdict;
 use crate::output::exr::{ExrImage, read_exr};
 use crate::output::png::write_heatmap;
 
-/// Reads both images, prints how they differ, and fails where an error is above its limit.
+/// Reads both images, prints their differences, and fails if an error is above its limit.
 pub fn run(args: &CompareArgs) -> Result<()> {
     if let Some(heatmap) = &args.heatmap {
         check_place(heatmap, "nothing has been compared")?;
         if [&args.image, &args.reference].into_iter().any(|image| same_file(image, heatmap)) {
-            return Err(Error::Usage(format!("{}: expected another file than the images", heatmap.display())));
+            return Err(Error::Usage(format!("{}: expected a file other than the two images", heatmap.display())));
         }
     }
     let (mut a, mut b) = (read_exr(&args.image)?, read_exr(&args.reference)?);
@@ -41,14 +41,14 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     let images = Images { width, height, a: &a.rgb, b: &b.rgb, variances };
     let difference = difference(&images).ok_or_else(|| {
         Error::Usage(format!(
-            "{} and {}: no pixel is finite in both, so that there is nothing to compare",
+            "{} and {}: no pixel is finite in both images, so there is nothing to compare",
             args.image.display(),
             args.reference.display()
         ))
     })?;
     let broken: Vec<usize> = (0..width * height).filter(|&pixel| !images.counts(pixel)).collect();
 
-    // Means are over the pixels that count. FLIP needs the whole picture: pixels that do not count are black in both.
+    // Means are over the finite pixels. FLIP needs the whole image: all other pixels are black in both.
     for &pixel in &broken {
         (a.rgb[pixel], b.rgb[pixel]) = ([0.0; 3], [0.0; 3]);
     }
@@ -69,7 +69,7 @@ pub fn run(args: &CompareArgs) -> Result<()> {
         let mut pixels = 0..;
         image.retain(|_| pixels.next().is_some_and(|pixel| broken.binary_search(&pixel).is_err()));
     }
-    let unequal = || Error::Usage("the images hold fewer pixels than they say".to_string());
+    let unequal = || Error::Usage("an image holds fewer pixels than its header says".to_string());
     let errors = Errors {
         mse: mse(&a.rgb, &b.rgb).ok_or_else(unequal)?,
         relmse: relmse(&a.rgb, &b.rgb).ok_or_else(unequal)?,
@@ -90,10 +90,10 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     check(&args.fail_above, &errors, &pixels)
 }
 
-/// The number of pixels, and of those that are NaN, infinite or negative.
+/// The number of pixels, and the numbers of those that are not finite or negative.
 struct Pixels {
     count: usize,
-    /// In the image, in the reference, and in either.
+    /// NaN or infinite pixels in the image, in the reference, and in either of them.
     not_finite: [usize; 3],
     negative: [usize; 2],
 }
@@ -142,7 +142,7 @@ impl Errors {
     }
 }
 
-/// Fails where a metric is above its limit, or where pixels had to be left out: these have no error to hold against a limit.
+/// Fails if a metric is above its limit, or if pixels were left out, because these have no error to compare with a limit.
 fn check(limits: &[Limit], errors: &Errors, pixels: &Pixels) -> Result<()> {
     let above = limits.iter().filter(|limit| errors.of(limit.metric) > limit.value);
     let mut words: Vec<String> = above
@@ -157,7 +157,7 @@ fn check(limits: &[Limit], errors: &Errors, pixels: &Pixels) -> Result<()> {
     }
 }
 
-/// The interval that holds the true difference; none where too few pixels tell the error.
+/// The confidence interval of the true difference; none if too few pixels determine the error.
 fn interval(estimate: &Estimate) -> Option<[f64; 2]> {
     let half = estimate.half_width();
     half.is_finite().then_some([estimate.value - half, estimate.value + half])

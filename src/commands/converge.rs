@@ -20,25 +20,26 @@ use crate::output::csv::csv;
 use crate::output::exr::{ExrImage, read_exr};
 use crate::output::plot::{Curve, Plot, svg};
 use crate::plan::Plan;
-use crate::render::{Next, Outcome, Renderer};
+use crate::render::{Look, Next, Outcome, Renderer};
 use crate::scene::Scene;
 
-/// The render after so many samples.
+/// The render after a number of samples.
 #[derive(Clone, Copy, Debug, Serialize)]
 struct Measurement {
     samples: u32,
-    /// Of the passes up to here, without compiling and measuring.
+    /// The time of all passes so far, without compiling and measuring.
     seconds: f64,
     mse: f64,
     rmse: f64,
     relmse: f64,
-    /// Mean over pixels and channels of image less reference, over the mean of the reference; none where that is black.
+    /// The mean over pixels and channels of the image minus the reference, relative to the mean of the reference; none
+    /// if that is black.
     mean_difference: Option<f64>,
-    /// The render's own estimate of its noise (`Film::relative_error`); none with few samples.
+    /// The render's own estimate of its noise (`Film::relative_error`); none if there are few samples.
     relative_error: Option<f64>,
 }
 
-/// Doubles the samples on one film again and again, and measures the image each time.
+/// Doubles the number of samples on one film again and again, and measures the image each time.
 pub fn run(args: &ConvergeArgs) -> Result<()> {
     let reference = read_exr(&args.reference)?;
     let own_error = error_of_reference(&reference);
@@ -46,7 +47,7 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
     let biases = tell_biases(&args.options, args.paths.max_depth, &scene, args.quiet);
     if reference.seed() == Some(args.paths.seed) && !args.quiet {
         tell(&format!(
-            "warning: {} was rendered with seed {} too. The two images share noise, which hides error; give another --seed",
+            "warning: {} was also rendered with seed {}. The two images share noise, which hides error; give another --seed",
             args.reference.display(),
             args.paths.seed
         ));
@@ -76,7 +77,7 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
             break;
         }
         let part = Job { first_sample: done, goal: Goal::Samples(next), ..job };
-        let mut go_on = |_: &Film, _: &Outcome| match stopped.load(Ordering::Relaxed) {
+        let mut go_on = |_: &Outcome, _: Option<Look<'_>>| match stopped.load(Ordering::Relaxed) {
             true => Next::Stop,
             false => Next::GoOn,
         };
@@ -112,7 +113,7 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
     }
 }
 
-/// The table's path and the plot's, in a folder that now exists.
+/// The paths of the table and the plot. Creates their folder.
 fn outputs(args: &ConvergeArgs) -> Result<(PathBuf, PathBuf)> {
     make_folder(&args.output, "nothing has been rendered")?;
     let stem = args.scene.file_stem().unwrap_or_default().to_string_lossy();
@@ -120,7 +121,7 @@ fn outputs(args: &ConvergeArgs) -> Result<(PathBuf, PathBuf)> {
     Ok((file("csv"), file("svg")))
 }
 
-/// The relMSE of the reference by its own noise, where its file holds the variance.
+/// The relMSE of the reference from its own noise, if its file holds the variance.
 fn error_of_reference(reference: &ExrImage) -> Option<f64> {
     metrics::relative_variance(reference.known_variance()?, &reference.rgb)
 }
@@ -141,7 +142,7 @@ fn measure(film: &Film, reference: &ExrImage, samples: u32, seconds: f64) -> Res
     })
 }
 
-/// The exponent p of an error that falls as N^-p, over the steps from 8 samples on: least squares of logarithms.
+/// The exponent p of an error that falls as N^-p, from 8 samples on, by a least-squares fit of logarithms.
 fn slope(steps: &[Measurement], own_error: f64) -> Option<f64> {
     let known = steps.iter().filter(|step| step.samples >= 8 && step.relmse > own_error);
     let points: Vec<(f64, f64)> =

@@ -8,10 +8,10 @@ use crate::error::Result;
 use crate::gpu::device::{Adapters, Device};
 use crate::gpu::probe::{LOOPS, Numerics, numerics};
 
-/// Lists the adapters, their drivers, the limits that decide whether a scene fits, and what the numerics probe finds.
+/// Lists the adapters, their drivers, the limits that decide whether a scene fits, and the findings of the numerics probe.
 pub fn run(args: &DevicesArgs) -> Result<()> {
     let adapters = Adapters::find();
-    // The error of choosing says what to install.
+    // If there is no device, the error says what to install.
     let chosen = adapters.index_of_choice(None)?;
     let names = adapters.names();
     let found: Vec<Result<Numerics>> = (0..names.len()).map(|index| probe(&adapters, index)).collect();
@@ -60,13 +60,13 @@ pub fn run(args: &DevicesArgs) -> Result<()> {
     Ok(())
 }
 
-/// What the probe finds of one adapter.
+/// Probes the numerics of one adapter.
 fn probe(adapters: &Adapters, index: usize) -> Result<Numerics> {
     let device = Device::open(adapters.choose(Some(&index.to_string()))?)?;
     numerics(&device).cloned()
 }
 
-/// The findings in words, a line each group; and what is refused because of them.
+/// The findings in words, one line for each group, and the kernels that are refused because of them.
 fn words(found: &Numerics) -> Vec<String> {
     let pick = |holds: bool, yes: &'static str, no: &'static str| if holds { yes } else { no };
     let mut lines = vec![

@@ -1,4 +1,4 @@
-//! The commands of the program, one a file.
+//! The commands of the program, one file each.
 
 mod check;
 mod compare;
@@ -34,14 +34,15 @@ pub fn run(cli: &Cli, start: std::time::Instant) -> Result<()> {
     }
 }
 
-/// The size of the image asked for, and the scene flattened for it.
+/// The size of the image, and the scene flattened for it.
 fn flatten_for(scene: &Scene, size: Option<Size>, options: &RenderOptions) -> Result<((u32, u32), DeviceScene)> {
     let of_scene = (scene.image.width, scene.image.height);
     let size = size.map_or(of_scene, |size| size.of(of_scene));
     Ok((size, flatten(scene, size, options)?))
 }
 
-/// Says which settings bias the result or are less exact, unless nothing is to be said; the result is these options as they were given.
+/// Prints warnings about settings that bias the result or are less exact, unless `quiet`. Returns these options as the
+/// user gave them.
 fn tell_biases(options: &RenderOptions, max_depth: Option<u32>, scene: &Scene, quiet: bool) -> Vec<String> {
     let cut = max_depth.filter(|depth| *depth < scene.render.max_depth);
     let biases: Vec<_> = cut.map(|depth| (&MAX_DEPTH, depth.to_string())).into_iter().chain(options.biases()).collect();
@@ -51,7 +52,7 @@ fn tell_biases(options: &RenderOptions, max_depth: Option<u32>, scene: &Scene, q
     biases.iter().map(|(knob, value)| knob.option(value)).collect()
 }
 
-/// The device that a scene is planned for: the one that would render it, or none.
+/// The device that a scene is planned for: a real one, or WebGPU's default limits if there is none.
 struct Target {
     name: String,
     class: DeviceClass,
@@ -59,7 +60,7 @@ struct Target {
 }
 
 impl Target {
-    /// The device of this index or name, or the default one; where there is none, the least that WebGPU promises.
+    /// The device of this index or name, or the default device. If the machine has none, the limits that WebGPU guarantees.
     fn find(wish: Option<&str>) -> Result<Target> {
         match Adapters::find().choose(wish) {
             Ok(adapter) => Ok(Target {
@@ -90,19 +91,19 @@ fn planned<'a>(
     Plan::new(flat, options, target.class, &job)
 }
 
-/// The device asked for, opened.
+/// Opens the device of this index or name, or the default device.
 fn open_device(wish: Option<&str>) -> Result<Device> {
     Device::open(Adapters::find().choose(wish)?)
 }
 
-/// Says of a software driver that it is one, unless nothing is to be said.
+/// Prints a warning about a software driver, unless `quiet`.
 fn tell_software(device: &Device, quiet: bool) {
     if device.name.software && !quiet {
-        tell(&format!("warning: {} is a software driver: the processor does a GPU's work", device.name));
+        tell(&format!("warning: {} is a software driver: it renders on the processor, without a GPU", device.name));
     }
 }
 
-/// Makes a folder where there is none. What has not been done yet is said where it cannot.
+/// Creates a folder unless it exists. If that fails, the error includes `undone`: the work that has not been done.
 fn make_folder(folder: &Path, undone: &str) -> Result<()> {
     let failed = |error: std::io::Error| Error::File {
         path: folder.to_path_buf(),
@@ -112,11 +113,11 @@ fn make_folder(folder: &Path, undone: &str) -> Result<()> {
     std::fs::create_dir_all(folder).map_err(failed)
 }
 
-/// Set by the first interrupt; the second ends the program at once.
+/// A flag that the first interrupt sets. A second interrupt ends the program at once.
 fn stop_on_interrupt() -> Arc<AtomicBool> {
     let stopped = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&stopped);
-    // Without a handler an interrupt ends the program, which is no worse than before.
+    // If the handler cannot be set, an interrupt ends the program.
     let _ = ctrlc::set_handler(move || {
         if flag.swap(true, Ordering::Relaxed) {
             std::process::exit(1);
@@ -125,7 +126,7 @@ fn stop_on_interrupt() -> Arc<AtomicBool> {
     stopped
 }
 
-/// Whether a file can be put there. What has not been done yet is said where it cannot.
+/// Checks that a file can be written to this path. If not, the error includes `undone`: the work that has not been done.
 fn check_place(path: &Path, undone: &str) -> Result<()> {
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
@@ -137,7 +138,7 @@ fn check_place(path: &Path, undone: &str) -> Result<()> {
             path.display()
         )));
     }
-    // Devices and pipes are written as they are; a file is made anew beside the old one.
+    // Devices and pipes are written to directly. A regular file is written beside the old one and then renamed.
     if path.exists() && !path.is_file() {
         return Ok(());
     }
@@ -149,7 +150,7 @@ fn check_place(path: &Path, undone: &str) -> Result<()> {
     }
 }
 
-/// Whether two paths are one file. Files that exist are compared as files, so that two spellings of one path are found out.
+/// Whether two paths name one file. Paths of existing files are resolved, so that different spellings are recognised.
 fn same_file(a: &Path, b: &Path) -> bool {
     match (a.canonicalize(), b.canonicalize()) {
         (Ok(a), Ok(b)) => a == b && a.is_file(),
@@ -157,7 +158,7 @@ fn same_file(a: &Path, b: &Path) -> bool {
     }
 }
 
-/// A path as JSON holds it.
+/// A path as text for JSON.
 fn path_text(path: &Path) -> String {
     path.display().to_string()
 }
@@ -171,7 +172,7 @@ fn print_line(text: &str) -> Result<()> {
     print_text(&format!("{text}\n"))
 }
 
-/// Prints text that ends its own lines on stdout. A closed pipe is the reader's choice, not a failure.
+/// Prints text, without an additional line end, on stdout. A closed pipe is not an error, because the reader chose to close it.
 fn print_text(text: &str) -> Result<()> {
     use std::io::{ErrorKind, Write};
     let mut stdout = std::io::stdout();
@@ -183,7 +184,7 @@ fn print_text(text: &str) -> Result<()> {
     }
 }
 
-/// Prints a line on stderr. Nobody may be listening, which is no failure.
+/// Prints a line on stderr. A closed stderr is not an error.
 pub fn tell(text: &str) {
     use std::io::Write;
     let _ = writeln!(std::io::stderr(), "{text}");

@@ -12,7 +12,7 @@ use crate::output::atomic;
 use crate::plan::{Buffer, Constant, KernelReport, Module, PathField, Plan, Report, STEPS};
 use crate::scene::Scene;
 
-/// Prints the kernels and buffers, and why each is there.
+/// Prints the kernels and buffers, and the reason for each.
 pub fn run(args: &PlanArgs) -> Result<()> {
     let scene = Scene::load(&args.scene)?;
     let (size, flat) = flatten_for(&scene, args.size, &args.options)?;
@@ -38,13 +38,13 @@ pub fn run(args: &PlanArgs) -> Result<()> {
     print_text(&format!("{} on {}\n{text}", args.scene.display(), target.name))
 }
 
-/// The steps that the device allows walks, where it is there and its numerics are known.
+/// The limit on a walk's steps on the device, if there is one and its numerics are known.
 fn steps_of(device: Option<&str>) -> Option<u32> {
     let device = open_device(device).ok()?;
     numerics(&device).ok()?.most_steps()
 }
 
-/// The whole report; of the kernels just the one asked about, if one was.
+/// The whole report. With `why`, only that kernel.
 fn as_json(report: &Report, scene: &str, device: &str, why: Option<&str>) -> Value {
     let asked = |kernel: &&KernelReport| why.is_none_or(|name| kernel.name == name);
     let kernels: Vec<_> = report.kernels.iter().filter(asked).map(|kernel| kernel_json(report, kernel)).collect();
@@ -117,7 +117,7 @@ fn buffer_json(buffer: &Buffer) -> Value {
     })
 }
 
-/// The shaders in a folder that are not kernels of this plan, for example of an earlier one.
+/// The shaders in a folder that are not kernels of this plan, for example those of an earlier plan.
 fn other_shaders(folder: &Path, plan: &Plan<'_>) -> Vec<String> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let names = entries.filter_map(|entry| entry.file_name().into_string().ok());

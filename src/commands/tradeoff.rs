@@ -1,4 +1,4 @@
-//! `gpu-rt tradeoff`: measures what the settings of `render` trade on a scene, within a budget of time.
+//! `gpu-rt tradeoff`: measures how the settings of `render` trade time, noise and bias on a scene, within a budget of time.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
@@ -25,13 +25,14 @@ use crate::tradeoff::report::{Findings, Shown};
 use crate::tradeoff::sweep::{LEVEL, MOST_ROUNDS, SAMPLES_OF_FEWEST, Setting, Subject, Sweep};
 use crate::tradeoff::truth::Truth;
 
-/// The shares of the budget after which compiling and measuring end, and the calibration by the whole size. The rest is for pictures and the
-/// report.
+/// The shares of the budget after which compiling and measuring end, and after which the calibration at the whole size
+/// ends. The rest is for pictures and the report.
 const MEASURING: f64 = 0.8;
 const CALIBRATING: f64 = 0.9;
-/// The most of the time until then that compiling is taken to need, when the size of images is chosen.
+/// The largest share of the measuring time that the choice of the image size leaves to compiling.
 const COMPILING: f64 = 0.5;
-/// Rounds that there must be time for after one more setting is compiled: twice the fewest. A little more: the machine may become slower.
+/// One more setting is compiled only if there is time left for twice the fewest rounds. The margin allows for a machine
+/// that becomes slower.
 const ROUNDS_LEFT: f64 = 2.0;
 const MARGIN: f64 = 1.3;
 
@@ -41,7 +42,7 @@ const INTERRUPTED: &str = "interrupted before it was measured";
 
 /// Measures and reports.
 pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
-    // From here on an interrupt ends the measuring, not the program.
+    // From here on an interrupt ends the measurement, not the program.
     let stopped = stop_on_interrupt();
     let stop = || stopped.load(Ordering::Relaxed);
     let mut scene = Scene::load(&args.scene)?;
@@ -62,7 +63,8 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     let mut loading = Loading::new(args.quiet);
     let share = || (start.elapsed().as_secs_f64() / args.budget.as_secs_f64()).min(1.0);
     let mut progress = |words: &str| loading.show(words, share());
-    // The defaults first, and small, which tells what a sample costs; then everything at the size that the budget is enough for.
+    // A pilot renders the defaults at a small size to learn the cost of a sample. Then everything is rendered at the size that the
+    // budget allows.
     let exact = reference.is_some();
     let settings = settings_of(&scene, &knobs)?;
     let mut pilot = Sweep::new(&device, &scene, size_of(whole, FEWEST_PIXELS, exact), seed);
@@ -70,7 +72,7 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     pilot.add(settings[0].clone())?;
     let begin = Instant::now();
     pilot.measure(at(MEASURING), 1, &stop, &mut |_, _| progress("pilot"))?;
-    // All of the time, with what is done between the passes.
+    // The whole time, including the work between the passes.
     let cost = pilot.samples(0).map(|samples| begin.elapsed().as_secs_f64() / f64::from(samples));
     let left = at(MEASURING).saturating_duration_since(Instant::now());
     let cost = cost.filter(|cost| cost * SAMPLES_OF_FEWEST <= left.as_secs_f64());
@@ -83,7 +85,7 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     let size = size_of(whole, pixels_for(of_pixel, settings.len(), for_rounds), exact);
     let mut sweep = match stop() || size == pilot.size {
         true => {
-            // Its round is done again, beside the others.
+            // The pilot's round is repeated together with the other settings.
             pilot.begin_again(seed);
             pilot
         }
@@ -150,7 +152,7 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
         print_json(&report.json())?;
     } else {
         print_line(&report.table())?;
-        // And what all of it holds for.
+        // The first line of the basis says what the advice holds for.
         report.advice().iter().chain(report.basis().iter().take(1)).try_for_each(|words| print_line(words))?;
     }
     if !args.quiet {
@@ -196,8 +198,8 @@ fn middle(image: ExrImage, scene: &mut Scene) -> ExrImage {
     ExrImage { width: size.0, height: size.1, rgb, variance, samples: None, rejected: None, ..image }
 }
 
-/// A seed from which on no image of the sweep shares its random numbers with a reference that was rendered by this program: what both
-/// have would look like no error at all.
+/// A seed with which no image of the sweep shares its random numbers with a reference of this program: shared noise
+/// would look like no error.
 fn seed_beside(wish: u32, reference: Option<&ExrImage>) -> u32 {
     match reference.and_then(ExrImage::seed) {
         Some(taken) if Sweep::uses(wish, taken) => taken.wrapping_add(Sweep::SEEDS_BEFORE + 1),
@@ -212,7 +214,8 @@ fn too_short(args: &TradeoffArgs) -> Error {
     ))
 }
 
-/// The knobs asked for, all by default, each once. Samples are what every setting is measured over.
+/// The knobs of the command line, each once; all knobs by default. The number of samples is not a knob here, because
+/// every setting is measured at several numbers.
 fn knobs_of(args: &TradeoffArgs) -> Result<Vec<&'static Knob>> {
     let all = || KNOBS.iter().copied().filter(|knob| knob.name != SPP.name);
     for name in &args.knobs {
@@ -228,7 +231,7 @@ fn knobs_of(args: &TradeoffArgs) -> Result<Vec<&'static Knob>> {
     Ok(all().filter(|knob| args.knobs.is_empty() || args.knobs.iter().any(|name| name == knob.name)).collect())
 }
 
-/// The folder for the report, made where there is none.
+/// The folder for the report. Creates it unless it exists.
 fn folder_of(args: &TradeoffArgs) -> Result<PathBuf> {
     let folder = args.output.clone().unwrap_or_else(|| {
         let stem = args.scene.file_stem().unwrap_or_default().to_string_lossy();
@@ -238,12 +241,12 @@ fn folder_of(args: &TradeoffArgs) -> Result<PathBuf> {
     Ok(folder)
 }
 
-/// The options of `render` with one of them given, as its own parser reads it.
+/// Parses options with `render`'s own parser.
 fn options(more: &[String]) -> Result<RenderArgs> {
     let words = ["gpu-rt", "render", "scene.ron"].into_iter().map(str::to_string).chain(more.iter().cloned());
     match Cli::try_parse_from(words) {
         Ok(Cli { command: Command::Render(args) }) => Ok(args),
-        Ok(_) => Err(Error::Usage("this is no render".to_string())),
+        Ok(_) => Err(Error::Usage("expected the options of a render".to_string())),
         Err(error) => Err(Error::Usage(error.to_string())),
     }
 }
@@ -274,8 +277,8 @@ fn settings_of(scene: &Scene, knobs: &[&'static Knob]) -> Result<Vec<Setting>> {
     Ok(settings)
 }
 
-/// Compiles the settings in turn, as long as there is time to measure what is compiled; each is taken to cost as much as the defaults, seconds
-/// of a sample. The defaults themselves may be compiled already.
+/// Compiles the settings in turn, as long as there is time to measure the compiled ones. A sample of each is assumed to
+/// take as many seconds as one of the defaults. The defaults may be compiled already.
 fn compile(
     sweep: &mut Sweep<'_>,
     settings: Vec<Setting>,
@@ -284,7 +287,7 @@ fn compile(
     stop: &dyn Fn() -> bool,
     progress: &mut dyn FnMut(&str),
 ) -> Result<()> {
-    // One more may take as long as the last did.
+    // Assumes that the next compilation takes as long as the last one.
     let mut last = Duration::ZERO;
     for (i, setting) in settings.into_iter().enumerate().skip(sweep.subjects.len()) {
         progress(&format!("compiling {}", setting.name()));
@@ -301,14 +304,14 @@ fn compile(
     Ok(())
 }
 
-/// The defaults' mean against that of a reference whose noise is not known.
+/// The difference of the defaults' mean from that of a reference whose noise is unknown.
 fn against(sweep: &Sweep<'_>, truth: &Truth) -> Option<Estimate> {
     let blocks = sweep.subjects.first()?.blocks.get(&LEVEL)?;
     let images: Vec<Pixels> = blocks.iter().map(|block| block.image.clone()).collect();
     signed_bias(&images, &vec![truth.image.clone(); images.len()], &truth.image)
 }
 
-/// Every setting's picture after the time that the defaults take for a block, as far as the budget goes.
+/// Each setting's picture with the time that the defaults take for a block, until the budget is spent.
 fn pictures(
     sweep: &mut Sweep<'_>,
     judged: &Judged,

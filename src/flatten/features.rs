@@ -1,4 +1,4 @@
-//! What a scene requires of the renderer.
+//! The features of the renderer that a scene requires.
 
 use crate::data;
 use crate::material::{MATERIALS, Material, Scattering};
@@ -6,73 +6,74 @@ use crate::options::{FeatureSet, Integrator, RenderOptions};
 use crate::texture::TEXTURES;
 
 pub use crate::shape::{BOUNDARIES, PRIMITIVES};
-/// The kinds of background by number; each is a file of shaders/background.
+/// The files of the backgrounds under shaders/background. Kernels switch on the indices.
 pub const BACKGROUNDS: &[&str] = &["solid", "gradient", "image"];
 
-/// What asks for everything that a scene can have.
+/// The reason for features that only `--features all` requires.
 pub const EVERY_FEATURE: &str = "--features all";
 
-/// What emits and is left to chance.
+/// The emitters that are not sampled, so that paths find them only by chance.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unsampled {
-    /// As lights, of so many wanted.
+    /// The number of these lights.
     pub lights: u64,
     pub wanted: u64,
-    /// The first of them.
+    /// The first of these emitters.
     pub asked_by: String,
 }
 
-/// What of the renderer a scene requires, and for each thing the scene's object that asked first.
+/// The features of the renderer that a scene requires, each with the first object that asked for it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Features {
-    /// By the numbers of `PRIMITIVES`.
+    /// Kinds of primitive, by the indices of `PRIMITIVES`.
     pub primitives: [Option<String>; PRIMITIVES.len()],
-    /// By the numbers of `MATERIALS`: of materials on objects, not of all that are defined.
+    /// Kinds of material on objects, by the indices of `MATERIALS`. Unused materials do not count.
     pub materials: [Option<String>; MATERIALS.len()],
-    /// By the numbers of `MATERIALS`: of those that answer to lights that are sampled.
+    /// The same for materials that scatter into many directions (`Scattering::Spread`).
     pub non_specular: [Option<String>; MATERIALS.len()],
-    /// By the numbers of `MATERIALS`: of those that send a ray one way alone.
+    /// The same for materials that scatter into a single direction (`Scattering::OneWay`).
     pub specular: [Option<String>; MATERIALS.len()],
-    /// By the numbers of `TEXTURES`.
+    /// Kinds of texture, by the indices of `TEXTURES`.
     pub textures: [Option<String>; TEXTURES.len()],
-    /// Meshes with vertex normals, which are shaded smoothly.
+    /// Meshes with vertex normals, which have smooth shading.
     pub smooth: Option<String>,
-    /// Boundaries of media, by their places in `BOUNDARIES`.
+    /// Boundaries of media, by the indices of `BOUNDARIES`.
     pub boundaries: [Option<String>; BOUNDARIES.len()],
     /// Media whose albedo is a texture.
     pub textured_media: Option<String>,
-    /// Kinds of primitive that are sampled as lights, by the numbers of `PRIMITIVES`.
+    /// Kinds of primitive that are sampled as lights, by the indices of `PRIMITIVES`.
     pub emitters: [Option<String>; PRIMITIVES.len()],
-    /// Whether the image of the background is.
+    /// The background's image, if it is sampled as a light.
     pub emitting_sky: Option<String>,
-    /// Columns and rows of the grid that directions towards it are drawn from.
+    /// Columns and rows of the grid over this image, from which directions are sampled.
     pub sky_grid: (u32, u32),
-    /// How many lights there are.
+    /// The number of lights.
     pub lights: u32,
-    /// What emits and is not sampled, as there is no room.
+    /// Emitters that are not sampled, because there are too many.
     pub unsampled: Option<Unsampled>,
-    /// The place of the sky among them.
+    /// The index of the sky among the lights.
     pub sky_light: u32,
-    /// Whether paths send rays to them. Of the scene alone, also where everything is taken to be required: then an invocation has two walks.
+    /// Whether paths trace shadow rays, and an invocation therefore has two walks. It depends only on the scene, also with
+    /// `--features all`.
     pub shadow_rays: bool,
-    /// How many media there are.
+    /// The number of media.
     pub media: u32,
-    /// By the numbers of `BACKGROUNDS`; a scene has one of its own.
+    /// Kinds of background, by the indices of `BACKGROUNDS`. A scene itself has one.
     pub backgrounds: [Option<String>; BACKGROUNDS.len()],
     /// A lens with a diameter.
     pub thin_lens: Option<String>,
-    /// Pixels so small that render space has the camera's axes and not the world's.
+    /// Whether pixels are so narrow that render space has the camera's axes instead of the world's.
     pub turned: Option<String>,
-    /// Whether all primitives are asked of every ray: they are few, and none of them a mesh.
+    /// Whether every ray tests all primitives without a hierarchy, because they are few and none is a mesh.
     pub brute_force: bool,
-    /// Codes that wait at most in a walk through the BVH.
+    /// The largest number of codes on the stack in a walk through the BVH.
     pub stack_size: u32,
-    /// The same of a walk through a mesh that bounds a medium.
+    /// The same for a walk through a mesh that bounds a medium.
     pub boundary_stack_size: u32,
 }
 
 impl Features {
-    /// What a render with these options requires: with `--features all` everything that a scene can have.
+    /// The features that a render with these options requires; with `--features all`, everything that a scene can have.
     pub fn of(&self, options: &RenderOptions) -> Features {
         let mut features = self.clone();
         if options.features == FeatureSet::All {
@@ -81,8 +82,8 @@ impl Features {
         features
     }
 
-    /// Everything that a scene can have, as asked for by `--features all`. Of what chooses between two ways, such as the number of
-    /// lights, the scene's own way stays, and so do the settings that approximate.
+    /// Adds everything that a scene can have, for `--features all`. Features that select one of two algorithms, such as
+    /// the number of lights, stay as they are, and so do the settings that approximate.
     fn add_all(&mut self, sample_lights: bool) {
         let add = |used: &mut Option<String>| {
             used.get_or_insert_with(|| EVERY_FEATURE.to_string());
@@ -106,13 +107,13 @@ impl Features {
             }
         }
         self.brute_force = false;
-        // The sky that `require_all` adds is a light beside the scene's, and is never chosen.
+        // The sky that `require_all` adds is an additional light, which is never chosen.
         if sample_lights && self.sky_grid == (0, 0) {
             self.sky_grid = (1, 1);
             self.sky_light = self.lights;
             self.lights = self.lights.max(1);
         }
-        // Walks through meshes and their boundaries take as much as a mesh of millions of faces needs.
+        // The stacks for meshes and boundaries are as large as a mesh of millions of faces needs.
         const DEEP: u32 = 48;
         self.stack_size = self.stack_size.max(DEEP);
         self.boundary_stack_size = self.boundary_stack_size.max(DEEP);
@@ -123,15 +124,15 @@ impl Features {
         self.media > 0 || self.boundaries.iter().any(Option::is_some)
     }
 
-    /// Whether anything in the scene answers to light from any direction. Where nothing does, no ray is sent to a light.
+    /// Whether anything in the scene scatters into many directions. If nothing does, no light is sampled.
     pub(super) fn samples_light_anywhere(&self) -> bool {
         self.media > 0 || self.non_specular.iter().any(Option::is_some)
     }
 }
 
 impl super::DeviceScene {
-    /// Tables for what the scene lacks that say so, since kernels with everything bind them: a light that is never chosen, a sky that
-    /// sends nothing.
+    /// Fills the tables of features that the scene lacks, because kernels with everything bind them: a light that is
+    /// never chosen, a black sky.
     pub(super) fn require_all(&mut self, sample_lights: bool) {
         if sample_lights && self.sky.is_empty() {
             self.sky.push(data::SkyCell::default());

@@ -1,5 +1,5 @@
-//! A hierarchy over the lights, by which shaders/scene/light_tree chooses one that is near and turned towards a point: Conty Estevez and
-//! Kulla, "Importance Sampling of Many Lights with Adaptive Tree Splitting", HPG 2018.
+//! A hierarchy over the lights. With it, shaders/scene/light_tree prefers lights that are near a point and face it:
+//! Conty Estevez and Kulla, "Importance Sampling of Many Lights with Adaptive Tree Splitting", HPG 2018.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -9,27 +9,27 @@ use super::meshes::octahedral;
 use crate::data::{self, LIGHT_NODE_LEAF, LIGHT_NODE_SKY, LIGHT_NODE_TWO_SIDED};
 use crate::shape::Aabb;
 
-/// A light's trail is one word.
+/// The trail of a light is one word, with a bit for each level.
 const DEEPEST: u32 = 32;
 const BINS: usize = 12;
 
-/// Where lights are, and the cone around all directions in which they are turned. What they send goes a quarter turn beyond.
+/// The bounds of some lights: a box, and a cone around all their normals. They emit up to a quarter turn beyond the cone.
 #[derive(Clone, Copy, Debug)]
 pub struct Bounded {
     pub around: Aabb,
     pub axis: DVec3,
-    /// Half angle of the cone; pi where there is no side on which they are dark.
+    /// The half angle of the cone; pi if they are dark on no side.
     pub spread: f64,
-    /// Shines against the cone as it does along it.
+    /// Whether they emit against the cone as they do along it.
     pub two_sided: bool,
-    /// Radiance times the area that it shows on the mean.
+    /// The mean radiance times the area; for a convex body, times its mean projected area.
     pub intensity: f64,
 }
 
 impl Bounded {
     fn joined(&self, other: &Bounded) -> Bounded {
         let (mut a, mut b) = (*self, *other);
-        // Of one that shines on both sides the nearer axis.
+        // A two-sided light has two axes; the nearer one counts.
         if a.axis.dot(b.axis) < 0.0 {
             match (a.two_sided, b.two_sided) {
                 (_, true) => b.axis = -b.axis,
@@ -47,7 +47,7 @@ impl Bounded {
         }
     }
 
-    /// What a cut is sought to make small: intensity, times surface, times the directions that light goes to (section 4.4).
+    /// The cost that a cut minimises: intensity times surface times the solid angle of emission (section 4.4).
     fn cost(&self) -> f64 {
         let d = self.around.max - self.around.min;
         let surface = d.x * d.y + d.y * d.z + d.z * d.x;
@@ -59,7 +59,7 @@ impl Bounded {
     }
 }
 
-/// The least cone around two.
+/// The smallest cone around two.
 fn joined_cone((a, a_spread): (DVec3, f64), (b, b_spread): (DVec3, f64)) -> (DVec3, f64) {
     let between = a.dot(b).clamp(-1.0, 1.0).acos();
     if (between + b_spread).min(PI) <= a_spread {
@@ -79,14 +79,14 @@ fn joined_cone((a, a_spread): (DVec3, f64), (b, b_spread): (DVec3, f64)) -> (DVe
 /// The hierarchy as the device reads it.
 #[derive(Clone, Debug, Default)]
 pub struct LightTree {
-    /// In pairs; those under the root are the first. Nothing where there are fewer than two lights.
+    /// Pairs of siblings. The root's children are first. Empty if there are fewer than two lights.
     pub nodes: Vec<data::LightNode>,
-    /// The way to each light, from the lowest bit on: whether it goes to the second of a pair.
+    /// The path to each light, from the lowest bit on. A set bit goes to the second node of a pair.
     pub trails: Vec<u32>,
 }
 
 impl LightTree {
-    /// Over lights that are somewhere, and the sky behind them with what it sends to every point, if it is one.
+    /// Builds the tree over lights with a position, followed by the sky with its intensity at every point, if it is a light.
     pub fn new(lights: &[Bounded], sky: Option<f64>) -> LightTree {
         let mut tree = LightTree { nodes: Vec::new(), trails: vec![0; lights.len() + usize::from(sky.is_some())] };
         let mut order: Vec<usize> = (0..lights.len()).collect();
@@ -107,7 +107,8 @@ impl LightTree {
         tree
     }
 
-    /// What is under a node that is so deep: a light, or a pair of nodes; and its bounds.
+    /// Makes the subtree under a node: a light or a pair of nodes. Returns its code and its bounds. `at` is the node's
+    /// depth and its trail.
     fn under(&mut self, lights: &[Bounded], order: &mut [usize], unit: f64, at: (u32, u32)) -> (u32, Bounded) {
         match order {
             [light] => {
@@ -118,7 +119,8 @@ impl LightTree {
         }
     }
 
-    /// Grows a pair of nodes under one that is so deep, and all below; the result is the pair's first index and its bounds.
+    /// Builds a pair of nodes and everything below it. Returns the index of the pair's first node, and the bounds. `at`
+    /// is the depth and the trail of the node above.
     fn grow(
         &mut self,
         lights: &[Bounded],
@@ -139,7 +141,7 @@ impl LightTree {
     }
 }
 
-/// Orders lights so that those of the first child come first, and tells how many they are: neither none nor all.
+/// Orders lights so that those of the first child come first. Returns their number, which is neither 0 nor all.
 fn cut(lights: &[Bounded], order: &mut [usize], depth: u32) -> usize {
     let half = order.len() / 2;
     let middle = |i: usize| lights[i].around.center();
@@ -150,7 +152,7 @@ fn cut(lights: &[Bounded], order: &mut [usize], depth: u32) -> usize {
         ((share * BINS as f64) as usize).min(BINS - 1)
     };
     let mut best: Option<(f64, usize, usize)> = None;
-    // Halves from where on they just end within the trail.
+    // From the depth at which halving just fits into the trail, groups are halved.
     let halves_left = usize::BITS - (order.len() - 1).leading_zeros();
     if depth + halves_left + 1 < DEEPEST {
         for axis in (0..3).filter(|&axis| extent[axis] > 0.0) {
@@ -160,7 +162,7 @@ fn cut(lights: &[Bounded], order: &mut [usize], depth: u32) -> usize {
                 let bin = &mut bins[bin(axis, i)];
                 *bin = join(*bin, &lights[i]);
             }
-            // Long and thin nodes are worse than their surface tells.
+            // Long and thin nodes are worse than their surface suggests.
             let shape = extent.max_element() / extent[axis];
             for first_right in 1..BINS {
                 let side = |part: &[Option<Bounded>]| part.iter().flatten().fold(None, join);
@@ -187,7 +189,7 @@ fn cut(lights: &[Bounded], order: &mut [usize], depth: u32) -> usize {
 }
 
 fn node(bounds: &Bounded, unit: f64, child: u32) -> data::LightNode {
-    // Rounding may not turn a light away.
+    // A margin, so that rounding cannot exclude a light.
     const ROUNDING: f64 = 1e-4;
     data::LightNode {
         center: bounds.around.center().as_vec3().to_array(),
@@ -199,7 +201,7 @@ fn node(bounds: &Bounded, unit: f64, child: u32) -> data::LightNode {
     }
 }
 
-/// So large that every point is within it, where its importance is its intensity over the radius squared.
+/// A node so large that every point is inside it. The importance there is its intensity over the squared radius.
 fn sky_node(intensity: f64, light: u32) -> data::LightNode {
     const RADIUS: f32 = (1u32 << 20) as f32;
     data::LightNode {
@@ -211,7 +213,7 @@ fn sky_node(intensity: f64, light: u32) -> data::LightNode {
     }
 }
 
-/// As f32, in which what is there does not vanish.
+/// An intensity as f32, which stays positive if it is positive.
 fn not_lost(intensity: f64) -> f32 {
     const LEAST: f64 = 1e-30;
     if intensity > 0.0 { intensity.max(LEAST) as f32 } else { 0.0 }

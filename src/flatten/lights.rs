@@ -1,4 +1,4 @@
-//! What is sampled as a light: everything that emits and can be aimed at.
+//! Selects the lights that are sampled: all emitters whose surface or directions can be sampled.
 
 use std::f64::consts::PI;
 
@@ -14,29 +14,29 @@ use crate::material::Emission;
 use crate::scene::{Background, Bitmap};
 use crate::shape::{Emitter, Placement};
 
-/// The most lights, which is room for the tree's nodes in 64 MiB: half of what software drivers allow a binding.
+/// The most lights. The tree's nodes then take 64 MiB, half of the largest binding of software drivers.
 pub const MOST_LIGHTS: usize = 1 << 20;
 
-/// A primitive that emits: a light, or of a mesh all faces.
+/// A primitive that emits. It is one light, or one light for each face of a mesh.
 struct LightGroup<'a> {
     primitive: &'a Placed<'a>,
-    /// Its index among its kind.
+    /// Its index among the primitives of its kind.
     index: u32,
-    /// Each with the radiance that it sends out on the mean, times the area that it shows on the mean.
+    /// The lights, each with its intensity (`Bounded::intensity`).
     emitters: Vec<(Emitter, f64)>,
     two_sided: bool,
-    /// Of all its lights together.
+    /// The intensity of all its lights together.
     intensity: f64,
 }
 
 impl Builder<'_> {
-    /// Makes lights of the primitives that emit, in their order, and of the background's image.
+    /// Adds the primitives that emit as lights, in their order, and then the background's image.
     pub fn add_lights(&mut self, placed: &[Placed<'_>]) {
         let materials = &self.scene.materials;
         let bitmaps = &self.scene.bitmaps;
         let radiance = |emission: Emission| (emission.slot.texture.mean_luminance(bitmaps), emission.two_sided);
         let emissions: Vec<_> = materials.iter().map(|(_, m)| m.model().emission().map(radiance)).collect();
-        // The index of each primitive among its kind, counted as they were added.
+        // The index of each primitive among its kind, in the order in which they were added.
         let mut counts = [0u32; PRIMITIVES.len()];
         let mut groups = Vec::new();
         for primitive in placed {
@@ -52,7 +52,7 @@ impl Builder<'_> {
         let sky = self.add_sky();
         let groups = self.that_fit(groups, MOST_LIGHTS - usize::from(sky.is_some()));
         let sum: f64 = groups.iter().map(|group| group.intensity).chain(sky).sum();
-        // Nothing where there is no light.
+        // There is no light.
         if sum == 0.0 || !sum.is_finite() {
             self.flat.features.emitting_sky = None;
             return;
@@ -79,7 +79,7 @@ impl Builder<'_> {
         self.flat.features.sky_light = self.flat.features.lights.saturating_sub(1);
     }
 
-    /// The background's image as a light, if it is one that sends something; the result is its intensity.
+    /// Adds the background's image as a light, unless it is black. Returns its intensity.
     fn add_sky(&mut self) -> Option<f64> {
         let Background::Image { path } = &self.scene.background else { return None };
         let bitmap = self.scene.bitmaps.get(path)?;
@@ -87,12 +87,12 @@ impl Builder<'_> {
         self.flat.features.emitting_sky = self.flat.features.backgrounds[2].clone();
         self.flat.features.sky_grid = (sky.columns, sky.rows);
         self.flat.sky = sky.cells;
-        // No surface sees more than half of it.
+        // A surface sees at most half of it.
         Some(0.5 * integral_over_directions(bitmap))
     }
 
-    /// Leaves out whole primitives until the others' lights are no more than `most`: first those whose lights are the faintest on the
-    /// mean. What is left out is met by chance alone, and that is said.
+    /// Leaves out whole primitives until at most `most` lights remain, first the primitives whose lights have the
+    /// lowest mean intensity. Paths find these only by chance; a warning says so.
     fn that_fit<'a>(&mut self, groups: Vec<LightGroup<'a>>, most: usize) -> Vec<LightGroup<'a>> {
         let wanted: usize = groups.iter().map(|group| group.emitters.len()).sum();
         if wanted <= most {
@@ -121,28 +121,28 @@ impl Builder<'_> {
                 n => format!("{n} objects"),
             };
             self.flat.warnings.push(format!(
-                "{place}: materials[\"{name}\"]: {wanted} faces and shapes emit, and {MOST_LIGHTS} at most are sampled as lights: \
-                 {count}, of {objects}, are left to chance, which takes many more samples: give what emits fewer faces"
+                "{place}: materials[\"{name}\"]: {wanted} faces and shapes emit, but at most {MOST_LIGHTS} are sampled as lights: \
+                 {count} of them, on {objects}, are left to chance, which takes many more samples: use emitters with fewer faces"
             ));
             self.flat.features.unsampled = Some(unsampled);
         }
         fitting.into_iter().map(|(group, _)| group).collect()
     }
 
-    /// Tells a primitive its place among the lights, or that it has none.
+    /// Writes into a primitive the index of its first light, or that it is not sampled.
     fn set_light(&mut self, group: &LightGroup<'_>, light: u32) {
         let shape = &group.primitive.shape;
         let laid = self.laid_of(shape);
         shape.set_light(&mut self.flat.shapes, group.index as usize, laid, light);
     }
 
-    /// The lights of a primitive; `radiance` is the luminance that it sends out on the mean.
+    /// The lights of a primitive. `radiance` is the luminance of its mean emission.
     fn group<'a>(&mut self, primitive: &'a Placed<'a>, index: u32, radiance: f64, two_sided: bool) -> LightGroup<'a> {
         let laid = self.laid_of(&primitive.shape);
         let at = Placement { to_world: &primitive.to_world, space: self.space };
         let emitters = primitive.shape.emitters(&at, index, laid).into_iter().map(|emitter| {
             let normal = emitter.normal.and_then(DVec3::try_normalize);
-            // A convex body shows a quarter of its surface on the mean, from all directions (Cauchy).
+            // The mean projected area of a convex body is a quarter of its surface (Cauchy).
             let shown = if normal.is_some() { emitter.area } else { 0.25 * emitter.area };
             (Emitter { normal, ..emitter }, radiance * shown)
         });

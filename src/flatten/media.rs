@@ -10,18 +10,18 @@ use crate::shape::{Element, Placement, RenderSpace};
 impl Builder<'_> {
     pub fn add_medium(&mut self, medium: &PlacedMedium<'_>) {
         let PlacedMedium { boundary, to_world, own, density, albedo, anisotropy, .. } = medium;
-        // The boundary is no surface: it has neither a material nor a place among the primitives.
+        // The boundary is not a surface: it has no material, and is not a primitive.
         let (index, _) = self.add_shape(boundary, to_world, Element::default());
         let world = RenderSpace { eye: DVec3::ZERO, scale: 1.0 };
         let center = boundary.hull(&Placement { to_world, space: world }).place();
-        // From render space, seen from the middle of the boundary, to the medium's own space.
+        // From render space, relative to the middle of the boundary, to the medium's own space.
         let to_own = own.rotation.transpose() * (1.0 / (own.scale * self.space.scale));
         let base = own.rotation.transpose() * (center - own.translation) / own.scale;
         let texture = self.add_texture(albedo, 1.0);
         let frame = albedo.frame((base, to_own), &own.rotation).map_or(0, |frame| self.flat.add_frame(frame));
         self.flat.media.push(data::Medium {
             center: f32s(self.space.point(center)),
-            // No smaller than what a quotient by it can stand for.
+            // At least the smallest normal number, because kernels divide by it.
             density: ((density / self.space.scale) as f32).max(f32::MIN_POSITIVE),
             colour: f32s(albedo.plain().unwrap_or(DVec3::ONE)),
             texture,

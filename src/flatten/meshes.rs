@@ -1,7 +1,7 @@
-//! Meshes: laid out once each in a space of their own, with a hierarchy of their own, and placed any number of times.
+//! Lays out each mesh once, in its own space and with its own hierarchy. Instances place it any number of times.
 //!
-//! A mesh's space has the middle of its box as origin and is scaled by a power of two to coordinates within -1..1, so that
-//! rounding to f32 is relative to the mesh and neither to its place in the file nor to the scene.
+//! The origin of a mesh's space is the middle of its box, and a power of two scales its coordinates to -1..1. The rounding to
+//! f32 is therefore relative to the size of the mesh, and does not depend on its position in the file or on the scene.
 
 use glam::Vec3;
 
@@ -11,7 +11,7 @@ use crate::data::{self, KIND_TRIANGLE, NO_NORMAL, NO_UVS, PRIMITIVE_BIT, primiti
 use crate::shape::mesh::{Laid, MeshShape};
 
 impl Builder<'_> {
-    /// The mesh laid out, now or before.
+    /// The place of a mesh in the tables. Lays it out on the first call.
     pub fn laid(&mut self, mesh: &MeshShape) -> Laid {
         if let Some(laid) = self.laid[mesh.number] {
             return laid;
@@ -59,7 +59,7 @@ impl Builder<'_> {
 }
 
 impl super::DeviceScene {
-    /// Appends a hierarchy to those that are there; the result is its root's code.
+    /// Appends a hierarchy to the table of nodes. Returns the code of its root.
     pub fn add_nodes(&mut self, root: u32, nodes: Vec<data::Node>) -> u32 {
         let first = self.nodes.len() as u32;
         let moved = |code: u32| if code & PRIMITIVE_BIT == 0 { code + first } else { code };
@@ -69,7 +69,7 @@ impl super::DeviceScene {
     }
 }
 
-/// A unit vector in the octahedral map, as shaders/lib/octahedral reads it.
+/// Encodes a unit vector with the octahedral map. shaders/lib/octahedral decodes it.
 pub fn octahedral(n: Vec3) -> u32 {
     let n = n / (n.x.abs() + n.y.abs() + n.z.abs());
     let sign = |x: f32| if x >= 0.0 { 1.0 } else { -1.0 };

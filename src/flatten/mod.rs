@@ -1,8 +1,8 @@
-//! From the scene, in f64 and scene units, to the arrays that the kernels read, in f32 and render space.
+//! Converts the scene, in f64 and scene units, to the arrays that the kernels read, in f32 and render space.
 //!
-//! Render space has the camera at the origin and is scaled by a power of two to an extent near 1, so that a scene looks
-//! the same to the kernels however large it is and wherever it stands. Where pixels are very small it has the camera's
-//! axes (`view`). Emission is scaled by a power of two likewise.
+//! Render space has the camera at the origin and is scaled by a power of two to an extent near 1, so that kernels see the
+//! same numbers whatever the size and the position of the scene. If pixels are very narrow, it has the camera's axes
+//! (`view`). Emission is also scaled by a power of two.
 
 mod diagnostics;
 mod features;
@@ -37,35 +37,36 @@ pub use lights::MOST_LIGHTS;
 #[derive(Clone, Debug, Default)]
 pub struct DeviceScene {
     pub features: Features,
-    /// The camera, the background and the BVH's root; the rest is the render's to fill in.
+    /// The camera, the background and the BVH's root. The render fills in the other settings.
     pub settings: data::Settings,
     pub nodes: Vec<data::Node>,
     pub shapes: Tables,
-    /// Faces, vertices and texture coordinates of all meshes, as shaders/bind/meshes says.
+    /// Faces, vertices and texture coordinates of all meshes, in the layout of shaders/bind/meshes.
     pub meshes: Vec<[u32; 4]>,
     pub media: Vec<data::Medium>,
     pub lights: Vec<data::Light>,
-    /// The tree over them; empty where they are few.
+    /// The tree over the lights; empty if there are fewer than two.
     pub light_nodes: Vec<data::LightNode>,
-    /// The image of the background as a distribution of directions.
+    /// The distribution of directions by the background's image.
     pub sky: Vec<data::SkyCell>,
     pub materials: Vec<data::Material>,
     pub textures: Vec<data::Texture>,
     pub frames: Vec<data::Frame>,
     pub texels: Vec<[f32; 3]>,
-    /// Objects that rays can hit, a mesh placed in the scene counting as one.
+    /// The number of objects that rays can hit. An instance of a mesh counts as one.
     pub primitives: u32,
-    /// Device radiance times 2 to this power is the scene's radiance.
+    /// The scene's radiance is the device's radiance times 2 to this power.
     pub radiance_exponent: i32,
-    /// Where the scene's numbers are dangerous, each with its place in the file, the number and what to do.
+    /// Warnings about the placed scene, each with a location in the file, the number and a remedy.
     pub warnings: Vec<String>,
 }
 
-/// The most media: crossing them takes an iteration each of what an invocation is allowed (shaders/stage/bounce).
+/// The most media. Each takes one of the loop iterations that an invocation is allowed (shaders/stage/bounce).
 const MOST_MEDIA: usize = 1024;
 
-/// The most primitives that are asked of every ray, without a walk through the hierarchy: as many as a node has children, and as many
-/// as this where a ray meets the boxes of at least so many on average (`bvh::crossings`), as in a room. Measured in docs/performance.md.
+/// The most primitives that every ray tests directly, without a hierarchy, if a ray hits at least `LEAST_CROSSINGS` of
+/// their boxes on average (`bvh::crossings`), as in a room. Otherwise it is the number of children of a node. Measured
+/// in docs/performance.md.
 const MOST_BY_BRUTE_FORCE: usize = 24;
 const LEAST_CROSSINGS: f32 = 1.25;
 
@@ -73,7 +74,7 @@ const LEAST_CROSSINGS: f32 = 1.25;
 /// hierarchies, and the features.
 ///
 /// # Errors
-/// `Error::Scene` where there are more primitives than a code can name, or more media than a ray can cross.
+/// `Error::Scene` if there are more primitives than codes can number, or more media than a ray can cross.
 pub fn flatten(scene: &Scene, size: (u32, u32), options: &RenderOptions) -> Result<DeviceScene> {
     let mut features = Features::default();
     let meshes = mesh::shapes(&scene.meshes);
@@ -86,7 +87,7 @@ pub fn flatten(scene: &Scene, size: (u32, u32), options: &RenderOptions) -> Resu
             features.smooth.get_or_insert_with(|| scene.location_of(object).to_string());
         }
     }
-    // Whether something is made of a material.
+    // Whether an object uses each material.
     let mut used = vec![false; scene.materials.len()];
     for primitive in &finder.placed {
         let number = primitive.material as usize;
@@ -99,10 +100,10 @@ pub fn flatten(scene: &Scene, size: (u32, u32), options: &RenderOptions) -> Resu
     let faces: usize = scene.meshes.values().map(|mesh| mesh.triangles.len() + mesh.positions.len() * 2).sum();
     let most = finder.placed.len().max(faces);
     if most >= MAX_PRIMITIVES {
-        return Err(scene.error(&[], format!("{most} primitives, expected fewer than {MAX_PRIMITIVES}")));
+        return Err(scene.error(&[], format!("expected fewer than {MAX_PRIMITIVES} primitives, found {most}")));
     }
     if finder.media.len() > MOST_MEDIA {
-        let message = format!("{} media, expected {MOST_MEDIA} at most", finder.media.len());
+        let message = format!("expected at most {MOST_MEDIA} media, found {}", finder.media.len());
         return Err(scene.error(&[], message));
     }
 
@@ -168,11 +169,11 @@ struct Builder<'a> {
     quality: Quality,
     /// The meshes that have been laid out.
     laid: Vec<Option<Laid>>,
-    /// The places in the table of those of the scene's materials that are on objects.
+    /// The index in the table of each of the scene's materials that an object uses.
     materials: Vec<u32>,
-    /// The texture of each of the scene's materials, but for plain colours: it has a place of its own on every object.
+    /// The texture of each of the scene's materials, none for a plain colour. On every object it has a frame of its own.
     textures: Vec<Option<&'a Texture>>,
-    /// Where images begin among the texels, by path.
+    /// The index of each image's first texel, by path.
     images: HashMap<String, u32>,
     /// The frames of meshes, by mesh and material.
     mesh_frames: HashMap<(usize, u32), u32>,
@@ -189,14 +190,14 @@ impl Builder<'_> {
         let flat = &mut self.flat;
         let crowded = placed.len() <= MOST_BY_BRUTE_FORCE && bvh::crossings(&bounds) >= LEAST_CROSSINGS;
         flat.features.brute_force = (placed.len() <= bvh::WIDTH || crowded) && flat.shapes.instances.is_empty();
-        // Of the kinds that there are, in their order, before those that bound media are added.
+        // The number of primitives of each kind that the scene has, before boundaries of media are added.
         let counts = KINDS.iter().map(|kind| kind.table.count(&flat.shapes) as u32).filter(|count| *count > 0);
         let counts: Vec<u32> = counts.collect();
         let room = &mut flat.settings.brute_force;
         flat.features.brute_force &= counts.len() <= room.len();
         room.iter_mut().zip(counts).for_each(|(room, count)| *room = count);
         self.flat.settings.root = self.flat.add_nodes(bvh.root, bvh.nodes);
-        // In a mesh the walk keeps what waits outside of it.
+        // In a mesh, the walk keeps the codes of the outer hierarchy on the stack.
         let within = self.laid.iter().flatten().map(|mesh| mesh.stack_size).max().unwrap_or(0);
         self.flat.features.stack_size = (bvh.stack_size + within).max(1);
     }
@@ -211,7 +212,7 @@ impl Builder<'_> {
         self.flat.features.media = media.len() as u32;
     }
 
-    /// Adds a primitive; the result is its code and its bounds.
+    /// Adds a primitive. Returns its code and its bounds.
     fn add_primitive(&mut self, primitive: &Placed, order: u32) -> (u32, Bounds) {
         let Placed { shape, to_world, material } = primitive;
         let frame = self.frame_of(primitive);
@@ -220,7 +221,7 @@ impl Builder<'_> {
         (shape.code(index), bounds)
     }
 
-    /// Adds a shape that is part of the scene, or the boundary of a medium; the result is its index among its kind.
+    /// Adds a shape of an object or of a medium's boundary. Returns its index among its kind, and its bounds.
     fn add_shape(&mut self, shape: &Shape, to_world: &Similarity, element: Element) -> (usize, Bounds) {
         let element = Element { laid: self.laid_of(shape), ..element };
         let tables = &mut self.flat.shapes;
@@ -228,16 +229,16 @@ impl Builder<'_> {
         (shape.kind().table.count(tables) - 1, Bounds { min, max })
     }
 
-    /// Where a mesh is laid out; the default for other shapes.
+    /// The place of a mesh in the tables; the default for other shapes.
     fn laid_of(&mut self, shape: &Shape) -> Laid {
         shape.mesh().map(|mesh| self.laid(mesh)).unwrap_or_default()
     }
 
-    /// The index of the frame of a primitive whose material has a texture; 0 where it needs none.
+    /// The index of a primitive's frame, which it has if its material has a texture; without a texture the index is 0.
     fn frame_of(&mut self, primitive: &Placed) -> u32 {
         let Placed { shape, to_world, material } = primitive;
         let Some(texture) = self.textures[*material as usize] else { return 0 };
-        // All instances of a mesh stand alike in a texture, for it is evaluated in the mesh's own space.
+        // All instances of a mesh share a frame, because textures are evaluated in the mesh's own space.
         let shared = shape.mesh().map(|mesh| (mesh.number, *material));
         if let Some(&frame) = shared.and_then(|key| self.mesh_frames.get(&key)) {
             return frame;
@@ -252,12 +253,12 @@ impl Builder<'_> {
     }
 }
 
-/// Notes what a primitive requires.
+/// Records the features that a primitive requires.
 fn note(features: &mut Features, scene: &Scene, object: &Object, primitive: &Placed<'_>) {
     features.primitives[primitive.shape.number()].get_or_insert_with(|| scene.location_of(object).to_string());
 }
 
-/// Notes what a material on an object requires.
+/// Records the features that a material on an object requires.
 fn note_material(features: &mut Features, scene: &Scene, name: &str, material: &Material) {
     let at_material = || format!("\"{name}\" at {}", scene.material_location(name));
     let number = material.number();
@@ -275,7 +276,7 @@ fn note_material(features: &mut Features, scene: &Scene, name: &str, material: &
     }
 }
 
-/// Notes what a medium requires.
+/// Records the features that a medium requires.
 fn note_medium(features: &mut Features, scene: &Scene, medium: &PlacedMedium<'_>) {
     let kind = medium.boundary.code_kind();
     let at_object = || scene.location_of(medium.object).to_string();
@@ -289,7 +290,7 @@ fn note_medium(features: &mut Features, scene: &Scene, medium: &PlacedMedium<'_>
     }
 }
 
-/// The largest component of what each material emits that something is made of, by its number, and of the background.
+/// The largest component of the radiance of each used material, with its number, and of the background (`None`).
 fn emissions(scene: &Scene, used: &[bool]) -> Vec<(Option<usize>, f64)> {
     let sky = match &scene.background {
         Background::Solid(colour) => colour.max_element(),
@@ -304,7 +305,7 @@ fn emissions(scene: &Scene, used: &[bool]) -> Vec<(Option<usize>, f64)> {
     lights.chain([(None, sky)]).collect()
 }
 
-/// Number among `BACKGROUNDS`.
+/// The index in `BACKGROUNDS`.
 fn background_kind(background: &Background) -> usize {
     match background {
         Background::Solid(_) => 0,
@@ -334,14 +335,14 @@ impl Builder<'_> {
                 if let Some(bitmap) = scene.bitmaps.get(path) {
                     settings.background_width = bitmap.width;
                     settings.background_height = bitmap.height;
-                    // Where the kernels look for it: before all others.
+                    // The first image, where the kernels expect it.
                     self.add_image(path, bitmap);
                 }
             }
         }
     }
 
-    /// Adds those that are on objects.
+    /// Adds the materials that objects use.
     fn add_materials(&mut self, used: &[bool], radiance_scale: f64) {
         let scene = self.scene;
         for (number, (_, material)) in scene.materials.iter().enumerate().filter(|(number, _)| used[*number]) {
@@ -360,7 +361,7 @@ impl Builder<'_> {
         }
     }
 
-    /// The place of an image among the texels, where it stands once however often it is named.
+    /// The index of an image's first texel. An image is stored once, however often it is used.
     fn add_image(&mut self, path: &str, bitmap: &Bitmap) -> u32 {
         if let Some(&first) = self.images.get(path) {
             return first;
@@ -371,7 +372,7 @@ impl Builder<'_> {
         first
     }
 
-    /// The number of a texture, or `NO_TEXTURE` of a plain colour.
+    /// Adds a texture. Returns its number, or `NO_TEXTURE` for a plain colour.
     fn add_texture(&mut self, texture: &Texture, brightness: f64) -> u32 {
         let scene = self.scene;
         let flat = texture.upload(brightness, &scene.bitmaps, |path, bitmap| self.add_image(path, bitmap));

@@ -1,4 +1,4 @@
-//! Finds the primitives and media of a scene, each with the way from its own space to the world.
+//! Finds the primitives and media of a scene, each with the transform from its own space to the world.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -9,10 +9,10 @@ use crate::shape::mesh::MeshShape;
 use crate::shape::similarity::Similarity;
 use crate::shape::{Hull, Placement, RenderSpace, Shape};
 
-/// A primitive, and what its texture needs to know of its own space.
+/// A primitive, with the transform that its texture needs.
 pub struct Placed<'a> {
     pub shape: Shape<'a>,
-    /// From the object's own space to the world.
+    /// The transform from the object's own space to the world.
     pub to_world: Similarity,
     pub material: u32,
 }
@@ -21,9 +21,9 @@ pub struct Placed<'a> {
 pub struct PlacedMedium<'a> {
     pub object: &'a Object,
     pub boundary: Shape<'a>,
-    /// From the boundary's own space to the world.
+    /// The transform from the boundary's own space to the world.
     pub to_world: Similarity,
-    /// From the medium's own space, in which its texture is, to the world.
+    /// The transform from the medium's own space, which is also that of its texture, to the world.
     pub own: Similarity,
     /// Per unit of length in the world.
     pub density: f64,
@@ -31,12 +31,12 @@ pub struct PlacedMedium<'a> {
     pub anisotropy: f64,
 }
 
-/// What is found in a scene.
+/// Collects the primitives and media of a scene.
 pub struct Finder<'a> {
     materials: HashMap<&'a str, u32>,
     meshes: &'a BTreeMap<&'a str, MeshShape<'a>>,
     pub placed: Vec<Placed<'a>>,
-    /// The objects that they are.
+    /// The object of each primitive.
     pub objects: Vec<&'a Object>,
     pub media: Vec<PlacedMedium<'a>>,
 }
@@ -52,13 +52,13 @@ impl<'a> Finder<'a> {
         }
     }
 
-    /// Adds what an object is made of.
+    /// Adds the primitives and media of an object.
     pub fn place(&mut self, object: &'a Object, to_world: &Similarity) {
         match object {
             Object::Transformed { by, object } => self.place(object, &to_world.after(&similarity(by))),
             Object::Group(objects) => objects.iter().for_each(|object| self.place(object, to_world)),
             Object::Medium { boundary, density, albedo, anisotropy } => {
-                // Without density there is nothing to meet.
+                // A medium without density has no effect.
                 if *density > 0.0
                     && let Some((boundary, around)) = self.boundary(boundary, to_world)
                 {
@@ -83,7 +83,7 @@ impl<'a> Finder<'a> {
         }
     }
 
-    /// A boundary's shape and the way from there to the world.
+    /// The shape of a boundary, and the transform from its own space to the world.
     fn boundary(&self, object: &Object, to_world: &Similarity) -> Option<(Shape<'a>, Similarity)> {
         match object {
             Object::Transformed { by, object } => self.boundary(object, &to_world.after(&similarity(by))),
@@ -105,7 +105,7 @@ fn similarity(transforms: &[Transform]) -> Similarity {
     transforms.iter().fold(Similarity::IDENTITY, |done, next| one(next).after(&done))
 }
 
-/// The farthest that a shape reaches from the eye along an axis.
+/// The largest distance of a shape's points from the eye along an axis.
 pub fn reach(shape: &Shape, to_world: &Similarity, eye: DVec3) -> f64 {
     let hull = shape.hull(&Placement { to_world, space: RenderSpace { eye, scale: 1.0 } });
     match hull {
@@ -115,7 +115,7 @@ pub fn reach(shape: &Shape, to_world: &Similarity, eye: DVec3) -> f64 {
     }
 }
 
-/// The same of all that there is, the lens included; 1 where there is nothing.
+/// The same for all primitives, media and the lens; 1 if the scene is empty.
 pub fn extent(eye: DVec3, lens_radius: f64, finder: &Finder<'_>) -> f64 {
     let primitives = finder.placed.iter().map(|placed| reach(&placed.shape, &placed.to_world, eye));
     let media = finder.media.iter().map(|medium| reach(&medium.boundary, &medium.to_world, eye));

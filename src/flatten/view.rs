@@ -1,4 +1,4 @@
-//! The camera, and the space that it sees.
+//! The camera, and the axes of render space.
 
 use glam::{DMat3, DVec3};
 
@@ -7,22 +7,23 @@ use crate::scene::Camera;
 use crate::shape::RenderSpace;
 use crate::shape::similarity::Similarity;
 
-/// The width of a pixel, in units of the distance to it, below which render space gets the camera's axes. In the world's axes a
-/// direction's components are rounded by 2^-25 at least near 1: below 2^-17 that moves a ray by more than 1/256 of a pixel. In the camera's
-/// axes what is across the view is small, and has all of its digits however narrow the view is.
+/// The width of a pixel, relative to its distance, below which render space gets the camera's axes. In the world's
+/// axes, the components of a direction that are near 1 are rounded by 2^-25 or more: for pixels below 2^-17, this moves
+/// a ray by more than 1/256 of a pixel. In the camera's axes, the components across the view are small, and keep all of
+/// their digits however narrow the view is.
 const NARROW_PIXEL: f64 = 1.0 / (1u64 << 17) as f64;
 
-/// The camera where it stands in the space that objects are placed in.
+/// The camera, in the space in which objects are placed.
 pub struct View<'a> {
     camera: &'a Camera,
     pub size: (u32, u32),
-    /// To the right, upwards and backwards.
+    /// The camera's axes: right, up and backwards.
     pub axes: DMat3,
-    /// Width of a pixel at distance 1.
+    /// The width of a pixel at distance 1.
     pub pixel: f64,
-    /// From the world to that space, which is the world but for its axes.
+    /// From the world to that space, which differs from the world only in its axes.
     pub to_space: Similarity,
-    /// Whether it has the camera's axes.
+    /// Whether that space has the camera's axes.
     pub turned: bool,
     pub eye: DVec3,
 }
@@ -48,10 +49,10 @@ impl View<'_> {
         0.5 * self.camera.aperture
     }
 
-    /// What kernels are told of it.
+    /// The settings that kernels read.
     pub fn settings(&self, space: &RenderSpace) -> data::Settings {
         let View { camera, pixel, to_space, .. } = self;
-        // The camera's own axes are exact where they are the space's.
+        // If the space has the camera's axes, these are exactly the unit vectors.
         let axes = if self.turned { DMat3::IDENTITY } else { self.axes };
         let focus = camera.focus_distance.unwrap_or((camera.look_at - camera.look_from).length());
         let lens_radius = self.lens_radius() * space.scale;

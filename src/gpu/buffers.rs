@@ -169,9 +169,14 @@ impl Readback {
         Readback { staging }
     }
 
-    /// Records the copy of the first bytes of a buffer.
-    pub fn copy(&self, encoder: &mut wgpu::CommandEncoder, from: &wgpu::Buffer, bytes: u64) {
-        encoder.copy_buffer_to_buffer(from, 0, &self.staging, 0, bytes);
+    /// The bytes that it has room for.
+    pub fn room(&self) -> u64 {
+        self.staging.size()
+    }
+
+    /// Records the copy of the bytes of a buffer from `offset` on.
+    pub fn copy(&self, encoder: &mut wgpu::CommandEncoder, from: &wgpu::Buffer, offset: u64, bytes: u64) {
+        encoder.copy_buffer_to_buffer(from, offset, &self.staging, 0, bytes);
     }
 
     /// Waits for the submission that holds the copy, and hands its bytes to `use_bytes`.

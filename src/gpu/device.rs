@@ -6,12 +6,12 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use super::probe::Numerics;
 use crate::error::{Error, Result};
 
-/// The adapters that this machine offers, in the order that `--device INDEX` counts.
+/// The adapters of this machine, in the order of `--device INDEX`.
 pub struct Adapters {
     list: Vec<wgpu::Adapter>,
 }
 
-/// An adapter in words.
+/// The name of an adapter, and what it is.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AdapterName {
     pub name: String,
@@ -19,7 +19,7 @@ pub struct AdapterName {
     pub driver: String,
     pub backend: String,
     pub kind: &'static str,
-    /// Whether it is a software driver, which runs on the processor.
+    /// Whether it is a software driver, which computes on the processor.
     pub software: bool,
 }
 
@@ -30,7 +30,7 @@ impl fmt::Display for AdapterName {
 }
 
 impl AdapterName {
-    /// Of an adapter.
+    /// The name of an adapter.
     pub fn of(adapter: &wgpu::Adapter) -> AdapterName {
         let info = adapter.get_info();
         let kind = match info.device_type {
@@ -47,10 +47,10 @@ impl AdapterName {
 }
 
 impl Adapters {
-    /// Asks every backend that was built in.
+    /// Finds the adapters of all backends.
     pub fn find() -> Adapters {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
-            // Indirect sizes are made by our own kernels; checking each costs a dispatch.
+            // Only this program's kernels write indirect sizes, and a check of them costs a dispatch each.
             flags: wgpu::InstanceFlags::empty(),
             ..wgpu::InstanceDescriptor::new_without_display_handle()
         });
@@ -58,23 +58,23 @@ impl Adapters {
         Adapters { list }
     }
 
-    /// All adapters in words, with their limits.
+    /// The names of all adapters, with their limits.
     pub fn names(&self) -> Vec<(AdapterName, wgpu::Limits)> {
         self.list.iter().map(|adapter| (AdapterName::of(adapter), adapter.limits())).collect()
     }
 
-    /// The adapter that [`Adapters::index_of_choice`] names.
+    /// The adapter that [`Adapters::index_of_choice`] selects.
     pub fn choose(&self, wish: Option<&str>) -> Result<&wgpu::Adapter> {
         let index = self.index_of_choice(wish)?;
         self.list.get(index).ok_or_else(|| Error::Device("no device".to_string()))
     }
 
-    /// The index of the adapter with this index, or whose name or driver contains these letters; without a wish that of
+    /// The index of an adapter. A wish is an index or a part of the adapter's name or driver. Without a wish it is the adapter of
     /// the most capable kind.
     pub fn index_of_choice(&self, wish: Option<&str>) -> Result<usize> {
         if self.list.is_empty() {
             return Err(Error::Device(
-                "no device: no Vulkan, Metal or DirectX 12 driver answers. On Debian or Ubuntu `apt-get install \
+                "no device: no Vulkan, Metal or DirectX 12 driver was found. On Debian or Ubuntu `apt-get install \
                  mesa-vulkan-drivers` installs a software driver that needs no GPU"
                     .to_string(),
             ));
@@ -114,7 +114,7 @@ pub struct DeviceClass {
 }
 
 impl Default for DeviceClass {
-    /// The least that WebGPU promises.
+    /// The limits that WebGPU guarantees.
     fn default() -> Self {
         DeviceClass::new(false, &wgpu::Limits::default())
     }
@@ -129,12 +129,12 @@ impl DeviceClass {
         }
     }
 
-    /// Of an adapter that is not open.
+    /// The class of an adapter that is not open.
     pub fn of(adapter: &wgpu::Adapter) -> DeviceClass {
         DeviceClass::new(AdapterName::of(adapter).software, &adapter.limits())
     }
 
-    /// The most bytes that a table may have to be bound as a uniform; none where that would not pay.
+    /// The largest size of a table that is bound as a uniform, in bytes; 0 if uniforms are no faster.
     pub fn table_bytes(&self) -> u64 {
         match self.software {
             true => self.max_uniform_bytes,
@@ -151,11 +151,11 @@ pub struct Device {
     pub limits: wgpu::Limits,
     /// Whether timestamps can be written.
     pub timestamps: bool,
-    /// What [`super::probe::numerics`] has found.
+    /// The findings of [`super::probe::numerics`].
     pub numerics: OnceLock<Numerics>,
-    /// The kernels compiled for it so far.
+    /// The kernels that were compiled for it so far.
     compiled: Mutex<Vec<String>>,
-    /// The first thing that went wrong outside a call that could report it.
+    /// The first error that occurred outside a call that could return it.
     fault: Arc<Mutex<Option<String>>>,
 }
 
@@ -163,7 +163,7 @@ impl Device {
     /// Opens an adapter with all of its limits.
     ///
     /// # Errors
-    /// `Error::Device` where the driver refuses.
+    /// `Error::Device` if the driver refuses.
     pub fn open(adapter: &wgpu::Adapter) -> Result<Device> {
         let name = AdapterName::of(adapter);
         let limits = adapter.limits();
@@ -195,29 +195,30 @@ impl Device {
         Ok(Device { name, device, queue, limits, timestamps, numerics, compiled, fault })
     }
 
-    /// Its class.
+    /// The class of this device.
     pub fn class(&self) -> DeviceClass {
         DeviceClass::new(self.name.software, &self.limits)
     }
 
-    /// The names of all kernels that were compiled for it, once for each time; in no order, since they are compiled side by side.
+    /// The names of all kernels that were compiled for it, one entry for each compilation. The order is not defined,
+    /// because kernels are compiled in parallel.
     pub fn compiled(&self) -> Vec<String> {
         self.compiled.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Takes note of a kernel that is compiled.
+    /// Records that a kernel was compiled.
     pub(super) fn note_compiled(&self, name: &str) {
         self.compiled.lock().unwrap_or_else(PoisonError::into_inner).push(name.to_string());
     }
 
-    /// Waits until a submission has been executed, and reports what went wrong since the last call.
+    /// Waits until a submission has been executed, and returns any error since the last call.
     pub fn wait(&self, submission: wgpu::SubmissionIndex) -> Result<()> {
         let polled = self.device.poll(wgpu::PollType::Wait { submission_index: Some(submission), timeout: None });
         self.check()?;
         polled.map(drop).map_err(|error| self.failed(&error.to_string()))
     }
 
-    /// The fault that was noted outside a call, if any.
+    /// Returns the recorded error, if there is one.
     pub fn check(&self) -> Result<()> {
         match &*self.fault.lock().unwrap_or_else(PoisonError::into_inner) {
             Some(message) => Err(self.failed(message)),

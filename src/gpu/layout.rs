@@ -1,5 +1,5 @@
-//! What naga says of a linked shader: its bindings, and the layout of its structs. WGSL is the source; nothing about
-//! bindings or sizes is written twice.
+//! The bindings of a linked shader and the layouts of its structs, from naga's reflection. WGSL is the only source of bindings
+//! and sizes.
 
 use std::collections::BTreeMap;
 
@@ -12,7 +12,7 @@ use crate::error::{Error, Result};
 pub struct Binding {
     pub number: u32,
     pub kind: BindingKind,
-    /// Bytes of one element of the array behind it, or of the whole where it is no array.
+    /// The bytes of one element if the binding is an array, else of the whole.
     pub element_bytes: u32,
 }
 
@@ -31,7 +31,7 @@ pub struct Member {
     pub bytes: u32,
 }
 
-/// The bindings by the names of their variables.
+/// The bindings, by the names of their variables.
 pub fn bindings(module: &naga::Module) -> Result<BTreeMap<String, Binding>> {
     let layouter = layouts(module)?;
     let mut found = BTreeMap::new();
@@ -55,7 +55,7 @@ pub fn bindings(module: &naga::Module) -> Result<BTreeMap<String, Binding>> {
     Ok(found)
 }
 
-/// The members of a struct and its size in bytes, or nothing where the shader has no such struct.
+/// The members of a struct and its size in bytes; none if the shader has no such struct.
 pub fn members(module: &naga::Module, name: &str) -> Result<Option<(Vec<Member>, u32)>> {
     let layouter = layouts(module)?;
     let found = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name));
@@ -78,7 +78,7 @@ pub fn has_override(module: &naga::Module, name: &str) -> bool {
     module.overrides.iter().any(|(_, known)| known.name.as_deref() == Some(name))
 }
 
-/// The override constants by name, with the whole numbers that they have unless told otherwise.
+/// The override constants by name, with their default values if these are whole numbers.
 pub fn overrides(module: &naga::Module) -> BTreeMap<String, Option<u64>> {
     let named = |(_, known): (_, &naga::Override)| {
         let value = known.init.and_then(|init| whole_number(module, init));
@@ -96,8 +96,8 @@ fn whole_number(module: &naga::Module, value: naga::Handle<naga::Expression>) ->
     }
 }
 
-/// A struct's bytes with its members where a shader has them, taken by name from a host's struct: `fields` are the name, offset and bytes
-/// of each of its own. Of members that the host lacks the bytes are zero.
+/// Converts a host's struct to the layout of a shader's struct, member by member, by name. `fields` has the name,
+/// offset and size of each member of the host's struct. Members that the host lacks are zero.
 pub fn pack(members: &[Member], fields: &[(&str, usize, usize)], host: &[u8]) -> Vec<u8> {
     let mut packed = vec![0; packed_bytes(members) as usize];
     for member in members {
@@ -111,7 +111,7 @@ pub fn pack(members: &[Member], fields: &[(&str, usize, usize)], host: &[u8]) ->
     packed
 }
 
-/// How many bytes [`pack`] makes: up to the last member's end, in whole rows of 16 as uniforms have.
+/// The number of bytes that [`pack`] returns: up to the end of the last member, in whole rows of 16 bytes as in uniforms.
 pub fn packed_bytes(members: &[Member]) -> u32 {
     let end = members.iter().map(|member| member.offset + member.bytes).max().unwrap_or(0);
     end.next_multiple_of(16)

@@ -2,21 +2,21 @@
 //!
 //! A module is a file under shaders/, named by its path without the ending. Its directives are comments that start
 //! with `//@`:
-//! - `//@ use lib/rng` joins that module once, before this one. `choice/x` is whatever module the plan chose for x.
-//! - `//@ if light` … `//@ end` keeps the lines between where that condition holds.
-//! - `//@ each material` … `//@ end` repeats the lines between for every entry of that list. Within, `${name}` is the
-//!   entry's name, `${number}` its number, `${rank}` its place in the list, and `${case}` the selector of a switch: `case 2u`, or `default` for
-//!   an entry that closes it.
+//! - `//@ use lib/rng` joins that module once, before this one. `choice/x` is the module that the plan chose for x.
+//! - `//@ if light` … `//@ end` keeps the lines between if that condition holds.
+//! - `//@ each material` … `//@ end` repeats the lines between for every entry of that list. In these lines, `${name}` is the
+//!   entry's name, `${number}` its number, `${rank}` its place in the list, and `${case}` its case of a switch: `case 2u`, or `default` for
+//!   the entry that closes the switch.
 //! - `${value}` elsewhere is a value of the plan.
 //! - `//@ relies on loops` says that the module is right only on drivers with that property ([`PROPERTIES`]).
 //!
-//! Blocks do not stand within each other. Other lines that start with `//@` are errors.
+//! Blocks cannot be nested. Other lines that start with `//@` are errors.
 //!
-//! Of what is joined, declarations that the entry point does not reach are left out, and comments ([`super::reach`]); a module of which
-//! nothing is left has not been linked. Of what is left the result says who uses it and why it is there, and which of the plan's choices and
-//! values it has.
+//! The linker removes comments and the declarations that the entry point does not reach ([`super::reach`]). A module
+//! without remaining lines does not count as linked. For each linked module the result has its user and the reason why
+//! it is there. It also has the choices and values of the plan that were used.
 //!
-//! A line table tells which file and line each line of the result came from, so that naga's errors can name them.
+//! A line table maps each line of the result to its file and line, so that naga's errors can name them.
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
@@ -27,12 +27,12 @@ use super::properties::PROPERTIES;
 use super::reach;
 use crate::error::{Error, Result};
 
-/// Why something is linked.
+/// The reason why something is linked.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Reason {
-    /// It is there for whatever uses it, and at last for every render.
+    /// Every render needs it.
     EveryRender,
-    /// An object of the scene, by its place in the file, or an option asked for it.
+    /// An object of the scene (with its place in the file) or an option needs it.
     Asked(String),
 }
 
@@ -46,13 +46,13 @@ impl fmt::Display for Reason {
 }
 
 impl Reason {
-    /// This reason if someone asked, else the other.
+    /// This reason if it is `Asked`, else the other.
     fn or(self, other: &Reason) -> Reason {
         if self == Reason::EveryRender { other.clone() } else { self }
     }
 }
 
-/// One entry of a list: a feature that the scene uses, and the number by which the scene's data names it.
+/// One entry of a list: a feature that the scene uses, and its number in the scene's data.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Entry {
     pub name: String,
@@ -69,10 +69,10 @@ pub struct Chosen {
     pub why: Reason,
 }
 
-/// What the plan decided about a kernel, by the names that shaders use.
+/// The plan's decisions about a kernel, by the names that shaders use.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Choices {
-    /// Of a condition that holds, why.
+    /// Each condition; if it holds, the reason.
     pub conditions: BTreeMap<&'static str, Option<Reason>>,
     pub lists: BTreeMap<&'static str, Vec<Entry>>,
     /// The modules behind `choice/…`.
@@ -80,33 +80,33 @@ pub struct Choices {
     pub values: BTreeMap<&'static str, String>,
 }
 
-/// A linked shader: its text, the place each of its lines came from, and the modules in it.
+/// A linked shader: its text, the origin of each line, and its modules.
 #[derive(Clone, Debug)]
 pub struct Linked {
     pub root: String,
     pub text: String,
     pub lines: Vec<(String, usize)>,
     pub modules: Vec<String>,
-    /// What of the driver its modules rely on: a property's name, and the module.
+    /// The properties of the driver that its modules rely on: the property's name, and the module.
     pub relies: Vec<(String, String)>,
-    /// For each module but the root the one that uses it: going on from there leads to the root, by the fewest uses that someone asked for
-    /// and then by the fewest of all.
+    /// For each module except the root, the module that uses it. These links form the best path to the root: the one
+    /// with the fewest uses that have a reason of their own, and among those the shortest.
     pub used_by: BTreeMap<String, String>,
-    /// Why each module is there, as the conditions, list entries and choices say that lead to it from the root.
+    /// The reason for each module, from the conditions, list entries and choices on its path from the root.
     pub why: BTreeMap<String, Reason>,
-    /// The choices that it has, with the modules chosen.
+    /// The choices that it uses, with the chosen modules.
     pub choices: BTreeMap<&'static str, String>,
-    /// The plan's values that were filled into its lines, and the module of such a line.
+    /// The plan's values that were filled in, each with a module that uses it.
     pub values: BTreeMap<&'static str, (String, String)>,
 }
 
-/// Where module texts come from: the shaders compiled into the program, and in tests more beside them.
+/// A source of module texts. In tests it has additional modules.
 pub trait Library {
     fn module(&self, name: &str) -> Option<&str>;
 }
 
-/// The shaders under shaders/: compiled into the program, but read from disk where debug assertions are on, so that an edit of a shader
-/// compiles nothing.
+/// The modules under shaders/. They are compiled into the program. With debug assertions they are read from disk, so
+/// that an edit of a shader needs no recompilation.
 pub struct Embedded;
 
 #[cfg(not(debug_assertions))]
@@ -161,7 +161,7 @@ impl Embedded {
 /// Links `root` with everything it uses.
 ///
 /// # Errors
-/// `Error::Shader` naming the file and line of a directive that is none, or names a module, condition, list or value which does not exist.
+/// `Error::Shader` with the file and line of an invalid directive, or of one that names a missing module, condition, list or value.
 pub fn link(library: &dyn Library, root: &str, choices: &Choices) -> Result<Linked> {
     let mut linker = Linker {
         library,
@@ -186,17 +186,17 @@ pub fn link(library: &dyn Library, root: &str, choices: &Choices) -> Result<Link
     Ok(linker.finish())
 }
 
-/// What becomes of the lines before the next `//@ end`.
+/// The treatment of the lines before the next `//@ end`.
 #[derive(Clone, Copy)]
 enum Repetition<'a> {
     If(Option<&'a Reason>),
     Each(&'a [Entry]),
 }
 
-/// The directive that a block began with, what is to become of it, and its lines as yet with their numbers.
+/// The directive that began a block, the treatment of its lines, and the lines so far with their numbers.
 type OpenBlock<'a> = (&'a str, Repetition<'a>, Vec<(usize, &'a str)>);
 
-/// A line of a module, its number, the names of the values filled in, and why it is there.
+/// A line of a module: its number, the names of the values in it, and the reason for it.
 struct Line {
     number: usize,
     text: String,
@@ -204,7 +204,7 @@ struct Line {
     why: Reason,
 }
 
-/// That a module uses another one.
+/// The use of a module by another one.
 struct ModuleUse {
     user: String,
     used: String,
@@ -216,16 +216,16 @@ struct Linker<'a> {
     choices: &'a Choices,
     done: BTreeSet<String>,
     linked: Linked,
-    /// All lines, reached or not.
+    /// All lines, including those that the entry point does not reach.
     joined: Vec<String>,
-    /// Which module uses which, in the order in which they were joined.
+    /// The uses of modules, in the order of joining.
     uses: Vec<ModuleUse>,
-    /// Which line of `joined` has which value.
+    /// The lines of `joined` that have a value, with its name.
     filled: Vec<(usize, &'static str)>,
 }
 
 impl Linker<'_> {
-    /// Joins the module of this name, and before it what it uses; `why` is that of the line that uses it.
+    /// Joins the module of this name, after the modules that it uses. `why` is the reason of the line that uses it.
     fn join(&mut self, name: &str, user: &str, user_line: usize, why: &Reason) -> Result<()> {
         let (module, why) = match name.strip_prefix("choice/") {
             Some(choice) => {
@@ -268,7 +268,7 @@ impl Linker<'_> {
         Ok(())
     }
 
-    /// Leaves out what the entry point does not reach.
+    /// Removes what the entry point does not reach.
     fn finish(self) -> Linked {
         let Linker { mut linked, joined, uses, filled, choices, .. } = self;
         let reached = reach::reached(&joined);
@@ -295,7 +295,7 @@ impl Linker<'_> {
         linked
     }
 
-    /// Keeps or repeats the lines of blocks, and fills in the values; every line keeps the number it had in its file.
+    /// Keeps, drops or repeats the lines of blocks, and fills in values. Every line keeps its number in the file.
     fn expand(&self, module: &str, text: &str) -> Result<Vec<Line>> {
         let mut out = Vec::new();
         let mut block: Option<OpenBlock<'_>> = None;
@@ -369,7 +369,7 @@ impl Linker<'_> {
     }
 }
 
-/// The lines of a block of `each` for one entry, which stands at this place in the list.
+/// The lines of a block of `each` for one entry, with its place in the list.
 fn repeated((rank, entry): (u32, &Entry), lines: &[(usize, &str)]) -> Vec<Line> {
     let case = if entry.closes { "default".to_string() } else { format!("case {}u", entry.number) };
     let line = |(number, line): &(usize, &str)| {
@@ -383,14 +383,15 @@ fn repeated((rank, entry): (u32, &Entry), lines: &[(usize, &str)]) -> Vec<Line> 
     lines.iter().map(line).collect()
 }
 
-/// The user of each module that is kept, and why it is there: by the way from the root that has the fewest uses that someone asked for, and
-/// then the fewest of all. Modules of which nothing is kept are passed over.
+/// The user of each kept module, and the reason for the module. Both come from the path from the root with the fewest
+/// uses that have a reason of their own, and among those the shortest. Modules without kept lines are skipped.
 fn users(
     root: &str,
     uses: &[ModuleUse],
     kept: &BTreeSet<String>,
 ) -> (BTreeMap<String, String>, BTreeMap<String, Reason>) {
-    // The best ways to modules as yet: uses that were asked for, all uses, the nearest kept module before, and the reason.
+    // The best paths so far: the number of uses with a reason, the number of all uses, the nearest kept module before,
+    // and the reason.
     let mut ways = BTreeMap::from([(root, ((0, 0), root, &Reason::EveryRender))]);
     let mut better = true;
     while std::mem::take(&mut better) {
@@ -416,7 +417,7 @@ fn fault(module: &str, line: usize, message: &str) -> Error {
 }
 
 impl Linked {
-    /// Parses and validates the text; an error names the file and line that it came from.
+    /// Parses and validates the text. Errors name the file and line of the origin.
     pub fn validate(&self) -> Result<(naga::Module, naga::valid::ModuleInfo)> {
         let module = naga::front::wgsl::parse_str(&self.text)
             .map_err(|error| self.fault_at(error.location(&self.text), error.message()))?;

@@ -1,4 +1,4 @@
-//! The device side of the host: adapters, linked shaders, pipelines and buffers. Knows nothing of scenes.
+//! The host's code for the device: adapters, linked shaders, pipelines and buffers. Nothing here knows scenes.
 
 pub mod buffers;
 pub mod device;

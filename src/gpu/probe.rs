@@ -1,6 +1,6 @@
-//! Probes how a driver computes what WGSL leaves open, and what drivers get wrong: one dispatch of a small kernel
-//! (shaders/stage/probe.wgsl). Its answers are compared with the right ones bit by bit. Shaders declare the properties that
-//! they rely on. A kernel is refused where the driver lacks a property of one of its shaders.
+//! Probes a driver's arithmetic where WGSL leaves it open or drivers are known to be wrong, with one dispatch of a small kernel
+//! (shaders/stage/probe.wgsl). Its results are compared with the correct ones bit by bit. Shaders declare the properties that
+//! they rely on. A kernel is refused if the driver lacks a property of one of its shaders.
 
 use std::f64::consts::PI;
 
@@ -15,55 +15,55 @@ use super::properties::{PROPERTIES, Property};
 use crate::data::{Answer, Trial};
 use crate::error::Result;
 
-/// Trials of the probe, one an invocation.
+/// The number of trials of the probe, one for each invocation.
 pub const TRIALS: usize = 64;
-/// Iterations of the loop that finds out whether loops have a limit.
+/// The iterations of the loop that tests whether loops have a limit.
 pub const LOOPS: u32 = 70_000;
-/// The iterations that kernels are made for: those that Mesa 22.3 allows an invocation in all of its loops.
+/// The iterations that kernels are designed for: the number that Mesa 22.3 allows an invocation in all of its loops together.
 pub const LOOPS_NEEDED: u32 = 65_535;
 
 /// The findings of the probe about a driver.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Numerics {
-    /// Knuth's two-sum as it is written gives the rounding error. False where the compiler takes `(x + y) - x` for `y`.
+    /// Knuth's two-sum, in its plain form, gives the rounding error. False if the compiler simplifies `(x + y) - x` to `y`.
     pub two_sum: bool,
-    /// It does with its intermediate values hidden behind a uniform 0.
+    /// Two-sum gives the rounding error if a uniform 0 is added to its intermediate values.
     pub two_sum_barrier: bool,
-    /// So does Dekker's two-product.
+    /// Dekker's two-product gives the rounding error in the same form.
     pub two_product_barrier: bool,
     /// `fma(x, y, z)` rounds once.
     pub fma_fused: bool,
-    /// `x * y - z` is made an fma.
+    /// `x * y - z` is contracted to an fma.
     pub contraction: bool,
-    /// `x != x` is true of a NaN. False where the compiler assumes that there is none.
+    /// `x != x` is true for a NaN. False if the compiler assumes that NaNs do not occur.
     pub nan_compares: bool,
-    /// `<` and `>=` are false of a NaN, and the negation of `>=` true.
+    /// For a NaN, `<` and `>=` are false, and the negation of `>=` is true.
     pub nan_fails_comparisons: bool,
-    /// The tests by bits (lib/float) tell NaN and infinity from numbers.
+    /// The tests by bits (lib/float) distinguish NaN and infinity from numbers.
     pub nan_by_bits: bool,
-    /// Of the 70 000 iterations asked for in a loop, those that were done. A driver that did all has no limit that is known.
+    /// The number of iterations that a loop of 70 000 completed. If it completed all, the driver has no known limit.
     pub loop_iterations: u32,
-    /// Numbers below 2^-126 are computed with, in and out. Else they are flushed to 0 somewhere.
+    /// Subnormal numbers (below 2^-126) are kept as inputs and as results. Otherwise they are flushed to 0 somewhere.
     pub subnormals: bool,
-    /// How a word of 32 bits becomes a float.
+    /// The rounding of 32-bit words to floats.
     pub conversion: Rounding,
-    /// A random word times 2^-32 can be 1: the conversion rounds up.
+    /// A random word times 2^-32 can be 1, because the conversion rounds up.
     pub words_reach_one: bool,
-    /// The upper 24 bits of a word times 2^-24 are exact, and so below 1.
+    /// The upper 24 bits of a word times 2^-24 are exact, and therefore below 1.
     pub uniforms_exact: bool,
-    /// The largest absolute error of log on [0.5, 1); WGSL promises 2^-21, 4.8e-7.
+    /// The largest absolute error of log on [0.5, 1). WGSL guarantees 2^-21 = 4.8e-7.
     pub log_error: f64,
-    /// The largest relative error of log there: where its argument is near 1, the digits are gone.
+    /// The largest relative error of log there. It is large for arguments near 1, where few digits are left.
     pub log_relative_error: f64,
-    /// The largest absolute error of sin within [-pi, pi]; WGSL promises 2^-11, 4.9e-4.
+    /// The largest absolute error of sin on [-pi, pi]. WGSL guarantees 2^-11 = 4.9e-4.
     pub sin_error: f64,
-    /// The same for arguments up to 1e6, of which WGSL promises nothing.
+    /// The same for arguments up to 1e6, for which WGSL guarantees nothing.
     pub sin_error_far: f64,
-    /// Edge functions (geometry/triangle) have the sign of the exact difference.
+    /// Edge functions (geometry/triangle) have the sign of the exact difference of products.
     pub edge_signs: bool,
 }
 
-/// How integers become floats.
+/// The rounding of integers to floats.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rounding {
     /// Ties to even.
@@ -89,8 +89,8 @@ impl Serialize for Rounding {
 }
 
 impl Numerics {
-    /// The steps that a walk through the tree is allowed, where loops have no limit: a bound for what no scene should ask
-    /// for, so that a dispatch ends. Where loops have one the kernels' own defaults hold.
+    /// The largest number of steps of a walk through the tree, if loops have no limit. No scene should need so many;
+    /// the bound ensures that a dispatch ends. None if loops have a limit: the kernels' own defaults then apply.
     pub fn most_steps(&self) -> Option<u32> {
         (self.loop_iterations >= LOOPS).then_some(1 << 18)
     }
@@ -110,10 +110,10 @@ impl Numerics {
         PROPERTIES.into_iter().filter(|property| !self.holds(*property))
     }
 
-    /// Whether a kernel has what it relies on.
+    /// Checks that the driver has all properties that a kernel relies on.
     ///
     /// # Errors
-    /// `Error::Device` naming the driver, the shader and what it relies on.
+    /// `Error::Device` with the driver, the shader and the property.
     pub fn allow(&self, device: &Device, kernel: &str, linked: &Linked) -> Result<()> {
         for property in self.lacking() {
             if let Some((_, module)) = linked.relies.iter().find(|(name, _)| name == property.name()) {
@@ -128,10 +128,10 @@ impl Numerics {
     }
 }
 
-/// The findings of the probe about this device. It runs once.
+/// The findings of the probe about this device. The probe runs once.
 ///
 /// # Errors
-/// `Error::Device` where the device fails.
+/// `Error::Device` if the device fails.
 pub fn numerics(device: &Device) -> Result<&Numerics> {
     match device.numerics.get() {
         Some(found) => Ok(found),
@@ -143,7 +143,7 @@ pub fn numerics(device: &Device) -> Result<&Numerics> {
     }
 }
 
-/// The answers of this device.
+/// Runs the probe and returns the results of this device.
 pub fn ask(device: &Device, trials: &[Trial]) -> Result<Vec<Answer>> {
     let linked = link(&Embedded, "stage/probe", &Choices::default())?;
     let (module, _) = linked.validate()?;
@@ -169,19 +169,19 @@ pub fn ask(device: &Device, trials: &[Trial]) -> Result<Vec<Answer>> {
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
         pipeline.dispatch(&mut pass, 1);
     }
-    readback.copy(&mut encoder, buffers.get("answers")?, answers_bytes);
+    readback.copy(&mut encoder, buffers.get("answers")?, 0, answers_bytes);
     let submission = device.queue.submit([encoder.finish()]);
     readback.read(device, submission, answers_bytes, bytemuck::pod_collect_to_vec)
 }
 
-/// The questions: always the same.
+/// The inputs of the trials, which are always the same.
 pub fn trials() -> Vec<Trial> {
     let mut random = TrialNumbers(1);
     (0..TRIALS).map(|index| trial(index, &mut random)).collect()
 }
 
 fn trial(index: usize, random: &mut TrialNumbers) -> Trial {
-    // NaNs of either sign, quiet and signalling; infinities; and numbers beside them.
+    // NaNs of both signs, quiet and signalling; infinities; and numbers with similar bits.
     const SPECIAL: [u32; 8] =
         [0x7fc0_0000, 0xffc0_0001, 0x7f80_0001, 0xffff_ffff, 0x7f80_0000, 0xff80_0000, 0x7f7f_ffff, 0x4000_0000];
     // Ties, words that round up to 2^32, and words of 24 bits.
@@ -206,7 +206,7 @@ fn trial(index: usize, random: &mut TrialNumbers) -> Trial {
         x,
         y,
         product: x * y,
-        // The f32 nearest to pi lies beyond it.
+        // The f32 nearest to pi is larger than pi.
         angle: (((2.0 * share - 1.0) * PI) as f32).clamp(-(PI as f32).next_down(), (PI as f32).next_down()),
         far_angle: 10f64.powf(1.0 + 5.0 * share) as f32,
         // 1 - 2^-1 to 1 - 2^-24, and between.
@@ -228,7 +228,7 @@ fn trial(index: usize, random: &mut TrialNumbers) -> Trial {
     }
 }
 
-/// The findings from a driver's answers.
+/// The findings from a driver's results.
 pub fn judge(trials: &[Trial], answers: &[Answer]) -> Numerics {
     let whole = answers.len() == trials.len();
     let all = |right: &dyn Fn(&Trial, &Answer) -> bool| {
@@ -290,32 +290,32 @@ pub fn judge(trials: &[Trial], answers: &[Answer]) -> Numerics {
     }
 }
 
-/// x + y less its rounding to f32; exact for exponents that are 24 apart at most, as their sum in f64 is.
+/// x + y minus its rounding to f32. Exact for exponents that are at most 24 apart, because their sum in f64 is.
 fn error_of_sum(x: f32, y: f32) -> f32 {
     let exact = f64::from(x) + f64::from(y);
     (exact - f64::from(exact as f32)) as f32
 }
 
-/// x y less its rounding to f32; exact, since the product has 48 digits at most.
+/// x y minus its rounding to f32. Exact, because the product has at most 48 digits.
 fn error_of_product(x: f32, y: f32) -> f32 {
     let exact = f64::from(x) * f64::from(y);
     (exact - f64::from(exact as f32)) as f32
 }
 
-/// The sign of p.x q.y - p.y q.x; the products are exact in f64.
+/// The sign of p.x q.y - p.y q.x. The products are exact in f64.
 fn exact_edge_sign(p: [f32; 2], q: [f32; 2]) -> i32 {
     let product = |a: f32, b: f32| f64::from(a) * f64::from(b);
     product(p[0], q[1]).total_cmp(&product(p[1], q[0])) as i32
 }
 
-/// The float with the word's upper 24 digits.
+/// The float of the word's upper 24 bits.
 fn truncated(word: u32) -> f32 {
     let digits = 32 - word.leading_zeros();
     let dropped = digits.saturating_sub(24);
     (word >> dropped << dropped) as f32
 }
 
-/// The steps after which the probe's generator reaches this state; 0 where it never does.
+/// The number of steps after which the probe's generator reaches this state; 0 if it never does.
 fn loops_until(state: u32) -> u32 {
     let step = |state: &u32| Some(state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
     let found = std::iter::successors(Some(1), step).take(LOOPS as usize + 1).position(|reached| reached == state);
@@ -334,7 +334,7 @@ impl TrialNumbers {
         ((z ^ (z >> 31)) >> 32) as u32
     }
 
-    /// All 24 digits random, of either sign, with an exponent from `low` on and below `high`.
+    /// A number with 24 random digits, a random sign, and a random exponent from `low` to below `high`.
     fn float(&mut self, low: i32, high: i32) -> f32 {
         let digits = self.bits();
         let exponent = low + (self.bits() % (high - low) as u32) as i32;

@@ -1,12 +1,14 @@
-//! What of a joined shader its entry point reaches: the declarations that it names, and those that they name. The rest is left out,
-//! comments with it, so that a kernel has nothing but what it runs.
+//! Finds the declarations of a joined shader that its entry point reaches, directly or through others. The linker
+//! removes the rest, and comments, so that a kernel contains only code that it can run.
 
 use std::collections::{BTreeSet, HashMap};
 
-/// Which lines belong to a declaration that the entry points reach. A joined text without an entry point reaches all.
+/// For each line, whether it belongs to a declaration that an entry point reaches. In a text without an entry point all
+/// lines count.
 ///
-/// A declaration begins at the start of a line and ends with the `;` or `}` that leaves no bracket open. Names are compared as words: one
-/// that also names something local may keep a declaration too many, never one too few.
+/// A declaration begins at the start of a line and ends with the `;` or `}` that leaves no bracket open. Names are
+/// compared as words. If a local variable has the name of a declaration, the declaration may be kept unnecessarily, but
+/// none is ever missing.
 pub fn reached(lines: &[String]) -> Vec<bool> {
     let declarations = declarations(lines);
     let by_name: HashMap<&str, Vec<usize>> = declarations.iter().enumerate().fold(HashMap::new(), |mut all, (i, d)| {
@@ -15,7 +17,7 @@ pub fn reached(lines: &[String]) -> Vec<bool> {
     });
     let is_entry = |d: &Declaration<'_>| d.words.contains("@compute");
     let all = !declarations.iter().any(is_entry);
-    // What has no name of its own, such as a stray word, is kept for the parser to find.
+    // Text without a name, such as a stray word, is kept, so that the parser reports it.
     let starts = |d: &Declaration<'_>| all || is_entry(d) || d.name.is_none();
     let mut waiting: Vec<usize> = (0..declarations.len()).filter(|i| starts(&declarations[*i])).collect();
     let mut kept: BTreeSet<usize> = waiting.iter().copied().collect();
@@ -42,7 +44,7 @@ pub fn code(line: &str) -> &str {
 struct Declaration<'a> {
     name: Option<&'a str>,
     lines: std::ops::Range<usize>,
-    /// Words that may name other declarations, and `@compute` of an entry point.
+    /// Words that may be names of other declarations, and `@compute` for an entry point.
     words: BTreeSet<&'a str>,
 }
 
@@ -71,11 +73,12 @@ fn declarations(lines: &[String]) -> Vec<Declaration<'_>> {
     found
 }
 
-/// The words of a line, but for those that only name a member, a parameter or a variable of this declaration. The first one behind what begins a declaration, and behind `var`'s angle brackets, is its name.
+/// Collects the words of a line, except those that only name a member, a parameter or a variable of this declaration.
+/// The first word after the keyword, and after the angle brackets of `var`, is the declaration's name.
 fn take_words<'a>(code: &'a str, declaration: &mut Declaration<'a>) {
     const KEYWORDS: [&str; 6] = ["fn", "const", "override", "struct", "alias", "var"];
     let is_word = |c: char| c.is_alphanumeric() || c == '_';
-    // `var<storage, read_write> name`: what stands between the brackets is no name.
+    // `var<storage, read_write> name`: the words between the brackets are not names.
     let name_from = match code.split_once("var<").and_then(|(_, rest)| rest.split_once('>')) {
         Some((_, rest)) => code.len() - rest.len(),
         None => 0,

@@ -1,4 +1,4 @@
-//! How large a kernel is as the SPIR-V that Vulkan drivers are handed: a size that does not depend on names or on a driver.
+//! The size of a kernel as SPIR-V, the input of Vulkan drivers. It does not depend on names or on a driver.
 
 use naga::back::{PipelineConstants, pipeline_constants, spv};
 use naga::proc::{BoundsCheckPolicies, BoundsCheckPolicy};
@@ -14,10 +14,10 @@ pub struct KernelSize {
     pub bytes: u64,
 }
 
-/// The size of a kernel with these values of its overrides; those that it lacks are passed over.
+/// The size of a kernel with these values of its overrides. Values for overrides that it lacks are ignored.
 ///
 /// # Errors
-/// `Error::Shader` where naga does not write it: a defect of gpu-rt.
+/// `Error::Shader` if naga cannot write it, which is a defect of gpu-rt.
 pub fn size(module: &naga::Module, entry_point: &str, overrides: &[(&str, f64)]) -> Result<KernelSize> {
     let fault = |error: &dyn std::fmt::Display| Error::Shader(format!("{entry_point} as SPIR-V: {error}"));
     let info = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(module);
@@ -27,7 +27,7 @@ pub fn size(module: &naga::Module, entry_point: &str, overrides: &[(&str, f64)])
     let stage = naga::ShaderStage::Compute;
     let resolved = pipeline_constants::process_overrides(module, &info, Some((stage, entry_point)), &constants);
     let (module, info) = resolved.map_err(|error| fault(&error))?;
-    // As wgpu has kernels written: indices are checked, without names for debuggers.
+    // With wgpu's own settings: with checks of indices, and without names for debuggers.
     let restrict = BoundsCheckPolicy::Restrict;
     let options = spv::Options {
         lang_version: (1, 3),
@@ -44,8 +44,8 @@ pub fn size(module: &naga::Module, entry_point: &str, overrides: &[(&str, f64)])
     Ok(KernelSize { instructions: instructions(&words), bytes: words.len() as u64 * 4 })
 }
 
-/// How many instructions follow the header of five words: each begins with its own number of words in the upper half of its first
-/// (SPIR-V specification, section 2.3).
+/// The number of instructions after the header of five words. The upper half of an instruction's first word is its
+/// number of words (SPIR-V specification, section 2.3).
 fn instructions(words: &[u32]) -> u64 {
     const HEADER: usize = 5;
     let mut at = HEADER;

@@ -6,15 +6,40 @@ use super::buffers::Readback;
 use super::device::Device;
 use crate::error::Result;
 
-/// Timestamps of the passes of one submission at a time, added up by name.
+/// Timestamps of the passes of one submission at a time.
 pub struct Timing {
     queries: wgpu::QuerySet,
     resolved: wgpu::Buffer,
     readback: Readback,
     /// Names of the passes recorded since the last reading.
     recorded: Vec<String>,
-    /// Seconds by name.
+}
+
+/// The times of the passes of a device, added up.
+#[derive(Clone, Debug, Default)]
+pub struct StageTimes {
+    /// Seconds by the name of the pass.
     pub seconds: BTreeMap<String, f64>,
+    /// Ticks in which some pass ran.
+    busy: u64,
+    /// From the begin of the first pass to the end of the last.
+    span: Option<(u64, u64)>,
+}
+
+impl StageTimes {
+    /// The share of the time in which no pass ran, from the first to the last; 0 to 1.
+    pub fn idle(&self) -> Option<f64> {
+        let (first, last) = self.span?;
+        (last > first).then(|| 1.0 - self.busy as f64 / (last - first) as f64)
+    }
+
+    fn add(&mut self, name: String, (begin, end): (u64, u64), seconds_per_tick: f64) {
+        *self.seconds.entry(name).or_default() += end.saturating_sub(begin) as f64 * seconds_per_tick;
+        let (first, last) = self.span.unwrap_or((begin, begin));
+        // Passes may overlap.
+        self.busy += end.saturating_sub(begin.max(last));
+        self.span = Some((first, last.max(end)));
+    }
 }
 
 /// Passes of a submission at most: two queries each, of the 4096 that a set may hold.
@@ -39,7 +64,7 @@ impl Timing {
             mapped_at_creation: false,
         });
         let readback = Readback::new(device, "stage times", bytes);
-        Some(Timing { queries, resolved, readback, recorded: Vec::new(), seconds: BTreeMap::new() })
+        Some(Timing { queries, resolved, readback, recorded: Vec::new() })
     }
 
     /// The timestamps of the next pass; nothing once a submission's queries are used up.
@@ -61,24 +86,27 @@ impl Timing {
         let queries = self.recorded.len() as u32 * 2;
         if queries > 0 {
             encoder.resolve_query_set(&self.queries, 0..queries, &self.resolved, 0);
-            self.readback.copy(encoder, &self.resolved, u64::from(queries) * 8);
+            self.readback.copy(encoder, &self.resolved, 0, u64::from(queries) * 8);
         }
     }
 
     /// Adds the times of a submission that has been executed.
-    pub fn collect(&mut self, device: &Device, submission: wgpu::SubmissionIndex) -> Result<()> {
+    pub fn collect(
+        &mut self,
+        device: &Device,
+        submission: wgpu::SubmissionIndex,
+        times: &mut StageTimes,
+    ) -> Result<()> {
         let recorded = std::mem::take(&mut self.recorded);
         if recorded.is_empty() {
             return Ok(());
         }
         let seconds_per_tick = f64::from(device.queue.get_timestamp_period()) * 1e-9;
-        let seconds = &mut self.seconds;
         self.readback.read(device, submission, recorded.len() as u64 * 16, |bytes| {
             for (name, pair) in recorded.into_iter().zip(bytes.chunks_exact(16)) {
                 let (begin, end) = pair.split_at(8);
                 let tick = |bytes: &[u8]| bytes.iter().rev().fold(0u64, |all, &byte| all << 8 | u64::from(byte));
-                let ticks = tick(end).saturating_sub(tick(begin));
-                *seconds.entry(name).or_default() += ticks as f64 * seconds_per_tick;
+                times.add(name, (tick(begin), tick(end)), seconds_per_tick);
             }
         })
     }

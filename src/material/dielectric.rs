@@ -13,7 +13,7 @@ pub const KIND: MaterialKind = MaterialKind {
     emits: false,
 };
 
-/// A refractive index within this of 1, and not 1, shows nowhere but at grazing incidence: rays are bent by |n - 1| tan θ.
+/// A refractive index within this of 1, but not 1, is visible only at grazing incidence: rays are bent by |n - 1| tan θ.
 const NEAR_ONE: f64 = 1e-6;
 
 pub fn model(ior: f64) -> Model<'static> {
@@ -33,14 +33,14 @@ pub fn model(ior: f64) -> Model<'static> {
 }
 
 fn warning(ior: f64) -> Option<String> {
-    // The nearest f64 to a decimal near 1, and with it the difference, is off by half a unit at 1.
+    // f64 rounds a decimal near 1 by up to half of its epsilon, and the difference from 1 is off by as much.
     let near = ior != 1.0 && (ior - 1.0).abs() <= NEAR_ONE + f64::EPSILON;
-    // Up to about sqrt(2 |n - 1|) from grazing incidence, where total reflection begins.
+    // Total reflection begins about sqrt(2 |n - 1|) from grazing incidence.
     let grazing = (2.0 * NEAR_ONE).sqrt().to_degrees();
     near.then(|| {
         format!(
-            "an ior of {ior} is within {NEAR_ONE:e} of 1: but for rays within {grazing:.2} degrees of its surface it reflects nothing and bends \
-             nothing that an image would show: write 1 or a larger difference"
+            "an ior of {ior} is within {NEAR_ONE:e} of 1: its reflection and refraction are visible only in rays within {grazing:.2} \
+             degrees of the surface: write 1, or an ior that differs more from 1"
         )
     })
 }

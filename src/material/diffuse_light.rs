@@ -1,4 +1,4 @@
-//! A lamp: it emits alike to all directions, and reflects nothing.
+//! A diffuse light: it emits the same radiance in all directions, and reflects nothing.
 
 use super::{MaterialKind, Model, Scattering, Slot};
 use crate::data;

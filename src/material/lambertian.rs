@@ -1,4 +1,4 @@
-//! A matt surface: as bright from everywhere.
+//! A perfectly diffuse surface: its reflected radiance is the same in all directions.
 
 use super::{MaterialKind, Model, Scattering, Slot};
 use crate::data;

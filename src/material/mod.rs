@@ -1,5 +1,5 @@
-//! Materials: what happens where a path meets a surface. One file a material, which answers all that is asked of it on the host; its file
-//! of shaders/material has the rest.
+//! Materials: how surfaces scatter and emit light. Each material has one file here with all that the host needs of it,
+//! and one file under shaders/material with the functions of the kernels.
 
 mod dielectric;
 mod diffuse_light;
@@ -49,6 +49,7 @@ kinds! {
 }
 
 impl Material {
+    /// The properties of the material.
     pub fn model(&self) -> Model<'_> {
         match self {
             Material::Lambertian { albedo } => lambertian::model(albedo),
@@ -58,12 +59,12 @@ impl Material {
         }
     }
 
-    /// Its texture, but for a plain colour.
+    /// Its texture; none for a plain colour.
     pub fn texture(&self) -> Option<&Texture> {
         self.model().slot.map(|slot| slot.texture).filter(|texture| texture.plain().is_none())
     }
 
-    /// Refuses what means nothing; `at` is the place of the material.
+    /// Refuses invalid values; `at` is the place of the material.
     pub fn check(&self, at: &Place) -> Result<()> {
         let at = at.variant(self.name());
         let model = self.model();
@@ -74,7 +75,7 @@ impl Material {
         model.numbers.iter().try_for_each(check)
     }
 
-    /// What is allowed and yet likely to disappoint.
+    /// Warnings about values that are allowed but likely to disappoint.
     pub fn warnings(&self, at: &Place, bitmaps: &Bitmaps) -> Vec<String> {
         let at = at.variant(self.name());
         let model = self.model();
@@ -84,58 +85,59 @@ impl Material {
     }
 }
 
-/// The kinds of material by the numbers that kernels switch on; each is a file of shaders/material.
+/// The shader files of the kinds of material, under shaders/material. Kernels switch on the indices.
 pub const MATERIALS: &[&str] = Material::SHADERS;
 
-/// What is expected where a material belongs.
+/// The words in error messages for an expected material.
 pub fn a_material() -> String {
     format!("a material: {}", any_of(Material::KINDS.iter().map(|kind| &kind.form)))
 }
 
-/// What is known of all materials of a kind.
+/// The properties that all materials of a kind share.
 #[derive(Debug)]
 pub struct MaterialKind {
     pub form: Form,
-    /// Its file of shaders/material.
+    /// The name of its file under shaders/material.
     pub shader: &'static str,
-    /// The ways in which materials of the kind scatter. Where they can answer to light, there is a file SHADER_eval beside the other.
+    /// The ways in which materials of the kind scatter. If one of them is `Spread`, a second file SHADER_eval evaluates
+    /// the BSDF for light sampling.
     pub scatters: &'static [Scattering],
-    /// Whether light goes through.
+    /// Whether it transmits light.
     pub is_clear: bool,
     pub emits: bool,
 }
 
-/// Where a material sends light on to.
+/// How a material scatters light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scattering {
-    /// To many directions, so that it answers to lights that are sampled: SHADER_is_non_specular says so on the device.
+    /// Into many directions, so that lights can be sampled. On the device, SHADER_is_non_specular says whether a material does.
     Spread,
-    /// One way alone, which leaves lights to chance.
+    /// Specular: into a single direction, so that paths find lights only by chance.
     OneWay,
     Nowhere,
 }
 
-/// What the host knows of a material. No field has a default: a new material gives each of them.
+/// The properties of a material on the host. No field has a default, so that a new material cannot forget one.
 pub struct Model<'a> {
     /// Its texture, if it has one.
     pub slot: Option<Slot<'a>>,
     pub scattering: Scattering,
-    /// Whether it emits the light of its texture to both sides, if it emits.
+    /// Whether it emits to both sides; none if it does not emit. Its texture is the emitted radiance.
     pub two_sided: Option<bool>,
     pub numbers: Vec<Number>,
-    /// What kernels read of it beside its texture and the number of its kind.
+    /// The struct that kernels read. The texture and the number of the kind are filled in later.
     pub on_device: data::Material,
 }
 
 /// A number of a material, with the name of the field that holds it.
 pub struct Number {
     pub field: &'static str,
-    /// "a fuzz"
+    /// The words for it in error messages, such as "a fuzz".
     pub what: &'static str,
     pub value: f64,
-    /// Refuses what means nothing.
+    /// Refuses invalid values.
     pub check: fn(&Place, &str, f64) -> Result<()>,
-    /// Where it is allowed and yet likely to disappoint.
+    /// A warning about a value that is allowed but likely to disappoint.
     pub warning: Option<String>,
 }
 
@@ -147,7 +149,7 @@ pub struct Slot<'a> {
     pub texture: &'a Texture,
 }
 
-/// What a material emits.
+/// The emission of a material.
 #[derive(Clone, Copy, Debug)]
 pub struct Emission<'a> {
     pub slot: Slot<'a>,
@@ -170,11 +172,11 @@ impl<'a> Slot<'a> {
             Use::Albedo => (
                 self.texture.is_white(bitmaps),
                 "an albedo of 1 absorbs nothing, so that paths in a closed scene end only at max_depth: write 0.99 or less unless that \
-                 is meant",
+                 is intended",
             ),
             Use::Radiance => (
                 self.texture.brightest(bitmaps) == 0.0,
-                "an emission of 0 is no light: raise it, or write Lambertian(albedo: Rgb(0, 0, 0)) for a black surface",
+                "an emission of 0 emits no light: raise it, or write Lambertian(albedo: Rgb(0, 0, 0)) for a black surface",
             ),
         };
         is_odd.then(|| at.field(self.field).warning(message))

@@ -1,44 +1,46 @@
-//! Whether the difference of two images is more than noise: on the whole, in one colour, or in one place.
+//! Tests whether two images differ by more than noise: as a whole, in one colour, or in one place.
 //!
-//! It compares the means of luminance, red, green and blue over the whole image, and over each tile of a grid.
-//! Every mean difference comes with a standard error of a known number of degrees of freedom, and so with a p-value by Student's t:
-//! the probability that noise alone makes a difference of at least this size. docs/comparing.md has the derivation and measurements.
+//! It compares the means of luminance, red, green and blue over the whole image, and over each tile of a grid. Every
+//! mean difference has a standard error with a known number of degrees of freedom. Student's t gives its p-value: the
+//! probability that noise alone makes a difference of at least this size. docs/comparing.md has the derivation and
+//! measurements.
 
 use super::estimate::{Estimate, degrees_of_sum};
 use crate::data::luminance;
 
-/// Differences with a p-value below this are called more than noise.
+/// A difference with a p-value below this counts as more than noise.
 pub const LEVEL: f64 = 0.01;
 
-/// The least and the largest side of a tile in pixels.
+/// The smallest and the largest side of a tile, in pixels.
 const TILE: (usize, usize) = (4, 16);
 /// Cells along each side of a tile.
 const CELLS: usize = 4;
-/// What the largest one, two and three of [`CELLS`]² normal numbers take from the mean of the others, in standard errors of that: the
-/// sums of their expectations, 1.766 + 1.285 + 0.990, over √15, √14 and √13.
+/// The shift of a mean, in its standard errors, if the largest one, two or three of [`CELLS`]² normal numbers are
+/// removed: the sums of their expectations, 1.766 + 1.285 + 0.990, over √15, √14 and √13.
 const TAKEN: [f64; 3] = [0.456, 0.815, 1.121];
-/// A cell that differs by more than this many of its standard errors may be wrong about them. Three that differ by less, in a tile of
-/// sixteen, make 3.8 standard errors of it: fewer than the 4.3 that one of 64 tiles takes.
+/// If a cell differs by more than this many of its standard errors, these may be wrong. In a tile of sixteen cells,
+/// three cells that differ by less make 3.8 standard errors of the tile; a significant tile among 64 needs 4.3.
 const DOUBTFUL: f64 = 5.0;
 /// With fewer tiles than this, cells are the replicates of the whole image.
 const ENOUGH_TILES: usize = 32;
-/// The share of pixels that differ by more than their standard error, below which two images are said to share their noise. Of
-/// independent ones it is a third to a half (of a normal variable over its standard deviation, known or estimated by one square).
+/// Two images share their noise if a smaller share of their pixels differs by more than the standard error. For
+/// independent images it is a third to a half (for a normal variable over its standard deviation, known or estimated
+/// from one square).
 const SHARED: f64 = 0.16;
-/// Fewer noisy pixels than this do not tell.
+/// With fewer noisy pixels than this, shared noise is not detected.
 const ENOUGH_PIXELS: usize = 64;
-/// A pixel rules the noise if it holds more than this share of it in each image. (Of 256 squares of normal numbers, as even noise has them,
-/// one does in 4 images of 1e6.)
+/// A pixel rules the noise if it holds more than this share of it in each image. (With uniform noise in 256 pixels,
+/// this happens in 4 of 1e6 images.)
 const RULING: f64 = 0.125;
-/// At most this many pixels may rule, and at most one of this many.
+/// At most this many pixels can rule the noise, and at most one of this many pixels.
 const FEW: usize = 16;
 
-/// How the tests share the false alarms: the mean luminance, the mean of each colour, and all tiles together.
+/// Each test's share of the false alarms: the mean luminance, the mean of each colour, and all tiles together.
 const SHARE_LUMINANCE: f64 = 0.5;
 const SHARE_COLOUR: f64 = 1.0 / 18.0;
 const SHARE_TILES: f64 = 1.0 / 3.0;
 
-/// A quantity of pixels that is compared.
+/// A quantity of pixels to compare.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     Luminance,
@@ -69,7 +71,7 @@ impl Quantity {
     }
 }
 
-/// Two images of one size. Radiance, row 0 on top.
+/// Two images of one size, in linear radiance, with row 0 at the top.
 #[derive(Clone, Copy, Debug)]
 pub struct Images<'a> {
     pub width: usize,
@@ -77,18 +79,19 @@ pub struct Images<'a> {
     pub a: &'a [[f32; 3]],
     /// The reference.
     pub b: &'a [[f32; 3]],
-    /// Variances of the pixels' values in a and in b, where both are known.
+    /// The variances of the pixels' values in a and in b, if both are known.
     pub variances: Option<[&'a [[f32; 3]]; 2]>,
 }
 
 impl Images<'_> {
-    /// Whether the pixel counts: it is finite in both.
+    /// Whether the pixel is finite in both images, and therefore counts.
     pub fn counts(&self, pixel: usize) -> bool {
         self.a[pixel].iter().chain(&self.b[pixel]).all(|v| v.is_finite())
     }
 
-    /// The variances of a quantity at a pixel of a and of b. How the channels of a pixel vary together is not known: as one, which is the
-    /// most that they can, and nearly what they do where paths carry all three (Cauchy and Schwarz: Var Σ w c ≤ (Σ w σ)²).
+    /// The variances of a quantity at a pixel of a and of b. The correlation of a pixel's channels is unknown. They are
+    /// assumed to be fully correlated, which is the upper bound (Cauchy-Schwarz: Var Σ w c ≤ (Σ w σ)²), and nearly true
+    /// because paths carry all three.
     fn variances(&self, quantity: Quantity, pixel: usize) -> Option<[f64; 2]> {
         let of = |variance: &[[f32; 3]]| quantity.of(variance[pixel].map(|v| f64::from(v).sqrt())).powi(2);
         self.variances.map(|images| images.map(of))
@@ -99,9 +102,9 @@ impl Images<'_> {
         self.variances(quantity, pixel).map(|[a, b]| a + b)
     }
 
-    /// The few pixels that rule the noise of both images. Their chance values decide the mean, and hide the other pixels. A pixel that is
-    /// noisy in one image alone may have met a rare path there, and leaving it out would darken that image. None without
-    /// variances, or where many pixels share the noise.
+    /// The few pixels that rule the noise of both images. Their chance values dominate the mean, and hide the other
+    /// pixels. A pixel that is noisy in only one image may have a rare path there; leaving it out would darken that
+    /// image. Empty without variances, or if the noise is spread over many pixels.
     fn ruling(&self) -> Vec<usize> {
         let pixels = (0..self.width * self.height).filter(|&pixel| self.counts(pixel));
         let known = pixels.filter_map(|pixel| Some((pixel, self.variances(Quantity::Luminance, pixel)?)));
@@ -129,9 +132,10 @@ impl Images<'_> {
 pub enum ErrorSource {
     /// The variances in the files.
     Variances,
-    /// How the paired differences a − b are spread over the image.
+    /// The spread of the paired differences a − b over the image.
     Pairs,
-    /// The same, although the files have variances: pixels differ by much less than these say, as in images that share random numbers.
+    /// The same, although the files have variances: the pixels differ by much less than their variances, as in images
+    /// that share random numbers.
     SharedNoise,
 }
 
@@ -139,40 +143,41 @@ pub enum ErrorSource {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeanDifference {
     pub difference: Estimate,
-    /// The mean of b there.
+    /// The mean of b over the same pixels.
     pub reference: f64,
 }
 
-/// The most significant difference in a place.
+/// The most significant difference of a tile.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Local {
     /// The tile in pixels: left, top, width, height.
     pub tile: [usize; 4],
     pub quantity: Quantity,
     pub estimate: MeanDifference,
-    /// As if it were the only test: corrected for how many tiles there are, and for the tests beside.
+    /// Its p-value, corrected for the number of tiles and for the other tests.
     pub p: f64,
 }
 
-/// Mean differences in the order of [`QUANTITIES`], each with a p-value as of [`Local::p`].
+/// Mean differences in the order of [`QUANTITIES`], with p-values that are corrected like [`Local::p`].
 pub type Means = [(MeanDifference, f64); 4];
 
 /// The result of the comparison.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Difference {
     pub source: ErrorSource,
-    /// Every pixel that counts is the same in both.
+    /// Whether all pixels that count are equal in both images.
     pub identical: bool,
     pub means: Means,
-    /// Where few pixels rule the noise of both images: how many, and the means without them. These are tested in place of the whole's.
+    /// If few pixels rule the noise of both images: their number, and the means without them. These means are tested
+    /// instead of those of the whole image.
     pub rest: Option<(usize, Means)>,
-    /// Nothing where the image is a single tile.
+    /// None if the image is a single tile.
     pub local: Option<Local>,
-    /// Of all tests together: the least of theirs.
+    /// The p-value of all tests together: the smallest of theirs.
     pub p: f64,
 }
 
-/// Sums over a cell, a tile or the whole, of one quantity.
+/// Sums of one quantity over a cell, a tile or the whole image.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums {
     pixels: f64,
@@ -203,13 +208,13 @@ impl Sums {
         self.difference / self.pixels
     }
 
-    /// A standard error that rounding to f32 leaves in any case, even where there is no noise.
+    /// The standard error from rounding to f32, which remains even without noise.
     fn rounding(&self) -> f64 {
         f64::from(f32::EPSILON) * ((self.reference / self.pixels).abs() + self.mean().abs())
     }
 
-    /// From the pixels' variances: their sum. Each has one degree of freedom at least, of two halves. Where few bright pixels make the sum,
-    /// it has few degrees of freedom.
+    /// The variance of the mean from the pixels' variances. Each variance has at least one degree of freedom, from two
+    /// halves. If few bright pixels dominate the sum, the sum has few degrees of freedom.
     fn noise_by_variances(&self) -> MeanVariance {
         MeanVariance {
             variance: self.variance / (self.pixels * self.pixels),
@@ -217,13 +222,14 @@ impl Sums {
         }
     }
 
-    /// What the mean of each part adds to the spread around the whole's, by its share of the pixels: (n/N)² (m − M)².
+    /// The contribution of each part's mean m to the spread around the whole's mean M, by its share n/N of the pixels:
+    /// (n/N)² (m − M)².
     fn squares(&self, parts: &[Sums]) -> Vec<f64> {
         let filled = parts.iter().filter(|part| part.pixels > 0.0);
         filled.map(|part| (part.pixels / self.pixels * (part.mean() - self.mean())).powi(2)).collect()
     }
 
-    /// From that spread: its sum times J/(J − 1), J being the number of parts.
+    /// The variance of the mean from the spread of J parts: the sum of [`Sums::squares`] times J/(J − 1).
     fn noise_by_parts(&self, parts: &[Sums]) -> MeanVariance {
         let squares = self.squares(parts);
         let count = squares.len() as f64;
@@ -235,8 +241,8 @@ impl Sums {
         }
     }
 
-    /// The same where a part may hold most of the noise, as a rare bright pixel does: no more degrees of freedom than a sum of squares of
-    /// one each has.
+    /// The same, if a single part may hold most of the noise, as with a rare bright pixel. The degrees of freedom are
+    /// then at most those of a sum of squares with one degree each.
     fn noise_by_uneven_parts(&self, parts: &[Sums]) -> MeanVariance {
         let squares = self.squares(parts);
         let of_sum = degrees_of_sum(squares.iter().sum(), squares.iter().map(|square| square * square).sum());
@@ -244,7 +250,7 @@ impl Sums {
         MeanVariance { degrees: even.degrees.min(of_sum), ..even }
     }
 
-    /// Of a tile or what is left of one, by its pixels' variances or by its cells.
+    /// The variance of the mean of a tile, or of a part of it, from its pixels' variances or from its cells.
     fn noise(&self, cells: &[Sums], source: ErrorSource) -> MeanVariance {
         match source {
             ErrorSource::Variances => self.noise_by_variances(),
@@ -266,7 +272,7 @@ impl Sums {
     }
 }
 
-/// The variance of a mean, and how well it is known.
+/// The variance of a mean, and its degrees of freedom.
 #[derive(Clone, Copy, Debug)]
 struct MeanVariance {
     variance: f64,
@@ -282,7 +288,7 @@ struct Grid {
 }
 
 impl Grid {
-    /// 64 tiles, as long as these have a side of 4 to 16 pixels.
+    /// 64 tiles if their sides are 4 to 16 pixels long; else more or fewer tiles.
     fn new(width: usize, height: usize) -> Grid {
         let side = ((width * height) as f64).sqrt() / 8.0;
         let side = (side as usize).clamp(TILE.0, TILE.1);
@@ -293,7 +299,7 @@ impl Grid {
         self.columns * self.rows
     }
 
-    /// Where a pixel lies along an axis of `length` pixels: its tile, and its cell in that.
+    /// The tile of a pixel along an axis of `length` pixels, and the cell in the tile.
     fn part(at: usize, length: usize, tiles: usize) -> (usize, usize) {
         let cell = at * tiles * CELLS / length;
         (cell / CELLS, cell % CELLS)
@@ -316,7 +322,7 @@ impl Grid {
             .flat_map(move |row| near(column, self.columns).map(move |column| row * self.columns + column))
     }
 
-    /// The sums of a quantity in each cell, tile by tile, without the pixels that are left out.
+    /// The sums of a quantity in each cell of each tile, without the pixels in `out`.
     fn sums(&self, images: &Images<'_>, quantity: Quantity, out: &[usize]) -> Vec<[Sums; CELLS * CELLS]> {
         let mut cells = vec![[Sums::default(); CELLS * CELLS]; self.tiles()];
         let columns: Vec<_> = (0..self.width).map(|x| Grid::part(x, self.width, self.columns)).collect();
@@ -357,16 +363,18 @@ impl Scales {
         Scales { cells, tiles, whole }
     }
 
-    /// The mean difference of the whole, and how probable noise alone makes one at least as large.
+    /// The mean difference of the whole image and its p-value.
     ///
-    /// A pixel whose two halves agree by chance seems to have no noise. Where it holds most of the image's, it drops out of the sum of
-    /// variances, and of the degrees of freedom, which would tell how much of the sum one pixel holds. But what it differs by is in the mean
-    /// and in the spread of the cells alike. So a mean must differ by both, and the wider interval is stated. A difference that k cells
-    /// make is √k of its errors by their spread at most, whatever they hold. And where both signs of a cell are as likely, as of two renders
-    /// of one kind, t of these errors have a probability of 2 e^(-t²/2) at most, whatever the sizes are (Hoeffding, JASA 58(301), 1963).
+    /// A pixel whose two halves agree by chance seems to have no noise. If it holds most of the image's noise, this
+    /// noise is missing in the sum of variances, and the degrees of freedom do not show that one pixel dominates. But
+    /// the difference of this pixel is in the mean as well as in the spread of the cells. So a mean must differ by both
+    /// standard errors, and the wider interval is reported. If a difference comes from k cells, it is at most √k
+    /// standard errors by their spread, whatever their values. And if both signs of a cell's difference are equally
+    /// likely, as for two renders of one kind, t standard errors have a probability of at most 2 e^(-t²/2), whatever
+    /// the sizes of the differences (Hoeffding, JASA 58(301), 1963).
     fn mean(&self, source: ErrorSource) -> (Estimate, f64) {
-        // Tiles are better replicates than pixels: what neighbouring pixels have in common, by a filter wider than one of them, is within
-        // a tile nearly all. Variances take pixels to be independent anyway.
+        // Tiles are better replicates than pixels: a filter wider than a pixel correlates neighbours, but nearly all
+        // such pairs are within one tile. The variances assume independent pixels in any case.
         let by_tiles = source != ErrorSource::Variances && self.tiles.len() >= ENOUGH_TILES;
         let parts = if by_tiles { &self.tiles } else { self.cells.as_flattened() };
         let pairs = self.whole.estimate(self.whole.noise_by_uneven_parts(parts));
@@ -378,15 +386,15 @@ impl Scales {
         (wider, f64::max(variances.p(), pairs.p()))
     }
 
-    /// Of each tile that has pixels which count.
+    /// The noise of each tile; none for tiles without finite pixels.
     fn tile_noise(&self, source: ErrorSource) -> Vec<Option<MeanVariance>> {
         let of =
             |(tile, cells): (&Sums, &[Sums; CELLS * CELLS])| (tile.pixels > 0.0).then(|| tile.noise(cells, source));
         self.tiles.iter().zip(&self.cells).map(of).collect()
     }
 
-    /// A tile without the cell that makes most of its difference, and without the next two where they differ by more than their variances
-    /// tell; with what taking so many away takes from noise alone.
+    /// A tile without the cell that contributes most to its difference, and without the next two if they differ by far
+    /// more than their standard errors. Also returns the shift of the mean that this removal causes in pure noise.
     fn without_worst_cells(&self, tile: usize, source: ErrorSource) -> (Sums, Vec<Sums>, f64) {
         let sign = self.tiles[tile].difference.signum();
         let mut cells: Vec<Sums> = self.cells[tile].iter().copied().filter(|cell| cell.pixels > 0.0).collect();
@@ -403,7 +411,7 @@ impl Scales {
     }
 }
 
-/// Compares the images. None where no pixel is finite in both.
+/// Compares the images. None if no pixel is finite in both.
 pub fn difference(images: &Images<'_>) -> Option<Difference> {
     let pixels = images.width * images.height;
     let mut counted = (0..pixels).filter(|&pixel| images.counts(pixel)).peekable();
@@ -431,7 +439,7 @@ pub fn difference(images: &Images<'_>) -> Option<Difference> {
     Some(Difference { source, identical, means: whole, rest, local, p: least })
 }
 
-/// Chooses the source of the errors. Each pixel has one vote, because few pixels would decide a sum of squares.
+/// Chooses the source of the standard errors. Each pixel has one vote, because few pixels would dominate a sum of squares.
 fn source(images: &Images<'_>) -> ErrorSource {
     if images.variances.is_none() {
         return ErrorSource::Pairs;
@@ -450,20 +458,22 @@ fn source(images: &Images<'_>) -> ErrorSource {
     }
 }
 
-/// The p-value of one of many tests that has this share of the false alarms: with it, the probability of any p-value below x is x at
-/// most, if the tests are independent or vary together (Šidák, JASA 62(318), 1967, with weights).
+/// Corrects the p-value of one of several tests, which has this share of the false alarms. After the correction, the
+/// probability that any test's p-value is below x is at most x, if the tests are independent or positively correlated
+/// (Šidák, JASA 62(318), 1967, with weights).
 fn corrected(p: f64, share: f64) -> f64 {
     // 1 − (1 − p)^(1/share)
     -((-p).ln_1p() / share).exp_m1()
 }
 
-/// The tile that differs most.
+/// The most significant tile.
 ///
-/// Its noise is not taken to be less than that of the tiles around it: where a rare path has not met a tile, the tile is darker than it
-/// should be and looks free of noise as well, but its neighbours have met it. And it must differ without its worst cells too: a pixel whose
-/// two halves agree by chance has a variance that says nothing, and such pixels may hold most of a tile's noise. They come together, as along
-/// the edge of a lamp. Where the halves of each agree in half of the images, and then deviate to one side as often as to the other, four that
-/// all agree and all deviate to one side come in 0.8 % of images, and more are rarer.
+/// The noise of a tile is at least that of the tiles around it: if rare paths have missed a tile, it is too dark and
+/// looks free of noise, but they have reached its neighbours. A tile must also differ without its worst cells: if the
+/// two halves of a pixel agree by chance, its variance is far too small, and such pixels may hold most of a tile's
+/// noise. They are often neighbours, for example along the edge of a lamp. If the halves of each pixel agree in half of
+/// the images, and such pixels are as often too bright as too dark, four pixels that all agree and deviate to the same
+/// side occur in 0.8 % of the images; more are rarer.
 fn local(grid: &Grid, scales: &[Scales; 4], source: ErrorSource) -> Option<Local> {
     let share = SHARE_TILES / (QUANTITIES.len() * grid.tiles()) as f64;
     let mut worst: Option<Local> = None;

@@ -2,58 +2,60 @@
 
 use crate::data::{srgb, unit};
 
-/// Keeps dark pixels from dominating the relative error; in radiance squared. docs/comparing.md defines relMSE with it.
+/// A constant that keeps dark pixels from dominating the relative error, in squared radiance. docs/comparing.md defines
+/// relMSE with it.
 pub const RELATIVE_FLOOR: f64 = 0.01;
 
 /// Mean square error: mean over pixels and channels of (a − b)².
 ///
-/// Nothing where the images differ in size or are empty. A NaN or infinite input makes the result so.
+/// None if the images differ in size or are empty. A NaN or infinite input makes the result so.
 pub fn mse(a: &[[f32; 3]], b: &[[f32; 3]]) -> Option<f64> {
     mean(a, b, |a, b| (a - b) * (a - b))
 }
 
 /// Relative mean square error of `a` against the reference `b`: mean over pixels and channels of (a − b)² / (b² + 0.01), untrimmed.
 ///
-/// Nothing where the images differ in size or are empty. A NaN or infinite input makes the result so.
+/// None if the images differ in size or are empty. A NaN or infinite input makes the result so.
 pub fn relmse(a: &[[f32; 3]], b: &[[f32; 3]]) -> Option<f64> {
     mean(a, b, |a, b| (a - b) * (a - b) / (b * b + RELATIVE_FLOOR))
 }
 
-/// The relative mean square error without the 0.1 % of the pixels (rounded down to whole ones) whose error is the largest: a few rare
-/// bright paths, which rule the untrimmed one, do not count. For looking at, not for proving: what is wrong in few pixels goes too.
+/// The relative mean square error without the 0.1 % of the pixels with the largest error (rounded down to whole
+/// pixels). The few rare bright paths that dominate the untrimmed error do not count. It proves nothing, because errors
+/// in few pixels do not count either.
 ///
-/// Nothing where the images differ in size or are empty. A NaN or infinite input makes the result so, if not trimmed.
+/// None if the images differ in size or are empty. A NaN or infinite input makes the result so, unless it is trimmed.
 pub fn relmse_trimmed(a: &[[f32; 3]], b: &[[f32; 3]]) -> Option<f64> {
     if a.len() != b.len() || a.is_empty() {
         return None;
     }
     let of_pixel = |(a, b): (&[f32; 3], &[f32; 3])| relmse(&[*a], &[*b]);
     let mut errors: Vec<f64> = a.iter().zip(b).filter_map(of_pixel).collect();
-    // Fewer than all pixels, since a thousandth of them is: the place is in range.
+    // In range, because only a thousandth of the pixels is trimmed.
     let kept = errors.len() - errors.len() / 1000;
     errors.select_nth_unstable_by(kept - 1, f64::total_cmp);
     Some(errors[..kept].iter().sum::<f64>() / kept as f64)
 }
 
-/// Peak signal-to-noise ratio in dB of both images clamped to 0..1 and sRGB-encoded: 10 log10(1 / MSE), the peak being 1. Infinite
-/// where the images look alike.
+/// The peak signal-to-noise ratio in dB of both images, clamped to 0..1 and sRGB-encoded: 10 log10(1 / MSE), with a
+/// peak of 1. Infinite if the encoded images are equal.
 ///
-/// Nothing where the images differ in size or are empty.
+/// None if the images differ in size or are empty.
 pub fn psnr(a: &[[f32; 3]], b: &[[f32; 3]]) -> Option<f64> {
     let shown = |v: f64| srgb(unit(v));
     mean(a, b, |a, b| (shown(a) - shown(b)).powi(2)).map(|error| -10.0 * error.log10())
 }
 
-/// The relMSE that a picture of these variances has by its noise: mean over pixels and channels of v / (b² + 0.01).
+/// The relMSE of the noise of an image with these variances: the mean over pixels and channels of v / (b² + 0.01).
 ///
-/// Nothing where the images differ in size or are empty.
+/// None if the images differ in size or are empty.
 pub fn relative_variance(variance: &[[f32; 3]], reference: &[[f32; 3]]) -> Option<f64> {
     mean(variance, reference, |v, b| v / (b * b + RELATIVE_FLOOR))
 }
 
-/// Signed difference of the means: that of a − b over that of b, over pixels and channels.
+/// The signed relative difference of the means: the mean of a − b over the mean of b, over pixels and channels.
 ///
-/// Nothing where the images differ in size or are empty; infinite or NaN where b is black on the mean.
+/// None if the images differ in size or are empty; infinite or NaN if the mean of b is 0.
 pub fn mean_difference(a: &[[f32; 3]], b: &[[f32; 3]]) -> Option<f64> {
     Some(mean(a, b, |a, b| a - b)? / mean(b, b, |b, _| b)?)
 }
@@ -83,9 +85,9 @@ mod tests {
         let b = vec![[1.0f32; 3]; 2500];
         let mut a = b.clone();
         (a[7], a[1300], a[2400]) = ([1e6; 3], [2.0; 3], [f32::INFINITY; 3]);
-        // Two pixels go, and one of error 1/1.01 is left.
+        // Two pixels are trimmed, and one with an error of 1/1.01 is left.
         assert!(close(relmse_trimmed(&a, &b), 1.0 / 1.01 / 2498.0));
-        // Below 1000 pixels nothing goes.
+        // Below 1000 pixels nothing is trimmed.
         assert_eq!(relmse_trimmed(&a[1600..], &b[1600..]), Some(f64::INFINITY));
         assert!(close(relmse_trimmed(&A, &B), relmse(&A, &B).unwrap()));
     }

@@ -1,21 +1,21 @@
-//! An estimate with its standard error, and what Student's t says of it.
+//! An estimate with its standard error, and its confidence interval and p-value by Student's t.
 
 use super::student;
 
-/// The probability of the intervals that are stated.
+/// The confidence level of all reported intervals.
 pub const CONFIDENCE: f64 = 0.95;
 
 /// An estimate, its standard error, and the degrees of freedom of that error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
     pub value: f64,
-    /// Infinite where nothing tells it.
+    /// Infinite if it is unknown.
     pub error: f64,
     pub degrees: f64,
 }
 
 impl Estimate {
-    /// The mean of independent values, with the error of that mean.
+    /// The mean of independent values, with its standard error.
     pub fn of_values(values: &[f64]) -> Option<Estimate> {
         let n = values.len() as f64;
         if values.len() < 2 {
@@ -26,13 +26,13 @@ impl Estimate {
         Some(Estimate { value: mean, error: (squares / (n * (n - 1.0))).sqrt(), degrees: n - 1.0 })
     }
 
-    /// Half the width of the interval that holds the true value with [`CONFIDENCE`].
+    /// Half the width of the interval that contains the true value with [`CONFIDENCE`].
     pub fn half_width(&self) -> f64 {
         self.error_times_quantile(1.0 - CONFIDENCE)
     }
 
-    /// The upper end of a one-sided interval: the true value, which is not below 0, is below this with [`CONFIDENCE`]. An estimate below 0
-    /// is so by noise alone, and counts as 0.
+    /// The upper end of a one-sided interval: the true value is below this with [`CONFIDENCE`]. The true value is not
+    /// negative, so that a negative estimate counts as 0.
     pub fn upper(&self) -> f64 {
         self.value.max(0.0) + self.error_times_quantile(2.0 * (1.0 - CONFIDENCE))
     }
@@ -46,7 +46,7 @@ impl Estimate {
         Estimate { value: self.value.signum() * (self.value.abs() - slack).max(0.0), ..*self }
     }
 
-    /// The probability that noise alone brings a value at least as far from 0.
+    /// The p-value: the probability that noise alone gives a value at least as far from 0.
     pub fn p(&self) -> f64 {
         match (self.value == 0.0, self.error == 0.0) {
             (true, _) => 1.0,
@@ -56,9 +56,9 @@ impl Estimate {
     }
 }
 
-/// The degrees of freedom of a sum of variances, each an estimate v of one degree of freedom at least, by Σ v and Σ v². E v² is then 3/2 of
-/// the variance of v at least, and the sum has 2 (E Σ v)² / Var Σ v = 3 (Σ v)² / Σ v² − 2 degrees of freedom or more (Satterthwaite,
-/// Biometrics Bulletin 2(6), 1946).
+/// A lower bound of the degrees of freedom of a sum of variances, from Σ v and Σ v², if each v is an estimate with at
+/// least one degree of freedom. E v² is then at least 3/2 of the variance of v, and the sum has at least 2 (E Σ v)² /
+/// Var Σ v = 3 (Σ v)² / Σ v² − 2 degrees of freedom (Satterthwaite, Biometrics Bulletin 2(6), 1946).
 pub fn degrees_of_sum(sum: f64, squares: f64) -> f64 {
     if squares > 0.0 { (3.0 * sum * sum / squares - 2.0).max(1.0) } else { f64::INFINITY }
 }

@@ -1,11 +1,13 @@
-//! LDR-FLIP: how different two images look when one flips between them.
+//! LDR-FLIP: the perceived difference of two images that are shown in alternation.
 //!
-//! P. Andersson, J. Nilsson, T. Akenine-Möller, M. Oskarsson, K. Åström and M. D. Fairchild, "FLIP: A Difference Evaluator for Alternating
-//! Images", Proceedings of the ACM on Computer Graphics and Interactive Techniques (HPG) 3(2), 2020. Section and equation
-//! numbers are that paper's; constants are those of its table 1 and its supplement. The tests compare with the authors' program.
+//! P. Andersson, J. Nilsson, T. Akenine-Möller, M. Oskarsson, K. Åström and M. D. Fairchild, "FLIP: A Difference
+//! Evaluator for Alternating Images", Proceedings of the ACM on Computer Graphics and Interactive Techniques (HPG)
+//! 3(2), 2020. Section and equation numbers are that paper's; constants are those of its table 1 and its supplement.
+//! The tests compare with the authors' program.
 //!
-//! All kernels of the paper are sums of products of a function of x and one of y, so that rows are filtered first and columns then. Rows
-//! go in bands, one after another, so that what is filtered by rows stays in the caches and memory does not grow with the image.
+//! All kernels of the paper are sums of separable kernels, so that rows are filtered first and columns then. The image
+//! is processed in bands of rows, so that the filtered rows stay in the caches and the memory does not grow with the
+//! image.
 
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -13,16 +15,17 @@ use std::sync::Mutex;
 
 use crate::data::unit;
 
-/// Of a display 0.7 m away that shows 3840 pixels on 0.7 m, the paper's default (section 4): 67.02.
+/// Pixels per degree of a display that is 0.7 m away and shows 3840 pixels on 0.7 m, the paper's default (section 4): 67.02.
 pub const PIXELS_PER_DEGREE: f64 = 0.7 * (3840.0 / 0.7) * (PI / 180.0);
 
-/// Rows of a band. More need more memory, fewer filter more rows twice.
+/// The rows of a band. More rows need more memory; with fewer rows, more of them are filtered twice.
 const BAND: usize = 64;
 
-/// FLIP's error of each pixel, 0..1, row 0 on top, of two images of linear Rec. 709 that are clamped to 0..1: what they are as
-/// sRGB-encoded pictures, since FLIP begins by decoding these. It is symmetric. NaN counts as 0. Edges are continued outwards.
+/// FLIP's error of each pixel, 0..1, with row 0 at the top, for two images in linear Rec. 709. They are clamped to 0..1
+/// and not sRGB-encoded, because FLIP's first step is to decode. It is symmetric. NaN counts as 0. Edge pixels are
+/// repeated outwards.
 ///
-/// The images have `width` times as many pixels as rows; what one has more than the other is left out.
+/// Each row has `width` pixels. If one image is longer, its additional pixels are ignored.
 pub fn error_map(width: usize, a: &[[f32; 3]], b: &[[f32; 3]]) -> Vec<f32> {
     Flip::new(PIXELS_PER_DEGREE).error_map(width, a, b)
 }
@@ -54,7 +57,7 @@ impl Filter {
         Filter(self.0.into_iter().map(|w| if w > 0.0 { w / positive } else { w / negative }).collect())
     }
 
-    /// Without the outer weights that are nothing beside the middle one.
+    /// The filter without the outer weights that are negligible relative to the middle one.
     fn cropped(self) -> Filter {
         const NOTHING: f64 = 1e-8;
         let (radius, least) = (self.radius(), NOTHING * self.0[self.radius()]);
@@ -62,7 +65,7 @@ impl Filter {
         Filter(self.0[cut..self.0.len() - cut].to_vec())
     }
 
-    /// `row` filtered; it has `margin` values on either side beside those of `out`.
+    /// Filters `row`, which has `margin` more values on either side than `out`.
     fn along_row(&self, row: &[f64], margin: usize, out: &mut [f64]) {
         out.fill(0.0);
         for (weight, shifted) in self.0.iter().zip(row[margin - self.radius()..].windows(out.len())) {
@@ -70,7 +73,7 @@ impl Filter {
         }
     }
 
-    /// Row `at` of the filtered columns of `rows`.
+    /// Filters the columns of `rows`, and writes the row `at` of the result.
     fn along_columns(&self, rows: &[Vec<f64>], at: usize, out: &mut [f64]) {
         out.fill(0.0);
         for (weight, row) in self.0.iter().zip(&rows[at - self.radius()..]) {
@@ -81,23 +84,23 @@ impl Filter {
 
 /// The filters for one pixel density.
 struct Flip {
-    /// Of the opponent channels: the contrast sensitivity of achromatic, red-green and blue-yellow light, the last one as a sum of two
-    /// (section 4.1.1, equation 4).
+    /// The contrast sensitivity of the opponent channels: achromatic, red-green and blue-yellow. The last one is a sum
+    /// of two filters (section 4.1.1, equation 4).
     colour: [Filter; 4],
     /// A Gaussian, and its balanced first and second derivatives (section 4.2.1).
     feature: [Filter; 3],
     /// The largest radius.
     margin: usize,
-    /// The largest colour difference: of green and blue (section 4.1.3).
+    /// The largest colour difference, which is that of green and blue (section 4.1.3).
     most: f64,
 }
 
-/// Filtered by rows: the four colour terms, then the three of the features.
+/// The row filters: four colour terms, then three of the features.
 const TERMS: usize = 7;
 /// The opponent channel that each term filters.
 const CHANNEL: [usize; TERMS] = [0, 1, 2, 2, 0, 0, 0];
 
-/// What is compared of a row of pixels.
+/// A filtered row of pixels, ready for comparison.
 #[derive(Default)]
 struct FilteredRow {
     /// L*, and a* and b* with Hunt's adjustment (section 4.1.2).
@@ -112,20 +115,20 @@ impl Flip {
         // Gaussian terms a √(π/b) exp(−π² x²/b), x in degrees: (a, b).
         let terms = [(1.0, 0.0047), (1.0, 0.0053), (34.1, 0.04), (13.5, 0.025)];
         let radius = |deviation: f64| (3.0 * deviation * pixels_per_degree).ceil() as usize;
-        // Three standard deviations of the widest; one radius for all.
+        // One radius for all filters: three standard deviations of the widest.
         let colour_radius = radius((0.04_f64 / (2.0 * PI * PI)).sqrt());
         let gaussian = |(_, b): (f64, f64)| {
             let degrees = move |x: f64| x / pixels_per_degree;
             Filter::new(colour_radius, move |x| (-(PI * degrees(x)).powi(2) / b).exp())
         };
-        // The weight of a term in two dimensions; each direction gets its root.
+        // The weight of a term in two dimensions. Each direction gets its square root.
         let weight = |(a, b): (f64, f64)| a * (PI / b).sqrt();
         let total = |term| weight(term) * gaussian(term).sum().powi(2);
         let blue = total(terms[2]) + total(terms[3]);
         let totals = [total(terms[0]), total(terms[1]), blue, blue];
         let colour = [0, 1, 2, 3].map(|i| gaussian(terms[i]).scaled((weight(terms[i]) / totals[i]).sqrt()).cropped());
 
-        // Half of the width of a feature, 0.082 degrees.
+        // Half the width of a feature, 0.082 degrees.
         const FEATURE: f64 = 0.5 * 0.082;
         let deviation = FEATURE * pixels_per_degree;
         let bell = move |x: f64| (-x * x / (2.0 * deviation * deviation)).exp();
@@ -150,7 +153,7 @@ impl Flip {
         }
         let threads = std::thread::available_parallelism().map_or(1, usize::from);
         let bands = Mutex::new(map.chunks_mut(width * BAND).enumerate());
-        // A thread takes the next band when it is done with one. Which thread does which changes nothing.
+        // Each thread takes the next band when it has finished one. The result does not depend on which thread takes which band.
         let work = || {
             while let Some((band, out)) = bands.lock().ok().and_then(|mut bands| bands.next()) {
                 let rows = band * BAND..band * BAND + out.len() / width;
@@ -199,7 +202,7 @@ impl Flip {
         (0..band.len()).map(|y| self.columns(width, &filtered, y + margin)).collect()
     }
 
-    /// What is compared of the row `at` of what is filtered by rows.
+    /// Filters the columns of rows that are already filtered, and returns the row `at`.
     fn columns(&self, width: usize, rows: &[Vec<Vec<f64>>; TERMS], at: usize) -> FilteredRow {
         let filtered = |kernel: &Filter, term: usize| {
             let mut out = vec![0.0; width];
@@ -209,8 +212,8 @@ impl Flip {
         let [a, rg, by, by2] = [0, 1, 2, 3].map(|term| filtered(&self.colour[term], term));
         let lab = (0..width).map(|x| hunt(linear([a[x], rg[x], by[x] + by2[x]]))).collect();
         let [smooth, first, second] = &self.feature;
-        // A derivative along x is smoothed along y, and the other way round. Y + 16 over 116 is what the paper filters: the
-        // derivatives do not see the sum.
+        // A derivative along x is smoothed along y, and the reverse. The paper filters (Y + 16) / 116; the constant 16
+        // does not change derivatives.
         let magnitude = |derivative: &Filter, term: usize| {
             let (along_x, along_y) = (filtered(smooth, term), filtered(derivative, 4));
             along_x.iter().zip(&along_y).map(|(x, y)| x.hypot(*y) / 116.0).collect()
@@ -220,7 +223,7 @@ impl Flip {
 
     /// The error of each pixel of a row.
     fn compare(&self, a: &FilteredRow, b: &FilteredRow, out: &mut [f32]) {
-        /// Where the large colour differences begin, as a share of the largest, and the error there (section 4.1.3).
+        /// The start of the large colour differences, as a share of the largest, and the error there (section 4.1.3).
         const KNEE: f64 = 0.4;
         const AT_KNEE: f64 = 0.95;
         let knee = KNEE * self.most;
@@ -233,7 +236,7 @@ impl Flip {
             let edge = (a.edge[x] - b.edge[x]).abs();
             let point = (a.point[x] - b.point[x]).abs();
             let feature = (edge.max(point) * std::f64::consts::FRAC_1_SQRT_2).sqrt();
-            // Section 4.3. No difference of colour is none at all, and the feature's can be over 1 by rounding only.
+            // Section 4.3. If the colours are equal, the error is 0. The feature difference can exceed 1 only by rounding.
             *out = unit(colour).powf(1.0 - feature.min(1.0)) as f32;
         }
     }
@@ -246,7 +249,7 @@ const TO_XYZ: [[f64; 3]; 3] = [
     [1_425_312.0 / 73_733_382.0, 8_788_810.0 / 73_733_382.0, 70_074_185.0 / 73_733_382.0],
 ];
 
-/// Its inverse.
+/// The inverse.
 const FROM_XYZ: [[f64; 3]; 3] = [
     [3.241_003_232_976_358_7, -1.537_398_969_488_785_5, -0.498_615_881_996_362_9],
     [-0.969_224_252_202_516_6, 1.875_929_983_695_176, 0.041_554_226_340_084_724],
@@ -257,13 +260,13 @@ fn product(matrix: &[[f64; 3]; 3], v: [f64; 3]) -> [f64; 3] {
     matrix.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
 }
 
-/// XYZ over white's.
+/// XYZ relative to white.
 fn relative_xyz(linear: [f64; 3]) -> [f64; 3] {
     let (xyz, white) = (product(&TO_XYZ, linear), product(&TO_XYZ, [1.0; 3]));
     [0, 1, 2].map(|i| xyz[i] / white[i])
 }
 
-/// Linear Rec. 709 to the opponent channels YyCxCz, less the constant of the first, 16 (section 4.1.1).
+/// Linear Rec. 709 to the opponent channels YyCxCz, without the constant 16 in the first channel (section 4.1.1).
 fn opponent(linear: [f64; 3]) -> [f64; 3] {
     let [x, y, z] = relative_xyz(linear);
     [116.0 * y, 500.0 * (x - y), 200.0 * (y - z)]
@@ -277,7 +280,7 @@ fn linear([yy, cx, cz]: [f64; 3]) -> [f64; 3] {
     product(&FROM_XYZ, [0, 1, 2].map(|i| relative[i] * white[i])).map(|v| v.clamp(0.0, 1.0))
 }
 
-/// CIE L*a*b* of linear Rec. 709, with a* and b* scaled by 0.01 L*, since colours are seen less in the dark (section 4.1.2).
+/// CIE L*a*b* of linear Rec. 709, with a* and b* scaled by 0.01 L*, because dark colours are less visible (section 4.1.2).
 fn hunt(linear: [f64; 3]) -> [f64; 3] {
     const DELTA: f64 = 6.0 / 29.0;
     let [x, y, z] = relative_xyz(linear).map(|t| match t > DELTA * DELTA * DELTA {
@@ -297,7 +300,7 @@ fn difference(a: [f64; 3], b: [f64; 3]) -> f64 {
 mod tests {
     use super::*;
 
-    /// 0 ≤ u < 1 by mixing bits.
+    /// A pseudo-random 0 ≤ u < 1 from mixed bits.
     fn u(x: u32, y: u32, c: u32) -> f64 {
         let mut h = x.wrapping_mul(73_856_093) ^ y.wrapping_mul(19_349_663) ^ c.wrapping_mul(83_492_791);
         h = h.wrapping_mul(2_654_435_761);
@@ -317,8 +320,8 @@ mod tests {
         expected: [f64; 2],
     }
 
-    /// Pairs with what the authors' program says of them: the Python package flip-evaluator 1.7, `evaluate(b, a, "LDR")` of both images
-    /// clamped to 0..1 and sRGB-encoded, in f32.
+    /// Image pairs with the results of the authors' program: the Python package flip-evaluator 1.7, `evaluate(b, a,
+    /// "LDR")` of both images clamped to 0..1 and sRGB-encoded, in f32.
     fn cases() -> Vec<Case> {
         fn is(condition: bool) -> f64 {
             f64::from(u8::from(condition))
@@ -419,13 +422,13 @@ mod tests {
         }
     }
 
-    /// Negative control: another density, and a FLIP that sees no edges or no points, would be found.
+    /// Negative control: the test detects another density, and a FLIP without edges or without points.
     #[test]
     fn a_wrong_flip_is_found() {
         let found =
             |wrong: &Flip| cases().iter().filter(|c| (judge(wrong, c) - c.expected[0]).abs() > TOLERANCE).count();
         assert_eq!(found(&Flip::new(PIXELS_PER_DEGREE)), 0);
-        // What is even, and a single pixel, are the same at any density.
+        // Uniform images and single pixels give the same result at any density.
         assert!(found(&Flip::new(PIXELS_PER_DEGREE * 1.05)) >= 7);
         for derivative in [1, 2] {
             let mut blind = Flip::new(PIXELS_PER_DEGREE);
@@ -448,7 +451,7 @@ mod tests {
         assert!(error_map(0, &[], &[]).is_empty() && error_map(5, &[], &[]).is_empty());
     }
 
-    /// Bands meet without a seam: an image of several bands that repeats itself has a map that does.
+    /// There is no seam between bands: the map of a periodic image of several bands is periodic.
     #[test]
     fn bands_do_not_show() {
         let height = 3 * BAND + 5;
@@ -456,7 +459,7 @@ mod tests {
             |shift: f64| (0..height).map(|y| [(0.5 + 0.4 * (y as f64 * 0.7 + shift).sin()) as f32; 3]).collect();
         let (a, b): (Vec<[f32; 3]>, Vec<[f32; 3]>) = (column(0.0), column(0.3));
         let upright = error_map(1, &a, &b);
-        // The same image lying down is one band.
+        // The same image, transposed, is one band.
         let lying = error_map(height, &a, &b);
         assert!(upright.iter().zip(&lying).all(|(a, b)| (a - b).abs() < 1e-6));
     }

@@ -1,22 +1,22 @@
 //! Student's t distribution: tails and quantiles.
 
-/// More degrees of freedom than this are taken as this many; what is asked of the tails here does not change by it.
+/// The limit on the degrees of freedom. More would not change the tails noticeably.
 const MOST_DEGREES: f64 = 1e6;
 
-/// P(|T| ≥ |t|) for any degrees of freedom > 0. Relative error about 1e-12 in the tails.
+/// P(|T| ≥ |t|) for any degrees of freedom > 0. The relative error is about 1e-12 in the tails.
 pub fn two_sided(t: f64, degrees: f64) -> f64 {
     let degrees = degrees.min(MOST_DEGREES);
     let t2 = t * t;
-    // Both shares are computed, since either may be the small one. (Abramowitz and Stegun, 26.7.1 with 26.5.27.)
+    // x and 1 − x are both computed directly, because either may be small. (Abramowitz and Stegun, 26.7.1 with 26.5.27.)
     if t2.is_infinite() {
         return 0.0;
     }
     beta_share(degrees / 2.0, 0.5, degrees / (degrees + t2), t2 / (degrees + t2))
 }
 
-/// The t ≥ 0 with P(|T| ≥ t) = p, 0 < p < 1, to about 1e-12 of itself.
+/// The t ≥ 0 with P(|T| ≥ t) = p, 0 < p < 1, with a relative error of about 1e-12.
 pub fn quantile(p: f64, degrees: f64) -> f64 {
-    // Bisection of its logarithm: the tail falls with t.
+    // Bisection of log t, because the tail probability falls with t.
     let (mut low, mut high) = (-70.0_f64, 350.0_f64);
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
@@ -28,8 +28,8 @@ pub fn quantile(p: f64, degrees: f64) -> f64 {
     (0.5 * (low + high)).exp()
 }
 
-/// The regularised incomplete beta function I_x(a, b), with y = 1 − x, by its continued fraction (Press et al., Numerical Recipes, 3rd
-/// edition, section 6.4).
+/// The regularised incomplete beta function I_x(a, b), with y = 1 − x, by its continued fraction (Press et al.,
+/// Numerical Recipes, 3rd edition, section 6.4).
 fn beta_share(a: f64, b: f64, x: f64, y: f64) -> f64 {
     if x <= 0.0 {
         return 0.0;
@@ -37,7 +37,7 @@ fn beta_share(a: f64, b: f64, x: f64, y: f64) -> f64 {
     if y <= 0.0 {
         return 1.0;
     }
-    // The fraction converges fast below the mean only.
+    // The fraction converges fast only below the mean.
     if x > (a + 1.0) / (a + b + 2.0) {
         return 1.0 - beta_share(b, a, y, x);
     }
@@ -68,7 +68,8 @@ fn beta_fraction(a: f64, b: f64, x: f64) -> f64 {
     value
 }
 
-/// Natural logarithm of the gamma function, x > 0: Stirling's series (Abramowitz and Stegun, 6.1.41) above 10, the recurrence below.
+/// The natural logarithm of the gamma function, x > 0, by Stirling's series (Abramowitz and Stegun, 6.1.41) above 10,
+/// the recurrence below.
 pub fn ln_gamma(mut x: f64) -> f64 {
     let mut product = 1.0;
     while x < 10.0 {

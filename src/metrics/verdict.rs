@@ -2,8 +2,8 @@
 
 use super::difference::{Difference, LEVEL, Local, MeanDifference, QUANTITIES, Quantity};
 
-/// Says whether A differs from B by more than noise, and how. The sentence contains "noise only", or else says that A is "brighter" or
-/// "darker".
+/// Says whether and how A differs from B by more than noise. The sentence contains "noise only", or else says that A is
+/// "brighter" or "darker".
 pub fn verdict(difference: &Difference) -> String {
     let (without, [(luminance, p), colours @ ..]) = match &difference.rest {
         None => (String::new(), &difference.means),
@@ -47,13 +47,13 @@ pub fn verdict(difference: &Difference) -> String {
     }
 }
 
-/// The middle of a tile.
+/// The middle pixel of a tile.
 fn place(local: &Local) -> String {
     let [left, top, width, height] = local.tile;
     format!("pixel ({}, {})", left + width / 2, top + height / 2)
 }
 
-/// "darker by 1.2 ± 0.1 %" of the reference's mean; "darker by 0.012 ± 0.001" where the reference is black.
+/// "darker by 1.2 ± 0.1 %", relative to the reference's mean; "darker by 0.012 ± 0.001" if the reference is black.
 fn amount(mean: &MeanDifference) -> String {
     let direction = if mean.difference.value < 0.0 { "darker" } else { "brighter" };
     let (size, half) = (mean.difference.value.abs(), mean.difference.half_width());
@@ -66,15 +66,15 @@ fn amount(mean: &MeanDifference) -> String {
     }
 }
 
-/// A number with its error, to the error's digits.
+/// A number with its error. The error decides the number of decimals.
 fn with_error(value: f64, error: f64) -> String {
-    // Three digits of the value are enough where the error is tiny, two where it is unknown.
+    // Three digits of the value are enough if the error is tiny, two if it is unknown.
     let known = error.is_finite() && error > 0.0;
     let step = if known { error.max(value * 1e-3) } else { value * 1e-1 };
     if !(1e-6..1e9).contains(&step) {
         return if known { format!("{value:.3e} ± {error:.1e}") } else { format!("{value:.3e}") };
     }
-    // 0.12 to 0.0951 with two digits, others with one.
+    // Errors with a first digit of 1 have two digits, others one.
     let digits = -step.log10().floor() as i32;
     let digits = if step * 10f64.powi(digits) < 2.0 { digits + 1 } else { digits };
     let digits = usize::try_from(digits).unwrap_or(0);
@@ -136,14 +136,14 @@ mod tests {
         coloured.means[1] = (estimate(0.005, 0.000_1), 1e-9);
         coloured.means[3] = (estimate(-0.02, 0.001), 1e-9);
         assert_eq!(verdict(&coloured), "A is brighter by 1.00 ± 0.04 % in red, darker by 4.0 ± 0.4 % in blue");
-        // Where few pixels hold most of the noise, the others are judged.
+        // If few pixels hold most of the noise, the verdict is about the others.
         let mut ruled = nothing();
         ruled.rest = Some((2, darker.means));
         assert_eq!(verdict(&ruled), "A is darker by 1.20 ± 0.20 % without the 2 pixels that hold most of the noise");
         ruled.rest = Some((1, coloured.means));
         let expected = "A is brighter by 1.00 ± 0.04 % in red, darker by 4.0 ± 0.4 % in blue without the pixel that holds most of the noise";
         assert_eq!(verdict(&ruled), expected);
-        // Black references have no percents, and single pixels no errors.
+        // There are no percentages of a black reference, and single pixels have no error.
         let mut black = nothing();
         black.means[0] = (MeanDifference { reference: 0.0, ..estimate(0.02, 0.001) }, 1e-9);
         assert_eq!(verdict(&black), "A is brighter by 0.0200 ± 0.0020");

@@ -1,4 +1,4 @@
-//! Replaces a file as a whole: a reader finds the old contents or the new, never a part.
+//! Replaces files atomically: a reader finds the old contents or the new ones, never a part.
 
 use std::fs::{self, File};
 use std::io::{self, Seek, Write};
@@ -6,14 +6,15 @@ use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
 
-/// Linux reports a loop after this many links.
+/// The number of links after which Linux reports a loop.
 const MAX_LINKS: usize = 40;
 
-/// Replaces the file at `path` by what `write` writes, from the start of an empty file that can seek.
+/// Replaces the file at `path` by what `write` writes to an empty file that can seek.
 ///
-/// The bytes go to a temporary file in the same folder, which takes the file's place once they are on the disk, and is removed where
-/// anything fails: the old file then stays as it was. A symbolic link stays, and the file it points to is replaced. What is no regular
-/// file (/dev/null, a pipe, /dev/stdout) is written to directly, once `write` has succeeded.
+/// The bytes go to a temporary file in the same folder. Once they are on the disk, it replaces the old file. If
+/// anything fails, the temporary file is removed and the old file stays. A symbolic link stays, and the file that it
+/// points to is replaced. Other kinds of files (/dev/null, a pipe, /dev/stdout) are written to directly, once `write`
+/// has succeeded.
 pub fn replace(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> Result<()> {
     let failed = |reason: String| Error::File { path: path.to_owned(), action: "write", reason };
     match destination(path).map_err(|error| failed(error.to_string()))? {
@@ -28,30 +29,30 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
 }
 
 enum Destination {
-    /// A regular file, or none yet, at this path, which is no link.
+    /// The path of a regular file, or of a file that does not exist yet. The path is not a link.
     Regular(PathBuf),
-    /// Something that takes bytes and cannot be replaced.
+    /// Something that can be written to but not replaced.
     Stream,
 }
 
-/// Follows links by hand, since the last one may point to a file that does not exist yet.
+/// Follows links one by one, because the last one may point to a file that does not exist yet.
 fn destination(path: &Path) -> io::Result<Destination> {
     match fs::metadata(path) {
         Ok(metadata) if metadata.is_dir() => return Err(io::Error::other("it is a folder")),
         Ok(metadata) if !metadata.is_file() => return Ok(Destination::Stream),
-        // A loop of links, a folder that may not be entered, …; what does not exist is made.
+        // A missing file will be created. Other errors are a loop of links, a folder that may not be entered, …
         Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
         _ => {}
     }
     let mut target = path.to_owned();
     for _ in 0..MAX_LINKS {
-        // An open file that has a name, such as /dev/stdout sent to a file: replacing that name would leave the writers of the open
-        // file behind.
+        // An open file, such as /dev/stdout redirected to a file: if the file were replaced, other writers of the open
+        // file would write to the old one.
         if target.starts_with("/proc") || target.starts_with("/dev/fd") {
             return Ok(Destination::Stream);
         }
         match fs::read_link(&target) {
-            // `join` takes an absolute link as it is.
+            // `join` returns an absolute link unchanged.
             Ok(link) => target = folder_of(&target).join(link),
             Err(_) => return Ok(Destination::Regular(target)),
         }
@@ -79,18 +80,18 @@ fn replace_regular(target: &Path, write: impl FnOnce(&mut File) -> io::Result<()
     builder.prefix(&prefix).suffix(".part");
     #[cfg(unix)]
     {
-        // Temporary files are private by default. This one will be the user's file: the umask alone decides.
+        // Temporary files are private by default. This one becomes the user's file, so that the umask decides its permissions.
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
-    // The kind alone: the full text names the temporary file, which says nothing to the user.
+    // Only the kind of the error: the full text names the temporary file, which means nothing to the user.
     let mut file =
         builder.tempfile_in(folder).map_err(|error| format!("no file can be made in its folder: {}", error.kind()))?;
     // From here on, every return removes the temporary file.
     write(file.as_file_mut()).map_err(|error| error.to_string())?;
     file.as_file().sync_all().map_err(|error| error.to_string())?;
     file.persist(target).map_err(|error| error.error.to_string())?;
-    // The new name itself reaches the disk with the folder. Not every system can do that; the contents are safe already.
+    // The sync of the folder writes the new name to the disk. Not every system can do that, but the contents are already safe.
     if let Ok(folder) = File::open(folder) {
         let _ = folder.sync_all();
     }
@@ -98,7 +99,7 @@ fn replace_regular(target: &Path, write: impl FnOnce(&mut File) -> io::Result<()
 }
 
 fn replace_stream(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
-    // `write` may seek, which a pipe cannot; this file has no name and vanishes with its handle.
+    // `write` may seek, but a pipe cannot. This temporary file has no name and disappears with its handle.
     let mut file = tempfile::tempfile()?;
     write(&mut file)?;
     file.rewind()?;

@@ -1,8 +1,9 @@
-//! Tables of JSON objects as comma-separated values.
+//! Writes JSON objects as a table of comma-separated values.
 
 use serde_json::Value;
 
-/// The header, which names the columns, and a line for each object. A cell is empty where the object lacks the column or has null there.
+/// The header, which names the columns, and a line for each object. A cell is empty if the object lacks the column or
+/// its value is null.
 pub fn csv(header: &str, rows: &[Value]) -> String {
     let cell = |value: &Value| match value {
         Value::Null => String::new(),

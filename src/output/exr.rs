@@ -1,4 +1,4 @@
-//! OpenEXR files: the linear picture with its own error estimate, and reading any file that holds R, G and B.
+//! OpenEXR files: writes the linear picture with its error estimate, and reads any file that holds R, G and B.
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
@@ -17,30 +17,30 @@ use crate::error::{Error, Result};
 use crate::film::{Picture, UNKNOWN_VARIANCE};
 use crate::output::atomic;
 
-/// Stands in the file's `comments`: what the layers beside R, G and B hold.
+/// The file's `comments`, which explain the layers beside R, G and B.
 const COMMENTS: &str = "R, G, B: linear radiance. variance: of the pixel's mean; 3.4028235e38 where unknown. \
     samples, rejected: camera samples of the pixel that went into the mean, and that were left out as not finite.";
 
-/// Lossless and readable everywhere. Noise hardly compresses: 1200 x 675 pixels of it, all channels, on 2 cores, are 25.9 MB written in
-/// 0.09 s without compression, 21.3 MB in 0.14 s by run lengths, 19.4 MB in 0.45 s by ZIP1, 19.0 MB in 0.70 s by ZIP16, 18.3 MB in
-/// 0.51 s by PIZ.
+/// Lossless and readable everywhere. Noise hardly compresses. All channels of 1200 x 675 noisy pixels, on 2 cores: 25.9
+/// MB in 0.09 s without compression, 21.3 MB in 0.14 s by run lengths, 19.4 MB in 0.45 s by ZIP1, 19.0 MB in 0.70 s by
+/// ZIP16, 18.3 MB in 0.51 s by PIZ.
 const ENCODING: Encoding = Encoding {
     compression: Compression::RLE,
     blocks: Blocks::ScanLines,
-    // With an order, the same picture gives the same bytes although threads compress it.
+    // A fixed line order makes the bytes independent of the threads that compress.
     line_order: LineOrder::Increasing,
 };
 
-/// Linear Rec. 709 with its white D65 (ITU-R BT.709-6, items 1.3 and 1.4).
+/// The chromaticities of Rec. 709 and its white point D65 (ITU-R BT.709-6, items 1.3 and 1.4).
 const REC_709: Chromaticities =
     Chromaticities { red: Vec2(0.64, 0.33), green: Vec2(0.3, 0.6), blue: Vec2(0.15, 0.06), white: Vec2(0.3127, 0.329) };
 
-/// A setting or a result that the file's header keeps.
+/// A setting or a result in the file's header.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Attribute {
     /// Written as UTF-8.
     Text(String),
-    /// Written as EXR's 32-bit integer, or as text where it needs more.
+    /// Written as EXR's 32-bit integer, or as text if it needs more bits.
     Int(i64),
     /// Written as EXR's 64-bit float.
     Float(f64),
@@ -49,10 +49,11 @@ pub enum Attribute {
 /// The channels of the variance of each pixel's mean.
 const VARIANCES: Rgb<&str> = ["variance.R", "variance.G", "variance.B"];
 
-/// Writes the picture as one part, row 0 on top: R, G, B and variance.R, .G, .B in 32-bit floats, samples.Y and rejected.Y (Y, so that
-/// viewers show them as grey) in 32-bit unsigned integers. The file is a function of the arguments, byte for byte.
+/// Writes the picture as one part, row 0 on top: R, G, B and variance.R, .G, .B in 32-bit floats, samples.Y and
+/// rejected.Y (Y, so that viewers show them as grey) in 32-bit unsigned integers. The file is a function of the
+/// arguments, byte for byte.
 ///
-/// Attribute names must not be empty, longer than 255 bytes or those of the EXR standard.
+/// Attribute names must not be empty, longer than 255 bytes, or reserved by the EXR standard.
 pub fn write_exr(path: &Path, picture: &Picture, attributes: &[(String, Attribute)]) -> Result<()> {
     let width = picture.width as usize;
     let channels = SpecificChannels::build()
@@ -96,7 +97,7 @@ impl Attribute {
     }
 }
 
-/// EXR's text is bytes, by convention UTF-8; the crate's own conversion knows Latin-1 alone.
+/// EXR's text is bytes, by convention UTF-8. The crate's own conversion supports only Latin-1.
 fn text(value: &str) -> Text {
     Text::from_slice_unchecked(value.as_bytes())
 }
@@ -108,8 +109,9 @@ fn to_io(error: ::exr::error::Error) -> io::Error {
     }
 }
 
-/// Sorts the header's attributes in place, since the crate keeps them in a hash map, whose order is another one each time. The header
-/// is a list of (name, 0, type, 0, size, value) that an empty name ends (The OpenEXR file layout, section "Header").
+/// Sorts the header's attributes in place, because the crate keeps them in a hash map, whose order differs each time.
+/// The header is a list of (name, 0, type, 0, size, value), and ends with an empty name (The OpenEXR file layout,
+/// section "Header").
 fn sort_attributes(file: &mut File) -> io::Result<()> {
     /// The magic number and the version come first.
     const HEADER: SeekFrom = SeekFrom::Start(8);
@@ -134,29 +136,29 @@ fn sort_attributes(file: &mut File) -> io::Result<()> {
     file.write_all(&attributes.concat())
 }
 
-/// What a file holds. Values are as the file has them: other programs write infinities, NaN and negative numbers too.
+/// The contents of a file. Values are unchanged: other programs also write infinities, NaN and negative numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ExrImage {
     pub width: u32,
     pub height: u32,
     /// Row 0 on top.
     pub rgb: Vec<Rgb<f32>>,
-    /// As [`Picture::variance`]. This and the next two are there where gpu-rt wrote the file.
+    /// As [`Picture::variance`]. Only files of gpu-rt have this and the next two.
     pub variance: Option<Vec<Rgb<f32>>>,
     pub samples: Option<Vec<u32>>,
     pub rejected: Option<Vec<u32>>,
-    /// The header's texts and numbers that the EXR standard does not name, as text, sorted by name.
+    /// The texts and numbers in the header that are not part of the EXR standard, as text, sorted by name.
     pub attributes: Vec<(String, String)>,
 }
 
 impl ExrImage {
-    /// The variances of the pixels, where all of them are known.
+    /// The variances of the pixels, if all of them are known.
     pub fn known_variance(&self) -> Option<&[Rgb<f32>]> {
         let variance = self.variance.as_deref()?;
         variance.as_flattened().iter().all(|v| (0.0..UNKNOWN_VARIANCE).contains(v)).then_some(variance)
     }
 
-    /// The seed that this program rendered it with. An image of the same seed has some of its noise.
+    /// The seed of the render, if this program made the file. Images with the same seed share some noise.
     pub fn seed(&self) -> Option<u32> {
         let (_, text) = self.attributes.iter().find(|(name, _)| name == "gpu-rt:seed")?;
         text.parse().ok()
@@ -165,7 +167,8 @@ impl ExrImage {
 
 type FlatLayer = Layer<AnyChannels<FlatSamples>>;
 
-/// Reads red, green and blue, in half or float, of the part or layer that is the picture by its name. The size is the data window's.
+/// Reads red, green and blue, in half or float, from the part or layer whose name says that it is the picture. The size
+/// is that of the data window.
 pub fn read_exr(path: &Path) -> Result<ExrImage> {
     let failed = |reason: String| Error::File { path: path.to_owned(), action: "read", reason };
     let open = || File::open(path).map_err(|error| failed(error.to_string()));
@@ -196,14 +199,14 @@ pub fn read_exr(path: &Path) -> Result<ExrImage> {
     })
 }
 
-/// A damaged header may ask for more memory than there is, which would end the process. The pixels are held up to four times: packed,
-/// unpacked, by channel, and as they are returned.
+/// Checks that there is enough memory for the pixels. A damaged header may ask for more, and a failed allocation ends
+/// the process. The pixels are in memory up to four times: packed, unpacked, by channel, and in the result.
 fn check_memory(header: &MetaData) -> std::result::Result<(), String> {
     let bytes_of = |(Vec2(width, height), pixel): (Vec2<usize>, usize)| width.checked_mul(height)?.checked_mul(pixel);
     let sizes = header.headers.iter().map(|h| bytes_of((h.layer_size, h.channels.bytes_per_pixel)));
     let total = sizes.reduce(|a, b| a?.checked_add(b?)).flatten().unwrap_or(usize::MAX);
     let had = Vec::<u8>::new().try_reserve_exact(total.saturating_mul(4));
-    had.map_err(|_| format!("it says that it holds {total} bytes of pixels, more than the memory"))
+    had.map_err(|_| format!("its header claims {total} bytes of pixels, which is more than the memory"))
 }
 
 fn samples<'a>(layer: &'a FlatLayer, name: &str) -> Option<&'a FlatSamples> {
@@ -229,7 +232,7 @@ fn count_channel(layer: &FlatLayer, name: &str) -> Option<Vec<u32>> {
     }
 }
 
-/// How renderers name the layer that is the picture: by itself, or after the name of a view layer and a point.
+/// Common names of the layer that is the picture. The name of a view layer and a point can precede them.
 const PICTURES: [&str; 8] = ["combined", "beauty", "rgba", "rgb", "color", "colour", "c", "image"];
 /// The names of red, green and blue.
 const SPELLINGS: [Rgb<&str>; 3] = [CHANNELS, ["r", "g", "b"], ["red", "green", "blue"]];
@@ -238,14 +241,14 @@ const SPELLINGS: [Rgb<&str>; 3] = [CHANNELS, ["r", "g", "b"], ["red", "green", "
 struct RgbPlace<'a> {
     part: &'a FlatLayer,
     channels: Rgb<String>,
-    /// The name of their layer, with that of the part where both have one.
+    /// The name of their layer, after the name of the part if both have one.
     layer: String,
     /// Whether the layer is the whole part.
     is_part: bool,
 }
 
 impl RgbPlace<'_> {
-    /// The less, the more likely it is the picture.
+    /// The lower the rank, the more likely it is the picture.
     fn rank(&self) -> usize {
         let last = self.layer.rsplit('.').next().unwrap_or_default().to_lowercase();
         match (PICTURES.iter().position(|name| *name == last), self.is_part) {
@@ -261,8 +264,9 @@ impl RgbPlace<'_> {
 const UNNAMED_PART: usize = 1 + PICTURES.len();
 const UNNAMED_LAYER: usize = UNNAMED_PART + 1 + PICTURES.len();
 
-/// The red, green and blue that are the picture: those without a layer's name, of the part that has a picture's name if there are several;
-/// else of the layer that has a picture's name, else of the only one. Where several may be it, none is chosen.
+/// Finds the red, green and blue of the picture. Channels without a layer's name come first; if several parts have
+/// them, the part with a picture's name counts. Next come layers with a picture's name, and then a single layer of any
+/// name. It is an error if several are possible.
 fn find_rgb(parts: &[FlatLayer]) -> std::result::Result<RgbPlace<'_>, String> {
     let mut places: Vec<RgbPlace<'_>> = parts.iter().flat_map(rgb_of_part).collect();
     places.sort_by_key(RgbPlace::rank);
@@ -278,7 +282,7 @@ fn find_rgb(parts: &[FlatLayer]) -> std::result::Result<RgbPlace<'_>, String> {
     places.into_iter().next().ok_or_else(|| no_rgb(parts))
 }
 
-/// All red, green and blue of a part, in the order of their names.
+/// All triples of red, green and blue in a part, sorted by name.
 fn rgb_of_part(part: &FlatLayer) -> Vec<RgbPlace<'_>> {
     let part_name =
         part.attributes.layer_name.as_ref().map(|name| String::from_utf8_lossy(name.as_slice()).into_owned());
@@ -317,7 +321,7 @@ fn describe((name, value): (&Text, &AttributeValue)) -> Option<(String, String)>
     let value = match value {
         AttributeValue::Text(value) => decode(value),
         AttributeValue::I32(value) => value.to_string(),
-        // `{:?}` is the shortest text that reads back as the same number.
+        // `{:?}` gives the shortest text that parses to the same number.
         AttributeValue::F32(value) => format!("{value:?}"),
         AttributeValue::F64(value) => format!("{value:?}"),
         _ => return None,
@@ -329,7 +333,7 @@ fn describe((name, value): (&Text, &AttributeValue)) -> Option<(String, String)>
 mod tests {
     use super::*;
 
-    /// Values of every kind that a film delivers, over the whole range of f32.
+    /// All kinds of values that a film can produce, over the whole range of f32.
     fn picture() -> Picture {
         let count = 7 * 5;
         let value = |i: usize| f32::from_bits((i as u32).wrapping_mul(0x0123_4567) & 0x7f7f_ffff);
@@ -398,7 +402,7 @@ mod tests {
 
     #[test]
     fn rows_run_from_top_to_bottom() {
-        // Row 0 first in the file too, with y growing downwards: what any other reader puts on top.
+        // Row 0 is also first in the file, with y growing downwards: other readers show it at the top.
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.exr");
         write_exr(&path, &picture(), &[]).unwrap();
@@ -442,7 +446,7 @@ mod tests {
         assert_eq!(read.rgb, expected);
         assert_eq!((read.variance, read.samples, read.rejected), (None, None, None));
 
-        // In the second part, after one of depth; then in a named layer.
+        // The picture is in the second part, after one of depth; then in a named layer.
         let rgb = |prefix: &'static [&'static str; 3]| {
             vec![(prefix[0], float(1.0, 2.0)), (prefix[1], float(3.0, 4.0)), (prefix[2], float(5.0, f32::INFINITY))]
         };
@@ -456,7 +460,7 @@ mod tests {
             assert_eq!(read_exr(&path).unwrap().rgb, expected, "{names:?}");
         }
 
-        // Beside layers that are no pictures, whatever the order of their names; and where it cannot be told.
+        // Other layers are present, in any order of names; then the picture is ambiguous.
         let other = |names: &'static [&'static str; 3]| names.map(|name| (name, float(7.0, 7.0))).to_vec();
         for (picture, names) in [
             (rgb(&["R", "G", "B"]), &["A.R", "A.G", "A.B"]),

@@ -1,10 +1,10 @@
-//! The colours of an error map: magma, whose lightness rises evenly with the value (S. van der Walt and N. Smith, "A better default
+//! The colours of error maps: magma, whose lightness rises evenly with the value (S. van der Walt and N. Smith, "A better default
 //! colormap for matplotlib", SciPy 2015).
 
 use crate::data::unit;
 
-/// Polynomials of degree 6 through the published table of 256 sRGB colours, the constant first; off by 5 of 255 at most (M. Zucker,
-/// "matplotlib colormaps", 2019, in the public domain).
+/// Polynomials of degree 6 that approximate the published table of 256 sRGB colours, constant terms first. The largest
+/// error is 5 of 255 (M. Zucker, "matplotlib colormaps", 2019, in the public domain).
 const POLYNOMIALS: [[f64; 3]; 7] = [
     [-0.002_136_485, -0.000_749_655, -0.005_386_128],
     [0.251_660_541, 0.677_523_244, 2.494_026_599],

@@ -8,13 +8,13 @@ use crate::error::{Error, Result};
 #[derive(Clone, Debug)]
 pub struct Curve {
     pub name: String,
-    /// x and y, both above 0; others are left out.
+    /// x and y, both above 0. Other points are left out.
     pub points: Vec<(f64, f64)>,
-    /// What was measured of it, drawn as dots.
+    /// Measured points, drawn as dots.
     pub marks: Vec<(f64, f64)>,
 }
 
-/// What a plot shows.
+/// The contents of a plot.
 #[derive(Clone, Debug)]
 pub struct Plot<'a> {
     pub title: &'a str,
@@ -26,12 +26,12 @@ pub struct Plot<'a> {
 
 const WIDTH: u32 = 900;
 const HEIGHT: u32 = 540;
-/// The legend stands below, where no curve is.
+/// The columns of the legend, which is below the curves.
 const LEGEND_COLUMNS: usize = 3;
 const LEGEND_ROW: u32 = 24;
 
-/// Colours that are told apart on white, by most people with colour blindness too: M. Okabe and K. Ito's ("Color Universal Design", 2008)
-/// without yellow, and darker ones of them.
+/// Colours that are distinct on white, also for most people with colour blindness: those of M. Okabe and K. Ito ("Color
+/// Universal Design", 2008) without yellow, and darker versions of them.
 const COLOURS: [RGBColor; 10] = [
     RGBColor(0, 0, 0),
     RGBColor(0, 114, 178),
@@ -48,7 +48,7 @@ const COLOURS: [RGBColor; 10] = [
 /// The plot as an SVG document, both axes logarithmic.
 ///
 /// # Errors
-/// `Error::Usage` where no curve has a point.
+/// `Error::Usage` if no curve has a point.
 pub fn svg(plot: &Plot<'_>) -> Result<String> {
     let mut text = String::new();
     let rows = plot.curves.len().div_ceil(LEGEND_COLUMNS) as u32;
@@ -70,7 +70,7 @@ fn draw(plot: &Plot<'_>, area: &DrawingArea<SVGBackend<'_>, plotters::coord::Shi
     if all.is_empty() {
         return Err("it has no points".into());
     }
-    // A little wider than the points, so that none is on the frame.
+    // The axes are a little wider than the points, so that none lies on the frame.
     let range = |of: fn(&(f64, f64)) -> f64| {
         let ends = all.iter().map(of).fold((f64::MAX, f64::MIN_POSITIVE), |(a, b), v| (a.min(v), b.max(v)));
         ends.0 / 1.5..ends.1 * 1.5
@@ -110,7 +110,7 @@ fn draw(plot: &Plot<'_>, area: &DrawingArea<SVGBackend<'_>, plotters::coord::Shi
     Ok(())
 }
 
-/// 1e-3 for what is far from 1, plain digits near it.
+/// A number as 1e-3 if it is far from 1, else with plain digits.
 fn short(value: &f64) -> String {
     match (1e-2..1e4).contains(value) {
         true => format!("{value}"),

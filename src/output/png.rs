@@ -1,4 +1,4 @@
-//! The picture for the screen: exposure, tone mapping, sRGB, 8 bits.
+//! PNG files for the screen: exposure, tone mapping, sRGB, 8 bits.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 use crate::film::Picture;
 use crate::output::{atomic, magma::magma};
 
-/// Exposures beyond ±this make every f32 white or black.
+/// Exposures beyond this, of either sign, make every f32 white or black.
 const MAX_EXPOSURE: f64 = 300.0;
 
 /// Writes the picture as an 8-bit sRGB PNG, brightened by 2^`exposure_ev`, tone-mapped by [`neutral`].
@@ -23,18 +23,18 @@ pub fn write_png(path: &Path, picture: &Picture, exposure_ev: f64) -> Result<()>
     atomic::write(path, &bytes)
 }
 
-/// Writes values of 0..1, row 0 on top, as a PNG in the magma colours: from black through red to pale yellow.
+/// Writes values of 0..1, with row 0 at the top, as a PNG in magma colours: from black through red to pale yellow.
 pub fn write_heatmap(path: &Path, size: (u32, u32), values: &[f32]) -> Result<()> {
     let bytes = heatmap(size, values).map_err(|reason| failed(path, reason))?;
     atomic::write(path, &bytes)
 }
 
-/// A picture as [`write_png`] has it, as the bytes of a PNG; or why there is none.
+/// The bytes that [`write_png`] writes with an exposure of 0. The error is a reason in words.
 pub fn picture(size: (u32, u32), rgb: &[[f32; 3]]) -> std::result::Result<Vec<u8>, String> {
     compress(size, &shown(rgb, 1.0))
 }
 
-/// What [`write_heatmap`] writes; or why there is nothing.
+/// The bytes that [`write_heatmap`] writes. The error is a reason in words.
 pub fn heatmap(size: (u32, u32), values: &[f32]) -> std::result::Result<Vec<u8>, String> {
     compress(size, &values.iter().map(|&value| magma(f64::from(value))).collect::<Vec<_>>())
 }
@@ -47,7 +47,7 @@ fn failed(path: &Path, reason: String) -> Error {
     Error::File { path: path.to_owned(), action: "write", reason }
 }
 
-/// Encodes in memory, so that the encoder cannot lose an error of the disk. The PNG is small beside the film.
+/// Encodes in memory, so that the encoder cannot hide an error of the disk. The PNG is small relative to the film.
 fn compress((width, height): (u32, u32), pixels: &[[u8; 3]]) -> std::result::Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
     let written =
@@ -56,19 +56,19 @@ fn compress((width, height): (u32, u32), pixels: &[[u8; 3]]) -> std::result::Res
     Ok(bytes)
 }
 
-/// Linear radiance to the screen's bytes.
+/// Linear radiance to sRGB bytes for the screen.
 fn encode(color: [f64; 3]) -> [u8; 3] {
     // `as` saturates.
     neutral(color).map(|v| (srgb(v) * 255.0).round() as u8)
 }
 
 /// Khronos PBR Neutral tone mapper (github.com/KhronosGroup/ToneMapping, PBR_Neutral/README.md, "PBR Neutral
-/// Specification", 2024): linear Rec. 709 of any brightness ≥ 0 to 0..1. Below its shoulder it takes the 4 % away that a dielectric's
-/// reflection of white adds to a base colour, so that colours come out as they were chosen.
+/// Specification", 2024): linear Rec. 709 of any brightness ≥ 0 to 0..1. Below its shoulder it subtracts the 4 % that a
+/// dielectric's reflection of white adds to a base colour, so that the displayed colour is the base colour.
 fn neutral(color: [f64; 3]) -> [f64; 3] {
-    /// Fresnel reflection at normal incidence that the colours are taken to contain.
+    /// The Fresnel reflection at normal incidence that the colours are assumed to contain.
     const F90: f64 = 0.04;
-    /// Where compression starts.
+    /// The brightness at which compression starts.
     const SHOULDER: f64 = 0.8 - F90;
     /// How fast highlights lose their colour.
     const DESATURATION: f64 = 0.15;
@@ -102,8 +102,8 @@ mod tests {
     #[test]
     fn neutral_agrees_with_the_specification() {
         assert_eq!(neutral([0.0; 3]), [0.0; 3]);
-        // Below the shoulder: less 4 %, or x² · 6.25 of the least channel in the dark.
-        // Above the shoulder, by the specification's formulas with mpmath.
+        // Below the shoulder, 4 % are subtracted, or x² · 6.25 of the least channel in dark colours.
+        // Above the shoulder, the values are computed with the specification's formulas in mpmath.
         let cases = [
             ([0.5, 0.3, 0.18], [0.46, 0.26, 0.14]),
             ([0.5, 0.3, 0.04], [0.47, 0.27, 0.01]),
@@ -134,7 +134,7 @@ mod tests {
         // Grey of 18 %: 14 % after the offset, sRGB 104.56.
         assert_eq!(encode([0.18; 3]), [105; 3]);
         assert_eq!(encode([f64::from(f32::MAX) * 2f64.powi(300); 3]), [255; 3]);
-        // A very bright colour goes to white, not to a clipped primary.
+        // A very bright colour becomes white, not a clipped primary.
         assert_eq!(encode([1e6, 0.0, 0.0]), [255; 3]);
         assert_eq!(encode([1.0, 0.0, 0.0])[1], encode([1.0, 0.0, 0.0])[2]);
     }

@@ -9,26 +9,26 @@ use indicatif::{FormattedDuration, ProgressBar, ProgressDrawTarget, ProgressFini
 
 use crate::job::{Goal, Job};
 
-/// Time between lines where stderr is no terminal: few enough for the log of a long render.
+/// The time between lines if stderr is not a terminal. A long render writes few enough lines for a log.
 const LINE_INTERVAL: Duration = Duration::from_secs(5);
-/// Shorter work is over before a bar could be read, and shows none.
+/// Work that takes less time shows no bar, because nobody could read it.
 const MOMENT: Duration = Duration::from_millis(500);
-/// Length of the bar. Its unit is a share of the whole, since the whole may be samples or seconds.
+/// The steps of the bar. A step is a share of the work, because the work may be samples or seconds.
 const BAR_STEPS: u64 = 10_000;
-/// Indicatif leaves the colour out where stderr is no terminal, and where NO_COLOR is set.
+/// Indicatif omits the colour if stderr is not a terminal, or if NO_COLOR is set.
 const TEMPLATE: &str = "{bar:24.cyan} {msg}";
 
 /// The state of the render.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Status {
-    /// Samples a pixel so far.
+    /// The samples per pixel so far.
     pub samples_per_pixel: u64,
     pub paths_per_second: f64,
-    /// As [`crate::film::Film::relative_error`].
+    /// The error by [`crate::film::Film::relative_error`].
     pub relative_error: Option<f64>,
 }
 
-/// Shows how far a render is. All methods may be called from any thread.
+/// Shows the progress of a render. All methods may be called from any thread.
 pub struct Progress {
     job: Job,
     start: Instant,
@@ -43,25 +43,25 @@ enum Display {
 }
 
 impl Progress {
-    /// The time runs from here. `quiet` shows nothing at all.
+    /// Starts the clock. `quiet` shows nothing at all.
     pub fn new(quiet: bool, job: &Job) -> Progress {
         let start = Instant::now();
         let display = if quiet { Display::Hidden } else { Display::for_stderr(start) };
         Progress { job: job.clone(), start, display }
     }
 
-    /// May be called as often as is convenient.
+    /// Shows the new status. May be called as often as is convenient.
     pub fn update(&self, status: Status) {
         let elapsed = self.start.elapsed();
         self.display.show(self.share(&status, elapsed), || self.describe(&status, elapsed));
     }
 
-    /// Prints a line, above the bar; nothing where quiet.
+    /// Prints a line above the bar, unless quiet.
     pub fn message(&self, text: &str) {
         self.display.message(text);
     }
 
-    /// Removes the bar. Dropping does the same, so that an error's text stands on a line of its own.
+    /// Removes the bar. Dropping does the same, so that an error message starts on a line of its own.
     pub fn finish(&self) {
         if let Display::Bar(bar) = &self.display {
             bar.finish_and_clear();
@@ -72,7 +72,7 @@ impl Progress {
 impl Display {
     fn for_stderr(now: Instant) -> Display {
         let target = ProgressDrawTarget::stderr();
-        // Indicatif hides it where stderr is no terminal, or a dumb one.
+        // Indicatif hides the bar if stderr is not a terminal, or a dumb one.
         if target.is_hidden() {
             return Display::Lines(Mutex::new(now));
         }
@@ -81,7 +81,7 @@ impl Display {
         Display::Bar(bar.with_style(style).with_finish(ProgressFinish::AndClear))
     }
 
-    /// Prints a line, above the bar.
+    /// Prints a line above the bar.
     fn message(&self, text: &str) {
         match self {
             Display::Hidden => {}
@@ -90,7 +90,7 @@ impl Display {
         }
     }
 
-    /// Shows what is done, 0 to 1, and in words.
+    /// Shows the share of the work that is done, 0 to 1, and the words.
     fn show(&self, share: f64, words: impl FnOnce() -> String) {
         match self {
             Display::Hidden => {}
@@ -110,27 +110,27 @@ impl Display {
     }
 }
 
-/// Shows the progress of reading the scene's files, or of other work of a known length, once that takes longer than a moment. Dropping it
-/// removes the bar.
+/// Shows the progress of reading the scene's files, or of other work of a known length. The bar appears if the work
+/// takes longer than a moment. Dropping it removes the bar.
 pub struct Loading {
     quiet: bool,
     start: Instant,
-    /// None before the moment is over.
+    /// None until the moment is over.
     display: Option<Display>,
 }
 
 impl Loading {
-    /// The time runs from here. `quiet` shows nothing at all.
+    /// Starts the clock. `quiet` shows nothing at all.
     pub fn new(quiet: bool) -> Loading {
         Loading { quiet, start: Instant::now(), display: None }
     }
 
-    /// The current work, and the share of it that is done.
+    /// Shows the current work, and the share of it that is done.
     pub fn show(&mut self, words: &str, share: f64) {
         self.show_with(share, || words.to_string());
     }
 
-    /// Prints a line, above the bar; nothing where quiet.
+    /// Prints a line above the bar, unless quiet.
     pub fn message(&self, text: &str) {
         match &self.display {
             Some(display) => display.message(text),
@@ -139,7 +139,7 @@ impl Loading {
         }
     }
 
-    /// `done` of the `whole` bytes of a file are read. May be called as often as is convenient.
+    /// Reports that `done` of the `whole` bytes of a file are read. May be called as often as is convenient.
     pub fn update(&mut self, file: &Path, done: u64, whole: u64) {
         self.show_with(done as f64 / whole.max(1) as f64, || describe_file(file, done, whole));
     }
@@ -173,7 +173,7 @@ impl Progress {
         let share = match self.job.goal {
             Goal::Samples(end) => samples / f64::from(end.saturating_sub(self.job.first_sample).max(1)),
             Goal::Until { deadline, .. } => of_time(deadline),
-            // The error falls with the root of the samples or faster.
+            // The error falls with the square root of the samples or faster.
             Goal::Noise { error: below, deadline, .. } => {
                 let of_error = status.relative_error.map_or(0.0, |error| (below / error).powi(2));
                 of_error.max(deadline.map_or(0.0, of_time))
@@ -182,13 +182,13 @@ impl Progress {
         share.min(1.0)
     }
 
-    /// The time left; for samples, at the speed so far. None before anything is done.
+    /// The remaining time; for a number of samples, at the speed so far. None before any work is done.
     fn remaining(&self, status: &Status, elapsed: Duration) -> Option<Duration> {
         if let Goal::Until { deadline, .. } = self.job.goal {
             return Some(deadline.saturating_duration_since(self.start + elapsed));
         }
         let share = self.share(status, elapsed);
-        // None also where no duration holds it.
+        // None also if a duration cannot represent it.
         Duration::try_from_secs_f64(elapsed.as_secs_f64() * (1.0 - share) / share).ok()
     }
 
@@ -207,7 +207,7 @@ impl Progress {
     }
 }
 
-/// As many decimals as two significant digits need, 4 at most.
+/// A number with two significant digits, but at most 4 decimals.
 fn two_digits(value: f64) -> String {
     let decimals = if value > 0.0 { (1.0 - value.log10().floor()).clamp(0.0, 4.0) } else { 0.0 };
     format!("{value:.*}", decimals as usize)

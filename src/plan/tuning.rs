@@ -1,10 +1,13 @@
 //! Sizes that suit a device for a job; they do not change the image.
 
 use super::MOST_PATH_BYTES;
-use crate::film::RunRecord;
+use crate::data::{PixelTotals, RunRecord};
 use crate::gpu::device::DeviceClass;
 use crate::job::Job;
 use crate::options::{RenderOptions, Scatter};
+
+/// The most memory of a device that the film takes; a larger one is in tiles.
+const MOST_FILM_BYTES: u64 = 512 << 20;
 
 /// Sizes that do not change the image, only how fast it comes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,8 +18,10 @@ pub struct Tuning {
     pub scatter: Scatter,
     /// Bounces of a submission; measured and adapted where this is absent.
     pub bounces: Option<u32>,
-    /// Finished runs that a slot can deliver between two readings by the host.
+    /// Finished runs of a slot for which there is room until the film has them.
     pub records_per_slot: u32,
+    /// Pixels of the film that the device holds at a time.
+    pub tile: u32,
 }
 
 impl Tuning {
@@ -32,15 +37,17 @@ impl Tuning {
         // Their state is one buffer.
         let most = most.min(device.max_binding_bytes / MOST_PATH_BYTES).max(fewest);
         let slots = options.slots.unwrap_or((runs / 8).clamp(fewest, most) as u32).max(1);
-        let record = size_of::<RunRecord>() as u64;
-        let room = device.max_binding_bytes / (u64::from(slots) * record);
+        let room_for_records = device.max_binding_bytes / (u64::from(slots) * size_of::<RunRecord>() as u64);
+        let pixels = u64::from(job.size.0) * u64::from(job.size.1);
+        let room = device.max_binding_bytes.min(MOST_FILM_BYTES) / size_of::<PixelTotals>() as u64;
         Tuning {
             slots,
             workgroup: options.workgroup.unwrap_or(64),
             // Measured in docs/performance.md: a processor pays more for storing a path's state than for its divergence.
             scatter: options.scatter.unwrap_or(if device.software { Scatter::Fused } else { Scatter::Linked }),
             bounces: options.bounces,
-            records_per_slot: room.clamp(2, 16) as u32,
+            records_per_slot: room_for_records.clamp(2, 8) as u32,
+            tile: pixels.min(room).max(1) as u32,
         }
     }
 }

@@ -11,11 +11,11 @@ use super::types::*;
 use crate::error::Result;
 use crate::source::Place;
 
-/// Most texels along one side of an image.
+/// The largest width or height of an image.
 const LARGEST_SIDE: u32 = 16384;
 const EXR_MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 
-/// Decodes every image of the scene once, by its path as written. An error stands at the `path` field.
+/// Decodes every image of the scene once. The keys are the paths as the scene file writes them. Errors point at the `path` field.
 pub fn load_all(scene: &Scene) -> Result<Bitmaps> {
     let mut bitmaps = Bitmaps::new();
     let top = scene.top();
@@ -51,7 +51,7 @@ fn load(scene: &Scene, at: &Place, path: &str, usage: Use, bitmaps: &mut Bitmaps
     }
 }
 
-/// Decodes one file: .exr, .hdr and other images of floats are linear, all others sRGB. Alpha is
+/// Decodes one file. Images of floats, such as .exr and .hdr, are linear; all others are sRGB. Alpha is
 /// ignored, and grey becomes a colour.
 fn decode(path: &Path) -> std::result::Result<Bitmap, String> {
     let cannot = |reason: std::io::Error| format!("cannot read the image: {reason}");
@@ -69,7 +69,7 @@ fn decode(path: &Path) -> std::result::Result<Bitmap, String> {
 
 fn decode_exr(bytes: &[u8]) -> std::result::Result<Bitmap, String> {
     let text = |error: exr::error::Error| error.to_string();
-    // The sizes first: the pixels' memory is asked for before they are read.
+    // The sizes are checked first, because the crate allocates memory for all pixels before it reads them.
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(text)?;
     for header in &meta.headers {
         fits(header.layer_size.width(), header.layer_size.height())?;
@@ -100,7 +100,7 @@ fn decode_exr(bytes: &[u8]) -> std::result::Result<Bitmap, String> {
 fn decode_other(bytes: &[u8], by_name: Option<ImageFormat>) -> std::result::Result<Bitmap, String> {
     let text = |error: image::ImageError| error.to_string();
     let mut reader = ImageReader::new(Cursor::new(bytes));
-    // The content tells the format better than the file's name; .tga has no mark of its own.
+    // The content identifies the format more reliably than the file's name, except for .tga, which has no magic number.
     let format = image::guess_format(bytes).ok().or(by_name);
     reader.set_format(format.ok_or("its format is not known")?);
     reader.limits(limits());
@@ -111,7 +111,7 @@ fn decode_other(bytes: &[u8], by_name: Option<ImageFormat>) -> std::result::Resu
     Ok(Bitmap { width, height, texels: linear(image) })
 }
 
-/// Memory for the largest image of four 32-bit channels, and for no file that unpacks to more.
+/// Limits the decoder to the memory that the largest image of four 32-bit channels needs.
 fn limits() -> Limits {
     let mut limits = Limits::default();
     limits.max_alloc = Some(16 * u64::from(LARGEST_SIDE).pow(2));
@@ -126,7 +126,7 @@ fn fits(width: usize, height: usize) -> std::result::Result<(), String> {
     Err(format!("expected a width and height from 1 to {LARGEST_SIDE}, found {width} by {height}"))
 }
 
-/// The texels of a decoded image.
+/// The linear texels of a decoded image.
 fn linear(image: DynamicImage) -> Vec<[f32; 3]> {
     match image {
         DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => {
@@ -147,7 +147,7 @@ fn linear(image: DynamicImage) -> Vec<[f32; 3]> {
     }
 }
 
-/// The light that an sRGB code of 0..=1 stands for (IEC 61966-2-1).
+/// The linear value of an sRGB code in 0..=1 (IEC 61966-2-1).
 fn from_srgb(code: f64) -> f32 {
     let light = if code <= 0.04045 { code / 12.92 } else { ((code + 0.055) / 1.055).powf(2.4) };
     light as f32
@@ -161,7 +161,7 @@ mod tests {
     fn decodes_srgb() {
         assert_eq!(from_srgb(0.0), 0.0);
         assert_eq!(from_srgb(1.0), 1.0);
-        // The standard's own numbers, and the sum at which the two parts meet.
+        // Values of the standard, and the code at which its two parts join.
         assert!((f64::from(from_srgb(188.0 / 255.0)) - 0.502_886_5).abs() < 1e-6);
         assert!((f64::from(from_srgb(0.04045)) - 0.003_130_804_95).abs() < 1e-9);
     }

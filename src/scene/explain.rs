@@ -1,7 +1,7 @@
-//! ron's errors in the words of the scene format.
+//! Translates ron's errors into the terms of the scene format.
 //!
-//! ron knows where its cursor stood and what a Rust type expected. The tree of spans turns the cursor
-//! into a value and its path, and the path says what the scene format expects there.
+//! ron reports the position of its cursor and what a Rust type expected. The tree of spans maps the
+//! cursor to a value and its path, and the path determines what the scene format expects there.
 
 use ron::error::{Error as Ron, SpannedError};
 
@@ -14,7 +14,7 @@ use crate::source::form::{COLOUR, Form, NUMBER, PATH, POINT, VECTOR};
 use crate::source::{Id, Source, Span, Step, skip_space, slice};
 use crate::texture::{TEXTURE, Texture};
 
-/// The same error with the value's own position, the field's path and what was expected.
+/// The same error with the position of the value, its path, and what is expected there.
 pub fn explain(source: &Source, error: SpannedError) -> Error {
     let cursor = source.offset(error.span.end.line, error.span.end.col);
     let explain = Explain { source, cursor };
@@ -26,7 +26,7 @@ pub fn explain(source: &Source, error: SpannedError) -> Error {
             explain.name(format!("unknown field {found}: {}", known(&found, expected)), &found)
         }
         Ron::DuplicateStructField { field, .. } => explain.name(format!("{field} is given twice"), field),
-        // Our own, about a material's name that occurs twice.
+        // This program's own error about a material's name that occurs twice.
         Ron::Message(message) => explain.name(message, ""),
         Ron::MissingStructField { field, .. } => explain.missing(field),
         Ron::NoSuchEnumVariant { expected, found, .. } => explain.variant(&found, expected),
@@ -71,15 +71,15 @@ pub fn explain(source: &Source, error: SpannedError) -> Error {
 
 struct Explain<'a> {
     source: &'a Source,
-    /// The byte where ron stopped.
+    /// The byte at which ron reported the error.
     cursor: usize,
 }
 
 impl<'a> Explain<'a> {
-    /// An error at an exact byte, about the innermost value around it.
+    /// An error at a byte, with the path of the innermost value around it.
     fn here(&self, offset: usize, message: impl Into<String>) -> Error {
         let id = self.at(offset);
-        // A value that starts right here is not the one that is incomplete: the one around it is.
+        // If a value starts at this byte, the incomplete value is the one around it.
         let id = id.and_then(|id| match self.source.spans.entry_start(id) as usize == offset {
             true => self.source.spans.parent(id),
             false => Some(id),
@@ -87,14 +87,14 @@ impl<'a> Explain<'a> {
         self.source.error_at(offset, &self.path(id, true), message)
     }
 
-    /// ron stopped just after a field's name or a map's key, and the name is at fault.
+    /// For errors about a field's name or a map's key, with the cursor just after it.
     fn name(&self, message: String, name: &str) -> Error {
         let Some(id) = self.before_cursor() else {
             return self.here(self.cursor, message);
         };
         let mut path = self.path(Some(id), false);
         if self.source.spans.key(id).is_empty() {
-            // There is no colon after it: the tree took it for a value.
+            // Without a colon after the name, the tree holds it as a value.
             path.pop();
             path.push(Step::Field(name));
         }
@@ -102,7 +102,7 @@ impl<'a> Explain<'a> {
         self.source.error_at(start, &path, message)
     }
 
-    /// ron stopped at the closing bracket of a struct that lacks a field.
+    /// For a missing field, with the cursor at the struct's closing bracket.
     fn missing(&self, name: &str) -> Error {
         let id = self.at(self.cursor);
         let mut path = self.path(id, true);
@@ -112,7 +112,7 @@ impl<'a> Explain<'a> {
         self.source.error_at(start, &path, message)
     }
 
-    /// ron stopped just after the name of a variant that there is not.
+    /// For an unknown variant, with the cursor just after its name.
     fn variant(&self, found: &str, variants: &[&str]) -> Error {
         let path = self.path(self.before_cursor(), false);
         let meant = nearest(found, variants.iter().copied());
@@ -120,7 +120,7 @@ impl<'a> Explain<'a> {
         self.expected(self.before_cursor(), &path, &meant)
     }
 
-    /// ron stopped at or just after a value that it could not read.
+    /// For a value that ron could not read, with the cursor at it or just after it.
     fn value(&self) -> Error {
         let id = self.value_at_cursor();
         if let Some(id) = id
@@ -128,12 +128,12 @@ impl<'a> Explain<'a> {
         {
             return self.key(id);
         }
-        // With the cursor past the bracket, what is inside is at fault: `Group()`.
+        // If the cursor is past the opening bracket, the error is about the content, as in `Group()`.
         let inside = id.is_some_and(|id| self.cursor as u32 > self.source.spans.name_end(id));
         self.expected(id, &self.path(id, inside), "")
     }
 
-    /// ron stopped after the name of a variant that no bracket follows, or not the right one.
+    /// For a variant without a bracket, or with the wrong one, with the cursor after its name.
     fn bracket(&self) -> Error {
         let id = self.value_at_cursor();
         let mut path = self.path(id, false);
@@ -145,7 +145,7 @@ impl<'a> Explain<'a> {
         self.expected(id, &path, "")
     }
 
-    /// ron stopped at a key that is no name, or no string.
+    /// For a field's key that is not a name, or a map's key that is not a string, with the cursor at the key.
     fn key(&self, id: Id) -> Error {
         let path = self.path(self.source.spans.parent(id), true);
         let key = self.source.spans.key(id);
@@ -158,13 +158,13 @@ impl<'a> Explain<'a> {
         self.source.error_at(key.start as usize, &path, message)
     }
 
-    /// ron stopped inside a value whose number of elements is wrong.
+    /// For a value with a wrong number of elements, with the cursor inside it.
     fn value_around(&self) -> Error {
         let id = self.at(self.cursor);
         self.expected(id, &self.path(id, true), "")
     }
 
-    /// ron stopped at the first element that is too many, or at what stands in a bracket's place.
+    /// For an element too many, or a token in the place of a bracket, with the cursor at it.
     fn too_many(&self) -> Error {
         let id = self.at(self.cursor);
         let starts_here = id.is_some_and(|id| self.source.spans.entry_start(id) as usize == self.cursor);
@@ -175,10 +175,10 @@ impl<'a> Explain<'a> {
         self.expected(id, &self.path(id, true), "")
     }
 
-    /// ron stopped where a comma or a closing bracket should be.
+    /// For a missing comma or closing bracket, with the cursor at its place.
     fn comma(&self) -> Error {
         match self.at(self.cursor) {
-            // In the middle of a word: `640.5` where whole numbers go, `5px`.
+            // The cursor is in the middle of a word: `640.5` in the place of a whole number, or `5px`.
             Some(id) if self.is_word(id) && (self.source.spans.value(id).start as usize) < self.cursor => {
                 self.expected(Some(id), &self.path(Some(id), false), "")
             }
@@ -208,7 +208,7 @@ impl<'a> Explain<'a> {
 
     fn too_deep(&self) -> Error {
         let mut path = self.path(self.at(self.cursor), false);
-        // The whole path would fill a page.
+        // The whole path would fill a page of the terminal.
         path.truncate(2);
         let message = "nested too deeply (objects may hold objects some 60 deep): flatten the groups and transforms";
         self.source.error_at(self.cursor, &path, message)
@@ -259,7 +259,7 @@ impl<'a> Explain<'a> {
         self.source.spans.children(id).is_empty() && self.source.spans.name(self.source.text(), id).is_empty()
     }
 
-    /// The value that starts at the cursor or ended just before it.
+    /// The value that starts at the cursor, or else the one that ends just before it.
     fn value_at_cursor(&self) -> Option<Id> {
         let around = self.at(self.cursor)?;
         if self.source.spans.entry_start(around) as usize == self.cursor {
@@ -281,7 +281,7 @@ fn known(found: &str, names: &[&str]) -> String {
     format!("expected one of {}{meant}", names.join(", "))
 }
 
-/// A sentence of ron's without its capital.
+/// One of ron's sentences with a small initial letter.
 fn lower(message: &str) -> String {
     let mut characters = message.chars();
     let first = characters.next().map(|c| c.to_ascii_lowercase());
@@ -297,7 +297,7 @@ fn object() -> String {
     format!("an object: {}, Transformed(..), Group([..]) or Medium(..)", shapes.join(", "))
 }
 
-/// What the scene format expects at the end of a path.
+/// The words for what the scene format expects at the end of a path.
 fn expected(path: &[Step<'_>]) -> String {
     let form = |name: &str| forms().find(|form| form.name == name);
     let of_form = match path {

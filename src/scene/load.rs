@@ -16,14 +16,14 @@ use super::{OnProgress, Scene, bitmap, mesh, validate};
 use crate::error::Result;
 use crate::source::Source;
 
-/// The longest scene file, in bytes: enough for some ten million spheres. Positions are kept in 32 bits.
+/// The longest scene file, in bytes: enough for about ten million spheres. Positions in the text are stored in 32 bits.
 const LONGEST_FILE: u64 = 1 << 30;
 
-/// How far ron may recurse: four calls an object, so that objects may be nested some 60 deep. A stack
-/// of 1 MiB holds that, even in a build without optimisation.
+/// The limit on ron's recursion. An object takes four calls, so that objects can be nested about 60 deep.
+/// A stack of 1 MiB is enough for that, even in a build without optimisation.
 const RECURSION_LIMIT: usize = 256;
 
-/// The scene as the file writes it.
+/// The contents of a scene file.
 #[derive(Deserialize)]
 #[serde(rename = "Scene", deny_unknown_fields)]
 struct SceneFile {
@@ -37,7 +37,7 @@ struct SceneFile {
     render: RenderDefaults,
 }
 
-/// The text of a scene file, without the byte order mark that some editors put first.
+/// Reads the text of a scene file, without the byte order mark that some editors write.
 pub fn read(path: &Path) -> Result<String> {
     let whole = Source::new(String::new(), path);
     let cannot = |reason: String| whole.error(&[], format!("cannot read the scene file: {reason}"));
@@ -54,7 +54,7 @@ pub fn read(path: &Path) -> Result<String> {
     })
 }
 
-/// The scene that a text describes, complete and checked.
+/// Makes the scene that a text describes, and checks it.
 pub fn parse(mut text: String, path: &Path, progress: &mut OnProgress) -> Result<Scene> {
     if text.starts_with('\u{feff}') {
         text.drain(..'\u{feff}'.len_utf8());
@@ -93,7 +93,7 @@ pub fn parse(mut text: String, path: &Path, progress: &mut OnProgress) -> Result
     Ok(scene)
 }
 
-/// A map as a list, in the file's order. A name that occurs twice is an error at its second place.
+/// Reads a map as a list in the file's order. The second occurrence of a name is an error.
 fn in_file_order<'de, D>(deserializer: D) -> std::result::Result<Vec<(String, Material)>, D::Error>
 where
     D: Deserializer<'de>,

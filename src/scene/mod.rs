@@ -1,7 +1,7 @@
-//! The scene: what its file says, checked, with the place in the file of every value.
+//! The scene: the checked contents of a scene file, with the place of every value in the file.
 //!
-//! `load` reads the file, `explain` puts ron's complaints into the words of the scene format, `validate` refuses numbers
-//! that mean nothing, `bitmap` decodes the images, `mesh` reads the meshes. Whatever is wrong, the error names file:line:column and the field.
+//! `load` reads the file, `explain` translates ron's errors into the terms of the scene format, `validate` refuses invalid
+//! numbers, `bitmap` decodes the images, `mesh` reads the meshes. Every error names file:line:column and the field.
 
 mod bitmap;
 mod explain;
@@ -29,38 +29,38 @@ pub struct Scene {
     pub image: ImageSize,
     pub camera: Camera,
     pub background: Background,
-    /// By name, in the file's order; no name occurs twice.
+    /// Names and materials, in the file's order. No name occurs twice.
     pub materials: Vec<(String, Material)>,
     pub objects: Vec<Object>,
     pub render: RenderDefaults,
-    /// The decoded images, by their path as the scene file writes it.
+    /// The decoded images, by the paths that the scene file writes.
     pub bitmaps: Bitmaps,
-    /// The meshes, by their path as the scene file writes it.
+    /// The meshes, by the paths that the scene file writes.
     pub meshes: BTreeMap<String, Mesh>,
     source: Source,
 }
 
 impl Scene {
-    /// Reads, parses and validates a scene file and decodes the images and meshes it names.
+    /// Reads and validates a scene file, and loads the images and meshes that it names.
     ///
-    /// Every error is an [`Error::Scene`]; one that concerns the file as a whole (missing, a folder) points at 1:1.
+    /// Every error is an [`Error::Scene`]. Errors about the file as a whole (it is missing, it is a folder) point at 1:1.
     pub fn load(path: &Path) -> Result<Scene> {
         Scene::load_with(path, &mut |_, _, _| {})
     }
 
-    /// The same, with word of how far the reading of large files is, every MiB or so.
+    /// The same, with a report of the progress of large files about every MiB.
     pub fn load_with(path: &Path, progress: &mut OnProgress) -> Result<Scene> {
         load::parse(load::read(path)?, path, progress)
     }
 
-    /// The same for a text in memory. `path` is its name in errors, and its folder is where relative paths start.
+    /// The same for a text in memory. `path` is its name in errors; relative paths start at the folder of `path`.
     pub fn parse(text: &str, path: &Path) -> Result<Scene> {
         load::parse(text.to_owned(), path, &mut |_, _, _| {})
     }
 
-    /// Where the value at the end of `steps` stands in the scene file.
+    /// The location in the scene file of the value at the end of `steps`.
     ///
-    /// A value that the file leaves to its default has the position of the innermost value around it that is there.
+    /// For a value that the file does not give, it is the location of the innermost value around it.
     pub fn location(&self, steps: &[Step<'_>]) -> Location {
         self.source.location_of(steps)
     }
@@ -70,12 +70,12 @@ impl Scene {
         self.source.error(steps, message)
     }
 
-    /// Where `objects[index]` stands in the scene file.
+    /// The location of `objects[index]` in the scene file.
     pub fn object_location(&self, index: usize) -> Location {
         self.location(&[Step::Field("objects"), Step::Index(index)])
     }
 
-    /// Where one of the scene's objects stands in the scene file, however deep in others.
+    /// The location of an object in the scene file, also of one inside other objects.
     pub fn location_of(&self, object: &Object) -> Location {
         let top = self.top();
         let objects = top.field("objects");
@@ -83,7 +83,7 @@ impl Scene {
         for (index, outer) in self.objects.iter().enumerate() {
             let walked = visit::visit(&objects.index(index), outer, &mut |at, inner| {
                 if std::ptr::eq(inner, object) {
-                    // The object is above its variant.
+                    // The visited place is that of the variant; the object is one step above.
                     let mut steps = at.steps();
                     steps.pop();
                     found = Some(self.location(&steps));
@@ -98,13 +98,13 @@ impl Scene {
         found.unwrap_or_else(|| self.location(&objects.steps()))
     }
 
-    /// Where the material of this name is defined in the scene file.
+    /// The location of the definition of the material of this name.
     pub fn material_location(&self, name: &str) -> Location {
         self.location(&[Step::Field("materials"), Step::Key(name)])
     }
 
-    /// Calls `visitor` with every object, those in others too, in the file's order, and its place: that of the variant, as
-    /// in `objects[3].Group[0].Sphere`.
+    /// Calls `visitor` with every object, also those inside others, in the file's order. The place is that of the variant, as in
+    /// `objects[3].Group[0].Sphere`.
     pub fn visit_objects(&self, visitor: &mut dyn FnMut(&Place, &Object)) {
         let walked = visit::visit_all(&self.top().field("objects"), &self.objects, &mut |at, object| {
             visitor(at, object);
@@ -113,7 +113,7 @@ impl Scene {
         debug_assert!(walked.is_ok(), "nothing in it fails");
     }
 
-    /// Where what the material emits stands in the scene file, or the material if it emits nothing, and the path there.
+    /// The location and path of the material's emission, or of the material if it emits nothing.
     pub fn spot_of_emission(&self, name: &str, material: &Material) -> (Location, String) {
         let top = self.top();
         let materials = top.field("materials");
@@ -125,18 +125,18 @@ impl Scene {
         }
     }
 
-    /// The same of the background.
+    /// The location and path of the background.
     pub fn spot_of_background(&self) -> (Location, String) {
         self.top().field("background").spot()
     }
 
-    /// What is allowed and yet likely to disappoint: each with file:line:column, the number and what to do. What only
-    /// shows when objects are in their places is told by flattening.
+    /// Warnings about values that are allowed but likely to disappoint. Each names file:line:column, the number and a
+    /// remedy. Warnings that depend on the positions of placed objects come from flattening.
     pub fn warnings(&self) -> Vec<String> {
         warn::warnings(self)
     }
 
-    /// The top of the scene file, from which the checks walk down.
+    /// The top of the scene file, where the checks start.
     fn top(&self) -> Place<'_> {
         Place::top(&self.source)
     }

@@ -2,17 +2,17 @@
 
 const LONGEST: usize = 100;
 
-/// The candidate whose spelling is nearest to `word`, if one is near enough to be what was meant.
+/// The candidate whose spelling is nearest to `word`, if it is near enough to be a misspelling.
 ///
-/// Letter case does not count. At most a third of the letters may differ, and one always may. What is longer than a name ever is has no
-/// neighbour.
+/// Letter case does not count. Up to a third of the letters may differ, and at least one. A word longer than any name
+/// has no candidate.
 pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let word = word.to_lowercase();
     let length = word.chars().count();
     if length > LONGEST {
         return None;
     }
-    // Letters to insert, delete or replace, and neighbours to exchange.
+    // The edit distance: insertions, deletions, replacements, and swaps of neighbouring letters.
     let edits = |candidate: &'a str| (strsim::osa_distance(&word, &candidate.to_lowercase()), candidate);
     let near = candidates.into_iter().map(edits).filter(|(edits, _)| *edits <= (length / 3).max(1));
     near.min_by_key(|(edits, _)| *edits).map(|(_, candidate)| candidate)

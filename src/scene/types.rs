@@ -1,4 +1,4 @@
-//! The scene as its file says it: f64, in scene units, before anything is flattened or made f32.
+//! The scene as its file writes it: in f64 and in scene units, before flattening.
 
 use std::collections::BTreeMap;
 
@@ -26,10 +26,10 @@ pub struct Camera {
     pub up: DVec3,
     /// Degrees, strictly between 0 and 180.
     pub vertical_fov: f64,
-    /// Diameter of the lens; 0 is a pinhole.
+    /// Diameter of the lens; 0 is a pinhole camera.
     #[serde(default)]
     pub aperture: f64,
-    /// Distance from the eye to the plane in focus; the distance to `look_at` where absent.
+    /// Distance from the eye to the plane in focus. The default is the distance to `look_at`.
     #[serde(default)]
     pub focus_distance: Option<f64>,
 }
@@ -47,13 +47,13 @@ pub enum Background {
         bottom: Colour,
         top: Colour,
     },
-    /// Latitude-longitude radiance; +y on top, -z in the middle.
+    /// Radiance in a latitude-longitude map, with +y at the top and -z in the middle.
     Image {
         path: String,
     },
 }
 
-/// A rotation is right-handed about its axis and in degrees.
+/// Rotations are right-handed about their axis, in degrees.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Transform {
@@ -102,7 +102,7 @@ pub enum Object {
     Group(Vec<Object>),
     Medium {
         boundary: Box<Object>,
-        /// Extinction per unit of length.
+        /// The extinction coefficient, per unit of length.
         density: f64,
         albedo: Texture,
         /// Henyey-Greenstein's g.
@@ -111,7 +111,7 @@ pub enum Object {
     },
 }
 
-/// What the command line overrides.
+/// Defaults of the render; the command line overrides them.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct RenderDefaults {
@@ -126,7 +126,7 @@ impl Default for RenderDefaults {
 }
 
 impl Object {
-    /// The kind of shape that it is; nothing of objects that hold others.
+    /// Its kind of shape; none for objects that contain others.
     pub fn kind(&self) -> Option<&'static ShapeKind> {
         match self {
             Object::Sphere { .. } => Some(&sphere::KIND),
@@ -137,7 +137,7 @@ impl Object {
         }
     }
 
-    /// The shape that it is; nothing of objects that hold others, or of a mesh that is not among those given.
+    /// Its shape; none for objects that contain others, and for a mesh that is not in `meshes`.
     pub fn shape<'a>(&self, meshes: &'a BTreeMap<&str, MeshShape<'a>>) -> Option<Shape<'a>> {
         match self {
             Object::Sphere { center, radius, .. } => {
@@ -160,7 +160,7 @@ impl Object {
         }
     }
 
-    /// The name of the object's own material; objects that hold others have none.
+    /// The name of the object's own material. Objects that contain others have none.
     pub fn material(&self) -> Option<&str> {
         match self {
             Object::Sphere { material, .. }

@@ -1,4 +1,4 @@
-//! Refuses what parses and means nothing: every error at the value's own place.
+//! Refuses values that parse but are invalid. Every error points at the value's own place.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -18,7 +18,7 @@ const LARGEST_AREA: u64 = 1 << 30;
 const MOST_SAMPLES: u32 = 1 << 31;
 const DEEPEST: u32 = 1_000_000;
 
-/// Checks the whole scene but for what is in its files, in the order of the format's description.
+/// Checks the whole scene, in the order of the format's description, except for the files that it names.
 pub fn validate(scene: &Scene) -> Result<()> {
     let top = scene.top();
     image(&top.field("image"), &scene.image)?;
@@ -112,7 +112,7 @@ fn background(at: &Place, background: &Background) -> Result<()> {
     }
 }
 
-/// How far the transforms around an object can move and stretch it: x becomes at most `scale` x + `shift`.
+/// A bound of the transforms around an object: they take a distance x from the origin to at most `scale` x + `shift`.
 #[derive(Clone, Copy)]
 struct Reach {
     scale: f64,
@@ -122,7 +122,7 @@ struct Reach {
 impl Reach {
     const IDENTITY: Reach = Reach { scale: 1.0, shift: 0.0 };
 
-    /// The reach with one more transform inside all others.
+    /// The bound with one more transform, inside all others.
     fn after(self, inner: &Transform) -> Reach {
         match inner {
             Transform::Translate(by) => Reach { shift: self.shift + self.scale * by.length(), ..self },
@@ -131,7 +131,7 @@ impl Reach {
         }
     }
 
-    /// Whether something of this size, no part of it farther than `distance` from the origin, keeps in range.
+    /// Whether a shape of this size, with no part farther than `distance` from the origin, stays in the range of numbers.
     fn holds(self, size: f64, distance: f64) -> bool {
         let distance = self.scale * distance + self.shift;
         self.scale * size >= SMALLEST && distance <= LARGEST
@@ -175,7 +175,7 @@ fn object(known: &KnownNames, at: &Place, object: &Object, reach: Reach) -> Resu
     }
 }
 
-/// Checks the numbers of an object that is a shape, but not its material. Of a mesh, once it is read.
+/// Checks the numbers of a shape, but not its material. A mesh is checked once its file has been read.
 fn shape(known: &KnownNames, at: &Place, object: &Object, reach: Reach) -> Result<()> {
     let Some(shape) = object.shape(known.meshes) else { return Ok(()) };
     shape.check(at)?;
@@ -186,7 +186,7 @@ fn shape(known: &KnownNames, at: &Place, object: &Object, reach: Reach) -> Resul
     Ok(())
 }
 
-/// Checks what a medium fills.
+/// Checks the boundary of a medium.
 fn boundary(known: &KnownNames, at: &Place, object: &Object, reach: Reach) -> Result<()> {
     let inside = &at.variant(object.name());
     if let Object::Transformed { by, object } = object {
@@ -198,8 +198,8 @@ fn boundary(known: &KnownNames, at: &Place, object: &Object, reach: Reach) -> Re
     }
     shape(known, inside, object, reach)?;
     if object.material().is_some() {
-        let message = "a medium's boundary has no surface, and so no material: remove it, or list the object beside the \
-                       medium too";
+        let message = "a medium's boundary has no surface, and so no material: remove the material, or list the object \
+                       outside the medium, too";
         return Err(inside.field("material").error(message));
     }
     object.shape(known.meshes).and_then(|shape| shape.mesh().map(|mesh| mesh.check_closed(inside))).unwrap_or(Ok(()))
@@ -211,7 +211,7 @@ pub fn boundaries(after_each: &str, transformed: &str) -> String {
     format!("a boundary: {}{transformed}, without a material", any(KINDS.iter().filter_map(boundary)))
 }
 
-/// Checks a list of transforms and adds them to what is around them: the last listed is the outermost.
+/// Checks a list of transforms and adds them to those around them. The last in the list is the outermost.
 fn transforms(at: &Place, by: &[Transform], mut reach: Reach) -> Result<Reach> {
     for (index, transform) in by.iter().enumerate().rev() {
         let at = at.index(index);
@@ -238,17 +238,17 @@ fn transforms(at: &Place, by: &[Transform], mut reach: Reach) -> Result<Reach> {
     Ok(reach)
 }
 
-/// What objects may name.
+/// The names that objects may refer to.
 struct KnownNames<'a> {
     all: &'a [(String, Material)],
-    /// The same materials, found in constant time.
+    /// The same materials, for lookups in constant time.
     materials: HashMap<&'a str, &'a Material>,
-    /// The meshes that have been read: none before all else is checked.
+    /// The meshes that have been read. It is empty in the first check, before any file is read.
     meshes: &'a BTreeMap<&'a str, MeshShape<'a>>,
 }
 
 impl KnownNames<'_> {
-    /// Checks that the object has a material, that it exists, and that it can be put on the object.
+    /// Checks that the object names a material, that the material exists, and that it fits the object.
     fn check_material(&self, above: &Place, object: &Object) -> Result<()> {
         let names = || self.all.iter().map(|(name, _)| name.as_str());
         let at = above.field("material");
@@ -270,7 +270,7 @@ impl KnownNames<'_> {
     }
 }
 
-/// The names to choose from, but not a page of them.
+/// The names to choose from, up to a limit.
 fn known<'a>(names: impl Iterator<Item = &'a str>) -> String {
     const MOST: usize = 10;
     let mut names: Vec<String> = names.map(|name| format!("{name:?}")).collect();

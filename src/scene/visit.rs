@@ -4,7 +4,7 @@ use super::types::Object;
 use crate::error::Result;
 use crate::source::Place;
 
-/// Calls `visit` with an object and all objects inside it, in the file's order. The place is that of the variant, as in
+/// Calls the visitor with an object and all objects inside it, in the file's order. The place is that of the variant, as in
 /// `objects[3].Group[0].Sphere`.
 pub fn visit(at: &Place, object: &Object, visitor: &mut dyn FnMut(&Place, &Object) -> Result<()>) -> Result<()> {
     let at = &at.variant(object.name());
@@ -15,7 +15,7 @@ pub fn visit(at: &Place, object: &Object, visitor: &mut dyn FnMut(&Place, &Objec
         Object::Group(objects) => {
             objects.iter().enumerate().try_for_each(|(index, object)| visit(&at.index(index), object, visitor))
         }
-        // A shape holds no others.
+        // A shape contains no other objects.
         _ => Ok(()),
     }
 }

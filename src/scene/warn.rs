@@ -1,4 +1,4 @@
-//! What is allowed and yet likely to disappoint.
+//! Warnings about values that are allowed but likely to disappoint.
 
 use std::collections::HashSet;
 
@@ -20,7 +20,7 @@ pub fn warnings(scene: &Scene) -> Vec<String> {
         warnings.extend(material.warnings(&at, &scene.bitmaps));
     }
     if scene.objects.is_empty() {
-        let message = "there are 0 objects, so that the image shows the background alone: add objects";
+        let message = "there are 0 objects, so that the image shows only the background: add objects";
         warnings.push(top.field("objects").warning(message));
     }
     let mut told = HashSet::new();
@@ -42,7 +42,7 @@ pub fn warnings(scene: &Scene) -> Vec<String> {
     warnings
 }
 
-/// The names of the materials that objects use, groups and all.
+/// The names of the materials that objects use, also inside groups.
 fn materials_of(objects: &[Object]) -> impl Iterator<Item = &str> {
     let mut rest: Vec<&Object> = objects.iter().rev().collect();
     std::iter::from_fn(move || {

@@ -1,4 +1,4 @@
-//! Whether a mesh bounds a body.
+//! The test whether a mesh is closed and encloses a volume.
 
 use std::cmp::Ordering;
 
@@ -6,24 +6,25 @@ use glam::DVec3;
 
 use super::mesh::Mesh;
 
-/// Why a mesh bounds no body: edges that no neighbouring face runs along in the other direction.
+/// The open edges of a mesh: no neighbouring face runs along them in the other direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OpenEdges {
     /// The first face of the file, counted from 0, that has such an edge.
     pub face: u32,
-    /// How many there are.
+    /// The number of open edges.
     pub count: usize,
 }
 
 impl Mesh {
     /// The edges at which the mesh is open or its winding changes; none if it is closed and wound one way.
     ///
-    /// Vertices at the same place are one. Closed means that along every edge as many faces run one way as the other, so
-    /// that bodies that touch in an edge are closed, too.
+    /// Vertices at the same position count as one. A mesh is closed if along every edge as many faces run in one
+    /// direction as in the other. Solids that share an edge are therefore closed, too.
     pub fn open_edges(&self) -> Option<OpenEdges> {
         let places = self.places();
         let place = |corner: u32| places.get(corner as usize).copied().unwrap_or_default();
-        // Both directions of an edge, side by side after sorting: its places, the lower first, and the triangle.
+        // One entry for each edge of each triangle: the positions' numbers, the lower first, and the triangle. Sorting brings both
+        // directions of an edge together.
         let mut edges: Vec<(u64, u32)> = Vec::with_capacity(3 * self.triangles.len());
         for (triangle, &[a, b, c]) in self.triangles.iter().enumerate() {
             for (from, to) in [(a, b), (b, c), (c, a)] {
@@ -47,11 +48,11 @@ impl Mesh {
         open
     }
 
-    /// Whether a closed mesh is wound counter-clockwise seen from outside: the sign of its volume.
+    /// Whether a closed mesh is wound counter-clockwise seen from outside: its signed volume is then positive.
     pub fn volume_is_positive(&self) -> bool {
         let (low, high) = self.bounds();
         let extent = (high - low).max_element();
-        // From its middle and in units of its size nothing overflows, and little cancels.
+        // Coordinates relative to the middle, in units of the size, do not overflow and cancel little.
         let middle = low + 0.5 * (high - low);
         let volume = |triangle: &[u32; 3]| {
             let [a, b, c] = triangle.map(|corner| {
@@ -63,7 +64,7 @@ impl Mesh {
         self.triangles.iter().map(volume).sum::<f64>() > 0.0
     }
 
-    /// For each vertex the number of its place: vertices at the same position share it.
+    /// For each vertex the number of its position. Vertices at the same position share the number.
     fn places(&self) -> Vec<u32> {
         let mut order: Vec<(DVec3, u32)> = self.positions.iter().copied().zip(0..).collect();
         order.sort_unstable_by(|(a, _), (b, _)| compare(*a, *b));
@@ -79,7 +80,7 @@ impl Mesh {
     }
 }
 
-/// By x, then y, then z. No coordinate is NaN, and -0 is 0.
+/// Orders by x, then y, then z. No coordinate is NaN, and -0 equals 0.
 fn compare(a: DVec3, b: DVec3) -> Ordering {
     let by = |a: f64, b: f64| a.partial_cmp(&b).unwrap_or(Ordering::Equal);
     by(a.x, b.x).then_with(|| by(a.y, b.y)).then_with(|| by(a.z, b.z))

@@ -1,4 +1,4 @@
-//! A box along the axes of its own space. "Cuboid" in code, since a box is something else there.
+//! A box along the axes of its own space. Code calls it a cuboid, because `Box` has another meaning in Rust.
 
 use glam::{DMat3, DVec3, Vec3};
 

@@ -1,8 +1,8 @@
-//! Simple bodies around shapes, by which numbers are judged.
+//! Simple bounding volumes of shapes, for the warnings about sizes and distances.
 
 use glam::{DMat3, DVec3};
 
-/// A simple body around a placed shape.
+/// A simple bounding volume of a placed shape.
 #[derive(Clone, Copy)]
 pub enum Hull {
     Ball { center: DVec3, radius: f64 },
@@ -11,7 +11,7 @@ pub enum Hull {
 }
 
 impl Hull {
-    /// The middle of a ball or box; the corner of a parallelogram.
+    /// The centre of a ball or box; the corner of a parallelogram.
     pub fn place(&self) -> DVec3 {
         match *self {
             Hull::Ball { center, .. } | Hull::Cuboid { center, .. } => center,
@@ -19,7 +19,7 @@ impl Hull {
         }
     }
 
-    /// A radius, two edges, or three sides.
+    /// The radius, the two edges, or the three sides.
     pub fn sizes(&self) -> Vec<f64> {
         match *self {
             Hull::Ball { radius, .. } => vec![radius],
@@ -28,7 +28,7 @@ impl Hull {
         }
     }
 
-    /// The middle of a ball around it, and the ball's radius.
+    /// The centre and the radius of a ball around it.
     pub fn ball(&self) -> (DVec3, f64) {
         match *self {
             Hull::Ball { center, radius } => (center, radius),
@@ -52,7 +52,7 @@ impl Hull {
         }
     }
 
-    /// The lowest and the highest coordinates that it reaches.
+    /// The corners of the box around it along the axes: lowest and highest coordinates.
     pub fn bounds(&self) -> (DVec3, DVec3) {
         let (center, reach) = match *self {
             Hull::Ball { center, radius } => (center, DVec3::splat(radius)),
@@ -63,12 +63,12 @@ impl Hull {
     }
 }
 
-/// What the half sides of a box reach along the axes of space.
+/// Half the extent of a rotated box along each axis of space.
 pub fn reach_of(half: DVec3, axes: &DMat3) -> DVec3 {
     half.x * axes.x_axis.abs() + half.y * axes.y_axis.abs() + half.z * axes.z_axis.abs()
 }
 
-/// The unit normal of a parallelogram, however large or small its edges are.
+/// The unit normal of a parallelogram. It is accurate however large or small the edges are.
 pub fn normal(u: DVec3, v: DVec3) -> DVec3 {
     u.normalize_or_zero().cross(v.normalize_or_zero()).normalize_or_zero()
 }

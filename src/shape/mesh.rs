@@ -15,7 +15,7 @@ use crate::error::Result;
 use crate::source::Place;
 use crate::source::form::{Form, PATH};
 
-/// Rays meet the faces, whose files are those of the triangle.
+/// Rays hit the triangles, so that the shader files are those of the triangle.
 pub const KIND: ShapeKind = ShapeKind {
     form: Form { name: "Mesh", fields: &[("path", PATH), MATERIAL], in_order: false },
     shader: "triangle",
@@ -30,15 +30,15 @@ pub const KIND: ShapeKind = ShapeKind {
 pub struct Mesh {
     /// Each coordinate is finite, at most 1e100 in magnitude.
     pub positions: Vec<DVec3>,
-    /// Indices of vertices, counter-clockwise seen from outside; in the file's order. The three positions differ.
+    /// Indices of vertices, counter-clockwise seen from outside. Triangles are in the file's order. The three positions differ.
     pub triangles: Vec<[u32; 3]>,
-    /// A unit vector for each vertex; empty where the file has none, and then the mesh is flat-shaded.
+    /// A unit vector for each vertex. Empty if the file has none; the mesh is then flat-shaded.
     pub normals: Vec<Vec3>,
-    /// Texture coordinates for each vertex, u to the right and v up, all finite; empty where the file has none.
+    /// Texture coordinates for each vertex, u to the right and v up, all finite. Empty if the file has none.
     pub uvs: Vec<Vec2>,
     /// The face of the file, counted from 0, that each triangle is part of.
     pub faces: Vec<u32>,
-    /// What of the file is not used, in words.
+    /// Warnings about parts of the file that are not used.
     pub warnings: Vec<String>,
 }
 
@@ -48,28 +48,28 @@ impl Mesh {
         self.faces.get(triangle).copied().unwrap_or(triangle as u32)
     }
 
-    /// The corners of the smallest box around it. An empty mesh has none, and gives infinities.
+    /// The corners of the smallest box around it. For an empty mesh they are infinite.
     pub fn bounds(&self) -> (DVec3, DVec3) {
         let nothing = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         self.positions.iter().fold(nothing, |(low, high), &p| (low.min(p), high.max(p)))
     }
 }
 
-/// Where a mesh has been laid out.
+/// The place of a mesh in the device's tables.
 #[derive(Clone, Copy, Default)]
 pub struct Laid {
-    /// The code of its root.
+    /// The code of its hierarchy's root.
     pub root: u32,
     /// The index of its first face.
     pub first_face: u32,
     pub to_uvs: u32,
-    /// Codes that wait at most in a walk through its hierarchy.
+    /// The largest number of codes on the stack in a walk through its hierarchy.
     pub stack_size: u32,
 }
 
-/// A mesh of the scene, which objects place.
+/// A mesh of the scene. Objects place it.
 pub struct MeshShape<'a> {
-    /// Its place among the scene's meshes.
+    /// Its index among the scene's meshes.
     pub number: usize,
     /// As the scene file writes it.
     pub path: &'a str,
@@ -94,35 +94,35 @@ impl<'a> MeshShape<'a> {
         MeshShape { number, path, mesh, around: Aabb { min, max }, open: OnceLock::new() }
     }
 
-    /// Where it is open, found once: it takes a sort of its edges.
+    /// Its open edges. The result is cached, because it takes a sort of all edges.
     pub fn open_edges(&self) -> Option<OpenEdges> {
         *self.open.get_or_init(|| self.mesh.open_edges())
     }
 
-    /// Checks that the image of a material of this name can be placed on it.
+    /// Checks that it has the texture coordinates that the image of a material of this name needs.
     pub fn check_image(&self, at: &Place, material: &str) -> Result<()> {
         if !self.mesh.uvs.is_empty() {
             return Ok(());
         }
         Err(at.field("material").error(format!(
-            "the material {material:?} has an image, and the mesh {:?} has no texture coordinates to place it by: \
+            "the material {material:?} has an image, and the mesh {:?} has no texture coordinates for it: \
              expected a mesh that has them at every corner, or another texture",
             self.path
         )))
     }
 
-    /// Checks that it bounds a body.
+    /// Checks that it is closed.
     pub fn check_closed(&self, at: &Place) -> Result<()> {
         let Some(open) = self.open_edges() else { return Ok(()) };
         let edges = if open.count == 1 { "edge" } else { "edges" };
         Err(at.field("path").error(format!(
-            "{}: expected a closed mesh, wound one way, as a medium's boundary: face {} (counted from 0) has an edge that no \
-             neighbour runs along the other way; there are {} such {edges}",
+            "{}: expected a closed mesh, wound one way, as a medium's boundary: no neighbour shares an edge of face {} (counted from 0) \
+             in the other direction; there are {} such {edges}",
             self.path, open.face, open.count
         )))
     }
 
-    /// Length of a unit of the mesh's space on the device.
+    /// The length of the device's unit for the mesh's own space.
     pub fn unit(&self) -> f64 {
         let half = 0.5 * (self.around.max - self.around.min).max_element();
         if half > 0.0 { exp2(binary_exponent(half)) } else { 1.0 }
@@ -130,7 +130,7 @@ impl<'a> MeshShape<'a> {
 }
 
 impl<'a> Geometry for &'a MeshShape<'a> {
-    /// Its numbers were checked when its file was read.
+    /// Nothing to check: the numbers were checked when the file was read.
     fn check(&self, _: &Place) -> Result<()> {
         Ok(())
     }
@@ -165,7 +165,7 @@ impl<'a> Geometry for &'a MeshShape<'a> {
         padded(placed.min.as_vec3(), placed.max.as_vec3(), error)
     }
 
-    /// A face is a light.
+    /// Each triangle is a light.
     fn emitters(&self, at: &Placement, index: u32, laid: Laid) -> Vec<Emitter> {
         let face = |(face, corners): (u32, &[u32; 3])| {
             let [a, b, c] = corners.map(|corner| self.mesh.positions[corner as usize]);

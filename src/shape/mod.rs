@@ -1,7 +1,7 @@
-//! The shapes: what a sphere, a quad, a box and a mesh are, each in a file of its own.
+//! The shapes: sphere, quad, box and mesh, one file each.
 //!
-//! `kinds!` has the one list of them. What else is to be said of a shape is a field of `ShapeKind` or a method of `Geometry`. Neither has
-//! defaults, so that a new shape says all of it.
+//! `kinds!` has the one list of them. Everything about a shape is a field of `ShapeKind` or a method of `Geometry`.
+//! Neither has defaults, so that a new shape cannot forget one.
 
 mod closed;
 pub mod cuboid;
@@ -27,25 +27,25 @@ pub use quad::Quad;
 pub use space::{Aabb, Placement, RenderSpace, binary_exponent, error_bound, exp2, padded};
 pub use sphere::Sphere;
 
-/// What all shapes of a kind have in common.
+/// The properties that all shapes of a kind share.
 pub struct ShapeKind {
-    /// In the scene file.
+    /// How the scene file writes it.
     pub form: Form,
-    /// Of its files under shaders/geometry and shaders/light.
+    /// The name of its files under shaders/geometry and shaders/light.
     pub shader: &'static str,
-    /// In messages.
+    /// Its name in messages.
     pub word: &'static str,
-    /// Names of its sizes in messages, with the fields that hold them; the last is that of all further ones.
+    /// The names of its sizes in messages, with the fields that hold them. The last name stands for all further sizes.
     pub sizes: &'static [(&'static str, &'static str)],
     pub table: Table,
-    /// As the boundary of a medium, if it can be one.
+    /// Its properties as a medium's boundary, if it can be one.
     pub boundary: Option<Boundary>,
 }
 
 pub struct Boundary {
-    /// Among the boundaries. A convex one has a file of this name under shaders/medium.
+    /// Its name among the boundaries. A convex one has a file of this name under shaders/medium.
     pub name: &'static str,
-    /// What is expected of it, before its name in the scene file.
+    /// The words before its name in messages: an article, and what is expected of the shape.
     pub words: &'static str,
 }
 
@@ -54,12 +54,12 @@ const MATERIAL: (&str, &str) = ("material", "a material's name in quotes");
 
 /// The table that holds the elements of a kind on the device.
 pub struct Table {
-    /// Of the file under shaders/bind.
+    /// The name of the file under shaders/bind.
     pub name: &'static str,
-    /// Names of the linker's values that say how it is bound.
+    /// The linker's values that say how it is bound.
     pub space: &'static str,
     pub size: &'static str,
-    /// What it holds, in words.
+    /// Its contents, in words.
     pub why: &'static str,
     /// Bytes of an element.
     pub stride: usize,
@@ -67,13 +67,13 @@ pub struct Table {
 }
 
 impl Table {
-    /// How many elements it has.
+    /// The number of its elements.
     pub fn count(&self, tables: &Tables) -> usize {
         (self.bytes)(tables).len() / self.stride
     }
 }
 
-/// A `Table` of this name over the member of `Tables` of this name.
+/// The `Table` of a member of `Tables`, with the same name.
 macro_rules! table {
     ($member:ident of $element:ty, $why:literal) => {
         $crate::shape::Table {
@@ -97,48 +97,48 @@ pub struct Tables {
     pub instances: Vec<data::Instance>,
 }
 
-/// What an element says of its place in the scene.
+/// The members that an element of any shape has: how it refers to the rest of the scene.
 #[derive(Clone, Copy, Default)]
 pub struct Element {
     pub order: u32,
     pub material: u32,
     pub frame: u32,
-    /// Of a mesh, where it has been laid out.
+    /// Of a mesh, its place in the device's tables.
     pub laid: Laid,
 }
 
-/// Something flat or round that can be a light.
+/// A surface that can be sampled as a light.
 pub struct Emitter {
     pub code: u32,
-    /// Of a face, that of its mesh.
+    /// Of a triangle, the instance of its mesh.
     pub instance: u32,
     pub area: f64,
     pub around: Aabb,
-    /// Of what is flat.
+    /// Of a flat surface.
     pub normal: Option<DVec3>,
 }
 
-/// What a shape says of itself.
+/// What every shape implements on the host.
 pub trait Geometry {
     /// Checks its numbers.
     fn check(&self, at: &Place) -> Result<()>;
 
-    /// Its smallest size, and a bound of how far it reaches from the origin: by these it is told what transforms may do to it.
+    /// Its smallest size, and a bound of its farthest distance from the origin. They limit the transforms of the shape.
     fn span(&self) -> (f64, f64);
 
-    /// The place of the coordinates by which it is textured in the shape's own space: base + columns · local.
+    /// The map from texture coordinates to the shape's own space: base + columns · local.
     fn texture_place(&self, rotation: &DMat3) -> (DVec3, DMat3);
 
-    /// Adds its element to its table; the result is the lowest and the highest corner of a box around it in render space.
+    /// Adds its element to its table. Returns the lowest and the highest corner of a box around it in render space.
     fn lay_out(&self, at: &Placement, element: Element, tables: &mut Tables) -> (Vec3, Vec3);
 
-    /// The lights that it is made of, where it is the one at this index of its table.
+    /// The lights that it consists of; `index` is its place in its table.
     fn emitters(&self, at: &Placement, index: u32, laid: Laid) -> Vec<Emitter>;
 
-    /// Tells its element the place of its first light among all, or `NOT_SAMPLED`.
+    /// Writes into its element the index of its first light among all lights, or `NOT_SAMPLED`.
     fn set_light(&self, tables: &mut Tables, index: usize, laid: Laid, light: u32);
 
-    /// A simple body around it, by which numbers are judged.
+    /// A simple bounding volume, for the warnings about sizes and distances.
     fn hull(&self, at: &Placement) -> Hull;
 }
 
@@ -184,7 +184,7 @@ impl<'a> Shape<'a> {
         }
     }
 
-    /// Whether it is the surface of its hull.
+    /// Whether it is exactly the surface of its hull.
     pub fn is_hull(&self) -> bool {
         self.mesh().is_none()
     }
@@ -199,18 +199,21 @@ impl<'a> Shape<'a> {
     }
 }
 
-/// The kind of the codes of shapes of this number: it is the same, but a mesh stands in the scene as an instance.
+/// The kind in the codes of shapes of this number. It is the number itself, except for a mesh: in the scene it is an instance.
 const fn code_kind(number: usize) -> u32 {
     if number == KIND_TRIANGLE as usize { KIND_INSTANCE } else { number as u32 }
 }
 
-/// The names of the kinds' shader files, by number. Of a mesh it is that of its triangles.
+/// The names of the kinds' shader files, by number. For a mesh it is the file of its triangles.
 pub const PRIMITIVES: &[&str] = Shape::SHADERS;
 const _: () = {
-    assert!(KINDS.len() <= KIND_INSTANCE as usize, "a shape too many: its number is that of an instance");
+    assert!(
+        KINDS.len() <= KIND_INSTANCE as usize,
+        "too many shapes: the number of the last one is that of an instance"
+    );
     assert!(
         matches!(PRIMITIVES[KIND_TRIANGLE as usize].as_bytes(), b"triangle"),
-        "meshes are not where codes have them"
+        "the number of the mesh is not the kind of triangles in codes"
     );
 };
 
@@ -223,8 +226,8 @@ const BOUNDARY_COUNT: usize = {
     count
 };
 
-/// The kinds of boundary that media have, with the kinds of their codes. Convex ones are files of shaders/medium; the mesh, which a ray may
-/// enter many times, is `scene/medium_in_mesh`.
+/// The shapes that can bound media, with the kinds in their codes. Convex ones have files under shaders/medium. A ray
+/// can enter a mesh many times, so meshes have `scene/medium_in_mesh` instead.
 pub const BOUNDARIES: &[(&str, u32)] = &{
     let mut found = [("", 0); BOUNDARY_COUNT];
     let (mut i, mut count) = (0, 0);

@@ -96,17 +96,19 @@ impl Geometry for Quad {
     }
 }
 
-/// A bound of the rounding of a quad's point along its normal, and of the next distance's from there. Own derivation, in units of
-/// roundoff, each component as often as the normal has it: `u` and `v` are rounded, multiplied, added, and added to the corner (4 of both
-/// and 1 of the corner); the next difference, its product with a rounded normal, and two sums (5 of both). One more of the corner for what
-/// the sum of both does to a last digit. A floor has nothing of its length in it: its normal has nothing along that.
+/// A bound of the rounding error, along the normal, of a point on a quad, and of the distance that the next ray from
+/// there computes. Own derivation, in units of roundoff, with each component weighted by that of the normal. The point:
+/// `u` and `v` are rounded, multiplied, added, and added to the corner (4 of both and 1 of the corner). The distance: a
+/// difference, its product with a rounded normal, and two sums (5 of both). One more of the corner and of both for the
+/// rounding of their sum. The length of a floor does not count, because its normal has no component along it.
 fn error_across(corner: Vec3, u: Vec3, v: Vec3, normal: DVec3) -> f32 {
     let reach = 2.0 * corner.abs() + 10.0 * (u.abs() + v.abs());
     (0.5 * f32::EPSILON) * normal.as_vec3().abs().dot(reach)
 }
 
-/// The unit normal u × v, and the vectors whose products with a point's offset from the corner are the point's a and b.
-/// Computed on u and v scaled to unit length, so that neither tiny nor needle-like quads lose digits.
+/// The unit normal u × v, and two vectors whose dot products with a point's offset from the corner are the point's
+/// coordinates a and b. Computed on u and v scaled to unit length, so that neither tiny nor needle-like quads lose
+/// digits.
 fn quad_axes(u: DVec3, v: DVec3) -> (DVec3, DVec3, DVec3) {
     let (u_length, v_length) = (u.length(), v.length());
     let (u, v) = (u / u_length, v / v_length);

@@ -1,4 +1,4 @@
-//! Similarities, in f64: what a scene's transforms come to.
+//! Similarity transforms in f64. All transforms of a scene compose to one.
 
 use glam::{DMat3, DVec3};
 
@@ -21,7 +21,8 @@ impl Similarity {
         Similarity { scale, ..Similarity::IDENTITY }
     }
 
-    /// Right-handed, by Rodrigues' formula. Quarter turns are exact: sines and cosines of degrees, not of rounded radians.
+    /// Right-handed, by Rodrigues' formula. Quarter turns are exact, because sines and cosines are of degrees, not of
+    /// rounded radians.
     pub fn rotation(axis: DVec3, degrees: f64) -> Similarity {
         Similarity { rotation: rotation_about(axis, degrees), ..Similarity::IDENTITY }
     }
@@ -45,7 +46,7 @@ impl Similarity {
 }
 
 fn rotation_about(axis: DVec3, degrees: f64) -> DMat3 {
-    // Normalised by its largest component first: the squares of a short axis would vanish.
+    // Divided by its largest component first, because the squares of a short axis would underflow.
     let axis = (axis / axis.abs().max_element()).normalize();
     let turn = degrees.rem_euclid(360.0);
     let (quarter, rest) = ((turn / 90.0).floor(), turn % 90.0);

@@ -1,10 +1,10 @@
-//! Where shapes stand, and boxes around them.
+//! Placements of shapes, and bounding boxes.
 
 use glam::{DVec3, Vec3};
 
 use super::similarity::Similarity;
 
-/// The camera at the origin and lengths scaled by a power of two.
+/// A space with the camera at the origin and lengths scaled by a power of two.
 #[derive(Clone, Copy)]
 pub struct RenderSpace {
     pub eye: DVec3,
@@ -17,7 +17,7 @@ impl RenderSpace {
     }
 }
 
-/// The way from a shape's own space to render space, or to one that is as large as the world.
+/// The transform from a shape's own space to render space, or (with a scale of 1) to a space with the world's lengths.
 #[derive(Clone, Copy)]
 pub struct Placement<'a> {
     pub to_world: &'a Similarity,
@@ -38,7 +38,7 @@ impl Placement<'_> {
     }
 }
 
-/// A box along the axes.
+/// A box whose sides are parallel to the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aabb {
     pub min: DVec3,
@@ -68,8 +68,8 @@ impl Aabb {
     }
 }
 
-/// A bound of the rounding of a point that is a sum of such vectors, and of the tests made with it: eight roundings of
-/// the largest coordinates that can occur on the way.
+/// A bound of the rounding error of a point that is a sum of such vectors, and of the tests made with it: eight
+/// roundings of the largest intermediate coordinates.
 pub fn error_bound(summands: &[Vec3]) -> f32 {
     const UNIT_ROUNDOFF: f32 = f32::EPSILON / 2.0;
     8.0 * UNIT_ROUNDOFF * summands.iter().map(|v| v.abs().max_element()).sum::<f32>()

@@ -39,7 +39,7 @@ impl Geometry for Sphere {
         (self.radius, self.center.length() + self.radius)
     }
 
-    /// A sphere's own coordinates are its normal in the world.
+    /// The texture coordinates of a sphere's point are the components of its normal in the world.
     fn texture_place(&self, rotation: &DMat3) -> (DVec3, DMat3) {
         (self.center, rotation.transpose() * self.radius)
     }

@@ -1,4 +1,4 @@
-//! How the scene file writes the variants of an enum, for errors that say what is expected.
+//! The notation of enum variants in the scene file, for error messages that say what is expected.
 
 pub const NUMBER: &str = "a number";
 pub const COLOUR: &str = "a colour: (r, g, b)";
@@ -10,7 +10,7 @@ pub const VECTOR: &str = "a vector: (x, y, z)";
 #[derive(Debug)]
 pub struct Form {
     pub name: &'static str,
-    /// Its fields, each with what is expected there.
+    /// Its fields, each with a description of the expected value.
     pub fields: &'static [(&'static str, &'static str)],
     /// Whether its fields are written in order, without their names.
     pub in_order: bool,
@@ -24,7 +24,7 @@ impl Form {
         format!("{}({})", self.name, fields.join(", "))
     }
 
-    /// What is expected of a field.
+    /// The description of a field's expected value.
     pub fn expects(&self, field: &str) -> Option<&'static str> {
         self.fields.iter().find(|(known, _)| *known == field).map(|(_, expected)| *expected)
     }
@@ -43,8 +43,8 @@ pub fn any(all: impl Iterator<Item = String>) -> String {
     all.rsplit_once(", ").map_or(all.clone(), |(others, last)| format!("{others} or {last}"))
 }
 
-/// Lists the kinds of an enum's values. The number of a value, which kernels switch on, is the place of its kind in the list; a variant that
-/// the list lacks does not compile.
+/// Lists the kinds of an enum's values. The number of a value is the index of its kind in the list; kernels switch on
+/// it. A variant that the list lacks does not compile.
 macro_rules! kinds {
     ($values:ty: $kind:ty; $($variant:ident => $about:expr),* $(,)?) => {
         impl $values {
@@ -52,7 +52,7 @@ macro_rules! kinds {
             /// The names of their shader files.
             const SHADERS: &'static [&'static str] = &[$($about.shader),*];
 
-            /// The place of the value's kind in the list.
+            /// The index of the value's kind in the list.
             pub fn number(&self) -> usize {
                 enum Number {
                     $($variant),*

@@ -1,4 +1,4 @@
-//! The text of the scene file, the places of its values, and errors and checks that point at them. It knows text and not the scene.
+//! The text of the scene file, the places of its values, and errors and checks that point at them. Nothing here knows the scene.
 
 pub mod form;
 mod numbers;
@@ -37,7 +37,7 @@ impl Source {
         &self.text
     }
 
-    /// The path of a file that the scene names: relative to the scene file's folder.
+    /// The path of a file that the scene names. Relative paths start at the scene file's folder.
     pub fn resolve(&self, path: &str) -> PathBuf {
         self.path.parent().unwrap_or(Path::new("")).join(path)
     }
@@ -50,7 +50,7 @@ impl Source {
         Location { file: self.path.clone(), line: line.max(1), column: before.unwrap_or("").chars().count() + 1 }
     }
 
-    /// The byte at a line and column, both from 1; the end of the text if there is none.
+    /// The offset of the byte at a line and column, both counted from 1; the end of the text if there is none.
     pub fn offset(&self, line: usize, column: usize) -> usize {
         let start = line.checked_sub(1).and_then(|before| self.lines.get(before));
         let rest = start.and_then(|&start| self.text.get(start..)).unwrap_or("");
@@ -59,7 +59,7 @@ impl Source {
         within.map_or(self.text.len(), |within| self.text.len() - rest.len() + within)
     }
 
-    /// Where the value at the end of the path stands, or the innermost one on the way that is there.
+    /// The location of the value at the end of the path. If the text lacks it, that of the innermost value on the path.
     pub fn location_of(&self, steps: &[Step<'_>]) -> Location {
         let id = self.spans.find(&self.text, steps);
         self.location(id.map_or(0, |id| self.spans.value(id).start as usize))
@@ -75,14 +75,14 @@ impl Source {
         Error::Scene { location: self.location(offset), field: field(steps), message: message.into() }
     }
 
-    /// The text of a value, on one line and not too long for a message.
+    /// The text of a value on one line, shortened for a message.
     pub fn excerpt(&self, id: Id) -> String {
         self.excerpt_of(self.spans.value(id))
     }
 
     pub fn excerpt_of(&self, span: Span) -> String {
         const LONGEST: usize = 40;
-        // A few more characters than are shown, so that a long value is not copied to be cut.
+        // Takes only a few more characters than it shows, so that a long value is not copied whole.
         let characters = spans::slice(&self.text, span).chars().take(4 * LONGEST);
         let text: String = characters.collect();
         let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
@@ -114,9 +114,9 @@ fn field(steps: &[Step<'_>]) -> String {
     field
 }
 
-/// A value on the way down through the scene: the checks carry it along and make errors of it.
+/// The place of a value in the scene file. The checks pass it down through the scene and make errors from it.
 ///
-/// The way up is a chain of borrowed places, so that checks that find nothing allocate nothing.
+/// It is a chain of borrowed places up to the top, so that checks that find nothing allocate nothing.
 #[derive(Clone, Copy)]
 pub struct Place<'a> {
     source: &'a Source,
@@ -171,13 +171,13 @@ impl<'a> Place<'a> {
         self.error(format!("expected {expected}, found {found}"))
     }
 
-    /// Where this value stands, and its path as messages show it.
+    /// The location of this value, and its path as messages show it.
     pub fn spot(&self) -> (Location, String) {
         let steps = self.steps();
         (self.source.location_of(&steps), field(&steps))
     }
 
-    /// A warning's text: like an error's, but about something allowed.
+    /// The text of a warning about this value, in the form of an error's.
     pub fn warning(&self, message: &str) -> String {
         let (location, field) = self.spot();
         format!("{location}: {field}: {message}")

@@ -1,18 +1,18 @@
-//! Checks of numbers: each error stands at the number's own place.
+//! Checks of numbers. Each error points at the number's own place.
 
 use glam::DVec3;
 
 use super::Place;
 use crate::error::Result;
 
-/// Largest magnitude of a number: its square is still finite in f64, with room for sums.
+/// The largest magnitude of a number. Its square is finite in f64, with room for sums.
 pub const LARGEST: f64 = 1e100;
-/// Smallest length other than zero: its square is still a normal number.
+/// The smallest length other than zero. Its square is a normal number.
 pub const SMALLEST: f64 = 1e-100;
 /// Directions whose angle has a sine below this count as parallel.
 const SMALLEST_SINE: f64 = 1e-9;
 
-/// Any finite number that may be squared.
+/// Checks that a number is finite and can be squared.
 pub fn number(at: &Place, x: f64) -> Result<()> {
     if x.abs() <= LARGEST {
         return Ok(());
@@ -24,7 +24,7 @@ pub fn vector(at: &Place, v: DVec3) -> Result<()> {
     v.to_array().into_iter().enumerate().try_for_each(|(index, x)| number(&at.index(index), x))
 }
 
-/// A positive number that may be squared.
+/// Checks that a number is positive and can be squared.
 pub fn length(at: &Place, what: &str, x: f64) -> Result<()> {
     if (SMALLEST..=LARGEST).contains(&x) {
         return Ok(());
@@ -39,7 +39,7 @@ pub fn parallel(a: DVec3, b: DVec3) -> bool {
     unit(a).cross(unit(b)).length() < SMALLEST_SINE
 }
 
-/// A number from 0 to 1.
+/// Checks that a number is from 0 to 1.
 pub fn share(at: &Place, what: &str, x: f64) -> Result<()> {
     if (0.0..=1.0).contains(&x) {
         return Ok(());

@@ -1,9 +1,9 @@
-//! Where every value of a RON text stands.
+//! The position of every value in a RON text.
 //!
 //! ron and serde drop positions, so the text is scanned a second time into a tree of byte ranges. The
-//! scanner knows brackets, keys, strings and comments and nothing of the scene: what it cannot make
-//! sense of it keeps as a word, since ron has judged or will judge it. It keeps its own stack, so no
-//! depth of nesting overflows the program's.
+//! scanner knows brackets, keys, strings and comments, and nothing about the scene. It keeps unknown
+//! text as a word; ron reports the error. It has its own stack, so that deep nesting cannot overflow
+//! the program's.
 
 /// One step on the way from the top of the scene file to a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,11 +60,11 @@ pub struct Spans {
     pub unclosed_comment: Option<u32>,
 }
 
-/// Names that RON lets one write before a struct, and that are no step of a path.
+/// Names of structs. RON allows them before the bracket, and they are not steps of a path.
 const STRUCT_NAMES: [&str; 6] = ["Scene", "ImageSize", "Camera", "RenderDefaults", "DVec3", "Some"];
 
 impl Spans {
-    /// Scans a text. Never fails: a text that is not RON gives some tree.
+    /// Scans a text. It never fails: a text that is not valid RON gives some tree, too.
     pub fn scan(text: &str) -> Spans {
         let mut scanner = Scanner {
             text,
@@ -78,12 +78,12 @@ impl Spans {
         scanner.spans
     }
 
-    /// The value of the whole text; `None` where there is nothing but space and comments.
+    /// The value of the whole text; `None` if there are only spaces and comments.
     pub fn root(&self) -> Option<Id> {
         self.root
     }
 
-    /// The value at the end of the path, or the innermost one on the way that the text holds.
+    /// The value at the end of the path. If the text lacks it, the innermost value on the path.
     pub fn find(&self, text: &str, steps: &[Step<'_>]) -> Option<Id> {
         let mut id = self.root?;
         for step in steps {
@@ -101,7 +101,7 @@ impl Spans {
         Some(id)
     }
 
-    /// The innermost value whose text, or whose key's, holds the byte at `offset`.
+    /// The innermost value whose text or key contains the byte at `offset`.
     pub fn at(&self, offset: u32) -> Option<Id> {
         let mut id = self.root?;
         loop {
@@ -156,7 +156,7 @@ impl Spans {
         self.node(id)?.parent
     }
 
-    /// Where the value starts, or its key if it has one.
+    /// The start of the value's key, or of the value if it has no key.
     pub fn entry_start(&self, id: Id) -> u32 {
         let key = self.key(id);
         if key.is_empty() { self.value(id).start } else { key.start }
@@ -176,12 +176,12 @@ impl Spans {
         self.node(id).map_or("", |node| field_name(slice(text, node.name)))
     }
 
-    /// Where the name before the value's bracket ends: at the value's start if there is none.
+    /// The end of the name before the value's bracket; the value's start if there is no name.
     pub fn name_end(&self, id: Id) -> u32 {
         self.node(id).map_or(0, |node| node.name.end.max(node.value.start))
     }
 
-    /// What a variant holds: in `Scale(2)` the number, in `Sphere(radius: 2)` and `Rgb(1, 1, 1)` itself.
+    /// The content of a variant: the number in `Scale(2)`; the value itself in `Sphere(radius: 2)` and `Rgb(1, 1, 1)`.
     fn inside(&self, id: Id) -> Id {
         match (self.node(id), self.children(id)) {
             (Some(node), &[only]) if !node.name.is_empty() && self.key(only).is_empty() => only,
@@ -224,13 +224,13 @@ fn key_step(text: &str) -> Step<'_> {
     }
 }
 
-/// What ron skips between tokens.
+/// The characters that ron skips between tokens.
 fn is_space(c: char) -> bool {
     matches!(c, ' ' | '\t'..='\r' | '\u{85}' | '\u{200E}' | '\u{200F}' | '\u{2028}' | '\u{2029}')
 }
 
-/// The offset of the first byte at or after `from` that is neither space nor comment, or where a
-/// block comment starts that is never closed.
+/// The offset of the first byte at or after `from` that is neither space nor comment. The error is the
+/// start of a block comment that is never closed.
 pub fn skip_space(text: &str, from: usize) -> Result<usize, usize> {
     let mut at = from;
     loop {
@@ -247,7 +247,7 @@ pub fn skip_space(text: &str, from: usize) -> Result<usize, usize> {
     }
 }
 
-/// The length of the block comment at the start of a text: they nest.
+/// The length of the block comment at the start of a text. Block comments nest.
 fn block_comment(text: &str) -> Option<usize> {
     let mut depth = 0usize;
     let mut at = 0;
@@ -274,7 +274,7 @@ fn block_comment(text: &str) -> Option<usize> {
 struct Open {
     node: Id,
     bracket: usize,
-    /// Where this bracket's elements start in `pending`.
+    /// The index in `pending` of this bracket's first element.
     first_pending: usize,
 }
 
@@ -282,7 +282,7 @@ struct Scanner<'t> {
     text: &'t str,
     spans: Spans,
     open: Vec<Open>,
-    /// The elements so far of every open bracket, the innermost bracket's last.
+    /// The elements so far of all open brackets. Those of the innermost bracket are last.
     pending: Vec<Id>,
     /// The key before the colon that was just read; empty otherwise.
     key: Span,
@@ -332,7 +332,7 @@ impl<'t> Scanner<'t> {
         self.at < self.text.len()
     }
 
-    /// Skips one `#![enable(...)]` before the scene: ron judges it.
+    /// Skips one `#![enable(...)]` before the scene. ron checks it.
     fn skip_attribute(&mut self) {
         let rest = self.rest();
         self.at += rest.find(']').map_or(rest.len(), |end| end + 1);
@@ -370,7 +370,7 @@ impl<'t> Scanner<'t> {
         self.at += 1;
     }
 
-    /// Adds a value to the innermost open bracket, under the key just read if there is one.
+    /// Adds a value to the innermost open bracket, under the key that was just read, if any.
     fn add(&mut self, start: usize, end: usize) -> Id {
         let id = self.spans.nodes.len() as Id;
         self.spans.nodes.push(Node {
@@ -385,7 +385,7 @@ impl<'t> Scanner<'t> {
         id
     }
 
-    /// The colon: what was taken for a value is the key of the next one.
+    /// Handles a colon: the last value is the key of the next one.
     fn take_key(&mut self) {
         self.at += 1;
         let first_pending = self.open.last().map_or(0, |open| open.first_pending);
@@ -401,14 +401,14 @@ impl<'t> Scanner<'t> {
         }
     }
 
-    /// A key without a value: whatever stands in the value's place becomes the value.
+    /// Handles a key without a value: the text in the value's place becomes the value.
     fn value_is_missing(&mut self) {
         if !self.key.is_empty() {
             self.add(self.at, (self.at + 1).min(self.text.len()));
         }
     }
 
-    /// Closes the innermost bracket, of whatever kind: if it is another one, ron stops here anyway.
+    /// Closes the innermost bracket, of any kind. If the kinds differ, ron reports an error here anyway.
     fn close(&mut self) {
         self.value_is_missing();
         self.at += 1;
@@ -432,9 +432,9 @@ fn span(start: usize, end: usize) -> Span {
     Span { start: start as u32, end: end as u32 }
 }
 
-/// The length of the string, raw string or byte string at the start of the text; to the text's end
-/// if it is not closed. RON's characters ('x') need no care: no field of a scene is one, so that ron
-/// stops there.
+/// The length of the string, raw string or byte string at the start of the text. An unclosed one reaches
+/// to the text's end. RON's characters ('x') are not handled: no field of a scene is one, so that ron
+/// reports an error there.
 fn string_length(text: &str) -> Option<usize> {
     let unprefixed = text.strip_prefix('b').unwrap_or(text);
     let prefix = text.len() - unprefixed.len();
@@ -459,7 +459,7 @@ fn string_length(text: &str) -> Option<usize> {
     Some(text.len())
 }
 
-/// The length of the number, identifier or unknown thing at the start of the text: at least one character.
+/// The length of the number, identifier or unknown word at the start of the text: at least one character.
 fn word_length(text: &str) -> usize {
     let ends = |&(at, c): &(usize, char)| {
         let rest = text.get(at..).unwrap_or("");

@@ -1,4 +1,4 @@
-//! The size of the images that a budget allows, and how their times and noise scale to the whole size.
+//! The size of the images that a budget allows, and the scaling of their times and noise to the whole size.
 
 use std::time::{Duration, Instant};
 
@@ -8,46 +8,48 @@ use super::sweep::{LEVEL, SAMPLES_OF_ROUND, Sweep, coarsened};
 use crate::error::Result;
 use crate::metrics::estimate::Estimate;
 
-/// The most pixels of an image: more say the same about the settings.
+/// The most pixels of an image. More pixels would not change the findings about the settings.
 const MOST_PIXELS: f64 = 65_536.0;
 /// The fewest pixels that still show the scene.
 pub const FEWEST_PIXELS: f64 = 1_024.0;
-/// The size is chosen for this many rounds.
+/// The number of rounds that the size is chosen for.
 const ROUNDS: f64 = 12.0;
 
-/// The pixels of each image, so that `time` is enough for all settings; a sample of one pixel takes `of_pixel` seconds.
+/// The number of pixels for which `time` is enough to measure all settings, if a sample of one pixel takes `of_pixel` seconds.
 pub fn pixels_for(of_pixel: f64, settings: usize, time: Duration) -> f64 {
     let round = of_pixel * SAMPLES_OF_ROUND * settings as f64;
     (time.as_secs_f64() / (round * ROUNDS)).clamp(FEWEST_PIXELS, MOST_PIXELS)
 }
 
-/// The defaults at the whole size.
+/// Measurements of the defaults at the whole size.
 #[derive(Clone, Debug)]
 pub struct Whole {
-    /// Seconds of a sample and relMSE by noise over those at the sweep's size. All settings are taken to change alike.
+    /// Ratios of the seconds of a sample, and of the relMSE of the noise, to those at the sweep's size. All settings
+    /// are assumed to change by the same factors.
     pub slower: f64,
     pub noisier: f64,
     pub size: (u32, u32),
-    /// Images of the defaults, each with its own random numbers; none where the time was not enough.
+    /// Images of the defaults, each with its own random numbers; none if there was not enough time.
     pub images: Vec<Pixels>,
 }
 
 impl Whole {
-    /// Of a sweep that is itself at the whole size.
+    /// For a sweep that is itself at the whole size.
     pub fn of_sweep(sweep: &Sweep<'_>) -> Whole {
         let blocks = sweep.subjects.first().and_then(|defaults| defaults.blocks.get(&LEVEL));
         let images = blocks.into_iter().flatten().map(|block| block.image.clone()).collect();
         Whole { slower: 1.0, noisier: 1.0, size: sweep.size, images }
     }
 
-    /// Where it was not measured, the time is taken to be that of so many more pixels.
+    /// For a whole size that was not measured: the time is assumed to grow with the number of pixels.
     pub fn unknown(sweep: &Sweep<'_>, size: (u32, u32)) -> Whole {
         Whole { slower: pixels_ratio(size, sweep.size), noisier: 1.0, size, images: Vec::new() }
     }
 
-    /// The bias of an image of a share of the sides: of the mean, and squared pixel by pixel. A pixel of it has the expectation of the mean over
-    /// those that it stands for, which the images of the whole size tell: nothing else needs to be rendered. That of another size
-    /// would be another bias, since edges take more of a smaller image.
+    /// The bias of an image with smaller sides: that of the mean, and that of the pixels, squared. The expectation of a
+    /// pixel is the mean over the full-size pixels that it covers, so that the full-size images determine the bias, and
+    /// nothing else is rendered. Images of another size would have another bias, because edges cover a larger share of
+    /// a smaller image.
     pub fn lost_detail(&self, share: f64) -> Option<(Estimate, Estimate)> {
         let weights = Weights::of_rounds(self.images.iter().enumerate().map(|(i, image)| (i, 1, image)))?;
         let coarse: Vec<Pixels> = self.images.iter().map(|image| coarsened(image, self.size, share)).collect();
@@ -56,11 +58,11 @@ impl Whole {
     }
 }
 
-/// A ratio of noises is believed to be 1 at first, with this standard error of its logarithm. Where few images with rare bright paths tell it, it
-/// was 0.46 by chance, and so were the times that are promised.
+/// The standard error of the logarithm of a ratio of noises in the prior, whose mean ratio is 1. Without a prior, a
+/// ratio from few images with rare bright paths was 0.46 by chance, and the predicted times were wrong by this factor.
 const USUAL: f64 = 0.1;
 
-/// How many times as large the one noise is: the logarithm, weighed by how sure it is against what is believed.
+/// The ratio of two noises: the measured logarithm and the prior, weighted by their certainties.
 fn ratio(whole: Estimate, small: Estimate) -> f64 {
     let error = (whole.error / whole.value).hypot(small.error / small.value);
     let believed = USUAL * USUAL / (USUAL * USUAL + error * error);
@@ -71,7 +73,7 @@ fn ratio(whole: Estimate, small: Estimate) -> f64 {
 /// The most samples of an image of the whole size.
 const MOST_SAMPLES: u32 = LEVEL;
 
-/// Measures the defaults at the whole size. None where the time is too short.
+/// Measures the defaults at the whole size; none if the time is too short.
 pub fn calibrate(
     sweep: &mut Sweep<'_>,
     whole: (u32, u32),
@@ -83,7 +85,7 @@ pub fn calibrate(
     let Some(block) = defaults.blocks.get(&LEVEL).and_then(|blocks| blocks.last()) else { return Ok(None) };
     let (compiling, setting, of_small) = (defaults.seconds_compile, defaults.setting.clone(), block.seconds);
     let left = || until.saturating_duration_since(Instant::now()).as_secs_f64();
-    // A pixel of a large image takes less than one of a small image: one sample tells how long.
+    // A pixel of a large image takes less time than one of a small image. One sample measures how much.
     let of_sample = of_small / f64::from(LEVEL) * pixels_ratio(whole, sweep.size);
     if stop() || compiling + of_sample > left() {
         return Ok(None);
@@ -92,15 +94,15 @@ pub fn calibrate(
     large.add(setting)?;
     let seed = |image: u32| Sweep::seed_before(sweep_seed, 1 + image);
     let Some(sample) = large.image(0, 1, seed(0), stop)? else { return Ok(None) };
-    // As many samples as there is time for.
+    // The largest number of samples that there is time for.
     let fitting = |samples: &u32| {
         let small = of_small * (1.0 + f64::from(*samples) / f64::from(LEVEL));
         f64::from(FEWEST_ROUNDS as u32) * (sample.seconds * f64::from(*samples) + small) <= left()
     };
     let samples = (0..u32::BITS).map(|halved| MOST_SAMPLES >> halved).take_while(|samples| *samples > 0).find(fitting);
     let Some(samples) = samples else { return Ok(None) };
-    // In turn, so that what slows the machine slows both. The small image is timed with as many samples as the seconds that it is to
-    // stretch: a single sample of it is over before the device is busy.
+    // The two sizes take turns, so that other load on the machine slows both. The small image is timed with as many samples as the
+    // measured seconds had: a single sample of it ends before the device is busy.
     let (mut at_whole, mut at_small, mut slower) = (Vec::new(), Vec::new(), Vec::new());
     for image in 0..FEWEST_ROUNDS as u32 {
         let seed = seed(image);
@@ -119,14 +121,14 @@ pub fn calibrate(
     Ok(Some(Whole { slower: median(&slower), noisier, size: whole, images: at_whole }))
 }
 
-/// The pixels of one size over those of another.
+/// The ratio of the numbers of pixels of two sizes.
 pub fn pixels_ratio(a: (u32, u32), b: (u32, u32)) -> f64 {
     f64::from(a.0) * f64::from(a.1) / (f64::from(b.0) * f64::from(b.1))
 }
 
-/// The part in the middle of an image whose sides have divisors enough: all of it, unless the smallest image of whole pixels would have sixteen
-/// times as many as one needs. Then both sides are multiples of 15, or of 24 where that is even, and as odd as they were: the middle stays where
-/// it is, to the pixel.
+/// The size of the middle part of an image whose sides have enough divisors. It is the whole image, unless the smallest
+/// image of whole pixels would have sixteen times [`FEWEST_PIXELS`]. If so, both sides become multiples of 15, or of 24
+/// if even. A side keeps its parity, so that the middle of the part is exactly the middle of the image.
 pub fn middle_of((width, height): (u32, u32)) -> (u32, u32) {
     let (w, h) = size_of((width, height), FEWEST_PIXELS, true);
     if f64::from(w) * f64::from(h) <= 16.0 * FEWEST_PIXELS {
@@ -136,16 +138,17 @@ pub fn middle_of((width, height): (u32, u32)) -> (u32, u32) {
     let side = |side: u32| match (both_even, side.is_multiple_of(2)) {
         (true, _) => side / 24 * 24,
         (false, true) => side / 30 * 30,
-        // The largest odd multiple.
+        // The largest odd multiple of 15.
         (false, false) => (side / 15 - (side / 15 + 1) % 2) * 15,
     };
     (side(width), side(height))
 }
 
-/// The sides of images that are measured are multiples of this, as far as that goes: so that half and a quarter of them show the same.
+/// The sides of measured images are multiples of this if possible, so that images of half and a quarter of the sides
+/// show the same view.
 const SIDES: u32 = 4;
 
-/// The whole size divided so that about so many pixels are left; by a common divisor of both sides where pixels must be whole ones.
+/// The whole size, reduced to about `pixels` pixels. If `exact`, both sides are divided by a common divisor.
 pub fn size_of((width, height): (u32, u32), pixels: f64, exact: bool) -> (u32, u32) {
     let times = (f64::from(width) * f64::from(height) / pixels).sqrt().max(1.0);
     if exact {
@@ -154,7 +157,7 @@ pub fn size_of((width, height): (u32, u32), pixels: f64, exact: bool) -> (u32, u
         let even = |by: &u32| (width / by).is_multiple_of(SIDES) && (height / by).is_multiple_of(SIDES);
         let near = |by: &u32| f64::from(*by) < 1.5 * times;
         let by = enough().filter(near).find(even).or_else(|| enough().next());
-        // None does: as small as it goes.
+        // If no divisor fits, the largest common one.
         let by = by.or_else(|| (1..=width.min(height)).rfind(divides)).unwrap_or(1);
         return (width / by, height / by);
     }

@@ -1,4 +1,4 @@
-//! Judges every setting from the blocks of a sweep: seconds, noise, bias, time to an error, and how it compares with the others.
+//! Judges every setting from the blocks of a sweep: seconds, noise, bias, time to an error, and its standing among the others.
 
 use super::extent::Whole;
 use super::model::{Falling, Model, Standing, Times, doubt, falling, standings};
@@ -10,47 +10,48 @@ use crate::metrics::error::RELATIVE_FLOOR;
 use crate::metrics::estimate::Estimate;
 use crate::options::Class;
 
-/// relMSE to reach.
+/// The targets: relMSE to reach.
 pub const TARGETS: [f64; 3] = [1e-1, 1e-2, 1e-3];
-/// The probability that any unbiased setting at all is called biased.
+/// The probability that the report calls any unbiased setting biased.
 const FALSE_ALARMS: f64 = 0.05;
 
-/// The standard error, as a share, of the error that is promised, up to which it is called reliable.
+/// The largest relative standard error of a predicted error that counts as reliable.
 pub const RELIABLE: f64 = 0.2;
 
-/// Why the loss of detail of an image of fewer pixels is not known.
+/// The reason why the loss of detail of an image with fewer pixels is unknown.
 const NOT_AT_WHOLE_SIZE: &str = "its loss of detail is not measured at the whole size, which the budget did not reach";
 
 /// The findings about a setting.
 #[derive(Clone, Debug)]
 pub struct Measured {
     pub setting: Setting,
-    /// Blocks of [`LEVEL`] samples that it and the defaults have.
+    /// The number of blocks of [`LEVEL`] samples that both it and the defaults have.
     pub rounds: usize,
     pub seconds_compile: f64,
-    /// Of a sample a pixel, at the size of the sweep.
+    /// Seconds for one sample in every pixel, at the size of the sweep.
     pub seconds_here: f64,
-    /// The same at the whole size, half the interquartile range, and the standard error as a share.
+    /// The same at the whole size, half their interquartile range, and their relative standard error.
     pub seconds: f64,
     pub seconds_spread: f64,
     pub seconds_doubt: f64,
     pub model: Model,
-    /// relMSE by noise at the numbers of samples that were measured, at the whole size.
+    /// The relMSE of the noise for each measured number of samples, at the whole size.
     pub noises: Vec<(u32, f64)>,
-    /// The mean's bias, relative; with sign. Against the defaults, or against the reference where these differ from it.
+    /// The relative bias of the mean, with its sign. It is against the defaults, or against the reference if the
+    /// defaults differ from it.
     pub signed: Estimate,
-    /// relMSE of the bias, pixel by pixel.
+    /// The relMSE of the pixels' bias.
     pub squared: Estimate,
-    /// Whether either is more than noise, all settings and both tests taken into account.
+    /// Whether either bias is significant, corrected for the number of settings and tests.
     pub biased: bool,
-    /// Whether biases are against the reference.
+    /// Whether the biases are against the reference.
     pub against_reference: bool,
-    /// Whether its noise is known, and its bias if it may have one; where few pixels make most of the noise, estimates are too low as long as
-    /// these have not been met.
+    /// Whether its noise is known, and also its bias if it may have one. If most of the noise is in few pixels,
+    /// estimates are too low until paths have found these.
     pub reliable: bool,
-    /// Whether what its bias is against is known, or it is declared to have none.
+    /// Whether the image that its bias refers to is known, or the setting is declared unbiased.
     pub bias_known: bool,
-    /// The standard error, as a share, of its noise where that comes to the middle target.
+    /// The relative standard error of its noise at the number of samples that reaches the middle target.
     pub noise_doubt: f64,
     /// Seconds to the targets.
     pub times: [Option<f64>; TARGETS.len()],
@@ -58,14 +59,15 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// 1 / (relative variance of a sample × its seconds) (Pharr, Jakob, Humphreys, PBR 4th ed., section 2.1.4), at [`LEVEL`] samples.
+    /// 1 / (relative variance of a sample × its seconds) (Pharr, Jakob, Humphreys, PBR 4th ed., section 2.1.4), at
+    /// [`LEVEL`] samples.
     pub fn efficiency(&self) -> f64 {
         let samples = f64::from(LEVEL);
         let variance = samples * (self.model.error(samples) - self.model.squared_bias);
         1.0 / (variance * self.model.seconds)
     }
 
-    /// Whether its knob is declared to change no expectation.
+    /// Whether its knob is declared to keep the expectation.
     pub fn declared_unbiased(&self) -> bool {
         matches!(self.setting.class(), Class::Exact | Class::Noise)
     }
@@ -78,7 +80,7 @@ impl Measured {
         }
     }
 
-    /// Its standing in words.
+    /// Its standing and bias in words.
     pub fn verdict(&self) -> String {
         let standing = match self.standing {
             Standing::Front => "on the front",
@@ -106,19 +108,20 @@ impl Measured {
 /// The result of a sweep.
 #[derive(Clone, Debug, Default)]
 pub struct Judged {
-    /// The settings that have three rounds; the defaults first.
+    /// The settings with at least three rounds, the defaults first.
     pub measured: Vec<Measured>,
-    /// How far the defaults are from a reference that was given and tells its noise, and whether that is more than the noise of both.
+    /// The distance of the defaults from the given reference, and whether it is more than the noise of both; none if
+    /// the reference's noise is unknown.
     pub against_reference: Option<(Distance, bool)>,
-    /// What errors are relative to.
+    /// The weights that make errors relative.
     pub weights: Option<Weights>,
 }
 
-/// Judges every subject that has three rounds; the others are noted as not measured, for that reason.
+/// Judges every subject with at least three rounds. The others are noted as not measured, with `unreached` as the reason.
 ///
-/// Biases are against the defaults, which share their random numbers, so that most of the noise cancels. Where the defaults are not what a
-/// reference shows, or not known well, they are no measure, and biases are against the reference. What fewer pixels lose depends on how many
-/// there are: it is found from images of the whole size.
+/// Biases are against the defaults, which share their random numbers, so that most of the noise cancels. If the
+/// defaults differ from a given reference, or are not known well, biases are against the reference instead. The loss of
+/// detail with fewer pixels depends on the size of the image, so it is computed from images of the whole size.
 pub fn judge(sweep: &mut Sweep<'_>, reference: Option<&Truth>, whole: &Whole, unreached: &str) -> Judged {
     let Some(weights) = weights(sweep, reference) else {
         let all: Vec<Setting> = sweep.subjects.iter().map(|subject| subject.setting.clone()).collect();
@@ -128,7 +131,7 @@ pub fn judge(sweep: &mut Sweep<'_>, reference: Option<&Truth>, whole: &Whole, un
     let seconds: Vec<Vec<f64>> = sweep.subjects.iter().map(seconds).collect();
     let timed: Vec<usize> = (0..seconds.len()).filter(|&i| seconds[i].len() >= FEWEST_ROUNDS).collect();
     let mut paces = paces(&timed.iter().map(|&i| seconds[i].as_slice()).collect::<Vec<_>>()).into_iter();
-    // Rounds that all of them have: an image more would be a difference between settings that have none.
+    // The number of rounds that all of them have: an additional image of one setting alone would look like a difference.
     let rounds =
         |level: u32| timed.iter().map(|&i| sweep.subjects[i].blocks.get(&level).map_or(0, Vec::len)).min().unwrap_or(0);
     let common = LEVELS.map(|level| (level, rounds(level)));
@@ -151,13 +154,13 @@ pub fn judge(sweep: &mut Sweep<'_>, reference: Option<&Truth>, whole: &Whole, un
     }
     let distance = |subject: usize| reference?.distance(&images(&sweep.subjects[subject]), &weights);
     let of_defaults = distance(0);
-    // Two tests of each setting beside the defaults, and of these against the reference (Šidák, JASA 62(318), 1967).
+    // Two tests for each setting against the defaults, and two for the defaults against the reference (Šidák, JASA 62(318), 1967).
     let tests = 2 * (found.len().saturating_sub(1) + usize::from(of_defaults.is_some()));
     let level = 1.0 - (1.0 - FALSE_ALARMS).powf(1.0 / tests.max(1) as f64);
     let shows = |signed: &Estimate, squared: &Estimate| {
         signed.p() < level || (squared.value > 0.0 && squared.p() / 2.0 < level)
     };
-    // What is declared to change no expectation may have missed light that few paths bring.
+    // A setting that is declared unbiased may have missed light that only few paths find.
     let rounds = found.first().map_or(0, |(_, defaults)| defaults.rounds);
     let (of_mean, of_squares) = unmet(sweep.brightest(), rounds, level, &weights.image);
     let shows_more =
@@ -179,10 +182,10 @@ pub fn judge(sweep: &mut Sweep<'_>, reference: Option<&Truth>, whole: &Whole, un
             true => shows_more(&measured.signed, &measured.squared),
             false => shows(&measured.signed, &measured.squared),
         };
-        // Detail is lost from the defaults' own images, whatever a reference shows.
+        // The loss of detail is computed from the defaults' own images, also if there is a reference.
         measured.bias_known = declared || if of_size { defaults_known } else { base_known };
         measured.reliable &= measured.bias_known;
-        // What is declared unbiased and not found otherwise has none.
+        // A setting that is declared unbiased has no bias unless one is found.
         if !declared || measured.biased {
             let (least, most) = by_mean(&measured.signed, &weights.image);
             measured.model.squared_bias = measured.squared.value.max(least);
@@ -196,7 +199,7 @@ pub fn judge(sweep: &mut Sweep<'_>, reference: Option<&Truth>, whole: &Whole, un
     for (measured, standing) in found.iter_mut().zip(standings(&all)) {
         measured.standing = standing;
     }
-    // What is advised for a target is as soon there as what is soonest, within the doubt of timings.
+    // The advised setting reaches its target as soon as the fastest one, within the error of the timings.
     let advised: Vec<String> = recommended(&found).into_iter().flatten().map(|m| m.setting.name()).collect();
     for measured in found.iter_mut().filter(|m| advised.contains(&m.setting.name())) {
         measured.standing = Standing::Front;
@@ -204,9 +207,9 @@ pub fn judge(sweep: &mut Sweep<'_>, reference: Option<&Truth>, whole: &Whole, un
     Judged { measured: found, against_reference, weights: Some(weights) }
 }
 
-/// What errors are relative to: the less noisy of the reference and the defaults' images. Where noise makes a pixel dark, its errors would
-/// look larger than they are. Not the images of noisier settings beside them: half of a pixel is dark where half of the images have met no
-/// light.
+/// The weights that make errors relative, from the less noisy of the reference and the defaults' images. If noise makes
+/// a pixel dark, its relative errors look too large. Images of noisier settings are therefore not used: a pixel is half
+/// as bright if half of the images found no light in it.
 fn weights(sweep: &Sweep<'_>, reference: Option<&Truth>) -> Option<Weights> {
     let defaults = sweep.subjects.first()?;
     let blocks = defaults.blocks.iter().flat_map(|(&samples, blocks)| {
@@ -220,22 +223,24 @@ fn weights(sweep: &Sweep<'_>, reference: Option<&Truth>) -> Option<Weights> {
     Some(if noisier { own } else { Weights::of_image(reference.image.clone()) })
 }
 
-/// What light that no path has met in so many rounds, of a setting or of what it is compared with, may bring to the mean, relative, and to the
-/// squared bias. Own derivation: k paths are expected and none is met with a probability of e^-k, and a path brings at most the brightest
-/// radiance M that the scene has. So with all but the probability `level` the light b that is missed has a mean of less than ln(1/level) M / N,
-/// N being all samples of all pixels. Of b² / (r² + 0.01) with b <= r it makes no more than b r / (r² + 0.01) <= 5 b.
+/// Bounds of the light that no path found in `rounds` rounds: as a share of the mean, and as squared bias. The light
+/// may be missing in a setting or in the images that it is compared with. Own derivation: if k paths are expected, none
+/// is found with the probability e^-k, and a path carries at most the brightest radiance M of the scene. So, except
+/// with the probability `level`, the missed light b has a mean below ln(1/level) M / N, where N is the number of
+/// samples in all pixels. Its part of b² / (r² + 0.01) with b <= r is at most b r / (r² + 0.01) <= 5 b.
 fn unmet(brightest: f64, rounds: usize, level: f64, image: &Pixels) -> (f64, f64) {
     let samples = rounds as f64 * f64::from(LEVEL) * image.len() as f64;
     let light = level.recip().ln() * brightest / samples;
     let mean = sum_of(image) / (3 * image.len()) as f64;
-    // A black image has no mean to be relative to, and no light.
+    // The mean of a black image is 0, so that no share of it exists.
     let of_mean = if mean > 0.0 { light / mean } else { 0.0 };
     (of_mean, 0.5 / RELATIVE_FLOOR.sqrt() * light)
 }
 
-/// What the mean tells of the bias pixel by pixel: relMSE that is there at least, and that may be there by what is known of it. For a bias b
-/// and w = 1 / (r² + 0.01), (mean b)² <= mean(w b²) mean(1/w) (Cauchy and Schwarz). Bias that sits in rare bright paths, as a limit takes it,
-/// shows in the mean long before pixels of different images have it in common.
+/// The squared bias of the pixels that follows from the bias of the mean: its certain part, and its largest value for a
+/// mean within the interval. For a bias b and w = 1 / (r² + 0.01), (mean b)² <= mean(w b²) mean(1/w) (Cauchy-Schwarz).
+/// Bias in rare bright paths, such as that of a clamp, shows in the mean long before it shows in the same pixels of
+/// different images.
 fn by_mean(signed: &Estimate, weights: &Pixels) -> (f64, f64) {
     let values = weights.as_flattened().iter().map(|&r| f64::from(r));
     let (sum, squares) = values.fold((0.0, 0.0), |(sum, squares), r| (sum + r, squares + r * r + RELATIVE_FLOOR));
@@ -245,7 +250,7 @@ fn by_mean(signed: &Estimate, weights: &Pixels) -> (f64, f64) {
     (share * least.powi(2), share * size.upper().powi(2))
 }
 
-/// Seconds of a sample in each round.
+/// The seconds of a sample in each round.
 fn seconds(subject: &Subject<'_>) -> Vec<f64> {
     let blocks = subject.blocks.get(&LEVEL).map_or(&[][..], Vec::as_slice);
     blocks.iter().map(|block| block.seconds / f64::from(LEVEL)).collect()
@@ -275,7 +280,7 @@ fn measured(
         .filter_map(|&(level, _)| Some((level, noise(&images(subject, level)?, weights, rounds_between(level))?)))
         .collect();
     let fall = falling(&levels).or_else(|| {
-        // No noise at all: a scene of one colour.
+        // A scene of one colour has no noise at all.
         let silent = levels.iter().all(|(_, noise)| noise.value <= 0.0);
         (silent && !levels.is_empty()).then_some(Falling::SILENT)
     })?;
@@ -304,14 +309,15 @@ fn measured(
     })
 }
 
-/// The setting that reaches a target first, of those that meet a condition.
+/// The fastest setting to a target among those that satisfy a condition.
 fn soonest(found: &[Measured], target: usize, condition: impl Fn(&Measured) -> bool) -> Option<&Measured> {
     let time = |measured: &Measured| measured.times[target].unwrap_or(f64::INFINITY);
     let reaching = found.iter().filter(|m| m.times[target].is_some() && condition(m));
     reaching.min_by(|a, b| time(a).total_cmp(&time(b)))
 }
 
-/// The fastest setting that meets a condition; or the defaults, or another setting declared unbiased, if as fast within the error of timings.
+/// The fastest setting that satisfies a condition. If the defaults or another unbiased setting are as fast within the
+/// error of the timings, they are preferred.
 pub fn preferred(found: &[Measured], target: usize, condition: impl Fn(&Measured) -> bool) -> Option<&Measured> {
     let time = |measured: &Measured| measured.times[target].unwrap_or(f64::INFINITY);
     let best = soonest(found, target, &condition)?;
@@ -321,7 +327,7 @@ pub fn preferred(found: &[Measured], target: usize, condition: impl Fn(&Measured
     Some(defaults.or(faithful).unwrap_or(best))
 }
 
-/// The setting advised for each target; never one whose noise is not known.
+/// The setting advised for each target; never one whose noise is unknown.
 pub fn recommended(found: &[Measured]) -> [Option<&Measured>; TARGETS.len()] {
     std::array::from_fn(|target| preferred(found, target, |measured| measured.reliable))
 }
@@ -330,7 +336,7 @@ pub fn recommended(found: &[Measured]) -> [Option<&Measured>; TARGETS.len()] {
 mod tests {
     use super::*;
 
-    /// What the mean tells of the bias of pixels is never more than there is, and all of it where the bias is spread as 1/w.
+    /// The bound from the mean is never above the squared bias, and equals it if the bias is proportional to 1/w.
     #[test]
     fn a_bias_of_the_mean_is_one_of_pixels() {
         let weights: Pixels = (0..64).map(|i| [0.02 * i as f32, 0.5, 3.0 / (1 + i) as f32]).collect();
@@ -346,7 +352,7 @@ mod tests {
             let (least, most) = by_mean(&signed, &weights);
             assert!(least == most && least <= squared * (1.0 + 1e-9) && least > 0.0, "{case}: {least} {squared}");
             assert!(case > 0 || (least / squared - 1.0).abs() < 1e-9, "{least} {squared}");
-            // What is known less well may be more, and is less for sure.
+            // A less certain bias has a higher upper bound and a lower lower bound.
             let unsure = Estimate { error: 0.1 * signed.value.abs(), ..signed };
             let (low, high) = by_mean(&unsure, &weights);
             assert!(low < least && high > most);
@@ -354,8 +360,8 @@ mod tests {
         assert_eq!(by_mean(&Estimate { value: 0.1, error: 1.0, degrees: 7.0 }, &weights).0, 0.0);
     }
 
-    /// Of k expected paths none is met with a probability of e^-k: a setting that misses the light of k < ln(1/level) is not told from one that
-    /// has it, and one that misses more is.
+    /// If k paths are expected, none is found with the probability e^-k. A setting that misses the light of k <
+    /// ln(1/level) paths cannot be distinguished from one that has it; a setting that misses more can.
     #[test]
     fn light_that_few_paths_bring_may_be_missed() {
         let image: Pixels = vec![[0.05; 3]; 100];

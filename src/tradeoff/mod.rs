@@ -1,4 +1,4 @@
-//! Measures what the settings of a render trade: seconds against noise and bias.
+//! Measures the trade-offs of a render's settings: seconds against noise and bias.
 //!
 //! Each module imports only modules of the lines above its own:
 //!

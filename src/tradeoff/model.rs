@@ -1,32 +1,32 @@
-//! The model of the error of a setting, relMSE = bias² + c N^-p, and the comparison of settings by it.
+//! The error model of a setting, relMSE = bias² + c N^-p, and the comparison of settings by it.
 
 use crate::metrics::estimate::Estimate;
 
-/// Noise that falls as c N^-p, with the errors of the fit.
+/// Noise that falls as c N^-p, with the standard errors of the fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Falling {
-    /// relMSE by noise with one sample, extrapolated.
+    /// c: the relMSE of the noise with one sample, extrapolated.
     pub noise: f64,
     /// The exponent p, above 0: 1 for independent samples.
     pub exponent: f64,
-    /// ln N at which the fit is the surest, the standard error of the noise's logarithm there, and that of the exponent.
+    /// ln N where the fit is most certain, the standard error of the noise's logarithm there, and that of the exponent.
     pub middle: f64,
     pub error: f64,
     pub exponent_error: f64,
 }
 
 impl Falling {
-    /// relMSE by noise with so many samples.
+    /// The relMSE of the noise after this many samples.
     pub fn at(&self, samples: f64) -> f64 {
         self.noise * samples.powf(-self.exponent)
     }
 
-    /// Samples until that is at a target, at least one.
+    /// The number of samples at which the noise reaches a target, at least one.
     pub fn samples_to(&self, target: f64) -> f64 {
         (self.noise / target).powf(1.0 / self.exponent).max(1.0)
     }
 
-    /// The standard error of [`Falling::at`], as a share.
+    /// The relative standard error of [`Falling::at`].
     pub fn doubt(&self, samples: f64) -> f64 {
         self.error.hypot(self.exponent_error * (samples.ln() - self.middle))
     }
@@ -35,45 +35,46 @@ impl Falling {
     pub const SILENT: Falling = Falling { noise: 0.0, exponent: 1.0, middle: 0.0, error: 0.0, exponent_error: 0.0 };
 }
 
-/// The error of a setting by its number of samples.
+/// The error of a setting as a function of the number of samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Model {
-    /// relMSE that stays; not below 0.
+    /// The relMSE that remains with infinitely many samples; not below 0.
     pub squared_bias: f64,
-    /// The most that it may be, with 95 % confidence.
+    /// Its upper bound with 95 % confidence.
     pub squared_bias_upper: f64,
     pub noise: Falling,
-    /// Seconds of a sample a pixel.
+    /// The seconds for one sample in every pixel.
     pub seconds: f64,
 }
 
-/// The range that an exponent is believed in: Sobol's points have at most 3 of a smooth pixel.
+/// The range of plausible exponents. Sobol points reach at most 3, in smooth pixels.
 const EXPONENTS: (f64, f64) = (0.8, 3.0);
-/// Noise by rare bright paths is known too badly to tell an exponent, and a wrong one is far off at many samples. So 1 is believed at first, as
-/// of independent samples, with this standard error: what Sobol's points gain on the scenes of this repository.
+/// The prior of the exponent, with its standard error. Noise from rare bright paths is measured too poorly to determine
+/// an exponent, and a wrong exponent is far off at many samples. The mean is that of independent samples; the standard
+/// error is what Sobol points gain on the scenes of this repository.
 const USUAL: (f64, f64) = (1.0, 0.1);
 
 impl Model {
-    /// relMSE with so many samples.
+    /// The relMSE after this many samples.
     pub fn error(&self, samples: f64) -> f64 {
         self.squared_bias + self.noise.at(samples)
     }
 
-    /// Seconds until relMSE is at the target, at least those of one sample. None where the bias may be as large as that, with all that
-    /// is known of it.
+    /// The seconds until the relMSE reaches the target, at least those of one sample. None if the upper bound of the
+    /// squared bias is not below the target.
     pub fn seconds_to(&self, target: f64) -> Option<f64> {
         let left = target - self.squared_bias_upper;
         (left > 0.0).then(|| self.seconds * self.noise.samples_to(left))
     }
 }
 
-/// c and p of c N^-p through noises at numbers of samples, each weighed by how sure it is.
+/// Fits c and p of c N^-p to noises at numbers of samples, each weighted by its certainty.
 pub fn falling(levels: &[(u32, Estimate)]) -> Option<Falling> {
     let known: Vec<(f64, f64, f64)> = levels
         .iter()
         .filter(|(_, noise)| noise.value > 0.0 && noise.error.is_finite())
         .map(|(samples, noise)| {
-            // Of the logarithm; not below a percent, which is what the model itself may be wrong by.
+            // The standard error of the logarithm. At least a percent, because the model itself may be wrong by that.
             let error = (noise.error / noise.value).max(0.01);
             (f64::from(*samples).ln(), noise.value.ln(), 1.0 / (error * error))
         })
@@ -97,34 +98,35 @@ pub fn falling(levels: &[(u32, Estimate)]) -> Option<Falling> {
     })
 }
 
-/// How a setting compares with the others.
+/// The standing of a setting among the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Standing {
-    /// No other setting reaches every target at least as soon.
+    /// No other setting reaches all targets as soon.
     Front,
-    /// Another does, and one of them sooner by more than the measurement's doubt.
+    /// Another setting reaches all targets as soon, and one of them sooner by more than the error of the measurement.
     Dominated,
-    /// No target is reached.
+    /// It reaches no target.
     NeverReaches,
 }
 
-/// Ratios of seconds nearer to 1 than this are no difference, however sure the timings are. Of five settings that do the same work one or two
-/// were 7 to 12 % slower in half of the sweeps, from the first round to the last (llvmpipe): so much lies in where memory happens to be.
+/// Smaller ratios of seconds do not count as a difference, however certain the timings are. Of five settings that do
+/// the same work, one or two were 7 to 12 % slower in half of the sweeps, from the first round to the last (llvmpipe):
+/// the placement of memory has this effect.
 const NO_DIFFERENCE: f64 = 1.15;
 
-/// The ratio of seconds below which two settings are as soon as each other: two standard errors of it.
+/// The ratio of seconds below which two settings count as equally fast: two standard errors of the ratio.
 pub fn doubt(a: f64, b: f64) -> f64 {
     (2.0 * a.hypot(b)).exp().max(NO_DIFFERENCE)
 }
 
-/// The times by which settings are ranked.
+/// The times that rank a setting.
 #[derive(Clone, Debug)]
 pub struct Times {
-    /// To the targets, none where it does not reach them.
+    /// Seconds to each target, none if it does not reach the target.
     pub seconds: Vec<Option<f64>>,
-    /// Their standard error as a share.
+    /// Their relative standard error.
     pub doubt: f64,
-    /// Whether the rest is known as well; what is not beats nothing that is.
+    /// Whether noise and bias are known, too. A setting with unknown noise or bias never dominates a setting with known ones.
     pub reliable: bool,
 }
 
@@ -161,19 +163,19 @@ mod tests {
     fn a_falling_noise_is_found_again() {
         let levels = [4, 16, 64].map(|n: u32| level(n, 3.0 * f64::from(n).powf(-1.3)));
         let found = falling(&levels).unwrap();
-        // What is believed at first weighs 100, and three levels known to a percent 38,000.
+        // The prior has a weight of 100, and three levels known to a percent have 38,000.
         assert!((found.noise / 3.0 - 1.0).abs() < 3e-3 && (found.exponent - 1.3).abs() < 1e-3, "{found:?}");
         assert!((found.at(16.0) / levels[1].1.value - 1.0).abs() < 1e-3 && found.doubt(16.0) < 0.01);
         assert!((found.at(found.samples_to(1e-3)) / 1e-3 - 1.0).abs() < 1e-9);
         assert_eq!(falling(&levels[1..2]).map(|found| found.exponent), Some(1.0));
         assert_eq!(falling(&[]), None);
-        // What is unsure counts little: two levels known to a percent weigh 9,600.
+        // An uncertain level has little effect: two levels known to a percent have a weight of 9,600.
         let mut unsure = levels;
         unsure[2].1 = Estimate { value: 10.0 * unsure[2].1.value, error: 1e3, degrees: 2.0 };
         assert!((falling(&unsure).unwrap().exponent - 1.3).abs() < 4e-3);
     }
 
-    /// Noise that is known to 30 % tells no exponent of 0.6, and what follows for many samples is said to be unsure.
+    /// Noise that is known to 30 % does not establish an exponent of 0.6, and the model reports a large error at many samples.
     #[test]
     fn an_exponent_by_chance_is_not_believed() {
         let rough = |(n, noise): (u32, Estimate)| (n, Estimate { error: 0.3 * noise.value, ..noise });
@@ -191,7 +193,7 @@ mod tests {
         assert!((model.seconds_to(1e-2).unwrap() - 0.5 * 100.0).abs() < 1e-9);
         assert_eq!(model.seconds_to(2e-3), None);
         assert!((model.error(100.0) - 9e-3).abs() < 1e-12);
-        // A sample is the least.
+        // At least the time of one sample.
         assert_eq!(model.seconds_to(10.0), Some(0.5));
     }
 
@@ -199,11 +201,11 @@ mod tests {
     fn the_front_is_what_nothing_beats() {
         let all = [
             vec![Some(1.0), Some(10.0), Some(100.0)],
-            // Sooner at first, never at last.
+            // Sooner at the first target, never at the last.
             vec![Some(0.5), Some(6.0), None],
-            // Later everywhere.
+            // Later at all targets.
             vec![Some(2.0), Some(20.0), Some(200.0)],
-            // As good as the first, within the doubt.
+            // As good as the first, within the error.
             vec![Some(1.01), Some(10.1), Some(101.0)],
             vec![None, None, None],
         ];
@@ -211,9 +213,9 @@ mod tests {
         let found = |doubt: f64| standings(&times(doubt));
         use Standing::*;
         assert_eq!(found(0.001), [Front, Front, Dominated, Front, NeverReaches]);
-        // Where timings are off by 30 %, twice the seconds are no difference, and reaching a target is.
+        // If timings are off by 30 %, a factor of two is no difference in time, but to reach a target or not is one.
         assert_eq!(found(0.3), [Front, Dominated, Front, Front, NeverReaches]);
-        // The third may be beaten by the first and the fourth, if these are known.
+        // The first and the fourth can dominate the third only if their noise and bias are known.
         let mut doubtful = times(0.001);
         (doubtful[0].reliable, doubtful[3].reliable) = (false, false);
         assert_eq!(standings(&doubtful)[2], Front);

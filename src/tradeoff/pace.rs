@@ -1,26 +1,28 @@
-//! The relative times of settings, on a machine that other work slows down now and then.
+//! The relative times of settings, on a machine that other load slows down at times.
 //!
-//! Every round times every setting once, soon after each other: what slows the machine for seconds slows them alike. So the logarithm of
-//! a time is what the setting takes, what the round was slowed by, and a rest. The first two are found by a median polish (Tukey,
-//! Exploratory Data Analysis, 1977, chapter 11), which single slow blocks do not move.
+//! Every round times every setting once, in quick succession, so that a load of some seconds slows all of them alike.
+//! The logarithm of a time is therefore the sum of the setting's own time, the slowdown of the round, and a residual. A
+//! median polish (Tukey, Exploratory Data Analysis, 1977, chapter 11) finds the first two; single slow blocks do not
+//! affect it.
 
 /// The time of a setting.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pace {
-    /// In a round like most.
+    /// In a typical round.
     pub seconds: f64,
-    /// Half the interquartile range, beside the others of its round.
+    /// Half the interquartile range, after the slowdown of the rounds is removed.
     pub spread: f64,
-    /// The standard error as a share.
+    /// The relative standard error.
     pub doubt: f64,
 }
 
-/// Of a normal variate, and of the median of so many over that of one.
+/// The interquartile range of a normal variate in standard deviations, and the factor of the median's standard error
+/// over that of the mean.
 const QUARTILES_PER_DEVIATION: f64 = 1.349;
 const ERROR_OF_MEDIAN: f64 = 1.2533;
 const PASSES: usize = 10;
 
-/// The paces of settings from their times round by round, as far as all have them.
+/// The paces of settings from their times in each round. Uses the rounds that all settings have.
 pub fn paces(times: &[&[f64]]) -> Vec<Pace> {
     let rounds = times.iter().map(|times| times.len()).min().unwrap_or(0);
     let logs: Vec<Vec<f64>> = times.iter().map(|times| times[..rounds].iter().map(|t| t.ln()).collect()).collect();
@@ -76,7 +78,7 @@ mod tests {
     #[test]
     fn slow_rounds_and_single_slow_blocks_do_not_count() {
         let own = [1.0, 1.1, 0.5, 2.0];
-        // The second half of the rounds is slowed by 40 %, and of each setting's blocks one by a lot.
+        // The second half of the rounds is 40 % slower, and one block of each setting is much slower.
         let time = |setting: usize, round: usize| {
             let slowed = if round >= 6 { 1.4 } else { 1.0 };
             let jitter = 1.0 + 0.002 * ((7 * setting + 3 * round) % 5) as f64;
@@ -90,17 +92,17 @@ mod tests {
             let ratio = pace.seconds / found[0].seconds / own[setting];
             assert!((ratio - 1.0).abs() < 0.01 && pace.doubt < 0.01 && pace.spread < 0.02, "{setting}: {pace:?}");
         }
-        // The control: medians by themselves are off by as much as the rounds are.
+        // The control: plain medians are off by as much as the rounds are.
         let halves = [median(&times[0][..6]), median(&times[0][6..])];
         assert!(halves[1] / halves[0] > 1.3);
-        // A setting by itself has its median.
+        // For a single setting the result is its median.
         assert_eq!(paces(&[&[2.0, 1.0, 4.0]])[0].seconds, 2f64.ln().exp());
         assert!(paces(&[]).is_empty());
     }
 
     #[test]
     fn a_doubt_is_of_the_median() {
-        // A spread of 10 % over 16 rounds, beside two that have none.
+        // One setting has a spread of 10 % over 16 rounds; two others have none.
         let uneven: Vec<f64> = (0..16).map(|i| (0.1 * ((5 * i) % 16) as f64 / 16.0).exp()).collect();
         let even = [1.0; 16];
         let found = paces(&[&uneven, &even, &even]);

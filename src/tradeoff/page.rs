@@ -1,4 +1,5 @@
-//! The findings as one HTML file without scripts, for light and dark, wide and narrow screens. It loads nothing from the network.
+//! The findings as one HTML file without scripts, for light and dark themes, and wide and narrow screens. It loads
+//! nothing from the network.
 
 use std::fmt::Write as _;
 
@@ -36,12 +37,12 @@ figure svg { display: block; width: 100%; max-width: 60rem; min-width: 38rem; he
 .pictures .pair { display: grid; grid-template-columns: 1fr 1fr; gap: 2px; margin-bottom: .3rem; }
 ";
 
-/// Text where HTML expects text.
+/// Text with HTML's special characters escaped.
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
-/// The same, with text between backticks as code.
+/// The same, with the text between backticks in `<code>`.
 fn marked(text: &str) -> String {
     let parts: Vec<String> = text.split('`').map(escaped).collect();
     let mark = |(i, part): (usize, &String)| match i % 2 {
@@ -51,7 +52,7 @@ fn marked(text: &str) -> String {
     parts.iter().enumerate().map(mark).collect()
 }
 
-/// The whole page, with the plot where there is one.
+/// The whole page, with the plot if there is one.
 pub fn html(report: &Findings, plot: Option<&str>) -> String {
     let mut page = String::new();
     let scene = escaped(&report.scene);
@@ -81,7 +82,7 @@ pub fn html(report: &Findings, plot: Option<&str>) -> String {
         let _ = write!(
             page,
             "<h2>The same time for each</h2>\n<p class=\"note\">{}x{} pixels. Each setting has the number of samples that comes nearest to the time of {LEVEL} samples of the defaults; its own time is below. \
-             The picture on the right is its FLIP map: the difference that an eye sees, from black (none) to white.</p>\n<div class=\"pictures\">\n",
+             The picture on the right is its FLIP map: the perceived difference, from black (none) to white.</p>\n<div class=\"pictures\">\n",
             report.size.0, report.size.1
         );
         for picture in &report.shown {
@@ -121,10 +122,10 @@ pub fn html(report: &Findings, plot: Option<&str>) -> String {
     page
 }
 
-/// The plot of error against seconds; none where no setting has an error.
+/// The plot of error against seconds; none if no setting has an error.
 ///
 /// # Errors
-/// Where the plot cannot be drawn.
+/// If the plot cannot be drawn.
 pub fn plot(report: &Findings) -> Result<Option<String>> {
     let curve = |measured: &Measured| {
         let points = (0..=12).map(|power| {
@@ -132,7 +133,7 @@ pub fn plot(report: &Findings) -> Result<Option<String>> {
             (samples * measured.model.seconds, measured.model.error(samples))
         });
         let name = format!("{} (p {:.2})", measured.setting.name(), measured.model.noise.exponent);
-        // Of the noise at each number of samples, with the bias that the line has.
+        // A mark is the measured noise at a number of samples plus the bias of the curve.
         let marks = measured.noises.iter().map(|&(samples, noise)| {
             (f64::from(samples) * measured.model.seconds, measured.model.squared_bias + noise)
         });

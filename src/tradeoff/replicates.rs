@@ -1,41 +1,43 @@
-//! The noise of a setting and its bias against another one, both with errors, from images with several seeds.
+//! The noise of a setting and its bias against another one, both with standard errors, from images with several seeds.
 //!
-//! Everything is a mean over pairs of different replicates. In the product of two differences from the baseline noise cancels in the mean:
-//! it is the square of the bias, with nothing to subtract (independent halves), and pixels in which light is lost count even where others
-//! make up for it. Half the square of what two replicates differ by is the noise of one.
+//! Every result is a mean over pairs of different replicates. The expected product of two replicates' differences from
+//! the baseline is the squared bias: their noise is independent, so that nothing has to be subtracted (independent
+//! halves). Pixels that lose light count even if others gain as much. The noise of one replicate is half the squared
+//! difference of two.
 
 use crate::metrics::error::RELATIVE_FLOOR;
 use crate::metrics::estimate::Estimate;
 
-/// An image: linear radiance, row 0 on top.
+/// An image of linear radiance, with row 0 at the top.
 pub type Pixels = Vec<[f32; 3]>;
 
-/// Errors need this many rounds.
+/// The fewest rounds for which standard errors can be estimated.
 pub const FEWEST_ROUNDS: usize = 3;
 
-/// What errors are relative to: an image r, whose w = 1 / (r² + 0.01) weighs the products of replicates.
+/// The weights w = 1 / (r² + 0.01) that make products of replicates relative to an image r.
 ///
-/// Where w is made of the very images that are multiplied, it is small just where they are bright by chance, and products whose mean is 0
-/// have another one: of paths that seldom meet a light the bright half would count for nothing. So an image of the rounds is left out of the
-/// w of its own products, together with a fifth of all rounds: w of two rounds is of an r without the folds that these are in.
+/// If r contained the multiplied images themselves, w would be small exactly where these are bright by chance, and
+/// products with an expectation of 0 would get another one: paths that rarely find a light would hardly count when they
+/// do. So the rounds are divided into five folds, and the w for two rounds is computed from an r without the folds of
+/// these rounds.
 #[derive(Clone, Debug)]
 pub struct Weights {
     /// The whole r.
     pub image: Pixels,
-    /// w by pairs of folds, FOLDS times FOLDS of them, empty where no two rounds are such a pair; or one for all pairs.
+    /// The w of each pair of folds, FOLDS times FOLDS, empty if no two rounds form the pair; or a single w for all pairs.
     of_folds: Vec<Vec<f32>>,
 }
 
-/// Every fourth round has a block that the others lack: five folds have their share of these.
+/// Five, because every fourth round has an additional block: with five folds, each fold gets its share of them.
 const FOLDS: usize = 5;
 
 impl Weights {
-    /// Of an image that no replicate is in.
+    /// Weights from an image that contains no replicate.
     pub fn of_image(image: Pixels) -> Weights {
         Weights { of_folds: vec![inverse(&image)], image }
     }
 
-    /// Of images by their round and their number of samples. None without any.
+    /// Weights from images with their rounds and numbers of samples. None if there are no images.
     pub fn of_rounds<'a>(images: impl Iterator<Item = (usize, u32, &'a Pixels)>) -> Option<Weights> {
         let mut sums: [(Vec<[f64; 3]>, f64); FOLDS] = std::array::from_fn(|_| (Vec::new(), 0.0));
         let mut rounds = 0;
@@ -56,7 +58,7 @@ impl Weights {
         };
         let image = mean(&[])?;
         let pairs = (0..FOLDS * FOLDS).map(|pair| [pair / FOLDS, pair % FOLDS]);
-        // Two rounds leave nothing that is neither; of fewer than three nothing is told.
+        // With two rounds no third is left for r. Nothing is estimated from fewer than three.
         let of_pair = |pair: [usize; 2]| {
             let second = pair[1] + if pair[0] == pair[1] { FOLDS } else { 0 };
             if pair[0].max(second) >= rounds {
@@ -67,7 +69,7 @@ impl Weights {
         Some(Weights { of_folds: pairs.map(of_pair).collect(), image })
     }
 
-    /// w for the products of two rounds.
+    /// The w for products of images of two rounds.
     fn between(&self, a: usize, b: usize) -> &[f32] {
         match &self.of_folds[..] {
             [all] => all,
@@ -86,14 +88,14 @@ fn inverse(image: &Pixels) -> Vec<f32> {
     image.as_flattened().iter().map(weight).collect()
 }
 
-/// Mean over pixels and channels of w a b: the measure in which relMSE is a square.
+/// The mean over pixels and channels of w a b: an inner product whose squared norm is relMSE.
 fn product(a: &[f32], b: &[f32], weights: &[f32]) -> f64 {
     let terms = a.iter().zip(b).zip(weights);
     let sum: f64 = terms.map(|((&a, &b), &w)| f64::from(a) * f64::from(b) * f64::from(w)).sum();
     sum / weights.len() as f64
 }
 
-/// relMSE of an image against another.
+/// The relMSE of an image against another.
 pub(super) fn distance(a: &Pixels, b: &Pixels, weights: &Weights) -> f64 {
     let off = difference(a, b);
     product(off.as_flattened(), off.as_flattened(), &inverse(&weights.image))
@@ -104,7 +106,7 @@ pub(super) fn difference(a: &Pixels, b: &Pixels) -> Pixels {
     a.iter().zip(b).map(|(a, b)| std::array::from_fn(|c| a[c] - b[c])).collect()
 }
 
-/// A figure of every pair of replicates, of which the mean is asked: a row for each replicate, of it with those before it.
+/// A number for every pair of replicates, for their mean. Each row belongs to a replicate and pairs it with the earlier ones.
 struct Pairs(Vec<Vec<f64>>);
 
 impl Pairs {
@@ -112,7 +114,7 @@ impl Pairs {
         Pairs((0..count).map(|a| (0..a).map(|b| figure(a, b)).collect()).collect())
     }
 
-    /// The mean without one of the replicates.
+    /// The mean, optionally without one of the replicates.
     fn mean(&self, without: Option<usize>) -> f64 {
         let kept = |of: usize| Some(of) != without;
         let row = |(a, row): (usize, &Vec<f64>)| -> f64 {
@@ -123,7 +125,8 @@ impl Pairs {
         self.0.iter().enumerate().map(row).sum::<f64>() / (0.5 * n * (n - 1.0))
     }
 
-    /// The jackknife over replicates (Efron and Stein, Annals of Statistics 9(3), 1981): its variance is never too small on the mean.
+    /// The jackknife over replicates (Efron and Stein, Annals of Statistics 9(3), 1981). The expectation of its
+    /// variance is never too small.
     fn jackknife(&self) -> Option<Estimate> {
         let n = self.0.len();
         if n < FEWEST_ROUNDS {
@@ -137,7 +140,8 @@ impl Pairs {
     }
 }
 
-/// The relMSE that one image has by its noise: half that of two beside each other. From three replicates or more, so many rounds apart.
+/// The relMSE of one image's noise: half that of two images against each other. Needs three replicates, which are
+/// `apart` rounds from each other.
 pub fn noise(images: &[Pixels], weights: &Weights, apart: usize) -> Option<Estimate> {
     let of_pair = |a: usize, b: usize| {
         let off = difference(&images[a], &images[b]);
@@ -146,8 +150,8 @@ pub fn noise(images: &[Pixels], weights: &Weights, apart: usize) -> Option<Estim
     Pairs::of(images.len(), of_pair).jackknife()
 }
 
-/// Mean over pixels and channels of the squared expectation of differences, over r² + 0.01; of one in each round, three or more. Below 0 by
-/// chance where there is none.
+/// The mean over pixels and channels of the squared expectation of differences, divided by r² + 0.01. Needs the
+/// differences of three rounds. If there is no difference, it may be below 0 by chance.
 pub(super) fn squared_mean(differences: &[Pixels], weights: &Weights) -> Option<Estimate> {
     let of_pair = |a: usize, b: usize| {
         product(differences[a].as_flattened(), differences[b].as_flattened(), weights.between(a, b))
@@ -155,19 +159,19 @@ pub(super) fn squared_mean(differences: &[Pixels], weights: &Weights) -> Option<
     Pairs::of(differences.len(), of_pair).jackknife()
 }
 
-/// The squared bias pixel by pixel: what stays of relMSE however many samples are taken. From three pairs or more of replicates of the
-/// setting and of the baseline.
+/// The squared bias of the pixels: the relMSE that remains with infinitely many samples. Needs three pairs of
+/// replicates of the setting and of the baseline.
 pub fn squared_bias(setting: &[Pixels], baseline: &[Pixels], weights: &Weights) -> Option<Estimate> {
     let differences: Vec<Pixels> = setting.iter().zip(baseline).map(|(a, b)| difference(a, b)).collect();
     squared_mean(&differences, weights)
 }
 
-/// Signed bias of the mean over pixels and channels, relative to that of the reference. Pairs share their random numbers, so that
-/// their noise cancels as far as the settings are alike.
+/// The signed bias of the mean over pixels and channels, relative to the mean of the reference. Pairs share their
+/// random numbers, so that noise that the two settings have in common cancels.
 pub fn signed_bias(setting: &[Pixels], baseline: &[Pixels], reference: &Pixels) -> Option<Estimate> {
     let whole = sum_of(reference);
     let off = |(a, b)| match sum_of(a) - sum_of(b) {
-        // Of black images too.
+        // Two black images have no bias.
         0.0 => 0.0,
         off => off / whole,
     };
@@ -269,8 +273,9 @@ pub(super) mod tests {
         }
     }
 
-    /// Images that are dark but for a few bright pixels, as paths make them that meet a light once in thousands of times. In the mean they
-    /// are as bright as the others; weighed by an image of themselves they would seem not to be.
+    /// Images that are dark except for a few bright pixels, as from paths that find a light once in thousands of times.
+    /// Their expectation equals that of the other images; weighted by an image that contains themselves, they would
+    /// seem darker.
     #[test]
     fn rare_bright_pixels_are_no_bias() {
         const VALUE: f64 = 0.2;
@@ -280,7 +285,7 @@ pub(super) mod tests {
         for seed in 0..200 {
             let mut random = Random(1000 + seed);
             let baseline = random.images(8, VALUE, 0.05);
-            // One pixel of 8 has eight times the value, and the others none.
+            // One pixel of 8 has eight times the value, and the others are 0.
             let mut rare = || {
                 let uniform = random.images(1, 0.0, 1.0).remove(0);
                 // A normal variate is above 1.1503 with a probability of 1/8.
@@ -300,7 +305,7 @@ pub(super) mod tests {
             let mean = weights_of(&joined).image;
             together += u32::from(alarm(&Weights::of_image(mean)));
         }
-        // 2.5 % of 200 are 5; more than 14 are so once in 3,000 times.
+        // The expected number is 2.5 % of 200 = 5; more than 14 occur once in 3,000 times.
         assert!(apart <= 14 && together > 100, "{apart}, and weighed by themselves {together}");
     }
 

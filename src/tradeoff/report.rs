@@ -19,37 +19,38 @@ pub struct Findings {
     pub size: (u32, u32),
     /// The size of the scene's image, or of the reference.
     pub whole_size: (u32, u32),
-    /// Seconds of a sample and relMSE by noise at the whole size over those at the measured one, of the defaults; none where that was
-    /// not measured.
+    /// Ratios, for the defaults, of the seconds of a sample and of the relMSE of the noise at the whole size to those
+    /// at the measured size; none if they were not measured.
     pub calibration: Option<(f64, f64)>,
     pub seed: u32,
     pub budget: f64,
-    /// Spent until the report.
+    /// The seconds until the report.
     pub seconds: f64,
-    /// The file, or none where the unbiased settings' own images are pooled.
+    /// The file; none if the images of the unbiased settings are pooled instead.
     pub reference: Option<String>,
-    /// relMSE that the reference, or what is pooled, has by its own noise, where that is known.
+    /// The relMSE of the noise of the reference or of the pooled image, if known.
     pub error_of_truth: Option<f64>,
-    /// Relative difference of the defaults' mean from a reference that was given. Where that does not tell its noise, of theirs alone.
+    /// The relative difference of the defaults' mean from the given reference. If the noise of the reference is
+    /// unknown, the error of the estimate includes only the noise of the defaults.
     pub against_reference: Option<Estimate>,
-    /// Where it does: how far the defaults are from it, and whether that is more than noise.
+    /// If the noise of the reference is known: the distance of the defaults from it, and whether that is more than noise.
     pub distance: Option<(Distance, bool)>,
     pub interrupted: bool,
     /// The defaults first.
     pub measured: Vec<Measured>,
     pub unmeasured: Vec<Unmeasured>,
-    /// The size of the reference, where its middle alone is measured.
+    /// The size of the reference, if only its middle is measured.
     pub middle_of: Option<(u32, u32)>,
     pub shown: Vec<Shown>,
 }
 
-/// A picture of a setting after the time that all pictures had.
+/// A picture of a setting, rendered in the same time as all pictures.
 #[derive(Clone, Debug)]
 pub struct Shown {
     pub setting: String,
     pub samples: u32,
     pub seconds: f64,
-    /// Less that of what it is compared with.
+    /// Without the relMSE of the noise of the image that it is compared with.
     pub relmse: f64,
     pub flip: f64,
     /// PNG files.
@@ -84,7 +85,7 @@ const COLUMNS: &str = "setting,knob,value,class,gives_up,measured,rounds,seconds
                        exponent,bias,bias_half_width,squared_bias,squared_bias_upper,biased,reliable,seconds_to_1e-1,seconds_to_1e-2,\
                        seconds_to_1e-3,efficiency,verdict,device,driver";
 
-/// A class as the tables call it.
+/// The name of a class in the tables.
 pub fn class_name(class: Class) -> &'static str {
     match class {
         Class::Exact => "exact",
@@ -100,7 +101,7 @@ fn target_name(target: f64) -> String {
     format!("{target:e}")
 }
 
-/// A relMSE with two digits. It may be below 0 once the reference's own noise is subtracted.
+/// A relMSE with two digits. It may be below 0 after the noise of the reference is subtracted.
 pub fn relmse_text(relmse: f64) -> String {
     match relmse {
         ..=0.0 => "0".to_string(),
@@ -121,20 +122,20 @@ pub fn time_text(seconds: Option<f64>) -> String {
     }
 }
 
-/// Efficiency over that of the defaults, or a dash where nothing is noisy.
+/// The efficiency relative to that of the defaults, or a dash if there is no noise.
 fn efficiency_text(measured: &Measured, defaults: f64) -> String {
     let ratio = measured.efficiency() / defaults;
     if ratio.is_finite() { format!("{ratio:.2}") } else { "-".to_string() }
 }
 
-/// Seconds of a sample, with how much they vary.
+/// The seconds of a sample, with their spread.
 fn seconds_text(measured: &Measured) -> String {
     let (value, spread) = (measured.seconds, measured.seconds_spread);
     let digits = digits(spread.max(1e-3 * value));
     format!("{value:.digits$} ± {spread:.digits$}")
 }
 
-/// Decimals that show two digits of a value.
+/// The number of decimals that show two digits of a value.
 fn digits(value: f64) -> usize {
     (1.0 - value.abs().max(1e-9).log10().floor()).clamp(1.0, 8.0) as usize
 }
@@ -151,15 +152,15 @@ fn bias_text(measured: &Measured) -> String {
     }
 }
 
-/// What a setting costs in light or detail.
+/// The bias of a setting in words: lost or added light, or lost detail.
 fn cost_text(best: &Measured) -> String {
     let (value, half) = (100.0 * best.signed.value, 100.0 * best.signed.half_width());
     let digits = digits(half);
     if best.biased {
-        let stays = format!("a relMSE of {} that no time removes", relmse_text(best.model.squared_bias));
+        let stays = format!("a relMSE of {} that more samples do not remove", relmse_text(best.model.squared_bias));
         return match value {
             _ if best.setting.class() == Class::Detail => format!("loses detail, {stays}"),
-            // Lost here and won there.
+            // Losses and gains of different pixels cancel in the mean.
             _ if value.abs() <= half => format!("biased by {stays}"),
             ..0.0 => format!("loses {:.digits$} ± {half:.digits$} % of the light", -value),
             _ => format!("adds {value:.digits$} ± {half:.digits$} % of light"),
@@ -167,7 +168,7 @@ fn cost_text(best: &Measured) -> String {
     }
     match best.signed.error == 0.0 {
         true => "no bias".to_string(),
-        // Its mean is that of the light, whatever is lost.
+        // Lost detail does not change the mean.
         false if best.setting.class() == Class::Detail => "the lost detail is within noise".to_string(),
         false => format!("differs by {value:+.digits$} ± {half:.digits$} % of the light, which may be noise"),
     }
@@ -185,8 +186,8 @@ impl Findings {
         sorted
     }
 
-    /// What the plot draws: the defaults, then what is on the front, then the rest by their times; without what is as the defaults within the
-    /// doubt of timings, which is the second list.
+    /// The settings that the plot draws: the defaults, then the front, then the rest by their times. The second list
+    /// has those that it leaves out because they are as fast as the defaults within the error of the timings.
     pub fn drawn(&self) -> (Vec<&Measured>, Vec<&Measured>) {
         let Some(defaults) = self.measured.first() else { return (Vec::new(), Vec::new()) };
         let alike = |a: Option<f64>, b: Option<f64>, doubt: f64| match (a, b) {

@@ -15,33 +15,33 @@ use crate::plan::Plan;
 use crate::render::{Next, Renderer};
 use crate::scene::Scene;
 
-/// Samples a pixel of the blocks of a round. The middle one is the one that biases are measured with.
+/// The samples per pixel of the blocks of a round. Biases are measured with the middle one.
 pub const LEVELS: [u32; 3] = [4, 16, 64];
-/// Every round has a block of the first and of this level. The last level costs most, and has a block every few rounds.
+/// Every round has blocks of the first level and of this one. The last level costs most, and has a block only every few rounds.
 pub const LEVEL: u32 = LEVELS[1];
 const ROUNDS_OF_LAST: usize = 4;
 /// The most rounds of a sweep.
 pub const MOST_ROUNDS: usize = 32;
-/// The rounds from one block of so many samples to the next.
+/// The number of rounds from one block of `samples` samples to the next.
 pub fn rounds_between(samples: u32) -> usize {
     if samples == LEVELS[2] { ROUNDS_OF_LAST } else { 1 }
 }
 
-/// The mean cost of a round in samples a pixel.
+/// The mean cost of a round, in samples per pixel.
 pub const SAMPLES_OF_ROUND: f64 = (LEVELS[0] + LEVELS[1]) as f64 + LEVELS[2] as f64 / ROUNDS_OF_LAST as f64;
-/// The cost of the fewest rounds.
+/// The cost of the fewest rounds, in samples per pixel.
 pub const SAMPLES_OF_FEWEST: f64 = (FEWEST_ROUNDS as u32 * (LEVELS[0] + LEVELS[1]) + LEVELS[2]) as f64;
 
-/// The defaults with one knob turned, or the defaults themselves.
+/// The defaults with one knob changed, or the defaults themselves.
 #[derive(Clone, Debug)]
 pub struct Setting {
     /// None for the defaults.
     pub knob: Option<&'static Knob>,
-    /// The knob's value, as its option takes it.
+    /// The knob's value, as the command line writes it.
     pub value: String,
     pub options: RenderOptions,
     pub max_depth: u32,
-    /// The image's sides over those of the sweep.
+    /// The ratio of the image's sides to those of the sweep.
     pub scale: f64,
 }
 
@@ -61,7 +61,7 @@ impl Setting {
 #[derive(Clone, Debug)]
 pub struct Block {
     pub image: Pixels,
-    /// Of the passes alone.
+    /// Only the time of the passes.
     pub seconds: f64,
 }
 
@@ -71,20 +71,21 @@ pub struct Subject<'a> {
     renderer: Renderer<'a>,
     film: Film,
     size: (u32, u32),
-    /// Building its hierarchies and compiling its kernels.
+    /// The time to build its hierarchies and to compile its kernels.
     pub seconds_compile: f64,
-    /// By samples a pixel, in the order of the rounds: the n-th blocks of all subjects have the same random numbers.
+    /// The blocks for each number of samples per pixel, in the order of the rounds. The n-th blocks of all subjects
+    /// have the same random numbers.
     pub blocks: BTreeMap<u32, Vec<Block>>,
 }
 
-/// A setting that is not measured, and why.
+/// A setting that is not measured, and the reason.
 #[derive(Clone, Debug)]
 pub struct Unmeasured {
     pub setting: Setting,
     pub why: String,
 }
 
-/// All that is measured, the defaults first.
+/// All measurements, the defaults first.
 pub struct Sweep<'a> {
     pub size: (u32, u32),
     pub subjects: Vec<Subject<'a>>,
@@ -92,13 +93,13 @@ pub struct Sweep<'a> {
     device: &'a Device,
     scene: &'a Scene,
     pub seed: u32,
-    /// The rounds that all subjects have.
+    /// The number of rounds that all subjects have.
     rounds: usize,
-    /// The effect of the defaults: a setting with the same one does nothing to this scene.
+    /// The effect of the defaults. A setting with the same effect does nothing to this scene.
     defaults: Option<Effect>,
 }
 
-/// All that decides the image and the speed of a setting.
+/// Everything that determines the image and the speed of a setting.
 #[derive(PartialEq)]
 struct Effect {
     /// The kernels' shaders.
@@ -119,15 +120,15 @@ impl Effect {
 }
 
 impl Sweep<'_> {
-    /// The number of seeds before a sweep's own that are kept for images outside the rounds.
+    /// The number of seeds before a sweep's own. They are reserved for images outside the rounds.
     pub const SEEDS_BEFORE: u32 = 4;
 
-    /// One of them.
+    /// One of these seeds.
     pub fn seed_before(seed: u32, number: u32) -> u32 {
         seed.wrapping_sub(1 + number)
     }
 
-    /// Whether a sweep with this seed may have an image with that one.
+    /// Whether a sweep with the seed `seed` may render an image with the seed `other`.
     pub fn uses(seed: u32, other: u32) -> bool {
         other.wrapping_sub(seed.wrapping_sub(Self::SEEDS_BEFORE))
             <= Self::SEEDS_BEFORE + (MOST_ROUNDS * LEVELS.len()) as u32
@@ -135,16 +136,16 @@ impl Sweep<'_> {
 }
 
 impl<'a> Sweep<'a> {
-    /// An empty sweep over images of that size.
+    /// An empty sweep over images of this size.
     pub fn new(device: &'a Device, scene: &'a Scene, size: (u32, u32), seed: u32) -> Sweep<'a> {
         Sweep { size, subjects: Vec::new(), unmeasured: Vec::new(), device, scene, seed, rounds: 0, defaults: None }
     }
 
-    /// Compiles a setting, the defaults first. A setting that does nothing to this scene, or that the device refuses, is noted as not
-    /// measured.
+    /// Compiles a setting; the first must be the defaults. A setting that does nothing to this scene, or that the
+    /// device refuses, is noted as not measured.
     ///
     /// # Errors
-    /// Where the defaults themselves fail.
+    /// If the defaults themselves fail.
     pub fn add(&mut self, setting: Setting) -> Result<()> {
         let is_first = self.defaults.is_none();
         match self.compile(&setting) {
@@ -202,7 +203,7 @@ impl<'a> Sweep<'a> {
         Job { size, max_depth, seed, first_sample: 0, goal: Goal::Samples(samples) }
     }
 
-    /// An image of one subject, enlarged to the size of the sweep; none where it was interrupted.
+    /// Renders an image of one subject and enlarges it to the size of the sweep; none if the render was interrupted.
     pub fn image(&mut self, subject: usize, samples: u32, seed: u32, stop: &dyn Fn() -> bool) -> Result<Option<Block>> {
         let Subject { size, setting, .. } = &self.subjects[subject];
         let job = self.job(*size, setting.max_depth, samples, seed);
@@ -217,11 +218,12 @@ impl<'a> Sweep<'a> {
         Ok(Some(Block { image, seconds: outcome.seconds }))
     }
 
-    /// Renders rounds of blocks of every subject until the time is over, `stop` asks for an end, or `most` rounds are done, earlier calls
-    /// included. The order of the subjects rotates from round to round, so that a machine that slows down slows all of them alike.
+    /// Renders rounds of blocks of every subject until the time is over, `stop` is true, or `most` rounds are done,
+    /// including those of earlier calls. The order of the subjects rotates from round to round, so that a machine that
+    /// becomes slower slows all of them alike.
     ///
     /// # Errors
-    /// Where the device fails.
+    /// If the device fails.
     pub fn measure(
         &mut self,
         until: Instant,
@@ -233,7 +235,7 @@ impl<'a> Sweep<'a> {
         for round in self.rounds..most {
             let levels = LEVELS.iter().filter(|level| round % rounds_between(**level) == 0);
             for (i, &level) in levels.enumerate() {
-                // No two blocks of one sweep share a seed, and no block shares one with --seed's own image.
+                // No two blocks of a sweep share a seed, and none has the seed of --seed's own image.
                 let seed = self.seed.wrapping_add(1 + (round * LEVELS.len() + i) as u32);
                 for turn in 0..self.subjects.len() {
                     let subject = (turn + round) % self.subjects.len();
@@ -252,7 +254,7 @@ impl<'a> Sweep<'a> {
         Ok(())
     }
 
-    /// Removes the blocks of an unfinished round. It is rendered again, and the same image twice would be no replicate.
+    /// Removes the blocks of an unfinished round, which is rendered again: the same image twice is not a replicate.
     fn drop_begun_round(&mut self) {
         let rounds = self.rounds;
         for (level, blocks) in self.subjects.iter_mut().flat_map(|subject| &mut subject.blocks) {
@@ -266,13 +268,13 @@ impl<'a> Sweep<'a> {
         self.subjects.iter_mut().for_each(|subject| subject.blocks.clear());
     }
 
-    /// Samples a pixel of all blocks of a subject; none before the first.
+    /// The samples per pixel in all blocks of a subject; none before the first block.
     pub fn samples(&self, subject: usize) -> Option<u32> {
         let blocks = &self.subjects.get(subject)?.blocks;
         Some(blocks.iter().map(|(samples, blocks)| samples * blocks.len() as u32).sum()).filter(|samples| *samples > 0)
     }
 
-    /// The expected time of a block, from those before.
+    /// The expected time of a block, from the times of earlier ones.
     fn expected(&self, subject: usize, level: u32) -> Duration {
         let mut known = self.subjects[subject].blocks.iter().filter_map(|(samples, blocks)| {
             let last = blocks.last()?;
@@ -282,16 +284,16 @@ impl<'a> Sweep<'a> {
     }
 }
 
-/// Sides times a factor.
+/// The sides times a factor.
 fn scaled((width, height): (u32, u32), factor: f64) -> (u32, u32) {
     let side = |side: u32| ((f64::from(side) * factor).round() as u32).max(1);
     (side(width), side(height))
 }
 
-/// The image at a share of its sides, enlarged again: each pixel is the mean over a larger rectangle.
+/// An image reduced to a share of its sides and enlarged again: each pixel is the mean over a larger rectangle.
 pub fn coarsened(image: &Pixels, size: (u32, u32), share: f64) -> Pixels {
     let small = scaled(size, share);
-    // The pixels that a pixel of the smaller image covers, each with its share.
+    // The pixels that a pixel of the smaller image covers, with their shares.
     let covers = |at: u32, from: u32, to: u32| {
         let ratio = f64::from(from) / f64::from(to);
         let (begin, end) = (f64::from(at) * ratio, f64::from(at + 1) * ratio);
@@ -334,7 +336,7 @@ mod tests {
             let used = |offset: i64| Sweep::uses(seed, (i64::from(seed) + offset) as u32);
             assert!((-4..=i64::from(rounds)).all(used), "{seed}");
             assert!(!used(-5) && !used(i64::from(rounds) + 1), "{seed}");
-            // Beyond a seed that is taken there is room for all.
+            // A sweep that starts after a taken seed does not use it.
             assert!((0..200).all(|taken| !Sweep::uses(taken + Sweep::SEEDS_BEFORE + 1, taken)));
         }
     }
@@ -355,7 +357,7 @@ mod tests {
         let image: Pixels = (0..8).map(|i| [i as f32; 3]).collect();
         let grey = |image: Pixels| image.iter().map(|p| p[0]).collect::<Vec<_>>();
         assert_eq!(grey(coarsened(&image, (4, 2), 0.5)), [2.5, 2.5, 4.5, 4.5, 2.5, 2.5, 4.5, 4.5]);
-        // Three pixels as two: each has one and a half of them.
+        // Three pixels become two: each covers one and a half.
         let found = grey(coarsened(&image[..3].to_vec(), (3, 1), 0.5));
         let expected = [1.0 / 3.0, 1.0 / 3.0, 5.0 / 3.0];
         assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-6), "{found:?}");

@@ -1,4 +1,4 @@
-//! The image that others are measured against, with its own noise: that of a file, or the mean of the sweep's own images.
+//! The image that others are measured against, with its own noise. It comes from a file, or is the mean of the sweep's own images.
 
 use super::replicates::{Pixels, Weights, difference, distance, signed_bias, squared_mean, sum_of};
 use super::sweep::{Subject, Sweep};
@@ -11,32 +11,33 @@ use crate::output::exr::ExrImage;
 #[derive(Clone, Debug)]
 pub struct Truth {
     pub image: Pixels,
-    /// Of each value, where that is known.
+    /// The variance of each value, if known.
     pub variance: Option<Pixels>,
 }
 
-/// How far images are from a truth, with the noise of both taken into account.
+/// The distance of images from a truth, corrected for the noise of both.
 #[derive(Clone, Copy, Debug)]
 pub struct Distance {
-    /// Relative difference of the means, with sign; its error is that of both.
+    /// The signed relative difference of the means. Its error includes the noise of both.
     pub signed: Estimate,
-    /// relMSE less what the truth's own noise is expected to bring.
+    /// The relMSE minus the expected contribution of the truth's own noise.
     pub squared: Estimate,
-    /// The standard error of what is expected of that noise.
+    /// The standard error of that contribution.
     pub doubt: f64,
 }
 
 impl Truth {
-    /// A file's image made smaller to a size that divides its own: with the box filter that is the very image of that size.
+    /// A file's image, reduced to a size that divides its own. With the box filter, it equals the image rendered at that size.
     pub fn of_file(file: &ExrImage, size: (u32, u32)) -> Truth {
         let by = file.width / size.0;
-        // A mean of n pixels has an n-th of their mean variance.
+        // The variance of a mean of n pixels is an n-th of their mean variance.
         let share = 1.0 / (by as f32 * by as f32);
         let of_mean = |v: &[[f32; 3]]| shrunk(v, file.width, by).iter().map(|p| p.map(|v| v * share)).collect();
         Truth { image: shrunk(&file.rgb, file.width, by), variance: file.known_variance().map(of_mean) }
     }
 
-    /// The mean of all images of unbiased settings, weighed by their samples, without those of one subject: no image is judged by itself.
+    /// The mean of all images of unbiased settings, weighted by their samples. The images of the subject `without` are
+    /// left out, because no image should be judged by itself.
     pub fn pooled(sweep: &Sweep<'_>, without: Option<usize>) -> Option<Truth> {
         let unbiased = |subject: &Subject<'_>| matches!(subject.setting.class(), Class::Exact | Class::Noise);
         Truth::joined(sweep, |i, subject| Some(i) != without && unbiased(subject))
@@ -48,8 +49,8 @@ impl Truth {
     }
 
     fn joined(sweep: &Sweep<'_>, takes: impl Fn(usize, &Subject<'_>) -> bool) -> Option<Truth> {
-        // Two halves, of the even and of the odd rounds. Images of one round share their random numbers, those of two do not: how the
-        // halves differ tells the noise, which the number of settings does not.
+        // Two halves: the even and the odd rounds. Images of one round share their random numbers, but the two halves
+        // share none, so that their difference measures the noise, whatever the number of settings.
         let empty = vec![[0.0f64; 3]; sweep.size.0 as usize * sweep.size.1 as usize];
         let (mut sums, mut weights) = ([empty.clone(), empty], [0.0f64; 2]);
         for (i, subject) in sweep.subjects.iter().enumerate() {
@@ -69,7 +70,7 @@ impl Truth {
         let [a, b] = weights;
         let whole = a + b;
         let mean = |(x, y): (&[f64; 3], &[f64; 3])| std::array::from_fn(|c| ((x[c] + y[c]) / whole) as f32);
-        // Var X = σ²/a and Var Y = σ²/b: of the mean it is σ²/(a + b) = ab/(a + b)² E (X - Y)².
+        // Var X = σ²/a and Var Y = σ²/b. The variance of their mean is σ²/(a + b) = ab/(a + b)² E (X - Y)².
         let variance = |(x, y): (&[f64; 3], &[f64; 3])| {
             std::array::from_fn(|c| ((x[c] / a - y[c] / b).powi(2) * a * b / (whole * whole)) as f32)
         };
@@ -80,25 +81,26 @@ impl Truth {
         })
     }
 
-    /// The relMSE that it has by its own noise, relative to an image that is less noisy or the same.
+    /// The relMSE of the truth's own noise, with weights from this image or a less noisy one.
     pub fn error(&self, weights: &Weights) -> Option<f64> {
         relative_variance(self.variance.as_ref()?, &weights.image)
     }
 
-    /// The relMSE of an image against it, less what its own noise is expected to bring.
+    /// The relMSE of an image against the truth, minus the expected contribution of the truth's own noise.
     pub fn relmse_of(&self, image: &Pixels, weights: &Weights) -> f64 {
         distance(image, &self.image, weights) - self.error(weights).unwrap_or(0.0)
     }
 
-    /// How far the expectation of images is from this, by weights that another image gives. Nothing where the truth's own noise is not
-    /// known, and of fewer than three images.
+    /// The distance of the images' expectation from the truth, with weights from another image. None if the truth's own
+    /// noise is unknown, or for fewer than three images.
     pub fn distance(&self, images: &[Pixels], weights: &Weights) -> Option<Distance> {
         let variance = self.variance.as_ref()?;
         let count = (3 * self.image.len()) as f64;
         let mean = sum_of(&self.image) / count;
         let of_images = |at: usize, c: usize| images.iter().map(|i| f64::from(i[at][c])).sum::<f64>();
-        // Σ and Σ² of what a pixel brings: to the mean of the image its standard deviations, to relMSE its relative variances. Its channels
-        // are taken to vary as one, which is the most that they can.
+        // Sums and sums of squares of each pixel's contributions: its standard deviations to the mean of the image, and
+        // its relative variances to relMSE. Its channels are assumed to be fully correlated, which gives the largest
+        // variance.
         let (mut of_mean, mut of_mean2, mut own, mut own2, mut with_bias) = (0.0, 0.0, 0.0, 0.0, 0.0);
         for (at, (pixel, variance)) in self.image.iter().zip(variance).enumerate() {
             let (mut deviation, mut relative, mut product) = (0.0, 0.0, 0.0);
@@ -120,9 +122,10 @@ impl Truth {
         let signed = signed_bias(images, &same, &self.image)?;
         let differences: Vec<Pixels> = images.iter().map(|image| difference(image, &self.image)).collect();
         let squared = squared_mean(&differences, weights)?;
-        // (b + e)² less an estimate of E e² varies by 2 σ⁴ of e² and by 2 σ⁴ of the estimate, if that has one degree of freedom: its square is
-        // then 3 σ⁴ on the mean. With more degrees less comes from the estimate, and its square is σ⁴: twice the square is enough in
-        // both cases. The product 2 b e varies by 4 b² σ².
+        // The variance of (b + e)² minus an estimate of E e² has three parts. e² contributes 2 σ⁴. An estimate with one
+        // degree of freedom contributes 2 σ⁴, and the expectation of its square is 3 σ⁴. With more degrees the estimate
+        // contributes less, and its square is about σ⁴. Twice the square is enough in both cases. The product 2 b e
+        // contributes 4 b² σ².
         let squared_noise = (2.0 * own2 + 4.0 * with_bias) / (count * count);
         Some(Distance {
             signed: joined(signed, of_mean / (count * mean).powi(2), degrees_of_sum(of_mean, of_mean2)),
@@ -131,13 +134,13 @@ impl Truth {
                 squared_noise,
                 degrees_of_sum(own, own2),
             ),
-            // An estimate of one degree of freedom varies by 2 σ⁴, two thirds of what its square is on the mean.
+            // The variance of an estimate with one degree of freedom is 2 σ⁴, two thirds of the expectation of its square.
             doubt: (2.0 / 3.0 * own2).sqrt() / count,
         })
     }
 }
 
-/// An estimate with more noise, of a variance that is known with so many degrees of freedom (Welch, Biometrika 34, 1947).
+/// An estimate with additional noise. `degrees` are the degrees of freedom of its variance (Welch, Biometrika 34, 1947).
 fn joined(own: Estimate, variance: f64, degrees: f64) -> Estimate {
     let (a, b) = (own.error * own.error, variance);
     if b <= 0.0 {
@@ -146,7 +149,7 @@ fn joined(own: Estimate, variance: f64, degrees: f64) -> Estimate {
     Estimate { error: (a + b).sqrt(), degrees: (a + b).powi(2) / (a * a / own.degrees + b * b / degrees), ..own }
 }
 
-/// The mean over blocks of `by` times `by` pixels.
+/// The means over blocks of `by` times `by` pixels.
 fn shrunk(image: &[[f32; 3]], width: u32, by: u32) -> Pixels {
     let (width, by) = (width as usize, by as usize);
     let block = |x: usize, y: usize| {
@@ -171,7 +174,7 @@ mod tests {
         Weights::of_image(vec![[MEAN as f32; 3]; 400])
     }
 
-    /// An image and its variance, of two halves that have noise.
+    /// An image and its variance, from two noisy halves.
     fn truth(random: &mut Random, deviation: f64) -> Truth {
         let halves = random.images(2, MEAN, deviation * 2f64.sqrt());
         let joined = |of: fn(f32, f32) -> f32| {
@@ -184,16 +187,16 @@ mod tests {
     #[test]
     fn a_truth_tells_its_own_error() {
         let error = truth(&mut Random(1), 0.1).error(&weights()).unwrap();
-        // Of 1200 values with one degree of freedom: 4 % of it.
+        // The standard error from 1200 values with one degree of freedom is 4 %.
         let expected = 0.01 / (MEAN * MEAN + RELATIVE_FLOOR);
         assert!((error / expected - 1.0).abs() < 0.2, "{error} {expected}");
         assert_eq!(Truth { variance: None, ..truth(&mut Random(1), 0.1) }.error(&weights()), None);
-        // Of an image that is as noisy the difference has twice that, and half of it is told.
+        // The relMSE of an equally noisy image has twice that, and half of it is subtracted.
         let of_image = truth(&mut Random(1), 0.1).relmse_of(&Random(2).images(1, MEAN, 0.1)[0], &weights());
         assert!((of_image / expected - 1.0).abs() < 0.2, "{of_image} {expected}");
     }
 
-    /// Images of little noise, so that the truth's is nearly all there is.
+    /// Images with little noise, so that nearly all noise is that of the truth.
     #[test]
     fn the_noise_of_a_truth_is_subtracted_and_is_in_the_intervals() {
         for (bias, deviation) in [(0.0, 0.1), (0.02, 0.1), (0.02, 0.02)] {
@@ -209,7 +212,8 @@ mod tests {
                 let own = truth.error(&weights()).unwrap();
                 not_subtracted += u32::from(within(expected - own, found.squared));
             }
-            // 5 % of them do not, and 2.5 % more once in 50 times. Channels that vary apart make the intervals wider than they must be.
+            // 5 % of the intervals miss the value, and 2.5 % more do so once in 50 times. Uncorrelated channels make
+            // the intervals wider than necessary.
             assert!(signed >= 370 && squared >= 370, "{bias} {deviation}: {signed} {squared}");
             assert!(not_subtracted < 40, "{bias} {deviation}: {not_subtracted}");
         }
@@ -229,7 +233,7 @@ mod tests {
         assert_eq!(found.image, [3.5, 5.5, 7.5, 15.5, 17.5, 19.5].map(|v| [v; 3]));
         assert_eq!(found.variance, Some(vec![[0.125; 3]; 6]));
         assert_eq!(Truth::of_file(&file, (6, 4)).image, file.rgb);
-        // One pixel that does not tell is enough.
+        // One pixel of unknown variance is enough.
         file.variance.as_mut().unwrap()[7] = [UNKNOWN_VARIANCE; 3];
         assert_eq!(Truth::of_file(&file, (3, 2)).variance, None);
     }

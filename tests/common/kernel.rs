@@ -164,12 +164,35 @@ impl Kernel {
             let row = self.bindings[variable].element_bytes as usize;
             assert_eq!(row, bytes, "{}: a row of `{variable}` here and in its WGSL differ in bytes", self.name);
         }
+        self.dispatch::<I, O>(input, count, more, dispatches, ("output", count))
+    }
+
+    /// Runs the kernel `count` times over the input; what comes back is so many rows of the buffer of this name.
+    pub fn run_for<I: Pod, O: Pod>(
+        &self,
+        input: &[I],
+        count: usize,
+        more: &[BufferSpec<'_>],
+        wanted: (&str, usize),
+    ) -> Vec<O> {
+        self.dispatch(input, count, more, 1, wanted)
+    }
+
+    fn dispatch<I: Pod, O: Pod>(
+        &self,
+        input: &[I],
+        count: usize,
+        more: &[BufferSpec<'_>],
+        dispatches: usize,
+        (wanted, wanted_rows): (&str, usize),
+    ) -> Vec<O> {
         let rows = u32::try_from(count).expect("a dispatch of less than 2^32 rows");
-        let bytes = (count * size_of::<O>()) as u64;
+        let bytes = (wanted_rows * size_of::<O>()) as u64;
         let mut job = BufferSpec::uniform("job", 4, "the test");
         job.contents = rows.to_le_bytes().to_vec().into();
         let input = BufferSpec::scene("input", bytemuck::cast_slice(input).into(), "the test");
-        let output = BufferSpec::working("output", bytes, "the test");
+        let output_bytes = count as u64 * u64::from(self.bindings["output"].element_bytes);
+        let output = BufferSpec::working("output", output_bytes, "the test");
         let mut specs = vec![job, input, output];
         specs.extend_from_slice(more);
         // Of those who do not say, some only ask for its zero.
@@ -188,7 +211,7 @@ impl Kernel {
             constants: &[],
         };
         let pipeline = Pipeline::new(device, &spec, &buffers).expect("the test kernel compiles");
-        let readback = Readback::new(device, "output", bytes);
+        let readback = Readback::new(device, wanted, bytes);
         let mut encoder = device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
@@ -196,7 +219,7 @@ impl Kernel {
                 pipeline.dispatch(&mut pass, rows.div_ceil(WORKGROUP));
             }
         }
-        readback.copy(&mut encoder, buffers.get("output").expect("it was made above"), bytes);
+        readback.copy(&mut encoder, buffers.get(wanted).expect("it was made above"), 0, bytes);
         let submission = device.queue.submit([encoder.finish()]);
         readback.read(device, submission, bytes, bytemuck::pod_collect_to_vec::<u8, O>).expect("the test kernel runs")
     }

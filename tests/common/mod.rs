@@ -13,6 +13,7 @@ pub mod cuboids;
 pub mod device;
 pub mod everything;
 pub mod expect;
+pub mod film;
 pub mod held;
 pub mod instances;
 pub mod kernel;

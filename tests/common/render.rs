@@ -219,7 +219,7 @@ pub fn render_with(
         let mut film =
             Film::with_sampler(size.0, size.1, flat.radiance_exponent, ask.options.sampler).expect("the film fits");
         let mut watch = Watchdog::new(job.max_depth);
-        let outcome = renderer.run(&job, &mut film, &mut |film, _| watch.look(film)).expect("the device renders");
+        let outcome = renderer.run(&job, &mut film, &mut |outcome, _| watch.look(outcome)).expect("the device renders");
         take(Shot { picture: film.develop(), film, outcome, sampler: ask.options.sampler });
     }
 }
@@ -245,6 +245,7 @@ fn relink(plan: &mut Kernels, change: &Change<'_>) {
         kernel.bindings = layout::bindings(&kernel.module).expect("the kernel has bindings");
     };
     relink(&mut plan.generate);
+    relink(&mut plan.accumulate);
     match &mut plan.bounce {
         Bounce::Fused(bounce) => relink(bounce),
         Bounce::Staged(staged) => {
@@ -269,8 +270,8 @@ impl Watchdog {
         Watchdog { patience: u64::from(RUN_LENGTH) * (u64::from(max_depth) + 1) + 16, idle: 0, paths: 0 }
     }
 
-    fn look(&mut self, film: &Film) -> Next {
-        let paths = film.totals().paths;
+    fn look(&mut self, outcome: &Outcome) -> Next {
+        let paths = outcome.totals.paths;
         self.idle = if paths > self.paths { 0 } else { self.idle + 1 };
         self.paths = paths;
         assert!(

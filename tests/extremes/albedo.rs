@@ -76,8 +76,8 @@ fn by_scattering() -> Vec<Cell> {
                 format!("albedo {name}, lamp of r/R = {r}, depth 1000"),
                 "Relative error of the mean radiance in a closed room, without light sampling",
                 noise + (2.0 * events + 8.0) * U,
-                "paths that are not cut bring a^k of the lamp, and k has the mean 4: the rounding of the albedo and of a product for \
-                 each event, 8 of a run's sum, and 4.9 standard errors of (1 - a) k.",
+                "a path with k events contributes a^k of the lamp's radiance, and the mean of k is 4: the rounding of the albedo \
+                 and of a product for each event, 8 roundings of a run's sum, and 4.9 standard errors of (1 - a) k.",
             )
             .achieved(error)
             // As if an albedo stopped at 0.999, that paths end.
@@ -100,7 +100,7 @@ fn shallow() -> Vec<Cell> {
                 format!("depth {depth}"),
                 "Relative error of the mean radiance in a closed room at a small depth",
                 noise + 8.0 * U,
-                "4.9 standard errors by the film, and a rounding for each event.",
+                "4.9 standard errors as estimated by the film, and a rounding for each event.",
             )
             .achieved(achieved)
             .planted("one event more", error(&at(depth as u32 + 1), expected).0)
@@ -122,7 +122,7 @@ fn deep() -> Vec<Cell> {
                 format!("albedo {albedo}, lamp of (r/R)² = 0.001, depth 1000"),
                 "Relative error of the mean radiance in a closed room where `max_depth` ends paths",
                 noise + 1000.0 * U,
-                "4.9 standard errors by the film, and a rounding for each event.",
+                "4.9 standard errors as estimated by the film, and a rounding for each event.",
             )
             .achieved(achieved)
             .planted("depth of 500", (shallow / expected - 1.0).abs())
@@ -146,7 +146,7 @@ fn roulette() -> Vec<Cell> {
                 format!("albedo {albedo}, lamp of r/R = {r}, depth 1000"),
                 "Relative error of the mean radiance in a closed room, with light sampling and roulette",
                 noise + 1000.0 * U,
-                "4.9 standard errors by the film, and a rounding for each event.",
+                "4.9 standard errors as estimated by the film, and a rounding for each event.",
             )
             .achieved(achieved)
             .planted("survivors that are worth no more", error(planted, expected).0)
@@ -178,7 +178,7 @@ fn media() -> Vec<Cell> {
                 format!("albedo 1, optical depth {depth} across"),
                 "Largest error of a pixel of smoke that absorbs nothing, under a sky of radiance 1",
                 8.0 * U,
-                "the roundings of a run's sum, because all paths end at the sky and bring 1.",
+                "the roundings of a run's sum, because all paths end at the sky and contribute 1.",
             )
             .achieved(smoke(1.0, depth))
             .planted("albedo of 0.999", smoke(0.999, depth))

@@ -19,8 +19,8 @@ struct Out {
     padding2: u32,
 }
 
-/// The largest of the deviations from unit length and from right angles, without bound where the basis is left-handed; and the largest
-/// error of a place in the basis.
+/// The largest of the deviations from unit length and from right angles, without bound where the basis is left-handed;
+/// and the largest error of a place in the basis.
 fn worst(kernel: &Kernel, normals: &[DVec3]) -> (f64, f64) {
     let rows: Vec<[f32; 4]> = normals.iter().map(|n| rounded(*n)).map(|[x, y, z]| [x, y, z, 0.0]).collect();
     let (mut angle, mut place) = (0.0f64, 0.0f64);
@@ -45,8 +45,8 @@ fn beside(random: &mut Random, z: f64, across: f64) -> Vec<DVec3> {
 /// The table's cells of bases.
 pub fn cells() -> Vec<Cell> {
     const FIGURE: &str = "Largest deviation from unit lengths, right angles and a right-handed basis";
-    const BECAUSE: &str =
-        "the vector's own length is off by 1.5 u, which counts twice, and some roundings of numbers below 1: 8 u.";
+    const BECAUSE: &str = "8 u: the vector's own length is off by 1.5 u, which counts twice, and there are some roundings of \
+                           numbers below 1.";
     let mut random = Random(52);
     let own = Kernel::new("test/basis");
     let replaced = [("lib/basis", "test/control/basis_frisvad")];
@@ -62,7 +62,7 @@ pub fn cells() -> Vec<Cell> {
             "everywhere",
             "Largest error of the vector (1, 2, 3) in a basis",
             16.0 * U,
-            "three products of up to 3, and their sums: 16 u.",
+            "16 u: three products of up to 3, and their sums.",
         )
         .achieved(worst(&own, &everywhere).1),
     ];

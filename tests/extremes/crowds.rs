@@ -36,8 +36,8 @@ fn few() -> Vec<Cell> {
     [("0", "", 1.0), ("1", one, 0.5)]
         .map(|(range, objects, expected)| {
             let shot = render(&scene(CAMERA, 1.0, objects), &Ask::spp(64));
-            let figure = "Largest difference from the light of the sky, or from that of a convex body of albedo 0.5";
-            let because = "none, because every path brings the same light.";
+            let figure = "Largest difference from the radiance of the sky, or of a convex body of albedo 0.5";
+            let because = "none, because every path contributes the same radiance.";
             Cell::new(Row::Objects, range, figure, 0.0, because).achieved(farthest(&shot, expected))
         })
         .into()
@@ -72,15 +72,16 @@ fn in_one_place(name: &str, count: usize, body: &str) -> Cell {
     Cell::new(
         Row::Objects,
         format!("{count} coincident {name}"),
-        "Largest difference from the image of the object that stands first in the file",
+        "Largest difference from the image of the first object in the file",
         0.0,
-        "none, because of two hits at one distance the first in the file wins.",
+        "none, because the first object in the file wins if two hits have the same distance.",
     )
     .achieved(differ(pixels(count, "grey")))
-    .planted("image of another of them", differ(pixels(count, "both")))
+    .planted("image of another object", differ(pixels(count, "both")))
 }
 
-/// More meshes in one place than a walk may go through where loops are limited: the render counts and tells what it cuts, and the scene is warned of.
+/// More meshes in one place than a walk may go through where loops are limited: the render counts and tells what it
+/// cuts, and the scene is warned of.
 fn too_many(count: usize, body: &str) -> Cell {
     let scene = scene(CAMERA, 1.0, &crowd(body, count, "grey"));
     let shot = render_planted(&scene, &Ask::spp(8).size(8, 8), &Overlay::new(&[]));
@@ -90,7 +91,7 @@ fn too_many(count: usize, body: &str) -> Cell {
         format!("{count} coincident meshes"),
         "Share of samples that are cut short; `check` may warn instead",
         0.0,
-        "none: a walk may take 48,000 steps where a driver limits loops, and 262,144 elsewhere.",
+        "none, because a walk may take 48,000 steps if the driver limits loops, and 262,144 steps if not.",
     )
     .achieved(totals.rejected.cut as f64 / totals.paths as f64)
     .told(diagnostics(&scene))
@@ -197,7 +198,8 @@ fn spheres() -> Cell {
         ];
         kernel.run_with(&rays, rays.len(), &tables)
     };
-    // Nearest crossing ahead in f64; what is within the error of the edge, or of the distance of another, may be decided either way.
+    // Nearest crossing ahead in f64; what is within the error of the edge, or of the distance of another, may be
+    // decided either way.
     let truth: Vec<(f64, f64)> = rays.iter().map(|ray| nearest(ray, &spheres)).collect();
     let wrong = |found: &[[[u32; 4]; 2]]| {
         let off = found.iter().zip(&truth).filter(|([walked, _], (surely, maybe))| {
@@ -219,7 +221,7 @@ fn spheres() -> Cell {
     Cell::new(
         Row::Objects,
         "2^20 spheres",
-        "Rays of 128 whose nearest hit differs from that of testing every sphere in f64",
+        "Of 128 rays, those whose nearest hit differs from a test of every sphere in f64",
         0.0,
         "none, because the hierarchy's boxes are widened by the rounding of the walk.",
     )

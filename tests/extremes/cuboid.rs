@@ -25,7 +25,8 @@ fn leave(kernel: &Kernel, aspect: f64, place: (f64, f64), cosines: (f64, f64)) -
             continue;
         }
         hits += 1;
-        // The side that it left to. Along the face, to within the rounding of the direction and of its product with the normal, either will do.
+        // The side that it left to. Along the face, to within the rounding of the direction and of its product with the
+        // normal, either will do.
         let outwards = (exact(out.start) - exact(out.point)).dot(exact(out.normal)) >= 0.0;
         let cosine = exact(out.leaving).dot(exact(out.normal));
         wrong_side += usize::from(cosine.abs() > 8.0 * U && outwards != (cosine > 0.0));
@@ -55,8 +56,8 @@ pub fn cells() -> Vec<Cell> {
     for aspect in [0, 3, 6] {
         for (name, place) in [("up to 1", (-2.0, 0.0)), ("1e2", (1.9, 2.1)), ("1e4", (3.9, 4.1))] {
             let range = format!("edges down to 1e-{aspect} of the longest, {name} edges from the origin");
-            let figure =
-                "Boxes: rays of 10 000 that hit their own box again or lost their chord inside, cosines from 0.05 to 1";
+            let figure = "Boxes: of 10 000 rays, those that hit their own box again or had a wrong chord inside, with cosines from \
+                          0.05 to 1";
             let (aspect, cosines) = (f64::from(aspect), (-1.3, 0.0));
             let mut cell = Cell::new(Row::Leaving, range, figure, 0.0, BECAUSE)
                 .achieved(leave(&own, aspect, place, cosines))
@@ -71,7 +72,8 @@ pub fn cells() -> Vec<Cell> {
         let decade = f64::from(exponent);
         let cosines = (-decade - 1.0, -decade);
         let range = format!("1e-{} to 1e-{exponent}", exponent + 1);
-        let figure = "Boxes by the cosine of the leaving ray: rays of 10 000 that hit their own box again or lost their chord inside";
+        let figure = "Boxes by the cosine of the leaving ray: of 10 000 rays, those that hit their own box again or had a wrong \
+                      chord inside";
         all.push(
             Cell::new(Row::Grazing, range, figure, 0.0, BECAUSE)
                 .achieved(leave(&own, 1.0, (-2.0, 1.0), cosines))

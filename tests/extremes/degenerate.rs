@@ -60,7 +60,7 @@ pub fn cells() -> Vec<Cell> {
             *what,
             "Scenes that are accepted, or refused without the object's line and field",
             0.0,
-            "none, because such a scene shows nothing.",
+            "none, because such a scene has no meaningful image.",
         )
         .achieved(taken(object, wrong))
         .planted("the same with a number that is allowed", taken(object, right))

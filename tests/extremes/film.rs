@@ -2,9 +2,10 @@
 
 use bytemuck::{Pod, Zeroable};
 use gpu_rt::data::{ODD_RUN, RUN_LENGTH, Settings};
-use gpu_rt::film::{Film, RunRecord};
+use gpu_rt::film::Film;
 use gpu_rt::options::Scatter;
 
+use crate::common::film::{AddRuns, Run};
 use crate::common::kernel::{Kernel, Overlay, Setup};
 use crate::common::render::{Ask, render_planted, scene};
 use crate::common::stats::Random;
@@ -41,12 +42,12 @@ const PLAIN: &[(&str, &str)] = &[("lib/compensated", "test/control/compensated_p
 const PLAIN_NAME: &str = "plain sums of runs";
 
 /// Runs of samples as the device sums them, by the function that renders.
-fn runs(replaced: &[(&str, &str)], samples: &[f32]) -> Vec<RunRecord> {
+fn runs(replaced: &[(&str, &str)], samples: &[f32]) -> Vec<Run> {
     let kernel = Kernel::with("test/run_sum", &Setup { replaced, ..Setup::default() });
     let length = RUN_LENGTH as usize;
     let settings = [kernel.settings(&Settings::default())];
     let sums = kernel.run_with::<f32, [f32; 2]>(samples, samples.len().div_ceil(length), &settings);
-    let record = |(index, (chunk, [sum, spread])): (usize, (&[f32], [f32; 2]))| RunRecord {
+    let record = |(index, (chunk, [sum, spread])): (usize, (&[f32], [f32; 2]))| Run {
         sum: [sum; 3],
         pixel: 0,
         counts: chunk.len() as u32 | if index % 2 == 1 { ODD_RUN } else { 0 },
@@ -94,10 +95,10 @@ fn mean_error(samples: &[f32], count: u64, exponent: i32) -> f64 {
     let of_all: f64 = samples.iter().map(|x| f64::from(*x)).sum();
     let (whole, rest) = (count / DISTINCT as u64, (count % DISTINCT as u64) as usize);
     for _ in 0..whole {
-        film.add(&records);
+        film.add_runs(&records);
         exact += of_all;
     }
-    film.add(&runs(&[], &samples[..rest]));
+    film.add_runs(&runs(&[], &samples[..rest]));
     exact += samples[..rest].iter().map(|x| f64::from(*x)).sum::<f64>();
     let expected = exact / count as f64 * 2f64.powi(exponent);
     (f64::from(film.develop().rgb[0][0]) / expected - 1.0).abs()
@@ -117,8 +118,8 @@ fn means() -> Vec<Cell> {
                 format!("{name}, {}", of.0),
                 "Relative error of a pixel's mean, with runs summed by a kernel",
                 1e-7,
-                "the required accuracy. A run's sum is off by at most 6e-8: by nothing if its samples are equal, and otherwise at \
-                 random, which averages out over many runs. Sums of runs are exact. The picture rounds by at most 6e-8.",
+                "the required accuracy. A run's sum is off by at most 6e-8. It is exact if its samples are equal; otherwise its \
+                 errors are random and average out over many runs. Sums of runs are exact. The image is rounded by at most 6e-8.",
             )
             .achieved(mean_error(samples, count, 0));
             let exact = samples.iter().map(|x| f64::from(*x)).sum::<f64>() * (part / DISTINCT) as f64;
@@ -153,7 +154,7 @@ fn constants() -> Vec<Cell> {
     let samples: Vec<f32> = of_runs.iter().flat_map(|x| [*x; RUN_LENGTH as usize]).collect();
     let worst = |replaced| {
         let sums = runs(replaced, &samples);
-        let error = |(run, x): (&RunRecord, &f32)| (f64::from(run.sum[0]) / (8.0 * f64::from(*x)) - 1.0).abs();
+        let error = |(run, x): (&Run, &f32)| (f64::from(run.sum[0]) / (8.0 * f64::from(*x)) - 1.0).abs();
         sums.iter().zip(&of_runs).map(error).fold(0.0, f64::max)
     };
     let of_render = |library: &Overlay, scatter: Option<Scatter>| {
@@ -175,7 +176,8 @@ fn constants() -> Vec<Cell> {
             "8, a million constants",
             "Relative error of a run whose samples are all equal, summed by a kernel",
             0.0,
-            "none, because eight times a number is a number of f32, and the sum of a run is off by less than the distance to the next one.",
+            "none, because f32 represents eight times a number exactly, and the sum of a run is off by less than the distance to \
+             the next float.",
         )
         .achieved(worst(&[]))
         .planted(PLAIN_NAME, worst(PLAIN)),
@@ -186,7 +188,7 @@ fn constants() -> Vec<Cell> {
             format!("2^24 + 1, a sky of {WORST}; {name}"),
             "Relative error of a rendered pixel whose samples are all equal",
             1e-7,
-            "none, as required: all runs have eight samples, except the last with one.",
+            "none, as required. All runs have eight samples, except the last, which has one.",
         )
         .achieved(of_render(&Overlay::new(&[]), Some(scatter)));
         all.push(cell.planted(PLAIN_NAME, of_render(&Overlay::new(PLAIN), Some(scatter))));
@@ -206,7 +208,7 @@ fn variances() -> Vec<Cell> {
     let mut all = Vec::new();
     for (((exponent, deviation), samples), naive) in deviations.into_iter().zip(&samples).zip(naive) {
         let mut film = Film::new(1, 1, 0).expect("a pixel fits");
-        film.add(&runs(&[], samples));
+        film.add_runs(&runs(&[], samples));
         let found = f64::from(film.develop().variance[0][0]);
         // The same in f64.
         let spread = |run: &[f32]| {
@@ -217,9 +219,10 @@ fn variances() -> Vec<Cell> {
         let expected = samples.chunks(8).map(spread).sum::<f64>() / (7.0 * count * samples.len() as f64);
         let in_f32 = naive.squares / DISTINCT as f32 - (naive.sum / DISTINCT as f32).powi(2);
         let naive_error = (f64::from(in_f32) / (expected * DISTINCT as f64) - 1.0).abs();
-        // The mean that a sample deviates from rounds by up to 2^-23, of its sum and of the quotient, in [1, 2): as noise of variance 2^-44 / 3
-        // and less. With r its share of the deviation of a sample, it adds r², and 2 r times a correlation that is 1 / sqrt(n) of n
-        // samples, five times by chance. Then come the roundings of seven squares and their sum.
+        // The mean that a sample deviates from rounds by up to 2^-23, of its sum and of the quotient, in [1, 2): as
+        // noise of variance 2^-44 / 3 and less. With r its share of the deviation of a sample, it adds r², and 2 r
+        // times a correlation that is 1 / sqrt(n) of n samples, five times by chance. Then come the roundings of seven
+        // squares and their sum.
         let r = (2f64.powi(-44) / 3.0 / (deviation * deviation / 3.0)).sqrt();
         let limit = 8.0 * U + r * r + 10.0 * r / (samples.len() as f64).sqrt();
         let cell = Cell::new(
@@ -227,8 +230,8 @@ fn variances() -> Vec<Cell> {
             format!("2^20, mean 1, spread 1e-{exponent}"),
             "Relative error of a pixel's variance",
             limit,
-            "r² + 10 r / sqrt(n) for n samples, with r the rounding of a mean within a run, at most 2^-22/sqrt(3), over the deviation \
-             of a sample.",
+            "r² + 10 r / sqrt(n) for n samples, where r is the rounding of a mean within a run, at most 2^-22/sqrt(3), divided by \
+             the deviation of a sample.",
         );
         all.push(cell.achieved((found / expected - 1.0).abs()).planted(MEAN_OF_SQUARES, naive_error));
     }

@@ -211,7 +211,8 @@ pub fn cells() -> Vec<Cell> {
             let cell_of_bound = cell(
                 "Largest error of the reflectance over its bound, cosines from 1e-4 and on both sides of total reflection",
                 1.0,
-                "the bound is the effect of 2 u of η² - 1 and of 4 u of the squared cosine, and 32 u of itself (`allowed`).",
+                "the bound is the effect of an error of 2 u in η² - 1 and of 4 u in the squared cosine, plus 32 u of the \
+                 reflectance (`allowed`).",
                 &|v| v.reflectance,
             );
             all.push(by_textbook(cell_of_bound.planted(SCHLICK, of_schlick.reflectance), &|v| v.reflectance));
@@ -221,7 +222,7 @@ pub fn cells() -> Vec<Cell> {
                 let cell = cell(
                     "Largest relative error of the reflectance, entering",
                     82.0 * U,
-                    "(c + g)⁴ by 28 u, the quotient squared by 10 u, 1 + q² by 40 u, four more roundings.",
+                    "(c + g)⁴ is off by 28 u, the squared quotient by 10 u, 1 + q² by 40 u, and there are four more roundings.",
                     &|v| v.relative,
                 );
                 all.push(by_textbook(cell.planted(SCHLICK, of_schlick.relative), &|v| v.relative));
@@ -230,17 +231,18 @@ pub fn cells() -> Vec<Cell> {
                 cell(
                     "Largest |R + T - 1| over its bound",
                     1.0,
-                    "T is computed from the shader's own transmitted cosine; the bound is that of R, and the effect of the cosine's \
+                    "T is computed from the shader's own transmitted cosine; the bound is that of R plus the effect of the cosine's \
                      bound on T.",
                     &|v| v.sum,
                 )
                 .planted(SCHLICK, of_schlick.sum),
             );
             let cell = cell(
-                "Largest residual of Snell's law, η sin θ' - sin θ as vectors, or error of the refracted ray or its cosine, over its bound",
+                "Largest residual of Snell's law, η sin θ' - sin θ as vectors, or error of the refracted ray or its cosine, over \
+                 its bound",
                 1.0,
-                "the bound of the transmitted cosine is the effect of 2 u of η² - 1 and 4 u of c², and 8 u of itself; 8 u of a sum of \
-                 three products and `normalize`.",
+                "the bound of the transmitted cosine is the effect of an error of 2 u in η² - 1 and 4 u in c², plus 8 u of the \
+                 cosine; and 8 u for a sum of three products and `normalize`.",
                 &|v| v.snell.max(v.direction).max(v.cos),
             );
             all.push(by_textbook(cell, &|v| v.snell.max(v.direction).max(v.cos)));

@@ -167,9 +167,9 @@ pub fn cells() -> Vec<Cell> {
         let range = format!("fuzz = {fuzz:e}");
         let cell = |figure, limit, because| Cell::new(Row::Fuzz, &range, figure, limit, because);
         let found = cell(
-            "Largest error of a direction, times |m + fuzz b|, cosines 1e-4 to 1",
+            "Largest error of a direction, times |m + fuzz b|, with cosines from 1e-4 to 1",
             16.0 * U + (8.0 * U + 2f64.powi(-18)) * fuzz,
-            "twice a dot product, twice its multiple and a normalize: 16 u. The point b: 8 u, and exp2 and log2 by 2^-18 of it.",
+            "16 u for two dot products, two of their multiples and a normalize; 8 u for the point b, and 2^-18 of it for exp2 and log2.",
         )
         .achieved(direction_error(fuzz, &[]));
         all.push(match fuzz {
@@ -186,7 +186,7 @@ pub fn cells() -> Vec<Cell> {
                     "Relative error of a mirror's radiance in a room that emits everywhere, with light sampling",
                     noise + 16.0 * U,
                     "4.9 standard errors of 16 384 samples with a deviation of at most fuzz/2: a shadow ray hits the lobe with a \
-                     probability of fuzz²/4 and brings at most half; the roundings of sums and weights.",
+                     probability of fuzz²/4 and contributes at most half; and the roundings of sums and weights.",
                 )
                 .achieved(achieved),
             );
@@ -204,7 +204,7 @@ pub fn cells() -> Vec<Cell> {
             cell(
                 "Relative error of the lobe's mean square angle, 2^17 draws",
                 noise + (8.0 * U / fuzz).powi(2) * 2.5,
-                "4.9 standard errors, and the rounding of directions of 8 u, squared, over the lobe's 2/5 fuzz².",
+                "4.9 standard errors, and the squared rounding of directions of 8 u, relative to the lobe's 2/5 fuzz².",
             )
             .achieved(lobe_error(&drawn, &row).abs())
             .planted(SPHERE, lobe_error(&sphere, &row).abs()),
@@ -214,8 +214,8 @@ pub fn cells() -> Vec<Cell> {
         let cell = cell(
             "Largest error of the density over its peak, within 0.9 of the lobe",
             34.0 * U / fuzz + 32.0 * U,
-            "the sine of the angle to the mirrored ray is off by 16 u, which moves sqrt(fuzz² - sin²) by at most 2.1 times that; 32 u \
-             of the formula.",
+            "the sine of the angle to the mirrored ray is off by 16 u, which moves sqrt(fuzz² - sin²) by at most 2.1 times that; \
+             and 32 u for the formula.",
         )
         .achieved(density_error(&drawn, &row));
         let known = fuzz < 1e-2;

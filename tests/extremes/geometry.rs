@@ -150,8 +150,8 @@ pub fn gaps() -> Vec<Cell> {
                 format!("1e-{exponent} between {}", pair.name),
                 "Largest share of a lamp's light that is lost behind a clear surface in front of it",
                 0.0,
-                "none, because the ray that leaves the front is offset by a bound of some u of its position and size, which is less \
-                 than the gap.",
+                "none, because the offset of the ray that leaves the front surface is some u of its position and size, which is \
+                 less than the gap.",
             );
             // The inner one is inside the outer one only where it is smaller.
             if gap < 0.01 || !pair.name.contains("0.01") {
@@ -171,7 +171,7 @@ pub fn gaps() -> Vec<Cell> {
             let gap = 10f64.powi(-exponent);
             let cell = |figure| {
                 let range = format!("1e-{exponent} between {}", pair.name);
-                Cell::new(Row::Gap, range, figure, 0.0, "as if f32 resolved the gap.")
+                Cell::new(Row::Gap, range, figure, 0.0, "none, as with a gap that f32 resolves.")
             };
             let lost = "Largest share of a lamp's light that is lost behind a clear surface in front of it, with a gap that f32 does \
                         not resolve; `check` may warn instead";
@@ -219,9 +219,9 @@ pub fn gaps_by_rays() -> Vec<Cell> {
             let cell = Cell::new(
                 Row::Gap,
                 format!("1e-{exponent} between {name}"),
-                "Rays of 1000 that leave the first of two surfaces and miss the second",
+                "Of 1000 rays, those that leave the first of two surfaces and miss the second",
                 0.0,
-                "as for the scenes: none.",
+                "none, as for the scenes.",
             );
             let mut cell = cell.achieved(lost(kind, &[]));
             if exponent >= 4 {
@@ -273,16 +273,16 @@ pub fn distances() -> Vec<Cell> {
             let expected = 1.0 - 0.5 * silhouette / 16.0;
             // Of the 256 pixels some 40 are mixed; the mean of 64 draws of a half is off by at most half of that in each.
             let noise = 40f64.sqrt() * 0.25 / 8.0 / 256.0;
-            // In general position directions are off by u, and the picture by u D radii. From 1e5 on a pixel, 1/4 of D, is below the 2^-17 of
-            // its distance at which the view has axes of its own.
+            // In general position directions are off by u, and the picture by u D radii. From 1e5 on a pixel, 1/4 of D,
+            // is below the 2^-17 of its distance at which the view has axes of its own.
             let blur = if direction == DVec3::NEG_Z || exponent > 4 { 0.0 } else { 2.0 * U * distance };
             let cell = Cell::new(
                 Row::Distance,
                 format!("D/r = 1e{exponent}{place}"),
-                "Spheres in scenes: error of the mean of an image of a grey ball in the sky",
+                "Spheres in scenes: error of the mean image radiance of a grey ball in front of the sky",
                 5.0 * noise + blur * silhouette / 16.0,
-                "five standard errors of the 40 pixels on the edge; in general position also the rounding of directions, u D radii, if \
-                 the view is too wide for axes of its own.",
+                "five standard errors of the 40 pixels on the edge. In general position also the rounding of directions, u D radii, \
+                 unless render space has the camera's axes.",
             );
             all.push(cell.achieved((shot.mean_of_all().value[0] - expected).abs()));
         }
@@ -298,7 +298,7 @@ pub fn distances() -> Vec<Cell> {
         let cell = Cell::new(
             Row::Distance,
             format!("D/r = 1e{exponent}, in general position, 40 degrees"),
-            "Spheres in scenes: views too wide to resolve their outline that `check` does not warn of",
+            "Spheres in scenes: views that are too wide to resolve the outline, without a warning of `check`",
             0.0,
             "none, because the outline is off by 2 u D, more than a tenth of the radius.",
         );
@@ -322,8 +322,8 @@ pub fn distances() -> Vec<Cell> {
             "Spheres in scenes: relative error of the difference between the upper and the lower half of a mirror ball, in a sky from 0 \
              to 1",
             0.03 + 10.0 / distance,
-            "five standard errors: values in the ball spread by at most 0.3, and by 0.13 over the image; 2^17 samples per half. And the \
-             sky around the ball, up to 2 r/D above the horizon: 10 r/D of the difference.",
+            "five standard errors of 2^17 samples per half, with a deviation of at most 0.3 in the ball and 0.13 in the image. The \
+             sky around the ball, up to 2 r/D above the horizon, adds 10 r/D of the difference.",
         );
         all.push(cell.achieved(((half(0..8) - half(8..16)) / expected - 1.0).abs()));
     }
@@ -342,9 +342,10 @@ pub fn radii() -> Vec<Cell> {
         let cell = Cell::new(
             Row::Radius,
             format!("r = 1e{exponent}"),
-            "Grey balls seen from 4 radii, beside a lamp of radius 1 as bright as the sky: largest difference from half of that light",
+            "Grey balls seen from 4 radii, beside a lamp of radius 1 that is as bright as the sky: largest difference from half of \
+             that radiance",
             0.0,
-            "none, because every path hits the ball once and the light next.",
+            "none, because every path hits the ball once, and then the sky or the lamp.",
         );
         all.push(cell.achieved(farthest(&shot, 0.5)));
     }
@@ -354,10 +355,11 @@ pub fn radii() -> Vec<Cell> {
         let cell = Cell::new(
             Row::Radius,
             format!("r = 1e{exponent}"),
-            "Ground spheres from a height h of 1.2345: largest relative error of the distance within 45 degrees of straight down; from 1e5 on `check` may warn instead",
+            "Ground spheres from a height h of 1.2345: largest relative error of the distance within 45 degrees of straight down; \
+             from 1e5 on `check` may warn instead",
             (4.0 * U * (ground.radius / HEIGHT + 1.0) * std::f64::consts::SQRT_2 + 16.0 * U).min(0.01),
-            "centre and radius are rounded, and the length of o - c by 2 u: 4 u (r + h) of the height, over the cosine, and at most a \
-             hundredth.",
+            "the centre and the radius are rounded, and the length of o - c by 2 u: together 4 u (r + h), relative to the height \
+             and divided by the cosine, and at most a hundredth.",
         );
         let larger: Vec<Sphere> =
             ground.spheres.iter().map(|sphere| Sphere { radius: sphere.radius * (1.0 + 2e-6), ..*sphere }).collect();
@@ -432,7 +434,8 @@ pub fn grazing() -> Vec<Cell> {
     for (place, turned) in [("", DMat3::IDENTITY), (", tilted", tilt)] {
         for exponent in 1..=7 {
             let angle = 10f64.powi(-exponent);
-            // From a height of `angle` over a grey floor that ends 1 ahead: its edge is at `angle` below the horizon, three quarters down.
+            // From a height of `angle` over a grey floor that ends 1 ahead: its edge is at `angle` below the horizon,
+            // three quarters down.
             let triple = |v: DVec3| triple(turned * v);
             let camera = format!(
                 "(look_from: (0, 0, 0), look_at: {}, up: {}, vertical_fov: {:?})",
@@ -452,11 +455,10 @@ pub fn grazing() -> Vec<Cell> {
             let cell = Cell::new(
                 Row::Grazing,
                 format!("1e-{exponent}{place}"),
-                "Floors in scenes, by the angle of the view: largest difference from half of the sky's light on the floor, and from all \
-                 of it above",
+                "Floors in scenes, by the angle of the view: largest difference from half of the sky's radiance on the floor, and \
+                 from the sky's radiance above",
                 0.0,
-                "none, because heights are exact relative to themselves, and the edge reaches out by at most 1/64 of the floor, a tenth \
-                 of a row.",
+                "none, because heights have a small relative error, and the edge is off by at most 1/64 of the floor, a tenth of a row.",
             );
             all.push(cell.achieved(off(0..11, 1.0).max(off(12..16, 0.5))));
         }
@@ -497,17 +499,17 @@ pub fn grazing() -> Vec<Cell> {
         let cell = Cell::new(
             Row::Grazing,
             format!("1e-{exponent}"),
-            "Floors in scenes, by the angle of the light: relative error of their light",
+            "Floors in scenes, by the angle of the light: relative error of their radiance",
             0.012,
-            "five standard errors: cosines spread by 0.29 of their mean, 2^14 samples; and the change of the lamp's distance over the \
-             floor.",
+            "five standard errors of 2^14 samples, whose cosines have a deviation of 0.29 of their mean; and the change of the \
+             lamp's distance over the floor.",
         );
         all.push(cell.achieved((shot.mean_of_all().value[0] / expected - 1.0).abs()));
     }
     all
 }
 
-/// The table's cells of cameras on and in things.
+/// The table's cells of cameras on surfaces and in objects.
 pub fn cameras() -> Vec<Cell> {
     let mut all = on_surfaces();
     all.extend(inside_glass());
@@ -547,7 +549,7 @@ fn on_surfaces() -> Vec<Cell> {
         let cell = Cell::new(
             Row::CameraInside,
             format!("on {name}"),
-            "The camera on a surface, looking away from it: largest difference from the light of the sky",
+            "The camera on a surface, looking away from it: largest difference from the radiance of the sky",
             0.0,
             "none, because a hit at a distance of 0 does not count.",
         );
@@ -564,9 +566,9 @@ fn on_surfaces() -> Vec<Cell> {
             let cell = Cell::new(
                 Row::CameraInside,
                 format!("1e-{exponent} above {name}"),
-                "The camera above a grey surface of size 1, looking down: largest difference from half of the sky's light",
+                "The camera above a grey surface of size 1, looking down: largest difference from half of the sky's radiance",
                 0.0,
-                "none, because every path hits it once and the sky next.",
+                "none, because every path hits the surface once, and then the sky.",
             );
             all.push(cell.achieved(farthest(&shot, 0.5)));
         }
@@ -583,7 +585,7 @@ fn inside_glass() -> Vec<Cell> {
             range,
             "The camera inside glass in a sky of 1: largest difference from 1",
             0.0,
-            "none, because every path comes out in the end with all of its light.",
+            "none, because every path leaves in the end and loses nothing.",
         );
         all.push(cell.achieved(farthest(&shot, 1.0)));
     };
@@ -617,7 +619,7 @@ fn inside_media() -> Vec<Cell> {
             format!("in a ball of fog of optical radius 2, 1e-{exponent} below its surface"),
             "The camera inside a medium of albedo 1 in a sky of 1: largest difference from 1",
             0.0,
-            "none, because every path comes out in the end with all of its light.",
+            "none, because every path leaves in the end and loses nothing.",
         );
         all.push(cell.achieved(farthest(&shot, 1.0)));
     }

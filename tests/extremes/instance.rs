@@ -7,8 +7,8 @@ use crate::common::vectors::{exact, rounded, unit};
 use crate::table::{Cell, NO_OFFSET, Row};
 use glam::DVec3;
 
-/// Rays at a ball of so many units, placed by a transform so far from the eye: how many of those that leave it again met the face that they
-/// left, met the ball though they left it outwards, or lost the inside though they went in.
+/// Rays at a ball of so many units, placed by a transform so far from the eye: how many of those that leave it again
+/// met the face that they left, met the ball though they left it outwards, or lost the inside though they went in.
 fn leave(size: f64, place: f64, replaced: &[(&str, &str)]) -> f64 {
     let random = &mut Random(62);
     const RAYS: usize = 10_000;
@@ -70,9 +70,9 @@ pub fn cells() -> Vec<Cell> {
         let cell = Cell::new(
             Row::Leaving,
             format!("scaled by {size:e}, {place:e} from the eye"),
-            "Instances: rays of 10 000 that hit the face or the ball that they left, or lost its inside",
+            "Instances: of 10 000 rays, those that hit the face or the ball that they left, or missed its far side",
             0.0,
-            "none, because the offset exceeds the error within the mesh, and 16 u of the position in it for the transforms \
+            "none, because the offset exceeds the error within the mesh, plus 16 u of the position in it for the transforms \
              (geometry/instance).",
         )
         .achieved(leave(size, place, &[]));

@@ -70,7 +70,7 @@ fn densities() -> Vec<Cell> {
                 range(share),
                 "Spheres: largest relative error of the density over its bound",
                 1.0,
-                "8 u, and 8 u over the cosine of the cone's half angle, or the root of 8 u near contact (`density_bound`).",
+                "8 u, plus 8 u divided by the cosine of the cone's half angle, or the square root of 8 u near contact (`density_bound`).",
             )
             .achieved(worst(share, &[]));
             if share < 0.05 { cell.planted(ONE_MINUS_COS, worst(share, &[TEXTBOOK])) } else { cell }
@@ -102,7 +102,7 @@ fn irradiances() -> Vec<Cell> {
             range(share),
             "Spheres: relative error of the irradiance from 2^16 sampled directions and densities",
             noise + density_bound(height) + 32.0 * U,
-            "4.9 standard errors, the density's bound, and 32 u of the narrower cone and the directions.",
+            "4.9 standard errors, the density's bound, and 32 u for the narrower cone and the directions.",
         )
         .achieved(error);
         all.push(if share < 5e-3 { cell.planted(ONE_MINUS_COS, of(&textbook).0) } else { cell });
@@ -111,13 +111,14 @@ fn irradiances() -> Vec<Cell> {
             let (limit, because) = match share > 0.9999 {
                 true => (
                     DRAWS as f64 / 1000.0,
-                    "none, or 1 in 1000 within 1e-4 of contact, where the distance of the limb hardly changes.",
+                    "none, or 1 in 1000 within 1e-4 of contact, where directions near the limb miss the sphere by very little.",
                 ),
-                false => {
-                    (0.0, "none, or 1 in 1000 within 1e-4 of contact, where the distance of the limb hardly changes.")
-                }
+                false => (
+                    0.0,
+                    "none, or 1 in 1000 within 1e-4 of contact, where directions near the limb miss the sphere by very little.",
+                ),
             };
-            let figure = "Spheres: sampled directions of 2^16 that miss the light";
+            let figure = "Spheres: of 2^16 sampled directions, those that miss the light";
             all.push(Cell::new(Row::LightSize, range(share), figure, limit, because).achieved(missed));
         }
     }
@@ -179,8 +180,8 @@ fn floors() -> Vec<Cell> {
                     format!("r/D = {share:e}, {sides}"),
                     "Relative error of a floor below a sphere, rendered with light sampling",
                     noise + 64.0 * U + 1e-7,
-                    "4.9 standard errors by the film, except for lights so far away that all directions have the same cosine; point and \
-                     centre by 8 u, squared; the width of the view.",
+                    "4.9 standard errors as estimated by the film, except for lights so far away that all directions have the same \
+                     cosine; the square of 8 u for the point and the centre; and the width of the view.",
                 )
                 .achieved(error(mean));
             // A ray that arrives by its direction's last digit meets any side.
@@ -235,7 +236,7 @@ fn radiances() -> Vec<Cell> {
                 format!("emission 1e{exponent}"),
                 "Largest relative error of a pixel in a closed room that absorbs nothing, without light sampling",
                 12.0 * U,
-                "every path brings the lamp's radiance: its rounding, the 8 sums of a run, and the picture's rounding.",
+                "every path contributes the lamp's radiance: its rounding, the 8 sums of a run, and the rounding of the image.",
             )
             .achieved(off(&shot, emit)),
         );
@@ -247,7 +248,7 @@ fn radiances() -> Vec<Cell> {
             Cell::new(
                 Row::Radiance,
                 format!("emission 1e{exponent}"),
-                "Relative error of such a room's mean with light sampling",
+                "Relative error of the mean radiance in a closed room that absorbs nothing, with light sampling",
                 noise / emit + 16.0 * U,
                 "4.9 standard errors of 4096 samples with a deviation below the radiance.",
             )
@@ -276,7 +277,7 @@ fn rooms() -> Vec<Cell> {
                     range,
                     "Largest relative error of a pixel in a room beside a light of radiance 1e20",
                     12.0 * U + rounding,
-                    "as in a room alone, and half of the film's unit of 2^-88 of the brightest light for each sum of 8.",
+                    "as in the room alone, plus half of the film's unit of 2^-88 of the brightest light for each sum of 8.",
                 )
                 .achieved(off(&shot, emit)),
             );

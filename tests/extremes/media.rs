@@ -80,8 +80,8 @@ fn depths_of_words() -> Vec<Cell> {
                 format!("τ = {:e}..{:e}", edges[i], edges[i + 1]),
                 "Largest error of a sampled optical depth, over its bound",
                 1.0,
-                "below 0.01 the series' 4 u of it; above, WGSL's promise of the logarithm: 2^-21 up to 0.7, 6 u of it beyond, and the \
-                 rounding of 1 - U.",
+                "below 0.01, 4 u of the depth for the series; above, WGSL's bound for the logarithm: 2^-21 up to 0.7, and 6 u of it \
+                 beyond; and the rounding of 1 - U.",
             )
             .achieved(own[i]);
             // Around 1 it has as many digits.
@@ -125,7 +125,7 @@ fn shares() -> Vec<Cell> {
             format!("{what} τ = {limit:e}"),
             "Relative error of the share of light that scatters before τ (below), or not before τ (above)",
             NOISE * noise,
-            "4.9 standard errors of 2^16 samples from a part of all 2^48 numbers, of which between a quarter and all count.",
+            "4.9 standard errors of 2^16 samples. They come from a part of all 2^48 numbers in which at least a quarter counts.",
         )
         .achieved(error.abs());
         // One word puts all of the 6e-8 that lie below its first step at 0, and knows nothing beyond 16.6.
@@ -163,7 +163,7 @@ fn free_paths() -> Vec<Cell> {
                 what,
                 "Relative error of a moment of 2^20 sampled depths",
                 NOISE * deviation / (DRAWS as f64).sqrt(),
-                "4.9 standard errors; those of τ and τ² are 1 and sqrt(5) of their means.",
+                "4.9 standard errors; the deviations of τ and τ² are 1 and sqrt(5) times their means.",
             )
             .achieved((mean / expected - 1.0).abs())
         })
@@ -186,8 +186,8 @@ fn slab(depth: f64, albedo: f64, distance: f64, thickness: f64) -> String {
     )
 }
 
-/// Slabs that only absorb: what gets through straight. A depth of 1e-8 scatters one path of 1e8: the medium's random numbers are then the
-/// lowest 2^-k of all, of which 2^k as many scatter.
+/// Slabs that only absorb: what gets through straight. A depth of 1e-8 scatters one path of 1e8: the medium's random
+/// numbers are then the lowest 2^-k of all, of which 2^k as many scatter.
 fn black_slabs() -> Vec<Cell> {
     const SAMPLES: f64 = 1024.0 * 64.0;
     [1e-8, 1e-7, 1e-6, 1e-4, 1e-2, 1.0, 10.0, 1e2, 1e4, 1e6, 1e8]
@@ -203,10 +203,12 @@ fn black_slabs() -> Vec<Cell> {
                 format!("τ = {depth:e}, k = {k}"),
                 "Error of the transmittance of a slab that absorbs, rendered with the lowest 2^-k of all random numbers",
                 NOISE * (expected * (1.0 - expected) / SAMPLES).sqrt() + 2f64.powi(k) * (8.0 * U * depth * (-depth).exp() + 2f64.powi(-48)),
-                "1 - 2^k (1 - exp(-τ)): 4.9 standard errors of 65 536 paths, the depth by 8 u, and the last of 2^48 numbers.",
+                "the transmittance is 1 - 2^k (1 - exp(-τ)); 4.9 standard errors of 65 536 paths, 8 u for the depth, and the last \
+                 of 2^48 numbers.",
             )
             .achieved((through(&slab(depth, 0.0, 1.0, 1.0)) - expected).abs())
-            .planted("no medium", (through(&slab(depth, 0.0, 1.0, 1.0).replace("min: (-1, -1, -1.0), max: (1, 1, 0)", "min: (5, 5, -1.0), max: (6, 6, 0)")) - expected).abs())
+            .planted("no medium", (through(&slab(depth, 0.0, 1.0, 1.0).replace("min: (-1, -1, -1.0), max: (1, 1, 0)", "min: (5, 5, \
+                      -1.0), max: (6, 6, 0)")) - expected).abs())
         })
         .into()
 }
@@ -254,8 +256,8 @@ fn bright_slabs() -> Vec<Cell> {
                     format!("τ = {depth:.1e} in {thickness} seen from {distance}: s = {s:e}"),
                     "Relative error of the radiance of a thick slab that scatters, rendered",
                     NOISE * mean.variance[0].sqrt() / expected + 3.0 * s,
-                    "4.9 standard errors by the film. The distance, its product and the sum round by u R each: a position is off by 3 s \
-                     mean free paths, and the transmitted share changes by as much.",
+                    "4.9 standard errors as estimated by the film. The distance, its product and the sum are rounded by u R each: a \
+                     position is off by 3 s mean free paths, and the transmitted share changes by as much.",
                 )
                 .achieved((mean.value[0] / expected - 1.0).abs()),
             );
@@ -272,7 +274,7 @@ fn bright_slabs() -> Vec<Cell> {
                 ),
                 "Relative error of such a slab if the last digit of a position is many mean free paths; `check` may warn instead",
                 NOISE * mean.variance[0].sqrt() / expected + 0.01,
-                "4.9 standard errors, and a hundredth: f32 cannot resolve it.",
+                "4.9 standard errors, and a hundredth, as with a position that f32 resolves.",
             )
             .achieved((mean.value[0] / expected - 1.0).abs())
             .told(told),
@@ -377,7 +379,8 @@ fn cosines() -> Vec<Cell> {
             range(g),
             "Largest relative error of 1 - cos and 1 + cos",
             26.0 * U,
-            "|g| and 1 - |g| are rounded; D is off by 3 u, as is 1 - h + h u, and 1 + h by 2 u; squares double it, quotients add 5 u each, products 4.",
+            "|g| and 1 - |g| are rounded; D and 1 - h + h u are off by 3 u each, and 1 + h by 2 u; squares double these errors, and \
+             quotients add 5 u each, products 4 u.",
         )
         .achieved(own[0]);
         all.push(if g == 0.0 { cell } else { cell.planted(TEXTBOOK, textbook[0]) });
@@ -386,7 +389,7 @@ fn cosines() -> Vec<Cell> {
             range(g),
             "Largest error of the new direction's cosine and length, over its bound",
             1.0,
-            "26 u of the cosine, 16 u of basis, sum and normalize, 8 u of the point on the circle; 8 u of the length.",
+            "26 u for the cosine, 16 u for the basis, the sum and normalize, 8 u for the point on the circle; 8 u for the length.",
         )
         .achieved(own[1]);
         all.push(if g.abs() == 1e-8 { cell.planted(TEXTBOOK, textbook[1]) } else { cell });
@@ -514,8 +517,8 @@ fn densities() -> Vec<Cell> {
                 range(g),
                 "Largest relative error of the density of a direction",
                 32.0 * U + 1.5 * (4.0 * U / less).powi(2),
-                "the denominator by 8 u, to the power 3/2, and the quotient: 32 u; the vectors have unit length to 2 u each, which \
-                 counts by its square over (1 - |g|)².",
+                "32 u for the denominator (off by 8 u, to the power of 3/2) and the quotient. The lengths of the vectors are off by \
+                 2 u each, which counts squared and divided by (1 - |g|)².",
             )
             .achieved(own[0]),
             0,
@@ -527,7 +530,7 @@ fn densities() -> Vec<Cell> {
                     range(g),
                     "Error of the density's integral over the sphere",
                     32.0 * U + 3.0 * 4.0 * U / less,
-                    "as above, and directions that are rounded by 4 u, over 1 - |g| where the density is steepest.",
+                    "as above, and the rounding of directions by 4 u, divided by 1 - |g| where the density is steepest.",
                 )
                 .achieved(own[1]),
                 1,

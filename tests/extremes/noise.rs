@@ -61,7 +61,7 @@ fn values() -> Vec<Cell> {
             cell(
                 "Largest error of Perlin noise",
                 NOISE_ERROR,
-                "eight products of a weight and a dot product below 1.8, some ten roundings each; the sum of the weights is 1.",
+                "eight products of a weight and a dot product below 1.8, with about ten roundings each; the weights sum to 1.",
             )
             .achieved(found[0]),
             0,
@@ -183,7 +183,8 @@ fn far_objects() -> Vec<Cell> {
             format!("object {far:e} from the origin of its space"),
             "Largest error of a noise texture on a sphere that is far from the origin of its own space",
             0.5 * (10.0 * (SCALE * 16.0 + 256.0) * crate::common::vectors::U + NOISE_ERROR),
-            "a slope of at most 10, times the error of the position: 16 u on the sphere, and u of the 256 to which the host reduces it.",
+            "a slope of at most 10 times the error of the position: 16 u on the sphere, and u of the 256 to which the host reduces \
+             the position.",
         )
         .achieved(worst(false));
         all.push(if far >= 1e6 { cell.planted("place in f32, not reduced by the host", worst(true)) } else { cell });

@@ -24,9 +24,9 @@ fn powers_of_two() -> Vec<Cell> {
             Cell::new(
                 Row::Scale,
                 format!("2^{exponent}"),
-                "Whether any bit of the image of a scene with everything in it differs",
+                "Whether any bit of the image differs, for a scene with every feature",
                 0.0,
-                "none, because the host scales to an extent of 1 by a power of two in f64: every number that kernels see is the same.",
+                "none, because the host scales the scene to an extent of 1 by a power of two, in f64: kernels read the same numbers.",
             )
             .achieved(differs(&shot(world)))
             .planted("camera moved by a millionth", differs(&shot(moved)))
@@ -34,18 +34,19 @@ fn powers_of_two() -> Vec<Cell> {
         .into()
 }
 
-/// Other scales and places round the scene's numbers otherwise, so that some paths differ. At 1e8 the scene is stored to 1.5e-8 of its unit.
+/// Other scales and places round the scene's numbers otherwise, so that some paths differ. At 1e8 the scene is stored
+/// to 1.5e-8 of its unit.
 ///
-/// The seed is that of the usual scene, so that what both have alike cancels: of their pixels' differences, over tiles of 8 x 8 pixels and the
-/// whole image, Student's test tells whether their mean is none, but for 1e-5 of the value. The lamp is dim here, and makes about a tenth of the light: a lamp
-/// that is brighter by a twentieth is half a percent of it. A camera that is moved by a fiftieth of its
-/// distance moves light from pixel to pixel: the images as if of two seeds tell that, of whose tiles the means' difference has a standard error of
-/// 0.7 % up to 1.8 %. (What both have alike makes that test the safer.)
+/// The seed is that of the usual scene, so that what both have alike cancels: of their pixels' differences, over tiles
+/// of 8 x 8 pixels and the whole image, Student's test tells whether their mean is none, but for 1e-5 of the value. The
+/// lamp is dim here, and makes about a tenth of the light: a lamp that is brighter by a twentieth is half a percent of
+/// it. A camera that is moved by a fiftieth of its distance moves light from pixel to pixel: the images as if of two
+/// seeds tell that, of whose tiles the means' difference has a standard error of 0.7 % up to 1.8 %. (What both have
+/// alike makes that test the safer.)
 fn scales_and_places() -> Vec<Cell> {
     const FIGURE: &str = "Largest difference from the scene at scale 1 and the origin, with the same seed, over tiles and the whole \
                           image, in standard deviations";
-    const BECAUSE: &str =
-        "the largest of 78 normal variates exceeds it once in 1e6 (Šidák): differences by noise alone.";
+    const BECAUSE: &str = "noise alone: the largest of 78 normal variates exceeds the limit once in 1e6 (Šidák).";
     let files = Everything::new();
     let usual_world = World { lamp: 0.1, ..World::default() };
     let shot = |world: World| render(&files.scene(world), &Ask::spp(256).size(32, 24).seed(10));

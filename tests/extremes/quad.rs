@@ -113,10 +113,11 @@ fn grazed(kernel: &Kernel) -> Vec<Cell> {
             let cell = Cell::new(
                 Row::Grazing,
                 format!("1e-{} to 1e-{exponent}", exponent + 1),
-                "Quads by the sine of the angle with the plane: largest error of decision, distance, point and place over its bound",
+                "Quads by the sine of the angle with the plane: largest error of the decision, the distance, the point and its \
+                 coordinates over its bound",
                 1.0,
-                "offset, product and normal are off by 8 u of the lengths that take part; the error of the plane moves the point by it \
-                 over the sine.",
+                "the offset, the product and the normal are off by 8 u of the lengths involved; the error of the plane, divided by \
+                 the sine, is that of the point.",
             );
             // What the host computes in f64, computed in f32 instead: normal and axes of needles have no digits left.
             let in_f32: Vec<Quad> = quads
@@ -145,7 +146,8 @@ fn grazed(kernel: &Kernel) -> Vec<Cell> {
         .collect()
 }
 
-/// Rays at floors: planes whose normal is an axis, so that products with it are exact. Distances keep all their digits at every angle.
+/// Rays at floors: planes whose normal is an axis, so that products with it are exact. Distances keep all their digits
+/// at every angle.
 fn floors_grazed(kernel: &Kernel) -> Vec<Cell> {
     let texts: Vec<String> = {
         let mut random = Random(15);
@@ -196,8 +198,8 @@ fn worst_of_tilted(kernel: &Kernel, quads: &[Quad], rays: &[In]) -> f64 {
     })
 }
 
-/// Rays that met quads of which the corner is at a distance from the origin of space within these decades of the longer side, and leave them
-/// on either side at cosines within these decades: the share that met them again.
+/// Rays that met quads of which the corner is at a distance from the origin of space within these decades of the longer
+/// side, and leave them on either side at cosines within these decades: the share that met them again.
 fn again(kernel: &Kernel, aspect: f64, place: (f64, f64), cosines: (f64, f64)) -> f64 {
     let mut random = Random(14);
     let quads = assorted(&mut random, 3000, aspect, place);
@@ -216,13 +218,13 @@ fn again(kernel: &Kernel, aspect: f64, place: (f64, f64), cosines: (f64, f64)) -
 
 fn leavings(kernel: &Kernel) -> Vec<Cell> {
     const BECAUSE: &str =
-        "none, because the offset exceeds the bound of the error of the point and of the next distance.";
+        "none, because the offset exceeds the bound of the errors of the point and of the next distance.";
     let without = tracer("quad", &[("geometry/offset", "test/control/offset_none")]);
     let mut all = Vec::new();
     for aspect in [0, 3, 6] {
         for (name, place) in [("up to 1", (-2.0, 0.0)), ("1e3", (2.9, 3.1)), ("1e6", (5.9, 6.1))] {
             let range = format!("1e{aspect} times as long as wide, {name} lengths from the origin");
-            let figure = "Quads: rays of 10 000 that hit their own quad again, cosines from 0.01 to 1";
+            let figure = "Quads: of 10 000 rays, those that hit their own quad again, with cosines from 0.01 to 1";
             let (aspect, cosines) = (f64::from(aspect), (-2.0, 0.0));
             all.push(
                 Cell::new(Row::Leaving, range, figure, 0.0, BECAUSE)
@@ -235,7 +237,7 @@ fn leavings(kernel: &Kernel) -> Vec<Cell> {
         let decade = f64::from(exponent);
         let cosines = (-decade - 1.0, -decade);
         let range = format!("1e-{} to 1e-{exponent}", exponent + 1);
-        let figure = "Quads by the cosine of the leaving ray: rays of 10 000 that hit their own quad again";
+        let figure = "Quads by the cosine of the leaving ray: of 10 000 rays, those that hit their own quad again";
         all.push(
             Cell::new(Row::Grazing, range, figure, 0.0, BECAUSE)
                 .achieved(again(kernel, 3.0, (-2.0, 1.0), cosines))

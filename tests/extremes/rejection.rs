@@ -1,4 +1,4 @@
-//! Samples that are no numbers: found by their bits, dropped, and counted by reason and pixel.
+//! Samples that are not finite: found by their bits, dropped, and counted by reason and pixel.
 
 use bytemuck::{Pod, Zeroable};
 use gpu_rt::film::{Film, Totals};
@@ -62,8 +62,8 @@ struct In {
     padding: u32,
 }
 
-/// Numbers and others made by division, difference, product, root, logarithm and exponential, that the device takes for something else
-/// than what their bits say, of some 1000; and how many of them were NaN, and infinite.
+/// Numbers and others made by division, difference, product, root, logarithm and exponential, that the device takes for
+/// something else than what their bits say, of some 1000; and how many of them were NaN, and infinite.
 fn mistaken(kernel: &Kernel) -> (f64, [u32; 2]) {
     let (nan, infinity) = (f32::NAN, f32::INFINITY);
     let special = [0.0, -0.0, 1.0, -1.0, 3e38, -3e38, 1000.0, infinity, -infinity, nan, 1e-38];
@@ -100,7 +100,7 @@ pub fn cells() -> Vec<Cell> {
     let cell = Cell::new(
         Row::Rejection,
         "0/0, inf - inf, 0 inf, roots and logarithms below 0, overflows; numbers from 1e-30 to 1e30",
-        "Of 1026 values made in a kernel, those that are wrongly called finite or not finite",
+        "Of 1026 values made in a kernel, those that are wrongly classified as finite or not finite",
         0.0,
         "none, because the test uses the bits.",
     )
@@ -114,7 +114,7 @@ pub fn cells() -> Vec<Cell> {
         let counts = Cell::new(
             Row::Rejection,
             &range,
-            "Samples of a render that are counted under a wrong reason, or under none",
+            "Samples of a render that are counted for a wrong reason, or not at all",
             0.0,
             "none, because each is rejected separately, for its own reason.",
         )
@@ -125,7 +125,7 @@ pub fn cells() -> Vec<Cell> {
             &range,
             "Pixels of 128 that do not have exactly the sky's colour",
             0.0,
-            "none: a rejected sample does not change the mean of the others, which all have one colour.",
+            "none, because a rejected sample does not change the mean of the others, which all have one colour.",
         )
         .achieved(discoloured(&own));
         all.push(plant(colours, &|| wrong(&discoloured)));
@@ -133,7 +133,7 @@ pub fn cells() -> Vec<Cell> {
     all
 }
 
-/// Injected samples that are no numbers stand in the image's file, pixel by pixel, and the others are all there.
+/// Injected samples that are not finite stand in the image's file, pixel by pixel, and the others are all there.
 #[test]
 fn injected_samples_are_dropped_and_counted_by_reason_and_pixel() {
     for scatter in [Scatter::Fused, Scatter::Linked] {

@@ -57,9 +57,9 @@ struct Verdict {
     worst_normal: f64,
 }
 
-/// The error of the line's distance from the centre, in radii, for a sphere `distance` radii away. The rounding of
-/// o - c and that of k d are at most u D each; what of the direction the first perpendicular keeps, at most 8 u D, the second step takes
-/// out; the length, its root and r + l round by 4 u at most.
+/// The error of the line's distance from the centre, in radii, for a sphere `distance` radii away. The rounding of o -
+/// c and that of k d are at most u D each; what of the direction the first perpendicular keeps, at most 8 u D, the
+/// second step takes out; the length, its root and r + l round by 4 u at most.
 fn impact_error(distance: f64) -> f64 {
     2.0 * U * distance + 4.0 * U
 }
@@ -120,7 +120,8 @@ fn distances() -> Vec<Cell> {
     let textbook = tracer("sphere", &[("geometry/sphere", "test/control/sphere_textbook")]);
     let mut all = Vec::new();
     // Measured on both Mesas: 0 wrong of 20 000 up to 1e4 radii, 0.1 % at 1e5, 1 % at 1e6; the median of the distance's
-    // error is 1 u D. At 1e7 the rounding of the centre alone is 0.6 radii: nothing can be promised there, but in the camera's own axes.
+    // error is 1 u D. At 1e7 the rounding of the centre alone is 0.6 radii: nothing can be promised there, but in the
+    // camera's own axes.
     for distance in [0.0, 0.5, 0.99, 1.000_01, 1.001, 1.5, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6] {
         let range = format!("D/r = {distance}");
         let found = judge(&own, distance);
@@ -141,10 +142,10 @@ fn distances() -> Vec<Cell> {
             distance >= 1e3,
         ));
         all.push(cell(
-            "Spheres: share of wrong decisions, of impacts in 0..1.05 radii",
+            "Spheres: share of wrongly decided rays, for impact parameters of 0 to 1.05 radii",
             // Of impact parameters uniform in 0..1.05, a share below the error over 1.05 can lie on the wrong side.
             limit,
-            "the share of impacts that lie within that error of the edge.",
+            "the share of impact parameters that lie within that error of the edge.",
             &|v| v.wrong,
             distance >= 1e3,
         ));
@@ -158,14 +159,14 @@ fn distances() -> Vec<Cell> {
         all.push(cell(
             "Spheres: largest error of the distance over its bound",
             1.0,
-            "the bound is 8 u D for k; for the root it is the error of the line's position over half the chord (`impact_error`).",
+            "the bound is 8 u D for k, plus for the root the error of the line's position divided by half the chord (`impact_error`).",
             &|v| v.worst_distance,
             distance >= 1e1,
         ));
         all.push(cell(
             "Spheres: largest error of the normal over its bound",
             1.0,
-            "the bound is that of the line's position, and once more over half the chord (`compare`).",
+            "the bound is that of the line's position, plus the same divided by half the chord (`compare`).",
             &|v| v.worst_normal,
             false,
         ));
@@ -173,7 +174,8 @@ fn distances() -> Vec<Cell> {
     all
 }
 
-/// Spheres of radius 1 near the axis of view, where space is turned with the camera: what a telescope sees. The rays start at the origin.
+/// Spheres of radius 1 near the axis of view, where space is turned with the camera: what a telescope sees. The rays
+/// start at the origin.
 fn on_axis(kernel: &Kernel, distance: f64) -> Verdict {
     const RAYS: usize = 20_000;
     let mut random = Random(5);
@@ -189,8 +191,9 @@ fn on_axis(kernel: &Kernel, distance: f64) -> Verdict {
     compare(kernel, distance, AXIS_ERROR, &spheres, &rays)
 }
 
-/// The error of a line's distance from the centre where both lie within a few radii of the axis: across it nothing is larger than those few
-/// radii, 4 here, and a difference, two products and two sums round in it; along it the error of the foot is taken out again.
+/// The error of a line's distance from the centre where both lie within a few radii of the axis: across it nothing is
+/// larger than those few radii, 4 here, and a difference, two products and two sums round in it; along it the error of
+/// the foot is taken out again.
 const AXIS_ERROR: f64 = 4.0 * 6.0 * U;
 
 fn on_the_axis() -> Vec<Cell> {
@@ -217,7 +220,7 @@ fn on_the_axis() -> Vec<Cell> {
             &range,
             "Spheres near the axis of view: largest error of the normal, over its bound",
             1.0,
-            "that error, and once more over half the chord.",
+            "that error, and that error divided by half the chord.",
         );
         let cell = cell.achieved(found.worst_normal);
         all.push(match exponent >= 4 {
@@ -334,8 +337,8 @@ fn leave(kernel: &Kernel, radius: f64, ratio: f64) -> Leaving {
 
 /// Rays that leave spheres of radii from 1e-6 to 1e6, each with its centre up to 1000 radii away from the origin of space.
 fn leavings() -> Vec<Cell> {
-    const FIGURE: &str =
-        "Spheres: rays of 1000 that hit their own sphere again or lost their chord inside, cosines from 0.05 to 1";
+    const FIGURE: &str = "Spheres: of 1000 rays, those that hit their own sphere again or had a wrong chord inside, with cosines \
+                          from 0.05 to 1";
     const BECAUSE: &str =
         "none, because the offset exceeds the bound of the point's error, and is below a tenth of the shortest chord.";
     let wrong = |found: Leaving| f64::from(found.again + found.chords);
@@ -370,9 +373,9 @@ fn leavings() -> Vec<Cell> {
     all
 }
 
-/// Rays that leave spheres with their centres at `ratio` radii from the origin of space, at cosines within these decades: how many met the sphere
-/// again that went out, and of those that went in how many left to the wrong side, or lost their chord, or found its end elsewhere than rounding
-/// allows.
+/// Rays that leave spheres with their centres at `ratio` radii from the origin of space, at cosines within these
+/// decades: how many met the sphere again that went out, and of those that went in how many left to the wrong side, or
+/// lost their chord, or found its end elsewhere than rounding allows.
 fn graze(kernel: &Kernel, ratio: f64, cosines: (f64, f64)) -> f64 {
     const RAYS: usize = 10_000;
     let mut random = Random(6);
@@ -415,9 +418,10 @@ fn grazing() -> Vec<Cell> {
             let decade = f64::from(exponent);
             let cosines = (-decade - 1.0, -decade);
             let range = format!("1e-{} to 1e-{exponent}, {ratio} radii from the origin", exponent + 1);
-            let figure = "Spheres by the cosine of the leaving ray: rays of 10 000 that hit their own sphere again or lost their chord";
-            let because = "none, because the offset exceeds the bound of the error, and the chord from there, at least sqrt(8 ε r), is \
-                           found to the error of its half, 6 u over it.";
+            let figure = "Spheres by the cosine of the leaving ray: of 10 000 rays, those that hit their own sphere again or had a \
+                          wrong chord inside";
+            let because = "none, because the offset ε exceeds the bound of the error, and the chord from there is at least sqrt(8 ε \
+                           r) long and has an error of 6 u divided by half of it.";
             all.push(
                 Cell::new(Row::Grazing, range, figure, 0.0, because)
                     .achieved(graze(&own, ratio, cosines))

@@ -40,7 +40,7 @@ pub const ROWS: &[(Row, &str)] = &[
     (Row::Offset, "place of the whole scene"),
     (Row::Distance, "distance over radius, D/r"),
     (Row::Radius, "radius"),
-    (Row::Leaving, "rays that leave what they met"),
+    (Row::Leaving, "rays that leave a surface"),
     (Row::Gap, "gaps between surfaces"),
     (Row::Grazing, "grazing hits"),
     (Row::Index, "index of refraction"),
@@ -57,10 +57,10 @@ pub const ROWS: &[(Row, &str)] = &[
     (Row::Uniforms, "random numbers at their ends"),
     (Row::Noise, "Perlin noise far out"),
     (Row::Objects, "number of objects"),
-    (Row::CameraInside, "cameras on and in things"),
+    (Row::CameraInside, "cameras on surfaces and in objects"),
     (Row::ImageSize, "size of the image"),
     (Row::Samples, "number of samples"),
-    (Row::Rejection, "samples that are no numbers"),
+    (Row::Rejection, "samples that are not finite"),
     (Row::Degenerate, "degenerate scenes"),
 ];
 
@@ -183,8 +183,8 @@ fn heading(name: &str) -> String {
     format!("{}{}", name[..1].to_uppercase(), &name[1..])
 }
 
-/// Everything that is wrong with the cells, by their document and the one that is wanted: over a limit, other cells, or a form that none
-/// has. Empty where all is well.
+/// Everything that is wrong with the cells, by their document and the one that is wanted: over a limit, other cells, or
+/// a form that none has. Empty where all is well.
 pub fn faults(cells: &[Cell], text: &str, wanted_text: &str, forms: &[&str]) -> Vec<String> {
     let mut all: Vec<String> = cells.iter().flat_map(Cell::faults).collect();
     let (there, wanted) = (places(text), places(wanted_text));
@@ -227,9 +227,9 @@ fn by_figure(cells: &[Cell], row: Row) -> Vec<(&'static str, Vec<&Cell>)> {
 pub fn document(cells: &[Cell], driver: &str) -> String {
     let mut text = format!(
         "# Extremes\n\n\
-         What happens to the numbers at the ends of their ranges. Written by `GPU_RT_RENEW=1 cargo test --release --test extremes`; do not\n\
-         edit. Without the variable it fails where a figure is over its limit, a cell is not one of these, or a known wrong form is not found.\n\
-         Where f32 cannot hold what a scene asks, a cell is met by the picture or by a warning of `gpu-rt check`; its figure says so.\n\n\
+         The accuracy of the numbers at the ends of their ranges. `GPU_RT_RENEW=1 cargo test --release --test extremes` writes this file; do\n\
+         not edit it. Without the variable, the test fails if a figure is over its limit, if the cells differ from those of this file, or if a\n\
+         known wrong form is not detected. Where f32 does not resolve a scene, a warning of `gpu-rt check` is enough; the figure says so.\n\n\
          Measured on {driver}. u = 2^-24 is the relative error of one operation in f32.\n"
     );
     for (row, name) in ROWS {

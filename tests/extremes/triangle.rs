@@ -7,8 +7,8 @@ use crate::common::triangles::{Corners, In, stout, trace, tracer};
 use crate::common::vectors::{decades, rounded, unit};
 use crate::table::{Cell, NO_OFFSET, Row};
 
-/// Rays that meet triangles of all sizes, every second a needle down to 1e-5 of its length, up to `far` sizes from the origin, and leave
-/// them at cosines within these decades: how many met the triangle again.
+/// Rays that meet triangles of all sizes, every second a needle down to 1e-5 of its length, up to `far` sizes from the
+/// origin, and leave them at cosines within these decades: how many met the triangle again.
 fn leave(kernel: &Kernel, far: f64, cosines: (f64, f64)) -> f64 {
     const RAYS: usize = 20_000;
     let mut random = Random(73);
@@ -47,7 +47,7 @@ fn leave(kernel: &Kernel, far: f64, cosines: (f64, f64)) -> f64 {
 
 /// The table's cells of triangles.
 pub fn cells() -> Vec<Cell> {
-    const BECAUSE: &str = "none, because the offset exceeds the bound of the error of the point and of the next distance \
+    const BECAUSE: &str = "none, because the offset exceeds the bound of the errors of the point and of the next distance \
                            (geometry/triangle).";
     let own = tracer(&[]);
     let without = tracer(&[("geometry/offset", "test/control/offset_none")]);
@@ -58,13 +58,13 @@ pub fn cells() -> Vec<Cell> {
     };
     let mut all = Vec::new();
     for far in [1.0, 1e1, 1e2, 1e3] {
-        let figure =
-            "Triangles, including needles: rays of 20 000 that hit their own triangle again, cosines from 0.01 to 1";
+        let figure = "Triangles, including needles: of 20 000 rays, those that hit their own triangle again, with cosines from 0.01 to 1";
         all.push(cell(Row::Leaving, format!("up to {far} sizes from the origin"), figure, far, (-2.0, 0.0)));
     }
     for exponent in 1..7 {
         let decade = f64::from(exponent);
-        let figure = "Triangles by the cosine of the leaving ray: rays of 20 000 that hit their own triangle again";
+        let figure =
+            "Triangles by the cosine of the leaving ray: of 20 000 rays, those that hit their own triangle again";
         let range = format!("1e-{} to 1e-{exponent}", exponent + 1);
         all.push(cell(Row::Grazing, range, figure, 1.0, (-decade - 1.0, -decade)));
     }

@@ -1,4 +1,5 @@
-//! Random numbers at the ends of their range, 0 and 1 - 2^-24, in every dimension: nothing that is drawn from them leaves its range.
+//! Random numbers at the ends of their range, 0 and 1 - 2^-24, in every dimension: nothing that is drawn from them
+//! leaves its range.
 
 use bytemuck::{Pod, Zeroable};
 use gpu_rt::data::{RUN_LENGTH, Sampler, Sphere};
@@ -32,7 +33,7 @@ fn cell(range: impl Into<String>, figure: &'static str) -> Cell {
 }
 
 const ANSWERS: &str =
-    "Answers that are not finite or out of range, with 0, 2^-24, 1/2 and 1 - 2^-24 in every dimension";
+    "Results that are not finite or out of range, with 0, 2^-24, 1/2 and 1 - 2^-24 in every dimension";
 
 fn words() -> Cell {
     // Every word within 1024 of the ends of the range and of each power of two.
@@ -45,7 +46,7 @@ fn words() -> Cell {
         let found = Kernel::with("test/rng", &Setup { replaced, ..Setup::default() }).run::<_, Words>(&keys);
         found.iter().flat_map(|out| out.direct).filter(|u| !(0.0..1.0).contains(u)).count() as f64
     };
-    cell("words of 32 bits", "Numbers outside [0, 1), of words within 1024 of each power of two")
+    cell("words of 32 bits", "Numbers outside [0, 1), from words within 1024 of each power of two")
         .achieved(out_of_range(&[]))
         .planted("all 32 bits rounded to a float", out_of_range(&[("lib/rng", "test/control/rng_weak")]))
 }
@@ -135,8 +136,8 @@ fn forced() -> Vec<Cell> {
             all.push(
                 cell(
                     format!("{name}, {block}"),
-                    "Samples that are rejected, of 5120 of a room with everything, with each random number of the block at 0 and 1 - \
-                     2^-24, and with all of them",
+                    "Of 5120 samples of a room with every feature, those that are rejected, with each random number of the block at \
+                     0 and 1 - 2^-24, and with all of them",
                 )
                 .achieved(rejected as f64),
             );
@@ -147,9 +148,9 @@ fn forced() -> Vec<Cell> {
                 Cell::new(
                     Row::Uniforms,
                     format!("{name}, {block}"),
-                    "Brightest pixel of those renders over the brightest light",
+                    "Brightest pixel of those renders, relative to the brightest light",
                     6.0,
-                    "the light that a path hits, and at most half of a light for each of 10 events, by the MIS weights.",
+                    "the light that a path hits, plus at most half of a light for each of 10 events because of the MIS weights.",
                 )
                 .achieved(brightest),
             );

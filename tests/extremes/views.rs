@@ -13,8 +13,8 @@ use crate::table::{Cell, Row, TEXTBOOK_SPHERE};
 
 /// Samples of a pixel.
 const SAMPLES: u32 = 256;
-/// How much above its expectation a root mean square of hundreds of pixels' errors may be by chance: a chi-square of 100 degrees is above
-/// 1.8 times its mean once in a million.
+/// How much above its expectation a root mean square of hundreds of pixels' errors may be by chance: a chi-square of
+/// 100 degrees is above 1.8 times its mean once in a million.
 const CHANCE: f64 = 1.35;
 
 /// The table's cells of cameras.
@@ -56,7 +56,8 @@ impl Oblique {
     }
 }
 
-/// The mean of a function over each pixel of an image of `size`, by 32 x 32 places: of the direction (x, y, -1) in the camera's space.
+/// The mean of a function over each pixel of an image of `size`, by 32 x 32 places: of the direction (x, y, -1) in the
+/// camera's space.
 fn integrated((width, height): (u32, u32), vertical_fov: f64, f: impl Fn(DVec3) -> f64) -> Vec<f64> {
     const PLACES: u32 = 32;
     let pixel = 2.0 * (0.5 * vertical_fov).to_radians().tan() / f64::from(height);
@@ -81,8 +82,8 @@ fn rms(found: &[f64], expected: &[f64], counts: impl Fn(f64) -> bool) -> f64 {
     (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
 }
 
-/// A shining sphere, seen by an oblique camera a little beside its middle: the error of its coverage of the pixels on its edge. What is rendered has
-/// a view so many times as wide, and kernels with modules in others' places.
+/// A shining sphere, seen by an oblique camera a little beside its middle: the error of its coverage of the pixels on
+/// its edge. What is rendered has a view so many times as wide, and kernels with modules in others' places.
 fn edge_error_of(distance: f64, radius: f64, vertical_fov: f64, wider: f64, replaced: &[(&str, &str)]) -> f64 {
     let camera = Oblique::new();
     let beside = DVec3::new(0.13 * radius, -0.07 * radius, -distance);
@@ -111,9 +112,9 @@ fn edge_error(distance: f64, radius: f64, vertical_fov: f64) -> f64 {
 const WIDER: f64 = 1.05;
 const WIDER_NAME: &str = "view a twentieth wider";
 
-const EDGE: &str = "Error of the share of edge pixels that a sphere covers, root mean square";
+const EDGE: &str = "Root mean square error of the share of edge pixels that a sphere covers";
 const EDGE_BECAUSE: &str =
-    "a pixel's 256 samples are off by at most 1/32 of it on average; chance does not reach 1.35 times that.";
+    "the standard error of a pixel's 256 samples is at most 1/32 of it; chance does not reach 1.35 times that.";
 
 fn edge_limit() -> f64 {
     CHANCE * 0.5 / f64::from(SAMPLES).sqrt()
@@ -150,7 +151,7 @@ fn telescopes() -> Vec<Cell> {
             Cell::new(
                 Row::Distance,
                 range,
-                "Error of the light of a gradient sky on far Lambertian spheres, root mean square over their middles",
+                "Root mean square error of the radiance in the middle of far Lambertian spheres under a gradient sky",
                 // E[y] under the cosine is 2/3 n.y, its variance at most 1/4: a sample's standard deviation is 1/4 at most.
                 CHANCE * 0.25 / f64::from(16 * SAMPLES).sqrt(),
                 "a sample has a standard deviation of at most 1/4, and a pixel has 4096 samples: 1/256, times 1.35 for chance.",
@@ -191,12 +192,13 @@ fn shading_error(distance: f64, vertical_fov: f64, top: f64) -> f64 {
     rms(&found, &expected, |e| !e.is_nan())
 }
 
-/// The half plane x < 0 of a plane at distance 5 shines, through a lens: a point o of the lens sees o (1 - 5/f) + 5 x of it. The picture is as wide
-/// as twice what the lens spreads the edge by, up to 40 degrees: its blur is a quarter of it or more.
+/// The half plane x < 0 of a plane at distance 5 shines, through a lens: a point o of the lens sees o (1 - 5/f) + 5 x
+/// of it. The picture is as wide as twice what the lens spreads the edge by, up to 40 degrees: its blur is a quarter of
+/// it or more.
 fn lenses() -> Vec<Cell> {
-    const FIGURE: &str = "Error of the picture of a half plane at distance 5 through a lens, in a picture as wide as the blur, root \
-                          mean square over all pixels";
-    const BECAUSE: &str = "as for edge pixels: 1/32, times 1.35 for chance.";
+    const FIGURE: &str = "Root mean square error of the pixels in an image of a half plane at distance 5 through a lens, with an \
+                          image as wide as the blur";
+    const BECAUSE: &str = "1/32, times 1.35 for chance, as for edge pixels.";
     const NO_LENS: &[(&str, &str)] = &[("camera/thin_lens", "camera/pinhole")];
     let reach_of = |aperture: f64, focus: f64| 0.5 * aperture * (1.0 - 5.0 / focus);
     // The error of what is rendered with one lens against what another one shows.
@@ -278,10 +280,11 @@ fn sizes() -> Vec<Cell> {
         Cell::new(
             Row::ImageSize,
             "16384 x 2",
-            "Distance, in pixels, of a pixel's mean from its middle in a sky that brightens along the picture",
+            "Distance, in pixels, of a pixel's mean position from its middle, by the gradient of a sky that brightens along the image",
             // Half a pixel; a picture this wide changes by 1/4 over its half, 1e-5 a pixel at its ends.
             0.5 + 8.0 * U / (0.5 * pixel / (1.0 + (8192.0 * pixel).powi(2)).powf(1.5)),
-            "half a pixel, because samples lie in their pixel, and eight roundings of a radiance of 1 over its change from pixel to pixel.",
+            "half a pixel, because samples lie in their pixel, plus eight roundings of a radiance of 1, divided by its change from \
+             pixel to pixel.",
         )
         .achieved(worst(0.0))
         .planted("a pixel aside", worst(1.0)),

@@ -241,7 +241,7 @@ fn bad_media() -> Vec<Bad> {
         bad(boundary("Transformed(by: [Scale(§0)], object: Sphere(center: (0, 0, 0), radius: 1))"), "objects[0].Medium.boundary.Transformed.by[0].Scale", &["greater than 0"]),
         bad(boundary("Sphere(center: (0, 0, 0), radius: §0)"), "objects[0].Medium.boundary.Sphere.radius", &["radius"]),
         bad(boundary("§Box(min: (0, 0, 0), max: (1, 1, 0))"), "objects[0].Medium.boundary.Box", &["along z"]),
-        bad(boundary("Sphere(center: (0, 0, 0), radius: 1, material: §\"grey\")"), "objects[0].Medium.boundary.Sphere.material", &["boundary has no surface", "remove it"]),
+        bad(boundary("Sphere(center: (0, 0, 0), radius: 1, material: §\"grey\")"), "objects[0].Medium.boundary.Sphere.material", &["boundary has no surface", "remove the material"]),
         bad(boundary("Transformed(by: [Scale(2)], object: Box(min: (0, 0, 0), max: (1, 1, 1), material: §\"no such\"))"), "objects[0].Medium.boundary.Transformed.object.Box.material", &["boundary has no surface"]),
         bad(boundary("Transformed(by: [Scale(1e60)], object: §Sphere(center: (0, 0, 1e60), radius: 1))"), "objects[0].Medium.boundary.Transformed.object.Sphere", &["1e100"]),
         bad(boundary("Mesh(path: §\"fog.ply\")"), "objects[0].Medium.boundary.Mesh.path", &["folder/fog.ply", "cannot read the mesh"]),

@@ -1,38 +1,40 @@
 //! The film: exact totals whatever the order, and an error estimate that is right on average.
 
+use crate::common::film::{AddRuns, Run, to_fixed};
 use crate::common::stats::{Random, one_sample_t};
-use gpu_rt::data::{ODD_RUN, RUN_LENGTH, Sampler};
-use gpu_rt::film::{Film, RunRecord, UNKNOWN_VARIANCE};
+use gpu_rt::data::{ODD_RUN, Sampler};
+use gpu_rt::film::{Film, UNKNOWN_VARIANCE};
+use gpu_rt::output::exr::{read_exr, write_exr};
 
-fn run(pixel: u32, sum: [f32; 3], accepted: u32) -> RunRecord {
-    RunRecord { sum, pixel, counts: accepted, rays: 2 * accepted, spread: [0.0; 3] }
+fn run(pixel: u32, sum: [f32; 3], accepted: u32) -> Run {
+    Run { sum, pixel, counts: accepted, rays: 2 * accepted, spread: [0.0; 3] }
 }
 
 /// The run of these samples, alike in all channels.
-fn run_of(pixel: u32, samples: &[f64]) -> RunRecord {
+fn run_of(pixel: u32, samples: &[f64]) -> Run {
     let sum: f64 = samples.iter().sum();
     let mean = sum / samples.len() as f64;
     let spread: f64 = samples.iter().map(|sample| (sample - mean).powi(2)).sum();
-    RunRecord { spread: [spread as f32; 3], ..run(pixel, [sum as f32; 3], samples.len() as u32) }
+    Run { spread: [spread as f32; 3], ..run(pixel, [sum as f32; 3], samples.len() as u32) }
 }
 
 /// The run of a number: odd or even.
-fn numbered(index: u32, record: RunRecord) -> RunRecord {
+fn numbered(index: u32, record: Run) -> Run {
     if index % 2 == 1 { odd(record) } else { record }
 }
 
-fn odd(record: RunRecord) -> RunRecord {
-    RunRecord { counts: record.counts | ODD_RUN, ..record }
+fn odd(record: Run) -> Run {
+    Run { counts: record.counts | ODD_RUN, ..record }
 }
 
-fn film(width: u32, height: u32, records: &[RunRecord]) -> Film {
+fn film(width: u32, height: u32, records: &[Run]) -> Film {
     let mut film = Film::new(width, height, 0).unwrap();
-    film.add(records);
+    film.add_runs(records);
     film
 }
 
 /// Runs of all sizes for 12 pixels, radiance over 12 decades, some samples rejected.
-fn assorted_runs(seed: u64) -> Vec<RunRecord> {
+fn assorted_runs(seed: u64) -> Vec<Run> {
     let mut random = Random(seed);
     let mut value = || (10f64.powf(-8.0 + 12.0 * random.uniform())) as f32;
     let sums: Vec<[f32; 3]> = (0..5000).map(|_| [value(), value(), value()]).collect();
@@ -44,7 +46,7 @@ fn assorted_runs(seed: u64) -> Vec<RunRecord> {
             let parity = if random.below(2) == 1 { ODD_RUN } else { 0 };
             let counts = accepted | nan << 8 | infinite << 16 | parity;
             let spread = [sum[1] * sum[2], sum[0] * sum[0], 0.0];
-            RunRecord { sum, pixel: random.below(12) as u32, counts, rays: random.below(100) as u32, spread }
+            Run { sum, pixel: random.below(12) as u32, counts, rays: random.below(100) as u32, spread }
         })
         .collect()
 }
@@ -53,9 +55,9 @@ fn assorted_runs(seed: u64) -> Vec<RunRecord> {
 fn any_order_and_any_split_give_the_same_bits() {
     let mut records = assorted_runs(1);
     let expected = film(4, 3, &records);
-    let f32_sum = |records: &[RunRecord]| records.iter().map(|r| r.sum[0]).sum::<f32>();
+    let f32_sum = |records: &[Run]| records.iter().map(|r| r.sum[0]).sum::<f32>();
     let expected_f32 = f32_sum(&records);
-    let f64_sum = |records: &[RunRecord]| records.iter().map(|r| f64::from(r.sum[0]).powi(2)).sum::<f64>();
+    let f64_sum = |records: &[Run]| records.iter().map(|r| f64::from(r.sum[0]).powi(2)).sum::<f64>();
     let expected_f64 = f64_sum(&records);
     let (mut f32_differs, mut f64_differs) = (false, false);
     let mut random = Random(2);
@@ -65,7 +67,7 @@ fn any_order_and_any_split_give_the_same_bits() {
         let mut rest = records.as_slice();
         while !rest.is_empty() {
             let (now, later) = rest.split_at(random.below(rest.len()) + 1);
-            split.add(now);
+            split.add_runs(now);
             rest = later;
         }
         assert!(split == expected);
@@ -109,8 +111,8 @@ fn sixteen_million_equal_samples_keep_their_mean() {
     let runs = 1 << 21;
     let mut film = Film::new(1, 1, 0).unwrap();
     let block: Vec<_> = (0..1 << 12).map(|index| numbered(index, full)).collect();
-    (0..runs >> 12).for_each(|_| film.add(&block));
-    film.add(&[run(0, [0.3; 3], 1)]);
+    (0..runs >> 12).for_each(|_| film.add_runs(&block));
+    film.add_runs(&[run(0, [0.3; 3], 1)]);
     let picture = film.develop();
     assert_eq!(picture.samples, [(1 << 24) + 1]);
     assert!((f64::from(picture.rgb[0][0]) / 0.3 - 1.0).abs() < 1e-7, "{:?}", picture.rgb);
@@ -206,9 +208,9 @@ fn variance_is_unbiased() {
     assert!(biased(70.0 / 89.0) < 1e-6);
 }
 
-fn film_of_halves(width: u32, records: &[RunRecord]) -> Film {
+fn film_of_halves(width: u32, records: &[Run]) -> Film {
     let mut film = Film::with_sampler(width, 1, 0, Sampler::Sobol).unwrap();
-    film.add(records);
+    film.add_runs(records);
     film
 }
 
@@ -221,9 +223,9 @@ fn variance_of_halves_follows_the_formula() {
     assert_eq!((picture.rgb[0], picture.samples[0]), ([1.9; 3], 20));
     assert!((f64::from(picture.variance[0][0]) / (0.16 * 0.25) - 1.0).abs() < 1e-7);
     // The halves say nothing about the variance of independent samples.
-    let runs = |records: &[RunRecord]| self::film(1, 1, records).develop();
-    let spread = records.map(|record| RunRecord { spread: [2.0; 3], ..record });
-    assert!(runs(&spread) == runs(&spread.map(|record| RunRecord { counts: record.counts ^ ODD_RUN, ..record })));
+    let runs = |records: &[Run]| self::film(1, 1, records).develop();
+    let spread = records.map(|record| Run { spread: [2.0; 3], ..record });
+    assert!(runs(&spread) == runs(&spread.map(|record| Run { counts: record.counts ^ ODD_RUN, ..record })));
     assert_ne!(runs(&spread).variance, picture.variance);
     // One half alone tells nothing, nor do halves that are equal tell of an error.
     assert_eq!(film_of_halves(1, &[records[0], records[2]]).develop().variance, [[UNKNOWN_VARIANCE; 3]]);
@@ -258,7 +260,7 @@ fn noisy_film(random: &mut Random, pixels: u32, runs: u32, sampler: Sampler) -> 
         let b = brightness(pixel);
         for index in 0..runs {
             let samples = [(); 8].map(|_| b * (4.0 + random.uniform()));
-            film.add(&[numbered(index, run_of(pixel, &samples))]);
+            film.add_runs(&[numbered(index, run_of(pixel, &samples))]);
         }
         mean_of_all += 4.5 * b / f64::from(pixels);
         means.push(4.5 * b);
@@ -323,7 +325,7 @@ fn the_bound_is_corrected_for_what_goes_together_with_the_mean() {
             for pixel in 0..256 {
                 for index in 0..RUNS {
                     let samples = [(); 8].map(|_| if random.uniform() < SHARE { 9.0 } else { 1.0 });
-                    film.add(&[numbered(index, run_of(pixel, &samples))]);
+                    film.add_runs(&[numbered(index, run_of(pixel, &samples))]);
                 }
             }
             let truth = error_against(&film, &[mean; 256], 0.01 * mean * mean);
@@ -360,8 +362,8 @@ fn a_pixel_that_holds_the_noise_is_not_lost_by_chance() {
                             _ => 1.0 + 0.02 * random.normal(),
                         });
                         let record = numbered(index, run_of(pixel, &samples));
-                        film.add(&[record]);
-                        of_halves.add(&[RunRecord { spread: [0.0; 3], ..record }]);
+                        film.add_runs(&[record]);
+                        of_halves.add_runs(&[Run { spread: [0.0; 3], ..record }]);
                     }
                 }
                 let means: Vec<f64> =
@@ -405,7 +407,7 @@ fn many_rare_bright_paths_are_unreliable() {
                         [_] => run_of(pixel, &[1e3, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
                         _ => run_of(pixel, &[125.0; 8]),
                     };
-                    film.add(&[numbered(u32::from(is_odd), bright)]);
+                    film.add_runs(&[numbered(u32::from(is_odd), bright)]);
                 }
             }
             film.error_estimate(0.05).expect("it has halves")
@@ -434,7 +436,7 @@ fn few_pixels_that_make_the_error_are_unreliable() {
     assert!(bound(0.5) < 1.01 * usual.value.max(usual.against_better));
     // Three fireflies.
     for pixel in [100, 500, 900] {
-        film.add(&[run(pixel, [1e3; 3], 8)]);
+        film.add_runs(&[run(pixel, [1e3; 3], 8)]);
     }
     let found = film.error_estimate(0.05).unwrap();
     assert!(!found.reliable && found.bound > 1.5 * found.value, "{found:?}");
@@ -467,10 +469,10 @@ fn unknown_variance_can_be_told_from_none() {
 #[test]
 fn rejected_samples_are_counted_by_reason_and_leave_the_mean_alone() {
     let records = [
-        RunRecord { counts: 6 | 2 << 8, rays: 10, ..run(0, [6.0; 3], 0) },
-        RunRecord { counts: 4 | 1 << 8 | 3 << 16, rays: 20, ..run(0, [4.0; 3], 0) },
+        Run { counts: 6 | 2 << 8, rays: 10, ..run(0, [6.0; 3], 0) },
+        Run { counts: 4 | 1 << 8 | 3 << 16, rays: 20, ..run(0, [4.0; 3], 0) },
         // All rejected: the sum says nothing, and the run is none of the replicates.
-        RunRecord { counts: 8 << 16, rays: 30, ..run(1, [f32::NAN; 3], 0) },
+        Run { counts: 8 << 16, rays: 30, ..run(1, [f32::NAN; 3], 0) },
     ];
     let film = film(2, 1, &records);
     let picture = film.develop();
@@ -484,24 +486,19 @@ fn rejected_samples_are_counted_by_reason_and_leave_the_mean_alone() {
 }
 
 #[test]
-fn records_that_cannot_be_are_refused_and_corrupt_nothing() {
+fn sums_that_cannot_be_are_refused_and_corrupt_nothing() {
     let good = [run(0, [1.0; 3], 8), run(1, [2.0; 3], 8), odd(run(1, [3.0; 3], 8))];
     let expected = film(2, 1, &good).develop();
     let bad = [
-        run(2, [1.0; 3], 8),
-        run(u32::MAX, [1.0; 3], 8),
         run(0, [f32::NAN, 1.0, 1.0], 8),
         run(0, [1.0, -1e-30, 1.0], 8),
         run(0, [1.0, f32::NEG_INFINITY, 1.0], 8),
-        run(0, [1.0; 3], RUN_LENGTH + 1),
-        run(0, [1.0; 3], 7 | 2 << 24),
-        run(0, [1.0; 3], 8 | 1 << 8),
-        RunRecord { spread: [0.0, f32::NAN, 0.0], ..run(0, [1.0; 3], 8) },
-        RunRecord { spread: [-1e-30, 0.0, 0.0], ..run(0, [1.0; 3], 8) },
+        Run { spread: [0.0, f32::NAN, 0.0], ..run(0, [1.0; 3], 8) },
+        Run { spread: [-1e-30, 0.0, 0.0], ..run(0, [1.0; 3], 8) },
     ];
     for record in bad {
         let mut film = film(2, 1, &good);
-        film.add(&[record]);
+        film.add_runs(&[record]);
         let picture = film.develop();
         assert_eq!(
             (&picture.rgb, &picture.variance, &picture.samples),
@@ -509,11 +506,15 @@ fn records_that_cannot_be_are_refused_and_corrupt_nothing() {
         );
         assert_eq!(film.totals().rejected.refused, 8, "{record:?}");
         assert_eq!(film.totals().paths, 32);
-        assert_eq!(picture.rejected[0], if record.pixel == 0 { 8 } else { 0 });
+        assert_eq!(picture.rejected[0], 8);
     }
+    // A pixel outside the image is left out.
+    let mut outside = film(2, 1, &good);
+    outside.add_runs(&[Run { rays: 0, ..run(2, [1.0; 3], 8) }, run(u32::MAX, [1.0; 3], 8)]);
+    assert!(outside.develop() == film(2, 1, &good).develop());
     // Finite samples whose f32 sum overflows are infinite, not refused.
     let mut film = film(2, 1, &good);
-    film.add(&[run(0, [1.0, f32::INFINITY, 1.0], 8)]);
+    film.add_runs(&[run(0, [1.0, f32::INFINITY, 1.0], 8)]);
     assert_eq!((film.totals().rejected.infinite, film.totals().rejected.refused), (8, 0));
     assert_eq!(film.develop().rgb, expected.rgb);
 }
@@ -537,7 +538,7 @@ fn large_and_small_values_keep_their_precision() {
 #[test]
 fn totals_saturate_to_unknown_in_any_order() {
     // Squares overflow first: the mean is still right.
-    let mut records = vec![RunRecord { spread: [1e12; 3], ..run(0, [1e6; 3], 8) }; 10];
+    let mut records = vec![Run { spread: [1e12; 3], ..run(0, [1e6; 3], 8) }; 10];
     records.extend(vec![odd(run(0, [8.0; 3], 8)); 10]);
     let bright = film(1, 1, &records);
     let picture = bright.develop();
@@ -561,7 +562,7 @@ fn the_exponent_scales_the_picture_and_never_the_relative_error() {
     let (mean, variance) = (unit.develop().rgb[0][0], unit.develop().variance[0][0]);
     for exponent in [-40, -1, 3, 40] {
         let mut film = Film::new(1, 1, exponent).unwrap();
-        film.add(&records);
+        film.add_runs(&records);
         let picture = film.develop();
         assert_eq!(picture.rgb[0][0], mean * 2f32.powi(exponent));
         assert_eq!(picture.variance[0][0], variance * 2f32.powi(2 * exponent));
@@ -570,7 +571,7 @@ fn the_exponent_scales_the_picture_and_never_the_relative_error() {
     // What f32 cannot hold: never infinite, and a variance never turns into certainty.
     for (exponent, value, error) in [(300, f32::MAX, f32::MAX), (-300, 0.0, f32::MIN_POSITIVE)] {
         let mut film = Film::new(1, 1, exponent).unwrap();
-        film.add(&records);
+        film.add_runs(&records);
         assert_eq!((film.develop().rgb[0], film.develop().variance[0]), ([value; 3], [error; 3]));
     }
     assert!(Film::new(1, 1, 301).is_err() && Film::new(1, 1, i32::MIN).is_err());
@@ -594,17 +595,14 @@ fn relative_error_follows_the_formula() {
 fn relative_error_is_unknown_until_each_pixel_has_two_runs() {
     let mut film = film(2, 1, &[run(0, [1.0; 3], 8), odd(run(0, [3.0; 3], 8)), run(1, [1.0; 3], 8)]);
     assert_eq!(film.relative_error(), None);
-    film.add(&[odd(run(1, [3.0; 3], 8))]);
+    film.add_runs(&[odd(run(1, [3.0; 3], 8))]);
     assert!(film.relative_error().is_some());
 }
 
 #[test]
 fn a_broken_pixel_does_not_hide_the_error_of_the_others() {
-    let film = film(
-        2,
-        1,
-        &[run(0, [1.0; 3], 8), odd(run(0, [3.0; 3], 8)), RunRecord { counts: 8 << 8, ..run(1, [0.0; 3], 0) }],
-    );
+    let film =
+        film(2, 1, &[run(0, [1.0; 3], 8), odd(run(0, [3.0; 3], 8)), Run { counts: 8 << 8, ..run(1, [0.0; 3], 0) }]);
     assert!(film.relative_error().is_some());
 }
 
@@ -619,5 +617,45 @@ fn images_that_cannot_be_held_are_errors() {
     for (width, height) in [(0, 1), (1, 0), (u32::MAX, u32::MAX)] {
         let message = Film::new(width, height, 0).unwrap_err().to_string();
         assert!(message.contains(&format!("{width} x {height}")), "{message}");
+    }
+}
+
+#[test]
+fn fixed_point_is_exact_and_rounds_to_nearest() {
+    let exp2 = |exponent: i32| 2f64.powi(exponent);
+    assert_eq!(to_fixed(0.0, 88), Some(0));
+    assert_eq!(to_fixed(-0.0, 88), Some(0));
+    assert_eq!(to_fixed(1.0, 88), Some(1 << 88));
+    let mantissa = u128::from(0.3f32.to_bits() & 0x7f_ffff | 0x80_0000);
+    assert_eq!(to_fixed(f64::from(0.3f32), 88), Some(mantissa << (88 - 25)));
+    assert_eq!(to_fixed(exp2(-88), 88), Some(1));
+    assert_eq!(to_fixed(exp2(-89), 88), Some(1));
+    assert_eq!(to_fixed(exp2(-89) * 0.999, 88), Some(0));
+    assert_eq!(to_fixed(exp2(-88) * 2.5, 88), Some(3));
+    assert_eq!(to_fixed(exp2(-88) * 2.4, 88), Some(2));
+    assert_eq!(to_fixed(exp2(39), 88), Some(1 << 127));
+    assert_eq!(to_fixed(exp2(40), 88), None);
+    assert_eq!(to_fixed(f64::from(f32::MAX), 88), None);
+    assert_eq!(to_fixed(f64::MIN_POSITIVE, 88), Some(0));
+    assert_eq!(to_fixed(f64::from_bits(1), 88), Some(0));
+}
+
+#[test]
+fn nothing_that_is_not_finite_is_written_whatever_the_film_got() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.exr");
+    for exponent in [-300, 0, 300] {
+        let mut film = Film::new(4, 2, exponent).unwrap();
+        for (pixel, value) in
+            [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1.0, f32::MAX, 1e-45, 0.0].into_iter().enumerate()
+        {
+            let record = Run { sum: [1.0, value, 1.0], pixel: pixel as u32, counts: 4, rays: 0, spread: [0.0; 3] };
+            film.add_runs(&[record; 9]);
+        }
+        write_exr(&path, &film.develop(), &[]).unwrap();
+        let read = read_exr(&path).unwrap();
+        let variance = read.variance.unwrap();
+        assert!(read.rgb.as_flattened().iter().chain(variance.as_flattened()).all(|v| v.is_finite() && *v >= 0.0));
+        assert_eq!(read.rejected.unwrap(), [36, 36, 36, 36, 0, 0, 0, 0]);
     }
 }

@@ -94,7 +94,8 @@ fn bytes(scene: &Scene) -> (u64, u64) {
     let kernels =
         Kernels::link(&flat.features, &crate::common::render::plain(), Scatter::Linked, &UniformTables::default())
             .expect("the kernels link");
-    let tuning = Tuning { slots: 1024, workgroup: 64, scatter: Scatter::Linked, bounces: None, records_per_slot: 2 };
+    let tuning =
+        Tuning { slots: 1024, workgroup: 64, scatter: Scatter::Linked, bounces: None, records_per_slot: 2, tile: 1 };
     let plan = Plan { scene: &flat, options: crate::common::render::plain(), kernels, tuning };
     let buffers = plan.buffers();
     let of =

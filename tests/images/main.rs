@@ -13,5 +13,6 @@ mod references;
 mod same_bytes;
 mod sobol;
 mod through_glass;
+mod turns;
 mod walk;
 mod warnings;

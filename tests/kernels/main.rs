@@ -11,6 +11,7 @@ mod angle;
 mod bounds;
 mod camera;
 mod cuboid;
+mod film;
 mod float;
 mod frames;
 mod layout;

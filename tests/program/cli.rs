@@ -201,6 +201,10 @@ fn json_is_one_object_with_every_key() {
     for (key, count) in [("paths_per_second", paths), ("rays_per_second", rays)] {
         assert!((number(&json, key) * seconds[4] / count - 1.0).abs() < 1e-6, "{key}");
     }
+    let host = number(&json, "host_seconds");
+    assert!(host > 0.0 && host <= seconds[4], "{host} s of {seconds:?}");
+    let profiled = place.render(&["--quiet", "--json", "--profile"]).exits(0).json();
+    assert!((0.0..1.0).contains(&number(&profiled, "device_idle")) && json.get("device_idle").is_none(), "{profiled}");
     assert!(number(&json, "relative_error") > 0.0);
     assert!(number(&json, "relative_error_bound") > number(&json, "relative_error"));
     assert!(json["reliable"].is_boolean() && json["sampler"] == "sobol");
@@ -567,7 +571,7 @@ fn converge_measures_the_images_that_render_writes() {
     // Its own noise would not be found.
     assert!(!ran.stderr.contains("give another --seed"), "{}", ran.stderr);
     let ran = place.run(&[&converge[..], &["--spp", "1", "--seed", "7"]].concat()).exits(0);
-    assert!(ran.stderr.contains("reference.exr was rendered with seed 7 too"), "{}", ran.stderr);
+    assert!(ran.stderr.contains("reference.exr was also rendered with seed 7"), "{}", ran.stderr);
     // Other light is found: the same at half the albedo.
     let darker = place.scene("darker.ron", &SPHERE.replace("0.5, 0.4, 0.3", "0.25, 0.2, 0.15"));
     let found = place.run(&["converge", &darker, "--device", software(), "--reference", "reference.exr", "--json"]);
@@ -1000,7 +1004,7 @@ fn plan_lists_what_the_scene_requires_as_render_does() {
     let buffers = json["buffers"].as_array().expect("buffers");
     let bytes: u64 = buffers.iter().map(|buffer| buffer["bytes"].as_u64().expect("bytes")).sum();
     assert_eq!(json["gpu_bytes"], bytes);
-    for name in names.iter().chain(&["spheres", "records"]) {
+    for name in names.iter().chain(&["spheres", "film"]) {
         assert!(text.contains(name), "{name} in {text}");
     }
     // Which object asked.

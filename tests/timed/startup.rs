@@ -13,7 +13,7 @@ use gpu_rt::gpu::device::Device;
 use gpu_rt::job::{Goal, Job};
 use gpu_rt::options::{RenderOptions, Scatter};
 use gpu_rt::plan::Plan;
-use gpu_rt::render::{Next, Outcome, Renderer};
+use gpu_rt::render::{Look, Next, Outcome, Renderer};
 use gpu_rt::scene::Scene;
 
 const SIZE: (u32, u32) = (16, 9);
@@ -74,7 +74,7 @@ fn submission(device: &Device, bounces: Option<u32>) -> f64 {
     let mut renderer = Renderer::new(device, &plan, &job, false).expect("the kernels compile");
     let mut film = Film::with_sampler(size.0, size.1, flat.radiance_exponent, Sampler::Independent).expect("it fits");
     let mut ends = vec![Instant::now()];
-    let mut watch = |_: &Film, _: &Outcome| {
+    let mut watch = |_: &Outcome, _: Option<Look<'_>>| {
         ends.push(Instant::now());
         if ends.len() < 24 { Next::GoOn } else { Next::Stop }
     };
@@ -122,5 +122,5 @@ fn what_is_compiled_in_vain_is_found() {
     let ran = start(&device, &scene, Scatter::Fused, true);
     let mut found = in_vain(&device, &ran);
     found.sort();
-    assert_eq!(found, ["generate", "intersect", "refill", "scatter"]);
+    assert_eq!(found, ["accumulate", "generate", "intersect", "refill", "scatter"]);
 }

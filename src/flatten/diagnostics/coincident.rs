@@ -1,8 +1,9 @@
-//! Surfaces that coincide: of opaque ones of different materials, which of them is seen is left to rounding; of clear ones, rays that leave
-//! one start beyond the other.
+//! Finds flat surfaces that coincide. If two opaque surfaces of different materials coincide, rounding decides which of them is
+//! visible. If one of two coincident surfaces is clear, rays that leave one start behind the other and miss it.
 //!
-//! Looked for among quads and sides of boxes in one plane. Of opaque ones, what no ray from the camera can meet first is left out: a
-//! box may rest on a floor. So are media, whose boundaries are no surfaces.
+//! The search compares quads and sides of boxes that lie in one plane. It skips opaque sides that face away from the
+//! camera, because no camera ray can hit them first: a box may rest on a floor. It skips media, because their
+//! boundaries are not surfaces.
 
 use std::collections::HashSet;
 
@@ -11,30 +12,35 @@ use glam::{DVec2, DVec3};
 use super::{BY_ROUNDING, Body, Diagnostic, Found, OTHER, Pair, Role, U, Worst, apart, leaving, short};
 use crate::shape::{Hull, normal};
 
-/// So many surfaces in a plane, next to each other along a line, are compared with each.
+/// Each surface in a plane is compared with this number of others, those next to it along an edge.
 const TESTS_EACH: usize = 64;
-/// Components of normals are compared in so many steps.
+/// The resolution at which components of normals are compared: steps per unit.
 const NORMAL_STEPS: f64 = 1e6;
-/// The share of their width by which surfaces overlap at least, lest neighbours count.
+/// The least overlap, as a share of the narrower surface's width. Neighbours that share an edge overlap by less.
 const LEAST_OVERLAP: f64 = 1e-5;
 
-/// A plane that a surface lies in.
+/// The plane of a surface.
 struct Plane {
-    /// Its normal.
+    /// Its normal, in steps.
     key: [i32; 3],
+    /// From the camera, along the normal.
     distance: f64,
-    /// How far from it another one may matter, together with the other's own.
+    /// Two planes can matter to each other if their distance is at most the sum of their reaches.
     reach: f64,
+    /// The object.
     owner: u32,
+    /// The number of the side.
     which: u32,
 }
 
-/// By how much rounding may move a surface along its normal: each coordinate of the place is rounded, and half of a box.
+/// A bound of how far rounding moves a surface along its normal. Each coordinate of the position is rounded, and so is
+/// the half side of a box.
 fn rounding(normal: DVec3, place: DVec3, half: f64) -> f64 {
     2.0 * U * (normal.abs().dot(place.abs()) + half)
 }
 
-/// The runs of planes, ordered by their normals and distances, in which each may matter to one before it.
+/// Splits planes that are sorted by normal and distance into runs of one normal: the reach of each plane in a run overlaps
+/// that of an earlier one.
 fn runs(planes: &[Plane]) -> impl Iterator<Item = &[Plane]> {
     let mut reach = f64::NEG_INFINITY;
     planes.chunk_by(move |one, next| {
@@ -50,17 +56,17 @@ fn runs(planes: &[Plane]) -> impl Iterator<Item = &[Plane]> {
 /// A surface in its plane.
 struct Side {
     owner: usize,
-    /// The normal, turned so that its first component that is not zero is positive.
+    /// The normal, with the sign that makes its first non-zero component positive.
     normal: DVec3,
-    /// Whether it was turned.
+    /// Whether the sign was changed.
     turned: bool,
     key: [i32; 3],
-    /// Along the normal.
+    /// From the camera, along the normal.
     distance: f64,
     rounding: f64,
-    /// How far from it rays start that leave it.
+    /// The offset of rays that leave it.
     leaving: f64,
-    /// Whether no ray from the camera can meet it first: the side of a box that is turned away.
+    /// Whether no camera ray can hit it first: it is a side of a box and faces away from the camera.
     hidden: bool,
     corners: [DVec3; 4],
 }
@@ -82,7 +88,7 @@ impl Patch<'_> {
     }
 }
 
-/// What is told of two surfaces in one plane.
+/// The kinds of warning about two surfaces in one plane.
 #[derive(Clone, Copy)]
 enum Touch {
     Overlapping,
@@ -91,15 +97,15 @@ enum Touch {
     BackToBack,
 }
 
-/// The search among what is flat, and what it finds.
+/// The search among flat surfaces, and its findings.
 pub struct Planes<'a> {
     found: &'a Found<'a>,
     kinds: &'a [Role],
-    /// Whether anything is clear: then all sides count, and where rays start.
+    /// Whether any object is clear. If so, hidden sides count too, and so does the offset of rays.
     clear: bool,
     planes: Vec<Plane>,
     told: HashSet<(usize, usize)>,
-    /// Of each `Touch`.
+    /// The worst case of each `Touch`.
     worst: [Worst<Pair>; 4],
 }
 
@@ -138,7 +144,7 @@ impl<'a> Planes<'a> {
         }
     }
 
-    /// Whether among surfaces there may be two that are told of.
+    /// Whether the surfaces may include two whose coincidence is visible. Only the materials are compared.
     fn may_differ(&self, run: &[Plane]) -> bool {
         let material = |plane: &Plane| self.found.placed[plane.owner as usize].material;
         let [first, rest @ ..] = run else { return false };
@@ -154,7 +160,7 @@ impl<'a> Planes<'a> {
         self.sides(owner, &body).find(|(which, _)| *which == plane.which).map(|(_, side)| side)
     }
 
-    /// What is flat of a shape, numbered.
+    /// The flat surfaces of a shape, with their numbers.
     fn sides(&self, owner: usize, body: &Body) -> impl Iterator<Item = (u32, Side)> + use<> {
         let light = self.kinds[self.found.placed[owner].material as usize].light;
         let (hull, place) = (body.hull, body.place);
@@ -189,13 +195,13 @@ impl<'a> Planes<'a> {
             let turned = key.into_iter().find(|step| *step != 0)? < 0;
             let (normal, key) = if turned { (-normal, steps(-normal)) } else { (normal, key) };
             let distance = normal.dot(corners[0]);
-            // Nothing leaves a light.
+            // No ray starts at a light.
             let leaving = if light { 0.0 } else { leaving };
             Some((which, Side { owner, normal, turned, key, distance, rounding, leaving, hidden, corners }))
         })
     }
 
-    /// Compares surfaces in parallel planes that are as near to each other as rounding.
+    /// Compares surfaces in parallel planes whose distances are within the rounding.
     fn compare(&mut self, sides: &[Side]) {
         let normal = sides[0].normal;
         let a = (sides[0].corners[1] - sides[0].corners[0]).normalize_or_zero();
@@ -222,7 +228,7 @@ impl<'a> Planes<'a> {
         let same = material_a == material_b;
         let opposed = same && a.turned != b.turned && self.kinds[material_a as usize].one_sided;
         let gap = (a.distance - b.distance).abs();
-        // Rays that pass a clear one start beyond the other, or those that leave the other beyond the clear one.
+        // With a clear surface, rays that leave either one can start behind the other.
         let bound = a.rounding + b.rounding + if clear { a.leaving.max(b.leaving) } else { 0.0 };
         let shows = clear || (!same || opposed) && !a.hidden && !b.hidden;
         if a.owner == b.owner || gap > bound || !shows || !overlap(first, second) {
@@ -238,7 +244,7 @@ impl<'a> Planes<'a> {
         if self.told.insert((a.owner, b.owner)) {
             return kind.note(-(b.owner as f64), Pair { first: a.owner, second: b.owner, gap, bound });
         }
-        // Of boxes with several sides that coincide, the largest bound is what to keep apart by.
+        // If several sides of two boxes coincide, the warning names the largest bound: it separates all of them.
         if let Some((_, pair)) = &mut kind.worst
             && (pair.first, pair.second) == (a.owner, b.owner)
         {
@@ -247,12 +253,12 @@ impl<'a> Planes<'a> {
     }
 }
 
-/// The components of a normal in steps, the same ones for -n as for n but for the sign.
+/// The components of a normal, rounded to steps. Those of -n are the negatives of those of n.
 fn steps(normal: DVec3) -> [i32; 3] {
     normal.to_array().map(|x| ((x.abs() * NORMAL_STEPS + 0.5) as i32) * if x < 0.0 { -1 } else { 1 })
 }
 
-/// Whether two parallelograms in a plane share an area: no line along an edge of either parts them (the separating axis theorem).
+/// Whether two parallelograms in a plane overlap in an area: no line parallel to an edge separates them (separating axis theorem).
 fn overlap(one: &Patch, other: &Patch) -> bool {
     let edges = [one, other].map(|patch| {
         let [p, q, _, s] = patch.corners;
@@ -275,26 +281,26 @@ fn overlap(one: &Patch, other: &Patch) -> bool {
 fn tell(found: &Found, touch: Touch, pair: &Pair) -> Diagnostic {
     let Pair { first, second, gap, bound } = *pair;
     let is_clear = |number: usize| found.scene.materials[found.placed[number].material as usize].1.kind().is_clear;
-    // At glass if one of them is.
+    // The warning points at the clear object, if only one of them is clear.
     let (at, other) = if is_clear(first) && !is_clear(second) { (first, second) } else { (second, first) };
     let word = found.placed[other].shape.kind().word;
-    let (off, limit) = (apart(gap, bound, is_clear(at)), short(bound));
+    let (away, limit) = (apart(gap, bound, is_clear(at)), short(bound));
     let message = match touch {
         Touch::Overlapping => format!(
-            "its surface overlaps with that of the {word} at {OTHER}, of another material{off}: {BY_ROUNDING}: set them more than \
-             {limit} apart, or cut one out"
+            "its surface overlaps with the {word} at {OTHER}, which has another material and {away}: {BY_ROUNDING}: set them more than \
+             {limit} apart, or cut a hole in one"
         ),
         Touch::AtGlass => format!(
-            "this glass touches the {word} at {OTHER}{off}: rays that leave the glass there do not meet what it touches, or the \
-             reverse: let one reach into the other, or set them more than {limit} apart"
+            "this glass touches the {word} at {OTHER}, which {away}: rays that leave one of the two there start behind the other and \
+             miss it: let one reach into the other, or set them more than {limit} apart"
         ),
         Touch::ClearOnClear => format!(
-            "this glass touches the {word} at {OTHER}, which is clear too{off}: of two surfaces in one place rays pass one: set them \
-             more than {limit} apart, or write one solid where they are of one material"
+            "this glass touches the {word} at {OTHER}, which is also clear and {away}: rays miss one of the two surfaces: set them \
+             more than {limit} apart, or make them one solid if they have one material"
         ),
         Touch::BackToBack => format!(
-            "this light shines to one side, and lies back to back with the one at {OTHER}{off}: where a ray meets the back of the \
-             other, its light is lost: set them more than {limit} apart, or write one that is two_sided"
+            "this light emits to one side and lies back to back with the light at {OTHER}, which {away}: rays that hit the back of \
+             the other light get no light: set them more than {limit} apart, or replace them by one light that is two_sided"
         ),
     };
     Diagnostic::of_two(at, other, message)

@@ -1,7 +1,8 @@
-//! Emitters that no path can reach, and those too faint beside others.
+//! Finds emitters that no path can reach, and emitters that are too faint beside others.
 //!
-//! Decided are the cases that geometry alone decides: a light that shines to one side, with nothing on that side; a closed one around the
-//! camera that shines outwards; and a closed opaque sphere, box or mesh between a light and the camera.
+//! It finds three cases of unreachable light: a one-sided light with nothing on its emitting side; a closed light
+//! around the camera that emits outwards; and a closed opaque sphere, box or mesh around either the light or the
+//! camera, with the other one outside.
 
 use glam::DVec3;
 
@@ -11,15 +12,16 @@ use crate::flatten::place::Placed;
 use crate::scene::Background;
 use crate::shape::{Hull, normal};
 
-/// So many emitters are looked for within things, and with so many comparisons for each thing.
+/// The number of emitters that the search looks at.
 const MOST_EMITTERS: usize = 4096;
+/// The limit on comparisons, for each object.
 const TESTS_EACH: usize = 1;
-/// So many things around the camera are looked at.
+/// The number of objects around the camera that the search looks at.
 const MOST_AROUND: usize = 8;
-/// The largest share between the brightest emitter and another.
+/// The largest allowed ratio of the brightest emitter's radiance to another's.
 const LARGEST_SHARE: f64 = (1u64 << 60) as f64;
 
-/// One-sided quads with all of the scene behind them, the camera too.
+/// Finds one-sided quads with the whole scene and the camera behind them.
 pub fn turned_away(found: &Found, kinds: &[Role]) -> Option<Diagnostic> {
     let shines = |kind: Role| kind.light && kind.one_sided;
     if !kinds.iter().any(|kind| shines(*kind)) {
@@ -50,12 +52,12 @@ pub fn turned_away(found: &Found, kinds: &[Role]) -> Option<Diagnostic> {
             worst.note(-(number as f64), At::Primitive(number));
         }
     }
-    let message = "a light that shines to one side, and all of the scene is on its other side: exchange u and v to turn it round, or \
-                   make it two_sided";
+    let message = "this light emits to one side, and the whole scene is on its other side: exchange u and v to turn it round, or make \
+                   it two_sided";
     worst.diagnostic(|at| Diagnostic::of(at, "", message.to_string()))
 }
 
-/// A light among those that are looked for, and a ball around it.
+/// An emitter, and a ball around it.
 #[derive(Clone, Copy)]
 struct EmittingBody {
     number: usize,
@@ -63,20 +65,20 @@ struct EmittingBody {
     radius: f64,
 }
 
-/// Emitters within a closed opaque thing, the camera outside; or the camera within, and the emitter outside.
+/// Finds closed opaque objects with an emitter inside and the camera outside, or the reverse.
 pub struct Walls<'a> {
     found: &'a Found<'a>,
-    /// By the x of their centres.
+    /// Sorted by the x of their centres.
     emitters: Vec<EmittingBody>,
-    /// The least radius of a ball around one.
+    /// The smallest radius of a ball around an emitter.
     smallest: f64,
-    /// Comparisons that are left.
+    /// The number of comparisons that are left.
     tests: usize,
-    /// Things around the camera.
+    /// The number of objects around the camera so far.
     around: usize,
-    /// The light, what is closed around it or the camera, and whether it is the camera.
+    /// The emitter, the closed object, and whether the camera is the one inside.
     worst: Worst<(usize, usize, bool)>,
-    /// Closed lights around the camera that shine outwards.
+    /// Closed lights around the camera that emit outwards.
     outwards: Worst<usize>,
     within: Within,
 }
@@ -153,18 +155,18 @@ impl<'a> Walls<'a> {
         let found = self.found;
         let outwards = self.outwards.diagnostic(|number| {
             let message = format!(
-                "a light that shines outwards, and the camera is in this {}: nothing that comes out of it is seen, and its inside is \
-                 black: make it two_sided",
+                "this light emits outwards, and the camera is in this {}: the camera sees none of its light, and its inside is black: \
+                 make it two_sided",
                 found.placed[number].shape.kind().word
             );
             Diagnostic::of(At::Primitive(number), "", message)
         });
         let hidden = self.worst.diagnostic(|(emitter, wall, around_camera)| {
             let shape = found.placed[wall].shape.kind().word;
-            let (around, beyond) = if around_camera { ("the camera", "light") } else { ("it", "camera") };
+            let (enclosed, beyond) = if around_camera { ("the camera", "light") } else { ("it", "camera") };
             let message = format!(
-                "no path reaches this light: the opaque {shape} at {OTHER} is closed around {around}, and the {beyond} is \
-                 outside: remove the light, or open what is around"
+                "no path reaches this light: the opaque {shape} at {OTHER} encloses {enclosed}, and the {beyond} is outside: remove \
+                 the light, or open the {shape}"
             );
             Diagnostic::of_two(emitter, wall, message)
         });
@@ -172,10 +174,10 @@ impl<'a> Walls<'a> {
     }
 }
 
-/// Whether all of an emitter is within a sphere, box or mesh.
+/// Whether an emitter is entirely within a sphere, box or mesh.
 fn is_within(found: &Found, within: &mut Within, wall: &Body, emitter: &EmittingBody) -> bool {
     let Placed { shape, to_world, .. } = &found.placed[emitter.number];
-    // The corners decide where the wall is convex.
+    // A convex wall contains a flat emitter or a box if it contains the corners.
     let body = Body::new(found, shape, to_world);
     let by_ball = matches!(body.hull, Hull::Ball { .. }) || wall.shape.mesh().is_some();
     let least = if by_ball { emitter.radius } else { 0.0 };
@@ -183,7 +185,7 @@ fn is_within(found: &Found, within: &mut Within, wall: &Body, emitter: &Emitting
     inside(emitter.center, least) && (by_ball || body.hull.corners().into_iter().all(|p| inside(p, 0.0)))
 }
 
-/// Emitters so much fainter than the brightest that the film has few digits for them, and those of which a part is.
+/// Finds emitters, or parts of them, that are so much fainter than the brightest that the film keeps few digits of them.
 pub fn too_faint(found: &Found) -> Option<Diagnostic> {
     let at = |material: Option<usize>| material.map_or(At::Background, At::Emit);
     let (brightest, most) = found.emissions.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1))?;
@@ -198,8 +200,8 @@ pub fn too_faint(found: &Found) -> Option<Diagnostic> {
     }
     worst.diagnostic(|(at_it, radiance, is_part)| {
         let message = format!(
-            "a radiance of {}{} is {} of that at {OTHER}, {}: the film has one unit for the whole image, in which less than {} of \
-             the brightest keeps few digits: render what differs so much in scenes of their own",
+            "a radiance of {}{} is {} of the radiance at {OTHER} ({}): the film has one unit for the whole image and keeps few digits \
+             of radiances below {} of the brightest: render lights that differ so much in separate scenes",
             short(radiance),
             if is_part { " in a part of it" } else { "" },
             power_of_two(radiance / most),
@@ -210,8 +212,8 @@ pub fn too_faint(found: &Found) -> Option<Diagnostic> {
     })
 }
 
-/// The radiance of a part that is too faint, of an emitter that has several: the fainter colour of a checker, or the brightest texel of
-/// those too faint, if they are many.
+/// The radiance of a part of an emitter that is too faint: the fainter colour of a checker, or the brightest of an
+/// image's too faint texels, if they are many.
 fn faint_part(found: &Found, material: Option<usize>, is_faint: impl Fn(f64) -> bool) -> Option<f64> {
     let bitmaps = &found.scene.bitmaps;
     match material {

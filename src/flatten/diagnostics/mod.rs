@@ -1,7 +1,7 @@
-//! Where the numbers of a placed scene are dangerous: allowed, and yet too small, too large or too close for f32.
+//! Warnings about a placed scene: numbers that are allowed, but too small, too large or too close together for f32.
 //!
-//! It is found while a scene is flattened, in time n log n at most, and told one of a kind: the worst in full, and how many
-//! more there are. Lengths are in the world's units, places are seen from the camera and have the axes of render space.
+//! The search runs while a scene is flattened, in O(n log n). It prints one warning of each kind: the worst case, and the number of
+//! the others. Lengths are in the world's units. Positions are relative to the camera, along the axes of render space.
 
 mod coincident;
 mod emitters;
@@ -26,15 +26,16 @@ use same_place::SamePlace;
 use sizes::Sizes;
 use surfaces::Surfaces;
 
-/// What is known of a scene when its objects have been placed.
+/// A scene after its objects have been placed.
 pub struct Found<'a> {
     pub scene: &'a Scene,
     pub placed: &'a [Placed<'a>],
     pub media: &'a [PlacedMedium<'a>],
     pub view: &'a View<'a>,
-    /// The farthest that anything reaches from the camera along an axis.
+    /// The largest distance from the camera, along an axis, that any object reaches.
     pub extent: f64,
-    /// The largest component of what materials emit that something is made of, by their numbers, and of the background.
+    /// The largest component of the emitted radiance: of each material that an object has, by its number, and of the
+    /// background (`None`).
     pub emissions: &'a [(Option<usize>, f64)],
 }
 
@@ -47,7 +48,7 @@ pub fn warnings(found: &Found) -> Vec<String> {
     let mut same_place = SamePlace::new(found, &kinds);
     let mut planes = Planes::new(found, &kinds);
     let mut walls = Walls::new(found, &kinds);
-    // All in one go: what it takes is mostly the way through memory.
+    // One loop over all objects for all searches: most of the time is spent on reading memory.
     for (number, placed) in found.placed.iter().enumerate() {
         let body = Body::new(found, &placed.shape, &placed.to_world);
         let kind = kinds[placed.material as usize];
@@ -85,32 +86,32 @@ pub fn warnings(found: &Found) -> Vec<String> {
     told.collect()
 }
 
-/// Stands in a message where the place of the other object is to be filled in.
+/// A placeholder in messages for the location of the other object.
 const OTHER: &str = "{other}";
 
 /// Half a unit in the last place of 1 in f32: the largest relative error of a rounding.
 const U: f64 = 1.0 / (1u64 << 24) as f64;
 
-/// What a warning is about.
+/// The subject of a warning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum At {
-    /// By its place among what is placed.
+    /// By its index among the placed objects.
     Primitive(usize),
     Medium(usize),
-    /// The value that the material of this number emits.
+    /// The emission of the material of this number.
     Emit(usize),
     Background,
 }
 
-/// A warning before its places in the file are known.
+/// A warning whose locations in the file are not yet filled in.
 struct Diagnostic {
     at: At,
-    /// Of the object, or "" for the object itself.
+    /// A field of the object, or "" for the object itself.
     field: &'static str,
     message: String,
-    /// The object whose place stands for `OTHER` in the message.
+    /// The object whose location replaces `OTHER` in the message.
     other: Option<At>,
-    /// How many more there are of its kind.
+    /// The number of further cases of the same kind.
     more: usize,
 }
 
@@ -119,22 +120,22 @@ impl Diagnostic {
         Diagnostic { at, field, message, other: None, more: 0 }
     }
 
-    /// Of an object and another one, whose place stands for `OTHER`.
+    /// A warning about an object; the location of the other one replaces `OTHER` in the message.
     fn of_two(number: usize, other: usize, message: String) -> Diagnostic {
         Diagnostic { other: Some(At::Primitive(other)), ..Diagnostic::of(At::Primitive(number), "", message) }
     }
 }
 
-/// Two objects that coincide, the first in the file first.
+/// Two objects that coincide, in the order of the file.
 struct Pair {
     first: usize,
     second: usize,
     gap: f64,
-    /// From this gap on all is well.
+    /// A larger gap causes no warning.
     bound: f64,
 }
 
-/// How often something was found, and the worst of it; of equals, the first.
+/// The number of cases found, and the worst of them; the first of equally bad ones.
 struct Worst<T> {
     count: usize,
     worst: Option<(f64, T)>,
@@ -154,21 +155,21 @@ impl<T> Worst<T> {
         }
     }
 
-    /// The warning about the worst, which `tell` words.
+    /// The warning about the worst case, in the words of `tell`.
     fn diagnostic(self, tell: impl FnOnce(T) -> Diagnostic) -> Option<Diagnostic> {
         let more = self.count.saturating_sub(1);
         self.worst.map(|(_, of)| Diagnostic { more, ..tell(of) })
     }
 }
 
-/// Where something stands in the scene file, and its path there.
+/// A location in the scene file, and the path of the value there.
 #[derive(Clone, Debug, Default)]
 struct Spot {
     location: String,
     path: String,
 }
 
-/// Finds the places of what is wanted by one more walk over the scene.
+/// Finds the locations of the wanted values in one more walk over the scene.
 fn places(scene: &Scene, wanted: impl Iterator<Item = (At, &'static str)>) -> BTreeMap<(At, &'static str), Spot> {
     let mut places: BTreeMap<(At, &'static str), Spot> = wanted.map(|key| (key, Spot::default())).collect();
     let spot = |(location, path): (crate::error::Location, String)| Spot { location: location.to_string(), path };
@@ -183,7 +184,7 @@ fn places(scene: &Scene, wanted: impl Iterator<Item = (At, &'static str)>) -> BT
             At::Primitive(_) | At::Medium(_) => {}
         }
     }
-    // Counted as `Finder` does.
+    // Objects are numbered in the order of this walk, as `Finder` does.
     let (mut primitives, mut media) = (0, 0);
     scene.visit_objects(&mut |place, object| {
         let at = match object {
@@ -204,13 +205,13 @@ fn places(scene: &Scene, wanted: impl Iterator<Item = (At, &'static str)>) -> BT
     places
 }
 
-/// Something placed, as seen from the camera.
+/// A placed object, relative to the camera.
 #[derive(Clone, Copy)]
 struct Body<'a> {
     shape: &'a Shape<'a>,
     to_world: &'a Similarity,
     hull: Hull,
-    /// The middle of a sphere, box or mesh; the corner of a quad.
+    /// The centre of a sphere, box or mesh; the corner of a quad.
     place: DVec3,
 }
 
@@ -220,7 +221,7 @@ impl<'a> Body<'a> {
         Body { shape, to_world, hull, place: hull.place() }
     }
 
-    /// Half the sides of a box or of the box around a mesh, along its own axes; nothing for others.
+    /// The half sides of a box, or of the box around a mesh, along its own axes; none for other shapes.
     fn half_sides(&self) -> Option<DVec3> {
         match self.hull {
             Hull::Cuboid { half, .. } => Some(half),
@@ -229,7 +230,7 @@ impl<'a> Body<'a> {
     }
 }
 
-/// What of a material matters here.
+/// The properties of a material that matter here.
 #[derive(Clone, Copy, Default)]
 struct Role {
     glass: bool,
@@ -248,19 +249,20 @@ impl Role {
     }
 }
 
-const BY_ROUNDING: &str = "which is seen is left to rounding, and to their order in the file where that ties";
+const BY_ROUNDING: &str =
+    "rounding decides which of the two is visible, or their order in the file if the distances are equal";
 
-/// After the place of another surface: how far from it one is, by a gap that is less than a bound of rounding, or of where rays start.
+/// The distance to another surface, in words: a gap below a bound of the rounding, or of the ray offset if one surface is clear.
 fn apart(gap: f64, bound: f64, clear: bool) -> String {
-    // Less is what f64 left of transforms.
+    // Smaller gaps come from the rounding of transforms in f64.
     if gap <= 1e-3 * bound {
-        return " and coincides with it".to_string();
+        return "coincides with it".to_string();
     }
-    let what = if clear { "where rays start that leave it" } else { "what f32 rounds by there" };
-    format!(" and is {} off, less than {what}, {}", short(gap), short(bound))
+    let what = if clear { "ray offset" } else { "rounding of f32" };
+    format!("is {} away, less than the {what} there ({})", short(gap), short(bound))
 }
 
-/// A number to four digits, as one would write it.
+/// A number rounded to four digits.
 fn short(x: f64) -> String {
     let rounded: f64 = format!("{x:.3e}").parse().unwrap_or(x);
     match rounded.abs() {
@@ -270,7 +272,7 @@ fn short(x: f64) -> String {
     }
 }
 
-/// As a power of two, rounded.
+/// The nearest power of two.
 fn power_of_two(x: f64) -> String {
     format!("2^{}", x.log2().round())
 }

@@ -1,7 +1,8 @@
-//! Spheres about one centre, and meshes placed where they stand already: which of two surfaces is met is left to rounding.
+//! Finds spheres that coincide, and meshes that are placed twice at one position: rounding decides which of the two
+//! surfaces a ray hits.
 //!
-//! Candidates are neighbours by one number made of place and radius: a component in an odd direction, along which no row of objects has
-//! equal ones.
+//! Candidates are neighbours in the order of one number for each object, made of position and radius. The position counts
+//! by its component in an oblique direction, because no row of objects has equal components there.
 
 use std::collections::HashSet;
 
@@ -10,10 +11,10 @@ use glam::DVec3;
 use super::{BY_ROUNDING, Body, Diagnostic, Found, OTHER, Pair, Role, U, Worst, apart, leaving, short};
 use crate::shape::Hull;
 
-/// So many with nearly the same number are compared with each.
+/// Each object is compared with this number of others, those next in the order.
 const TESTS_EACH: usize = 16;
-/// The numbers of two that coincide differ by less than this, in units of the largest coordinate and the radius: the largest of the bounds
-/// below is 10 u.
+/// The numbers of coincident objects differ by less than this, relative to the sum of the largest coordinate and the
+/// radius. The largest of the bounds below is 10 u.
 const SLACK: f64 = 16.0 * U;
 /// The direction, of length 1, and the weight of the radius.
 const DIRECTION: DVec3 = DVec3::new(0.791_328, 0.507_219, 0.341_477);
@@ -23,11 +24,11 @@ const RADIUS: f64 = 0.618_034;
 pub struct SamePlace<'a> {
     found: &'a Found<'a>,
     kinds: &'a [Role],
-    /// The number of each object, how far from it that of another may be, and which object it is.
+    /// The number made of position and radius, the slack of it, and the index of the object.
     filed: Vec<(f64, f64, usize)>,
 }
 
-/// The place and the radius of a sphere, or of a ball around a mesh; nothing of others.
+/// The centre and radius of a sphere, or of a ball around a mesh; none for other shapes.
 fn ball(body: &Body) -> Option<(DVec3, f64)> {
     let is_sphere = body.shape.is_hull() && matches!(body.hull, Hull::Ball { .. });
     (is_sphere || body.shape.mesh().is_some()).then(|| body.hull.ball())
@@ -70,7 +71,7 @@ impl<'a> SamePlace<'a> {
         [spheres, meshes.diagnostic(|pair| self.tell(&pair, true))].into_iter().flatten().collect()
     }
 
-    /// Whether two are in one place, and that shows.
+    /// The pair, if the two coincide and this is visible.
     fn compare(&self, first: usize, second: usize, a: &Body, b: &Body) -> Option<Pair> {
         let materials = [first, second].map(|number| self.found.placed[number].material);
         let kinds = materials.map(|material| self.kinds[material as usize]);
@@ -80,10 +81,10 @@ impl<'a> SamePlace<'a> {
         }
         let ((place, r), (other, s)) = (a.hull.ball(), b.hull.ball());
         let rounding = 4.0 * U * (place.abs().max_element() + r);
-        // Of meshes no more than what rounding alone may come to is looked for.
+        // Meshes count only if they are within the rounding. The distance that the warning advises includes the ray offset.
         let (gap, most, bound) = match (a.shape.mesh(), b.shape.mesh()) {
             (None, None) => {
-                // Rays that leave either, and what the radius and the next distance are rounded by.
+                // The offset of rays that leave either one, and the rounding of the radius and of the next distance.
                 let leaving = [(place, r), (other, s)].into_iter().zip(kinds).filter(|(_, kind)| !kind.light);
                 let start = leaving.map(|((c, r), _)| leaving::from_sphere(c, r)).fold(0.0, f64::max);
                 let bound = if clear { start + 4.0 * U * r.max(s) } else { rounding };
@@ -103,15 +104,16 @@ impl<'a> SamePlace<'a> {
     fn tell(&self, &Pair { first, second, gap, bound }: &Pair, mesh: bool) -> Diagnostic {
         let [one, other] = [first, second].map(|number| self.kinds[self.found.placed[number].material as usize].glass);
         let what = match (mesh, one && other) {
-            (true, true) => "the same mesh is placed a second time, clear as well, where it stands",
-            (true, false) => "the same mesh is placed a second time, of another material, where it stands",
-            (false, true) => "there is a clear sphere already",
-            (false, false) => "there is a sphere of another material",
+            (true, true) => "the same mesh, also clear,",
+            (true, false) => "the same mesh with another material",
+            (false, true) => "another clear sphere",
+            (false, false) => "a sphere of another material",
         };
         let clear = one || other;
-        let consequence = if clear { "rays that leave one start beyond the other" } else { BY_ROUNDING };
-        let (off, limit) = (apart(gap, bound, clear), short(bound));
-        let message = format!("{what} at {OTHER}{off}: {consequence}: remove one, or set them more than {limit} apart");
+        let consequence = if clear { "rays that leave one start behind the other and miss it" } else { BY_ROUNDING };
+        let (away, limit) = (apart(gap, bound, clear), short(bound));
+        let message =
+            format!("{what} at {OTHER} {away}: {consequence}: remove one, or set them more than {limit} apart");
         Diagnostic::of_two(second, first, message)
     }
 }

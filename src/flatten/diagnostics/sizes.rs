@@ -1,5 +1,5 @@
-//! Lengths that f32 cannot hold: features lost in the rounding of their place, scenes of too many sizes, and media thicker than their
-//! places are resolved. And media that are so thick that paths end in them.
+//! Finds lengths that f32 cannot resolve: shapes that are lost in the rounding of their position, scenes with too large a range of
+//! sizes, and media whose mean free path is below the rounding. Also finds media that are so thick that paths end in them.
 
 use std::f64::consts::PI;
 
@@ -9,21 +9,22 @@ use super::{At, Body, Diagnostic, Found, Role, U, Worst, leaving, power_of_two, 
 use crate::flatten::place::{PlacedMedium, reach};
 use crate::shape::Hull;
 
-/// The least share of its distance that a feature may be, eight roundings of its place: there its shape is off by an eighth.
+/// The least size of a feature, as a share of its distance: eight roundings of its position. At this size its shape is
+/// off by an eighth.
 const LEAST_SHARE: f64 = 8.0 * U;
-/// The same of a sphere's radius: there its outline is off by 2 u over this, an eightieth of the radius.
+/// The same for a sphere's radius. At this size its outline is off by 2 u / 1e-5, an eightieth of the radius.
 const LEAST_SPHERE: f64 = 1e-5;
-/// The least share of the extent that a feature may be.
+/// The least size of a feature, as a share of the scene's extent.
 const SMALLEST_SHARE: f64 = 1.0 / (1u64 << 40) as f64;
-/// The largest share of a medium's mean free path by which places in it may be rounded.
+/// The largest rounding of positions in a medium, as a share of its mean free path.
 const PATH_SHARE: f64 = 0.1;
-/// The largest share of what is scattered about in a medium that `max_depth` may cut off.
+/// The largest share of the light in a medium that `max_depth` may cut off.
 const CUT_SHARE: f64 = 0.01;
-/// How far outside of its boundary the density of light in a medium comes to nothing, in transport mean free paths (Milne's problem:
-/// Chandrasekhar, Radiative Transfer, section 27).
+/// The extrapolation distance of diffusion theory: the fluence in a medium extrapolates to 0 this far outside its
+/// boundary, in transport mean free paths (Milne's problem: Chandrasekhar, Radiative Transfer, section 27).
 const EXTRAPOLATION: f64 = 0.7104;
 
-/// The name of a size, as a message calls it, with the field that holds it.
+/// The name of a size in messages, and the field that holds it.
 type Name = (&'static str, &'static str);
 
 #[derive(Clone, Copy)]
@@ -32,19 +33,19 @@ struct Small {
     name: Name,
     size: f64,
     distance: f64,
-    /// The coordinate whose rounding shows, or the distance.
+    /// The coordinate whose rounding is visible; for a sphere, the distance.
     coordinate: f64,
-    /// The least share of that that it may be.
+    /// The least allowed size, as a share of the coordinate.
     share: f64,
 }
 
-/// What is found of sizes.
+/// The search for critical sizes, and its findings.
 pub struct Sizes<'a> {
     found: &'a Found<'a>,
-    /// A feature may be no smaller.
+    /// The least allowed size of a feature.
     smallest: f64,
     lost: Worst<Small>,
-    /// Clear boxes that rays start beyond, with where they start.
+    /// Clear boxes with a side below the offset of rays: the number, the side and the offset.
     thin: Worst<(usize, f64, f64)>,
     tiny: Worst<(At, Name, f64)>,
 }
@@ -68,7 +69,7 @@ impl<'a> Sizes<'a> {
         self.measure(At::Primitive(number), body, kind.glass);
     }
 
-    /// `deep` says whether rays pass through.
+    /// `deep`: rays pass through the object.
     fn measure(&mut self, at: At, body: &Body, deep: bool) {
         let (size, name) = least_size(body);
         if size < least_share(body) * body.place.length()
@@ -107,7 +108,7 @@ impl<'a> Sizes<'a> {
     }
 }
 
-/// The sizes of a shape that are meant to be seen, with their names. A mesh may be flat: what counts is the longest side of the box around it.
+/// The sizes of a shape, with their names. Of a mesh only the longest side of its box counts, because a mesh may be flat.
 fn sizes(body: &Body) -> impl Iterator<Item = (f64, Name)> {
     let mut sizes = body.hull.sizes();
     if !body.shape.is_hull() {
@@ -121,7 +122,7 @@ fn least_size(body: &Body) -> (f64, Name) {
     sizes(body).reduce(|a, b| if b.0 < a.0 { b } else { a }).unwrap_or((0.0, ("a size", "")))
 }
 
-/// The least share of its distance that a shape's sizes may be.
+/// The least size of a shape, as a share of its distance.
 fn least_share(body: &Body) -> f64 {
     match body.hull {
         Hull::Ball { .. } => LEAST_SPHERE,
@@ -129,15 +130,17 @@ fn least_share(body: &Body) -> f64 {
     }
 }
 
-/// The coordinates of a place whose rounding shows. Where render space has the camera's axes, opaque things lose nothing
-/// by the rounding of their depth: what is seen of them lies across the view. (Rays that pass through cross them in depth.)
+/// The coordinates of a position whose rounding is visible. If render space has the camera's axes, the rounding of the
+/// depth of an opaque object is not visible: the image shows only its extent across the view. In clear objects and
+/// media, rays travel in depth too.
 fn shown(found: &Found, place: DVec3, deep: bool) -> DVec3 {
     let across = DVec3::new(1.0, 1.0, if found.view.turned && !deep { 0.0 } else { 1.0 });
     place.abs() * across
 }
 
-/// Whether a feature is smaller than the rounding of its place allows. Along a direction a coordinate x is rounded by u |x|; a sphere's outline
-/// is off by what rounds its distance, whatever the direction. `deep` says whether rays pass through.
+/// The feature that is worst lost in the rounding of its position, if any is. Along a direction, a coordinate x is
+/// rounded by u |x|. A sphere's outline is off by the rounding of its distance, in any direction. `deep`: rays pass
+/// through the object.
 fn lost_in_rounding(found: &Found, at: At, body: &Body, deep: bool) -> Option<Small> {
     let place = shown(found, body.place, deep);
     let distance = body.place.length();
@@ -155,7 +158,7 @@ fn lost_in_rounding(found: &Found, at: At, body: &Body, deep: bool) -> Option<Sm
     lost.max_by(|a, b| (a.coordinate / a.size).total_cmp(&(b.coordinate / b.size)))
 }
 
-/// The side of a box that is thinnest against how far from it rays start that enter there, and that.
+/// The side of a box that is thinnest relative to the offset of rays that enter through it, and that offset.
 fn thinnest(body: &Body) -> Option<(f64, f64)> {
     let Hull::Cuboid { half, axes, .. } = body.hull else { return None };
     if !body.shape.is_hull() {
@@ -165,11 +168,12 @@ fn thinnest(body: &Body) -> Option<(f64, f64)> {
     sides.min_by(|(a, start_a), (b, start_b)| (a / start_a).total_cmp(&(b / start_b)))
 }
 
-/// The share of the light within a medium of albedo 1 that is still there after `max_depth` events, once it has spread. Own derivation from
-/// diffusion theory (Chandrasekhar, as above), with σ the density, l = 1 / (σ (1 - g)) the transport mean free path, z `EXTRAPOLATION`: what stays
-/// longest falls by l B² / (3 σ) an event, B² the sum of (π / (L + 2 z l))² over the sides of a box, or (π / (R + z l))² of a sphere. For a
-/// side that is 1 in 3 / π² τ (τ (1 - g) + 4 z) events, τ = σ L, where (2 z)² / (1 - g) is left out: thus it is also as many as a straight way
-/// has where g is near 1. A mesh counts as the box around it.
+/// The share of the light in a medium of albedo 1 that is still inside after `max_depth` events. Own derivation from
+/// diffusion theory (Chandrasekhar, as above). σ is the density, l = 1 / (σ (1 - g)) the transport mean free path, and
+/// z is `EXTRAPOLATION`. The slowest mode decays by the share l B² / (3 σ) in each event, where B² is the sum of (π /
+/// (L + 2 z l))² over the sides L of a box, or (π / (R + z l))² for a sphere of radius R. For a side with τ = σ L this
+/// share is 1 / N with N = 3 / π² τ (τ (1 - g) + 4 z). The term (2 z)² / (1 - g) is left out, so that N is also right
+/// for g near 1, where light goes almost straight. A mesh counts as the box around it.
 fn cut_share(found: &Found, medium: &PlacedMedium) -> f64 {
     let body = Body::new(found, &medium.boundary, &medium.to_world);
     let transport = 1.0 - medium.anisotropy;
@@ -186,8 +190,8 @@ fn cut_share(found: &Found, medium: &PlacedMedium) -> f64 {
 
 fn tell_thin((number, side, start): (usize, f64, f64)) -> Diagnostic {
     let message = format!(
-        "a clear box with a side of {}, and rays that enter it may start up to {} from where they enter, beyond its other side: its far \
-         surface is lost in rounding: make it thicker than {}, or smaller in its other sides",
+        "a clear box with a side of {}, but the ray offset is up to {}: rays that enter the box start behind its far side and miss it: \
+         make it thicker than {}, or make its other sides smaller",
         short(side),
         short(start),
         short(start)
@@ -209,7 +213,11 @@ fn tell_lost(Small { at, name: (name, field), size, distance, coordinate, share 
     let consequence = match size < LEAST_SHARE * coordinate {
         true => format!("f32 rounds its place by up to {}, so that its shape is lost", short(U * coordinate)),
         false => {
-            format!("f32 rounds its outline by up to {}, {} % of that", short(outline), short(100.0 * outline / size))
+            format!(
+                "f32 rounds its outline by up to {}, {} % of the radius",
+                short(outline),
+                short(100.0 * outline / size)
+            )
         }
     };
     let message = format!(
@@ -223,8 +231,8 @@ fn tell_lost(Small { at, name: (name, field), size, distance, coordinate, share 
 
 fn tell_tiny((at, (name, field), size): (At, Name, f64), extent: f64) -> Diagnostic {
     let message = format!(
-        "{name} of {} is {} of the scene's extent of {}, expected {} at least: leave out what is so small, or what is \
-         so far",
+        "{name} of {} is {} of the scene's extent of {}, expected {} at least: leave out the small object, or objects \
+         that are so far away",
         short(size),
         power_of_two(size / extent),
         short(extent),
@@ -235,8 +243,8 @@ fn tell_tiny((at, (name, field), size): (At, Name, f64), extent: f64) -> Diagnos
 
 fn tell_dense((at, density, far): (At, f64, f64)) -> Diagnostic {
     let message = format!(
-        "a density of {} is a mean free path of {}, and f32 rounds places up to {} from the camera by {}: light that enters or \
-         leaves it is scattered wrongly: write a density below {}, or a surface in its place",
+        "a density of {} is a mean free path of {}, and f32 rounds positions up to {} from the camera by {}: light that enters or \
+         leaves the medium is scattered wrongly: write a density below {}, or replace the medium by a surface",
         short(density),
         short(1.0 / density),
         short(far),
@@ -246,7 +254,7 @@ fn tell_dense((at, density, far): (At, f64, f64)) -> Diagnostic {
     Diagnostic::of(at, "density", message)
 }
 
-/// A medium's size is its boundary's.
+/// The size of a medium is in its field `boundary`.
 fn field_of(at: At, field: &'static str) -> &'static str {
     match at {
         At::Medium(_) => "boundary",

@@ -1,9 +1,9 @@
-//! Spheres whose own distance from the camera is lost beside their radius.
+//! Finds large spheres whose surface is so near to the camera that f32 does not resolve the distance.
 
 use super::{At, Body, Diagnostic, U, Worst, short};
 use crate::shape::Hull;
 
-/// The largest share of a sphere's distance from the camera by which that may be rounded.
+/// The largest rounding of a sphere's distance from the camera, as a share of the distance.
 const LARGEST_ERROR: f64 = 0.01;
 
 /// A sphere with the camera near its surface.
@@ -14,7 +14,7 @@ struct Close {
     error: f64,
 }
 
-/// What is found of surfaces near the camera.
+/// The worst of the spheres that are too near to the camera.
 #[derive(Default)]
 pub struct Surfaces {
     close: Worst<Close>,
@@ -32,8 +32,8 @@ impl Surfaces {
     }
 }
 
-/// Whether the distance of a sphere from the camera is rounded by too large a share of it. The centre and the radius are rounded, and the length
-/// between camera and centre by 2 u: 4 u (r + h) of the height h.
+/// The sphere, if the rounding of its distance from the camera is too large a share of the distance. The centre and the radius are
+/// rounded, and the length between the camera and the centre by 2 u: together 4 u (r + h) for the height h.
 fn close(number: usize, body: &Body) -> Option<Close> {
     let Hull::Ball { center, radius } = body.hull else { return None };
     let height = (center.length() - radius).abs();
@@ -43,12 +43,14 @@ fn close(number: usize, body: &Body) -> Option<Close> {
 
 fn tell_close(Close { number, radius, height, error }: Close) -> Diagnostic {
     let consequence = match error < height {
-        true => format!("{} % of that", short(100.0 * error / height)),
-        false => "so that the picture may be wrong: f32 does not tell on which side of it the camera is".to_string(),
+        true => format!("{} % of this distance", short(100.0 * error / height)),
+        false => {
+            "so that the image may be wrong: f32 does not tell on which side of the surface the camera is".to_string()
+        }
     };
     let message = format!(
         "a sphere with a radius of {}, and the camera is {} from its surface: f32 rounds distances to it by up to {}, {consequence}: move \
-         the camera farther from it than {}, or write a quad where it looks flat",
+         the camera farther from it than {}, or write a quad if the sphere looks flat",
         short(radius),
         short(height),
         short(error),

@@ -1,4 +1,4 @@
-//! How deep within a closed shape a point is.
+//! The depth of a point within a closed shape.
 
 use std::f64::consts::PI;
 
@@ -8,10 +8,10 @@ use super::Body;
 use crate::shape::Hull;
 use crate::shape::mesh::MeshShape;
 
-/// So many triangles are looked at in all, of meshes with points in the boxes around them.
+/// The limit on triangles that are looked at, over all queries.
 const MOST_TRIANGLES: usize = 1 << 19;
 
-/// Tells how deep points are within spheres, boxes and meshes that are closed.
+/// Computes depths of points within spheres, boxes and closed meshes.
 pub struct Within {
     /// Triangles that may still be looked at.
     left: usize,
@@ -24,8 +24,9 @@ impl Default for Within {
 }
 
 impl Within {
-    /// How deep within a sphere, box or closed mesh a point is, at least; negative outside, and there no more than the distance. Nothing of
-    /// shapes that are not closed, nor of a mesh where that would take long.
+    /// A lower bound of the depth of a point within a sphere, box or closed mesh. Outside it is negative, and at most
+    /// the distance in magnitude. None for shapes that are not closed, and for a mesh once the limit on triangles is
+    /// reached.
     pub fn depth(&mut self, wall: &Body, p: DVec3) -> Option<f64> {
         let by_hull = match wall.hull {
             Hull::Ball { center, radius } => radius - p.distance(center),
@@ -57,21 +58,22 @@ impl Within {
     }
 }
 
-/// Whether the side that a light shines from, if it shines to one, is its outside: not so of a mesh that is wound the other way.
+/// Whether the front of a closed light is its outside. It is not for a mesh that is wound the other way.
 pub fn is_outside_in_front(wall: &Body) -> bool {
     wall.shape.mesh().is_none_or(|shape| shape.mesh.volume_is_positive())
 }
 
-/// The solid angle of a triangle seen from the origin, positive from the side where it is clockwise (Van Oosterom and Strackee, "The Solid Angle of
-/// a Plane Triangle", IEEE Trans. Biomed. Eng. 30(2), 1983). Of a closed mesh they sum to 4 π within it, or its negative, and to 0 outside.
+/// The solid angle of a triangle seen from the origin, positive if it looks clockwise from there (Van Oosterom and
+/// Strackee, "The Solid Angle of a Plane Triangle", IEEE Trans. Biomed. Eng. 30(2), 1983). Over a closed mesh they sum
+/// to 4 π or -4 π inside, and to 0 outside.
 fn solid_angle(a: DVec3, b: DVec3, c: DVec3) -> f64 {
     let (x, y, z) = (a.length(), b.length(), c.length());
     let below = x * y * z + a.dot(b) * z + b.dot(c) * x + c.dot(a) * y;
     2.0 * a.dot(b.cross(c)).atan2(below)
 }
 
-/// The square of a triangle's distance from the origin (Ericson, Real-Time Collision Detection, section 5.1.5: by the edges, and by the plane where
-/// the origin is over the inside).
+/// The square of a triangle's distance from the origin (Ericson, Real-Time Collision Detection, section 5.1.5): the
+/// distance to the plane if the origin projects into the triangle, else the least distance to an edge.
 fn distance_squared(a: DVec3, b: DVec3, c: DVec3) -> f64 {
     let n = (b - a).cross(c - a);
     let within = [(a, b), (b, c), (c, a)].iter().all(|(p, q)| n.dot((*q - *p).cross(-*p)) >= 0.0);

@@ -1,4 +1,4 @@
-//! A mesh while its file is read, and the checks that make a `Mesh` of it.
+//! A mesh while its file is being read, and the checks that turn it into a `Mesh`.
 
 use glam::{DVec3, Vec2, Vec3};
 
@@ -7,21 +7,21 @@ use super::Mesh;
 pub const MOST_TRIANGLES: usize = 1 << 28;
 /// Vertices are numbered in 32 bits.
 pub const MOST_VERTICES: usize = u32::MAX as usize;
-/// Largest coordinate, as in the scene file.
+/// The largest coordinate, as in the scene file.
 const LARGEST: f64 = 1e100;
 
 /// The contents of a file, unchecked.
 #[derive(Default)]
 pub struct Draft {
     pub positions: Vec<DVec3>,
-    /// For every vertex, not a number where the file has none; or empty.
+    /// One for every vertex, NaN if the file gives none; or empty.
     pub normals: Vec<Vec3>,
-    /// For every vertex, not a number where the file has none; or empty.
+    /// One for every vertex, NaN if the file gives none; or empty.
     pub uvs: Vec<Vec2>,
     triangles: Vec<[u32; 3]>,
     /// The face that each triangle is part of.
     faces: Vec<u32>,
-    /// Faces so far, those without triangles too.
+    /// The number of faces so far, including those without triangles.
     face_count: u32,
 }
 
@@ -31,14 +31,15 @@ impl Draft {
         self.face_count
     }
 
-    /// Makes room for about so many triangles.
+    /// Reserves memory for about this many triangles.
     pub fn reserve(&mut self, triangles: usize) {
         let triangles = triangles.min(MOST_TRIANGLES);
         self.triangles.reserve(triangles);
         self.faces.reserve(triangles);
     }
 
-    /// Adds the file's next face as a fan of triangles around its first corner. With fewer than three corners it is none.
+    /// Adds the file's next face as a fan of triangles around its first corner. A face with fewer than three corners
+    /// has no triangles.
     pub fn face(&mut self, corners: &[u32]) -> Result<(), String> {
         let face = self.face_count;
         self.face_count = face.checked_add(1).ok_or("it has more than 2^32 - 1 faces")?;
@@ -55,7 +56,7 @@ impl Draft {
         Ok(())
     }
 
-    /// Adds a vertex and gives its number.
+    /// Adds a vertex and returns its number.
     pub fn vertex(&mut self, position: DVec3) -> Result<u32, String> {
         let number = self.positions.len();
         if number >= MOST_VERTICES {
@@ -65,7 +66,7 @@ impl Draft {
         Ok(number as u32)
     }
 
-    /// The mesh, of which every face is good.
+    /// Checks the faces and makes the mesh.
     pub fn finish(mut self) -> Result<Mesh, String> {
         if self.face_count == 0 {
             return Err("it has no faces: expected at least one of three corners or more".to_owned());
@@ -119,7 +120,7 @@ impl Draft {
         Ok(())
     }
 
-    /// Leaves out the triangles with two corners at the same place. Warns of faces of which no triangle is left.
+    /// Leaves out triangles with two corners at the same position. Returns a warning about faces that have no triangle left.
     fn leave_out_flat_faces(&mut self) -> Result<Option<String>, String> {
         let (mut left_out, mut first, mut next) = (0, None, 0);
         let mut note = |from: u32, to: u32| {
@@ -157,7 +158,7 @@ impl Draft {
         }))
     }
 
-    /// Removes the vertices of no triangle. They may be anything, and would spoil bounds.
+    /// Removes vertices that no triangle uses. They may have any coordinates, and would enlarge the bounds.
     fn leave_out_unused_vertices(&mut self) {
         let mut is_used = vec![false; self.positions.len()];
         for &corner in self.triangles.as_flattened() {
@@ -189,7 +190,7 @@ impl Draft {
             return Err(());
         }
         for normal in &mut normals {
-            // In f64 no f32 vector's length overflows or vanishes.
+            // In f64 the length of an f32 vector neither overflows nor underflows.
             let unit = normal.as_dvec3().normalize();
             if !unit.is_finite() {
                 return Err(());

@@ -1,5 +1,5 @@
-//! glTF 2.0, as JSON and as GLB, as the crate `gltf` reads it: the triangles of the default scene, with its nodes' transforms
-//! applied in f64.
+//! glTF 2.0, as JSON and as GLB, with the crate `gltf`. Reads the triangles of the default scene, and applies its nodes' transforms
+//! in f64.
 //!
 //! The crate's own validation is skipped, because it panics. Every index is looked up where it is used. The span of an accessor is
 //! checked against its buffer before the crate's iterators see it, because they trust offsets and counts.
@@ -41,7 +41,7 @@ pub fn parse(path: &Path, input: &mut Input) -> Result<Draft, String> {
 }
 
 fn check(root: &Root) -> Result<(), String> {
-    /// Extensions that may be passed over, and one that is what `File::elements` does anyway.
+    /// Extensions that can be ignored, and one (quantization) that `File::elements` supports.
     const HARMLESS: [&str; 5] =
         ["KHR_materials_", "KHR_lights_", "KHR_texture_", "EXT_texture_", "KHR_mesh_quantization"];
     if !root.asset.version.starts_with("2.") {
@@ -70,7 +70,7 @@ fn to_parent(node: &Node) -> DAffine3 {
     )
 }
 
-/// The bytes of all buffers. Any number of them may be the binary chunk.
+/// The bytes of all buffers. Any number of buffers may refer to the binary chunk.
 fn buffers<'a>(root: &Root, binary: Option<&'a [u8]>, path: &Path) -> Result<Vec<Cow<'a, [u8]>>, String> {
     let read = |(index, buffer): (usize, &buffer::Buffer)| {
         let bytes = match &buffer.uri {
@@ -86,7 +86,7 @@ fn buffers<'a>(root: &Root, binary: Option<&'a [u8]>, path: &Path) -> Result<Vec
     root.buffers.iter().enumerate().map(read).collect()
 }
 
-/// The bytes that stand in the uri itself, or in a file beside this one.
+/// The bytes of a uri: its own data, or those of a file relative to this one.
 fn read_uri(uri: &str, path: &Path) -> Result<Vec<u8>, String> {
     if let Some(data) = uri.strip_prefix("data:") {
         let (_, text) = data.split_once(";base64,").ok_or("expected ;base64, in its data")?;
@@ -99,7 +99,7 @@ fn read_uri(uri: &str, path: &Path) -> Result<Vec<u8>, String> {
     super::read(&beside).map_err(|reason| format!("{}: {reason}", beside.display()))
 }
 
-/// A path of a uri: %20 is a space.
+/// The path in a uri, with escapes such as %20 decoded.
 fn unescape(uri: &str) -> String {
     let mut bytes = Vec::new();
     let mut rest = uri.as_bytes();
@@ -116,19 +116,19 @@ fn unescape(uri: &str) -> String {
 
 struct File<'a> {
     document: Document,
-    /// As long as the document says, or longer.
+    /// Each is at least as long as the document says.
     buffers: Vec<Cow<'a, [u8]>>,
 }
 
 impl File<'_> {
-    /// Adds the meshes of the default scene, or of the first.
+    /// Adds the meshes of the default scene, or of the first scene if there is no default.
     fn add_scene(&self, draft: &mut Draft) -> Result<(), String> {
         let root = self.document.as_json();
         let scene = root.scene.map_or(0, |scene| scene.value());
         let scene = root.scenes.get(scene).ok_or_else(|| format!("expected a scene {scene} in it"))?;
-        // Every node once: a hostile file may make its nodes each other's children.
+        // Visits every node once: in a malicious file, nodes can be each other's children.
         let mut seen = HashSet::new();
-        // Taken from the end: the first one is the last.
+        // A stack: the first node is on top.
         let mut nodes: Vec<(usize, DAffine3)> =
             scene.nodes.iter().rev().map(|node| (node.value(), DAffine3::IDENTITY)).collect();
         while let Some((index, parent)) = nodes.pop() {
@@ -158,7 +158,7 @@ impl File<'_> {
         let attribute = |semantic| primitive.attributes.get(&Checked::Valid(semantic)).copied();
         let positions = self.elements::<3>(attribute(Semantic::Positions).ok_or("expected an attribute POSITION")?)?;
         let count = positions.len();
-        // Of other attributes, only whole ones.
+        // Other attributes are used only if every vertex has them.
         let whole = |semantic| {
             attribute(semantic).filter(|&index| self.accessor(index).is_none_or(|it| it.count.0 == count as u64))
         };
@@ -169,7 +169,8 @@ impl File<'_> {
         for position in positions {
             draft.vertex(to_scene.transform_point3(DVec3::from_array(position)))?;
         }
-        // Normals go with the inverse transpose; the cofactors are a multiple of it, and exist for flat matrices too.
+        // Normals transform by the inverse transpose. The cofactor matrix is a multiple of it, and exists for singular
+        // matrices too.
         let m = to_scene.matrix3;
         let sign = m.determinant().signum();
         let cofactors = DMat3::from_cols(
@@ -188,7 +189,7 @@ impl File<'_> {
         if uvs.is_some() || !draft.uvs.is_empty() {
             draft.uvs.resize(first, Vec2::NAN);
             if let Some(uvs) = uvs {
-                // Its v runs down from the top.
+                // In glTF, v runs down from the top.
                 draft.uvs.extend(uvs.into_iter().map(|[u, v]| Vec2::new(u as f32, (1.0 - v) as f32)));
             }
             draft.uvs.resize(first + count, Vec2::NAN);
@@ -269,7 +270,7 @@ impl File<'_> {
         Ok(self.read::<[T; N]>(index)?.map(|element| element.map(|number| number.value(is_normalized))).collect())
     }
 
-    /// The numbers of vertices.
+    /// The indices of vertices.
     fn indices(&self, index: Index<Accessor>) -> Result<Vec<u64>, String> {
         Ok(match self.kind(index, Dimensions::Scalar)? {
             DataType::U8 => self.read::<u8>(index)?.map(u64::from).collect(),
@@ -279,7 +280,7 @@ impl File<'_> {
         })
     }
 
-    /// The type of an accessor's numbers, if it is of this shape.
+    /// The type of an accessor's numbers, if the accessor has this shape.
     fn kind(&self, index: Index<Accessor>, shape: Dimensions) -> Result<DataType, String> {
         let at = index.value();
         let accessor = self.accessor(index).ok_or_else(|| format!("there is no accessor {at}"))?;
@@ -299,11 +300,11 @@ impl File<'_> {
         }
     }
 
-    /// The elements of an accessor, all of which are in its buffer.
+    /// The elements of an accessor, after a check that its buffer contains all of them.
     fn read<T: Item>(&self, index: Index<Accessor>) -> Result<impl Iterator<Item = T>, String> {
         let accessor = self.accessor(index).ok_or("there is no such accessor")?;
         let size = size_of::<T>() as u64;
-        // Without one, all elements would be zero, and as many as the file likes.
+        // Without a view all elements are zero, and the file could claim any number of them.
         let view = accessor.buffer_view.ok_or("an accessor has no bufferView")?;
         self.check_span(view, accessor.byte_offset.unwrap_or_default().0, accessor.count.0, size)?;
         if let Some(sparse) = &accessor.sparse {
@@ -319,7 +320,8 @@ impl File<'_> {
         accessor.and_then(|accessor| Iter::new(accessor, bytes)).ok_or_else(|| "an accessor cannot be read".to_owned())
     }
 
-    /// Whether so many elements are in a view, and that in its buffer. They are one at least, as the format demands.
+    /// Checks that a view contains `count` elements, and that its buffer contains the view. The format demands at least
+    /// one element.
     fn check_span(&self, view: Index<buffer::View>, offset: u64, count: u64, size: u64) -> Result<(), String> {
         let view = self.document.as_json().get(view).ok_or("an accessor's bufferView is not there")?;
         let stride = match view.byte_stride {
@@ -339,7 +341,7 @@ impl File<'_> {
     }
 }
 
-/// A component. Normalised integers stand for 0 to 1, or -1 to 1.
+/// A component of an element. Normalised integers represent 0 to 1, or -1 to 1.
 trait Number: Item + Copy {
     fn value(self, is_normalized: bool) -> f64;
 }

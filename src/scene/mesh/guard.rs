@@ -1,10 +1,9 @@
-//! Calls of parsers that are not ours, which may panic on what a file says.
+//! Turns panics of third-party parsers into errors.
 //!
-//! They are kept behind this because random edits of files made them panic: tobj 4.0.5 on a corner such as
-//! `1//6148914691236517206` (it multiplies the reference and indexes by the product), gltf 1.4.1 in its validation where a
-//! POSITION names an accessor that there is not, and its iterators wherever an index leads nowhere. A panic is an error like
-//! others here. That holds for panics only: a failing allocation ends the program, so what a file says about its own size is
-//! held against the size that it has before a parser sees it or memory is reserved by it.
+//! Random edits of files made the parsers panic: tobj 4.0.5 at a corner such as `1//6148914691236517206` (it multiplies the
+//! reference and indexes by the product), gltf 1.4.1 in its validation if a POSITION names a missing accessor, and its
+//! iterators at every invalid index. This does not help against failed allocations, which end the program. Therefore the sizes
+//! that a file claims are compared with its real size before a parser reads it or memory is reserved.
 
 use std::any::Any;
 use std::cell::Cell;
@@ -12,11 +11,11 @@ use std::panic::{self, AssertUnwindSafe};
 use std::sync::Once;
 
 thread_local! {
-    /// Whether this thread's panics are turned into errors, and not to be told on stderr.
+    /// Whether this thread's panics become errors; they are then not printed on stderr.
     static IS_GUARDED: Cell<bool> = const { Cell::new(false) };
 }
 
-/// What the parser gives, or its panic in words. What it has written to before it panics is left as it is.
+/// The result of the parser, or the message of its panic. Values that the parser changed before the panic stay changed.
 pub fn guarded<T>(parse: impl FnOnce() -> T) -> Result<T, String> {
     static HOOK: Once = Once::new();
     HOOK.call_once(|| {

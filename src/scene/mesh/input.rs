@@ -1,4 +1,4 @@
-//! The bytes of a file, handed out from the front.
+//! The bytes of a file, read from front to back with reports of progress.
 
 use std::io::{self, BufRead, Read};
 
@@ -9,7 +9,7 @@ const TELL_EVERY: usize = 1 << 20;
 pub struct Input<'a> {
     rest: &'a [u8],
     whole: usize,
-    /// How many bytes are left when progress is told next.
+    /// The number of bytes that are left at the next report of progress.
     tell_at: usize,
     tell: &'a mut dyn FnMut(usize),
 }
@@ -24,14 +24,14 @@ impl<'a> Input<'a> {
         self.rest
     }
 
-    /// The next `count` bytes, or nothing if there are fewer.
+    /// The next `count` bytes; none if there are fewer.
     pub fn take(&mut self, count: usize) -> Option<&'a [u8]> {
         let (taken, rest) = self.rest.split_at_checked(count)?;
         self.move_to(rest);
         Some(taken)
     }
 
-    /// The next line without its end, which is LF or CR LF, or the end of the file.
+    /// The next line, without its end (LF, CR LF, or the end of the file).
     pub fn line(&mut self) -> Option<&'a [u8]> {
         if self.rest.is_empty() {
             return None;
@@ -82,7 +82,7 @@ pub fn number<T: std::str::FromStr>(word: &[u8]) -> Option<T> {
     std::str::from_utf8(word).ok()?.parse().ok()
 }
 
-/// A word as messages quote it: not a page of it.
+/// A word in quotes for messages, shortened if it is long.
 pub fn quote(word: &[u8]) -> String {
     const LONGEST: usize = 40;
     let text = String::from_utf8_lossy(word.get(..LONGEST).unwrap_or(word));

@@ -24,10 +24,10 @@ use input::Input;
 
 pub use crate::shape::mesh::{Mesh, OpenEdges};
 
-/// Called with the progress of reading a file: its path, the bytes that are done, and the bytes in all.
+/// A callback for the progress of reading a file, with its path, the bytes read so far, and all its bytes.
 pub type OnProgress<'a> = dyn FnMut(&Path, u64, u64) + 'a;
 
-/// Reads every mesh of the scene once, by its path as written. An error stands at the `path` field.
+/// Reads every mesh of the scene once. The keys are the paths as the scene file writes them. Errors point at the `path` field.
 pub fn load_all(scene: &Scene, progress: &mut OnProgress) -> Result<BTreeMap<String, Mesh>> {
     let mut meshes = BTreeMap::new();
     visit_all(&scene.top().field("objects"), &scene.objects, &mut |at, object| {

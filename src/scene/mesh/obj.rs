@@ -1,9 +1,10 @@
 //! Wavefront OBJ: positions, texture coordinates, normals and faces, as the crate `tobj` reads them.
 //!
-//! The crate sees only the lines of these, joined where they continue, and without comments, weights and colours. Otherwise it would
-//! split faces at groups and materials before all vertices are known, and count lines as faces. It would also refuse colours of
-//! only some vertices, texture coordinates of one number, continued lines, comments behind a face, and text that is not UTF-8. Its
-//! errors name no place, so `fault` looks for the place in a refused file.
+//! The crate gets only the lines of these kinds, with continued lines joined, and without comments, weights and
+//! colours. With all lines it would split faces at groups and materials before all vertices are known, and count lines
+//! as faces. It would also refuse colours of only some vertices, texture coordinates of one number, continued lines,
+//! comments behind a face, and text that is not UTF-8. Its errors name no position, so `fault` searches a refused file
+//! for it.
 
 use std::io::{self, BufRead, Read};
 use std::path::Path;
@@ -15,7 +16,7 @@ use super::draft::Draft;
 use super::guard::guarded;
 use super::input::{Input, number, quote, words};
 
-/// One vertex for each position, texture coordinates and normal that a corner refers to; faces as they are, all of them.
+/// The crate makes one vertex for each combination of position, texture coordinates and normal, and keeps all faces as they are.
 const OPTIONS: LoadOptions =
     LoadOptions { single_index: true, triangulate: false, ignore_points: false, ignore_lines: false };
 
@@ -59,26 +60,26 @@ fn triples(numbers: &[f64]) -> impl Iterator<Item = DVec3> {
     numbers.as_chunks().0.iter().map(|&triple| DVec3::from_array(triple))
 }
 
-/// Where only some vertices have a value, the crate does not say which.
+/// Replaces all values by `missing` if only some vertices have one, because the crate does not say which vertices they are.
 fn whole<T: Clone>(values: Vec<T>, count: usize, missing: T) -> Vec<T> {
     if values.is_empty() || values.len() == count { values } else { vec![missing; count] }
 }
 
-/// The lists of a file, in the order in which a corner refers to them.
+/// The lists of an OBJ file, in the order of a corner's references.
 const LISTS: [(&[u8], &str); 3] = [(b"v", "position"), (b"vt", "pair of texture coordinates"), (b"vn", "normal")];
 
-/// A file's lines about triangles, one after the other.
+/// An iterator over the lines that the crate gets.
 struct Lines<'a, 'b> {
     input: &'a mut Input<'b>,
-    /// The line, of which some is read.
+    /// The current line, which may be read in part.
     line: Vec<u8>,
     read: usize,
-    /// Where the line begins in the file, and where the next one does.
+    /// The line number in the file at which the current line begins, and that of the next line.
     number: u64,
     next: u64,
-    /// The entries so far of each list.
+    /// The number of entries so far in each list.
     counts: [u64; 3],
-    /// How many lists were looked at after the file's end.
+    /// The number of lists that `fill_lists` has handled after the end of the file.
     ended: usize,
 }
 
@@ -134,7 +135,7 @@ impl<'a, 'b> Lines<'a, 'b> {
         false
     }
 
-    /// Adds an entry to each list that has none. The crate passes over references to a list that is empty, and so it does not.
+    /// Adds an entry to each empty list. The crate ignores references to an empty list; with an entry it reports them.
     fn fill_lists(&mut self) -> bool {
         while let (Some(count), Some((name, _))) = (self.counts.get(self.ended), LISTS.get(self.ended)) {
             self.ended += 1;
@@ -171,13 +172,13 @@ impl Read for Lines<'_, '_> {
     }
 }
 
-/// The fault of a refused file, with its place; none if it cannot be found.
+/// The error in a refused file, with its position; none if it is not found.
 fn fault(bytes: &[u8]) -> Option<String> {
     let mut tell = |_| {};
     let mut input = Input::new(bytes, &mut tell);
     let mut lines = Lines::new(&mut input);
     let mut face = 0_u64;
-    // What faces refer to that is not there yet: the face, the list and the entry.
+    // References of faces to entries that come later or never: the face, the list and the entry.
     let mut ahead: Vec<(u64, usize, u64)> = Vec::new();
     while lines.advance() {
         let mut words = words(&lines.line);
@@ -215,7 +216,7 @@ fn fault(bytes: &[u8]) -> Option<String> {
     })
 }
 
-/// What a corner refers to, counted from 1. Numbers below 0 count backwards from the last entry so far.
+/// The references of a corner, counted from 1. Negative numbers count backwards from the last entry so far.
 fn corner(word: &[u8], counts: &[u64; 3]) -> Option<[Option<u64>; 3]> {
     let mut parts = word.split(|&byte| byte == b'/');
     let mut corner = [None; 3];

@@ -1,8 +1,8 @@
-//! PLY, as text and in binary of either order of bytes, as the crate `serde-ply` reads it: the elements `vertex` and `face`;
-//! all others are passed over.
+//! PLY, as text and as binary of either byte order, with the crate `serde-ply`. Reads the elements `vertex` and `face`,
+//! and skips all others.
 //!
-//! The crate hands out the numbers row by row and keeps none. It reserves no memory by the header's counts. It would ignore unknown
-//! lines of the header, so these are refused before it sees them.
+//! The crate hands out the numbers row by row and stores none. It reserves no memory for the counts in the header. It would ignore
+//! unknown lines of the header, so these are refused before.
 
 use std::io::{ErrorKind, Read};
 use std::path::Path;
@@ -15,7 +15,7 @@ use super::draft::{Draft, MOST_VERTICES};
 use super::guard::guarded;
 use super::input::{Input, number, quote, words};
 
-/// Bytes of the longest line of a header.
+/// The largest length of a line in the header, in bytes.
 const LONGEST_LINE: usize = 1 << 16;
 
 pub fn parse(_: &Path, input: &mut Input) -> Result<Draft, String> {
@@ -29,7 +29,7 @@ pub fn parse(_: &Path, input: &mut Input) -> Result<Draft, String> {
     guarded(|| payload(&text, &header, input))?
 }
 
-/// The lines of the header, or of the file if that has no end, in UTF-8 whatever its comments are in.
+/// The lines of the header, or of the whole file if the header does not end, as UTF-8. Comments may be in any encoding.
 fn header_text(input: &mut Input) -> Result<String, String> {
     let mut text = String::new();
     let mut line_number = 0_u64;
@@ -64,7 +64,7 @@ fn header(text: &str) -> Result<PlyHeader, String> {
         if error.kind() == ErrorKind::UnexpectedEof {
             return "the file ends in its header: expected end_header".to_owned();
         }
-        // The last line that was read.
+        // The last line that the crate read.
         let lines = text.get(..text.len() - rest.len()).unwrap_or_default().lines();
         let place = lines.clone().count();
         let expected = match lines.last().and_then(|line| line.split_whitespace().next()) {
@@ -80,7 +80,7 @@ fn header(text: &str) -> Result<PlyHeader, String> {
 }
 
 fn payload(text: &str, header: &PlyHeader, input: &mut Input) -> Result<Draft, String> {
-    // The crate takes a number in text to end in white space.
+    // The crate expects white space after every number in text.
     let end: &[u8] = if header.format == PlyFormat::Ascii { b"\n" } else { b"" };
     let rows = input.rest();
     let mut draft = Draft::default();
@@ -107,7 +107,7 @@ fn payload(text: &str, header: &PlyHeader, input: &mut Input) -> Result<Draft, S
         if header.format != PlyFormat::Ascii {
             return in_row(row, format!("expected {wanted}: {error}"));
         }
-        // Text is read byte by byte: the word that is wrong is the last one.
+        // Text is read byte by byte, so that the wrong word is the last one.
         drop(reader);
         let read = rows.get(..rows.len() - input.rest().len()).unwrap_or_default();
         let word = read.trim_ascii_end().rsplit(u8::is_ascii_whitespace).next().unwrap_or_default();
@@ -122,14 +122,14 @@ fn payload(text: &str, header: &PlyHeader, input: &mut Input) -> Result<Draft, S
     Ok(draft)
 }
 
-/// What a property is.
+/// The use of a property.
 #[derive(Clone, Copy, PartialEq)]
 enum Column {
-    /// One of the numbers of a vertex, by its place in `NAMES`.
+    /// One of the numbers of a vertex, by its index in `NAMES`.
     Number(usize),
     /// The list of a face's corners.
     Corners,
-    /// Not used here.
+    /// Not used.
     Other,
 }
 
@@ -145,7 +145,7 @@ const NAMES: [&[&str]; 8] = [
     &["v", "t", "texture_v", "texture_t"],
 ];
 
-/// Takes the rows of an element into the draft.
+/// Adds the rows of an element to the draft.
 struct Rows<'a> {
     element: &'a ElementDef,
     columns: Vec<Column>,
@@ -154,11 +154,11 @@ struct Rows<'a> {
     draft: &'a mut Draft,
     values: [f64; NAMES.len()],
     corners: Vec<u32>,
-    /// The row that is read, counted from 0.
+    /// The row that is being read, counted from 0.
     row: usize,
-    /// The number that is read, for messages.
+    /// The number that is being read, in words.
     wanted: &'static str,
-    /// Our own error for the row, where the crate has none.
+    /// An error about the row that the crate does not detect.
     wrong: Option<String>,
 }
 
@@ -206,7 +206,7 @@ impl<'a> Rows<'a> {
         })
     }
 
-    /// Makes room for as many rows as there can be in so many bytes, if lists have three entries.
+    /// Reserves memory for the largest number of rows that fit into `bytes`, if lists have three entries.
     fn reserve(&mut self, format: PlyFormat, bytes: usize) {
         let is_text = format == PlyFormat::Ascii;
         let size = |kind: ScalarType| match kind {
@@ -254,13 +254,13 @@ impl<'a> Rows<'a> {
     }
 }
 
-/// Ends the reading with words of our own.
+/// Ends the reading with an error of this program.
 fn refuse<T, E: Error>(wrong: &mut Option<String>, reason: String) -> Result<T, E> {
     *wrong = Some(reason);
     Err(E::custom(""))
 }
 
-/// The crate's word for an element is a sequence.
+/// The crate presents an element as a sequence.
 impl<'de> DeserializeSeed<'de> for &mut Rows<'_> {
     type Value = ();
 
@@ -277,13 +277,13 @@ impl<'de> Visitor<'de> for &mut Rows<'_> {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut rows: A) -> Result<(), A::Error> {
-        // Rows of nothing have no end in the file, however many there are.
+        // Rows without properties take no bytes. They are not read, because the header can claim any number of them.
         while !self.columns.is_empty() && rows.next_element_seed(Row(self))?.is_some() {}
         Ok(())
     }
 }
 
-/// For a row it is a map.
+/// The crate presents a row as a map.
 struct Row<'a, 'b>(&'a mut Rows<'b>);
 
 impl<'de> DeserializeSeed<'de> for Row<'_, '_> {
@@ -327,7 +327,7 @@ impl<'de> Visitor<'de> for Row<'_, '_> {
     }
 }
 
-/// A list is a sequence again.
+/// The crate presents a list as a sequence.
 struct Corners<'a> {
     corners: &'a mut Vec<u32>,
     wanted: &'a mut &'static str,
@@ -351,7 +351,7 @@ impl<'de> Visitor<'de> for Corners<'_> {
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<(), A::Error> {
         *self.wanted = CORNER;
-        // f64 holds all kinds exactly.
+        // f64 represents the numbers of all types exactly.
         while let Some(value) = list.next_element::<f64>()? {
             let corner = value as u32;
             if f64::from(corner) != value {

@@ -1,0 +1,4 @@
+// Whether a word that was `before` has wrapped when `added` was added to it: 1 is then to be added to the next word of the sum.
+fn carry(before: u32, added: u32) -> u32 {
+    return select(0u, 1u, before + added < before);
+}

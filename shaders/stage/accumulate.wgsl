@@ -1,0 +1,25 @@
+//@ use bind/records
+//@ use bind/settings
+//@ use bind/window
+//@ use step/count
+//@ use step/film
+//@ use step/pixel_order
+// Adds the finished runs to the film. A kernel of its own has work for each of its invocations, and no other kernel grows by what it takes.
+override WORKGROUP_SIZE: u32 = 64u;
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn accumulate(@builtin(global_invocation_id) id: vec3<u32>) {
+    let finished = atomicLoad(&counters.records);
+    if id.x >= min(settings.slots, finished) {
+        return;
+    }
+    var paths = 0u;
+    var rays = 0u;
+    for (var i = id.x; i < finished; i += settings.slots) {
+        let run = records[i];
+        paths += add_run(place_in_order(run.pixel) - window.first_pixel, run);
+        rays += run.rays;
+    }
+    count(PATHS, paths);
+    count(RAYS, rays);
+}

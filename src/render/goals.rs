@@ -1,0 +1,140 @@
+//! How many samples a render takes where that is not said: as many as fit a time, or until an error.
+
+use std::ops::Range;
+use std::time::Instant;
+
+use super::outcome::{NOISE_LEVEL, Noise, ThroughGlass, TooDeep};
+use super::{Renderer, Stretch};
+use crate::data::RUN_LENGTH;
+use crate::error::Result;
+use crate::film::Totals;
+
+/// The samples at which such a render looks first.
+const FIRST_LOOK: u32 = 2 * RUN_LENGTH;
+/// The samples at which it gives up where nothing bounds the error: pixels too few, or without light.
+const LAST_LOOK: u32 = 1 << 14;
+
+fn seconds_until(deadline: Instant) -> f64 {
+    deadline.saturating_duration_since(Instant::now()).as_secs_f64()
+}
+
+impl Renderer<'_> {
+    /// Renders as many samples as fit until the deadline, one at least; the result is one past the last.
+    pub(super) fn render_until(
+        &mut self,
+        most: Range<u32>,
+        deadline: Instant,
+        stretch: &mut Stretch<'_>,
+    ) -> Result<u32> {
+        match self.render_pilot(&most, deadline, stretch)? {
+            Some(mut pace) => self.fill(most, deadline, &mut pace, stretch),
+            None => Ok(most.start + 1),
+        }
+    }
+
+    /// Renders one sample and takes it back: the result is the pace, samples a second. Nothing, where no other sample fits; then
+    /// the one stays.
+    fn render_pilot(&mut self, most: &Range<u32>, deadline: Instant, stretch: &mut Stretch<'_>) -> Result<Option<f64>> {
+        let begin = Instant::now();
+        self.render_samples(most.start..most.start + 1, stretch)?;
+        let pace = 1.0 / begin.elapsed().as_secs_f64().max(1e-6);
+        if pace * seconds_until(deadline) < 1.0 || most.len() <= 1 || stretch.outcome.interrupted {
+            return Ok(None);
+        }
+        // Its runs of one sample would be parts of longer runs.
+        self.stale = true;
+        self.received = Totals::default();
+        stretch.film.clear();
+        stretch.outcome.totals = Totals::default();
+        stretch.outcome.too_deep = TooDeep::default();
+        stretch.outcome.through_glass = ThroughGlass::default();
+        Ok(Some(pace))
+    }
+
+    /// Renders as many samples as fit until the deadline, which may be none; the result is one past the last.
+    ///
+    /// Their number is fixed before the last stretch begins, from the pace of the one before it: to stop when a pass happens
+    /// to end would favour short paths. The last stretch is short, so that an error of the pace does little, and ends within a
+    /// run: whole runs may be longer than what an error of the pace does.
+    fn fill(&mut self, most: Range<u32>, deadline: Instant, pace: &mut f64, stretch: &mut Stretch<'_>) -> Result<u32> {
+        /// The shares of the time at whose end the pace is taken again; the last leaves room for its error.
+        const SHARES: [f64; 4] = [0.1, 0.5, 0.85, 0.985];
+        let begin = Instant::now();
+        let all = seconds_until(deadline);
+        let mut done = most.start;
+        for share in SHARES {
+            let spent = begin.elapsed().as_secs_f64();
+            let fits = (*pace * (share * all - spent)).max(0.0) as u32;
+            let aim = done.saturating_add(fits).min(most.end);
+            let last = share == SHARES[SHARES.len() - 1];
+            let end = match last || aim == most.end {
+                true => aim,
+                false => aim / RUN_LENGTH * RUN_LENGTH,
+            };
+            if end <= done {
+                continue;
+            }
+            self.render_samples(done..end, stretch)?;
+            *pace = f64::from(end - done) / (begin.elapsed().as_secs_f64() - spent).max(1e-6);
+            done = end;
+            if stretch.outcome.interrupted || done == most.end {
+                break;
+            }
+        }
+        if done == most.start && stretch.outcome.totals.paths == 0 {
+            // The pilot was wrong about a second sample, and is gone.
+            self.render_samples(done..done + 1, stretch)?;
+            done += 1;
+        }
+        Ok(done)
+    }
+
+    /// Renders until the relative error is below the one asked; the result is one past the last sample.
+    ///
+    /// The film is looked at when the number of samples has doubled. To stop at the first look that pleases would favour those that are
+    /// too low by chance: the k-th has a 2^-k-th of the probability of being wrong that all have together, by the union bound. Samples that
+    /// have been looked at stay: they are as good as others, and the image is that of `--spp` with their number.
+    ///
+    /// The error of a handful of pixels is never known with such confidence, nor that of an image without light: there it gives up.
+    pub(super) fn render_noise(
+        &mut self,
+        most: Range<u32>,
+        error: f64,
+        deadline: Option<Instant>,
+        stretch: &mut Stretch<'_>,
+    ) -> Result<u32> {
+        let mut done = most.start;
+        let mut noise = Noise { level: NOISE_LEVEL / 2.0, reached: false };
+        let mut timed = None;
+        if let Some(deadline) = deadline {
+            match self.render_pilot(&most, deadline, stretch)? {
+                Some(pace) => timed = Some((deadline, pace)),
+                None => {
+                    stretch.outcome.noise = Some(noise);
+                    return Ok(done + 1);
+                }
+            }
+        }
+        let mut aim = FIRST_LOOK;
+        loop {
+            let end = most.end.min(most.start.saturating_add(aim));
+            done = match &mut timed {
+                Some((deadline, pace)) => self.fill(done..end, *deadline, pace, stretch)?,
+                None => {
+                    self.render_samples(done..end, stretch)?;
+                    end
+                }
+            };
+            self.bring_film(stretch.film)?;
+            let bound = stretch.film.error_estimate(noise.level).map_or(f64::INFINITY, |found| found.bound);
+            noise.reached = bound < error;
+            stretch.outcome.noise = Some(noise);
+            let hopeless = bound == f64::INFINITY && done - most.start >= LAST_LOOK;
+            if noise.reached || hopeless || done < end || done == most.end || stretch.outcome.interrupted {
+                return Ok(done);
+            }
+            noise.level /= 2.0;
+            aim = aim.saturating_mul(2);
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! The referee of the film on the device: runs added one by one on the host, in integers of 128 bits.
+
+use gpu_rt::data::{ODD_RUN, PixelTotals, Rgb, RunRecord, SQUARE_FRACTION, SUM_FRACTION};
+use gpu_rt::film::{Film, Rejected, Totals};
+
+/// A finished run, as the film gets it, by channels.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Run {
+    /// The sum of the accepted samples' radiance.
+    pub sum: Rgb<f32>,
+    pub pixel: u32,
+    /// Accepted samples | rejected as NaN << 8 | rejected as infinite << 16 | rejected as cut short << 24 | [`ODD_RUN`].
+    pub counts: u32,
+    pub rays: u32,
+    /// The squared deviations of the accepted samples from their mean, summed.
+    pub spread: Rgb<f32>,
+}
+
+impl Run {
+    /// As the device has it.
+    pub fn record(&self) -> RunRecord {
+        let Run { sum: [sum_r, sum_g, sum_b], pixel, counts, rays, spread: [spread_r, spread_g, spread_b] } = *self;
+        RunRecord { sum_r, sum_g, sum_b, pixel, counts, rays, spread_r, spread_g, spread_b }
+    }
+
+    /// What it adds to its pixel and to the film's counts.
+    fn totals(&self) -> (PixelTotals, Totals) {
+        let [accepted, nan, infinite, cut] = (self.counts & !ODD_RUN).to_le_bytes();
+        let mut rejected =
+            Rejected { nan: u64::from(nan), infinite: u64::from(infinite), cut: u64::from(cut), refused: 0 };
+        let paths = u64::from(accepted) + rejected.total();
+        let mut pixel = PixelTotals::default();
+        // A NaN fails this too.
+        if !self.sum.iter().chain(&self.spread).all(|value| *value >= 0.0) {
+            rejected.refused += u64::from(accepted);
+        } else if self.sum.iter().any(|value| value.is_infinite()) {
+            rejected.infinite += u64::from(accepted);
+        } else if accepted > 0 {
+            let half = usize::from(self.counts & ODD_RUN != 0);
+            for channel in 0..3 {
+                let values = [
+                    (3 * half + channel, self.sum[channel], SUM_FRACTION),
+                    (6 + channel, self.spread[channel], SQUARE_FRACTION),
+                ];
+                for (sum, value, fraction) in values {
+                    match to_fixed(f64::from(value), fraction as i32) {
+                        Some(fixed) => pixel.sums[sum] = [0, 32, 64, 96].map(|shift| (fixed >> shift) as u32),
+                        None => pixel.saturated |= 1 << sum,
+                    }
+                }
+            }
+            pixel.samples[half] = u32::from(accepted);
+            pixel.runs = 1;
+        }
+        pixel.rejected = rejected.total() as u32;
+        (pixel, Totals { paths, rays: u64::from(self.rays), rejected })
+    }
+}
+
+/// `value`, not negative, in units of 2^-fraction, rounded to the nearest (halves up); nothing where 128 bits do not hold it.
+pub fn to_fixed(value: f64, fraction: i32) -> Option<u128> {
+    // value = mantissa * 2^(exponent - 1075) (IEEE 754-2019, section 3.4). Denormals, below 2^-1022, round to 0 here anyway.
+    let bits = value.to_bits();
+    let exponent = (bits >> 52 & 0x7ff) as i32;
+    let mantissa = u128::from(bits & ((1 << 52) - 1) | 1 << 52);
+    match exponent - 1075 + fraction {
+        // The mantissa has 53 bits.
+        76.. => None,
+        shift @ 0..76 => Some(mantissa << shift),
+        shift @ -53..0 => Some((mantissa + (1 << (-shift - 1))) >> -shift),
+        _ => Some(0),
+    }
+}
+
+/// Adds runs to a film, one by one.
+pub trait AddRuns {
+    fn add_runs(&mut self, runs: &[Run]);
+}
+
+impl AddRuns for Film {
+    fn add_runs(&mut self, runs: &[Run]) {
+        for run in runs {
+            let (pixel, counted) = run.totals();
+            self.add([(run.pixel as usize, &pixel)], counted);
+        }
+    }
+}

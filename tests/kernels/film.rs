@@ -1,0 +1,130 @@
+//! shaders/step/film.wgsl: the film on the device holds what exact addition on the host gives, to the bit.
+
+use gpu_rt::data::{Counters, ODD_RUN, PATHS, PixelTotals, RAYS, RunRecord};
+use gpu_rt::film::{Film, Rejected, Totals};
+use gpu_rt::gpu::buffers::BufferSpec;
+
+use crate::common::film::{AddRuns, Run};
+use crate::common::kernel::{Kernel, Setup};
+use crate::common::stats::Random;
+
+const PIXELS: u32 = 5;
+
+/// Adds runs to an empty film on the device.
+fn on_device(replaced: &[(&str, &str)], records: &[Run]) -> Film {
+    let run_length = gpu_rt::data::RUN_LENGTH.to_string();
+    let setup = Setup { replaced, values: &[("run_length", &run_length)], ..Setup::default() };
+    let kernel = Kernel::with("test/film", &setup);
+    let buffers = [
+        BufferSpec::working("film", u64::from(PIXELS) * size_of::<PixelTotals>() as u64, "the test"),
+        BufferSpec::working("counters", size_of::<Counters>() as u64, "the test"),
+    ];
+    let rows: Vec<RunRecord> = records.iter().map(Run::record).collect();
+    let read = |buffer, count| kernel.run_for::<_, u32>(&rows, rows.len(), &buffers, (buffer, count));
+    let words = read("film", PIXELS as usize * size_of::<PixelTotals>() / 4);
+    let totals: Vec<PixelTotals> = bytemuck::pod_collect_to_vec(&words);
+    // The same once more, for the counters.
+    let words = read("counters", size_of::<Counters>() / 4);
+    let counters: Vec<Counters> = bytemuck::pod_collect_to_vec(&words);
+    let Counters { nan, infinite, cut, refused, counts, .. } = counters[0];
+    let count = |which: u32| u64::from(counts[which as usize][1]) << 32 | u64::from(counts[which as usize][0]);
+    let [nan, infinite, cut, refused] = [nan, infinite, cut, refused].map(u64::from);
+    let counted = Totals { paths: count(PATHS), rays: count(RAYS), rejected: Rejected { nan, infinite, cut, refused } };
+    let mut film = Film::new(PIXELS, 1, 0).expect("a few pixels fit");
+    film.add((0..).zip(&totals), counted);
+    film
+}
+
+fn on_host(records: &[Run]) -> Film {
+    let mut film = Film::new(PIXELS, 1, 0).expect("a few pixels fit");
+    film.add_runs(records);
+    film
+}
+
+/// Values that a sum can have, and some that none has: of all exponents, at every edge of the fixed point, and no numbers.
+fn value(random: &mut Random) -> f32 {
+    const EDGES: [u32; 14] = [
+        0,
+        0x8000_0000, // -0
+        1,           // subnormal numbers
+        0x007f_ffff,
+        0x0080_0000,
+        (127 - 89) << 23, // half a unit of the sums
+        ((127 - 89) << 23) - 1,
+        (127 - 97) << 23, // half a unit of the squares
+        (127 + 39) << 23, // the largest powers of two that fit
+        (127 + 31) << 23,
+        (127 + 40) << 23, // and the least ones that do not
+        (127 + 32) << 23,
+        0x7f7f_ffff,
+        0x3f80_0000,
+    ];
+    match random.below(40) {
+        0 => f32::NAN,
+        1 => f32::INFINITY,
+        2 => -1e-30,
+        3 => f32::NEG_INFINITY,
+        4..20 => f32::from_bits(EDGES[random.below(EDGES.len())]),
+        // Of the exponents that are near those of the fixed point.
+        20..30 => f32::from_bits(random.below(0x7f80_0000) as u32),
+        _ => f32::from_bits((random.below(140 << 23) + (25 << 23)) as u32),
+    }
+}
+
+fn runs(count: usize, values: &mut dyn FnMut() -> f32, random: &mut Random) -> Vec<Run> {
+    (0..count)
+        .map(|_| {
+            let [accepted, nan, infinite, cut] = [6, 2, 2, 2].map(|below| random.below(below) as u32);
+            let parity = if random.below(2) == 1 { ODD_RUN } else { 0 };
+            Run {
+                sum: [values(), values(), values()],
+                pixel: random.below(PIXELS as usize) as u32,
+                counts: accepted | nan << 8 | infinite << 16 | cut << 24 | parity,
+                // So many that their sum exceeds 32 bits.
+                rays: random.below(1 << 24) as u32,
+                spread: [values(), values(), values()],
+            }
+        })
+        .collect()
+}
+
+#[test]
+fn the_device_adds_as_exactly_as_the_host() {
+    let mut random = Random(1);
+    // Few runs of each pixel, so that not all saturate; then many, which carry again and again.
+    for (seed, count) in [(2, 3), (3, 10), (4, 40), (5, 20_000)] {
+        let mut values = Random(seed);
+        let records = runs(count, &mut || value(&mut values), &mut random);
+        assert!(on_device(&[], &records) == on_host(&records), "{count} runs");
+    }
+    let mut values = Random(6);
+    let mut common = || (10f64.powf(12.0 * values.uniform() - 8.0)) as f32;
+    let records = runs(50_000, &mut common, &mut random);
+    let (device, host) = (on_device(&[], &records), on_host(&records));
+    assert!(device == host);
+    assert_eq!(device.totals(), host.totals());
+    assert!(device.totals().rays > 1 << 32 && device.relative_error().is_some());
+    // A film whose words do not carry is found.
+    assert!(on_device(&[("lib/carry", "test/control/carry_none")], &records) != host);
+}
+
+/// Each of the nine sums saturates by itself, whether by one value or by the sum of many, and stays so.
+#[test]
+fn sums_saturate_on_their_own() {
+    let one = |sum: [f32; 3], spread: [f32; 3], counts: u32| Run { sum, spread, counts, ..Run::default() };
+    for channel in 0..3 {
+        let only = |value: f32| std::array::from_fn(|c| if c == channel { value } else { 1.0 });
+        let large = [
+            vec![one(only(2f32.powi(40)), [1.0; 3], 8)],
+            vec![one(only(2f32.powi(39)), [1.0; 3], 8 | ODD_RUN); 2],
+            vec![one(only(2f32.powi(39)), [1.0; 3], 8); 3],
+            vec![one([1.0; 3], only(2f32.powi(31)), 8); 2],
+            vec![one([1.0; 3], only(2f32.powi(31)), 8 | ODD_RUN); 5],
+        ];
+        for mut records in large {
+            records.extend([one([0.5; 3], [0.5; 3], 8), one([0.5; 3], [0.5; 3], 8 | ODD_RUN)]);
+            assert!(on_device(&[], &records) == on_host(&records), "{records:?}");
+            assert_eq!(on_device(&[], &records).relative_error(), None);
+        }
+    }
+}

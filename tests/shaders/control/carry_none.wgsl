@@ -1,0 +1,4 @@
+// No word ever carries.
+fn carry(before: u32, added: u32) -> u32 {
+    return 0u;
+}
