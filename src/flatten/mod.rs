@@ -18,7 +18,7 @@ use std::collections::HashMap;
 use crate::bvh::{self, Bounds};
 use crate::data::{self, MAX_PRIMITIVES, NO_TEXTURE, f32s};
 use crate::error::Result;
-use crate::material::{Paint, Scattering, Slot};
+use crate::material::Scattering;
 use crate::options::{FeatureSet, Integrator, RenderOptions};
 use crate::scene::{Background, Bitmap, Material, Object, Scene, Step, Texture, Use};
 use crate::shape::mesh::{self, Laid};
@@ -131,7 +131,7 @@ pub fn flatten(scene: &Scene, size: (u32, u32), options: &RenderOptions) -> Resu
         space,
         quality: options.build,
         materials: vec![0; scene.materials.len()],
-        textures: scene.materials.iter().map(|(_, material)| material.textures()).collect(),
+        textures: scene.materials.iter().map(|(_, material)| material.texture()).collect(),
         images: HashMap::new(),
         mesh_frames: HashMap::new(),
         flat,
@@ -171,8 +171,8 @@ struct Builder<'a> {
     laid: Vec<Option<Laid>>,
     /// The index in the table of each of the scene's materials that an object uses.
     materials: Vec<u32>,
-    /// The textures of each of the scene's materials, without plain colours. On every object each has a frame of its own.
-    textures: Vec<Vec<&'a Texture>>,
+    /// The texture of each of the scene's materials, none for a plain colour. On every object it has a frame of its own.
+    textures: Vec<Option<&'a Texture>>,
     /// The index of each image's first texel, by path.
     images: HashMap<String, u32>,
     /// The frames of meshes, by mesh and material.
@@ -234,21 +234,18 @@ impl Builder<'_> {
         shape.mesh().map(|mesh| self.laid(mesh)).unwrap_or_default()
     }
 
-    /// The index of a primitive's first frame. It has a frame for each texture of its material; without textures the index is 0.
+    /// The index of a primitive's frame, which it has if its material has a texture; without a texture the index is 0.
     fn frame_of(&mut self, primitive: &Placed) -> u32 {
         let Placed { shape, to_world, material } = primitive;
-        let textures = &self.textures[*material as usize];
-        if textures.is_empty() {
-            return 0;
-        }
-        // All instances of a mesh share frames, because textures are evaluated in the mesh's own space.
+        let Some(texture) = self.textures[*material as usize] else { return 0 };
+        // All instances of a mesh share a frame, because textures are evaluated in the mesh's own space.
         let shared = shape.mesh().map(|mesh| (mesh.number, *material));
         if let Some(&frame) = shared.and_then(|key| self.mesh_frames.get(&key)) {
             return frame;
         }
         let place = shape.texture_place(&to_world.rotation);
         let index = self.flat.frames.len() as u32;
-        self.flat.frames.extend(textures.iter().filter_map(|texture| texture.frame(place, &to_world.rotation)));
+        self.flat.frames.extend(texture.frame(place, &to_world.rotation));
         if let Some(key) = shared {
             self.mesh_frames.insert(key, index);
         }
@@ -266,7 +263,7 @@ fn note_material(features: &mut Features, scene: &Scene, name: &str, material: &
     let at_material = || format!("\"{name}\" at {}", scene.material_location(name));
     let number = material.number();
     features.materials[number].get_or_insert_with(at_material);
-    let that_scatter = match material.model().scattering() {
+    let that_scatter = match material.model().scattering {
         Scattering::Spread => Some(&mut features.non_specular),
         Scattering::OneWay => Some(&mut features.specular),
         Scattering::Nowhere => None,
@@ -274,7 +271,7 @@ fn note_material(features: &mut Features, scene: &Scene, name: &str, material: &
     if let Some(kinds) = that_scatter {
         kinds[number].get_or_insert_with(at_material);
     }
-    for kind in material.textures().into_iter().filter_map(Texture::shader_number) {
+    if let Some(kind) = material.texture().and_then(Texture::shader_number) {
         features.textures[kind].get_or_insert_with(at_material);
     }
 }
@@ -349,17 +346,18 @@ impl Builder<'_> {
     fn add_materials(&mut self, used: &[bool], radiance_scale: f64) {
         let scene = self.scene;
         for (number, (_, material)) in scene.materials.iter().enumerate().filter(|(number, _)| used[*number]) {
-            let mut paint = |slot: Slot<'_>| {
+            let model = material.model();
+            let mut flat = data::Material { kind: material.number() as u32, texture: NO_TEXTURE, ..model.on_device };
+            if let Some(slot) = model.slot {
                 let brightness = match slot.usage {
                     Use::Radiance => radiance_scale,
                     Use::Albedo => 1.0,
                 };
-                let colour = slot.texture.plain().map_or([0.0; 3], |colour| f32s(brightness * colour));
-                Paint { colour, texture: self.add_texture(slot.texture, brightness) }
-            };
-            let flat = material.model().upload(&mut paint);
+                flat.colour = slot.texture.plain().map_or([0.0; 3], |colour| f32s(brightness * colour));
+                flat.texture = self.add_texture(slot.texture, brightness);
+            }
             self.materials[number] = self.flat.materials.len() as u32;
-            self.flat.materials.push(data::Material { kind: material.number() as u32, ..flat });
+            self.flat.materials.push(flat);
         }
     }
 

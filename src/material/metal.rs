@@ -1,10 +1,9 @@
 //! A mirror, perfect or rough.
 
-use super::{Emission, MaterialKind, Model, Paint, Scattering, Slot};
+use super::{MaterialKind, Model, Number, Scattering, Slot};
 use crate::data;
-use crate::error::Result;
 use crate::source::form::{Form, NUMBER};
-use crate::source::{Place, share};
+use crate::source::share;
 use crate::texture::{TEXTURE, Texture};
 
 pub const KIND: MaterialKind = MaterialKind {
@@ -15,35 +14,14 @@ pub const KIND: MaterialKind = MaterialKind {
     emits: false,
 };
 
-pub struct Metal<'a> {
-    pub albedo: &'a Texture,
-    pub fuzz: f64,
-}
-
-impl<'a> Model<'a> for Metal<'a> {
-    fn slots(&self) -> Vec<Slot<'a>> {
-        vec![Slot::albedo(self.albedo)]
-    }
-
-    fn check(&self, at: &Place) -> Result<()> {
-        share(&at.field("fuzz"), "a fuzz", self.fuzz)
-    }
-
-    fn warning(&self, _: &Place) -> Option<String> {
-        None
-    }
-
-    /// A fuzz that rounds to 0 in f32 makes a perfect mirror, because kernels read it as f32.
-    fn scattering(&self) -> Scattering {
-        if self.fuzz as f32 > 0.0 { Scattering::Spread } else { Scattering::OneWay }
-    }
-
-    fn emission(&self) -> Option<Emission<'a>> {
-        None
-    }
-
-    fn upload(&self, paint: &mut dyn FnMut(Slot<'a>) -> Paint) -> data::Material {
-        let Paint { colour, texture } = paint(Slot::albedo(self.albedo));
-        data::Material { colour, texture, parameter: self.fuzz as f32, ..data::Material::default() }
+pub fn model(albedo: &Texture, fuzz: f64) -> Model<'_> {
+    let on_device = data::Material { parameter: fuzz as f32, ..data::Material::default() };
+    Model {
+        slot: Some(Slot::albedo(albedo)),
+        // A fuzz that rounds to 0 in f32 makes a perfect mirror, because kernels read it as f32.
+        scattering: if on_device.parameter > 0.0 { Scattering::Spread } else { Scattering::OneWay },
+        two_sided: None,
+        numbers: vec![Number { field: "fuzz", what: "a fuzz", value: fuzz, check: share, warning: None }],
+        on_device,
     }
 }

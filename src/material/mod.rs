@@ -49,40 +49,39 @@ kinds! {
 }
 
 impl Material {
-    /// The implementation of the material.
-    pub fn model(&self) -> Box<dyn Model<'_> + '_> {
+    /// The properties of the material.
+    pub fn model(&self) -> Model<'_> {
         match self {
-            Material::Lambertian { albedo } => Box::new(lambertian::Lambertian { albedo }),
-            Material::Metal { albedo, fuzz } => Box::new(metal::Metal { albedo, fuzz: *fuzz }),
-            Material::Dielectric { ior } => Box::new(dielectric::Dielectric { ior: *ior }),
-            Material::DiffuseLight { emit, two_sided } => {
-                Box::new(diffuse_light::DiffuseLight { emit, two_sided: *two_sided })
-            }
+            Material::Lambertian { albedo } => lambertian::model(albedo),
+            Material::Metal { albedo, fuzz } => metal::model(albedo, *fuzz),
+            Material::Dielectric { ior } => dielectric::model(*ior),
+            Material::DiffuseLight { emit, two_sided } => diffuse_light::model(emit, *two_sided),
         }
     }
 
-    /// Its textures, without plain colours.
-    pub fn textures(&self) -> Vec<&Texture> {
-        let textures = self.model().slots().into_iter().map(|slot| slot.texture);
-        textures.filter(|texture| texture.plain().is_none()).collect()
+    /// Its texture; none for a plain colour.
+    pub fn texture(&self) -> Option<&Texture> {
+        self.model().slot.map(|slot| slot.texture).filter(|texture| texture.plain().is_none())
     }
 
     /// Refuses invalid values; `at` is the place of the material.
     pub fn check(&self, at: &Place) -> Result<()> {
         let at = at.variant(self.name());
         let model = self.model();
-        for slot in model.slots() {
+        if let Some(slot) = model.slot {
             slot.texture.check(&at.field(slot.field), slot.usage)?;
         }
-        model.check(&at)
+        let check = |number: &Number| (number.check)(&at.field(number.field), number.what, number.value);
+        model.numbers.iter().try_for_each(check)
     }
 
     /// Warnings about values that are allowed but likely to disappoint.
     pub fn warnings(&self, at: &Place, bitmaps: &Bitmaps) -> Vec<String> {
         let at = at.variant(self.name());
         let model = self.model();
-        let of_slots = model.slots().into_iter().filter_map(|slot| slot.warning(&at, bitmaps));
-        model.warning(&at).into_iter().chain(of_slots).collect()
+        let of_numbers =
+            model.numbers.iter().filter_map(|number| Some(at.field(number.field).warning(number.warning.as_ref()?)));
+        of_numbers.chain(model.slot.and_then(|slot| slot.warning(&at, bitmaps))).collect()
     }
 }
 
@@ -118,18 +117,28 @@ pub enum Scattering {
     Nowhere,
 }
 
-/// What every material implements on the host. No method has a default, so that a new material cannot forget one.
-pub trait Model<'a> {
-    /// Its textures.
-    fn slots(&self) -> Vec<Slot<'a>>;
-    /// Refuses invalid numbers; textures are checked elsewhere. `at` is the place of the variant.
-    fn check(&self, at: &Place) -> Result<()>;
-    /// A warning about numbers that are allowed; warnings about textures are made elsewhere.
-    fn warning(&self, at: &Place) -> Option<String>;
-    fn scattering(&self) -> Scattering;
-    fn emission(&self) -> Option<Emission<'a>>;
-    /// The struct that kernels read. `paint` lays out a slot's texture. The number of the kind is filled in later.
-    fn upload(&self, paint: &mut dyn FnMut(Slot<'a>) -> Paint) -> data::Material;
+/// The properties of a material on the host. No field has a default, so that a new material cannot forget one.
+pub struct Model<'a> {
+    /// Its texture, if it has one.
+    pub slot: Option<Slot<'a>>,
+    pub scattering: Scattering,
+    /// Whether it emits to both sides; none if it does not emit. Its texture is the emitted radiance.
+    pub two_sided: Option<bool>,
+    pub numbers: Vec<Number>,
+    /// The struct that kernels read. The texture and the number of the kind are filled in later.
+    pub on_device: data::Material,
+}
+
+/// A number of a material, with the name of the field that holds it.
+pub struct Number {
+    pub field: &'static str,
+    /// The words for it in error messages, such as "a fuzz".
+    pub what: &'static str,
+    pub value: f64,
+    /// Refuses invalid values.
+    pub check: fn(&Place, &str, f64) -> Result<()>,
+    /// A warning about a value that is allowed but likely to disappoint.
+    pub warning: Option<String>,
 }
 
 /// A texture of a material, with the name of the field that holds it.
@@ -140,20 +149,17 @@ pub struct Slot<'a> {
     pub texture: &'a Texture,
 }
 
-/// A slot as kernels read it.
-#[derive(Clone, Copy, Debug)]
-pub struct Paint {
-    /// The colour, if it is the same everywhere.
-    pub colour: [f32; 3],
-    /// The number of the texture, or `NO_TEXTURE`.
-    pub texture: u32,
-}
-
 /// The emission of a material.
 #[derive(Clone, Copy, Debug)]
 pub struct Emission<'a> {
     pub slot: Slot<'a>,
     pub two_sided: bool,
+}
+
+impl<'a> Model<'a> {
+    pub fn emission(&self) -> Option<Emission<'a>> {
+        Some(Emission { slot: self.slot?, two_sided: self.two_sided? })
+    }
 }
 
 impl<'a> Slot<'a> {

@@ -70,7 +70,7 @@ fn beta_fraction(a: f64, b: f64, x: f64) -> f64 {
 
 /// The natural logarithm of the gamma function, x > 0, by Stirling's series (Abramowitz and Stegun, 6.1.41) above 10,
 /// the recurrence below.
-fn ln_gamma(mut x: f64) -> f64 {
+pub fn ln_gamma(mut x: f64) -> f64 {
     let mut product = 1.0;
     while x < 10.0 {
         product *= x;

@@ -58,11 +58,7 @@ impl Progress {
 
     /// Prints a line above the bar, unless quiet.
     pub fn message(&self, text: &str) {
-        match &self.display {
-            Display::Hidden => {}
-            Display::Bar(bar) => bar.suspend(|| print(text)),
-            Display::Lines(_) => print(text),
-        }
+        self.display.message(text);
     }
 
     /// Removes the bar. Dropping does the same, so that an error message starts on a line of its own.
@@ -83,6 +79,15 @@ impl Display {
         let style = ProgressStyle::with_template(TEMPLATE).unwrap_or_else(|_| ProgressStyle::default_bar());
         let bar = ProgressBar::with_draw_target(Some(BAR_STEPS), target);
         Display::Bar(bar.with_style(style).with_finish(ProgressFinish::AndClear))
+    }
+
+    /// Prints a line above the bar.
+    fn message(&self, text: &str) {
+        match self {
+            Display::Hidden => {}
+            Display::Bar(bar) => bar.suspend(|| print(text)),
+            Display::Lines(_) => print(text),
+        }
     }
 
     /// Shows the share of the work that is done, 0 to 1, and the words.
@@ -128,9 +133,9 @@ impl Loading {
     /// Prints a line above the bar, unless quiet.
     pub fn message(&self, text: &str) {
         match &self.display {
-            _ if self.quiet => {}
-            Some(Display::Bar(bar)) => bar.suspend(|| print(text)),
-            _ => print(text),
+            Some(display) => display.message(text),
+            None if self.quiet => {}
+            None => print(text),
         }
     }
 

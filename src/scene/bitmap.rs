@@ -26,8 +26,9 @@ pub fn load_all(scene: &Scene) -> Result<Bitmaps> {
     }
     let materials = top.field("materials");
     for (name, material) in &scene.materials {
-        for slot in material.model().slots() {
-            let Some(path) = slot.texture.image() else { continue };
+        if let Some(slot) = material.model().slot
+            && let Some(path) = slot.texture.image()
+        {
             let at = materials.key(name);
             let at = at.variant(material.name());
             let at = at.field(slot.field);

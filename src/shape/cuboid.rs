@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3, Vec3};
 
-use super::mesh::{Laid, MeshShape};
+use super::mesh::Laid;
 use super::{
     Aabb, Boundary, Element, Emitter, Geometry, Hull, MATERIAL, Placement, Shape, ShapeKind, Tables, error_bound,
     padded,
@@ -52,10 +52,6 @@ impl Geometry for Cuboid {
         ((self.max - self.min).min_element(), self.min.length().max(self.max.length()))
     }
 
-    fn mesh(&self) -> Option<&MeshShape<'_>> {
-        None
-    }
-
     fn texture_place(&self, _: &DMat3) -> (DVec3, DMat3) {
         (self.min, DMat3::from_diagonal(self.max - self.min))
     }
@@ -100,9 +96,5 @@ impl Geometry for Cuboid {
     fn hull(&self, at: &Placement) -> Hull {
         let half = 0.5 * at.scale() * (self.max - self.min);
         Hull::Cuboid { center: at.point(self.middle()), half, axes: at.to_world.rotation }
-    }
-
-    fn is_hull(&self) -> bool {
-        true
     }
 }

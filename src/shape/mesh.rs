@@ -140,10 +140,6 @@ impl<'a> Geometry for &'a MeshShape<'a> {
         ((max - min).max_element(), min.abs().max(max.abs()).length())
     }
 
-    fn mesh(&self) -> Option<&MeshShape<'_>> {
-        Some(self)
-    }
-
     fn texture_place(&self, _: &DMat3) -> (DVec3, DMat3) {
         (self.around.center(), DMat3::from_diagonal(DVec3::splat(self.unit())))
     }
@@ -195,9 +191,5 @@ impl<'a> Geometry for &'a MeshShape<'a> {
     fn hull(&self, at: &Placement) -> Hull {
         let half = 0.5 * at.scale() * (self.around.max - self.around.min);
         Hull::Cuboid { center: at.point(self.around.center()), half, axes: at.to_world.rotation }
-    }
-
-    fn is_hull(&self) -> bool {
-        false
     }
 }

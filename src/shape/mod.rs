@@ -1,6 +1,6 @@
 //! The shapes: sphere, quad, box and mesh, one file each.
 //!
-//! `KINDS` is the one list of them. Everything about a shape is a field of `ShapeKind` or a method of `Geometry`.
+//! `kinds!` has the one list of them. Everything about a shape is a field of `ShapeKind` or a method of `Geometry`.
 //! Neither has defaults, so that a new shape cannot forget one.
 
 mod closed;
@@ -19,7 +19,7 @@ use glam::{DMat3, DVec3, Vec3};
 use crate::data::{self, KIND_INSTANCE, KIND_TRIANGLE, primitive_code};
 use crate::error::Result;
 use crate::source::Place;
-use crate::source::form::Form;
+use crate::source::form::{Form, kinds};
 pub use cuboid::Cuboid;
 pub use hull::{Hull, normal, reach_of};
 use mesh::{Laid, MeshShape};
@@ -126,9 +126,6 @@ pub trait Geometry {
     /// Its smallest size, and a bound of its farthest distance from the origin. They limit the transforms of the shape.
     fn span(&self) -> (f64, f64);
 
-    /// The mesh, if it is one.
-    fn mesh(&self) -> Option<&MeshShape<'_>>;
-
     /// The map from texture coordinates to the shape's own space: base + columns · local.
     fn texture_place(&self, rotation: &DMat3) -> (DVec3, DMat3);
 
@@ -143,49 +140,53 @@ pub trait Geometry {
 
     /// A simple bounding volume, for the warnings about sizes and distances.
     fn hull(&self, at: &Placement) -> Hull;
+}
+
+/// A shape in its own space.
+#[derive(Clone, Copy)]
+pub enum Shape<'a> {
+    Sphere(Sphere),
+    Quad(Quad),
+    Cuboid(Cuboid),
+    Mesh(&'a MeshShape<'a>),
+}
+
+kinds! {
+    Shape<'_>: ShapeKind;
+    Sphere => sphere::KIND,
+    Quad => quad::KIND,
+    Cuboid => cuboid::KIND,
+    Mesh => mesh::KIND,
+}
+
+impl<'a> Deref for Shape<'a> {
+    type Target = dyn Geometry + 'a;
+
+    fn deref(&self) -> &Self::Target {
+        match self {
+            Shape::Sphere(shape) => shape,
+            Shape::Quad(shape) => shape,
+            Shape::Cuboid(shape) => shape,
+            Shape::Mesh(shape) => shape,
+        }
+    }
+}
+
+/// The kinds of shape by number.
+pub const KINDS: &[ShapeKind] = Shape::KINDS;
+
+impl<'a> Shape<'a> {
+    /// The mesh, if it is one.
+    pub fn mesh(&self) -> Option<&'a MeshShape<'a>> {
+        match self {
+            Shape::Mesh(mesh) => Some(mesh),
+            _ => None,
+        }
+    }
 
     /// Whether it is exactly the surface of its hull.
-    fn is_hull(&self) -> bool;
-}
-
-/// Declares the kinds in the order of their numbers, and makes everything that depends on the list.
-macro_rules! shapes {
-    ($($name:ident: $shape:ty, $kind:expr;)*) => {
-        /// A shape in its own space.
-        #[derive(Clone, Copy)]
-        pub enum Shape<'a> { $($name($shape),)* }
-
-        /// The kinds of shape by number.
-        pub const KINDS: &[ShapeKind] = &[$($kind),*];
-
-        impl Shape<'_> {
-            /// The index in `KINDS`.
-            pub fn number(&self) -> usize {
-                enum Number { $($name),* }
-                match self { $(Shape::$name(_) => Number::$name as usize,)* }
-            }
-        }
-
-        impl<'a> Deref for Shape<'a> {
-            type Target = dyn Geometry + 'a;
-
-            fn deref(&self) -> &Self::Target {
-                match self { $(Shape::$name(shape) => shape,)* }
-            }
-        }
-    };
-}
-
-shapes! {
-    Sphere: Sphere, sphere::KIND;
-    Quad: Quad, quad::KIND;
-    Cuboid: Cuboid, cuboid::KIND;
-    Mesh: &'a MeshShape<'a>, mesh::KIND;
-}
-
-impl Shape<'_> {
-    pub fn kind(&self) -> &'static ShapeKind {
-        &KINDS[self.number()]
+    pub fn is_hull(&self) -> bool {
+        self.mesh().is_none()
     }
 
     pub fn code_kind(&self) -> u32 {
@@ -204,15 +205,7 @@ const fn code_kind(number: usize) -> u32 {
 }
 
 /// The names of the kinds' shader files, by number. For a mesh it is the file of its triangles.
-pub const PRIMITIVES: &[&str] = &{
-    let mut names = [""; KINDS.len()];
-    let mut i = 0;
-    while i < KINDS.len() {
-        names[i] = KINDS[i].shader;
-        i += 1;
-    }
-    names
-};
+pub const PRIMITIVES: &[&str] = Shape::SHADERS;
 const _: () = {
     assert!(
         KINDS.len() <= KIND_INSTANCE as usize,

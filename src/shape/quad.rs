@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3, Vec3};
 
-use super::mesh::{Laid, MeshShape};
+use super::mesh::Laid;
 use super::{
     Aabb, Element, Emitter, Geometry, Hull, MATERIAL, Placement, Shape, ShapeKind, Tables, error_bound, padded,
 };
@@ -45,10 +45,6 @@ impl Geometry for Quad {
     fn span(&self) -> (f64, f64) {
         let (u, v) = (self.u.length(), self.v.length());
         (u.min(v), self.corner.length() + u + v)
-    }
-
-    fn mesh(&self) -> Option<&MeshShape<'_>> {
-        None
     }
 
     fn texture_place(&self, _: &DMat3) -> (DVec3, DMat3) {
@@ -97,10 +93,6 @@ impl Geometry for Quad {
 
     fn hull(&self, at: &Placement) -> Hull {
         Hull::Parallelogram { corner: at.point(self.corner), u: at.vector(self.u), v: at.vector(self.v) }
-    }
-
-    fn is_hull(&self) -> bool {
-        true
     }
 }
 

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glam::{DMat3, DVec3, Vec3};
 
-use super::mesh::{Laid, MeshShape};
+use super::mesh::Laid;
 use super::{
     Aabb, Boundary, Element, Emitter, Geometry, Hull, MATERIAL, Placement, Shape, ShapeKind, Tables, error_bound,
     padded,
@@ -39,10 +39,6 @@ impl Geometry for Sphere {
         (self.radius, self.center.length() + self.radius)
     }
 
-    fn mesh(&self) -> Option<&MeshShape<'_>> {
-        None
-    }
-
     /// The texture coordinates of a sphere's point are the components of its normal in the world.
     fn texture_place(&self, rotation: &DMat3) -> (DVec3, DMat3) {
         (self.center, rotation.transpose() * self.radius)
@@ -71,9 +67,5 @@ impl Geometry for Sphere {
 
     fn hull(&self, at: &Placement) -> Hull {
         Hull::Ball { center: at.point(self.center), radius: at.scale() * self.radius }
-    }
-
-    fn is_hull(&self) -> bool {
-        true
     }
 }

@@ -46,11 +46,11 @@ pub fn any(all: impl Iterator<Item = String>) -> String {
 /// Lists the kinds of an enum's values. The number of a value is the index of its kind in the list; kernels switch on
 /// it. A variant that the list lacks does not compile.
 macro_rules! kinds {
-    ($values:ident: $kind:ty; $($variant:ident => $about:expr),* $(,)?) => {
+    ($values:ty: $kind:ty; $($variant:ident => $about:expr),* $(,)?) => {
         impl $values {
-            pub const KINDS: &[$kind] = &[$($about),*];
+            pub const KINDS: &'static [$kind] = &[$($about),*];
             /// The names of their shader files.
-            const SHADERS: &[&str] = &[$($about.shader),*];
+            const SHADERS: &'static [&'static str] = &[$($about.shader),*];
 
             /// The index of the value's kind in the list.
             pub fn number(&self) -> usize {
@@ -58,7 +58,7 @@ macro_rules! kinds {
                     $($variant),*
                 }
                 match self {
-                    $($values::$variant { .. } => Number::$variant as usize),*
+                    $(Self::$variant { .. } => Number::$variant as usize),*
                 }
             }
 

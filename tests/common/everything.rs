@@ -1,9 +1,11 @@
 //! A scene with everything in it, by its scale, place and brightness; and what it takes for two renders to be the same.
 
+use glam::DVec3;
 use gpu_rt::scene::Scene;
 use image::{Rgb, RgbImage};
 use tempfile::TempDir;
 
+use super::instances::ball_file;
 use super::render::{Shot, scene_in};
 
 /// A scene's numbers that the tests vary.
@@ -35,18 +37,9 @@ impl Everything {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let image = RgbImage::from_fn(8, 8, |x, y| Rgb([(x * 30) as u8, (y * 30) as u8, 200]));
         image.save(folder.path().join("image.png")).expect("the image is written");
-        let octahedron = octahedron();
-        std::fs::write(folder.path().join("octahedron.obj"), &octahedron).expect("the mesh is written");
-        // Without its normals: flat-shaded.
-        let flat: Vec<String> = octahedron
-            .lines()
-            .filter(|line| !line.starts_with("vn"))
-            .map(|line| match line.starts_with('f') {
-                true => line.split(' ').map(|c| c.split('/').next().unwrap_or_default()).collect::<Vec<_>>().join(" "),
-                false => line.to_string(),
-            })
-            .collect();
-        std::fs::write(folder.path().join("flat.obj"), flat.join("\n")).expect("the mesh is written");
+        for (name, text) in [("octahedron.obj", octahedron()), ("flat.obj", ball_file(0, DVec3::ONE))] {
+            std::fs::write(folder.path().join(name), text).expect("the mesh is written");
+        }
         Everything(folder)
     }
 

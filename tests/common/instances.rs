@@ -43,27 +43,31 @@ pub struct Out {
 
 pub const NOTHING: u32 = u32::MAX;
 
-/// The corners and faces of an octahedron, each face cut into four so many times; on the unit sphere.
-pub fn ball(cuts: u32) -> (Vec<DVec3>, Vec<[usize; 3]>) {
-    let mut corners = vec![DVec3::X, -DVec3::X, DVec3::Y, -DVec3::Y, DVec3::Z, -DVec3::Z];
-    let mut faces = vec![[4, 0, 2], [0, 5, 2], [5, 1, 2], [1, 4, 2], [0, 4, 3], [5, 0, 3], [1, 5, 3], [4, 1, 3]];
-    for _ in 0..cuts {
-        let mut middles = HashMap::new();
-        let mut middle = |a: usize, b: usize, corners: &mut Vec<DVec3>| {
-            *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
-                corners.push((corners[a] + corners[b]).normalize());
-                corners.len() - 1
-            })
-        };
-        faces = faces
-            .iter()
-            .flat_map(|&[a, b, c]| {
-                let (ab, bc, ca) = (middle(a, b, &mut corners), middle(b, c, &mut corners), middle(c, a, &mut corners));
-                [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
-            })
-            .collect();
-    }
+/// Corners, and faces by their numbers.
+pub type Faces = (Vec<DVec3>, Vec<[usize; 3]>);
+
+/// Each face cut into four at the middles of its edges, which are moved.
+pub fn cut((mut corners, faces): Faces, moved: impl Fn(DVec3) -> DVec3) -> Faces {
+    let mut middles = HashMap::new();
+    let mut middle = |a: usize, b: usize| {
+        *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
+            corners.push(moved(0.5 * (corners[a] + corners[b])));
+            corners.len() - 1
+        })
+    };
+    let in_four = |&[a, b, c]: &[usize; 3]| {
+        let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
+        [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+    };
+    let faces = faces.iter().flat_map(in_four).collect();
     (corners, faces)
+}
+
+/// An octahedron, cut so many times; on the unit sphere.
+pub fn ball(cuts: u32) -> Faces {
+    let corners = vec![DVec3::X, -DVec3::X, DVec3::Y, -DVec3::Y, DVec3::Z, -DVec3::Z];
+    let faces = vec![[4, 0, 2], [0, 5, 2], [5, 1, 2], [1, 4, 2], [0, 4, 3], [5, 0, 3], [1, 5, 3], [4, 1, 3]];
+    (0..cuts).fold((corners, faces), |faces, _| cut(faces, DVec3::normalize))
 }
 
 /// The ball as an OBJ file, stretched along its axes.
@@ -78,6 +82,17 @@ pub fn ball_file(cuts: u32, stretch: DVec3) -> String {
         writeln!(text, "f {} {} {}", a + 1, b + 1, c + 1).expect("a string takes text");
     }
     text
+}
+
+/// The ball as an OBJ file whose vertices are their own normals.
+pub fn smooth_ball_file(cuts: u32) -> String {
+    let (corners, faces) = ball(cuts);
+    let vertices = corners.iter().map(|p| format!("v {0:?} {1:?} {2:?}\nvn {0:?} {1:?} {2:?}\n", p.x, p.y, p.z));
+    let faces = faces.iter().map(|face| {
+        let [a, b, c] = face.map(|corner| corner + 1);
+        format!("f {a}//{a} {b}//{b} {c}//{c}\n")
+    });
+    vertices.chain(faces).collect()
 }
 
 /// Objects of the material "m" around a camera at `eye`, with "ball.obj" beside the scene.

@@ -1,22 +1,12 @@
 //! Statistics for tests: tail probabilities, and the tests built on them. A p-value is the probability of a deviation at least as large
 //! as the one seen if nothing were wrong; a test fails where it is below the false-alarm rate that the caller accepts.
 
+use gpu_rt::metrics::student::two_sided;
+
+pub use gpu_rt::metrics::student::ln_gamma;
+
 /// Terms after which a continued fraction or series is taken as it is; they grow as the root of the degrees of freedom.
 const MAX_TERMS: u32 = 100_000;
-
-/// Natural logarithm of the gamma function, x > 0, by Stirling's series after shifting x above 10 (Abramowitz and Stegun, 6.1.41 and
-/// 6.1.15). Relative error about 1e-15.
-pub fn ln_gamma(x: f64) -> f64 {
-    let (mut x, mut product) = (x, 1.0);
-    while x < 10.0 {
-        product *= x;
-        x += 1.0;
-    }
-    let y = 1.0 / (x * x);
-    let series = 1.0 / 12.0
-        - y * (1.0 / 360.0 - y * (1.0 / 1260.0 - y * (1.0 / 1680.0 - y * (1.0 / 1188.0 - y * 691.0 / 360_360.0))));
-    (x - 0.5) * x.ln() - x + 0.5 * (2.0 * std::f64::consts::PI).ln() + series / x - f64::ln(product)
-}
 
 /// Continued fraction b0 + a1/(b1 + a2/(b2 + …)) by Lentz's method (Press et al., Numerical Recipes, 3rd edition, section 5.2).
 fn continued_fraction(b0: f64, term: impl Fn(f64) -> (f64, f64)) -> f64 {
@@ -61,30 +51,6 @@ pub fn gamma_q(a: f64, x: f64) -> f64 {
     }
 }
 
-/// Regularised incomplete beta function I_x(a, b), a, b > 0, with `y` = 1 − x given by the caller, who may know it better (DLMF 8.17.22).
-pub fn beta_i(a: f64, b: f64, x: f64, y: f64) -> f64 {
-    if x <= 0.0 {
-        return 0.0;
-    }
-    if y <= 0.0 {
-        return 1.0;
-    }
-    if x > (a + 1.0) / (a + b + 2.0) {
-        return 1.0 - beta_i(b, a, y, x);
-    }
-    let front = (a * x.ln() + b * y.ln() + ln_gamma(a + b) - ln_gamma(a) - ln_gamma(b)).exp() / a;
-    let term = |i: f64| {
-        let m = (i / 2.0).floor();
-        let d = if i % 2.0 == 0.0 {
-            m * (b - m) * x / ((a + 2.0 * m - 1.0) * (a + 2.0 * m))
-        } else {
-            -(a + m) * (a + b + m) * x / ((a + 2.0 * m) * (a + 2.0 * m + 1.0))
-        };
-        (d, 1.0)
-    };
-    front / continued_fraction(1.0, term)
-}
-
 /// P(|Z| ≥ |z|) of a standard normal Z.
 pub fn normal_two_sided(z: f64) -> f64 {
     gamma_q(0.5, z * z / 2.0)
@@ -92,11 +58,7 @@ pub fn normal_two_sided(z: f64) -> f64 {
 
 /// P(|T| ≥ |t|) of Student's t; infinitely many degrees of freedom are the normal distribution.
 pub fn student_two_sided(t: f64, degrees: f64) -> f64 {
-    if degrees.is_infinite() || t.is_infinite() {
-        return normal_two_sided(t);
-    }
-    let t2 = t * t;
-    beta_i(degrees / 2.0, 0.5, degrees / (degrees + t2), t2 / (degrees + t2))
+    if degrees.is_infinite() { normal_two_sided(t) } else { two_sided(t, degrees) }
 }
 
 /// P(X ≥ x) of chi-square.
@@ -134,6 +96,32 @@ pub fn one_sample_t(values: &[f64], expected: f64) -> TTest {
     let n = values.len() as f64;
     let (mean, variance) = mean_and_variance(values);
     t_test(mean - expected, variance / n, n - 1.0)
+}
+
+/// Why two square images of the same seed have not one expectation, in tiles of 8 x 8 pixels and as a whole: Student's test that the pixels'
+/// differences are none on the mean, a false alarm once in 1 / `alpha` times. What both have alike cancels, and pixels are independent.
+pub fn same_expectation_paired(a: &[[f32; 3]], b: &[[f32; 3]], alpha: f64) -> Result<(), String> {
+    const TILE: usize = 8;
+    assert_eq!(a.len(), b.len());
+    let side = a.len().isqrt();
+    let starts = || (0..side).step_by(TILE);
+    let tiles = starts().flat_map(|top| starts().map(move |left| (left, top, TILE)));
+    let areas: Vec<(usize, usize, usize)> = tiles.chain([(0, 0, side)]).collect();
+    let threshold = sidak(alpha, 3 * areas.len());
+    for (left, top, size) in areas {
+        for channel in 0..3 {
+            let pixels = (top..top + size).flat_map(|y| (left..left + size).map(move |x| y * side + x));
+            let differences: Vec<f64> = pixels.map(|i| f64::from(a[i][channel]) - f64::from(b[i][channel])).collect();
+            let found = one_sample_t(&differences, 0.0);
+            if size == side {
+                println!("channel {channel}: {found:?}");
+            }
+            if found.p < threshold {
+                return Err(format!("{size} x {size} pixels at ({left}, {top}), channel {channel}: {found:?}"));
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Welch's test that two samples have one expectation, whatever their variances (Welch 1947). At least two values in each.
@@ -196,6 +184,19 @@ pub fn pixel_test(
         }
     }
     worst
+}
+
+/// The cell of so many of a value from 0 to 1.
+pub fn bin(x: f64, bins: usize) -> usize {
+    ((x * bins as f64).max(0.0) as usize).min(bins - 1)
+}
+
+/// The p-value of points that are uniform in the unit square, by Pearson's test of so many cells.
+pub fn uniform_in_cells((columns, rows): (usize, usize), points: impl Iterator<Item = (f64, f64)>) -> f64 {
+    let mut cells = vec![0u64; columns * rows];
+    points.for_each(|(x, y)| cells[bin(x, columns) * rows + bin(y, rows)] += 1);
+    let count: u64 = cells.iter().sum();
+    chi_square(&cells, &vec![count as f64 / cells.len() as f64; cells.len()], 1)
 }
 
 /// Pearson's test that counts follow the expected ones. Cells of less than 5 expected are pooled, smallest first (Cochran's rule), as the

@@ -74,10 +74,16 @@ fn direction_error(fuzz: f64, replaced: &[(&str, &str)]) -> f64 {
 fn direction_error_of(fuzz: f64, told: f64, replaced: &[(&str, &str)]) -> f64 {
     let mut random = Random(74);
     let rows: Vec<In> = (0..5000)
-        .map(|_| {
+        .map(|i| {
             let cos = decades(&mut random, -4.0, 0.0);
             let row = arriving(&mut random, cos, told);
-            In { u: [0; 4].map(|_| (random.bits() >> 40) as f32 * U as f32), ..row }
+            // Some numbers at the ends of their range.
+            let u = |at: u32| match i >> (2 * at) & 3 {
+                0 => 0.0,
+                1 => 1.0 - U as f32,
+                _ => (random.bits() >> 40) as f32 * U as f32,
+            };
+            In { u: [0, 1, 2, 3].map(u), ..row }
         })
         .collect();
     let found = kernel(1, replaced).run::<_, Out>(&rows);
@@ -92,7 +98,8 @@ fn direction_error_of(fuzz: f64, told: f64, replaced: &[(&str, &str)]) -> f64 {
             // What is absorbed lies below the surface, but for what decides it.
             return if (out.event == SCATTERED) == (height > 0.0) { worst } else { worst.max(height.abs()) };
         }
-        worst.max((exact(out.direction) - blurred.normalize()).length() * blurred.length())
+        let off = (exact(out.direction) - blurred.normalize()).length() * blurred.length();
+        if off.is_nan() { f64::MAX } else { worst.max(off) }
     })
 }
 

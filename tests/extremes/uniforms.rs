@@ -1,20 +1,14 @@
 //! Random numbers at the ends of their range, 0 and 1 - 2^-24, in every dimension: nothing that is drawn from them
 //! leaves its range.
 
-use std::collections::BTreeMap;
-
 use bytemuck::{Pod, Zeroable};
-use glam::DVec3;
-use gpu_rt::data::{Cuboid, Material, Quad, RUN_LENGTH, Sampler, Sphere};
-use gpu_rt::flatten::flatten;
+use gpu_rt::data::{RUN_LENGTH, Sampler, Sphere};
 
 use crate::common::kernel::{Kernel, Overlay, Setup};
-use crate::common::light_kernel::{self, CUBOID, Kind, QUAD, SHARES, SPHERE, TRIANGLE, Triangle, spheres};
+use crate::common::light_kernel::{self, SHARES, SPHERE, spheres};
 use crate::common::render::{Ask, render_linked, scene};
-use crate::common::rows::{Answer, CameraRay, Maps, Met, OnFilm, Words, glass};
-use crate::common::stats::Random;
-use crate::common::vectors::{U, decades, exact, rounded, unit};
-use crate::media::{ASYMMETRIES, Scattered, Scattering, phase};
+use crate::common::rows::Words;
+use crate::common::vectors::{U, exact};
 use crate::table::{Cell, Row};
 
 const LAST: f32 = 1.0 - U as f32;
@@ -25,27 +19,13 @@ const ENDS: [f32; 4] = [0.0, U as f32, 0.5, LAST];
 const WITH_ONE: [f32; 4] = [0.0, U as f32, 0.5, 1.0];
 const ONE: &str = "uniforms that reach 1";
 
-/// As shaders/data/material.wgsl has them.
-const SCATTERED: u32 = 0;
-const ABSORBED: u32 = 1;
-
 /// The table's cells of uniforms.
 pub fn cells() -> Vec<Cell> {
     let mut all = vec![words()];
     all.extend(forced());
-    all.extend(materials());
-    all.extend(lights());
+    all.push(spheres_as_lights());
     all.push(picks());
-    all.push(phases());
-    all.push(flights());
-    all.extend(maps());
-    all.push(camera());
     all
-}
-
-/// All that four numbers from a list can be.
-fn fours(ends: [f32; 4]) -> impl Iterator<Item = [f32; 4]> {
-    (0..256).map(move |i| [i & 3, i >> 2 & 3, i >> 4 & 3, i >> 6].map(|at| ends[at]))
 }
 
 fn cell(range: impl Into<String>, figure: &'static str) -> Cell {
@@ -183,77 +163,9 @@ fn is_unit(direction: [f32; 3]) -> bool {
     (exact(direction).length() - 1.0).abs() < 8.0 * U
 }
 
-fn materials() -> Vec<Cell> {
-    let metal = |fuzz: f32| Material { parameter: fuzz, ..Material::default() };
-    let kinds: [(&'static str, Vec<Material>); 3] = [
-        ("lambertian", vec![Material::default()]),
-        ("metal", [0.0, 1e-7, 0.5, 1.0].map(metal).to_vec()),
-        ("dielectric", [1.0, 1.5, 1.0 / 1.5, 1.0 + 1e-6, 1.0 - 1e-6, 4.0].map(glass).to_vec()),
-    ];
-    kinds
-        .map(|(name, materials)| {
-            let values = [("material", name), ("times", "1"), ("keyed", "false")];
-            let kernel = Kernel::with("test/scatter", &Setup { values: &values, ..Setup::default() });
-            let wrong = |ends| {
-                let mut random = Random(72);
-                let mut rows = Vec::new();
-                for i in 0..12 * materials.len() {
-                    let normal = if i % 2 == 0 { unit(&mut random) } else { -DVec3::Z + 1e-3 * unit(&mut random) };
-                    let normal = normal.normalize();
-                    let across = normal.cross(unit(&mut random)).normalize();
-                    let cos = if i % 3 == 0 { 1.0 } else { decades(&mut random, -4.0, 0.0) };
-                    let incoming = ((1.0 - cos * cos).sqrt() * across - cos * normal).normalize();
-                    rows.extend(fours(ends).map(|u| Met {
-                        incoming: rounded(incoming),
-                        normal: rounded(normal),
-                        front: (i as u32 / 2) & 1,
-                        colour: [1.0; 3],
-                        u,
-                        material: materials[i % materials.len()],
-                        ..Met::default()
-                    }));
-                }
-                let found = kernel.run::<_, Answer>(&rows);
-                rows.iter().zip(found).filter(|(row, out)| !is_right(name, row, out)).count() as f64
-            };
-            let cell = cell(name, ANSWERS).achieved(wrong(ENDS));
-            if name == "metal" { cell } else { cell.planted(ONE, wrong(WITH_ONE)) }
-        })
-        .into()
-}
-
-/// Whether a material's answer is a direction on the side on which it may be, or none.
-fn is_right(name: &str, row: &Met, out: &Answer) -> bool {
-    let (incoming, normal, direction) = (exact(row.incoming), exact(row.normal), exact(out.direction));
-    let height = direction.dot(normal);
-    match (name, out.event) {
-        ("metal", ABSORBED) => out.weight == [0.0; 3],
-        (_, event) if event != SCATTERED || out.weight != [1.0; 3] || !is_unit(out.direction) => false,
-        // z is 2^-12 at least before it is turned, by a basis that is off by 3 u.
-        ("lambertian", _) => height > 2e-4,
-        ("metal", _) => height > -2.0 * U,
-        _ => {
-            let (contrast, cos) = match row.front {
-                0 => (row.material.contrast_inside, -incoming.dot(normal)),
-                _ => (row.material.contrast_outside, -incoming.dot(normal)),
-            };
-            // Under total reflection the ray stays on its side, up to the numbers' last digits.
-            f64::from(contrast) + cos * cos > -8.0 * U * f64::from(contrast).abs() || height > 0.0
-        }
-    }
-}
-
-/// Answers of a light that are no unit direction, or whose density or its square is no number, or not the same when told again.
-fn wrong_lights<S: Pod>(kind: Kind, rows: &[light_kernel::In], shapes: &[S]) -> f64 {
-    let wrong = |out: &light_kernel::Out| {
-        let finite = out.pdf.is_finite() && out.pdf >= 0.0 && (out.pdf * out.pdf).is_finite();
-        !(is_unit(out.direction) && finite && out.pdf == out.again)
-    };
-    light_kernel::at_ends(kind, rows, shapes).iter().filter(|(_, out)| wrong(out)).count() as f64
-}
-
-fn lights() -> Vec<Cell> {
-    let mut random = Random(660);
+/// Answers of a sphere as a light that are no unit direction, or whose density or its square is no number, or not the same when told
+/// again.
+fn spheres_as_lights() -> Cell {
     let mut shares = SHARES.to_vec();
     shares.extend([1.0, 1.0 + 1e-7, 1.5, 1e3, 1e8, 1e-9, 1e-12, 1e-20]);
     let (mut rows, mut shapes) = spheres(&shares, 660);
@@ -266,41 +178,12 @@ fn lights() -> Vec<Cell> {
         rows.push(row(from, shapes.len() as u32));
     }
     shapes.push(Sphere { radius: 1.0, ..Sphere::default() });
-
-    // Points before and beside a light of size 1 whose plane is z = 0, on it, touching and far away.
-    let mut around = Vec::new();
-    for height in [0.0, 1e-9, 1e-7, 1e-5, 1e-3, 0.1, 1.0, 10.0, 1e4, 1e8, 1e12] {
-        for (x, y) in [(0.0, 0.0), (0.5, 0.5), (1.0, 1.0), (0.3, 0.2), (-2.0, 0.5), (0.5, 7.0)] {
-            for side in [-1.0, 1.0] {
-                around.push(row(rounded(DVec3::new(x, y, side * height)), 0));
-            }
-        }
-        around.push(row(rounded(height * unit(&mut random)), 0));
-    }
-    let quad = Quad {
-        normal: [0.0, 0.0, 1.0],
-        a_axis: [1.0, 0.0, 0.0],
-        b_axis: [0.0, 1.0, 0.0],
-        u: [1.0, 0.0, 0.0],
-        v: [0.0, 1.0, 0.0],
-        ..Quad::default()
+    let wrong = |out: &light_kernel::Out| {
+        let finite = out.pdf.is_finite() && out.pdf >= 0.0 && (out.pdf * out.pdf).is_finite();
+        !(is_unit(out.direction) && finite && out.pdf == out.again)
     };
-    let triangle = Triangle { b: [1.0, 0.0, 0.0], c: [1.0, 1.0, 0.0], ..Triangle::default() };
-    let cuboid = Cuboid {
-        center: [0.5, 0.5, -0.25],
-        half_extent: [0.5, 0.5, 0.25],
-        x_axis: [1.0, 0.0, 0.0],
-        y_axis: [0.0, 1.0, 0.0],
-        ..Cuboid::default()
-    };
-    [
-        ("sphere light, r/D from 1e-20 to 1e8", wrong_lights(SPHERE, &rows, &shapes)),
-        ("quad light, from touching to 1e12 sizes away", wrong_lights(QUAD, &around, &[quad])),
-        ("triangle light, from touching to 1e12 sizes away", wrong_lights(TRIANGLE, &around, &[triangle])),
-        ("box light, from touching to 1e12 sizes away", wrong_lights(CUBOID, &around, &[cuboid])),
-    ]
-    .map(|(range, wrong)| cell(range, ANSWERS).achieved(wrong))
-    .into()
+    let wrong = light_kernel::at_ends(SPHERE, &rows, &shapes).iter().filter(|(_, out)| wrong(out)).count();
+    cell("sphere light, r/D from 1e-20 to 1e8", ANSWERS).achieved(wrong as f64)
 }
 
 #[repr(C)]
@@ -327,86 +210,4 @@ fn picks() -> Cell {
         rows.iter().zip(&found).filter(bad).count() as f64
     };
     cell("choice of a light, tables of 1 to 2^24", ANSWERS).achieved(wrong(ENDS)).planted(ONE, wrong(WITH_ONE))
-}
-
-fn phases() -> Cell {
-    let mut random = Random(89);
-    let mut rows = Vec::new();
-    for g in ASYMMETRIES.into_iter().flat_map(|g| [g, -g]) {
-        for _ in 0..20 {
-            let incoming = unit(&mut random);
-            rows.extend(fours(ENDS).take(16).map(|u| Scattering::new(incoming, g, [u[0], u[1]])));
-        }
-    }
-    let found = phase("false", &[]).run::<_, Scattered>(&rows);
-    let wrong =
-        |out: &&Scattered| !(is_unit(out.direction) && out.from_one.iter().all(|x| (0.0..2.000_001).contains(x)));
-    cell("phase function, g up to ±(1 - 1e-6)", ANSWERS).achieved(found.iter().filter(wrong).count() as f64)
-}
-
-fn flights() -> Cell {
-    let ends = [0, 255, 256, 0x7fff_ffff, 0x8000_0000, 0xffff_fe00, 0xffff_ff00, u32::MAX];
-    let rows: Vec<[u32; 2]> = ends.iter().flat_map(|&x| ends.map(|y| [x, y])).collect();
-    let wrong = |replaced: &[(&str, &str)]| {
-        let found: Vec<f32> = Kernel::with("test/free_flight", &Setup { replaced, ..Setup::default() }).run(&rows);
-        // 48 bits: 0 once, 33.28 at most.
-        found.iter().filter(|tau| !(0.0..33.28).contains(*tau)).count() as f64
-    };
-    cell("free flight, words at both ends", ANSWERS).achieved(wrong(&[])).planted(
-        "logarithm of 1 - u with u up to 1",
-        wrong(&[("medium/free_flight", "test/control/free_flight_32_bits")]),
-    )
-}
-
-/// The maps of lib/sampling, which lens, directions and lobes are drawn by.
-fn maps() -> Vec<Cell> {
-    let values = [("keyed", "false")];
-    let kernel = Kernel::with("test/sampling", &Setup { values: &values, ..Setup::default() });
-    // A root, a point on the circle (4 u) and a product, squared.
-    const OFF: f64 = 16.0 * U;
-    type Judge = fn(&Maps) -> bool;
-    let judges: [(&str, Judge); 5] = [
-        ("disk (lens)", |out| f64::from(out.disk[0]).hypot(f64::from(out.disk[1])) < 1.0 + OFF),
-        ("circle", |out| (f64::from(out.circle[0]).hypot(f64::from(out.circle[1])) - 1.0).abs() < OFF),
-        ("hemisphere", |out| (exact(out.hemisphere).length() - 1.0).abs() < OFF && out.hemisphere[2] > 2e-4),
-        ("sphere", |out| (exact(out.sphere).length() - 1.0).abs() < OFF),
-        ("ball, cube root", |out| exact(out.ball).length() < 1.0 + 1e-5 && (0.0..1.0 + 1e-5).contains(&out.root)),
-    ];
-    let found = |ends| kernel.run::<_, Maps>(&fours(ends).collect::<Vec<_>>());
-    let (own, with_one) = (found(ENDS), found(WITH_ONE));
-    judges
-        .map(|(range, judge)| {
-            let wrong = |found: &[Maps]| found.iter().filter(|out| !judge(out)).count() as f64;
-            let cell = cell(range, ANSWERS).achieved(wrong(&own));
-            if range == "hemisphere" { cell.planted(ONE, wrong(&with_one)) } else { cell }
-        })
-        .into()
-}
-
-/// Rays through the corners of pixels from the edge of the lens: within the image's own corners.
-fn camera() -> Cell {
-    let mut wrong = 0;
-    let lenses: BTreeMap<&str, [f64; 2]> = BTreeMap::from([("pinhole", [0.0, 1.0]), ("thin_lens", [0.2, 3.0])]);
-    for (camera, [aperture, focus]) in lenses {
-        for fov in [1e-3, 40.0, 179.0] {
-            let scene = scene(&format!(
-                "Scene(image: (width: 8, height: 8), background: Solid((1, 1, 1)), materials: {{}}, objects: [],
-                 camera: (look_from: (1, 2, 3), look_at: (0, 0, 0), vertical_fov: {fov:?}, aperture: {aperture:?}, focus_distance: {focus:?}))"
-            ));
-            let settings = flatten(&scene, (8, 8), &crate::common::render::plain()).expect("it is a scene").settings;
-            let kernel = Kernel::with("test/camera", &Setup { values: &[("camera", camera)], ..Setup::default() });
-            let rows: Vec<OnFilm> = [0, 7]
-                .iter()
-                .flat_map(|&column| {
-                    fours(ENDS).map(move |u| OnFilm { column, row: 7 - column, u, ..OnFilm::default() })
-                })
-                .collect();
-            let lens = exact(settings.lens_x).length();
-            for out in kernel.run_with::<_, CameraRay>(&rows, rows.len(), &[kernel.settings(&settings)]) {
-                let within = exact(out.origin).length() <= lens * (1.0 + 1e-3);
-                wrong += u32::from(!(is_unit(out.direction) && within));
-            }
-        }
-    }
-    cell("camera: pixel and lens, vertical_fov from 1e-3 to 179", ANSWERS).achieved(f64::from(wrong))
 }

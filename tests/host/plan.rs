@@ -3,8 +3,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
 
+use crate::common::program::Ran;
 use gpu_rt::flatten::{DeviceScene, flatten};
 use gpu_rt::gpu::device::DeviceClass;
 use gpu_rt::gpu::link::{Choices, Chosen, Entry, Library, Reason, link};
@@ -431,15 +431,12 @@ fn everything_on_cuts_no_walk_shorter() {
 /// The limit of a walk is that of the device which the plan is for.
 #[test]
 fn steps_are_those_of_the_device() {
-    let json = |arguments: &[&str]| -> serde_json::Value {
-        serde_json::from_slice(&run(arguments).stdout).expect("one JSON object")
-    };
-    let devices = json(&["devices", "--json"]);
+    let devices = run(&["devices", "--json"]).json();
     let devices = devices["devices"].as_array().expect("devices");
     let default = devices.iter().find(|device| device["default"] == true).expect("one is the default");
     let loops = default["numerics"]["loop_iterations"].as_u64().expect("iterations");
     let most = if loops >= u64::from(gpu_rt::gpu::probe::LOOPS) { 262_144 } else { 48_000 };
-    let plan = json(&["plan", "scenes/weekend.ron", "--json"]);
+    let plan = run(&["plan", "scenes/weekend.ron", "--json"]).json();
     let constants = plan["constants"].as_array().expect("constants");
     let steps = constants.iter().find(|constant| constant["name"] == "MOST_STEPS_OF_WALK").expect("it walks");
     assert_eq!(steps["value"], most);
@@ -793,19 +790,15 @@ fn the_linker_notes_users_reasons_choices_and_values() {
     assert_eq!(linked.values, BTreeMap::from([("kept", ("2".to_string(), "chosen".to_string()))]));
 }
 
-fn run(arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_gpu-rt"));
-    command.current_dir(root()).args(arguments).output().expect("the program runs")
+fn run(arguments: &[&str]) -> Ran {
+    crate::common::program::run(root(), arguments)
 }
 
 #[test]
 fn why_is_answered_for_kernels_and_refused_for_others() {
     let scene = "scenes/cornell-smoke.ron";
     let plan = |more: &[&str]| run(&[&["plan", scene, "--scatter", "linked"], more].concat());
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("UTF-8");
-    let medium = plan(&["--why", "medium"]);
-    assert!(medium.status.success());
-    let medium = text(medium.stdout);
+    let medium = plan(&["--why", "medium"]).exits(0).stdout;
     for part in
         ["stage/medium", "medium/free_flight", "shadow origin", "media ", "scenes/cornell-smoke.ron:20:9", "SPIR-V"]
     {
@@ -817,13 +810,10 @@ fn why_is_answered_for_kernels_and_refused_for_others() {
         line.len() - line.trim_start().len()
     };
     assert_eq!((indent("stage/medium"), indent("step/media"), indent("medium/free_flight")), (2, 4, 6));
-    assert!(!medium.contains("refill") && !medium.contains("\u{1b}"), "{medium}");
+    assert!(!medium.contains("refill"), "{medium}");
 
-    let object = |output: Output| -> serde_json::Value {
-        assert!(output.status.success());
-        serde_json::from_slice(&output.stdout).expect("one JSON object")
-    };
-    let (one, all) = (object(plan(&["--why", "medium", "--json"])), object(plan(&["--json"])));
+    let object = |more: &[&str]| plan(more).exits(0).json();
+    let (one, all) = (object(&["--why", "medium", "--json"]), object(&["--json"]));
     assert_eq!(one["kernels"].as_array().map(Vec::len), Some(1));
     assert!(all["kernels"].as_array().is_some_and(|kernels| kernels.contains(&one["kernels"][0])));
     let modules = one["kernels"][0]["modules"].as_array().expect("modules");
@@ -843,15 +833,14 @@ fn why_is_answered_for_kernels_and_refused_for_others() {
     let shaders = folder.path().join("old");
     std::fs::create_dir(&shaders).expect("a folder is made");
     std::fs::write(shaders.join("shading.txt"), "").expect("a file is written");
-    let write = || text(plan(&["--wgsl", shaders.to_str().expect("UTF-8")]).stderr);
+    let write = || plan(&["--wgsl", shaders.to_str().expect("UTF-8")]).stderr;
     assert!(!write().contains("also holds"));
     std::fs::write(shaders.join("scatter_metal.wgsl"), "").expect("a file is written");
     assert!(write().contains("also holds scatter_metal.wgsl; this plan"));
 
-    let unknown = plan(&["--why", "bounce", "--wgsl", into.to_str().expect("UTF-8")]);
-    assert_eq!(unknown.status.code(), Some(2));
+    let unknown = plan(&["--why", "bounce", "--wgsl", into.to_str().expect("UTF-8")]).exits(2);
     assert!(unknown.stdout.is_empty() && !into.exists());
-    let error = text(unknown.stderr);
+    let error = unknown.stderr;
     assert!(
         error.contains("--why bounce") && error.contains("generate, intersect, medium, scatter, shadow, refill"),
         "{error}"

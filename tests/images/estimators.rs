@@ -4,17 +4,17 @@
 //! Noise without rare values is what the comparison is for: lamps here are large, or the room is bright.
 
 use crate::common::render;
-use std::f64::consts::PI;
 use std::fmt::Write;
-use std::ops::Range;
 use std::path::Path;
 
+use crate::common::instances::{ball_file, smooth_ball_file};
 use crate::common::kernel::Overlay;
 use crate::common::render::{Ask, Shot, render, render_all, render_planted, same_expectation, scene, worst_difference};
-use crate::common::stats::{one_sample_t, sidak, welch_t};
+use crate::common::stats::{same_expectation_paired, sidak, welch_t};
+use glam::DVec3;
 use gpu_rt::flatten::{MOST_LIGHTS, flatten};
 use gpu_rt::options::{RenderOptions, Scatter};
-use gpu_rt::plan::{Kernels, UniformTables};
+
 use gpu_rt::scene::Scene;
 use image::{Rgb, Rgb32FImage};
 
@@ -56,9 +56,9 @@ fn room(background: &str, materials: &str, objects: &str, depth: u32) -> String 
 
 const CEILING: &str = "Quad(corner: (-0.6, 1.99, -0.6), u: (1.2, 0, 0), v: (0, 0, 1.2), material: \"lamp\"),";
 
-/// A closed mesh, an octahedron, as an OBJ file.
-const OCTAHEDRON: &str = "v 1 0 0\nv -1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\nf 5 1 3\nf 1 6 3\nf 6 2 3\nf 2 5 3\nf 1 5 4\nf 6 1 4\n\
-                          f 2 6 4\nf 5 2 4\n";
+fn octahedron() -> String {
+    ball_file(0, DVec3::ONE)
+}
 
 /// Scenes by name: all kinds of lights, of materials that answer to them, media, and the sky.
 fn scenes() -> Vec<(&'static str, Scene)> {
@@ -113,7 +113,7 @@ fn scenes_of(albedo: &str, max_depth: Option<u32>) -> Vec<(&'static str, Scene)>
         .expect("a string takes text");
     }
     let folder = tempfile::tempdir().expect("a temporary folder");
-    std::fs::write(folder.path().join("octahedron.obj"), OCTAHEDRON).expect("the mesh is written");
+    std::fs::write(folder.path().join("octahedron.obj"), octahedron()).expect("the mesh is written");
     let sky = Rgb32FImage::from_fn(16, 8, |x, y| match (x, y) {
         (3, 2) => Rgb([20.0, 15.0, 10.0]),
         (_, 0..=3) => Rgb([0.5, 0.6, 0.8]),
@@ -214,8 +214,8 @@ fn scenes_of(albedo: &str, max_depth: Option<u32>) -> Vec<(&'static str, Scene)>
 
 /// By Sobol points either way, whose pixels each have scrambles of their own: Welch's test of tiles and of the whole image. The difference of the
 /// means is known to 0.05 to 0.15 % of them (printed), of which 5.5 standard errors are found, 0.3 to 0.8 %: 1 % more light is planted, and found
-/// in each scene. A small lamp is hardly met by chance: it has closed forms instead (`a_lamp_that_nothing_meets_by_chance`, and
-/// tests/images/closed_form.rs has one that lights a room).
+/// in each scene. A small lamp is hardly met by chance: it has closed forms instead (tests/extremes/lights.rs has
+/// one above a floor, and tests/images/closed_form.rs one that lights a room).
 #[test]
 fn sending_rays_to_lights_changes_no_expectation() {
     for (name, scene) in scenes().into_iter().filter(|(name, _)| *name != "a small lamp") {
@@ -242,67 +242,12 @@ fn sending_rays_to_lights_changes_no_expectation() {
     }
 }
 
-/// An octahedron of radius 1 with the normals of a sphere, and after so many subdivisions of an icosahedron a ball, as OBJ files.
-fn smooth_octahedron() -> String {
-    let axes =
-        [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]];
-    let faces = [[4, 0, 2], [0, 5, 2], [5, 1, 2], [1, 4, 2], [0, 4, 3], [5, 0, 3], [1, 5, 3], [4, 1, 3]];
-    smooth(&axes, &faces)
-}
-
-fn smooth_ball() -> String {
-    let long = 0.5 * (1.0 + 5f64.sqrt());
-    let around = |[a, b, c]: [f64; 3]| [[a, b, c], [c, a, b], [b, c, a]];
-    let signs = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
-    let corners: Vec<[f64; 3]> = signs.into_iter().flat_map(|(i, j)| around([0.0, i, j * long])).collect();
-    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    // Neighbours are 2 apart. Each face is divided into four.
-    let next = |a: [f64; 3], b: [f64; 3]| (dot(a, b) - long).abs() < 1e-9;
-    let (mut points, mut faces) = (Vec::new(), Vec::new());
-    for (i, a) in corners.iter().enumerate() {
-        for (j, b) in corners.iter().enumerate().skip(i + 1) {
-            for c in &corners[j + 1..] {
-                if !(next(*a, *b) && next(*b, *c) && next(*c, *a)) {
-                    continue;
-                }
-                let middle = |p: &[f64; 3], q: &[f64; 3]| [0, 1, 2].map(|i| 0.5 * (p[i] + q[i]));
-                let [ab, bc, ca] = [middle(a, b), middle(b, c), middle(c, a)];
-                for face in [[*a, ab, ca], [ab, *b, bc], [ca, bc, *c], [ab, bc, ca]] {
-                    let unit = face.map(|p| p.map(|v| v / dot(p, p).sqrt()));
-                    let cross = |u: [f64; 3], v: [f64; 3]| {
-                        [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
-                    };
-                    let outward = dot(unit[0], cross(unit[1], unit[2])) > 0.0;
-                    let n = points.len();
-                    points.extend(unit);
-                    faces.push(if outward { [n, n + 1, n + 2] } else { [n, n + 2, n + 1] });
-                }
-            }
-        }
-    }
-    assert_eq!(faces.len(), 80);
-    smooth(&points, &faces)
-}
-
-/// A mesh whose vertices are their own normals.
-fn smooth(points: &[[f64; 3]], faces: &[[usize; 3]]) -> String {
-    let mut text = String::new();
-    for [x, y, z] in points {
-        text += &format!("v {x} {y} {z}\nvn {x} {y} {z}\n");
-    }
-    for face in faces {
-        let [a, b, c] = face.map(|i| i + 1);
-        text += &format!("f {a}//{a} {b}//{b} {c}//{c}\n");
-    }
-    text
-}
-
 /// Four bodies with vertex normals, one in each tile of the image, scaled and turned, near lamps of all shapes: it matters from where a lamp is
 /// chosen and aimed at, since their facets lie well below the points that light is sent from.
 fn smooth_bodies() -> Scene {
     let folder = tempfile::tempdir().expect("a temporary folder");
     for (name, text) in
-        [("octahedron.obj", smooth_octahedron()), ("ball.obj", smooth_ball()), ("lamp.obj", OCTAHEDRON.to_string())]
+        [("octahedron.obj", smooth_ball_file(0)), ("ball.obj", smooth_ball_file(1)), ("lamp.obj", octahedron())]
     {
         std::fs::write(folder.path().join(name), text).expect("the mesh is written");
     }
@@ -374,7 +319,7 @@ fn known(name: &str, bsdf: &Shot, mis: &Shot) {
 #[test]
 fn a_smooth_octahedron_beside_a_lamp() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    std::fs::write(folder.path().join("octahedron.obj"), smooth_octahedron()).expect("the mesh is written");
+    std::fs::write(folder.path().join("octahedron.obj"), smooth_ball_file(0)).expect("the mesh is written");
     let scene = render::scene_in(
         folder.path(),
         "Scene(image: (width: 16, height: 16),
@@ -404,28 +349,6 @@ fn a_smooth_octahedron_beside_a_lamp() {
     assert!((mean(&bsdf) / expected - 1.0).abs() < 0.03);
 }
 
-/// Tests that two renders of the same seed have one expectation, in tiles of 8 x 8 pixels and the whole image: Student's test that the
-/// pixels' differences are none on the mean. What both have alike cancels, and pixels are independent.
-fn same_expectation_paired(a: &Shot, b: &Shot) -> Result<(), String> {
-    let width = a.picture.width;
-    let tiles = [0..8, 8..16].into_iter().flat_map(|y| [0..8, 8..16].map(move |x| (x, y.clone())));
-    let areas: Vec<(Range<u32>, Range<u32>)> = tiles.chain([(0..16, 0..16)]).collect();
-    assert_eq!((width, a.picture.height), (16, 16));
-    let threshold = sidak(ALPHA, 3 * areas.len());
-    for (columns, rows) in areas {
-        for channel in 0..3 {
-            let value = |shot: &Shot, i: u32| f64::from(shot.picture.rgb[i as usize][channel]);
-            let pixels = rows.clone().flat_map(|y| columns.clone().map(move |x| y * width + x));
-            let differences: Vec<f64> = pixels.map(|i| value(a, i) - value(b, i)).collect();
-            let found = one_sample_t(&differences, 0.0);
-            if found.p < threshold {
-                return Err(format!("columns {columns:?}, rows {rows:?}, channel {channel}: {found:?}"));
-            }
-        }
-    }
-    Ok(())
-}
-
 /// With half of the light absorbed at every event and 24 events, roulette saves 9 to 28 % of the rays. The seeds are the same: what differs is
 /// what became of dark paths. Planted are survivors that are worth no more than before, which loses 0.3 to 1.7 % of the light, and 1 % less light.
 #[test]
@@ -441,10 +364,11 @@ fn roulette_changes_no_expectation() {
         let lost = 1.0 - wrong.mean_of_all().value[0] / off.mean_of_all().value[0];
         println!("{name}: roulette saves {saved:.3} of the rays; unweighted it loses {lost:.4} of the light");
         assert!(saved > LEAST_SAVED, "{name}: roulette saves {saved:.3} of the rays");
-        same_expectation_paired(&off, &on).unwrap_or_else(|error| panic!("{name}: {error}"));
-        assert!(same_expectation_paired(&off, &wrong).is_err(), "{name}: a wrong weight is not found");
+        let paired = |other: &Shot| same_expectation_paired(&off.picture.rgb, &other.picture.rgb, ALPHA);
+        paired(&on).unwrap_or_else(|error| panic!("{name}: {error}"));
+        assert!(paired(&wrong).is_err(), "{name}: a wrong weight is not found");
         let planted = on.changed(|_, _, rgb| rgb.map(|v| 0.99 * v));
-        assert!(same_expectation_paired(&off, &planted).is_err(), "{name}: 1 % less light is not found");
+        assert!(paired(&planted).is_err(), "{name}: 1 % less light is not found");
     }
 }
 
@@ -507,7 +431,7 @@ fn what_there_is_no_room_for_is_left_to_chance() {
             face.iter().for_each(|v| ply.extend(v.to_le_bytes()));
         }
     }
-    std::fs::write(folder.path().join("octahedron.obj"), OCTAHEDRON).expect("the mesh is written");
+    std::fs::write(folder.path().join("octahedron.obj"), octahedron()).expect("the mesh is written");
     std::fs::write(folder.path().join("ceiling.ply"), ply).expect("the mesh is written");
     let objects = "Mesh(path: \"ceiling.ply\", material: \"dim\"), Transformed(by: [Scale(0.2), Translate((0.3, 0.6, 0.2))], object: Mesh(path: \"octahedron.obj\", material: \"lamp\")),";
     let dim = "\"dim\": DiffuseLight(emit: Rgb(1, 1, 1)),";
@@ -548,57 +472,4 @@ fn lights_make_an_image_of_the_same_bytes_however_the_work_is_cut() {
         let other = render(&scene, &Ask { seed: 8, ..ask.clone() });
         assert!(bits(&usual) != bits(&other), "{name}: another seed delivers the same bytes");
     }
-}
-
-/// A floor under a tiny spherical lamp, which nothing meets by chance: L = a Le (r/D)² cos, D the distance of the lamp's middle; exact for a
-/// Lambertian floor wherever the whole lamp is above it.
-#[test]
-fn a_lamp_that_nothing_meets_by_chance() {
-    for radius in [1e-2, 1e-4, 1e-6, 1e-8] {
-        let emit = 1.0 / (radius * radius);
-        let scene = scene(&format!(
-            "Scene(image: (width: 8, height: 8),
-                camera: (look_from: (0.3, 1, 0.2), look_at: (0.3, 0, 0.2), up: (0, 0, -1), vertical_fov: 2),
-                background: Solid((0, 0, 0)),
-                materials: {{ \"floor\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5)), \"lamp\": DiffuseLight(emit: Rgb({emit:e}, {emit:e}, {emit:e})) }},
-                objects: [Quad(corner: (-2, 0, 2), u: (4, 0, 0), v: (0, 0, -4), material: \"floor\"),
-                          Sphere(center: (0, 0.7, 0), radius: {radius:e}, material: \"lamp\")],
-                render: (samples: 64, max_depth: 1))"
-        ));
-        let shot = render(&scene, &Ask::spp(64).seed(9).mis());
-        let d2 = 0.3f64 * 0.3 + 0.2 * 0.2 + 0.7 * 0.7;
-        let expected = 0.5 * (0.7 / d2.sqrt()) / d2;
-        let found = shot.mean_of_all().value[0];
-        // Over the two degrees of the image the value changes by 2 %, nearly linearly about its middle; the rest is second order. The
-        // density is right to 2e-5 for the smallest lamp: its sine is off by rounding, and by as much the radius in render space.
-        assert!((found / expected - 1.0).abs() < 1e-3, "radius {radius:e}: {found}, expected {expected}");
-        assert!(PI * expected > 0.0);
-    }
-}
-
-#[test]
-fn scenes_without_lights_to_sample_have_no_code_for_it() {
-    let text = room(
-        "Gradient(bottom: (1, 1, 1), top: (0.5, 0.6, 1))",
-        "",
-        "Sphere(center: (0, 0.5, 0), radius: 0.5, material: \"wall\"),",
-        8,
-    );
-    let flat = flatten(&scene(&text), (16, 16), &RenderOptions::default()).expect("it flattens");
-    assert_eq!((flat.features.lights, flat.lights.len()), (0, 0));
-    for scatter in [Scatter::Fused, Scatter::Linked, Scatter::Queues] {
-        let plan = Kernels::link(&flat.features, &RenderOptions::default(), scatter, &UniformTables::default())
-            .expect("it links");
-        for kernel in plan.all() {
-            let of_lights =
-                |module: &&String| module.starts_with("light/") || module.contains("shadow") || *module == "step/light";
-            assert_eq!(kernel.linked.modules.iter().find(of_lights), None, "{}", kernel.name);
-        }
-    }
-    let lit = scene(&text.replace("Sphere(", &format!("{CEILING} Sphere(")));
-    let lit = flatten(&lit, (16, 16), &RenderOptions::default()).expect("it flattens");
-    assert_eq!(lit.features.lights, 1);
-    let plan = Kernels::link(&lit.features, &RenderOptions::default(), Scatter::Linked, &UniformTables::default())
-        .expect("it links");
-    assert!(plan.all().iter().any(|kernel| kernel.name == "shadow"));
 }

@@ -1,14 +1,12 @@
 //! The table of knobs (src/options.rs): every option of `render` that changes the image is in it, and every value does to the image what
 //! its class says. All of it by the program, since a value is a text that the option takes.
 
-use crate::common::device;
-use crate::common::render;
+use crate::common::{device, program, render};
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 use crate::common::everything::{Everything, World};
-use crate::common::stats::{one_sample_t, sidak, student_two_sided};
+use crate::common::stats::{same_expectation_paired, sidak, student_two_sided};
 use clap::CommandFactory;
 use gpu_rt::cli::Cli;
 use gpu_rt::flatten::flatten;
@@ -157,8 +155,8 @@ fn settings_ask_for_nothing_that_the_scene_lacks() {
 
 struct Place(TempDir);
 
-/// What a run of the program wrote.
-struct Ran {
+/// What a render of the program wrote.
+struct Rendered {
     image: ExrImage,
     json: Value,
     stderr: String,
@@ -176,21 +174,14 @@ impl Place {
     }
 
     /// `gpu-rt render SCENE OPTIONS --json` on the software device.
-    fn render(&self, scene: &Path, options: &[&str]) -> Ran {
-        let out = self.0.path().join("out.exr");
-        let mut command = Command::new(env!("CARGO_BIN_EXE_gpu-rt"));
-        command.current_dir(self.0.path()).arg("render").arg(scene).arg("-o").arg(&out);
-        command.args(["--device", device::index()]).args(options);
-        if !options.contains(&"--json") {
-            command.arg("--json");
-        }
-        let output = command.output().expect("the program runs");
-        let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("UTF-8");
-        let (stdout, stderr) = (text(output.stdout), text(output.stderr));
-        assert!(output.status.success(), "{options:?}: {}: {stderr}", output.status);
-        let image = read_exr(&out).unwrap_or_else(|error| panic!("{error}"));
+    fn render(&self, scene: &Path, options: &[&str]) -> Rendered {
+        let scene = scene.to_str().expect("UTF-8");
+        let usual = ["render", scene, "-o", "out.exr", "--device", device::index()];
+        let json: &[&str] = if options.contains(&"--json") { &[] } else { &["--json"] };
+        let ran = program::run(self.0.path(), &[&usual, options, json].concat()).exits(0);
+        let image = read_exr(&self.0.path().join("out.exr")).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(image.rejected.as_ref().map(|rejected| rejected.iter().sum::<u32>()), Some(0), "{options:?}");
-        Ran { image, json: serde_json::from_str(&stdout).expect("JSON"), stderr }
+        Rendered { image, json: ran.json(), stderr: ran.stderr }
     }
 }
 
@@ -533,33 +524,13 @@ fn less_precision_is_right_in_an_ordinary_scene() {
         place.render(&scene, &options).image
     };
     let usual = shot(&[]);
-    // The least p of the whole image and of 16 tiles, with the other image times a factor.
-    let least = |other: &ExrImage, factor: f64| {
-        let tiles = (0..16).map(|i| (i % 4 * 8, i / 4 * 8, 8));
-        let areas = std::iter::once((0, 0, 32)).chain(tiles);
-        let p = areas.flat_map(|(left, top, side)| (0..3).map(move |channel| (left, top, side, channel))).map(
-            |(left, top, side, channel)| {
-                let pixels = (top..top + side).flat_map(|y| (left..left + side).map(move |x| (y * 32 + x) as usize));
-                let value = |image: &ExrImage, pixel: usize| f64::from(image.rgb[pixel][channel]);
-                let differences: Vec<f64> =
-                    pixels.map(|pixel| factor * value(other, pixel) - value(&usual, pixel)).collect();
-                let found = one_sample_t(&differences, 0.0);
-                if side == 32 {
-                    println!("times {factor}, channel {channel}: {found:?}");
-                }
-                found.p
-            },
-        );
-        p.fold(1.0, f64::min)
-    };
-    let threshold = sidak(ALPHA, 3 * 17);
     for (knob, value) in values(Class::Numerics) {
         let other = shot(&[&format!("--{}", knob.name), value]);
         assert!(bits(&other) != bits(&usual), "{} changes nothing", knob.option(value));
-        let p = least(&other, 1.0);
-        assert!(p >= threshold, "{}: p = {p:e}", knob.option(value));
-        let p = least(&other, 1.001);
-        assert!(p < threshold, "{}: a thousandth more light is not found, p = {p:e}", knob.option(value));
+        let paired = |other: &[[f32; 3]]| same_expectation_paired(&usual.rgb, other, ALPHA);
+        paired(&other.rgb).unwrap_or_else(|error| panic!("{}: {error}", knob.option(value)));
+        let brighter: Vec<_> = other.rgb.iter().map(|rgb| rgb.map(|v| 1.001 * v)).collect();
+        assert!(paired(&brighter).is_err(), "{}: a thousandth more light is not found", knob.option(value));
     }
 }
 

@@ -1,4 +1,4 @@
-//! Renders of Sobol points: what they expect, what their error is, and how a render until an error ends.
+//! Renders of Sobol points: what their error is, and how a render until an error ends. What they expect: tests/images/estimators.rs.
 
 use crate::common::device;
 use std::path::Path;
@@ -7,7 +7,7 @@ use crate::common::held::{BULB, Held, Looks};
 use crate::common::kernel::Overlay;
 use crate::common::render::{Ask, Change, Shot, render, scene};
 use crate::common::rooms::{THINGS, room};
-use crate::common::stats::{one_sample_t, sidak, welch_t};
+use crate::common::stats::one_sample_t;
 use gpu_rt::data::Sampler;
 use gpu_rt::film::Film;
 use gpu_rt::flatten::flatten;
@@ -19,42 +19,6 @@ use gpu_rt::scene::Scene;
 
 /// False-alarm rate of each test here.
 const ALPHA: f64 = 1e-6;
-
-const TILE: u32 = 8;
-
-/// The means of the tiles' channels, and of the whole image's.
-fn means(shot: &Shot) -> Vec<f64> {
-    let (width, height) = (shot.picture.width, shot.picture.height);
-    let corners = (0..height / TILE).flat_map(|y| (0..width / TILE).map(move |x| (x * TILE, y * TILE)));
-    let tiles = corners.flat_map(|(x, y)| shot.mean(x..x + TILE, y..y + TILE).value);
-    tiles.chain(shot.mean_of_all().value).collect()
-}
-
-/// The p-value of the worst area.
-fn worst(a: &[Vec<f64>], b: &[Vec<f64>], factor: f64) -> f64 {
-    let column = |rows: &[Vec<f64>], i: usize, factor| rows.iter().map(|row| row[i] * factor).collect::<Vec<_>>();
-    (0..a[0].len()).map(|i| welch_t(&column(a, i, factor), &column(b, i, 1.0)).p).fold(1.0, f64::min)
-}
-
-/// Tiles of 8 x 8 pixels and the image, by 12 seeds of 128 samples of either sampler: nothing is assumed about the points of one image.
-#[test]
-fn both_samplers_expect_the_same() {
-    for (name, things) in THINGS {
-        let scene = room(things);
-        let shots = |ask: Ask, seeds: std::ops::Range<u32>| -> Vec<Vec<f64>> {
-            seeds.map(|seed| means(&render(&scene, &ask.clone().seed(seed)))).collect()
-        };
-        let (drawn, spread) = (shots(Ask::spp(128), 0..12), shots(Ask::spp(128).sobol(), 100..112));
-        let threshold = sidak(ALPHA, drawn[0].len());
-        let p = worst(&spread, &drawn, 1.0);
-        assert!(p > threshold, "{name}: p = {p:e}");
-        // The planted errors: 3 % of everything, and one thing more in the scene.
-        assert!(worst(&spread, &drawn, 1.03) < threshold, "{name}: 3 % more is not found");
-        let other = room(&format!("{things} Sphere(center: (0.6, 0.7, 0.4), radius: 0.2, material: \"white\"),"));
-        let other: Vec<_> = (100..112).map(|seed| means(&render(&other, &Ask::spp(128).sobol().seed(seed)))).collect();
-        assert!(worst(&other, &drawn, 1.0) < threshold, "{name}: a thing more is not found");
-    }
-}
 
 /// Over 48 seeds the pixels' stated variances are what their means vary by: their quotient, of the sums over all pixels, is known to 1 %.
 /// Runs as replicates, as for independent samples, would overstate it.

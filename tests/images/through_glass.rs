@@ -1,6 +1,7 @@
 //! Light that only chance can meet, because a mirror or a clear solid is between: counted, and told where it is missing.
 
 use crate::common::device;
+use crate::common::program::{self, finish};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -168,17 +169,15 @@ impl Run {
     }
 
     fn command(&self, scene: &Path, more: &[&str]) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_gpu-rt"));
-        command.args(["render", "--json", "--device", &device::software().name.name, "-o"]);
-        command.arg(self.image()).args(more).arg(scene);
-        command
+        let scene = scene.to_str().expect("UTF-8");
+        let usual = ["render", scene, "--json", "--device", &device::software().name.name, "-o", "a.exr"];
+        program::command(self.folder.path(), &[&usual, more].concat())
     }
 
     /// The report, and what was said.
     fn report(&self, scene: &Path, more: &[&str]) -> (Value, String) {
-        let output = self.command(scene, more).output().expect("it runs");
-        let words = String::from_utf8_lossy(&output.stderr).into_owned();
-        (serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{error}: {words}")), words)
+        let ran = finish(self.command(scene, more).spawn().expect("it starts"));
+        (ran.json(), ran.stderr)
     }
 
     fn scene(&self) -> PathBuf {

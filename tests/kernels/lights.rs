@@ -11,15 +11,11 @@ use crate::common::kernel::{Kernel, Setup, array};
 use crate::common::light_kernel::{
     CUBOID, DRAWS, In, Kind, Out, QUAD, SHARES, SPHERE, TRIANGLE, Triangle, at_ends, cone, draws, spheres,
 };
-use crate::common::stats::{Random, chi_square, one_sample_t, sidak};
+use crate::common::stats::{Random, chi_square, one_sample_t, sidak, uniform_in_cells};
 use crate::common::vectors::{U, decades, exact, rounded, unit};
 
 /// False-alarm rate of each test here.
 const ALPHA: f64 = 1e-6;
-
-fn bin(x: f64, bins: usize) -> usize {
-    ((x * bins as f64).max(0.0) as usize).min(bins - 1)
-}
 
 /// The distribution of cells around the axis, by height and azimuth: p-values of each configuration.
 fn sphere_cells(rows: &[In], shapes: &[Sphere], found: &[Out], by: fn(f64) -> f64) -> Vec<f64> {
@@ -29,17 +25,13 @@ fn sphere_cells(rows: &[In], shapes: &[Sphere], found: &[Out], by: fn(f64) -> f6
         // The cone is drawn narrower by 12 u (light/sphere).
         let narrower = if sine < 1.0 { (1.0 - 12.0 * U / sine).powi(2) } else { 1.0 };
         let (x, y) = axis.any_orthonormal_pair();
-        const RINGS: usize = 31;
-        const SECTORS: usize = 17;
-        let mut cells = vec![0u64; RINGS * SECTORS];
-        for out in found {
+        let points = found.iter().map(|out| {
             let direction = exact(out.direction).normalize();
             // 1 - cos, with its digits.
             let rise = (direction - axis).length_squared() / 2.0 / narrower;
-            let azimuth = direction.dot(y).atan2(direction.dot(x)) / (2.0 * PI) + 0.5;
-            cells[bin(by(rise / height), RINGS) * SECTORS + bin(azimuth, SECTORS)] += 1;
-        }
-        chi_square(&cells, &vec![found.len() as f64 / cells.len() as f64; cells.len()], 1)
+            (by(rise / height), direction.dot(y).atan2(direction.dot(x)) / (2.0 * PI) + 0.5)
+        });
+        uniform_in_cells((31, 17), points)
     };
     rows.iter().zip(found.chunks(DRAWS)).map(one).collect()
 }
@@ -62,7 +54,7 @@ fn a_spheres_directions_are_uniform_in_its_cone() {
 /// A flat light of three or four corners in f64, as the device has it: a + x (b - a) + y (c - b), with y <= x for a
 /// triangle, and c - b for d - a for a parallelogram.
 #[derive(Clone, Copy, Debug)]
-struct DeviceScene {
+struct Flat {
     a: DVec3,
     along: DVec3,
     across: DVec3,
@@ -78,7 +70,7 @@ fn solid_angle(from: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
     2.0 * volume.atan2(x * y * z + p.dot(q) * z + q.dot(r) * x + r.dot(p) * y)
 }
 
-impl DeviceScene {
+impl Flat {
     fn corners(&self) -> Vec<DVec3> {
         let (b, c) = (self.a + self.along, self.a + self.along + self.across);
         if self.triangle { vec![self.a, b, c] } else { vec![self.a, b, c, self.a + self.across] }
@@ -156,7 +148,7 @@ fn views(random: &mut Random, size: f64, normal: DVec3, middle: DVec3, along: DV
 struct Case {
     row: In,
     /// The light's sides that are seen.
-    flats: Vec<DeviceScene>,
+    flats: Vec<Flat>,
     /// Distance from the middle or height, in sizes.
     far: f64,
     /// Roundings on the way to a corner, in those of an offset from the point.
@@ -183,7 +175,7 @@ fn flats(triangle: bool, seed: u64) -> (Vec<Case>, Vec<Triangle>, Vec<Quad>) {
             let b = rounded(exact(corner) + exact(along));
             let c = rounded(exact(b) + exact(across));
             triangles.push(Triangle { a: corner, b, c, ..Triangle::default() });
-            DeviceScene { a: exact(corner), along: exact(b) - exact(corner), across: exact(c) - exact(b), triangle }
+            Flat { a: exact(corner), along: exact(b) - exact(corner), across: exact(c) - exact(b), triangle }
         } else {
             let (u, v) = (exact(along), exact(across));
             let n = u.cross(v);
@@ -198,7 +190,7 @@ fn flats(triangle: bool, seed: u64) -> (Vec<Case>, Vec<Triangle>, Vec<Quad>) {
                 error: (8.0 * U * 3.0 * size) as f32,
                 ..Quad::default()
             });
-            DeviceScene { a: exact(corner), along: u, across: v, triangle }
+            Flat { a: exact(corner), along: u, across: v, triangle }
         };
         for (far, from) in views(&mut random, size, flat.normal(), DVec3::ZERO, flat.along.normalize()) {
             cases.push(Case {
@@ -341,8 +333,8 @@ fn ends_are_numbers<S: Pod>(kind: Kind, rows: &[In], shapes: &[S]) {
     }
 }
 
-/// Points in the light's plane, on its edges and corners, an ulp beside them, and 1e6 sizes away.
-fn awkward(flats: &[DeviceScene], random: &mut Random) -> Vec<In> {
+/// Points in the light's plane, on its edges and corners, an ulp beside them, and up to 1e12 sizes away on either side.
+fn awkward(flats: &[Flat], random: &mut Random) -> Vec<In> {
     let mut rows = Vec::new();
     for (shape, flat) in (0..).zip(flats) {
         let size = flat.along.length();
@@ -359,8 +351,10 @@ fn awkward(flats: &[DeviceScene], random: &mut Random) -> Vec<In> {
         ];
         for (x, y) in places {
             let on = flat.a + x * flat.along + y * flat.across;
-            for height in [0.0, 1e-9, 1e-7, 1e-6, 1e-5, 1e-3] {
-                rows.push(In { from: rounded(on + height * size * flat.normal()), shape, ..In::default() });
+            for height in [0.0, 1e-9, 1e-7, 1e-6, 1e-5, 1e-3, 0.1, 1.0, 1e4, 1e8, 1e12] {
+                for height in [height, -height] {
+                    rows.push(In { from: rounded(on + height * size * flat.normal()), shape, ..In::default() });
+                }
             }
             rows.push(In { from: rounded(on + 1e-7 * size * unit(random)), shape, ..In::default() });
         }
@@ -372,8 +366,8 @@ fn awkward(flats: &[DeviceScene], random: &mut Random) -> Vec<In> {
 }
 
 /// The light of each shape.
-fn own_flats(cases: &[Case]) -> Vec<DeviceScene> {
-    let mut found: Vec<(u32, DeviceScene)> = cases.iter().map(|case| (case.row.shape, case.flats[0])).collect();
+fn own_flats(cases: &[Case]) -> Vec<Flat> {
+    let mut found: Vec<(u32, Flat)> = cases.iter().map(|case| (case.row.shape, case.flats[0])).collect();
     found.dedup_by_key(|(shape, _)| *shape);
     found.into_iter().map(|(_, flat)| flat).collect()
 }
@@ -421,7 +415,7 @@ fn cuboids(seed: u64) -> (Vec<Case>, Vec<Cuboid>) {
                 if local[i].abs() > f64::from(half[i]) {
                     let (j, k) = ((i + 1) % 3, (i + 2) % 3);
                     let a = local[i].signum() * reach[i] - reach[j] - reach[k];
-                    flats.push(DeviceScene { a, along: 2.0 * reach[j], across: 2.0 * reach[k], triangle: false });
+                    flats.push(Flat { a, along: 2.0 * reach[j], across: 2.0 * reach[k], triangle: false });
                 }
             }
             if flats.is_empty() {
@@ -651,7 +645,7 @@ fn sky_directions_are_uniform_in_cells_drawn_by_their_probability() {
         let row = SkyIn { columns: sky.columns, rows: sky.rows, ..SkyIn::default() };
         let found: Vec<SkyOut> = sky_kernel(true, &[]).run_with(&[row], DRAWS, &[array("cells", &sky.cells)]);
         let mut counts = vec![0u64; sky.cells.len()];
-        let mut within = [vec![0u64; 31 * 17], vec![0u64; 31 * 17]];
+        let mut within = [Vec::new(), Vec::new()];
         let mut elsewhere = 0;
         for out in &found {
             let cell = &sky.cells[out.drawn as usize];
@@ -664,9 +658,9 @@ fn sky_directions_are_uniform_in_cells_drawn_by_their_probability() {
             // Of the cosine, by differences of the angle so that the poles keep their digits.
             let by = |angle: f64| (PI * angle / height as f64).cos();
             let share = (edge(row) - by(y)) / (edge(row) - edge(row + 1));
-            within[0][bin(share, 31) * 17 + bin(x - column as f64, 17)] += 1;
+            within[0].push((share, x - column as f64));
             // As if rows were uniform by their angle.
-            within[1][bin(y - row as f64, 31) * 17 + bin(x - column as f64, 17)] += 1;
+            within[1].push((y - row as f64, x - column as f64));
             if out.found != out.drawn {
                 elsewhere += 1;
                 // It was rounded over the edge: a direction is off by 4 u, sin and cos by 2e-7, an angle by 8 u; around the
@@ -684,16 +678,15 @@ fn sky_directions_are_uniform_in_cells_drawn_by_their_probability() {
             .collect();
         let p = chi_square(&counts, &expected, 1);
         assert!(p > sidak(ALPHA, 8), "{width} x {height}: p = {p:e}");
-        let even = vec![DRAWS as f64 / (31.0 * 17.0); 31 * 17];
-        let p = chi_square(&within[0], &even, 1);
-        assert!(p > sidak(ALPHA, 8), "{width} x {height}, within cells: p = {p:e}");
+        let [right, by_angle] = within.map(|points| uniform_in_cells((31, 17), points.into_iter()));
+        assert!(right > sidak(ALPHA, 8), "{width} x {height}, within cells: p = {right:e}");
         // Two edges of each kind, 3e-7 wide in cells of 1 / n; twice that for the poles.
         let share = elsewhere as f64 / DRAWS as f64;
         assert!(share < 4.0 * 3e-7 * (width + height) as f64, "{width} x {height}: {share:e}");
         // The neighbours' counts, and rows that are not uniform by the cosine where they are few.
         counts.rotate_left(1);
         assert!(chi_square(&counts, &expected, 1) < ALPHA);
-        assert!(height > 7 || chi_square(&within[1], &even, 1) < ALPHA);
+        assert!(height > 7 || by_angle < ALPHA);
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::common::kernel::{Kernel, Setup};
 use crate::common::oracles::pcg4d;
 use crate::common::rows::Words as Out;
-use crate::common::stats::{Random, chi_square, normal_two_sided, sidak};
+use crate::common::stats::{Random, normal_two_sided, sidak, uniform_in_cells};
 
 /// False-alarm rate of each test here.
 const ALPHA: f64 = 1e-6;
@@ -57,27 +57,20 @@ fn uniforms(kernel: &Kernel, keys: &[[u32; 4]]) -> Vec<[f32; 4]> {
 }
 
 /// Chi-square of one number's histogram.
-pub fn histogram(values: impl Iterator<Item = f32>, count: usize) -> f64 {
-    const BINS: usize = 1024;
-    let mut cells = vec![0u64; BINS];
-    values.for_each(|u| cells[((u * BINS as f32) as usize).min(BINS - 1)] += 1);
-    chi_square(&cells, &vec![count as f64 / BINS as f64; BINS], 1)
+pub fn histogram(values: impl Iterator<Item = f32>) -> f64 {
+    uniform_in_cells((1024, 1), values.map(|u| (f64::from(u), 0.0)))
 }
 
 /// P-values of the pairs' joint histogram and of their correlation.
 pub fn joint(pairs: impl Iterator<Item = (f32, f32)>) -> [f64; 2] {
-    const BINS: usize = 32;
-    let mut cells = vec![0u64; BINS * BINS];
-    let (mut count, mut sum) = (0.0, 0.0);
-    for (a, b) in pairs {
-        let bin = |u: f32| ((u * BINS as f32) as usize).min(BINS - 1);
-        cells[bin(a) * BINS + bin(b)] += 1;
+    let (mut count, mut sum) = (0.0f64, 0.0);
+    let points = pairs.map(|(a, b)| (f64::from(a), f64::from(b))).inspect(|(a, b)| {
         count += 1.0;
-        sum += (f64::from(a) - 0.5) * (f64::from(b) - 0.5);
-    }
-    let expected = vec![count / (BINS * BINS) as f64; BINS * BINS];
+        sum += (a - 0.5) * (b - 0.5);
+    });
+    let p = uniform_in_cells((32, 32), points);
     // The product of two independent uniforms less their means has variance 1/144.
-    [chi_square(&cells, &expected, 1), normal_two_sided(sum / (count / 144.0).sqrt())]
+    [p, normal_two_sided(sum / (count / 144.0).sqrt())]
 }
 
 /// The least p-value of all tests of a generator, with its name, and how many tests there were.
@@ -88,7 +81,7 @@ fn least(kernel: &Kernel) -> (f64, String, usize) {
         let numbers = uniforms(kernel, &base);
         let of = if by_sample { "samples" } else { "pixels" };
         for a in 0..4 {
-            let p = histogram(numbers.iter().map(|u| u[a]), PAIRS);
+            let p = histogram(numbers.iter().map(|u| u[a]));
             found.push((p, format!("{of}: number {a}")));
             for b in 0..a {
                 let p = joint(numbers.iter().map(|u| (u[a], u[b])));

@@ -114,7 +114,7 @@ fn least(kernel: &Kernel) -> (f64, String, usize) {
         let base: Vec<[u32; 4]> = (0..PAIRS).map(|i| [2 * i, sample, 1, 3]).collect();
         let numbers = uniforms(&base);
         for a in 0..4 {
-            found.push((histogram(numbers.iter().map(|u| u[a]), PAIRS as usize), format!("{sample}: number {a}")));
+            found.push((histogram(numbers.iter().map(|u| u[a])), format!("{sample}: number {a}")));
             for b in 0..a {
                 let p = joint(numbers.iter().map(|u| (u[a], u[b])));
                 found.extend(p.map(|p| (p, format!("{sample}: numbers {a} and {b}"))));

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use crate::common::kernel::{Kernel, Setup};
 use crate::common::rows::Maps as Out;
-use crate::common::stats::{Random, chi_square, sidak};
+use crate::common::stats::{Random, bin, chi_square, sidak};
 use crate::common::vectors::{U, exact};
 
 fn kernel(keyed: bool) -> Kernel {
@@ -25,7 +25,6 @@ const DRAWS: usize = 1 << 19;
 fn uniform_cells(draws: impl Iterator<Item = (f64, f64, f64)>, shells: usize) -> f64 {
     let mut cells = vec![0u64; RINGS * SECTORS * shells];
     for (share, angle, shell) in draws {
-        let bin = |x: f64, bins: usize| ((x * bins as f64) as usize).min(bins - 1);
         let at = bin(share, RINGS) * SECTORS + bin((angle + PI) / TAU, SECTORS);
         cells[at * shells + bin(shell, shells)] += 1;
     }
@@ -115,4 +114,7 @@ fn the_ends_of_the_unit_interval_give_what_is_promised() {
         assert!((exact(out.ball).length() - f64::from(u[2]).cbrt()).abs() < 4e-6, "{u:?}: {out:?}");
         assert!(exact(out.ball).length() <= 1.0 + near, "{u:?}: {out:?}");
     }
+    // Uniforms that reach 1 would lay it in the surface.
+    let flat = kernel(false).run::<_, Out>(&[[1.0f32; 4]])[0].hemisphere[2];
+    assert!(flat < 2f32.powi(-12), "{flat:e}");
 }

@@ -1,9 +1,8 @@
 //! geometry/triangle: closed meshes without holes or double walls, distances and weights. The rays that leave are in tests/extremes.
 
-use std::collections::HashMap;
-
 use glam::DVec3;
 
+use crate::common::instances;
 use crate::common::kernel::Kernel;
 use crate::common::stats::Random;
 use crate::common::trace::NO_HIT;
@@ -20,21 +19,9 @@ struct Mesh {
 
 impl Mesh {
     /// Each triangle cut in four at the middles of its edges.
-    fn subdivided(&self) -> Mesh {
-        let mut points = self.points.clone();
-        let mut middles = HashMap::new();
-        let mut middle = |a: usize, b: usize| {
-            *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
-                points.push(0.5 * (points[a] + points[b]));
-                points.len() - 1
-            })
-        };
-        let mut faces = Vec::new();
-        for &[a, b, c] in &self.faces {
-            let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
-            faces.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
-        }
-        Mesh { points, faces, convex: self.convex }
+    fn subdivided(self) -> Mesh {
+        let (points, faces) = instances::cut((self.points, self.faces), |middle| middle);
+        Mesh { points, faces, ..self }
     }
 
     fn moved(mut self, by: impl FnMut(DVec3) -> DVec3) -> Mesh {
@@ -60,8 +47,7 @@ fn on_grid(p: DVec3) -> DVec3 {
 }
 
 fn octahedron() -> Mesh {
-    let points = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z].to_vec();
-    let faces = [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]].to_vec();
+    let (points, faces) = instances::ball(0);
     Mesh { points, faces, convex: true }
 }
 

@@ -1,11 +1,10 @@
 //! What takes minutes: `make test-long`. No sample of any scene that ships is rejected, over 1e9 paths.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
 
 use crate::common::device;
+use crate::common::program::{self, Ran};
 use gpu_rt::scene::Scene;
-use serde_json::Value;
 
 /// Over all scenes together, in equal shares. That a rejected sample is seen is tested in tests/program/cli.rs.
 const PATHS: u64 = 1_000_000_000;
@@ -22,17 +21,10 @@ fn scenes() -> Vec<PathBuf> {
 }
 
 /// The program on the tests' device, with its default settings and --strict.
-fn render(scene: &Path, samples: u64, folder: &Path) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_gpu-rt"));
-    command.arg("render").arg(scene).args(["--strict", "--json", "--device", device::index(), "-o", "image.exr"]);
-    command.args(["--spp", &samples.to_string()]).current_dir(folder);
-    command.output().expect("the program starts")
-}
-
-/// Paths and rejected samples of a render.
-fn counts(output: &Output) -> [u64; 2] {
-    let json: Value = serde_json::from_slice(&output.stdout).expect("a report");
-    ["paths", "rejected_samples"].map(|name| json[name].as_u64().expect("a number"))
+fn render(scene: &Path, samples: u64, folder: &Path) -> Ran {
+    let scene = scene.to_str().expect("UTF-8");
+    let options = ["--strict", "--json", "--device", device::index(), "-o", "image.exr", "--spp", &samples.to_string()];
+    program::run(folder, &[&["render", scene], &options[..]].concat())
 }
 
 #[test]
@@ -48,13 +40,13 @@ fn no_scene_has_a_rejected_sample() {
         let image = Scene::load(path).expect("the scene loads").image;
         let samples = share.div_ceil(u64::from(image.width) * u64::from(image.height));
         let start = std::time::Instant::now();
-        let output = render(path, samples, folder.path());
-        let words = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(output.status.code() == Some(0) || words.contains("--strict"), "{}: {words}", path.display());
-        let [paths, rejected] = counts(&output);
+        let ran = render(path, samples, folder.path());
+        assert!(ran.code() == 0 || ran.stderr.contains("--strict"), "{}: {}", path.display(), ran.stderr);
+        let report = ran.json();
+        let [paths, rejected] = ["paths", "rejected_samples"].map(|name| report[name].as_u64().expect("a number"));
         println!("{}: {paths} paths in {:.1} s, {rejected} rejected", path.display(), start.elapsed().as_secs_f64());
-        if rejected > 0 || output.status.code() != Some(0) {
-            broken.push(format!("{}: {}", path.display(), words.lines().last().unwrap_or_default()));
+        if rejected > 0 || ran.code() != 0 {
+            broken.push(format!("{}: {}", path.display(), ran.last_line()));
         }
         all += paths;
     }

@@ -1,9 +1,9 @@
 //! `gpu-rt tradeoff`: planted biases are found, noise is not called a bias, and what is recommended does what was promised.
 
+use crate::common::program::{self, Ran};
 use crate::common::{device, render};
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::process::Command;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -326,12 +326,9 @@ fn settings_that_only_add_noise_are_not_called_biased() {
     assert!(found_darker >= 95, "{found_darker} of {SWEEPS}");
 }
 
-fn run(folder: &std::path::Path, arguments: &[&str]) -> (i32, String, String) {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_gpu-rt"));
-    let output = command.args(arguments).args(["--device", device::index()]).current_dir(folder).output();
-    let output = output.expect("the program starts");
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("it is text");
-    (output.status.code().unwrap_or(-1), text(output.stdout), text(output.stderr))
+/// On the tests' device.
+fn run(folder: &Path, arguments: &[&str]) -> Ran {
+    program::run(folder, &[arguments, &["--device", device::index()]].concat())
 }
 
 #[test]
@@ -340,9 +337,7 @@ fn the_program_reports_and_its_advice_is_kept() {
     let place = tempfile::tempdir().expect("a temporary folder");
     std::fs::write(place.path().join("room.ron"), ROOM).expect("it is written");
     let sweep = ["tradeoff", "room.ron", "--budget", "40s", "--knobs", "roulette,clamp,max-depth,sampler", "--json"];
-    let (status, stdout, stderr) = run(place.path(), &sweep);
-    assert_eq!(status, 0, "{stderr}");
-    let json: Value = serde_json::from_str(&stdout).expect("one object");
+    let json = run(place.path(), &sweep).exits(0).json();
     let folder = place.path().join("room-tradeoff");
     let page = std::fs::read_to_string(folder.join("index.html")).expect("the page is there");
     assert!(
@@ -384,16 +379,15 @@ fn the_program_reports_and_its_advice_is_kept() {
     assert!((errors[2] / 1e-2 - 1.0).abs() < 0.2, "{advice}: {errors:?}");
 
     for (knobs, why) in [("colour", "expected names from"), ("spp", "every setting is measured over its samples")] {
-        let (status, _, stderr) = run(place.path(), &["tradeoff", "room.ron", "--knobs", knobs]);
-        assert!(status == 2 && stderr.contains(&format!("--knobs {knobs}: {why}")), "{status}: {stderr}");
+        let ran = run(place.path(), &["tradeoff", "room.ron", "--knobs", knobs]).exits(2);
+        assert!(ran.stderr.contains(&format!("--knobs {knobs}: {why}")), "{}", ran.stderr);
     }
 }
 
 /// relMSE of independent renders with what a report advises for one of its targets, in order: by five seeds, against one of 16384 samples.
 fn kept(place: &Path, scene: &str, advice: &Value) -> Vec<f64> {
     let render = |more: &[&str], out: &str| {
-        let (status, _, stderr) = run(place, &[&["render", scene, "-o", out], more].concat());
-        assert_eq!(status, 0, "{stderr}");
+        run(place, &[&["render", scene, "-o", out], more].concat()).exits(0);
         read_exr(&place.join(out)).expect("it is read").rgb
     };
     let truth = render(&["--spp", "16384", "--seed", "77"], "truth.exr");
@@ -417,9 +411,7 @@ fn advice_is_kept_beside_settings_of_rare_bright_paths() {
     std::fs::write(place.path().join("lamp.ron"), lamp(0.02, 48)).expect("it is written");
     // Twice one knob is one. All rounds are done in a few seconds where nobody else uses the machine; then it ends.
     let sweep = ["tradeoff", "lamp.ron", "--budget", "30s", "--knobs", "integrator,integrator", "--json"];
-    let (status, stdout, stderr) = run(place.path(), &sweep);
-    assert_eq!(status, 0, "{stderr}");
-    let json: Value = serde_json::from_str(&stdout).expect("one object");
+    let json = run(place.path(), &sweep).exits(0).json();
     assert_eq!(json["settings"].as_array().map(Vec::len), Some(2), "{json:#}");
     let advice = &json["recommendations"][2];
     assert_eq!(advice["setting"], "defaults", "{json:#}");
@@ -428,15 +420,14 @@ fn advice_is_kept_beside_settings_of_rare_bright_paths() {
 }
 
 /// A sweep, and the seconds that it took of so many. A machine that stands still for a while does not do so three times.
-fn sweep_within(place: &Path, seconds: f64) -> (i32, String, String, f64) {
+fn sweep_within(place: &Path, seconds: f64) -> (Ran, f64) {
     let attempt = || {
         let begin = Instant::now();
-        let (status, stdout, stderr) =
-            run(place, &["tradeoff", "sky.ron", "--budget", &format!("{seconds:.2}s"), "--quiet"]);
-        (status, stdout, stderr, begin.elapsed().as_secs_f64())
+        let ran = run(place, &["tradeoff", "sky.ron", "--budget", &format!("{seconds:.2}s"), "--quiet"]);
+        (ran, begin.elapsed().as_secs_f64())
     };
     let within = |took: f64| took < MORE_THAN_BUDGET * seconds;
-    (0..2).map(|_| attempt()).find(|found| within(found.3)).unwrap_or_else(attempt)
+    (0..2).map(|_| attempt()).find(|found| within(found.1)).unwrap_or_else(attempt)
 }
 
 /// The budget is the time that all of a sweep may take; a quarter of it more is for the last picture on a slow machine.
@@ -449,13 +440,13 @@ fn a_sweep_keeps_its_budget_and_tells_what_is_dominated() {
     let _machine = alone();
     let place = tempfile::tempdir().expect("a temporary folder");
     std::fs::write(place.path().join("sky.ron"), SKY).expect("it is written");
-    let (status, stdout, stderr, took) = sweep_within(place.path(), 20.0);
-    assert_eq!(status, 0, "{stderr}");
+    let (ran, took) = sweep_within(place.path(), 20.0);
+    let stdout = ran.exits(0).stdout;
     assert!(took < MORE_THAN_BUDGET * 20.0, "{took} s of 20");
     let short = (0.25 * took).max(2.0);
-    let (status, _, why, took_of_short) = sweep_within(place.path(), short);
+    let (ran, took_of_short) = sweep_within(place.path(), short);
     println!("{took} s of 20, {took_of_short} s of {short}");
-    assert!(status == 0 || why.contains("give it more"), "{why}");
+    assert!(ran.code() == 0 || ran.stderr.contains("give it more"), "{}", ran.stderr);
     assert!(took_of_short < MORE_THAN_BUDGET * short, "{took_of_short} s of {short}");
     let line =
         |name: &str| stdout.lines().find(|line| line.starts_with(name)).unwrap_or_else(|| panic!("{name} in {stdout}"));
@@ -477,17 +468,14 @@ fn the_noise_of_a_reference_is_stated_and_subtracted() {
     std::fs::write(place.path().join("room.ron"), ROOM).expect("it is written");
     let render = |spp: &str, seed: &str, out: &str| {
         let options = ["render", "room.ron", "--size", "24x24", "-o", out, "--spp", spp, "--seed", seed];
-        let (status, _, stderr) = run(place.path(), &options);
-        assert_eq!(status, 0, "{stderr}");
+        run(place.path(), &options).exits(0);
         read_exr(&place.path().join(out)).expect("it is read").rgb
     };
     let truth = render("4096", "1000", "truth.exr");
     // As noisy as the blocks that are measured, and of a seed that is the sweep's too.
     let noisy = render("16", "3", "noisy.exr");
     let sweep = ["tradeoff", "room.ron", "--budget", "8s", "--knobs", "roulette,sampler,max-depth", "--json"];
-    let (status, stdout, stderr) = run(place.path(), &[&sweep[..], &["--reference", "noisy.exr"]].concat());
-    assert_eq!(status, 0, "{stderr}");
-    let json: Value = serde_json::from_str(&stdout).expect("one object");
+    let json = run(place.path(), &[&sweep[..], &["--reference", "noisy.exr"]].concat()).exits(0).json();
     assert!(json["seed"].as_u64().is_some_and(|seed| seed > 3), "{}", json["seed"]);
     // Stated: of 1728 values with one degree of freedom, and with rare bright ones among them.
     assert_eq!((&json["width"], &json["height"]), (&Value::from(24), &Value::from(24)));
@@ -515,17 +503,14 @@ fn the_noise_of_a_reference_is_stated_and_subtracted() {
     }
     // One whose sides share no divisor is measured in its middle, by images that are as small as others, and shows the same.
     let options = ["--size", "211x199", "--spp", "16", "--seed", "500", "--quiet", "-o", "odd.exr"];
-    let (status, _, stderr) = run(place.path(), &[&["render", "room.ron"], &options[..]].concat());
-    assert_eq!(status, 0, "{stderr}");
+    run(place.path(), &[&["render", "room.ron"], &options[..]].concat()).exits(0);
     let odd = ["tradeoff", "room.ron", "--budget", "8s", "--knobs", "roulette", "--json", "--reference", "odd.exr"];
-    let (status, stdout, stderr) = run(place.path(), &odd);
-    assert_eq!(status, 0, "{stderr}");
-    let json: Value = serde_json::from_str(&stdout).expect("one object");
+    let json = run(place.path(), &odd).exits(0).json();
     assert_eq!((&json["whole_width"], &json["whole_height"]), (&Value::from(195), &Value::from(195)));
     assert!(json["width"].as_u64().is_some_and(|width| width <= 65), "{}", json["width"]);
     assert_eq!(json["defaults_against_reference"]["differs"], false, "{json:#}");
     // Few samples are one replicate, and tell nothing.
     render("8", "3", "noisy.exr");
-    let (status, _, stderr) = run(place.path(), &[&sweep[..6], &["--reference", "noisy.exr"]].concat());
-    assert!(status == 0 && stderr.contains("noisy.exr; it has no variance"), "{stderr}");
+    let ran = run(place.path(), &[&sweep[..6], &["--reference", "noisy.exr"]].concat()).exits(0);
+    assert!(ran.stderr.contains("noisy.exr; it has no variance"), "{}", ran.stderr);
 }

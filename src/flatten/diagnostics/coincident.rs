@@ -3,72 +3,34 @@
 //!
 //! The search compares quads and sides of boxes that lie in one plane. It skips opaque sides that face away from the
 //! camera, because no camera ray can hit them first: a box may rest on a floor. It skips media, because their
-//! boundaries are not surfaces. In crowded planes the number of comparisons is limited, in proportion to the number of
-//! surfaces.
+//! boundaries are not surfaces.
 
 use std::collections::HashSet;
 
 use glam::{DVec2, DVec3};
 
-use super::repeated::{Repeated, hash};
-use super::{At, BY_ROUNDING, Body, Diagnostic, Found, OTHER, Role, U, Worst, apart, leaving, short};
+use super::{BY_ROUNDING, Body, Diagnostic, Found, OTHER, Pair, Role, U, Worst, apart, leaving, short};
 use crate::shape::{Hull, normal};
 
-/// The limit on comparisons in a plane: the first number for each surface, and the second for the whole plane.
-const TESTS_EACH: usize = 16;
-const TESTS_MORE: usize = 1000;
-/// The search looks at this many surfaces, and one more for each 16 objects. It takes the planes nearest to the camera first.
-const MOST_SIDES: usize = 1 << 14;
-/// Up to this number of surfaces in a plane, all pairs are compared.
-const FEW: usize = 24;
-/// The most cells of the grid over a plane that one surface is entered in. Larger surfaces are compared with all others.
-const MOST_CELLS: usize = 64;
+/// Each surface in a plane is compared with this number of others, those next to it along an edge.
+const TESTS_EACH: usize = 64;
 /// The resolution at which components of normals are compared: steps per unit.
 const NORMAL_STEPS: f64 = 1e6;
 /// The least overlap, as a share of the narrower surface's width. Neighbours that share an edge overlap by less.
 const LEAST_OVERLAP: f64 = 1e-5;
-/// More than the sides of any shape. Sides are numbered below it.
-const SIDES: u32 = 8;
-
-/// Two objects that coincide, in the order of the file.
-struct PlanePair {
-    first: usize,
-    second: usize,
-    gap: f64,
-    /// The largest gap that causes a warning.
-    bound: f64,
-}
 
 /// The plane of a surface.
-#[derive(Clone, Copy)]
 struct Plane {
-    /// The bits of its distance from the camera, in units of the scene's extent, as f32. Bits of positive floats sort
-    /// like the floats.
-    bits: u32,
-    /// Two planes can matter to each other if their distance is at most the sum of their reaches. In units of the scene's extent.
-    reach: f32,
-    /// A hash of its normal.
-    normal: u32,
-    /// The number of the object times `SIDES`, plus the number of the side.
-    side: u32,
-}
-
-impl Plane {
-    /// `distance` is along the normal from the camera. It and `reach` are in units of the scene's extent.
-    fn new(distance: f64, normal: u32, reach: f64, side: u32) -> Plane {
-        // Half an ulp more: the distance is rounded to f32.
-        let reach = reach + U * distance.abs();
-        Plane { bits: (distance.abs() as f32).to_bits(), reach: reach as f32 * (1.0 + f32::EPSILON), normal, side }
-    }
-
-    fn distance(&self) -> f32 {
-        f32::from_bits(self.bits)
-    }
-}
-
-/// A hash of a normal, equal for n and -n.
-fn hash_of(normal: DVec3) -> u32 {
-    hash(steps(normal.abs()).map(|step| step as u32))
+    /// Its normal, in steps.
+    key: [i32; 3],
+    /// From the camera, along the normal.
+    distance: f64,
+    /// Two planes can matter to each other if their distance is at most the sum of their reaches.
+    reach: f64,
+    /// The object.
+    owner: u32,
+    /// The number of the side.
+    which: u32,
 }
 
 /// A bound of how far rounding moves a surface along its normal. Each coordinate of the position is rounded, and so is
@@ -77,20 +39,17 @@ fn rounding(normal: DVec3, place: DVec3, half: f64) -> f64 {
     2.0 * U * (normal.abs().dot(place.abs()) + half)
 }
 
-/// Splits planes that are sorted by distance into runs: the reach of each plane in a run overlaps that of an earlier one.
+/// Splits planes that are sorted by normal and distance into runs of one normal: the reach of each plane in a run overlaps
+/// that of an earlier one.
 fn runs(planes: &[Plane]) -> impl Iterator<Item = &[Plane]> {
-    let mut rest = planes;
-    std::iter::from_fn(move || {
-        let first = rest.first()?;
-        let mut reach = first.distance() + first.reach;
-        let more = rest[1..].iter().take_while(|plane| {
-            let near = plane.distance() - plane.reach <= reach;
-            reach = reach.max(plane.distance() + plane.reach);
-            near
-        });
-        let (run, after) = rest.split_at(1 + more.count());
-        rest = after;
-        Some(run)
+    let mut reach = f64::NEG_INFINITY;
+    planes.chunk_by(move |one, next| {
+        reach = reach.max(one.distance + one.reach);
+        let near = one.key == next.key && next.distance - next.reach <= reach;
+        if !near {
+            reach = f64::NEG_INFINITY;
+        }
+        near
     })
 }
 
@@ -129,6 +88,15 @@ impl Patch<'_> {
     }
 }
 
+/// The kinds of warning about two surfaces in one plane.
+#[derive(Clone, Copy)]
+enum Touch {
+    Overlapping,
+    AtGlass,
+    ClearOnClear,
+    BackToBack,
+}
+
 /// The search among flat surfaces, and its findings.
 pub struct Planes<'a> {
     found: &'a Found<'a>,
@@ -137,34 +105,22 @@ pub struct Planes<'a> {
     clear: bool,
     planes: Vec<Plane>,
     told: HashSet<(usize, usize)>,
-    overlapping: Worst<PlanePair>,
-    at_glass: Worst<PlanePair>,
-    clear_on_clear: Worst<PlanePair>,
-    back_to_back: Worst<PlanePair>,
+    /// The worst case of each `Touch`.
+    worst: [Worst<Pair>; 4],
 }
 
 impl<'a> Planes<'a> {
     pub fn new(found: &'a Found<'a>, kinds: &'a [Role]) -> Planes<'a> {
-        Planes {
-            found,
-            kinds,
-            clear: found.placed.iter().any(|placed| kinds[placed.material as usize].glass),
-            planes: Vec::new(),
-            told: HashSet::new(),
-            overlapping: Worst::default(),
-            at_glass: Worst::default(),
-            clear_on_clear: Worst::default(),
-            back_to_back: Worst::default(),
-        }
+        let clear = found.placed.iter().any(|placed| kinds[placed.material as usize].glass);
+        Planes { found, kinds, clear, planes: Vec::new(), told: HashSet::new(), worst: Default::default() }
     }
 
     pub fn see(&mut self, number: usize, body: &Body) {
-        let share = 1.0 / self.found.extent;
         for (which, side) in self.sides(number, body) {
             if self.clear || !side.hidden {
-                let reach = share * if self.clear { side.rounding + side.leaving } else { side.rounding };
-                let normal = hash_of(side.normal);
-                self.planes.push(Plane::new(share * side.distance, normal, reach, number as u32 * SIDES + which));
+                let reach = if self.clear { side.rounding + side.leaving } else { side.rounding };
+                let (key, distance, owner) = (side.key, side.distance, number as u32);
+                self.planes.push(Plane { key, distance, reach, owner, which });
             }
         }
     }
@@ -172,54 +128,36 @@ impl<'a> Planes<'a> {
     pub fn diagnostics(mut self) -> Vec<Diagnostic> {
         self.search();
         let found = self.found;
-        let flat = self.overlapping.diagnostic(|pair| tell_overlapping(found, &pair));
-        let glass = self.at_glass.diagnostic(|pair| tell_at_glass(found, &pair));
-        let clear = self.clear_on_clear.diagnostic(|pair| tell_clear_on_clear(found, &pair));
-        let lost = self.back_to_back.diagnostic(|pair| tell_back_to_back(&pair));
-        [flat, glass, clear, lost].into_iter().flatten().collect()
+        let touches = [Touch::Overlapping, Touch::AtGlass, Touch::ClearOnClear, Touch::BackToBack];
+        let told = touches.into_iter().zip(self.worst);
+        told.filter_map(|(touch, worst)| worst.diagnostic(|pair| tell(found, touch, &pair))).collect()
     }
 
     fn search(&mut self) {
         let mut planes = std::mem::take(&mut self.planes);
-        let again = Repeated::new(planes.iter().map(|plane| plane.normal));
-        planes.retain(|plane| again.holds(plane.normal));
-        planes.sort_unstable_by_key(|plane| plane.bits);
-        let mut left = MOST_SIDES + self.found.placed.len() / 16;
-        let mut sides: Vec<Side> = Vec::new();
+        planes.sort_unstable_by(|a, b| a.key.cmp(&b.key).then(a.distance.total_cmp(&b.distance)));
         for run in runs(&planes) {
-            if !self.may_differ(run) {
-                continue;
-            }
-            let Some(after) = left.checked_sub(run.len()) else { break };
-            left = after;
-            sides.clear();
-            sides.extend(run.iter().filter_map(|plane| self.side(plane)));
-            sides.sort_unstable_by_key(|side| side.key);
-            for parallel in sides.chunk_by(|a, b| a.key == b.key).filter(|parallel| parallel.len() > 1) {
-                self.compare(parallel);
+            if self.may_differ(run) {
+                let sides: Vec<Side> = run.iter().filter_map(|plane| self.side(plane)).collect();
+                self.compare(&sides);
             }
         }
     }
 
-    /// Whether the surfaces may include two parallel ones whose coincidence is visible. Exact for two surfaces; for
-    /// more, only the materials are compared.
+    /// Whether the surfaces may include two whose coincidence is visible. Only the materials are compared.
     fn may_differ(&self, run: &[Plane]) -> bool {
-        let differ = |a: &Plane, b: &Plane| {
-            let [of_a, of_b] = [a, b].map(|plane| self.found.placed[(plane.side / SIDES) as usize].material);
-            of_a != of_b || self.kinds[of_a as usize].one_sided || self.kinds[of_a as usize].glass
-        };
-        match run {
-            [] | [_] => false,
-            [a, b] => a.normal == b.normal && differ(a, b),
-            [first, rest @ ..] => rest.iter().any(|other| differ(first, other)),
-        }
+        let material = |plane: &Plane| self.found.placed[plane.owner as usize].material;
+        let [first, rest @ ..] = run else { return false };
+        let kind = self.kinds[material(first) as usize];
+        !rest.is_empty()
+            && (kind.one_sided || kind.glass || rest.iter().any(|other| material(other) != material(first)))
     }
 
     fn side(&self, plane: &Plane) -> Option<Side> {
-        let owner = (plane.side / SIDES) as usize;
+        let owner = plane.owner as usize;
         let placed = &self.found.placed[owner];
         let body = Body::new(self.found, &placed.shape, &placed.to_world);
-        self.sides(owner, &body).find(|(which, _)| *which == plane.side % SIDES).map(|(_, side)| side)
+        self.sides(owner, &body).find(|(which, _)| *which == plane.which).map(|(_, side)| side)
     }
 
     /// The flat surfaces of a shape, with their numbers.
@@ -268,50 +206,11 @@ impl<'a> Planes<'a> {
         let normal = sides[0].normal;
         let a = (sides[0].corners[1] - sides[0].corners[0]).normalize_or_zero();
         let b = normal.cross(a);
-        let patches: Vec<Patch> = sides.iter().map(|side| Patch::new(side, a, b)).collect();
-        let mut tests = TESTS_EACH * patches.len() + TESTS_MORE;
-        if patches.len() <= FEW {
-            return self.compare_all(patches.iter(), &mut tests);
-        }
-        let low = patches.iter().fold(patches[0].low, |low, patch| low.min(patch.low));
-        let high = patches.iter().fold(patches[0].high, |high, patch| high.max(patch.high));
-        let cells = (patches.len() as f64).sqrt().ceil();
-        let cell = ((high - low) / cells).max(DVec2::splat(f64::MIN_POSITIVE));
-        let cell_of = |p: DVec2| ((p - low) / cell).floor().clamp(DVec2::ZERO, DVec2::splat(cells - 1.0)).as_uvec2();
-        let mut filed: Vec<(u64, u32)> = Vec::new();
-        let mut large = Vec::new();
-        for (number, patch) in (0..).zip(&patches) {
-            // Neighbours that only share an edge need not share a cell.
-            let inset = LEAST_OVERLAP * (patch.high - patch.low);
-            let (from, to) = (cell_of(patch.low + inset), cell_of(patch.high - inset));
-            if (to.x - from.x + 1) as usize * (to.y - from.y + 1) as usize > MOST_CELLS {
-                large.push(patch);
-                continue;
-            }
-            for y in from.y..=to.y {
-                filed.extend((from.x..=to.x).map(|x| (u64::from(y) << 32 | u64::from(x), number)));
-            }
-        }
-        for one in large {
-            for other in patches.iter().take(tests) {
-                self.test(one, other);
-            }
-            tests = tests.saturating_sub(patches.len());
-        }
-        filed.sort_unstable();
-        for together in filed.chunk_by(|a, b| a.0 == b.0) {
-            self.compare_all(together.iter().map(|(_, number)| &patches[*number as usize]), &mut tests);
-        }
-    }
-
-    fn compare_all<'p>(&mut self, patches: impl Iterator<Item = &'p Patch<'p>> + Clone, tests: &mut usize) {
-        let mut rest = patches;
-        while let Some(one) = rest.next() {
-            for other in rest.clone() {
-                if *tests == 0 {
-                    return;
-                }
-                *tests -= 1;
+        let mut patches: Vec<Patch> = sides.iter().map(|side| Patch::new(side, a, b)).collect();
+        patches.sort_unstable_by(|a, b| a.low.x.total_cmp(&b.low.x).then(a.low.y.total_cmp(&b.low.y)));
+        for (at, one) in patches.iter().enumerate() {
+            let beside = patches[at + 1..].iter().take_while(|other| other.low.x < one.high.x);
+            for other in beside.take(TESTS_EACH) {
                 self.test(one, other);
             }
         }
@@ -335,14 +234,15 @@ impl<'a> Planes<'a> {
         if a.owner == b.owner || gap > bound || !shows || !overlap(first, second) {
             return;
         }
-        let kind = match (glass_a, glass_b, opposed) {
-            (true, true, _) => &mut self.clear_on_clear,
-            (true, ..) | (_, true, _) => &mut self.at_glass,
-            (.., true) => &mut self.back_to_back,
-            (.., false) => &mut self.overlapping,
+        let touch = match (glass_a, glass_b, opposed) {
+            (true, true, _) => Touch::ClearOnClear,
+            (true, ..) | (_, true, _) => Touch::AtGlass,
+            (.., true) => Touch::BackToBack,
+            (.., false) => Touch::Overlapping,
         };
+        let kind = &mut self.worst[touch as usize];
         if self.told.insert((a.owner, b.owner)) {
-            return kind.note(-(b.owner as f64), PlanePair { first: a.owner, second: b.owner, gap, bound });
+            return kind.note(-(b.owner as f64), Pair { first: a.owner, second: b.owner, gap, bound });
         }
         // If several sides of two boxes coincide, the warning names the largest bound: it separates all of them.
         if let Some((_, pair)) = &mut kind.worst
@@ -378,51 +278,30 @@ fn overlap(one: &Patch, other: &Patch) -> bool {
     })
 }
 
-fn tell_overlapping(found: &Found, pair: &PlanePair) -> Diagnostic {
-    let message = format!(
-        "its surface overlaps with the {} at {OTHER}, which has another material and {}: {BY_ROUNDING}: set them more than {} apart, or \
-         cut a hole in one",
-        found.placed[pair.first].shape.kind().word,
-        apart(pair.gap, pair.bound, false),
-        short(pair.bound)
-    );
-    Diagnostic { at: At::Primitive(pair.second), field: "", message, other: Some(At::Primitive(pair.first)), more: 0 }
-}
-
-/// The warning points at the clear object.
-fn tell_at_glass(found: &Found, pair: &PlanePair) -> Diagnostic {
+fn tell(found: &Found, touch: Touch, pair: &Pair) -> Diagnostic {
+    let Pair { first, second, gap, bound } = *pair;
     let is_clear = |number: usize| found.scene.materials[found.placed[number].material as usize].1.kind().is_clear;
-    let (clear, other) = match is_clear(pair.first) {
-        true => (pair.first, pair.second),
-        false => (pair.second, pair.first),
+    // The warning points at the clear object, if only one of them is clear.
+    let (at, other) = if is_clear(first) && !is_clear(second) { (first, second) } else { (second, first) };
+    let word = found.placed[other].shape.kind().word;
+    let (away, limit) = (apart(gap, bound, is_clear(at)), short(bound));
+    let message = match touch {
+        Touch::Overlapping => format!(
+            "its surface overlaps with the {word} at {OTHER}, which has another material and {away}: {BY_ROUNDING}: set them more than \
+             {limit} apart, or cut a hole in one"
+        ),
+        Touch::AtGlass => format!(
+            "this glass touches the {word} at {OTHER}, which {away}: rays that leave one of the two there start behind the other and \
+             miss it: let one reach into the other, or set them more than {limit} apart"
+        ),
+        Touch::ClearOnClear => format!(
+            "this glass touches the {word} at {OTHER}, which is also clear and {away}: rays miss one of the two surfaces: set them \
+             more than {limit} apart, or make them one solid if they have one material"
+        ),
+        Touch::BackToBack => format!(
+            "this light emits to one side and lies back to back with the light at {OTHER}, which {away}: rays that hit the back of \
+             the other light get no light: set them more than {limit} apart, or replace them by one light that is two_sided"
+        ),
     };
-    let message = format!(
-        "this glass touches the {} at {OTHER}, which {}: rays that leave one of the two there start behind the other and miss it: let \
-         one reach into the other, or set them more than {} apart",
-        found.placed[other].shape.kind().word,
-        apart(pair.gap, pair.bound, true),
-        short(pair.bound)
-    );
-    Diagnostic { at: At::Primitive(clear), field: "", message, other: Some(At::Primitive(other)), more: 0 }
-}
-
-fn tell_clear_on_clear(found: &Found, pair: &PlanePair) -> Diagnostic {
-    let message = format!(
-        "this glass touches the {} at {OTHER}, which is also clear and {}: rays miss one of the two surfaces: set them more than {} apart, \
-         or make them one solid if they have one material",
-        found.placed[pair.first].shape.kind().word,
-        apart(pair.gap, pair.bound, true),
-        short(pair.bound)
-    );
-    Diagnostic { at: At::Primitive(pair.second), field: "", message, other: Some(At::Primitive(pair.first)), more: 0 }
-}
-
-fn tell_back_to_back(pair: &PlanePair) -> Diagnostic {
-    let message = format!(
-        "this light emits to one side and lies back to back with the light at {OTHER}, which {}: rays that hit the back of the other \
-         light get no light: set them more than {} apart, or replace them by one light that is two_sided",
-        apart(pair.gap, pair.bound, false),
-        short(pair.bound)
-    );
-    Diagnostic { at: At::Primitive(pair.second), field: "", message, other: Some(At::Primitive(pair.first)), more: 0 }
+    Diagnostic::of_two(at, other, message)
 }

@@ -16,8 +16,6 @@ use crate::shape::{Hull, normal};
 const MOST_EMITTERS: usize = 4096;
 /// The limit on comparisons, for each object.
 const TESTS_EACH: usize = 1;
-/// Emitters are sorted into this number of strips along x.
-const STRIPS: usize = 1024;
 /// The number of objects around the camera that the search looks at.
 const MOST_AROUND: usize = 8;
 /// The largest allowed ratio of the brightest emitter's radiance to another's.
@@ -56,7 +54,7 @@ pub fn turned_away(found: &Found, kinds: &[Role]) -> Option<Diagnostic> {
     }
     let message = "this light emits to one side, and the whole scene is on its other side: exchange u and v to turn it round, or make \
                    it two_sided";
-    worst.diagnostic(|at| Diagnostic { at, field: "", message: message.to_string(), other: None, more: 0 })
+    worst.diagnostic(|at| Diagnostic::of(at, "", message.to_string()))
 }
 
 /// An emitter, and a ball around it.
@@ -72,18 +70,14 @@ pub struct Walls<'a> {
     found: &'a Found<'a>,
     /// Sorted by the x of their centres.
     emitters: Vec<EmittingBody>,
-    /// For each of `STRIPS` strips from the least x to the largest, the index of the first emitter in it or after it.
-    starts: Vec<u32>,
-    least_x: f64,
-    /// Strips per unit of length.
-    strips: f64,
     /// The smallest radius of a ball around an emitter.
     smallest: f64,
     /// The number of comparisons that are left.
     tests: usize,
     /// The number of objects around the camera so far.
     around: usize,
-    worst: Worst<(At, At, bool)>,
+    /// The emitter, the closed object, and whether the camera is the one inside.
+    worst: Worst<(usize, usize, bool)>,
     /// Closed lights around the camera that emit outwards.
     outwards: Worst<usize>,
     within: Within,
@@ -101,16 +95,8 @@ impl<'a> Walls<'a> {
             }));
             emitters.sort_unstable_by(|a, b| a.center.x.total_cmp(&b.center.x));
         }
-        let least_x = emitters.first().map_or(0.0, |emitter| emitter.center.x);
-        let width = emitters.last().map_or(0.0, |emitter| emitter.center.x) - least_x;
-        let strips = if width > 0.0 { STRIPS as f64 / width } else { 0.0 };
-        let edge = |strip: usize| least_x + strip as f64 / strips;
-        let start = |strip| emitters.partition_point(|emitter| strips > 0.0 && emitter.center.x < edge(strip));
         Walls {
             found,
-            starts: (0..STRIPS).map(|strip| start(strip) as u32).collect(),
-            least_x,
-            strips,
             smallest: emitters.iter().map(|emitter| emitter.radius).fold(f64::INFINITY, f64::min),
             emitters,
             tests: TESTS_EACH * (found.placed.len() + 1000),
@@ -127,8 +113,6 @@ impl<'a> Walls<'a> {
         }
         let lens = self.found.view.lens_radius();
         let Some(depth) = self.within.depth(wall, DVec3::ZERO) else { return };
-        let (least_x, strips) = (self.least_x, self.strips);
-        let strip = |x: f64| (((x - least_x) * strips) as usize).min(STRIPS - 1);
         if depth > lens && self.around < MOST_AROUND {
             self.around += 1;
             if kind.light && kind.one_sided && is_outside_in_front(wall) {
@@ -147,7 +131,7 @@ impl<'a> Walls<'a> {
             if reach <= self.smallest {
                 return;
             }
-            let from = self.starts.get(strip(wall.place.x - reach)).map_or(0, |start| *start as usize);
+            let from = self.emitters.partition_point(|emitter| emitter.center.x < wall.place.x - reach);
             for at in from..self.emitters.len() {
                 let emitter = self.emitters[at];
                 if emitter.center.x > wall.place.x + reach || self.tests == 0 {
@@ -164,8 +148,7 @@ impl<'a> Walls<'a> {
     }
 
     fn note(&mut self, wall: usize, emitter: &EmittingBody, around_camera: bool) {
-        let (at, other) = (At::Primitive(emitter.number), At::Primitive(wall));
-        self.worst.note(-(emitter.number as f64), (at, other, around_camera));
+        self.worst.note(-(emitter.number as f64), (emitter.number, wall, around_camera));
     }
 
     pub fn diagnostics(self) -> Vec<Diagnostic> {
@@ -176,19 +159,16 @@ impl<'a> Walls<'a> {
                  make it two_sided",
                 found.placed[number].shape.kind().word
             );
-            Diagnostic { at: At::Primitive(number), field: "", message, other: None, more: 0 }
+            Diagnostic::of(At::Primitive(number), "", message)
         });
-        let hidden = self.worst.diagnostic(|(at, other, around_camera)| {
-            let shape = match other {
-                At::Primitive(number) => found.placed[number].shape.kind().word,
-                _ => "object",
-            };
+        let hidden = self.worst.diagnostic(|(emitter, wall, around_camera)| {
+            let shape = found.placed[wall].shape.kind().word;
             let (enclosed, beyond) = if around_camera { ("the camera", "light") } else { ("it", "camera") };
             let message = format!(
                 "no path reaches this light: the opaque {shape} at {OTHER} encloses {enclosed}, and the {beyond} is outside: remove \
                  the light, or open the {shape}"
             );
-            Diagnostic { at, field: "", message, other: Some(other), more: 0 }
+            Diagnostic::of_two(emitter, wall, message)
         });
         [outwards, hidden].into_iter().flatten().collect()
     }
@@ -228,7 +208,7 @@ pub fn too_faint(found: &Found) -> Option<Diagnostic> {
             short(most),
             power_of_two(1.0 / LARGEST_SHARE)
         );
-        Diagnostic { at: at_it, field: "", message, other: Some(at(brightest)), more: 0 }
+        Diagnostic { other: Some(at(brightest)), ..Diagnostic::of(at_it, "", message) }
     })
 }
 

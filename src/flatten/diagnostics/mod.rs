@@ -6,7 +6,6 @@
 mod coincident;
 mod emitters;
 mod leaving;
-mod repeated;
 mod same_place;
 mod sizes;
 mod surfaces;
@@ -114,6 +113,26 @@ struct Diagnostic {
     other: Option<At>,
     /// The number of further cases of the same kind.
     more: usize,
+}
+
+impl Diagnostic {
+    fn of(at: At, field: &'static str, message: String) -> Diagnostic {
+        Diagnostic { at, field, message, other: None, more: 0 }
+    }
+
+    /// A warning about an object; the location of the other one replaces `OTHER` in the message.
+    fn of_two(number: usize, other: usize, message: String) -> Diagnostic {
+        Diagnostic { other: Some(At::Primitive(other)), ..Diagnostic::of(At::Primitive(number), "", message) }
+    }
+}
+
+/// Two objects that coincide, in the order of the file.
+struct Pair {
+    first: usize,
+    second: usize,
+    gap: f64,
+    /// A larger gap causes no warning.
+    bound: f64,
 }
 
 /// The number of cases found, and the worst of them; the first of equally bad ones.

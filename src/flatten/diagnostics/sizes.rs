@@ -196,7 +196,7 @@ fn tell_thin((number, side, start): (usize, f64, f64)) -> Diagnostic {
         short(start),
         short(start)
     );
-    Diagnostic { at: At::Primitive(number), field: "", message, other: None, more: 0 }
+    Diagnostic::of(At::Primitive(number), "", message)
 }
 
 fn tell_white((at, cut): (At, f64), max_depth: u32) -> Diagnostic {
@@ -205,7 +205,7 @@ fn tell_white((at, cut): (At, f64), max_depth: u32) -> Diagnostic {
          end there at max_depth: write 0.99 or less, a lower density, or a higher max_depth",
         short((1000.0 * cut).round() / 10.0)
     );
-    Diagnostic { at, field: "albedo", message, other: None, more: 0 }
+    Diagnostic::of(at, "albedo", message)
 }
 
 fn tell_lost(Small { at, name: (name, field), size, distance, coordinate, share }: Small) -> Diagnostic {
@@ -251,7 +251,7 @@ fn tell_dense((at, density, far): (At, f64, f64)) -> Diagnostic {
         short(U * far),
         short(PATH_SHARE / (U * far))
     );
-    Diagnostic { at, field: "density", message, other: None, more: 0 }
+    Diagnostic::of(at, "density", message)
 }
 
 /// The size of a medium is in its field `boundary`.

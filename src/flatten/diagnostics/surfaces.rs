@@ -56,5 +56,5 @@ fn tell_close(Close { number, radius, height, error }: Close) -> Diagnostic {
         short(error),
         short(4.0 * U / LARGEST_ERROR * radius)
     );
-    Diagnostic { at: At::Primitive(number), field: "radius", message, other: None, more: 0 }
+    Diagnostic::of(At::Primitive(number), "radius", message)
 }

@@ -35,7 +35,6 @@ impl Within {
         };
         match wall.shape.mesh() {
             Some(mesh) if by_hull > 0.0 => self.depth_in_mesh(mesh, wall, p),
-            None if !wall.shape.is_hull() => None,
             _ => Some(by_hull),
         }
     }

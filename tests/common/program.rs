@@ -1,0 +1,92 @@
+//! Runs the program, as its users do.
+
+use std::path::Path;
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+/// When a program that does not end is killed.
+const LIMIT: Duration = Duration::from_secs(120);
+
+/// What a run of the program came to.
+#[derive(Debug)]
+pub struct Ran {
+    pub status: ExitStatus,
+    pub stdout: String,
+    pub stderr: String,
+}
+
+/// The program in a folder; its output can be read.
+pub fn command(folder: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_gpu-rt"));
+    command.current_dir(folder).args(arguments);
+    command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
+
+/// Runs the program in a folder to its end, however long that takes.
+pub fn run(folder: &Path, arguments: &[&str]) -> Ran {
+    Ran::of(command(folder, arguments).spawn().expect("the program starts"))
+}
+
+/// Waits for the program, and takes what it has printed. (Less than a pipe holds: no thread has to read meanwhile.)
+pub fn finish(mut child: Child) -> Ran {
+    until(&mut child, |child| child.try_wait().expect("the program can be asked").is_some());
+    Ran::of(child)
+}
+
+/// Waits until something is so.
+pub fn until(child: &mut Child, mut is_so: impl FnMut(&mut Child) -> bool) {
+    let start = Instant::now();
+    while !is_so(child) {
+        if start.elapsed() > LIMIT {
+            let _ = child.kill();
+            panic!("the program never comes so far");
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+/// The same of a program that is not to end before.
+pub fn meanwhile(child: &mut Child, is_so: impl Fn() -> bool) {
+    until(child, |child| {
+        let so = is_so();
+        assert!(so || child.try_wait().expect("the program can be asked").is_none(), "it ended");
+        so
+    });
+}
+
+impl Ran {
+    fn of(child: Child) -> Ran {
+        let output = child.wait_with_output().expect("its output can be read");
+        let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
+        Ran { status: output.status, stdout: text(output.stdout), stderr: text(output.stderr) }
+    }
+
+    pub fn code(&self) -> i32 {
+        self.status.code().unwrap_or_else(|| panic!("ended by a signal: {self:?}"))
+    }
+
+    /// Asserts the exit status, and what holds for every run: no panic, no colours where nothing is a terminal.
+    #[track_caller]
+    pub fn exits(self, code: i32) -> Ran {
+        assert!(!self.stderr.contains("panicked"), "{}", self.stderr);
+        assert!(!self.stderr.contains('\u{1b}') && !self.stdout.contains('\u{1b}'), "colours: {self:?}");
+        assert_eq!(self.code(), code, "{self:?}");
+        self
+    }
+
+    /// All of stdout as one JSON object.
+    #[track_caller]
+    pub fn json(&self) -> Value {
+        let value: Value =
+            serde_json::from_str(&self.stdout).unwrap_or_else(|error| panic!("{error}: {}", self.stdout));
+        assert!(value.is_object(), "{value}");
+        value
+    }
+
+    pub fn last_line(&self) -> &str {
+        self.stderr.lines().last().unwrap_or_default()
+    }
+}
