@@ -42,28 +42,41 @@ fn scatter_path(path: ptr<function, Path>) {
     //@ if light
     var pdf = 0.0;
     var samples_lights = false;
+    var asks = false;
     //@ end
     //@ if surface_samples_light
     // Non-specular materials sample lights, on the side from which the ray comes.
     samples_lights = depth < settings.max_depth && is_non_specular(material);
-    if samples_lights {
-        let light_sample = sample_light(path, point);
-        let response = response_of_material(material, arriving, light_sample.direction);
-        let origin = spawn_ray(hit, surface, facing, shading, point, light_sample.direction).origin;
-        send_shadow_ray(path, light_sample, origin, response.value, response.pdf);
-        pdf = response_of_material(material, arriving, scattered.direction).pdf;
-    }
     //@ end
     //@ if specular
     if !samples_lights {
         pdf = pdf_of_one_way((*path).pdf);
         let can_meet = pdf < 0.0 && scattered.event == SCATTERED && depth < settings.max_depth;
-        if can_meet && asks_for_light(path) {
-            let light_sample = sample_light(path, point);
-            let origin = spawn_ray(hit, surface, facing, shading, point, scattered.direction).origin;
-            let response = response_to_question(scattered.weight, scattered.direction, light_sample.direction, shading);
-            send_shadow_ray(path, light_sample, origin, response, 0.0);
+        asks = can_meet && asks_for_light(path);
+    }
+    //@ end
+    //@ if sends_shadow_ray
+    // Both sample a light here: GPUs inline the functions of all kinds of lights at each call.
+    if samples_lights || asks {
+        let light_sample = sample_light(path, point);
+        var response = Response();
+        var leaving = scattered.direction;
+    //@ end
+    //@ if surface_samples_light
+        if samples_lights {
+            response = response_of_material(material, arriving, light_sample.direction);
+            leaving = light_sample.direction;
+            pdf = response_of_material(material, arriving, scattered.direction).pdf;
         }
+    //@ end
+    //@ if specular
+        if asks {
+            response.value = response_to_question(scattered.weight, scattered.direction, light_sample.direction, shading);
+        }
+    //@ end
+    //@ if sends_shadow_ray
+        let origin = spawn_ray(hit, surface, facing, shading, point, leaving).origin;
+        send_shadow_ray(path, light_sample, origin, response.value, response.pdf);
     }
     //@ end
     //@ if met_light
