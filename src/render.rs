@@ -62,8 +62,8 @@ pub struct Renderer<'a> {
     /// Bounces of the next submission, and whether their number is fixed.
     bounces: u32,
     bounces_fixed: bool,
-    /// Bounces after which finished runs are added to the film.
-    bounces_at_once: u32,
+    /// Bounces of a submission at most.
+    most_bounces: u32,
     buffers: Buffers,
     generate: Pipeline,
     bounce: BouncePipelines,
@@ -205,7 +205,7 @@ impl<'a> Renderer<'a> {
             size: job.size,
             bounces: tuning.bounces.unwrap_or(1),
             bounces_fixed: tuning.bounces.is_some(),
-            bounces_at_once: 1,
+            most_bounces: 1,
             generate: pipeline(&plan.kernels.generate)?,
             bounce,
             accumulate: pipeline(&plan.kernels.accumulate)?,
@@ -273,7 +273,7 @@ impl<'a> Renderer<'a> {
         self.settings.first_sample = samples.start;
         self.settings.end_sample = samples.end;
         self.write("settings", &self.settings_layout.bytes(&self.settings))?;
-        self.bounces_at_once = self.bounces_with_room(&samples);
+        self.most_bounces = self.most_bounces(&samples);
         let pixels = u64::from(self.size.0) * u64::from(self.size.1);
         let pixels = u32::try_from(pixels).unwrap_or(u32::MAX);
         for turn in turns(pixels, self.tuning.tile, blocks(samples)) {
@@ -301,9 +301,10 @@ impl<'a> Renderer<'a> {
         let mut submitted = 0;
         let mut look = false;
         loop {
-            // Where no run is left to be started, paths end one by one: what is submitted too much would find idle slots.
-            let most = if counters.next < window.end { IN_FLIGHT } else { 1 };
-            while counters.idle < self.tuning.slots && !look && flights.len() < most {
+            // Where no run is left to be started, paths end one by one: what is submitted too much would find idle slots. Each slot asks for a
+            // run in the first submission.
+            let wanted = if counters.next.max(self.tuning.slots) < window.end { IN_FLIGHT } else { 1 };
+            while counters.idle < self.tuning.slots && !look && flights.len() < wanted {
                 flights.push_back(self.submit(&mut window, submitted)?);
                 submitted += 1;
             }
@@ -392,9 +393,8 @@ impl<'a> Renderer<'a> {
 
     /// Records and submits a pass, the turn's first, second and so on: starting the slots if they have no runs yet, then some bounces.
     fn submit(&mut self, window: &mut Window, number: usize) -> Result<Flight> {
-        let bounces = self.bounces.clamp(1, self.most_bounces());
-        let at_once = bounces.min(self.bounces_at_once);
-        window.bounces = at_once;
+        let bounces = self.bounces.clamp(1, self.most_bounces);
+        window.bounces = bounces;
         self.write("window", bytemuck::bytes_of(window))?;
         let begin = Instant::now();
         let report = number % IN_FLIGHT;
@@ -403,71 +403,58 @@ impl<'a> Renderer<'a> {
             encoder.clear_buffer(self.buffers.get("film")?, 0, None);
         }
         let groups = self.tuning.slots.div_ceil(self.tuning.workgroup);
-        let sizes = self.buffers.get("queue_args").ok();
-        let counters = self.buffers.get("counters")?;
-        let Report { counters: readback, timing } = &mut self.reports[report];
-        for done in (0..bounces).step_by(at_once as usize) {
-            let mut stages: Vec<Stage<'_>> = Vec::new();
-            if number == 0 && done == 0 {
-                stages.push(Stage::all(&self.generate, groups));
-            }
-            match &self.bounce {
-                BouncePipelines::Fused(bounce) => stages.push(Stage::all(bounce, groups)),
-                BouncePipelines::Staged { intersect, medium, dispatch, scatter, shadow, refill } => {
-                    for _ in done..bounces.min(done + at_once) {
-                        stages.push(Stage::all(intersect, groups));
-                        stages.extend(medium.iter().map(|medium| Stage::all(medium, groups)));
-                        match dispatch {
-                            None => stages.extend(scatter.iter().map(|kernel| Stage::all(kernel, groups))),
-                            Some(dispatch) => {
-                                stages.push(Stage::all(dispatch, 1));
-                                stages.extend((0..).zip(scatter).map(|(queue, kernel)| Stage::queue(kernel, queue)));
-                            }
+        let mut stages: Vec<Stage<'_>> = Vec::new();
+        if number == 0 {
+            stages.push(Stage::all(&self.generate, groups));
+        }
+        match &self.bounce {
+            BouncePipelines::Fused(bounce) => stages.push(Stage::all(bounce, groups)),
+            BouncePipelines::Staged { intersect, medium, dispatch, scatter, shadow, refill } => {
+                for _ in 0..bounces {
+                    stages.push(Stage::all(intersect, groups));
+                    stages.extend(medium.iter().map(|medium| Stage::all(medium, groups)));
+                    match dispatch {
+                        None => stages.extend(scatter.iter().map(|kernel| Stage::all(kernel, groups))),
+                        Some(dispatch) => {
+                            stages.push(Stage::all(dispatch, 1));
+                            stages.extend((0..).zip(scatter).map(|(queue, kernel)| Stage::queue(kernel, queue)));
                         }
-                        stages.extend(shadow.iter().map(|shadow| Stage::all(shadow, groups)));
-                        stages.push(Stage::all(refill, groups));
                     }
+                    stages.extend(shadow.iter().map(|shadow| Stage::all(shadow, groups)));
+                    stages.push(Stage::all(refill, groups));
                 }
             }
-            stages.push(Stage::all(&self.accumulate, groups));
-            match timing {
-                None => {
-                    let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-                    stages.iter().for_each(|stage| stage.record(&mut pass, sizes));
-                }
-                Some(timing) => {
-                    for stage in &stages {
-                        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-                            label: Some(&stage.kernel.name),
-                            timestamp_writes: timing.next(&stage.kernel.name),
-                        });
-                        stage.record(&mut pass, sizes);
-                    }
-                }
+        }
+        stages.push(Stage::all(&self.accumulate, groups));
+        let sizes = self.buffers.get("queue_args").ok();
+        let Report { counters: readback, timing } = &mut self.reports[report];
+        match timing {
+            None => {
+                let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+                stages.iter().for_each(|stage| stage.record(&mut pass, sizes));
             }
-            encoder.clear_buffer(counters, std::mem::offset_of!(Counters, records) as u64, Some(4));
+            Some(timing) => {
+                for stage in &stages {
+                    let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                        label: Some(&stage.kernel.name),
+                        timestamp_writes: timing.next(&stage.kernel.name),
+                    });
+                    stage.record(&mut pass, sizes);
+                }
+                timing.resolve(&mut encoder);
+            }
         }
-        if let Some(timing) = timing {
-            timing.resolve(&mut encoder);
-        }
+        let counters = self.buffers.get("counters")?;
         readback.copy(&mut encoder, counters, 0, size_of::<Counters>() as u64);
+        // The film has the records.
+        encoder.clear_buffer(counters, std::mem::offset_of!(Counters, records) as u64, Some(4));
         let submission = self.device.queue.submit([encoder.finish()]);
         Ok(Flight { submission, report, bounces, begin })
     }
 
-    /// The bounces whose passes can be timed.
-    fn most_bounces(&self) -> u32 {
-        // Each bounce may be followed by the accumulation.
-        let kernels = self.bounce.pipelines().count() as u32 + 1;
-        match self.reports.iter().any(|report| report.timing.is_some()) {
-            true => ((MAX_PASSES as u32 - 1) / kernels).max(1),
-            false => u32::MAX,
-        }
-    }
-
-    /// The bounces after which the records of finished runs are sure to have room: a slot ends at most one run that it is in, and then one
-    /// for each of its samples' bounces.
-    fn bounces_with_room(&self, samples: &Range<u32>) -> u32 {
+    /// The most bounces of a submission. The records of finished runs are sure to have room: a slot ends at most one run that it is in, and
+    /// then one for each of its samples' bounces. And each pass can be timed.
+    fn most_bounces(&self, samples: &Range<u32>) -> u32 {
         let whole = samples.start.is_multiple_of(RUN_LENGTH) && samples.end.is_multiple_of(RUN_LENGTH);
         let shortest = match whole {
             true => RUN_LENGTH,
@@ -478,7 +465,13 @@ impl<'a> Renderer<'a> {
                 first.min(last)
             }
         };
-        ((self.tuning.records_per_slot - 1) * shortest).max(1)
+        let kernels = self.bounce.pipelines().count() as u32;
+        let timed = match self.reports.iter().any(|report| report.timing.is_some()) {
+            // Beside the first kernel and the last.
+            true => (MAX_PASSES as u32 - 2) / kernels,
+            false => u32::MAX,
+        };
+        ((self.tuning.records_per_slot - 1) * shortest).clamp(1, timed)
     }
 
     /// Aims the next submission at its target time.

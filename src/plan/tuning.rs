@@ -46,7 +46,7 @@ impl Tuning {
             // Measured in docs/performance.md: a processor pays more for storing a path's state than for its divergence.
             scatter: options.scatter.unwrap_or(if device.software { Scatter::Fused } else { Scatter::Linked }),
             bounces: options.bounces,
-            records_per_slot: room_for_records.clamp(2, 8) as u32,
+            records_per_slot: room_for_records.clamp(2, 16) as u32,
             tile: pixels.min(room).max(1) as u32,
         }
     }

@@ -41,8 +41,8 @@ fn classes() -> [Class; 2] {
         ..wgpu::Limits::default()
     };
     [
-        class("a software driver", true, (8192, 8), Scatter::Fused, software),
-        class("a GPU", false, (1 << 20, 8), Scatter::Linked, gpu),
+        class("a software driver", true, (8192, 16), Scatter::Fused, software),
+        class("a GPU", false, (1 << 20, 16), Scatter::Linked, gpu),
     ]
 }
 
