@@ -15,7 +15,7 @@ define install
 }
 endef
 
-.PHONY: render test quick test-long test-drivers accuracy lint toolchain
+.PHONY: render test quick test-long test-drivers accuracy gpu-compile lint toolchain
 
 # The cover scene, in 50 s at most: out/weekend.exr is linear, out/weekend.png is for looking at.
 render: toolchain
@@ -55,6 +55,15 @@ BUDGET ?= 70s
 accuracy: export NODEVICE_SELECT = 1
 accuracy: toolchain
 	$(CARGO) bench --bench accuracy -- --budget $(BUDGET)
+
+# Every kernel compiled for GPUs that are not here, compared with docs/gpu.md; GPU_RT_RENEW=1 writes its tables anew.
+gpu-compile: export NODEVICE_SELECT = 1
+gpu-compile: toolchain
+	@command -v spirv-val >/dev/null || $(call install, spirv-tools, spirv-val is missing)
+	@[ -n "$$VK_DRIVER_FILES" ] || ls /usr/share/vulkan/icd.d/radeon_icd* >/dev/null 2>&1 || \
+		$(call install, libvulkan1 mesa-vulkan-drivers, Mesa's RADV is missing)
+	@settings=; [ -n "$$VK_DRIVER_FILES" ] || settings=$$(tests/drivers/matrix.sh radv) || echo "using the installed Mesa"; \
+		env $$settings $(CARGO) bench --bench gpu_compile
 
 lint: toolchain
 	$(CARGO) fmt --check

@@ -12,6 +12,7 @@
 
 // The greatest depth of the stack in the BVH of such a mesh.
 const CROSSING_STACK_SIZE: u32 = ${boundary_stack_size}u;
+const CHILDREN: u32 = 15u;
 
 // The most steps of all walks along one ray, in all media (stage/bounce). It is raised if the numerics probe finds no limit on loops.
 override MOST_STEPS_OF_CROSSINGS: u32 = STEPS_OF_CROSSINGS;
@@ -32,8 +33,11 @@ struct Crossing {
 fn next_crossing(ray: Ray, root: u32, last: Crossing, steps: ptr<function, u32>) -> Crossing {
     let inverse = slab_inverse(ray.direction);
     var next = Crossing(VERY_FAR, 0xffffffffu, 0);
+    // The nodes with children that are still to be visited: the index above a bit for each child. The one that was met last is not on
+    // the stack but in `waiting`, and has no bits if none of its children waits.
     var stack: array<u32, CROSSING_STACK_SIZE>;
     var depth = 0u;
+    var waiting = 0u;
     var code = root;
     loop {
         *steps += 1u;
@@ -52,17 +56,26 @@ fn next_crossing(ray: Ray, root: u32, last: Crossing, steps: ptr<function, u32>)
             }
         } else {
             let keys = child_keys(nodes[code], ray.origin, inverse, VERY_FAR);
-            for (var child = 0u; child < 4u; child++) {
-                stack[depth] = code * 4u + child;
-                depth += u32(keys[child] != CHILD_MISSED);
+            let bits = select(vec4<u32>(0u), vec4<u32>(1u, 2u, 4u, 8u), keys != vec4<u32>(CHILD_MISSED));
+            let children = bits.x | bits.y | bits.z | bits.w;
+            if children != 0u {
+                if (waiting & CHILDREN) != 0u {
+                    stack[depth] = waiting;
+                    depth += 1u;
+                }
+                waiting = code * 16u + children;
             }
         }
-        if depth == 0u {
-            break;
+        if (waiting & CHILDREN) == 0u {
+            if depth == 0u {
+                break;
+            }
+            depth -= 1u;
+            waiting = stack[depth];
         }
-        depth -= 1u;
-        let follow = stack[depth];
-        code = nodes[follow / 4u].children[follow % 4u];
+        let child = firstLeadingBit(waiting & CHILDREN);
+        waiting ^= 1u << child;
+        code = nodes[waiting / 16u].children[child];
     }
     return next;
 }

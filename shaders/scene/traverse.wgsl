@@ -21,6 +21,19 @@ const STACK_SIZE: u32 = ${stack_size}u;
 // and counted. The limit is higher if the numerics probe finds no limit on loops.
 override MOST_STEPS_OF_WALK: u32 = ${most_steps}u;
 
+// The children of a node that wait, in one word: the node's index above six bits with their numbers, the nearest one lowest. The
+// last number is repeated if there are fewer than three.
+const WAITING_BITS: u32 = 6u;
+const NONE_WAIT: u32 = 0xffffffffu;
+
+// The word for the children with these keys. The first one is not CHILD_MISSED.
+fn wait_for(code: u32, keys: vec3<u32>) -> u32 {
+    let second = select(keys.y, keys.x, keys.y == CHILD_MISSED);
+    let third = select(keys.z, second, keys.z == CHILD_MISSED);
+    let numbers = vec3<u32>(keys.x, second, third) & vec3<u32>(CHILD_MASK);
+    return code << WAITING_BITS | numbers.z << 4u | numbers.y << 2u | numbers.x;
+}
+
 // The nearest hit with t > 0 that is not beyond `limit`; with `any_will_do`, the first such hit found. There is no minimum
 // distance, because rays start with an offset from the surface that they leave. Of two hits at the same distance, the primitive
 // that comes first in the scene wins, so the order of the walk does not change the image.
@@ -34,12 +47,14 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
     var inverse = slab_inverse(ray.direction);
     //@ if mesh
     var instance = NO_INSTANCE;
-    // The stack's depth when the mesh was entered.
+    // The stack's depth and what was on top of it when the mesh was entered.
     var entered_at = 0u;
+    var outside = NONE_WAIT;
     //@ end
-    // The children that are still to be visited: the node's index times four, plus the child's number.
+    // The nodes with children that are still to be visited. The one that was met last is not on the stack but in `waiting`.
     var stack: array<u32, STACK_SIZE>;
     var depth = 0u;
+    var waiting = NONE_WAIT;
     var code = root;
     loop {
         if hit.steps == MOST_STEPS_OF_WALK {
@@ -54,6 +69,8 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
                 let entered = primitive_index(code);
                 instance = entered;
                 entered_at = depth;
+                outside = waiting;
+                waiting = NONE_WAIT;
                 here = to_mesh(instances[entered], ray);
                 inverse = slab_inverse(here.direction);
                 code = instances[entered].root;
@@ -76,28 +93,37 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
             }
         } else {
             let keys = sort_keys(child_keys(nodes[code], here.origin, inverse, hit.t));
-            // The farther children wait on the stack. All three are written, but `depth` only counts those that the ray may hit.
-            stack[depth] = code * 4u + (keys.w & CHILD_MASK);
-            depth += u32(keys.w != CHILD_MISSED);
-            stack[depth] = code * 4u + (keys.z & CHILD_MASK);
-            depth += u32(keys.z != CHILD_MISSED);
-            stack[depth] = code * 4u + (keys.y & CHILD_MASK);
-            depth += u32(keys.y != CHILD_MISSED);
+            if keys.y != CHILD_MISSED {
+                if waiting != NONE_WAIT {
+                    stack[depth] = waiting;
+                    depth += 1u;
+                }
+                waiting = wait_for(code, keys.yzw);
+            }
             next = select(code * 4u + (keys.x & CHILD_MASK), CHILD_MISSED, keys.x == CHILD_MISSED);
         }
         if next == CHILD_MISSED {
             //@ if mesh
-            if instance != NO_INSTANCE && depth == entered_at {
+            if instance != NO_INSTANCE && waiting == NONE_WAIT && depth == entered_at {
                 instance = NO_INSTANCE;
                 here = ray;
                 inverse = slab_inverse(ray.direction);
+                waiting = outside;
             }
             //@ end
-            if depth == 0u {
-                break;
+            if waiting == NONE_WAIT {
+                if depth == 0u {
+                    break;
+                }
+                depth -= 1u;
+                waiting = stack[depth];
             }
-            depth -= 1u;
-            next = stack[depth];
+            let child = waiting & CHILD_MASK;
+            next = (waiting >> WAITING_BITS) * 4u + child;
+            let after = (waiting >> 2u) & CHILD_MASK;
+            // The next child moves to the lowest bits, and the last one keeps its place.
+            let rest = (waiting & ~15u) | ((waiting >> 2u) & 15u);
+            waiting = select(rest, NONE_WAIT, after == child);
         }
         code = nodes[next / 4u].children[next % 4u];
     }

@@ -23,8 +23,6 @@ const LEAST_PIECE: usize = 4096;
 struct Branch<'a> {
     group: Group<'a>,
     depth: u32,
-    /// The number of codes on the stack when a walk is at this group.
-    waiting: u32,
     /// The parent node, and the child there that gets its code.
     parent: Option<(usize, usize)>,
 }
@@ -40,7 +38,7 @@ struct Grown {
 pub fn grow(all: Group<'_>, search: &Search, threads: usize) -> Bvh {
     let piece = (all.items.len() / PIECES).max(LEAST_PIECE);
     let mut top = Grown::default();
-    let pieces = top.grow(Branch { group: all, depth: 0, waiting: 0, parent: None }, search, piece);
+    let pieces = top.grow(Branch { group: all, depth: 0, parent: None }, search, piece);
     let parents: Vec<_> = pieces.iter().map(|piece| piece.parent).collect();
     for (parent, subtree) in parents.into_iter().zip(grow_all(pieces, search, threads)) {
         top.append(parent, subtree);
@@ -87,12 +85,11 @@ impl Grown {
             let groups = four(place.group, place.depth < DEEPEST_SOUGHT, search);
             let boxes: Vec<Bounds> = groups.iter().map(|group| group.bounds.into()).collect();
             let mut node = quantised(&boxes);
-            let waiting = place.waiting + groups.len() as u32 - 1;
-            self.stack_size = self.stack_size.max(waiting);
+            self.stack_size = self.stack_size.max(place.depth);
             for (child, group) in groups.into_iter().enumerate() {
                 match group.items {
                     [only] => node.children[child] = only.code,
-                    _ => open.push(Branch { group, depth: place.depth + 1, waiting, parent: Some((here, child)) }),
+                    _ => open.push(Branch { group, depth: place.depth + 1, parent: Some((here, child)) }),
                 }
             }
             self.nodes.push(node);

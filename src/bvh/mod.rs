@@ -33,7 +33,7 @@ pub struct Bvh {
     pub nodes: Vec<Node>,
     /// The root's code: a node's index, the only primitive's code, or `HIT_NOTHING`.
     pub root: u32,
-    /// The largest number of codes that wait during a walk, which is the size of its stack.
+    /// The largest number of nodes on the stack during a walk: those on the longest path from the root, without its last node.
     pub stack_size: u32,
 }
 

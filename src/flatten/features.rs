@@ -66,7 +66,7 @@ pub struct Features {
     pub turned: Option<String>,
     /// Whether every ray tests all primitives without a hierarchy, because they are few and none is a mesh.
     pub brute_force: bool,
-    /// The largest number of codes on the stack in a walk through the BVH.
+    /// The largest number of nodes on the stack in a walk through the BVH.
     pub stack_size: u32,
     /// The same for a walk through a mesh that bounds a medium.
     pub boundary_stack_size: u32,
@@ -114,7 +114,7 @@ impl Features {
             self.lights = self.lights.max(1);
         }
         // The stacks for meshes and boundaries are as large as a mesh of millions of faces needs.
-        const DEEP: u32 = 48;
+        const DEEP: u32 = 16;
         self.stack_size = self.stack_size.max(DEEP);
         self.boundary_stack_size = self.boundary_stack_size.max(DEEP);
     }

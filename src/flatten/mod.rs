@@ -33,6 +33,9 @@ pub use bvh::Quality;
 pub use features::{BACKGROUNDS, BOUNDARIES, EVERY_FEATURE, Features, PRIMITIVES, Unsampled};
 pub use lights::MOST_LIGHTS;
 
+/// A walk keeps six bits beside the index of a node whose children wait (shaders/scene/traverse). So many nodes take 4 GiB.
+const MAX_NODES: usize = 1 << 26;
+
 /// A scene as the kernels see it.
 #[derive(Clone, Debug, Default)]
 pub struct DeviceScene {
@@ -74,7 +77,7 @@ const LEAST_CROSSINGS: f32 = 1.25;
 /// hierarchies, and the features.
 ///
 /// # Errors
-/// `Error::Scene` if there are more primitives than codes can number, or more media than a ray can cross.
+/// `Error::Scene` if there are more primitives or nodes than codes can number, or more media than a ray can cross.
 pub fn flatten(scene: &Scene, size: (u32, u32), options: &RenderOptions) -> Result<DeviceScene> {
     let mut features = Features::default();
     let meshes = mesh::shapes(&scene.meshes);
@@ -150,6 +153,10 @@ pub fn flatten(scene: &Scene, size: (u32, u32), options: &RenderOptions) -> Resu
         looking.join()
     });
     let mut flat = builder.flat;
+    if flat.nodes.len() >= MAX_NODES {
+        let message = format!("expected fewer than {MAX_NODES} nodes in the hierarchies, found {}", flat.nodes.len());
+        return Err(scene.error(&[], message));
+    }
     flat.warnings.extend(looked.unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
     flat.features.shadow_rays = flat.features.lights > 0;
     let of_camera =
@@ -197,7 +204,7 @@ impl Builder<'_> {
         flat.features.brute_force &= counts.len() <= room.len();
         room.iter_mut().zip(counts).for_each(|(room, count)| *room = count);
         self.flat.settings.root = self.flat.add_nodes(bvh.root, bvh.nodes);
-        // In a mesh, the walk keeps the codes of the outer hierarchy on the stack.
+        // In a mesh, the walk keeps the nodes of the outer hierarchy on the stack.
         let within = self.laid.iter().flatten().map(|mesh| mesh.stack_size).max().unwrap_or(0);
         self.flat.features.stack_size = (bvh.stack_size + within).max(1);
     }

@@ -63,7 +63,7 @@ pub struct Laid {
     /// The index of its first face.
     pub first_face: u32,
     pub to_uvs: u32,
-    /// The largest number of codes on the stack in a walk through its hierarchy.
+    /// The largest number of nodes on the stack in a walk through its hierarchy.
     pub stack_size: u32,
 }
 

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # The tests on several drivers, as a matrix: `tests/drivers/matrix.sh [DRIVER...]`, all by default. On Debian 12 on x86-64; the packages are
 # unpacked under target/drivers, nothing is installed. `matrix.sh judge DRIVER LOG` judges what cargo test has written.
+# `matrix.sh radv` fetches RADV, Mesa's driver of AMD's GPUs, and prints the environment in which it is found.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 
@@ -61,20 +62,23 @@ unpack() {
 
 # Fetches a driver and says by which manifest the Vulkan loader finds it.
 manifest_of() {
-    local into=$kept/$1 library manifest missing
-    case $1 in
-        mesa-22.3.6) unpack "$1" mesa-vulkan-drivers/bookworm libdrm2/bookworm libllvm15/bookworm ;;
-        mesa-25.0.7) unpack "$1" mesa-vulkan-drivers/bookworm-backports libdrm2/bookworm-backports libllvm15/bookworm ;;
-        swiftshader) unpack "$1" chromium-common/bookworm ;;
+    # RADV is in the package of Mesa.
+    local driver=${1/radv/mesa} library manifest missing
+    local into=$kept/$driver
+    case $driver in
+        mesa-22.3.6) unpack "$driver" mesa-vulkan-drivers/bookworm libdrm2/bookworm libllvm15/bookworm ;;
+        mesa-25.0.7) unpack "$driver" mesa-vulkan-drivers/bookworm-backports libdrm2/bookworm-backports libllvm15/bookworm ;;
+        swiftshader) unpack "$driver" chromium-common/bookworm ;;
         *) fail "no driver is named $1, expected one of: ${drivers[*]}" ;;
     esac
     case $1 in
         swiftshader) library=$into/usr/lib/chromium/libvk_swiftshader.so ;;
+        radv-*) library=$into/usr/lib/x86_64-linux-gnu/libvulkan_radeon.so ;;
         *) library=$into/usr/lib/x86_64-linux-gnu/libvulkan_lvp.so ;;
     esac
     missing=$(LD_LIBRARY_PATH=${library%/*} ldd "$library" | awk '/not found/ { print $1 }')
     [ -z "$missing" ] || fail "$1 needs libraries that are not here: $missing. \`apt-get install mesa-vulkan-drivers\` brings them"
-    manifest=$into/manifest.json
+    manifest=$into/$1.json
     echo "{\"file_format_version\": \"1.0.0\", \"ICD\": {\"library_path\": \"$library\", \"api_version\": \"1.1.0\"}}" >"$manifest"
     echo "$manifest $library"
 }
@@ -136,6 +140,12 @@ run_on() {
 
 if [ "${1:-}" = judge ]; then
     judge "$2" "$3"
+    exit
+fi
+if [ "${1:-}" = radv ]; then
+    read -r manifest library < <(manifest_of radv-25.0.7)
+    [ -n "${library:-}" ] || exit 2
+    echo "VK_DRIVER_FILES=$manifest LD_LIBRARY_PATH=${library%/*}"
     exit
 fi
 [ $# -eq 0 ] || drivers=("$@")

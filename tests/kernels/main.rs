@@ -8,6 +8,7 @@
 mod common;
 
 mod angle;
+mod backends;
 mod bounds;
 mod camera;
 mod cuboid;

@@ -1,0 +1,526 @@
+//! Compiles every kernel of the scenes that ship for real GPUs, on a machine without one, and compares the figures with the tables of
+//! docs/gpu.md. `make gpu-compile` runs it; with GPU_RT_RENEW=1 it writes the tables anew.
+//!
+//! Mesa's RADV opens on no hardware at all where RADV_FORCE_FAMILY names a GPU. It compiles pipelines for it and says what they take,
+//! but runs nothing. wgpu waits for its queue in vain, so this program calls Vulkan itself.
+
+use std::collections::BTreeMap;
+use std::error::Error;
+use std::ffi::CString;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use ash::vk;
+use gpu_rt::flatten::flatten;
+use gpu_rt::gpu::layout::{self, BindingKind};
+use gpu_rt::gpu::spirv;
+use gpu_rt::options::{RenderOptions, Scatter};
+use gpu_rt::plan::{Kernels, STEPS, UniformTables};
+use gpu_rt::scene::Scene;
+use naga::back::spv;
+use naga::proc::{BoundsCheckPolicies, BoundsCheckPolicy};
+use serde_json::{Value, json};
+
+type Result<T> = std::result::Result<T, Box<dyn Error>>;
+
+/// A GPU that kernels are compiled for.
+struct Family {
+    /// RADV's name for it.
+    name: &'static str,
+    what: &'static str,
+    /// Whether the document has the figures of every kernel, or only of those that spill.
+    every_kernel: bool,
+}
+
+const FAMILIES: [Family; 3] = [
+    Family { name: "navi31", what: "RDNA 3, the Radeon RX 7900", every_kernel: true },
+    Family { name: "navi21", what: "RDNA 2, the Radeon RX 6800 and 6900", every_kernel: false },
+    Family { name: "gfx1201", what: "RDNA 4, the Radeon RX 9070", every_kernel: false },
+];
+const WAYS: [(&str, Scatter); 3] =
+    [("fused", Scatter::Fused), ("linked", Scatter::Linked), ("queues", Scatter::Queues)];
+const DOCUMENT: &str = "docs/gpu.md";
+/// What stands below this line of the document is written by this program.
+const BEGIN: &str = "## Figures\n";
+/// A figure that grows by more than this factor is a fault.
+const GROWTH: f64 = 1.05;
+/// Invocations of a workgroup, as by default.
+const WORKGROUP: f64 = 64.0;
+/// The steps of walks where a driver's loops have no limit.
+const MOST_STEPS: f64 = 262_144.0;
+
+/// The figures of a kernel: RADV's names of them, and their heads in the tables.
+const FIGURES: [(&str, &str); 9] = [
+    ("VGPRs", "VGPRs"),
+    ("SGPRs", "SGPRs"),
+    ("Spilled VGPRs", "spilled VGPRs"),
+    ("Spilled SGPRs", "spilled SGPRs"),
+    ("Scratch size", "scratch bytes"),
+    ("Subgroups per SIMD", "subgroups a SIMD"),
+    ("Instructions", "instructions"),
+    ("Code size", "code bytes"),
+    ("Inverse Throughput", "inverse throughput"),
+];
+/// Those that must not grow by more than [`GROWTH`].
+const WATCHED: [&str; 2] = ["VGPRs", "instructions"];
+/// Those that must not grow at all.
+const SPILLS: [&str; 3] = ["spilled VGPRs", "spilled SGPRs", "scratch bytes"];
+
+/// A kernel's figures, in the order of [`FIGURES`].
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Figures([u64; FIGURES.len()]);
+
+impl Figures {
+    fn get(&self, head: &str) -> u64 {
+        let place = FIGURES.iter().position(|(_, known)| *known == head);
+        place.and_then(|place| self.0.get(place)).copied().unwrap_or(0)
+    }
+
+    fn spills(&self) -> bool {
+        SPILLS.iter().any(|head| self.get(head) > 0)
+    }
+}
+
+/// Where a kernel comes from: the scene, the way of linking, and the kernel's name.
+type Key = (String, String, String);
+/// The figures of one GPU's kernels.
+type Table = BTreeMap<Key, Figures>;
+/// A row of the document: scene, ways of linking, kernel, figures.
+type Row = (String, String, String, Figures);
+
+/// A kernel as it is handed to the driver.
+struct Compiled {
+    key: Key,
+    entry_point: String,
+    words: Vec<u32>,
+    /// Numbers of the bindings, and whether they are uniforms.
+    bindings: Vec<(u32, bool)>,
+}
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn main() -> Result<()> {
+    let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
+    match &words[..] {
+        [] => check(),
+        [option, folder] if option == "--compile" => {
+            println!("{}", compile_all(Path::new(folder))?);
+            Ok(())
+        }
+        _ => Err("expected no arguments".into()),
+    }
+}
+
+/// Compiles all kernels for every GPU, and compares or writes the tables.
+fn check() -> Result<()> {
+    let folder = tempfile::tempdir()?;
+    let kernels = kernels()?;
+    let mut numbers = Vec::new();
+    let mut index = Vec::new();
+    // Kernels that are the same, such as those of two ways of linking, are compiled once.
+    let mut known: BTreeMap<&[u32], usize> = BTreeMap::new();
+    for kernel in &kernels {
+        let number = *known.entry(&kernel.words).or_insert(index.len());
+        if number == index.len() {
+            let path = folder.path().join(format!("{number}.spv"));
+            fs::write(&path, kernel.words.iter().flat_map(|word| word.to_le_bytes()).collect::<Vec<u8>>())?;
+            validate(&path, &kernel.key)?;
+            index.push(json!({"file": path, "entry_point": kernel.entry_point, "bindings": kernel.bindings}));
+        }
+        numbers.push(number);
+    }
+    let (all, different) = (kernels.len() - 1, index.len() - 1);
+    fs::write(folder.path().join("index.json"), Value::from(index).to_string())?;
+    eprintln!("{all} kernels, {different} of them different; spirv-val finds no fault in them");
+
+    let document = root().join(DOCUMENT);
+    let text = fs::read_to_string(&document)?;
+    let (prose, committed) = text.split_once(BEGIN).ok_or(format!("{DOCUMENT} has no line `{}`", BEGIN.trim()))?;
+    let renew = std::env::var_os("GPU_RT_RENEW").is_some();
+    let (mut faults, mut written) = (Vec::new(), String::new());
+    for family in &FAMILIES {
+        let name = family.name;
+        let (driver, figures) = compiled_for(name, folder.path())?;
+        let mut table = Table::new();
+        for (kernel, number) in kernels.iter().zip(&numbers) {
+            let own = figures.get(*number).ok_or("the driver left out a kernel")?;
+            table.insert(kernel.key.clone(), own.clone());
+        }
+        let planted = table.remove(&planted_key()).ok_or("the planted kernel is missing")?;
+        controls(&planted, &table)?;
+        let head = format!("{name}: {}, by {driver}", family.what);
+        let (old, old_head) = section(committed, name);
+        let compares = Compares { figures: old_head == head, rows: family.every_kernel };
+        if !compares.figures && !renew {
+            eprintln!("{head}: {DOCUMENT} has `{old_head}`, so only new spills are looked for");
+        }
+        faults.extend(worse(&table, &old, compares).into_iter().map(|fault| format!("{name}: {fault}")));
+        let spilling = table.values().filter(|figures| figures.spills()).count();
+        eprintln!("{head}: {spilling} of {all} kernels spill or use scratch");
+        written += &in_words(&head, &table, family.every_kernel);
+    }
+    faults.iter().for_each(|fault| eprintln!("{fault}"));
+    if renew {
+        fs::write(&document, format!("{prose}{BEGIN}{written}"))?;
+        eprintln!("{DOCUMENT} has these figures now");
+    } else if !faults.is_empty() {
+        return Err(format!("{} kernels differ from {DOCUMENT}; GPU_RT_RENEW=1 writes it anew", faults.len()).into());
+    }
+    Ok(())
+}
+
+/// Every kernel of the scenes that ship, in every way of linking, as for a GPU; and the planted one.
+fn kernels() -> Result<Vec<Compiled>> {
+    let mut names = Vec::new();
+    for entry in fs::read_dir(root().join("scenes"))? {
+        let path = entry?.path();
+        if path.extension().is_some_and(|extension| extension == "ron") {
+            names.extend(path.file_stem().map(|stem| stem.to_string_lossy().into_owned()));
+        }
+    }
+    names.sort();
+    let options = RenderOptions::default();
+    let mut all = vec![planted()?];
+    for name in names {
+        let scene = Scene::load(&root().join(format!("scenes/{name}.ron")))?;
+        let flat = flatten(&scene, (scene.image.width, scene.image.height), &options)?;
+        // Tables are storage, as on every GPU.
+        let tables = UniformTables::new(&flat, 0);
+        for (way, scatter) in WAYS {
+            for kernel in Kernels::link(&flat.features.of(&options), &options, scatter, &tables)?.all() {
+                all.push(compiled((name.clone(), way.to_string(), kernel.name.clone()), kernel.stage, &kernel.module)?);
+            }
+        }
+    }
+    Ok(all)
+}
+
+/// The SPIR-V of a kernel as wgpu 30 hands it to RADV, with robust buffers (VK_EXT_robustness2) and Vulkan 1.3.
+fn compiled(key: Key, entry_point: &str, module: &naga::Module) -> Result<Compiled> {
+    let mut overrides = vec![("WORKGROUP_SIZE", WORKGROUP)];
+    overrides.extend(STEPS.map(|name| (name, MOST_STEPS)));
+    let (resolved, info) = spirv::resolved(module, entry_point, &overrides)?;
+    let options = spv::Options {
+        lang_version: (1, 6),
+        flags: spv::WriterFlags::LABEL_VARYINGS | spv::WriterFlags::FORCE_POINT_SIZE,
+        bounds_check_policies: BoundsCheckPolicies {
+            index: BoundsCheckPolicy::Restrict,
+            // The driver checks buffers itself.
+            ..BoundsCheckPolicies::default()
+        },
+        zero_initialize_workgroup_memory: spv::ZeroInitializeWorkgroupMemoryMode::Native,
+        ..spv::Options::default()
+    };
+    let stage = naga::ShaderStage::Compute;
+    let pipeline = spv::PipelineOptions { shader_stage: stage, entry_point: entry_point.to_string() };
+    let words = spv::write_vec(&resolved, &info, &options, Some(&pipeline))?;
+    let bindings = layout::bindings(module)?;
+    let bindings = bindings.values().map(|binding| (binding.number, binding.kind == BindingKind::Uniform)).collect();
+    Ok(Compiled { key, entry_point: entry_point.to_string(), words, bindings })
+}
+
+fn planted_key() -> Key {
+    let none = String::new();
+    (none.clone(), none, "planted".to_string())
+}
+
+/// A kernel that must use scratch: its array is too large for registers, and its indices are known only at run time.
+fn planted() -> Result<Compiled> {
+    let text = "@group(0) @binding(0) var<storage, read_write> words: array<u32>;\n\
+                @compute @workgroup_size(64) fn planted(@builtin(global_invocation_id) id: vec3u) {\n\
+                    var kept: array<u32, 1024>;\n\
+                    for (var i = 0u; i < 1024u; i++) { kept[words[i] & 1023u] = words[i + id.x]; }\n\
+                    words[id.x] = kept[words[id.x] & 1023u];\n\
+                }\n";
+    compiled(planted_key(), "planted", &naga::front::wgsl::parse_str(text)?)
+}
+
+/// The comparison finds the planted spill, and a growth of each figure that is watched.
+fn controls(planted: &Figures, table: &Table) -> Result<()> {
+    let kernel = |figures: &Figures| Table::from([(planted_key(), figures.clone())]);
+    let all = Compares { figures: true, rows: true };
+    let spill = worse(&kernel(planted), &Table::new(), Compares { figures: false, rows: false });
+    if spill.len() != 1 || !spill[0].contains("scratch") {
+        return Err(format!("the planted spill was not found: {planted:?}").into());
+    }
+    let most = table.values().max_by_key(|figures| figures.get("instructions")).ok_or("there are no kernels")?;
+    if !worse(&kernel(most), &kernel(most), all).is_empty() {
+        return Err("a kernel is found to be worse than itself".into());
+    }
+    for head in WATCHED.iter().chain(&SPILLS) {
+        let mut grown = most.clone();
+        for (figure, (_, known)) in grown.0.iter_mut().zip(FIGURES) {
+            *figure += if known == *head { *figure * 6 / 100 + 1 } else { 0 };
+        }
+        if worse(&kernel(&grown), &kernel(most), all).len() != 1 {
+            return Err(format!("a growth of {head} by 6 % was not found").into());
+        }
+    }
+    Ok(())
+}
+
+/// What of a table is compared with the committed one.
+#[derive(Clone, Copy)]
+struct Compares {
+    /// The figures themselves, where both are of the same driver. A new spill is found without them.
+    figures: bool,
+    /// Whether each kernel has a row.
+    rows: bool,
+}
+
+/// A sentence for each kernel that is worse than it was.
+fn worse(table: &Table, committed: &Table, compares: Compares) -> Vec<String> {
+    let mut faults = Vec::new();
+    for (key, figures) in table {
+        let old = committed.get(key);
+        let grown = |head: &str, factor: f64| {
+            let (now, before) = (figures.get(head), old.map_or(0, |old| old.get(head)));
+            (now as f64 > before as f64 * factor).then(|| format!("{now} {head} instead of {before}"))
+        };
+        // Another driver may spill more of what is known to spill.
+        let known = !compares.figures && old.is_some_and(Figures::spills);
+        let spills = SPILLS.iter().filter(|_| !known).filter_map(|head| grown(head, 1.0));
+        let watched = WATCHED.iter().filter(|_| compares.figures && old.is_some());
+        let mut what: Vec<_> = spills.chain(watched.filter_map(|head| grown(head, GROWTH))).collect();
+        if compares.rows && old.is_none() {
+            what.push("no row in the table".to_string());
+        }
+        if !what.is_empty() {
+            faults.push(format!("{}: {}", in_short(key), what.join(", ")));
+        }
+    }
+    let gone = committed.keys().filter(|key| !table.contains_key(*key));
+    faults.extend(gone.map(|key| format!("{}: a row of the table, but no kernel", in_short(key))));
+    faults
+}
+
+fn in_short((scene, way, kernel): &Key) -> String {
+    format!("{scene}, --scatter {way}, {kernel}")
+}
+
+/// A GPU's part of the document: its heading, whether kernels spill, and a table of all kernels or of those that spill.
+fn in_words(head: &str, table: &Table, every_kernel: bool) -> String {
+    let rows = rows(table);
+    let spilling: Vec<&Row> = rows.iter().filter(|row| row.3.spills()).collect();
+    let names: Vec<_> = spilling.iter().map(|(scene, ways, kernel, _)| format!("{scene} {kernel} ({ways})")).collect();
+    let mut text = format!("\n### {head}\n\n");
+    text += &match names.is_empty() {
+        true => format!("None of the {} kernels spills or uses scratch.\n", table.len()),
+        false => format!("Kernels that spill or use scratch: {}.\n", names.join("; ")),
+    };
+    let shown = if every_kernel { rows.iter().collect() } else { spilling };
+    if !shown.is_empty() {
+        let heads = FIGURES.map(|(_, head)| head).join(" | ");
+        let rule = "--:|".repeat(FIGURES.len());
+        let _ = write!(text, "\n| scene | `--scatter` | kernel | {heads} |\n|---|---|---|{rule}\n");
+    }
+    for (scene, ways, kernel, figures) in shown {
+        let figures = figures.0.map(|figure| figure.to_string()).join(" | ");
+        let _ = writeln!(text, "| {scene} | {ways} | {kernel} | {figures} |");
+    }
+    text
+}
+
+/// The table with one row for the ways of linking in which a kernel has the same figures.
+fn rows(table: &Table) -> Vec<Row> {
+    let mut rows: Vec<Row> = Vec::new();
+    for ((scene, way, kernel), figures) in table {
+        let same = rows.iter_mut().find(|row| row.0 == *scene && row.2 == *kernel && row.3 == *figures);
+        match same {
+            Some(row) => row.1 += &format!(", {way}"),
+            None => rows.push((scene.clone(), way.clone(), kernel.clone(), figures.clone())),
+        }
+    }
+    rows
+}
+
+/// The table of a GPU in the document, and its heading.
+fn section<'a>(document: &'a str, family: &str) -> (Table, &'a str) {
+    let own = document.split("### ").find(|part| part.starts_with(&format!("{family}: "))).unwrap_or_default();
+    let mut table = Table::new();
+    for line in own.lines().filter(|line| line.starts_with("| ")) {
+        let cells: Vec<&str> = line.trim_matches('|').split('|').map(str::trim).collect();
+        let [scene, ways, kernel, figures @ ..] = &cells[..] else { continue };
+        let numbers: Vec<u64> = figures.iter().filter_map(|cell| cell.parse().ok()).collect();
+        let Ok(figures) = numbers.try_into() else { continue };
+        let figures = Figures(figures);
+        for way in ways.split(", ") {
+            table.insert((scene.to_string(), way.to_string(), kernel.to_string()), figures.clone());
+        }
+    }
+    (table, own.lines().next().unwrap_or_default())
+}
+
+/// Khronos' validator on a kernel, as strict as for Vulkan 1.3.
+fn validate(path: &Path, key: &Key) -> Result<()> {
+    let validator = Command::new("spirv-val").args(["--target-env", "vulkan1.3"]).arg(path).output();
+    let output = validator.map_err(|error| format!("spirv-val does not run (Debian package spirv-tools): {error}"))?;
+    match output.status.success() {
+        true => Ok(()),
+        false => Err(format!("{}: {}", in_short(key), String::from_utf8_lossy(&output.stderr)).into()),
+    }
+}
+
+/// Compiles the kernels of a folder for a GPU, in a process of its own: RADV reads the GPU's name from the environment.
+fn compiled_for(family: &str, folder: &Path) -> Result<(String, Vec<Figures>)> {
+    let manifest = manifest()?;
+    let output = Command::new(std::env::current_exe()?)
+        .arg("--compile")
+        .arg(folder)
+        .env("RADV_FORCE_FAMILY", family)
+        .env("VK_DRIVER_FILES", &manifest)
+        .env("VK_ICD_FILENAMES", &manifest)
+        .env("NODEVICE_SELECT", "1")
+        // What is measured is compiled, not remembered.
+        .env("MESA_SHADER_CACHE_DISABLE", "true")
+        .output()?;
+    if !output.status.success() {
+        let why = String::from_utf8_lossy(&output.stderr);
+        return Err(format!("{family}: {}: {why}A Mesa older than 25.0 may not know this GPU", output.status).into());
+    }
+    let report: Value = serde_json::from_slice(&output.stdout)?;
+    let figures = |kernel: &Value| -> Result<Figures> {
+        let mut figures = [0; FIGURES.len()];
+        for (figure, (name, _)) in figures.iter_mut().zip(FIGURES) {
+            *figure = kernel[name].as_u64().ok_or(format!("this driver reports no `{name}`: {kernel}"))?;
+        }
+        Ok(Figures(figures))
+    };
+    let kernels = report["kernels"].as_array().into_iter().flatten().map(figures).collect::<Result<_>>()?;
+    Ok((report["driver"].as_str().unwrap_or_default().to_string(), kernels))
+}
+
+/// The file by which the Vulkan loader finds RADV: VK_DRIVER_FILES if that is set, else in the loader's own folders.
+fn manifest() -> Result<PathBuf> {
+    if let Some(given) = std::env::var_os("VK_DRIVER_FILES") {
+        return Ok(given.into());
+    }
+    let data = std::env::var("XDG_DATA_DIRS").unwrap_or_default();
+    let folders = ["/etc", "/usr/local/share", "/usr/share"].into_iter().chain(data.split(':'));
+    for folder in folders.filter(|folder| !folder.is_empty()) {
+        let Ok(entries) = fs::read_dir(Path::new(folder).join("vulkan/icd.d")) else { continue };
+        for entry in entries {
+            let entry = entry?;
+            let name = entry.file_name().to_string_lossy().into_owned();
+            if name.starts_with("radeon_icd") && (!name.contains("i686") || cfg!(target_arch = "x86")) {
+                return Ok(entry.path());
+            }
+        }
+    }
+    Err("Mesa's RADV is not installed (Debian package mesa-vulkan-drivers)".into())
+}
+
+/// Compiles the kernels of a folder for the GPU of the environment. The driver and each kernel's statistics as JSON.
+fn compile_all(folder: &Path) -> Result<Value> {
+    let index: Value = serde_json::from_slice(&fs::read(folder.join("index.json"))?)?;
+    // SAFETY: every call gets what Vulkan 1.3 asks for, and what it makes lives until the process ends.
+    unsafe {
+        let entry = ash::Entry::load()?;
+        let application = vk::ApplicationInfo::default().api_version(vk::API_VERSION_1_3);
+        let instance = vk::InstanceCreateInfo::default().application_info(&application);
+        let instance = entry.create_instance(&instance, None)?;
+        let physical = instance.enumerate_physical_devices()?;
+        let [physical] = physical[..] else {
+            return Err(format!("expected one device, found {}: is this RADV?", physical.len()).into());
+        };
+        let mut about = vk::PhysicalDeviceDriverProperties::default();
+        let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut about);
+        instance.get_physical_device_properties2(physical, &mut properties);
+        let version = properties.properties.api_version;
+        // "Mesa 22.3.6": what a distribution adds is no other compiler.
+        let driver = about.driver_info_as_c_str()?.to_string_lossy().into_owned();
+        let driver = driver.split(['-', '(']).next().unwrap_or_default().trim().to_string();
+
+        // What wgpu asks of RADV, as far as it changes code.
+        let mut robustness = vk::PhysicalDeviceRobustness2FeaturesEXT::default();
+        let mut vulkan_1_3 = vk::PhysicalDeviceVulkan13Features::default();
+        let mut known = vk::PhysicalDeviceFeatures2::default().push_next(&mut robustness).push_next(&mut vulkan_1_3);
+        instance.get_physical_device_features2(physical, &mut known);
+        let zeroes = vulkan_1_3.shader_zero_initialize_workgroup_memory == vk::TRUE;
+        if version < vk::API_VERSION_1_3 || robustness.robust_buffer_access2 == vk::FALSE || !zeroes {
+            return Err(format!("{driver} is too old: wgpu would hand it other code").into());
+        }
+        let mut robustness = vk::PhysicalDeviceRobustness2FeaturesEXT::default()
+            .robust_buffer_access2(true)
+            .robust_image_access2(robustness.robust_image_access2 == vk::TRUE);
+        let mut vulkan_1_3 =
+            vk::PhysicalDeviceVulkan13Features::default().shader_zero_initialize_workgroup_memory(true);
+        let mut statistics =
+            vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR::default().pipeline_executable_info(true);
+        let extensions = [ash::khr::pipeline_executable_properties::NAME, ash::ext::robustness2::NAME];
+        let extensions = extensions.map(std::ffi::CStr::as_ptr);
+        let queues = [vk::DeviceQueueCreateInfo::default().queue_family_index(0).queue_priorities(&[1.0])];
+        let features = vk::PhysicalDeviceFeatures::default().robust_buffer_access(true);
+        let device = vk::DeviceCreateInfo::default()
+            .queue_create_infos(&queues)
+            .enabled_extension_names(&extensions)
+            .enabled_features(&features)
+            .push_next(&mut robustness)
+            .push_next(&mut vulkan_1_3)
+            .push_next(&mut statistics);
+        let device = instance.create_device(physical, &device, None)?;
+        let executables = ash::khr::pipeline_executable_properties::Device::new(&instance, &device);
+
+        let mut kernels = Vec::new();
+        for kernel in index.as_array().into_iter().flatten() {
+            kernels.push(statistics_of(&device, &executables, kernel)?);
+        }
+        Ok(json!({"driver": driver, "kernels": kernels}))
+    }
+}
+
+/// Compiles a kernel. Its statistics by their names.
+///
+/// # Safety
+/// The device must have the extension's feature and that of robust buffers.
+unsafe fn statistics_of(
+    device: &ash::Device,
+    executables: &ash::khr::pipeline_executable_properties::Device,
+    kernel: &Value,
+) -> Result<Value> {
+    let bytes = fs::read(kernel["file"].as_str().unwrap_or_default())?;
+    let words = ash::util::read_spv(&mut std::io::Cursor::new(bytes))?;
+    let binding = |binding: &Value| {
+        let ty = match binding[1] == true {
+            true => vk::DescriptorType::UNIFORM_BUFFER,
+            false => vk::DescriptorType::STORAGE_BUFFER,
+        };
+        let number = binding[0].as_u64().unwrap_or_default() as u32;
+        let binding = vk::DescriptorSetLayoutBinding::default().binding(number).descriptor_count(1);
+        binding.descriptor_type(ty).stage_flags(vk::ShaderStageFlags::COMPUTE)
+    };
+    let bindings: Vec<_> = kernel["bindings"].as_array().into_iter().flatten().map(binding).collect();
+    let entry_point = CString::new(kernel["entry_point"].as_str().unwrap_or_default())?;
+    // SAFETY: the kernel is valid SPIR-V (spirv-val), and its layout has all of its bindings.
+    unsafe {
+        let set = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
+        let sets = [device.create_descriptor_set_layout(&set, None)?];
+        let layout =
+            device.create_pipeline_layout(&vk::PipelineLayoutCreateInfo::default().set_layouts(&sets), None)?;
+        let module = device.create_shader_module(&vk::ShaderModuleCreateInfo::default().code(&words), None)?;
+        let stage = vk::PipelineShaderStageCreateInfo::default()
+            .stage(vk::ShaderStageFlags::COMPUTE)
+            .module(module)
+            .name(&entry_point);
+        let pipeline = vk::ComputePipelineCreateInfo::default()
+            .flags(vk::PipelineCreateFlags::CAPTURE_STATISTICS_KHR)
+            .layout(layout)
+            .stage(stage);
+        let pipelines = device.create_compute_pipelines(vk::PipelineCache::null(), &[pipeline], None);
+        let pipelines = pipelines.map_err(|(_, error)| error)?;
+        let [pipeline] = pipelines[..] else { return Err("expected one pipeline".into()) };
+        let executable = vk::PipelineExecutableInfoKHR::default().pipeline(pipeline);
+        let mut found = serde_json::Map::new();
+        for statistic in executables.get_pipeline_executable_statistics(&executable)? {
+            // RADV has unsigned ones only; a number of another kind is not read as one.
+            if statistic.format == vk::PipelineExecutableStatisticFormatKHR::UINT64 {
+                found.insert(statistic.name_as_c_str()?.to_string_lossy().into_owned(), statistic.value.u64.into());
+            }
+        }
+        Ok(found.into())
+    }
+}
