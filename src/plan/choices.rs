@@ -358,9 +358,9 @@ pub(super) fn decide(
         },
         modules,
         values: Values {
+            // No array has no elements.
             stack_size: features.stack_size + 1,
-            // A walk that looks at all children has one more waiting at each level.
-            boundary_stack_size: features.boundary_stack_size + 2,
+            boundary_stack_size: features.boundary_stack_size + 1,
             media: features.media,
             sky_light: features.sky_light,
             sky_columns: features.sky_grid.0,
