@@ -7,6 +7,7 @@
 //@ use choice/light_choice
 //@ each emitter
 //@ use light/${name}
+//@ use geometry/${name}
 //@ use bind/${name}s
 //@ end
 //@ if emitting_mesh
@@ -41,6 +42,47 @@ fn direction_to_light(light: Light, from_point: vec3<f32>, u: vec3<f32>) -> Dire
         //@ end
         default: {
             return DirectionSample(vec3<f32>(0.0), 0.0);
+        }
+    }
+}
+
+// Distance to a light in front of the ray's origin, or NO_HIT, as primitive_distance (scene/primitives). It has no code for primitives
+// that are no lights, since GPUs inline each call.
+fn light_hit_distance(code: u32, ray: Ray, inverse: vec3<f32>) -> f32 {
+    let index = primitive_index(code);
+    switch primitive_kind(code) {
+        //@ each emitter
+        case ${number}u: {
+            return ${name}_distance(ray, ${name}s[index]);
+        }
+        //@ end
+        //@ if emitting_mesh
+        case KIND_TRIANGLE: {
+            return face_hit(ray, inverse, index).t;
+        }
+        //@ end
+        default: {
+            return NO_HIT;
+        }
+    }
+}
+
+// The hit record of a ray that hits a light, as surface_at (scene/surfaces).
+fn light_surface_at(hit: Hit, ray: Ray) -> Surface {
+    let index = primitive_index(hit.code);
+    switch primitive_kind(hit.code) {
+        //@ each emitter
+        case ${number}u: {
+            return ${name}_surface(ray, hit.t, ${name}s[index]);
+        }
+        //@ end
+        //@ if emitting_mesh
+        case KIND_TRIANGLE: {
+            return mesh_surface(ray, instances[at_run_time(hit.instance)], index);
+        }
+        //@ end
+        default: {
+            return Surface();
         }
     }
 }

@@ -28,11 +28,14 @@ fn store_no_light(slot: u32) {
     paths[place(PLANE_OF_SHADOW_ORIGIN, slot)].w = NO_LIGHT;
 }
 
+fn load_light_weight(slot: u32, path: ptr<function, Path>) {
+    (*path).light_weight = vector_of(paths[place(PLANE_OF_LIGHT_WEIGHT, slot)]);
+}
+
 fn load_shadow(slot: u32, path: ptr<function, Path>) {
     let origin = paths[place(PLANE_OF_SHADOW_ORIGIN, slot)];
     (*path).shadow = Ray(vector_of(origin), vector_of(paths[place(PLANE_OF_SHADOW_DIRECTION, slot)]));
     (*path).light = origin.w;
-    (*path).light_weight = vector_of(paths[place(PLANE_OF_LIGHT_WEIGHT, slot)]);
     //@ if emitting_mesh
     (*path).light_instance = load_light_instance(slot);
     //@ end

@@ -10,15 +10,19 @@ fn shadow(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     var path: Path;
-    path.status = load_status(slot);
     load_shadow(slot, &path);
+    let limit = limit_of_shadow(&path);
+    let hit = shadow_hit(&path, limit);
+    // What the walk does not need is loaded after it, so that the walk has the registers.
+    path.status = load_status(slot);
+    load_light_weight(slot, &path);
     load_radiance(slot, &path);
     path.rays = load_rays(slot);
     //@ if one_way
     load_sample_of_path(slot, &path);
     load_throughput(slot, &path);
     //@ end
-    trace_shadow(&path);
+    add_light_of_shadow(&path, limit, hit);
     store_radiance(slot, &path);
     store_rays(slot, path.rays);
     store_no_light(slot);

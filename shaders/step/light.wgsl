@@ -87,7 +87,7 @@ fn limit_at_surface(path: ptr<function, Path>) -> Hit {
         inverse = slab_inverse(ray.direction);
     }
     //@ end
-    let t = primitive_distance(code, ray, inverse);
+    let t = light_hit_distance(code, ray, inverse);
     // Rounding can make a sampled direction miss a light that is tiny as seen from here, or miss the edge of any light. The
     // sample counts nevertheless, because the pdf says that it was drawn. Only a hit before the light blocks it.
     var limit = hit_at(code, select(distance_to_light(code, ray), t, t != NO_HIT));
@@ -100,13 +100,26 @@ fn limit_at_surface(path: ptr<function, Path>) -> Hit {
 // Traces the shadow ray, and adds the light if nothing blocks it. Returns the number of steps.
 fn trace_shadow(path: ptr<function, Path>) -> u32 {
     let limit = limit_of_shadow(path);
+    let hit = shadow_hit(path, limit);
+    return add_light_of_shadow(path, limit, hit);
+}
+
+// The first hit of the shadow ray, up to the one on its light.
+fn shadow_hit(path: ptr<function, Path>, limit: Hit) -> Hit {
+    if !(limit.t > 0.0) {
+        // Behind the origin. The light is none that HIT_NOTHING stands for, so it counts as hidden.
+        var none = hit_at(HIT_NOTHING, limit.t);
+        none.steps = 1u;
+        return none;
+    }
+    return first_hit((*path).shadow, settings.root, limit, true);
+}
+
+// Adds the light of the shadow ray with this first hit, if it is the one on its light. Returns the number of steps.
+fn add_light_of_shadow(path: ptr<function, Path>, limit: Hit, hit: Hit) -> u32 {
     let code = (*path).light;
     (*path).light = NO_LIGHT;
     (*path).rays += 1u;
-    if !(limit.t > 0.0) {
-        return 1u;
-    }
-    let hit = first_hit((*path).shadow, settings.root, limit, true);
     var is_hidden = hit.code != code;
     //@ if emitting_mesh
     is_hidden |= hit.instance != limit.instance;
@@ -161,7 +174,7 @@ fn emitted_along(ray: Ray, hit: Hit) -> vec3<f32> {
 }
 
 fn emitted_by_surface(ray: Ray, hit: Hit) -> vec3<f32> {
-    let surface = surface_at(hit, ray);
+    let surface = light_surface_at(hit, ray);
     let material = materials[surface.material];
     if material.parameter == 0.0 && !arrives_at_front(hit.code, ray, surface.normal) {
         return vec3<f32>(0.0);
