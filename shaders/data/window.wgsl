@@ -37,8 +37,8 @@ struct Counters {
     // Counts of 64 bits, the low word first (step/count).
     counts: array<array<atomic<u32>, 2>, 4>,
     //@ if one_way
-    // Of each bin of lights what mirrors and glass may send of it, and what was met of it there: in units of 2^-24, the low word and the high
-    // one (step/through_glass).
+    // For each bin of lights: the light that shadow rays of mirrors and glass found, and the light that their paths found by chance. Each is
+    // a sum in units of 2^-24, the low word first (step/through_glass).
     light: array<array<atomic<u32>, 4>, 32>,
     //@ end
 }
