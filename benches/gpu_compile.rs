@@ -15,6 +15,7 @@ use std::process::Command;
 use ash::vk;
 use gpu_rt::flatten::flatten;
 use gpu_rt::gpu::layout::{self, BindingKind};
+use gpu_rt::gpu::probe::MOST_STEPS;
 use gpu_rt::gpu::spirv;
 use gpu_rt::options::{RenderOptions, Scatter};
 use gpu_rt::plan::{Kernels, STEPS, UniformTables};
@@ -48,8 +49,6 @@ const BEGIN: &str = "## Figures\n";
 const GROWTH: f64 = 1.05;
 /// Invocations of a workgroup, as by default.
 const WORKGROUP: f64 = 64.0;
-/// The steps of walks where a driver's loops have no limit.
-const MOST_STEPS: f64 = 262_144.0;
 
 /// The figures of a kernel: RADV's names of them, and their heads in the tables.
 const FIGURES: [(&str, &str); 9] = [
@@ -202,7 +201,7 @@ fn kernels() -> Result<Vec<Compiled>> {
 /// The SPIR-V of a kernel as wgpu 30 hands it to RADV, with robust buffers (VK_EXT_robustness2) and Vulkan 1.3.
 fn compiled(key: Key, entry_point: &str, module: &naga::Module) -> Result<Compiled> {
     let mut overrides = vec![("WORKGROUP_SIZE", WORKGROUP)];
-    overrides.extend(STEPS.map(|name| (name, MOST_STEPS)));
+    overrides.extend(STEPS.map(|name| (name, f64::from(MOST_STEPS))));
     let (resolved, info) = spirv::resolved(module, entry_point, &overrides)?;
     let options = spv::Options {
         lang_version: (1, 6),

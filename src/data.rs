@@ -33,6 +33,8 @@ pub const LIGHT_NODE_TWO_SIDED: u32 = 0x4000_0000;
 pub const LIGHT_NODE_SKY: u32 = 0x2000_0000;
 /// Samples of a run at most; runs are cut at multiples of it.
 pub const RUN_LENGTH: u32 = 8;
+/// Rows of the strips in which pixels are handed out.
+pub const STRIP_ROWS: u32 = 8;
 /// In the counts of a run: it is an odd one.
 pub const ODD_RUN: u32 = 0x8000_0000;
 /// The places in `Counters::counts` of camera samples, rays, paths that max_depth ended, and the throughput of these.
@@ -151,7 +153,7 @@ device_struct!(
         cut: u32,
         refused: u32,
         counts: [[u32; 2]; 4],
-        light: [[u32; 4]; LIGHT_BINS],
+        light: [[[u32; 2]; 2]; LIGHT_BINS],
     }
 );
 

@@ -27,11 +27,11 @@ use turns::{Turn, pixel_in_order, turns};
 /// A look at the film of a render that goes on.
 pub struct Look<'a> {
     pub film: &'a Film,
-    /// When the device had nothing left to do but to wait for the look's end.
+    /// When the device became idle for the look.
     pub begin: Instant,
 }
 
-/// What the caller of a render is called with after each submission: what came of it so far, and the film where it asked for it.
+/// Called after each submission with the render's outcome so far, and with the film if the last call asked for a look.
 pub type Watch<'a> = &'a mut dyn FnMut(&Outcome, Option<Look<'_>>) -> Next;
 
 /// What the caller of a render wants next.
@@ -47,7 +47,7 @@ pub enum Next {
 /// The time that a submission should take: long enough to hide what it costs to make one, short
 /// enough that no watchdog fires and no user waits.
 const SUBMISSION: Duration = Duration::from_millis(100);
-/// Submissions that the device has at a time: while it executes one, the host reads what the one before has counted, and the next one waits.
+/// Submissions in flight. While the device executes one, the next one waits in its queue, and the host reads the counters of the last one.
 const IN_FLIGHT: usize = 2;
 /// Bytes of the film that go to the host at a time.
 const FILM_AT_ONCE: u64 = 16 << 20;
@@ -76,10 +76,8 @@ pub struct Renderer<'a> {
     tile: Range<u32>,
     /// What the device's film has received since it was last brought to the host.
     received: Totals,
-    /// Whether what it holds is of no more use: the next submission empties it.
+    /// Whether its contents are no longer needed. If so, the next submission clears it.
     stale: bool,
-    /// Whether something has been rendered.
-    used: bool,
     stages: StageTimes,
     /// When the last submission ended.
     landed: Instant,
@@ -214,7 +212,6 @@ impl<'a> Renderer<'a> {
             tile: 0..0,
             received: Totals::default(),
             stale: false,
-            used: false,
             stages: StageTimes::default(),
             landed: Instant::now(),
             tuning,
@@ -235,19 +232,18 @@ impl<'a> Renderer<'a> {
         self.device.wait(self.device.queue.submit([encoder.finish()]))
     }
 
-    /// Renders until the goal is reached, calling `watch` after each submission with what came of the render so far, but for what is known
-    /// at its end alone. Where it asks for a look, it is called again with the film. The job may be another one than the renderer was made for,
-    /// of the same size.
+    /// Renders until the goal is reached. Calls `watch` after each submission with the outcome so far; fields that are known only at the end
+    /// have their defaults. If `watch` asks for a look, it is called again with the film. The job may differ from the one that the renderer
+    /// was made for, but not in its size.
     ///
     /// # Errors
-    /// `Error::Device` where the device fails; the film keeps what was in it at the last look.
+    /// `Error::Device` if the device fails. The film then has what it had after the last look.
     pub fn run(&mut self, job: &Job, film: &mut Film, watch: Watch<'_>) -> Result<Outcome> {
         let mut outcome = Outcome::default();
         let start = Instant::now();
         let processor = ThreadTime::now();
         self.stages = StageTimes::default();
-        self.stale = std::mem::replace(&mut self.used, true);
-        self.received = Totals::default();
+        self.drop_film();
         let first = job.first_sample;
         self.settings = Settings { max_depth: job.max_depth, seed: job.seed, ..self.settings };
         let mut stretch = Stretch { film: &mut *film, watch, start, outcome: &mut outcome };
@@ -301,8 +297,8 @@ impl<'a> Renderer<'a> {
         let mut submitted = 0;
         let mut look = false;
         loop {
-            // Where no run is left to be started, paths end one by one: what is submitted too much would find idle slots. Each slot asks for a
-            // run in the first submission.
+            // If all runs have been started, a second submission might find only idle slots. Each slot asks for a run in the first
+            // submission.
             let wanted = if counters.next.max(self.tuning.slots) < window.end { IN_FLIGHT } else { 1 };
             while counters.idle < self.tuning.slots && !look && flights.len() < wanted {
                 flights.push_back(self.submit(&mut window, submitted)?);
@@ -334,13 +330,12 @@ impl<'a> Renderer<'a> {
             };
             if next == Next::Stop && !stretch.outcome.interrupted {
                 stretch.outcome.interrupted = true;
-                // No run begins beyond those that had been started when the device is told. The started ones end: to drop them would favour
-                // short paths.
+                // Later submissions start no run. The started runs are finished, because dropping them would favour short paths.
                 window.end = window.end.min(counters.next);
             }
         }
         if stretch.outcome.interrupted {
-            // Each slot has asked once too often.
+            // Each idle slot has asked for one run more than there were.
             let started = counters.next - counters.idle;
             stretch.outcome.stopped_at = Some((first_block + started.div_ceil(pixels)) * RUN_LENGTH);
         }
@@ -356,14 +351,20 @@ impl<'a> Renderer<'a> {
         if let Some(timing) = timing {
             timing.collect(self.device, submission, &mut self.stages)?;
         }
-        // The device begins with it when the one before has ended.
+        // The device starts a submission when the one before has ended.
         let now = Instant::now();
         let took = now - begin.max(std::mem::replace(&mut self.landed, now));
         self.adapt(bounces, took);
         Ok(counted)
     }
 
-    /// Adds what the device's film has received to the film.
+    /// Drops what the device's film has received. A buffer that nobody has written is clear.
+    fn drop_film(&mut self) {
+        self.stale = !self.tile.is_empty();
+        self.received = Totals::default();
+    }
+
+    /// Adds the totals of the device's film to the film on the host.
     fn bring_film(&mut self, film: &mut Film) -> Result<()> {
         if self.received == Totals::default() {
             return Ok(());
@@ -391,7 +392,8 @@ impl<'a> Renderer<'a> {
         Ok(())
     }
 
-    /// Records and submits a pass, the turn's first, second and so on: starting the slots if they have no runs yet, then some bounces.
+    /// Records and submits a pass; `number` counts the passes of the turn. The first pass gives each slot a run. Each pass has some bounces,
+    /// and adds the finished runs to the film.
     fn submit(&mut self, window: &mut Window, number: usize) -> Result<Flight> {
         let bounces = self.bounces.clamp(1, self.most_bounces);
         window.bounces = bounces;
@@ -446,14 +448,14 @@ impl<'a> Renderer<'a> {
         }
         let counters = self.buffers.get("counters")?;
         readback.copy(&mut encoder, counters, 0, size_of::<Counters>() as u64);
-        // The film has the records.
+        // The film now has the runs of the records.
         encoder.clear_buffer(counters, std::mem::offset_of!(Counters, records) as u64, Some(4));
         let submission = self.device.queue.submit([encoder.finish()]);
         Ok(Flight { submission, report, bounces, begin })
     }
 
-    /// The most bounces of a submission. The records of finished runs are sure to have room: a slot ends at most one run that it is in, and
-    /// then one for each of its samples' bounces. And each pass can be timed.
+    /// The most bounces of a submission. They leave room for the records of all finished runs: a slot finishes the run that it has, and then
+    /// at most one for each bounce of its samples. There is also a timestamp for each pass, if passes are timed.
     fn most_bounces(&self, samples: &Range<u32>) -> u32 {
         let whole = samples.start.is_multiple_of(RUN_LENGTH) && samples.end.is_multiple_of(RUN_LENGTH);
         let shortest = match whole {

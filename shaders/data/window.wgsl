@@ -1,13 +1,13 @@
 // The runs that may be started now. A run is up to RUN_LENGTH consecutive samples of one pixel, cut at multiples of
-// RUN_LENGTH; run i of the window belongs to sample block first_block + i / pixels, and to pixel first_pixel + i % pixels in the order in
-// which pixels are handed out (step/start).
+// RUN_LENGTH. Run i of the window belongs to sample block first_block + i / pixels, and to the pixel at place first_pixel + i % pixels
+// (step/pixel_order).
 struct Window {
     first_block: u32,
     // One past the last run of the window.
     end: u32,
     // Bounces of a dispatch, where one kernel does several.
     bounces: u32,
-    // The tile of the film.
+    // The tile of the film: its first place, and its number of pixels.
     first_pixel: u32,
     pixels: u32,
 }
@@ -29,7 +29,7 @@ struct Counters {
     records: atomic<u32>,
     // Slots without a run.
     idle: atomic<u32>,
-    // Samples rejected as NaN, as infinite, as cut short, and because their run's sum was none.
+    // Samples rejected as NaN, as infinite, as cut short, and because the sum of their run was negative or NaN.
     nan: atomic<u32>,
     infinite: atomic<u32>,
     cut: atomic<u32>,
@@ -37,9 +37,9 @@ struct Counters {
     // Counts of 64 bits, the low word first (step/count).
     counts: array<array<atomic<u32>, 2>, 4>,
     //@ if one_way
-    // For each bin of lights: the light that shadow rays of mirrors and glass found, and the light that their paths found by chance. Each is
-    // a sum in units of 2^-24, the low word first (step/through_glass).
-    light: array<array<atomic<u32>, 4>, 32>,
+    // The same for each bin of lights, in units of 2^-24: the light that shadow rays of mirrors and glass found, and the light that their
+    // paths found by chance (step/through_glass).
+    light: array<array<array<atomic<u32>, 2>, 2>, 32>,
     //@ end
 }
 

@@ -4,7 +4,7 @@
 //@ use step/count
 //@ use step/film
 //@ use step/pixel_order
-// Adds the finished runs to the film. A kernel of its own has work for each of its invocations, and no other kernel grows by what it takes.
+// Adds the finished runs to the film. In a kernel of its own, every invocation has a run to add. Where runs end, few would.
 override WORKGROUP_SIZE: u32 = 64u;
 
 @compute @workgroup_size(WORKGROUP_SIZE)

@@ -21,9 +21,9 @@ const SOLID_ANGLE_OF_CONE: f32 = 0.58868553;
 
 // The number of bins in which lights are counted.
 const LIGHT_BINS: u32 = 32u;
-// Each bin has two sums of two words, the low word first: light that shadow rays found (ASKED), and light that BSDF sampling found (MET).
+// Each bin has two counts: light that shadow rays found (ASKED), and light that BSDF sampling found (MET).
 const ASKED: u32 = 0u;
-const MET: u32 = 2u;
+const MET: u32 = 1u;
 
 // The value of `pdf` after a specular event, from the value before it.
 fn pdf_of_one_way(pdf: f32) -> f32 {
@@ -70,9 +70,9 @@ fn add_light(path: ptr<function, Path>, bin: u32, sum: u32, brought: vec3<f32>) 
     // probability equal to that fraction.
     let chance = f32(words_of_question(path).y >> 8u) * 0x1p-24f;
     let added = u32(min(largest_component(abs(brought)), 100.0) * 0x1p24f + chance);
-    let before = atomicAdd(&counters.light[bin][sum], added);
+    let before = atomicAdd(&counters.light[bin][sum][0], added);
     if carry(before, added) != 0u {
-        atomicAdd(&counters.light[bin][sum + 1u], 1u);
+        atomicAdd(&counters.light[bin][sum][1], 1u);
     }
 }
 

@@ -19,6 +19,8 @@ use crate::error::Result;
 pub const TRIALS: usize = 64;
 /// The iterations of the loop that tests whether loops have a limit.
 pub const LOOPS: u32 = 70_000;
+/// The steps that a walk may take if the driver does not limit loops.
+pub const MOST_STEPS: u32 = 1 << 18;
 /// The iterations that kernels are designed for: the number that Mesa 22.3 allows an invocation in all of its loops together.
 pub const LOOPS_NEEDED: u32 = 65_535;
 
@@ -92,7 +94,7 @@ impl Numerics {
     /// The largest number of steps of a walk through the tree, if loops have no limit. No scene should need so many;
     /// the bound ensures that a dispatch ends. None if loops have a limit: the kernels' own defaults then apply.
     pub fn most_steps(&self) -> Option<u32> {
-        (self.loop_iterations >= LOOPS).then_some(1 << 18)
+        (self.loop_iterations >= LOOPS).then_some(MOST_STEPS)
     }
 
     fn holds(&self, property: Property) -> bool {

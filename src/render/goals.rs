@@ -1,4 +1,4 @@
-//! How many samples a render takes where that is not said: as many as fit a time, or until an error.
+//! Renders whose number of samples is not given: until a deadline, or until an error.
 
 use std::ops::Range;
 use std::time::Instant;
@@ -9,7 +9,7 @@ use crate::data::RUN_LENGTH;
 use crate::error::Result;
 use crate::film::Totals;
 
-/// The samples at which such a render looks first.
+/// The samples at which a render until an error looks first.
 const FIRST_LOOK: u32 = 2 * RUN_LENGTH;
 /// The samples at which it gives up where nothing bounds the error: pixels too few, or without light.
 const LAST_LOOK: u32 = 1 << 14;
@@ -42,8 +42,7 @@ impl Renderer<'_> {
             return Ok(None);
         }
         // Its runs of one sample would be parts of longer runs.
-        self.stale = true;
-        self.received = Totals::default();
+        self.drop_film();
         stretch.film.clear();
         stretch.outcome.totals = Totals::default();
         stretch.outcome.too_deep = TooDeep::default();

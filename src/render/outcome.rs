@@ -13,7 +13,7 @@ pub struct Outcome {
     pub interrupted: bool,
     /// Of an interrupted render: one past the last sample that any pixel has.
     pub stopped_at: Option<u32>,
-    /// Samples and rays, those of the film and those that are still to be added to it.
+    /// Samples and rays, including those that only the device's film has so far.
     pub totals: Totals,
     /// Paths that max_depth ended.
     pub too_deep: TooDeep,
@@ -44,7 +44,8 @@ pub struct Noise {
 
 /// The probability that a render until an error ends with a larger one, over all its looks.
 pub const NOISE_LEVEL: f64 = 0.05;
-/// What max_depth cut off. The throughput of such a path is what it could still have brought of the light that it would have met.
+
+/// What max_depth cut off. The throughput of such a path is the largest share of radiance that it could still have added.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TooDeep {
     pub paths: u64,
@@ -65,13 +66,14 @@ impl TooDeep {
     }
 }
 
-/// What has been added to a count since the last reading.
+/// What has been added to a count of 64 bits since the last reading.
+fn added([low, high]: [u32; 2], [low_before, high_before]: [u32; 2]) -> u64 {
+    let count = |low: u32, high: u32| u64::from(high) << 32 | u64::from(low);
+    count(low, high).wrapping_sub(count(low_before, high_before))
+}
+
 fn since(which: u32, now: &Counters, before: &Counters) -> u64 {
-    let count = |counters: &Counters| {
-        let [low, high] = counters.counts[which as usize];
-        u64::from(high) << 32 | u64::from(low)
-    };
-    count(now).wrapping_sub(count(before))
+    added(now.counts[which as usize], before.counts[which as usize])
 }
 
 /// Samples and rays since the last reading.
@@ -93,18 +95,16 @@ pub(super) fn totals_since(now: &Counters, before: &Counters) -> Totals {
 /// (shaders/step/through_glass.wgsl).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ThroughGlass {
-    /// By bins of lights: what there is of it, as rays to lights found, and what paths met by chance.
+    /// By bins of lights: the light that shadow rays found, and the light that paths found by chance.
     bins: [(f64, f64); LIGHT_BINS],
 }
 
 impl ThroughGlass {
     /// What has been counted since the last reading.
     pub(super) fn add(&mut self, now: &Counters, before: &Counters) {
-        let light = |low: u32, high: u32| u64::from(high) << 32 | u64::from(low);
-        let since = |now: u64, before: u64| now.wrapping_sub(before) as f64 / 16_777_216.0;
         for ((asked, met), (now, before)) in self.bins.iter_mut().zip(now.light.iter().zip(&before.light)) {
-            *asked += since(light(now[0], now[1]), light(before[0], before[1]));
-            *met += since(light(now[2], now[3]), light(before[2], before[3]));
+            *asked += added(now[0], before[0]) as f64 / 16_777_216.0;
+            *met += added(now[1], before[1]) as f64 / 16_777_216.0;
         }
     }
 

@@ -2,12 +2,12 @@
 
 use std::ops::Range;
 
+use crate::data::STRIP_ROWS;
+
 /// The runs of a turn are counted in 32 bits, with room for each slot to ask once too often.
 const MOST_RUNS: u32 = 1 << 31;
 /// Blocks of samples that a tile renders in a turn at most: enough to make the transfer of its totals cheap.
 const MOST_BLOCKS: u32 = 64;
-/// The rows of the strips in which pixels are handed out.
-const STRIP_ROWS: u32 = 8;
 
 /// Some blocks of samples for a tile of the film.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -37,7 +37,7 @@ pub fn turns(pixels: u32, tile: u32, blocks: Range<u32>) -> impl Iterator<Item =
     })
 }
 
-/// The index (row 0 on top, `y * width + x`) of the pixel at a place in the order in which pixels are handed out, as shaders/step/start.wgsl
+/// The index (row 0 on top, `y * width + x`) of the pixel at a place in the order in which pixels are handed out, as shaders/step/pixel_order.wgsl
 /// has it.
 pub fn pixel_in_order(place: u32, (width, height): (u32, u32)) -> usize {
     // In 32 bits, which divide faster: this is called for each pixel. A strip that they do not hold is the only one.

@@ -11,7 +11,7 @@ use gpu_rt::gpu::link::{Choices, Embedded, Library, link};
 use gpu_rt::job::{Goal, Job};
 use gpu_rt::options::{Integrator, RenderOptions, Scatter, Switch};
 use gpu_rt::plan::{Bounce, Kernel, Kernels, Plan, Staged};
-use gpu_rt::render::{Next, Outcome, Renderer};
+use gpu_rt::render::{Next, Outcome, Renderer, Watch};
 use gpu_rt::scene::Scene;
 
 use super::device::software;
@@ -222,6 +222,24 @@ pub fn render_with(
         let outcome = renderer.run(&job, &mut film, &mut |outcome, _| watch.look(outcome)).expect("the device renders");
         take(Shot { picture: film.develop(), film, outcome, sampler: ask.options.sampler });
     }
+}
+
+/// Renders a job by a plan that is changed, onto a film whose samples are taken to be placed by a sampler.
+pub fn render_job(
+    scene: &Scene,
+    options: &RenderOptions,
+    job: &Job,
+    of_film: Sampler,
+    change: impl FnOnce(&mut Plan<'_>),
+    watch: Watch<'_>,
+) -> (Film, Outcome) {
+    let flat = flatten(scene, job.size, options).expect("the scene flattens");
+    let mut plan = Plan::new(&flat, options, software().class(), job).expect("the kernels link");
+    change(&mut plan);
+    let mut renderer = Renderer::new(software(), &plan, job, false).expect("the kernels compile and the buffers fit");
+    let mut film = Film::with_sampler(job.size.0, job.size.1, flat.radiance_exponent, of_film).expect("the film fits");
+    let outcome = renderer.run(job, &mut film, watch).expect("the device renders");
+    (film, outcome)
 }
 
 /// Renders by kernels from another library.

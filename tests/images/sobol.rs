@@ -1,20 +1,17 @@
 //! Renders of Sobol points: what their error is, and how a render until an error ends. What they expect: tests/images/estimators.rs.
 
-use crate::common::device;
 use std::path::Path;
 
 use crate::common::held::{BULB, Held, Looks};
 use crate::common::kernel::Overlay;
-use crate::common::render::{Ask, Change, Shot, render, scene};
+use crate::common::render::{Ask, Change, Shot, render, render_job, scene};
 use crate::common::rooms::{THINGS, room};
 use crate::common::stats::one_sample_t;
 use gpu_rt::data::Sampler;
 use gpu_rt::film::Film;
-use gpu_rt::flatten::flatten;
 use gpu_rt::job::{Goal, Job};
 use gpu_rt::options::RenderOptions;
-use gpu_rt::plan::Plan;
-use gpu_rt::render::{NOISE_LEVEL, Next, Outcome, Renderer};
+use gpu_rt::render::{NOISE_LEVEL, Next, Outcome};
 use gpu_rt::scene::Scene;
 
 /// False-alarm rate of each test here.
@@ -75,13 +72,8 @@ fn until(scene: &Scene, goal: Goal, sampler: Sampler) -> (Film, Outcome) {
 fn onto_film(scene: &Scene, goal: Goal, sampler: Sampler, seed: u32, of_film: Sampler) -> (Film, Outcome) {
     let size = (scene.image.width, scene.image.height);
     let options = RenderOptions { sampler, ..crate::common::render::plain() };
-    let flat = flatten(scene, size, &options).expect("it flattens");
     let job = Job { size, max_depth: 10, seed, first_sample: 0, goal };
-    let plan = Plan::new(&flat, &options, device::software().class(), &job).expect("it links");
-    let mut renderer = Renderer::new(device::software(), &plan, &job, false).expect("it fits");
-    let mut film = Film::with_sampler(size.0, size.1, flat.radiance_exponent, of_film).expect("it fits");
-    let outcome = renderer.run(&job, &mut film, &mut |_, _| Next::GoOn).expect("it renders");
-    (film, outcome)
+    render_job(scene, &options, &job, of_film, |_| {}, &mut |_, _| Next::GoOn)
 }
 
 #[test]

@@ -6,14 +6,14 @@ use std::time::{Duration, Instant};
 
 use gpu_rt::data::{RUN_LENGTH, Sampler};
 use gpu_rt::film::Film;
-use gpu_rt::flatten::flatten;
 use gpu_rt::job::{Goal, Job};
 use gpu_rt::options::{RenderOptions, Scatter};
 use gpu_rt::plan::Plan;
-use gpu_rt::render::{Next, Outcome, Renderer, Watch};
+use gpu_rt::render::{Next, Outcome, Watch};
 use gpu_rt::scene::Scene;
 
 use crate::common::device;
+use crate::common::render::render_job;
 
 const SIZE: (u32, u32) = (29, 21);
 
@@ -46,17 +46,15 @@ fn render_until(
     tile: Option<u32>,
     watch: Watch<'_>,
 ) -> (Film, Outcome, u32) {
-    let scene = cover();
-    let flat = flatten(&scene, size, options).expect("it flattens");
     let job = Job { size, max_depth: 20, seed: 3, first_sample, goal };
-    let device = device::software();
-    let mut plan = Plan::new(&flat, options, device.class(), &job).expect("it links");
-    plan.tuning.tile = tile.unwrap_or(plan.tuning.tile);
-    let mut renderer = Renderer::new(device, &plan, &job, false).expect("it compiles");
-    let mut film = Film::with_sampler(size.0, size.1, flat.radiance_exponent, Sampler::Sobol).expect("it fits");
-    let outcome = renderer.run(&job, &mut film, watch).expect("it renders");
+    let mut used = 0;
+    let change = |plan: &mut Plan<'_>| {
+        plan.tuning.tile = tile.unwrap_or(plan.tuning.tile);
+        used = plan.tuning.tile;
+    };
+    let (film, outcome) = render_job(&cover(), options, &job, Sampler::Sobol, change, watch);
     assert_eq!(film.totals(), outcome.totals);
-    (film, outcome, plan.tuning.tile)
+    (film, outcome, used)
 }
 
 #[test]

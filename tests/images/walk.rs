@@ -3,15 +3,14 @@
 use std::path::Path;
 
 use crate::common::device;
+use crate::common::render::render_job;
 use gpu_rt::bvh::{self, Bounds, Quality};
-use gpu_rt::data::{HIT_NOTHING, PRIMITIVE_BIT};
+use gpu_rt::data::{HIT_NOTHING, PRIMITIVE_BIT, Sampler};
 use gpu_rt::film::Film;
-use gpu_rt::flatten::flatten;
 use gpu_rt::gpu::probe;
 use gpu_rt::job::{Goal, Job};
 use gpu_rt::options::{Integrator, RenderOptions, Scatter, Switch};
-use gpu_rt::plan::Plan;
-use gpu_rt::render::{Next, Renderer};
+use gpu_rt::render::Next;
 use gpu_rt::scene::Scene;
 
 const QUALITIES: [Quality; 3] = [Quality::Fast, Quality::Medium, Quality::Best];
@@ -41,13 +40,8 @@ fn render(count: usize, scatter: Scatter) -> Film {
         slots: Some(1),
         ..RenderOptions::default()
     };
-    let flat = flatten(&scene, (1, 1), &options).expect("it flattens");
     let job = Job { size: (1, 1), max_depth: 1, seed: 0, first_sample: 0, goal: Goal::Samples(8) };
-    let plan = Plan::new(&flat, &options, device::software().class(), &job).expect("it links");
-    let mut renderer = Renderer::new(device::software(), &plan, &job, false).expect("it compiles");
-    let mut film = Film::new(1, 1, flat.radiance_exponent).expect("a pixel fits");
-    renderer.run(&job, &mut film, &mut |_, _| Next::GoOn).expect("it renders");
-    film
+    render_job(&scene, &options, &job, Sampler::Independent, |_| {}, &mut |_, _| Next::GoOn).0
 }
 
 /// A walk may take 48,000 steps where loops are limited, and 262,144 elsewhere. 30,000 coincident objects take 40,000 or so, and the

@@ -3,9 +3,10 @@
 //! pictures.
 
 use crate::common::marked::{fault, unmarked};
+use crate::common::scenes::files;
 use crate::common::{render, stats};
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use gpu_rt::flatten::flatten;
 use gpu_rt::options::RenderOptions;
@@ -743,11 +744,6 @@ fn lights_of_no_emission() {
 /// Only three scenes are dangerous: they show that a light is black from behind.
 #[test]
 fn the_scenes_that_come_with_it_are_safe() {
-    let files = |folder: &str| -> Vec<PathBuf> {
-        let entries = fs::read_dir(root().join(folder)).unwrap_or_else(|e| panic!("{folder}: {e}"));
-        let paths = entries.map(|entry| entry.unwrap_or_else(|e| panic!("{folder}: {e}")).path());
-        paths.filter(|path| path.extension().is_some_and(|ending| ending == "ron")).collect()
-    };
     let mut seen = 0;
     for path in ["scenes", "scenes/test", "tests/references"].into_iter().flat_map(files) {
         let scene = Scene::load(&path).unwrap_or_else(|e| panic!("{e}"));

@@ -1,7 +1,5 @@
 //! naga writes every kernel for Metal and DirectX 12 too. No compiler of theirs reads the text here; what naga cannot write is found.
 
-use std::path::Path;
-
 use gpu_rt::flatten::flatten;
 use gpu_rt::gpu::spirv;
 use gpu_rt::options::{FeatureSet, RenderOptions, Scatter};
@@ -12,6 +10,7 @@ use naga::back::{hlsl, msl};
 use naga::proc::{BoundsCheckPolicies, BoundsCheckPolicy};
 
 use crate::common::everything::{Everything, World};
+use crate::common::scenes::files;
 
 /// A kernel's text in a language: of its module, its entry point and its overrides.
 type Write = fn(&naga::Module, &str, &[(&str, f64)]) -> Result<String, String>;
@@ -66,17 +65,12 @@ fn check(name: &str, scene: &Scene, features: FeatureSet) {
 
 #[test]
 fn metal_and_directx_get_every_kernel_of_the_scenes_that_ship() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
-    let mut seen = 0;
-    for entry in std::fs::read_dir(folder).expect("the scenes can be listed") {
-        let path = entry.expect("the scenes can be listed").path();
-        if path.extension().is_some_and(|extension| extension == "ron") {
-            let scene = Scene::load(&path).unwrap_or_else(|error| panic!("{error}"));
-            check(&path.display().to_string(), &scene, FeatureSet::Scene);
-            seen += 1;
-        }
+    let scenes = files("scenes");
+    assert!(scenes.len() > 5, "{scenes:?}");
+    for path in scenes {
+        let scene = Scene::load(&path).unwrap_or_else(|error| panic!("{error}"));
+        check(&path.display().to_string(), &scene, FeatureSet::Scene);
     }
-    assert!(seen > 5, "{seen} scenes");
 }
 
 #[test]

@@ -241,6 +241,7 @@ fn every_constant_of_the_host_is_that_of_the_shaders() {
         ("QUEUE_HEADER", data::QUEUE_HEADER),
         ("LIGHT_BINS", data::LIGHT_BINS as u32),
         ("ODD_RUN", data::ODD_RUN),
+        ("STRIP_ROWS", data::STRIP_ROWS),
         ("PATHS", data::PATHS),
         ("RAYS", data::RAYS),
         ("TOO_DEEP", data::TOO_DEEP),

@@ -7,6 +7,7 @@ use crate::common::expect::Expectations;
 use crate::common::held::{BULB, Looks};
 use crate::common::render::{Ask, Change, render_all, scene, scene_folder};
 use crate::common::rooms::{THINGS, room};
+use crate::common::scenes::files;
 use crate::common::stats::{mean_and_variance, normal_two_sided};
 use gpu_rt::data::Sampler;
 use gpu_rt::film::{ErrorEstimate, Film};
@@ -286,14 +287,9 @@ fn errors_fall_as_they_should_and_to_no_floor() {
 /// The bound holds for nine of ten images of every scene, size and number of samples, and of those that are called reliable, and for 95 % over
 /// all; `--noise` ends with a larger error in 5 % of its renders at most, over all.
 fn bounds_hold((width, height): (u32, u32), seeds: u32, samples: &[u32]) {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
-    let files = fs::read_dir(&folder).expect("the folder is there").filter_map(|entry| Some(entry.ok()?.path()));
-    let mut shipped: Vec<_> =
-        files.filter(|file| file.extension().is_some_and(|extension| extension == "ron")).collect();
-    shipped.sort();
     let name = |file: &Path| file.file_stem().expect("it has a name").to_string_lossy().into_owned();
     let load = |file: &PathBuf| (name(file), Scene::load(file).expect("it ships"));
-    let mut scenes: Vec<(String, Scene)> = shipped.iter().map(load).collect();
+    let mut scenes: Vec<(String, Scene)> = files("scenes").iter().map(load).collect();
     scenes.push(("bulb".to_string(), scene(BULB)));
     scenes.extend(THINGS.map(|(name, things)| (name.to_string(), room(things))));
     let (mut cells, mut failed, mut noise) = (Vec::new(), Vec::new(), Vec::new());

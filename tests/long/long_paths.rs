@@ -1,24 +1,14 @@
 //! What takes minutes: `make test-long`. No sample of any scene that ships is rejected, over 1e9 paths.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use crate::common::device;
 use crate::common::program::{self, Ran};
+use crate::common::scenes::files;
 use gpu_rt::scene::Scene;
 
 /// Over all scenes together, in equal shares. That a rejected sample is seen is tested in tests/program/cli.rs.
 const PATHS: u64 = 1_000_000_000;
-
-/// The scenes under scenes/ and scenes/test.
-fn scenes() -> Vec<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
-    let folders = [root.clone(), root.join("test")];
-    let entries = folders.iter().flat_map(|folder| std::fs::read_dir(folder).expect("scenes can be listed"));
-    let paths = entries.map(|entry| entry.expect("scenes can be listed").path());
-    let mut found: Vec<PathBuf> = paths.filter(|path| path.extension().is_some_and(|ending| ending == "ron")).collect();
-    found.sort();
-    found
-}
 
 /// The program on the tests' device, with its default settings and --strict.
 fn render(scene: &Path, samples: u64, folder: &Path) -> Ran {
@@ -30,7 +20,7 @@ fn render(scene: &Path, samples: u64, folder: &Path) -> Ran {
 #[test]
 #[ignore = "takes minutes"]
 fn no_scene_has_a_rejected_sample() {
-    let scenes = scenes();
+    let scenes: Vec<_> = ["scenes", "scenes/test"].into_iter().flat_map(files).collect();
     assert!(scenes.len() > 40, "{scenes:?}");
     let share = PATHS.div_ceil(scenes.len() as u64);
     let folder = tempfile::tempdir().expect("a temporary folder");
