@@ -3,8 +3,11 @@
 //! The device adds sums over short runs of samples as integers of a fixed scale (shaders/step/film.wgsl): a sum of integers is the same in
 //! any order and split. With them come the sums of squares that the error estimate needs. Here the device's totals are joined.
 
+mod totals;
+
 use crate::data::{CHANNELS, PixelTotals, Rgb, SQUARE_FRACTION, SUM_FRACTION, Sampler, luminance};
 use crate::error::{Error, Result};
+pub use totals::{Rejected, ThroughGlass, TooDeep, Totals};
 
 /// What [`Picture::variance`] holds where the variance is not known: the largest finite f32. An image file must hold finite values, 0
 /// would claim exactness, and whoever takes this one for a number concludes that the pixel is worthless, which is right.
@@ -27,46 +30,6 @@ const DEGREES_OF_SPREAD: f64 = 4.0;
 /// What a sum of squares is at least for each run, in units of 2^-[`SQUARE_FRACTION`], where it counts as known: each run's is rounded by half a
 /// unit at most.
 const LEAST_SQUARES: u128 = 1 << 10;
-
-/// Samples that were left out of the image, by reason.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Rejected {
-    /// The device found a NaN.
-    pub nan: u64,
-    /// The device found an infinity, or the run's sum overflowed f32.
-    pub infinite: u64,
-    /// The ray's walk through the BVH was given up as too long (shaders/scene/traverse.wgsl).
-    pub cut: u64,
-    /// The sum of their run was negative or NaN, which no sum of accepted samples is.
-    pub refused: u64,
-}
-
-impl Rejected {
-    pub fn total(&self) -> u64 {
-        self.nan + self.infinite + self.cut + self.refused
-    }
-}
-
-/// Totals over the whole film.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Totals {
-    /// Camera samples, accepted or rejected.
-    pub paths: u64,
-    /// Rays of every kind.
-    pub rays: u64,
-    pub rejected: Rejected,
-}
-
-impl std::ops::AddAssign for Totals {
-    fn add_assign(&mut self, other: Totals) {
-        self.paths += other.paths;
-        self.rays += other.rays;
-        self.rejected.nan += other.rejected.nan;
-        self.rejected.infinite += other.rejected.infinite;
-        self.rejected.cut += other.rejected.cut;
-        self.rejected.refused += other.rejected.refused;
-    }
-}
 
 /// What one pixel has received, in device units.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Zeroable)]

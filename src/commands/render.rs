@@ -14,7 +14,7 @@ use super::{
 };
 use crate::cli::{MOST_SAMPLES, RenderArgs};
 use crate::error::{Error, Result};
-use crate::film::{ErrorEstimate, Film, Picture, Totals};
+use crate::film::{ErrorEstimate, Film, Picture, ThroughGlass, TooDeep, Totals};
 use crate::gpu::device::Device;
 use crate::gpu::probe::{Numerics, numerics};
 use crate::job::{Goal, Job};
@@ -22,7 +22,7 @@ use crate::output::exr::{Attribute, write_exr};
 use crate::output::png::write_png;
 use crate::output::progress::{Loading, Progress, Status};
 use crate::plan::Plan;
-use crate::render::{Look, NOISE_LEVEL, Next, Noise, Outcome, Renderer, ThroughGlass, TooDeep};
+use crate::render::{Look, NOISE_LEVEL, Next, Noise, Outcome, Renderer};
 use crate::scene::Scene;
 
 /// Seconds of the parts of a render, as `--json` and the EXR's header report them.
@@ -194,7 +194,7 @@ fn job_of(args: &RenderArgs, scene: &Scene, size: (u32, u32), start: Instant) ->
     let goal = match (args.noise, deadline) {
         (None, None) => Goal::Samples(samples.end),
         (None, Some(deadline)) => Goal::Until { deadline, end },
-        (Some(error), deadline) => Goal::Noise { error, deadline, end },
+        (Some(error), deadline) => Goal::Noise { error, deadline, end, begun: samples.start, looks: 0 },
     };
     Job {
         size,
@@ -242,7 +242,7 @@ impl Watcher<'_> {
         let now = Instant::now();
         let is_due = self.next_look.is_some_and(|next| now >= next) || now >= self.next_checkpoint;
         let looked = look.is_some();
-        if let Some(Look { film, begin }) = look {
+        if let Some(Look { film, begin, .. }) = look {
             self.outcome.clone_from(outcome);
             if now >= self.next_checkpoint {
                 // A checkpoint that fails is told at the end; the render is worth more than it.
@@ -291,10 +291,10 @@ impl Finish {
         Finish {
             samples: outcome.samples.clone(),
             totals: film.totals(),
-            error: film.error_estimate(outcome.noise.map_or(NOISE_LEVEL, |noise| noise.level)),
-            through_glass: shares(outcome, film),
+            error: film.error_estimate(outcome.noise.map_or(NOISE_LEVEL, |noise| noise.level())),
+            through_glass: shares(film),
             noise: outcome.noise,
-            too_deep: outcome.too_deep,
+            too_deep: film.totals().too_deep(),
             complete: false,
         }
     }
@@ -311,9 +311,9 @@ impl Finish {
 }
 
 /// Light by mirrors and through glass as shares of the image's.
-fn shares(outcome: &Outcome, film: &Film) -> ThroughGlass {
+fn shares(film: &Film) -> ThroughGlass {
     let all = film.mean_radiance() * film.totals().paths as f64;
-    outcome.through_glass.times(if all > 0.0 { 1.0 / all } else { 0.0 })
+    film.totals().through_glass().times(if all > 0.0 { 1.0 / all } else { 0.0 })
 }
 
 /// What a render was asked and where it ran: for the header and the report.
@@ -340,7 +340,7 @@ impl About<'_> {
     /// What the header and the JSON have in common.
     fn record(&self, finish: &Finish, seconds: &Seconds) -> Record<'_> {
         let error = finish.error;
-        let Totals { paths, rays, rejected } = finish.totals;
+        let Totals { paths, rays, rejected, .. } = finish.totals;
         Record {
             version: env!("CARGO_PKG_VERSION"),
             scene: path_text(&self.args.scene),
@@ -523,7 +523,7 @@ fn summarise(about: &About<'_>, output: &Output<'_>, outcome: &Outcome, finish: 
     if finish.totals.rejected.total() > 0 {
         tell(&format!("warning: {}", rejected_words(&finish.totals)));
     }
-    let cut = outcome.too_deep;
+    let cut = finish.too_deep;
     if cut.paths > 0 {
         let (paths, mean) = (finish.totals.paths.max(1) as f64, cut.mean());
         tell(&format!(
@@ -647,7 +647,7 @@ mod tests {
             if watcher.watch(&outcome, None) == Next::Look {
                 count += 1;
                 let begin = Instant::now() - Duration::from_millis(10);
-                assert_eq!(watcher.watch(&outcome, Some(Look { film: &film, begin })), Next::GoOn);
+                assert_eq!(watcher.watch(&outcome, Some(Look { film: &film, begin, whole: false })), Next::GoOn);
             }
         }
         count
