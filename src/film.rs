@@ -4,10 +4,12 @@
 //! any order and split. With them come the sums of squares that the error estimate needs. Here the device's totals are joined.
 
 mod totals;
+mod words;
 
 use crate::data::{CHANNELS, PixelTotals, Rgb, SQUARE_FRACTION, SUM_FRACTION, Sampler, luminance};
 use crate::error::{Error, Result};
 pub use totals::{Rejected, ThroughGlass, TooDeep, Totals};
+pub use words::{WORDS, Words, word_names};
 
 /// What [`Picture::variance`] holds where the variance is not known: the largest finite f32. An image file must hold finite values, 0
 /// would claim exactness, and whoever takes this one for a number concludes that the pixel is worthless, which is right.
@@ -228,6 +230,15 @@ impl Film {
         self.height
     }
 
+    /// Scene radiance is the film's radiance times 2 to this power.
+    pub fn exponent(&self) -> i32 {
+        self.exponent
+    }
+
+    pub fn sampler(&self) -> Sampler {
+        self.sampler
+    }
+
     pub fn totals(&self) -> Totals {
         self.totals
     }
@@ -272,19 +283,25 @@ impl Film {
 
     /// The image in scene units.
     pub fn develop(&self) -> Picture {
+        let mut picture = Picture { width: self.width, height: self.height, ..Picture::default() };
+        for pixel in (0..self.pixels.len()).map(|index| self.developed(index)) {
+            picture.rgb.push(pixel.rgb);
+            picture.variance.push(pixel.variance);
+            picture.samples.push(pixel.samples);
+            picture.rejected.push(pixel.rejected);
+        }
+        picture
+    }
+
+    /// A pixel of the image in scene units. One that is not in the image is black.
+    pub fn developed(&self, index: usize) -> PicturePixel {
         let scale = exp2(self.exponent);
-        let channels = [0, 1, 2];
-        Picture {
-            width: self.width,
-            height: self.height,
-            rgb: self.pixels.iter().map(|p| channels.map(|c| to_f32(p.mean(c) * scale))).collect(),
-            variance: self
-                .pixels
-                .iter()
-                .map(|p| channels.map(|c| variance_to_f32(p.variance(c, self.sampler), scale * scale)))
-                .collect(),
-            samples: self.pixels.iter().map(|p| u32::try_from(p.samples()).unwrap_or(u32::MAX)).collect(),
-            rejected: self.pixels.iter().map(|p| p.rejected).collect(),
+        let pixel = self.pixels.get(index).copied().unwrap_or_default();
+        PicturePixel {
+            rgb: [0, 1, 2].map(|c| to_f32(pixel.mean(c) * scale)),
+            variance: [0, 1, 2].map(|c| variance_to_f32(pixel.variance(c, self.sampler), scale * scale)),
+            samples: u32::try_from(pixel.samples()).unwrap_or(u32::MAX),
+            rejected: pixel.rejected,
         }
     }
 
@@ -467,6 +484,27 @@ pub struct Picture {
     pub samples: Vec<u32>,
     /// Rejected samples.
     pub rejected: Vec<u32>,
+}
+
+/// A pixel of a [`Picture`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PicturePixel {
+    pub rgb: Rgb<f32>,
+    pub variance: Rgb<f32>,
+    pub samples: u32,
+    pub rejected: u32,
+}
+
+impl Picture {
+    /// One of its pixels.
+    pub fn pixel(&self, index: usize) -> PicturePixel {
+        PicturePixel {
+            rgb: self.rgb[index],
+            variance: self.variance[index],
+            samples: self.samples[index],
+            rejected: self.rejected[index],
+        }
+    }
 }
 
 /// 2^exponent, exact while it is a normal number.

@@ -8,6 +8,7 @@ pub mod error;
 pub mod film;
 pub mod flatten;
 pub mod gpu;
+pub mod identity;
 pub mod job;
 pub mod lights;
 pub mod material;
