@@ -17,6 +17,7 @@ pub mod options;
 pub mod output;
 pub mod plan;
 pub mod render;
+pub mod samples;
 pub mod scene;
 pub mod shape;
 pub mod source;

@@ -10,7 +10,7 @@ use crate::error::Result;
 use crate::film::Totals;
 
 /// The samples at which a render until an error looks first.
-const FIRST_LOOK: u32 = 2 * RUN_LENGTH;
+pub const FIRST_LOOK: u32 = 2 * RUN_LENGTH;
 /// The samples at which it gives up where nothing bounds the error: pixels too few, or without light.
 const LAST_LOOK: u32 = 1 << 14;
 

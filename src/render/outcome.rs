@@ -27,6 +27,30 @@ pub struct Outcome {
     pub device_idle: Option<f64>,
 }
 
+impl Outcome {
+    /// Adds what a later render of the same film came to.
+    pub fn join(&mut self, later: Outcome) {
+        let idle = [&*self, &later].map(|outcome| outcome.device_idle.map(|idle| idle * outcome.seconds));
+        self.samples = later.samples;
+        self.interrupted |= later.interrupted;
+        self.totals += later.totals;
+        self.noise = later.noise.or(self.noise);
+        if self.first_pass == 0.0 {
+            self.first_pass = later.first_pass;
+        }
+        self.seconds += later.seconds;
+        self.host_seconds += later.host_seconds;
+        for (name, seconds) in later.stages {
+            match self.stages.iter_mut().find(|(known, _)| *known == name) {
+                Some((_, sum)) => *sum += seconds,
+                None => self.stages.push((name, seconds)),
+            }
+        }
+        let known: Vec<f64> = idle.into_iter().flatten().collect();
+        self.device_idle = (!known.is_empty()).then(|| known.iter().sum::<f64>() / self.seconds.max(1e-9));
+    }
+}
+
 /// What came of a render until an error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {

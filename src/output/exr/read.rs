@@ -78,6 +78,14 @@ pub(super) fn read_part(
     Ok(())
 }
 
+/// The attributes of a file's first part that this program can write, as they are.
+pub fn read_attributes(path: &Path) -> Result<Vec<(String, Attribute)>> {
+    let failed = |reason: String| Error::File { path: path.to_owned(), action: "read", reason };
+    let opened = open(path).map_err(failed)?;
+    let attributes = opened.headers().iter().take(1).flat_map(|header| &header.own_attributes.other);
+    Ok(attributes.filter_map(|(name, value)| Some((decoded(name), Attribute::of_exr(value)?))).collect())
+}
+
 /// Reads red, green and blue, in half or float, from the part or layer whose name says that it is the picture. The size
 /// is that of the data window.
 pub fn read_exr(path: &Path) -> Result<ExrImage> {

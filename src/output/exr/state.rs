@@ -2,7 +2,6 @@
 //!
 //! The exact totals of the pixels are a part of the file. An attribute of that part describes the rest as JSON.
 
-use std::ops::Range;
 use std::path::Path;
 
 use ::exr::meta::attribute::SampleType;
@@ -15,6 +14,7 @@ use crate::data::Sampler;
 use crate::error::{Error, Result};
 use crate::film::{Film, Totals, WORDS, word_names};
 use crate::identity::Identity;
+use crate::samples::Samples;
 
 /// What a film is of.
 #[derive(Clone, Debug)]
@@ -22,8 +22,8 @@ pub struct State {
     pub identity: Identity,
     /// The devices and drivers that have rendered it.
     pub devices: Vec<(String, String)>,
-    /// The samples that each pixel has: sorted, apart, not empty.
-    pub samples: Vec<Range<u32>>,
+    /// The samples that each pixel has.
+    pub samples: Samples,
     /// How often `--noise` has compared the error with the one asked.
     pub looks: u32,
     /// The size, the scale and the sampler of the film.
@@ -42,7 +42,7 @@ struct Stored {
     format: u32,
     identity: Identity,
     devices: Vec<(String, String)>,
-    samples: Vec<[u32; 2]>,
+    samples: Samples,
     looks: u32,
     exponent: i32,
     sampler: Sampler,
@@ -54,17 +54,11 @@ struct Stored {
 const FORMAT: u32 = 1;
 
 impl State {
-    /// The state of a film with these samples.
-    pub fn new(
-        identity: Identity,
-        device: (String, String),
-        film: &Film,
-        samples: Vec<Range<u32>>,
-        looks: u32,
-    ) -> State {
+    /// The state of a film.
+    pub fn new(identity: Identity, devices: Vec<(String, String)>, film: &Film, samples: Samples, looks: u32) -> State {
         State {
             identity,
-            devices: vec![device],
+            devices,
             samples,
             looks,
             size: (film.width(), film.height()),
@@ -73,11 +67,6 @@ impl State {
             totals: film.totals(),
             checksum: 0,
         }
-    }
-
-    /// Samples of each pixel.
-    pub fn count(&self) -> u64 {
-        self.samples.iter().map(|range| range.len() as u64).sum()
     }
 
     /// An empty film for it.
@@ -91,7 +80,7 @@ impl State {
             format: FORMAT,
             identity: self.identity.clone(),
             devices: self.devices.clone(),
-            samples: self.samples.iter().map(|range| [range.start, range.end]).collect(),
+            samples: self.samples.clone(),
             looks: self.looks,
             exponent: film.exponent(),
             sampler: film.sampler(),
@@ -114,17 +103,12 @@ impl State {
             _ => return Err(format!("its state has another format than this version of gpu-rt writes ({FORMAT})")),
         }
         let stored: Stored = serde_json::from_value(format).map_err(|error| wrong(&error.to_string()))?;
-        let samples: Vec<Range<u32>> = stored.samples.iter().map(|[start, end]| *start..*end).collect();
-        let sorted = samples.windows(2).all(|pair| pair[0].end < pair[1].start);
-        if samples.iter().any(Range::is_empty) || !sorted {
-            return Err(wrong("its ranges of samples are not in order"));
-        }
         let size = |length: usize| u32::try_from(length).map_err(|_| wrong("its size is not supported"));
         let size = (size(header.layer_size.0)?, size(header.layer_size.1)?);
         Ok(State {
             identity: stored.identity,
             devices: stored.devices,
-            samples,
+            samples: stored.samples,
             looks: stored.looks,
             size,
             exponent: stored.exponent,
