@@ -189,20 +189,23 @@ fn within_a_run_the_image_agrees_to_rounding() {
 #[test]
 fn a_render_until_an_error_goes_on() {
     let place = Place::new();
-    place.render("--quiet --noise 0.1 -o whole.exr").exits(0);
+    place.render("--quiet --noise 0.04 -o whole.exr").exits(0);
     let whole = place.holds("whole.exr");
-    assert!(whole.looks > 1, "{whole:?}");
-    for end in [8, 24] {
-        place.render(&format!("--quiet --noise 0.1 --spp {end} -o out.exr --force")).exits(0);
-        let held = place.holds("out.exr");
-        assert_eq!(held.samples, format!("0..{end}"));
-        place.render(&format!("--quiet --noise 0.1 -o out.exr --resume")).exits(0);
-        // A render that ends for want of samples looks at its end, which one that goes on does not.
-        let resumed = place.holds("out.exr");
-        assert!(resumed.looks > held.looks, "{} and {}", resumed.looks, held.looks);
+    assert!(whole.looks > 3, "{} looks", whole.looks);
+    // As an interrupt leaves it: with the looks at 16, 32, … samples up to there.
+    for (end, looks) in [(8, 0), (16, 0), (24, 1), (32, 1), (40, 2)] {
+        place.render(&format!("--quiet --spp {end} -o out.exr --force")).exits(0);
+        let path = place.path("out.exr");
+        let mut state = read_state(&path).expect("it is read").expect("there is a state");
+        let mut film = state.film().expect("it fits");
+        add_film(&path, &state, &mut film).expect("it is read");
+        state.looks = looks;
+        write_render(&path, &film, &read_attributes(&path).expect("it is read"), Some(&state)).expect("it is written");
+        place.render("--quiet --noise 0.04 -o out.exr --resume").exits(0);
+        assert_eq!(place.holds("out.exr").difference(&whole), [""; 0], "from {end} samples");
     }
     let before = fs::read(place.path("whole.exr")).expect("it is read");
-    let ran = place.render("--json --noise 0.1 -o whole.exr --resume").exits(0);
+    let ran = place.render("--json --noise 0.04 -o whole.exr --resume").exits(0);
     assert_eq!(ran.json()["noise_reached"], true);
     assert!(fs::read(place.path("whole.exr")).expect("it is read") == before, "nothing was left to do");
 }
@@ -336,7 +339,11 @@ fn what_is_interrupted_goes_on() {
     let ran = finish(child);
     assert!(ran.stderr.contains("out.exr holds") && ran.stderr.contains("--resume"), "{}", ran.stderr);
     let held = read_state(&place.path("out.exr")).expect("it is read").expect("there is a state").samples.count();
-    assert!(ran.stderr.contains(&format!("holds {held} samples per pixel")) && held % 8 == 0, "{}", ran.stderr);
+    assert!(
+        ran.stderr.contains(&format!("holds {held} samples per pixel")) && held.is_multiple_of(8),
+        "{}",
+        ran.stderr
+    );
     let end = held + 16;
     place.render(&format!("--quiet --spp {end} -o out.exr --resume")).exits(0);
     place.render(&format!("--quiet --spp {end} -o whole.exr")).exits(0);
@@ -417,4 +424,39 @@ fn damaged_states_are_refused() {
         assert!(read(&bytes[..place]).is_none_or(|film| film == whole.film), "{place} bytes");
     }
     assert!(refused > 0);
+}
+
+/// Ten thousand parts take no more memory than two, and one command.
+#[test]
+fn ten_thousand_parts_are_joined() {
+    const PARTS: u32 = 10_000;
+    let place = Place::new();
+    let ends = |part: u32| (10_000_000 + 8 * part, 10_000_008 + 8 * part);
+    let (start, end) = ends(0);
+    place.render(&format!("--quiet --size 3x2 --samples {start}..{end} -o part.exr")).exits(0);
+    let bytes = fs::read(place.path("part.exr")).expect("it is read");
+    let said = format!("[[{start},{end}]]");
+    let at = bytes.windows(said.len()).position(|window| window == said.as_bytes()).expect("the state says its range");
+    let mut names = Vec::new();
+    // Not in their order.
+    for part in (0..PARTS).map(|number| number * 7 % PARTS) {
+        let (start, end) = ends(part);
+        let mut bytes = bytes.clone();
+        bytes[at..at + said.len()].copy_from_slice(format!("[[{start},{end}]]").as_bytes());
+        let name = format!("{part}.exr");
+        fs::write(place.path(&name), bytes).expect("it is written");
+        names.push(name);
+    }
+    let mut arguments = vec!["merge", "--json", "-o", "joined.exr"];
+    arguments.extend(names.iter().map(String::as_str));
+    let report = run(place.folder.path(), &arguments).exits(0).json();
+    assert_eq!((&report["parts"], &report["samples_per_pixel"]), (&PARTS.into(), &(8 * PARTS).into()));
+    let held = place.holds("joined.exr");
+    assert_eq!(
+        (held.samples, held.film.totals().paths),
+        (format!("{start}..{}", ends(PARTS - 1).1), 6 * 8 * u64::from(PARTS))
+    );
+    // All parts have the pixels of the first one, and so has their mean.
+    let first = read_exr(&place.path("part.exr")).expect("it is read");
+    assert_eq!(held.rgb, first.rgb);
 }
