@@ -295,7 +295,7 @@ impl Task<'_> {
             self.keep(about, film, state, finish, seconds)?;
         }
         match self.output.png {
-            Some(png) => write_png(png, &film.film.develop(), self.output.exposure),
+            Some(png) => write_png(png, self.job.size, &|index| film.film.developed(index).rgb, self.output.exposure),
             None => Ok(()),
         }
     }
