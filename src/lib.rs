@@ -12,6 +12,7 @@ pub mod identity;
 pub mod job;
 pub mod lights;
 pub mod material;
+pub mod memory;
 pub mod metrics;
 pub mod options;
 pub mod output;
