@@ -6,11 +6,10 @@ mod converge;
 mod devices;
 mod plan;
 mod render;
+mod signals;
 mod tradeoff;
 
 use std::path::Path;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::cli::{Cli, Command, Size};
 use crate::error::{Error, Result};
@@ -111,19 +110,6 @@ fn make_folder(folder: &Path, undone: &str) -> Result<()> {
         reason: format!("{error}; {undone}"),
     };
     std::fs::create_dir_all(folder).map_err(failed)
-}
-
-/// A flag that the first interrupt sets. A second interrupt ends the program at once.
-fn stop_on_interrupt() -> Arc<AtomicBool> {
-    let stopped = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&stopped);
-    // If the handler cannot be set, an interrupt ends the program.
-    let _ = ctrlc::set_handler(move || {
-        if flag.swap(true, Ordering::Relaxed) {
-            std::process::exit(1);
-        }
-    });
-    stopped
 }
 
 /// Checks that a file can be written to this path. If not, the error includes `undone`: the work that has not been done.

@@ -2,15 +2,14 @@
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
+use super::signals::Signals;
 use super::{
-    check_place, flatten_for, open_device, path_text, print_json, same_file, stop_on_interrupt, tell, tell_biases,
-    tell_software,
+    check_place, flatten_for, open_device, path_text, print_json, same_file, tell, tell_biases, tell_software,
 };
 use crate::cli::{MOST_SAMPLES, RenderArgs};
 use crate::error::{Error, Result};
@@ -91,14 +90,14 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     seconds.compile = clock.lap();
 
     let mut film = Film::with_sampler(size.0, size.1, flat.radiance_exponent, args.options.sampler)?;
-    let stopped = stop_on_interrupt();
+    let signals = Signals::listen("nothing has been written");
     let about =
         About { args, device: &device, numerics: numerics(&device)?, job: &job, biases: &biases, warnings: &warnings };
     let progress = Progress::new(args.quiet, &job);
     let begun = Instant::now();
     let mut watcher = Watcher {
         progress: &progress,
-        stopped: &stopped,
+        signals: &signals,
         begun,
         pixels: u64::from(size.0) * u64::from(size.1),
         next_look: (!args.quiet).then(|| begun + pause_after(look_time(size))),
@@ -111,7 +110,9 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
             let end = job.first_sample.saturating_add(u32::try_from(each).unwrap_or(u32::MAX));
             let finish = Finish { samples: job.first_sample..end, ..Finish::of(film, outcome) };
             let attributes = about.record(&finish, &seconds).attributes();
-            write_exr(&output.exr, &film.develop(), &attributes)
+            write_exr(&output.exr, &film.develop(), &attributes)?;
+            signals.set_loss(format!("{} holds the last checkpoint; what came since is lost", output.exr.display()));
+            Ok(())
         },
         interval: args.checkpoint,
     };
@@ -128,9 +129,12 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
         Ok(outcome) => outcome.clone(),
         Err(_) => Outcome { samples: job.first_sample..job.first_sample, ..last },
     };
+    if outcome.interrupted && !args.quiet {
+        tell(&format!("{signals}: writing the image so far; a second signal ends at once"));
+    }
     let finish = Finish { complete: rendered.is_ok() && !outcome.interrupted, ..Finish::of(&film, &outcome) };
     if finish.totals.paths > 0 || rendered.is_ok() {
-        write_all(&output, &film.develop(), &about.record(&finish, &seconds).attributes())?;
+        write_all(&output, &film.develop(), &about.record(&finish, &seconds).attributes(), &signals)?;
     }
     rendered?;
     seconds.write = clock.lap();
@@ -149,7 +153,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
         return Err(Error::Strict(format!("--strict: {}", rejected_words(&finish.totals))));
     }
     match outcome.interrupted {
-        true => Err(Error::Interrupted(format!("interrupted; {} holds the image so far", output.exr.display()))),
+        true => Err(signals.interrupted(&format!("{} holds the image so far", output.exr.display()))),
         false => Ok(()),
     }
 }
@@ -220,10 +224,10 @@ fn pause_after(look: Duration) -> Duration {
     (200 * look).max(Duration::from_secs(1))
 }
 
-/// Called after each submission: shows progress, looks at the film now and then, writes checkpoints, passes interrupts on.
+/// Called after each submission: shows progress, looks at the film now and then, writes checkpoints, passes signals on.
 struct Watcher<'a> {
     progress: &'a Progress,
-    stopped: &'a AtomicBool,
+    signals: &'a Signals,
     begun: Instant,
     pixels: u64,
     /// Nothing where nobody watches.
@@ -259,7 +263,7 @@ impl Watcher<'_> {
             paths_per_second: paths as f64 / self.begun.elapsed().as_secs_f64().max(1e-6),
             relative_error: self.error,
         });
-        match self.stopped.load(Ordering::Relaxed) {
+        match self.signals.came() {
             true => Next::Stop,
             false if is_due && !looked => Next::Look,
             false => Next::GoOn,
@@ -449,8 +453,14 @@ fn attribute(value: &Value, list: &str) -> Option<Attribute> {
     }
 }
 
-fn write_all(output: &Output<'_>, picture: &Picture, attributes: &[(String, Attribute)]) -> Result<()> {
+fn write_all(
+    output: &Output<'_>,
+    picture: &Picture,
+    attributes: &[(String, Attribute)],
+    signals: &Signals,
+) -> Result<()> {
     write_exr(&output.exr, picture, attributes)?;
+    signals.set_loss(format!("{} holds the image", output.exr.display()));
     match output.png {
         Some(png) => write_png(png, picture, output.exposure),
         None => Ok(()),
@@ -628,10 +638,10 @@ mod tests {
         let goal = Goal::Samples(1);
         let job = Job { size: (1, 1), max_depth: 1, seed: 0, first_sample: 0, goal };
         let (film, outcome) = (Film::new(1, 1, 0).unwrap(), Outcome::default());
-        let (progress, stopped, begun) = (Progress::new(true, &job), AtomicBool::new(false), Instant::now());
+        let (progress, signals, begun) = (Progress::new(true, &job), Signals::default(), Instant::now());
         let mut watcher = Watcher {
             progress: &progress,
-            stopped: &stopped,
+            signals: &signals,
             begun,
             pixels: 1,
             next_look,

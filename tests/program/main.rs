@@ -4,3 +4,6 @@
 mod common;
 
 mod cli;
+mod place;
+#[cfg(unix)]
+mod signals;
