@@ -7,10 +7,9 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
+use super::outputs::check_outputs;
 use super::signals::Signals;
-use super::{
-    check_place, flatten_for, open_device, path_text, print_json, same_file, tell, tell_biases, tell_software,
-};
+use super::{flatten_for, open_device, path_text, print_json, tell, tell_biases, tell_software};
 use crate::cli::{MOST_SAMPLES, RenderArgs};
 use crate::error::{Error, Result};
 use crate::film::{ErrorEstimate, Film, Picture, Totals};
@@ -18,6 +17,7 @@ use crate::gpu::device::Device;
 use crate::gpu::probe::{Numerics, numerics};
 use crate::job::{Goal, Job};
 use crate::output::exr::{Attribute, write_exr};
+use crate::output::place::Place;
 use crate::output::png::write_png;
 use crate::output::progress::{Loading, Progress, Status};
 use crate::plan::Plan;
@@ -43,6 +43,8 @@ struct Seconds {
 /// Where the image goes.
 struct Output<'a> {
     exr: PathBuf,
+    /// Whether the EXR can be replaced by a later one. A pipe gets one image, at the end.
+    can_be_replaced: bool,
     png: Option<&'a Path>,
     exposure: f64,
 }
@@ -63,7 +65,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     };
     tell_warnings(&warnings);
     let biases = tell_biases(&args.options, args.paths.max_depth, &scene, args.quiet);
-    let output = output_of(args)?;
+    let output = output_of(args, &scene)?;
     seconds.load = clock.lap();
 
     // The driver loads while the scene is built; `device` is the time that it takes beyond. A scene that does not load waits for no driver.
@@ -101,7 +103,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
         begun,
         pixels: u64::from(size.0) * u64::from(size.1),
         next_look: (!args.quiet).then(|| begun + pause_after(look_time(size))),
-        next_checkpoint: begun + args.checkpoint,
+        next_checkpoint: output.can_be_replaced.then(|| begun + args.checkpoint),
         error: None,
         failed: None,
         outcome: Outcome::default(),
@@ -117,9 +119,6 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
         interval: args.checkpoint,
     };
     let rendered = renderer.run(&job, &mut film, &mut |outcome, look| watcher.watch(outcome, look));
-    if let Some(error) = watcher.failed.take() {
-        progress.message(&format!("warning: {error}"));
-    }
     progress.finish();
     let last = std::mem::take(&mut watcher.outcome);
     seconds.render = clock.lap();
@@ -171,7 +170,7 @@ impl Clock {
 }
 
 /// The paths to write to, checked before anything costs time.
-fn output_of(args: &RenderArgs) -> Result<Output<'_>> {
+fn output_of<'a>(args: &'a RenderArgs, scene: &Scene) -> Result<Output<'a>> {
     let exr: PathBuf = match &args.output {
         Some(path) => path.clone(),
         None => {
@@ -179,16 +178,12 @@ fn output_of(args: &RenderArgs) -> Result<Output<'_>> {
             PathBuf::from(name).with_added_extension("exr")
         }
     };
-    let places: Vec<&Path> = std::iter::once(exr.as_path()).chain(args.png.as_deref()).collect();
-    places.iter().try_for_each(|place| check_place(place, "nothing has been rendered"))?;
-    let twice = args.png.as_deref().is_some_and(|png| same_file(&exr, png));
-    if twice || places.iter().any(|place| same_file(place, &args.scene)) {
-        return Err(Error::Usage(format!(
-            "{}: expected different files for the scene, the EXR and the PNG; nothing has been rendered",
-            exr.display()
-        )));
-    }
-    Ok(Output { exr, png: args.png.as_deref(), exposure: args.exposure })
+    let png = args.png.as_deref();
+    let outputs: Vec<(&str, &Path)> =
+        std::iter::once(("-o", exr.as_path())).chain(png.map(|png| ("--png", png))).collect();
+    check_outputs(&outputs, &scene.inputs(), "nothing has been rendered")?;
+    let can_be_replaced = !matches!(Place::of(&exr), Ok(Place::Stream));
+    Ok(Output { exr, can_be_replaced, png, exposure: args.exposure })
 }
 
 fn job_of(args: &RenderArgs, scene: &Scene, size: (u32, u32), start: Instant) -> Job {
@@ -232,10 +227,12 @@ struct Watcher<'a> {
     pixels: u64,
     /// Nothing where nobody watches.
     next_look: Option<Instant>,
-    next_checkpoint: Instant,
+    /// Nothing where the file cannot be replaced.
+    next_checkpoint: Option<Instant>,
     interval: Duration,
     error: Option<f64>,
-    failed: Option<Error>,
+    /// Why the last checkpoint failed, if it did.
+    failed: Option<String>,
     /// As of the film's last look.
     outcome: Outcome,
     checkpoint: &'a dyn Fn(&Film, &Outcome) -> Result<()>,
@@ -244,14 +241,14 @@ struct Watcher<'a> {
 impl Watcher<'_> {
     fn watch(&mut self, outcome: &Outcome, look: Option<Look<'_>>) -> Next {
         let now = Instant::now();
-        let is_due = self.next_look.is_some_and(|next| now >= next) || now >= self.next_checkpoint;
+        let checkpoint_is_due = self.next_checkpoint.is_some_and(|next| now >= next);
+        let is_due = self.next_look.is_some_and(|next| now >= next) || checkpoint_is_due;
         let looked = look.is_some();
         if let Some(Look { film, begin }) = look {
             self.outcome.clone_from(outcome);
-            if now >= self.next_checkpoint {
-                // A checkpoint that fails is told at the end; the render is worth more than it.
-                self.failed = (self.checkpoint)(film, outcome).err();
-                self.next_checkpoint = Instant::now() + self.interval;
+            if checkpoint_is_due {
+                self.write_checkpoint(film, outcome);
+                self.next_checkpoint = Some(Instant::now() + self.interval);
             } else if let Some(next) = &mut self.next_look {
                 self.error = film.relative_error();
                 *next = Instant::now() + pause_after(begin.elapsed());
@@ -268,6 +265,24 @@ impl Watcher<'_> {
             false if is_due && !looked => Next::Look,
             false => Next::GoOn,
         }
+    }
+
+    /// A checkpoint that fails does not end the render, which is worth more.
+    fn write_checkpoint(&mut self, film: &Film, outcome: &Outcome) {
+        let failed = (self.checkpoint)(film, outcome).err().map(|error| error.to_string());
+        if let Some(words) = about_checkpoint(self.failed.as_deref(), failed.as_deref()) {
+            self.progress.message(&words);
+        }
+        self.failed = failed;
+    }
+}
+
+/// What is told of a checkpoint, by the reasons why the last one and this one failed, if they did. A reason is told once.
+fn about_checkpoint(before: Option<&str>, now: Option<&str>) -> Option<String> {
+    match now {
+        Some(_) if now == before => None,
+        Some(reason) => Some(format!("warning: {reason}. The render goes on, and the next checkpoint tries again")),
+        None => before.map(|_| "the checkpoint is written again".to_owned()),
     }
 }
 
@@ -645,7 +660,7 @@ mod tests {
             begun,
             pixels: 1,
             next_look,
-            next_checkpoint: begun + checkpoint,
+            next_checkpoint: Some(begun + checkpoint),
             interval: checkpoint,
             error: None,
             failed: None,
@@ -661,6 +676,14 @@ mod tests {
             }
         }
         count
+    }
+
+    #[test]
+    fn each_reason_of_failed_checkpoints_is_told_once() {
+        let is_told = |before, now| about_checkpoint(before, now).is_some();
+        let (full, gone) = (Some("the disk is full"), Some("the folder is gone"));
+        assert!(is_told(None, full) && is_told(full, gone) && is_told(gone, None));
+        assert!(!is_told(full, full) && !is_told(None, None));
     }
 
     /// A look of 10 ms is followed by two seconds without one, and nobody looks for a quiet render but to write checkpoints.

@@ -4,6 +4,8 @@
 mod common;
 
 mod cli;
+#[cfg(unix)]
+mod files;
 mod place;
 #[cfg(unix)]
 mod signals;
