@@ -1,6 +1,6 @@
 //! Whether a file can be written to a path, found out before the work whose result it is to hold.
 
-use std::fs::{self, File};
+use std::fs::File;
 use std::path::Path;
 
 use super::atomic::no_file;
@@ -63,6 +63,7 @@ fn obstacle(attributes: rustix::fs::StatxAttributes) -> Option<&'static str> {
 /// Whether the file belongs to somebody else than `ours`, in a folder such as /tmp that keeps everyone's files from all others.
 #[cfg(unix)]
 fn is_anothers(target: &Path, ours: &File) -> bool {
+    use std::fs;
     use std::os::unix::fs::MetadataExt;
     let found = (fs::metadata(folder_of(target)), fs::metadata(target), ours.metadata());
     let (Ok(folder), Ok(old), Ok(ours)) = found else { return false };
@@ -85,6 +86,7 @@ fn is_forbidden(mode_of_folder: u32, owners: [u32; 2], user: u32) -> bool {
 #[cfg(all(test, target_os = "linux"))]
 mod tests {
     use super::*;
+    use std::fs;
     use std::os::unix::fs::symlink;
     use std::process::Command;
 
