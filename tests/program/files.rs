@@ -244,12 +244,12 @@ fn a_checkpoint_that_fails_is_told_at_once_and_tried_again() {
     let at = |name: &str| place.work().join(name);
     let mut child = endless_in_folder(&place, &[]);
     fs::rename(at("out"), at("away")).unwrap();
-    let says = "warning: out/a.exr: cannot write: the folder out does not exist. The render goes on";
+    let says = "warning: no checkpoint: out/a.exr: cannot write: the folder out does not exist. The render goes on";
     meanwhile(&mut child, || said(&place).contains(says));
     // Another reason is told too.
     fs::create_dir_all(at("other/a.exr")).unwrap();
     fs::rename(at("other"), at("out")).unwrap();
-    meanwhile(&mut child, || said(&place).contains("warning: out/a.exr: cannot write: it is a folder"));
+    meanwhile(&mut child, || said(&place).contains("warning: no checkpoint: out/a.exr: cannot write: it is a folder"));
     fs::remove_dir(at("out/a.exr")).unwrap();
     meanwhile(&mut child, || said(&place).contains("the checkpoint is written again") && at("out/a.exr").is_file());
     // A file that is gone is written again, without a word.
@@ -277,7 +277,7 @@ fn on_a_full_disk_the_last_checkpoint_stays() {
         assert_eq!(set, 0, "the limit is set");
     };
     limit(16 << 10);
-    meanwhile(&mut child, || said(&place).contains("warning: out/a.exr: cannot write: File too large"));
+    meanwhile(&mut child, || said(&place).contains("warning: no checkpoint: out/a.exr: cannot write: File too large"));
     let before = fs::read(&file).unwrap();
     assert!(before.len() > 16 << 10);
     read_exr(&file).expect("the last checkpoint is whole");

@@ -17,8 +17,8 @@ fn each_signal_keeps_the_image_and_has_its_exit_status() {
         let child = endless(&place, &["--png", "sphere.png"]);
         send(&child, signal);
         let ran = finish(child).exits(status);
-        let says = format!("error: interrupted by {name}; sphere.exr holds the image so far");
-        assert_eq!(ran.last_line(), says, "{}", ran.stderr);
+        let says = format!("error: interrupted by {name}; sphere.exr holds ");
+        assert!(ran.last_line().starts_with(&says), "{}", ran.stderr);
         assert_eq!(attribute(&place.exr("sphere.exr"), "gpu-rt:complete"), "0");
         assert_eq!(place.files(), ["sphere.exr", "sphere.png"]);
     }
@@ -72,8 +72,8 @@ fn a_second_signal_ends_the_program_while_it_writes() {
 /// two signals at once is the second one is not known.
 #[test]
 fn a_second_signal_says_what_is_lost() {
-    let place = Place::new();
     let is_lost = |_| {
+        let place = Place::new();
         let child = endless(&place, &[]);
         send(&child, libc::SIGINT);
         send(&child, libc::SIGHUP);
