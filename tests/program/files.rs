@@ -159,6 +159,20 @@ fn an_output_is_never_an_input_of_the_scene() {
     place.run(&["render", "studio.ron", "--device", software(), "--spp", "1", "-o", "new.exr"]).exits(0);
 }
 
+/// That is found before anything is read: these are no images.
+#[test]
+fn merge_overwrites_none_of_its_parts() {
+    let place = Place::new();
+    for name in ["a.exr", "b.exr"] {
+        fs::write(place.work().join(name), name).unwrap();
+    }
+    let ran = place.says("merge a.exr b.exr -o ../work/b.exr").exits(2);
+    let says =
+        "error: ../work/b.exr: it would overwrite the input b.exr: give another name with -o; nothing has been joined";
+    assert_eq!(ran.last_line(), says);
+    assert_eq!(fs::read_to_string(place.work().join("b.exr")).unwrap(), "b.exr");
+}
+
 /// A temporary file without a lock was left by a writer that died; one with a lock is being written.
 #[test]
 fn what_dead_writers_left_goes_at_the_next_start() {
