@@ -7,5 +7,6 @@ mod cli;
 #[cfg(unix)]
 mod files;
 mod place;
+mod resume;
 #[cfg(unix)]
 mod signals;

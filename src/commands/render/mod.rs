@@ -103,6 +103,10 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
         None => Accumulation::new(size, flat.radiance_exponent, args.options.sampler)?,
     };
     film.note_device(&device, &output.exr, args.mixed_drivers)?;
+    let overwritten = match &earlier {
+        Some(_) => None,
+        None => resume::more_there(&output.exr, &identity, 0),
+    };
     let resumed_from = earlier.as_ref().map(|state| state.samples.count());
     let signals = Signals::listen(&match resumed_from {
         Some(_) => format!("{} holds what it held before", output.exr.display()),
@@ -120,6 +124,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
         signals: &signals,
         progress: &progress,
         resumed_from,
+        overwritten,
     };
     let mut rendering = Rendering::default();
     let mut rendered = task.render(&device, &mut film, &mut rendering, &mut seconds, &mut clock);
@@ -184,6 +189,8 @@ struct Task<'a> {
     progress: &'a Progress,
     /// Samples of a pixel that an earlier render has left.
     resumed_from: Option<u64>,
+    /// Samples of a pixel that the output had at the start, if it is of this render and is to be overwritten.
+    overwritten: Option<u64>,
 }
 
 /// What has come of the tries.
@@ -269,18 +276,16 @@ impl Task<'_> {
         Ok(())
     }
 
-    /// Writes the EXR, unless another process has written more samples of this render there.
+    /// Writes the EXR, unless the file there holds more samples of this render. At the end of the render, what it had at the start is
+    /// overwritten: another process has written what is new.
     fn keep(&self, about: &About<'_>, film: &Film, state: State, finish: &Finish, seconds: &Seconds) -> Result<()> {
         let exr = &self.output.exr;
-        if let Some(more) = resume::more_there(exr, self.identity, state.samples.count()) {
-            return Err(Error::File {
-                path: exr.clone(),
-                action: "write",
-                reason: format!(
-                    "it holds {more} samples per pixel of this render, and this process has {}: it stays",
-                    state.samples.count()
-                ),
-            });
+        let mine = state.samples.count();
+        let more = resume::more_there(exr, self.identity, mine).filter(|_| !self.args.force);
+        if let Some(more) = more.filter(|more| !(finish.complete && Some(*more) == self.overwritten)) {
+            let reason =
+                format!("it holds {more} samples per pixel of this render, and this process has {mine}: it stays");
+            return Err(Error::File { path: exr.clone(), action: "write", reason });
         }
         let attributes = about.record(finish, seconds).attributes();
         write_render(exr, film, &attributes, (!self.args.no_state).then_some(&state))

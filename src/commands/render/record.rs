@@ -33,7 +33,8 @@ pub struct Finish {
     pub noise: Option<Noise>,
     /// What max_depth cut off.
     pub too_deep: TooDeep,
-    complete: bool,
+    /// Whether nothing is left to do.
+    pub complete: bool,
 }
 
 impl Finish {
