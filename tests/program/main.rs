@@ -4,4 +4,9 @@
 mod common;
 
 mod cli;
+#[cfg(unix)]
+mod files;
+mod place;
 mod resume;
+#[cfg(unix)]
+mod signals;
