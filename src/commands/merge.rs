@@ -44,7 +44,7 @@ pub fn run(args: &MergeArgs) -> Result<()> {
     attributes.retain(|(name, _)| !is_of_film(name));
     attributes.extend(of_film);
     let state = State::new(first.state.identity.clone(), devices.clone(), &film, samples.clone(), *looks);
-    write_render(&args.output, &film, &attributes, Some(&state))?;
+    write_render(&args.output, &film, &attributes, Some(&state), || Ok(()))?;
 
     let off_runs = joined.parts.iter().flat_map(|part| part.state.samples.ranges()).any(|range| {
         let is_inner =

@@ -15,10 +15,20 @@ use crate::error::{Error, Result};
 /// points to is replaced. Other kinds of files (/dev/null, a pipe, /dev/stdout) are written to directly, once `write`
 /// has succeeded.
 pub fn replace(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> Result<()> {
+    replace_if(path, write, || Ok(()))
+}
+
+/// Does the same, if the old file `may` be replaced, which is asked last; if not, that is the error. Writers ask one after another, so that
+/// nobody replaces the old file between the answer and the replacement. Other kinds of files are not asked about.
+pub fn replace_if(
+    path: &Path,
+    write: impl FnOnce(&mut File) -> io::Result<()>,
+    may: impl FnOnce() -> std::result::Result<(), String>,
+) -> Result<()> {
     let failed = |reason: String| Error::File { path: path.to_owned(), action: "write", reason };
     match Place::of(path).map_err(|error| failed(error.to_string()))? {
         Place::Stream => replace_stream(path, write).map_err(|error| failed(error.to_string())),
-        Place::File(target) => replace_file(&target, write).map_err(failed),
+        Place::File(target) => replace_file(&target, write, may).map_err(failed),
     }
 }
 
@@ -27,7 +37,11 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
     replace(path, |file| file.write_all(bytes))
 }
 
-fn replace_file(target: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> std::result::Result<(), String> {
+fn replace_file(
+    target: &Path,
+    write: impl FnOnce(&mut File) -> io::Result<()>,
+    may: impl FnOnce() -> std::result::Result<(), String>,
+) -> std::result::Result<(), String> {
     let old = fs::metadata(target).ok();
     // Whoever may not read the old file may not read the new one either, also while it is written.
     let mut file = temporary::create(target, old.is_some()).map_err(no_file)?;
@@ -37,11 +51,13 @@ fn replace_file(target: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) 
         keep_owner_and_mode(file.as_file(), &old);
     }
     file.as_file().sync_all().map_err(|error| error.to_string())?;
+    // The folder's lock is held until the end. Where there is none, writers may meet between the answer and the replacement.
+    let folder = File::open(folder_of(target)).ok();
+    let _ = folder.as_ref().map(File::lock);
+    may()?;
     file.persist(target).map_err(|error| error.error.to_string())?;
     // The sync of the folder writes the new name to the disk. Not every system can do that, but the contents are already safe.
-    if let Ok(folder) = File::open(folder_of(target)) {
-        let _ = folder.sync_all();
-    }
+    let _ = folder.as_ref().map(File::sync_all);
     Ok(())
 }
 
@@ -104,6 +120,39 @@ mod tests {
         assert_eq!(message, format!("{}: cannot write: the encoder failed", path.display()));
         assert_eq!(fs::read_to_string(&path).unwrap(), "old");
         assert_eq!(names(folder.path()), ["a.exr"]);
+    }
+
+    #[test]
+    fn what_may_not_be_replaced_stays() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.exr");
+        write_text(&path, "better").unwrap();
+        let refused = replace_if(&path, |file| file.write_all(b"new"), || Err("it is better".to_owned()));
+        assert_eq!(refused.unwrap_err().to_string(), format!("{}: cannot write: it is better", path.display()));
+        assert_eq!(fs::read_to_string(&path).unwrap(), "better");
+        assert_eq!(names(folder.path()), ["a.exr"]);
+    }
+
+    /// Of writers at once, each replaces only what is less: the most stays, whoever comes last.
+    #[test]
+    fn writers_ask_one_after_another() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("count");
+        let there = || fs::read_to_string(&path).ok().and_then(|text| text.parse::<u32>().ok()).unwrap_or(0);
+        std::thread::scope(|scope| {
+            for writer in 0..8 {
+                let (path, there) = (&path, &there);
+                scope.spawn(move || {
+                    for step in 0..50 {
+                        let mine = step * 8 + writer + 1;
+                        let may = || if there() < mine { Ok(()) } else { Err(String::new()) };
+                        let _ = replace_if(path, |file| file.write_all(mine.to_string().as_bytes()), may);
+                        assert!(there() >= mine);
+                    }
+                });
+            }
+        });
+        assert_eq!(there(), 400);
     }
 
     #[test]

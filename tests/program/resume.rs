@@ -200,7 +200,8 @@ fn a_render_until_an_error_goes_on() {
         let mut film = state.film().expect("it fits");
         add_film(&path, &state, &mut film).expect("it is read");
         state.looks = looks;
-        write_render(&path, &film, &read_attributes(&path).expect("it is read"), Some(&state)).expect("it is written");
+        write_render(&path, &film, &read_attributes(&path).expect("it is read"), Some(&state), || Ok(()))
+            .expect("it is written");
         place.render("--quiet --noise 0.04 -o out.exr --resume").exits(0);
         assert_eq!(place.holds("out.exr").difference(&whole), [""; 0], "from {end} samples");
     }
@@ -312,7 +313,7 @@ fn drivers_are_mixed_only_when_asked() {
     add_film(&path, &state, &mut film).expect("it is read");
     let attributes = read_attributes(&path).expect("it is read");
     state.devices = vec![("Some GPU".to_string(), "driver 1.0".to_string())];
-    write_render(&path, &film, &attributes, Some(&state)).expect("it is written");
+    write_render(&path, &film, &attributes, Some(&state), || Ok(())).expect("it is written");
 
     let said = place.render("--spp 16 -o a.exr --resume").exits(2).stderr;
     assert!(said.contains("Some GPU (driver 1.0)") && said.contains("--mixed-drivers"), "{said}");

@@ -152,7 +152,10 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     let complete = rendered.is_ok() && !outcome.interrupted;
     let finish = Finish::of(&film.film, &film.samples, &film.devices, outcome.noise, complete);
     match rendered {
-        Ok(()) => task.write(&about, &film, &finish, &seconds, &rendering)?,
+        Ok(()) => match task.write(&about, &film, &finish, &seconds, &rendering) {
+            Err(error) if outcome.interrupted => return Err(signals.interrupted(&error.to_string())),
+            written => written?,
+        },
         Err(error) => return Err(task.failed(&about, &film, &finish, &seconds, &rendering, error)),
     }
     seconds.write = clock.lap();
@@ -281,14 +284,17 @@ impl Task<'_> {
     fn keep(&self, about: &About<'_>, film: &Film, state: State, finish: &Finish, seconds: &Seconds) -> Result<()> {
         let exr = &self.output.exr;
         let mine = state.samples.count();
-        let more = resume::more_there(exr, self.identity, mine).filter(|_| !self.args.force);
-        if let Some(more) = more.filter(|more| !(finish.complete && Some(*more) == self.overwritten)) {
-            let reason =
-                format!("it holds {more} samples per pixel of this render, and this process has {mine}: it stays");
-            return Err(Error::File { path: exr.clone(), action: "write", reason });
-        }
+        let may = || {
+            let more = resume::more_there(exr, self.identity, mine).filter(|_| !self.args.force);
+            match more.filter(|more| !(finish.complete && Some(*more) == self.overwritten)) {
+                None => Ok(()),
+                Some(more) => Err(format!(
+                    "it holds {more} samples per pixel of this render, more than the {mine} here: it stays"
+                )),
+            }
+        };
         let attributes = about.record(finish, seconds).attributes();
-        write_render(exr, film, &attributes, (!self.args.no_state).then_some(&state))
+        write_render(exr, film, &attributes, (!self.args.no_state).then_some(&state), may)
     }
 
     /// Writes what the render came to.
@@ -340,7 +346,7 @@ impl Task<'_> {
         // What came since the last whole film favours short paths, so that nothing can go on from it.
         if film.film.totals().paths > 0 {
             let attributes = about.record(finish, seconds).attributes();
-            let written = write_render(exr, &film.film, &attributes, None);
+            let written = write_render(exr, &film.film, &attributes, None, || Ok(()));
             return Error::Device(match written {
                 Ok(()) => format!("{why}; {} holds what there was, and cannot be resumed", exr.display()),
                 Err(error) => format!("{why}; {error}"),

@@ -43,14 +43,20 @@ const REC_709: Chromaticities =
 /// Attribute names must not be empty, longer than 255 bytes, or reserved by the EXR standard.
 pub fn write_exr(path: &Path, picture: &Picture, attributes: &[(String, Attribute)]) -> Result<()> {
     let size = (picture.width, picture.height);
-    write_parts(path, size, &|index| picture.pixel(index), attributes, None)
+    write_parts(path, size, &|index| picture.pixel(index), attributes, None, || Ok(()))
 }
 
 /// Writes what a film holds, as [`write_exr`] does. With a state, a second part holds what it takes to go on with the render. It takes no
-/// memory to speak of.
-pub fn write_render(path: &Path, film: &Film, attributes: &[(String, Attribute)], state: Option<&State>) -> Result<()> {
+/// memory to speak of. An old file is replaced only if it `may` be, which is asked last; if not, that is the error.
+pub fn write_render(
+    path: &Path,
+    film: &Film,
+    attributes: &[(String, Attribute)],
+    state: Option<&State>,
+    may: impl FnOnce() -> std::result::Result<(), String>,
+) -> Result<()> {
     let part = state.map(|state| StatePart::new(film, state));
-    write_parts(path, (film.width(), film.height()), &|index| film.developed(index), attributes, part)
+    write_parts(path, (film.width(), film.height()), &|index| film.developed(index), attributes, part, may)
 }
 
 /// The part that holds the state.
@@ -97,6 +103,7 @@ fn write_parts(
     pixel: &dyn Fn(usize) -> PicturePixel,
     attributes: &[(String, Attribute)],
     state: Option<StatePart<'_>>,
+    may: impl FnOnce() -> std::result::Result<(), String>,
 ) -> Result<()> {
     let size = (width as usize, height as usize);
     let own = LayerAttributes {
@@ -142,7 +149,7 @@ fn write_parts(
             _ => rows.flat_map(|row| picture_bytes(row, pixel)).collect(),
         }
     };
-    atomic::replace(path, |file| {
+    let write = |file: &mut File| {
         ::exr::block::write(BufWriter::new(&mut *file), headers, true, |meta, chunks| {
             let blocks = enumerate_ordered_header_block_indices(&meta.headers);
             let blocks = blocks.map(|(number, index)| (number, UncompressedBlock { index, data: data(&index) }));
@@ -150,7 +157,8 @@ fn write_parts(
         })
         .map_err(to_io)?;
         sort_attributes(file, parts)
-    })
+    };
+    atomic::replace_if(path, write, may)
 }
 
 fn compress<W: Write + Seek>(
