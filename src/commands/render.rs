@@ -24,6 +24,7 @@ use crate::output::progress::{Loading, Progress, Status};
 use crate::plan::Plan;
 use crate::render::{Look, NOISE_LEVEL, Next, Noise, Outcome, Renderer, ThroughGlass, TooDeep};
 use crate::scene::Scene;
+use crate::threads::beside;
 
 /// Seconds of the parts of a render, as `--json` and the EXR's header report them.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
@@ -68,11 +69,11 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     seconds.load = clock.lap();
 
     // The driver loads while the scene is built; `device` is the time that it takes beyond. A scene that does not load waits for no driver.
-    let (built, device) = std::thread::scope(|scope| {
-        let opening = scope.spawn(|| open_device(args.paths.device.as_deref()));
+    let opening = || open_device(args.paths.device.as_deref());
+    let (device, built) = beside(opening, || {
         let built = flatten_for(&scene, args.size, &args.options);
         seconds.build = clock.lap();
-        (built, opening.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+        built
     });
     let (size, flat) = built?;
     tell_warnings(&flat.warnings);
@@ -82,11 +83,9 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     seconds.device = clock.lap();
 
     let job = job_of(args, &scene, size, start);
-    let plan = std::thread::scope(|scope| {
-        // The device keeps what its probe finds; an error comes again where the findings are asked for.
-        scope.spawn(|| numerics(&device).is_ok());
-        Plan::new(&flat, &args.options, device.class(), &job)
-    })?;
+    // The device keeps what its probe finds; an error comes again where the findings are asked for.
+    let (_, plan) = beside(|| numerics(&device).is_ok(), || Plan::new(&flat, &args.options, device.class(), &job));
+    let plan = plan?;
     let mut renderer = Renderer::new(&device, &plan, &job, args.profile)?;
     seconds.compile = clock.lap();
 
