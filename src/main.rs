@@ -6,6 +6,7 @@ use std::time::Instant;
 use clap::Parser;
 use gpu_rt::cli::Cli;
 use gpu_rt::commands;
+use gpu_rt::error::Error;
 
 fn main() -> ExitCode {
     let start = Instant::now();
@@ -15,10 +16,24 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             commands::tell(&format!("error: {error}"));
+            if let Error::Device(_) = error {
+                end_at_once(error.exit_status());
+            }
             ExitCode::from(error.exit_status())
         }
     }
 }
+
+/// Ends the process without the destructors of libraries. A driver that failed may still be at work, and would lose its memory to
+/// them.
+#[cfg(unix)]
+fn end_at_once(status: u8) {
+    // SAFETY: it takes nothing, and does not return.
+    unsafe { libc::_exit(i32::from(status)) }
+}
+
+#[cfg(not(unix))]
+fn end_at_once(_: u8) {}
 
 /// Mesa's device-select layer asks a Wayland server which GPU drives the screen, and complains on stderr if there is no
 /// session. Without a session there is nothing to select.
