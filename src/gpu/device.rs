@@ -307,3 +307,34 @@ impl Drop for Device {
 fn line(message: &str) -> String {
     message.split_whitespace().collect::<Vec<_>>().join(" ").trim_end_matches('.').to_string()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn adapter(name: &str, backend: &str, pci_bus_id: &str) -> AdapterName {
+        let [name, backend, pci_bus_id] = [name, backend, pci_bus_id].map(str::to_string);
+        AdapterName { name, driver: "driver 1".to_string(), backend, pci_bus_id, kind: "discrete GPU", software: false }
+    }
+
+    #[test]
+    fn equal_adapters_are_told_apart_by_index_and_address() {
+        let names = [
+            adapter("Small", "vulkan", "0000:01:00.0"),
+            adapter("Large", "vulkan", "0000:02:00.0"),
+            adapter("Large", "vulkan", "0000:03:00.0"),
+            adapter("Small", "dx12", "01:00.0"),
+        ];
+        let chosen = |wish| index_by_wish(&names, wish).map_err(|error| error.to_string());
+        assert_eq!(chosen("2"), Ok(2));
+        assert_eq!(chosen("0000:03:00.0"), Ok(2));
+        // Of another backend it is the same adapter.
+        assert_eq!(chosen("small"), Ok(0));
+        // Different names: the first one, as ever.
+        assert_eq!(chosen("discrete"), Ok(0));
+        let error = chosen("large").unwrap_err();
+        assert!(error.contains("several devices have this name") && error.contains("PCI 0000:02:00.0"), "{error}");
+        assert!(chosen("4").unwrap_err().contains("expected an index of"));
+        assert!(chosen("tiny").unwrap_err().contains("expected part of the name of one of"));
+    }
+}

@@ -4,3 +4,5 @@
 mod common;
 
 mod cli;
+#[cfg(target_os = "linux")]
+mod device;
