@@ -6,22 +6,23 @@ use std::time::Instant;
 use clap::Parser;
 use gpu_rt::cli::Cli;
 use gpu_rt::commands;
-use gpu_rt::error::Error;
+use gpu_rt::gpu::device::any_failed;
 
 fn main() -> ExitCode {
     let start = Instant::now();
     quiet_the_loader();
     let cli = Cli::parse();
-    match commands::run(&cli, start) {
-        Ok(()) => ExitCode::SUCCESS,
+    let status = match commands::run(&cli, start) {
+        Ok(()) => 0,
         Err(error) => {
             commands::tell(&format!("error: {error}"));
-            if let Error::Device(_) = error {
-                end_at_once(error.exit_status());
-            }
-            ExitCode::from(error.exit_status())
+            error.exit_status()
         }
+    };
+    if any_failed() {
+        end_at_once(status);
     }
+    ExitCode::from(status)
 }
 
 /// Ends the process without the destructors of libraries. A driver that failed may still be at work, and would lose its memory to

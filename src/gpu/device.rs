@@ -2,6 +2,7 @@
 
 use std::fmt;
 use std::mem::ManuallyDrop;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Duration;
 
@@ -291,15 +292,25 @@ impl Device {
     }
 }
 
+/// Whether the queue of any device was kept.
+static FAILED: AtomicBool = AtomicBool::new(false);
+
+/// Whether any device of this process has failed, so that its driver may still be at work.
+pub fn any_failed() -> bool {
+    FAILED.load(Ordering::Relaxed)
+}
+
 impl Drop for Device {
     /// wgpu waits until a queue that it drops is idle: for ever if the device hangs. It panics if the wait fails. The queue of a
     /// device that failed is therefore kept, and the end of the process frees it.
     fn drop(&mut self) {
-        if self.check().is_ok() {
-            // SAFETY: nothing uses the queue after this.
-            let queue = unsafe { ManuallyDrop::take(&mut self.queue) };
-            let _ = caught(|| drop(queue));
+        if self.check().is_err() {
+            FAILED.store(true, Ordering::Relaxed);
+            return;
         }
+        // SAFETY: nothing uses the queue after this.
+        let queue = unsafe { ManuallyDrop::take(&mut self.queue) };
+        let _ = caught(|| drop(queue));
     }
 }
 
