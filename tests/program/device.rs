@@ -150,6 +150,28 @@ fn a_device_that_cannot_be_set_up_is_an_error() {
     );
 }
 
+/// The last waits may find that all is done.
+#[test]
+fn a_device_that_hangs_at_any_wait_lets_the_program_end() {
+    let mut errors = 0;
+    for call in 1.. {
+        let folder = place();
+        let fault = Fault::new(folder.path(), "vkWaitSemaphores", call, "hang");
+        let ran = meets(render(folder.path(), &[]), &fault);
+        match ran.code() {
+            0 => assert_eq!(image(folder.path()).samples, Some(vec![16; 240])),
+            _ => {
+                the_error(ran, &fault);
+                errors += 1;
+            }
+        }
+        if !fault.has_happened() {
+            break;
+        }
+    }
+    assert!(errors > 0, "the render waits for nothing");
+}
+
 /// wgpu waits when it drops a queue; the image is written by then.
 #[test]
 fn a_device_that_fails_after_the_render_does_no_harm() {
