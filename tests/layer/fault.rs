@@ -3,7 +3,8 @@
 //!
 //! `GPU_RT_FAULT` says what fails: `FUNCTION:CALL:RESULT:HOW_OFTEN`. The calls of a function count from 1. The result is `lost`
 //! (VK_ERROR_DEVICE_LOST), `memory` (VK_ERROR_OUT_OF_DEVICE_MEMORY) or `hang`: from then on the device finishes nothing. It happens
-//! `once` or `always`: in this call, or in this and all later ones. A fault that has happened leaves the file `GPU_RT_FAULT_MARK`.
+//! `once` or `always`: in this call, or in this and all later ones. With `GPU_RT_FAULT_AFTER`, calls count once that file exists. A
+//! fault that has happened leaves the file `GPU_RT_FAULT_MARK`.
 //!
 //! With `GPU_RT_FENCES` the driver has no timeline semaphores, so that wgpu waits for fences. With `GPU_RT_TWINS` it has each
 //! physical device twice.
@@ -12,6 +13,7 @@
 
 use std::ffi::{CStr, c_char, c_void};
 use std::mem::transmute;
+use std::path::Path;
 use std::ptr::null_mut;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicPtr, AtomicU64, Ordering};
@@ -126,6 +128,9 @@ fn fault() -> Option<&'static Fault> {
 /// Counts a call, and returns what it is to return instead of doing its work.
 fn failing(name: &str) -> Option<i32> {
     let fault = fault().filter(|fault| fault.function == name)?;
+    if std::env::var_os("GPU_RT_FAULT_AFTER").is_some_and(|file| !Path::new(&file).exists()) {
+        return None;
+    }
     let call = fault.calls.fetch_add(1, Ordering::Relaxed) + 1;
     if call < fault.call || (call > fault.call && !fault.always) {
         return None;
@@ -286,6 +291,8 @@ unsafe extern "system" fn create_device(
     }
     unsafe {
         let Some(link) = take_link(info, DEVICE_LINK) else { return INITIALIZATION_FAILED };
+        COUNTED.store(0, Ordering::Relaxed);
+        SUBMITTED.store(0, Ordering::Relaxed);
         NEXT_DEVICE_PROC.store(link.get_device_proc_addr as Any, Ordering::Relaxed);
         let instance = INSTANCE.load(Ordering::Relaxed);
         let create: Create = transmute((link.get_instance_proc_addr)(instance, c"vkCreateDevice".as_ptr()));

@@ -26,8 +26,8 @@ const SPHERE: &str = "Scene(
 /// A render that a fault must end, in submissions of one bounce, with a checkpoint after each.
 const ENDLESS: [&str; 6] = ["--spp", "1000000000", "--bounces", "1", "--checkpoint", "1ns"];
 
-/// Calls at which a render fails. Before the first, nothing is done; before the others, there is a checkpoint.
-const CALLS: [u32; 3] = [1, 80, 160];
+/// Calls at which a render fails, and whether they count from the first checkpoint on.
+const CALLS: [(u32, bool); 3] = [(1, false), (1, true), (50, true)];
 
 fn place() -> TempDir {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -79,14 +79,17 @@ fn device_name() -> &'static str {
 #[track_caller]
 fn ends_a_render(functions: &[&str], result: &str, error: &str, variables: &[(&str, &str)]) {
     for function in functions {
-        for call in CALLS {
+        for (call, after) in CALLS {
             let folder = place();
             let fault = Fault::new(folder.path(), function, call, result);
             let mut command = render(folder.path(), &ENDLESS);
             command.envs(variables.iter().copied());
+            if after {
+                command.env("GPU_RT_FAULT_AFTER", "sphere.exr");
+            }
             let said = the_error(meets(command, &fault), &fault);
             assert!(said.contains(error), "{function}, call {call}: {said}");
-            if call > 1 {
+            if after {
                 let image = image(folder.path());
                 assert_eq!((image.width, image.height), (20, 12));
                 let samples = image.samples.expect("a layer of samples");

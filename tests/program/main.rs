@@ -6,3 +6,4 @@ mod common;
 mod cli;
 #[cfg(target_os = "linux")]
 mod device;
+mod resume;
