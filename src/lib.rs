@@ -23,4 +23,5 @@ pub mod scene;
 pub mod shape;
 pub mod source;
 pub mod texture;
+pub mod threads;
 pub mod tradeoff;

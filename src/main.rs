@@ -6,19 +6,35 @@ use std::time::Instant;
 use clap::Parser;
 use gpu_rt::cli::Cli;
 use gpu_rt::commands;
+use gpu_rt::gpu::device::any_failed;
 
 fn main() -> ExitCode {
     let start = Instant::now();
     quiet_the_loader();
     let cli = Cli::parse();
-    match commands::run(&cli, start) {
-        Ok(()) => ExitCode::SUCCESS,
+    let status = match commands::run(&cli, start) {
+        Ok(()) => 0,
         Err(error) => {
             commands::tell(&format!("error: {error}"));
-            ExitCode::from(error.exit_status())
+            error.exit_status()
         }
+    };
+    if any_failed() {
+        end_at_once(status);
     }
+    ExitCode::from(status)
 }
+
+/// Ends the process without the destructors of libraries. A driver that failed may still be at work, and would lose its memory to
+/// them.
+#[cfg(unix)]
+fn end_at_once(status: u8) {
+    // SAFETY: it takes nothing, and does not return.
+    unsafe { libc::_exit(i32::from(status)) }
+}
+
+#[cfg(not(unix))]
+fn end_at_once(_: u8) {}
 
 /// Mesa's device-select layer asks a Wayland server which GPU drives the screen, and complains on stderr if there is no
 /// session. Without a session there is nothing to select.

@@ -531,8 +531,7 @@ impl<'a> Renderer<'a> {
     }
 
     fn write(&self, name: &str, bytes: &[u8]) -> Result<()> {
-        self.device.queue.write_buffer(self.buffers.get(name)?, 0, bytes);
-        Ok(())
+        self.device.write(self.buffers.get(name)?, bytes)
     }
 
     /// The sizes in force.

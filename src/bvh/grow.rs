@@ -6,6 +6,7 @@ use super::split::{Group, Search};
 use super::wide::{WIDTH, quantised};
 use super::{Bounds, Bvh};
 use crate::data::{Node, PRIMITIVE_BIT};
+use crate::threads::together;
 
 /// The depth down to which the heuristic chooses cuts. Deeper groups are halved, so that at most 16 more levels follow.
 /// Otherwise nested boxes would make a path as long as their number, and the kernels' stack is a private array of fixed
@@ -58,12 +59,7 @@ fn grow_all(pieces: Vec<Branch<'_>>, search: &Search, threads: usize) -> Vec<Gro
             subtree.grow(Branch { parent: None, ..piece }, search, 0);
         }
     };
-    std::thread::scope(|scope| {
-        for _ in 1..workers {
-            scope.spawn(work);
-        }
-        work();
-    });
+    together(workers, work);
     drop(queue);
     grown
 }

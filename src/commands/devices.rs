@@ -25,6 +25,7 @@ pub fn run(args: &DevicesArgs) -> Result<()> {
                     "kind": name.kind,
                     "software": name.software,
                     "backend": name.backend,
+                    "pci_bus_id": Some(&name.pci_bus_id).filter(|id| !id.is_empty()),
                     "driver": name.driver,
                     "default": index == chosen,
                     "limits": {

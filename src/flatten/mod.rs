@@ -24,6 +24,7 @@ use crate::scene::{Background, Bitmap, Material, Object, Scene, Step, Texture, U
 use crate::shape::mesh::{self, Laid};
 use crate::shape::similarity::Similarity;
 use crate::shape::{Element, KINDS, Placement, RenderSpace, Shape, Tables, binary_exponent, exp2};
+use crate::threads::beside;
 use place::{Finder, Placed, PlacedMedium, extent};
 use view::View;
 
@@ -143,21 +144,20 @@ pub fn flatten(scene: &Scene, size: (u32, u32), options: &RenderOptions) -> Resu
     builder.add_materials(&used, radiance_scale);
     let sample_lights = options.integrator == Integrator::Mis;
     // The diagnostics run while the hierarchies are built.
-    let looked = std::thread::scope(|scope| {
-        let looking = scope.spawn(|| diagnostics::warnings(&found));
+    let look = || diagnostics::warnings(&found);
+    let (warnings, ()) = beside(look, || {
         builder.add_primitives(&finder.placed);
         builder.add_media(&finder.media);
         if sample_lights && builder.flat.features.samples_light_anywhere() {
             builder.add_lights(&finder.placed);
         }
-        looking.join()
     });
     let mut flat = builder.flat;
     if flat.nodes.len() >= MAX_NODES {
         let message = format!("expected fewer than {MAX_NODES} nodes in the hierarchies, found {}", flat.nodes.len());
         return Err(scene.error(&[], message));
     }
-    flat.warnings.extend(looked.unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
+    flat.warnings.extend(warnings);
     flat.features.shadow_rays = flat.features.lights > 0;
     let of_camera =
         |field: &str| format!("camera.{field} at {}", scene.location(&[Step::Field("camera"), Step::Field(field)]));

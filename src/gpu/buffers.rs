@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::time::Duration;
 
 use super::device::Device;
 use crate::error::{Error, Result};
@@ -128,14 +129,17 @@ impl Buffers {
                 mapped_at_creation: false,
             });
             if !spec.contents.is_empty() {
-                device.queue.write_buffer(&buffer, 0, &spec.contents);
+                device.write(&buffer, &spec.contents)?;
             }
             named.insert(spec.name, buffer);
         }
         match pollster::block_on(scope.pop()) {
             Some(error) => {
                 let bytes: u64 = specs.iter().map(BufferSpec::allocated).sum();
-                Err(device.failed(&format!("the render needs {bytes} bytes of device memory: {error}")))
+                Err(device.failed(&format!(
+                    "the render needs {bytes} bytes of device memory, and the device has less: {error}. Make the scene smaller, end \
+                     other programs that use the device, or choose another one (`gpu-rt devices` lists them)"
+                )))
             }
             None => device.check().map(|()| Buffers { named }),
         }
@@ -151,6 +155,9 @@ impl Buffers {
             .ok_or_else(|| Error::Shader(format!("a kernel binds `{name}`, which the plan does not list")))
     }
 }
+
+/// When a wait on another thread has called back at the latest.
+const CALL_BACK: Duration = Duration::from_secs(60);
 
 /// A staging buffer, through which the host reads what the device wrote.
 pub struct Readback {
@@ -194,7 +201,8 @@ impl Readback {
             let _ = sender.send(result);
         });
         device.wait(submission)?;
-        match receiver.recv() {
+        // The wait has called back. If another thread's wait is about to, it is a moment later.
+        match receiver.recv_timeout(CALL_BACK) {
             Ok(Ok(())) => {}
             Ok(Err(error)) => return Err(device.failed(&error.to_string())),
             Err(error) => return Err(device.failed(&error.to_string())),

@@ -1,8 +1,12 @@
 //! Adapters and devices.
 
 use std::fmt;
+use std::mem::ManuallyDrop;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::time::Duration;
 
+use super::panics::caught;
 use super::probe::Numerics;
 use crate::error::{Error, Result};
 
@@ -18,6 +22,8 @@ pub struct AdapterName {
     /// Driver and version.
     pub driver: String,
     pub backend: String,
+    /// The address on the PCI bus, which tells equal adapters apart; empty where the backend knows none.
+    pub pci_bus_id: String,
     pub kind: &'static str,
     /// Whether it is a software driver, which computes on the processor.
     pub software: bool,
@@ -25,7 +31,11 @@ pub struct AdapterName {
 
 impl fmt::Display for AdapterName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} ({}, {}, {})", self.name, self.kind, self.backend, self.driver)
+        write!(f, "{} ({}, {}, {}", self.name, self.kind, self.backend, self.driver)?;
+        match self.pci_bus_id.as_str() {
+            "" => write!(f, ")"),
+            id => write!(f, ", PCI {id})"),
+        }
     }
 }
 
@@ -42,7 +52,8 @@ impl AdapterName {
         };
         let software = info.device_type == wgpu::DeviceType::Cpu;
         let driver = format!("{} {}", info.driver, info.driver_info).trim().to_string();
-        AdapterName { name: info.name, driver, backend: info.backend.to_string(), kind, software }
+        let backend = info.backend.to_string();
+        AdapterName { name: info.name, driver, backend, pci_bus_id: info.device_pci_bus_id, kind, software }
     }
 }
 
@@ -69,8 +80,8 @@ impl Adapters {
         self.list.get(index).ok_or_else(|| Error::Device("no device".to_string()))
     }
 
-    /// The index of an adapter. A wish is an index or a part of the adapter's name or driver. Without a wish it is the adapter of
-    /// the most capable kind.
+    /// The index of an adapter. A wish is an index, or a part of the adapter's name, driver or address. Without a wish it is the
+    /// adapter of the most capable kind.
     pub fn index_of_choice(&self, wish: Option<&str>) -> Result<usize> {
         if self.list.is_empty() {
             return Err(Error::Device(
@@ -80,17 +91,8 @@ impl Adapters {
             ));
         }
         let names: Vec<_> = self.list.iter().map(AdapterName::of).collect();
-        let refused = |expected: &str, wish: &str| {
-            let listed: String = names.iter().enumerate().map(|(i, name)| format!("\n  {i}: {name}")).collect();
-            Error::Usage(format!("--device {wish}: expected {expected} of:{listed}"))
-        };
-        match wish.map(|wish| (wish, wish.parse::<usize>())) {
-            Some((_, Ok(index))) if index < names.len() => Ok(index),
-            Some((wish, Ok(_))) => Err(refused("an index", wish)),
-            Some((wish, Err(_))) => names
-                .iter()
-                .position(|name| name.to_string().to_lowercase().contains(&wish.to_lowercase()))
-                .ok_or_else(|| refused("part of the name of one", wish)),
+        match wish {
+            Some(wish) => index_by_wish(&names, wish),
             None => {
                 let rank = |index: &usize| match self.list[*index].get_info().device_type {
                     wgpu::DeviceType::DiscreteGpu => 0,
@@ -102,6 +104,25 @@ impl Adapters {
                 Ok((0..names.len()).min_by_key(rank).unwrap_or_default())
             }
         }
+    }
+}
+
+/// The index of the adapter that a wish names.
+fn index_by_wish(names: &[AdapterName], wish: &str) -> Result<usize> {
+    let refused = |expected: &str| {
+        let listed: String = names.iter().enumerate().map(|(i, name)| format!("\n  {i}: {name}")).collect();
+        Err(Error::Usage(format!("--device {wish}: {expected} of:{listed}")))
+    };
+    if let Ok(index) = wish.parse::<usize>() {
+        return if index < names.len() { Ok(index) } else { refused("expected an index") };
+    }
+    let fits = |name: &AdapterName| name.to_string().to_lowercase().contains(&wish.to_lowercase());
+    let mut fitting = (0..).zip(names).filter(|(_, name)| fits(name));
+    let Some((index, first)) = fitting.next() else { return refused("expected part of the name of one") };
+    // A backend lists each adapter once. Of another backend, the same name may be the same adapter.
+    match fitting.any(|(_, name)| (&name.name, &name.backend) == (&first.name, &first.backend)) {
+        true => refused("several devices have this name; expected the index or the PCI address of one"),
+        false => Ok(index),
     }
 }
 
@@ -147,7 +168,8 @@ impl DeviceClass {
 pub struct Device {
     pub name: AdapterName,
     pub device: wgpu::Device,
-    pub queue: wgpu::Queue,
+    /// Dropped only if the device has not failed.
+    pub queue: ManuallyDrop<wgpu::Queue>,
     pub limits: wgpu::Limits,
     /// Whether timestamps can be written.
     pub timestamps: bool,
@@ -156,8 +178,17 @@ pub struct Device {
     /// The kernels that were compiled for it so far.
     compiled: Mutex<Vec<String>>,
     /// The first error that occurred outside a call that could return it.
-    fault: Arc<Mutex<Option<String>>>,
+    fault: Arc<OnceLock<String>>,
 }
+
+/// How often a wait is begun anew, and for how long each time. Ten minutes are far more than any submission takes, also on a busy
+/// machine without a GPU. Time in which the process is stopped or the machine sleeps costs one of the waits at most.
+const WAITS: u32 = 600;
+const WAIT: Duration = Duration::from_secs(1);
+
+/// What to do about a device that failed.
+const ADVICE: &str = "If it happens again, end other programs that use the device, update its driver, or choose another one \
+                      (`gpu-rt devices` lists them)";
 
 impl Device {
     /// Opens an adapter with all of its limits.
@@ -177,18 +208,22 @@ impl Device {
             required_limits: limits.clone(),
             ..wgpu::DeviceDescriptor::default()
         };
-        let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
-            .map_err(|error| Error::Device(format!("{name} cannot be opened: {error}")))?;
-        let fault = Arc::new(Mutex::new(None));
-        let keep_first = |fault: &Arc<Mutex<Option<String>>>, message: String| {
-            fault.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(message);
-        };
+        // wgpu panics where it cannot make its own buffers: it drops a layout of bindings that it has not unregistered.
+        let opened = caught(|| pollster::block_on(adapter.request_device(&descriptor)));
+        let opened = opened.and_then(|opened| opened.map_err(|error| error.to_string()));
+        let (device, queue) =
+            opened.map_err(|error| Error::Device(format!("{name} cannot be opened: {}. {ADVICE}", line(&error))))?;
+        let queue = ManuallyDrop::new(queue);
+        let fault = Arc::new(OnceLock::new());
         let uncaptured = Arc::clone(&fault);
-        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| keep_first(&uncaptured, error.to_string())));
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+            // The first one stays.
+            let _ = uncaptured.set(error.to_string());
+        }));
         let lost = Arc::clone(&fault);
         device.set_device_lost_callback(move |reason, message| {
             if reason != wgpu::DeviceLostReason::Destroyed {
-                keep_first(&lost, format!("the device was lost: {message}"));
+                let _ = lost.set(format!("the device was lost: {message}"));
             }
         });
         let (numerics, compiled) = (OnceLock::new(), Mutex::default());
@@ -211,17 +246,42 @@ impl Device {
         self.compiled.lock().unwrap_or_else(PoisonError::into_inner).push(name.to_string());
     }
 
-    /// Waits until a submission has been executed, and returns any error since the last call.
+    /// Writes the first bytes of a buffer, before the next submission.
+    pub fn write(&self, buffer: &wgpu::Buffer, bytes: &[u8]) -> Result<()> {
+        // wgpu panics where the driver has no memory for the commands that copy the bytes.
+        caught(|| self.queue.write_buffer(buffer, 0, bytes)).or_else(|panic| self.fail(panic))
+    }
+
+    /// Waits until a submission has been executed.
+    ///
+    /// # Errors
+    /// `Error::Device` if the device has failed since it was opened, or executes nothing for ten minutes.
     pub fn wait(&self, submission: wgpu::SubmissionIndex) -> Result<()> {
-        let polled = self.device.poll(wgpu::PollType::Wait { submission_index: Some(submission), timeout: None });
-        self.check()?;
-        polled.map(drop).map_err(|error| self.failed(&error.to_string()))
+        for _ in 0..WAITS {
+            let poll = wgpu::PollType::Wait { submission_index: Some(submission.clone()), timeout: Some(WAIT) };
+            // `Device::poll` panics where the driver reports that the device is lost, or out of memory.
+            let polled = caught(|| self.device.poll(poll));
+            self.check()?;
+            match polled {
+                Ok(Ok(_)) => return Ok(()),
+                Ok(Err(wgpu::PollError::Timeout)) => {}
+                Ok(Err(error)) => return self.fail(error.to_string()),
+                Err(panic) => return self.fail(panic),
+            }
+        }
+        self.fail(format!("the device hangs: it has executed nothing for {} seconds", (WAITS * WAIT).as_secs()))
+    }
+
+    /// Records an error, and returns the first one.
+    fn fail(&self, message: String) -> Result<()> {
+        let _ = self.fault.set(message);
+        self.check()
     }
 
     /// Returns the recorded error, if there is one.
     pub fn check(&self) -> Result<()> {
-        match &*self.fault.lock().unwrap_or_else(PoisonError::into_inner) {
-            Some(message) => Err(self.failed(message)),
+        match self.fault.get() {
+            Some(message) => Err(self.failed(&format!("{}. {ADVICE}", line(message)))),
             None => Ok(()),
         }
     }
@@ -229,5 +289,63 @@ impl Device {
     /// An error of this device.
     pub fn failed(&self, message: &str) -> Error {
         Error::Device(format!("{}: {message}", self.name))
+    }
+}
+
+/// Whether the queue of any device was kept.
+static FAILED: AtomicBool = AtomicBool::new(false);
+
+/// Whether any device of this process has failed, so that its driver may still be at work.
+pub fn any_failed() -> bool {
+    FAILED.load(Ordering::Relaxed)
+}
+
+impl Drop for Device {
+    /// wgpu waits until a queue that it drops is idle: for ever if the device hangs. It panics if the wait fails. The queue of a
+    /// device that failed is therefore kept, and the end of the process frees it.
+    fn drop(&mut self) {
+        if self.check().is_err() {
+            FAILED.store(true, Ordering::Relaxed);
+            return;
+        }
+        // SAFETY: nothing uses the queue after this.
+        let queue = unsafe { ManuallyDrop::take(&mut self.queue) };
+        let _ = caught(|| drop(queue));
+    }
+}
+
+/// A message of wgpu in one line, without the full stop at its end.
+fn line(message: &str) -> String {
+    message.split_whitespace().collect::<Vec<_>>().join(" ").trim_end_matches('.').to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn adapter(name: &str, backend: &str, pci_bus_id: &str) -> AdapterName {
+        let [name, backend, pci_bus_id] = [name, backend, pci_bus_id].map(str::to_string);
+        AdapterName { name, driver: "driver 1".to_string(), backend, pci_bus_id, kind: "discrete GPU", software: false }
+    }
+
+    #[test]
+    fn equal_adapters_are_told_apart_by_index_and_address() {
+        let names = [
+            adapter("Small", "vulkan", "0000:01:00.0"),
+            adapter("Large", "vulkan", "0000:02:00.0"),
+            adapter("Large", "vulkan", "0000:03:00.0"),
+            adapter("Small", "dx12", "01:00.0"),
+        ];
+        let chosen = |wish| index_by_wish(&names, wish).map_err(|error| error.to_string());
+        assert_eq!(chosen("2"), Ok(2));
+        assert_eq!(chosen("0000:03:00.0"), Ok(2));
+        // Of another backend it is the same adapter.
+        assert_eq!(chosen("small"), Ok(0));
+        // Different names: the first one, as ever.
+        assert_eq!(chosen("discrete"), Ok(0));
+        let error = chosen("large").unwrap_err();
+        assert!(error.contains("several devices have this name") && error.contains("PCI 0000:02:00.0"), "{error}");
+        assert!(chosen("4").unwrap_err().contains("expected an index of"));
+        assert!(chosen("tiny").unwrap_err().contains("expected part of the name of one of"));
     }
 }

@@ -4,6 +4,7 @@ pub mod buffers;
 pub mod device;
 pub mod layout;
 pub mod link;
+mod panics;
 pub mod pipeline;
 pub mod probe;
 pub mod properties;

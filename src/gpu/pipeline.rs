@@ -9,6 +9,7 @@ use super::buffers::Buffers;
 use super::device::Device;
 use super::layout::{Binding, BindingKind, has_override};
 use crate::error::Result;
+use crate::threads::together;
 
 /// A kernel on the device, bound to its buffers.
 pub struct Pipeline {
@@ -46,14 +47,7 @@ impl Pipeline {
             }
         };
         let threads = available_parallelism().map_or(1, usize::from).min(specs.len());
-        let mut done = std::thread::scope(|scope| {
-            let helpers: Vec<_> = (1..threads).map(|_| scope.spawn(compile)).collect();
-            let mut done = compile();
-            for helper in helpers {
-                done.extend(helper.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
-            }
-            done
-        });
+        let mut done: Vec<_> = together(threads, compile).into_iter().flatten().collect();
         done.sort_by_key(|(index, _)| *index);
         done.into_iter().map(|(_, pipeline)| pipeline).collect()
     }

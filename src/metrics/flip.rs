@@ -14,6 +14,7 @@ use std::ops::Range;
 use std::sync::Mutex;
 
 use crate::data::unit;
+use crate::threads::together;
 
 /// Pixels per degree of a display that is 0.7 m away and shows 3840 pixels on 0.7 m, the paper's default (section 4): 67.02.
 pub const PIXELS_PER_DEGREE: f64 = 0.7 * (3840.0 / 0.7) * (PI / 180.0);
@@ -163,12 +164,7 @@ impl Flip {
                 }
             }
         };
-        std::thread::scope(|scope| {
-            for _ in 1..threads.min(height.div_ceil(BAND)) {
-                scope.spawn(work);
-            }
-            work();
-        });
+        together(threads.min(height.div_ceil(BAND)), work);
         map
     }
 

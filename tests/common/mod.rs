@@ -13,6 +13,8 @@ pub mod cuboids;
 pub mod device;
 pub mod everything;
 pub mod expect;
+#[cfg(target_os = "linux")]
+pub mod fault;
 pub mod film;
 pub mod held;
 pub mod instances;

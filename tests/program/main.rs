@@ -4,6 +4,8 @@
 mod common;
 
 mod cli;
+#[cfg(target_os = "linux")]
+mod device;
 #[cfg(unix)]
 mod files;
 mod place;

@@ -29,6 +29,7 @@ use crate::output::progress::{Loading, Progress};
 use crate::plan::Plan;
 use crate::render::{Outcome, Renderer};
 use crate::scene::Scene;
+use crate::threads::beside;
 use record::{About, report};
 pub use record::{Finish, attributes_of, excluded};
 use resume::Accumulation;
@@ -80,8 +81,8 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     seconds.load = clock.lap();
 
     // The driver loads while the scene is built; `device` is the time that it takes beyond. A scene that does not load waits for no driver.
-    let (built, device) = std::thread::scope(|scope| {
-        let opening = scope.spawn(|| open_device(args.paths.device.as_deref()));
+    let opening = || open_device(args.paths.device.as_deref());
+    let (device, built) = beside(opening, || {
         let built = flatten_for(&scene, args.size, &args.options).and_then(|(size, flat)| {
             let job = job_of(args, &scene, size, start);
             let identity = Identity::of(&scene, &job, &args.options);
@@ -89,7 +90,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
             Ok((size, flat, job, identity, earlier))
         });
         seconds.build = clock.lap();
-        (built, opening.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+        built
     });
     let (size, flat, job, identity, earlier) = built?;
     tell_warnings(&flat.warnings);
@@ -227,11 +228,10 @@ impl Task<'_> {
         rendering.outcome.noise = film.noise_reached(self.job);
         let jobs = film.jobs(self.job, rendering.outcome.noise);
         let Some(first) = jobs.first() else { return Ok(()) };
-        let plan = std::thread::scope(|scope| {
-            // The device keeps what its probe finds; an error comes again where the findings are asked for.
-            scope.spawn(|| numerics(device).is_ok());
-            Plan::new(self.flat, &self.args.options, device.class(), first)
-        })?;
+        // The device keeps what its probe finds; an error comes again where the findings are asked for.
+        let make_plan = || Plan::new(self.flat, &self.args.options, device.class(), first);
+        let (_, plan) = beside(|| numerics(device).is_ok(), make_plan);
+        let plan = plan?;
         let mut renderer = Renderer::new(device, &plan, first, self.args.profile)?;
         rendering.kernels = plan.kernels().iter().map(|kernel| kernel.name.clone()).collect();
         rendering.gpu_bytes = plan.buffers().iter().map(|buffer| buffer.allocated()).sum();

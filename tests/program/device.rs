@@ -1,0 +1,232 @@
+//! Devices that fail: a Vulkan layer (tests/layer/fault.rs) returns errors in place of the driver.
+//!
+//! A fault stays once it has begun, so that a second attempt meets it too.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use gpu_rt::output::exr::{ExrImage, read_exr};
+use tempfile::TempDir;
+
+use crate::common::device::index as software;
+use crate::common::fault::{Fault, put_layer_under, without_threads};
+use crate::common::program::{Ran, command, finish};
+
+const SPHERE: &str = "Scene(
+    image: (width: 20, height: 12),
+    camera: (look_from: (0, 0, 3), look_at: (0, 0, 0), up: (0, 1, 0), vertical_fov: 50),
+    background: Gradient(bottom: (1, 1, 1), top: (0.5, 0.7, 1)),
+    materials: { \"grey\": Lambertian(albedo: Rgb(0.5, 0.4, 0.3)) },
+    objects: [Sphere(center: (0, 0, 0), radius: 1, material: \"grey\")],
+    render: (samples: 16, max_depth: 7),
+)
+";
+
+/// A render that a fault must end, in submissions of one bounce, with a checkpoint after each.
+const ENDLESS: [&str; 6] = ["--spp", "1000000000", "--bounces", "1", "--checkpoint", "1ns"];
+
+/// Calls at which a render fails, and whether they count from the first checkpoint on.
+const CALLS: [(u32, bool); 3] = [(1, false), (1, true), (50, true)];
+
+fn place() -> TempDir {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    fs::write(folder.path().join("sphere.ron"), SPHERE).expect("the scene is written");
+    folder
+}
+
+fn render(folder: &Path, more: &[&str]) -> Command {
+    command(folder, &[&["render", "sphere.ron", "--device", software()], more].concat())
+}
+
+fn image(folder: &Path) -> ExrImage {
+    read_exr(&folder.join("sphere.exr")).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn ran(mut command: Command) -> Ran {
+    finish(command.spawn().expect("the program starts"))
+}
+
+/// Runs the program to its end, with a fault in its way.
+fn meets(mut command: Command, fault: &Fault) -> Ran {
+    fault.put_under(&mut command);
+    ran(command)
+}
+
+/// Asserts that the fault has ended the program with one error, which names the device and says what to do.
+#[track_caller]
+fn the_error(ran: Ran, fault: &Fault) -> String {
+    assert!(fault.has_happened(), "{fault:?} never happened: {ran:?}");
+    let ran = ran.exits(1);
+    let errors: Vec<_> = ran.stderr.lines().filter(|line| line.starts_with("error: ")).collect();
+    assert_eq!(errors, [ran.last_line()], "{fault:?}: {}", ran.stderr);
+    let error = ran.last_line().to_string();
+    assert!(error.contains(device_name()) && error.contains("gpu-rt devices"), "{fault:?}: {error}");
+    error
+}
+
+/// The name of the device of the tests.
+fn device_name() -> &'static str {
+    static NAME: std::sync::OnceLock<String> = std::sync::OnceLock::new();
+    NAME.get_or_init(|| {
+        let devices = ran(command(Path::new("."), &["devices", "--json"])).exits(0).json();
+        let device = &devices["devices"][software().parse::<usize>().expect("an index")];
+        device["name"].as_str().expect("a name").to_string()
+    })
+}
+
+/// Asserts that the fault ends a render without end, and that the image of the last checkpoint stays. `error` is a part of the message.
+#[track_caller]
+fn ends_a_render(functions: &[&str], result: &str, error: &str, variables: &[(&str, &str)]) {
+    for function in functions {
+        for (call, after) in CALLS {
+            let folder = place();
+            let fault = Fault::new(folder.path(), function, call, result);
+            let mut command = render(folder.path(), &ENDLESS);
+            command.envs(variables.iter().copied());
+            if after {
+                command.env("GPU_RT_FAULT_AFTER", "sphere.exr");
+            }
+            let said = the_error(meets(command, &fault), &fault);
+            assert!(said.contains(error), "{function}, call {call}: {said}");
+            if after {
+                let image = image(folder.path());
+                assert_eq!((image.width, image.height), (20, 12));
+                let samples = image.samples.expect("a layer of samples");
+                assert!(samples.iter().any(|&samples| samples > 0), "{function}, call {call}: {samples:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_lost_device_is_an_error_and_the_last_checkpoint_stays() {
+    ends_a_render(&["vkWaitSemaphores", "vkGetSemaphoreCounterValue", "vkQueueSubmit"], "lost", "lost", &[]);
+}
+
+#[test]
+fn a_device_without_memory_is_an_error_and_the_last_checkpoint_stays() {
+    let functions = ["vkWaitSemaphores", "vkQueueSubmit", "vkBeginCommandBuffer", "vkEndCommandBuffer"];
+    ends_a_render(&functions, "memory", "emory", &[]);
+}
+
+/// Older drivers have fences alone.
+#[test]
+fn a_device_that_is_lost_at_a_fence_is_an_error_and_the_last_checkpoint_stays() {
+    let fences = [("GPU_RT_FENCES", "1")];
+    ends_a_render(&["vkWaitForFences", "vkGetFenceStatus"], "lost", "lost", &fences);
+}
+
+/// The layer's waits return at once that their time is over; the program would wait for ten minutes.
+#[test]
+fn a_device_that_hangs_is_an_error_and_the_last_checkpoint_stays() {
+    ends_a_render(&["vkWaitSemaphores"], "hang", "it has executed nothing for 600 seconds", &[]);
+}
+
+/// Every call of what is done before a render.
+#[test]
+fn a_device_that_cannot_be_set_up_is_an_error() {
+    let functions = [
+        ("vkCreateDevice", "lost"),
+        ("vkAllocateMemory", "memory"),
+        ("vkMapMemory", "memory"),
+        ("vkCreateBuffer", "memory"),
+        ("vkCreateComputePipelines", "memory"),
+        ("vkAllocateCommandBuffers", "memory"),
+    ];
+    let mut errors = Vec::new();
+    for (function, result) in functions {
+        for call in 1.. {
+            let folder = place();
+            let fault = Fault::new(folder.path(), function, call, result);
+            let ran = meets(render(folder.path(), &[]), &fault);
+            if call > 1 && !fault.has_happened() {
+                ran.exits(0);
+                break;
+            }
+            errors.push(the_error(ran, &fault));
+        }
+    }
+    assert!(
+        errors.iter().any(|error| error.contains("bytes of device memory, and the device has less")),
+        "{errors:#?}"
+    );
+}
+
+/// The last waits may find that all is done.
+#[test]
+fn a_device_that_hangs_at_any_wait_lets_the_program_end() {
+    let mut errors = 0;
+    for call in 1.. {
+        let folder = place();
+        let fault = Fault::new(folder.path(), "vkWaitSemaphores", call, "hang");
+        let ran = meets(render(folder.path(), &[]), &fault);
+        match ran.code() {
+            0 => assert_eq!(image(folder.path()).samples, Some(vec![16; 240])),
+            _ => {
+                the_error(ran, &fault);
+                errors += 1;
+            }
+        }
+        if !fault.has_happened() {
+            break;
+        }
+    }
+    assert!(errors > 0, "the render waits for nothing");
+}
+
+/// wgpu waits when it drops a queue; the image is written by then.
+#[test]
+fn a_device_that_fails_after_the_render_does_no_harm() {
+    for result in ["lost", "memory"] {
+        let folder = place();
+        let fault = Fault::new(folder.path(), "vkQueueWaitIdle", 1, result);
+        meets(render(folder.path(), &[]), &fault).exits(0);
+        assert!(fault.has_happened());
+        assert_eq!(image(folder.path()).samples, Some(vec![16; 240]));
+    }
+}
+
+/// Two devices that only their numbers tell apart: the layer has each device twice.
+#[test]
+fn a_name_that_two_devices_have_chooses_neither() {
+    let folder = place();
+    let twins = |arguments: &[&str]| {
+        let mut command = command(folder.path(), arguments);
+        put_layer_under(&mut command);
+        ran({
+            command.env("GPU_RT_TWINS", "1");
+            command
+        })
+    };
+    let devices = twins(&["devices", "--json"]).exits(0).json();
+    let devices = devices["devices"].as_array().expect("a list");
+    let same: Vec<_> = (0..devices.len()).filter(|&index| devices[index]["name"] == device_name()).collect();
+    assert_eq!(same.len(), 2, "{devices:#?}");
+    let refused = twins(&["render", "sphere.ron", "--device", device_name()]).exits(2);
+    assert!(refused.stderr.contains("several devices have this name"), "{}", refused.stderr);
+    for index in same {
+        assert!(refused.stderr.contains(&format!("\n  {index}: {}", device_name())), "{}", refused.stderr);
+        twins(&["render", "sphere.ron", "--device", &index.to_string()]).exits(0);
+    }
+}
+
+#[test]
+fn without_a_thread_the_program_does_the_same() {
+    let folder = place();
+    ran(render(folder.path(), &["--size", "20x120", "-o", "with.exr"])).exits(0);
+    let commands: [&[&str]; 4] = [
+        &["render", "sphere.ron", "--size", "20x120", "--device", software()],
+        &["check", "sphere.ron"],
+        &["plan", "sphere.ron"],
+        &["compare", "sphere.exr", "with.exr"],
+    ];
+    for arguments in commands {
+        let mut command = command(folder.path(), arguments);
+        let mark = without_threads(&mut command, folder.path());
+        ran(command).exits(0);
+        assert!(mark.exists(), "{arguments:?} asks for no thread");
+    }
+    let with = read_exr(&folder.path().join("with.exr")).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(image(folder.path()).rgb, with.rgb);
+}
