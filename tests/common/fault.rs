@@ -20,6 +20,11 @@ impl Fault {
         Fault { fault: format!("{function}:{call}:{result}:always"), mark: folder.join("fault") }
     }
 
+    /// The same, once only: what opens the device again can go on.
+    pub fn once(folder: &Path, function: &str, call: u32, result: &str) -> Fault {
+        Fault { fault: format!("{function}:{call}:{result}:once"), mark: folder.join("fault") }
+    }
+
     /// Lets the program meet the fault.
     pub fn put_under(&self, command: &mut Command) {
         let _ = std::fs::remove_file(&self.mark);

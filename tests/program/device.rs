@@ -110,6 +110,26 @@ fn a_device_without_memory_is_an_error_and_the_last_checkpoint_stays() {
     ends_a_render(&functions, "memory", "emory", &[]);
 }
 
+/// A device that is lost once is opened again, and the render goes on from its last checkpoint: the image is that of a render without a fault.
+#[test]
+fn a_device_that_is_lost_once_is_opened_again() {
+    let whole = place();
+    ran(render(whole.path(), &["--spp", "2048", "--quiet"])).exits(0);
+    for (function, call, checkpoint) in
+        [("vkQueueSubmit", 5, "1h"), ("vkWaitSemaphores", 30, "1ns"), ("vkQueueSubmit", 60, "1ns")]
+    {
+        let folder = place();
+        let fault = Fault::once(folder.path(), function, call, "lost");
+        let ran =
+            meets(render(folder.path(), &["--spp", "2048", "--bounces", "4", "--checkpoint", checkpoint]), &fault);
+        assert!(fault.has_happened(), "{fault:?} never happened: {ran:?}");
+        let ran = ran.exits(0);
+        assert!(ran.stderr.contains("the device is opened once more"), "{}", ran.stderr);
+        let (image, whole) = (image(folder.path()), image(whole.path()));
+        assert_eq!((image.rgb, image.variance, image.samples), (whole.rgb, whole.variance, whole.samples), "{fault:?}");
+    }
+}
+
 /// Older drivers have fences alone.
 #[test]
 fn a_device_that_is_lost_at_a_fence_is_an_error_and_the_last_checkpoint_stays() {
