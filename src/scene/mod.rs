@@ -5,6 +5,8 @@
 
 mod bitmap;
 mod explain;
+mod file;
+mod guard;
 mod load;
 mod mesh;
 mod nearest;

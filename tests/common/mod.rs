@@ -9,6 +9,7 @@ pub fn renew() -> bool {
 }
 
 pub mod constants;
+pub mod corpus;
 pub mod cuboids;
 pub mod device;
 pub mod everything;
