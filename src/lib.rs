@@ -15,6 +15,7 @@ pub mod metrics;
 pub mod options;
 pub mod output;
 pub mod plan;
+pub mod printable;
 pub mod render;
 pub mod scene;
 pub mod shape;

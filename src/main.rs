@@ -10,7 +10,15 @@ use gpu_rt::commands;
 fn main() -> ExitCode {
     let start = Instant::now();
     quiet_the_loader();
-    let cli = Cli::parse();
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        // It quotes the arguments, which may be names of files.
+        Err(error) if error.use_stderr() => {
+            commands::tell(error.render().to_string().trim_end());
+            return ExitCode::from(2);
+        }
+        Err(help) => help.exit(),
+    };
     match commands::run(&cli, start) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {

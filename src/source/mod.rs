@@ -7,6 +7,7 @@ mod spans;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Location};
+use crate::printable::one_line;
 use spans::Spans;
 
 pub use numbers::{LARGEST, SMALLEST, length, number, parallel, share, vector};
@@ -180,6 +181,6 @@ impl<'a> Place<'a> {
     /// The text of a warning about this value, in the form of an error's.
     pub fn warning(&self, message: &str) -> String {
         let (location, field) = self.spot();
-        format!("{location}: {field}: {message}")
+        format!("{location}: {}: {}", one_line(&field), one_line(message))
     }
 }

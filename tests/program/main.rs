@@ -5,3 +5,4 @@ mod common;
 
 mod bad_files;
 mod cli;
+mod terminal;
