@@ -3,7 +3,10 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The images of tests/corpus, which encoders other than ours have made, and a .hdr, a 16-bit .png and an .exr: names and bytes.
+use gpu_rt::film::Picture;
+use gpu_rt::output::exr::{Attribute, write_exr};
+
+/// The images of tests/corpus, which encoders other than ours have made, and a .hdr, a 16-bit .png and two .exr: names and bytes.
 pub fn images() -> Vec<(String, Vec<u8>)> {
     let mut images = files(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/corpus")));
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -15,6 +18,17 @@ pub fn images() -> Vec<(String, Vec<u8>)> {
     wide.save(at("wide.png")).expect("the image is written");
     exr::prelude::write_rgb_file(at("float.exr"), 20, 12, |x, y| (x as f32, y as f32 * 0.1, 0.5f32))
         .expect("the image is written");
+    let picture = Picture {
+        width: 3,
+        height: 2,
+        rgb: vec![[0.5, 0.25, 1.0]; 6],
+        variance: vec![[0.1; 3]; 6],
+        samples: vec![8; 6],
+        rejected: vec![0; 6],
+    };
+    let attributes = [Attribute::Text("a scene".to_owned()), Attribute::Int(-7), Attribute::Float(0.5)];
+    let attributes = ["text", "gpu-rt:seed", "float"].map(str::to_owned).into_iter().zip(attributes);
+    write_exr(&at("own.exr"), &picture, &attributes.collect::<Vec<_>>()).expect("the image is written");
     images.extend(files(folder.path()));
     images
 }

@@ -21,6 +21,8 @@ pub mod kernel;
 pub mod lattice;
 pub mod light_kernel;
 pub mod marked;
+pub mod meshes;
+pub mod mutate;
 pub mod oracles;
 pub mod program;
 pub mod quads;

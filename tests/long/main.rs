@@ -3,5 +3,6 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod fuzz;
 mod long;
 mod long_paths;
