@@ -22,7 +22,7 @@ pub enum Step<'a> {
 pub type Id = u32;
 
 /// The most values in a text. Two characters can be a value, which takes 44 bytes here, and more where it becomes an object. Two
-/// million spheres are 15 million values.
+/// million spheres are 14 million values.
 pub const MOST_VALUES: usize = 1 << 24;
 
 /// A range of bytes. 32 bits are enough: `load` refuses longer files.
@@ -408,6 +408,10 @@ impl<'t> Scanner<'t> {
         if self.spans.key(id).is_empty() {
             self.key = self.spans.value(id);
             self.pending.pop();
+            // A word or a string has no elements, and nothing refers to it.
+            if id as usize + 1 == self.spans.nodes.len() {
+                self.spans.nodes.pop();
+            }
         }
     }
 

@@ -6,3 +6,4 @@ mod common;
 mod fuzz;
 mod long;
 mod long_paths;
+mod soak;
