@@ -199,8 +199,9 @@ fn case(files: &[(String, Vec<u8>)], seed: u64, number: u64) -> (&str, Vec<u8>, 
 struct Counts {
     accepted: u64,
     kept_header: u64,
-    /// Refused because a library panicked.
+    /// Refused because a library panicked: how often, and the first case.
     gave_up: u64,
+    first_to_give_up: Option<u64>,
     slowest: f64,
 }
 
@@ -245,7 +246,10 @@ fn run(format: &str, seed: u64, numbers: std::ops::Range<u64>, progress: &Path) 
         counts.slowest = counts.slowest.max(seconds);
         counts.kept_header += u64::from(keeps_header);
         counts.accepted += u64::from(read.is_ok());
-        counts.gave_up += u64::from(read.is_err_and(|reason| reason.contains("the parser gave up")));
+        if read.is_err_and(|reason| reason.contains("the parser gave up")) {
+            counts.gave_up += 1;
+            counts.first_to_give_up.get_or_insert(number);
+        }
     }
     counts
 }
@@ -260,10 +264,11 @@ fn worker() {
     let (seed, count) = (seed.parse().expect("a seed"), count.parse().expect("a count"));
     let counts = run(format, seed, 0..count, Path::new(progress));
     println!(
-        "fuzz {format}: {count} cases with seed {seed}, {} with a good header, {} accepted, {} refused by the guard, the slowest {:.0} ms",
+        "fuzz {format}: {count} cases with seed {seed}, {} with a good header, {} accepted, {} refused by the guard{}, the slowest {:.0} ms",
         counts.kept_header,
         counts.accepted,
         counts.gave_up,
+        counts.first_to_give_up.map_or(String::new(), |number| format!(" (the first is {number})")),
         1e3 * counts.slowest
     );
 }
