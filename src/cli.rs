@@ -20,6 +20,8 @@ pub struct Cli {
 pub enum Command {
     /// Render a scene to a linear EXR.
     Render(RenderArgs),
+    /// Join renders of disjoint samples of one scene, in any order: the image is that of one render.
+    Merge(MergeArgs),
     /// Measure the error of an image against a reference, and separate it from noise.
     Compare(CompareArgs),
     /// Measure the trade of render's settings on a scene: seconds against noise and bias.
@@ -69,6 +71,18 @@ pub struct RenderArgs {
     /// Write the image so far at this interval [30s, 5m, …].
     #[arg(long, value_name = "TIME", value_parser = duration, default_value = "60s")]
     pub checkpoint: Duration,
+    /// Go on with the render in the output, and fail if there is none; --resume=auto starts afresh then. The image is that of one render.
+    #[arg(long, value_name = "auto", num_args = 0..=1, require_equals = true, default_missing_value = "yes", value_parser = resume)]
+    pub resume: Option<Resume>,
+    /// Go on with a render by another device or driver, whose rounding may differ.
+    #[arg(long)]
+    pub mixed_drivers: bool,
+    /// Leave out of the EXR what --resume and `merge` need.
+    #[arg(long)]
+    pub no_state: bool,
+    /// Overwrite an image of this render that has more samples.
+    #[arg(long)]
+    pub force: bool,
     /// Fail if a sample was not finite and therefore rejected.
     #[arg(long)]
     pub strict: bool,
@@ -85,6 +99,23 @@ pub struct RenderArgs {
     pub profile: bool,
 }
 
+/// What `--resume` does where there is nothing to resume.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Resume {
+    /// It fails.
+    Yes,
+    /// The render starts afresh.
+    Auto,
+}
+
+fn resume(text: &str) -> Result<Resume, String> {
+    match text {
+        "yes" => Ok(Resume::Yes),
+        "auto" => Ok(Resume::Auto),
+        _ => Err("expected --resume or --resume=auto".to_string()),
+    }
+}
+
 /// Which paths are traced, and where.
 #[derive(Clone, Debug, Args)]
 pub struct PathArgs {
@@ -97,6 +128,28 @@ pub struct PathArgs {
     /// The device, by its index or a part of its name as `gpu-rt devices` lists them.
     #[arg(long, value_name = "INDEX|NAME")]
     pub device: Option<String>,
+}
+
+#[derive(Debug, Args)]
+pub struct MergeArgs {
+    /// The parts: EXRs of `gpu-rt render --samples A..B`, or of this command.
+    #[arg(value_name = "PART.exr", required = true)]
+    pub parts: Vec<PathBuf>,
+    /// The EXR to write. It can be resumed, and joined with others.
+    #[arg(short, long, value_name = "OUT.exr")]
+    pub output: PathBuf,
+    /// Join parts that leave out samples between them.
+    #[arg(long)]
+    pub allow_gaps: bool,
+    /// Join parts of several devices or drivers, whose rounding may differ.
+    #[arg(long)]
+    pub mixed_drivers: bool,
+    /// Print errors only.
+    #[arg(long)]
+    pub quiet: bool,
+    /// Print one JSON object on stdout.
+    #[arg(long)]
+    pub json: bool,
 }
 
 #[derive(Debug, Args)]

@@ -80,7 +80,8 @@ pub fn srgb(linear: f64) -> f64 {
 }
 
 /// How the samples of a pixel are placed: a file of shaders/sampler.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Sampler {
     /// Each by itself.
     #[default]

@@ -3,8 +3,13 @@
 //! The device adds sums over short runs of samples as integers of a fixed scale (shaders/step/film.wgsl): a sum of integers is the same in
 //! any order and split. With them come the sums of squares that the error estimate needs. Here the device's totals are joined.
 
+mod totals;
+mod words;
+
 use crate::data::{CHANNELS, PixelTotals, Rgb, SQUARE_FRACTION, SUM_FRACTION, Sampler, luminance};
 use crate::error::{Error, Result};
+pub use totals::{Rejected, ThroughGlass, TooDeep, Totals};
+pub use words::{WORDS, Words, word_names};
 
 /// What [`Picture::variance`] holds where the variance is not known: the largest finite f32. An image file must hold finite values, 0
 /// would claim exactness, and whoever takes this one for a number concludes that the pixel is worthless, which is right.
@@ -27,46 +32,6 @@ const DEGREES_OF_SPREAD: f64 = 4.0;
 /// What a sum of squares is at least for each run, in units of 2^-[`SQUARE_FRACTION`], where it counts as known: each run's is rounded by half a
 /// unit at most.
 const LEAST_SQUARES: u128 = 1 << 10;
-
-/// Samples that were left out of the image, by reason.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Rejected {
-    /// The device found a NaN.
-    pub nan: u64,
-    /// The device found an infinity, or the run's sum overflowed f32.
-    pub infinite: u64,
-    /// The ray's walk through the BVH was given up as too long (shaders/scene/traverse.wgsl).
-    pub cut: u64,
-    /// The sum of their run was negative or NaN, which no sum of accepted samples is.
-    pub refused: u64,
-}
-
-impl Rejected {
-    pub fn total(&self) -> u64 {
-        self.nan + self.infinite + self.cut + self.refused
-    }
-}
-
-/// Totals over the whole film.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Totals {
-    /// Camera samples, accepted or rejected.
-    pub paths: u64,
-    /// Rays of every kind.
-    pub rays: u64,
-    pub rejected: Rejected,
-}
-
-impl std::ops::AddAssign for Totals {
-    fn add_assign(&mut self, other: Totals) {
-        self.paths += other.paths;
-        self.rays += other.rays;
-        self.rejected.nan += other.rejected.nan;
-        self.rejected.infinite += other.rejected.infinite;
-        self.rejected.cut += other.rejected.cut;
-        self.rejected.refused += other.rejected.refused;
-    }
-}
 
 /// What one pixel has received, in device units.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Zeroable)]
@@ -265,6 +230,15 @@ impl Film {
         self.height
     }
 
+    /// Scene radiance is the film's radiance times 2 to this power.
+    pub fn exponent(&self) -> i32 {
+        self.exponent
+    }
+
+    pub fn sampler(&self) -> Sampler {
+        self.sampler
+    }
+
     pub fn totals(&self) -> Totals {
         self.totals
     }
@@ -309,19 +283,25 @@ impl Film {
 
     /// The image in scene units.
     pub fn develop(&self) -> Picture {
+        let mut picture = Picture { width: self.width, height: self.height, ..Picture::default() };
+        for pixel in (0..self.pixels.len()).map(|index| self.developed(index)) {
+            picture.rgb.push(pixel.rgb);
+            picture.variance.push(pixel.variance);
+            picture.samples.push(pixel.samples);
+            picture.rejected.push(pixel.rejected);
+        }
+        picture
+    }
+
+    /// A pixel of the image in scene units. One that is not in the image is black.
+    pub fn developed(&self, index: usize) -> PicturePixel {
         let scale = exp2(self.exponent);
-        let channels = [0, 1, 2];
-        Picture {
-            width: self.width,
-            height: self.height,
-            rgb: self.pixels.iter().map(|p| channels.map(|c| to_f32(p.mean(c) * scale))).collect(),
-            variance: self
-                .pixels
-                .iter()
-                .map(|p| channels.map(|c| variance_to_f32(p.variance(c, self.sampler), scale * scale)))
-                .collect(),
-            samples: self.pixels.iter().map(|p| u32::try_from(p.samples()).unwrap_or(u32::MAX)).collect(),
-            rejected: self.pixels.iter().map(|p| p.rejected).collect(),
+        let pixel = self.pixels.get(index).copied().unwrap_or_default();
+        PicturePixel {
+            rgb: [0, 1, 2].map(|c| to_f32(pixel.mean(c) * scale)),
+            variance: [0, 1, 2].map(|c| variance_to_f32(pixel.variance(c, self.sampler), scale * scale)),
+            samples: u32::try_from(pixel.samples()).unwrap_or(u32::MAX),
+            rejected: pixel.rejected,
         }
     }
 
@@ -504,6 +484,27 @@ pub struct Picture {
     pub samples: Vec<u32>,
     /// Rejected samples.
     pub rejected: Vec<u32>,
+}
+
+/// A pixel of a [`Picture`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PicturePixel {
+    pub rgb: Rgb<f32>,
+    pub variance: Rgb<f32>,
+    pub samples: u32,
+    pub rejected: u32,
+}
+
+impl Picture {
+    /// One of its pixels.
+    pub fn pixel(&self, index: usize) -> PicturePixel {
+        PicturePixel {
+            rgb: self.rgb[index],
+            variance: self.variance[index],
+            samples: self.samples[index],
+            rejected: self.rejected[index],
+        }
+    }
 }
 
 /// 2^exponent, exact while it is a normal number.

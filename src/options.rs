@@ -60,6 +60,14 @@ impl RenderOptions {
     }
 }
 
+impl RenderOptions {
+    /// The options that change the image, by their names, with their values.
+    pub fn of_image(&self) -> impl Iterator<Item = (&'static str, String)> {
+        let known = all().filter(|knob| knob.class != Class::Exact && knob.reading.is_some());
+        known.map(|knob| (knob.name, knob.value(self).unwrap_or_else(|| "none".to_string())))
+    }
+}
+
 /// An option whose values are words.
 trait Words: Copy + PartialEq + 'static {
     /// All values, as the command line spells them.

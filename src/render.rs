@@ -20,15 +20,18 @@ use crate::gpu::probe;
 use crate::gpu::timing::{MAX_PASSES, StageTimes, Timing};
 use crate::job::{Goal, Job, blocks};
 use crate::plan::{Bounce, Kernel, Plan, STEPS, SettingsLayout, Tuning};
+pub use goals::FIRST_LOOK;
 use outcome::totals_since;
-pub use outcome::{NOISE_LEVEL, Noise, Outcome, ThroughGlass, TooDeep};
-use turns::{Turn, pixel_in_order, turns};
+pub use outcome::{NOISE_LEVEL, Noise, Outcome, level_after};
+use turns::{Rounds, Turn, pixel_in_order, tiles};
 
 /// A look at the film of a render that goes on.
 pub struct Look<'a> {
     pub film: &'a Film,
     /// When the device became idle for the look.
     pub begin: Instant,
+    /// Whether the film is whole: every pixel has the outcome's samples, and none beyond.
+    pub whole: bool,
 }
 
 /// Called after each submission with the render's outcome so far, and with the film if the last call asked for a look.
@@ -38,9 +41,11 @@ pub type Watch<'a> = &'a mut dyn FnMut(&Outcome, Option<Look<'_>>) -> Next;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Next {
     GoOn,
-    /// Bring the film up to date, and show it as a [`Look`].
+    /// Bring the film up to date, and show it as a [`Look`]. Runs that are under way are not in it.
     Look,
-    /// Start nothing new, and end with what has been started.
+    /// End the block of samples that has been started, and show the film when it is whole.
+    Whole,
+    /// End the block of samples that has been started, and nothing after it.
     Stop,
 }
 
@@ -117,6 +122,34 @@ struct Stretch<'a> {
     watch: Watch<'a>,
     start: Instant,
     outcome: &'a mut Outcome,
+    /// Whether a look at the whole film is asked for.
+    whole: bool,
+    /// What is rendered only to learn its pace. Nobody looks at it.
+    pilot: Option<Pilot>,
+}
+
+/// A sample that will be taken back.
+#[derive(Clone, Copy)]
+struct Pilot {
+    /// Whether the film must not get it.
+    discards: bool,
+}
+
+impl Stretch<'_> {
+    /// Asks what is wanted next, with a look or without.
+    fn ask(&mut self, look: Option<(Instant, bool)>) -> Next {
+        let look = look.map(|(begin, whole)| Look { film: self.film, begin, whole });
+        let next = (self.watch)(self.outcome, look);
+        let next = if self.pilot.is_some() && next != Next::Stop { Next::GoOn } else { next };
+        self.whole |= next == Next::Whole;
+        self.outcome.interrupted |= next == Next::Stop;
+        next
+    }
+
+    /// Whether the turn is to end with the block of samples that has been started.
+    fn ends_early(&self) -> bool {
+        self.whole || self.outcome.interrupted
+    }
 }
 
 /// The pipelines of a plan's `Bounce`.
@@ -239,23 +272,21 @@ impl<'a> Renderer<'a> {
     /// # Errors
     /// `Error::Device` if the device fails. The film then has what it had after the last look.
     pub fn run(&mut self, job: &Job, film: &mut Film, watch: Watch<'_>) -> Result<Outcome> {
-        let mut outcome = Outcome::default();
+        let mut outcome = Outcome { samples: job.first_sample..job.first_sample, ..Outcome::default() };
         let start = Instant::now();
         let processor = ThreadTime::now();
         self.stages = StageTimes::default();
         self.drop_film();
         let first = job.first_sample;
         self.settings = Settings { max_depth: job.max_depth, seed: job.seed, ..self.settings };
-        let mut stretch = Stretch { film: &mut *film, watch, start, outcome: &mut outcome };
-        let end = match job.goal {
-            Goal::Samples(end) => {
-                self.render_samples(first..end, &mut stretch)?;
-                end
-            }
+        let mut stretch = Stretch { film: &mut *film, watch, start, outcome: &mut outcome, whole: false, pilot: None };
+        match job.goal {
+            Goal::Samples(end) => self.render_samples(first..end, &mut stretch)?,
             Goal::Until { deadline, end } => self.render_until(first..end, deadline, &mut stretch)?,
-            Goal::Noise { error, deadline, end } => self.render_noise(first..end, error, deadline, &mut stretch)?,
-        };
-        outcome.samples = first..outcome.stopped_at.unwrap_or(end).min(end);
+            Goal::Noise { error, deadline, end, begun, looks } => {
+                self.render_noise(first..end, error, deadline, (begun, looks), &mut stretch)?;
+            }
+        }
         self.bring_film(film)?;
         outcome.seconds = start.elapsed().as_secs_f64();
         outcome.host_seconds = processor.elapsed().as_secs_f64();
@@ -272,21 +303,38 @@ impl<'a> Renderer<'a> {
         self.most_bounces = self.most_bounces(&samples);
         let pixels = u64::from(self.size.0) * u64::from(self.size.1);
         let pixels = u32::try_from(pixels).unwrap_or(u32::MAX);
-        for turn in turns(pixels, self.tuning.tile, blocks(samples)) {
-            if stretch.outcome.interrupted {
-                break;
+        let mut rounds = Rounds::new(pixels, self.tuning.tile);
+        let mut left = blocks(samples.clone());
+        while !left.is_empty() && !stretch.outcome.interrupted {
+            let begin = Instant::now();
+            let mut round = rounds.next(&left);
+            for tile in tiles(pixels, self.tuning.tile) {
+                if tile != self.tile {
+                    match stretch.pilot {
+                        Some(Pilot { discards: true }) => self.drop_film(),
+                        _ => self.bring_film(stretch.film)?,
+                    }
+                    self.tile = tile.clone();
+                }
+                // The first tile may end the round early. The others get the same samples.
+                let first = tile.start == 0;
+                round.end = self.render_turn(&Turn { pixels: tile, blocks: round.clone() }, first, stretch)?;
             }
-            if turn.pixels != self.tile {
+            rounds.took(begin.elapsed());
+            left.start = round.end;
+            stretch.outcome.samples.end = (round.end * RUN_LENGTH).min(samples.end);
+            if std::mem::take(&mut stretch.whole) {
+                let begin = Instant::now();
                 self.bring_film(stretch.film)?;
-                self.tile = turn.pixels.clone();
+                stretch.ask(Some((begin, true)));
             }
-            self.render_turn(&turn, stretch)?;
         }
         Ok(())
     }
 
-    /// Renders the runs of a turn, until every slot is idle.
-    fn render_turn(&mut self, turn: &Turn, stretch: &mut Stretch<'_>) -> Result<()> {
+    /// Renders the runs of a turn, until every slot is idle. The result is one past the last block: if the turn may end early and is asked to, it
+    /// ends with the block that has been started.
+    fn render_turn(&mut self, turn: &Turn, may_end_early: bool, stretch: &mut Stretch<'_>) -> Result<u32> {
         let pixels = turn.pixels.len() as u32;
         let first_block = turn.blocks.start;
         let end = turn.blocks.len() as u32 * pixels;
@@ -296,50 +344,44 @@ impl<'a> Renderer<'a> {
         let mut counters = Counters::default();
         let mut submitted = 0;
         let mut look = false;
+        // Whether the turn ends early, and whether its end is known: nothing may be in flight for that.
+        let (mut to_cut, mut cut) = (false, false);
         loop {
             // If all runs have been started, a second submission might find only idle slots. Each slot asks for a run in the first
             // submission.
             let wanted = if counters.next.max(self.tuning.slots) < window.end { IN_FLIGHT } else { 1 };
-            while counters.idle < self.tuning.slots && !look && flights.len() < wanted {
+            while counters.idle < self.tuning.slots && !look && !to_cut && flights.len() < wanted {
                 flights.push_back(self.submit(&mut window, submitted)?);
                 submitted += 1;
             }
-            let next = match flights.pop_front() {
+            match flights.pop_front() {
                 Some(flight) => {
                     let before = std::mem::replace(&mut counters, self.land(flight)?);
                     let counted = totals_since(&counters, &before);
                     self.received += counted;
-                    let Stretch { watch, start, outcome, .. } = stretch;
-                    outcome.totals += counted;
-                    outcome.too_deep.add(&counters, &before);
-                    outcome.through_glass.add(&counters, &before);
-                    if outcome.first_pass == 0.0 {
-                        outcome.first_pass = start.elapsed().as_secs_f64();
+                    stretch.outcome.totals += counted;
+                    if stretch.outcome.first_pass == 0.0 {
+                        stretch.outcome.first_pass = stretch.start.elapsed().as_secs_f64();
                     }
-                    let next = watch(outcome, None);
-                    look |= next == Next::Look;
-                    next
+                    look |= stretch.ask(None) == Next::Look;
+                }
+                None if to_cut => {
+                    (to_cut, cut) = (false, true);
+                    let started = counters.next.div_ceil(pixels).max(1);
+                    window.end = window.end.min(started.saturating_mul(pixels));
+                    continue;
                 }
                 None if look => {
                     look = false;
                     let begin = Instant::now();
                     self.bring_film(stretch.film)?;
-                    (stretch.watch)(stretch.outcome, Some(Look { film: stretch.film, begin }))
+                    stretch.ask(Some((begin, false)));
                 }
                 None => break,
-            };
-            if next == Next::Stop && !stretch.outcome.interrupted {
-                stretch.outcome.interrupted = true;
-                // Later submissions start no run. The started runs are finished, because dropping them would favour short paths.
-                window.end = window.end.min(counters.next);
             }
+            to_cut |= may_end_early && !cut && stretch.ends_early();
         }
-        if stretch.outcome.interrupted {
-            // Each idle slot has asked for one run more than there were.
-            let started = counters.next - counters.idle;
-            stretch.outcome.stopped_at = Some((first_block + started.div_ceil(pixels)) * RUN_LENGTH);
-        }
-        Ok(())
+        Ok(first_block + window.end / pixels)
     }
 
     /// Waits for a submission, and reads what it has counted.

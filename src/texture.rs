@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
 
 use glam::{DMat3, DVec3};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use crate::data::{self, f32s, luminance};
 use crate::error::Result;
@@ -15,14 +15,25 @@ use crate::source::{Place, length};
 /// A linear Rec. 709 colour: red, green, blue.
 pub type Colour = DVec3;
 
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub enum Texture {
     Rgb(f64, f64, f64),
-    Checker { scale: f64, even: Colour, odd: Colour },
-    Image { path: String },
-    Noise { scale: f64 },
-    Marble { scale: f64 },
+    Checker {
+        scale: f64,
+        even: Colour,
+        odd: Colour,
+    },
+    Image {
+        #[serde(skip_serializing)]
+        path: String,
+    },
+    Noise {
+        scale: f64,
+    },
+    Marble {
+        scale: f64,
+    },
 }
 
 /// The properties that all textures of a kind share.

@@ -4,6 +4,7 @@ mod check;
 mod compare;
 mod converge;
 mod devices;
+mod merge;
 mod plan;
 mod render;
 mod tradeoff;
@@ -26,6 +27,7 @@ use crate::scene::Scene;
 pub fn run(cli: &Cli, start: std::time::Instant) -> Result<()> {
     match &cli.command {
         Command::Render(args) => render::run(args, start),
+        Command::Merge(args) => merge::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Converge(args) => converge::run(args),
         Command::Plan(args) => plan::run(args),

@@ -6,7 +6,7 @@ mod diffuse_light;
 mod lambertian;
 mod metal;
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use crate::data;
 use crate::error::Result;
@@ -15,7 +15,7 @@ use crate::source::form::{Form, any_of, kinds};
 use crate::texture::{Bitmaps, Texture, Use};
 
 /// A material as the scene file writes it.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub enum Material {
     Lambertian {

@@ -4,21 +4,22 @@ use std::path::Path;
 
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 
-use crate::data::srgb;
+use crate::data::{Rgb, srgb};
 use crate::error::{Error, Result};
-use crate::film::Picture;
 use crate::output::{atomic, magma::magma};
 
 /// Exposures beyond this, of either sign, make every f32 white or black.
 const MAX_EXPOSURE: f64 = 300.0;
 
-/// Writes the picture as an 8-bit sRGB PNG, brightened by 2^`exposure_ev`, tone-mapped by [`neutral`].
-pub fn write_png(path: &Path, picture: &Picture, exposure_ev: f64) -> Result<()> {
+/// Writes a picture as an 8-bit sRGB PNG, brightened by 2^`exposure_ev`, tone-mapped by [`neutral`]. `rgb` tells the colour of a pixel, row 0 on
+/// top. It takes up to 7 bytes of memory a pixel.
+pub fn write_png(path: &Path, size: (u32, u32), rgb: &dyn Fn(usize) -> Rgb<f32>, exposure_ev: f64) -> Result<()> {
     if exposure_ev.is_nan() {
         return Err(Error::Usage("the exposure is not a number".into()));
     }
     let exposure = exposure_ev.clamp(-MAX_EXPOSURE, MAX_EXPOSURE).exp2();
-    let bytes = compress((picture.width, picture.height), &shown(&picture.rgb, exposure));
+    let pixels: Vec<_> = (0..size.0 as usize * size.1 as usize).map(|index| shown(rgb(index), exposure)).collect();
+    let bytes = compress(size, &pixels);
     let bytes = bytes.map_err(|reason| failed(path, reason))?;
     atomic::write(path, &bytes)
 }
@@ -31,7 +32,7 @@ pub fn write_heatmap(path: &Path, size: (u32, u32), values: &[f32]) -> Result<()
 
 /// The bytes that [`write_png`] writes with an exposure of 0. The error is a reason in words.
 pub fn picture(size: (u32, u32), rgb: &[[f32; 3]]) -> std::result::Result<Vec<u8>, String> {
-    compress(size, &shown(rgb, 1.0))
+    compress(size, &rgb.iter().map(|rgb| shown(*rgb, 1.0)).collect::<Vec<_>>())
 }
 
 /// The bytes that [`write_heatmap`] writes. The error is a reason in words.
@@ -39,8 +40,8 @@ pub fn heatmap(size: (u32, u32), values: &[f32]) -> std::result::Result<Vec<u8>,
     compress(size, &values.iter().map(|&value| magma(f64::from(value))).collect::<Vec<_>>())
 }
 
-fn shown(rgb: &[[f32; 3]], exposure: f64) -> Vec<[u8; 3]> {
-    rgb.iter().map(|rgb| encode(rgb.map(|v| f64::from(v) * exposure))).collect()
+fn shown(rgb: Rgb<f32>, exposure: f64) -> [u8; 3] {
+    encode(rgb.map(|v| f64::from(v) * exposure))
 }
 
 fn failed(path: &Path, reason: String) -> Error {
@@ -144,9 +145,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.png");
         let rgb = vec![[0.09, 0.045, 0.36], [0.0; 3], [100.0, 0.0, 0.0], [1.0, 0.5, 0.25], [0.2; 3], [f32::MAX; 3]];
-        let picture = Picture { width: 3, height: 2, rgb: rgb.clone(), ..Picture::default() };
         for ev in [-2.5, 0.0, 1.0, 1e9, -1e9] {
-            write_png(&path, &picture, ev).unwrap();
+            write_png(&path, (3, 2), &|index| rgb[index], ev).unwrap();
             let read = image::open(&path).unwrap().into_rgb8();
             assert_eq!(read.dimensions(), (3, 2));
             for (i, pixel) in read.pixels().enumerate() {
@@ -155,19 +155,18 @@ mod tests {
             }
         }
         // One stop is twice the radiance.
-        write_png(&path, &picture, 1.0).unwrap();
+        write_png(&path, (3, 2), &|index| rgb[index], 1.0).unwrap();
         assert_eq!(
             image::open(&path).unwrap().into_rgb8().get_pixel(0, 0).0,
             encode([0.18f32, 0.09, 0.72].map(f64::from))
         );
-        assert!(write_png(&path, &picture, f64::NAN).is_err());
+        assert!(write_png(&path, (3, 2), &|index| rgb[index], f64::NAN).is_err());
     }
 
     #[test]
-    fn a_picture_that_does_not_fit_its_size_is_an_error() {
+    fn a_picture_without_pixels_is_an_error() {
         let folder = tempfile::tempdir().unwrap();
-        let empty = Picture::default();
-        assert!(write_png(&folder.path().join("a.png"), &empty, 0.0).is_err());
+        assert!(write_png(&folder.path().join("a.png"), (0, 0), &|_| [0.0; 3], 0.0).is_err());
         assert!(!folder.path().join("a.png").exists());
     }
 }

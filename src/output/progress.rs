@@ -32,6 +32,8 @@ pub struct Status {
 /// Shows the progress of a render. All methods may be called from any thread.
 pub struct Progress {
     job: Job,
+    /// Samples of a pixel that an earlier render has left.
+    earlier: u64,
     start: Instant,
     display: Display,
 }
@@ -45,10 +47,10 @@ enum Display {
 
 impl Progress {
     /// Starts the clock. `quiet` shows nothing at all.
-    pub fn new(quiet: bool, job: &Job) -> Progress {
+    pub fn new(quiet: bool, job: &Job, earlier: u64) -> Progress {
         let start = Instant::now();
         let display = if quiet { Display::Hidden } else { Display::for_stderr(start) };
-        Progress { job: job.clone(), start, display }
+        Progress { job: job.clone(), earlier, start, display }
     }
 
     /// Shows the new status. May be called as often as is convenient.
@@ -188,7 +190,9 @@ impl Progress {
         if let Goal::Until { deadline, .. } = self.job.goal {
             return Some(deadline.saturating_duration_since(self.start + elapsed));
         }
-        let share = self.share(status, elapsed);
+        let begun = self.share(&Status { samples_per_pixel: self.earlier, ..*status }, Duration::ZERO);
+        let begun = if matches!(self.job.goal, Goal::Samples(_)) { begun } else { 0.0 };
+        let share = (self.share(status, elapsed) - begun) / (1.0 - begun);
         // None also if a duration cannot represent it.
         Duration::try_from_secs_f64(elapsed.as_secs_f64() * (1.0 - share) / share).ok()
     }
@@ -222,7 +226,7 @@ mod tests {
     const MINUTE: Duration = Duration::from_secs(60);
 
     fn progress(goal: Goal) -> Progress {
-        Progress::new(true, &Job { size: (1, 1), max_depth: 1, seed: 0, first_sample: 100, goal })
+        Progress::new(true, &Job { size: (1, 1), max_depth: 1, seed: 0, first_sample: 100, goal }, 0)
     }
 
     #[test]
@@ -284,7 +288,7 @@ mod tests {
     #[test]
     fn a_quiet_one_and_one_without_terminal_take_every_call() {
         for quiet in [true, false] {
-            let progress = Progress::new(quiet, &progress(Goal::Samples(600)).job);
+            let progress = Progress::new(quiet, &progress(Goal::Samples(600)).job, 0);
             progress.update(STATUS);
             progress.message("");
             progress.finish();

@@ -3,14 +3,14 @@
 use std::ops::Range;
 use std::time::Instant;
 
-use super::outcome::{NOISE_LEVEL, Noise, ThroughGlass, TooDeep};
-use super::{Renderer, Stretch};
+use super::outcome::{Noise, level_after};
+use super::{Pilot, Renderer, Stretch};
 use crate::data::RUN_LENGTH;
 use crate::error::Result;
 use crate::film::Totals;
 
 /// The samples at which a render until an error looks first.
-const FIRST_LOOK: u32 = 2 * RUN_LENGTH;
+pub const FIRST_LOOK: u32 = 2 * RUN_LENGTH;
 /// The samples at which it gives up where nothing bounds the error: pixels too few, or without light.
 const LAST_LOOK: u32 = 1 << 14;
 
@@ -19,35 +19,40 @@ fn seconds_until(deadline: Instant) -> f64 {
 }
 
 impl Renderer<'_> {
-    /// Renders as many samples as fit until the deadline, one at least; the result is one past the last.
+    /// Renders as many samples as fit until the deadline: one at least, where the film is empty.
     pub(super) fn render_until(
         &mut self,
         most: Range<u32>,
         deadline: Instant,
         stretch: &mut Stretch<'_>,
-    ) -> Result<u32> {
-        match self.render_pilot(&most, deadline, stretch)? {
-            Some(mut pace) => self.fill(most, deadline, &mut pace, stretch),
-            None => Ok(most.start + 1),
+    ) -> Result<()> {
+        if let Some(mut pace) = self.render_pilot(&most, deadline, stretch)? {
+            self.fill(most, deadline, &mut pace, stretch)?;
         }
+        Ok(())
     }
 
-    /// Renders one sample and takes it back: the result is the pace, samples a second. Nothing, where no other sample fits; then
-    /// the one stays.
+    /// Renders one sample and takes it back: the result is the pace, samples a second. Nothing where no other sample fits. Then the one stays,
+    /// but in a film that goes on with an earlier render: it would cut a run in two.
     fn render_pilot(&mut self, most: &Range<u32>, deadline: Instant, stretch: &mut Stretch<'_>) -> Result<Option<f64>> {
         let begin = Instant::now();
+        let goes_on = stretch.film.totals().paths > 0;
+        stretch.pilot = Some(Pilot { discards: goes_on });
         self.render_samples(most.start..most.start + 1, stretch)?;
+        stretch.pilot = None;
         let pace = 1.0 / begin.elapsed().as_secs_f64().max(1e-6);
-        if pace * seconds_until(deadline) < 1.0 || most.len() <= 1 || stretch.outcome.interrupted {
+        let last = pace * seconds_until(deadline) < 1.0 || most.len() <= 1 || stretch.outcome.interrupted;
+        if last && !goes_on {
             return Ok(None);
         }
         // Its runs of one sample would be parts of longer runs.
         self.drop_film();
-        stretch.film.clear();
+        if !goes_on {
+            stretch.film.clear();
+        }
         stretch.outcome.totals = Totals::default();
-        stretch.outcome.too_deep = TooDeep::default();
-        stretch.outcome.through_glass = ThroughGlass::default();
-        Ok(Some(pace))
+        stretch.outcome.samples.end = most.start;
+        Ok((!last).then_some(pace))
     }
 
     /// Renders as many samples as fit until the deadline, which may be none; the result is one past the last.
@@ -80,7 +85,7 @@ impl Renderer<'_> {
                 break;
             }
         }
-        if done == most.start && stretch.outcome.totals.paths == 0 {
+        if done == most.start && stretch.outcome.totals.paths == 0 && stretch.film.totals().paths == 0 {
             // The pilot was wrong about a second sample, and is gone.
             self.render_samples(done..done + 1, stretch)?;
             done += 1;
@@ -88,7 +93,7 @@ impl Renderer<'_> {
         Ok(done)
     }
 
-    /// Renders until the relative error is below the one asked; the result is one past the last sample.
+    /// Renders until the relative error is below the one asked.
     ///
     /// The film is looked at when the number of samples has doubled. To stop at the first look that pleases would favour those that are
     /// too low by chance: the k-th has a 2^-k-th of the probability of being wrong that all have together, by the union bound. Samples that
@@ -100,23 +105,26 @@ impl Renderer<'_> {
         most: Range<u32>,
         error: f64,
         deadline: Option<Instant>,
+        (begun, looks): (u32, u32),
         stretch: &mut Stretch<'_>,
-    ) -> Result<u32> {
+    ) -> Result<()> {
         let mut done = most.start;
-        let mut noise = Noise { level: NOISE_LEVEL / 2.0, reached: false };
+        let mut noise = Noise { looks, reached: false };
+        stretch.outcome.noise = Some(noise);
         let mut timed = None;
         if let Some(deadline) = deadline {
             match self.render_pilot(&most, deadline, stretch)? {
                 Some(pace) => timed = Some((deadline, pace)),
-                None => {
-                    stretch.outcome.noise = Some(noise);
-                    return Ok(done + 1);
-                }
+                None => return Ok(()),
             }
         }
-        let mut aim = FIRST_LOOK;
+        // A render that goes on with another looks where that one would have looked next.
+        let mut aim = FIRST_LOOK.saturating_mul(2u32.saturating_pow(looks));
+        while begun.saturating_add(aim) < done {
+            aim = aim.saturating_mul(2);
+        }
         loop {
-            let end = most.end.min(most.start.saturating_add(aim));
+            let end = most.end.min(begun.saturating_add(aim));
             done = match &mut timed {
                 Some((deadline, pace)) => self.fill(done..end, *deadline, pace, stretch)?,
                 None => {
@@ -124,15 +132,18 @@ impl Renderer<'_> {
                     end
                 }
             };
-            self.bring_film(stretch.film)?;
-            let bound = stretch.film.error_estimate(noise.level).map_or(f64::INFINITY, |found| found.bound);
-            noise.reached = bound < error;
-            stretch.outcome.noise = Some(noise);
-            let hopeless = bound == f64::INFINITY && done - most.start >= LAST_LOOK;
-            if noise.reached || hopeless || done < end || done == most.end || stretch.outcome.interrupted {
-                return Ok(done);
+            if stretch.outcome.interrupted {
+                return Ok(());
             }
-            noise.level /= 2.0;
+            self.bring_film(stretch.film)?;
+            let bound =
+                stretch.film.error_estimate(level_after(noise.looks)).map_or(f64::INFINITY, |found| found.bound);
+            noise = Noise { looks: noise.looks.saturating_add(1), reached: bound < error };
+            stretch.outcome.noise = Some(noise);
+            let hopeless = bound == f64::INFINITY && done - begun >= LAST_LOOK;
+            if noise.reached || hopeless || done < end || done == most.end {
+                return Ok(());
+            }
             aim = aim.saturating_mul(2);
         }
     }

@@ -1,6 +1,7 @@
 //! The order in which the device renders the pixels of a film.
 
 use std::ops::Range;
+use std::time::Duration;
 
 use crate::data::STRIP_ROWS;
 
@@ -8,6 +9,8 @@ use crate::data::STRIP_ROWS;
 const MOST_RUNS: u32 = 1 << 31;
 /// Blocks of samples that a tile renders in a turn at most: enough to make the transfer of its totals cheap.
 const MOST_BLOCKS: u32 = 64;
+/// The time that a round over several tiles should take at most. A film is whole between rounds, and only then can a render be stopped.
+const ROUND: Duration = Duration::from_secs(10);
 
 /// Some blocks of samples for a tile of the film.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -17,24 +20,41 @@ pub struct Turn {
     pub blocks: Range<u32>,
 }
 
-/// The turns of an image of so many pixels, of which a tile has `tile` at most. A film of one tile takes all blocks in one turn. Otherwise the
-/// first round has one block, so that the picture is whole early. Each later round doubles the samples, up to [`MOST_BLOCKS`].
-pub fn turns(pixels: u32, tile: u32, blocks: Range<u32>) -> impl Iterator<Item = Turn> {
+/// The tiles of an image of so many pixels, of which each has `tile` at most.
+pub fn tiles(pixels: u32, tile: u32) -> impl Iterator<Item = Range<u32>> {
     let tile = tile.clamp(1, pixels.max(1));
-    let most = (MOST_RUNS / tile).max(1);
-    let mut rest = blocks.clone();
-    let round = std::iter::from_fn(move || {
-        let done = rest.start - blocks.start;
-        let count = if tile >= pixels { most } else { done.clamp(1, most.min(MOST_BLOCKS)) };
-        let round = rest.start..rest.end.min(rest.start.saturating_add(count));
-        rest.start = round.end;
-        (!round.is_empty()).then_some(round)
-    });
-    round.flat_map(move |blocks| {
-        (0..pixels)
-            .step_by(tile as usize)
-            .map(move |first| Turn { pixels: first..pixels.min(first.saturating_add(tile)), blocks: blocks.clone() })
-    })
+    (0..pixels).step_by(tile as usize).map(move |first| first..pixels.min(first.saturating_add(tile)))
+}
+
+/// How many blocks of samples the tiles of a film render in a round. A film of one tile takes all blocks in one. Otherwise the first round has
+/// one block, so that the picture is whole early. Each later round doubles the blocks, while it is short enough.
+pub struct Rounds {
+    next: u32,
+    most: u32,
+}
+
+impl Rounds {
+    pub fn new(pixels: u32, tile: u32) -> Rounds {
+        let most = (MOST_RUNS / tile.clamp(1, pixels.max(1))).max(1);
+        match tile >= pixels {
+            true => Rounds { next: most, most },
+            false => Rounds { next: 1, most: most.min(MOST_BLOCKS) },
+        }
+    }
+
+    /// The blocks of the next round, of those that are left.
+    pub fn next(&self, left: &Range<u32>) -> Range<u32> {
+        left.start..left.end.min(left.start.saturating_add(self.next))
+    }
+
+    /// Learns how long a round took.
+    pub fn took(&mut self, time: Duration) {
+        self.next = match () {
+            () if time > ROUND => (self.next / 2).max(1),
+            () if time < ROUND / 2 => self.next.saturating_mul(2).min(self.most),
+            () => self.next,
+        };
+    }
 }
 
 /// The index (row 0 on top, `y * width + x`) of the pixel at a place in the order in which pixels are handed out, as shaders/step/pixel_order.wgsl
@@ -52,6 +72,7 @@ pub fn pixel_in_order(place: u32, (width, height): (u32, u32)) -> usize {
 mod tests {
     use super::*;
 
+    /// Every pixel has a place in one tile, and rounds take all blocks in order.
     #[test]
     fn every_pixel_gets_every_block_once() {
         for (size, tile, blocks) in
@@ -59,25 +80,33 @@ mod tests {
         {
             let pixels = size.0 * size.1;
             let mut seen = vec![0; pixels as usize];
-            let mut next = vec![blocks.start; pixels as usize];
-            for turn in turns(pixels, tile, blocks.clone()) {
-                assert!(turn.pixels.len() as u32 <= tile);
-                for pixel in turn.pixels.clone().map(|place| pixel_in_order(place, size)) {
-                    assert_eq!(next[pixel], turn.blocks.start, "blocks come in order");
-                    next[pixel] = turn.blocks.end;
-                    seen[pixel] += turn.blocks.len();
-                }
-                // No pixel is ahead of another by more than a turn.
-                assert!(
-                    tile >= pixels || next.iter().max() <= next.iter().min().map(|least| least + MOST_BLOCKS).as_ref()
-                );
+            for tile in tiles(pixels, tile) {
+                tile.for_each(|place| seen[pixel_in_order(place, size)] += 1);
             }
-            assert!(seen.iter().all(|count| *count == blocks.len()), "{size:?}, {tile}");
+            assert!(seen.iter().all(|count| *count == 1), "{size:?}, {tile}");
+            let (mut rounds, mut left) = (Rounds::new(pixels, tile), blocks);
+            while !left.is_empty() {
+                let round = rounds.next(&left);
+                assert!(!round.is_empty() && (tile >= pixels || round.len() as u32 <= MOST_BLOCKS));
+                left.start = round.end;
+                rounds.took(Duration::ZERO);
+            }
         }
-        // The runs of a turn are numbered by 32 bits, of the largest images too.
-        let runs = |turn: Turn| turn.pixels.len() as u64 * turn.blocks.len() as u64;
-        assert!(turns(u32::MAX, 1 << 22, 0..u32::MAX / 8).take(5000).all(|turn| runs(turn) <= u64::from(MOST_RUNS)));
-        assert!(turns(1, 1, 0..u32::MAX / 8).all(|turn| runs(turn) <= u64::from(MOST_RUNS)));
-        assert_eq!(turns(100, 10, 3..3).count(), 0);
+    }
+
+    /// Rounds grow while they are short, and shrink where they are long. Their runs are numbered by 32 bits.
+    #[test]
+    fn rounds_are_short() {
+        let mut rounds = Rounds::new(100, 10);
+        let mut lengths = Vec::new();
+        for seconds in [0, 1, 2, 4, 6, 11, 11, 11, 11, 11, 1, 1, 1, 1, 1, 1, 1] {
+            lengths.push(rounds.next(&(0..1000)).len());
+            rounds.took(Duration::from_secs(seconds));
+        }
+        assert_eq!(lengths, [1, 2, 4, 8, 16, 16, 8, 4, 2, 1, 1, 2, 4, 8, 16, 32, 64]);
+        for (pixels, tile) in [(u32::MAX, 1 << 22), (1, 1), (1 << 22, 1 << 22)] {
+            let round = Rounds::new(pixels, tile).next(&(0..u32::MAX / 8));
+            assert!(round.len() as u64 * u64::from(tile) <= u64::from(MOST_RUNS));
+        }
     }
 }

@@ -4,6 +4,7 @@
 //! numbers, `bitmap` decodes the images, `mesh` reads the meshes. Every error names file:line:column and the field.
 
 mod bitmap;
+mod digest;
 mod explain;
 mod file;
 mod guard;

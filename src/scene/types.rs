@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use glam::DVec3;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 pub use crate::material::Material;
 use crate::shape::mesh::{self, MeshShape};
@@ -17,7 +17,7 @@ pub struct ImageSize {
     pub height: u32,
 }
 
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Camera {
     pub look_from: DVec3,
@@ -38,7 +38,7 @@ fn up() -> DVec3 {
     DVec3::Y
 }
 
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub enum Background {
     Solid(Colour),
@@ -49,12 +49,13 @@ pub enum Background {
     },
     /// Radiance in a latitude-longitude map, with +y at the top and -z in the middle.
     Image {
+        #[serde(skip_serializing)]
         path: String,
     },
 }
 
 /// Rotations are right-handed about their axis, in degrees.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub enum Transform {
     Translate(DVec3),
@@ -66,7 +67,7 @@ pub enum Transform {
 }
 
 /// An object of the scene. `material` is absent only on the boundary of a `Medium`.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub enum Object {
     Sphere {
@@ -90,6 +91,7 @@ pub enum Object {
         material: Option<String>,
     },
     Mesh {
+        #[serde(skip_serializing)]
         path: String,
         #[serde(default)]
         material: Option<String>,

@@ -53,7 +53,7 @@ impl Run {
             pixel.runs = 1;
         }
         pixel.rejected = rejected.total() as u32;
-        (pixel, Totals { paths, rays: u64::from(self.rays), rejected })
+        (pixel, Totals { paths, rays: u64::from(self.rays), rejected, ..Totals::default() })
     }
 }
 

@@ -234,12 +234,35 @@ pub fn render_job(
     watch: Watch<'_>,
 ) -> (Film, Outcome) {
     let flat = flatten(scene, job.size, options).expect("the scene flattens");
-    let mut plan = Plan::new(&flat, options, software().class(), job).expect("the kernels link");
+    let mut film = Film::with_sampler(job.size.0, job.size.1, flat.radiance_exponent, of_film).expect("the film fits");
+    let outcome = render_flat(&flat, options, job, &mut film, change, watch);
+    (film, outcome)
+}
+
+/// The same onto a film that has samples.
+pub fn render_onto(
+    scene: &Scene,
+    options: &RenderOptions,
+    job: &Job,
+    film: &mut Film,
+    change: impl FnOnce(&mut Plan<'_>),
+    watch: Watch<'_>,
+) -> Outcome {
+    render_flat(&flatten(scene, job.size, options).expect("the scene flattens"), options, job, film, change, watch)
+}
+
+fn render_flat(
+    flat: &DeviceScene,
+    options: &RenderOptions,
+    job: &Job,
+    film: &mut Film,
+    change: impl FnOnce(&mut Plan<'_>),
+    watch: Watch<'_>,
+) -> Outcome {
+    let mut plan = Plan::new(flat, options, software().class(), job).expect("the kernels link");
     change(&mut plan);
     let mut renderer = Renderer::new(software(), &plan, job, false).expect("the kernels compile and the buffers fit");
-    let mut film = Film::with_sampler(job.size.0, job.size.1, flat.radiance_exponent, of_film).expect("the film fits");
-    let outcome = renderer.run(job, &mut film, watch).expect("the device renders");
-    (film, outcome)
+    renderer.run(job, film, watch).expect("the device renders")
 }
 
 /// Renders by kernels from another library.

@@ -81,30 +81,32 @@ fn a_render_until_an_error_is_that_of_its_samples() {
     use Sampler::{Independent, Sobol};
     let scene = room(THINGS[0].1);
     for (sampler, error) in [(Sobol, 0.05), (Independent, 0.06), (Sobol, 0.9)] {
-        let (film, outcome) = until(&scene, Goal::Noise { error, deadline: None, end: 1 << 14 }, sampler);
+        let (film, outcome) =
+            until(&scene, Goal::Noise { error, deadline: None, end: 1 << 14, begun: 0, looks: 0 }, sampler);
         let noise = outcome.noise.expect("it was asked");
         let samples = outcome.samples.len() as u32;
         assert!(noise.reached && !outcome.interrupted && outcome.samples.start == 0);
         assert!(samples.is_power_of_two() && samples >= 16, "{samples}");
         assert_eq!(samples == 16, error == 0.9, "{samples}");
         // The k-th look has 5 % / 2^k.
-        assert_eq!(noise.level, NOISE_LEVEL / f64::from(samples / 8));
-        assert!(film.error_estimate(noise.level).expect("there is light").bound < error);
+        assert_eq!(noise.level(), NOISE_LEVEL / f64::from(samples / 8));
+        assert!(film.error_estimate(noise.level()).expect("there is light").bound < error);
         let of_samples = render(&scene, &Ask::spp(samples).seed(4).depth(10).with(|options| options.sampler = sampler));
         assert!(film == of_samples.film);
         // It did not end too late.
         if samples > 16 {
             let before =
                 render(&scene, &Ask::spp(samples / 2).seed(4).depth(10).with(|options| options.sampler = sampler));
-            assert!(before.film.error_estimate(2.0 * noise.level).expect("there is light").bound >= error);
+            assert!(before.film.error_estimate(2.0 * noise.level()).expect("there is light").bound >= error);
         }
     }
     // The most samples, and the time, come first where they do.
-    let (film, outcome) = until(&scene, Goal::Noise { error: 1e-4, deadline: None, end: 41 }, Sobol);
+    let (film, outcome) =
+        until(&scene, Goal::Noise { error: 1e-4, deadline: None, end: 41, begun: 0, looks: 0 }, Sobol);
     assert!(!outcome.noise.expect("it was asked").reached && outcome.samples == (0..41));
     assert!(film == render(&scene, &Ask::spp(41).sobol().seed(4).depth(10)).film);
     let deadline = Some(std::time::Instant::now());
-    let (film, outcome) = until(&scene, Goal::Noise { error: 1e-4, deadline, end: 1 << 20 }, Sobol);
+    let (film, outcome) = until(&scene, Goal::Noise { error: 1e-4, deadline, end: 1 << 20, begun: 0, looks: 0 }, Sobol);
     assert!(!outcome.noise.expect("it was asked").reached && outcome.samples == (0..1));
     assert!(film == render(&scene, &Ask::spp(1).sobol().seed(4).depth(10)).film);
 }

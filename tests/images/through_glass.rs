@@ -7,9 +7,9 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use crate::common::render::{Ask, render as render_scene, scene};
+use gpu_rt::film::ThroughGlass;
 use gpu_rt::options::Scatter;
 use gpu_rt::output::exr::read_exr;
-use gpu_rt::render::ThroughGlass;
 use serde_json::Value;
 
 /// A floor under a grey sky, a clear ball of radius `ball` about `place`, and a lamp of radius `lamp` above.
@@ -88,7 +88,7 @@ struct Counted {
 
 fn counted_by(text: &str, samples: u32, ask: Ask) -> ThroughGlass {
     let ask = Ask { samples: Some(0..samples), ..ask };
-    render_scene(&scene(text), &ask).outcome.through_glass.times(1.0 / f64::from(32 * 32 * samples))
+    render_scene(&scene(text), &ask).outcome.totals.through_glass().times(1.0 / f64::from(32 * 32 * samples))
 }
 
 fn counted(text: &str, samples: u32) -> Counted {

@@ -13,7 +13,7 @@ use gpu_rt::render::{Next, Outcome, Watch};
 use gpu_rt::scene::Scene;
 
 use crate::common::device;
-use crate::common::render::render_job;
+use crate::common::render::{render_job, render_onto};
 
 const SIZE: (u32, u32) = (29, 21);
 
@@ -66,8 +66,6 @@ fn tiles_do_not_show() {
             for tile in [800, 300, 97] {
                 let tiled = render(&options, SIZE, samples.clone(), Some(tile), &mut |_, _| Next::GoOn);
                 assert!(tiled.0 == whole.0, "{scatter:?}, {samples:?}, {tile}");
-                // The order of the paths does not matter to what is counted beside them, but for sums of f64.
-                assert_eq!(tiled.1.too_deep.paths, whole.1.too_deep.paths);
             }
         }
         // That films can differ at all is seen of other samples.
@@ -95,8 +93,8 @@ fn pilots_and_goals_do_not_show() {
         let deadline = Instant::now() + Duration::from_millis(1500);
         for goal in [
             Goal::Until { deadline, end: 100 },
-            Goal::Noise { error: 0.05, deadline: None, end: 100 },
-            Goal::Noise { error: 1e-9, deadline: Some(deadline), end: 20 },
+            Goal::Noise { error: 0.05, deadline: None, end: 100, begun: 0, looks: 0 },
+            Goal::Noise { error: 1e-9, deadline: Some(deadline), end: 20, begun: 0, looks: 0 },
         ] {
             let (film, outcome, _) = render_until(&options, SIZE, 0, goal, tile, &mut |_, _| Next::GoOn);
             assert!(!outcome.samples.is_empty() && film.totals() == outcome.totals);
@@ -130,34 +128,97 @@ fn looks_do_not_show() {
     }
 }
 
-/// A render that is stopped ends all runs that it has begun: a pixel has all samples up to where it says that it stopped, or a run less, and
-/// those are the samples of a whole render. Submissions that are under way when it is stopped count too.
+/// A render that is stopped ends the block of samples that it has begun: the film is that of a render of the samples that it says it has.
+/// Submissions that are under way when it is stopped count too. What goes on from there gives the image of a render that was not stopped.
 #[test]
-fn what_is_stopped_has_whole_runs() {
+fn what_is_stopped_is_whole() {
     for scatter in [Scatter::Fused, Scatter::Linked] {
-        for (tile, at) in [(None, 1), (None, 9), (None, 40), (Some(300), 30)] {
+        for (tile, at) in [(None, 1), (None, 9), (None, 40), (Some(300), 1), (Some(300), 30)] {
             let options = options(scatter);
-            let mut calls = 0;
-            let (film, outcome, tile) = render(&options, SIZE, 0..4096, tile, &mut |_, _| {
-                calls += 1;
-                if calls < at { Next::GoOn } else { Next::Stop }
-            });
-            let end = outcome.stopped_at.expect("it was stopped");
-            assert!(outcome.interrupted && end < 4096 && outcome.samples == (0..end), "{outcome:?}");
-            let samples = film.develop().samples;
-            assert_eq!(samples.iter().max(), Some(&end), "{scatter:?}, {at}");
-            assert_eq!(samples.iter().map(|n| u64::from(*n)).sum::<u64>(), film.totals().paths);
-            let one_tile = tile >= SIZE.0 * SIZE.1;
-            assert!(
-                samples.iter().all(|n| n % RUN_LENGTH == 0 && (*n + RUN_LENGTH >= end || !one_tile)),
-                "{samples:?}"
-            );
-            let whole = render(&options, SIZE, 0..end, None, &mut |_, _| Next::GoOn).0.develop();
-            let stopped = film.develop();
-            let all = |pixel: &usize| samples[*pixel] == end;
-            for pixel in (0..samples.len()).filter(all) {
-                assert_eq!((stopped.rgb[pixel], stopped.variance[pixel]), (whole.rgb[pixel], whole.variance[pixel]));
+            for start in [0, 13] {
+                let mut calls = 0;
+                let (film, outcome, _) = render(&options, SIZE, start..4096, tile, &mut |_, _| {
+                    calls += 1;
+                    if calls < at { Next::GoOn } else { Next::Stop }
+                });
+                let end = outcome.samples.end;
+                assert!(outcome.interrupted && outcome.samples.start == start && end < 4096, "{outcome:?}");
+                assert!(end > start && end.is_multiple_of(RUN_LENGTH), "{outcome:?}");
+                assert!(
+                    film == render(&options, SIZE, start..end, None, &mut |_, _| Next::GoOn).0,
+                    "{scatter:?}, {at}"
+                );
+                let more = end + 20;
+                let rest = render(&options, SIZE, end..more, tile, &mut |_, _| Next::GoOn).0;
+                let mut joined = film;
+                joined.merge(&rest).expect("they are of one image");
+                assert!(joined == render(&options, SIZE, start..more, None, &mut |_, _| Next::GoOn).0);
             }
         }
+    }
+}
+
+/// A film that is shown as whole has the samples that the outcome says, and no part of a run beyond them.
+#[test]
+fn a_whole_film_has_whole_samples() {
+    for tile in [None, Some(97)] {
+        let options = options(Scatter::Fused);
+        let each: Vec<Film> =
+            (0..=40).map(|end| render(&options, SIZE, 0..end, None, &mut |_, _| Next::GoOn).0).collect();
+        let (mut calls, mut seen) = (0, Vec::new());
+        let looked = render(&options, SIZE, 0..40, tile, &mut |outcome, look| {
+            if let Some(look) = look.filter(|look| look.whole) {
+                assert!(*look.film == each[outcome.samples.end as usize], "{:?}", outcome.samples);
+                seen.push(outcome.samples.end);
+            }
+            // A look at what is under way in between must not matter.
+            calls += 1;
+            if calls % 3 == 0 { Next::Look } else { Next::Whole }
+        });
+        assert!(looked.0 == each[40] && seen == [8, 16, 24, 32, 40], "{tile:?}: {seen:?}");
+    }
+}
+
+/// Renders until a deadline or an error go on with a film that has samples. What learns the pace leaves no trace.
+#[test]
+fn goals_go_on_with_a_film() {
+    let options = RenderOptions { slots: None, bounces: None, ..options(Scatter::Fused) };
+    let scene = cover();
+    for tile in [None, Some(97)] {
+        let deadline = |seconds: u64| Instant::now() + Duration::from_millis(seconds);
+        for goal in [
+            Goal::Until { deadline: deadline(1000), end: 100 },
+            Goal::Until { deadline: deadline(0), end: 100 },
+            Goal::Noise { error: 1e-9, deadline: Some(deadline(1000)), end: 100, begun: 0, looks: 1 },
+            Goal::Noise { error: 1e-9, deadline: None, end: 40, begun: 0, looks: 1 },
+        ] {
+            let mut film = render(&options, SIZE, 0..24, None, &mut |_, _| Next::GoOn).0;
+            let job = Job { size: SIZE, max_depth: 20, seed: 3, first_sample: 24, goal };
+            let change = |plan: &mut Plan<'_>| plan.tuning.tile = tile.unwrap_or(plan.tuning.tile);
+            let outcome = render_onto(&scene, &options, &job, &mut film, change, &mut |_, _| Next::Whole);
+            assert!(outcome.samples.start == 24, "{:?}", outcome.samples);
+            let whole = render(&options, SIZE, 0..outcome.samples.end, None, &mut |_, _| Next::GoOn).0;
+            assert!(film == whole, "{tile:?}, {goal:?}: {:?}", outcome.samples);
+        }
+    }
+}
+
+/// A render until an error that was interrupted looks again where it would have looked, with the probability that it had left.
+#[test]
+fn what_goes_on_has_the_looks_of_one_render() {
+    let options = RenderOptions { slots: None, bounces: None, ..options(Scatter::Fused) };
+    let noise = |begun, looks| Goal::Noise { error: 0.06, deadline: None, end: 4096, begun, looks };
+    let (whole, uninterrupted, _) = render_until(&options, SIZE, 0, noise(0, 0), None, &mut |_, _| Next::GoOn);
+    let found = uninterrupted.noise.expect("it looked");
+    assert!(found.reached && found.looks > 2 && found.looks < 8, "{found:?}");
+    for stop in [8, 16, 24, 40, 64] {
+        let goal = Goal::Noise { error: 0.06, deadline: None, end: stop, begun: 0, looks: 0 };
+        let (mut film, outcome, _) = render_until(&options, SIZE, 0, goal, None, &mut |_, _| Next::GoOn);
+        // The render that had only so many samples has looked at its end, which one that is interrupted there has not.
+        let looks = outcome.noise.expect("it looked").looks - 1;
+        let job = Job { size: SIZE, max_depth: 20, seed: 3, first_sample: stop, goal: noise(0, looks) };
+        let outcome = render_onto(&cover(), &options, &job, &mut film, |_| {}, &mut |_, _| Next::GoOn);
+        assert_eq!((outcome.noise, outcome.samples.end), (Some(found), uninterrupted.samples.end), "{stop}");
+        assert!(film == whole, "{stop}");
     }
 }

@@ -29,7 +29,12 @@ fn on_device(replaced: &[(&str, &str)], records: &[Run]) -> Film {
     let Counters { nan, infinite, cut, refused, counts, .. } = counters[0];
     let count = |which: u32| u64::from(counts[which as usize][1]) << 32 | u64::from(counts[which as usize][0]);
     let [nan, infinite, cut, refused] = [nan, infinite, cut, refused].map(u64::from);
-    let counted = Totals { paths: count(PATHS), rays: count(RAYS), rejected: Rejected { nan, infinite, cut, refused } };
+    let counted = Totals {
+        paths: count(PATHS),
+        rays: count(RAYS),
+        rejected: Rejected { nan, infinite, cut, refused },
+        ..Totals::default()
+    };
     let mut film = Film::new(PIXELS, 1, 0).expect("a few pixels fit");
     film.add((0..).zip(&totals), counted);
     film

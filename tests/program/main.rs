@@ -5,4 +5,5 @@ mod common;
 
 mod bad_files;
 mod cli;
+mod resume;
 mod terminal;

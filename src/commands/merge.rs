@@ -1,0 +1,194 @@
+//! `gpu-rt merge`: joins renders of disjoint samples of one scene.
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use serde_json::json;
+
+use super::render::{Finish, attributes_of, excluded};
+use super::{check_place, path_text, print_json, same_file, tell};
+use crate::cli::MergeArgs;
+use crate::data::RUN_LENGTH;
+use crate::error::{Error, Result};
+use crate::output::exr::{Attribute, State, add_film, read_attributes, read_state, write_render};
+use crate::output::progress::Loading;
+use crate::samples::Samples;
+
+/// Joins the parts. It takes the memory of one film, whatever their number.
+pub fn run(args: &MergeArgs) -> Result<()> {
+    check_place(&args.output, "nothing has been joined")?;
+    if let Some(part) = args.parts.iter().find(|part| same_file(part, &args.output)) {
+        return Err(Error::Usage(format!("{}: expected an output that is none of the parts", part.display())));
+    }
+    let mut loading = Loading::new(args.quiet);
+    let joined = Joined::of(args, &mut loading)?;
+    let first = &joined.parts[0];
+    let mut film = first.state.film()?;
+    for (number, part) in joined.parts.iter().enumerate() {
+        loading.show(&format!("joining {}", part.path.display()), number as f64 / joined.parts.len() as f64);
+        add_film(part.path, &part.state, &mut film)?;
+    }
+    drop(loading);
+
+    let Joined { samples, devices, looks, .. } = &joined;
+    let finish = Finish::of(&film, samples, devices, None, joined.complete);
+    // What the parts were asked is the same; what came of them is told of the whole.
+    let mut attributes = joined.attributes.clone();
+    let text = |name: &str| match attributes.iter().find(|(known, _)| known == name) {
+        Some((_, Attribute::Text(text))) => text.clone(),
+        _ => String::new(),
+    };
+    let record = finish.record(&excluded(&text("gpu-rt:biases")));
+    let of_film = attributes_of(&json!(record));
+    let of_one_part = |name: &str| name.starts_with("gpu-rt:seconds_") || name.starts_with("gpu-rt:noise");
+    attributes.retain(|(name, _)| !of_one_part(name) && name.starts_with("gpu-rt:"));
+    let is_of_film = |name: &str| FILM_ATTRIBUTES.contains(&name) || of_film.iter().any(|(known, _)| known == name);
+    attributes.retain(|(name, _)| !is_of_film(name));
+    attributes.extend(of_film);
+    let state = State::new(first.state.identity.clone(), devices.clone(), &film, samples.clone(), *looks);
+    write_render(&args.output, &film, &attributes, Some(&state))?;
+
+    let off_runs = joined.parts.iter().flat_map(|part| part.state.samples.ranges()).any(|range| {
+        let is_inner =
+            |at: u32| !at.is_multiple_of(RUN_LENGTH) && at != samples.hull().start && at != samples.hull().end;
+        is_inner(range.start) || is_inner(range.end)
+    });
+    if !args.quiet {
+        if off_runs {
+            tell(&format!(
+                "parts end within a run of {RUN_LENGTH} samples: the result is that of one render, but for the rounding of f32"
+            ));
+        }
+        let error = finish
+            .error
+            .map_or("error unknown".to_string(), |error| format!("relative error {:.2} %", 100.0 * error.value));
+        tell(&format!("{}: {} parts, {} samples, {error}", args.output.display(), joined.parts.len(), samples.count()));
+    }
+    if args.json {
+        let mut report = json!({
+            "output": path_text(&args.output),
+            "parts": joined.parts.len(),
+            "width": film.width(),
+            "height": film.height(),
+            "samples_per_pixel": samples.count(),
+        });
+        if let (Some(report), Some(record)) = (report.as_object_mut(), json!(record).as_object()) {
+            report.extend(record.clone());
+        }
+        print_json(&report)?;
+    }
+    Ok(())
+}
+
+/// Attributes of the film, which may be absent where nothing is known: those of a part do not stay.
+const FILM_ATTRIBUTES: [&str; 5] = [
+    "gpu-rt:relative_error",
+    "gpu-rt:relative_error_bound",
+    "gpu-rt:relative_error_confidence",
+    "gpu-rt:relative_error_excludes",
+    "gpu-rt:reliable",
+];
+
+struct Part<'a> {
+    path: &'a Path,
+    state: State,
+}
+
+/// Parts that fit together.
+struct Joined<'a> {
+    /// Sorted by their first samples.
+    parts: Vec<Part<'a>>,
+    samples: Samples,
+    devices: Vec<(String, String)>,
+    looks: u32,
+    complete: bool,
+    /// The header of the first part.
+    attributes: Vec<(String, Attribute)>,
+}
+
+impl<'a> Joined<'a> {
+    /// Reads what the parts are of.
+    ///
+    /// # Errors
+    /// `Error::Usage` where they are not of one render, overlap, or leave a gap.
+    fn of(args: &'a MergeArgs, loading: &mut Loading) -> Result<Joined<'a>> {
+        let mut parts: Vec<Part<'a>> = Vec::new();
+        for (number, path) in args.parts.iter().enumerate() {
+            loading.show(&format!("reading {}", path.display()), number as f64 / args.parts.len() as f64);
+            let state = read_state(path)?.ok_or_else(|| {
+                Error::Usage(format!(
+                    "{}: it has no state, so that it cannot be joined: images of other programs and of --no-state have none",
+                    path.display()
+                ))
+            })?;
+            if let Some(first) = parts.first() {
+                fits(first, path, &state, args.mixed_drivers)?;
+            }
+            parts.push(Part { path, state });
+        }
+        parts.sort_by_key(|part| part.state.samples.hull().start);
+        let mut samples = Samples::default();
+        let (mut devices, mut looks) = (Vec::new(), 0u32);
+        for (number, part) in parts.iter().enumerate() {
+            if let Some(range) = samples.overlap(&part.state.samples) {
+                return Err(overlap(&parts[..number], part, &range));
+            }
+            part.state.samples.ranges().iter().for_each(|range| samples.add(range.clone()));
+            looks = looks.saturating_add(part.state.looks);
+            for device in &part.state.devices {
+                if !devices.contains(device) {
+                    devices.push(device.clone());
+                }
+            }
+        }
+        let gaps = samples.missing(samples.hull());
+        if !gaps.is_empty() && !args.allow_gaps {
+            let end =
+                |at: u32| parts.iter().find(|part| part.state.samples.ranges().iter().any(|range| range.end == at));
+            let before = gaps.ranges().first().and_then(|gap| end(gap.start));
+            let after = before.map_or(String::new(), |part| format!(" after {}", part.path.display()));
+            return Err(Error::Usage(format!(
+                "gap: no part has the samples {gaps}{after}. --allow-gaps joins the parts nevertheless"
+            )));
+        }
+        let complete = gaps.is_empty();
+        let first = parts.first().map_or(Path::new(""), |part| part.path);
+        let attributes = read_attributes(first)?;
+        Ok(Joined { parts, samples, devices, looks, complete, attributes })
+    }
+}
+
+/// Checks that a part is of the same render as the first one.
+fn fits(first: &Part<'_>, path: &Path, state: &State, mixed_drivers: bool) -> Result<()> {
+    let [a, b] = [first.path, path].map(|path| path.display().to_string());
+    let of_film = |state: &State| (state.size, state.exponent, state.sampler);
+    let difference = first.state.identity.difference(&a, &state.identity, &b);
+    let difference = difference.or((of_film(&first.state) != of_film(state)).then(|| "their films differ".to_string()));
+    if let Some(difference) = difference {
+        return Err(Error::Usage(format!("mismatch: {a} and {b} cannot be joined: {difference}")));
+    }
+    if !mixed_drivers && first.state.devices != state.devices {
+        let names = |state: &State| {
+            let names: Vec<String> = state.devices.iter().map(|(name, driver)| format!("{name} ({driver})")).collect();
+            names.join(" and ")
+        };
+        return Err(Error::Usage(format!(
+            "mismatch: {a} was rendered by {}, {b} by {}, whose rounding may differ. --mixed-drivers joins them nevertheless",
+            names(&first.state),
+            names(state)
+        )));
+    }
+    Ok(())
+}
+
+fn overlap(before: &[Part<'_>], part: &Part<'_>, range: &Range<u32>) -> Error {
+    let other = before.iter().find(|other| other.state.samples.overlap(&part.state.samples).is_some());
+    let other = other.map_or(PathBuf::new(), |other| other.path.to_path_buf());
+    Error::Usage(format!(
+        "overlap: {} and {} both have the samples {}..{}",
+        other.display(),
+        part.path.display(),
+        range.start,
+        range.end
+    ))
+}

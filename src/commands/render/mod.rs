@@ -1,0 +1,404 @@
+//! `gpu-rt render`: from a scene file to an image file.
+
+mod record;
+mod resume;
+mod summary;
+mod watcher;
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use serde::Serialize;
+use serde_json::json;
+
+use super::{
+    check_place, flatten_for, open_device, print_json, same_file, stop_on_interrupt, tell, tell_biases, tell_software,
+};
+use crate::cli::{MOST_SAMPLES, RenderArgs};
+use crate::error::{Error, Result};
+use crate::film::Film;
+use crate::flatten::DeviceScene;
+use crate::gpu::device::Device;
+use crate::gpu::probe::numerics;
+use crate::identity::Identity;
+use crate::job::{Goal, Job};
+use crate::output::exr::{State, read_state, write_render};
+use crate::output::png::write_png;
+use crate::output::progress::{Loading, Progress};
+use crate::plan::Plan;
+use crate::render::{Outcome, Renderer};
+use crate::scene::Scene;
+use record::{About, report};
+pub use record::{Finish, attributes_of, excluded};
+use resume::Accumulation;
+use summary::{rejected_words, summarise};
+use watcher::{Watcher, look_time, pause_after};
+
+/// Seconds of the parts of a render, as `--json` and the EXR's header report them.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+struct Seconds {
+    load: f64,
+    build: f64,
+    /// Finding and opening the device, beyond the time that the build took.
+    device: f64,
+    /// Linking the kernels and creating their pipelines, up to one dispatch of zero workgroups of each.
+    compile: f64,
+    render: f64,
+    write: f64,
+    total: f64,
+    /// A part of the rendering: from its start to the end of the first submission.
+    first_pass: f64,
+}
+
+/// Where the image goes.
+struct Output<'a> {
+    exr: PathBuf,
+    png: Option<&'a Path>,
+    exposure: f64,
+}
+
+/// Renders the scene as asked, writing the image now and then and at the end.
+pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
+    let mut clock = Clock(start);
+    let mut seconds = Seconds::default();
+    let mut loading = Loading::new(args.quiet);
+    let scene = Scene::load_with(&args.scene, &mut |file, done, whole| loading.update(file, done, whole))?;
+    drop(loading);
+    // As `check` has them; --quiet leaves them to the report and the image's header.
+    let mut warnings = scene.warnings();
+    let tell_warnings = |warnings: &[String]| {
+        if !args.quiet {
+            warnings.iter().for_each(|warning| tell(&format!("warning: {warning}")));
+        }
+    };
+    tell_warnings(&warnings);
+    let biases = tell_biases(&args.options, args.paths.max_depth, &scene, args.quiet);
+    let output = output_of(args)?;
+    seconds.load = clock.lap();
+
+    // The driver loads while the scene is built; `device` is the time that it takes beyond. A scene that does not load waits for no driver.
+    let (built, device) = std::thread::scope(|scope| {
+        let opening = scope.spawn(|| open_device(args.paths.device.as_deref()));
+        let built = flatten_for(&scene, args.size, &args.options).and_then(|(size, flat)| {
+            let job = job_of(args, &scene, size, start);
+            let identity = Identity::of(&scene, &job, &args.options);
+            let earlier = resume::earlier(args, &output.exr, &identity, &job)?;
+            Ok((size, flat, job, identity, earlier))
+        });
+        seconds.build = clock.lap();
+        (built, opening.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+    });
+    let (size, flat, job, identity, earlier) = built?;
+    tell_warnings(&flat.warnings);
+    warnings.extend_from_slice(&flat.warnings);
+    let mut device = device?;
+    tell_software(&device, args.quiet);
+    seconds.device = clock.lap();
+
+    let mut film = match &earlier {
+        Some(state) => Accumulation::of_file(&output.exr, state)?,
+        None => Accumulation::new(size, flat.radiance_exponent, args.options.sampler)?,
+    };
+    film.note_device(&device, &output.exr, args.mixed_drivers)?;
+    let overwritten = match &earlier {
+        Some(_) => None,
+        None => resume::more_there(&output.exr, &identity, 0),
+    };
+    let resumed_from = earlier.as_ref().map(|state| state.samples.count());
+    let stopped = stop_on_interrupt();
+    let progress = Progress::new(args.quiet, &job, resumed_from.unwrap_or(0));
+    let task = Task {
+        args,
+        flat: &flat,
+        output: &output,
+        identity: &identity,
+        job: &job,
+        biases: &biases,
+        warnings: &warnings,
+        stopped: &stopped,
+        progress: &progress,
+        resumed_from,
+        overwritten,
+    };
+    let mut rendering = Rendering::default();
+    let mut rendered = task.render(&device, &mut film, &mut rendering, &mut seconds, &mut clock);
+    if let Err(Error::Device(why)) = &rendered
+        && rendering.started
+        && !stopped.load(Ordering::Relaxed)
+    {
+        progress.message(&format!("warning: {why}; the device is opened once more"));
+        let again = task.last_whole(&rendering).and_then(|last| Ok((last, open_device(args.paths.device.as_deref())?)));
+        // Where that fails too, the first failure is the one to tell.
+        if let Ok((last, other)) = again {
+            (film, device) = (last, other);
+            film.note_device(&device, &output.exr, args.mixed_drivers)?;
+            rendered = task.render(&device, &mut film, &mut rendering, &mut seconds, &mut clock);
+        }
+    }
+    progress.finish();
+    seconds.render = clock.lap();
+
+    let about = task.about(&device)?;
+    let outcome = std::mem::take(&mut rendering.outcome);
+    let complete = rendered.is_ok() && !outcome.interrupted;
+    let finish = Finish::of(&film.film, &film.samples, &film.devices, outcome.noise, complete);
+    match rendered {
+        Ok(()) => task.write(&about, &film, &finish, &seconds, &rendering)?,
+        Err(error) => return Err(task.failed(&about, &film, &finish, &seconds, &rendering, error)),
+    }
+    seconds.write = clock.lap();
+
+    // The report has the passes alone, from the first to the last.
+    seconds.render = outcome.seconds;
+    seconds.first_pass = outcome.first_pass;
+    seconds.total = start.elapsed().as_secs_f64();
+    if !args.quiet {
+        summarise(&about, &output, &outcome, &finish, seconds.total);
+    }
+    if args.json {
+        print_json(&json!(report(&about, &output, &outcome, &finish, &seconds, &rendering)))?;
+    }
+    if args.strict && finish.totals.rejected.total() > 0 {
+        return Err(Error::Strict(format!("--strict: {}", rejected_words(&finish.totals))));
+    }
+    match outcome.interrupted {
+        true => Err(Error::Interrupted(format!("interrupted; {}", task.what_is_kept(film.samples.count())))),
+        false => Ok(()),
+    }
+}
+
+/// What stays the same while a render is tried on a device, and once more on another.
+struct Task<'a> {
+    args: &'a RenderArgs,
+    flat: &'a DeviceScene,
+    output: &'a Output<'a>,
+    identity: &'a Identity,
+    job: &'a Job,
+    biases: &'a [String],
+    warnings: &'a [String],
+    stopped: &'a AtomicBool,
+    progress: &'a Progress,
+    /// Samples of a pixel that an earlier render has left.
+    resumed_from: Option<u64>,
+    /// Samples of a pixel that the output had at the start, if it is of this render and is to be overwritten.
+    overwritten: Option<u64>,
+}
+
+/// What has come of the tries.
+#[derive(Default)]
+struct Rendering {
+    outcome: Outcome,
+    /// The names of the kernels, and the bytes of the buffers.
+    kernels: Vec<String>,
+    gpu_bytes: u64,
+    /// Whether the device has begun to render.
+    started: bool,
+    /// Whether the file has a checkpoint of this render.
+    kept: bool,
+}
+
+impl Task<'_> {
+    fn about<'b>(&'b self, device: &'b Device) -> Result<About<'b>> {
+        let Task { args, job, biases, warnings, resumed_from, .. } = self;
+        Ok(About { args, device, numerics: numerics(device)?, job, biases, warnings, resumed_from: *resumed_from })
+    }
+
+    /// Renders what the film lacks.
+    fn render(
+        &self,
+        device: &Device,
+        film: &mut Accumulation,
+        rendering: &mut Rendering,
+        seconds: &mut Seconds,
+        clock: &mut Clock,
+    ) -> Result<()> {
+        rendering.outcome.noise = film.noise_reached(self.job);
+        let jobs = film.jobs(self.job, rendering.outcome.noise);
+        let Some(first) = jobs.first() else { return Ok(()) };
+        let plan = std::thread::scope(|scope| {
+            // The device keeps what its probe finds; an error comes again where the findings are asked for.
+            scope.spawn(|| numerics(device).is_ok());
+            Plan::new(self.flat, &self.args.options, device.class(), first)
+        })?;
+        let mut renderer = Renderer::new(device, &plan, first, self.args.profile)?;
+        rendering.kernels = plan.kernels().iter().map(|kernel| kernel.name.clone()).collect();
+        rendering.gpu_bytes = plan.buffers().iter().map(|buffer| buffer.allocated()).sum();
+        seconds.compile += clock.lap();
+
+        let about = self.about(device)?;
+        for job in &jobs {
+            let Accumulation { film: pixels, samples, looks, devices } = &mut *film;
+            let begun = Instant::now();
+            let mut watcher = Watcher {
+                progress: self.progress,
+                stopped: self.stopped,
+                begun,
+                pixels: u64::from(job.size.0) * u64::from(job.size.1),
+                earlier: samples.count(),
+                next_look: (!self.args.quiet).then(|| begun + pause_after(look_time(job.size))),
+                next_checkpoint: begun + self.args.checkpoint,
+                interval: self.args.checkpoint,
+                error: None,
+                failed: String::new(),
+                kept: false,
+                checkpoint: &|film, outcome| {
+                    let mut samples = samples.clone();
+                    samples.add(outcome.samples.clone());
+                    let looks = outcome.noise.map_or(*looks, |noise| noise.looks);
+                    let finish = Finish::of(film, &samples, devices, outcome.noise, false);
+                    let state = State::new(self.identity.clone(), devices.clone(), film, samples, looks);
+                    self.keep(&about, film, state, &finish, seconds)
+                },
+            };
+            rendering.started = true;
+            let outcome = renderer.run(job, pixels, &mut |outcome, look| watcher.watch(outcome, look));
+            rendering.kept |= watcher.kept;
+            let outcome = outcome?;
+            samples.add(outcome.samples.clone());
+            *looks = outcome.noise.map_or(*looks, |noise| noise.looks);
+            rendering.outcome.join(outcome);
+            if rendering.outcome.interrupted {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes the EXR, unless the file there holds more samples of this render. At the end of the render, what it had at the start is
+    /// overwritten: another process has written what is new.
+    fn keep(&self, about: &About<'_>, film: &Film, state: State, finish: &Finish, seconds: &Seconds) -> Result<()> {
+        let exr = &self.output.exr;
+        let mine = state.samples.count();
+        let more = resume::more_there(exr, self.identity, mine).filter(|_| !self.args.force);
+        if let Some(more) = more.filter(|more| !(finish.complete && Some(*more) == self.overwritten)) {
+            let reason =
+                format!("it holds {more} samples per pixel of this render, and this process has {mine}: it stays");
+            return Err(Error::File { path: exr.clone(), action: "write", reason });
+        }
+        let attributes = about.record(finish, seconds).attributes();
+        write_render(exr, film, &attributes, (!self.args.no_state).then_some(&state))
+    }
+
+    /// Writes what the render came to.
+    fn write(
+        &self,
+        about: &About<'_>,
+        film: &Accumulation,
+        finish: &Finish,
+        seconds: &Seconds,
+        rendering: &Rendering,
+    ) -> Result<()> {
+        if rendering.started {
+            let Accumulation { film, samples, looks, devices } = film;
+            let state = State::new(self.identity.clone(), devices.clone(), film, samples.clone(), *looks);
+            self.keep(about, film, state, finish, seconds)?;
+        }
+        match self.output.png {
+            Some(png) => write_png(png, self.job.size, &|index| film.film.developed(index).rgb, self.output.exposure),
+            None => Ok(()),
+        }
+    }
+
+    /// The film as it was when it was last whole: that of the file, if this render has written it or goes on with it.
+    fn last_whole(&self, rendering: &Rendering) -> Result<Accumulation> {
+        let in_file = rendering.kept || self.resumed_from.is_some();
+        match if in_file { read_state(&self.output.exr)? } else { None } {
+            Some(state) => Accumulation::of_file(&self.output.exr, &state),
+            None => Accumulation::new(self.job.size, self.flat.radiance_exponent, self.args.options.sampler),
+        }
+    }
+
+    /// Keeps what there is where the device has failed for good. The error says what that is.
+    fn failed(
+        &self,
+        about: &About<'_>,
+        film: &Accumulation,
+        finish: &Finish,
+        seconds: &Seconds,
+        rendering: &Rendering,
+        error: Error,
+    ) -> Error {
+        let Error::Device(why) = error else { return error };
+        let exr = &self.output.exr;
+        if rendering.kept || self.resumed_from.is_some() {
+            let held = read_state(exr).ok().flatten().map_or(0, |state| state.samples.count());
+            return Error::Device(format!("{why}; {}", self.what_is_kept(held)));
+        }
+        // What came since the last whole film favours short paths, so that nothing can go on from it.
+        if film.film.totals().paths > 0 {
+            let attributes = about.record(finish, seconds).attributes();
+            let written = write_render(exr, &film.film, &attributes, None);
+            return Error::Device(match written {
+                Ok(()) => format!("{why}; {} holds what there was, and cannot be resumed", exr.display()),
+                Err(error) => format!("{why}; {error}"),
+            });
+        }
+        Error::Device(why)
+    }
+
+    /// What the file holds, and how to go on.
+    fn what_is_kept(&self, samples: u64) -> String {
+        let exr = self.output.exr.display();
+        match self.args.no_state || samples == 0 {
+            true => format!("{exr} holds the image so far"),
+            false => format!("{exr} holds {samples} samples per pixel. Add --resume to go on"),
+        }
+    }
+}
+
+/// Laps from the start of the program.
+struct Clock(Instant);
+
+impl Clock {
+    fn lap(&mut self) -> f64 {
+        let now = Instant::now();
+        let lap = now.duration_since(self.0).as_secs_f64();
+        self.0 = now;
+        lap
+    }
+}
+
+/// The paths to write to, checked before anything costs time.
+fn output_of(args: &RenderArgs) -> Result<Output<'_>> {
+    let exr: PathBuf = match &args.output {
+        Some(path) => path.clone(),
+        None => {
+            let name = args.scene.file_stem().unwrap_or_default();
+            PathBuf::from(name).with_added_extension("exr")
+        }
+    };
+    let places: Vec<&Path> = std::iter::once(exr.as_path()).chain(args.png.as_deref()).collect();
+    places.iter().try_for_each(|place| check_place(place, "nothing has been rendered"))?;
+    let twice = args.png.as_deref().is_some_and(|png| same_file(&exr, png));
+    if twice || places.iter().any(|place| same_file(place, &args.scene)) {
+        return Err(Error::Usage(format!(
+            "{}: expected different files for the scene, the EXR and the PNG; nothing has been rendered",
+            exr.display()
+        )));
+    }
+    Ok(Output { exr, png: args.png.as_deref(), exposure: args.exposure })
+}
+
+fn job_of(args: &RenderArgs, scene: &Scene, size: (u32, u32), start: Instant) -> Job {
+    let samples = args.samples.clone().unwrap_or(0..args.spp.unwrap_or(scene.render.samples));
+    let deadline = args.time.map(|time| start + time.saturating_sub(write_time(size)));
+    let end = args.spp.unwrap_or(MOST_SAMPLES as u32);
+    let goal = match (args.noise, deadline) {
+        (None, None) => Goal::Samples(samples.end),
+        (None, Some(deadline)) => Goal::Until { deadline, end },
+        (Some(error), deadline) => Goal::Noise { error, deadline, end, begun: samples.start, looks: 0 },
+    };
+    Job {
+        size,
+        max_depth: args.paths.max_depth.unwrap_or(scene.render.max_depth),
+        seed: args.paths.seed,
+        first_sample: samples.start,
+        goal,
+    }
+}
+
+/// What developing and writing the image is allowed for under `--time`: measured as 0.3 to 0.5 µs a pixel on two cores.
+fn write_time((width, height): (u32, u32)) -> Duration {
+    Duration::from_nanos(u64::from(width) * u64::from(height) * 500) + Duration::from_millis(20)
+}

@@ -1,0 +1,176 @@
+//! What an earlier render has left in the output, and what is left to do.
+
+use std::path::Path;
+
+use crate::cli::{RenderArgs, Resume};
+use crate::commands::tell;
+use crate::data::{RUN_LENGTH, Sampler};
+use crate::error::{Error, Result};
+use crate::film::Film;
+use crate::gpu::device::Device;
+use crate::identity::Identity;
+use crate::job::{Goal, Job};
+use crate::output::exr::{State, add_film, read_state};
+use crate::render::{FIRST_LOOK, Noise, level_after};
+use crate::samples::Samples;
+
+/// A film, and what it is of: what a file with a state holds.
+pub struct Accumulation {
+    pub film: Film,
+    pub samples: Samples,
+    /// How often `--noise` has compared the error with the one asked.
+    pub looks: u32,
+    /// The devices and drivers that have rendered it.
+    pub devices: Vec<(String, String)>,
+}
+
+/// The state of the output that a render goes on with; nothing where it starts afresh.
+///
+/// # Errors
+/// `Error::Usage` where there is nothing to resume, or what there is is not of this render, or is more than is asked and would be lost.
+pub fn earlier(args: &RenderArgs, exr: &Path, identity: &Identity, job: &Job) -> Result<Option<State>> {
+    let name = exr.display();
+    let Some(resume) = args.resume else { return refuse_to_lose(args, exr, identity, job).map(|()| None) };
+    let nothing = |why: String| match resume {
+        Resume::Auto => {
+            if !args.quiet {
+                tell(&format!("{why}: the render starts afresh"));
+            }
+            Ok(None)
+        }
+        Resume::Yes => {
+            Err(Error::Usage(format!("{why}; --resume=auto starts afresh where there is nothing to resume")))
+        }
+    };
+    if !exr.is_file() {
+        return nothing(format!("nothing to resume: {name} is not there"));
+    }
+    let Some(state) = read_state(exr)? else {
+        return nothing(format!(
+            "nothing to resume: {name} has no state, as images of other programs and of --no-state"
+        ));
+    };
+    if let Some(difference) = identity.difference("this render", &state.identity, &name.to_string()) {
+        return Err(Error::Usage(format!("{name} cannot be resumed: {difference}")));
+    }
+    let (hull, ranges) = (state.samples.hull(), state.samples.ranges().len());
+    let refused = |why: &str| {
+        Err(Error::Usage(format!("{name} cannot be resumed: it holds the samples {}, {why}", state.samples)))
+    };
+    let missing = match job.goal {
+        Goal::Samples(end) => state.samples.missing(job.first_sample..end),
+        Goal::Until { .. } | Goal::Noise { .. } if hull.start != job.first_sample || ranges > 1 => {
+            return refuse_parts(refused);
+        }
+        Goal::Until { end, .. } | Goal::Noise { end, .. } => state.samples.missing(job.first_sample..end),
+    };
+    let wanted = job.first_sample..missing.hull().end.max(hull.end);
+    if !missing.is_empty() && (hull.start < wanted.start || matches!(job.goal, Goal::Samples(end) if hull.end > end)) {
+        return refused("of which some are not asked for; `gpu-rt merge` joins parts");
+    }
+    let cut = |range: &std::ops::Range<u32>| !range.start.is_multiple_of(RUN_LENGTH);
+    if !args.quiet && missing.ranges().iter().any(cut) {
+        tell(&format!(
+            "{name} ends within a run of {RUN_LENGTH} samples: the result is that of one render, but for the rounding of f32"
+        ));
+    }
+    Ok(Some(state))
+}
+
+fn refuse_parts(refused: impl Fn(&str) -> Result<Option<State>>) -> Result<Option<State>> {
+    refused("and --time and --noise go on from one range that starts with the first sample")
+}
+
+/// Refuses to overwrite an image of this render that has more samples than are asked for.
+fn refuse_to_lose(args: &RenderArgs, exr: &Path, identity: &Identity, job: &Job) -> Result<()> {
+    let Goal::Samples(end) = job.goal else { return Ok(()) };
+    let asked = u64::from(end - job.first_sample);
+    match more_there(exr, identity, asked) {
+        Some(more) if !args.force => Err(Error::Usage(format!(
+            "{} holds {more} samples per pixel of this render, more than the {asked} that are asked for. --force overwrites it",
+            exr.display()
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// How many samples a file holds, if it is of this render and has more than so many.
+pub fn more_there(exr: &Path, identity: &Identity, than: u64) -> Option<u64> {
+    if !exr.is_file() {
+        return None;
+    }
+    let state = read_state(exr).ok().flatten().filter(|state| state.samples.count() > than)?;
+    identity.difference("", &state.identity, "").is_none().then(|| state.samples.count())
+}
+
+impl Accumulation {
+    pub fn new(size: (u32, u32), exponent: i32, sampler: Sampler) -> Result<Accumulation> {
+        let film = Film::with_sampler(size.0, size.1, exponent, sampler)?;
+        Ok(Accumulation { film, samples: Samples::default(), looks: 0, devices: Vec::new() })
+    }
+
+    /// What a file holds.
+    pub fn of_file(path: &Path, state: &State) -> Result<Accumulation> {
+        let mut film = state.film()?;
+        add_film(path, state, &mut film)?;
+        let State { samples, looks, devices, .. } = state.clone();
+        Ok(Accumulation { film, samples, looks, devices })
+    }
+
+    /// Adds a device to those that have rendered it.
+    ///
+    /// # Errors
+    /// `Error::Usage` where another driver has rendered what is there, unless they may be mixed.
+    pub fn note_device(&mut self, device: &Device, exr: &Path, mixed: bool) -> Result<()> {
+        let name = (device.name.name.clone(), device.name.driver.clone());
+        if let Some((other, driver)) = self.devices.iter().find(|known| **known != name)
+            && !mixed
+        {
+            return Err(Error::Usage(format!(
+                "{} cannot be resumed: it was rendered by {other} ({driver}), and this is {} ({}), whose rounding may differ. \
+                 --mixed-drivers goes on nevertheless",
+                exr.display(),
+                name.0,
+                name.1
+            )));
+        }
+        if !self.devices.contains(&name) {
+            self.devices.push(name);
+        }
+        Ok(())
+    }
+
+    /// Of a render until an error: what came of the last look at this film, if it was enough.
+    pub fn noise_reached(&self, job: &Job) -> Option<Noise> {
+        let Goal::Noise { error, .. } = job.goal else { return None };
+        let last = self.looks.checked_sub(1)?;
+        let looked_at = u64::from(FIRST_LOOK) << last.min(31);
+        if self.samples.count() != looked_at {
+            return None;
+        }
+        let bound = self.film.error_estimate(level_after(last))?.bound;
+        (bound < error).then_some(Noise { looks: self.looks, reached: true })
+    }
+
+    /// What is left of a job.
+    pub fn jobs(&self, job: &Job, reached: Option<Noise>) -> Vec<Job> {
+        let end = match job.goal {
+            Goal::Samples(end) | Goal::Until { end, .. } | Goal::Noise { end, .. } => end,
+        };
+        let missing = match reached {
+            Some(_) => Samples::default(),
+            None => self.samples.missing(job.first_sample..end),
+        };
+        let part = |range: &std::ops::Range<u32>| {
+            let goal = match job.goal {
+                Goal::Samples(_) => Goal::Samples(range.end),
+                Goal::Noise { error, deadline, end, begun, .. } => {
+                    Goal::Noise { error, deadline, end, begun, looks: self.looks }
+                }
+                until @ Goal::Until { .. } => until,
+            };
+            Job { first_sample: range.start, goal, ..job.clone() }
+        };
+        missing.ranges().iter().map(part).collect()
+    }
+}

@@ -1,0 +1,109 @@
+//! What a render says at its end.
+
+use std::time::Duration;
+
+use super::Output;
+use super::record::{About, Finish};
+use crate::commands::tell;
+use crate::film::Totals;
+use crate::render::Outcome;
+
+/// Seconds beyond the time that was asked for, if the render took longer.
+pub fn overrun(time: Option<Duration>, total: f64) -> Option<f64> {
+    time.map(|time| total - time.as_secs_f64()).filter(|over| *over > 0.0)
+}
+
+/// The last line, and before it what the user should know.
+pub fn summarise(about: &About<'_>, output: &Output<'_>, outcome: &Outcome, finish: &Finish, total: f64) {
+    let About { args, job, .. } = about;
+    if finish.totals.rejected.total() > 0 {
+        tell(&format!("warning: {}", rejected_words(&finish.totals)));
+    }
+    let cut = finish.too_deep;
+    if cut.paths > 0 {
+        let (paths, mean) = (finish.totals.paths.max(1) as f64, cut.mean());
+        tell(&format!(
+            "max_depth {} cut {} of {} paths, with a mean throughput of {mean:.2e}: averaged over the image, at most {:.2e} of the \
+             radiance that they would have found is missing",
+            job.max_depth,
+            cut.paths,
+            finish.totals.paths,
+            cut.throughput / paths
+        ));
+    }
+    if let Some((time, over)) = args.time.zip(overrun(args.time, total)) {
+        let over = if over < 1.0 { format!("{:.1} ms", 1e3 * over) } else { format!("{over:.1} s") };
+        tell(&format!("warning: the render took {over} longer than --time {} s", time.as_secs_f64()));
+    }
+    if args.profile {
+        match outcome.stages.is_empty() {
+            true => tell("stages: this device has no timestamps"),
+            false => outcome.stages.iter().for_each(|(name, s)| tell(&format!("stage {name}: {s:.3} s on the device"))),
+        }
+        if let Some(idle) = outcome.device_idle {
+            tell(&format!("the device was idle for {} % of the time", percent(idle)));
+        }
+    }
+    if let Some(error) = finish.error.filter(|error| !error.reliable) {
+        tell(&format!(
+            "warning: the relative error is unreliable: rare bright paths dominate it{}",
+            match error.bound.is_finite() {
+                true => format!(". It may be {} %", percent(error.bound)),
+                false => String::new(),
+            }
+        ));
+    }
+    if finish.lacks_light() {
+        tell(&format!(
+            "warning: the relative error is unreliable: mirrors and glass block {} % of the image's light from light sampling, and paths \
+             have found {} % by chance. Raise --spp.",
+            percent(finish.through_glass.blocked_by_dielectrics()),
+            percent(finish.through_glass.found_by_bsdf())
+        ));
+    }
+    if let (Some(wish), Some(noise)) = (args.noise, finish.noise) {
+        let words = if noise.reached { "was reached" } else { "was not reached" };
+        tell(&match finish.error.map(|error| error.bound).filter(|bound| bound.is_finite()) {
+            Some(bound) => {
+                format!(
+                    "--noise {wish} {words}: the relative error is at most {} %, with 95 % confidence",
+                    percent(bound)
+                )
+            }
+            None => format!(
+                "--noise {wish} {words}: the error has no bound, since too few pixels have any light; give --spp or --time"
+            ),
+        });
+    }
+    if finish.error.is_some() {
+        tell(&format!("the relative error covers noise; it excludes {}", about.excluded()));
+    }
+    let error = match finish.error {
+        Some(error) if error.bound.is_finite() => {
+            format!("relative error {} % (95 % sure: below {} %)", percent(error.value), percent(error.bound))
+        }
+        Some(error) => format!("relative error {} %", percent(error.value)),
+        None => "error unknown (it needs 9 samples per pixel, and light)".to_string(),
+    };
+    let samples = finish.samples.count();
+    let resumed = about.resumed_from.map_or(String::new(), |from| format!(" ({from} of them resumed)"));
+    tell(&format!("{}: {samples} samples{resumed}, {error}, {total:.1} s", output.exr.display()));
+}
+
+fn percent(share: f64) -> String {
+    format!("{:.2}", 100.0 * share)
+}
+
+pub fn rejected_words(totals: &Totals) -> String {
+    let rejected = totals.rejected;
+    format!(
+        "{} of {} samples were rejected: {} were not a number, {} infinite, {} cut short, {} not delivered \
+         whole",
+        rejected.total(),
+        totals.paths,
+        rejected.nan,
+        rejected.infinite,
+        rejected.cut,
+        rejected.refused
+    )
+}

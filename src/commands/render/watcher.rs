@@ -1,0 +1,152 @@
+//! What a render does while it goes on: it shows progress, looks at the film, writes checkpoints, and passes interrupts on.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use crate::error::Result;
+use crate::film::Film;
+use crate::output::progress::{Progress, Status};
+use crate::render::{Look, Next, Outcome};
+
+/// What bringing the film from the device and measuring its error takes: 0.1 to 0.2 µs a pixel.
+pub fn look_time((width, height): (u32, u32)) -> Duration {
+    Duration::from_nanos(u64::from(width) * u64::from(height) * 150)
+}
+
+/// The time between two looks: they shall cost 0.5 % at most, and no terminal needs more than one a second.
+pub fn pause_after(look: Duration) -> Duration {
+    (200 * look).max(Duration::from_secs(1))
+}
+
+/// The largest share of the time that checkpoints take.
+const MOST_OF_CHECKPOINTS: f64 = 0.03;
+
+/// Called after each submission.
+pub struct Watcher<'a> {
+    pub progress: &'a Progress,
+    pub stopped: &'a AtomicBool,
+    pub begun: Instant,
+    pub pixels: u64,
+    /// Samples of a pixel that the film had before.
+    pub earlier: u64,
+    /// Nothing where nobody watches.
+    pub next_look: Option<Instant>,
+    pub next_checkpoint: Instant,
+    pub interval: Duration,
+    pub error: Option<f64>,
+    /// Why the last checkpoint failed.
+    pub failed: String,
+    /// Whether a checkpoint has been written.
+    pub kept: bool,
+    pub checkpoint: &'a dyn Fn(&Film, &Outcome) -> Result<()>,
+}
+
+impl Watcher<'_> {
+    pub fn watch(&mut self, outcome: &Outcome, look: Option<Look<'_>>) -> Next {
+        let now = Instant::now();
+        let keep = now >= self.next_checkpoint;
+        let is_due = self.next_look.is_some_and(|next| now >= next);
+        let looked = look.is_some();
+        if let Some(Look { film, begin, whole }) = look {
+            if keep && whole {
+                let kept = (self.checkpoint)(film, outcome);
+                self.note_checkpoint(kept, begin.elapsed());
+            } else if let Some(next) = &mut self.next_look {
+                self.error = film.relative_error();
+                *next = Instant::now() + pause_after(begin.elapsed());
+            }
+        }
+        let paths = outcome.totals.paths;
+        self.progress.update(Status {
+            samples_per_pixel: self.earlier + paths / self.pixels.max(1),
+            paths_per_second: paths as f64 / self.begun.elapsed().as_secs_f64().max(1e-6),
+            relative_error: self.error,
+        });
+        match self.stopped.load(Ordering::Relaxed) {
+            true => Next::Stop,
+            false if looked => Next::GoOn,
+            false if keep => Next::Whole,
+            false if is_due => Next::Look,
+            false => Next::GoOn,
+        }
+    }
+
+    /// Tells what is new, and when the next checkpoint comes. One that fails is tried again; the render is worth more than it.
+    fn note_checkpoint(&mut self, kept: Result<()>, took: Duration) {
+        match kept {
+            Ok(()) => {
+                self.kept = true;
+                self.failed.clear();
+            }
+            Err(error) => {
+                let error = error.to_string();
+                if error != self.failed {
+                    self.progress.message(&format!("warning: no checkpoint: {error}"));
+                }
+                self.failed = error;
+            }
+        }
+        let least = took.div_f64(MOST_OF_CHECKPOINTS);
+        if least > self.interval {
+            self.interval = least;
+            self.progress.message(&format!(
+                "a checkpoint takes {:.1} s: the next ones come every {:.0} s, so that they take {} % of the time",
+                took.as_secs_f64(),
+                least.as_secs_f64(),
+                100.0 * MOST_OF_CHECKPOINTS
+            ));
+        }
+        self.next_checkpoint = Instant::now() + self.interval;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::job::{Goal, Job};
+
+    /// What a watcher says to `calls` submissions, with a film that takes 10 ms to be looked at: how often it looks.
+    fn looks(next_look: Option<Instant>, checkpoint: Duration, calls: usize) -> usize {
+        let goal = Goal::Samples(1);
+        let job = Job { size: (1, 1), max_depth: 1, seed: 0, first_sample: 0, goal };
+        let (film, outcome) = (Film::new(1, 1, 0).unwrap(), Outcome::default());
+        let (progress, stopped, begun) = (Progress::new(true, &job, 0), AtomicBool::new(false), Instant::now());
+        let mut watcher = Watcher {
+            progress: &progress,
+            stopped: &stopped,
+            begun,
+            pixels: 1,
+            earlier: 0,
+            next_look,
+            next_checkpoint: begun + checkpoint,
+            interval: checkpoint,
+            error: None,
+            failed: String::new(),
+            kept: false,
+            checkpoint: &|_, _| Ok(()),
+        };
+        let mut count = 0;
+        for _ in 0..calls {
+            let next = watcher.watch(&outcome, None);
+            if next != Next::GoOn {
+                count += 1;
+                let begin = Instant::now() - Duration::from_millis(10);
+                let look = Look { film: &film, begin, whole: next == Next::Whole };
+                assert_eq!(watcher.watch(&outcome, Some(look)), Next::GoOn);
+            }
+        }
+        count
+    }
+
+    /// A look of 10 ms is followed by two seconds without one, and nobody looks for a quiet render but to write checkpoints.
+    #[test]
+    fn looks_are_rare_and_for_somebody() {
+        let hour = Duration::from_secs(3600);
+        assert_eq!(looks(Some(Instant::now()), hour, 1000), 1);
+        assert_eq!(looks(None, hour, 1000), 0);
+        // Checkpoints that take 10 ms each come every third of a second, however often they are asked for.
+        assert_eq!(looks(None, Duration::ZERO, 10), 1);
+        assert_eq!(pause_after(Duration::from_millis(10)), Duration::from_secs(2));
+        assert_eq!(pause_after(Duration::ZERO), Duration::from_secs(1));
+    }
+}

@@ -1,0 +1,117 @@
+//! What is counted over the whole film, in integers, so that order cannot matter.
+
+use serde::{Deserialize, Serialize};
+
+use crate::data::LIGHT_BINS;
+
+/// Samples that were left out of the image, by reason.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Rejected {
+    /// The device found a NaN.
+    pub nan: u64,
+    /// The device found an infinity, or the run's sum overflowed f32.
+    pub infinite: u64,
+    /// The ray's walk through the BVH was given up as too long (shaders/scene/traverse.wgsl).
+    pub cut: u64,
+    /// The sum of their run was negative or NaN, which no sum of accepted samples is.
+    pub refused: u64,
+}
+
+impl Rejected {
+    pub fn total(&self) -> u64 {
+        [self.nan, self.infinite, self.cut, self.refused].into_iter().fold(0, u64::saturating_add)
+    }
+}
+
+/// Totals over the whole film.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Totals {
+    /// Camera samples, accepted or rejected.
+    pub paths: u64,
+    /// Rays of every kind.
+    pub rays: u64,
+    pub rejected: Rejected,
+    /// Paths that max_depth ended.
+    pub too_deep: u64,
+    /// The sum of the largest components of their throughput, in units of 2^-16.
+    pub too_deep_throughput: u64,
+    /// Light of lights that are sampled, by mirrors and through glass, in device units of 2^-24 (shaders/step/through_glass.wgsl). By bins of
+    /// lights: the light that shadow rays found, and the light that paths found by chance.
+    pub light: [[u64; 2]; LIGHT_BINS],
+}
+
+impl std::ops::AddAssign for Totals {
+    /// Saturates, which cannot depend on the order either.
+    fn add_assign(&mut self, other: Totals) {
+        let add = |mine: &mut u64, theirs: u64| *mine = mine.saturating_add(theirs);
+        add(&mut self.paths, other.paths);
+        add(&mut self.rays, other.rays);
+        add(&mut self.rejected.nan, other.rejected.nan);
+        add(&mut self.rejected.infinite, other.rejected.infinite);
+        add(&mut self.rejected.cut, other.rejected.cut);
+        add(&mut self.rejected.refused, other.rejected.refused);
+        add(&mut self.too_deep, other.too_deep);
+        add(&mut self.too_deep_throughput, other.too_deep_throughput);
+        for (mine, theirs) in self.light.as_flattened_mut().iter_mut().zip(other.light.as_flattened()) {
+            add(mine, *theirs);
+        }
+    }
+}
+
+impl Totals {
+    /// What max_depth cut off.
+    pub fn too_deep(&self) -> TooDeep {
+        TooDeep { paths: self.too_deep, throughput: self.too_deep_throughput as f64 / 65_536.0 }
+    }
+
+    /// What is met by mirrors and through glass by chance, in device units, summed over all samples.
+    pub fn through_glass(&self) -> ThroughGlass {
+        ThroughGlass { bins: self.light.map(|[asked, met]| (asked as f64 / 16_777_216.0, met as f64 / 16_777_216.0)) }
+    }
+}
+
+/// What max_depth cut off. The throughput of such a path is the largest share of radiance that it could still have added.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TooDeep {
+    pub paths: u64,
+    /// The sum of the largest components of their throughput, each rounded up to a multiple of 2^-16.
+    pub throughput: f64,
+}
+
+impl TooDeep {
+    /// The mean throughput of a path that was cut.
+    pub fn mean(&self) -> f64 {
+        self.throughput / self.paths.max(1) as f64
+    }
+}
+
+/// Light of lights that are sampled, by mirrors and through glass.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ThroughGlass {
+    /// By bins of lights: the light that shadow rays found, and the light that paths found by chance.
+    bins: [(f64, f64); LIGHT_BINS],
+}
+
+impl ThroughGlass {
+    /// The same in other units.
+    pub fn times(&self, factor: f64) -> ThroughGlass {
+        ThroughGlass { bins: self.bins.map(|(asked, met)| (asked * factor, met * factor)) }
+    }
+
+    /// What there is of it.
+    pub fn blocked_by_dielectrics(&self) -> f64 {
+        self.bins.iter().map(|(asked, _)| asked).sum()
+    }
+
+    /// What paths met of it.
+    pub fn found_by_bsdf(&self) -> f64 {
+        self.bins.iter().map(|(_, met)| met).sum()
+    }
+
+    /// What is certainly missing of it. What rays find is about what paths would meet; a quarter of that may be error.
+    pub fn missing(&self) -> f64 {
+        self.bins.iter().map(|(asked, met)| (0.75 * asked - met).max(0.0)).sum()
+    }
+}

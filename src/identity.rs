@@ -1,0 +1,80 @@
+//! What an image is a function of, beside its samples and the driver: only renders in which all of it agrees can be joined.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::gpu::link::Embedded;
+use crate::job::Job;
+use crate::options::RenderOptions;
+use crate::scene::Scene;
+
+/// What an image is a function of.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Identity {
+    /// Of this program.
+    pub version: String,
+    /// A hash of all shaders.
+    pub kernels: String,
+    /// A hash of what the scene file says.
+    pub scene: String,
+    /// Paths and hashes of images and meshes. The paths are for messages alone.
+    pub assets: Vec<(String, String)>,
+    /// The settings that change the image, by their options' names.
+    pub settings: BTreeMap<String, String>,
+}
+
+impl Identity {
+    pub fn of(scene: &Scene, job: &Job, options: &RenderOptions) -> Identity {
+        let of_job = [
+            ("size", format!("{}x{}", job.size.0, job.size.1)),
+            ("max-depth", job.max_depth.to_string()),
+            ("seed", job.seed.to_string()),
+        ];
+        Identity {
+            version: env!("CARGO_PKG_VERSION").to_string(),
+            kernels: Embedded::digest(),
+            scene: scene.digest(),
+            assets: scene.asset_digests(),
+            settings: of_job
+                .into_iter()
+                .chain(options.of_image())
+                .map(|(name, value)| (name.to_string(), value))
+                .collect(),
+        }
+    }
+
+    /// What differs in another one, in words; nothing where both are of one image. `mine` and `theirs` name the two.
+    pub fn difference(&self, mine: &str, other: &Identity, theirs: &str) -> Option<String> {
+        let mut words = Vec::new();
+        let none = || "none".to_string();
+        let names = self.settings.keys().chain(other.settings.keys().filter(|name| !self.settings.contains_key(*name)));
+        for name in names {
+            let [a, b] = [self, other].map(|identity| identity.settings.get(name).cloned().unwrap_or_else(none));
+            if a != b {
+                words.push(format!("--{name} is {a} in {mine} and {b} in {theirs}"));
+            }
+        }
+        let hashes = |identity: &Identity| identity.assets.iter().map(|(_, hash)| hash.clone()).collect::<Vec<_>>();
+        match hashes(self).len() == hashes(other).len() {
+            true => words.extend(self.assets.iter().zip(&other.assets).filter(|(a, b)| a.1 != b.1).map(
+                |((mine, _), (theirs, _))| match mine == theirs {
+                    true => format!("the file {mine} has changed"),
+                    false => format!("the files {mine} and {theirs} differ"),
+                },
+            )),
+            false => words.push("the scene names other images and meshes".to_string()),
+        }
+        if self.scene != other.scene {
+            words.push("the scene differs".to_string());
+        }
+        if self.version != other.version {
+            words.push(format!("gpu-rt is {} in {mine} and {} in {theirs}", self.version, other.version));
+        } else if self.kernels != other.kernels {
+            words.push("the kernels differ: the builds of gpu-rt do".to_string());
+        }
+        words.dedup();
+        (!words.is_empty()).then(|| words.join("; "))
+    }
+}

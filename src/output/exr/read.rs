@@ -1,0 +1,272 @@
+//! Reads the picture of any file that holds R, G and B.
+
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+use ::exr::block::reader::{ChunksReader, Reader};
+use ::exr::math::Vec2;
+use ::exr::meta::attribute::{ChannelDescription, SampleType};
+use ::exr::meta::header::Header;
+use ::exr::prelude::f16;
+
+use super::{Attribute, REJECTED, SAMPLES, VARIANCES, decoded};
+use crate::data::{CHANNELS, Rgb};
+use crate::error::{Error, Result};
+use crate::film::UNKNOWN_VARIANCE;
+
+/// The contents of a file. Values are unchanged: other programs also write infinities, NaN and negative numbers.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ExrImage {
+    pub width: u32,
+    pub height: u32,
+    /// Row 0 on top.
+    pub rgb: Vec<Rgb<f32>>,
+    /// As [`Picture::variance`]. Only files of gpu-rt have this and the next two.
+    pub variance: Option<Vec<Rgb<f32>>>,
+    pub samples: Option<Vec<u32>>,
+    pub rejected: Option<Vec<u32>>,
+    /// The texts and numbers in the header that are not part of the EXR standard, as text, sorted by name.
+    pub attributes: Vec<(String, String)>,
+}
+
+impl ExrImage {
+    /// The variances of the pixels, if all of them are known.
+    pub fn known_variance(&self) -> Option<&[Rgb<f32>]> {
+        let variance = self.variance.as_deref()?;
+        variance.as_flattened().iter().all(|v| (0.0..UNKNOWN_VARIANCE).contains(v)).then_some(variance)
+    }
+
+    /// The seed of the render, if this program made the file. Images with the same seed share some noise.
+    pub fn seed(&self) -> Option<u32> {
+        let (_, text) = self.attributes.iter().find(|(name, _)| name == "gpu-rt:seed")?;
+        text.parse().ok()
+    }
+}
+
+/// An open file.
+pub(super) type Opened = Reader<BufReader<File>>;
+
+/// Opens a file and reads its header.
+pub(super) fn open(path: &Path) -> std::result::Result<Opened, String> {
+    let file = File::open(path).map_err(|error| error.to_string())?;
+    ::exr::block::read(BufReader::new(file), false).map_err(|error| error.to_string())
+}
+
+/// Hands out the rows of a part in full resolution, one channel at a time: the channel's place, the first pixel's column and row, and the bytes
+/// of its samples in the machine's order.
+pub(super) fn read_part(
+    opened: Opened,
+    part: usize,
+    mut use_row: impl FnMut(usize, (usize, usize), &[u8]),
+) -> std::result::Result<(), String> {
+    let to_text = |error: ::exr::error::Error| error.to_string();
+    let channels = match opened.headers().get(part) {
+        Some(header) if !header.deep => header.channels.clone(),
+        _ => return Err("it has no such part of flat pixels".to_string()),
+    };
+    let whole =
+        opened.filter_chunks(false, |_, _, block| block.layer == part && block.level == Vec2(0, 0)).map_err(to_text)?;
+    let mut blocks = whole.sequential_decompressor(false);
+    while let Some(block) = blocks.decompress_next_block() {
+        let block = block.map_err(to_text)?;
+        for row in block.lines(&channels) {
+            let Vec2(column, line) = row.location.position;
+            use_row(row.location.channel, (column, line), row.value);
+        }
+    }
+    Ok(())
+}
+
+/// The attributes of a file's first part that this program can write, as they are.
+pub fn read_attributes(path: &Path) -> Result<Vec<(String, Attribute)>> {
+    let failed = |reason: String| Error::File { path: path.to_owned(), action: "read", reason };
+    let opened = open(path).map_err(failed)?;
+    let attributes = opened.headers().iter().take(1).flat_map(|header| &header.own_attributes.other);
+    Ok(attributes.filter_map(|(name, value)| Some((decoded(name), Attribute::of_exr(value)?))).collect())
+}
+
+/// Reads red, green and blue, in half or float, from the part or layer whose name says that it is the picture. The size
+/// is that of the data window.
+pub fn read_exr(path: &Path) -> Result<ExrImage> {
+    read_picture(path).map_err(|reason| Error::File { path: path.to_owned(), action: "read", reason })
+}
+
+fn read_picture(path: &Path) -> std::result::Result<ExrImage, String> {
+    let opened = open(path)?;
+    let place = find_rgb(opened.headers())?;
+    let (part, header) = (place.number, &opened.headers()[place.number]);
+    let (width, height) = (header.layer_size.0, header.layer_size.1);
+    let number = |name: &str| plain(header, name).map(|(number, _)| number);
+    let floats = |names: Rgb<&str>| -> Option<[usize; 3]> {
+        let float = |name| float(header, name);
+        Some([float(names[0])?, float(names[1])?, float(names[2])?])
+    };
+    let [r, g, b] = &place.channels;
+    let rgb = floats([r, g, b]).ok_or("its channels differ in size")?;
+    let variance = floats(VARIANCES);
+    let count = |name| number(name).filter(|number| header.channels.list[*number].sample_type == SampleType::U32);
+    let counts = [count(SAMPLES), count(REJECTED)];
+    let size = |length: usize| u32::try_from(length).map_err(|_| "its size is not supported".to_string());
+    let mut attributes: Vec<(String, String)> =
+        header.shared_attributes.other.iter().chain(&header.own_attributes.other).filter_map(describe).collect();
+    attributes.sort();
+
+    let pixels = pixels_of(header, 32)?;
+    let mut image = ExrImage {
+        width: size(width)?,
+        height: size(height)?,
+        rgb: vec![[0.0; 3]; pixels],
+        variance: variance.map(|_| vec![[0.0; 3]; pixels]),
+        samples: counts[0].map(|_| vec![0; pixels]),
+        rejected: counts[1].map(|_| vec![0; pixels]),
+        attributes,
+    };
+    let types: Vec<SampleType> = header.channels.list.iter().map(|channel| channel.sample_type).collect();
+    let triples = [Some(rgb), variance];
+    read_part(opened, part, |channel, (column, line), bytes| {
+        let first = line * width + column;
+        let place = |of: &[usize; 3]| of.iter().position(|number| *number == channel);
+        for (of, values) in triples.iter().zip([Some(&mut image.rgb), image.variance.as_mut()]) {
+            if let (Some(place), Some(values)) = (of.as_ref().and_then(place), values) {
+                let values = values.iter_mut().skip(first);
+                values.zip(as_floats(types[channel], bytes)).for_each(|(value, read)| value[place] = read);
+            }
+        }
+        for (of, values) in counts.iter().zip([&mut image.samples, &mut image.rejected]) {
+            if let (true, Some(values)) = (*of == Some(channel), values) {
+                let values = values.iter_mut().skip(first);
+                values.zip(bytes.as_chunks().0).for_each(|(value, read)| *value = u32::from_ne_bytes(*read));
+            }
+        }
+    })?;
+    Ok(image)
+}
+
+/// The pixels of a part, if there is memory for as many bytes of each. A damaged header may claim more, and a failed allocation ends the process.
+fn pixels_of(header: &Header, bytes: usize) -> std::result::Result<usize, String> {
+    let pixels = header.layer_size.0.checked_mul(header.layer_size.1);
+    let total = pixels.and_then(|pixels| pixels.checked_mul(bytes)).unwrap_or(usize::MAX);
+    let had = Vec::<u8>::new().try_reserve_exact(total);
+    had.map_err(|_| format!("its header claims {total} bytes of pixels, which is more than the memory"))?;
+    Ok(pixels.unwrap_or(0))
+}
+
+fn as_floats(kind: SampleType, bytes: &[u8]) -> impl Iterator<Item = f32> {
+    let (halves, words) = match kind {
+        SampleType::F16 => (bytes.as_chunks().0, &[][..]),
+        SampleType::F32 | SampleType::U32 => (&[][..], bytes.as_chunks().0),
+    };
+    let halves = halves.iter().map(|half| f16::from_ne_bytes(*half).to_f32());
+    halves.chain(words.iter().map(|word| f32::from_ne_bytes(*word)))
+}
+
+/// A channel with a sample for each pixel, and its number.
+fn plain<'a>(header: &'a Header, name: &str) -> Option<(usize, &'a ChannelDescription)> {
+    let mut channels = header.channels.list.iter().enumerate();
+    let found = channels.find(|(_, channel)| channel.name.as_slice() == name.as_bytes());
+    found.filter(|(_, channel)| channel.sampling == Vec2(1, 1) && !header.deep)
+}
+
+/// The number of a channel of floats.
+fn float(header: &Header, name: &str) -> Option<usize> {
+    plain(header, name).filter(|(_, channel)| channel.sample_type != SampleType::U32).map(|(number, _)| number)
+}
+
+/// Common names of the layer that is the picture. The name of a view layer and a point can precede them.
+const PICTURES: [&str; 8] = ["combined", "beauty", "rgba", "rgb", "color", "colour", "c", "image"];
+/// The names of red, green and blue.
+const SPELLINGS: [Rgb<&str>; 3] = [CHANNELS, ["r", "g", "b"], ["red", "green", "blue"]];
+
+/// Red, green and blue in a file.
+struct RgbPlace {
+    /// The number of its part.
+    number: usize,
+    channels: Rgb<String>,
+    /// The name of their layer, after the name of the part if both have one.
+    layer: String,
+    /// Whether the layer is the whole part.
+    is_part: bool,
+}
+
+impl RgbPlace {
+    /// The lower the rank, the more likely it is the picture.
+    fn rank(&self) -> usize {
+        let last = self.layer.rsplit('.').next().unwrap_or_default().to_lowercase();
+        match (PICTURES.iter().position(|name| *name == last), self.is_part) {
+            (_, true) if self.layer.is_empty() => 0,
+            (Some(place), true) => 1 + place,
+            (None, true) => UNNAMED_PART,
+            (Some(place), false) => UNNAMED_PART + 1 + place,
+            (None, false) => UNNAMED_LAYER,
+        }
+    }
+}
+
+const UNNAMED_PART: usize = 1 + PICTURES.len();
+const UNNAMED_LAYER: usize = UNNAMED_PART + 1 + PICTURES.len();
+
+/// Finds the red, green and blue of the picture. Channels without a layer's name come first; if several parts have
+/// them, the part with a picture's name counts. Next come layers with a picture's name, and then a single layer of any
+/// name. It is an error if several are possible.
+fn find_rgb(parts: &[Header]) -> std::result::Result<RgbPlace, String> {
+    let mut places: Vec<RgbPlace> =
+        parts.iter().enumerate().flat_map(|(number, part)| rgb_of_part(number, part)).collect();
+    places.sort_by_key(RgbPlace::rank);
+    let alike = places.iter().filter(|place| place.rank() == places[0].rank()).count();
+    if alike > 1 && [UNNAMED_PART, UNNAMED_LAYER].contains(&places[0].rank()) {
+        let names: Vec<&str> = places.iter().map(|place| place.layer.as_str()).collect();
+        return Err(format!(
+            "which of its layers is the picture? It has {}; expected one of the names {}",
+            names.join(", "),
+            PICTURES.join(", ")
+        ));
+    }
+    places.into_iter().next().ok_or_else(|| no_rgb(parts))
+}
+
+/// All triples of red, green and blue in a part, sorted by name.
+fn rgb_of_part(number: usize, part: &Header) -> Vec<RgbPlace> {
+    let part_name = part.own_attributes.layer_name.as_ref().map(decoded);
+    let names = part.channels.list.iter().map(|channel| channel.name.to_string());
+    let place = |name: String| {
+        let (prefix, red) = name.rsplit_once('.').map_or(("", name.as_str()), |(layer, last)| (layer, last));
+        let names = SPELLINGS.iter().find(|names| names[0] == red)?;
+        let channels =
+            names.map(|channel| if prefix.is_empty() { channel.to_string() } else { format!("{prefix}.{channel}") });
+        let layer = match (&part_name, prefix) {
+            (None, _) => prefix.to_string(),
+            (Some(part), "") => part.clone(),
+            (Some(part), _) => format!("{part}.{prefix}"),
+        };
+        channels.iter().all(|name| float(part, name).is_some()).then_some(RgbPlace {
+            number,
+            channels,
+            layer,
+            is_part: prefix.is_empty(),
+        })
+    };
+    names.filter_map(place).collect()
+}
+
+fn no_rgb(parts: &[Header]) -> String {
+    let names: Vec<String> =
+        parts.iter().flat_map(|part| part.channels.list.iter().map(|channel| channel.name.to_string())).collect();
+    format!(
+        "expected channels R, G and B, in half or float and one for each pixel; it has {}",
+        if names.is_empty() { "none".into() } else { names.join(", ") }
+    )
+}
+
+fn describe(
+    (name, value): (&::exr::meta::attribute::Text, &::exr::meta::attribute::AttributeValue),
+) -> Option<(String, String)> {
+    let value = match (value, Attribute::of_exr(value)?) {
+        // `{:?}` gives the shortest text that parses to the same number.
+        (::exr::meta::attribute::AttributeValue::F32(value), _) => format!("{value:?}"),
+        (_, Attribute::Float(value)) => format!("{value:?}"),
+        (_, Attribute::Int(value)) => value.to_string(),
+        (_, Attribute::Text(value)) => value,
+    };
+    Some((decoded(name), value))
+}

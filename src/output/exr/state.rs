@@ -1,0 +1,196 @@
+//! The state of a render in its image file: what it takes to go on, or to join the file with others.
+//!
+//! The exact totals of the pixels are a part of the file. An attribute of that part describes the rest as JSON.
+
+use std::path::Path;
+
+use ::exr::meta::attribute::SampleType;
+use ::exr::meta::header::Header;
+use serde::{Deserialize, Serialize};
+
+use super::read::{open, read_part};
+use super::{Attribute, STATE, decoded};
+use crate::data::Sampler;
+use crate::error::{Error, Result};
+use crate::film::{Film, Totals, WORDS, word_names};
+use crate::identity::Identity;
+use crate::samples::Samples;
+
+/// What a film is of.
+#[derive(Clone, Debug)]
+pub struct State {
+    pub identity: Identity,
+    /// The devices and drivers that have rendered it.
+    pub devices: Vec<(String, String)>,
+    /// The samples that each pixel has.
+    pub samples: Samples,
+    /// How often `--noise` has compared the error with the one asked.
+    pub looks: u32,
+    /// The size, the scale and the sampler of the film.
+    pub size: (u32, u32),
+    pub exponent: i32,
+    pub sampler: Sampler,
+    pub totals: Totals,
+    /// Of all words of all pixels.
+    checksum: u32,
+}
+
+/// A state as the file has it.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Stored {
+    format: u32,
+    identity: Identity,
+    devices: Vec<(String, String)>,
+    samples: Samples,
+    looks: u32,
+    exponent: i32,
+    sampler: Sampler,
+    totals: Totals,
+    checksum: u32,
+}
+
+/// The version of the format. A reader refuses others.
+const FORMAT: u32 = 1;
+
+impl State {
+    /// The state of a film.
+    pub fn new(identity: Identity, devices: Vec<(String, String)>, film: &Film, samples: Samples, looks: u32) -> State {
+        State {
+            identity,
+            devices,
+            samples,
+            looks,
+            size: (film.width(), film.height()),
+            exponent: film.exponent(),
+            sampler: film.sampler(),
+            totals: film.totals(),
+            checksum: 0,
+        }
+    }
+
+    /// An empty film for it.
+    pub fn film(&self) -> Result<Film> {
+        Film::with_sampler(self.size.0, self.size.1, self.exponent, self.sampler)
+    }
+
+    /// As the file has it, for this film.
+    pub(super) fn describe(&self, film: &Film, checksum: u32) -> String {
+        let stored = Stored {
+            format: FORMAT,
+            identity: self.identity.clone(),
+            devices: self.devices.clone(),
+            samples: self.samples.clone(),
+            looks: self.looks,
+            exponent: film.exponent(),
+            sampler: film.sampler(),
+            totals: film.totals(),
+            checksum,
+        };
+        serde_json::json!(stored).to_string()
+    }
+
+    fn of_header(header: &Header) -> std::result::Result<State, String> {
+        let wrong = |what: &str| format!("its state is damaged: {what}");
+        let mut attributes = header.own_attributes.other.iter();
+        let about = attributes.find(|(name, _)| name.as_slice() == STATE.as_bytes());
+        let Some(Attribute::Text(about)) = about.and_then(|(_, value)| Attribute::of_exr(value)) else {
+            return Err(wrong("it does not say what it is of"));
+        };
+        let format = serde_json::from_str::<serde_json::Value>(&about).map_err(|error| wrong(&error.to_string()))?;
+        match format["format"].as_u64() {
+            Some(format) if format == u64::from(FORMAT) => {}
+            _ => return Err(format!("its state has another format than this version of gpu-rt writes ({FORMAT})")),
+        }
+        let stored: Stored = serde_json::from_value(format).map_err(|error| wrong(&error.to_string()))?;
+        let size = |length: usize| u32::try_from(length).map_err(|_| wrong("its size is not supported"));
+        let size = (size(header.layer_size.0)?, size(header.layer_size.1)?);
+        Ok(State {
+            identity: stored.identity,
+            devices: stored.devices,
+            samples: stored.samples,
+            looks: stored.looks,
+            size,
+            exponent: stored.exponent,
+            sampler: stored.sampler,
+            totals: stored.totals,
+            checksum: stored.checksum,
+        })
+    }
+}
+
+fn failed(path: &Path) -> impl Fn(String) -> Error {
+    move |reason| Error::File { path: path.to_owned(), action: "read", reason }
+}
+
+/// The number of the part that holds the state.
+fn state_part(headers: &[Header]) -> Option<usize> {
+    let name = |header: &Header| header.own_attributes.layer_name.as_ref().map(decoded);
+    headers.iter().position(|header| name(header).as_deref() == Some(STATE))
+}
+
+/// Reads the state of a file, but for its pixels; nothing where it has none.
+///
+/// # Errors
+/// `Error::File` where it cannot be read or is damaged.
+pub fn read_state(path: &Path) -> Result<Option<State>> {
+    let opened = open(path).map_err(failed(path))?;
+    let part = state_part(opened.headers()).map(|part| State::of_header(&opened.headers()[part]));
+    part.transpose().map_err(failed(path))
+}
+
+/// Adds the pixels and totals of a file to a film of the same image. It takes memory for some rows.
+///
+/// # Errors
+/// `Error::File` where they cannot be read, or are not those that were written. The film may then have a part of them.
+pub fn add_film(path: &Path, state: &State, film: &mut Film) -> Result<()> {
+    film.add_totals(state.totals);
+    match add_pixels(path, state, film).map_err(failed(path))? == state.checksum {
+        true => Ok(()),
+        false => {
+            Err(failed(path)("its state is damaged: the totals of its pixels are not those that were written".into()))
+        }
+    }
+}
+
+/// Adds the pixels, and returns their checksum.
+fn add_pixels(path: &Path, state: &State, film: &mut Film) -> std::result::Result<u32, String> {
+    let opened = open(path)?;
+    let changed = || "it has changed while it was read".to_string();
+    let part = state_part(opened.headers()).ok_or_else(changed)?;
+    let header = &opened.headers()[part];
+    let (width, height) = (state.size.0 as usize, state.size.1 as usize);
+    if (header.layer_size.0, header.layer_size.1) != (width, height) {
+        return Err(changed());
+    }
+    let names = word_names();
+    let word = |name: String| names.iter().position(|known| *known == name);
+    let words: Option<Vec<usize>> = header.channels.list.iter().map(|channel| word(channel.name.to_string())).collect();
+    let plain = header.channels.list.iter().all(|channel| channel.sample_type == SampleType::F16);
+    let words = words.filter(|_| plain).ok_or("its state is damaged: it has channels of another kind")?;
+    let mut checksum = crc32fast::Hasher::new();
+    // The channels of a row come one after another.
+    let mut row = vec![[0u16; WORDS]; width];
+    let mut next = (0, 0);
+    let mut in_order = true;
+    read_part(opened, part, |channel, (column, line), bytes| {
+        in_order &= (line, channel) == next && column == 0 && bytes.len() == 2 * width;
+        if !in_order {
+            return;
+        }
+        let values = bytes.as_chunks().0.iter().map(|word| u16::from_ne_bytes(*word));
+        row.iter_mut().zip(values).for_each(|(pixel, value)| pixel[words[channel]] = value);
+        next = (line, channel + 1);
+        if next.1 == words.len() {
+            for (pixel, words) in row.iter_mut().enumerate() {
+                film.add_words(line * width + pixel, words);
+                checksum.update(bytemuck::cast_slice(&words.map(u16::to_le)));
+            }
+            next = (line + 1, 0);
+        }
+    })?;
+    match in_order && next == (height, 0) {
+        true => Ok(checksum.finalize()),
+        false => Err("its state is damaged: rows are missing".to_string()),
+    }
+}

@@ -1,0 +1,230 @@
+//! Writes the picture of a render, and the state that it goes on from.
+
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, BufWriter, Read, Seek, SeekFrom, Write};
+use std::path::Path;
+
+use ::exr::block::writer::ChunksWriter;
+use ::exr::block::{BlockIndex, UncompressedBlock, enumerate_ordered_header_block_indices};
+use ::exr::math::Vec2;
+use ::exr::meta::attribute::{ChannelDescription, Chromaticities, Compression, LineOrder, SampleType};
+use ::exr::meta::header::{Header, LayerAttributes};
+use ::exr::meta::{BlockDescription, Headers};
+
+use super::{Attribute, REJECTED, SAMPLES, STATE, State, VARIANCES, text, to_io};
+use crate::data::CHANNELS;
+use crate::error::Result;
+use crate::film::{Film, Picture, PicturePixel, Words, word_names};
+use crate::output::atomic;
+
+/// The file's `comments`, which explain the layers beside R, G and B.
+const COMMENTS: &str = "R, G, B: linear radiance. variance: of the pixel's mean; 3.4028235e38 where unknown. \
+    samples, rejected: camera samples of the pixel that went into the mean, and that were left out as not finite.";
+/// The `comments` of the part that holds the state.
+const STATE_COMMENTS: &str = "What gpu-rt needs to go on with the render: the exact totals of each pixel. The bits of each half are a word \
+    of 16 bits of an integer, the lowest word first; absent words are zero.";
+
+/// Lossless and readable everywhere. Noise hardly compresses. All channels of 1200 x 675 noisy pixels, on 2 cores: 25.9
+/// MB in 0.09 s without compression, 21.3 MB in 0.14 s by run lengths, 19.4 MB in 0.45 s by ZIP1, 19.0 MB in 0.70 s by
+/// ZIP16, 18.3 MB in 0.51 s by PIZ.
+const OF_PICTURE: Compression = Compression::RLE;
+/// ZIP splits the bytes of halves into planes of their own, of which the upper ones are smooth and the lowest empty: 31.7 bytes a pixel of
+/// scenes/weekend.ron at 256 samples. The same totals as 32-bit integers take 38.3.
+const OF_STATE: Compression = Compression::ZIP16;
+
+/// The chromaticities of Rec. 709 and its white point D65 (ITU-R BT.709-6, items 1.3 and 1.4).
+const REC_709: Chromaticities =
+    Chromaticities { red: Vec2(0.64, 0.33), green: Vec2(0.3, 0.6), blue: Vec2(0.15, 0.06), white: Vec2(0.3127, 0.329) };
+
+/// Writes the picture as one part, row 0 on top: R, G, B and variance.R, .G, .B in 32-bit floats, samples.Y and
+/// rejected.Y (Y, so that viewers show them as grey) in 32-bit unsigned integers. The file is a function of the
+/// arguments, byte for byte.
+///
+/// Attribute names must not be empty, longer than 255 bytes, or reserved by the EXR standard.
+pub fn write_exr(path: &Path, picture: &Picture, attributes: &[(String, Attribute)]) -> Result<()> {
+    let size = (picture.width, picture.height);
+    write_parts(path, size, &|index| picture.pixel(index), attributes, None)
+}
+
+/// Writes what a film holds, as [`write_exr`] does. With a state, a second part holds what it takes to go on with the render. It takes no
+/// memory to speak of.
+pub fn write_render(path: &Path, film: &Film, attributes: &[(String, Attribute)], state: Option<&State>) -> Result<()> {
+    let part = state.map(|state| StatePart::new(film, state));
+    write_parts(path, (film.width(), film.height()), &|index| film.developed(index), attributes, part)
+}
+
+/// The part that holds the state.
+struct StatePart<'a> {
+    film: &'a Film,
+    /// The places in [`Words`] of its channels: the words that any pixel has, by their names.
+    words: Vec<usize>,
+    channels: Vec<ChannelDescription>,
+    about: String,
+}
+
+impl<'a> StatePart<'a> {
+    fn new(film: &'a Film, state: &State) -> StatePart<'a> {
+        let (used, checksum) = survey(film);
+        let names = word_names();
+        let mut words: Vec<usize> = (0..names.len()).filter(|word| used[*word] != 0).collect();
+        if words.is_empty() {
+            // A part has at least one channel.
+            words.push(0);
+        }
+        words.sort_by(|a, b| names[*a].cmp(&names[*b]));
+        let channel = |word: &usize| ChannelDescription::named(names[*word].as_str(), SampleType::F16);
+        let channels = words.iter().map(channel).collect();
+        StatePart { film, channels, words, about: state.describe(film, checksum) }
+    }
+}
+
+/// Which bits any pixel's words have, and the checksum of all words.
+fn survey(film: &Film) -> (Words, u32) {
+    let mut used = [0; crate::film::WORDS];
+    let mut checksum = crc32fast::Hasher::new();
+    for index in 0..film.width() as usize * film.height() as usize {
+        let words = film.words(index);
+        used.iter_mut().zip(&words).for_each(|(used, word)| *used |= word);
+        let words = words.map(u16::to_le);
+        checksum.update(bytemuck::cast_slice(&words));
+    }
+    (used, checksum.finalize())
+}
+
+fn write_parts(
+    path: &Path,
+    (width, height): (u32, u32),
+    pixel: &dyn Fn(usize) -> PicturePixel,
+    attributes: &[(String, Attribute)],
+    state: Option<StatePart<'_>>,
+) -> Result<()> {
+    let size = (width as usize, height as usize);
+    let own = LayerAttributes {
+        // A file with several parts names them.
+        layer_name: state.is_some().then(|| text("picture")),
+        software_name: Some(text(concat!("gpu-rt ", env!("CARGO_PKG_VERSION")))),
+        comments: Some(text(COMMENTS)),
+        other: attributes.iter().map(|(name, value)| (text(name), value.to_exr())).collect(),
+        ..LayerAttributes::default()
+    };
+    let float = |name| ChannelDescription::named(name, SampleType::F32);
+    let count = |name| ChannelDescription::named(name, SampleType::U32);
+    let [[r, g, b], [vr, vg, vb]] = [CHANNELS, VARIANCES];
+    // Channels are sorted by name.
+    let channels = [float(b), float(g), float(r), count(REJECTED), count(SAMPLES), float(vb), float(vg), float(vr)];
+    let header = |channels: &[ChannelDescription], own, compression| {
+        let mut header = Header::new(text(""), size, channels.into())
+            .with_attributes(own)
+            // A fixed line order makes the bytes independent of the threads that compress.
+            .with_encoding(compression, BlockDescription::ScanLines, LineOrder::Increasing);
+        header.shared_attributes.chromaticities = Some(REC_709);
+        header
+    };
+    let mut headers: Headers = Headers::new();
+    headers.push(header(&channels, own, OF_PICTURE));
+    if let Some(state) = &state {
+        let own = LayerAttributes {
+            layer_name: Some(text(STATE)),
+            comments: Some(text(STATE_COMMENTS)),
+            other: [(text(STATE), Attribute::Text(state.about.clone()).to_exr())].into_iter().collect(),
+            ..LayerAttributes::default()
+        };
+        headers.push(header(&state.channels, own, OF_STATE));
+    }
+    let parts = headers.len();
+    let data = |block: &BlockIndex| {
+        let Vec2(columns, rows) = block.pixel_size;
+        let Vec2(first_column, first_row) = block.pixel_position;
+        let rows = (first_row..first_row + rows).map(|row| row * size.0 + first_column);
+        let rows = rows.map(|first| first..first + columns);
+        match (&state, block.layer) {
+            (Some(state), 1) => rows.flat_map(|row| state.bytes(row)).collect(),
+            _ => rows.flat_map(|row| picture_bytes(row, pixel)).collect(),
+        }
+    };
+    atomic::replace(path, |file| {
+        ::exr::block::write(BufWriter::new(&mut *file), headers, true, |meta, chunks| {
+            let blocks = enumerate_ordered_header_block_indices(&meta.headers);
+            let blocks = blocks.map(|(number, index)| (number, UncompressedBlock { index, data: data(&index) }));
+            compress(&meta, chunks, blocks)
+        })
+        .map_err(to_io)?;
+        sort_attributes(file, parts)
+    })
+}
+
+fn compress<W: Write + Seek>(
+    meta: &::exr::meta::MetaData,
+    chunks: &mut ::exr::block::writer::ChunkWriter<W>,
+    blocks: impl Iterator<Item = (usize, UncompressedBlock)>,
+) -> ::exr::error::UnitResult {
+    match chunks.parallel_blocks_compressor(meta) {
+        Some(mut compressor) => {
+            for (number, block) in blocks {
+                compressor.add_block_to_compression_queue(number, block)?;
+            }
+        }
+        None => {
+            let mut compressor = chunks.sequential_blocks_compressor(meta);
+            for (number, block) in blocks {
+                compressor.compress_block(number, block)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// A row of the picture: for each channel, all pixels.
+fn picture_bytes(row: std::ops::Range<usize>, pixel: &dyn Fn(usize) -> PicturePixel) -> Vec<u8> {
+    let pixels: Vec<PicturePixel> = row.map(pixel).collect();
+    let mut bytes = Vec::with_capacity(pixels.len() * size_of::<PicturePixel>());
+    let mut channel = |value: &dyn Fn(&PicturePixel) -> u32| {
+        bytes.extend(pixels.iter().flat_map(|pixel| value(pixel).to_ne_bytes()));
+    };
+    [2, 1, 0].into_iter().for_each(|c| channel(&|pixel| pixel.rgb[c].to_bits()));
+    channel(&|pixel| pixel.rejected);
+    channel(&|pixel| pixel.samples);
+    [2, 1, 0].into_iter().for_each(|c| channel(&|pixel| pixel.variance[c].to_bits()));
+    bytes
+}
+
+impl StatePart<'_> {
+    /// The same of the state.
+    fn bytes(&self, row: std::ops::Range<usize>) -> Vec<u8> {
+        let pixels: Vec<Words> = row.map(|index| self.film.words(index)).collect();
+        let channel = |word: &usize| pixels.iter().flat_map(|words| words[*word].to_ne_bytes()).collect::<Vec<u8>>();
+        self.words.iter().flat_map(channel).collect()
+    }
+}
+
+/// Sorts the attributes of each part's header in place, because the crate keeps them in a hash map, whose order differs each time.
+/// A header is a list of (name, 0, type, 0, size, value), and ends with an empty name (The OpenEXR file layout,
+/// section "Header").
+fn sort_attributes(file: &mut File, parts: usize) -> io::Result<()> {
+    /// The magic number and the version come first.
+    const HEADERS: SeekFrom = SeekFrom::Start(8);
+    file.seek(HEADERS)?;
+    let mut reader = BufReader::new(&mut *file);
+    let mut headers = Vec::new();
+    for _ in 0..parts {
+        let mut attributes = Vec::new();
+        loop {
+            let mut attribute = Vec::new();
+            reader.read_until(0, &mut attribute)?;
+            if attribute.len() <= 1 {
+                break;
+            }
+            reader.read_until(0, &mut attribute)?;
+            let mut size = [0; 4];
+            reader.read_exact(&mut size)?;
+            attribute.extend(size);
+            reader.by_ref().take(u32::from_le_bytes(size).into()).read_to_end(&mut attribute)?;
+            attributes.push(attribute);
+        }
+        attributes.sort();
+        headers.extend(attributes.concat());
+        headers.push(0);
+    }
+    file.seek(HEADERS)?;
+    file.write_all(&headers)
+}

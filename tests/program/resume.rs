@@ -1,0 +1,462 @@
+//! A render that goes on, or that is joined from parts, is the one that was never interrupted: the same bytes, however its work is split.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Child;
+use std::time::Duration;
+
+use gpu_rt::film::Film;
+use gpu_rt::output::exr::{Attribute, State, add_film, read_attributes, read_exr, read_state, write_render};
+use tempfile::TempDir;
+
+use crate::common::device::index as software;
+use crate::common::program::{Ran, command, finish, meanwhile, run};
+
+/// Lights, glass, a texture from a file, and paths of many lengths.
+const SCENE: &str = "Scene(
+    image: (width: 24, height: 16),
+    camera: (look_from: (0, 1, 5), look_at: (0, 0.5, 0), up: (0, 1, 0), vertical_fov: 45),
+    background: Gradient(bottom: (0.2, 0.2, 0.2), top: (0.1, 0.2, 0.4)),
+    materials: {
+        \"floor\": Lambertian(albedo: Image(path: \"floor.png\")),
+        \"glass\": Dielectric(ior: 1.5),
+        \"lamp\": DiffuseLight(emit: Rgb(9, 8, 7)),
+        \"steel\": Metal(albedo: Rgb(0.8, 0.8, 0.7), fuzz: 0.2),
+    },
+    objects: [
+        Quad(corner: (-4, 0, -4), u: (0, 0, 8), v: (8, 0, 0), material: \"floor\"),
+        Quad(corner: (-1, 3, -1), u: (2, 0, 0), v: (0, 0, 2), material: \"lamp\"),
+        Sphere(center: (-0.8, 0.7, 0), radius: 0.7, material: \"glass\"),
+        Sphere(center: (0.9, 0.6, 0), radius: 0.6, material: \"steel\"),
+    ],
+    render: (samples: 64, max_depth: 12),
+)
+";
+
+/// A folder with the scene and its texture.
+struct Place {
+    folder: TempDir,
+}
+
+impl Place {
+    fn new() -> Place {
+        let place = Place { folder: tempfile::tempdir().expect("a temporary folder") };
+        place.write("scene.ron", SCENE);
+        let texture = image::RgbImage::from_fn(4, 4, |x, y| image::Rgb([200, 40 * x as u8, 60 * y as u8]));
+        texture.save(place.path("floor.png")).expect("the texture is written");
+        place
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn write(&self, name: &str, text: &str) {
+        fs::write(self.path(name), text).expect("the file is written");
+    }
+
+    /// Runs a command line without quotes and spaces in its words.
+    fn says(&self, line: &str) -> Ran {
+        run(self.folder.path(), &line.split_whitespace().collect::<Vec<_>>())
+    }
+
+    /// Renders the scene with these arguments.
+    fn render(&self, more: &str) -> Ran {
+        self.says(&format!("render scene.ron --device {} {more}", software()))
+    }
+
+    fn spawn(&self, more: &str) -> Child {
+        let line = format!("render scene.ron --device {} {more}", software());
+        command(self.folder.path(), &line.split_whitespace().collect::<Vec<_>>()).spawn().expect("the program starts")
+    }
+
+    /// What a file holds.
+    fn holds(&self, name: &str) -> Held {
+        Held::of(&self.path(name))
+    }
+}
+
+/// What a file holds of its render, times and names of files aside.
+#[derive(Debug, PartialEq)]
+struct Held {
+    rgb: Vec<[f32; 3]>,
+    variance: Option<Vec<[f32; 3]>>,
+    film: Film,
+    samples: String,
+    looks: u32,
+    attributes: Vec<(String, Attribute)>,
+}
+
+impl Held {
+    /// What differs in another one, in words.
+    fn difference(&self, other: &Held) -> Vec<String> {
+        let differs = [
+            ("rgb", self.rgb != other.rgb),
+            ("variance", self.variance != other.variance),
+            ("film", self.film != other.film),
+            ("samples", self.samples != other.samples),
+            ("looks", self.looks != other.looks),
+        ];
+        let fields = differs.into_iter().filter(|(_, differs)| *differs).map(|(name, _)| name.to_string());
+        let only = |a: &Held, b: &Held| -> Vec<String> {
+            let only = a.attributes.iter().filter(|attribute| !b.attributes.contains(attribute));
+            only.map(|attribute| format!("{attribute:?}")).collect()
+        };
+        fields.chain(only(self, other)).chain(only(other, self)).collect()
+    }
+
+    fn of(path: &Path) -> Held {
+        let image = read_exr(path).unwrap_or_else(|error| panic!("{error}"));
+        let state = read_state(path).expect("the state is read").expect("there is a state");
+        let mut film = state.film().expect("it fits");
+        add_film(path, &state, &mut film).expect("the film is read");
+        let mut attributes = read_attributes(path).expect("the header is read");
+        attributes.retain(|(name, _)| !name.starts_with("gpu-rt:seconds_") && name != "gpu-rt:scene");
+        attributes.sort_by(|a, b| a.0.cmp(&b.0));
+        let State { samples, looks, .. } = state;
+        Held { rgb: image.rgb, variance: image.variance, film, samples: samples.to_string(), looks, attributes }
+    }
+}
+
+/// The table: ways to link, slots, samplers and splits, each resumed and joined.
+#[test]
+fn however_the_work_is_split_the_bytes_are_those_of_one_render() {
+    let place = Place::new();
+    for sampler in ["sobol", "independent"] {
+        place.render(&format!("--quiet --sampler {sampler} --spp 64 -o whole.exr")).exits(0);
+        let whole = place.holds("whole.exr");
+        assert_eq!(whole.samples, "0..64");
+        for (ways, first, then) in [
+            ("fused, then queues", "--scatter fused --slots 64 --bounces 2", "--scatter queues"),
+            ("linked, then fused", "--scatter linked", "--scatter fused --build fast --slots 300"),
+        ] {
+            let ways = format!("{sampler}, {ways}");
+            let render = |more: &str| place.render(&format!("--quiet --sampler {sampler} {more}")).exits(0);
+            render(&format!("--spp 8 -o out.exr --force {first}"));
+            assert!(place.holds("out.exr") != whole, "that they can differ at all is seen");
+            render(&format!("--spp 40 -o out.exr --resume {then}"));
+            render(&format!("--spp 64 -o out.exr --resume=auto {first}"));
+            assert_eq!(place.holds("out.exr").difference(&whole), [""; 0], "resumed: {ways}");
+
+            render(&format!("--samples 0..16 -o a.exr {first}"));
+            render(&format!("--samples 16..24 -o b.exr {then}"));
+            render(&format!("--samples 24..48 -o c.exr {then}"));
+            render(&format!("--samples 48..64 -o d.exr {first}"));
+            for parts in ["d.exr b.exr a.exr c.exr", "a.exr b.exr c.exr d.exr"] {
+                place.says(&format!("merge --quiet {parts} -o out.exr")).exits(0);
+                assert_eq!(place.holds("out.exr").difference(&whole), [""; 0], "joined: {ways}, {parts}");
+            }
+            // What is joined is a part, also with a gap, which a render fills.
+            place.says("merge --quiet --allow-gaps d.exr b.exr -o e.exr").exits(0);
+            assert_eq!(place.holds("e.exr").samples, "16..24, 48..64");
+            place.says("merge --quiet e.exr c.exr a.exr -o out.exr").exits(0);
+            assert_eq!(place.holds("out.exr").difference(&whole), [""; 0], "joined in two steps: {ways}");
+            render(&format!("--spp 64 -o e.exr --resume {then}"));
+            assert_eq!(place.holds("e.exr").difference(&whole), [""; 0], "gaps are filled: {ways}");
+            for name in ["a", "b", "c", "d", "e"] {
+                fs::remove_file(place.path(&format!("{name}.exr"))).expect("it was there");
+            }
+        }
+        fs::remove_file(place.path("whole.exr")).expect("it was there");
+        fs::remove_file(place.path("out.exr")).expect("it was there");
+    }
+}
+
+/// Off the ends of runs, the result is the same but for the rounding of f32, and that is said.
+#[test]
+fn within_a_run_the_image_agrees_to_rounding() {
+    let place = Place::new();
+    place.render("--quiet --spp 40 -o whole.exr").exits(0);
+    place.render("--quiet --spp 13 -o out.exr").exits(0);
+    let said = place.render("--spp 40 -o out.exr --resume").exits(0).stderr;
+    assert!(said.contains("ends within a run of 8 samples"), "{said}");
+    place.render("--quiet --samples 0..13 -o a.exr").exits(0);
+    place.render("--quiet --samples 13..40 -o b.exr").exits(0);
+    let said = place.says("merge a.exr b.exr -o joined.exr").exits(0).stderr;
+    assert!(said.contains("within a run of 8 samples"), "{said}");
+    let whole = place.holds("whole.exr");
+    for name in ["out.exr", "joined.exr"] {
+        let held = place.holds(name);
+        assert_eq!((held.samples.as_str(), held.film.totals().paths), ("0..40", whole.film.totals().paths));
+        // A run of 8 samples is summed in f32: seven roundings of 2^-24 of it, in either.
+        for (a, b) in held.rgb.as_flattened().iter().zip(whole.rgb.as_flattened()) {
+            assert!((a - b).abs() <= 16.0 * f32::EPSILON * b.abs(), "{a} and {b}");
+        }
+    }
+}
+
+/// A render until an error goes on to the same number of samples, with the same looks; one that has reached it is done.
+#[test]
+fn a_render_until_an_error_goes_on() {
+    let place = Place::new();
+    place.render("--quiet --noise 0.04 -o whole.exr").exits(0);
+    let whole = place.holds("whole.exr");
+    assert!(whole.looks > 3, "{} looks", whole.looks);
+    // As an interrupt leaves it: with the looks at 16, 32, … samples up to there.
+    for (end, looks) in [(8, 0), (16, 0), (24, 1), (32, 1), (40, 2)] {
+        place.render(&format!("--quiet --spp {end} -o out.exr --force")).exits(0);
+        let path = place.path("out.exr");
+        let mut state = read_state(&path).expect("it is read").expect("there is a state");
+        let mut film = state.film().expect("it fits");
+        add_film(&path, &state, &mut film).expect("it is read");
+        state.looks = looks;
+        write_render(&path, &film, &read_attributes(&path).expect("it is read"), Some(&state)).expect("it is written");
+        place.render("--quiet --noise 0.04 -o out.exr --resume").exits(0);
+        assert_eq!(place.holds("out.exr").difference(&whole), [""; 0], "from {end} samples");
+    }
+    let before = fs::read(place.path("whole.exr")).expect("it is read");
+    let ran = place.render("--json --noise 0.04 -o whole.exr --resume").exits(0);
+    assert_eq!(ran.json()["noise_reached"], true);
+    assert!(fs::read(place.path("whole.exr")).expect("it is read") == before, "nothing was left to do");
+}
+
+/// A finished render is done: exit status 0, the file as it was, and the report of what it holds.
+#[test]
+fn a_finished_render_is_done() {
+    let place = Place::new();
+    place.render("--quiet --spp 16 -o out.exr").exits(0);
+    let before = fs::read(place.path("out.exr")).expect("it is read");
+    for asked in ["--spp 16", "--spp 8"] {
+        let ran = place.render(&format!("{asked} -o out.exr --resume --json --png out.png")).exits(0);
+        let report = ran.json();
+        assert_eq!((&report["resumed_from"], &report["samples_per_pixel"]), (&16.into(), &16.into()), "{report}");
+        assert!(ran.last_line().contains("16 samples (16 of them resumed)"), "{}", ran.stderr);
+        assert!(fs::read(place.path("out.exr")).expect("it is read") == before);
+        assert!(place.path("out.png").exists());
+    }
+    // Without --resume it would be lost.
+    let said = place.render("--spp 8 -o out.exr").exits(2).stderr;
+    assert!(said.contains("holds 16 samples per pixel of this render") && said.contains("--force"), "{said}");
+    assert!(fs::read(place.path("out.exr")).expect("it is read") == before);
+    place.render("--quiet --spp 8 -o out.exr --force").exits(0);
+    assert_eq!(place.holds("out.exr").samples, "0..8");
+}
+
+/// What does not fit together is refused with exit status 2, and the message names it. The file stays as it was.
+#[test]
+fn what_does_not_fit_is_refused_by_name() {
+    let place = Place::new();
+    place.render("--quiet --spp 16 -o out.exr").exits(0);
+    place.render("--quiet --samples 16..32 -o part.exr").exits(0);
+    let before = fs::read(place.path("out.exr")).expect("it is read");
+    let refused = |line: &str, names: &[&str]| {
+        let said = place.render(&format!("{line} -o out.exr")).exits(2).stderr;
+        assert!(names.iter().all(|name| said.contains(name)), "{line}: {said}");
+        assert!(fs::read(place.path("out.exr")).expect("it is read") == before, "{line}");
+    };
+    for auto in ["--resume", "--resume=auto"] {
+        let other = |line: &str, names: &[&str]| refused(&format!("--spp 32 {auto} {line}"), names);
+        other("--seed 1", &["--seed is 1", "and 0 in out.exr"]);
+        other("--max-depth 5", &["--max-depth is 5"]);
+        other("--size 12x8", &["--size is 12x8"]);
+        other("--sampler independent", &["--sampler is independent"]);
+        other("--clamp 3", &["--clamp is 3", "off in out.exr"]);
+        other("--roulette off", &["--roulette is off"]);
+    }
+    refused("--samples 16..32 --resume", &["0..16", "not asked for"]);
+    refused("--resume --samples 8..64 --noise 0.1", &["cannot be used with"]);
+
+    // The scene: comments, formatting and the paths of files are no part of it.
+    place.write("scene.ron", &format!("// A comment.\n{}", SCENE.replace("radius: 0.6", "radius:   0.60")));
+    place.render("--quiet --spp 16 -o out.exr --resume").exits(0);
+    place.write("scene.ron", &SCENE.replace("radius: 0.6", "radius: 0.61"));
+    refused("--spp 32 --resume", &["the scene differs"]);
+    fs::create_dir(place.path("textures")).expect("a folder is made");
+    fs::copy(place.path("floor.png"), place.path("textures/wood.png")).expect("it is copied");
+    place.write("scene.ron", &SCENE.replace("floor.png", "textures/wood.png"));
+    place.render("--quiet --spp 16 -o out.exr --resume").exits(0);
+    let texture = image::RgbImage::from_fn(4, 4, |x, _| image::Rgb([201, 40 * x as u8, 60]));
+    texture.save(place.path("textures/wood.png")).expect("the texture is written");
+    refused("--spp 32 --resume", &["textures/wood.png"]);
+    place.write("scene.ron", SCENE);
+
+    // There is nothing to resume.
+    let said = place.render("--spp 8 -o missing.exr --resume").exits(2).stderr;
+    assert!(said.contains("nothing to resume: missing.exr is not there") && said.contains("--resume=auto"), "{said}");
+    let said = place.render("--spp 8 -o missing.exr --resume=auto").exits(0).stderr;
+    assert!(said.contains("nothing to resume") && said.contains("starts afresh"), "{said}");
+    place.render("--quiet --spp 8 --no-state -o bare.exr").exits(0);
+    let said = place.render("--spp 16 -o bare.exr --resume").exits(2).stderr;
+    assert!(said.contains("bare.exr has no state"), "{said}");
+
+    // Parts.
+    let refused = |line: &str, names: &[&str]| {
+        let said = place.says(&format!("merge {line} -o joined.exr")).exits(2).stderr;
+        assert!(names.iter().all(|name| said.contains(name)), "{line}: {said}");
+        assert!(!place.path("joined.exr").exists(), "{line}");
+    };
+    refused("out.exr out.exr", &["overlap", "out.exr", "0..16"]);
+    place.render("--quiet --samples 12..20 -o middle.exr").exits(0);
+    refused("part.exr middle.exr out.exr", &["overlap", "out.exr and middle.exr", "12..16"]);
+    place.render("--quiet --samples 40..48 -o late.exr").exits(0);
+    refused("late.exr out.exr part.exr", &["gap", "32..40", "part.exr", "--allow-gaps"]);
+    place.render("--quiet --samples 16..32 --seed 3 -o seed.exr").exits(0);
+    refused("out.exr seed.exr", &["mismatch", "out.exr", "seed.exr", "--seed is 0 in out.exr and 3 in seed.exr"]);
+    refused("out.exr bare.exr", &["bare.exr", "no state", "--no-state"]);
+    refused("out.exr scene.ron", &["scene.ron", "cannot read"]);
+    refused("out.exr missing2.exr", &["missing2.exr", "cannot read"]);
+    place.says("merge out.exr part.exr -o out.exr").exits(2);
+    assert!(fs::read(place.path("out.exr")).expect("it is read") == before);
+}
+
+/// Another driver may round otherwise: it is refused, unless it is asked for; then the header lists both.
+#[test]
+fn drivers_are_mixed_only_when_asked() {
+    let place = Place::new();
+    place.render("--quiet --samples 0..8 -o a.exr").exits(0);
+    place.render("--quiet --samples 8..16 -o b.exr").exits(0);
+    // As if another driver had rendered it.
+    let path = place.path("a.exr");
+    let mut state = read_state(&path).expect("it is read").expect("there is a state");
+    let mut film = state.film().expect("it fits");
+    add_film(&path, &state, &mut film).expect("it is read");
+    let attributes = read_attributes(&path).expect("it is read");
+    state.devices = vec![("Some GPU".to_string(), "driver 1.0".to_string())];
+    write_render(&path, &film, &attributes, Some(&state)).expect("it is written");
+
+    let said = place.render("--spp 16 -o a.exr --resume").exits(2).stderr;
+    assert!(said.contains("Some GPU (driver 1.0)") && said.contains("--mixed-drivers"), "{said}");
+    let said = place.says("merge a.exr b.exr -o joined.exr").exits(2).stderr;
+    assert!(said.contains("mismatch") && said.contains("Some GPU (driver 1.0)"), "{said}");
+    place.says("merge --quiet --mixed-drivers a.exr b.exr -o joined.exr").exits(0);
+    place.render("--quiet --spp 16 -o a.exr --resume --mixed-drivers").exits(0);
+    for name in ["joined.exr", "a.exr"] {
+        let attributes = read_attributes(&place.path(name)).expect("it is read");
+        let driver = attributes.iter().find(|(name, _)| name == "gpu-rt:driver").expect("it is there");
+        assert!(matches!(&driver.1, Attribute::Text(text) if text.starts_with("driver 1.0; ")), "{name}: {driver:?}");
+    }
+}
+
+/// A render that is stopped says what it has, and goes on from there.
+#[cfg(unix)]
+#[test]
+fn what_is_interrupted_goes_on() {
+    let place = Place::new();
+    let mut child = place.spawn("--spp 100000 --quiet --checkpoint 0.05s -o out.exr");
+    meanwhile(&mut child, || place.path("out.exr").exists());
+    let kill = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+    assert!(kill.expect("kill is there").success());
+    let ran = finish(child);
+    assert!(ran.stderr.contains("out.exr holds") && ran.stderr.contains("--resume"), "{}", ran.stderr);
+    let held = read_state(&place.path("out.exr")).expect("it is read").expect("there is a state").samples.count();
+    assert!(
+        ran.stderr.contains(&format!("holds {held} samples per pixel")) && held.is_multiple_of(8),
+        "{}",
+        ran.stderr
+    );
+    let end = held + 16;
+    place.render(&format!("--quiet --spp {end} -o out.exr --resume")).exits(0);
+    place.render(&format!("--quiet --spp {end} -o whole.exr")).exits(0);
+    assert_eq!(place.holds("out.exr").difference(&place.holds("whole.exr")), [""; 0], "{held} of {end} samples");
+}
+
+/// A render that is killed at any moment leaves a file that can be read, and that a later one goes on from.
+#[cfg(unix)]
+#[test]
+fn what_is_killed_goes_on() {
+    let place = Place::new();
+    let mut at = 0;
+    for moment in 0..10u64 {
+        let mut child = place.spawn("--spp 1000000 --quiet --checkpoint 0.02s --resume=auto -o out.exr");
+        if moment == 0 {
+            meanwhile(&mut child, || place.path("out.exr").exists());
+        }
+        // Some starting, some rendering, some writing.
+        std::thread::sleep(Duration::from_millis(moment * 977 % 400));
+        child.kill().expect("it can be killed");
+        child.wait().expect("it ends");
+        let held = Held::of(&place.path("out.exr"));
+        let state = read_state(&place.path("out.exr")).expect("it is read").expect("there is a state");
+        assert!(state.samples.count() >= at, "{} samples after {at}", state.samples.count());
+        at = state.samples.count();
+        assert_eq!(held.film.totals().paths, at * 24 * 16);
+    }
+    let end = at + 8;
+    place.render(&format!("--quiet --spp {end} -o out.exr --resume")).exits(0);
+    place.render(&format!("--quiet --spp {end} -o whole.exr")).exits(0);
+    assert_eq!(place.holds("out.exr").difference(&place.holds("whole.exr")), [""; 0], "{at} of {end} samples");
+}
+
+/// A checkpoint never replaces one of the same render that holds more: another process may be ahead.
+#[test]
+fn a_checkpoint_of_more_samples_stays() {
+    let place = Place::new();
+    place.render("--quiet --spp 4096 -o out.exr").exits(0);
+    let before = fs::read(place.path("out.exr")).expect("it is read");
+    let mut child = place.spawn("--spp 100000000 --checkpoint 0.02s -o out.exr");
+    let mut seen = false;
+    for _ in 0..40 {
+        std::thread::sleep(Duration::from_millis(10));
+        let state = read_state(&place.path("out.exr")).expect("it is read").expect("there is a state");
+        assert!(state.samples.count() >= 4096, "{}", state.samples);
+        seen |= fs::read(place.path("out.exr")).expect("it is read") == before;
+    }
+    assert!(seen);
+    child.kill().expect("it can be killed");
+    child.wait().expect("it ends");
+}
+
+/// A file that is damaged anywhere is refused, or is what it was; nothing panics, and no wrong total is taken.
+#[test]
+fn damaged_states_are_refused() {
+    let place = Place::new();
+    place.render("--quiet --spp 8 --size 6x5 -o out.exr").exits(0);
+    let whole = place.holds("out.exr");
+    let bytes = fs::read(place.path("out.exr")).expect("it is read");
+    let path = place.path("broken.exr");
+    let read = |bytes: &[u8]| -> Option<Film> {
+        fs::write(&path, bytes).expect("it is written");
+        let state = read_state(&path).ok()??;
+        let mut film = state.film().ok()?;
+        add_film(&path, &state, &mut film).ok()?;
+        Some(film)
+    };
+    assert!(read(&bytes).expect("it is whole") == whole.film);
+    let mut refused = 0;
+    for place in (0..bytes.len()).step_by(3) {
+        let mut broken = bytes.clone();
+        broken[place] ^= 1 << (place % 8);
+        match read(&broken) {
+            // The bit was in the picture, in a name, or in what the state is of.
+            Some(film) => assert!((0..30).all(|pixel| film.words(pixel) == whole.film.words(pixel)), "byte {place}"),
+            None => refused += 1,
+        }
+        assert!(read(&bytes[..place]).is_none_or(|film| film == whole.film), "{place} bytes");
+    }
+    assert!(refused > 0);
+}
+
+/// Ten thousand parts take no more memory than two, and one command.
+#[test]
+fn ten_thousand_parts_are_joined() {
+    const PARTS: u32 = 10_000;
+    let place = Place::new();
+    let ends = |part: u32| (10_000_000 + 8 * part, 10_000_008 + 8 * part);
+    let (start, end) = ends(0);
+    place.render(&format!("--quiet --size 3x2 --samples {start}..{end} -o part.exr")).exits(0);
+    let bytes = fs::read(place.path("part.exr")).expect("it is read");
+    let said = format!("[[{start},{end}]]");
+    let at = bytes.windows(said.len()).position(|window| window == said.as_bytes()).expect("the state says its range");
+    let mut names = Vec::new();
+    // Not in their order.
+    for part in (0..PARTS).map(|number| number * 7 % PARTS) {
+        let (start, end) = ends(part);
+        let mut bytes = bytes.clone();
+        bytes[at..at + said.len()].copy_from_slice(format!("[[{start},{end}]]").as_bytes());
+        let name = format!("{part}.exr");
+        fs::write(place.path(&name), bytes).expect("it is written");
+        names.push(name);
+    }
+    let mut arguments = vec!["merge", "--json", "-o", "joined.exr"];
+    arguments.extend(names.iter().map(String::as_str));
+    let report = run(place.folder.path(), &arguments).exits(0).json();
+    assert_eq!((&report["parts"], &report["samples_per_pixel"]), (&PARTS.into(), &(8 * PARTS).into()));
+    let held = place.holds("joined.exr");
+    assert_eq!(
+        (held.samples, held.film.totals().paths),
+        (format!("{start}..{}", ends(PARTS - 1).1), 6 * 8 * u64::from(PARTS))
+    );
+    // All parts have the pixels of the first one, and so has their mean.
+    let first = read_exr(&place.path("part.exr")).expect("it is read");
+    assert_eq!(held.rgb, first.rgb);
+}
