@@ -3,10 +3,14 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use gpu_rt::film::Picture;
-use gpu_rt::output::exr::{Attribute, write_exr};
+use gpu_rt::data::Sampler;
+use gpu_rt::film::{Film, Picture};
+use gpu_rt::identity::Identity;
+use gpu_rt::output::exr::{Attribute, State, write_exr, write_render};
+use gpu_rt::samples::Samples;
 
-/// The images of tests/corpus, which encoders other than ours have made, and a .hdr, a 16-bit .png and two .exr: names and bytes.
+/// The images of tests/corpus, which encoders other than ours have made, and a .hdr, a 16-bit .png and three .exr, one with the state of a
+/// render: names and bytes.
 pub fn images() -> Vec<(String, Vec<u8>)> {
     let mut images = files(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/corpus")));
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -29,6 +33,14 @@ pub fn images() -> Vec<(String, Vec<u8>)> {
     let attributes = [Attribute::Text("a scene".to_owned()), Attribute::Int(-7), Attribute::Float(0.5)];
     let attributes = ["text", "gpu-rt:seed", "float"].map(str::to_owned).into_iter().zip(attributes);
     write_exr(&at("own.exr"), &picture, &attributes.collect::<Vec<_>>()).expect("the image is written");
+    let film = Film::with_sampler(5, 3, 2, Sampler::Sobol).expect("the film fits");
+    let settings = [("size".to_owned(), "5x3".to_owned())].into_iter().collect();
+    let [version, kernels, scene] = ["1", "kernels", "scene"].map(str::to_owned);
+    let identity = Identity { version, kernels, scene, assets: vec![("a.png".to_owned(), "1".to_owned())], settings };
+    let mut samples = Samples::default();
+    samples.add(0..16);
+    let state = State::new(identity, vec![("device".to_owned(), "driver".to_owned())], &film, samples, 0);
+    write_render(&at("render.state.exr"), &film, &[], Some(&state)).expect("the image is written");
     images.extend(files(folder.path()));
     images
 }

@@ -19,7 +19,7 @@ use crate::common::stats::Random;
 use gpu_rt::error::Error;
 use gpu_rt::flatten::flatten;
 use gpu_rt::options::RenderOptions;
-use gpu_rt::output::exr::read_exr;
+use gpu_rt::output::exr::{add_film, read_exr, read_state};
 use gpu_rt::scene::Scene;
 
 /// The addresses that a process may use, in KiB: what fits a device, a GiB beyond, and the program.
@@ -48,6 +48,7 @@ const FORMATS: &[(&str, &[&str], Reader)] = &[
     ("gltf", &["gltf"], read_mesh),
     ("glb", &["glb"], read_mesh),
     ("compare", &["exr"], |path, bytes| written(path, bytes, |path| read_exr(path).map(drop))),
+    ("resume", &["state.exr"], |path, bytes| written(path, bytes, resume)),
 ];
 
 fn written(path: &Path, bytes: &[u8], read: impl Fn(&Path) -> Result<(), Error>) -> Result<(), String> {
@@ -55,6 +56,13 @@ fn written(path: &Path, bytes: &[u8], read: impl Fn(&Path) -> Result<(), Error>)
     let _ = fs::remove_file(path);
     fs::write(path, bytes).expect("the file is written");
     read(path).map_err(|error| error.to_string())
+}
+
+/// As `render --resume` and `merge` do.
+fn resume(path: &Path) -> Result<(), Error> {
+    let Some(state) = read_state(path)? else { return Ok(()) };
+    let mut film = state.film()?;
+    add_film(path, &state, &mut film)
 }
 
 fn read_text(path: &Path, bytes: &[u8]) -> Result<(), String> {
