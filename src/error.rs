@@ -53,19 +53,21 @@ pub enum Error {
     /// `--fail-above` was given and a metric is above its limit.
     #[error("{0}")]
     Limit(String),
-    /// The user interrupted the work. Finished parts are kept.
-    #[error("{0}")]
-    Interrupted(String),
+    /// A signal ended the work. Finished parts are kept.
+    #[error("{message}")]
+    Interrupted { signal: i32, message: String },
 }
 
 pub type Result<T> = std::result::Result<T, Error>;
 
 impl Error {
-    /// The exit status of the process: 2 for bad input or arguments, 1 if the work itself failed.
+    /// The exit status of the process: 2 for bad input or arguments, 1 if the work itself failed, and after a signal 128 plus its
+    /// number, as shells report it.
     pub fn exit_status(&self) -> u8 {
         match self {
             Error::Scene { .. } | Error::Usage(_) => 2,
             Error::File { action, .. } if *action == "read" => 2,
+            Error::Interrupted { signal, .. } => u8::try_from(128 + signal).unwrap_or(1),
             _ => 1,
         }
     }

@@ -8,6 +8,7 @@ mod words;
 
 use crate::data::{CHANNELS, PixelTotals, Rgb, SQUARE_FRACTION, SUM_FRACTION, Sampler, luminance};
 use crate::error::{Error, Result};
+use crate::memory;
 pub use totals::{Rejected, ThroughGlass, TooDeep, Totals};
 pub use words::{WORDS, Words, word_names};
 
@@ -15,6 +16,8 @@ pub use words::{WORDS, Words, word_names};
 /// would claim exactness, and whoever takes this one for a number concludes that the pixel is worthless, which is right.
 pub const UNKNOWN_VARIANCE: f32 = f32::MAX;
 
+/// What a pixel takes on the host at the most: its totals, and seven bytes while a PNG is written. An EXR is written row by row.
+const BYTES_OF_A_PIXEL: u64 = size_of::<Pixel>() as u64 + 7;
 /// The largest power of two, up or down, between device units and scene units: its square is far inside f64.
 const MAX_EXPONENT: i32 = 300;
 /// This share of the image's mean luminance keeps dark pixels from dominating the relative error.
@@ -204,15 +207,14 @@ impl Film {
                 "the scene's radiance has the scale 2^{exponent}: expected 2^-300 to 2^300"
             )));
         }
-        let too_large = || {
-            let gib = count as f64 * size_of::<Pixel>() as f64 / exp2(30);
-            Error::Usage(format!(
-                "an image of {width} x {height} pixels needs {gib:.1} GiB of memory, which cannot be had; use a smaller --size"
-            ))
+        let needs = |memory: String| {
+            Error::Usage(format!("an image of {width} x {height} pixels needs {memory}; use a smaller --size"))
         };
-        let count = usize::try_from(count).map_err(|_| too_large())?;
+        memory::check(count * BYTES_OF_A_PIXEL).map_err(needs)?;
+        let cannot = |_| needs("more memory than can be had".to_string());
+        let count = usize::try_from(count).map_err(|_| cannot(()))?;
         // Zeros as the system hands them out: writing them would cost a large film more than all else before its first pass.
-        let pixels = bytemuck::allocation::try_zeroed_vec::<Pixel>(count).map_err(|()| too_large())?;
+        let pixels = bytemuck::allocation::try_zeroed_vec::<Pixel>(count).map_err(cannot)?;
         Ok(Film { width, height, exponent, sampler, pixels, totals: Totals::default() })
     }
 

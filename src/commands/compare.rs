@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 
 use serde_json::{Value, json};
 
-use super::{check_place, path_text, print_json, print_line, same_file, tell};
+use super::outputs::check_outputs;
+use super::{path_text, print_json, print_line, tell};
 use crate::cli::{CompareArgs, Limit, Metric};
 use crate::error::{Error, Result};
 use crate::metrics::difference::{Difference, ErrorSource, Images, LEVEL, MeanDifference, QUANTITIES, difference};
@@ -18,10 +19,8 @@ use crate::output::png::write_heatmap;
 /// Reads both images, prints their differences, and fails if an error is above its limit.
 pub fn run(args: &CompareArgs) -> Result<()> {
     if let Some(heatmap) = &args.heatmap {
-        check_place(heatmap, "nothing has been compared")?;
-        if [&args.image, &args.reference].into_iter().any(|image| same_file(image, heatmap)) {
-            return Err(Error::Usage(format!("{}: expected a file other than the two images", heatmap.display())));
-        }
+        let images = [args.image.clone(), args.reference.clone()];
+        check_outputs(&[("--heatmap", heatmap)], &images, "nothing has been compared")?;
     }
     let (mut a, mut b) = (read_exr(&args.image)?, read_exr(&args.reference)?);
     if (a.width, a.height) != (b.width, b.height) {

@@ -1,14 +1,13 @@
 //! `gpu-rt converge`: the error of a render against a reference at 1, 2, 4 … samples, with the seconds of each.
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::Ordering;
 
 use serde::Serialize;
 use serde_json::{Value, json};
 
+use super::signals::Signals;
 use super::{
-    flatten_for, make_folder, open_device, path_text, print_json, print_line, stop_on_interrupt, tell, tell_biases,
-    tell_software,
+    flatten_for, make_folder, open_device, path_text, print_json, print_line, tell, tell_biases, tell_software,
 };
 use crate::cli::{ConvergeArgs, Size};
 use crate::error::{Error, Result};
@@ -65,7 +64,7 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
     let mut renderer = Renderer::new(&device, &plan, &job, false)?;
     let mut film = Film::with_sampler(size.0, size.1, flat.radiance_exponent, args.options.sampler)?;
 
-    let stopped = stop_on_interrupt();
+    let signals = Signals::listen("no table and no plot are written");
     let mut steps: Vec<Measurement> = Vec::new();
     let (mut done, mut seconds) = (0, 0.0);
     while done < end {
@@ -77,7 +76,7 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
             break;
         }
         let part = Job { first_sample: done, goal: Goal::Samples(next), ..job };
-        let mut go_on = |_: &Outcome, _: Option<Look<'_>>| match stopped.load(Ordering::Relaxed) {
+        let mut go_on = |_: &Outcome, _: Option<Look<'_>>| match signals.came() {
             true => Next::Stop,
             false => Next::GoOn,
         };
@@ -99,7 +98,7 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
         steps.push(step);
     }
     if steps.is_empty() {
-        return Err(Error::Interrupted("interrupted before the first sample; nothing has been written".into()));
+        return Err(signals.interrupted("there is no sample yet, and nothing has been written"));
     }
     let rows: Vec<Value> = steps.iter().map(|step| json!(step)).collect();
     atomic::write(&table, csv(COLUMNS, &rows).as_bytes())?;
@@ -107,8 +106,8 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
     let title = format!("{name} on {}", device.name.driver);
     atomic::write(&plot, svg(&drawing(&title, &steps, own_error))?.as_bytes())?;
     report(args, &biases, &device.name.to_string(), (&steps, rows), own_error, (&table, &plot))?;
-    match stopped.load(Ordering::Relaxed) {
-        true => Err(Error::Interrupted(format!("interrupted; {} holds the samples so far", table.display()))),
+    match signals.came() {
+        true => Err(signals.interrupted(&format!("{} holds the samples so far", table.display()))),
         false => Ok(()),
     }
 }

@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 
 use serde_json::json;
 
+use super::outputs::check_outputs;
 use super::render::{Finish, attributes_of, excluded};
-use super::{check_place, path_text, print_json, same_file, tell};
+use super::{path_text, print_json, tell};
 use crate::cli::MergeArgs;
 use crate::data::RUN_LENGTH;
 use crate::error::{Error, Result};
@@ -16,10 +17,7 @@ use crate::samples::Samples;
 
 /// Joins the parts. It takes the memory of one film, whatever their number.
 pub fn run(args: &MergeArgs) -> Result<()> {
-    check_place(&args.output, "nothing has been joined")?;
-    if let Some(part) = args.parts.iter().find(|part| same_file(part, &args.output)) {
-        return Err(Error::Usage(format!("{}: expected an output that is none of the parts", part.display())));
-    }
+    check_outputs(&[("-o", &args.output)], &args.parts, "nothing has been joined")?;
     let mut loading = Loading::new(args.quiet);
     let joined = Joined::of(args, &mut loading)?;
     let first = &joined.parts[0];

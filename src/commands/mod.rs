@@ -5,13 +5,13 @@ mod compare;
 mod converge;
 mod devices;
 mod merge;
+mod outputs;
 mod plan;
 mod render;
+mod signals;
 mod tradeoff;
 
 use std::path::Path;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::cli::{Cli, Command, Size};
 use crate::error::{Error, Result};
@@ -114,51 +114,6 @@ fn make_folder(folder: &Path, undone: &str) -> Result<()> {
         reason: format!("{error}; {undone}"),
     };
     std::fs::create_dir_all(folder).map_err(failed)
-}
-
-/// A flag that the first interrupt sets. A second interrupt ends the program at once.
-fn stop_on_interrupt() -> Arc<AtomicBool> {
-    let stopped = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&stopped);
-    // If the handler cannot be set, an interrupt ends the program.
-    let _ = ctrlc::set_handler(move || {
-        if flag.swap(true, Ordering::Relaxed) {
-            std::process::exit(1);
-        }
-    });
-    stopped
-}
-
-/// Checks that a file can be written to this path. If not, the error includes `undone`: the work that has not been done.
-fn check_place(path: &Path, undone: &str) -> Result<()> {
-    let folder = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
-    if path.file_name().is_none() || path.is_dir() || !folder.is_dir() {
-        return Err(Error::Usage(format!(
-            "{}: expected the name of a file in a folder that exists; {undone}",
-            path.display()
-        )));
-    }
-    // Devices and pipes are written to directly. A regular file is written beside the old one and then renamed.
-    if path.exists() && !path.is_file() {
-        return Ok(());
-    }
-    match tempfile::tempfile_in(folder) {
-        Ok(_) => Ok(()),
-        Err(error) => {
-            Err(Error::File { path: path.to_path_buf(), action: "write", reason: format!("{error}; {undone}") })
-        }
-    }
-}
-
-/// Whether two paths name one file. Paths of existing files are resolved, so that different spellings are recognised.
-fn same_file(a: &Path, b: &Path) -> bool {
-    match (a.canonicalize(), b.canonicalize()) {
-        (Ok(a), Ok(b)) => a == b && a.is_file(),
-        _ => a == b,
-    }
 }
 
 /// A path as text for JSON.

@@ -1,12 +1,12 @@
 //! `gpu-rt tradeoff`: measures how the settings of `render` trade time, noise and bias on a scene, within a budget of time.
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use clap::Parser;
 
-use super::{make_folder, open_device, path_text, print_json, print_line, stop_on_interrupt, tell, tell_software};
+use super::signals::Signals;
+use super::{make_folder, open_device, path_text, print_json, print_line, tell, tell_software};
 use crate::cli::{Cli, Command, RenderArgs, Size, TradeoffArgs};
 use crate::error::{Error, Result};
 use crate::metrics::estimate::Estimate;
@@ -42,9 +42,9 @@ const INTERRUPTED: &str = "interrupted before it was measured";
 
 /// Measures and reports.
 pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
-    // From here on an interrupt ends the measurement, not the program.
-    let stopped = stop_on_interrupt();
-    let stop = || stopped.load(Ordering::Relaxed);
+    // From here on a signal ends the measurement, not the program.
+    let signals = Signals::listen("no report is written");
+    let stop = || signals.came();
     let mut scene = Scene::load(&args.scene)?;
     let knobs = knobs_of(args)?;
     let reference = args.reference.as_deref().map(reference_of).transpose()?;
@@ -160,10 +160,8 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
         tell(&format!("{}: {:.0} s", folder.join("index.html").display(), start.elapsed().as_secs_f64()));
     }
     match report.interrupted {
-        true if report.measured.is_empty() => {
-            Err(Error::Interrupted("interrupted before anything was measured".into()))
-        }
-        true => Err(Error::Interrupted(format!("interrupted; {} holds what was measured", folder.display()))),
+        true if report.measured.is_empty() => Err(signals.interrupted("nothing was measured before")),
+        true => Err(signals.interrupted(&format!("{} holds what was measured", folder.display()))),
         false => Ok(()),
     }
 }

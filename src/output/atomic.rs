@@ -1,13 +1,12 @@
 //! Replaces files atomically: a reader finds the old contents or the new ones, never a part.
 
-use std::fs::{self, File};
+use std::fs::{self, File, Metadata};
 use std::io::{self, Seek, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
+use super::place::{Place, folder_of};
+use super::temporary;
 use crate::error::{Error, Result};
-
-/// The number of links after which Linux reports a loop.
-const MAX_LINKS: usize = 40;
 
 /// Replaces the file at `path` by what `write` writes to an empty file that can seek.
 ///
@@ -17,9 +16,9 @@ const MAX_LINKS: usize = 40;
 /// has succeeded.
 pub fn replace(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> Result<()> {
     let failed = |reason: String| Error::File { path: path.to_owned(), action: "write", reason };
-    match destination(path).map_err(|error| failed(error.to_string()))? {
-        Destination::Stream => replace_stream(path, write).map_err(|error| failed(error.to_string())),
-        Destination::Regular(target) => replace_regular(&target, write).map_err(failed),
+    match Place::of(path).map_err(|error| failed(error.to_string()))? {
+        Place::Stream => replace_stream(path, write).map_err(|error| failed(error.to_string())),
+        Place::File(target) => replace_file(&target, write).map_err(failed),
     }
 }
 
@@ -28,82 +27,51 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
     replace(path, |file| file.write_all(bytes))
 }
 
-enum Destination {
-    /// The path of a regular file, or of a file that does not exist yet. The path is not a link.
-    Regular(PathBuf),
-    /// Something that can be written to but not replaced.
-    Stream,
-}
-
-/// Follows links one by one, because the last one may point to a file that does not exist yet.
-fn destination(path: &Path) -> io::Result<Destination> {
-    match fs::metadata(path) {
-        Ok(metadata) if metadata.is_dir() => return Err(io::Error::other("it is a folder")),
-        Ok(metadata) if !metadata.is_file() => return Ok(Destination::Stream),
-        // A missing file will be created. Other errors are a loop of links, a folder that may not be entered, …
-        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
-        _ => {}
-    }
-    let mut target = path.to_owned();
-    for _ in 0..MAX_LINKS {
-        // An open file, such as /dev/stdout redirected to a file: if the file were replaced, other writers of the open
-        // file would write to the old one.
-        if target.starts_with("/proc") || target.starts_with("/dev/fd") {
-            return Ok(Destination::Stream);
-        }
-        match fs::read_link(&target) {
-            // `join` returns an absolute link unchanged.
-            Ok(link) => target = folder_of(&target).join(link),
-            Err(_) => return Ok(Destination::Regular(target)),
-        }
-    }
-    Err(io::Error::other("too many symbolic links"))
-}
-
-fn folder_of(path: &Path) -> &Path {
-    match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    }
-}
-
-fn replace_regular(target: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> std::result::Result<(), String> {
-    let name = target.file_name().ok_or("it names no file")?;
-    let folder = folder_of(target);
-    if !folder.is_dir() {
-        return Err(format!("the folder {} does not exist", folder.display()));
-    }
-    let mut prefix = std::ffi::OsString::from(".");
-    prefix.push(name);
-    prefix.push(".");
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(&prefix).suffix(".part");
-    #[cfg(unix)]
-    {
-        // Temporary files are private by default. This one becomes the user's file, so that the umask decides its permissions.
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(fs::Permissions::from_mode(0o666));
-    }
-    // Only the kind of the error: the full text names the temporary file, which means nothing to the user.
-    let mut file =
-        builder.tempfile_in(folder).map_err(|error| format!("no file can be made in its folder: {}", error.kind()))?;
+fn replace_file(target: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> std::result::Result<(), String> {
+    let old = fs::metadata(target).ok();
+    // Whoever may not read the old file may not read the new one either, also while it is written.
+    let mut file = temporary::create(target, old.is_some()).map_err(no_file)?;
     // From here on, every return removes the temporary file.
     write(file.as_file_mut()).map_err(|error| error.to_string())?;
+    if let Some(old) = old {
+        keep_owner_and_mode(file.as_file(), &old);
+    }
     file.as_file().sync_all().map_err(|error| error.to_string())?;
     file.persist(target).map_err(|error| error.error.to_string())?;
     // The sync of the folder writes the new name to the disk. Not every system can do that, but the contents are already safe.
-    if let Ok(folder) = File::open(folder) {
+    if let Ok(folder) = File::open(folder_of(target)) {
         let _ = folder.sync_all();
     }
     Ok(())
 }
+
+/// The reason why no file could be made beside the target. It has only the kind of the error, because the full text names the
+/// temporary file, which means nothing to the user.
+pub(super) fn no_file(error: io::Error) -> String {
+    format!("no file can be made in its folder: {}", error.kind())
+}
+
+/// Gives a file the owner, the group and the mode of the old one, as far as the system permits.
+#[cfg(unix)]
+fn keep_owner_and_mode(file: &File, old: &Metadata) {
+    use std::os::unix::fs::{MetadataExt, fchown};
+    // Only root may change the owner; a user may choose among the own groups. The mode comes last, because a change of the owner
+    // changes it.
+    let _ = fchown(file, None, Some(old.gid()));
+    let _ = fchown(file, Some(old.uid()), None);
+    let _ = file.set_permissions(old.permissions());
+}
+
+#[cfg(not(unix))]
+fn keep_owner_and_mode(_: &File, _: &Metadata) {}
 
 fn replace_stream(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
     // `write` may seek, but a pipe cannot. This temporary file has no name and disappears with its handle.
     let mut file = tempfile::tempfile()?;
     write(&mut file)?;
     file.rewind()?;
-    let mut stream = fs::OpenOptions::new().write(true).open(path)?;
+    // Behind what an open file has already, as the shell's >> asks.
+    let mut stream = fs::OpenOptions::new().append(true).open(path)?;
     io::copy(&mut file, &mut stream)?;
     stream.flush()
 }
@@ -182,6 +150,41 @@ mod tests {
         assert_eq!(mode(&ours), mode(&plain));
     }
 
+    /// The number 12345 is nobody here: only root may give files away, and for others the file stays their own.
+    #[cfg(unix)]
+    #[test]
+    fn a_replaced_file_keeps_its_mode_and_owner() {
+        use std::os::unix::fs::{MetadataExt, PermissionsExt, chown};
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.exr");
+        for mode in [0o640, 0o600, 0o444, 0o666] {
+            fs::write(&path, "old").unwrap();
+            let _ = chown(&path, Some(12345), Some(12345));
+            fs::set_permissions(&path, fs::Permissions::from_mode(mode)).unwrap();
+            let of = |path: &Path| fs::metadata(path).map(|found| (found.uid(), found.gid(), found.mode())).unwrap();
+            let old = of(&path);
+            replace(&path, |file| {
+                // Meanwhile nobody else reads what the old file kept secret.
+                assert_eq!(file.metadata()?.mode() & 0o077, 0);
+                file.write_all(b"new")
+            })
+            .unwrap();
+            assert_eq!(of(&path), old, "{mode:o}");
+            assert_eq!(fs::read_to_string(&path).unwrap(), "new");
+            fs::remove_file(&path).unwrap();
+        }
+    }
+
+    #[test]
+    fn the_longest_names_are_written() {
+        let folder = tempfile::tempdir().unwrap();
+        for length in [242, 243, 255] {
+            let name = "n".repeat(length);
+            write_text(&folder.path().join(&name), &name).unwrap();
+            assert_eq!(fs::read_to_string(folder.path().join(&name)).unwrap(), name);
+        }
+    }
+
     #[cfg(unix)]
     #[test]
     fn links_stay_and_what_they_point_to_is_replaced() {
@@ -216,5 +219,11 @@ mod tests {
         write_text(Path::new(&format!("/proc/self/fd/{}", writer.as_raw_fd())), "through a pipe").unwrap();
         drop(writer);
         assert_eq!(io::read_to_string(&mut reader).unwrap(), "through a pipe");
+        // A file that is open, as /dev/stdout is behind the shell's >>, keeps what it has.
+        let mut open = tempfile::tempfile().unwrap();
+        open.write_all(b"before ").unwrap();
+        write_text(Path::new(&format!("/proc/self/fd/{}", open.as_raw_fd())), "behind").unwrap();
+        open.rewind().unwrap();
+        assert_eq!(io::read_to_string(open).unwrap(), "before behind");
     }
 }

@@ -7,7 +7,7 @@ mod bitmap;
 mod digest;
 mod explain;
 mod file;
-mod guard;
+mod inputs;
 mod load;
 mod mesh;
 mod nearest;
@@ -17,7 +17,7 @@ mod visit;
 mod warn;
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Location, Result};
 use crate::source::Source;
@@ -59,6 +59,11 @@ impl Scene {
     /// The same for a text in memory. `path` is its name in errors; relative paths start at the folder of `path`.
     pub fn parse(text: &str, path: &Path) -> Result<Scene> {
         load::parse(text.to_owned(), path, &mut |_, _, _| {})
+    }
+
+    /// The paths of all files that the scene was read from, the scene file first.
+    pub fn inputs(&self) -> Vec<PathBuf> {
+        inputs::inputs(self)
     }
 
     /// The location in the scene file of the value at the end of `steps`.

@@ -34,6 +34,10 @@ impl Source {
         }
     }
 
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
     pub fn text(&self) -> &str {
         &self.text
     }

@@ -22,7 +22,33 @@ pub fn command(folder: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_gpu-rt"));
     command.current_dir(folder).args(arguments);
     command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    #[cfg(unix)]
+    with_signals(&mut command, libc::SIG_DFL);
     command
+}
+
+/// Has the program start with signals that end it, or that it ignores. Tests in the background or under `nohup` would pass on that
+/// theirs are ignored.
+#[cfg(unix)]
+pub fn with_signals(command: &mut Command, action: libc::sighandler_t) {
+    use std::os::unix::process::CommandExt;
+    let set = move || {
+        for signal in [libc::SIGINT, libc::SIGTERM, libc::SIGHUP] {
+            // SAFETY: `signal` may be called between fork and exec.
+            unsafe { libc::signal(signal, action) };
+        }
+        Ok(())
+    };
+    // SAFETY: `set` calls nothing else.
+    unsafe { command.pre_exec(set) };
+}
+
+/// Sends a signal to the program.
+#[cfg(unix)]
+pub fn send(child: &Child, signal: i32) {
+    // SAFETY: the child has not been waited for, so the number is its own.
+    let sent = unsafe { libc::kill(child.id() as i32, signal) };
+    assert_eq!(sent, 0, "the signal is sent");
 }
 
 /// Runs the program in a folder to its end, however long that takes.

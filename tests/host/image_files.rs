@@ -6,6 +6,7 @@ use std::fs;
 use std::path::Path;
 
 use gpu_rt::error::Error;
+use gpu_rt::output::exr::read_exr;
 use gpu_rt::scene::{Bitmap, Scene};
 
 /// The image that a scene's background names.
@@ -71,4 +72,12 @@ fn damage_that_a_format_can_tell_is_refused() {
         let unknowable = [ZEROS.contains(&file.as_str()), ZEROS.iter().chain(&OVERWRITTEN).any(|of| *of == file)];
         assert_eq!(accepted, unknowable, "{file}");
     }
+}
+
+/// The fuzzer found it: the library indexes past the end of a block.
+#[test]
+fn an_exr_that_makes_the_library_panic_is_refused() {
+    let file = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/corpus/damaged/short_block.exr"));
+    let error = read_exr(file).expect_err("it is refused").to_string();
+    assert!(error.contains("short_block.exr: cannot read: the parser gave up"), "{error}");
 }

@@ -5,5 +5,10 @@ mod common;
 
 mod bad_files;
 mod cli;
+#[cfg(unix)]
+mod files;
+mod place;
 mod resume;
+#[cfg(unix)]
+mod signals;
 mod terminal;

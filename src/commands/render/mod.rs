@@ -6,15 +6,14 @@ mod summary;
 mod watcher;
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
 use serde_json::json;
 
-use super::{
-    check_place, flatten_for, open_device, print_json, same_file, stop_on_interrupt, tell, tell_biases, tell_software,
-};
+use super::outputs::check_outputs;
+use super::signals::Signals;
+use super::{flatten_for, open_device, print_json, tell, tell_biases, tell_software};
 use crate::cli::{MOST_SAMPLES, RenderArgs};
 use crate::error::{Error, Result};
 use crate::film::Film;
@@ -24,6 +23,7 @@ use crate::gpu::probe::numerics;
 use crate::identity::Identity;
 use crate::job::{Goal, Job};
 use crate::output::exr::{State, read_state, write_render};
+use crate::output::place::Place;
 use crate::output::png::write_png;
 use crate::output::progress::{Loading, Progress};
 use crate::plan::Plan;
@@ -54,6 +54,8 @@ struct Seconds {
 /// Where the image goes.
 struct Output<'a> {
     exr: PathBuf,
+    /// Whether a later image can replace the EXR. A pipe gets one image, at the end.
+    can_be_replaced: bool,
     png: Option<&'a Path>,
     exposure: f64,
 }
@@ -74,7 +76,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     };
     tell_warnings(&warnings);
     let biases = tell_biases(&args.options, args.paths.max_depth, &scene, args.quiet);
-    let output = output_of(args)?;
+    let output = output_of(args, &scene)?;
     seconds.load = clock.lap();
 
     // The driver loads while the scene is built; `device` is the time that it takes beyond. A scene that does not load waits for no driver.
@@ -106,7 +108,10 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
         None => resume::more_there(&output.exr, &identity, 0),
     };
     let resumed_from = earlier.as_ref().map(|state| state.samples.count());
-    let stopped = stop_on_interrupt();
+    let signals = Signals::listen(&match resumed_from {
+        Some(_) => format!("{} holds what it held before", output.exr.display()),
+        None => "nothing has been written".to_owned(),
+    });
     let progress = Progress::new(args.quiet, &job, resumed_from.unwrap_or(0));
     let task = Task {
         args,
@@ -116,7 +121,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
         job: &job,
         biases: &biases,
         warnings: &warnings,
-        stopped: &stopped,
+        signals: &signals,
         progress: &progress,
         resumed_from,
         overwritten,
@@ -125,7 +130,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     let mut rendered = task.render(&device, &mut film, &mut rendering, &mut seconds, &mut clock);
     if let Err(Error::Device(why)) = &rendered
         && rendering.started
-        && !stopped.load(Ordering::Relaxed)
+        && !signals.came()
     {
         progress.message(&format!("warning: {why}; the device is opened once more"));
         let again = task.last_whole(&rendering).and_then(|last| Ok((last, open_device(args.paths.device.as_deref())?)));
@@ -141,6 +146,9 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
 
     let about = task.about(&device)?;
     let outcome = std::mem::take(&mut rendering.outcome);
+    if outcome.interrupted && !args.quiet {
+        tell(&format!("{signals}: writing the image so far; a second signal ends at once"));
+    }
     let complete = rendered.is_ok() && !outcome.interrupted;
     let finish = Finish::of(&film.film, &film.samples, &film.devices, outcome.noise, complete);
     match rendered {
@@ -163,7 +171,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
         return Err(Error::Strict(format!("--strict: {}", rejected_words(&finish.totals))));
     }
     match outcome.interrupted {
-        true => Err(Error::Interrupted(format!("interrupted; {}", task.what_is_kept(film.samples.count())))),
+        true => Err(signals.interrupted(&task.what_is_kept(film.samples.count()))),
         false => Ok(()),
     }
 }
@@ -177,7 +185,7 @@ struct Task<'a> {
     job: &'a Job,
     biases: &'a [String],
     warnings: &'a [String],
-    stopped: &'a AtomicBool,
+    signals: &'a Signals,
     progress: &'a Progress,
     /// Samples of a pixel that an earlier render has left.
     resumed_from: Option<u64>,
@@ -232,15 +240,15 @@ impl Task<'_> {
             let begun = Instant::now();
             let mut watcher = Watcher {
                 progress: self.progress,
-                stopped: self.stopped,
+                signals: self.signals,
                 begun,
                 pixels: u64::from(job.size.0) * u64::from(job.size.1),
                 earlier: samples.count(),
                 next_look: (!self.args.quiet).then(|| begun + pause_after(look_time(job.size))),
-                next_checkpoint: begun + self.args.checkpoint,
+                next_checkpoint: self.output.can_be_replaced.then(|| begun + self.args.checkpoint),
                 interval: self.args.checkpoint,
                 error: None,
-                failed: String::new(),
+                failed: None,
                 kept: false,
                 checkpoint: &|film, outcome| {
                     let mut samples = samples.clone();
@@ -248,7 +256,10 @@ impl Task<'_> {
                     let looks = outcome.noise.map_or(*looks, |noise| noise.looks);
                     let finish = Finish::of(film, &samples, devices, outcome.noise, false);
                     let state = State::new(self.identity.clone(), devices.clone(), film, samples, looks);
-                    self.keep(&about, film, state, &finish, seconds)
+                    self.keep(&about, film, state, &finish, seconds)?;
+                    let exr = self.output.exr.display();
+                    self.signals.set_loss(format!("{exr} holds the last checkpoint; what came since is lost"));
+                    Ok(())
                 },
             };
             rendering.started = true;
@@ -294,6 +305,7 @@ impl Task<'_> {
             let state = State::new(self.identity.clone(), devices.clone(), film, samples.clone(), *looks);
             self.keep(about, film, state, finish, seconds)?;
         }
+        self.signals.set_loss(format!("{} holds the image", self.output.exr.display()));
         match self.output.png {
             Some(png) => write_png(png, self.job.size, &|index| film.film.developed(index).rgb, self.output.exposure),
             None => Ok(()),
@@ -340,7 +352,7 @@ impl Task<'_> {
     /// What the file holds, and how to go on.
     fn what_is_kept(&self, samples: u64) -> String {
         let exr = self.output.exr.display();
-        match self.args.no_state || samples == 0 {
+        match self.args.no_state || samples == 0 || !self.output.can_be_replaced {
             true => format!("{exr} holds the image so far"),
             false => format!("{exr} holds {samples} samples per pixel. Add --resume to go on"),
         }
@@ -360,7 +372,7 @@ impl Clock {
 }
 
 /// The paths to write to, checked before anything costs time.
-fn output_of(args: &RenderArgs) -> Result<Output<'_>> {
+fn output_of<'a>(args: &'a RenderArgs, scene: &Scene) -> Result<Output<'a>> {
     let exr: PathBuf = match &args.output {
         Some(path) => path.clone(),
         None => {
@@ -368,16 +380,12 @@ fn output_of(args: &RenderArgs) -> Result<Output<'_>> {
             PathBuf::from(name).with_added_extension("exr")
         }
     };
-    let places: Vec<&Path> = std::iter::once(exr.as_path()).chain(args.png.as_deref()).collect();
-    places.iter().try_for_each(|place| check_place(place, "nothing has been rendered"))?;
-    let twice = args.png.as_deref().is_some_and(|png| same_file(&exr, png));
-    if twice || places.iter().any(|place| same_file(place, &args.scene)) {
-        return Err(Error::Usage(format!(
-            "{}: expected different files for the scene, the EXR and the PNG; nothing has been rendered",
-            exr.display()
-        )));
-    }
-    Ok(Output { exr, png: args.png.as_deref(), exposure: args.exposure })
+    let png = args.png.as_deref();
+    let outputs: Vec<(&str, &Path)> =
+        std::iter::once(("-o", exr.as_path())).chain(png.map(|png| ("--png", png))).collect();
+    check_outputs(&outputs, &scene.inputs(), "nothing has been rendered")?;
+    let can_be_replaced = !matches!(Place::of(&exr), Ok(Place::Stream));
+    Ok(Output { exr, can_be_replaced, png, exposure: args.exposure })
 }
 
 fn job_of(args: &RenderArgs, scene: &Scene, size: (u32, u32), start: Instant) -> Job {

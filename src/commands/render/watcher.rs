@@ -1,8 +1,8 @@
-//! What a render does while it goes on: it shows progress, looks at the film, writes checkpoints, and passes interrupts on.
+//! What a render does while it goes on: it shows progress, looks at the film, writes checkpoints, and passes signals on.
 
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use crate::commands::signals::Signals;
 use crate::error::Result;
 use crate::film::Film;
 use crate::output::progress::{Progress, Status};
@@ -24,18 +24,19 @@ const MOST_OF_CHECKPOINTS: f64 = 0.03;
 /// Called after each submission.
 pub struct Watcher<'a> {
     pub progress: &'a Progress,
-    pub stopped: &'a AtomicBool,
+    pub signals: &'a Signals,
     pub begun: Instant,
     pub pixels: u64,
     /// Samples of a pixel that the film had before.
     pub earlier: u64,
     /// Nothing where nobody watches.
     pub next_look: Option<Instant>,
-    pub next_checkpoint: Instant,
+    /// Nothing where the file cannot be replaced.
+    pub next_checkpoint: Option<Instant>,
     pub interval: Duration,
     pub error: Option<f64>,
-    /// Why the last checkpoint failed.
-    pub failed: String,
+    /// Why the last checkpoint failed, if it did.
+    pub failed: Option<String>,
     /// Whether a checkpoint has been written.
     pub kept: bool,
     pub checkpoint: &'a dyn Fn(&Film, &Outcome) -> Result<()>,
@@ -44,7 +45,7 @@ pub struct Watcher<'a> {
 impl Watcher<'_> {
     pub fn watch(&mut self, outcome: &Outcome, look: Option<Look<'_>>) -> Next {
         let now = Instant::now();
-        let keep = now >= self.next_checkpoint;
+        let keep = self.next_checkpoint.is_some_and(|next| now >= next);
         let is_due = self.next_look.is_some_and(|next| now >= next);
         let looked = look.is_some();
         if let Some(Look { film, begin, whole }) = look {
@@ -62,7 +63,7 @@ impl Watcher<'_> {
             paths_per_second: paths as f64 / self.begun.elapsed().as_secs_f64().max(1e-6),
             relative_error: self.error,
         });
-        match self.stopped.load(Ordering::Relaxed) {
+        match self.signals.came() {
             true => Next::Stop,
             false if looked => Next::GoOn,
             false if keep => Next::Whole,
@@ -73,19 +74,12 @@ impl Watcher<'_> {
 
     /// Tells what is new, and when the next checkpoint comes. One that fails is tried again; the render is worth more than it.
     fn note_checkpoint(&mut self, kept: Result<()>, took: Duration) {
-        match kept {
-            Ok(()) => {
-                self.kept = true;
-                self.failed.clear();
-            }
-            Err(error) => {
-                let error = error.to_string();
-                if error != self.failed {
-                    self.progress.message(&format!("warning: no checkpoint: {error}"));
-                }
-                self.failed = error;
-            }
+        self.kept |= kept.is_ok();
+        let failed = kept.err().map(|error| error.to_string());
+        if let Some(words) = about_checkpoint(self.failed.as_deref(), failed.as_deref()) {
+            self.progress.message(&words);
         }
+        self.failed = failed;
         let least = took.div_f64(MOST_OF_CHECKPOINTS);
         if least > self.interval {
             self.interval = least;
@@ -96,7 +90,18 @@ impl Watcher<'_> {
                 100.0 * MOST_OF_CHECKPOINTS
             ));
         }
-        self.next_checkpoint = Instant::now() + self.interval;
+        self.next_checkpoint = Some(Instant::now() + self.interval);
+    }
+}
+
+/// What is told of a checkpoint, by the reasons why the last one and this one failed, if they did. A reason is told once.
+fn about_checkpoint(before: Option<&str>, now: Option<&str>) -> Option<String> {
+    match now {
+        Some(_) if now == before => None,
+        Some(reason) => {
+            Some(format!("warning: no checkpoint: {reason}. The render goes on, and the next one tries again"))
+        }
+        None => before.map(|_| "the checkpoint is written again".to_owned()),
     }
 }
 
@@ -110,18 +115,18 @@ mod tests {
         let goal = Goal::Samples(1);
         let job = Job { size: (1, 1), max_depth: 1, seed: 0, first_sample: 0, goal };
         let (film, outcome) = (Film::new(1, 1, 0).unwrap(), Outcome::default());
-        let (progress, stopped, begun) = (Progress::new(true, &job, 0), AtomicBool::new(false), Instant::now());
+        let (progress, signals, begun) = (Progress::new(true, &job, 0), Signals::default(), Instant::now());
         let mut watcher = Watcher {
             progress: &progress,
-            stopped: &stopped,
+            signals: &signals,
             begun,
             pixels: 1,
             earlier: 0,
             next_look,
-            next_checkpoint: begun + checkpoint,
+            next_checkpoint: Some(begun + checkpoint),
             interval: checkpoint,
             error: None,
-            failed: String::new(),
+            failed: None,
             kept: false,
             checkpoint: &|_, _| Ok(()),
         };
@@ -136,6 +141,14 @@ mod tests {
             }
         }
         count
+    }
+
+    #[test]
+    fn each_reason_of_failed_checkpoints_is_told_once() {
+        let is_told = |before, now| about_checkpoint(before, now).is_some();
+        let (full, gone) = (Some("the disk is full"), Some("the folder is gone"));
+        assert!(is_told(None, full) && is_told(full, gone) && is_told(gone, None));
+        assert!(!is_told(full, full) && !is_told(None, None));
     }
 
     /// A look of 10 ms is followed by two seconds without one, and nobody looks for a quiet render but to write checkpoints.

@@ -100,8 +100,8 @@ fn write_parts(
 ) -> Result<()> {
     let size = (width as usize, height as usize);
     let own = LayerAttributes {
-        // A file with several parts names them.
-        layer_name: state.is_some().then(|| text("picture")),
+        // A file with several parts names them. Blender takes the name for that of the pass.
+        layer_name: state.is_some().then(|| text("Combined")),
         software_name: Some(text(concat!("gpu-rt ", env!("CARGO_PKG_VERSION")))),
         comments: Some(text(COMMENTS)),
         other: attributes.iter().map(|(name, value)| (text(name), value.to_exr())).collect(),

@@ -11,9 +11,9 @@ use image::{DynamicImage, ImageBuffer, ImageDecoder, ImageFormat, ImageReader, L
 
 use super::Scene;
 use super::file;
-use super::guard::guarded;
 use super::types::*;
 use crate::error::Result;
+use crate::guard::guarded;
 use crate::source::Place;
 use budget::Budget;
 

@@ -20,9 +20,9 @@ use gltf::json::{Accessor, Index, Root, buffer};
 use gltf::{Document, Gltf, binary};
 
 use super::super::file;
-use super::super::guard::guarded;
 use super::draft::Draft;
 use super::input::{Input, quote};
+use crate::guard::guarded;
 
 /// The longest JSON, in bytes. A file with more has its buffers in base64, and a copy of them in memory.
 const LONGEST_JSON: usize = 1 << 28;

@@ -12,9 +12,9 @@ use std::path::Path;
 use glam::{DVec3, Vec2, Vec3};
 use tobj::LoadOptions;
 
-use super::super::guard::guarded;
 use super::draft::Draft;
 use super::input::{Input, number, quote, words};
+use crate::guard::guarded;
 
 /// The crate makes one vertex for each combination of position, texture coordinates and normal, and keeps all faces as they are.
 const OPTIONS: LoadOptions =

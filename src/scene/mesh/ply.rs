@@ -11,9 +11,9 @@ use glam::{DVec3, Vec2, Vec3};
 use serde::de::{DeserializeSeed, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde_ply::{DeserializeError, ElementDef, PlyFormat, PlyHeader, PlyProperty, PlyReader, PropertyType, ScalarType};
 
-use super::super::guard::guarded;
 use super::draft::Draft;
 use super::input::{Input, number, quote, words};
+use crate::guard::guarded;
 
 /// Vertices are numbered in 32 bits.
 const MOST_VERTICES: usize = u32::MAX as usize;

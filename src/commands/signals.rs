@@ -1,0 +1,131 @@
+//! The signals that end a command: SIGINT, SIGTERM and SIGHUP.
+//!
+//! The first one asks the command to end what is in flight and to write what it has. The second one ends the program at once.
+
+use std::fmt;
+use std::sync::atomic::{AtomicI32, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use super::tell;
+use crate::error::Error;
+
+/// The signals that have come since the program listens.
+#[derive(Clone, Debug, Default)]
+pub struct Signals(Arc<State>);
+
+#[derive(Debug, Default)]
+struct State {
+    /// The number of the first one; 0 before it.
+    first: AtomicI32,
+    /// What a second one loses, in words.
+    loss: Mutex<String>,
+}
+
+impl Signals {
+    /// Listens from now on. `loss` says what a second signal loses.
+    pub fn listen(loss: &str) -> Signals {
+        let signals = Signals::default();
+        signals.set_loss(loss.to_owned());
+        // If that fails, a signal ends the program, as it did before.
+        let _ = listen(&signals);
+        signals
+    }
+
+    /// Whether one has come.
+    pub fn came(&self) -> bool {
+        self.number() != 0
+    }
+
+    /// Changes what a second signal loses.
+    pub fn set_loss(&self, loss: String) {
+        *self.0.loss.lock().unwrap_or_else(PoisonError::into_inner) = loss;
+    }
+
+    /// The error of a command that the first signal has ended. `words` say what is kept.
+    pub fn interrupted(&self, words: &str) -> Error {
+        Error::Interrupted { signal: self.number(), message: format!("interrupted by {self}; {words}") }
+    }
+
+    fn number(&self) -> i32 {
+        self.0.first.load(Ordering::Relaxed)
+    }
+
+    fn take(&self, signal: i32) {
+        if self.0.first.compare_exchange(0, signal, Ordering::Relaxed, Ordering::Relaxed).is_ok() {
+            return;
+        }
+        tell(&self.last_words(signal));
+        // Without the functions that a driver has registered for a normal end: they wait for its threads.
+        signal_hook::low_level::exit(128 + signal);
+    }
+
+    fn last_words(&self, second: i32) -> String {
+        let loss = self.0.loss.lock().unwrap_or_else(PoisonError::into_inner);
+        format!("error: ended at once by a second signal, {}; {loss}", name(second))
+    }
+}
+
+/// The name of the first signal.
+impl fmt::Display for Signals {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(name(self.number()))
+    }
+}
+
+fn name(signal: i32) -> &'static str {
+    signal_hook::low_level::signal_name(signal).unwrap_or("a signal")
+}
+
+#[cfg(unix)]
+fn listen(signals: &Signals) -> std::io::Result<()> {
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
+    let ending = [SIGINT, SIGTERM, SIGHUP].into_iter().filter(|signal| !is_ignored(*signal));
+    let mut coming = signal_hook::iterator::Signals::new(ending)?;
+    // A file that grows beyond the limit of its size is an error of the write, as on a full disk, and not the end of the program.
+    signal_hook::flag::register(SIGXFSZ, Arc::default())?;
+    let signals = signals.clone();
+    let wait = move || coming.forever().for_each(|signal| signals.take(signal));
+    std::thread::Builder::new().name("signals".to_owned()).spawn(wait)?;
+    Ok(())
+}
+
+/// Whether a signal is ignored since the start, as under `nohup`. Then it stays ignored.
+#[cfg(unix)]
+fn is_ignored(signal: i32) -> bool {
+    let mut action = std::mem::MaybeUninit::<libc::sigaction>::zeroed();
+    // SAFETY: without a new action, `sigaction` only writes the present one; zeros are valid for its type.
+    unsafe {
+        libc::sigaction(signal, std::ptr::null(), action.as_mut_ptr()) == 0
+            && action.assume_init().sa_sigaction == libc::SIG_IGN
+    }
+}
+
+#[cfg(not(unix))]
+fn listen(signals: &Signals) -> std::io::Result<()> {
+    use signal_hook::consts::{SIGINT, SIGTERM};
+    for signal in [SIGINT, SIGTERM] {
+        let signals = signals.clone();
+        // SAFETY: without signals of POSIX, the handler runs on a thread of its own.
+        unsafe { signal_hook::low_level::register(signal, move || signals.take(signal)) }?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use signal_hook::consts::{SIGINT, SIGTERM};
+
+    #[test]
+    fn the_first_signal_is_the_reason_and_the_second_says_what_is_lost() {
+        let signals = Signals::default();
+        assert!(!signals.came());
+        signals.take(SIGTERM);
+        assert!(signals.came());
+        let error = signals.interrupted("a.exr holds the image so far");
+        assert_eq!(error.to_string(), "interrupted by SIGTERM; a.exr holds the image so far");
+        assert_eq!(error.exit_status(), 143);
+        signals.set_loss("all is lost".to_owned());
+        assert_eq!(signals.last_words(SIGINT), "error: ended at once by a second signal, SIGINT; all is lost");
+    }
+}

@@ -1,0 +1,319 @@
+//! Where the program writes: what it refuses before it renders, and what becomes of files that are in use, in danger, or no files.
+
+use crate::common::device::index as software;
+use crate::common::program::{Ran, finish, meanwhile, send};
+use crate::place::{ENDLESS, Place, SPHERE, attribute, endless, make_pipe};
+use std::fs::{self, File};
+use std::os::unix::fs::{MetadataExt, PermissionsExt, symlink};
+use std::path::Path;
+use std::process::Child;
+
+use gpu_rt::output::exr::read_exr;
+
+// Before rendering
+
+/// A render without end, which only a refusal ends within the limit.
+fn refused(place: &Place, more: &[&str]) -> Ran {
+    let ran = place.render(&[&["--spp", ENDLESS], more].concat()).exits(2);
+    assert!(ran.last_line().ends_with("; nothing has been rendered"), "{}", ran.stderr);
+    ran
+}
+
+#[test]
+fn places_that_cannot_be_written_are_refused_before_rendering() {
+    let place = Place::new();
+    let at = |name: &str| place.work().join(name);
+    fs::write(at("file"), "").unwrap();
+    fs::create_dir(at("folder")).unwrap();
+    symlink("missing/a.exr", at("link")).unwrap();
+    symlink("loop", at("loop")).unwrap();
+    let before = place.files();
+    let too_long = "n".repeat(256);
+    let mut outputs = vec![
+        ("missing/a.exr", "the folder missing does not exist"),
+        ("link", "the folder missing does not exist"),
+        ("loop", "symbolic links"),
+        ("file/a.exr", "Not a directory"),
+        ("folder", "it is a folder"),
+        ("folder/", "it is a folder"),
+        ("new/", "it names no file"),
+        (".", "it is a folder"),
+        (&too_long, "File name too long"),
+    ];
+    if cfg!(target_os = "linux") {
+        // A folder where nobody may make files, not even root.
+        outputs.push(("/proc/sys/a.exr", "no file can be made in its folder"));
+    }
+    for (output, words) in outputs {
+        for option in ["-o", "--png"] {
+            let ran = refused(&place, &[option, output]);
+            let says = format!("error: {output}: cannot write: ");
+            assert!(ran.last_line().starts_with(&says) && ran.last_line().contains(words), "{option}: {}", ran.stderr);
+            assert!(ran.last_line().contains(&format!("Give another name with {option}")), "{}", ran.stderr);
+            assert_eq!(place.files(), before, "{option} {output:?}");
+        }
+    }
+}
+
+#[test]
+fn the_longest_names_are_written() {
+    let place = Place::new();
+    for length in [243, 255] {
+        let [exr, png] = ["e", "p"].map(|letter| letter.repeat(length));
+        place.render(&["-o", &exr, "--png", &png, "--checkpoint", "1ms"]).exits(0);
+        assert_eq!(place.files(), [&exr[..], &png]);
+        fs::remove_file(place.work().join(exr)).unwrap();
+        fs::remove_file(place.work().join(png)).unwrap();
+    }
+}
+
+#[test]
+fn two_outputs_are_never_one_file() {
+    let place = Place::new();
+    let at = |name: &str| place.work().join(name);
+    fs::create_dir(at("sub")).unwrap();
+    fs::write(at("old"), "old").unwrap();
+    fs::hard_link(at("old"), at("hard")).unwrap();
+    symlink("old", at("link")).unwrap();
+    symlink("sub/new", at("dangling")).unwrap();
+    make_pipe(&at("pipe"));
+    let absolute = at("new");
+    let before = place.files();
+    for (exr, png) in [
+        ("new", "new"),
+        ("new", "./new"),
+        ("new", "sub/../new"),
+        ("new", absolute.to_str().unwrap()),
+        ("sub/new", "dangling"),
+        ("old", "link"),
+        ("hard", "link"),
+        ("pipe", "sub/../pipe"),
+    ] {
+        let ran = refused(&place, &["-o", exr, "--png", png]);
+        assert!(ran.last_line().contains(&format!("{png}: --png names the same file as -o {exr}")), "{}", ran.stderr);
+    }
+    assert_eq!(place.files(), before);
+    assert_eq!(fs::read_to_string(at("old")).unwrap(), "old");
+    place.render(&["-o", "/dev/null", "--png", "/dev/null"]).exits(0);
+}
+
+/// A folder where the scene `studio.ron` is lit by `studio.exr`, and has three meshes.
+fn studio() -> (Place, Vec<&'static str>) {
+    let place = Place::new();
+    place.render(&["-o", "studio.exr"]).exits(0);
+    let at = |name: &str| place.work().join(name);
+    fs::write(at("face.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    let numbers: Vec<u8> =
+        [0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0].iter().flat_map(|v| v.to_le_bytes()).collect();
+    fs::write(at("face.bin"), numbers).unwrap();
+    let gltf = r#"{"asset": {"version": "2.0"}, "buffers": [{"uri": "face.bin", "byteLength": 36}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], "nodes": [{"mesh": 0}], "scenes": [{"nodes": [0]}]}"#;
+    fs::write(at("face.gltf"), gltf).unwrap();
+    image::RgbImage::new(1, 1).save(at("black.png")).unwrap();
+    let scene = SPHERE
+        .replace("Gradient(bottom: (1, 1, 1), top: (0.5, 0.7, 1))", "Image(path: \"studio.exr\")")
+        .replace("{ \"grey\":", "{ \"black\": Lambertian(albedo: Image(path: \"black.png\")), \"grey\":")
+        .replace("radius: 1, material: \"grey\"", "radius: 1, material: \"black\"")
+        .replace(
+            "objects: [",
+            "objects: [Mesh(path: \"face.obj\", material: \"grey\"), Mesh(path: \"face.gltf\", material: \"grey\"), ",
+        );
+    fs::write(at("studio.ron"), scene).unwrap();
+    (place, vec!["studio.ron", "studio.exr", "black.png", "face.obj", "face.gltf", "face.bin"])
+}
+
+#[test]
+fn an_output_is_never_an_input_of_the_scene() {
+    let (place, inputs) = studio();
+    let at = |name: &str| place.work().join(name);
+    let contents = || inputs.iter().map(|name| fs::read(at(name)).unwrap()).collect::<Vec<_>>();
+    let before = contents();
+    let render = ["render", "studio.ron", "--device", software(), "--spp", ENDLESS];
+    fs::create_dir(at("sub")).unwrap();
+    for name in &inputs {
+        let _ = fs::remove_file(at("link"));
+        symlink(format!("sub/../{name}"), at("link")).unwrap();
+        let spelling = format!("sub/../{name}");
+        for option in ["-o", "--png"] {
+            for output in [name, &spelling[..], "link"] {
+                let ran = place.run(&[&render[..], &[option, output, "--quiet"]].concat()).exits(2);
+                // Where the EXR has its default name, which is an input too, that is said first.
+                let says = match option {
+                    "-o" => format!("error: {output}: it would overwrite the input {name}: give another name with -o"),
+                    _ => "it would overwrite the input ".to_owned(),
+                };
+                assert!(ran.last_line().contains(&says), "{}", ran.stderr);
+            }
+        }
+        let ran = place.run(&[&render[..], &["-o", "new.exr", "--png", name]].concat()).exits(2);
+        let says = format!("{name}: it would overwrite the input {name}: give another name with --png");
+        assert!(ran.last_line().contains(&says), "{}", ran.stderr);
+    }
+    // By its default name.
+    let ran = place.run(&render).exits(2);
+    let says = "error: studio.exr: it would overwrite the input studio.exr: give another name with -o";
+    assert!(ran.last_line().starts_with(says), "{}", ran.stderr);
+    assert!(contents() == before);
+    place.run(&["render", "studio.ron", "--device", software(), "--spp", "1", "-o", "new.exr"]).exits(0);
+}
+
+/// That is found before anything is read: these are no images.
+#[test]
+fn merge_overwrites_none_of_its_parts() {
+    let place = Place::new();
+    for name in ["a.exr", "b.exr"] {
+        fs::write(place.work().join(name), name).unwrap();
+    }
+    let ran = place.says("merge a.exr b.exr -o ../work/b.exr").exits(2);
+    let says =
+        "error: ../work/b.exr: it would overwrite the input b.exr: give another name with -o; nothing has been joined";
+    assert_eq!(ran.last_line(), says);
+    assert_eq!(fs::read_to_string(place.work().join("b.exr")).unwrap(), "b.exr");
+}
+
+/// A temporary file without a lock was left by a writer that died; one with a lock is being written.
+#[test]
+fn what_dead_writers_left_goes_at_the_next_start() {
+    let place = Place::new();
+    let hash = crc32fast::hash(b"sphere.exr");
+    let [stale, live] = ["stale", "alive"].map(|letters| format!(".gpu-rt-{hash:08x}-1-{letters}.part"));
+    fs::write(place.work().join(&stale), "").unwrap();
+    let writer = File::create(place.work().join(&live)).unwrap();
+    writer.lock().unwrap();
+    place.render(&[]).exits(0);
+    assert_eq!(place.files(), [&live[..], "sphere.exr"]);
+    drop(writer);
+    place.render(&[]).exits(0);
+    assert_eq!(place.files(), ["sphere.exr"]);
+}
+
+// Pipes and devices
+
+/// Were a checkpoint written to the pipe, its reader would have that one.
+#[test]
+fn a_pipe_gets_one_image_at_the_end() {
+    let place = Place::new();
+    let (pipe, copy) = (place.work().join("pipe"), place.work().join("copy"));
+    make_pipe(&pipe);
+    let arguments =
+        [&place.render_sphere(), ["-o", "pipe", "--spp", "8192", "--checkpoint", "1ms"].as_slice()].concat();
+    let child = place.command(&arguments).spawn().expect("the program starts");
+    let reader = std::thread::spawn(move || fs::read(pipe).unwrap());
+    finish(child).exits(0);
+    fs::write(&copy, reader.join().unwrap()).unwrap();
+    assert_eq!(attribute(&place.exr("copy"), "gpu-rt:complete"), "1");
+    assert_eq!(place.files(), ["copy", "pipe"]);
+}
+
+#[test]
+fn images_go_through_standard_output_and_into_devices() {
+    let place = Place::new();
+    let copy = place.work().join("copy");
+    let written = || read_exr(&copy).map(|image| (image.width, image.height)).unwrap();
+    // Into a file behind what it has: here, nothing.
+    for output in ["/dev/stdout", "/dev/fd/1"] {
+        let mut command = place.command(&[&place.render_sphere()[..], &["-o", output, "--checkpoint", "1ms"]].concat());
+        finish(command.stdout(File::create(&copy).unwrap()).spawn().expect("the program starts")).exits(0);
+        assert_eq!(written(), (20, 12));
+    }
+    // Into the pipe of a process.
+    let line = "\"$0\" \"$@\" | cat > copy";
+    let mut shell = std::process::Command::new("sh");
+    let arguments = [&place.render_sphere()[..], &["-o", "/dev/stdout"]].concat();
+    shell.current_dir(place.work()).args(["-c", line, env!("CARGO_BIN_EXE_gpu-rt")]).args(arguments);
+    fs::remove_file(&copy).unwrap();
+    assert!(shell.output().unwrap().status.success());
+    assert_eq!(written(), (20, 12));
+    place.render(&["-o", "/dev/null", "--checkpoint", "1ms"]).exits(0);
+    assert_eq!(place.files(), ["copy"]);
+    if cfg!(target_os = "linux") {
+        let ran = place.render(&["-o", "/dev/full"]).exits(1);
+        assert!(ran.last_line().starts_with("error: /dev/full: cannot write: No space left"), "{}", ran.stderr);
+    }
+}
+
+// While rendering
+
+/// What a render has said so far; its stderr goes to the file `said`.
+fn said(place: &Place) -> String {
+    fs::read_to_string(place.folder.path().join("said")).unwrap()
+}
+
+/// A render without end into a folder of its own, which has written its first checkpoint.
+fn endless_in_folder(place: &Place, more: &[&str]) -> Child {
+    fs::create_dir(place.work().join("out")).unwrap();
+    let arguments = ["--spp", ENDLESS, "--checkpoint", "50ms", "-o", "out/a.exr"];
+    let mut command = place.command(&[&place.render_sphere(), &arguments[..], more].concat());
+    command.stderr(File::create(place.folder.path().join("said")).unwrap());
+    let mut child = command.spawn().expect("the program starts");
+    meanwhile(&mut child, || place.work().join("out/a.exr").exists());
+    child
+}
+
+#[test]
+fn a_checkpoint_that_fails_is_told_at_once_and_tried_again() {
+    let place = Place::new();
+    let at = |name: &str| place.work().join(name);
+    let mut child = endless_in_folder(&place, &[]);
+    fs::rename(at("out"), at("away")).unwrap();
+    let says = "warning: no checkpoint: out/a.exr: cannot write: the folder out does not exist. The render goes on";
+    meanwhile(&mut child, || said(&place).contains(says));
+    // Another reason is told too.
+    fs::create_dir_all(at("other/a.exr")).unwrap();
+    fs::rename(at("other"), at("out")).unwrap();
+    meanwhile(&mut child, || said(&place).contains("warning: no checkpoint: out/a.exr: cannot write: it is a folder"));
+    fs::remove_dir(at("out/a.exr")).unwrap();
+    meanwhile(&mut child, || said(&place).contains("the checkpoint is written again") && at("out/a.exr").is_file());
+    // A file that is gone is written again, without a word.
+    let words = said(&place);
+    fs::remove_file(at("out/a.exr")).unwrap();
+    meanwhile(&mut child, || at("out/a.exr").is_file());
+    send(&child, libc::SIGTERM);
+    finish(child).exits(143);
+    assert!(!said(&place)[words.len()..].contains("tries again"), "{}", said(&place));
+    assert_eq!(attribute(&read_exr(&at("out/a.exr")).unwrap(), "gpu-rt:complete"), "0");
+}
+
+/// A limit of a file's size stands for a full disk: it can be set and lifted while the program runs.
+#[cfg(target_os = "linux")]
+#[test]
+fn on_a_full_disk_the_last_checkpoint_stays() {
+    let place = Place::new();
+    let file = place.work().join("out/a.exr");
+    let mut child = endless_in_folder(&place, &["--size", "64x64"]);
+    let number = child.id() as i32;
+    let limit = |bytes: u64| {
+        let limit = libc::rlimit { rlim_cur: bytes, rlim_max: libc::RLIM_INFINITY };
+        // SAFETY: the structure is read during the call, and the child has not been waited for.
+        let set = unsafe { libc::prlimit(number, libc::RLIMIT_FSIZE, &limit, std::ptr::null_mut()) };
+        assert_eq!(set, 0, "the limit is set");
+    };
+    limit(16 << 10);
+    meanwhile(&mut child, || said(&place).contains("warning: no checkpoint: out/a.exr: cannot write: File too large"));
+    let before = fs::read(&file).unwrap();
+    assert!(before.len() > 16 << 10);
+    read_exr(&file).expect("the last checkpoint is whole");
+    limit(libc::RLIM_INFINITY);
+    meanwhile(&mut child, || said(&place).contains("the checkpoint is written again"));
+    assert!(fs::read(&file).unwrap() != before);
+    send(&child, libc::SIGINT);
+    finish(child).exits(130);
+    assert_eq!(fs::read_dir(place.work().join("out")).unwrap().count(), 1, "nothing else is left");
+}
+
+#[test]
+fn a_replaced_image_keeps_its_mode() {
+    let place = Place::new();
+    let file = place.work().join("sphere.exr");
+    place.render(&[]).exits(0);
+    let mode = |path: &Path| fs::metadata(path).unwrap().mode() & 0o7777;
+    fs::write(place.work().join("plain"), "").unwrap();
+    assert_eq!(mode(&file), mode(&place.work().join("plain")), "a new one has the mode of any new file");
+    fs::set_permissions(&file, fs::Permissions::from_mode(0o640)).unwrap();
+    let child = endless(&place, &[]);
+    send(&child, libc::SIGINT);
+    finish(child).exits(130);
+    assert_eq!(mode(&file), 0o640);
+}

@@ -1,0 +1,187 @@
+//! What signals do to the program: the first one ends the work and keeps what it came to, the second one ends the program.
+
+use crate::common::device::index as software;
+use crate::common::program::{finish, meanwhile, send, until, with_signals};
+use crate::place::{ENDLESS, Place, SPHERE, attribute, endless, make_pipe};
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+
+#[test]
+fn each_signal_keeps_the_image_and_has_its_exit_status() {
+    for (signal, status, name) in
+        [(libc::SIGINT, 130, "SIGINT"), (libc::SIGTERM, 143, "SIGTERM"), (libc::SIGHUP, 129, "SIGHUP")]
+    {
+        let place = Place::new();
+        let child = endless(&place, &["--png", "sphere.png"]);
+        send(&child, signal);
+        let ran = finish(child).exits(status);
+        let says = format!("error: interrupted by {name}; sphere.exr holds ");
+        assert!(ran.last_line().starts_with(&says), "{}", ran.stderr);
+        assert_eq!(attribute(&place.exr("sphere.exr"), "gpu-rt:complete"), "0");
+        assert_eq!(place.files(), ["sphere.exr", "sphere.png"]);
+    }
+}
+
+/// Waits until the program has written the file anew.
+fn next_checkpoint(child: &mut std::process::Child, file: &Path) {
+    let time = || fs::metadata(file).and_then(|found| found.modified()).expect("the file is there");
+    let before = time();
+    meanwhile(child, || time() != before);
+}
+
+#[test]
+fn what_nohup_ignores_stays_ignored() {
+    let place = Place::new();
+    let arguments = [&place.render_sphere(), ["--spp", ENDLESS, "--checkpoint", "50ms"].as_slice()].concat();
+    let mut command = place.command(&arguments);
+    with_signals(&mut command, libc::SIG_IGN);
+    let mut child = command.spawn().expect("the program starts");
+    let file = place.work().join("sphere.exr");
+    meanwhile(&mut child, || file.exists());
+    for signal in [libc::SIGHUP, libc::SIGTERM, libc::SIGINT] {
+        send(&child, signal);
+        next_checkpoint(&mut child, &file);
+        next_checkpoint(&mut child, &file);
+    }
+    child.kill().expect("the program can be killed");
+    child.wait().unwrap();
+}
+
+/// The PNG is a pipe that nobody reads: there the program waits until the second signal.
+#[test]
+fn a_second_signal_ends_the_program_while_it_writes() {
+    let place = Place::new();
+    make_pipe(&place.work().join("pipe"));
+    let arguments = [&place.render_sphere(), ["--png", "pipe", "--checkpoint", "1h"].as_slice()].concat();
+    let mut child = place.command(&arguments).spawn().expect("the program starts");
+    // Without a checkpoint before, it is the whole image.
+    meanwhile(&mut child, || place.work().join("sphere.exr").exists());
+    until(&mut child, |child| {
+        send(child, libc::SIGTERM);
+        child.try_wait().expect("the program can be asked").is_some()
+    });
+    let ran = finish(child).exits(143);
+    let says = "error: ended at once by a second signal, SIGTERM; sphere.exr holds the image";
+    assert_eq!(ran.last_line(), says, "{}", ran.stderr);
+    assert_eq!(attribute(&place.exr("sphere.exr"), "gpu-rt:complete"), "1");
+}
+
+/// Behind the first signal the program may come to its end, which takes a tenth of a second: in one of twenty it does not. Which of
+/// two signals at once is the second one is not known.
+#[test]
+fn a_second_signal_says_what_is_lost() {
+    let is_lost = |_| {
+        let place = Place::new();
+        let child = endless(&place, &[]);
+        send(&child, libc::SIGINT);
+        send(&child, libc::SIGHUP);
+        let ran = finish(child);
+        let second = if ran.code() == 129 { "SIGHUP" } else { "SIGINT" };
+        let says = format!("a second signal, {second}; sphere.exr holds the last checkpoint; what came since is lost");
+        assert!([129, 130].contains(&ran.code()), "{ran:?}");
+        place.exr("sphere.exr");
+        ran.last_line().ends_with(&says)
+    };
+    assert!((0..20).any(is_lost));
+}
+
+#[test]
+fn an_interrupted_convergence_keeps_its_rows() {
+    let place = Place::new();
+    place.render(&["-o", "reference.exr"]).exits(0);
+    let said = place.folder.path().join("said");
+    let arguments = ["converge", "../scenes/sphere.ron", "--reference", "reference.exr", "--spp", ENDLESS];
+    let mut command = place.command(&[&arguments[..], &["--device", software()]].concat());
+    let mut child = command.stdout(fs::File::create(&said).unwrap()).spawn().expect("the program starts");
+    meanwhile(&mut child, || fs::read_to_string(&said).unwrap().lines().count() > 3);
+    send(&child, libc::SIGHUP);
+    let ran = finish(child).exits(129);
+    let says = "interrupted by SIGHUP; ./sphere-converge.csv holds the samples so far";
+    assert!(ran.last_line().ends_with(says), "{}", ran.stderr);
+    assert!(fs::read_to_string(place.work().join("sphere-converge.csv")).unwrap().lines().count() > 3);
+}
+
+#[test]
+fn an_interrupt_writes_the_image_and_reports_the_samples_that_it_has() {
+    let place = Place::new();
+    let child = endless(&place, &["--json"]);
+    send(&child, libc::SIGINT);
+    let ran = finish(child).exits(130);
+    assert!(ran.stderr.contains("SIGINT: writing the image so far"), "{}", ran.stderr);
+    assert_eq!(place.files(), ["sphere.exr"]);
+    let image = place.exr("sphere.exr");
+    let samples = image.samples.as_ref().expect("a layer of samples");
+    // Whole runs, of 8 samples: no path is cut off, and none dropped.
+    assert!(samples.iter().all(|n| n.is_multiple_of(8)), "{samples:?}");
+    let (least, most) = (*samples.iter().min().unwrap(), *samples.iter().max().unwrap());
+    assert!(most > 0);
+    let all = samples.iter().map(|&n| u64::from(n)).sum::<u64>();
+    assert_eq!(attribute(&image, "gpu-rt:paths").parse::<u64>().unwrap(), all);
+    assert_eq!(attribute(&image, "gpu-rt:complete"), "0");
+    // The report, the line about the image, and the header do not claim what was asked for.
+    let reported = ran.json()["samples_per_pixel"].as_u64().expect("a number");
+    assert!((least..=most).contains(&(reported as u32)), "{reported} are reported, the pixels have {least}..={most}");
+    assert!(!ran.stderr.contains(&format!("{ENDLESS} samples")), "{}", ran.stderr);
+    assert_ne!(attribute(&image, "gpu-rt:end_sample"), ENDLESS);
+}
+
+#[test]
+fn a_killed_render_leaves_its_last_checkpoint() {
+    let place = Place::new();
+    let mut child = endless(&place, &[]);
+    child.kill().expect("the program can be killed");
+    child.wait().unwrap();
+    let image = place.exr("sphere.exr");
+    assert_eq!((image.width, image.height), (20, 12));
+    assert_eq!(attribute(&image, "gpu-rt:complete"), "0");
+}
+
+/// A measurement that is interrupted when `ready` says so of what it has said on stderr. The result is that, and the report.
+fn interrupted_tradeoff(place: &Place, ready: impl Fn(&str) -> bool, says: &str) -> (String, Value) {
+    place.scene("large.ron", &SPHERE.replace("width: 20, height: 12", "width: 96, height: 96"));
+    let said = place.folder.path().join("said");
+    let arguments = ["tradeoff", "../scenes/large.ron", "--budget", "1h", "--knobs", "roulette,clamp"];
+    let mut command = place.command(&[&arguments[..], &["-o", "report", "--device", software()]].concat());
+    let mut child = command.stderr(fs::File::create(&said).unwrap()).spawn().expect("the program starts");
+    meanwhile(&mut child, || ready(&fs::read_to_string(&said).unwrap()));
+    send(&child, libc::SIGTERM);
+    let ran = finish(child).exits(143);
+    let said = fs::read_to_string(&said).unwrap();
+    assert!(said.trim_end().ends_with(says), "{said}");
+    assert!(ran.stdout.starts_with("setting"), "{ran:?}");
+    let folder = place.work().join("report");
+    assert!(fs::read_to_string(folder.join("index.html")).unwrap().ends_with("</html>\n"));
+    let report = serde_json::from_slice(&fs::read(folder.join("tradeoff.json")).unwrap()).expect("an object");
+    let rows = fs::read_to_string(folder.join("tradeoff.csv")).unwrap().lines().count();
+    // The head, the defaults, roulette off, and three limits.
+    assert_eq!(rows, 1 + 5, "{report}");
+    (said, report)
+}
+
+#[test]
+fn an_interrupted_tradeoff_reports_what_was_measured() {
+    let place = Place::new();
+    let says = "interrupted by SIGTERM; report holds what was measured";
+    let (said, report) = interrupted_tradeoff(&place, |said| said.contains("3 rounds are measured"), says);
+    assert_eq!(report["interrupted"], true, "{said}");
+    let settings = report["settings"].as_array().unwrap();
+    assert!(settings.iter().all(|setting| setting["measured"] == true), "{report:#}");
+    assert!(settings.iter().all(|setting| (3..32).contains(&setting["rounds"].as_u64().unwrap())), "{report:#}");
+    assert!(place.work().join("report/plot.svg").exists());
+}
+
+#[test]
+fn a_tradeoff_that_is_interrupted_at_once_says_that_nothing_is_measured() {
+    let place = Place::new();
+    let folder = place.work().join("report");
+    let says = "interrupted by SIGTERM; nothing was measured before";
+    let (said, report) = interrupted_tradeoff(&place, |_| folder.exists(), says);
+    assert_eq!(report["interrupted"], true, "{said}");
+    for setting in report["settings"].as_array().unwrap() {
+        assert_eq!(setting["measured"], false, "{report:#}");
+        assert_eq!(setting["verdict"], "not measured: interrupted before it was measured", "{report:#}");
+    }
+    assert_eq!(report["recommendations"][1]["words"], "relMSE 1e-2: nothing was measured");
+}
