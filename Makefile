@@ -15,7 +15,7 @@ define install
 }
 endef
 
-.PHONY: render test quick test-long test-drivers accuracy gpu-compile lint toolchain
+.PHONY: render test quick test-long fuzz soak test-drivers accuracy gpu-compile lint toolchain
 
 # The cover scene, in 50 s at most: out/weekend.exr is linear, out/weekend.png is for looking at.
 render: toolchain
@@ -45,6 +45,19 @@ quick: toolchain
 test-long: export NODEVICE_SELECT = 1
 test-long: toolchain
 	$(CARGO) test --release --test long --test unchanged -- --ignored --nocapture
+
+# COUNT damaged files of every format, and ten times as many scenes. SEED chooses others.
+COUNT ?= 100000
+SEED ?= 2
+fuzz: toolchain
+	GPU_RT_FUZZ_COUNT=$(COUNT) GPU_RT_FUZZ_SEED=$(SEED) $(CARGO) test --release --test long -- --exact fuzz::damaged_files --ignored --nocapture
+
+# Random scenes for SECONDS, from the seed FIRST on.
+SECONDS ?= 1800
+FIRST ?= 1000
+soak: export NODEVICE_SELECT = 1
+soak: toolchain
+	GPU_RT_SOAK_SECONDS=$(SECONDS) GPU_RT_SOAK_SEED=$(FIRST) $(CARGO) test --release --test long -- --exact soak::random_scenes --ignored --nocapture
 
 # The same tests on several drivers, fetched and not installed: a second opinion on every number.
 test-drivers: toolchain

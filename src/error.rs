@@ -1,7 +1,9 @@
 //! The error type of the whole program: what went wrong, where, and what to do about it.
 
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+
+use crate::printable::one_line;
 
 /// A place in a text file. Lines and columns count from 1; columns count characters.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -13,15 +15,20 @@ pub struct Location {
 
 impl fmt::Display for Location {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}:{}:{}", self.file.display(), self.line, self.column)
+        write!(f, "{}:{}:{}", path_on_one_line(&self.file), self.line, self.column)
     }
+}
+
+/// A path as messages show it. A newline in a name must not look like the start of another message.
+fn path_on_one_line(path: &Path) -> String {
+    one_line(&path.to_string_lossy()).into_owned()
 }
 
 /// All errors of gpu-rt. The text names the place or the limit, and what to do.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The scene file, or a file that it names, has an error.
-    #[error("{location}: {field}: {message}")]
+    #[error("{location}: {}: {}", one_line(field), one_line(message))]
     Scene {
         location: Location,
         /// The path of the wrong field from the top: `objects[3].Sphere.radius`.
@@ -32,7 +39,7 @@ pub enum Error {
     #[error("{0}")]
     Usage(String),
     /// A file could not be read or written.
-    #[error("{}: cannot {action}: {reason}", path.display())]
+    #[error("{}: cannot {action}: {}", path_on_one_line(path), one_line(reason))]
     File { path: PathBuf, action: &'static str, reason: String },
     /// No device is suitable, the device refused, or it was lost.
     #[error("{0}")]

@@ -11,7 +11,15 @@ use gpu_rt::gpu::device::any_failed;
 fn main() -> ExitCode {
     let start = Instant::now();
     quiet_the_loader();
-    let cli = Cli::parse();
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        // It quotes the arguments, which may be names of files.
+        Err(error) if error.use_stderr() => {
+            commands::tell(error.render().to_string().trim_end());
+            return ExitCode::from(2);
+        }
+        Err(help) => help.exit(),
+    };
     let status = match commands::run(&cli, start) {
         Ok(()) => 0,
         Err(error) => {

@@ -20,6 +20,7 @@ use crate::gpu::device::{AdapterName, Adapters, Device, DeviceClass};
 use crate::job::{Goal, Job};
 use crate::options::{MAX_DEPTH, RenderOptions};
 use crate::plan::Plan;
+use crate::printable::printable;
 use crate::scene::Scene;
 
 /// Runs the command.
@@ -129,11 +130,11 @@ fn print_line(text: &str) -> Result<()> {
     print_text(&format!("{text}\n"))
 }
 
-/// Prints text, without an additional line end, on stdout. A closed pipe is not an error, because the reader chose to close it.
+/// Prints text, without an additional line end and with controls of terminals escaped, on stdout. A closed pipe is not an error, because the reader chose to close it.
 fn print_text(text: &str) -> Result<()> {
     use std::io::{ErrorKind, Write};
     let mut stdout = std::io::stdout();
-    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+    match stdout.write_all(printable(text).as_bytes()).and_then(|()| stdout.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             Err(Error::File { path: "stdout".into(), action: "write", reason: error.to_string() })
         }
@@ -141,8 +142,8 @@ fn print_text(text: &str) -> Result<()> {
     }
 }
 
-/// Prints a line on stderr. A closed stderr is not an error.
+/// Prints a line on stderr, with controls of terminals escaped. A closed stderr is not an error.
 pub fn tell(text: &str) {
     use std::io::Write;
-    let _ = writeln!(std::io::stderr(), "{text}");
+    let _ = writeln!(std::io::stderr(), "{}", printable(text));
 }

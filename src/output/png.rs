@@ -144,7 +144,7 @@ mod tests {
     fn the_file_holds_the_exposed_picture_row_0_on_top() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.png");
-        let rgb = vec![[0.09, 0.045, 0.36], [0.0; 3], [100.0, 0.0, 0.0], [1.0, 0.5, 0.25], [0.2; 3], [f32::MAX; 3]];
+        let rgb = [[0.09, 0.045, 0.36], [0.0; 3], [100.0, 0.0, 0.0], [1.0, 0.5, 0.25], [0.2; 3], [f32::MAX; 3]];
         for ev in [-2.5, 0.0, 1.0, 1e9, -1e9] {
             write_png(&path, (3, 2), &|index| rgb[index], ev).unwrap();
             let read = image::open(&path).unwrap().into_rgb8();

@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use indicatif::{FormattedDuration, ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle};
 
 use crate::job::{Goal, Job};
+use crate::printable::{one_line, printable};
 
 /// The time between lines if stderr is not a terminal. A long render writes few enough lines for a log.
 const LINE_INTERVAL: Duration = Duration::from_secs(5);
@@ -98,7 +99,7 @@ impl Display {
             Display::Hidden => {}
             Display::Bar(bar) => {
                 bar.set_position((share * BAR_STEPS as f64) as u64);
-                bar.set_message(words());
+                bar.set_message(one_line(&words()).into_owned());
             }
             Display::Lines(last) => {
                 // A poisoned lock still holds a time.
@@ -161,7 +162,7 @@ fn describe_file(file: &Path, done: u64, whole: u64) -> String {
 
 /// Prints a line. A stderr that cannot be written to must not end the render; `eprintln` would panic.
 fn print(text: &str) {
-    let _ = writeln!(std::io::stderr(), "{text}");
+    let _ = writeln!(std::io::stderr(), "{}", printable(text));
 }
 
 impl Progress {

@@ -14,10 +14,10 @@ use super::explain::explain;
 use super::types::*;
 use super::{OnProgress, Scene, bitmap, mesh, validate};
 use crate::error::Result;
-use crate::source::Source;
+use crate::source::{MOST_VALUES, Source};
 
-/// The longest scene file, in bytes: enough for about ten million spheres. Positions in the text are stored in 32 bits.
-const LONGEST_FILE: u64 = 1 << 30;
+/// The longest scene file, in bytes. A scene of two million spheres is half as long.
+const LONGEST_FILE: u64 = 1 << 28;
 
 /// The limit on ron's recursion. An object takes four calls, so that objects can be nested about 60 deep.
 /// A stack of 1 MiB is enough for that, even in a build without optimisation.
@@ -64,6 +64,10 @@ pub fn parse(mut text: String, path: &Path, progress: &mut OnProgress) -> Result
         return Err(Source::new(String::new(), path).error(&[], message));
     }
     let source = Source::new(text, path);
+    if let Some(at) = source.spans.one_too_many {
+        let message = format!("expected at most {MOST_VALUES} values in a scene file: replace objects by meshes");
+        return Err(source.error_at(at as usize, &[], message));
+    }
     if source.spans.root().is_none() && source.spans.unclosed_comment.is_none() {
         let message = "the scene file is empty: expected Scene(image: .., camera: .., ..)";
         return Err(source.error(&[], message));

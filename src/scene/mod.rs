@@ -6,6 +6,7 @@
 mod bitmap;
 mod digest;
 mod explain;
+mod file;
 mod inputs;
 mod load;
 mod mesh;

@@ -7,18 +7,19 @@ mod spans;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Location};
+use crate::printable::one_line;
 use spans::Spans;
 
 pub use numbers::{LARGEST, SMALLEST, length, number, parallel, share, vector};
-pub use spans::{Id, Span, Step, skip_space, slice};
+pub use spans::{Id, MOST_VALUES, Span, Step, skip_space, slice};
 
 /// A scene file's text with the places of its values.
 #[derive(Clone, Debug)]
 pub struct Source {
     path: PathBuf,
     text: String,
-    /// The offset of the first byte of every line.
-    lines: Vec<usize>,
+    /// The offset of the first byte of every line, in 32 bits as in spans.
+    lines: Vec<u32>,
     pub spans: Spans,
 }
 
@@ -27,7 +28,7 @@ impl Source {
         let ends = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
         Source {
             path: path.to_owned(),
-            lines: std::iter::once(0).chain(ends.map(|(at, _)| at + 1)).collect(),
+            lines: std::iter::once(0).chain(ends.map(|(at, _)| at as u32 + 1)).collect(),
             spans: Spans::scan(&text),
             text,
         }
@@ -48,16 +49,16 @@ impl Source {
 
     /// The line and column of a byte.
     pub fn location(&self, offset: usize) -> Location {
-        let line = self.lines.partition_point(|&start| start <= offset);
+        let line = self.lines.partition_point(|&start| start as usize <= offset);
         let start = line.checked_sub(1).and_then(|before| self.lines.get(before));
-        let before = start.and_then(|&start| self.text.get(start..offset));
+        let before = start.and_then(|&start| self.text.get(start as usize..offset));
         Location { file: self.path.clone(), line: line.max(1), column: before.unwrap_or("").chars().count() + 1 }
     }
 
     /// The offset of the byte at a line and column, both counted from 1; the end of the text if there is none.
     pub fn offset(&self, line: usize, column: usize) -> usize {
         let start = line.checked_sub(1).and_then(|before| self.lines.get(before));
-        let rest = start.and_then(|&start| self.text.get(start..)).unwrap_or("");
+        let rest = start.and_then(|&start| self.text.get(start as usize..)).unwrap_or("");
         let mut characters = rest.char_indices().map(|(at, _)| at);
         let within = column.checked_sub(1).and_then(|before| characters.nth(before));
         within.map_or(self.text.len(), |within| self.text.len() - rest.len() + within)
@@ -184,6 +185,6 @@ impl<'a> Place<'a> {
     /// The text of a warning about this value, in the form of an error's.
     pub fn warning(&self, message: &str) -> String {
         let (location, field) = self.spot();
-        format!("{location}: {field}: {message}")
+        format!("{location}: {}: {}", one_line(&field), one_line(message))
     }
 }

@@ -21,6 +21,10 @@ pub enum Step<'a> {
 /// The number of a value in the tree.
 pub type Id = u32;
 
+/// The most values in a text. Two characters can be a value, which takes 44 bytes here, and more where it becomes an object. Two
+/// million spheres are 14 million values.
+pub const MOST_VALUES: usize = 1 << 24;
+
 /// A range of bytes. 32 bits are enough: `load` refuses longer files.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Span {
@@ -58,6 +62,8 @@ pub struct Spans {
     pub unclosed_bracket: Option<u32>,
     /// The block comment that the text never closes.
     pub unclosed_comment: Option<u32>,
+    /// The first value beyond `MOST_VALUES`. The tree ends there.
+    pub one_too_many: Option<u32>,
 }
 
 /// Names of structs. RON allows them before the bracket, and they are not steps of a path.
@@ -292,6 +298,10 @@ struct Scanner<'t> {
 impl<'t> Scanner<'t> {
     fn run(&mut self) {
         while self.skip_space() {
+            if self.spans.nodes.len() >= MOST_VALUES {
+                self.spans.one_too_many = Some(self.at as u32);
+                break;
+            }
             match self.next() {
                 Some(',') => {
                     self.value_is_missing();
@@ -398,6 +408,10 @@ impl<'t> Scanner<'t> {
         if self.spans.key(id).is_empty() {
             self.key = self.spans.value(id);
             self.pending.pop();
+            // A word or a string has no elements, and nothing refers to it.
+            if id as usize + 1 == self.spans.nodes.len() {
+                self.spans.nodes.pop();
+            }
         }
     }
 

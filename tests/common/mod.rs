@@ -9,6 +9,7 @@ pub fn renew() -> bool {
 }
 
 pub mod constants;
+pub mod corpus;
 pub mod cuboids;
 pub mod device;
 pub mod everything;
@@ -22,6 +23,8 @@ pub mod kernel;
 pub mod lattice;
 pub mod light_kernel;
 pub mod marked;
+pub mod meshes;
+pub mod mutate;
 pub mod oracles;
 pub mod program;
 pub mod quads;

@@ -3,5 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod fuzz;
 mod long;
 mod long_paths;
+mod soak;

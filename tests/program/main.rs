@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod bad_files;
 mod cli;
 #[cfg(target_os = "linux")]
 mod device;
@@ -12,3 +13,4 @@ mod place;
 mod resume;
 #[cfg(unix)]
 mod signals;
+mod terminal;

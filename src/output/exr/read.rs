@@ -14,6 +14,7 @@ use super::{Attribute, REJECTED, SAMPLES, VARIANCES, decoded};
 use crate::data::{CHANNELS, Rgb};
 use crate::error::{Error, Result};
 use crate::film::UNKNOWN_VARIANCE;
+use crate::guard::guarded;
 
 /// The contents of a file. Values are unchanged: other programs also write infinities, NaN and negative numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -65,17 +66,21 @@ pub(super) fn read_part(
         Some(header) if !header.deep => header.channels.clone(),
         _ => return Err("it has no such part of flat pixels".to_string()),
     };
-    let whole =
-        opened.filter_chunks(false, |_, _, block| block.layer == part && block.level == Vec2(0, 0)).map_err(to_text)?;
-    let mut blocks = whole.sequential_decompressor(false);
-    while let Some(block) = blocks.decompress_next_block() {
-        let block = block.map_err(to_text)?;
-        for row in block.lines(&channels) {
-            let Vec2(column, line) = row.location.position;
-            use_row(row.location.channel, (column, line), row.value);
+    let read = || -> std::result::Result<(), String> {
+        let whole = opened
+            .filter_chunks(false, |_, _, block| block.layer == part && block.level == Vec2(0, 0))
+            .map_err(to_text)?;
+        let mut blocks = whole.sequential_decompressor(false);
+        while let Some(block) = blocks.decompress_next_block() {
+            let block = block.map_err(to_text)?;
+            for row in block.lines(&channels) {
+                let Vec2(column, line) = row.location.position;
+                use_row(row.location.channel, (column, line), row.value);
+            }
         }
-    }
-    Ok(())
+        Ok(())
+    };
+    guarded(read)?
 }
 
 /// The attributes of a file's first part that this program can write, as they are.

@@ -4,15 +4,21 @@ use glam::{DVec3, Vec2, Vec3};
 
 use super::Mesh;
 
-pub const MOST_TRIANGLES: usize = 1 << 28;
-/// Vertices are numbered in 32 bits.
-pub const MOST_VERTICES: usize = u32::MAX as usize;
+/// The memory that all meshes of a scene may take: 70 million triangles, with half as many vertices. A device that binds the most
+/// bytes that wgpu grants, 2^31 - 1, has no place for the hierarchy of more.
+pub const MOST_BYTES: usize = 5 << 29;
+/// A vertex with a normal and texture coordinates.
+const VERTEX: usize = size_of::<DVec3>() + size_of::<Vec3>() + size_of::<Vec2>();
+/// A triangle and the number of its face.
+const TRIANGLE: usize = size_of::<[u32; 3]>() + size_of::<u32>();
 /// The largest coordinate, as in the scene file.
 const LARGEST: f64 = 1e100;
 
 /// The contents of a file, unchecked.
 #[derive(Default)]
 pub struct Draft {
+    /// The bytes that are left for vertices and triangles.
+    room: usize,
     pub positions: Vec<DVec3>,
     /// One for every vertex, NaN if the file gives none; or empty.
     pub normals: Vec<Vec3>,
@@ -26,6 +32,30 @@ pub struct Draft {
 }
 
 impl Draft {
+    /// An empty draft, which may take `room` bytes.
+    pub fn new(room: usize) -> Draft {
+        Draft { room, ..Draft::default() }
+    }
+
+    pub fn room(&self) -> usize {
+        self.room
+    }
+
+    /// The number of vertices that there is room for.
+    pub fn most_vertices(&self) -> usize {
+        self.room / VERTEX
+    }
+
+    fn take_room(&mut self, bytes: usize) -> Result<(), String> {
+        self.room = self.room.checked_sub(bytes).ok_or_else(|| {
+            format!(
+                "the meshes of the scene take more than {} MiB, which is more than a device can hold",
+                MOST_BYTES >> 20
+            )
+        })?;
+        Ok(())
+    }
+
     /// The number of the next face.
     pub fn next_face(&self) -> u32 {
         self.face_count
@@ -33,7 +63,7 @@ impl Draft {
 
     /// Reserves memory for about this many triangles.
     pub fn reserve(&mut self, triangles: usize) {
-        let triangles = triangles.min(MOST_TRIANGLES);
+        let triangles = triangles.min(self.room / TRIANGLE);
         self.triangles.reserve(triangles);
         self.faces.reserve(triangles);
     }
@@ -44,9 +74,7 @@ impl Draft {
         let face = self.face_count;
         self.face_count = face.checked_add(1).ok_or("it has more than 2^32 - 1 faces")?;
         let Some((&first, rest)) = corners.split_first() else { return Ok(()) };
-        if self.triangles.len() + rest.len().saturating_sub(1) > MOST_TRIANGLES {
-            return Err(format!("it has more than {MOST_TRIANGLES} triangles: split it into several files"));
-        }
+        self.take_room(TRIANGLE * rest.len().saturating_sub(1))?;
         for pair in rest.windows(2) {
             if let &[second, third] = pair {
                 self.triangles.push([first, second, third]);
@@ -59,9 +87,7 @@ impl Draft {
     /// Adds a vertex and returns its number.
     pub fn vertex(&mut self, position: DVec3) -> Result<u32, String> {
         let number = self.positions.len();
-        if number >= MOST_VERTICES {
-            return Err(format!("it has more than {MOST_VERTICES} vertices: split it into several files"));
-        }
+        self.take_room(VERTEX)?;
         self.positions.push(position);
         Ok(number as u32)
     }
@@ -210,4 +236,23 @@ impl Draft {
 fn retain<T>(values: &mut Vec<T>, is_used: &[bool]) {
     let mut is_used = is_used.iter();
     values.retain(|_| is_used.next().copied().unwrap_or(false));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn vertices_and_triangles_take_room() {
+        let mut draft = Draft::new(3 * VERTEX + TRIANGLE);
+        for _ in 0..3 {
+            assert!(draft.vertex(DVec3::ZERO).is_ok());
+        }
+        assert_eq!(draft.face(&[0, 1]), Ok(()));
+        assert_eq!(draft.face(&[0, 1, 2]), Ok(()));
+        assert!(draft.face(&[0, 1, 2]).unwrap_err().contains("2560 MiB"));
+        assert!(draft.vertex(DVec3::ZERO).is_err());
+        let mut draft = Draft::new(2 * TRIANGLE);
+        assert!(draft.face(&[0, 1, 2, 3, 4]).is_err());
+    }
 }

@@ -5,8 +5,9 @@
 //! checked against its buffer before the crate's iterators see it, because they trust offsets and counts.
 
 use std::borrow::Cow;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
+use std::rc::Rc;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD as BASE64;
@@ -18,12 +19,19 @@ use gltf::json::validation::Checked;
 use gltf::json::{Accessor, Index, Root, buffer};
 use gltf::{Document, Gltf, binary};
 
+use super::super::file;
 use super::draft::Draft;
-use super::guard::guarded;
 use super::input::{Input, quote};
+use crate::guard::guarded;
 
-pub fn parse(path: &Path, input: &mut Input) -> Result<Draft, String> {
+/// The longest JSON, in bytes. A file with more has its buffers in base64, and a copy of them in memory.
+const LONGEST_JSON: usize = 1 << 28;
+/// The most objects in the JSON. An object of three bytes becomes a struct of hundreds.
+const MOST_OBJECTS: usize = 1 << 20;
+
+pub fn parse(path: &Path, input: &mut Input, draft: &mut Draft) -> Result<(), String> {
     let bytes = input.take(input.rest().len()).unwrap_or_default();
+    check_json(bytes)?;
     let Gltf { document, blob } =
         guarded(|| Gltf::from_slice_without_validation(bytes))?.map_err(|error| match error {
             gltf::Error::Binary(
@@ -34,10 +42,33 @@ pub fn parse(path: &Path, input: &mut Input) -> Result<Draft, String> {
             error => error.to_string(),
         })?;
     check(document.as_json())?;
-    let file = File { buffers: buffers(document.as_json(), blob.as_deref(), path)?, document };
-    let mut draft = Draft::default();
-    guarded(|| file.add_scene(&mut draft))??;
-    Ok(draft)
+    let room = file::LONGEST.saturating_sub(bytes.len() as u64);
+    let file = File { buffers: buffers(document.as_json(), blob.as_deref(), path, room)?, document };
+    guarded(|| file.add_scene(draft))?
+}
+
+/// Checks the size of the JSON before the crate makes structs of it.
+fn check_json(bytes: &[u8]) -> Result<(), String> {
+    let json = match bytes.strip_prefix(b"glTF") {
+        // The JSON is the first chunk: its length stands behind the version and the length of the file.
+        Some(rest) => {
+            let length = rest.get(8..12).and_then(|length| length.try_into().ok()).map_or(0, u32::from_le_bytes);
+            let json = rest.get(16..).unwrap_or_default();
+            json.get(..length as usize).unwrap_or(json)
+        }
+        None => bytes,
+    };
+    if json.len() > LONGEST_JSON {
+        return Err(format!(
+            "expected at most {LONGEST_JSON} bytes of JSON, found {}: save it as .glb, or its buffers beside it",
+            json.len()
+        ));
+    }
+    let objects = json.iter().filter(|&&byte| byte == b'{').count();
+    match objects > MOST_OBJECTS {
+        true => Err(format!("expected at most {MOST_OBJECTS} objects in its JSON, found {objects}")),
+        false => Ok(()),
+    }
 }
 
 fn check(root: &Root) -> Result<(), String> {
@@ -70,24 +101,43 @@ fn to_parent(node: &Node) -> DAffine3 {
     )
 }
 
-/// The bytes of all buffers. Any number of buffers may refer to the binary chunk.
-fn buffers<'a>(root: &Root, binary: Option<&'a [u8]>, path: &Path) -> Result<Vec<Cow<'a, [u8]>>, String> {
-    let read = |(index, buffer): (usize, &buffer::Buffer)| {
-        let bytes = match &buffer.uri {
-            None => binary.map(Cow::Borrowed).ok_or_else(|| "expected a uri, or a binary chunk".to_owned()),
-            Some(uri) => read_uri(uri, path).map(Cow::Owned),
+/// The bytes of a buffer. Buffers may share them.
+type Bytes<'a> = Rc<Cow<'a, [u8]>>;
+
+/// The bytes of all buffers. Any number of buffers may refer to the binary chunk, or to one file, which is read once. `room` is the
+/// number of bytes that all of them may have.
+fn buffers<'a, 'r>(
+    root: &'r Root,
+    binary: Option<&'a [u8]>,
+    path: &Path,
+    mut room: u64,
+) -> Result<Vec<Bytes<'a>>, String> {
+    let mut read = HashMap::new();
+    let mut bytes_of = |buffer: &'r buffer::Buffer| {
+        let uri = buffer.uri.as_deref();
+        let bytes = match (read.get(&uri), uri) {
+            (Some(bytes), _) => return Ok(Rc::clone(bytes)),
+            (None, None) => Cow::Borrowed(binary.ok_or("expected a uri, or a binary chunk")?),
+            (None, Some(uri)) => Cow::Owned(read_uri(uri, path, room)?),
         };
-        let whole = bytes.and_then(|bytes| match bytes.len() as u64 >= buffer.byte_length.0 {
-            true => Ok(bytes),
-            false => Err(format!("expected {} bytes, found {}: it is not complete", buffer.byte_length.0, bytes.len())),
-        });
-        whole.map_err(|reason| format!("buffer {index}: {reason}"))
+        room = room.saturating_sub(bytes.len() as u64);
+        Ok(Rc::clone(read.entry(uri).or_insert(Rc::new(bytes))))
     };
-    root.buffers.iter().enumerate().map(read).collect()
+    let whole = |(index, buffer): (usize, &'r buffer::Buffer)| {
+        let bytes = bytes_of(buffer).and_then(|bytes: Bytes| {
+            let (expected, found) = (buffer.byte_length.0, bytes.len());
+            let whole = found as u64 >= expected;
+            whole
+                .then_some(bytes)
+                .ok_or_else(|| format!("expected {expected} bytes, found {found}: it is not complete"))
+        });
+        bytes.map_err(|reason: String| format!("buffer {index}: {reason}"))
+    };
+    root.buffers.iter().enumerate().map(whole).collect()
 }
 
-/// The bytes of a uri: its own data, or those of a file relative to this one.
-fn read_uri(uri: &str, path: &Path) -> Result<Vec<u8>, String> {
+/// The bytes of a uri: its own data, or those of a file relative to this one with at most `room` bytes.
+fn read_uri(uri: &str, path: &Path, room: u64) -> Result<Vec<u8>, String> {
     if let Some(data) = uri.strip_prefix("data:") {
         let (_, text) = data.split_once(";base64,").ok_or("expected ;base64, in its data")?;
         return BASE64.decode(text).map_err(|error| format!("expected base64: {error}"));
@@ -96,7 +146,7 @@ fn read_uri(uri: &str, path: &Path) -> Result<Vec<u8>, String> {
         return Err(format!("expected the path of a file, relative to this one, found {}", quote(uri.as_bytes())));
     }
     let beside = path.parent().unwrap_or(Path::new("")).join(unescape(uri));
-    super::read(&beside).map_err(|reason| format!("{}: {reason}", beside.display()))
+    file::read(&beside, "mesh", room).map_err(|reason| format!("{}: {reason}", beside.display()))
 }
 
 /// The path in a uri, with escapes such as %20 decoded.
@@ -114,10 +164,13 @@ fn unescape(uri: &str) -> String {
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
+/// The elements of an accessor, one by one: a list of all of them would be larger than the file.
+type Elements<'a, T> = Box<dyn Iterator<Item = T> + 'a>;
+
 struct File<'a> {
     document: Document,
     /// Each is at least as long as the document says.
-    buffers: Vec<Cow<'a, [u8]>>,
+    buffers: Vec<Bytes<'a>>,
 }
 
 impl File<'_> {
@@ -156,12 +209,12 @@ impl File<'_> {
             return Ok(());
         };
         let attribute = |semantic| primitive.attributes.get(&Checked::Valid(semantic)).copied();
-        let positions = self.elements::<3>(attribute(Semantic::Positions).ok_or("expected an attribute POSITION")?)?;
-        let count = positions.len();
+        let positions = attribute(Semantic::Positions).ok_or("expected an attribute POSITION")?;
+        let count = self.accessor(positions).map_or(0, |accessor| accessor.count.0);
+        let positions = self.elements::<3>(positions)?;
         // Other attributes are used only if every vertex has them.
-        let whole = |semantic| {
-            attribute(semantic).filter(|&index| self.accessor(index).is_none_or(|it| it.count.0 == count as u64))
-        };
+        let whole =
+            |semantic| attribute(semantic).filter(|&index| self.accessor(index).is_none_or(|it| it.count.0 == count));
         let normals = whole(Semantic::Normals).map(|index| self.elements::<3>(index)).transpose()?;
         let uvs = whole(Semantic::TexCoords(0)).map(|index| self.elements::<2>(index)).transpose()?;
 
@@ -169,6 +222,7 @@ impl File<'_> {
         for position in positions {
             draft.vertex(to_scene.transform_point3(DVec3::from_array(position)))?;
         }
+        let end = draft.positions.len();
         // Normals transform by the inverse transpose. The cofactor matrix is a multiple of it, and exists for singular
         // matrices too.
         let m = to_scene.matrix3;
@@ -182,57 +236,46 @@ impl File<'_> {
             draft.normals.resize(first, Vec3::NAN);
             if let Some(normals) = normals {
                 let turned = |normal| (cofactors * DVec3::from_array(normal)).normalize().as_vec3();
-                draft.normals.extend(normals.into_iter().map(turned));
+                draft.normals.extend(normals.map(turned));
             }
-            draft.normals.resize(first + count, Vec3::NAN);
+            draft.normals.resize(end, Vec3::NAN);
         }
         if uvs.is_some() || !draft.uvs.is_empty() {
             draft.uvs.resize(first, Vec2::NAN);
             if let Some(uvs) = uvs {
                 // In glTF, v runs down from the top.
-                draft.uvs.extend(uvs.into_iter().map(|[u, v]| Vec2::new(u as f32, (1.0 - v) as f32)));
+                draft.uvs.extend(uvs.map(|[u, v]| Vec2::new(u as f32, (1.0 - v) as f32)));
             }
-            draft.uvs.resize(first + count, Vec2::NAN);
+            draft.uvs.resize(end, Vec2::NAN);
         }
 
         let corners = match primitive.indices {
             Some(indices) => self.indices(indices)?,
-            None => (0..count as u64).collect(),
+            None => Box::new(0..count),
         };
-        let corners = corners.into_iter().map(|index| match index < count as u64 {
-            true => Ok(first as u32 + index as u32),
-            false => Err(format!(
-                "face {} (counted from 0) or a later one: there is no vertex {index}; the primitive has {count}, \
-                 counted from 0",
-                draft.next_face()
-            )),
-        });
-        let corners: Vec<u32> = corners.collect::<Result<_, String>>()?;
-        let mut face = |a: u32, b: u32, c: u32| draft.face(&if sign < 0.0 { [a, c, b] } else { [a, b, c] });
-        match mode {
-            Mode::TriangleStrip => {
-                for (at, corners) in corners.windows(3).enumerate() {
-                    match *corners {
-                        [a, b, c] if at % 2 == 0 => face(a, b, c)?,
-                        [a, b, c] => face(b, a, c)?,
-                        _ => {}
-                    }
-                }
+        // The corners before this one that its triangle has too.
+        let mut held = [0; 2];
+        for (at, index) in corners.enumerate() {
+            if index >= count {
+                return Err(format!(
+                    "face {} (counted from 0) or a later one: there is no vertex {index}; the primitive has {count}, \
+                     counted from 0",
+                    draft.next_face()
+                ));
             }
-            Mode::TriangleFan => {
-                for pair in corners.get(1..).unwrap_or_default().windows(2) {
-                    if let (Some(&a), &[b, c]) = (corners.first(), pair) {
-                        face(a, b, c)?;
-                    }
-                }
+            let c = first as u32 + index as u32;
+            let [a, b] = held;
+            let (corners, next) = match mode {
+                Mode::TriangleStrip => (if at % 2 == 0 { [a, b, c] } else { [b, a, c] }, [b, c]),
+                Mode::TriangleFan => ([a, b, c], if at == 0 { [c, c] } else { [a, c] }),
+                _ => ([a, b, c], if at % 3 == 0 { [c, c] } else { [a, c] }),
+            };
+            let is_last = if mode == Mode::Triangles { at % 3 == 2 } else { at >= 2 };
+            if is_last {
+                let [a, b, c] = corners;
+                draft.face(&if sign < 0.0 { [a, c, b] } else { [a, b, c] })?;
             }
-            _ => {
-                for corners in corners.chunks_exact(3) {
-                    if let &[a, b, c] = corners {
-                        face(a, b, c)?;
-                    }
-                }
-            }
+            held = next;
         }
         Ok(())
     }
@@ -242,7 +285,7 @@ impl File<'_> {
     }
 
     /// The elements of an accessor, each of N numbers.
-    fn elements<const N: usize>(&self, index: Index<Accessor>) -> Result<Vec<[f64; N]>, String>
+    fn elements<const N: usize>(&self, index: Index<Accessor>) -> Result<Elements<'_, [f64; N]>, String>
     where
         [i8; N]: Item,
         [u8; N]: Item,
@@ -262,20 +305,21 @@ impl File<'_> {
         }
     }
 
-    fn numbers<T: Number, const N: usize>(&self, index: Index<Accessor>) -> Result<Vec<[f64; N]>, String>
+    fn numbers<T: Number, const N: usize>(&self, index: Index<Accessor>) -> Result<Elements<'_, [f64; N]>, String>
     where
         [T; N]: Item,
     {
         let is_normalized = self.accessor(index).is_some_and(|accessor| accessor.normalized);
-        Ok(self.read::<[T; N]>(index)?.map(|element| element.map(|number| number.value(is_normalized))).collect())
+        let elements = self.read::<[T; N]>(index)?;
+        Ok(Box::new(elements.map(move |element| element.map(|number| number.value(is_normalized)))))
     }
 
     /// The indices of vertices.
-    fn indices(&self, index: Index<Accessor>) -> Result<Vec<u64>, String> {
+    fn indices(&self, index: Index<Accessor>) -> Result<Elements<'_, u64>, String> {
         Ok(match self.kind(index, Dimensions::Scalar)? {
-            DataType::U8 => self.read::<u8>(index)?.map(u64::from).collect(),
-            DataType::U16 => self.read::<u16>(index)?.map(u64::from).collect(),
-            DataType::U32 => self.read::<u32>(index)?.map(u64::from).collect(),
+            DataType::U8 => Box::new(self.read::<u8>(index)?.map(u64::from)),
+            DataType::U16 => Box::new(self.read::<u16>(index)?.map(u64::from)),
+            DataType::U32 => Box::new(self.read::<u32>(index)?.map(u64::from)),
             _ => return Err("expected indices of componentType 5121, 5123 or 5125".to_owned()),
         })
     }
@@ -301,7 +345,7 @@ impl File<'_> {
     }
 
     /// The elements of an accessor, after a check that its buffer contains all of them.
-    fn read<T: Item>(&self, index: Index<Accessor>) -> Result<impl Iterator<Item = T>, String> {
+    fn read<T: Item>(&self, index: Index<Accessor>) -> Result<impl Iterator<Item = T> + use<'_, T>, String> {
         let accessor = self.accessor(index).ok_or("there is no such accessor")?;
         let size = size_of::<T>() as u64;
         // Without a view all elements are zero, and the file could claim any number of them.
@@ -316,7 +360,7 @@ impl File<'_> {
             self.check_span(values.buffer_view, values.byte_offset.0, sparse.count.0, size)?;
         }
         let accessor = self.document.accessors().nth(index.value());
-        let bytes = |buffer: gltf::Buffer| self.buffers.get(buffer.index()).map(|bytes| &**bytes);
+        let bytes = |buffer: gltf::Buffer| self.buffers.get(buffer.index()).map(|bytes| &***bytes);
         accessor.and_then(|accessor| Iter::new(accessor, bytes)).ok_or_else(|| "an accessor cannot be read".to_owned())
     }
 
@@ -342,7 +386,7 @@ impl File<'_> {
 }
 
 /// A component of an element. Normalised integers represent 0 to 1, or -1 to 1.
-trait Number: Item + Copy {
+trait Number: Item + Copy + 'static {
     fn value(self, is_normalized: bool) -> f64;
 }
 

@@ -13,21 +13,33 @@ use glam::{DVec3, Vec2, Vec3};
 use tobj::LoadOptions;
 
 use super::draft::Draft;
-use super::guard::guarded;
 use super::input::{Input, number, quote, words};
+use crate::guard::guarded;
 
 /// The crate makes one vertex for each combination of position, texture coordinates and normal, and keeps all faces as they are.
 const OPTIONS: LoadOptions =
     LoadOptions { single_index: true, triangulate: false, ignore_points: false, ignore_lines: false };
 
-pub fn parse(_: &Path, input: &mut Input) -> Result<Draft, String> {
+/// The memory that the crate may take for a file, and what it takes for an entry of a list, for a face and for a corner of it. A
+/// corner may become a vertex, which is in its table of vertices too.
+const MOST_BYTES: usize = 5 << 29;
+const ENTRY: usize = 24;
+const FACE: usize = 104;
+const CORNER: usize = 96;
+
+pub fn parse(_: &Path, input: &mut Input, draft: &mut Draft) -> Result<(), String> {
     let bytes = input.rest();
     let mut lines = Lines::new(input);
     let loaded = guarded(|| tobj::load_obj_buf(&mut lines, &OPTIONS, |_| Ok(Default::default())));
+    if lines.room.is_none() {
+        return Err(format!(
+            "it takes more than {} MiB of memory to read: split it into several files, or save it as .ply or .glb",
+            MOST_BYTES >> 20
+        ));
+    }
     let has = lines.counts.map(|count| count > 0);
     let models = loaded.and_then(|loaded| loaded.map_err(|error| error.to_string()));
     let (models, _) = models.map_err(|words| fault(bytes).unwrap_or(words))?;
-    let mut draft = Draft::default();
     for model in models {
         let mesh = model.mesh;
         if (!has[1] && !mesh.texcoords.is_empty()) || (!has[2] && !mesh.normals.is_empty()) {
@@ -35,7 +47,9 @@ pub fn parse(_: &Path, input: &mut Input) -> Result<Draft, String> {
                 fault(bytes).unwrap_or_else(|| "a face refers to an entry that the file does not have".to_owned())
             );
         }
-        draft.positions = triples(&mesh.positions).collect();
+        for position in triples(&mesh.positions) {
+            draft.vertex(position)?;
+        }
         let count = draft.positions.len();
         draft.normals = whole(triples(&mesh.normals).map(|normal| normal.as_vec3()).collect(), count, Vec3::NAN);
         let uvs = mesh.texcoords.as_chunks().0.iter().map(|&[u, v]| Vec2::new(u as f32, v as f32));
@@ -53,7 +67,7 @@ pub fn parse(_: &Path, input: &mut Input) -> Result<Draft, String> {
             corners = rest;
         }
     }
-    Ok(draft)
+    Ok(())
 }
 
 fn triples(numbers: &[f64]) -> impl Iterator<Item = DVec3> {
@@ -79,16 +93,18 @@ struct Lines<'a, 'b> {
     next: u64,
     /// The number of entries so far in each list.
     counts: [u64; 3],
+    /// The bytes that are left for the crate; none if it needs more.
+    room: Option<usize>,
     /// The number of lists that `fill_lists` has handled after the end of the file.
     ended: usize,
 }
 
 impl<'a, 'b> Lines<'a, 'b> {
     fn new(input: &'a mut Input<'b>) -> Lines<'a, 'b> {
-        Lines { input, line: Vec::new(), read: 0, number: 0, next: 1, counts: [0; 3], ended: 1 }
+        Lines { input, line: Vec::new(), read: 0, number: 0, next: 1, counts: [0; 3], room: Some(MOST_BYTES), ended: 1 }
     }
 
-    /// Goes to the next line; false at the end.
+    /// Goes to the next line; false at the end, or if there is no room for more.
     fn advance(&mut self) -> bool {
         let mut joined = Vec::new();
         while let Some(mut line) = self.input.line() {
@@ -130,7 +146,9 @@ impl<'a, 'b> Lines<'a, 'b> {
             if let Some(count) = list.and_then(|list| self.counts.get_mut(list)) {
                 *count += 1;
             }
-            return true;
+            let bytes = if list.is_some() { ENTRY } else { FACE + CORNER * count };
+            self.room = self.room.and_then(|room| room.checked_sub(bytes));
+            return self.room.is_some();
         }
         false
     }

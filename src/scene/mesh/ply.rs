@@ -11,14 +11,16 @@ use glam::{DVec3, Vec2, Vec3};
 use serde::de::{DeserializeSeed, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde_ply::{DeserializeError, ElementDef, PlyFormat, PlyHeader, PlyProperty, PlyReader, PropertyType, ScalarType};
 
-use super::draft::{Draft, MOST_VERTICES};
-use super::guard::guarded;
+use super::draft::Draft;
 use super::input::{Input, number, quote, words};
+use crate::guard::guarded;
 
+/// Vertices are numbered in 32 bits.
+const MOST_VERTICES: usize = u32::MAX as usize;
 /// The largest length of a line in the header, in bytes.
 const LONGEST_LINE: usize = 1 << 16;
 
-pub fn parse(_: &Path, input: &mut Input) -> Result<Draft, String> {
+pub fn parse(_: &Path, input: &mut Input, draft: &mut Draft) -> Result<(), String> {
     let text = header_text(input)?;
     let header = guarded(|| header(&text))??;
     for name in ["vertex", "face"] {
@@ -26,7 +28,7 @@ pub fn parse(_: &Path, input: &mut Input) -> Result<Draft, String> {
             return Err(format!("expected an element {name} in its header"));
         }
     }
-    guarded(|| payload(&text, &header, input))?
+    guarded(|| payload(&text, &header, input, draft))?
 }
 
 /// The lines of the header, or of the whole file if the header does not end, as UTF-8. Comments may be in any encoding.
@@ -79,17 +81,16 @@ fn header(text: &str) -> Result<PlyHeader, String> {
     })
 }
 
-fn payload(text: &str, header: &PlyHeader, input: &mut Input) -> Result<Draft, String> {
+fn payload(text: &str, header: &PlyHeader, input: &mut Input, draft: &mut Draft) -> Result<(), String> {
     // The crate expects white space after every number in text.
     let end: &[u8] = if header.format == PlyFormat::Ascii { b"\n" } else { b"" };
     let rows = input.rest();
-    let mut draft = Draft::default();
     let mut reader = PlyReader::from_reader(text.as_bytes().chain(&mut *input).chain(end))
         .map_err(|DeserializeError(error)| error.to_string())?;
     for element in &header.elem_defs {
         let ElementDef { name, count, .. } = element;
         let in_row = |row: usize, reason: String| Err(format!("{name} {row} (counted from 0): {reason}"));
-        let mut elements = match Rows::new(element, &mut draft) {
+        let mut elements = match Rows::new(element, draft) {
             Ok(elements) => elements,
             Err(reason) => return in_row(0, reason),
         };
@@ -119,7 +120,7 @@ fn payload(text: &str, header: &PlyHeader, input: &mut Input) -> Result<Draft, S
             },
         );
     }
-    Ok(draft)
+    Ok(())
 }
 
 /// The use of a property.
@@ -224,6 +225,7 @@ impl<'a> Rows<'a> {
         let rows = self.element.count.min(bytes / row.max(1) + 1);
         match self.element.name.as_str() {
             "vertex" => {
+                let rows = rows.min(self.draft.most_vertices());
                 self.draft.positions.reserve(rows);
                 self.draft.normals.reserve(if self.has_normals { rows } else { 0 });
                 self.draft.uvs.reserve(if self.has_uvs { rows } else { 0 });

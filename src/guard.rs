@@ -1,4 +1,4 @@
-//! Turns panics of third-party parsers into errors.
+//! Turns panics of third-party parsers and decoders into errors.
 //!
 //! Random edits of files made the parsers panic: tobj 4.0.5 at a corner such as `1//6148914691236517206` (it multiplies the
 //! reference and indexes by the product), gltf 1.4.1 in its validation if a POSITION names a missing accessor, and its

@@ -1,0 +1,57 @@
+//! Text without characters that control a terminal. Names, paths and excerpts may hold them: an escape sequence in the name of a
+//! file could clear the screen, or show another name than the file has.
+
+use std::borrow::Cow;
+use std::fmt::Write;
+
+/// The text, with every character that controls a terminal written as `\u001b`. Newlines stay. This is JSON's own notation, so
+/// that JSON stays the same JSON.
+pub fn printable(text: &str) -> Cow<'_, str> {
+    escaped(text, |c| c != '\n' && is_control(c))
+}
+
+/// The same for a text that is to stay on one line.
+pub fn one_line(text: &str) -> Cow<'_, str> {
+    escaped(text, is_control)
+}
+
+fn escaped(text: &str, is_wrong: impl Fn(char) -> bool) -> Cow<'_, str> {
+    if !text.contains(&is_wrong) {
+        return Cow::Borrowed(text);
+    }
+    let mut escaped = String::with_capacity(text.len() + 16);
+    for c in text.chars() {
+        match is_wrong(c) {
+            // A String takes everything.
+            true => drop(write!(escaped, "\\u{:04x}", u32::from(c))),
+            false => escaped.push(c),
+        }
+    }
+    Cow::Owned(escaped)
+}
+
+/// Whether a character is a control of C0 or C1, a separator of lines, or turns the direction of the text around it (Unicode
+/// Standard Annex 9, 2.1 to 2.6).
+fn is_control(c: char) -> bool {
+    c.is_control()
+        || matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{one_line, printable};
+
+    #[test]
+    fn controls_are_escaped_and_text_is_not() {
+        let plain = "été \u{1f600} \"a\\b\" 日本";
+        assert_eq!((printable(plain), one_line(plain)), (plain.into(), plain.into()));
+        assert_eq!(
+            printable("a\u{1b}[2J\n\r\t\u{7f}\u{9b}\u{202e}b"),
+            "a\\u001b[2J\n\\u000d\\u0009\\u007f\\u009b\\u202eb"
+        );
+        assert_eq!(one_line("a\nb"), "a\\u000ab");
+        let value = serde_json::json!({"a\u{9b}": "\u{1b}\n\u{2066}"});
+        let read: serde_json::Value = serde_json::from_str(&printable(&format!("{value:#}"))).unwrap();
+        assert_eq!(read, value);
+    }
+}

@@ -1,0 +1,166 @@
+//! Decodes the images that a scene names into linear Rec. 709.
+
+mod budget;
+mod exr;
+mod jpeg;
+
+use std::io::Cursor;
+use std::path::Path;
+
+use image::{DynamicImage, ImageBuffer, ImageDecoder, ImageFormat, ImageReader, Limits, Pixel};
+
+use super::Scene;
+use super::file;
+use super::types::*;
+use crate::error::Result;
+use crate::guard::guarded;
+use crate::source::Place;
+use budget::Budget;
+
+/// The memory that a decoder may take for what comes before the pixels. A PNG's colour profile is the largest of it.
+const HEADERS: u64 = 64 << 20;
+
+/// Decodes every image of the scene once. The keys are the paths as the scene file writes them. Errors point at the `path` field.
+pub fn load_all(scene: &Scene) -> Result<Bitmaps> {
+    let mut bitmaps = Bitmaps::new();
+    let mut budget = Budget::default();
+    let top = scene.top();
+    if let Background::Image { path } = &scene.background {
+        let background = top.field("background");
+        let at = background.variant("Image");
+        load(scene, &at.field("path"), path, Use::Radiance, &mut budget, &mut bitmaps)?;
+    }
+    let materials = top.field("materials");
+    for (name, material) in &scene.materials {
+        if let Some(slot) = material.model().slot
+            && let Some(path) = slot.texture.image()
+        {
+            let at = materials.key(name);
+            let at = at.variant(material.name());
+            let at = at.field(slot.field);
+            let at = at.variant(slot.texture.name());
+            load(scene, &at.field("path"), path, slot.usage, &mut budget, &mut bitmaps)?;
+        }
+    }
+    Ok(bitmaps)
+}
+
+fn load(scene: &Scene, at: &Place, path: &str, usage: Use, budget: &mut Budget, bitmaps: &mut Bitmaps) -> Result<()> {
+    let file = scene.source.resolve(path);
+    let wrong = |reason: String| at.error(format!("{}: {reason}", file.display()));
+    if !bitmaps.contains_key(path) {
+        let bitmap = decode(&file, budget).map_err(wrong)?;
+        budget.add(bitmap.texels.len());
+        bitmaps.insert(path.to_owned(), bitmap);
+    }
+    match bitmaps.get(path) {
+        Some(bitmap) => usage.check_texels(bitmap).map_err(wrong),
+        None => Ok(()),
+    }
+}
+
+/// Decodes one file. Images of floats, such as .exr and .hdr, are linear; all others are sRGB. Alpha is
+/// ignored, and grey becomes a colour.
+fn decode(path: &Path, budget: &Budget) -> std::result::Result<Bitmap, String> {
+    let bytes = file::read(path, "image", file::LONGEST)?;
+    let bitmap = guarded(|| match bytes.starts_with(&exr::MAGIC) {
+        true => exr::decode(&bytes, budget),
+        false => decode_other(&bytes, ImageFormat::from_path(path).ok(), budget),
+    });
+    bitmap.and_then(|bitmap| bitmap).map_err(|reason| format!("cannot decode the image: {reason}"))
+}
+
+fn decode_other(bytes: &[u8], by_name: Option<ImageFormat>, budget: &Budget) -> std::result::Result<Bitmap, String> {
+    // The content identifies the format more reliably than the file's name, except for .tga, which has no magic number.
+    let format = image::guess_format(bytes).ok().or(by_name).ok_or("its format is not known")?;
+    let image = match format {
+        ImageFormat::Jpeg => jpeg::decode(bytes, budget)?,
+        _ => decode_with_image(bytes, format, budget)?,
+    };
+    Ok(Bitmap { width: image.width(), height: image.height(), texels: linear(image) })
+}
+
+/// Decodes a file with the crate `image`.
+fn decode_with_image(bytes: &[u8], format: ImageFormat, budget: &Budget) -> std::result::Result<DynamicImage, String> {
+    let text = |error: image::ImageError| error.to_string();
+    let at_most = |bytes: u64| {
+        let mut limits = Limits::default();
+        limits.max_alloc = Some(bytes);
+        limits
+    };
+    if format == ImageFormat::WebP {
+        check_riff(bytes)?;
+    }
+    let mut reader = ImageReader::new(Cursor::new(bytes));
+    reader.set_format(format);
+    reader.limits(at_most(HEADERS));
+    let mut decoder = reader.into_decoder().map_err(text)?;
+    // The times that a decoder has the picture in memory.
+    let times = match format {
+        ImageFormat::Tiff => 2,
+        ImageFormat::WebP => 3,
+        _ => 1,
+    };
+    let picture = decoder.total_bytes().saturating_mul(times);
+    let (width, height) = decoder.dimensions();
+    budget.check((width as usize, height as usize), picture.saturating_add(bytes.len() as u64))?;
+    decoder.set_limits(at_most(picture.saturating_add(HEADERS))).map_err(text)?;
+    DynamicImage::from_decoder(decoder).map_err(text)
+}
+
+/// Checks that a WebP file has the length that it declares (RFC 9649, 2.4). The decoder takes what is missing for zeros.
+fn check_riff(bytes: &[u8]) -> std::result::Result<(), String> {
+    let declared = bytes.get(4..8).and_then(|size| size.try_into().ok()).map_or(0, u32::from_le_bytes);
+    let declared = u64::from(declared) + 8;
+    match bytes.len() as u64 >= declared {
+        true => Ok(()),
+        false => Err(format!("expected {declared} bytes, found {}: it is not complete", bytes.len())),
+    }
+}
+
+/// The linear texels of a decoded image.
+fn linear(image: DynamicImage) -> Vec<[f32; 3]> {
+    let table: Vec<f32> = (0..=u8::MAX).map(|c| from_srgb(f64::from(c) / 255.0)).collect();
+    let of_8_bits = |c: u8| table.get(usize::from(c)).copied().unwrap_or_default();
+    let of_16_bits = |c: u16| from_srgb(f64::from(c) / 65535.0);
+    let of_float = |c: f32| c;
+    match image {
+        DynamicImage::ImageLuma8(image) => texels(&image, of_8_bits),
+        DynamicImage::ImageLumaA8(image) => texels(&image, of_8_bits),
+        DynamicImage::ImageRgb8(image) => texels(&image, of_8_bits),
+        DynamicImage::ImageRgba8(image) => texels(&image, of_8_bits),
+        DynamicImage::ImageLuma16(image) => texels(&image, of_16_bits),
+        DynamicImage::ImageLumaA16(image) => texels(&image, of_16_bits),
+        DynamicImage::ImageRgb16(image) => texels(&image, of_16_bits),
+        DynamicImage::ImageRgba16(image) => texels(&image, of_16_bits),
+        DynamicImage::ImageRgb32F(image) => texels(&image, of_float),
+        DynamicImage::ImageRgba32F(image) => texels(&image, of_float),
+        // The crate may add kinds.
+        other => texels(&other.into_rgb32f(), of_float),
+    }
+}
+
+/// Pixels one by one, because the crate would convert an image into a copy.
+fn texels<P: Pixel>(image: &ImageBuffer<P, Vec<P::Subpixel>>, decoded: impl Fn(P::Subpixel) -> f32) -> Vec<[f32; 3]> {
+    image.pixels().map(|pixel| pixel.to_rgb().0.map(&decoded)).collect()
+}
+
+/// The linear value of an sRGB code in 0..=1 (IEC 61966-2-1).
+fn from_srgb(code: f64) -> f32 {
+    let light = if code <= 0.04045 { code / 12.92 } else { ((code + 0.055) / 1.055).powf(2.4) };
+    light as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::from_srgb;
+
+    #[test]
+    fn decodes_srgb() {
+        assert_eq!(from_srgb(0.0), 0.0);
+        assert_eq!(from_srgb(1.0), 1.0);
+        // Values of the standard, and the code at which its two parts join.
+        assert!((f64::from(from_srgb(188.0 / 255.0)) - 0.502_886_5).abs() < 1e-6);
+        assert!((f64::from(from_srgb(0.04045)) - 0.003_130_804_95).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,83 @@
+//! Images that are truncated or damaged: an error that names the file, and never a part of a picture.
+
+use crate::common::corpus;
+use crate::common::mutate::end_of_header;
+use std::fs;
+use std::path::Path;
+
+use gpu_rt::error::Error;
+use gpu_rt::output::exr::read_exr;
+use gpu_rt::scene::{Bitmap, Scene};
+
+/// The image that a scene's background names.
+fn image(folder: &Path, file: &str, bytes: &[u8]) -> Result<Bitmap, Error> {
+    fs::write(folder.join(file), bytes).expect("the image is written");
+    let text = format!(
+        "(image: (width: 4, height: 3), camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vertical_fov: 40), \
+         background: Image(path: {file:?}), objects: [])"
+    );
+    let mut scene = Scene::parse(&text, &folder.join("scene.ron"))?;
+    Ok(scene.bitmaps.remove(file).expect("it is loaded"))
+}
+
+/// The second half of the content is zeros, as of a download that broke off; and a part in the middle is overwritten.
+fn damaged(file: &str, bytes: &[u8]) -> [Vec<u8>; 2] {
+    let start = end_of_header(file, bytes);
+    let (middle, eighth) = (start.midpoint(bytes.len()), (bytes.len() - start) / 8);
+    let [mut zeros, mut overwritten] = [bytes.to_vec(), bytes.to_vec()];
+    zeros[middle..].fill(0);
+    overwritten[middle..bytes.len() - 2 - eighth].fill(0x55);
+    [zeros, overwritten]
+}
+
+/// The lengths at which a truncated file is accepted with another picture than the whole file has.
+fn accepted_in_part(file: &str, bytes: &[u8]) -> Vec<usize> {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let whole = image(folder.path(), file, bytes).unwrap_or_else(|error| panic!("{error}"));
+    let is_wrong = |&length: &usize| match image(folder.path(), file, &bytes[..length]) {
+        Ok(part) => part != whole,
+        Err(error) => {
+            assert!(error.to_string().contains(file), "{error}");
+            false
+        }
+    };
+    (0..bytes.len()).filter(is_wrong).collect()
+}
+
+#[test]
+fn no_truncated_image_is_accepted_in_part() {
+    let images = corpus::images();
+    let of_format = |ending: &str| images.iter().filter(|(file, _)| file.ends_with(ending)).count();
+    for (ending, least) in [("png", 3), ("jpg", 2), ("webp", 3), ("tiff", 5), ("tga", 2), ("bmp", 2), ("hdr", 1)] {
+        assert!(of_format(ending) >= least, "{ending}");
+    }
+    let wrong: Vec<String> = images
+        .iter()
+        .map(|(file, bytes)| (file, accepted_in_part(file, bytes), bytes.len()))
+        .filter(|(_, lengths, _)| !lengths.is_empty())
+        .map(|(file, lengths, whole)| format!("{file}: of {whole} bytes the first {lengths:?}"))
+        .collect();
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn damage_that_a_format_can_tell_is_refused() {
+    // Without compression or a checksum, zeros are a picture like any other. So is what stands for them in a format of few rules.
+    const ZEROS: [&str; 7] =
+        ["alpha.webp", "lossy.webp", "noise.webp", "palette.bmp", "plain.bmp", "plain.tga", "plain.tiff"];
+    const OVERWRITTEN: [&str; 5] = ["baseline.jpg", "lossless.webp", "noise.jpg", "packbits.tiff", "rle.tga"];
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for (file, bytes) in corpus::images() {
+        let accepted = damaged(&file, &bytes).map(|bytes| image(folder.path(), &file, &bytes).is_ok());
+        let unknowable = [ZEROS.contains(&file.as_str()), ZEROS.iter().chain(&OVERWRITTEN).any(|of| *of == file)];
+        assert_eq!(accepted, unknowable, "{file}");
+    }
+}
+
+/// The fuzzer found it: the library indexes past the end of a block.
+#[test]
+fn an_exr_that_makes_the_library_panic_is_refused() {
+    let file = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/corpus/damaged/short_block.exr"));
+    let error = read_exr(file).expect_err("it is refused").to_string();
+    assert!(error.contains("short_block.exr: cannot read: the parser gave up"), "{error}");
+}
