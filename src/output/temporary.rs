@@ -49,7 +49,10 @@ pub fn remove_stale(target: &Path) {
     let files =
         entries.filter(|entry| is_ours(&entry.file_name()) && entry.file_type().is_ok_and(|kind| kind.is_file()));
     for path in files.map(|entry| entry.path()) {
-        if open(&path).is_ok_and(|file| file.try_lock().is_ok()) {
+        // The lock is held until the file is gone: its writer may be about to take it.
+        if let Ok(file) = open(&path)
+            && file.try_lock().is_ok()
+        {
             // Another process may have removed it too.
             let _ = fs::remove_file(&path);
         }

@@ -40,7 +40,7 @@ pub fn images() -> Vec<(String, Vec<u8>)> {
     let mut samples = Samples::default();
     samples.add(0..16);
     let state = State::new(identity, vec![("device".to_owned(), "driver".to_owned())], &film, samples, 0);
-    write_render(&at("render.state.exr"), &film, &[], Some(&state)).expect("the image is written");
+    write_render(&at("render.state.exr"), &film, &[], Some(&state), || Ok(())).expect("the image is written");
     images.extend(files(folder.path()));
     images
 }
