@@ -44,7 +44,7 @@ quick: toolchain
 # What takes minutes: statistics of thousands of renders, and 1e9 paths through all scenes.
 test-long: export NODEVICE_SELECT = 1
 test-long: toolchain
-	$(CARGO) test --release --test long --test unchanged -- --ignored --nocapture
+	$(CARGO) test --release --test long --test unchanged --test program -- --ignored --nocapture
 
 # COUNT damaged files of every format, and ten times as many scenes. SEED chooses others.
 COUNT ?= 100000

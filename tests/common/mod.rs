@@ -20,6 +20,8 @@ pub mod film;
 pub mod held;
 pub mod instances;
 pub mod kernel;
+#[cfg(target_os = "linux")]
+pub mod kills;
 pub mod lattice;
 pub mod light_kernel;
 pub mod marked;

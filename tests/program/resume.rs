@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Child;
+use std::process::{Child, Command};
 use std::time::Duration;
 
 use gpu_rt::film::Film;
@@ -65,9 +65,28 @@ impl Place {
         self.says(&format!("render scene.ron --device {} {more}", software()))
     }
 
-    fn spawn(&self, more: &str) -> Child {
+    fn command(&self, more: &str) -> Command {
         let line = format!("render scene.ron --device {} {more}", software());
-        command(self.folder.path(), &line.split_whitespace().collect::<Vec<_>>()).spawn().expect("the program starts")
+        command(self.folder.path(), &line.split_whitespace().collect::<Vec<_>>())
+    }
+
+    fn spawn(&self, more: &str) -> Child {
+        self.command(more).spawn().expect("the program starts")
+    }
+
+    /// Checks that out.exr can be read, and has at least so many samples. The result is how many it has.
+    fn holds_at_least(&self, least: u64) -> u64 {
+        let count = read_state(&self.path("out.exr")).expect("it is read").expect("there is a state").samples.count();
+        assert!(count >= least, "{count} samples after {least}");
+        assert_eq!(self.holds("out.exr").film.totals().paths, count * 24 * 16);
+        count
+    }
+
+    /// Checks that out.exr goes on to so many samples of one render.
+    fn is_one_render(&self, end: u64) {
+        self.render(&format!("--quiet --spp {end} -o out.exr --resume")).exits(0);
+        self.render(&format!("--quiet --spp {end} -o whole.exr")).exits(0);
+        assert_eq!(self.holds("out.exr").difference(&self.holds("whole.exr")), [""; 0], "{end} samples");
     }
 
     /// What a file holds.
@@ -355,9 +374,21 @@ fn what_is_interrupted_goes_on() {
 #[cfg(unix)]
 #[test]
 fn what_is_killed_goes_on() {
+    killed_at_moments(10);
+}
+
+#[cfg(unix)]
+#[test]
+#[ignore = "minutes: make test-long"]
+fn what_is_killed_at_200_moments_goes_on() {
+    killed_at_moments(200);
+}
+
+#[cfg(unix)]
+fn killed_at_moments(moments: u64) {
     let place = Place::new();
-    let mut at = 0;
-    for moment in 0..10u64 {
+    let mut held = 0;
+    for moment in 0..moments {
         let mut child = place.spawn("--spp 1000000 --quiet --checkpoint 0.02s --resume=auto -o out.exr");
         if moment == 0 {
             meanwhile(&mut child, || place.path("out.exr").exists());
@@ -366,16 +397,57 @@ fn what_is_killed_goes_on() {
         std::thread::sleep(Duration::from_millis(moment * 977 % 400));
         child.kill().expect("it can be killed");
         child.wait().expect("it ends");
-        let held = Held::of(&place.path("out.exr"));
-        let state = read_state(&place.path("out.exr")).expect("it is read").expect("there is a state");
-        assert!(state.samples.count() >= at, "{} samples after {at}", state.samples.count());
-        at = state.samples.count();
-        assert_eq!(held.film.totals().paths, at * 24 * 16);
+        held = place.holds_at_least(held);
     }
-    let end = at + 8;
-    place.render(&format!("--quiet --spp {end} -o out.exr --resume")).exits(0);
-    place.render(&format!("--quiet --spp {end} -o whole.exr")).exits(0);
-    assert_eq!(place.holds("out.exr").difference(&place.holds("whole.exr")), [""; 0], "{at} of {end} samples");
+    place.is_one_render(held + 8);
+}
+
+/// The same for each call of the system on files, from the first of a checkpoint to the last: the old file is there, or the new one.
+#[cfg(target_os = "linux")]
+#[test]
+fn what_is_killed_within_a_checkpoint_goes_on() {
+    killed_at_calls(11);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+#[ignore = "minutes: make test-long"]
+fn what_is_killed_at_each_call_of_a_checkpoint_goes_on() {
+    killed_at_calls(1);
+}
+
+/// At every so many calls of a checkpoint.
+#[cfg(target_os = "linux")]
+fn killed_at_calls(step: usize) {
+    use crate::common::kills::kill_before;
+    let place = Place::new();
+    place.render("--quiet --size 24x16 --spp 8 -o out.exr").exits(0);
+    let mut held = 8;
+    let killed = |call: usize| {
+        let command = place.command("--spp 100000000 --quiet --checkpoint 1ns --resume -o out.exr");
+        assert!(kill_before(command, call), "the render has ended by itself");
+    };
+    // The end of a checkpoint.
+    let mut calls = 1;
+    let last = loop {
+        killed(calls);
+        let now = place.holds_at_least(held);
+        if now > held {
+            break calls;
+        }
+        calls += if step == 1 { 1 } else { 5 };
+        assert!(calls < 10_000, "no checkpoint is ever written");
+    };
+    for call in (1..=last + 3).step_by(step) {
+        killed(call);
+        held = place.holds_at_least(held);
+    }
+    // Only the last one may have left a temporary file, which the next start removes.
+    place.is_one_render(held + 8);
+    let left =
+        fs::read_dir(place.folder.path()).expect("it is listed").map(|entry| entry.expect("it is listed").file_name());
+    let left: Vec<_> = left.filter(|name| name.to_string_lossy().contains(".part")).collect();
+    assert!(left.is_empty(), "{left:?}");
 }
 
 /// A checkpoint never replaces one of the same render that holds more: another process may be ahead.
