@@ -39,7 +39,7 @@ pub fn kill_before(mut command: Command, call: usize) -> bool {
         });
     }
     // The threads of the program are waited for by their group, so that no other child of this process is.
-    let child = command.process_group(0).spawn().expect("the program starts, and can be traced");
+    let mut child = command.process_group(0).spawn().expect("the program starts, and can be traced");
     let pid = child.id() as libc::pid_t;
     let (mut status, mut calls, mut begun, mut killed) = (0, 0, false, false);
     // SAFETY: the process is a child that is traced by this thread; all pointers are to values that live.
@@ -77,6 +77,8 @@ pub fn kill_before(mut command: Command, call: usize) -> bool {
             libc::ptrace(libc::PTRACE_SYSCALL, thread, 0, signal);
         }
     }
+    // It has been waited for above; this frees the handle.
+    let _ = child.wait();
     killed
 }
 
