@@ -28,6 +28,9 @@ const SAME_IMAGE: &[(&str, Option<&str>)] = &[
     ("device", None),
     ("exposure", Some("2")),
     ("checkpoint", Some("1s")),
+    ("mixed-drivers", None),
+    ("no-state", None),
+    ("force", None),
     ("strict", None),
     ("quiet", None),
     ("json", None),
@@ -40,7 +43,7 @@ const SAME_IMAGE: &[(&str, Option<&str>)] = &[
 ];
 
 /// Options that say which samples there are, and when they are enough. How many there are is the knob `spp`.
-const WHICH_SAMPLES: &[&str] = &["seed", "samples", "time", "noise"];
+const WHICH_SAMPLES: &[&str] = &["seed", "samples", "time", "noise", "resume"];
 
 // The table and the command line
 
@@ -178,6 +181,8 @@ impl Place {
         let scene = scene.to_str().expect("UTF-8");
         let usual = ["render", scene, "-o", "out.exr", "--device", device::index()];
         let json: &[&str] = if options.contains(&"--json") { &[] } else { &["--json"] };
+        // An image of the same render that has more samples is not overwritten.
+        let _ = std::fs::remove_file(self.0.path().join("out.exr"));
         let ran = program::run(self.0.path(), &[&usual, options, json].concat()).exits(0);
         let image = read_exr(&self.0.path().join("out.exr")).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(image.rejected.as_ref().map(|rejected| rejected.iter().sum::<u32>()), Some(0), "{options:?}");
