@@ -467,7 +467,7 @@ fn the_noise_of_a_reference_is_stated_and_subtracted() {
     let place = tempfile::tempdir().expect("a temporary folder");
     std::fs::write(place.path().join("room.ron"), ROOM).expect("it is written");
     let render = |spp: &str, seed: &str, out: &str| {
-        let options = ["render", "room.ron", "--size", "24x24", "-o", out, "--spp", spp, "--seed", seed];
+        let options = ["render", "room.ron", "--size", "24x24", "-o", out, "--spp", spp, "--seed", seed, "--force"];
         run(place.path(), &options).exits(0);
         read_exr(&place.path().join(out)).expect("it is read").rgb
     };
