@@ -30,6 +30,15 @@ pub enum Goal {
     Noise { error: f64, deadline: Option<Instant>, end: u32, begun: u32, looks: u32 },
 }
 
+impl Goal {
+    /// One past the index of the last sample that a pixel may get.
+    pub fn end(&self) -> u32 {
+        match *self {
+            Goal::Samples(end) | Goal::Until { end, .. } | Goal::Noise { end, .. } => end,
+        }
+    }
+}
+
 impl Job {
     /// The number of runs, if it is known in advance.
     pub fn runs(&self) -> Option<u64> {

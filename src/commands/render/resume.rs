@@ -53,19 +53,17 @@ pub fn earlier(args: &RenderArgs, exr: &Path, identity: &Identity, job: &Job) ->
     if let Some(difference) = identity.difference("this render", &state.identity, &name.to_string()) {
         return Err(Error::Usage(format!("{name} cannot be resumed: {difference}")));
     }
-    let (hull, ranges) = (state.samples.hull(), state.samples.ranges().len());
+    let hull = state.samples.hull();
+    let wanted = job.first_sample..job.goal.end();
+    let missing = state.samples.missing(wanted.clone());
     let refused = |why: &str| {
         Err(Error::Usage(format!("{name} cannot be resumed: it holds the samples {}, {why}", state.samples)))
     };
-    let missing = match job.goal {
-        Goal::Samples(end) => state.samples.missing(job.first_sample..end),
-        Goal::Until { .. } | Goal::Noise { .. } if hull.start != job.first_sample || ranges > 1 => {
-            return refuse_parts(refused);
-        }
-        Goal::Until { end, .. } | Goal::Noise { end, .. } => state.samples.missing(job.first_sample..end),
-    };
-    let wanted = job.first_sample..missing.hull().end.max(hull.end);
-    if !missing.is_empty() && (hull.start < wanted.start || matches!(job.goal, Goal::Samples(end) if hull.end > end)) {
+    let one_range = hull.start == wanted.start && state.samples.ranges().len() == 1;
+    if !matches!(job.goal, Goal::Samples(_)) && !one_range {
+        return refused("and --time and --noise go on from one range that starts with the first sample");
+    }
+    if !missing.is_empty() && (hull.start < wanted.start || hull.end > wanted.end) {
         return refused("of which some are not asked for; `gpu-rt merge` joins parts");
     }
     let cut = |range: &std::ops::Range<u32>| !range.start.is_multiple_of(RUN_LENGTH);
@@ -75,10 +73,6 @@ pub fn earlier(args: &RenderArgs, exr: &Path, identity: &Identity, job: &Job) ->
         ));
     }
     Ok(Some(state))
-}
-
-fn refuse_parts(refused: impl Fn(&str) -> Result<Option<State>>) -> Result<Option<State>> {
-    refused("and --time and --noise go on from one range that starts with the first sample")
 }
 
 /// Refuses to overwrite an image of this render that has more samples than are asked for.
@@ -154,12 +148,9 @@ impl Accumulation {
 
     /// What is left of a job.
     pub fn jobs(&self, job: &Job, reached: Option<Noise>) -> Vec<Job> {
-        let end = match job.goal {
-            Goal::Samples(end) | Goal::Until { end, .. } | Goal::Noise { end, .. } => end,
-        };
         let missing = match reached {
             Some(_) => Samples::default(),
-            None => self.samples.missing(job.first_sample..end),
+            None => self.samples.missing(job.first_sample..job.goal.end()),
         };
         let part = |range: &std::ops::Range<u32>| {
             let goal = match job.goal {
