@@ -109,7 +109,7 @@ fn an_interrupt_writes_the_image_and_reports_the_samples_that_it_has() {
     let child = endless(&place, &["--json"]);
     send(&child, libc::SIGINT);
     let ran = finish(child).exits(130);
-    assert!(ran.stderr.contains("SIGINT: writing the image so far"), "{}", ran.stderr);
+    assert!(ran.stderr.contains("SIGINT: ending the samples under way"), "{}", ran.stderr);
     assert_eq!(place.files(), ["sphere.exr"]);
     let image = place.exr("sphere.exr");
     let samples = image.samples.as_ref().expect("a layer of samples");

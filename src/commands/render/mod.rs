@@ -147,9 +147,6 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
 
     let about = task.about(&device)?;
     let outcome = std::mem::take(&mut rendering.outcome);
-    if outcome.interrupted && !args.quiet {
-        tell(&format!("{signals}: writing the image so far; a second signal ends at once"));
-    }
     let complete = rendered.is_ok() && !outcome.interrupted;
     let finish = Finish::of(&film.film, &film.samples, &film.devices, outcome.noise, complete);
     match rendered {
@@ -253,6 +250,7 @@ impl Task<'_> {
                 error: None,
                 failed: None,
                 kept: false,
+                told: false,
                 checkpoint: &|film, outcome| {
                     let mut samples = samples.clone();
                     samples.add(outcome.samples.clone());

@@ -39,6 +39,8 @@ pub struct Watcher<'a> {
     pub failed: Option<String>,
     /// Whether a checkpoint has been written.
     pub kept: bool,
+    /// Whether it has been told that a signal ends the render.
+    pub told: bool,
     pub checkpoint: &'a dyn Fn(&Film, &Outcome) -> Result<()>,
 }
 
@@ -63,7 +65,12 @@ impl Watcher<'_> {
             paths_per_second: paths as f64 / self.begun.elapsed().as_secs_f64().max(1e-6),
             relative_error: self.error,
         });
-        match self.signals.came() {
+        let stopped = self.signals.came();
+        if stopped && !std::mem::replace(&mut self.told, true) {
+            let signal = self.signals;
+            self.progress.message(&format!("{signal}: ending the samples under way; a second signal ends at once"));
+        }
+        match stopped {
             true => Next::Stop,
             false if looked => Next::GoOn,
             false if keep => Next::Whole,
@@ -128,6 +135,7 @@ mod tests {
             error: None,
             failed: None,
             kept: false,
+            told: false,
             checkpoint: &|_, _| Ok(()),
         };
         let mut count = 0;
