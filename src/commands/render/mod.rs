@@ -5,7 +5,9 @@ mod resume;
 mod summary;
 mod watcher;
 
+use std::ops::Deref;
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
@@ -83,16 +85,14 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     // The driver loads while the scene is built; `device` is the time that it takes beyond. A scene that does not load waits for no driver.
     let opening = || open_device(args.paths.device.as_deref());
     let (device, built) = beside(opening, || {
-        let built = flatten_for(&scene, args.size, &args.options).and_then(|(size, flat)| {
-            let job = job_of(args, &scene, size, start);
-            let identity = Identity::of(&scene, &job, &args.options);
-            let earlier = resume::earlier(args, &output.exr, &identity, &job)?;
-            Ok((size, flat, job, identity, earlier))
-        });
+        let built = flatten_for(&scene, args.size, &args.options)
+            .map(|(size, flat)| (size, flat, job_of(args, &scene, size, start)));
         seconds.build = clock.lap();
         built
     });
-    let (size, flat, job, identity, earlier) = built?;
+    let (size, flat, job) = built?;
+    let identity = LazyLock::new(|| Identity::of(&scene, &job, &args.options));
+    let earlier = resume::earlier(args, &output.exr, &identity, &job)?;
     tell_warnings(&flat.warnings);
     warnings.extend_from_slice(&flat.warnings);
     let mut device = device?;
@@ -128,7 +128,10 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
         overwritten,
     };
     let mut rendering = Rendering::default();
-    let mut rendered = task.render(&device, &mut film, &mut rendering, &mut seconds, &mut clock);
+    // Hashing a large scene takes as long as reading it; the hashes are needed when something is written.
+    let hashing = || _ = LazyLock::force(&identity);
+    let ((), mut rendered) =
+        beside(hashing, || task.render(&device, &mut film, &mut rendering, &mut seconds, &mut clock));
     if let Err(Error::Device(why)) = &rendered
         && rendering.started
         && !signals.came()
@@ -182,7 +185,7 @@ struct Task<'a> {
     args: &'a RenderArgs,
     flat: &'a DeviceScene,
     output: &'a Output<'a>,
-    identity: &'a Identity,
+    identity: &'a dyn Deref<Target = Identity>,
     job: &'a Job,
     biases: &'a [String],
     warnings: &'a [String],
@@ -256,7 +259,7 @@ impl Task<'_> {
                     samples.add(outcome.samples.clone());
                     let looks = outcome.noise.map_or(*looks, |noise| noise.looks);
                     let finish = Finish::of(film, &samples, devices, outcome.noise, false);
-                    let state = State::new(self.identity.clone(), devices.clone(), film, samples, looks);
+                    let state = State::new(Identity::clone(self.identity), devices.clone(), film, samples, looks);
                     self.keep(&about, film, state, &finish, seconds)?;
                     let exr = self.output.exr.display();
                     self.signals.set_loss(format!("{exr} holds the last checkpoint; what came since is lost"));
@@ -306,7 +309,7 @@ impl Task<'_> {
     ) -> Result<()> {
         if rendering.started {
             let Accumulation { film, samples, looks, devices } = film;
-            let state = State::new(self.identity.clone(), devices.clone(), film, samples.clone(), *looks);
+            let state = State::new(Identity::clone(self.identity), devices.clone(), film, samples.clone(), *looks);
             self.keep(about, film, state, finish, seconds)?;
         }
         self.signals.set_loss(format!("{} holds the image", self.output.exr.display()));

@@ -1,5 +1,6 @@
 //! What an earlier render has left in the output, and what is left to do.
 
+use std::ops::Deref;
 use std::path::Path;
 
 use crate::cli::{RenderArgs, Resume};
@@ -28,7 +29,12 @@ pub struct Accumulation {
 ///
 /// # Errors
 /// `Error::Usage` where there is nothing to resume, or what there is is not of this render, or is more than is asked and would be lost.
-pub fn earlier(args: &RenderArgs, exr: &Path, identity: &Identity, job: &Job) -> Result<Option<State>> {
+pub fn earlier(
+    args: &RenderArgs,
+    exr: &Path,
+    identity: &dyn Deref<Target = Identity>,
+    job: &Job,
+) -> Result<Option<State>> {
     let name = exr.display();
     let Some(resume) = args.resume else { return refuse_to_lose(args, exr, identity, job).map(|()| None) };
     let nothing = |why: String| match resume {
@@ -76,7 +82,7 @@ pub fn earlier(args: &RenderArgs, exr: &Path, identity: &Identity, job: &Job) ->
 }
 
 /// Refuses to overwrite an image of this render that has more samples than are asked for.
-fn refuse_to_lose(args: &RenderArgs, exr: &Path, identity: &Identity, job: &Job) -> Result<()> {
+fn refuse_to_lose(args: &RenderArgs, exr: &Path, identity: &dyn Deref<Target = Identity>, job: &Job) -> Result<()> {
     let Goal::Samples(end) = job.goal else { return Ok(()) };
     let asked = u64::from(end - job.first_sample);
     match more_there(exr, identity, asked) {
@@ -89,7 +95,7 @@ fn refuse_to_lose(args: &RenderArgs, exr: &Path, identity: &Identity, job: &Job)
 }
 
 /// How many samples a file holds, if it is of this render and has more than so many.
-pub fn more_there(exr: &Path, identity: &Identity, than: u64) -> Option<u64> {
+pub fn more_there(exr: &Path, identity: &dyn Deref<Target = Identity>, than: u64) -> Option<u64> {
     if !exr.is_file() {
         return None;
     }
