@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::Scene;
+use super::mesh::unescape;
 
 /// The scene file, the images and meshes that it names, and the files that those name.
 pub fn inputs(scene: &Scene) -> Vec<PathBuf> {
@@ -23,5 +24,5 @@ fn buffers(path: &Path) -> Vec<PathBuf> {
     let json = std::fs::read(path).ok().and_then(|bytes| serde_json::from_slice::<serde_json::Value>(&bytes).ok());
     let buffers = json.as_ref().and_then(|json| json.get("buffers")?.as_array()).into_iter().flatten();
     let uris = buffers.filter_map(|buffer| buffer.get("uri")?.as_str()).filter(|uri| !uri.contains(':'));
-    uris.map(|uri| path.parent().unwrap_or(Path::new("")).join(uri)).collect()
+    uris.map(|uri| path.parent().unwrap_or(Path::new("")).join(unescape(uri))).collect()
 }

@@ -106,7 +106,7 @@ fn studio() -> (Place, Vec<&'static str>) {
     let numbers: Vec<u8> =
         [0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0].iter().flat_map(|v| v.to_le_bytes()).collect();
     fs::write(at("face.bin"), numbers).unwrap();
-    let gltf = r#"{"asset": {"version": "2.0"}, "buffers": [{"uri": "face.bin", "byteLength": 36}],
+    let gltf = r#"{"asset": {"version": "2.0"}, "buffers": [{"uri": "%66ace.bin", "byteLength": 36}],
         "bufferViews": [{"buffer": 0, "byteLength": 36}],
         "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]}],
         "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], "nodes": [{"mesh": 0}], "scenes": [{"nodes": [0]}]}"#;

@@ -150,7 +150,7 @@ fn read_uri(uri: &str, path: &Path, room: u64) -> Result<Vec<u8>, String> {
 }
 
 /// The path in a uri, with escapes such as %20 decoded.
-fn unescape(uri: &str) -> String {
+pub fn unescape(uri: &str) -> String {
     let mut bytes = Vec::new();
     let mut rest = uri.as_bytes();
     while let Some((&first, after)) = rest.split_first() {

@@ -22,6 +22,7 @@ use draft::{Draft, MOST_BYTES};
 use input::Input;
 
 pub use crate::shape::mesh::{Mesh, OpenEdges};
+pub(super) use gltf::unescape;
 
 /// A callback for the progress of reading a file, with its path, the bytes read so far, and all its bytes.
 pub type OnProgress<'a> = dyn FnMut(&Path, u64, u64) + 'a;
