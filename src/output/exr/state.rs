@@ -12,7 +12,7 @@ use super::read::{open, read_part};
 use super::{Attribute, STATE, decoded};
 use crate::data::Sampler;
 use crate::error::{Error, Result};
-use crate::film::{Film, Totals, WORDS, word_names};
+use crate::film::{Film, Totals, WORDS, Words, word_names};
 use crate::identity::Identity;
 use crate::samples::Samples;
 
@@ -170,7 +170,9 @@ fn add_pixels(path: &Path, state: &State, film: &mut Film) -> std::result::Resul
     let words = words.filter(|_| plain).ok_or("its state is damaged: it has channels of another kind")?;
     let mut checksum = crc32fast::Hasher::new();
     // The channels of a row come one after another.
-    let mut row = vec![[0u16; WORDS]; width];
+    let mut row: Vec<Words> = Vec::new();
+    row.try_reserve_exact(width).map_err(|_| "its rows are longer than the memory".to_string())?;
+    row.resize(width, [0; WORDS]);
     let mut next = (0, 0);
     let mut in_order = true;
     read_part(opened, part, |channel, (column, line), bytes| {
