@@ -36,21 +36,21 @@ pub fn run(args: &MergeArgs) -> Result<()> {
         Some((_, Attribute::Text(text))) => text.clone(),
         _ => String::new(),
     };
-    let record = finish.record(&excluded(&text("gpu-rt:biases")));
-    let of_film = attributes_of(&json!(record));
-    let of_one_part = |name: &str| name.starts_with("gpu-rt:seconds_") || name.starts_with("gpu-rt:noise");
-    attributes.retain(|(name, _)| !of_one_part(name) && name.starts_with("gpu-rt:"));
-    let is_of_film = |name: &str| FILM_ATTRIBUTES.contains(&name) || of_film.iter().any(|(known, _)| known == name);
-    attributes.retain(|(name, _)| !is_of_film(name));
-    attributes.extend(of_film);
+    let record = json!(finish.record(&excluded(&text("gpu-rt:biases"))));
+    // Also what is not known of the whole, and has no attribute.
+    let is_of_film = |name: &str| record.get(name).is_some();
+    let is_of_one_part = |name: &str| name.starts_with("seconds_") || name.starts_with("noise");
+    attributes.retain(|(name, _)| {
+        name.strip_prefix("gpu-rt:").is_some_and(|name| !is_of_film(name) && !is_of_one_part(name))
+    });
+    attributes.extend(attributes_of(&record));
     let state = State::new(first.state.identity.clone(), devices.clone(), &film, samples.clone(), *looks);
     write_render(&args.output, &film, &attributes, Some(&state), || Ok(()))?;
 
-    let off_runs = joined.parts.iter().flat_map(|part| part.state.samples.ranges()).any(|range| {
-        let is_inner =
-            |at: u32| !at.is_multiple_of(RUN_LENGTH) && at != samples.hull().start && at != samples.hull().end;
-        is_inner(range.start) || is_inner(range.end)
-    });
+    let ends =
+        joined.parts.iter().flat_map(|part| part.state.samples.ranges()).flat_map(|range| [range.start, range.end]);
+    let hull = samples.hull();
+    let off_runs = ends.into_iter().any(|at| !at.is_multiple_of(RUN_LENGTH) && at != hull.start && at != hull.end);
     if !args.quiet {
         if off_runs {
             tell(&format!(
@@ -70,22 +70,13 @@ pub fn run(args: &MergeArgs) -> Result<()> {
             "height": film.height(),
             "samples_per_pixel": samples.count(),
         });
-        if let (Some(report), Some(record)) = (report.as_object_mut(), json!(record).as_object()) {
+        if let (Some(report), Some(record)) = (report.as_object_mut(), record.as_object()) {
             report.extend(record.clone());
         }
         print_json(&report)?;
     }
     Ok(())
 }
-
-/// Attributes of the film, which may be absent where nothing is known: those of a part do not stay.
-const FILM_ATTRIBUTES: [&str; 5] = [
-    "gpu-rt:relative_error",
-    "gpu-rt:relative_error_bound",
-    "gpu-rt:relative_error_confidence",
-    "gpu-rt:relative_error_excludes",
-    "gpu-rt:reliable",
-];
 
 struct Part<'a> {
     path: &'a Path,
@@ -115,7 +106,7 @@ impl<'a> Joined<'a> {
             loading.show(&format!("reading {}", path.display()), number as f64 / args.parts.len() as f64);
             let state = read_state(path)?.ok_or_else(|| {
                 Error::Usage(format!(
-                    "{}: it has no state, so that it cannot be joined: images of other programs and of --no-state have none",
+                    "{}: it cannot be joined, because it has no state. Images of other programs and of --no-state have none",
                     path.display()
                 ))
             })?;

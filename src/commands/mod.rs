@@ -130,7 +130,8 @@ fn print_line(text: &str) -> Result<()> {
     print_text(&format!("{text}\n"))
 }
 
-/// Prints text, without an additional line end and with controls of terminals escaped, on stdout. A closed pipe is not an error, because the reader chose to close it.
+/// Prints text on stdout, without an additional line end and with controls of terminals escaped. A closed pipe is not an error, because
+/// the reader chose to close it.
 fn print_text(text: &str) -> Result<()> {
     use std::io::{ErrorKind, Write};
     let mut stdout = std::io::stdout();

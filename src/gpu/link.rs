@@ -156,17 +156,6 @@ impl Embedded {
     pub fn names() -> Vec<String> {
         TEXTS.keys().cloned().collect()
     }
-
-    /// A hash of all modules.
-    pub fn digest() -> String {
-        use sha2::{Digest, Sha256};
-        let mut hasher = Sha256::new();
-        for (name, text) in TEXTS.iter() {
-            // Neither a name nor a text has a zero.
-            [name.as_bytes(), &[0], text.as_bytes(), &[0]].into_iter().for_each(|bytes| hasher.update(bytes));
-        }
-        hasher.finalize().iter().take(16).map(|byte| format!("{byte:02x}")).collect()
-    }
 }
 
 /// Links `root` with everything it uses.

@@ -4,7 +4,6 @@
 //! numbers, `bitmap` decodes the images, `mesh` reads the meshes. Every error names file:line:column and the field.
 
 mod bitmap;
-mod digest;
 mod explain;
 mod file;
 mod inputs;

@@ -12,16 +12,7 @@ use tempfile::TempDir;
 use crate::common::device::index as software;
 use crate::common::fault::{Fault, put_layer_under, without_threads};
 use crate::common::program::{Ran, command, finish};
-
-const SPHERE: &str = "Scene(
-    image: (width: 20, height: 12),
-    camera: (look_from: (0, 0, 3), look_at: (0, 0, 0), up: (0, 1, 0), vertical_fov: 50),
-    background: Gradient(bottom: (1, 1, 1), top: (0.5, 0.7, 1)),
-    materials: { \"grey\": Lambertian(albedo: Rgb(0.5, 0.4, 0.3)) },
-    objects: [Sphere(center: (0, 0, 0), radius: 1, material: \"grey\")],
-    render: (samples: 16, max_depth: 7),
-)
-";
+use crate::place::SPHERE;
 
 /// A render that a fault must end, in submissions of one bounce, with a checkpoint after each.
 const ENDLESS: [&str; 6] = ["--spp", "1000000000", "--bounces", "1", "--checkpoint", "1ns"];

@@ -259,8 +259,7 @@ impl Task<'_> {
                     samples.add(outcome.samples.clone());
                     let looks = outcome.noise.map_or(*looks, |noise| noise.looks);
                     let finish = Finish::of(film, &samples, devices, outcome.noise, false);
-                    let state = State::new(Identity::clone(self.identity), devices.clone(), film, samples, looks);
-                    self.keep(&about, film, state, &finish, seconds)?;
+                    self.keep(&about, film, looks, &finish, seconds)?;
                     let exr = self.output.exr.display();
                     self.signals.set_loss(format!("{exr} holds the last checkpoint; what came since is lost"));
                     Ok(())
@@ -280,11 +279,13 @@ impl Task<'_> {
         Ok(())
     }
 
-    /// Writes the EXR, unless the file there holds more samples of this render. At the end of the render, what it had at the start is
-    /// overwritten: another process has written what is new.
-    fn keep(&self, about: &About<'_>, film: &Film, state: State, finish: &Finish, seconds: &Seconds) -> Result<()> {
+    /// Writes the EXR, unless another process has put more samples of this render there. A complete render also overwrites what the file
+    /// held at the start.
+    fn keep(&self, about: &About<'_>, film: &Film, looks: u32, finish: &Finish, seconds: &Seconds) -> Result<()> {
         let exr = &self.output.exr;
-        let mine = state.samples.count();
+        let Finish { samples, devices, .. } = finish;
+        let state = State::new(Identity::clone(self.identity), devices.clone(), film, samples.clone(), looks);
+        let mine = samples.count();
         let may = || {
             let more = resume::more_there(exr, self.identity, mine).filter(|_| !self.args.force);
             match more.filter(|more| !(finish.complete && Some(*more) == self.overwritten)) {
@@ -308,9 +309,7 @@ impl Task<'_> {
         rendering: &Rendering,
     ) -> Result<()> {
         if rendering.started {
-            let Accumulation { film, samples, looks, devices } = film;
-            let state = State::new(Identity::clone(self.identity), devices.clone(), film, samples.clone(), *looks);
-            self.keep(about, film, state, finish, seconds)?;
+            self.keep(about, &film.film, film.looks, finish, seconds)?;
         }
         self.signals.set_loss(format!("{} holds the image", self.output.exr.display()));
         match self.output.png {
@@ -319,10 +318,14 @@ impl Task<'_> {
         }
     }
 
-    /// The film as it was when it was last whole: that of the file, if this render has written it or goes on with it.
+    /// Whether the file holds a checkpoint of this render, or what it goes on with.
+    fn is_in_file(&self, rendering: &Rendering) -> bool {
+        rendering.kept || self.resumed_from.is_some()
+    }
+
+    /// The film as it was when it was last whole: that of the file, or an empty one.
     fn last_whole(&self, rendering: &Rendering) -> Result<Accumulation> {
-        let in_file = rendering.kept || self.resumed_from.is_some();
-        match if in_file { read_state(&self.output.exr)? } else { None } {
+        match if self.is_in_file(rendering) { read_state(&self.output.exr)? } else { None } {
             Some(state) => Accumulation::of_file(&self.output.exr, &state),
             None => Accumulation::new(self.job.size, self.flat.radiance_exponent, self.args.options.sampler),
         }
@@ -340,11 +343,11 @@ impl Task<'_> {
     ) -> Error {
         let Error::Device(why) = error else { return error };
         let exr = &self.output.exr;
-        if rendering.kept || self.resumed_from.is_some() {
+        if self.is_in_file(rendering) {
             let held = read_state(exr).ok().flatten().map_or(0, |state| state.samples.count());
             return Error::Device(format!("{why}; {}", self.what_is_kept(held)));
         }
-        // What came since the last whole film favours short paths, so that nothing can go on from it.
+        // A film with runs under way left out favours short paths. Nothing can go on from it.
         if film.film.totals().paths > 0 {
             let attributes = about.record(finish, seconds).attributes();
             let written = write_render(exr, &film.film, &attributes, None, || Ok(()));

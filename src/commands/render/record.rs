@@ -24,7 +24,7 @@ pub const EXCLUDED: &str =
 pub struct Finish {
     pub samples: Samples,
     /// The devices and drivers that have rendered it.
-    devices: Vec<(String, String)>,
+    pub devices: Vec<(String, String)>,
     pub totals: Totals,
     pub error: Option<ErrorEstimate>,
     /// Light by mirrors and through glass, as shares of the image's.

@@ -1,10 +1,11 @@
 //! What an image is a function of, beside its samples and the driver: only renders in which all of it agrees can be joined.
 
+mod digest;
+
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::gpu::link::Embedded;
 use crate::job::Job;
 use crate::options::RenderOptions;
 use crate::scene::Scene;
@@ -34,9 +35,9 @@ impl Identity {
         ];
         Identity {
             version: env!("CARGO_PKG_VERSION").to_string(),
-            kernels: Embedded::digest(),
-            scene: scene.digest(),
-            assets: scene.asset_digests(),
+            kernels: digest::of_shaders(),
+            scene: digest::of_scene(scene),
+            assets: digest::of_assets(scene),
             settings: of_job
                 .into_iter()
                 .chain(options.of_image())

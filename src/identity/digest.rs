@@ -1,0 +1,81 @@
+//! Hashes of what a scene says, of the files that it names, and of the shaders.
+
+use std::collections::HashMap;
+use std::io::{self, Write};
+
+use serde::Serialize;
+use sha2::{Digest, Sha256};
+
+use crate::gpu::link::{Embedded, Library};
+use crate::scene::{Background, Camera, Material, Mesh, Object, Scene};
+use crate::texture::Bitmap;
+
+/// A hash of all shaders.
+pub fn of_shaders() -> String {
+    let mut hasher = Sha256::new();
+    for name in Embedded::names() {
+        let text = Embedded.module(&name).unwrap_or_default();
+        // Neither a name nor a text has a zero.
+        [name.as_bytes(), &[0], text.as_bytes(), &[0]].into_iter().for_each(|bytes| hasher.update(bytes));
+    }
+    hexadecimal(hasher)
+}
+
+/// A hash of what the scene file says, but for the image's size, the defaults of the render, the paths of files, and comments.
+pub fn of_scene(scene: &Scene) -> String {
+    #[derive(Serialize)]
+    struct Says<'a>(&'a Camera, &'a Background, &'a [(String, Material)], &'a [Object]);
+    let says = Says(&scene.camera, &scene.background, &scene.materials, &scene.objects);
+    let mut hasher = Sha256::new();
+    // Neither serialising these types nor a hasher can fail.
+    let _ = serde_json::to_writer(io::BufWriter::with_capacity(1 << 16, &mut hasher), &says);
+    hexadecimal(hasher)
+}
+
+/// The images and meshes that the scene names, once for each place that names them, in the file's order: the path, and a hash of what was
+/// read.
+pub fn of_assets(scene: &Scene) -> Vec<(String, String)> {
+    let background = match &scene.background {
+        Background::Image { path } => Some(path),
+        _ => None,
+    };
+    let textures = scene.materials.iter().filter_map(|(_, material)| material.texture()?.image());
+    let mut paths: Vec<String> = background.into_iter().chain(textures).cloned().collect();
+    scene.visit_objects(&mut |_, object| {
+        if let Object::Mesh { path, .. } = object {
+            paths.push(path.clone());
+        }
+    });
+    let mut known: HashMap<String, String> = HashMap::new();
+    for path in &paths {
+        known.entry(path.clone()).or_insert_with(|| match (scene.bitmaps.get(path), scene.meshes.get(path)) {
+            (Some(bitmap), _) => of_bitmap(bitmap),
+            (_, Some(mesh)) => of_mesh(mesh),
+            _ => String::new(),
+        });
+    }
+    paths.into_iter().map(|path| (path.clone(), known.get(&path).cloned().unwrap_or_default())).collect()
+}
+
+fn of_bitmap(bitmap: &Bitmap) -> String {
+    let mut hasher = Sha256::new();
+    let _ = write!(hasher, "image {} {} ", bitmap.width, bitmap.height);
+    hasher.update(bytemuck::cast_slice(&bitmap.texels));
+    hexadecimal(hasher)
+}
+
+fn of_mesh(mesh: &Mesh) -> String {
+    let mut hasher = Sha256::new();
+    let Mesh { positions, triangles, normals, uvs, .. } = mesh;
+    let _ = write!(hasher, "mesh {} {} {} {} ", positions.len(), triangles.len(), normals.len(), uvs.len());
+    hasher.update(bytemuck::cast_slice(positions));
+    hasher.update(bytemuck::cast_slice(triangles));
+    hasher.update(bytemuck::cast_slice(normals));
+    hasher.update(bytemuck::cast_slice(uvs));
+    hexadecimal(hasher)
+}
+
+/// The first 128 bits of the hash.
+fn hexadecimal(hasher: Sha256) -> String {
+    hasher.finalize().iter().take(16).map(|byte| format!("{byte:02x}")).collect()
+}
