@@ -1,5 +1,6 @@
 //! Adapters and devices.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::mem::ManuallyDrop;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -186,6 +187,9 @@ pub struct Device {
 const WAITS: u32 = 600;
 const WAIT: Duration = Duration::from_secs(1);
 
+/// Bytes of a buffer's contents that are on their way at a time.
+const FILL_AT_ONCE: usize = 64 << 20;
+
 /// What to do about a device that failed.
 const ADVICE: &str = "If it happens again, end other programs that use the device, update its driver, or choose another one \
                       (`gpu-rt devices` lists them)";
@@ -250,6 +254,20 @@ impl Device {
     pub fn write(&self, buffer: &wgpu::Buffer, bytes: &[u8]) -> Result<()> {
         // wgpu panics where the driver has no memory for the commands that copy the bytes.
         caught(|| self.queue.write_buffer(buffer, 0, bytes)).or_else(|panic| self.fail(panic))
+    }
+
+    /// Fills a buffer with these bytes, one after the other. It waits when much is on its way, for which the driver has a copy.
+    pub(super) fn fill(&self, buffer: &wgpu::Buffer, contents: &[Cow<'_, [u8]>]) -> Result<()> {
+        let mut offset = 0;
+        for part in contents.iter().flat_map(|part| part.chunks(FILL_AT_ONCE)) {
+            let write = || self.queue.write_buffer(buffer, offset, part);
+            caught(write).or_else(|panic| self.fail(panic))?;
+            if part.len() == FILL_AT_ONCE {
+                self.wait(self.queue.submit([]))?;
+            }
+            offset += part.len() as u64;
+        }
+        Ok(())
     }
 
     /// Waits until a submission has been executed.
