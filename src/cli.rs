@@ -74,7 +74,7 @@ pub struct RenderArgs {
     /// Go on with the render in the output, and fail if there is none; --resume=auto starts afresh then. The image is that of one render.
     #[arg(long, value_name = "auto", num_args = 0..=1, require_equals = true, default_missing_value = "yes", value_parser = resume)]
     pub resume: Option<Resume>,
-    /// Go on with a render by another device or driver, whose rounding may differ.
+    /// Render with several devices or drivers, or go on with another one, whose rounding may differ.
     #[arg(long)]
     pub mixed_drivers: bool,
     /// Leave out of the EXR what --resume and `merge` need.
@@ -125,7 +125,7 @@ pub struct PathArgs {
     /// Seed of the random numbers.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u32,
-    /// The device, by its index or a part of its name as `gpu-rt devices` lists them.
+    /// The device, by its index or a part of its name as `gpu-rt devices` lists them. `render` also takes several, A,B,…, and all GPUs: all.
     #[arg(long, value_name = "INDEX|NAME")]
     pub device: Option<String>,
 }

@@ -122,7 +122,7 @@ impl<'a> Joined<'a> {
             if let Some(range) = samples.overlap(&part.state.samples) {
                 return Err(overlap(&parts[..number], part, &range));
             }
-            part.state.samples.ranges().iter().for_each(|range| samples.add(range.clone()));
+            samples.join(&part.state.samples);
             looks = looks.saturating_add(part.state.looks);
             for device in &part.state.devices {
                 if !devices.contains(device) {

@@ -99,6 +99,11 @@ fn open_device(wish: Option<&str>) -> Result<Device> {
     Device::open(Adapters::find().choose(wish)?)
 }
 
+/// Opens the devices of these indices or names, or the default device.
+fn open_devices(wish: Option<&str>) -> Result<Vec<Device>> {
+    Adapters::find().choose_several(wish)?.into_iter().map(Device::open).collect()
+}
+
 /// Prints a warning about a software driver, unless `quiet`.
 fn tell_software(device: &Device, quiet: bool) {
     if device.name.software && !quiet {

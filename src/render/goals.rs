@@ -3,11 +3,13 @@
 use std::ops::Range;
 use std::time::Instant;
 
+use super::Renderer;
 use super::outcome::{Noise, level_after};
-use super::{Pilot, Renderer, Stretch};
+use super::stretch::{Pilot, Stretch};
 use crate::data::RUN_LENGTH;
 use crate::error::Result;
 use crate::film::Totals;
+use crate::samples::Samples;
 
 /// The samples at which a render until an error looks first.
 pub const FIRST_LOOK: u32 = 2 * RUN_LENGTH;
@@ -51,7 +53,7 @@ impl Renderer<'_> {
             stretch.film.clear();
         }
         stretch.outcome.totals = Totals::default();
-        stretch.outcome.samples.end = most.start;
+        stretch.outcome.samples = Samples::default();
         Ok((!last).then_some(pace))
     }
 

@@ -22,6 +22,9 @@ pub const LEVEL: u32 = LEVELS[1];
 const ROUNDS_OF_LAST: usize = 4;
 /// The most rounds of a sweep.
 pub const MOST_ROUNDS: usize = 32;
+/// Whether to stop. The threads of all devices ask.
+pub type Stop<'a> = &'a (dyn Fn() -> bool + Sync);
+
 /// The number of rounds from one block of `samples` samples to the next.
 pub fn rounds_between(samples: u32) -> usize {
     if samples == LEVELS[2] { ROUNDS_OF_LAST } else { 1 }
@@ -204,7 +207,7 @@ impl<'a> Sweep<'a> {
     }
 
     /// Renders an image of one subject and enlarges it to the size of the sweep; none if the render was interrupted.
-    pub fn image(&mut self, subject: usize, samples: u32, seed: u32, stop: &dyn Fn() -> bool) -> Result<Option<Block>> {
+    pub fn image(&mut self, subject: usize, samples: u32, seed: u32, stop: Stop<'_>) -> Result<Option<Block>> {
         let Subject { size, setting, .. } = &self.subjects[subject];
         let job = self.job(*size, setting.max_depth, samples, seed);
         let whole = self.size;
@@ -228,7 +231,7 @@ impl<'a> Sweep<'a> {
         &mut self,
         until: Instant,
         most: usize,
-        stop: &dyn Fn() -> bool,
+        stop: Stop<'_>,
         progress: &mut dyn FnMut(usize, &str),
     ) -> Result<()> {
         self.drop_begun_round();

@@ -347,6 +347,48 @@ fn drivers_are_mixed_only_when_asked() {
     }
 }
 
+/// Several devices render one film: the bytes are those of one device, also after an interrupt.
+#[cfg(unix)]
+#[test]
+fn several_devices_have_the_bytes_of_one() {
+    let place = Place::new();
+    let several = |devices: usize| vec![software(); devices].join(",");
+    let render = |devices: usize, more: &str| {
+        place.says(&format!("render scene.ron --quiet --device {} --spp 520 {more}", several(devices))).exits(0)
+    };
+    render(1, "-o one.exr");
+    for devices in [2, 3] {
+        render(devices, "-o several.exr --checkpoint 0.05s");
+        assert_eq!(place.holds("several.exr").difference(&place.holds("one.exr")), [""; 0], "{devices} devices");
+    }
+    // What several devices leave when they are stopped may have gaps.
+    let line =
+        format!("render scene.ron --quiet --device {} --spp 100000000 -o out.exr --checkpoint 0.05s", several(3));
+    let mut child =
+        command(place.folder.path(), &line.split_whitespace().collect::<Vec<_>>()).spawn().expect("it starts");
+    meanwhile(&mut child, || place.path("out.exr").exists());
+    let kill = Command::new("kill").args(["-TERM", &child.id().to_string()]).status();
+    assert!(kill.expect("kill is there").success());
+    finish(child).exits(143);
+    let held = read_state(&place.path("out.exr")).expect("it is read").expect("there is a state").samples;
+    place.is_one_render(u64::from(held.hull().end) + 8);
+    // Also a render until an error goes on with gaps.
+    let gaps = "merge --quiet --allow-gaps a.exr b.exr -o gaps.exr";
+    place.render("--quiet --samples 0..8 -o a.exr").exits(0);
+    place.render("--quiet --samples 32..40 -o b.exr").exits(0);
+    for (goal, image) in [("--spp 64 --noise 0.0001", "noise.exr"), ("--spp 64 --time 1h", "time.exr")] {
+        place.says(gaps).exits(0);
+        place.render(&format!("--quiet {goal} -o gaps.exr --resume")).exits(0);
+        place.render(&format!("--quiet {goal} -o {image}")).exits(0);
+        let (mut resumed, whole) = (place.holds("gaps.exr"), place.holds(image));
+        assert!(resumed.film.totals().paths > 40 * 24 * 16);
+        // The looks are those of the part that has been joined, and later ones.
+        resumed.looks = whole.looks;
+        resumed.attributes.clone_from(&whole.attributes);
+        assert_eq!(resumed.difference(&whole), [""; 0], "{goal}");
+    }
+}
+
 /// A render that is stopped says what it has, and goes on from there.
 #[cfg(unix)]
 #[test]

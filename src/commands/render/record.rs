@@ -137,7 +137,7 @@ fn shares(film: &Film) -> ThroughGlass {
 /// What a render was asked and where it ran: for the header and the report.
 pub struct About<'a> {
     pub args: &'a RenderArgs,
-    pub device: &'a Device,
+    pub devices: &'a [Device],
     pub numerics: &'a Numerics,
     pub job: &'a Job,
     /// The options that bias the result or are less exact, as they were given.
@@ -284,7 +284,7 @@ pub fn report<'a>(
         resumed_from: about.resumed_from,
         record: about.record(finish, seconds),
         features: about.args.options.features.to_string(),
-        software: about.device.name.software,
+        software: about.devices.iter().any(|device| device.name.software),
         paths_per_second: per_second(outcome.totals.paths),
         rays_per_second: per_second(outcome.totals.rays),
         host_seconds: outcome.host_seconds,
