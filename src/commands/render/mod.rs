@@ -96,7 +96,10 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     tell_warnings(&flat.warnings);
     warnings.extend_from_slice(&flat.warnings);
     let mut devices = devices?;
-    devices.iter().for_each(|device| tell_software(device, args.quiet));
+    for (number, device) in devices.iter().enumerate() {
+        let is_told = devices.iter().take(number).any(|other| other.name == device.name);
+        tell_software(device, args.quiet || is_told);
+    }
     seconds.device = clock.lap();
 
     let mut film = match &earlier {
