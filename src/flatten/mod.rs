@@ -130,6 +130,13 @@ pub fn flatten(scene: &Scene, size: (u32, u32), options: &RenderOptions) -> Resu
     let radiance_scale = exp2(-radiance_exponent);
 
     let mut flat = DeviceScene { features, radiance_exponent, ..DeviceScene::default() };
+    if brightest == 0.0 {
+        let at = scene.location(&[Step::Field("background")]);
+        flat.warnings.push(format!(
+            "{at}: background: nothing in this scene emits light, so that the image is black: give the background a colour, or an \
+             object a DiffuseLight"
+        ));
+    }
     flat.settings = view.settings(&space);
     let mut builder = Builder {
         scene,

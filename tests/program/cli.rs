@@ -336,6 +336,11 @@ fn rejected_samples_are_reported_and_strict_fails() {
     let ran = place.run(&[&render[..], &["--strict", "--json", "--quiet"]].concat()).exits(1);
     assert_eq!(ran.json()["rejected_samples"], 32, "the report comes all the same");
     assert!(ran.last_line().contains("--strict") && ran.last_line().contains(words), "{}", ran.stderr);
+    // Where nothing is left, that is a failure.
+    let all = std::fs::read_to_string(place.work().join(&scene)).expect("it is there").replace("(-1, 0,", "(0.5, 0,");
+    let all = place.scene("all.ron", &all);
+    let ran = place.run(&["render", &all, "--device", software(), "-o", "all.exr"]).exits(1);
+    assert!(ran.last_line().contains("64 of 64 samples were rejected"), "{}", ran.stderr);
     // And so does the image, with the rejected samples of each pixel.
     let image = place.exr("a.exr");
     assert_eq!(image.rejected, Some([0, 0, 8, 8].repeat(2)));

@@ -175,6 +175,10 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     if args.json {
         print_json(&json!(report(&about, &output, &outcome, &finish, &seconds, &rendering)))?;
     }
+    if finish.totals.paths > 0 && finish.totals.rejected.total() >= finish.totals.paths {
+        let words = rejected_words(&finish.totals);
+        return Err(Error::Strict(format!("the image is black: {words}. `gpu-rt check` may say why")));
+    }
     if args.strict && finish.totals.rejected.total() > 0 {
         return Err(Error::Strict(format!("--strict: {}", rejected_words(&finish.totals))));
     }

@@ -5,6 +5,7 @@ use std::time::Duration;
 use super::Output;
 use super::record::{About, Finish};
 use crate::commands::tell;
+use crate::data::RUN_LENGTH;
 use crate::film::Totals;
 use crate::render::Outcome;
 
@@ -12,6 +13,9 @@ use crate::render::Outcome;
 pub fn overrun(time: Option<Duration>, total: f64) -> Option<f64> {
     time.map(|time| total - time.as_secs_f64()).filter(|over| *over > 0.0)
 }
+
+/// The share of `--time` that a render may leave unused without a word.
+const LEAST_OF_TIME: f64 = 0.9;
 
 /// The last line, and before it what the user should know.
 pub fn summarise(about: &About<'_>, output: &Output<'_>, outcome: &Outcome, finish: &Finish, total: f64) {
@@ -34,6 +38,16 @@ pub fn summarise(about: &About<'_>, output: &Output<'_>, outcome: &Outcome, fini
     if let Some((time, over)) = args.time.zip(overrun(args.time, total)) {
         let over = if over < 1.0 { format!("{:.1} ms", 1e3 * over) } else { format!("{over:.1} s") };
         tell(&format!("warning: the render took {over} longer than --time {} s", time.as_secs_f64()));
+    }
+    let ended_by_time = args.time.filter(|_| {
+        let all = args.spp.is_some_and(|spp| finish.samples.count() >= u64::from(spp));
+        !all && !outcome.interrupted && !finish.noise.is_some_and(|noise| noise.reached)
+    });
+    if let Some(time) = ended_by_time.filter(|time| total < LEAST_OF_TIME * time.as_secs_f64()) {
+        tell(&format!(
+            "note: the render took {total:.1} s of --time {} s: one more sample of each pixel might have taken longer",
+            time.as_secs_f64()
+        ));
     }
     if args.profile {
         match outcome.stages.is_empty() {
@@ -83,7 +97,10 @@ pub fn summarise(about: &About<'_>, output: &Output<'_>, outcome: &Outcome, fini
             format!("relative error {} % (95 % sure: below {} %)", percent(error.value), percent(error.bound))
         }
         Some(error) => format!("relative error {} %", percent(error.value)),
-        None => "error unknown (it needs 9 samples per pixel, and light)".to_string(),
+        None if finish.samples.count() <= u64::from(RUN_LENGTH) => {
+            format!("error unknown (it needs {} samples per pixel)", RUN_LENGTH + 1)
+        }
+        None => "error unknown (no sample has met light)".to_string(),
     };
     let samples = finish.samples.count();
     let resumed = about.resumed_from.map_or(String::new(), |from| format!(" ({from} of them resumed)"));
