@@ -116,8 +116,11 @@ impl Effect {
     fn of(plan: &Plan<'_>, max_depth: u32) -> Effect {
         let shaders = plan.kernels().into_iter().map(|kernel| kernel.linked.text.clone()).collect();
         let indirect_limit = plan.indirect_limit();
-        let settings = data::Settings { max_depth, indirect_limit, ..plan.scene.settings };
-        let nodes = plan.scene.nodes.clone();
+        // Without a walk, nobody reads the hierarchy.
+        let walks = plan.buffers().iter().any(|buffer| buffer.name == "nodes");
+        let root = if walks { plan.scene.settings.root } else { 0 };
+        let nodes = if walks { plan.scene.nodes.clone() } else { Vec::new() };
+        let settings = data::Settings { max_depth, indirect_limit, root, ..plan.scene.settings };
         Effect { shaders, settings, nodes, radiance_exponent: plan.scene.radiance_exponent }
     }
 }
