@@ -532,6 +532,24 @@ fn rendered_pair(place: &Place) {
     write("local.exr", &|i| if i % 48 < 6 && i / 48 < 5 { 1.3 } else { 1.0 });
 }
 
+/// Images of other scenes are compared, with a warning: their headers tell.
+#[test]
+fn images_of_different_scenes_are_warned_of() {
+    let place = Place::new();
+    let other = place.scene("other.ron", &SPHERE.replace("0.5, 0.4, 0.3", "0.5, 0.4, 0.31"));
+    place.render(&["--seed", "1", "-o", "a.exr"]).exits(0);
+    place.render(&["--seed", "2", "-o", "b.exr", "--spp", "24"]).exits(0);
+    place.run(&["render", &other, "--device", software(), "-o", "c.exr"]).exits(0);
+    let said = |line: &str| place.says(line).exits(0).stderr;
+    assert_eq!(said("compare a.exr b.exr"), "");
+    assert!(said("compare a.exr c.exr").contains("of different scenes"));
+    let converge = |reference| {
+        format!("converge ../scenes/other.ron --device {} --reference {reference} --spp 2 --seed 9", software())
+    };
+    assert!(said(&converge("a.exr")).contains("a.exr is of another scene"));
+    assert!(!said(&converge("c.exr")).contains("another scene"));
+}
+
 #[test]
 fn compare_tells_noise_from_differences() {
     let place = Place::new();
