@@ -29,13 +29,13 @@ pub fn run(args: &MergeArgs) -> Result<()> {
     drop(loading);
 
     let Joined { samples, devices, looks, .. } = &joined;
-    let finish = Finish::of(&film, samples, devices, None, joined.complete);
     // What the parts were asked is the same; what came of them is told of the whole.
     let mut attributes = joined.attributes.clone();
     let text = |name: &str| match attributes.iter().find(|(known, _)| known == name) {
         Some((_, Attribute::Text(text))) => text.clone(),
         _ => String::new(),
     };
+    let finish = Finish::of(&film, samples, devices, None, &text("gpu-rt:integrator"), joined.complete);
     let record = json!(finish.record(&excluded(&text("gpu-rt:biases"))));
     // Also what is not known of the whole, and has no attribute.
     let is_of_film = |name: &str| record.get(name).is_some();

@@ -155,7 +155,8 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     let about = task.about(&devices)?;
     let outcome = std::mem::take(&mut rendering.outcome);
     let complete = rendered.is_ok() && !outcome.interrupted;
-    let finish = Finish::of(&film.film, &film.samples, &film.devices, outcome.noise, complete);
+    let integrator = args.options.integrator.to_string();
+    let finish = Finish::of(&film.film, &film.samples, &film.devices, outcome.noise, &integrator, complete);
     match rendered {
         Ok(()) => match task.write(&about, &film, &finish, &seconds, &rendering) {
             Err(error) if outcome.interrupted => return Err(signals.interrupted(&error.to_string())),
@@ -250,6 +251,7 @@ impl Task<'_> {
         seconds.compile += clock.lap();
 
         let about = self.about(devices)?;
+        let integrator = self.args.options.integrator.to_string();
         for job in &jobs {
             let Accumulation { film: pixels, samples, looks, devices } = &mut *film;
             let begun = Instant::now();
@@ -270,7 +272,7 @@ impl Task<'_> {
                     let mut samples = samples.clone();
                     samples.join(&outcome.samples);
                     let looks = outcome.noise.map_or(*looks, |noise| noise.looks);
-                    let finish = Finish::of(film, &samples, devices, outcome.noise, false);
+                    let finish = Finish::of(film, &samples, devices, outcome.noise, &integrator, false);
                     self.keep(&about, film, looks, &finish, seconds)?;
                     let exr = self.output.exr.display();
                     self.signals.set_loss(format!("{exr} holds the last checkpoint; what came since is lost"));

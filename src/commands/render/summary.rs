@@ -67,7 +67,13 @@ pub fn summarise(about: &About<'_>, output: &Output<'_>, outcome: &Outcome, fini
             }
         ));
     }
-    if finish.lacks_light() {
+    if finish.lacks_light() && finish.unmet > finish.through_glass.missing() {
+        tell(&format!(
+            "warning: the relative error is unreliable: --integrator bsdf finds lights by chance, and of the brightest one paths may have \
+             missed up to {} % of the image's light. Raise --spp, or use --integrator mis",
+            percent(finish.unmet)
+        ));
+    } else if finish.lacks_light() {
         tell(&format!(
             "warning: the relative error is unreliable: mirrors and glass block {} % of the image's light from light sampling, and paths \
              have found {} % by chance. Raise --spp.",
