@@ -49,14 +49,16 @@ finish() {
     child=
 }
 
-# Slurm starts a task again after the failure of a node, and not after a limit of time or memory.
+# Slurm itself starts a task again after the failure of a node or for another job, and not after a limit of time or memory. What a user
+# has cancelled stays so: Slurm is then completing the job, and would start it again if it were asked to.
 try_again() {
     tries=log/$task.tries
     tried=$(cat "$tries" 2>/dev/null) || tried=0
-    if [ -n "${SLURM_ARRAY_JOB_ID:-}" ] && [ "$tried" -lt 5 ]; then
-        echo $((tried + 1)) >"$tries"
-        scontrol requeue "${SLURM_ARRAY_JOB_ID}_$task"
-    fi
+    [ -n "${SLURM_ARRAY_JOB_ID:-}" ] && [ "$tried" -lt 5 ] || exit "$1"
+    job=${SLURM_ARRAY_JOB_ID}_$task
+    case $(scontrol show job "$job" 2>/dev/null) in *JobState=COMPLETING* | *JobState=CANCELLED*) exit "$1" ;; esac
+    echo $((tried + 1)) >"$tries"
+    scontrol requeue "$job"
     exit "$1"
 }
 
