@@ -3,6 +3,15 @@
 # parts.txt in turn: number T renders the lines T + 1, T + 1 + the number of tasks, and so on.
 # GPU_RT names another program. What is changed here is lost when `gpu-rt submit` writes the folder again.
 
+child=
+signalled=
+# The program writes what it has when the time is nearly up. The shell starts it so that it ignores SIGINT.
+pass_on() {
+    signalled=yes
+    [ -z "$child" ] || kill -TERM "$child" 2>/dev/null
+}
+trap pass_on TERM INT HUP
+
 case $task in
 '' | *[!0-9]*) task=$tasks ;;
 esac
@@ -24,15 +33,6 @@ if [ "$device" = auto ] && [ -n "$gpu" ]; then
         set -- "$@" --device "$(echo "$bus" | tr 'A-F' 'a-f' | sed 's/^0000\(....:\)/\1/')"
     fi
 fi
-
-child=
-signalled=
-# The program writes what it has when the time is nearly up. The shell starts it so that it ignores SIGINT.
-pass_on() {
-    signalled=yes
-    [ -z "$child" ] || kill -TERM "$child" 2>/dev/null
-}
-trap pass_on TERM INT HUP
 
 # The exit status of the program, which a signal to this script does not end at once.
 finish() {

@@ -9,7 +9,7 @@ root=$(cd "$(dirname "$0")/../.." && pwd)
 gpu_rt=$(realpath "${GPU_RT_BIN:-$root/target/release/gpu-rt}")
 size=${GPU_RT_SLURM_SIZE:-320x180}
 place=$(mktemp -d /tmp/gpu-rt-slurm.XXXXXX)
-export PATH=$PATH:/usr/sbin NODEVICE_SELECT=1
+export PATH=$PATH:/usr/sbin:/sbin NODEVICE_SELECT=1
 export SLURM_CONF=$place/slurm.conf
 
 # The daemons that this script has started, by their names.
@@ -39,12 +39,16 @@ trap stop EXIT
 trap 'exit 130' INT
 trap 'exit 143' TERM
 
-# The processes of this name that were started from here, as their environment or their folder says.
+# A variable of a process.
+variable() { { tr '\0' '\n' <"/proc/$1/environ"; } 2>/dev/null | sed -n "s|^$2=||p"; }
+
+# The processes of this name that have the configuration of this test in their environment.
 our_processes() {
-    local folder
+    local folder name
     for folder in /proc/[0-9]*; do
-        [ "$(cat "$folder/comm" 2>/dev/null)" = "$1" ] || continue
-        if tr '\0' '\n' 2>/dev/null <"$folder/environ" | grep -q -x -F "SLURM_CONF=$place/slurm.conf"; then basename "$folder"; fi
+        { read -r name <"$folder/comm"; } 2>/dev/null || continue
+        [ "$name" = "$1" ] || continue
+        [ "$(variable "${folder#/proc/}" SLURM_CONF)" != "$SLURM_CONF" ] || echo "${folder#/proc/}"
     done
 }
 
@@ -141,42 +145,69 @@ echo "$said"
 array=$(sed -n 's/^array: //p' <<<"$said")
 merge=$(sed -n 's/^merge: //p' <<<"$said")
 
-# The numbers of the processes of our program.
-rendering() { our_processes gpu-rt | head -n 1; }
-renders() { [ -n "$(rendering)" ]; }
-parts_are_there() { [ "$(find job/parts -name '*.exr' | wc -l)" -ge "$1" ]; }
-state_of() { scontrol show job "$1" 2>/dev/null | grep -o 'JobState=[A-Z]*' | head -n 1; }
-
-until_so "a task renders" renders
-victim=$(rendering)
-kill -KILL "$victim"
-echo "$((SECONDS - started)) s: killed the program $victim"
-# A task that runs now is told to end, as before its time is over.
-until_so "a part is there" parts_are_there 1
-running() { squeue --noheader --jobs="$array" --states=running --format=%i | head -n 1; }
-told=
-tell_one_to_end() {
-    told=$(running)
-    [ -n "$told" ] && scancel --batch --signal=TERM "$told"
+# A task has been started again if its count of tries says so. Slurm has it wait for two minutes, which nobody here does.
+again() { [ "$(cat job/log/*.tries 2>/dev/null | wc -l)" -ge "$1" ]; }
+at_once() {
+    local task
+    for task in $(squeue --noheader --jobs="$array" --states=pending --format='%i %r' | sed -n 's/ BeginTime$//p'); do
+        scontrol update JobId="$task" StartTime=now || true
+    done
 }
-until_so "a task runs" tell_one_to_end
-echo "$((SECONDS - started)) s: told the task $told to end"
-# A node fails, and with it what watches over its tasks. A task itself may go on, as a lost daemon leaves it.
-until_so "a second part is there" parts_are_there 2
-on_b() { [ -n "$(squeue --noheader --nodelist=b --states=running --format=%i)" ]; }
-until_so "a task runs on the node b" on_b
-kill -KILL "${daemons[slurmd-b]}"
-unset "daemons[slurmd-b]"
-echo "$((SECONDS - started)) s: killed the daemon of the node b"
+
+kill_one() {
+    local victim
+    victim=$(our_processes gpu-rt | head -n 1)
+    [ -z "$victim" ] || kill -KILL "$victim" || true
+    sleep 0.2
+    again 1
+}
+until_so "a task whose program is killed tries again" kill_one
+echo "$((SECONDS - started)) s: killed a program"
+
+# As Slurm does before the time of a task is over: the script alone is told.
+tell_one() {
+    local process task
+    process=$(our_processes gpu-rt | head -n 1)
+    task=$(variable "${process:-0}" SLURM_ARRAY_TASK_ID)
+    # It delivers the signal, and then may wait for a minute because the task is not what it was.
+    [ -z "$task" ] || timeout 1 scancel --quiet --batch --signal=TERM "${array}_$task" 2>/dev/null || true
+    for _ in $(seq 20); do sleep 0.1; if again 2; then return 0; fi; done
+    return 1
+}
+until_so "a task that is told to end tries again" tell_one
+echo "$((SECONDS - started)) s: told a task to end"
+
+# A node is lost: its daemon, and what ran the task there. The program itself goes on, as it may. Slurm calls the node down, and starts the
+# task on the other one: two write one part.
+lose_b() {
+    local process lost=
+    at_once
+    for process in $(our_processes gpu-rt); do
+        [ "$(variable "$process" SLURMD_NODENAME)" = b ] || continue
+        lost=$(sed -n 's/^PPid:[^0-9]*//p' "/proc/$process/status") || continue
+        kill -KILL "${daemons[slurmd-b]}" "$(sed -n 's/^PPid:[^0-9]*//p' "/proc/$lost/status")" "$lost" || true
+        wait "${daemons[slurmd-b]}" 2>/dev/null || true
+        unset "daemons[slurmd-b]"
+        return 0
+    done
+    return 1
+}
+until_so "a task renders on the node b" lose_b
+echo "$((SECONDS - started)) s: lost the node b"
 is_down() { sinfo --noheader --nodes=b --format=%t | grep -q '^down'; }
 until_so "the node b is down" is_down
 echo "$((SECONDS - started)) s: the node b is down"
 
-done_merging() { case $(state_of "$merge") in JobState=COMPLETED | JobState=FAILED | JobState=CANCELLED | JobState=TIMEOUT) true ;; *) false ;; esac }
-until_so "the parts are joined" done_merging
-echo "$((SECONDS - started)) s: the join has ended, $(state_of "$merge")"
-test "$(state_of "$merge")" = JobState=COMPLETED
-grep -q -h requeue "$place/slurmctld.log"
+state() { scontrol show job "$merge" | sed -n 's/^ *JobState=\([A-Z]*\).*/\1/p'; }
+joined() {
+    at_once
+    case $(state) in COMPLETED | FAILED | CANCELLED | TIMEOUT) true ;; *) false ;; esac
+}
+until_so "the parts are joined" joined
+echo "$((SECONDS - started)) s: the join is $(state)"
+[ "$(state)" = COMPLETED ]
+grep -q "requeue.*due to failure of node b" "$place/slurmctld.log"
+cat job/log/merge_*
 
 (cd job && "$gpu_rt" render scene/weekend.ron --size "$size" --spp 256 --quiet -o ../one.exr)
 # `merge` leaves the times out of the header. All else is to be equal.
