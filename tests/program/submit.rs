@@ -291,12 +291,37 @@ fn a_task_starts_again_five_times_at_most() {
     assert_eq!([ends_with(137), ends_with(137)], [11, 12]);
 }
 
+/// When a task asks to be started again, its program has ended: Slurm would kill what it is about to write.
+#[test]
+fn a_task_waits_for_its_program() {
+    let cluster = Cluster::new();
+    cluster.submit("--spp 64 --parts 1").exits(0);
+    for (status, after) in [(143, "ended\n41_0\n"), (0, "ended\n")] {
+        let _ = fs::remove_file(cluster.path("fake/requeued"));
+        let [begun, requeued] = ["fake/begun", "fake/requeued"].map(|name| cluster.path(name));
+        cluster.program(
+            "bin/slow",
+            &format!(
+                "#!/bin/sh\ntrap 'sleep 0.5; echo ended >>\"{}\"; exit {status}' TERM\n>\"{}\"\nwhile :; do sleep 0.01; done\n",
+                requeued.display(),
+                begun.display()
+            ),
+        );
+        let mut script = cluster.start("render.sh", Some(0), &|command| _ = command.env("GPU_RT", "slow"));
+        meanwhile(&mut script, || begun.exists());
+        send(&script, libc::SIGTERM);
+        assert_eq!(finish(script).code(), status);
+        assert_eq!(cluster.requeued(), after);
+        fs::remove_file(begun).expect("it was there");
+    }
+}
+
 /// Rounds of tasks until an error is reached: the bytes of `render --noise`.
 #[test]
 fn rounds_end_where_one_render_would() {
     let cluster = Cluster::new();
-    for (asked, rounds, said) in [("--noise 0.05", 2, "is reached"), ("--noise 0.001 --spp 40", 2, "is not reached")] {
-        cluster.submit(&format!("{asked} --parts 4")).exits(0);
+    for (asked, rounds, said) in [("--noise 0.08", 2, "is reached"), ("--noise 0.001 --spp 40", 3, "is not reached")] {
+        cluster.submit(&format!("{asked} --parts 2")).exits(0);
         let (mut count, mut last) = (0, String::new());
         loop {
             let jobs = cluster.jobs();
