@@ -49,7 +49,8 @@ test-long: toolchain
 # A render over a real Slurm, with two nodes on this machine, of which one fails. About a minute, as root.
 test-slurm: toolchain
 	$(CARGO) build --release
-	@command -v slurmctld munged sbatch >/dev/null || $(call install, slurm-wlm munge, Slurm is missing)
+	@PATH="$$PATH:/usr/sbin"; { command -v slurmctld && command -v slurmd && command -v munged; } >/dev/null || \
+		$(call install, slurm-wlm munge, Slurm is missing)
 	@root=; [ "$$(id -u)" = 0 ] || root=sudo; $$root tests/slurm/run.sh
 
 # COUNT damaged files of every format, and ten times as many scenes. SEED chooses others.

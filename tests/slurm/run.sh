@@ -113,7 +113,7 @@ JobCompType=jobcomp/none
 SelectType=select/cons_tres
 SelectTypeParameters=CR_CPU
 SchedulerType=sched/backfill
-SchedulerParameters=batch_sched_delay=1,sched_interval=2,bf_interval=2,requeue_setup_env_fail
+SchedulerParameters=batch_sched_delay=1,sched_interval=2,bf_interval=2
 MpiDefault=none
 SwitchType=switch/none
 ReturnToService=2
@@ -129,6 +129,8 @@ NodeName=a NodeHostname=$(hostname -s) NodeAddr=127.0.0.1 Port=$node_a CPUs=1 Re
 NodeName=b NodeHostname=$(hostname -s) NodeAddr=127.0.0.1 Port=$node_b CPUs=1 RealMemory=1000
 PartitionName=all Nodes=a,b Default=YES MaxTime=INFINITE State=UP
 END
+# Nothing here uses cgroups; this plugin needs no service to start.
+echo CgroupPlugin=cgroup/v1 >"$place/cgroup.conf"
 daemon slurmctld slurmctld -D
 daemon slurmd-a slurmd -D -N a
 daemon slurmd-b slurmd -D -N b
