@@ -13,4 +13,6 @@ mod place;
 mod resume;
 #[cfg(unix)]
 mod signals;
+#[cfg(unix)]
+mod submit;
 mod terminal;
