@@ -9,6 +9,7 @@ mod outputs;
 mod plan;
 mod render;
 mod signals;
+mod status;
 mod tradeoff;
 
 use std::path::Path;
@@ -28,6 +29,7 @@ pub fn run(cli: &Cli, start: std::time::Instant) -> Result<()> {
     match &cli.command {
         Command::Render(args) => render::run(args, start),
         Command::Merge(args) => merge::run(args),
+        Command::Status(args) => status::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Converge(args) => converge::run(args),
         Command::Plan(args) => plan::run(args),

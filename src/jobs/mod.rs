@@ -2,6 +2,8 @@
 //!
 //! `gpu-rt submit` writes it, `gpu-rt status` reads it.
 
+pub mod parts;
+
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -12,7 +14,7 @@ use crate::error::{Error, Result};
 use crate::output::atomic;
 
 /// The file that says what is asked.
-const ASKED: &str = "job.json";
+pub const ASKED: &str = "job.json";
 /// The version of the format. A reader refuses others.
 const FORMAT: u32 = 1;
 

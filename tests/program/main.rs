@@ -13,4 +13,5 @@ mod place;
 mod resume;
 #[cfg(unix)]
 mod signals;
+mod status;
 mod terminal;
