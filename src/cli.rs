@@ -24,6 +24,9 @@ pub enum Command {
     Merge(MergeArgs),
     /// Tell what has come of a render of many parts, in a folder of `gpu-rt submit`: samples, parts, time left. It changes no file there.
     Status(StatusArgs),
+    /// Share one render among many processes or machines.
+    #[command(subcommand)]
+    Submit(Scheduler),
     /// Measure the error of an image against a reference, and separate it from noise.
     Compare(CompareArgs),
     /// Measure the trade of render's settings on a scene: seconds against noise and bias.
@@ -101,6 +104,64 @@ pub struct RenderArgs {
     pub profile: bool,
 }
 
+/// Who runs the processes.
+#[derive(Debug, Subcommand)]
+pub enum Scheduler {
+    /// By Slurm: a folder with the scene and scripts, an array of tasks that render, and a job after them that joins.
+    Slurm(SubmitArgs),
+}
+
+#[derive(Debug, Args)]
+pub struct SubmitArgs {
+    /// The scene file. It is copied, and so are the files that it names by relative paths.
+    #[arg(required_unless_present_any = ["missing", "next"])]
+    pub scene: Option<PathBuf>,
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_SAMPLES),
+          help = options::SPP.help(), help_heading = options::SPP.class.heading())]
+    pub spp: Option<u32>,
+    /// Render until the relative error is below this with 95 % confidence, in rounds that double the samples, limited by --spp if
+    /// given.
+    #[arg(long, value_name = "E", value_parser = relative_error)]
+    pub noise: Option<f64>,
+    /// The parts that the samples are split into: at most one for 8 samples.
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..=1_000_000), required_unless_present_any = ["missing", "next"])]
+    pub parts: Option<u32>,
+    /// The folder, which all machines must see; created if missing [default: SCENE-job].
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Submit the parts of this folder whose images lack samples, and the join after them.
+    #[arg(long, value_name = "DIR", conflicts_with_all = of_a_new_folder().chain(["next"]))]
+    pub missing: Option<PathBuf>,
+    /// Submit the next round of this folder, unless the error is reached. The job that joins does it.
+    #[arg(long, value_name = "DIR", conflicts_with_all = of_a_new_folder())]
+    pub next: Option<PathBuf>,
+    /// Write the folder and print what would be submitted.
+    #[arg(long)]
+    pub dry_run: bool,
+    #[arg(long, value_name = "WxH|N%", value_parser = image_size,
+          help = options::SIZE.help(), help_heading = options::SIZE.class.heading())]
+    pub size: Option<Size>,
+    #[command(flatten)]
+    pub paths: PathArgs,
+    /// Write the images of parts so far at this interval [30s, 5m, …].
+    #[arg(long, value_name = "TIME", value_parser = duration, default_value = "60s")]
+    pub checkpoint: Duration,
+    /// Allow several devices or drivers, whose rounding may differ.
+    #[arg(long)]
+    pub mixed_drivers: bool,
+    #[command(flatten)]
+    pub options: RenderOptions,
+    /// Options of sbatch.
+    #[arg(last = true, value_name = "SBATCH OPTION")]
+    pub sbatch: Vec<String>,
+}
+
+/// The arguments of `submit` that a folder has already.
+fn of_a_new_folder() -> impl Iterator<Item = &'static str> {
+    let own = ["scene", "spp", "noise", "parts", "output", "size", "checkpoint", "mixed_drivers"];
+    own.into_iter().chain(["max_depth", "seed", "device"]).chain(RenderOptions::names())
+}
+
 /// What `--resume` does where there is nothing to resume.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Resume {
@@ -134,9 +195,15 @@ pub struct PathArgs {
 
 #[derive(Debug, Args)]
 pub struct MergeArgs {
-    /// The parts: EXRs of `gpu-rt render --samples A..B`, or of this command.
+    /// The parts: EXRs of `gpu-rt render --samples A..B`, or of this command, or folders of them.
     #[arg(value_name = "PART.exr", required = true)]
     pub parts: Vec<PathBuf>,
+    /// The samples that the parts must have together, and no others.
+    #[arg(long, value_name = "A..B", value_parser = sample_range, conflicts_with = "allow_gaps")]
+    pub samples: Option<Range<u32>>,
+    /// Join no more than `render --noise` would render: it looks at 16, 32, 64 … samples. Parts must end there.
+    #[arg(long, value_name = "E", value_parser = relative_error, conflicts_with = "allow_gaps")]
+    pub noise: Option<f64>,
     /// The EXR to write. It can be resumed, and joined with others.
     #[arg(short, long, value_name = "OUT.exr")]
     pub output: PathBuf,

@@ -20,7 +20,7 @@ use crate::gpu::probe;
 use crate::gpu::timing::{MAX_PASSES, StageTimes, Timing};
 use crate::job::{Goal, Job, blocks};
 use crate::plan::{Bounce, Kernel, Plan, STEPS, SettingsLayout, Tuning};
-pub use goals::FIRST_LOOK;
+pub use goals::{FIRST_LOOK, LAST_LOOK, look_after, look_at};
 use outcome::totals_since;
 pub use outcome::{NOISE_LEVEL, Noise, Outcome, level_after};
 use turns::{Rounds, Turn, pixel_in_order, tiles};

@@ -10,11 +10,12 @@ mod plan;
 mod render;
 mod signals;
 mod status;
+mod submit;
 mod tradeoff;
 
 use std::path::Path;
 
-use crate::cli::{Cli, Command, Size};
+use crate::cli::{Cli, Command, Scheduler, Size};
 use crate::error::{Error, Result};
 use crate::flatten::{DeviceScene, flatten};
 use crate::gpu::device::{AdapterName, Adapters, Device, DeviceClass};
@@ -30,6 +31,7 @@ pub fn run(cli: &Cli, start: std::time::Instant) -> Result<()> {
         Command::Render(args) => render::run(args, start),
         Command::Merge(args) => merge::run(args),
         Command::Status(args) => status::run(args),
+        Command::Submit(Scheduler::Slurm(args)) => submit::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Converge(args) => converge::run(args),
         Command::Plan(args) => plan::run(args),

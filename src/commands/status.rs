@@ -13,7 +13,7 @@ use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::jobs::parts::{Came, Part, Parts};
 use crate::jobs::{ASKED, Folder};
-use crate::output::exr::{Attribute, StateFile, read_attributes, read_state};
+use crate::output::exr::{Attribute, StateFile, read_attributes};
 use crate::output::png::write_png;
 use crate::output::progress::Loading;
 use crate::samples::Samples;
@@ -132,7 +132,7 @@ fn excluded_of(parts: &Parts) -> String {
 enum Image {
     Absent,
     Complete,
-    /// It has so many samples, and not all.
+    /// It has so many samples, and not all; or all of the rounds so far, and not the error that is asked for.
     Incomplete(u64),
     NotUsable(String),
 }
@@ -143,18 +143,23 @@ impl Image {
         if !path.exists() {
             return Image::Absent;
         }
-        let state = match read_state(&path) {
-            Ok(Some(state)) => state,
+        let file = match StateFile::open(&path) {
+            Ok(Some(file)) => file,
             Ok(None) => return Image::NotUsable("it has no state".to_string()),
             Err(Error::File { reason, .. }) => return Image::NotUsable(reason),
             Err(error) => return Image::NotUsable(error.to_string()),
         };
         let of_parts = parts.reference.as_ref();
+        let state = &file.state;
         let difference = of_parts.and_then(|(path, part)| state.difference("it", part, &path.display().to_string()));
         let [start, end] = folder.asked.samples;
+        let is_complete = match folder.asked.noise {
+            None => state.samples.missing(start..end).is_empty(),
+            Some(_) => file.attributes().contains(&("gpu-rt:noise_reached".to_string(), Attribute::Int(1))),
+        };
         match difference {
             Some(difference) => Image::NotUsable(format!("it is of another render than the parts: {difference}")),
-            None if state.samples.missing(start..end).is_empty() => Image::Complete,
+            None if is_complete => Image::Complete,
             None => Image::Incomplete(state.samples.count()),
         }
     }
@@ -257,7 +262,10 @@ impl Report<'_> {
         let mut lines = vec![format!("samples: {done} of {asked} ({share:.1} %)")];
         if let Some(noise) = folder.asked.noise {
             let most = folder.asked.most.map_or(String::new(), |most| format!(", of {most} at most"));
-            lines.push(format!("rounds: until --noise {noise}; this is what is asked so far{most}"));
+            lines.push(match self.image {
+                Image::Complete => format!("rounds: --noise {noise} is reached"),
+                _ => format!("rounds: --noise {noise} is not reached; {asked} samples are asked for so far{most}"),
+            });
         }
         lines.push(format!("parts: {}: {}", self.parts.all.len(), counts.join(", ")));
         lines.extend(self.not_usable().map(|(path, why)| format!("not usable: {}: {why}", path.display())));

@@ -3,6 +3,9 @@
 //! `gpu-rt submit` writes it, `gpu-rt status` reads it.
 
 pub mod parts;
+pub mod scripts;
+pub mod slurm;
+pub mod split;
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -12,9 +15,16 @@ use serde::{Deserialize, Serialize};
 use crate::data::RUN_LENGTH;
 use crate::error::{Error, Result};
 use crate::output::atomic;
+use crate::output::exr::read_state;
 
 /// The file that says what is asked.
 pub const ASKED: &str = "job.json";
+const PARTS: &str = "parts";
+/// The script of a task, and that of the join.
+pub const RENDER: &str = "render.sh";
+pub const MERGE: &str = "merge.sh";
+/// Where tasks write what they say, and how often they were tried.
+pub const LOG: &str = "log";
 /// The version of the format. A reader refuses others.
 const FORMAT: u32 = 1;
 
@@ -29,7 +39,7 @@ pub struct Folder {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Asked {
-    format: u32,
+    pub format: u32,
     /// Of the program that wrote it.
     pub version: String,
     /// The scene file, from the folder.
@@ -43,6 +53,9 @@ pub struct Asked {
     pub most: Option<u32>,
     /// The samples of each part, in order.
     pub parts: Vec<[u32; 2]>,
+    /// With an error to reach: the parts that each round is split into.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub round: Option<u32>,
     pub width: u32,
     pub height: u32,
     /// The render's options, as words of the command line.
@@ -63,6 +76,7 @@ impl Default for Asked {
             noise: None,
             most: None,
             parts: Vec::new(),
+            round: None,
             width: 0,
             height: 0,
             options: Vec::new(),
@@ -92,7 +106,51 @@ impl Folder {
 
     /// Writes what is asked; a reader finds the old text or the new one.
     pub fn write(&self) -> Result<()> {
-        atomic::write(&self.path.join(ASKED), format!("{:#}\n", serde_json::json!(self.asked)).as_bytes())
+        let asked = self.path.join(ASKED);
+        let json = serde_json::to_string_pretty(&self.asked).map_err(|error| failed(&asked, "write", &error))?;
+        atomic::write(&asked, (json + "\n").as_bytes())
+    }
+
+    /// Writes what the tasks need, so many of them: the list of parts, and the scripts for the program at this path.
+    pub fn write_scripts(&self, program: &Path, tasks: u32) -> Result<()> {
+        for folder in [self.path.join(PARTS), self.path.join(LOG)] {
+            std::fs::create_dir_all(&folder).map_err(|error| failed(&folder, "write", &error))?;
+        }
+        let lines: String = self.parts().map(|part| format!("{}..{}\n", part.start, part.end)).collect();
+        atomic::write(&self.path.join("parts.txt"), lines.as_bytes())?;
+        self.write_script(RENDER, &scripts::render(self, program, tasks)?)?;
+        self.write_script(MERGE, &scripts::merge(self, program)?)
+    }
+
+    fn write_script(&self, name: &str, text: &str) -> Result<()> {
+        let path = self.path.join(name);
+        atomic::write(&path, text.as_bytes())?;
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt;
+            let executable = |mode: u32| mode | (mode & 0o444) >> 2;
+            std::fs::metadata(&path)
+                .map(|found| executable(found.permissions().mode()))
+                .and_then(|mode| std::fs::set_permissions(&path, std::fs::Permissions::from_mode(mode)))
+                .map_err(|error| failed(&path, "write", &error))?;
+        }
+        Ok(())
+    }
+
+    /// The parts that lack samples, by their numbers.
+    ///
+    /// # Errors
+    /// `Error::File` with the name of one that cannot be read.
+    pub fn missing(&self) -> Result<Vec<u32>> {
+        let mut missing = Vec::new();
+        for (number, part) in (0..).zip(self.parts()) {
+            let path = self.part_path(&part);
+            let state = if path.exists() { read_state(&path)? } else { None };
+            if state.is_none_or(|state| !state.samples.missing(part).is_empty()) {
+                missing.push(number);
+            }
+        }
+        Ok(missing)
     }
 
     /// The samples of each part, in order.
@@ -102,9 +160,13 @@ impl Folder {
 
     /// The image of a part. The names are sorted as the parts are.
     pub fn part_path(&self, range: &Range<u32>) -> PathBuf {
-        let largest = self.asked.most.unwrap_or(0).max(self.asked.samples[1]);
-        let digits = largest.to_string().len();
-        self.path.join("parts").join(format!("{:0digits$}-{:0digits$}.exr", range.start, range.end))
+        let digits = self.digits();
+        self.path.join(PARTS).join(format!("{:0digits$}-{:0digits$}.exr", range.start, range.end))
+    }
+
+    /// The digits of the largest sample that may be asked, now or later.
+    fn digits(&self) -> usize {
+        self.asked.most.unwrap_or(0).max(self.asked.samples[1]).to_string().len()
     }
 
     /// The image of all parts.
@@ -116,6 +178,10 @@ impl Folder {
     pub fn scene(&self) -> PathBuf {
         self.path.join(&self.asked.scene)
     }
+}
+
+fn failed(path: &Path, action: &'static str, error: &dyn std::fmt::Display) -> Error {
+    Error::File { path: path.to_owned(), action, reason: error.to_string() }
 }
 
 impl Asked {

@@ -160,6 +160,25 @@ fn parts_are_counted_by_their_states() {
     assert_eq!((&report["image"], report["seconds_left"].as_f64()), (&"complete".into(), Some(0.0)), "{report}");
 }
 
+/// In rounds, the image is complete when the error is reached, also with fewer samples than have been asked for.
+#[test]
+fn a_render_in_rounds_is_complete_when_its_error_is_reached() {
+    let mut place = Place::new(4, 16);
+    (place.folder.asked.noise, place.folder.asked.most) = (Some(0.3), Some(1024));
+    place.folder.write().expect("job.json is written");
+    (0..4).for_each(|part| _ = place.render(part, 16, ""));
+    let join = |noise: &str| {
+        place.says(&format!("merge --quiet job/parts --noise {noise} -o job/scene.exr")).exits(0);
+        place.status("")["image"].clone()
+    };
+    assert_eq!(join("0.0001"), "incomplete");
+    let said = place.says("status job").exits(0).stdout;
+    assert!(said.contains("--noise 0.3 is not reached; 64 samples are asked for so far, of 1024 at most"), "{said}");
+    assert_eq!(join("0.3"), "complete");
+    let said = place.says("status job").exits(0).stdout;
+    assert!(said.contains("--noise 0.3 is reached") && said.contains("time left: none"), "{said}");
+}
+
 /// The time left follows from the pace of the processes, also of one that goes on with an earlier one's samples, and from the number of parts
 /// under way.
 #[test]

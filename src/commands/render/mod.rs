@@ -35,7 +35,7 @@ use crate::threads::beside;
 use record::{About, report};
 pub use record::{Finish, attributes_of, excluded};
 use resume::Accumulation;
-pub use summary::{doubts, error_words};
+pub use summary::{doubts, error_words, noise_words};
 use summary::{rejected_words, summarise};
 use watcher::{Watcher, look_time, pause_after};
 

@@ -5,8 +5,8 @@ use std::time::Duration;
 use super::Output;
 use super::record::{About, Finish};
 use crate::commands::tell;
-use crate::film::Totals;
-use crate::render::Outcome;
+use crate::film::{ErrorEstimate, Totals};
+use crate::render::{Noise, Outcome};
 
 /// Seconds beyond the time that was asked for, if the render took longer.
 pub fn overrun(time: Option<Duration>, total: f64) -> Option<f64> {
@@ -46,18 +46,7 @@ pub fn summarise(about: &About<'_>, output: &Output<'_>, outcome: &Outcome, fini
     }
     doubts(finish).iter().for_each(|doubt| tell(doubt));
     if let (Some(wish), Some(noise)) = (args.noise, finish.noise) {
-        let words = if noise.reached { "was reached" } else { "was not reached" };
-        tell(&match finish.error.map(|error| error.bound).filter(|bound| bound.is_finite()) {
-            Some(bound) => {
-                format!(
-                    "--noise {wish} {words}: the relative error is at most {} %, with 95 % confidence",
-                    percent(bound)
-                )
-            }
-            None => format!(
-                "--noise {wish} {words}: the error has no bound, since too few pixels have any light; give --spp or --time"
-            ),
-        });
+        tell(&noise_words(wish, &noise, finish.error.as_ref()));
     }
     if finish.error.is_some() {
         tell(&format!("the relative error covers noise; it excludes {}", about.excluded()));
@@ -100,6 +89,19 @@ pub fn doubts(finish: &Finish) -> Vec<String> {
         ));
     }
     doubts
+}
+
+/// What came of a render until an error.
+pub fn noise_words(wish: f64, noise: &Noise, error: Option<&ErrorEstimate>) -> String {
+    let words = if noise.reached { "was reached" } else { "was not reached" };
+    match error.map(|error| error.bound).filter(|bound| bound.is_finite()) {
+        Some(bound) => {
+            format!("--noise {wish} {words}: the relative error is at most {} %, with 95 % confidence", percent(bound))
+        }
+        None => format!(
+            "--noise {wish} {words}: the error has no bound, since too few pixels have any light; give --spp or --time"
+        ),
+    }
 }
 
 fn percent(share: f64) -> String {
