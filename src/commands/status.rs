@@ -285,7 +285,10 @@ impl Report<'_> {
             1 => "with one part at a time".to_string(),
             parts => format!("with {parts} parts at a time"),
         };
-        match self.seconds_left().map(|seconds| (seconds, Duration::try_from_secs_f64(seconds.ceil()))) {
+        // Of hours, nobody needs the seconds.
+        let step = |seconds: f64| if seconds > 3600.0 { 60.0 } else { 1.0 };
+        let whole = |seconds: f64| (seconds / step(seconds)).ceil() * step(seconds);
+        match self.seconds_left().map(|seconds| (seconds, Duration::try_from_secs_f64(whole(seconds)))) {
             Some((0.0, _)) => "none, all samples are there".to_string(),
             Some((_, Ok(time))) => format!("{}, {at_a_time}", humantime::format_duration(time)),
             _ => "unknown, because no part tells its pace".to_string(),
