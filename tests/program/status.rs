@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant, SystemTime};
 
 use gpu_rt::jobs::Folder;
-use gpu_rt::output::exr::{StateFile, write_render};
+use gpu_rt::output::exr::{StateFile, add_film, write_render};
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
@@ -240,6 +240,21 @@ fn a_render_that_goes_on_is_under_way() {
     }
     child.kill().expect("it can be killed");
     child.wait().expect("it ends");
+}
+
+/// What an open file tells is of one moment, also where it has been replaced since.
+#[test]
+fn an_open_part_stays_as_it_was() {
+    let place = Place::new(1, 16);
+    place.render(0, 8, "");
+    let open = || StateFile::open(&place.part(0)).expect("it is read").expect("there is a state");
+    let (file, other) = (open(), open());
+    place.render(0, 16, "--resume");
+    let mut film = file.state.film().expect("it fits");
+    file.add_to(&mut film).expect("its pixels are those of its state");
+    assert_eq!(film.totals().paths, 8 * 16 * 9);
+    // The file that is there now does not fit the state that was.
+    assert!(add_film(&place.part(0), &other.state, &mut film).is_err());
 }
 
 /// What is damaged, of another render, or of other samples is named with the reason, and the rest is counted.
