@@ -250,13 +250,13 @@ impl Task<'_> {
         let about = self.about(device)?;
         for job in &jobs {
             let Accumulation { film: pixels, samples, looks, devices } = &mut *film;
-            let begun = Instant::now();
+            let (begun, earlier) = (Instant::now(), samples.count());
             let mut watcher = Watcher {
                 progress: self.progress,
                 signals: self.signals,
                 begun,
                 pixels: u64::from(job.size.0) * u64::from(job.size.1),
-                earlier: samples.count(),
+                earlier,
                 next_look: (!self.args.quiet).then(|| begun + pause_after(look_time(job.size))),
                 next_checkpoint: self.output.can_be_replaced.then(|| begun + self.args.checkpoint),
                 interval: self.args.checkpoint,
@@ -269,7 +269,8 @@ impl Task<'_> {
                     samples.add(outcome.samples.clone());
                     let looks = outcome.noise.map_or(*looks, |noise| noise.looks);
                     let finish = Finish::of(film, &samples, devices, outcome.noise, false);
-                    let pace = per_sample(begun.elapsed().as_secs_f64(), outcome.samples.len() as u64);
+                    let pace =
+                        per_sample(begun.elapsed().as_secs_f64(), finish.samples.count().saturating_sub(earlier));
                     self.keep(&about, film, looks, &finish, &Seconds { per_sample: pace, ..*seconds })?;
                     let exr = self.output.exr.display();
                     self.signals.set_loss(format!("{exr} holds the last checkpoint; what came since is lost"));
