@@ -48,8 +48,11 @@ pub struct Inputs {
     pub merge: f64,
 }
 
+/// The place of an input.
+type Field = fn(&mut Inputs) -> &mut f64;
+
 /// The rows of the table of inputs.
-const ROWS: [(&str, fn(&mut Inputs) -> &mut f64); 6] = [
+const ROWS: [(&str, Field); 6] = [
     ("pixels", |inputs| &mut inputs.pixels),
     ("start *s*: seconds from the start of a process to its first pass", |inputs| &mut inputs.start),
     ("pace *g*: seconds for one sample of every pixel", |inputs| &mut inputs.sample),

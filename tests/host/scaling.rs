@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use crate::common::renew;
-use crate::common::scaling::{DOCUMENT, PLOT, inputs_of, plot, with_tables};
+use crate::common::scaling::{DOCUMENT, PLOT, inputs_of, plot, short, with_tables};
 
 #[test]
 fn the_tables_follow_from_the_measurements() {
@@ -24,12 +24,8 @@ fn the_tables_follow_from_the_measurements() {
     }
     // Another pace gives other tables.
     let mut other = document.clone();
-    let number = format!("| {} |", gpu_rt_short(inputs[0].merge));
+    let number = format!("| {} |", short(inputs[0].merge));
     assert!(other.contains(&number), "{number}");
     other = other.replace(&number, "| 9.99 |");
     assert!(with_tables(&other) != Some(other.clone()));
-}
-
-fn gpu_rt_short(value: f64) -> String {
-    crate::common::scaling::short(value)
 }
