@@ -15,7 +15,7 @@ define install
 }
 endef
 
-.PHONY: render test quick test-long test-slurm fuzz soak test-drivers accuracy gpu-compile lint toolchain
+.PHONY: render test quick test-long test-slurm fuzz soak test-drivers accuracy scaling gpu-compile lint toolchain
 
 # The cover scene, in 50 s at most: out/weekend.exr is linear, out/weekend.png is for looking at.
 render: toolchain
@@ -75,6 +75,11 @@ BUDGET ?= 70s
 accuracy: export NODEVICE_SELECT = 1
 accuracy: toolchain
 	$(CARGO) bench --bench accuracy -- --budget $(BUDGET)
+
+# docs/scaling.md: what its tables are computed from, measured here in half an hour, and the tables.
+scaling: export NODEVICE_SELECT = 1
+scaling: toolchain
+	$(CARGO) bench --bench scaling
 
 # Every kernel compiled for GPUs that are not here, compared with docs/gpu.md; GPU_RT_RENEW=1 writes its tables anew.
 gpu-compile: export NODEVICE_SELECT = 1

@@ -22,6 +22,8 @@ pub enum Command {
     Render(RenderArgs),
     /// Join renders of disjoint samples of one scene, in any order: the image is that of one render.
     Merge(MergeArgs),
+    /// Tell what has come of a render of many parts, in a folder of `gpu-rt submit`: samples, parts, time left. It changes no file there.
+    Status(StatusArgs),
     /// Share one render among many processes or machines.
     #[command(subcommand)]
     Submit(Scheduler),
@@ -220,6 +222,28 @@ pub struct MergeArgs {
 }
 
 #[derive(Debug, Args)]
+pub struct StatusArgs {
+    /// The folder that `gpu-rt submit` has written.
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// Also join the samples that are there, and print the error of their image.
+    #[arg(long)]
+    pub error: bool,
+    /// Also join the samples that are there, and write a tone-mapped picture of them.
+    #[arg(long, value_name = "FILE.png")]
+    pub png: Option<PathBuf>,
+    /// Exposure of the PNG, in stops.
+    #[arg(long, value_name = "EV", default_value_t = 0.0, value_parser = exposure, allow_negative_numbers = true)]
+    pub exposure: f64,
+    /// Print results and errors only.
+    #[arg(long)]
+    pub quiet: bool,
+    /// Print one JSON object on stdout.
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Args)]
 pub struct TradeoffArgs {
     /// The scene file.
     pub scene: PathBuf,
@@ -407,7 +431,8 @@ fn sample_range(text: &str) -> Result<Range<u32>, String> {
     }
 }
 
-fn duration(text: &str) -> Result<Duration, String> {
+/// Parses a time such as 30s.
+pub fn duration(text: &str) -> Result<Duration, String> {
     // A bare number is seconds.
     let duration = match text.parse::<f64>() {
         Ok(seconds) => Duration::try_from_secs_f64(seconds).map_err(|error| error.to_string()),

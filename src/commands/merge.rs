@@ -228,10 +228,7 @@ fn parts_of<'a>(args: &MergeArgs, paths: &'a [PathBuf], loading: &mut Loading) -
 /// Checks that a part is of the same render as the first one.
 fn fits(first: &Part<'_>, path: &Path, state: &State, mixed_drivers: bool) -> Result<()> {
     let [a, b] = [first.path, path].map(|path| path.display().to_string());
-    let of_film = |state: &State| (state.size, state.exponent, state.sampler);
-    let difference = first.state.identity.difference(&a, &state.identity, &b);
-    let difference = difference.or((of_film(&first.state) != of_film(state)).then(|| "their films differ".to_string()));
-    if let Some(difference) = difference {
+    if let Some(difference) = first.state.difference(&a, state, &b) {
         return Err(Error::Usage(format!("mismatch: {a} and {b} cannot be joined: {difference}")));
     }
     if !mixed_drivers && first.state.devices != state.devices {

@@ -9,6 +9,7 @@ mod outputs;
 mod plan;
 mod render;
 mod signals;
+mod status;
 mod submit;
 mod tradeoff;
 
@@ -29,6 +30,7 @@ pub fn run(cli: &Cli, start: std::time::Instant) -> Result<()> {
     match &cli.command {
         Command::Render(args) => render::run(args, start),
         Command::Merge(args) => merge::run(args),
+        Command::Status(args) => status::run(args),
         Command::Submit(Scheduler::Slurm(args)) => submit::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Converge(args) => converge::run(args),

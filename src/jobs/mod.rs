@@ -2,6 +2,7 @@
 //!
 //! `gpu-rt submit` writes it, `gpu-rt status` reads it.
 
+pub mod parts;
 pub mod scripts;
 pub mod slurm;
 pub mod split;
@@ -17,7 +18,7 @@ use crate::output::atomic;
 use crate::output::exr::read_state;
 
 /// The file that says what is asked.
-const ASKED: &str = "job.json";
+pub const ASKED: &str = "job.json";
 const PARTS: &str = "parts";
 /// The script of a task, and that of the join.
 pub const RENDER: &str = "render.sh";

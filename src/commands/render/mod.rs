@@ -35,7 +35,7 @@ use crate::threads::beside;
 use record::{About, report};
 pub use record::{Finish, attributes_of, excluded};
 use resume::Accumulation;
-pub use summary::noise_words;
+pub use summary::{doubts, error_words, noise_words};
 use summary::{rejected_words, summarise};
 use watcher::{Watcher, look_time, pause_after};
 
@@ -53,6 +53,14 @@ struct Seconds {
     total: f64,
     /// A part of the rendering: from its start to the end of the first submission.
     first_pass: f64,
+    /// A part of the rendering: for one sample of every pixel. It tells the pace also of a render that goes on with an earlier one, and of
+    /// one that is under way.
+    per_sample: f64,
+}
+
+/// The seconds of one of so many samples; 0, which is not known, of none.
+fn per_sample(seconds: f64, samples: u64) -> f64 {
+    if samples == 0 { 0.0 } else { seconds / samples as f64 }
 }
 
 /// Where the image goes.
@@ -156,6 +164,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     let about = task.about(&devices)?;
     let outcome = std::mem::take(&mut rendering.outcome);
     let complete = rendered.is_ok() && !outcome.interrupted;
+    seconds.per_sample = per_sample(outcome.seconds, film.samples.count().saturating_sub(resumed_from.unwrap_or(0)));
     let integrator = args.options.integrator.to_string();
     let finish = Finish::of(&film.film, &film.samples, &film.devices, outcome.noise, &integrator, complete);
     match rendered {
@@ -255,13 +264,13 @@ impl Task<'_> {
         let integrator = self.args.options.integrator.to_string();
         for job in &jobs {
             let Accumulation { film: pixels, samples, looks, devices } = &mut *film;
-            let begun = Instant::now();
+            let (begun, earlier) = (Instant::now(), samples.count());
             let mut watcher = Watcher {
                 progress: self.progress,
                 signals: self.signals,
                 begun,
                 pixels: u64::from(job.size.0) * u64::from(job.size.1),
-                earlier: samples.count(),
+                earlier,
                 next_look: (!self.args.quiet).then(|| begun + pause_after(look_time(job.size))),
                 next_checkpoint: self.output.can_be_replaced.then(|| begun + self.args.checkpoint),
                 interval: self.args.checkpoint,
@@ -274,7 +283,9 @@ impl Task<'_> {
                     samples.join(&outcome.samples);
                     let looks = outcome.noise.map_or(*looks, |noise| noise.looks);
                     let finish = Finish::of(film, &samples, devices, outcome.noise, &integrator, false);
-                    self.keep(&about, film, looks, &finish, seconds)?;
+                    let pace =
+                        per_sample(begun.elapsed().as_secs_f64(), finish.samples.count().saturating_sub(earlier));
+                    self.keep(&about, film, looks, &finish, &Seconds { per_sample: pace, ..*seconds })?;
                     let exr = self.output.exr.display();
                     self.signals.set_loss(format!("{exr} holds the last checkpoint; what came since is lost"));
                     Ok(())

@@ -58,36 +58,22 @@ pub fn summarise(about: &About<'_>, output: &Output<'_>, outcome: &Outcome, fini
             tell(&format!("the device was idle for {} % of the time", percent(idle)));
         }
     }
-    if let Some(error) = finish.error.filter(|error| !error.reliable) {
-        tell(&format!(
-            "warning: the relative error is unreliable: rare bright paths dominate it{}",
-            match error.bound.is_finite() {
-                true => format!(". It may be {} %", percent(error.bound)),
-                false => String::new(),
-            }
-        ));
-    }
-    if finish.lacks_light() && finish.unmet > finish.through_glass.missing() {
-        tell(&format!(
-            "warning: the relative error is unreliable: --integrator bsdf finds lights by chance, and of the brightest one paths may have \
-             missed up to {} % of the image's light. Raise --spp, or use --integrator mis",
-            percent(finish.unmet)
-        ));
-    } else if finish.lacks_light() {
-        tell(&format!(
-            "warning: the relative error is unreliable: mirrors and glass block {} % of the image's light from light sampling, and paths \
-             have found {} % by chance. Raise --spp.",
-            percent(finish.through_glass.blocked_by_dielectrics()),
-            percent(finish.through_glass.found_by_bsdf())
-        ));
-    }
+    doubts(finish).iter().for_each(|doubt| tell(doubt));
     if let (Some(wish), Some(noise)) = (args.noise, finish.noise) {
         tell(&noise_words(wish, &noise, finish.error.as_ref()));
     }
     if finish.error.is_some() {
         tell(&format!("the relative error covers noise; it excludes {}", about.excluded()));
     }
-    let error = match finish.error {
+    let samples = finish.samples.count();
+    let resumed = about.resumed_from.map_or(String::new(), |from| format!(" ({from} of them resumed)"));
+    let error = error_words(finish);
+    tell(&format!("{}: {samples} samples{resumed}, {error}, {total:.1} s", output.exr.display()));
+}
+
+/// The error with its bound.
+pub fn error_words(finish: &Finish) -> String {
+    match finish.error {
         Some(error) if error.bound.is_finite() => {
             format!("relative error {} % (95 % sure: below {} %)", percent(error.value), percent(error.bound))
         }
@@ -96,10 +82,36 @@ pub fn summarise(about: &About<'_>, output: &Output<'_>, outcome: &Outcome, fini
             format!("error unknown (it needs {} samples per pixel)", RUN_LENGTH + 1)
         }
         None => "error unknown (no sample has met light)".to_string(),
-    };
-    let samples = finish.samples.count();
-    let resumed = about.resumed_from.map_or(String::new(), |from| format!(" ({from} of them resumed)"));
-    tell(&format!("{}: {samples} samples{resumed}, {error}, {total:.1} s", output.exr.display()));
+    }
+}
+
+/// Why the error cannot be relied on.
+pub fn doubts(finish: &Finish) -> Vec<String> {
+    let mut doubts = Vec::new();
+    if let Some(error) = finish.error.filter(|error| !error.reliable) {
+        doubts.push(format!(
+            "warning: the relative error is unreliable: rare bright paths dominate it{}",
+            match error.bound.is_finite() {
+                true => format!(". It may be {} %", percent(error.bound)),
+                false => String::new(),
+            }
+        ));
+    }
+    if finish.lacks_light() && finish.unmet > finish.through_glass.missing() {
+        doubts.push(format!(
+            "warning: the relative error is unreliable: --integrator bsdf finds lights by chance, and of the brightest one paths may have \
+             missed up to {} % of the image's light. Raise --spp, or use --integrator mis",
+            percent(finish.unmet)
+        ));
+    } else if finish.lacks_light() {
+        doubts.push(format!(
+            "warning: the relative error is unreliable: mirrors and glass block {} % of the image's light from light sampling, and paths \
+             have found {} % by chance. Raise --spp.",
+            percent(finish.through_glass.blocked_by_dielectrics()),
+            percent(finish.through_glass.found_by_bsdf())
+        ));
+    }
+    doubts
 }
 
 /// What came of a render until an error.
