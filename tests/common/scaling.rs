@@ -252,7 +252,7 @@ pub fn plot(scenes: &[Inputs]) -> String {
             curves.push(Curve { name, points: nodes.iter().map(seconds).collect(), marks: Vec::new() });
         }
     }
-    svg(&Plot { title: "", x: "nodes", y: "seconds", curves }).unwrap_or_default()
+    svg(&Plot { title: "", x: "nodes", y: "seconds", curves, guide: false }).unwrap_or_default()
 }
 
 /// The document with these measurements in place of its own.
