@@ -133,7 +133,7 @@ impl Joined {
         let samples = self.samples.hull().end - self.samples.hull().start;
         let aim = look_after(looks);
         let last = self.count == parts.len();
-        if samples > aim {
+        if samples > aim || self.samples.ranges().len() > 1 {
             return Err(Error::Usage(format!(
                 "{}: --noise looks at {aim} samples, and this part goes on beyond: end it there",
                 part.path.display()

@@ -60,17 +60,17 @@ pub fn run(args: &SubmitArgs) -> Result<()> {
             print_line(&format!("merge: {merge}"))
         }
         None => {
-            let path = |name: &str| text_of(&folder.path.join(name)).map(|path| line(&[path.to_string()]));
             let indices: Vec<String> = needed.iter().map(u32::to_string).collect();
             let indices = match needed.len() as u32 == tasks {
                 true => format!("seq 0 {}", tasks - 1),
                 false => format!("printf '%s\\n' {}", indices.join(" ")),
             };
-            let (render, merge) = (path(RENDER)?, path(MERGE)?);
-            match needed.is_empty() {
-                true => print_line(&format!("here: {merge}")),
-                false => print_line(&format!("here: {indices} | parallel -j 1 {render} && {merge}")),
-            }
+            let rendering = match needed.is_empty() {
+                true => String::new(),
+                false => format!("{indices} | parallel -j 1 ./{RENDER} && "),
+            };
+            let at = line(&[text_of(&folder.path)?.to_string()]);
+            print_line(&format!("here: cd {at} && {rendering}./{MERGE}"))
         }
     }
 }

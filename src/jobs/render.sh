@@ -3,6 +3,15 @@
 # parts.txt in turn: number T renders the lines T + 1, T + 1 + the number of tasks, and so on.
 # GPU_RT names another program. What is changed here is lost when `gpu-rt submit` writes the folder again.
 
+child=
+signalled=
+# The program writes what it has when the time is nearly up. The shell starts it so that it ignores SIGINT.
+pass_on() {
+    signalled=yes
+    [ -z "$child" ] || kill -TERM "$child" 2>/dev/null
+}
+trap pass_on TERM INT HUP
+
 case $task in
 '' | *[!0-9]*) task=$tasks ;;
 esac
@@ -25,15 +34,6 @@ if [ "$device" = auto ] && [ -n "$gpu" ]; then
     fi
 fi
 
-child=
-signalled=
-# The program writes what it has when the time is nearly up. The shell starts it so that it ignores SIGINT.
-pass_on() {
-    signalled=yes
-    [ -z "$child" ] || kill -TERM "$child" 2>/dev/null
-}
-trap pass_on TERM INT HUP
-
 # The exit status of the program, which a signal to this script does not end at once.
 finish() {
     wait "$child"
@@ -49,14 +49,16 @@ finish() {
     child=
 }
 
-# Slurm starts a task again after the failure of a node, and not after a limit of time or memory.
+# Slurm itself starts a task again after the failure of a node or for another job, and not after a limit of time or memory. What a user
+# has cancelled stays so: Slurm is then completing the job, and would start it again if it were asked to.
 try_again() {
     tries=log/$task.tries
     tried=$(cat "$tries" 2>/dev/null) || tried=0
-    if [ -n "${SLURM_ARRAY_JOB_ID:-}" ] && [ "$tried" -lt 5 ]; then
-        echo $((tried + 1)) >"$tries"
-        scontrol requeue "${SLURM_ARRAY_JOB_ID}_$task"
-    fi
+    [ -n "${SLURM_ARRAY_JOB_ID:-}" ] && [ "$tried" -lt 5 ] || exit "$1"
+    job=${SLURM_ARRAY_JOB_ID}_$task
+    case $(scontrol show job "$job" 2>/dev/null) in *JobState=COMPLETING* | *JobState=CANCELLED*) exit "$1" ;; esac
+    echo $((tried + 1)) >"$tries"
+    scontrol requeue "$job"
     exit "$1"
 }
 

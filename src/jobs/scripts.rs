@@ -31,6 +31,11 @@ pub fn line(words: &[String]) -> String {
     words.iter().map(word).collect::<Vec<_>>().join(" ")
 }
 
+/// The same, each behind a space.
+fn after_space(words: &[String]) -> String {
+    words.iter().map(|word| format!(" {}", line(std::slice::from_ref(word)))).collect()
+}
+
 /// The names of shell variables with their values, each on its line.
 fn variables(values: &[(&str, &str)]) -> String {
     values.iter().map(|(name, value)| format!("{name}={}\n", quoted(value))).collect()
@@ -57,7 +62,7 @@ pub fn render(folder: &Folder, program: &Path, tasks: u32) -> Result<String> {
         ],
     )?;
     let task = "task=${SLURM_ARRAY_TASK_ID:-${1:-}}\n";
-    Ok(format!("{beginning}{task}set -- {}\n{RENDER}", line(options)))
+    Ok(format!("{beginning}{task}set --{}\n{RENDER}", after_space(options)))
 }
 
 /// The script that joins the parts.
@@ -73,5 +78,5 @@ pub fn merge(folder: &Folder, program: &Path) -> Result<String> {
     let mixed = asked.options.iter().filter(|word| *word == "--mixed-drivers").cloned();
     let error = (!noise.is_empty()).then(|| ["--noise".to_string(), noise.clone()]);
     let options: Vec<String> = mixed.chain(error.into_iter().flatten()).collect();
-    Ok(format!("{beginning}set -- {}\n{MERGE}", line(&options)))
+    Ok(format!("{beginning}set --{}\n{MERGE}", after_space(&options)))
 }

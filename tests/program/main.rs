@@ -14,4 +14,6 @@ mod resume;
 #[cfg(unix)]
 mod signals;
 mod status;
+#[cfg(unix)]
+mod submit;
 mod terminal;

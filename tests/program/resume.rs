@@ -13,7 +13,7 @@ use crate::common::device::index as software;
 use crate::common::program::{Ran, command, finish, meanwhile, run};
 
 /// Lights, glass, a texture from a file, and paths of many lengths.
-const SCENE: &str = "Scene(
+pub const SCENE: &str = "Scene(
     image: (width: 24, height: 16),
     camera: (look_from: (0, 1, 5), look_at: (0, 0.5, 0), up: (0, 1, 0), vertical_fov: 45),
     background: Gradient(bottom: (0.2, 0.2, 0.2), top: (0.1, 0.2, 0.4)),
@@ -97,18 +97,18 @@ impl Place {
 
 /// What a file holds of its render, times and names of files aside.
 #[derive(Debug, PartialEq)]
-struct Held {
+pub struct Held {
     rgb: Vec<[f32; 3]>,
     variance: Option<Vec<[f32; 3]>>,
-    film: Film,
-    samples: String,
+    pub film: Film,
+    pub samples: String,
     looks: u32,
     attributes: Vec<(String, Attribute)>,
 }
 
 impl Held {
     /// What differs in another one, in words.
-    fn difference(&self, other: &Held) -> Vec<String> {
+    pub fn difference(&self, other: &Held) -> Vec<String> {
         let differs = [
             ("rgb", self.rgb != other.rgb),
             ("variance", self.variance != other.variance),
@@ -124,7 +124,7 @@ impl Held {
         fields.chain(only(self, other)).chain(only(other, self)).collect()
     }
 
-    fn of(path: &Path) -> Held {
+    pub fn of(path: &Path) -> Held {
         let image = read_exr(path).unwrap_or_else(|error| panic!("{error}"));
         let state = read_state(path).expect("the state is read").expect("there is a state");
         let mut film = state.film().expect("it fits");
