@@ -22,7 +22,7 @@ pub enum Command {
     Render(RenderArgs),
     /// Join renders of disjoint samples of one scene, in any order: the image is that of one render.
     Merge(MergeArgs),
-    /// Tell what has come of a render of many parts, in a folder of `gpu-rt submit`: samples, parts, time left. It changes no file there.
+    /// Tell what has come of a render that `gpu-rt submit` has shared: samples, parts, time left. It changes no file.
     Status(StatusArgs),
     /// Share one render among many processes or machines.
     #[command(subcommand)]

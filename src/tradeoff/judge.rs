@@ -78,6 +78,20 @@ impl Measured {
         matches!(self.setting.class(), Class::Exact | Class::Noise)
     }
 
+    /// Whether it has no bias: none is declared, and none was found.
+    pub fn is_faithful(&self) -> bool {
+        self.declared_unbiased() && !self.biased && !self.lacks_paths
+    }
+
+    /// Whether it reaches all targets as soon as another setting, or as late, within the error of the timings.
+    pub fn is_as_fast_as(&self, other: &Measured) -> bool {
+        let doubt = doubt(self.seconds_doubt, other.seconds_doubt);
+        self.times.iter().zip(other.times).all(|(own, theirs)| match (own, theirs) {
+            (Some(own), Some(theirs)) => *own < doubt * theirs && theirs < doubt * own,
+            (own, theirs) => *own == theirs,
+        })
+    }
+
     /// Its name within a sentence.
     pub fn named(&self) -> String {
         match self.setting.knob {
@@ -86,9 +100,25 @@ impl Measured {
         }
     }
 
+    /// Its verdict in two words at most, for the terminal.
+    pub fn short_verdict(&self) -> &'static str {
+        match (self.standing, self.biased, self.reliable) {
+            (Standing::NeverReaches, ..) => "cannot reach",
+            (_, true, _) if self.declared_unbiased() => "differs",
+            (_, _, false) => "unreliable",
+            (Standing::AsDefaults, true, _) => "biased",
+            (Standing::Front, true, _) => "front, biased",
+            (Standing::Dominated, true, _) => "dominated",
+            (Standing::AsDefaults, false, _) => "as the defaults",
+            (Standing::Front, false, _) => "front",
+            (Standing::Dominated, false, _) => "dominated",
+        }
+    }
+
     /// Its standing and bias in words.
     pub fn verdict(&self) -> String {
         let standing = match self.standing {
+            Standing::AsDefaults => "as the defaults",
             Standing::Front => "on the front",
             Standing::Dominated => "dominated",
             Standing::NeverReaches => "cannot reach",
@@ -214,7 +244,15 @@ pub fn judge(sweep: &mut Sweep<'_>, reference: Option<&Truth>, whole: &Whole, un
     for (measured, standing) in found.iter_mut().zip(standings(&all)) {
         measured.standing = standing;
     }
-    // The advised setting reaches its target as soon as the fastest one, within the error of the timings.
+    // Timings that differ by less than their error are no verdict. So what is as fast as the defaults is one group.
+    if let Some((defaults, others)) = found.split_first_mut() {
+        let reaches = defaults.standing != Standing::NeverReaches;
+        others
+            .iter_mut()
+            .filter(|m| reaches && m.is_as_fast_as(defaults))
+            .for_each(|m| m.standing = Standing::AsDefaults);
+    }
+    // The advised setting reaches its target as soon as the fastest one without bias, within the error of the timings.
     let advised: Vec<String> = recommended(&found).into_iter().flatten().map(|m| m.setting.name()).collect();
     for measured in found.iter_mut().filter(|m| advised.contains(&m.setting.name())) {
         measured.standing = Standing::Front;
@@ -344,9 +382,16 @@ pub fn preferred(found: &[Measured], target: usize, condition: impl Fn(&Measured
     Some(defaults.or(faithful).unwrap_or(best))
 }
 
-/// The setting advised for each target; never one whose noise is unknown.
+/// The setting advised for each target: never one whose noise is unknown, and a biased one only if no other reaches the target.
 pub fn recommended(found: &[Measured]) -> [Option<&Measured>; TARGETS.len()] {
-    std::array::from_fn(|target| preferred(found, target, |measured| measured.reliable))
+    let faithful = |target| preferred(found, target, |measured| measured.reliable && measured.is_faithful());
+    std::array::from_fn(|target| faithful(target).or_else(|| preferred(found, target, |measured| measured.reliable)))
+}
+
+/// A setting that reaches a target sooner than the advised one, at the price of a bias.
+pub fn sooner_with_bias<'a>(found: &'a [Measured], target: usize, advised: &Measured) -> Option<&'a Measured> {
+    let best = preferred(found, target, |measured| measured.reliable)?;
+    (advised.is_faithful() && !best.is_faithful()).then_some(best)
 }
 
 #[cfg(test)]

@@ -116,6 +116,8 @@ pub enum Standing {
     Dominated,
     /// It reaches no target.
     NeverReaches,
+    /// It is as fast as the defaults, within the error of the timings.
+    AsDefaults,
 }
 
 /// Smaller ratios of seconds do not count as a difference, however certain the timings are. Of five settings that do

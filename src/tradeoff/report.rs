@@ -2,8 +2,8 @@
 
 use serde_json::{Value, json};
 
-use super::judge::{Measured, TARGETS, preferred, recommended};
-use super::model::{Standing, doubt};
+use super::judge::{Measured, TARGETS, preferred, recommended, sooner_with_bias};
+use super::model::Standing;
 use super::sweep::{LEVEL, Setting, Unmeasured};
 use super::truth::Distance;
 use crate::metrics::estimate::Estimate;
@@ -154,7 +154,7 @@ fn bias_text(measured: &Measured) -> String {
         true if measured.setting.class() == Class::Bias => "0 so far".to_string(),
         true => "0".to_string(),
         false => {
-            let digits = digits(half);
+            let digits = digits(half).min(4);
             format!("{value:+.digits$} ± {half:.digits$} %")
         }
     }
@@ -199,15 +199,7 @@ impl Findings {
     /// has those that it leaves out because they are as fast as the defaults within the error of the timings.
     pub fn drawn(&self) -> (Vec<&Measured>, Vec<&Measured>) {
         let Some(defaults) = self.measured.first() else { return (Vec::new(), Vec::new()) };
-        let alike = |a: Option<f64>, b: Option<f64>, doubt: f64| match (a, b) {
-            (Some(a), Some(b)) => a < doubt * b && b < doubt * a,
-            (a, b) => a == b,
-        };
-        let as_defaults = |measured: &&Measured| {
-            let doubt = doubt(measured.seconds_doubt, defaults.seconds_doubt);
-            measured.setting.knob.is_some()
-                && measured.times.iter().zip(defaults.times).all(|(own, theirs)| alike(*own, theirs, doubt))
-        };
+        let as_defaults = |measured: &&Measured| measured.setting.knob.is_some() && measured.is_as_fast_as(defaults);
         let (same, mut others): (Vec<&Measured>, Vec<&Measured>) = self.sorted().into_iter().partition(as_defaults);
         others.sort_by_key(|measured| (measured.setting.knob.is_some(), measured.standing != Standing::Front));
         (others, same)
@@ -231,8 +223,7 @@ impl Findings {
     pub fn advice(&self) -> Vec<String> {
         let sentence = |(index, best): (usize, Option<&Measured>)| {
             let target = target_name(TARGETS[index]);
-            let unbiased = |m: &Measured| !m.biased && !m.lacks_paths && m.declared_unbiased();
-            let doubtful = preferred(&self.measured, index, unbiased);
+            let doubtful = preferred(&self.measured, index, Measured::is_faithful);
             let Some(best) = best else {
                 if self.measured.is_empty() {
                     return format!("relMSE {target}: nothing was measured");
@@ -249,16 +240,17 @@ impl Findings {
             let time = time_text(best.times[index]);
             let cost = cost_text(best);
             let what = best.named();
-            let faithful = preferred(&self.measured, index, |m| m.reliable && unbiased(m));
-            let besides = match (faithful, doubtful) {
-                _ if best.declared_unbiased() && !best.biased => String::new(),
-                (Some(other), _) => format!("; without bias, {}: {}", other.named(), time_text(other.times[index])),
-                (None, Some(other)) => format!(
+            let besides = match (sooner_with_bias(&self.measured, index, best), doubtful) {
+                (Some(other), _) => {
+                    let time = time_text(other.times[index]);
+                    format!("; with a bias, {}: {time}, {}", other.named(), cost_text(other))
+                }
+                (None, Some(other)) if !best.is_faithful() => format!(
                     "; without bias, {}: about {}, measured poorly",
                     other.named(),
                     time_text(other.times[index])
                 ),
-                (None, None) => String::new(),
+                _ => String::new(),
             };
             format!("To reach relMSE {target} use {what}: {time}, {cost}{besides}")
         };
@@ -268,8 +260,10 @@ impl Findings {
     /// The conditions of the measurement.
     pub fn basis(&self) -> Vec<String> {
         let (w, h) = self.size;
+        let of_all = self.measured.len() + self.unmeasured.len();
         let mut lines = vec![format!(
-            "measured at {w}x{h} on {} ({}), {} rounds of {LEVEL} samples; another device may need other settings",
+            "{} of {of_all} settings measured at {w}x{h} on {} ({}), {} rounds of {LEVEL} samples; another device may need other settings",
+            self.measured.len(),
             self.device,
             self.driver,
             self.measured.first().map_or(0, |defaults| defaults.rounds)
@@ -372,21 +366,34 @@ impl Findings {
         ]
     }
 
-    /// The table for the terminal.
+    /// The table for the terminal. It has the columns for which 80 characters suffice; the page and the CSV have all of them.
     pub fn table(&self) -> String {
-        let mut rows = vec![HEADINGS.map(str::to_string)];
-        rows.extend(self.sorted().into_iter().map(|measured| self.cells(measured)));
-        let widths: [usize; HEADINGS.len()] =
+        const COLUMNS: usize = 6;
+        let of_terminal = |measured: &Measured| {
+            let [coarse, middle, fine] = measured.times.map(time_text);
+            [measured.setting.name(), coarse, middle, fine, bias_text(measured), measured.short_verdict().to_string()]
+        };
+        let mut rows = vec![["setting", "to 1e-1", "to 1e-2", "to 1e-3", "bias", "verdict"].map(str::to_string)];
+        rows.extend(self.sorted().into_iter().map(of_terminal));
+        let widths: [usize; COLUMNS] =
             std::array::from_fn(|column| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0));
-        let line = |row: &[String; HEADINGS.len()]| {
+        let line = |row: &[String; COLUMNS]| {
             let cells = row.iter().zip(widths).enumerate().map(|(column, (cell, width))| match column {
-                0..=2 => format!("{cell:<width$}"),
+                0 | 5 => format!("{cell:<width$}"),
                 _ => format!("{cell:>width$}"),
             });
-            cells.collect::<Vec<_>>().join("  ").trim_end().to_string()
+            cells.collect::<Vec<_>>().join(" ").trim_end().to_string()
         };
         let mut lines: Vec<String> = rows.iter().map(line).collect();
-        lines.extend(self.unmeasured.iter().map(|left| format!("{}  not measured: {}", left.setting.name(), left.why)));
+        // Those of one reason together.
+        let mut reasons: Vec<(&str, Vec<String>)> = Vec::new();
+        for left in &self.unmeasured {
+            match reasons.iter_mut().find(|(why, _)| *why == left.why) {
+                Some((_, names)) => names.push(left.setting.name()),
+                None => reasons.push((&left.why, vec![left.setting.name()])),
+            }
+        }
+        lines.extend(reasons.iter().map(|(why, names)| format!("not measured: {}: {why}", names.join(", "))));
         lines.join("\n")
     }
 
