@@ -86,7 +86,8 @@ mod tests {
         }
         assert_eq!(round(0, 1 << 20, 3), [0..8, 8..16, 16..32]);
         assert_eq!(round(0, 1 << 20, 1).first(), Some(&(0..16)));
-        assert_eq!(round(0, 48, 2), [0..16, 16..48], "32 is a look of 48 samples too");
+        assert_eq!(round(0, 48, 2), [0..8, 8..16]);
+        assert_eq!(round(0, 48, 3), [0..8, 8..16, 16..32], "32 is a look of 48 samples too");
         assert_eq!(round(32, 1 << 20, 3), [32..40, 40..48, 48..64]);
     }
 }
