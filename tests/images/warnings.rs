@@ -177,6 +177,45 @@ fn ranges_of_more_than_2_to_the_40() {
     assert_silent(&grain("5.5e-12"));
 }
 
+/// A lamp that lights a floor a long way off: at twice the warning's distance nothing arrives, and before it what should.
+#[test]
+fn lights_too_small_for_where_they_shine() {
+    // The same irradiance at any distance: the floor has a radiance of 0.5.
+    let lit = |distance: f64, lamp: &str| {
+        let radiance = distance * distance;
+        format!(
+            "Scene(image: (width: 8, height: 4), render: (samples: 64, max_depth: 4),
+              camera: (look_from: (0, 0, 0.1), look_at: (0, -{distance:e}, 0), up: (0, 0, 1), vertical_fov: 4),
+              background: Solid((0, 0, 0)),
+              materials: {{ \"grey\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5)),
+                           \"lamp\": DiffuseLight(emit: Rgb({radiance:e}, {radiance:e}, {radiance:e})) }},
+              objects: [Quad(corner: (-{distance:e}, -{distance:e}, -{distance:e}), u: (0, 0, {two:e}), v: ({two:e}, 0, 0), material: \"grey\"),
+                        §{lamp}])",
+            two = 2.0 * distance,
+        )
+    };
+    let ball = "Sphere(center: (0, 2, 0), radius: 1, material: \"lamp\")";
+    let square = "Quad(corner: (-1, 2, -1), u: (2, 0, 0), v: (0, 0, 2), material: \"lamp\")";
+    let seen = |text: &str| {
+        let shot = render::render(
+            &render::scene(&unmarked(text)),
+            &render::Ask::default().with(|options| *options = RenderOptions::default()),
+        );
+        shot.picture.rgb.iter().map(|rgb| f64::from(rgb[0])).sum::<f64>() / shot.picture.rgb.len() as f64
+    };
+    for (lamp, field, expected) in
+        [(ball, "objects[1].Sphere", 0.5), (square, "objects[1].Quad", 2.0 / std::f64::consts::PI)]
+    {
+        let words = ["a light of size", "gives nothing"];
+        assert_warns(&lit(1e10, lamp), field, &words);
+        // The largest that is silent: the light goes √3 and 1 times as far as the floor at the most.
+        assert_silent(&lit(3e8, lamp));
+        let found = seen(&lit(3e8, lamp));
+        assert!((found / expected - 1.0).abs() < 0.02, "{field}: {found}");
+        assert!(seen(&lit(1e10, lamp)) < 0.01 * expected, "{field}");
+    }
+}
+
 #[test]
 fn media_whose_free_path_is_shorter_than_rounding() {
     let fog = |density: &str| {

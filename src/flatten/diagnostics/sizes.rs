@@ -16,6 +16,9 @@ const LEAST_SHARE: f64 = 8.0 * U;
 const LEAST_SPHERE: f64 = 1e-5;
 /// The least size of a feature, as a share of the scene's extent.
 const SMALLEST_SHARE: f64 = 1.0 / (1u64 << 40) as f64;
+/// The least size of a light, as a share of the distance that its light goes: the density of the directions to a smaller one has no square in
+/// f32 (shaders/light), with a factor of two for surfaces that see it at an angle.
+const LEAST_LIGHT: f64 = 1.0 / (1u64 << 30) as f64;
 /// The largest rounding of positions in a medium, as a share of its mean free path.
 const PATH_SHARE: f64 = 0.1;
 /// The largest share of the light in a medium that `max_depth` may cut off.
@@ -48,6 +51,8 @@ pub struct Sizes<'a> {
     /// Clear boxes with a side below the offset of rays: the number, the side and the offset.
     thin: Worst<(usize, f64, f64)>,
     tiny: Worst<(At, Name, f64)>,
+    /// Lights that are too small for where they shine: the number, the size and the distance.
+    dim: Worst<(usize, f64, f64)>,
 }
 
 impl<'a> Sizes<'a> {
@@ -58,10 +63,19 @@ impl<'a> Sizes<'a> {
             lost: Worst::default(),
             thin: Worst::default(),
             tiny: Worst::default(),
+            dim: Worst::default(),
         }
     }
 
     pub fn see(&mut self, number: usize, body: &Body, kind: Role) {
+        if kind.light {
+            let size = sizes(body).fold(0.0, |most: f64, (size, _)| most.max(size));
+            // From one corner of what the scene holds to the light.
+            let far = 3f64.sqrt() * self.found.extent + body.place.length();
+            if size < LEAST_LIGHT * far {
+                self.dim.note(far / size, (number, size, far));
+            }
+        }
         let thinnest = if kind.glass { thinnest(body) } else { None };
         if let Some((side, start)) = thinnest.filter(|(side, start)| side <= start) {
             return self.thin.note(start / side, (number, side, start));
@@ -103,7 +117,8 @@ impl<'a> Sizes<'a> {
         let tiny = self.tiny.diagnostic(|of| tell_tiny(of, found.extent));
         let thin = self.thin.diagnostic(tell_thin);
         let white = white.diagnostic(|of| tell_white(of, found.scene.render.max_depth));
-        let all = [self.lost.diagnostic(tell_lost), thin, tiny, dense.diagnostic(tell_dense), white];
+        let dim = self.dim.diagnostic(tell_dim);
+        let all = [self.lost.diagnostic(tell_lost), thin, tiny, dim, dense.diagnostic(tell_dense), white];
         all.into_iter().flatten().collect()
     }
 }
@@ -239,6 +254,17 @@ fn tell_tiny((at, (name, field), size): (At, Name, f64), extent: f64) -> Diagnos
         power_of_two(SMALLEST_SHARE)
     );
     Diagnostic { at, field: field_of(at, field), message, other: None, more: 0 }
+}
+
+fn tell_dim((number, size, far): (usize, f64, f64)) -> Diagnostic {
+    let message = format!(
+        "a light of size {}, in a scene where light goes up to {}: from farther than {} it gives nothing, because f32 does not hold its \
+         solid angle: make it larger and as much fainter, or leave out what is so far away",
+        short(size),
+        short(far),
+        short(size / LEAST_LIGHT)
+    );
+    Diagnostic::of(At::Primitive(number), "", message)
 }
 
 fn tell_dense((at, density, far): (At, f64, f64)) -> Diagnostic {
