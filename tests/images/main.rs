@@ -6,6 +6,7 @@ mod common;
 mod closed_form;
 mod estimators;
 mod features;
+mod globes;
 mod instances;
 mod knobs;
 mod recipe;
