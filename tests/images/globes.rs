@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 use gpu_rt::flatten::flatten;
-use gpu_rt::scene::Scene;
+use gpu_rt::scene::{Material, Scene, Texture};
 
 use crate::common::instances::ball_file;
 use crate::common::render::{Ask, Shot, diagnostics, plain, render, same_expectation, scene_in};
@@ -169,24 +169,43 @@ fn the_horizon_dips_as_the_radius_says() {
 /// Just below and just above the limit, with the same seed.
 #[test]
 fn where_the_two_forms_of_a_sphere_meet_nothing_shows() {
-    let of = |radius: f64, top: f64, material: &str| {
-        scene(ABOVE, 0.2, &format!("{}, {FIVE}", ground(radius, top, material)))
-    };
+    let of = |objects: &str| scene(ABOVE, 0.2, &format!("{objects}, {FIVE}"));
+    let grey = |radius: f64| of(&ground(radius, -0.005, "grey"));
     // The camera is some 1.01 above the ground, and not quite over its top. The limit of the radius is between these two.
     let (mut low, mut high) = (1020.0, 1045.0);
     while high - low > 1e-6 {
         let middle = 0.5 * (low + high);
-        if globes(&of(middle, -0.005, "grey")) == 0 { low = middle } else { high = middle }
+        if globes(&grey(middle)) == 0 { low = middle } else { high = middle }
     }
-    for material in ["grey", "checker", "noise", "marble", "image", "glass"] {
-        let (sphere, globe) = (of(low, -0.005, material), of(high, -0.005, material));
+    let check = |name: &str, objects: &dyn Fn(f64) -> String, other: String| {
+        let (sphere, globe) = (of(&objects(low)), of(&objects(high)));
         assert_eq!([globes(&sphere), globes(&globe)], [0, 1]);
         let sphere = render(&sphere, &asked());
         let found = difference(&render(&globe, &asked()), &sphere);
-        assert!(found < MOST, "{material}: {found}");
-        let found = difference(&render(&of(high, -0.03, material), &asked()), &sphere);
-        assert!(found > MOST, "{material}, a ground that is lower: {found}");
+        assert!(found < MOST, "{name}: {found}");
+        let found = difference(&render(&of(&other), &asked()), &sphere);
+        assert!(found > MOST, "{name}, another one: {found}");
+    };
+    for material in ["grey", "checker", "noise", "marble", "glass"] {
+        let objects = |radius: f64| ground(radius, -0.005, material);
+        check(material, &objects, ground(high, -0.03, material));
     }
+    // The sides of the image, not its edge.
+    let turned = |radius: f64, degrees: f64| {
+        let center = -radius - 0.005;
+        format!(
+            "Transformed(by: [RotateX({degrees:?}), RotateY(50), Translate((0, {center:?}, 0))],
+                object: Sphere(center: (0, 0, 0), radius: {radius:?}, material: \"image\"))"
+        )
+    };
+    check("image", &|radius| turned(radius, 70.0), turned(high, 72.0));
+    // Fog below the horizon, in layers.
+    let fog = |radius: f64, scale: f64| {
+        let boundary = ground(radius, -0.005, "").replace(", material: \"\"", "");
+        let albedo = format!("Checker(scale: {scale:?}, even: (0.9, 0.5, 0.1), odd: (0.1, 0.5, 0.9))");
+        format!("Medium(boundary: {boundary}, density: 2, albedo: {albedo})")
+    };
+    check("fog", &|radius| fog(radius, 0.3), fog(high, 0.31));
 }
 
 #[test]
@@ -274,6 +293,35 @@ fn a_dome_that_emits_lights_everything_within() {
         let dark =
             render(&unchecked(camera, 0.0, &format!("{}, {ball}", ground(radius, top, "lamp"))), &Ask::spp(64).mis());
         assert_eq!(farthest(&dark, 0.0), 0.0, "{radius}");
+    }
+}
+
+/// Beside a lamp, which the tree over the lights chooses or not.
+#[test]
+fn light_sampling_keeps_the_image_of_grounds_and_domes_that_emit() {
+    for (name, around) in [
+        ("a ground", ground(1e6, 0.0, "both")),
+        ("a ground", ground(1e12, 0.0, "both")),
+        // Everything stands on its bottom.
+        ("a dome", "Sphere(center: (0, 1e7, 0), radius: 1e7, material: \"both\")".to_string()),
+    ] {
+        let shot = |ask: Ask, emit: &str| {
+            let mut scene = scene(ABOVE, 0.0, &format!("{around}, {FIVE}"));
+            assert_eq!(globes(&scene), 1);
+            for (name, material) in &mut scene.materials {
+                if name == emit
+                    && let Material::DiffuseLight { emit, .. } = material
+                {
+                    *emit = Texture::Rgb(1.03, 1.03, 1.03);
+                }
+            }
+            render(&scene, &ask.size(32, 32))
+        };
+        let found = shot(Ask::spp(256).mis().seed(5), "");
+        let plain = shot(Ask::spp(1024).seed(6), "");
+        same_expectation(&found, &plain, 1e-5, ALPHA).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let brighter = shot(Ask::spp(1024).seed(6), "both");
+        assert!(same_expectation(&found, &brighter, 1e-5, ALPHA).is_err(), "{name}: light that is 3 % brighter");
     }
 }
 
