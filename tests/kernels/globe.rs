@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use gpu_rt::data::{Globe, Sphere};
 
-use crate::common::light_kernel::{self, DRAWS, GLOBE};
+use crate::common::light_kernel::{self, DRAWS, GLOBE, at_ends};
 use crate::common::stats::{Random, sidak, uniform_in_cells};
 use crate::common::trace::{In, NO_HIT, Out, leaving, trace, tracer};
 use crate::common::vectors::{U, decades, exact, rounded, unit};
@@ -270,6 +270,10 @@ fn directions_to_a_globe_are_uniform_in_its_cone() {
             rows.push(light_kernel::In { from, shape: shapes.len() as u32, ..light_kernel::In::default() });
             shapes.push(globe);
         }
+    }
+    // At the edge of the cone, too.
+    for (row, out) in at_ends(GLOBE, &rows, &shapes) {
+        assert!(out.distance != NO_HIT, "{row:?} {out:?} misses");
     }
     let found = light_kernel::draws(GLOBE, &rows, &shapes, &[]);
     for (row, found) in rows.iter().zip(found.chunks(DRAWS)) {
