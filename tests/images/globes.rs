@@ -84,6 +84,10 @@ fn difference(a: &Shot, b: &Shot) -> f64 {
 #[test]
 fn a_ground_of_any_radius_has_the_picture_of_a_plane() {
     let on = |ground: &str| render(&scene(ABOVE, 0.2, &format!("{ground}, {FIVE}")), &asked());
+    for exponent in 0..=15 {
+        // No ground is warned of.
+        let _ = scene(ABOVE, 0.2, &format!("{}, {FIVE}", ground(10f64.powi(exponent), 0.0, "grey")));
+    }
     let flat = on(&plane(0.0, "grey"));
     for exponent in [6, 8, 9, 12, 15] {
         let text = ground(10f64.powi(exponent), 0.0, "grey");
@@ -226,6 +230,23 @@ fn textures_of_a_huge_ground_are_those_of_a_plane() {
         let turned = format!("Transformed(by: [RotateY(20)], object: {})", sphere(1e12));
         let found = difference(&on(&turned), &flat);
         assert!(found > 5.0 * MOST, "{material}, turned: {found}");
+    }
+}
+
+#[test]
+fn a_texture_of_fog_in_a_huge_sphere_is_that_of_fog_in_a_box() {
+    let on = |boundary: &str, scale: f64| {
+        let albedo = format!("Checker(scale: {scale:?}, even: (0.9, 0.5, 0.1), odd: (0.1, 0.5, 0.9))");
+        let fog = format!("Medium(boundary: {boundary}, density: 2, albedo: {albedo})");
+        render(&scene(ABOVE, 0.2, &format!("{fog}, {FIVE}")), &asked())
+    };
+    let flat = on("Box(min: (-500, -500, -500), max: (500, -0.125, 500))", 0.3);
+    for radius in [1e7, 1e12] {
+        let sphere = format!("Sphere(center: (0, {:?}, 0), radius: {radius:?})", -radius - 0.125);
+        let found = difference(&on(&sphere, 0.3), &flat);
+        assert!(found < MOST, "{radius}: {found}");
+        let found = difference(&on(&sphere, 0.31), &flat);
+        assert!(found > MOST, "{radius}, another scale: {found}");
     }
 }
 
