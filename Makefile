@@ -15,7 +15,7 @@ define install
 }
 endef
 
-.PHONY: render test quick test-long fuzz soak test-drivers accuracy gpu-compile lint toolchain
+.PHONY: render test quick test-long test-slurm fuzz soak test-drivers accuracy scaling gpu-compile lint toolchain
 
 # The cover scene, in 50 s at most: out/weekend.exr is linear, out/weekend.png is for looking at.
 render: toolchain
@@ -46,6 +46,13 @@ test-long: export NODEVICE_SELECT = 1
 test-long: toolchain
 	$(CARGO) test --release --test long --test unchanged --test program -- --ignored --nocapture
 
+# A render over a real Slurm, with two nodes on this machine, of which one fails. About a minute, as root.
+test-slurm: toolchain
+	$(CARGO) build --release
+	@PATH="$$PATH:/usr/sbin"; { command -v slurmctld && command -v slurmd && command -v munged; } >/dev/null || \
+		$(call install, slurm-wlm munge, Slurm is missing)
+	@root=; [ "$$(id -u)" = 0 ] || root=sudo; $$root tests/slurm/run.sh
+
 # COUNT damaged files of every format, and ten times as many scenes. SEED chooses others.
 COUNT ?= 100000
 SEED ?= 2
@@ -68,6 +75,11 @@ BUDGET ?= 70s
 accuracy: export NODEVICE_SELECT = 1
 accuracy: toolchain
 	$(CARGO) bench --bench accuracy -- --budget $(BUDGET)
+
+# docs/scaling.md: what its tables are computed from, measured here in half an hour, and the tables.
+scaling: export NODEVICE_SELECT = 1
+scaling: toolchain
+	$(CARGO) bench --bench scaling
 
 # Every kernel compiled for GPUs that are not here, compared with docs/gpu.md; GPU_RT_RENEW=1 writes its tables anew.
 gpu-compile: export NODEVICE_SELECT = 1

@@ -22,6 +22,11 @@ pub enum Command {
     Render(RenderArgs),
     /// Join renders of disjoint samples of one scene, in any order: the image is that of one render.
     Merge(MergeArgs),
+    /// Tell what has come of a render of many parts, in a folder of `gpu-rt submit`: samples, parts, time left. It changes no file there.
+    Status(StatusArgs),
+    /// Share one render among many processes or machines.
+    #[command(subcommand)]
+    Submit(Scheduler),
     /// Measure the error of an image against a reference, and separate it from noise.
     Compare(CompareArgs),
     /// Measure the trade of render's settings on a scene: seconds against noise and bias.
@@ -74,7 +79,7 @@ pub struct RenderArgs {
     /// Go on with the render in the output, and fail if there is none; --resume=auto starts afresh then. The image is that of one render.
     #[arg(long, value_name = "auto", num_args = 0..=1, require_equals = true, default_missing_value = "yes", value_parser = resume)]
     pub resume: Option<Resume>,
-    /// Go on with a render by another device or driver, whose rounding may differ.
+    /// Render with several devices or drivers, or go on with another one, whose rounding may differ.
     #[arg(long)]
     pub mixed_drivers: bool,
     /// Leave out of the EXR what --resume and `merge` need.
@@ -97,6 +102,64 @@ pub struct RenderArgs {
     /// Measure the seconds of each stage on the device; each dispatch then needs a pass of its own.
     #[arg(long, help_heading = Class::Exact.heading())]
     pub profile: bool,
+}
+
+/// Who runs the processes.
+#[derive(Debug, Subcommand)]
+pub enum Scheduler {
+    /// By Slurm: a folder with the scene and scripts, an array of tasks that render, and a job after them that joins.
+    Slurm(SubmitArgs),
+}
+
+#[derive(Debug, Args)]
+pub struct SubmitArgs {
+    /// The scene file. It is copied, and so are the files that it names by relative paths.
+    #[arg(required_unless_present_any = ["missing", "next"])]
+    pub scene: Option<PathBuf>,
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_SAMPLES),
+          help = options::SPP.help(), help_heading = options::SPP.class.heading())]
+    pub spp: Option<u32>,
+    /// Render until the relative error is below this with 95 % confidence, in rounds that double the samples, limited by --spp if
+    /// given.
+    #[arg(long, value_name = "E", value_parser = relative_error)]
+    pub noise: Option<f64>,
+    /// The parts that the samples are split into: at most one for 8 samples.
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..=1_000_000), required_unless_present_any = ["missing", "next"])]
+    pub parts: Option<u32>,
+    /// The folder, which all machines must see; created if missing [default: SCENE-job].
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Submit the parts of this folder whose images lack samples, and the join after them.
+    #[arg(long, value_name = "DIR", conflicts_with_all = of_a_new_folder().chain(["next"]))]
+    pub missing: Option<PathBuf>,
+    /// Submit the next round of this folder, unless the error is reached. The job that joins does it.
+    #[arg(long, value_name = "DIR", conflicts_with_all = of_a_new_folder())]
+    pub next: Option<PathBuf>,
+    /// Write the folder and print what would be submitted.
+    #[arg(long)]
+    pub dry_run: bool,
+    #[arg(long, value_name = "WxH|N%", value_parser = image_size,
+          help = options::SIZE.help(), help_heading = options::SIZE.class.heading())]
+    pub size: Option<Size>,
+    #[command(flatten)]
+    pub paths: PathArgs,
+    /// Write the images of parts so far at this interval [30s, 5m, …].
+    #[arg(long, value_name = "TIME", value_parser = duration, default_value = "60s")]
+    pub checkpoint: Duration,
+    /// Allow several devices or drivers, whose rounding may differ.
+    #[arg(long)]
+    pub mixed_drivers: bool,
+    #[command(flatten)]
+    pub options: RenderOptions,
+    /// Options of sbatch.
+    #[arg(last = true, value_name = "SBATCH OPTION")]
+    pub sbatch: Vec<String>,
+}
+
+/// The arguments of `submit` that a folder has already.
+fn of_a_new_folder() -> impl Iterator<Item = &'static str> {
+    let own = ["scene", "spp", "noise", "parts", "output", "size", "checkpoint", "mixed_drivers"];
+    own.into_iter().chain(["max_depth", "seed", "device"]).chain(RenderOptions::names())
 }
 
 /// What `--resume` does where there is nothing to resume.
@@ -125,16 +188,22 @@ pub struct PathArgs {
     /// Seed of the random numbers.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u32,
-    /// The device, by its index or a part of its name as `gpu-rt devices` lists them.
+    /// The device, by its index or a part of its name as `gpu-rt devices` lists them. `render` also takes several, A,B,…, and all GPUs: all.
     #[arg(long, value_name = "INDEX|NAME")]
     pub device: Option<String>,
 }
 
 #[derive(Debug, Args)]
 pub struct MergeArgs {
-    /// The parts: EXRs of `gpu-rt render --samples A..B`, or of this command.
+    /// The parts: EXRs of `gpu-rt render --samples A..B`, or of this command, or folders of them.
     #[arg(value_name = "PART.exr", required = true)]
     pub parts: Vec<PathBuf>,
+    /// The samples that the parts must have together, and no others.
+    #[arg(long, value_name = "A..B", value_parser = sample_range, conflicts_with = "allow_gaps")]
+    pub samples: Option<Range<u32>>,
+    /// Join no more than `render --noise` would render: it looks at 16, 32, 64 … samples. Parts must end there.
+    #[arg(long, value_name = "E", value_parser = relative_error, conflicts_with = "allow_gaps")]
+    pub noise: Option<f64>,
     /// The EXR to write. It can be resumed, and joined with others.
     #[arg(short, long, value_name = "OUT.exr")]
     pub output: PathBuf,
@@ -145,6 +214,28 @@ pub struct MergeArgs {
     #[arg(long)]
     pub mixed_drivers: bool,
     /// Print errors only.
+    #[arg(long)]
+    pub quiet: bool,
+    /// Print one JSON object on stdout.
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct StatusArgs {
+    /// The folder that `gpu-rt submit` has written.
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// Also join the samples that are there, and print the error of their image.
+    #[arg(long)]
+    pub error: bool,
+    /// Also join the samples that are there, and write a tone-mapped picture of them.
+    #[arg(long, value_name = "FILE.png")]
+    pub png: Option<PathBuf>,
+    /// Exposure of the PNG, in stops.
+    #[arg(long, value_name = "EV", default_value_t = 0.0, value_parser = exposure, allow_negative_numbers = true)]
+    pub exposure: f64,
+    /// Print results and errors only.
     #[arg(long)]
     pub quiet: bool,
     /// Print one JSON object on stdout.
@@ -340,7 +431,8 @@ fn sample_range(text: &str) -> Result<Range<u32>, String> {
     }
 }
 
-fn duration(text: &str) -> Result<Duration, String> {
+/// Parses a time such as 30s.
+pub fn duration(text: &str) -> Result<Duration, String> {
     // A bare number is seconds.
     let duration = match text.parse::<f64>() {
         Ok(seconds) => Duration::try_from_secs_f64(seconds).map_err(|error| error.to_string()),

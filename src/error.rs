@@ -47,7 +47,7 @@ pub enum Error {
     /// A shader did not link or validate. This is a defect of gpu-rt, never of the scene.
     #[error("{0}")]
     Shader(String),
-    /// `--strict` was given and samples were rejected.
+    /// All samples were rejected, or some with `--strict`.
     #[error("{0}")]
     Strict(String),
     /// `--fail-above` was given and a metric is above its limit.

@@ -11,6 +11,7 @@ pub mod gpu;
 mod guard;
 pub mod identity;
 pub mod job;
+pub mod jobs;
 pub mod lights;
 pub mod material;
 pub mod memory;

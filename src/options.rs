@@ -68,6 +68,19 @@ impl RenderOptions {
     }
 }
 
+impl RenderOptions {
+    /// The options that are not at their defaults, as words of the command line.
+    pub fn words(&self) -> Vec<String> {
+        let known = all().filter(|knob| !knob.is_default(self));
+        known.filter_map(|knob| Some([format!("--{}", knob.name), knob.value(self)?])).flatten().collect()
+    }
+
+    /// The names of all options that [`RenderOptions`] holds.
+    pub fn names() -> Vec<&'static str> {
+        all().filter(|knob| knob.reading.is_some()).map(|knob| knob.name).collect()
+    }
+}
+
 /// An option whose values are words.
 trait Words: Copy + PartialEq + 'static {
     /// All values, as the command line spells them.

@@ -309,10 +309,12 @@ impl Kernels {
         let places = places(&self.path_fields);
         let (plane_bytes, word_bytes) = (places.plane_bytes(), places.word_bytes());
         let header = u64::from(QUEUE_HEADER);
-        let array = |name, contents: Cow<'a, [u8]>, stride: u64, why| {
-            let size = format!("{} x {stride} bytes", contents.len() as u64 / stride);
-            BufferSpec::scene(name, contents, why).made_of(size)
+        let parts = |name, contents: Vec<Cow<'a, [u8]>>, stride: u64, why| {
+            let spec = BufferSpec::scene(name, contents, why);
+            let size = format!("{} x {stride} bytes", spec.bytes / stride);
+            spec.made_of(size)
         };
+        let array = |name, contents, stride, why| parts(name, vec![contents], stride, why);
         let all = [
             BufferSpec::uniform("settings", self.settings.size(), "camera, sky and limits of the render"),
             BufferSpec::uniform("window", size_of::<data::Window>() as u64, "the runs that may start now"),
@@ -329,7 +331,12 @@ impl Kernels {
                 .made_of(format!("{slots} slots x {plane_bytes} bytes")),
             BufferSpec::working("path_words", slots * word_bytes, "what of that state fills no vec4")
                 .made_of(format!("{slots} slots x {word_bytes} bytes")),
-            array("texels", bytes(&flat.texels), element_bytes(&flat.texels), "images"),
+            parts(
+                "texels",
+                flat.texels.iter().map(|image| bytes(image)).collect(),
+                size_of::<[f32; 3]>() as u64,
+                "images",
+            ),
             array(
                 "sky",
                 bytes(&flat.sky),

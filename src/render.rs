@@ -1,14 +1,14 @@
-//! The render loop: generate → { { intersect → scatter → refill } … → accumulate } …
+//! The render loop of a device: generate → { { intersect → scatter → refill } … → accumulate } …
 
 mod goals;
 mod outcome;
+mod renderer;
+mod stretch;
 mod turns;
 
 use std::collections::{BTreeMap, VecDeque};
 use std::ops::Range;
 use std::time::{Duration, Instant};
-
-use cpu_time::ThreadTime;
 
 use crate::data::{Counters, PixelTotals, RUN_LENGTH, Settings, Window};
 use crate::error::{Error, Result};
@@ -18,11 +18,13 @@ use crate::gpu::device::Device;
 use crate::gpu::pipeline::{Pipeline, PipelineSpec};
 use crate::gpu::probe;
 use crate::gpu::timing::{MAX_PASSES, StageTimes, Timing};
-use crate::job::{Goal, Job, blocks};
+use crate::job::{Job, blocks};
 use crate::plan::{Bounce, Kernel, Plan, STEPS, SettingsLayout, Tuning};
-pub use goals::FIRST_LOOK;
+pub use goals::{FIRST_LOOK, LAST_LOOK, look_after, look_at};
 use outcome::totals_since;
 pub use outcome::{NOISE_LEVEL, Noise, Outcome, level_after};
+pub use renderer::Renderer;
+use stretch::{Pilot, Shared};
 use turns::{Rounds, Turn, pixel_in_order, tiles};
 
 /// A look at the film of a render that goes on.
@@ -34,8 +36,9 @@ pub struct Look<'a> {
     pub whole: bool,
 }
 
-/// Called after each submission with the render's outcome so far, and with the film if the last call asked for a look.
-pub type Watch<'a> = &'a mut dyn FnMut(&Outcome, Option<Look<'_>>) -> Next;
+/// Called after each submission with the render's outcome so far, and with the film if the last call asked for a look. Each device has a
+/// thread, which calls.
+pub type Watch<'a> = &'a mut (dyn FnMut(&Outcome, Option<Look<'_>>) -> Next + Send);
 
 /// What the caller of a render wants next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,8 +60,8 @@ const IN_FLIGHT: usize = 2;
 /// Bytes of the film that go to the host at a time.
 const FILM_AT_ONCE: u64 = 16 << 20;
 
-/// A render that is ready to go: kernels compiled, buffers filled.
-pub struct Renderer<'a> {
+/// A device that is ready to render: kernels compiled, buffers filled.
+struct Lane<'a> {
     device: &'a Device,
     settings: Settings,
     settings_layout: SettingsLayout,
@@ -116,42 +119,6 @@ impl BouncePipelines {
     }
 }
 
-/// What a stretch of rendering reports to.
-struct Stretch<'a> {
-    film: &'a mut Film,
-    watch: Watch<'a>,
-    start: Instant,
-    outcome: &'a mut Outcome,
-    /// Whether a look at the whole film is asked for.
-    whole: bool,
-    /// What is rendered only to learn its pace. Nobody looks at it.
-    pilot: Option<Pilot>,
-}
-
-/// A sample that will be taken back.
-#[derive(Clone, Copy)]
-struct Pilot {
-    /// Whether the film must not get it.
-    discards: bool,
-}
-
-impl Stretch<'_> {
-    /// Asks what is wanted next, with a look or without.
-    fn ask(&mut self, look: Option<(Instant, bool)>) -> Next {
-        let look = look.map(|(begin, whole)| Look { film: self.film, begin, whole });
-        let next = (self.watch)(self.outcome, look);
-        let next = if self.pilot.is_some() && next != Next::Stop { Next::GoOn } else { next };
-        self.whole |= next == Next::Whole;
-        self.outcome.interrupted |= next == Next::Stop;
-        next
-    }
-
-    /// Whether the turn is to end with the block of samples that has been started.
-    fn ends_early(&self) -> bool {
-        self.whole || self.outcome.interrupted
-    }
-}
-
 /// The pipelines of a plan's `Bounce`.
 enum BouncePipelines {
     Fused(Pipeline),
@@ -165,13 +132,13 @@ enum BouncePipelines {
     },
 }
 
-impl<'a> Renderer<'a> {
+impl<'a> Lane<'a> {
     /// Allocates the buffers and compiles the kernels.
     ///
     /// # Errors
     /// `Error::Device` where a buffer exceeds the device's limits or memory, a kernel does not compile, or one relies on what the
     /// numerics probe does not find.
-    pub fn new(device: &'a Device, plan: &Plan<'_>, job: &Job, profile: bool) -> Result<Renderer<'a>> {
+    fn new(device: &'a Device, plan: &Plan<'_>, job: &Job, profile: bool) -> Result<Lane<'a>> {
         let tuning = plan.tuning;
         let most_slots = u64::from(device.limits.max_compute_workgroups_per_dimension) * u64::from(tuning.workgroup);
         if u64::from(tuning.slots) > most_slots {
@@ -229,7 +196,7 @@ impl<'a> Renderer<'a> {
             indirect_limit: plan.indirect_limit(),
             ..plan.scene.settings
         };
-        let renderer = Renderer {
+        let lane = Lane {
             device,
             settings,
             settings_layout: plan.kernels.settings.clone(),
@@ -250,8 +217,8 @@ impl<'a> Renderer<'a> {
             tuning,
             buffers,
         };
-        renderer.warm_up()?;
-        Ok(renderer)
+        lane.warm_up()?;
+        Ok(lane)
     }
 
     /// Dispatches nothing by each kernel: some drivers compile at the first dispatch.
@@ -265,76 +232,59 @@ impl<'a> Renderer<'a> {
         self.device.wait(self.device.queue.submit([encoder.finish()]))
     }
 
-    /// Renders until the goal is reached. Calls `watch` after each submission with the outcome so far; fields that are known only at the end
-    /// have their defaults. If `watch` asks for a look, it is called again with the film. The job may differ from the one that the renderer
-    /// was made for, but not in its size.
-    ///
-    /// # Errors
-    /// `Error::Device` if the device fails. The film then has what it had after the last look.
-    pub fn run(&mut self, job: &Job, film: &mut Film, watch: Watch<'_>) -> Result<Outcome> {
-        let mut outcome = Outcome { samples: job.first_sample..job.first_sample, ..Outcome::default() };
-        let start = Instant::now();
-        let processor = ThreadTime::now();
+    /// Gets ready for another job.
+    fn begin(&mut self, job: &Job) {
         self.stages = StageTimes::default();
         self.drop_film();
-        let first = job.first_sample;
         self.settings = Settings { max_depth: job.max_depth, seed: job.seed, ..self.settings };
-        let mut stretch = Stretch { film: &mut *film, watch, start, outcome: &mut outcome, whole: false, pilot: None };
-        match job.goal {
-            Goal::Samples(end) => self.render_samples(first..end, &mut stretch)?,
-            Goal::Until { deadline, end } => self.render_until(first..end, deadline, &mut stretch)?,
-            Goal::Noise { error, deadline, end, begun, looks } => {
-                self.render_noise(first..end, error, deadline, (begun, looks), &mut stretch)?;
-            }
-        }
-        self.bring_film(film)?;
-        outcome.seconds = start.elapsed().as_secs_f64();
-        outcome.host_seconds = processor.elapsed().as_secs_f64();
-        outcome.stages = self.stages.seconds.iter().map(|(name, seconds)| (name.clone(), *seconds)).collect();
-        outcome.device_idle = self.stages.idle();
-        Ok(outcome)
     }
 
-    /// Renders a range of samples of every pixel.
-    fn render_samples(&mut self, samples: Range<u32>, stretch: &mut Stretch<'_>) -> Result<()> {
+    /// Renders blocks of samples of every pixel while there are any left.
+    fn work(&mut self, shared: &Shared<'_, '_>) -> Result<()> {
+        let samples = &shared.samples;
         self.settings.first_sample = samples.start;
         self.settings.end_sample = samples.end;
         self.write("settings", &self.settings_layout.bytes(&self.settings))?;
-        self.most_bounces = self.most_bounces(&samples);
+        self.most_bounces = self.most_bounces(samples);
         let pixels = u64::from(self.size.0) * u64::from(self.size.1);
         let pixels = u32::try_from(pixels).unwrap_or(u32::MAX);
-        let mut rounds = Rounds::new(pixels, self.tuning.tile);
-        let mut left = blocks(samples.clone());
-        while !left.is_empty() && !stretch.outcome.interrupted {
+        let mut rounds = Rounds::new(pixels, self.tuning.tile, shared.lanes > 1);
+        while let Some(taken) = shared.take(&rounds) {
             let begin = Instant::now();
-            let mut round = rounds.next(&left);
+            let mut round = taken.clone();
             for tile in tiles(pixels, self.tuning.tile) {
                 if tile != self.tile {
-                    match stretch.pilot {
-                        Some(Pilot { discards: true }) => self.drop_film(),
-                        _ => self.bring_film(stretch.film)?,
-                    }
+                    self.hand_over(shared)?;
                     self.tile = tile.clone();
                 }
                 // The first tile may end the round early. The others get the same samples.
                 let first = tile.start == 0;
-                round.end = self.render_turn(&Turn { pixels: tile, blocks: round.clone() }, first, stretch)?;
+                round.end = self.render_turn(&Turn { pixels: tile, blocks: round.clone() }, first, shared)?;
             }
             rounds.took(begin.elapsed());
-            left.start = round.end;
-            stretch.outcome.samples.end = (round.end * RUN_LENGTH).min(samples.end);
-            if std::mem::take(&mut stretch.whole) {
+            if shared.note(round, taken.end) {
                 let begin = Instant::now();
-                self.bring_film(stretch.film)?;
-                stretch.ask(Some((begin, true)));
+                self.hand_over(shared)?;
+                shared.show_whole(begin);
             }
+        }
+        // The others may show the film before this lane renders again.
+        if shared.lanes > 1 { self.hand_over(shared) } else { Ok(()) }
+    }
+
+    /// Brings what the device's film has received to the film on the host, or drops it if nobody wants it.
+    fn hand_over(&mut self, shared: &Shared<'_, '_>) -> Result<()> {
+        let mut state = shared.state();
+        match state.stretch.pilot {
+            Some(Pilot { discards: true }) => self.drop_film(),
+            _ => self.bring_film(state.stretch.film)?,
         }
         Ok(())
     }
 
     /// Renders the runs of a turn, until every slot is idle. The result is one past the last block: if the turn may end early and is asked to, it
     /// ends with the block that has been started.
-    fn render_turn(&mut self, turn: &Turn, may_end_early: bool, stretch: &mut Stretch<'_>) -> Result<u32> {
+    fn render_turn(&mut self, turn: &Turn, may_end_early: bool, shared: &Shared<'_, '_>) -> Result<u32> {
         let pixels = turn.pixels.len() as u32;
         let first_block = turn.blocks.start;
         let end = turn.blocks.len() as u32 * pixels;
@@ -359,11 +309,7 @@ impl<'a> Renderer<'a> {
                     let before = std::mem::replace(&mut counters, self.land(flight)?);
                     let counted = totals_since(&counters, &before);
                     self.received += counted;
-                    stretch.outcome.totals += counted;
-                    if stretch.outcome.first_pass == 0.0 {
-                        stretch.outcome.first_pass = stretch.start.elapsed().as_secs_f64();
-                    }
-                    look |= stretch.ask(None) == Next::Look;
+                    look |= shared.state().stretch.landed(counted) == Next::Look;
                 }
                 None if to_cut => {
                     (to_cut, cut) = (false, true);
@@ -374,12 +320,13 @@ impl<'a> Renderer<'a> {
                 None if look => {
                     look = false;
                     let begin = Instant::now();
-                    self.bring_film(stretch.film)?;
-                    stretch.ask(Some((begin, false)));
+                    let mut state = shared.state();
+                    self.bring_film(state.stretch.film)?;
+                    state.stretch.ask(Some((begin, false)));
                 }
                 None => break,
             }
-            to_cut |= may_end_early && !cut && stretch.ends_early();
+            to_cut |= may_end_early && !cut && shared.state().ends_early();
         }
         Ok(first_block + window.end / pixels)
     }
@@ -532,11 +479,6 @@ impl<'a> Renderer<'a> {
 
     fn write(&self, name: &str, bytes: &[u8]) -> Result<()> {
         self.device.write(self.buffers.get(name)?, bytes)
-    }
-
-    /// The sizes in force.
-    pub fn tuning(&self) -> &Tuning {
-        &self.tuning
     }
 }
 

@@ -46,6 +46,11 @@ impl Samples {
         self.0.splice(first..end, [joined]);
     }
 
+    /// Adds all samples of another set.
+    pub fn join(&mut self, other: &Samples) {
+        other.0.iter().for_each(|range| self.add(range.clone()));
+    }
+
     /// What both have: the first common range.
     pub fn overlap(&self, other: &Samples) -> Option<Range<u32>> {
         let common = |a: &Range<u32>| {

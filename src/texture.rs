@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
+use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
@@ -78,7 +79,7 @@ pub const TEXTURE: &str = "a texture: Rgb(r, g, b), Checker(..), Image(..), Nois
 pub struct Bitmap {
     pub width: u32,
     pub height: u32,
-    pub texels: Vec<[f32; 3]>,
+    pub texels: Arc<Vec<[f32; 3]>>,
 }
 
 /// The decoded images, by the paths that the scene file writes.

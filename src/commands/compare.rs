@@ -13,7 +13,7 @@ use crate::metrics::error::{mse, psnr, relmse, relmse_trimmed};
 use crate::metrics::estimate::{CONFIDENCE, Estimate};
 use crate::metrics::flip::error_map;
 use crate::metrics::verdict::verdict;
-use crate::output::exr::{ExrImage, read_exr};
+use crate::output::exr::{ExrImage, read_exr, read_state};
 use crate::output::png::write_heatmap;
 
 /// Reads both images, prints their differences, and fails if an error is above its limit.
@@ -23,6 +23,16 @@ pub fn run(args: &CompareArgs) -> Result<()> {
         check_outputs(&[("--heatmap", heatmap)], &images, "nothing has been compared")?;
     }
     let (mut a, mut b) = (read_exr(&args.image)?, read_exr(&args.reference)?);
+    let identity = |path| read_state(path).ok().flatten().map(|state| state.identity);
+    if let Some((a, b)) = identity(&args.image).zip(identity(&args.reference))
+        && !a.is_of_scene(&b)
+    {
+        tell(&format!(
+            "warning: {} and {} are of different scenes, as their headers say",
+            args.image.display(),
+            args.reference.display()
+        ));
+    }
     if (a.width, a.height) != (b.width, b.height) {
         return Err(Error::Usage(format!(
             "{} has {} x {} pixels and {} has {} x {}: expected images of one size",

@@ -12,11 +12,12 @@ use super::{
 use crate::cli::{ConvergeArgs, Size};
 use crate::error::{Error, Result};
 use crate::film::Film;
+use crate::identity::Identity;
 use crate::job::{Goal, Job};
 use crate::metrics::error as metrics;
 use crate::output::atomic;
 use crate::output::csv::csv;
-use crate::output::exr::{ExrImage, read_exr};
+use crate::output::exr::{ExrImage, read_exr, read_state};
 use crate::output::plot::{Curve, Plot, svg};
 use crate::plan::Plan;
 use crate::render::{Look, Next, Outcome, Renderer};
@@ -51,6 +52,7 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
             args.paths.seed
         ));
     }
+    let state = read_state(&args.reference).ok().flatten();
     let (table, plot) = outputs(args)?;
     let size = (reference.width, reference.height);
     let (size, flat) = flatten_for(&scene, Some(Size::Pixels(size.0, size.1)), &args.options)?;
@@ -60,6 +62,10 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
     let end = args.spp.unwrap_or(scene.render.samples);
     let max_depth = args.paths.max_depth.unwrap_or(scene.render.max_depth);
     let job = Job { size, max_depth, seed: args.paths.seed, first_sample: 0, goal: Goal::Samples(end) };
+    if state.is_some_and(|state| !Identity::of(&scene, &job, &args.options).is_of_scene(&state.identity)) && !args.quiet
+    {
+        tell(&format!("warning: {} is of another scene, as its header says", args.reference.display()));
+    }
     let plan = Plan::new(&flat, &args.options, device.class(), &job)?;
     let mut renderer = Renderer::new(&device, &plan, &job, false)?;
     let mut film = Film::with_sampler(size.0, size.1, flat.radiance_exponent, args.options.sampler)?;
@@ -166,7 +172,7 @@ fn drawing<'a>(title: &'a str, steps: &[Measurement], own_error: Option<f64>) ->
         curves.push(curve("relMSE of the reference by its noise", &|_| own));
         curves.push(curve("relMSE less the reference's own", &|step| step.relmse - own));
     }
-    Plot { title, x: "seconds of rendering", y: "relMSE", curves }
+    Plot { title, x: "seconds of rendering", y: "relMSE; the dashed line falls as 1/N", curves, guide: true }
 }
 
 const COLUMNS: &str = "samples,seconds,mse,rmse,relmse,mean_difference,relative_error";

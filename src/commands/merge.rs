@@ -6,37 +6,52 @@ use std::path::{Path, PathBuf};
 use serde_json::json;
 
 use super::outputs::check_outputs;
-use super::render::{Finish, attributes_of, excluded};
+use super::render::{Finish, attributes_of, excluded, noise_words};
 use super::{path_text, print_json, tell};
 use crate::cli::MergeArgs;
 use crate::data::RUN_LENGTH;
 use crate::error::{Error, Result};
+use crate::film::Film;
 use crate::output::exr::{Attribute, State, add_film, read_attributes, read_state, write_render};
 use crate::output::progress::Loading;
+use crate::render::{Noise, look_after, look_at};
 use crate::samples::Samples;
 
 /// Joins the parts. It takes the memory of one film, whatever their number.
 pub fn run(args: &MergeArgs) -> Result<()> {
-    check_outputs(&[("-o", &args.output)], &args.parts, "nothing has been joined")?;
+    let paths = files(&args.parts)?;
+    check_outputs(&[("-o", &args.output)], &paths, "nothing has been joined")?;
     let mut loading = Loading::new(args.quiet);
-    let joined = Joined::of(args, &mut loading)?;
-    let first = &joined.parts[0];
+    let parts = parts_of(args, &paths, &mut loading)?;
+    let Some(first) = parts.first() else { return Err(Error::Usage("no part is there".to_string())) };
     let mut film = first.state.film()?;
-    for (number, part) in joined.parts.iter().enumerate() {
-        loading.show(&format!("joining {}", part.path.display()), number as f64 / joined.parts.len() as f64);
+    let mut joined = Joined::default();
+    for (number, part) in parts.iter().enumerate() {
+        loading.show(&format!("joining {}", part.path.display()), number as f64 / parts.len() as f64);
         add_film(part.path, &part.state, &mut film)?;
+        joined.add(part);
+        if let Some(error) = args.noise
+            && joined.look(&parts, part, &film, error)?
+        {
+            break;
+        }
     }
     drop(loading);
 
-    let Joined { samples, devices, looks, .. } = &joined;
-    let finish = Finish::of(&film, samples, devices, None, joined.complete);
+    let Joined { count, samples, devices, looks, noise } = &joined;
+    let complete = samples.ranges().len() == 1;
     // What the parts were asked is the same; what came of them is told of the whole.
-    let mut attributes = joined.attributes.clone();
+    let mut attributes = read_attributes(first.path)?;
     let text = |name: &str| match attributes.iter().find(|(known, _)| known == name) {
         Some((_, Attribute::Text(text))) => text.clone(),
         _ => String::new(),
     };
-    let record = json!(finish.record(&excluded(&text("gpu-rt:biases"))));
+    let finish = Finish::of(&film, samples, devices, *noise, &text("gpu-rt:integrator"), complete);
+    let mut record = json!(finish.record(&excluded(&text("gpu-rt:biases"))));
+    if let (Some(error), Some(noise), Some(record)) = (args.noise, noise, record.as_object_mut()) {
+        record.insert("noise".to_string(), json!(error));
+        record.insert("noise_reached".to_string(), json!(noise.reached));
+    }
     // Also what is not known of the whole, and has no attribute.
     let is_of_film = |name: &str| record.get(name).is_some();
     let is_of_one_part = |name: &str| name.starts_with("seconds_") || name.starts_with("noise");
@@ -48,7 +63,7 @@ pub fn run(args: &MergeArgs) -> Result<()> {
     write_render(&args.output, &film, &attributes, Some(&state), || Ok(()))?;
 
     let ends =
-        joined.parts.iter().flat_map(|part| part.state.samples.ranges()).flat_map(|range| [range.start, range.end]);
+        parts[..*count].iter().flat_map(|part| part.state.samples.ranges()).flat_map(|range| [range.start, range.end]);
     let hull = samples.hull();
     let off_runs = ends.into_iter().any(|at| !at.is_multiple_of(RUN_LENGTH) && at != hull.start && at != hull.end);
     if !args.quiet {
@@ -57,15 +72,18 @@ pub fn run(args: &MergeArgs) -> Result<()> {
                 "parts end within a run of {RUN_LENGTH} samples: the result is that of one render, but for the rounding of f32"
             ));
         }
+        if let (Some(error), Some(noise)) = (args.noise, noise) {
+            tell(&noise_words(error, noise, finish.error.as_ref()));
+        }
         let error = finish
             .error
             .map_or("error unknown".to_string(), |error| format!("relative error {:.2} %", 100.0 * error.value));
-        tell(&format!("{}: {} parts, {} samples, {error}", args.output.display(), joined.parts.len(), samples.count()));
+        tell(&format!("{}: {count} parts, {} samples, {error}", args.output.display(), samples.count()));
     }
     if args.json {
         let mut report = json!({
             "output": path_text(&args.output),
-            "parts": joined.parts.len(),
+            "parts": count,
             "width": film.width(),
             "height": film.height(),
             "samples_per_pixel": samples.count(),
@@ -83,77 +101,134 @@ struct Part<'a> {
     state: State,
 }
 
-/// Parts that fit together.
-struct Joined<'a> {
-    /// Sorted by their first samples.
-    parts: Vec<Part<'a>>,
+/// What has been joined.
+#[derive(Default)]
+struct Joined {
+    /// How many parts.
+    count: usize,
     samples: Samples,
     devices: Vec<(String, String)>,
     looks: u32,
-    complete: bool,
-    /// The header of the first part.
-    attributes: Vec<(String, Attribute)>,
+    noise: Option<Noise>,
 }
 
-impl<'a> Joined<'a> {
-    /// Reads what the parts are of.
+impl Joined {
+    fn add(&mut self, part: &Part<'_>) {
+        self.count += 1;
+        self.samples.join(&part.state.samples);
+        self.looks = self.looks.saturating_add(part.state.looks);
+        for device in &part.state.devices {
+            if !self.devices.contains(device) {
+                self.devices.push(device.clone());
+            }
+        }
+    }
+
+    /// Looks at the error where `render --noise` does; the result is whether that one would end here.
     ///
     /// # Errors
-    /// `Error::Usage` where they are not of one render, overlap, or leave a gap.
-    fn of(args: &'a MergeArgs, loading: &mut Loading) -> Result<Joined<'a>> {
-        let mut parts: Vec<Part<'a>> = Vec::new();
-        for (number, path) in args.parts.iter().enumerate() {
-            loading.show(&format!("reading {}", path.display()), number as f64 / args.parts.len() as f64);
-            let state = read_state(path)?.ok_or_else(|| {
-                Error::Usage(format!(
-                    "{}: it cannot be joined, because it has no state. Images of other programs and of --no-state have none",
-                    path.display()
-                ))
-            })?;
-            if let Some(first) = parts.first() {
-                fits(first, path, &state, args.mixed_drivers)?;
-            }
-            parts.push(Part { path, state });
-        }
-        parts.sort_by_key(|part| part.state.samples.hull().start);
-        let mut samples = Samples::default();
-        let (mut devices, mut looks) = (Vec::new(), 0u32);
-        for (number, part) in parts.iter().enumerate() {
-            if let Some(range) = samples.overlap(&part.state.samples) {
-                return Err(overlap(&parts[..number], part, &range));
-            }
-            part.state.samples.ranges().iter().for_each(|range| samples.add(range.clone()));
-            looks = looks.saturating_add(part.state.looks);
-            for device in &part.state.devices {
-                if !devices.contains(device) {
-                    devices.push(device.clone());
-                }
-            }
-        }
-        let gaps = samples.missing(samples.hull());
-        if !gaps.is_empty() && !args.allow_gaps {
-            let end =
-                |at: u32| parts.iter().find(|part| part.state.samples.ranges().iter().any(|range| range.end == at));
-            let before = gaps.ranges().first().and_then(|gap| end(gap.start));
-            let after = before.map_or(String::new(), |part| format!(" after {}", part.path.display()));
+    /// `Error::Usage` where the part goes on beyond such a number of samples.
+    fn look(&mut self, parts: &[Part<'_>], part: &Part<'_>, film: &Film, error: f64) -> Result<bool> {
+        let looks = self.noise.map_or(0, |noise| noise.looks);
+        let samples = self.samples.hull().end - self.samples.hull().start;
+        let aim = look_after(looks);
+        let last = self.count == parts.len();
+        if samples > aim || self.samples.ranges().len() > 1 {
             return Err(Error::Usage(format!(
-                "gap: no part has the samples {gaps}{after}. --allow-gaps joins the parts nevertheless"
+                "{}: --noise looks at {aim} samples, and this part goes on beyond: end it there",
+                part.path.display()
             )));
         }
-        let complete = gaps.is_empty();
-        let first = parts.first().map_or(Path::new(""), |part| part.path);
-        let attributes = read_attributes(first)?;
-        Ok(Joined { parts, samples, devices, looks, complete, attributes })
+        if samples == aim || last {
+            let (noise, ends) = look_at(film, samples, looks, error);
+            self.noise = Some(noise);
+            self.looks = noise.looks;
+            return Ok(ends);
+        }
+        Ok(false)
+    }
+}
+
+/// The files, and those of the folders.
+fn files(paths: &[PathBuf]) -> Result<Vec<PathBuf>> {
+    let mut files = Vec::new();
+    for path in paths {
+        if !path.is_dir() {
+            files.push(path.clone());
+            continue;
+        }
+        let failed =
+            |error: std::io::Error| Error::File { path: path.clone(), action: "read", reason: error.to_string() };
+        let mut inside = Vec::new();
+        for entry in std::fs::read_dir(path).map_err(failed)? {
+            inside.push(entry.map_err(failed)?.path());
+        }
+        inside.retain(|file| file.extension().is_some_and(|ending| ending == "exr"));
+        inside.sort();
+        files.append(&mut inside);
+    }
+    Ok(files)
+}
+
+/// Reads what the parts are of, and sorts them by their first samples.
+///
+/// # Errors
+/// `Error::Usage` where they are not of one render, overlap, or leave a gap.
+fn parts_of<'a>(args: &MergeArgs, paths: &'a [PathBuf], loading: &mut Loading) -> Result<Vec<Part<'a>>> {
+    let mut parts: Vec<Part<'a>> = Vec::new();
+    for (number, path) in paths.iter().enumerate() {
+        loading.show(&format!("reading {}", path.display()), number as f64 / paths.len() as f64);
+        let state = read_state(path)?.ok_or_else(|| {
+            Error::Usage(format!(
+                "{}: it cannot be joined, because it has no state. Images of other programs and of --no-state have none",
+                path.display()
+            ))
+        })?;
+        if let Some(first) = parts.first() {
+            fits(first, path, &state, args.mixed_drivers)?;
+        }
+        parts.push(Part { path, state });
+    }
+    parts.sort_by_key(|part| part.state.samples.hull().start);
+    let mut samples = Samples::default();
+    for (number, part) in parts.iter().enumerate() {
+        if let Some(range) = samples.overlap(&part.state.samples) {
+            return Err(overlap(&parts[..number], part, &range));
+        }
+        samples.join(&part.state.samples);
+    }
+    let wanted = args.samples.clone().unwrap_or(samples.hull());
+    let gaps = samples.missing(wanted.clone());
+    if !gaps.is_empty() && !args.allow_gaps {
+        let end = |at: u32| parts.iter().find(|part| part.state.samples.ranges().iter().any(|range| range.end == at));
+        let before = gaps.ranges().first().and_then(|gap| end(gap.start));
+        let after = before.map_or(String::new(), |part| format!(" after {}", part.path.display()));
+        let remedy = match args.samples {
+            Some(_) => "",
+            None => ". --allow-gaps joins the parts nevertheless",
+        };
+        return Err(Error::Usage(format!("gap: no part has the samples {gaps}{after}{remedy}")));
+    }
+    let beyond = parts.iter().find(|part| {
+        let hull = part.state.samples.hull();
+        hull.start < wanted.start || hull.end > wanted.end
+    });
+    match beyond {
+        Some(part) => Err(Error::Usage(format!(
+            "{}: it has the samples {}, beyond --samples {}..{}",
+            part.path.display(),
+            part.state.samples,
+            wanted.start,
+            wanted.end
+        ))),
+        None => Ok(parts),
     }
 }
 
 /// Checks that a part is of the same render as the first one.
 fn fits(first: &Part<'_>, path: &Path, state: &State, mixed_drivers: bool) -> Result<()> {
     let [a, b] = [first.path, path].map(|path| path.display().to_string());
-    let of_film = |state: &State| (state.size, state.exponent, state.sampler);
-    let difference = first.state.identity.difference(&a, &state.identity, &b);
-    let difference = difference.or((of_film(&first.state) != of_film(state)).then(|| "their films differ".to_string()));
-    if let Some(difference) = difference {
+    if let Some(difference) = first.state.difference(&a, state, &b) {
         return Err(Error::Usage(format!("mismatch: {a} and {b} cannot be joined: {difference}")));
     }
     if !mixed_drivers && first.state.devices != state.devices {

@@ -9,11 +9,13 @@ mod outputs;
 mod plan;
 mod render;
 mod signals;
+mod status;
+mod submit;
 mod tradeoff;
 
 use std::path::Path;
 
-use crate::cli::{Cli, Command, Size};
+use crate::cli::{Cli, Command, Scheduler, Size};
 use crate::error::{Error, Result};
 use crate::flatten::{DeviceScene, flatten};
 use crate::gpu::device::{AdapterName, Adapters, Device, DeviceClass};
@@ -28,6 +30,8 @@ pub fn run(cli: &Cli, start: std::time::Instant) -> Result<()> {
     match &cli.command {
         Command::Render(args) => render::run(args, start),
         Command::Merge(args) => merge::run(args),
+        Command::Status(args) => status::run(args),
+        Command::Submit(Scheduler::Slurm(args)) => submit::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Converge(args) => converge::run(args),
         Command::Plan(args) => plan::run(args),
@@ -97,6 +101,11 @@ fn planned<'a>(
 /// Opens the device of this index or name, or the default device.
 fn open_device(wish: Option<&str>) -> Result<Device> {
     Device::open(Adapters::find().choose(wish)?)
+}
+
+/// Opens the devices of these indices or names, or the default device.
+fn open_devices(wish: Option<&str>) -> Result<Vec<Device>> {
+    Adapters::find().choose_several(wish)?.into_iter().map(Device::open).collect()
 }
 
 /// Prints a warning about a software driver, unless `quiet`.

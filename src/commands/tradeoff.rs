@@ -22,7 +22,7 @@ use crate::tradeoff::judge::{Judged, Measured, judge};
 use crate::tradeoff::page::{html, plot};
 use crate::tradeoff::replicates::{FEWEST_ROUNDS, Pixels, signed_bias};
 use crate::tradeoff::report::{Findings, Shown};
-use crate::tradeoff::sweep::{LEVEL, MOST_ROUNDS, SAMPLES_OF_FEWEST, Setting, Subject, Sweep};
+use crate::tradeoff::sweep::{LEVEL, MOST_ROUNDS, SAMPLES_OF_FEWEST, Setting, Stop, Subject, Sweep};
 use crate::tradeoff::truth::Truth;
 
 /// The shares of the budget after which compiling and measuring end, and after which the calibration at the whole size
@@ -282,7 +282,7 @@ fn compile(
     settings: Vec<Setting>,
     cost: f64,
     until: Instant,
-    stop: &dyn Fn() -> bool,
+    stop: Stop<'_>,
     progress: &mut dyn FnMut(&str),
 ) -> Result<()> {
     // Assumes that the next compilation takes as long as the last one.
@@ -315,7 +315,7 @@ fn pictures(
     judged: &Judged,
     reference: Option<&Truth>,
     until: Instant,
-    stop: &dyn Fn() -> bool,
+    stop: Stop<'_>,
 ) -> Result<Vec<Shown>> {
     let pace = |found: &Measured| found.seconds_here;
     let same_time = judged.measured.first().map_or(0.0, pace) * f64::from(LEVEL);

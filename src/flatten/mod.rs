@@ -14,6 +14,7 @@ mod place;
 mod view;
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use glam::DVec3;
 
@@ -58,7 +59,8 @@ pub struct DeviceScene {
     pub materials: Vec<data::Material>,
     pub textures: Vec<data::Texture>,
     pub frames: Vec<data::Frame>,
-    pub texels: Vec<[f32; 3]>,
+    /// Of each image, one after the other. They are the scene's own: a copy may take 2 GiB.
+    pub texels: Vec<Arc<Vec<[f32; 3]>>>,
     /// The number of objects that rays can hit. An instance of a mesh counts as one.
     pub primitives: u32,
     /// The scene's radiance is the device's radiance times 2 to this power.
@@ -130,6 +132,13 @@ pub fn flatten(scene: &Scene, size: (u32, u32), options: &RenderOptions) -> Resu
     let radiance_scale = exp2(-radiance_exponent);
 
     let mut flat = DeviceScene { features, radiance_exponent, ..DeviceScene::default() };
+    if brightest == 0.0 {
+        let at = scene.location(&[Step::Field("background")]);
+        flat.warnings.push(format!(
+            "{at}: background: nothing in this scene emits light, so that the image is black: give the background a colour, or an \
+             object a DiffuseLight"
+        ));
+    }
     flat.settings = view.settings(&space);
     let mut builder = Builder {
         scene,
@@ -377,8 +386,8 @@ impl Builder<'_> {
         if let Some(&first) = self.images.get(path) {
             return first;
         }
-        let first = self.flat.texels.len() as u32;
-        self.flat.texels.extend_from_slice(&bitmap.texels);
+        let first = self.flat.texels.iter().map(|image| image.len()).sum::<usize>() as u32;
+        self.flat.texels.push(Arc::clone(&bitmap.texels));
         self.images.insert(path.to_string(), first);
         first
     }

@@ -12,8 +12,8 @@ use crate::error::{Error, Result};
 pub struct BufferSpec<'a> {
     pub name: &'static str,
     pub bytes: u64,
-    /// What it is filled with; zeros where this is empty.
-    pub contents: Cow<'a, [u8]>,
+    /// What it is filled with, one after the other; zeros where there is nothing. The bytes of each are a multiple of four.
+    pub contents: Vec<Cow<'a, [u8]>>,
     pub usage: wgpu::BufferUsages,
     /// What it is for.
     pub why: &'static str,
@@ -24,7 +24,7 @@ pub struct BufferSpec<'a> {
 impl<'a> BufferSpec<'a> {
     fn new(name: &'static str, bytes: u64, usage: wgpu::BufferUsages, why: &'static str) -> BufferSpec<'a> {
         let usage = usage | wgpu::BufferUsages::COPY_DST;
-        BufferSpec { name, bytes, contents: Cow::Borrowed(&[]), usage, why, size: format!("{bytes} bytes") }
+        BufferSpec { name, bytes, contents: Vec::new(), usage, why, size: format!("{bytes} bytes") }
     }
 
     /// The same, with the make-up of its bytes.
@@ -49,15 +49,16 @@ impl<'a> BufferSpec<'a> {
     }
 
     /// Filled once, only read after.
-    pub fn scene(name: &'static str, contents: Cow<'a, [u8]>, why: &'static str) -> BufferSpec<'a> {
-        let spec = BufferSpec::new(name, contents.len() as u64, wgpu::BufferUsages::STORAGE, why);
+    pub fn scene(name: &'static str, contents: Vec<Cow<'a, [u8]>>, why: &'static str) -> BufferSpec<'a> {
+        let bytes = contents.iter().map(|part| part.len() as u64).sum();
+        let spec = BufferSpec::new(name, bytes, wgpu::BufferUsages::STORAGE, why);
         BufferSpec { contents, ..spec }
     }
 
     /// Filled once, only read after, small enough for a uniform binding; with room for `bytes`.
     pub fn table(name: &'static str, contents: Cow<'a, [u8]>, bytes: u64, why: &'static str) -> BufferSpec<'a> {
         let spec = BufferSpec::new(name, bytes, wgpu::BufferUsages::UNIFORM, why);
-        BufferSpec { contents, ..spec }
+        BufferSpec { contents: vec![contents], ..spec }
     }
 
     /// The bytes allocated: a binding may not be empty, and copies go by fours.
@@ -128,9 +129,7 @@ impl Buffers {
                 usage: spec.usage,
                 mapped_at_creation: false,
             });
-            if !spec.contents.is_empty() {
-                device.write(&buffer, &spec.contents)?;
-            }
+            device.fill(&buffer, &spec.contents)?;
             named.insert(spec.name, buffer);
         }
         match pollster::block_on(scope.pop()) {

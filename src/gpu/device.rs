@@ -1,5 +1,6 @@
 //! Adapters and devices.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::mem::ManuallyDrop;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -80,6 +81,15 @@ impl Adapters {
         self.list.get(index).ok_or_else(|| Error::Device("no device".to_string()))
     }
 
+    /// The adapters that render one film: those of a list `A,B,…` of wishes, all of a machine, or the one that
+    /// [`Adapters::index_of_choice`] selects.
+    pub fn choose_several(&self, wish: Option<&str>) -> Result<Vec<&wgpu::Adapter>> {
+        let first = self.index_of_choice(None)?;
+        let names: Vec<_> = self.list.iter().map(AdapterName::of).collect();
+        let indices = wish.map_or(Ok(Vec::from([first])), |wish| indices_by_wish(&names, first, wish))?;
+        Ok(indices.into_iter().filter_map(|index| self.list.get(index)).collect())
+    }
+
     /// The index of an adapter. A wish is an index, or a part of the adapter's name, driver or address. Without a wish it is the
     /// adapter of the most capable kind.
     pub fn index_of_choice(&self, wish: Option<&str>) -> Result<usize> {
@@ -107,21 +117,41 @@ impl Adapters {
     }
 }
 
+fn refused_wish<T>(names: &[AdapterName], wish: &str, why: &str) -> Result<T> {
+    let listed: String = names.iter().enumerate().map(|(i, name)| format!("\n  {i}: {name}")).collect();
+    Err(Error::Usage(format!("--device {wish}: {why}:{listed}")))
+}
+
+/// The indices of the adapters that a wish names: one of them, a list of such names, or `all` that are no software drivers. Another
+/// backend may list the same adapters again, so that `all` has those of the backend of the most capable one.
+fn indices_by_wish(names: &[AdapterName], most_capable: usize, wish: &str) -> Result<Vec<usize>> {
+    if wish == "all" {
+        let backend = names.get(most_capable).map(|name| &name.backend);
+        let is_meant = |name: &AdapterName| !name.software && Some(&name.backend) == backend;
+        let all: Vec<usize> = (0..).zip(names).filter(|(_, name)| is_meant(name)).map(|(index, _)| index).collect();
+        return match all.is_empty() {
+            true => refused_wish(names, wish, "there is no GPU, and software drivers are used by name or index only"),
+            false => Ok(all),
+        };
+    }
+    match index_by_wish(names, wish) {
+        Err(_) if wish.contains(',') => wish.split(',').map(|part| index_by_wish(names, part.trim())).collect(),
+        index => index.map(|index| Vec::from([index])),
+    }
+}
+
 /// The index of the adapter that a wish names.
 fn index_by_wish(names: &[AdapterName], wish: &str) -> Result<usize> {
-    let refused = |expected: &str| {
-        let listed: String = names.iter().enumerate().map(|(i, name)| format!("\n  {i}: {name}")).collect();
-        Err(Error::Usage(format!("--device {wish}: {expected} of:{listed}")))
-    };
+    let refused = |expected: &str| refused_wish(names, wish, expected);
     if let Ok(index) = wish.parse::<usize>() {
-        return if index < names.len() { Ok(index) } else { refused("expected an index") };
+        return if index < names.len() { Ok(index) } else { refused("expected an index of") };
     }
-    let fits = |name: &AdapterName| name.to_string().to_lowercase().contains(&wish.to_lowercase());
+    let fits = |name: &AdapterName| !wish.is_empty() && name.to_string().to_lowercase().contains(&wish.to_lowercase());
     let mut fitting = (0..).zip(names).filter(|(_, name)| fits(name));
-    let Some((index, first)) = fitting.next() else { return refused("expected part of the name of one") };
+    let Some((index, first)) = fitting.next() else { return refused("expected part of the name of one of") };
     // A backend lists each adapter once. Of another backend, the same name may be the same adapter.
     match fitting.any(|(_, name)| (&name.name, &name.backend) == (&first.name, &first.backend)) {
-        true => refused("several devices have this name; expected the index or the PCI address of one"),
+        true => refused("several devices have this name; expected the index or the PCI address of one of"),
         false => Ok(index),
     }
 }
@@ -185,6 +215,9 @@ pub struct Device {
 /// machine without a GPU. Time in which the process is stopped or the machine sleeps costs one of the waits at most.
 const WAITS: u32 = 600;
 const WAIT: Duration = Duration::from_secs(1);
+
+/// Bytes of a buffer's contents that are on their way at a time.
+const FILL_AT_ONCE: usize = 64 << 20;
 
 /// What to do about a device that failed.
 const ADVICE: &str = "If it happens again, end other programs that use the device, update its driver, or choose another one \
@@ -250,6 +283,20 @@ impl Device {
     pub fn write(&self, buffer: &wgpu::Buffer, bytes: &[u8]) -> Result<()> {
         // wgpu panics where the driver has no memory for the commands that copy the bytes.
         caught(|| self.queue.write_buffer(buffer, 0, bytes)).or_else(|panic| self.fail(panic))
+    }
+
+    /// Fills a buffer with these bytes, one after the other. It waits when much is on its way, for which the driver has a copy.
+    pub(super) fn fill(&self, buffer: &wgpu::Buffer, contents: &[Cow<'_, [u8]>]) -> Result<()> {
+        let mut offset = 0;
+        for part in contents.iter().flat_map(|part| part.chunks(FILL_AT_ONCE)) {
+            let write = || self.queue.write_buffer(buffer, offset, part);
+            caught(write).or_else(|panic| self.fail(panic))?;
+            if part.len() == FILL_AT_ONCE {
+                self.wait(self.queue.submit([]))?;
+            }
+            offset += part.len() as u64;
+        }
+        Ok(())
     }
 
     /// Waits until a submission has been executed.
@@ -326,6 +373,26 @@ mod tests {
     fn adapter(name: &str, backend: &str, pci_bus_id: &str) -> AdapterName {
         let [name, backend, pci_bus_id] = [name, backend, pci_bus_id].map(str::to_string);
         AdapterName { name, driver: "driver 1".to_string(), backend, pci_bus_id, kind: "discrete GPU", software: false }
+    }
+
+    #[test]
+    fn several_adapters_are_a_list_or_all_gpus() {
+        let software = |name: &str| AdapterName { software: true, ..adapter(name, "vulkan", "") };
+        let names = [
+            software("Processor"),
+            adapter("Small, by A", "vulkan", "0000:01:00.0"),
+            adapter("Large", "vulkan", "0000:02:00.0"),
+            adapter("Large", "dx12", "02:00.0"),
+        ];
+        let chosen = |wish| indices_by_wish(&names, 2, wish).map_err(|error| error.to_string());
+        assert_eq!(chosen("all"), Ok(vec![1, 2]));
+        assert_eq!(chosen("0, 2,0"), Ok(vec![0, 2, 0]));
+        assert_eq!(chosen("small, by a"), Ok(vec![1]));
+        assert_eq!(chosen("processor,0000:02:00.0"), Ok(vec![0, 2]));
+        assert!(chosen("0,9").unwrap_err().contains("--device 9: expected an index of"));
+        assert!(chosen("0,").is_err());
+        let error = indices_by_wish(&names[..1], 0, "all").unwrap_err().to_string();
+        assert!(error.contains("there is no GPU") && error.contains("0: Processor"), "{error}");
     }
 
     #[test]

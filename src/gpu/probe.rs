@@ -153,7 +153,7 @@ pub fn ask(device: &Device, trials: &[Trial]) -> Result<Vec<Answer>> {
     let bytes = size_of_val(trials) as u64;
     let why = "the numerics probe";
     let mut questions = BufferSpec::uniform("trials", bytes, why);
-    questions.contents = bytemuck::cast_slice(trials).into();
+    questions.contents = vec![bytemuck::cast_slice(trials).into()];
     let answers_bytes = (trials.len() * size_of::<Answer>()) as u64;
     let buffers = Buffers::create(device, &[questions, BufferSpec::working("answers", answers_bytes, why)])?;
     let spec = PipelineSpec {

@@ -46,6 +46,12 @@ impl Identity {
         }
     }
 
+    /// Whether both are of one scene, with the same images and meshes.
+    pub fn is_of_scene(&self, other: &Identity) -> bool {
+        let hashes = |identity: &Identity| identity.assets.iter().map(|(_, hash)| hash.clone()).collect::<Vec<_>>();
+        self.scene == other.scene && hashes(self) == hashes(other)
+    }
+
     /// What differs in another one, in words; nothing where both are of one image. `mine` and `theirs` name the two.
     pub fn difference(&self, mine: &str, other: &Identity, theirs: &str) -> Option<String> {
         let mut words = Vec::new();

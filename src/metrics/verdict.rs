@@ -43,7 +43,12 @@ pub fn verdict(difference: &Difference) -> String {
                 probability(local.p)
             )
         }
-        (true, None) => format!("A differs by noise only, p = {}", probability(difference.p)),
+        (true, None) => {
+            format!(
+                "A differs by noise only, p = {}: less than {LEVEL} would be a difference",
+                probability(difference.p)
+            )
+        }
     }
 }
 
@@ -118,7 +123,7 @@ mod tests {
 
     #[test]
     fn sentences() {
-        assert_eq!(verdict(&nothing()), "A differs by noise only, p = 0.41");
+        assert_eq!(verdict(&nothing()), "A differs by noise only, p = 0.41: less than 0.01 would be a difference");
         assert_eq!(
             verdict(&Difference { identical: true, ..nothing() }),
             "A differs by noise only, p = 1: the images are identical"

@@ -22,6 +22,8 @@ pub struct Plot<'a> {
     pub y: &'a str,
     /// In the legend's order; the first is drawn thicker.
     pub curves: Vec<Curve>,
+    /// Whether a dashed line falls as 1/x from the first curve's first point, as the error of independent samples does.
+    pub guide: bool,
 }
 
 const WIDTH: u32 = 900;
@@ -106,13 +108,22 @@ fn draw(plot: &Plot<'_>, area: &DrawingArea<SVGBackend<'_>, plotters::coord::Shi
         below.draw(&PathElement::new([(x, y), (x + 24, y)], line))?;
         below.draw(&Text::new(curve.name.as_str(), (x + 32, y - 8), ("sans-serif", 15)))?;
     }
+    if let Some((x, y)) =
+        plot.curves.first().and_then(|curve| shown(&curve.points).first().copied()).filter(|_| plot.guide)
+    {
+        let (left, right) = (range(|p| p.0).start, range(|p| p.0).end);
+        let below_frame = x * y / range(|p| p.1).start;
+        let ends = [left.max(x * y / range(|p| p.1).end), right.min(below_frame)].map(|at| (at, x * y / at));
+        chart.draw_series(DashedLineSeries::new(ends, 6, 6, BLACK.mix(0.4).stroke_width(1)))?;
+    }
     area.present()?;
     Ok(())
 }
 
-/// A number as 1e-3 if it is far from 1, else with plain digits.
+/// A number as 1e-3 if it is far from 1, else with plain digits. Of 0.30000000000000004 only the digits that count are left.
 fn short(value: &f64) -> String {
-    match (1e-2..1e4).contains(value) {
+    let value: f64 = format!("{value:.3e}").parse().unwrap_or(*value);
+    match (1e-2..1e4).contains(&value) {
         true => format!("{value}"),
         false => format!("{value:e}"),
     }
@@ -126,12 +137,19 @@ mod tests {
     fn a_plot_holds_its_words_and_every_point_that_can_be_shown() {
         let curve =
             |points: &[(f64, f64)]| Curve { name: "relMSE".into(), points: points.to_vec(), marks: points.to_vec() };
-        let plot = |curves| Plot { title: "cornell & smoke", x: "seconds", y: "error", curves };
+        let plot = |curves| Plot { title: "cornell & smoke", x: "seconds", y: "error", curves, guide: false };
         let text = svg(&plot(vec![curve(&[(0.1, 1.0), (1.0, 0.1), (10.0, 0.0), (f64::NAN, 1.0)])])).unwrap();
         for word in ["<svg", "cornell &amp; smoke", "seconds", "error", "relMSE"] {
             assert!(text.contains(word), "{word} in {text}");
         }
         assert_eq!(text.matches("<circle").count(), 2);
+        // A line that falls as 1/x is many dashes.
+        let dashes = |guide| {
+            let falling = [(1.0, 1.0), (2.0, 0.4), (4.0, 0.3)];
+            svg(&Plot { guide, ..plot(vec![curve(&falling)]) }).unwrap().matches("<polyline").count()
+        };
+        assert!(dashes(true) > dashes(false) + 5, "{} {}", dashes(true), dashes(false));
+        assert_eq!([0.1 + 0.2, 3e-5, 250.0, 30_000.0].map(|value| short(&value)), ["0.3", "3e-5", "250", "3e4"]);
         // One point is a plot too; none is an error.
         assert!(svg(&plot(vec![curve(&[(1.0, 1.0)])])).is_ok());
         assert!(svg(&plot(vec![curve(&[(1.0, 0.0)])])).unwrap_err().to_string().contains("no points"));

@@ -3,16 +3,31 @@
 use std::ops::Range;
 use std::time::Instant;
 
+use super::Renderer;
 use super::outcome::{Noise, level_after};
-use super::{Pilot, Renderer, Stretch};
+use super::stretch::{Pilot, Stretch};
 use crate::data::RUN_LENGTH;
 use crate::error::Result;
-use crate::film::Totals;
+use crate::film::{Film, Totals};
+use crate::samples::Samples;
 
 /// The samples at which a render until an error looks first.
 pub const FIRST_LOOK: u32 = 2 * RUN_LENGTH;
 /// The samples at which it gives up where nothing bounds the error: pixels too few, or without light.
-const LAST_LOOK: u32 = 1 << 14;
+pub const LAST_LOOK: u32 = 1 << 14;
+
+/// The samples at which a render until an error looks at it, after so many looks.
+pub fn look_after(looks: u32) -> u32 {
+    FIRST_LOOK.saturating_mul(2u32.saturating_pow(looks))
+}
+
+/// What comes of a look at a film with so many samples of a pixel, after so many looks; and whether more samples are of no use, because the
+/// error is small enough, or because nothing bounds it.
+pub fn look_at(film: &Film, samples: u32, looks: u32, error: f64) -> (Noise, bool) {
+    let bound = film.error_estimate(level_after(looks)).map_or(f64::INFINITY, |found| found.bound);
+    let noise = Noise { looks: looks.saturating_add(1), reached: bound < error };
+    (noise, noise.reached || (bound == f64::INFINITY && samples >= LAST_LOOK))
+}
 
 fn seconds_until(deadline: Instant) -> f64 {
     deadline.saturating_duration_since(Instant::now()).as_secs_f64()
@@ -51,7 +66,7 @@ impl Renderer<'_> {
             stretch.film.clear();
         }
         stretch.outcome.totals = Totals::default();
-        stretch.outcome.samples.end = most.start;
+        stretch.outcome.samples = Samples::default();
         Ok((!last).then_some(pace))
     }
 
@@ -66,15 +81,20 @@ impl Renderer<'_> {
         let begin = Instant::now();
         let all = seconds_until(deadline);
         let mut done = most.start;
-        for share in SHARES {
+        let mut shares = SHARES.into_iter().peekable();
+        while let Some(share) = shares.peek() {
             let spent = begin.elapsed().as_secs_f64();
             let fits = (*pace * (share * all - spent)).max(0.0) as u32;
             let aim = done.saturating_add(fits).min(most.end);
-            let last = share == SHARES[SHARES.len() - 1];
+            let last = *share == SHARES[SHARES.len() - 1];
             let end = match last || aim == most.end {
                 true => aim,
                 false => aim / RUN_LENGTH * RUN_LENGTH,
             };
+            // On a machine that has become faster, a share that ended early has room for more.
+            if end <= done || last {
+                shares.next();
+            }
             if end <= done {
                 continue;
             }
@@ -119,7 +139,7 @@ impl Renderer<'_> {
             }
         }
         // A render that goes on with another looks where that one would have looked next.
-        let mut aim = FIRST_LOOK.saturating_mul(2u32.saturating_pow(looks));
+        let mut aim = look_after(looks);
         while begun.saturating_add(aim) < done {
             aim = aim.saturating_mul(2);
         }
@@ -136,12 +156,10 @@ impl Renderer<'_> {
                 return Ok(());
             }
             self.bring_film(stretch.film)?;
-            let bound =
-                stretch.film.error_estimate(level_after(noise.looks)).map_or(f64::INFINITY, |found| found.bound);
-            noise = Noise { looks: noise.looks.saturating_add(1), reached: bound < error };
+            let ends;
+            (noise, ends) = look_at(stretch.film, done - begun, noise.looks, error);
             stretch.outcome.noise = Some(noise);
-            let hopeless = bound == f64::INFINITY && done - begun >= LAST_LOOK;
-            if noise.reached || hopeless || done < end || done == most.end {
+            if ends || done < end || done == most.end {
                 return Ok(());
             }
             aim = aim.saturating_mul(2);

@@ -1,15 +1,14 @@
 //! What a render came to, beside its film.
 
-use std::ops::Range;
-
 use crate::data::{Counters, LIGHT_BINS, PATHS, RAYS, TOO_DEEP, TOO_DEEP_THROUGHPUT};
 use crate::film::{Rejected, Totals};
+use crate::samples::Samples;
 
 /// What a render came to, beside its film.
 #[derive(Clone, Debug, Default)]
 pub struct Outcome {
     /// The samples that every pixel has, and none beyond. While a render goes on, those at the last look at a whole film.
-    pub samples: Range<u32>,
+    pub samples: Samples,
     pub interrupted: bool,
     /// What this render has added to the film, including what only the device's film has so far.
     pub totals: Totals,
@@ -40,14 +39,17 @@ impl Outcome {
         }
         self.seconds += later.seconds;
         self.host_seconds += later.host_seconds;
-        for (name, seconds) in later.stages {
-            match self.stages.iter_mut().find(|(known, _)| *known == name) {
-                Some((_, sum)) => *sum += seconds,
-                None => self.stages.push((name, seconds)),
-            }
-        }
+        later.stages.iter().for_each(|(name, seconds)| self.add_stage(name, *seconds));
         let known: Vec<f64> = idle.into_iter().flatten().collect();
         self.device_idle = (!known.is_empty()).then(|| known.iter().sum::<f64>() / self.seconds.max(1e-9));
+    }
+
+    /// Adds seconds of a stage.
+    pub(super) fn add_stage(&mut self, name: &str, seconds: f64) {
+        match self.stages.iter_mut().find(|(known, _)| known == name) {
+            Some((_, sum)) => *sum += seconds,
+            None => self.stages.push((name.to_owned(), seconds)),
+        }
     }
 }
 

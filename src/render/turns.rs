@@ -27,17 +27,18 @@ pub fn tiles(pixels: u32, tile: u32) -> impl Iterator<Item = Range<u32>> {
 }
 
 /// How many blocks of samples the tiles of a film render in a round. A film of one tile takes all blocks in one. Otherwise the first round has
-/// one block, so that the picture is whole early. Each later round doubles the blocks, while it is short enough.
+/// one block, so that the picture is whole early. Each later round doubles the blocks, while it is short enough. So do rounds of several devices,
+/// which find their paces.
 pub struct Rounds {
     next: u32,
     most: u32,
 }
 
 impl Rounds {
-    pub fn new(pixels: u32, tile: u32) -> Rounds {
+    pub fn new(pixels: u32, tile: u32, several_devices: bool) -> Rounds {
         let most = (MOST_RUNS / tile.clamp(1, pixels.max(1))).max(1);
         match tile >= pixels {
-            true => Rounds { next: most, most },
+            true => Rounds { next: if several_devices { 1 } else { most }, most },
             false => Rounds { next: 1, most: most.min(MOST_BLOCKS) },
         }
     }
@@ -84,7 +85,7 @@ mod tests {
                 tile.for_each(|place| seen[pixel_in_order(place, size)] += 1);
             }
             assert!(seen.iter().all(|count| *count == 1), "{size:?}, {tile}");
-            let (mut rounds, mut left) = (Rounds::new(pixels, tile), blocks);
+            let (mut rounds, mut left) = (Rounds::new(pixels, tile, false), blocks);
             while !left.is_empty() {
                 let round = rounds.next(&left);
                 assert!(!round.is_empty() && (tile >= pixels || round.len() as u32 <= MOST_BLOCKS));
@@ -97,7 +98,7 @@ mod tests {
     /// Rounds grow while they are short, and shrink where they are long. Their runs are numbered by 32 bits.
     #[test]
     fn rounds_are_short() {
-        let mut rounds = Rounds::new(100, 10);
+        let mut rounds = Rounds::new(100, 10, false);
         let mut lengths = Vec::new();
         for seconds in [0, 1, 2, 4, 6, 11, 11, 11, 11, 11, 1, 1, 1, 1, 1, 1, 1] {
             lengths.push(rounds.next(&(0..1000)).len());
@@ -105,7 +106,7 @@ mod tests {
         }
         assert_eq!(lengths, [1, 2, 4, 8, 16, 16, 8, 4, 2, 1, 1, 2, 4, 8, 16, 32, 64]);
         for (pixels, tile) in [(u32::MAX, 1 << 22), (1, 1), (1 << 22, 1 << 22)] {
-            let round = Rounds::new(pixels, tile).next(&(0..u32::MAX / 8));
+            let round = Rounds::new(pixels, tile, false).next(&(0..u32::MAX / 8));
             assert!(round.len() as u64 * u64::from(tile) <= u64::from(MOST_RUNS));
         }
     }

@@ -22,6 +22,7 @@ use crate::error::{Error, Location, Result};
 use crate::source::Source;
 
 pub use crate::source::{Place, Step};
+pub use inputs::Input;
 pub use mesh::{Mesh, OnProgress, OpenEdges};
 pub use types::*;
 
@@ -62,6 +63,11 @@ impl Scene {
 
     /// The paths of all files that the scene was read from, the scene file first.
     pub fn inputs(&self) -> Vec<PathBuf> {
+        self.input_files().into_iter().map(|input| input.path).collect()
+    }
+
+    /// The same, with how the scene names them.
+    pub fn input_files(&self) -> Vec<Input> {
         inputs::inputs(self)
     }
 

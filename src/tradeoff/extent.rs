@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use super::pace::median;
 use super::replicates::{FEWEST_ROUNDS, Pixels, Weights, noise, signed_bias, squared_bias};
-use super::sweep::{LEVEL, SAMPLES_OF_ROUND, Sweep, coarsened};
+use super::sweep::{LEVEL, SAMPLES_OF_ROUND, Stop, Sweep, coarsened};
 use crate::error::Result;
 use crate::metrics::estimate::Estimate;
 
@@ -74,12 +74,7 @@ fn ratio(whole: Estimate, small: Estimate) -> f64 {
 const MOST_SAMPLES: u32 = LEVEL;
 
 /// Measures the defaults at the whole size; none if the time is too short.
-pub fn calibrate(
-    sweep: &mut Sweep<'_>,
-    whole: (u32, u32),
-    until: Instant,
-    stop: &dyn Fn() -> bool,
-) -> Result<Option<Whole>> {
+pub fn calibrate(sweep: &mut Sweep<'_>, whole: (u32, u32), until: Instant, stop: Stop<'_>) -> Result<Option<Whole>> {
     let sweep_seed = sweep.seed;
     let Some(defaults) = sweep.subjects.first() else { return Ok(None) };
     let Some(block) = defaults.blocks.get(&LEVEL).and_then(|blocks| blocks.last()) else { return Ok(None) };

@@ -15,6 +15,9 @@ pub const TARGETS: [f64; 3] = [1e-1, 1e-2, 1e-3];
 /// The probability that the report calls any unbiased setting biased.
 const FALSE_ALARMS: f64 = 0.05;
 
+/// A relMSE, of the mean or of pixels, that changes nothing of what the targets are about: a thousandth of the finest.
+const NEGLIGIBLE: f64 = 1e-6;
+
 /// The largest relative standard error of a predicted error that counts as reliable.
 pub const RELIABLE: f64 = 0.2;
 
@@ -44,6 +47,9 @@ pub struct Measured {
     pub squared: Estimate,
     /// Whether either bias is significant, corrected for the number of settings and tests.
     pub biased: bool,
+    /// Whether it is declared unbiased, and differs by more than noise, but not by more than what rare bright paths that nobody has met may
+    /// explain.
+    pub lacks_paths: bool,
     /// Whether the biases are against the reference.
     pub against_reference: bool,
     /// Whether its noise is known, and also its bias if it may have one. If most of the noise is in few pixels,
@@ -98,6 +104,9 @@ impl Measured {
         }
         match (self.reliable, self.bias_known) {
             (true, _) => {}
+            (false, _) if self.lacks_paths => {
+                words.push("unreliable: it differs by more than noise, as if it had missed rare bright paths");
+            }
             (false, false) => words.push("unreliable: the image that its bias refers to is not known well"),
             (false, true) => words.push("unreliable: rare bright paths, or too few rounds"),
         }
@@ -184,14 +193,20 @@ pub fn judge(sweep: &mut Sweep<'_>, reference: Option<&Truth>, whole: &Whole, un
         };
         // The loss of detail is computed from the defaults' own images, also if there is a reference.
         measured.bias_known = declared || if of_size { defaults_known } else { base_known };
-        measured.reliable &= measured.bias_known;
+        let matters = measured.signed.value.powi(2).max(measured.squared.value) > NEGLIGIBLE;
+        measured.lacks_paths = declared && !measured.biased && matters && shows(&measured.signed, &measured.squared);
+        measured.reliable &= measured.bias_known && !measured.lacks_paths;
         // A setting that is declared unbiased has no bias unless one is found.
         if !declared || measured.biased {
             let (least, most) = by_mean(&measured.signed, &weights.image);
             measured.model.squared_bias = measured.squared.value.max(least);
             measured.model.squared_bias_upper = measured.squared.upper().max(most);
         }
-        measured.times = TARGETS.map(|target| measured.model.seconds_to(target));
+        // A relMSE of ε² is a relative error of ε. What certainly loses a larger share of the light does not reach it.
+        let lost = (measured.signed.value.abs() - measured.signed.half_width()).max(0.0);
+        let is_faithful = |target: &f64| !measured.biased || lost <= target.sqrt();
+        let time = |target: f64| Some(target).filter(is_faithful).and_then(|target| measured.model.seconds_to(target));
+        measured.times = TARGETS.map(time);
     }
     let mut found: Vec<Measured> = found.into_iter().map(|(_, measured)| measured).collect();
     let times = |m: &Measured| Times { seconds: m.times.to_vec(), doubt: m.seconds_doubt, reliable: m.reliable };
@@ -279,7 +294,7 @@ fn measured(
         .iter()
         .filter_map(|&(level, _)| Some((level, noise(&images(subject, level)?, weights, rounds_between(level))?)))
         .collect();
-    let fall = falling(&levels).or_else(|| {
+    let fall = falling(&levels, subject.setting.options.sampler).or_else(|| {
         // A scene of one colour has no noise at all.
         let silent = levels.iter().all(|(_, noise)| noise.value <= 0.0);
         (silent && !levels.is_empty()).then_some(Falling::SILENT)
@@ -300,6 +315,7 @@ fn measured(
         signed: signed_bias(&own_images, &base_images, &weights.image)?,
         squared: squared_bias(&own_images, &base_images, weights)?,
         biased: false,
+        lacks_paths: false,
         against_reference: false,
         reliable: noise_doubt <= RELIABLE,
         bias_known: true,
@@ -317,11 +333,12 @@ fn soonest(found: &[Measured], target: usize, condition: impl Fn(&Measured) -> b
 }
 
 /// The fastest setting that satisfies a condition. If the defaults or another unbiased setting are as fast within the
-/// error of the timings, they are preferred.
+/// error of the timings and of the noise that is extrapolated, they are preferred.
 pub fn preferred(found: &[Measured], target: usize, condition: impl Fn(&Measured) -> bool) -> Option<&Measured> {
     let time = |measured: &Measured| measured.times[target].unwrap_or(f64::INFINITY);
     let best = soonest(found, target, &condition)?;
-    let near = |m: &&Measured| time(m) < doubt(m.seconds_doubt, best.seconds_doubt) * time(best);
+    let unsure = |m: &Measured| m.seconds_doubt.hypot(m.model.doubt_to(TARGETS[target]));
+    let near = |m: &&Measured| time(m) < doubt(unsure(m), unsure(best)) * time(best);
     let defaults = soonest(found, target, |m| m.setting.knob.is_none() && condition(m)).filter(near);
     let faithful = soonest(found, target, |m| m.declared_unbiased() && condition(m)).filter(near);
     Some(defaults.or(faithful).unwrap_or(best))

@@ -1,5 +1,6 @@
 //! The error model of a setting, relMSE = bias² + c N^-p, and the comparison of settings by it.
 
+use crate::data::Sampler;
 use crate::metrics::estimate::Estimate;
 
 /// Noise that falls as c N^-p, with the standard errors of the fit.
@@ -29,6 +30,11 @@ impl Falling {
     /// The relative standard error of [`Falling::at`].
     pub fn doubt(&self, samples: f64) -> f64 {
         self.error.hypot(self.exponent_error * (samples.ln() - self.middle))
+    }
+
+    /// Half the width of the interval of the exponent, with 95 % confidence.
+    pub fn exponent_half_width(&self) -> f64 {
+        1.96 * self.exponent_error
     }
 
     /// No noise.
@@ -66,10 +72,16 @@ impl Model {
         let left = target - self.squared_bias_upper;
         (left > 0.0).then(|| self.seconds * self.noise.samples_to(left))
     }
+
+    /// The relative standard error of [`Model::seconds_to`] that the noise's makes: d ln N = (d ln c N^-p) / p.
+    pub fn doubt_to(&self, target: f64) -> f64 {
+        let left = target - self.squared_bias_upper;
+        if left > 0.0 { self.noise.doubt(self.noise.samples_to(left)) / self.noise.exponent } else { 0.0 }
+    }
 }
 
-/// Fits c and p of c N^-p to noises at numbers of samples, each weighted by its certainty.
-pub fn falling(levels: &[(u32, Estimate)]) -> Option<Falling> {
+/// Fits c and p of c N^-p to noises at numbers of samples, each weighted by its certainty. Of independent samples p is 1.
+pub fn falling(levels: &[(u32, Estimate)], sampler: Sampler) -> Option<Falling> {
     let known: Vec<(f64, f64, f64)> = levels
         .iter()
         .filter(|(_, noise)| noise.value > 0.0 && noise.error.is_finite())
@@ -88,14 +100,11 @@ pub fn falling(levels: &[(u32, Estimate)]) -> Option<Falling> {
     let before = 1.0 / (USUAL.1 * USUAL.1);
     let along = before + known.iter().map(|k| k.2 * (k.0 - x) * (k.0 - x)).sum::<f64>();
     let both: f64 = known.iter().map(|k| k.2 * (k.0 - x) * (k.1 - y)).sum();
-    let exponent = ((before * USUAL.0 - both) / along).clamp(EXPONENTS.0, EXPONENTS.1);
-    Some(Falling {
-        noise: (y + exponent * x).exp(),
-        exponent,
-        middle: x,
-        error: weight.sqrt().recip(),
-        exponent_error: along.sqrt().recip(),
-    })
+    let (exponent, exponent_error) = match sampler {
+        Sampler::Independent => (1.0, 0.0),
+        Sampler::Sobol => (((before * USUAL.0 - both) / along).clamp(EXPONENTS.0, EXPONENTS.1), along.sqrt().recip()),
+    };
+    Some(Falling { noise: (y + exponent * x).exp(), exponent, middle: x, error: weight.sqrt().recip(), exponent_error })
 }
 
 /// The standing of a setting among the others.
@@ -162,17 +171,23 @@ mod tests {
     #[test]
     fn a_falling_noise_is_found_again() {
         let levels = [4, 16, 64].map(|n: u32| level(n, 3.0 * f64::from(n).powf(-1.3)));
-        let found = falling(&levels).unwrap();
+        let found = falling(&levels, Sampler::Sobol).unwrap();
         // The prior has a weight of 100, and three levels known to a percent have 38,000.
         assert!((found.noise / 3.0 - 1.0).abs() < 3e-3 && (found.exponent - 1.3).abs() < 1e-3, "{found:?}");
         assert!((found.at(16.0) / levels[1].1.value - 1.0).abs() < 1e-3 && found.doubt(16.0) < 0.01);
         assert!((found.at(found.samples_to(1e-3)) / 1e-3 - 1.0).abs() < 1e-9);
-        assert_eq!(falling(&levels[1..2]).map(|found| found.exponent), Some(1.0));
-        assert_eq!(falling(&[]), None);
+        assert_eq!(falling(&levels[1..2], Sampler::Sobol).map(|found| found.exponent), Some(1.0));
+        assert_eq!(falling(&[], Sampler::Sobol), None);
+        // Independent samples have an exponent of 1, whatever chance says of it.
+        let independent = falling(&levels, Sampler::Independent).unwrap();
+        assert_eq!((independent.exponent, independent.exponent_half_width()), (1.0, 0.0));
+        assert!((independent.doubt(1e6) / independent.error - 1.0).abs() < 1e-9);
+        let model = Model { squared_bias: 0.0, squared_bias_upper: 0.0, noise: found, seconds: 1.0 };
+        assert!(model.doubt_to(1e-6) > model.doubt_to(1e-1) && found.exponent_half_width() > 0.0);
         // An uncertain level has little effect: two levels known to a percent have a weight of 9,600.
         let mut unsure = levels;
         unsure[2].1 = Estimate { value: 10.0 * unsure[2].1.value, error: 1e3, degrees: 2.0 };
-        assert!((falling(&unsure).unwrap().exponent - 1.3).abs() < 4e-3);
+        assert!((falling(&unsure, Sampler::Sobol).unwrap().exponent - 1.3).abs() < 4e-3);
     }
 
     /// Noise that is known to 30 % does not establish an exponent of 0.6, and the model reports a large error at many samples.
@@ -180,7 +195,7 @@ mod tests {
     fn an_exponent_by_chance_is_not_believed() {
         let rough = |(n, noise): (u32, Estimate)| (n, Estimate { error: 0.3 * noise.value, ..noise });
         let levels = [4, 16, 64].map(|n: u32| rough(level(n, f64::from(n).powf(-0.6))));
-        let found = falling(&levels).unwrap();
+        let found = falling(&levels, Sampler::Sobol).unwrap();
         assert!((0.8..0.95).contains(&found.exponent), "{found:?}");
         let doubts = [16.0, 1024.0].map(|samples| found.doubt(samples));
         assert!((0.15..0.2).contains(&doubts[0]) && doubts[1] > 1.5 * doubts[0], "{doubts:?}");

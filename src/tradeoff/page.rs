@@ -8,7 +8,7 @@ use base64::engine::general_purpose::STANDARD;
 
 use super::judge::Measured;
 use super::model::Standing;
-use super::report::{CAPTION, Findings, HEADINGS, MOST_CURVES, class_name, relmse_text, time_text};
+use super::report::{CAPTION, Findings, HEADINGS, MOST_CURVES, class_name, exponent_text, relmse_text, time_text};
 use super::sweep::LEVEL;
 use crate::error::Result;
 use crate::output::plot::{Curve, Plot, svg};
@@ -132,7 +132,7 @@ pub fn plot(report: &Findings) -> Result<Option<String>> {
             let samples = f64::from(1u32 << power);
             (samples * measured.model.seconds, measured.model.error(samples))
         });
-        let name = format!("{} (p {:.2})", measured.setting.name(), measured.model.noise.exponent);
+        let name = format!("{} (p {})", measured.setting.name(), exponent_text(measured));
         // A mark is the measured noise at a number of samples plus the bias of the curve.
         let marks = measured.noises.iter().map(|&(samples, noise)| {
             (f64::from(samples) * measured.model.seconds, measured.model.squared_bias + noise)
@@ -144,7 +144,7 @@ pub fn plot(report: &Findings) -> Result<Option<String>> {
     if curves.is_empty() {
         return Ok(None);
     }
-    svg(&Plot { title: "", x: "seconds", y: "relMSE", curves }).map(Some)
+    svg(&Plot { title: "", x: "seconds", y: "relMSE; the dashed line falls as 1/N", curves, guide: true }).map(Some)
 }
 
 fn table(report: &Findings) -> String {

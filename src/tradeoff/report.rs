@@ -82,7 +82,7 @@ pub const HEADINGS: [&str; 12] = [
 ];
 /// The columns of the CSV.
 const COLUMNS: &str = "setting,knob,value,class,gives_up,measured,rounds,seconds_compile,seconds_per_sample,seconds_spread,variance_1spp,\
-                       exponent,bias,bias_half_width,squared_bias,squared_bias_upper,biased,reliable,seconds_to_1e-1,seconds_to_1e-2,\
+                       exponent,exponent_half_width,bias,bias_half_width,squared_bias,squared_bias_upper,biased,reliable,seconds_to_1e-1,seconds_to_1e-2,\
                        seconds_to_1e-3,efficiency,verdict,device,driver";
 
 /// The name of a class in the tables.
@@ -128,6 +128,12 @@ fn efficiency_text(measured: &Measured, defaults: f64) -> String {
     if ratio.is_finite() { format!("{ratio:.2}") } else { "-".to_string() }
 }
 
+/// The exponent of the noise, with its interval unless it is known.
+pub fn exponent_text(measured: &Measured) -> String {
+    let (exponent, half) = (measured.model.noise.exponent, measured.model.noise.exponent_half_width());
+    if half > 0.0 { format!("{exponent:.2} ± {half:.2}") } else { format!("{exponent:.0}") }
+}
+
 /// The seconds of a sample, with their spread.
 fn seconds_text(measured: &Measured) -> String {
     let (value, spread) = (measured.seconds, measured.seconds_spread);
@@ -144,6 +150,8 @@ fn digits(value: f64) -> usize {
 fn bias_text(measured: &Measured) -> String {
     let (value, half) = (100.0 * measured.signed.value, 100.0 * measured.signed.half_width());
     match measured.signed.error == 0.0 && measured.signed.value == 0.0 {
+        // A limit that no sample has met yet may meet a later one.
+        true if measured.setting.class() == Class::Bias => "0 so far".to_string(),
         true => "0".to_string(),
         false => {
             let digits = digits(half);
@@ -167,6 +175,7 @@ fn cost_text(best: &Measured) -> String {
         };
     }
     match best.signed.error == 0.0 {
+        true if best.setting.class() == Class::Bias => "it has changed no sample so far".to_string(),
         true => "no bias".to_string(),
         // Lost detail does not change the mean.
         false if best.setting.class() == Class::Detail => "the lost detail is within noise".to_string(),
@@ -222,7 +231,7 @@ impl Findings {
     pub fn advice(&self) -> Vec<String> {
         let sentence = |(index, best): (usize, Option<&Measured>)| {
             let target = target_name(TARGETS[index]);
-            let unbiased = |m: &Measured| !m.biased && m.declared_unbiased();
+            let unbiased = |m: &Measured| !m.biased && !m.lacks_paths && m.declared_unbiased();
             let doubtful = preferred(&self.measured, index, unbiased);
             let Some(best) = best else {
                 if self.measured.is_empty() {
@@ -358,7 +367,7 @@ impl Findings {
             relmse_text(measured.model.squared_bias),
             seconds_text(measured),
             format!("{:.3}", measured.model.noise.noise),
-            format!("{:.2}", measured.model.noise.exponent),
+            exponent_text(measured),
             efficiency_text(measured, defaults),
         ]
     }
@@ -419,6 +428,7 @@ impl Findings {
                 "seconds_spread": measured.seconds_spread,
                 "variance_1spp": model.noise.noise,
                 "exponent": model.noise.exponent,
+                "exponent_half_width": model.noise.exponent_half_width(),
                 "bias": measured.signed.value,
                 "bias_half_width": half,
                 "against": if measured.against_reference { "reference" } else { "defaults" },

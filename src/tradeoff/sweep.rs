@@ -22,6 +22,9 @@ pub const LEVEL: u32 = LEVELS[1];
 const ROUNDS_OF_LAST: usize = 4;
 /// The most rounds of a sweep.
 pub const MOST_ROUNDS: usize = 32;
+/// Whether to stop. The threads of all devices ask.
+pub type Stop<'a> = &'a (dyn Fn() -> bool + Sync);
+
 /// The number of rounds from one block of `samples` samples to the next.
 pub fn rounds_between(samples: u32) -> usize {
     if samples == LEVELS[2] { ROUNDS_OF_LAST } else { 1 }
@@ -113,8 +116,11 @@ impl Effect {
     fn of(plan: &Plan<'_>, max_depth: u32) -> Effect {
         let shaders = plan.kernels().into_iter().map(|kernel| kernel.linked.text.clone()).collect();
         let indirect_limit = plan.indirect_limit();
-        let settings = data::Settings { max_depth, indirect_limit, ..plan.scene.settings };
-        let nodes = plan.scene.nodes.clone();
+        // Without a walk, nobody reads the hierarchy.
+        let walks = plan.buffers().iter().any(|buffer| buffer.name == "nodes");
+        let root = if walks { plan.scene.settings.root } else { 0 };
+        let nodes = if walks { plan.scene.nodes.clone() } else { Vec::new() };
+        let settings = data::Settings { max_depth, indirect_limit, root, ..plan.scene.settings };
         Effect { shaders, settings, nodes, radiance_exponent: plan.scene.radiance_exponent }
     }
 }
@@ -204,7 +210,7 @@ impl<'a> Sweep<'a> {
     }
 
     /// Renders an image of one subject and enlarges it to the size of the sweep; none if the render was interrupted.
-    pub fn image(&mut self, subject: usize, samples: u32, seed: u32, stop: &dyn Fn() -> bool) -> Result<Option<Block>> {
+    pub fn image(&mut self, subject: usize, samples: u32, seed: u32, stop: Stop<'_>) -> Result<Option<Block>> {
         let Subject { size, setting, .. } = &self.subjects[subject];
         let job = self.job(*size, setting.max_depth, samples, seed);
         let whole = self.size;
@@ -228,7 +234,7 @@ impl<'a> Sweep<'a> {
         &mut self,
         until: Instant,
         most: usize,
-        stop: &dyn Fn() -> bool,
+        stop: Stop<'_>,
         progress: &mut dyn FnMut(usize, &str),
     ) -> Result<()> {
         self.drop_begun_round();

@@ -139,7 +139,7 @@ impl Kernel {
     pub fn settings(&self, settings: &Settings) -> BufferSpec<'static> {
         let contents = SettingsLayout::of(&self.module).expect("the settings have a layout").bytes(settings);
         let spec = BufferSpec::uniform("settings", contents.len() as u64, "the test");
-        BufferSpec { contents: contents.into(), ..spec }
+        BufferSpec { contents: vec![contents.into()], ..spec }
     }
 
     /// Runs the kernel once for each row; one row of output for each of input.
@@ -189,8 +189,8 @@ impl Kernel {
         let rows = u32::try_from(count).expect("a dispatch of less than 2^32 rows");
         let bytes = (wanted_rows * size_of::<O>()) as u64;
         let mut job = BufferSpec::uniform("job", 4, "the test");
-        job.contents = rows.to_le_bytes().to_vec().into();
-        let input = BufferSpec::scene("input", bytemuck::cast_slice(input).into(), "the test");
+        job.contents = vec![rows.to_le_bytes().to_vec().into()];
+        let input = BufferSpec::scene("input", vec![bytemuck::cast_slice(input).into()], "the test");
         let output_bytes = count as u64 * u64::from(self.bindings["output"].element_bytes);
         let output = BufferSpec::working("output", output_bytes, "the test");
         let mut specs = vec![job, input, output];
@@ -227,5 +227,5 @@ impl Kernel {
 
 /// An array, as a buffer that kernels read.
 pub fn array<'a, T: Pod>(name: &'static str, items: &'a [T]) -> BufferSpec<'a> {
-    BufferSpec::scene(name, bytemuck::cast_slice(items).into(), "the test")
+    BufferSpec::scene(name, vec![bytemuck::cast_slice(items).into()], "the test")
 }

@@ -33,6 +33,7 @@ pub mod quads;
 pub mod render;
 pub mod rooms;
 pub mod rows;
+pub mod scaling;
 pub mod scenes;
 pub mod stats;
 pub mod trace;

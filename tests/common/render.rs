@@ -8,10 +8,11 @@ use gpu_rt::film::{Film, Picture, UNKNOWN_VARIANCE};
 use gpu_rt::flatten::{DeviceScene, flatten};
 use gpu_rt::gpu::layout;
 use gpu_rt::gpu::link::{Choices, Embedded, Library, link};
-use gpu_rt::job::{Goal, Job};
+use gpu_rt::job::{Goal, Job, blocks};
 use gpu_rt::options::{Integrator, RenderOptions, Scatter, Switch};
 use gpu_rt::plan::{Bounce, Kernel, Kernels, Plan, Staged};
 use gpu_rt::render::{Next, Outcome, Renderer, Watch};
+use gpu_rt::samples::Samples;
 use gpu_rt::scene::Scene;
 
 use super::device::software;
@@ -326,8 +327,8 @@ impl Watchdog {
 
 impl Shot {
     /// Every pixel got every sample, and none was rejected: no image test may pass on what is left of an image.
-    fn check_counts(&self, size: (u32, u32), samples: &Range<u32>) {
-        let (pixels, spp) = (u64::from(size.0) * u64::from(size.1), samples.len() as u64);
+    fn check_counts(&self, size: (u32, u32), samples: &Samples) {
+        let (pixels, spp) = (u64::from(size.0) * u64::from(size.1), samples.count());
         let totals = self.film.totals();
         assert_eq!(totals.paths, pixels * spp, "camera samples");
         assert_eq!(totals.rejected.total(), 0, "{:?}", totals.rejected);
@@ -373,7 +374,7 @@ impl Shot {
 
     /// Runs of each pixel.
     pub fn runs(&self) -> u32 {
-        self.outcome.samples.end.div_ceil(RUN_LENGTH) - self.outcome.samples.start / RUN_LENGTH
+        blocks(self.outcome.samples.hull()).len() as u32
     }
 
     /// The variance between the runs of a pixel: the variance of the mean of one run. (The film keeps the variance of the mean of

@@ -24,6 +24,7 @@ const NEVER: &[(&str, &[&str])] = &[
     ("error", &["gpu", "shape", "scene", "flatten", "plan", "render", "film", "output", "tradeoff", "commands", "cli"]),
     ("options", &["gpu", "scene", "flatten", "plan", "render", "film", "output", "tradeoff", "commands", "cli"]),
     ("job", &["gpu", "scene", "flatten", "plan", "render", "film", "output", "tradeoff", "commands", "cli"]),
+    ("jobs", &["gpu", "scene", "flatten", "plan", "tradeoff", "cli"]),
     ("material", &["gpu", "scene", "flatten", "plan", "render", "bvh", "film", "output", "tradeoff", "cli"]),
     ("texture", &["gpu", "material", "scene", "flatten", "plan", "render", "film", "output", "tradeoff", "cli"]),
     ("shape", &["gpu", "material", "scene", "flatten", "plan", "render", "bvh", "film", "output", "tradeoff", "cli"]),

@@ -607,7 +607,7 @@ fn images_become_linear() {
     let rows = |_: usize, y: usize| [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0)][y];
     exr::prelude::write_rgb_file(at("rows.exr"), 1, 2, rows).unwrap();
     let bitmap = with_image(folder.path(), "rows.exr", ALBEDO).unwrap();
-    assert_eq!(bitmap.texels, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+    assert_eq!(*bitmap.texels, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
 }
 
 #[test]

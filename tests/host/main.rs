@@ -12,4 +12,5 @@ mod film;
 mod image_files;
 mod mesh_files;
 mod plan;
+mod scaling;
 mod statistics;

@@ -376,7 +376,12 @@ fn buffers_hold_what_is_used_and_each_image_once() {
         let scene = Scene::parse(&text, &folder.path().join("images.ron")).unwrap_or_else(|error| panic!("{error}"));
         let flat = flat(&scene, FeatureSet::Scene);
         let of_spheres: Vec<u32> = flat.shapes.spheres.iter().map(|sphere| sphere.material).collect();
-        (flat.texels.len(), flat.materials.len(), flat.textures.len(), of_spheres)
+        (
+            flat.texels.iter().map(|image| image.len()).sum::<usize>(),
+            flat.materials.len(),
+            flat.textures.len(),
+            of_spheres,
+        )
     };
     let solid = "Solid((1, 1, 1))";
     assert_eq!(of(&["grey"], solid), (16, 1, 1, vec![0]));

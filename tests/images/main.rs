@@ -4,6 +4,7 @@
 mod common;
 
 mod closed_form;
+mod devices;
 mod estimators;
 mod features;
 mod globes;

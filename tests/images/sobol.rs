@@ -12,6 +12,7 @@ use gpu_rt::film::Film;
 use gpu_rt::job::{Goal, Job};
 use gpu_rt::options::RenderOptions;
 use gpu_rt::render::{NOISE_LEVEL, Next, Outcome};
+use gpu_rt::samples::Samples;
 use gpu_rt::scene::Scene;
 
 /// False-alarm rate of each test here.
@@ -84,8 +85,8 @@ fn a_render_until_an_error_is_that_of_its_samples() {
         let (film, outcome) =
             until(&scene, Goal::Noise { error, deadline: None, end: 1 << 14, begun: 0, looks: 0 }, sampler);
         let noise = outcome.noise.expect("it was asked");
-        let samples = outcome.samples.len() as u32;
-        assert!(noise.reached && !outcome.interrupted && outcome.samples.start == 0);
+        let samples = outcome.samples.count() as u32;
+        assert!(noise.reached && !outcome.interrupted && outcome.samples.hull().start == 0);
         assert!(samples.is_power_of_two() && samples >= 16, "{samples}");
         assert_eq!(samples == 16, error == 0.9, "{samples}");
         // The k-th look has 5 % / 2^k.
@@ -103,11 +104,11 @@ fn a_render_until_an_error_is_that_of_its_samples() {
     // The most samples, and the time, come first where they do.
     let (film, outcome) =
         until(&scene, Goal::Noise { error: 1e-4, deadline: None, end: 41, begun: 0, looks: 0 }, Sobol);
-    assert!(!outcome.noise.expect("it was asked").reached && outcome.samples == (0..41));
+    assert!(!outcome.noise.expect("it was asked").reached && outcome.samples == Samples::from(0..41));
     assert!(film == render(&scene, &Ask::spp(41).sobol().seed(4).depth(10)).film);
     let deadline = Some(std::time::Instant::now());
     let (film, outcome) = until(&scene, Goal::Noise { error: 1e-4, deadline, end: 1 << 20, begun: 0, looks: 0 }, Sobol);
-    assert!(!outcome.noise.expect("it was asked").reached && outcome.samples == (0..1));
+    assert!(!outcome.noise.expect("it was asked").reached && outcome.samples == Samples::from(0..1));
     assert!(film == render(&scene, &Ask::spp(1).sobol().seed(4).depth(10)).film);
 }
 

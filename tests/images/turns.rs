@@ -10,6 +10,7 @@ use gpu_rt::job::{Goal, Job};
 use gpu_rt::options::{RenderOptions, Scatter};
 use gpu_rt::plan::Plan;
 use gpu_rt::render::{Next, Outcome, Watch};
+use gpu_rt::samples::Samples;
 use gpu_rt::scene::Scene;
 
 use crate::common::device;
@@ -98,7 +99,7 @@ fn pilots_and_goals_do_not_show() {
         ] {
             let (film, outcome, _) = render_until(&options, SIZE, 0, goal, tile, &mut |_, _| Next::GoOn);
             assert!(!outcome.samples.is_empty() && film.totals() == outcome.totals);
-            let whole = render(&options, SIZE, outcome.samples.clone(), None, &mut |_, _| Next::GoOn).0;
+            let whole = render(&options, SIZE, outcome.samples.hull(), None, &mut |_, _| Next::GoOn).0;
             assert!(film.develop().samples == whole.develop().samples, "{goal:?}: {:?}", outcome.samples);
             // Stretches end within a run at their end alone.
             assert!(film == whole, "{goal:?}: {:?}", outcome.samples);
@@ -141,8 +142,8 @@ fn what_is_stopped_is_whole() {
                     calls += 1;
                     if calls < at { Next::GoOn } else { Next::Stop }
                 });
-                let end = outcome.samples.end;
-                assert!(outcome.interrupted && outcome.samples.start == start && end < 4096, "{outcome:?}");
+                let end = outcome.samples.hull().end;
+                assert!(outcome.interrupted && outcome.samples.hull().start == start && end < 4096, "{outcome:?}");
                 assert!(end > start && end.is_multiple_of(RUN_LENGTH), "{outcome:?}");
                 assert!(
                     film == render(&options, SIZE, start..end, None, &mut |_, _| Next::GoOn).0,
@@ -168,8 +169,8 @@ fn a_whole_film_has_whole_samples() {
         let (mut calls, mut seen) = (0, Vec::new());
         let looked = render(&options, SIZE, 0..40, tile, &mut |outcome, look| {
             if let Some(look) = look.filter(|look| look.whole) {
-                assert!(*look.film == each[outcome.samples.end as usize], "{:?}", outcome.samples);
-                seen.push(outcome.samples.end);
+                assert!(*look.film == each[outcome.samples.hull().end as usize], "{:?}", outcome.samples);
+                seen.push(outcome.samples.hull().end);
             }
             // A look at what is under way in between must not matter.
             calls += 1;
@@ -196,8 +197,10 @@ fn goals_go_on_with_a_film() {
             let job = Job { size: SIZE, max_depth: 20, seed: 3, first_sample: 24, goal };
             let change = |plan: &mut Plan<'_>| plan.tuning.tile = tile.unwrap_or(plan.tuning.tile);
             let outcome = render_onto(&scene, &options, &job, &mut film, change, &mut |_, _| Next::Whole);
-            assert!(outcome.samples.start == 24, "{:?}", outcome.samples);
-            let whole = render(&options, SIZE, 0..outcome.samples.end, None, &mut |_, _| Next::GoOn).0;
+            let mut samples = Samples::from(0..24);
+            samples.join(&outcome.samples);
+            assert!(samples.ranges().len() == 1 && outcome.samples.overlap(&(0..24).into()).is_none(), "{samples}");
+            let whole = render(&options, SIZE, samples.hull(), None, &mut |_, _| Next::GoOn).0;
             assert!(film == whole, "{tile:?}, {goal:?}: {:?}", outcome.samples);
         }
     }
@@ -218,7 +221,11 @@ fn what_goes_on_has_the_looks_of_one_render() {
         let looks = outcome.noise.expect("it looked").looks - 1;
         let job = Job { size: SIZE, max_depth: 20, seed: 3, first_sample: stop, goal: noise(0, looks) };
         let outcome = render_onto(&cover(), &options, &job, &mut film, |_| {}, &mut |_, _| Next::GoOn);
-        assert_eq!((outcome.noise, outcome.samples.end), (Some(found), uninterrupted.samples.end), "{stop}");
+        assert_eq!(
+            (outcome.noise, outcome.samples.hull().end),
+            (Some(found), uninterrupted.samples.hull().end),
+            "{stop}"
+        );
         assert!(film == whole, "{stop}");
     }
 }

@@ -682,6 +682,23 @@ fn lights_too_faint_beside_others() {
     assert_warns(&sky, "background", &["a radiance of 1e-18"]);
 }
 
+#[test]
+fn nothing_that_emits_light() {
+    let dark = |emit: &str| {
+        scene(BEFORE, "Sphere(center: (0, 0, 0), radius: 1, material: \"lamp\"), ")
+            .replace("\"grey\":", &format!("\"other\": DiffuseLight(emit: Rgb({emit})), \"grey\":"))
+            .replace("background: Solid((1, 1, 1))", "background: §Solid((0, 0, 0))")
+    };
+    let of_lamp = |text: String, material: &str| text.replace("material: \"lamp\"", &format!("material: {material:?}"));
+    // What no object is made of does not count.
+    assert_warns(
+        &of_lamp(dark("1, 1, 1"), "grey"),
+        "background",
+        &["nothing in this scene emits light", "DiffuseLight"],
+    );
+    assert_silent(&of_lamp(dark("0, 0, 1e-20"), "other"));
+}
+
 /// What no object is made of neither decides the film's unit nor is warned of.
 #[test]
 fn lights_that_are_not_used_do_not_count() {

@@ -208,6 +208,7 @@ fn textures_are_evaluated_in_their_objects_own_space() {
     }
     let plan = choices_of(&flat.features, &RenderOptions::default(), &UniformTables::default());
     let kernel = Kernel::with("test/colour", &Setup { plan, ..Setup::default() });
+    let texels: Vec<[f32; 3]> = flat.texels.iter().flat_map(|image| image.iter().copied()).collect();
     let judge = |frames: &[gpu_rt::data::Frame]| {
         let buffers = [
             array("spheres", &flat.shapes.spheres),
@@ -216,13 +217,13 @@ fn textures_are_evaluated_in_their_objects_own_space() {
             array("materials", &flat.materials),
             array("textures", &flat.textures),
             array("frames", frames),
-            array("texels", &flat.texels),
+            array("texels", &texels),
         ];
         let found = kernel.run_with::<_, [f32; 4]>(&rays, rays.len(), &buffers);
         let mut wrong = [0usize; 4];
         let (mut hits, mut first) = (0, None);
         for ((object, place), out) in of.iter().zip(&found) {
-            let (Some((colour, allowed)), true) = (expected(object, place, &flat.texels), out[3] > 0.0) else {
+            let (Some((colour, allowed)), true) = (expected(object, place, &texels), out[3] > 0.0) else {
                 continue;
             };
             hits += 1;

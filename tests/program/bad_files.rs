@@ -173,3 +173,18 @@ fn a_scene_of_brackets() {
     let text = scene("Solid((1, 1, 1))", &"[],".repeat(80 << 20));
     refuses(folder.path(), &text, 2 * GIB, "expected at most 16777216 values in a scene file");
 }
+
+/// Texels of an image take their memory once: here 412 MiB, and 34 MiB while the file is decoded.
+#[test]
+fn a_large_image_is_not_copied() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let image = image::GrayImage::from_pixel(6000, 6000, image::Luma([128]));
+    image.save(folder.path().join("grey.png")).expect("the image is written");
+    let sphere = "Sphere(center: (0, 0, 0), radius: 1, material: \"m\")";
+    let text = scene("Solid((1, 1, 1))", sphere)
+        .replace("Metal(albedo: Rgb(1, 1, 1))", "Lambertian(albedo: Image(path: \"grey.png\"))");
+    check(folder.path(), &text, 750 << 10).exits(0);
+    // A limit below what it needs is noticed.
+    let refused = check(folder.path(), &text, 450 << 10);
+    assert!(!refused.status.success(), "{refused:?}");
+}

@@ -336,6 +336,11 @@ fn rejected_samples_are_reported_and_strict_fails() {
     let ran = place.run(&[&render[..], &["--strict", "--json", "--quiet"]].concat()).exits(1);
     assert_eq!(ran.json()["rejected_samples"], 32, "the report comes all the same");
     assert!(ran.last_line().contains("--strict") && ran.last_line().contains(words), "{}", ran.stderr);
+    // Where nothing is left, that is a failure.
+    let all = std::fs::read_to_string(place.work().join(&scene)).expect("it is there").replace("(-1, 0,", "(0.5, 0,");
+    let all = place.scene("all.ron", &all);
+    let ran = place.run(&["render", &all, "--device", software(), "-o", "all.exr"]).exits(1);
+    assert!(ran.last_line().contains("64 of 64 samples were rejected"), "{}", ran.stderr);
     // And so does the image, with the rejected samples of each pixel.
     let image = place.exr("a.exr");
     assert_eq!(image.rejected, Some([0, 0, 8, 8].repeat(2)));
@@ -525,6 +530,57 @@ fn rendered_pair(place: &Place) {
     };
     write("brighter.exr", &|_| 1.02);
     write("local.exr", &|i| if i % 48 < 6 && i / 48 < 5 { 1.3 } else { 1.0 });
+}
+
+/// A lamp that no path meets makes no noise: with BSDF sampling alone the stated error does not know of it, and says so.
+#[test]
+fn a_lamp_that_no_path_meets_makes_the_error_unreliable() {
+    let place = Place::new();
+    let text = |emit: &str| {
+        format!(
+            "(image: (width: 64, height: 48), render: (samples: 64, max_depth: 8),
+              camera: (look_from: (0, 2, 5), look_at: (0, 0, 0), vertical_fov: 40), background: Solid((0.2, 0.2, 0.2)),
+              materials: {{ \"grey\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5)), \"lamp\": DiffuseLight(emit: Rgb({emit})) }},
+              objects: [
+                  Quad(corner: (-4, 0, 4), u: (8, 0, 0), v: (0, 0, -8), material: \"grey\"),
+                  Sphere(center: (0, 3, 0), radius: 0.001, material: \"lamp\"),
+              ])"
+        )
+    };
+    place.scene("bright.ron", &text("1e6, 1e6, 1e6"));
+    place.scene("faint.ron", &text("1, 1, 1"));
+    for (scene, integrator, reliable) in
+        [("bright", "bsdf", false), ("bright", "mis", true), ("faint", "bsdf", true), ("faint", "mis", true)]
+    {
+        let line =
+            format!("render ../scenes/{scene}.ron --integrator {integrator} --device {} -o {scene}.exr", software());
+        for more in ["", "--spp 128 --resume"] {
+            let ran = place.says(&format!("{line} --json {more}")).exits(0);
+            assert_eq!(ran.json()["reliable"], reliable, "{scene}, {integrator}: {}", ran.stderr);
+            assert_eq!(ran.stderr.contains("--integrator bsdf finds lights by chance"), !reliable, "{}", ran.stderr);
+        }
+        // A joined image has the same verdict.
+        let joined = place.says(&format!("merge {scene}.exr -o joined.exr --json")).exits(0).json();
+        assert_eq!(joined["reliable"], reliable, "{joined}");
+    }
+}
+
+/// Images of other scenes are compared, with a warning: their headers tell.
+#[test]
+fn images_of_different_scenes_are_warned_of() {
+    let place = Place::new();
+    let other = place.scene("other.ron", &SPHERE.replace("0.5, 0.4, 0.3", "0.5, 0.4, 0.31"));
+    place.render(&["--seed", "1", "-o", "a.exr"]).exits(0);
+    place.render(&["--seed", "2", "-o", "b.exr", "--spp", "24"]).exits(0);
+    place.run(&["render", &other, "--device", software(), "-o", "c.exr"]).exits(0);
+    let said = |line: &str| place.says(line).exits(0).stderr;
+    assert_eq!(said("compare a.exr b.exr"), "");
+    assert!(said("compare a.exr c.exr").contains("of different scenes"));
+    let converge = |reference| {
+        format!("converge ../scenes/other.ron --device {} --reference {reference} --spp 2 --seed 9", software())
+    };
+    assert!(said(&converge("a.exr")).contains("a.exr is of another scene"));
+    assert!(!said(&converge("c.exr")).contains("another scene"));
 }
 
 #[test]

@@ -125,6 +125,36 @@ fn a_device_that_is_lost_once_is_opened_again() {
     }
 }
 
+/// One of two devices is lost: both are opened again, and the image is that of one device.
+#[test]
+fn one_of_several_devices_that_is_lost_is_opened_again() {
+    let whole = place();
+    ran(render(whole.path(), &["--spp", "2048", "--quiet"])).exits(0);
+    let twice = [software(), software()].join(",");
+    for (calls, checkpoint) in [(12, "1h"), (5, "1ns")] {
+        let folder = place();
+        let fault = Fault::once(folder.path(), "vkQueueSubmit", calls, "lost");
+        let of_two = ["render", "sphere.ron", "--device", &twice, "--spp", "2048", "--bounces", "1"];
+        let mut command = command(folder.path(), &[&of_two[..], &["--checkpoint", checkpoint]].concat());
+        if checkpoint == "1ns" {
+            command.env("GPU_RT_FAULT_AFTER", "sphere.exr");
+        }
+        let ran = meets(command, &fault);
+        assert!(fault.has_happened(), "{fault:?} never happened: {ran:?}");
+        let ran = ran.exits(0);
+        assert!(ran.stderr.contains("opened once more"), "{}", ran.stderr);
+        let (image, whole) = (image(folder.path()), image(whole.path()));
+        assert_eq!((image.rgb, image.variance, image.samples), (whole.rgb, whole.variance, whole.samples), "{fault:?}");
+    }
+    // Where it stays lost, nobody waits for it.
+    let folder = place();
+    let fault = Fault::new(folder.path(), "vkQueueSubmit", 1, "lost");
+    let mut command = command(folder.path(), &[&["render", "sphere.ron", "--device", &twice], &ENDLESS[..]].concat());
+    command.env("GPU_RT_FAULT_AFTER", "sphere.exr");
+    the_error(meets(command, &fault), &fault);
+    assert!(image(folder.path()).samples.is_some());
+}
+
 /// Older drivers have fences alone.
 #[test]
 fn a_device_that_is_lost_at_a_fence_is_an_error_and_the_last_checkpoint_stays() {

@@ -13,4 +13,7 @@ mod place;
 mod resume;
 #[cfg(unix)]
 mod signals;
+mod status;
+#[cfg(unix)]
+mod submit;
 mod terminal;

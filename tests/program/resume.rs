@@ -13,7 +13,7 @@ use crate::common::device::index as software;
 use crate::common::program::{Ran, command, finish, meanwhile, run};
 
 /// Lights, glass, a texture from a file, and paths of many lengths.
-const SCENE: &str = "Scene(
+pub const SCENE: &str = "Scene(
     image: (width: 24, height: 16),
     camera: (look_from: (0, 1, 5), look_at: (0, 0.5, 0), up: (0, 1, 0), vertical_fov: 45),
     background: Gradient(bottom: (0.2, 0.2, 0.2), top: (0.1, 0.2, 0.4)),
@@ -97,18 +97,18 @@ impl Place {
 
 /// What a file holds of its render, times and names of files aside.
 #[derive(Debug, PartialEq)]
-struct Held {
+pub struct Held {
     rgb: Vec<[f32; 3]>,
     variance: Option<Vec<[f32; 3]>>,
-    film: Film,
-    samples: String,
+    pub film: Film,
+    pub samples: String,
     looks: u32,
     attributes: Vec<(String, Attribute)>,
 }
 
 impl Held {
     /// What differs in another one, in words.
-    fn difference(&self, other: &Held) -> Vec<String> {
+    pub fn difference(&self, other: &Held) -> Vec<String> {
         let differs = [
             ("rgb", self.rgb != other.rgb),
             ("variance", self.variance != other.variance),
@@ -124,7 +124,7 @@ impl Held {
         fields.chain(only(self, other)).chain(only(other, self)).collect()
     }
 
-    fn of(path: &Path) -> Held {
+    pub fn of(path: &Path) -> Held {
         let image = read_exr(path).unwrap_or_else(|error| panic!("{error}"));
         let state = read_state(path).expect("the state is read").expect("there is a state");
         let mut film = state.film().expect("it fits");
@@ -344,6 +344,48 @@ fn drivers_are_mixed_only_when_asked() {
         let attributes = read_attributes(&place.path(name)).expect("it is read");
         let driver = attributes.iter().find(|(name, _)| name == "gpu-rt:driver").expect("it is there");
         assert!(matches!(&driver.1, Attribute::Text(text) if text.starts_with("driver 1.0; ")), "{name}: {driver:?}");
+    }
+}
+
+/// Several devices render one film: the bytes are those of one device, also after an interrupt.
+#[cfg(unix)]
+#[test]
+fn several_devices_have_the_bytes_of_one() {
+    let place = Place::new();
+    let several = |devices: usize| vec![software(); devices].join(",");
+    let render = |devices: usize, more: &str| {
+        place.says(&format!("render scene.ron --quiet --device {} --spp 520 {more}", several(devices))).exits(0)
+    };
+    render(1, "-o one.exr");
+    for devices in [2, 3] {
+        render(devices, "-o several.exr --checkpoint 0.05s");
+        assert_eq!(place.holds("several.exr").difference(&place.holds("one.exr")), [""; 0], "{devices} devices");
+    }
+    // What several devices leave when they are stopped may have gaps.
+    let line =
+        format!("render scene.ron --quiet --device {} --spp 100000000 -o out.exr --checkpoint 0.05s", several(3));
+    let mut child =
+        command(place.folder.path(), &line.split_whitespace().collect::<Vec<_>>()).spawn().expect("it starts");
+    meanwhile(&mut child, || place.path("out.exr").exists());
+    let kill = Command::new("kill").args(["-TERM", &child.id().to_string()]).status();
+    assert!(kill.expect("kill is there").success());
+    finish(child).exits(143);
+    let held = read_state(&place.path("out.exr")).expect("it is read").expect("there is a state").samples;
+    place.is_one_render(u64::from(held.hull().end) + 8);
+    // Also a render until an error goes on with gaps.
+    let gaps = "merge --quiet --allow-gaps a.exr b.exr -o gaps.exr";
+    place.render("--quiet --samples 0..8 -o a.exr").exits(0);
+    place.render("--quiet --samples 32..40 -o b.exr").exits(0);
+    for (goal, image) in [("--spp 64 --noise 0.0001", "noise.exr"), ("--spp 64 --time 1h", "time.exr")] {
+        place.says(gaps).exits(0);
+        place.render(&format!("--quiet {goal} -o gaps.exr --resume")).exits(0);
+        place.render(&format!("--quiet {goal} -o {image}")).exits(0);
+        let (mut resumed, whole) = (place.holds("gaps.exr"), place.holds(image));
+        assert!(resumed.film.totals().paths > 40 * 24 * 16);
+        // The looks are those of the part that has been joined, and later ones.
+        resumed.looks = whole.looks;
+        resumed.attributes.clone_from(&whole.attributes);
+        assert_eq!(resumed.difference(&whole), [""; 0], "{goal}");
     }
 }
 

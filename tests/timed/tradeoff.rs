@@ -232,6 +232,42 @@ fn paths_that_seldom_meet_a_lamp_are_no_defect() {
     assert!(planted > ALARMS, "eight times as much light is found {planted} times");
 }
 
+/// Under a sky all noise is known, but what paths never meet is not noise: a setting that lacks the light of a tiny lamp is never advised, and is
+/// no defect. The defaults sample the lamp.
+#[test]
+fn a_lamp_that_nobody_meets_under_a_sky_is_missed() {
+    let _machine = alone();
+    let text = "Scene(
+        image: (width: 32, height: 24),
+        camera: (look_from: (0, 2, 5), look_at: (0, 0, 0), vertical_fov: 40),
+        background: Solid((0.2, 0.2, 0.2)),
+        materials: { \"grey\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5)), \"lamp\": DiffuseLight(emit: Rgb(1e6, 1e6, 1e6)) },
+        objects: [
+            Quad(corner: (-4, 0, 4), u: (8, 0, 0), v: (0, 0, -8), material: \"grey\"),
+            Sphere(center: (0, 3, 0), radius: 0.001, material: \"lamp\"),
+        ],
+        render: (samples: 64, max_depth: 8),
+    )";
+    let scene = scene(text);
+    let mut sweep = Sweep::new(device::software(), &scene, (32, 24), 0);
+    unbiased(&scene).into_iter().take(2).for_each(|setting| sweep.add(setting).expect("it compiles"));
+    measure(&mut sweep, 1, 8);
+    let found = judged(&mut sweep, None).measured;
+    let [defaults, bsdf] = &found[..] else { panic!("{found:?}") };
+    assert!(defaults.reliable && !defaults.lacks_paths, "{defaults:?}");
+    assert!(bsdf.noise_doubt < 0.2 && bsdf.signed.value < -0.05 && !bsdf.biased, "{bsdf:?}");
+    assert!(bsdf.lacks_paths && !bsdf.reliable && bsdf.verdict().contains("as if it had missed"), "{bsdf:?}");
+    assert!(recommended(&found).iter().all(|best| best.is_some_and(|best| best.setting.knob.is_none())));
+    // Without the lamp both have the same image, and either may be advised.
+    let dark = text.replace("1e6", "1");
+    let scene = crate::tradeoff::scene(&dark);
+    let mut sweep = Sweep::new(device::software(), &scene, (32, 24), 0);
+    unbiased(&scene).into_iter().take(2).for_each(|setting| sweep.add(setting).expect("it compiles"));
+    measure(&mut sweep, 1, 8);
+    let found = judged(&mut sweep, None).measured;
+    assert!(found.iter().all(|measured| measured.reliable && !measured.lacks_paths), "{found:?}");
+}
+
 /// What a limit takes is what paths bring that the defaults have seldom met: neither is known, and no limit is advised.
 #[test]
 fn a_bias_against_what_is_not_known_is_not_known() {
@@ -350,7 +386,7 @@ fn the_program_reports_and_its_advice_is_kept() {
     let settings = json["settings"].as_array().expect("settings");
     assert_eq!(csv.lines().count(), 1 + settings.len());
     let columns = csv.lines().next().map(|line| line.split(',').count());
-    assert_eq!(columns, Some(25));
+    assert_eq!(columns, Some(26));
     // Every value of every knob asked for is there, measured or not.
     let named: Vec<&str> = settings.iter().filter_map(|setting| setting["setting"].as_str()).collect();
     for name in [

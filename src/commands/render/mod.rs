@@ -15,12 +15,12 @@ use serde_json::json;
 
 use super::outputs::check_outputs;
 use super::signals::Signals;
-use super::{flatten_for, open_device, print_json, tell, tell_biases, tell_software};
+use super::{flatten_for, open_devices, print_json, tell, tell_biases, tell_software};
 use crate::cli::{MOST_SAMPLES, RenderArgs};
 use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::flatten::DeviceScene;
-use crate::gpu::device::Device;
+use crate::gpu::device::{AdapterName, Device};
 use crate::gpu::probe::numerics;
 use crate::identity::Identity;
 use crate::job::{Goal, Job};
@@ -35,6 +35,7 @@ use crate::threads::beside;
 use record::{About, report};
 pub use record::{Finish, attributes_of, excluded};
 use resume::Accumulation;
+pub use summary::{doubts, error_words, noise_words};
 use summary::{rejected_words, summarise};
 use watcher::{Watcher, look_time, pause_after};
 
@@ -52,6 +53,14 @@ struct Seconds {
     total: f64,
     /// A part of the rendering: from its start to the end of the first submission.
     first_pass: f64,
+    /// A part of the rendering: for one sample of every pixel. It tells the pace also of a render that goes on with an earlier one, and of
+    /// one that is under way.
+    per_sample: f64,
+}
+
+/// The seconds of one of so many samples; 0, which is not known, of none.
+fn per_sample(seconds: f64, samples: u64) -> f64 {
+    if samples == 0 { 0.0 } else { seconds / samples as f64 }
 }
 
 /// Where the image goes.
@@ -83,8 +92,8 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     seconds.load = clock.lap();
 
     // The driver loads while the scene is built; `device` is the time that it takes beyond. A scene that does not load waits for no driver.
-    let opening = || open_device(args.paths.device.as_deref());
-    let (device, built) = beside(opening, || {
+    let opening = || open_devices(args.paths.device.as_deref());
+    let (devices, built) = beside(opening, || {
         let built = flatten_for(&scene, args.size, &args.options)
             .map(|(size, flat)| (size, flat, job_of(args, &scene, size, start)));
         seconds.build = clock.lap();
@@ -95,15 +104,18 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     let earlier = resume::earlier(args, &output.exr, &identity, &job)?;
     tell_warnings(&flat.warnings);
     warnings.extend_from_slice(&flat.warnings);
-    let mut device = device?;
-    tell_software(&device, args.quiet);
+    let mut devices = devices?;
+    for (number, device) in devices.iter().enumerate() {
+        let is_told = devices.iter().take(number).any(|other| other.name == device.name);
+        tell_software(device, args.quiet || is_told);
+    }
     seconds.device = clock.lap();
 
     let mut film = match &earlier {
         Some(state) => Accumulation::of_file(&output.exr, state)?,
         None => Accumulation::new(size, flat.radiance_exponent, args.options.sampler)?,
     };
-    film.note_device(&device, &output.exr, args.mixed_drivers)?;
+    film.note_devices(names_of(&devices), &output.exr, args.mixed_drivers)?;
     let overwritten = match &earlier {
         Some(_) => None,
         None => resume::more_there(&output.exr, &identity, 0),
@@ -131,27 +143,30 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     // Hashing a large scene takes as long as reading it; the hashes are needed when something is written.
     let hashing = || _ = LazyLock::force(&identity);
     let ((), mut rendered) =
-        beside(hashing, || task.render(&device, &mut film, &mut rendering, &mut seconds, &mut clock));
+        beside(hashing, || task.render(&devices, &mut film, &mut rendering, &mut seconds, &mut clock));
     if let Err(Error::Device(why)) = &rendered
         && rendering.started
         && !signals.came()
     {
         progress.message(&format!("warning: {why}; the device is opened once more"));
-        let again = task.last_whole(&rendering).and_then(|last| Ok((last, open_device(args.paths.device.as_deref())?)));
+        let again =
+            task.last_whole(&rendering).and_then(|last| Ok((last, open_devices(args.paths.device.as_deref())?)));
         // Where that fails too, the first failure is the one to tell.
         if let Ok((last, other)) = again {
-            (film, device) = (last, other);
-            film.note_device(&device, &output.exr, args.mixed_drivers)?;
-            rendered = task.render(&device, &mut film, &mut rendering, &mut seconds, &mut clock);
+            (film, devices) = (last, other);
+            film.note_devices(names_of(&devices), &output.exr, args.mixed_drivers)?;
+            rendered = task.render(&devices, &mut film, &mut rendering, &mut seconds, &mut clock);
         }
     }
     progress.finish();
     seconds.render = clock.lap();
 
-    let about = task.about(&device)?;
+    let about = task.about(&devices)?;
     let outcome = std::mem::take(&mut rendering.outcome);
     let complete = rendered.is_ok() && !outcome.interrupted;
-    let finish = Finish::of(&film.film, &film.samples, &film.devices, outcome.noise, complete);
+    seconds.per_sample = per_sample(outcome.seconds, film.samples.count().saturating_sub(resumed_from.unwrap_or(0)));
+    let integrator = args.options.integrator.to_string();
+    let finish = Finish::of(&film.film, &film.samples, &film.devices, outcome.noise, &integrator, complete);
     match rendered {
         Ok(()) => match task.write(&about, &film, &finish, &seconds, &rendering) {
             Err(error) if outcome.interrupted => return Err(signals.interrupted(&error.to_string())),
@@ -171,6 +186,10 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     if args.json {
         print_json(&json!(report(&about, &output, &outcome, &finish, &seconds, &rendering)))?;
     }
+    if finish.totals.paths > 0 && finish.totals.rejected.total() >= finish.totals.paths {
+        let words = rejected_words(&finish.totals);
+        return Err(Error::Strict(format!("the image is black: {words}. `gpu-rt check` may say why")));
+    }
     if args.strict && finish.totals.rejected.total() > 0 {
         return Err(Error::Strict(format!("--strict: {}", rejected_words(&finish.totals))));
     }
@@ -185,7 +204,7 @@ struct Task<'a> {
     args: &'a RenderArgs,
     flat: &'a DeviceScene,
     output: &'a Output<'a>,
-    identity: &'a dyn Deref<Target = Identity>,
+    identity: &'a (dyn Deref<Target = Identity> + Sync),
     job: &'a Job,
     biases: &'a [String],
     warnings: &'a [String],
@@ -211,15 +230,16 @@ struct Rendering {
 }
 
 impl Task<'_> {
-    fn about<'b>(&'b self, device: &'b Device) -> Result<About<'b>> {
+    fn about<'b>(&'b self, devices: &'b [Device]) -> Result<About<'b>> {
         let Task { args, job, biases, warnings, resumed_from, .. } = self;
-        Ok(About { args, device, numerics: numerics(device)?, job, biases, warnings, resumed_from: *resumed_from })
+        let first = devices.first().ok_or_else(|| Error::Device("no device is open".to_string()))?;
+        Ok(About { args, devices, numerics: numerics(first)?, job, biases, warnings, resumed_from: *resumed_from })
     }
 
     /// Renders what the film lacks.
     fn render(
         &self,
-        device: &Device,
+        devices: &[Device],
         film: &mut Accumulation,
         rendering: &mut Rendering,
         seconds: &mut Seconds,
@@ -229,24 +249,28 @@ impl Task<'_> {
         let jobs = film.jobs(self.job, rendering.outcome.noise);
         let Some(first) = jobs.first() else { return Ok(()) };
         // The device keeps what its probe finds; an error comes again where the findings are asked for.
-        let make_plan = || Plan::new(self.flat, &self.args.options, device.class(), first);
-        let (_, plan) = beside(|| numerics(device).is_ok(), make_plan);
-        let plan = plan?;
-        let mut renderer = Renderer::new(device, &plan, first, self.args.profile)?;
-        rendering.kernels = plan.kernels().iter().map(|kernel| kernel.name.clone()).collect();
-        rendering.gpu_bytes = plan.buffers().iter().map(|buffer| buffer.allocated()).sum();
+        let probe = || devices.iter().all(|device| numerics(device).is_ok());
+        let plan = |device: &Device| Plan::new(self.flat, &self.args.options, device.class(), first);
+        let (_, plans) = beside(probe, || devices.iter().map(plan).collect::<Result<Vec<_>>>());
+        let plans = plans?;
+        let pairs: Vec<_> = devices.iter().zip(&plans).collect();
+        let mut renderer = Renderer::of_devices(&pairs, first, self.args.profile)?;
+        let kernels = plans.iter().take(1).flat_map(Plan::kernels);
+        rendering.kernels = kernels.map(|kernel| kernel.name.clone()).collect();
+        rendering.gpu_bytes = plans.iter().flat_map(Plan::buffers).map(|buffer| buffer.allocated()).sum();
         seconds.compile += clock.lap();
 
-        let about = self.about(device)?;
+        let about = self.about(devices)?;
+        let integrator = self.args.options.integrator.to_string();
         for job in &jobs {
             let Accumulation { film: pixels, samples, looks, devices } = &mut *film;
-            let begun = Instant::now();
+            let (begun, earlier) = (Instant::now(), samples.count());
             let mut watcher = Watcher {
                 progress: self.progress,
                 signals: self.signals,
                 begun,
                 pixels: u64::from(job.size.0) * u64::from(job.size.1),
-                earlier: samples.count(),
+                earlier,
                 next_look: (!self.args.quiet).then(|| begun + pause_after(look_time(job.size))),
                 next_checkpoint: self.output.can_be_replaced.then(|| begun + self.args.checkpoint),
                 interval: self.args.checkpoint,
@@ -256,10 +280,12 @@ impl Task<'_> {
                 told: false,
                 checkpoint: &|film, outcome| {
                     let mut samples = samples.clone();
-                    samples.add(outcome.samples.clone());
+                    samples.join(&outcome.samples);
                     let looks = outcome.noise.map_or(*looks, |noise| noise.looks);
-                    let finish = Finish::of(film, &samples, devices, outcome.noise, false);
-                    self.keep(&about, film, looks, &finish, seconds)?;
+                    let finish = Finish::of(film, &samples, devices, outcome.noise, &integrator, false);
+                    let pace =
+                        per_sample(begun.elapsed().as_secs_f64(), finish.samples.count().saturating_sub(earlier));
+                    self.keep(&about, film, looks, &finish, &Seconds { per_sample: pace, ..*seconds })?;
                     let exr = self.output.exr.display();
                     self.signals.set_loss(format!("{exr} holds the last checkpoint; what came since is lost"));
                     Ok(())
@@ -269,7 +295,7 @@ impl Task<'_> {
             let outcome = renderer.run(job, pixels, &mut |outcome, look| watcher.watch(outcome, look));
             rendering.kept |= watcher.kept;
             let outcome = outcome?;
-            samples.add(outcome.samples.clone());
+            samples.join(&outcome.samples);
             *looks = outcome.noise.map_or(*looks, |noise| noise.looks);
             rendering.outcome.join(outcome);
             if rendering.outcome.interrupted {
@@ -367,6 +393,11 @@ impl Task<'_> {
             false => format!("{exr} holds {samples} samples per pixel. Add --resume to go on"),
         }
     }
+}
+
+/// The names of devices.
+fn names_of(devices: &[Device]) -> impl Iterator<Item = &AdapterName> {
+    devices.iter().map(|device| &device.name)
 }
 
 /// Laps from the start of the program.

@@ -11,6 +11,7 @@ use crate::film::{ErrorEstimate, Film, ThroughGlass, TooDeep, Totals};
 use crate::gpu::device::Device;
 use crate::gpu::probe::Numerics;
 use crate::job::Job;
+use crate::options::Integrator;
 use crate::output::exr::Attribute;
 use crate::render::{NOISE_LEVEL, Noise, Outcome};
 use crate::samples::Samples;
@@ -29,6 +30,8 @@ pub struct Finish {
     pub error: Option<ErrorEstimate>,
     /// Light by mirrors and through glass, as shares of the image's.
     pub through_glass: ThroughGlass,
+    /// With `--integrator bsdf`: the most light that no path has met, as a share of the image's.
+    pub unmet: f64,
     /// Of `--noise`: whether the error was reached.
     pub noise: Option<Noise>,
     /// What max_depth cut off.
@@ -43,14 +46,17 @@ impl Finish {
         samples: &Samples,
         devices: &[(String, String)],
         noise: Option<Noise>,
+        integrator: &str,
         complete: bool,
     ) -> Finish {
+        let finds_by_chance = integrator == Integrator::Bsdf.to_string();
         Finish {
             samples: samples.clone(),
             devices: devices.to_vec(),
             totals: film.totals(),
             error: film.error_estimate(noise.map_or(NOISE_LEVEL, |noise| noise.level())),
             through_glass: shares(film),
+            unmet: if finds_by_chance { unmet(film) } else { 0.0 },
             noise,
             too_deep: film.totals().too_deep(),
             complete,
@@ -59,7 +65,7 @@ impl Finish {
 
     /// Whether light is missing that only chance can meet, more than the error that is stated.
     pub fn lacks_light(&self) -> bool {
-        self.error.is_some_and(|error| self.through_glass.missing() > error.bound)
+        self.error.is_some_and(|error| self.through_glass.missing().max(self.unmet) > error.bound)
     }
 
     /// Whether the stated error can be relied on.
@@ -134,10 +140,18 @@ fn shares(film: &Film) -> ThroughGlass {
     film.totals().through_glass().times(if all > 0.0 { 1.0 / all } else { 0.0 })
 }
 
+/// The most light that paths may have missed which find lights by chance alone, as a share of the image's. A path brings at most the brightest
+/// radiance of the scene, which is at most 1 in device units. If k such paths are expected, none comes with the probability e^-k, which is
+/// [`NOISE_LEVEL`] at the most.
+fn unmet(film: &Film) -> f64 {
+    let all = film.mean_radiance() * film.totals().paths as f64;
+    if all > 0.0 { NOISE_LEVEL.recip().ln() / all } else { 0.0 }
+}
+
 /// What a render was asked and where it ran: for the header and the report.
 pub struct About<'a> {
     pub args: &'a RenderArgs,
-    pub device: &'a Device,
+    pub devices: &'a [Device],
     pub numerics: &'a Numerics,
     pub job: &'a Job,
     /// The options that bias the result or are less exact, as they were given.
@@ -284,7 +298,7 @@ pub fn report<'a>(
         resumed_from: about.resumed_from,
         record: about.record(finish, seconds),
         features: about.args.options.features.to_string(),
-        software: about.device.name.software,
+        software: about.devices.iter().any(|device| device.name.software),
         paths_per_second: per_second(outcome.totals.paths),
         rays_per_second: per_second(outcome.totals.rays),
         host_seconds: outcome.host_seconds,

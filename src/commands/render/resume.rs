@@ -1,6 +1,6 @@
 //! What an earlier render has left in the output, and what is left to do.
 
-use std::ops::Deref;
+use std::ops::{Deref, Range};
 use std::path::Path;
 
 use crate::cli::{RenderArgs, Resume};
@@ -8,7 +8,7 @@ use crate::commands::tell;
 use crate::data::{RUN_LENGTH, Sampler};
 use crate::error::{Error, Result};
 use crate::film::Film;
-use crate::gpu::device::Device;
+use crate::gpu::device::AdapterName;
 use crate::identity::Identity;
 use crate::job::{Goal, Job};
 use crate::output::exr::{State, add_film, read_state};
@@ -65,14 +65,13 @@ pub fn earlier(
     let refused = |why: &str| {
         Err(Error::Usage(format!("{name} cannot be resumed: it holds the samples {}, {why}", state.samples)))
     };
-    let one_range = hull.start == wanted.start && state.samples.ranges().len() == 1;
-    if !matches!(job.goal, Goal::Samples(_)) && !one_range {
-        return refused("and --time and --noise go on from one range that starts with the first sample");
+    if !matches!(job.goal, Goal::Samples(_)) && hull.start != wanted.start {
+        return refused("and --time and --noise go on from the first sample");
     }
     if !missing.is_empty() && (hull.start < wanted.start || hull.end > wanted.end) {
         return refused("of which some are not asked for; `gpu-rt merge` joins parts");
     }
-    let cut = |range: &std::ops::Range<u32>| !range.start.is_multiple_of(RUN_LENGTH);
+    let cut = |range: &Range<u32>| !range.start.is_multiple_of(RUN_LENGTH);
     if !args.quiet && missing.ranges().iter().any(cut) {
         tell(&format!(
             "{name} ends within a run of {RUN_LENGTH} samples: the result is that of one render, but for the rounding of f32"
@@ -117,25 +116,33 @@ impl Accumulation {
         Ok(Accumulation { film, samples, looks, devices })
     }
 
-    /// Adds a device to those that have rendered it.
+    /// Adds the devices that render from now on to those that have rendered it.
     ///
     /// # Errors
-    /// `Error::Usage` where another driver has rendered what is there, unless they may be mixed.
-    pub fn note_device(&mut self, device: &Device, exr: &Path, mixed: bool) -> Result<()> {
-        let name = (device.name.name.clone(), device.name.driver.clone());
-        if let Some((other, driver)) = self.devices.iter().find(|known| **known != name)
-            && !mixed
-        {
-            return Err(Error::Usage(format!(
-                "{} cannot be resumed: it was rendered by {other} ({driver}), and this is {} ({}), whose rounding may differ. \
-                 --mixed-drivers goes on nevertheless",
-                exr.display(),
-                name.0,
-                name.1
-            )));
-        }
-        if !self.devices.contains(&name) {
-            self.devices.push(name);
+    /// `Error::Usage` where they have other drivers than each other, or than those that have rendered what is there, unless drivers may be mixed.
+    pub fn note_devices<'a>(
+        &mut self,
+        devices: impl IntoIterator<Item = &'a AdapterName>,
+        exr: &Path,
+        mixed: bool,
+    ) -> Result<()> {
+        let earlier = self.devices.len();
+        for AdapterName { name, driver, .. } in devices {
+            let known = |(other, its): &(String, String)| (other, its) == (name, driver);
+            if self.devices.iter().any(known) {
+                continue;
+            }
+            if let Some((other, its)) = self.devices.first()
+                && !mixed
+            {
+                let devices = format!("{other} ({its}) and {name} ({driver})");
+                let nevertheless = "whose rounding may differ. --mixed-drivers goes on nevertheless";
+                return Err(Error::Usage(match earlier {
+                    0 => format!("one film cannot be rendered by {devices}, {nevertheless}"),
+                    _ => format!("{} cannot be resumed: the devices are {devices}, {nevertheless}", exr.display()),
+                }));
+            }
+            self.devices.push((name.clone(), driver.clone()));
         }
         Ok(())
     }
@@ -158,16 +165,53 @@ impl Accumulation {
             Some(_) => Samples::default(),
             None => self.samples.missing(job.first_sample..job.goal.end()),
         };
-        let part = |range: &std::ops::Range<u32>| {
+        // Several devices that were stopped leave gaps. They are filled before a goal is aimed at.
+        let is_gap = |range: &Range<u32>| range.start < self.samples.hull().end;
+        let part = |range: &Range<u32>| {
             let goal = match job.goal {
-                Goal::Samples(_) => Goal::Samples(range.end),
-                Goal::Noise { error, deadline, end, begun, .. } => {
+                Goal::Until { deadline, .. } | Goal::Noise { deadline: Some(deadline), .. } if is_gap(range) => {
+                    Goal::Until { deadline, end: range.end }
+                }
+                Goal::Noise { error, deadline, end, begun, .. } if !is_gap(range) => {
                     Goal::Noise { error, deadline, end, begun, looks: self.looks }
                 }
                 until @ Goal::Until { .. } => until,
+                Goal::Samples(_) | Goal::Noise { .. } => Goal::Samples(range.end),
             };
             Job { first_sample: range.start, goal, ..job.clone() }
         };
         missing.ranges().iter().map(part).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Films of several drivers, at the start or by and by, are refused unless they are asked for.
+    #[test]
+    fn devices_of_several_drivers_are_mixed_only_when_asked() {
+        let device = |driver: &str| AdapterName {
+            name: "GPU".to_string(),
+            driver: driver.to_string(),
+            backend: "vulkan".to_string(),
+            pci_bus_id: String::new(),
+            kind: "discrete GPU",
+            software: false,
+        };
+        let (old, new) = (device("driver 1"), device("driver 2"));
+        let note = |film: &mut Accumulation, names: &[&AdapterName], mixed| {
+            film.note_devices(names.iter().copied(), Path::new("a.exr"), mixed).map_err(|error| error.to_string())
+        };
+        let empty = || Accumulation::new((1, 1), 0, Sampler::Sobol).unwrap();
+        let mut film = empty();
+        assert_eq!(note(&mut film, &[&old, &old], false), Ok(()));
+        assert_eq!(film.devices, [("GPU".to_string(), "driver 1".to_string())]);
+        let error = note(&mut film, &[&new], false).unwrap_err();
+        assert!(error.contains("a.exr cannot be resumed") && error.contains("GPU (driver 2)"), "{error}");
+        let error = note(&mut empty(), &[&old, &new], false).unwrap_err();
+        assert!(error.contains("one film cannot be rendered by") && error.contains("--mixed-drivers"), "{error}");
+        assert_eq!(note(&mut film, &[&new, &old], true), Ok(()));
+        assert_eq!(film.devices.len(), 2);
     }
 }

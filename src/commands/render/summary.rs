@@ -5,13 +5,17 @@ use std::time::Duration;
 use super::Output;
 use super::record::{About, Finish};
 use crate::commands::tell;
-use crate::film::Totals;
-use crate::render::Outcome;
+use crate::data::RUN_LENGTH;
+use crate::film::{ErrorEstimate, Totals};
+use crate::render::{Noise, Outcome};
 
 /// Seconds beyond the time that was asked for, if the render took longer.
 pub fn overrun(time: Option<Duration>, total: f64) -> Option<f64> {
     time.map(|time| total - time.as_secs_f64()).filter(|over| *over > 0.0)
 }
+
+/// The share of `--time` that a render may leave unused without a word.
+const LEAST_OF_TIME: f64 = 0.9;
 
 /// The last line, and before it what the user should know.
 pub fn summarise(about: &About<'_>, output: &Output<'_>, outcome: &Outcome, finish: &Finish, total: f64) {
@@ -35,6 +39,16 @@ pub fn summarise(about: &About<'_>, output: &Output<'_>, outcome: &Outcome, fini
         let over = if over < 1.0 { format!("{:.1} ms", 1e3 * over) } else { format!("{over:.1} s") };
         tell(&format!("warning: the render took {over} longer than --time {} s", time.as_secs_f64()));
     }
+    let ended_by_time = args.time.filter(|_| {
+        let all = args.spp.is_some_and(|spp| finish.samples.count() >= u64::from(spp));
+        !all && !outcome.interrupted && !finish.noise.is_some_and(|noise| noise.reached)
+    });
+    if let Some(time) = ended_by_time.filter(|time| total < LEAST_OF_TIME * time.as_secs_f64()) {
+        tell(&format!(
+            "note: the render took {total:.1} s of --time {} s: one more sample of each pixel might have taken longer",
+            time.as_secs_f64()
+        ));
+    }
     if args.profile {
         match outcome.stages.is_empty() {
             true => tell("stages: this device has no timestamps"),
@@ -44,8 +58,38 @@ pub fn summarise(about: &About<'_>, output: &Output<'_>, outcome: &Outcome, fini
             tell(&format!("the device was idle for {} % of the time", percent(idle)));
         }
     }
+    doubts(finish).iter().for_each(|doubt| tell(doubt));
+    if let (Some(wish), Some(noise)) = (args.noise, finish.noise) {
+        tell(&noise_words(wish, &noise, finish.error.as_ref()));
+    }
+    if finish.error.is_some() {
+        tell(&format!("the relative error covers noise; it excludes {}", about.excluded()));
+    }
+    let samples = finish.samples.count();
+    let resumed = about.resumed_from.map_or(String::new(), |from| format!(" ({from} of them resumed)"));
+    let error = error_words(finish);
+    tell(&format!("{}: {samples} samples{resumed}, {error}, {total:.1} s", output.exr.display()));
+}
+
+/// The error with its bound.
+pub fn error_words(finish: &Finish) -> String {
+    match finish.error {
+        Some(error) if error.bound.is_finite() => {
+            format!("relative error {} % (95 % sure: below {} %)", percent(error.value), percent(error.bound))
+        }
+        Some(error) => format!("relative error {} %", percent(error.value)),
+        None if finish.samples.count() <= u64::from(RUN_LENGTH) => {
+            format!("error unknown (it needs {} samples per pixel)", RUN_LENGTH + 1)
+        }
+        None => "error unknown (no sample has met light)".to_string(),
+    }
+}
+
+/// Why the error cannot be relied on.
+pub fn doubts(finish: &Finish) -> Vec<String> {
+    let mut doubts = Vec::new();
     if let Some(error) = finish.error.filter(|error| !error.reliable) {
-        tell(&format!(
+        doubts.push(format!(
             "warning: the relative error is unreliable: rare bright paths dominate it{}",
             match error.bound.is_finite() {
                 true => format!(". It may be {} %", percent(error.bound)),
@@ -53,41 +97,34 @@ pub fn summarise(about: &About<'_>, output: &Output<'_>, outcome: &Outcome, fini
             }
         ));
     }
-    if finish.lacks_light() {
-        tell(&format!(
+    if finish.lacks_light() && finish.unmet > finish.through_glass.missing() {
+        doubts.push(format!(
+            "warning: the relative error is unreliable: --integrator bsdf finds lights by chance, and of the brightest one paths may have \
+             missed up to {} % of the image's light. Raise --spp, or use --integrator mis",
+            percent(finish.unmet)
+        ));
+    } else if finish.lacks_light() {
+        doubts.push(format!(
             "warning: the relative error is unreliable: mirrors and glass block {} % of the image's light from light sampling, and paths \
              have found {} % by chance. Raise --spp.",
             percent(finish.through_glass.blocked_by_dielectrics()),
             percent(finish.through_glass.found_by_bsdf())
         ));
     }
-    if let (Some(wish), Some(noise)) = (args.noise, finish.noise) {
-        let words = if noise.reached { "was reached" } else { "was not reached" };
-        tell(&match finish.error.map(|error| error.bound).filter(|bound| bound.is_finite()) {
-            Some(bound) => {
-                format!(
-                    "--noise {wish} {words}: the relative error is at most {} %, with 95 % confidence",
-                    percent(bound)
-                )
-            }
-            None => format!(
-                "--noise {wish} {words}: the error has no bound, since too few pixels have any light; give --spp or --time"
-            ),
-        });
-    }
-    if finish.error.is_some() {
-        tell(&format!("the relative error covers noise; it excludes {}", about.excluded()));
-    }
-    let error = match finish.error {
-        Some(error) if error.bound.is_finite() => {
-            format!("relative error {} % (95 % sure: below {} %)", percent(error.value), percent(error.bound))
+    doubts
+}
+
+/// What came of a render until an error.
+pub fn noise_words(wish: f64, noise: &Noise, error: Option<&ErrorEstimate>) -> String {
+    let words = if noise.reached { "was reached" } else { "was not reached" };
+    match error.map(|error| error.bound).filter(|bound| bound.is_finite()) {
+        Some(bound) => {
+            format!("--noise {wish} {words}: the relative error is at most {} %, with 95 % confidence", percent(bound))
         }
-        Some(error) => format!("relative error {} %", percent(error.value)),
-        None => "error unknown (it needs 9 samples per pixel, and light)".to_string(),
-    };
-    let samples = finish.samples.count();
-    let resumed = about.resumed_from.map_or(String::new(), |from| format!(" ({from} of them resumed)"));
-    tell(&format!("{}: {samples} samples{resumed}, {error}, {total:.1} s", output.exr.display()));
+        None => format!(
+            "--noise {wish} {words}: the error has no bound, since too few pixels have any light; give --spp or --time"
+        ),
+    }
 }
 
 fn percent(share: f64) -> String {

@@ -41,7 +41,7 @@ pub struct Watcher<'a> {
     pub kept: bool,
     /// Whether it has been told that a signal ends the render.
     pub told: bool,
-    pub checkpoint: &'a dyn Fn(&Film, &Outcome) -> Result<()>,
+    pub checkpoint: &'a (dyn Fn(&Film, &Outcome) -> Result<()> + Sync),
 }
 
 impl Watcher<'_> {

@@ -11,7 +11,7 @@ use ::exr::meta::attribute::{AttributeValue, Text};
 use crate::data::Rgb;
 
 pub use read::{ExrImage, read_attributes, read_exr};
-pub use state::{State, add_film, read_state};
+pub use state::{State, StateFile, add_film, read_state};
 pub use write::{write_exr, write_render};
 
 /// The channels of the variance of each pixel's mean.

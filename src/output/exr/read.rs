@@ -86,9 +86,12 @@ pub(super) fn read_part(
 /// The attributes of a file's first part that this program can write, as they are.
 pub fn read_attributes(path: &Path) -> Result<Vec<(String, Attribute)>> {
     let failed = |reason: String| Error::File { path: path.to_owned(), action: "read", reason };
-    let opened = open(path).map_err(failed)?;
+    Ok(attributes_of(&open(path).map_err(failed)?))
+}
+
+pub(super) fn attributes_of(opened: &Opened) -> Vec<(String, Attribute)> {
     let attributes = opened.headers().iter().take(1).flat_map(|header| &header.own_attributes.other);
-    Ok(attributes.filter_map(|(name, value)| Some((decoded(name), Attribute::of_exr(value)?))).collect())
+    attributes.filter_map(|(name, value)| Some((decoded(name), Attribute::of_exr(value)?))).collect()
 }
 
 /// Reads red, green and blue, in half or float, from the part or layer whose name says that it is the picture. The size

@@ -2,13 +2,13 @@
 //!
 //! The exact totals of the pixels are a part of the file. An attribute of that part describes the rest as JSON.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use ::exr::meta::attribute::SampleType;
 use ::exr::meta::header::Header;
 use serde::{Deserialize, Serialize};
 
-use super::read::{open, read_part};
+use super::read::{Opened, attributes_of, open, read_part};
 use super::{Attribute, STATE, decoded};
 use crate::data::Sampler;
 use crate::error::{Error, Result};
@@ -74,6 +74,14 @@ impl State {
         Film::with_sampler(self.size.0, self.size.1, self.exponent, self.sampler)
     }
 
+    /// Why the pixels of another one cannot be added to its own, in words; nothing where they can. `mine` and `theirs` name the two. Drivers
+    /// may differ.
+    pub fn difference(&self, mine: &str, other: &State, theirs: &str) -> Option<String> {
+        let of_film = |state: &State| (state.size, state.exponent, state.sampler);
+        let difference = self.identity.difference(mine, &other.identity, theirs);
+        difference.or((of_film(self) != of_film(other)).then(|| "their films differ".to_string()))
+    }
+
     /// As the file has it, for this film.
     pub(super) fn describe(&self, film: &Film, checksum: u32) -> String {
         let stored = Stored {
@@ -129,39 +137,73 @@ fn state_part(headers: &[Header]) -> Option<usize> {
     headers.iter().position(|header| name(header).as_deref() == Some(STATE))
 }
 
+/// An open file with a state. All that it tells is of one moment, also where the file is replaced meanwhile.
+pub struct StateFile {
+    pub state: State,
+    path: PathBuf,
+    opened: Opened,
+    /// The number of the part that holds the state.
+    part: usize,
+}
+
+impl StateFile {
+    /// Opens a file and reads its header; nothing where it has no state.
+    ///
+    /// # Errors
+    /// `Error::File` where it cannot be read or is damaged.
+    pub fn open(path: &Path) -> Result<Option<StateFile>> {
+        let opened = open(path).map_err(failed(path))?;
+        let Some(part) = state_part(opened.headers()) else { return Ok(None) };
+        let state = State::of_header(&opened.headers()[part]).map_err(failed(path))?;
+        Ok(Some(StateFile { state, path: path.to_owned(), opened, part }))
+    }
+
+    /// The attributes of the picture.
+    pub fn attributes(&self) -> Vec<(String, Attribute)> {
+        attributes_of(&self.opened)
+    }
+
+    /// Adds its pixels and totals to a film of the same image. It takes memory for some rows.
+    ///
+    /// # Errors
+    /// `Error::File` where they cannot be read, or are not those that were written. The film may then have a part of them.
+    pub fn add_to(self, film: &mut Film) -> Result<()> {
+        let StateFile { state, path, opened, part } = self;
+        film.add_totals(state.totals);
+        match add_pixels(opened, part, &state, film).map_err(failed(&path))? == state.checksum {
+            true => Ok(()),
+            false => Err(failed(&path)(
+                "its state is damaged: the totals of its pixels are not those that were written".into(),
+            )),
+        }
+    }
+}
+
 /// Reads the state of a file, but for its pixels; nothing where it has none.
 ///
 /// # Errors
 /// `Error::File` where it cannot be read or is damaged.
 pub fn read_state(path: &Path) -> Result<Option<State>> {
-    let opened = open(path).map_err(failed(path))?;
-    let part = state_part(opened.headers()).map(|part| State::of_header(&opened.headers()[part]));
-    part.transpose().map_err(failed(path))
+    Ok(StateFile::open(path)?.map(|file| file.state))
 }
 
-/// Adds the pixels and totals of a file to a film of the same image. It takes memory for some rows.
+/// Adds the pixels and totals of a file to a film of the same image, as [`StateFile::add_to`] does. The state is that which was read
+/// before.
 ///
 /// # Errors
-/// `Error::File` where they cannot be read, or are not those that were written. The film may then have a part of them.
+/// `Error::File` where they cannot be read, or are not those of the state. The film may then have a part of them.
 pub fn add_film(path: &Path, state: &State, film: &mut Film) -> Result<()> {
-    film.add_totals(state.totals);
-    match add_pixels(path, state, film).map_err(failed(path))? == state.checksum {
-        true => Ok(()),
-        false => {
-            Err(failed(path)("its state is damaged: the totals of its pixels are not those that were written".into()))
-        }
-    }
+    let changed = || failed(path)("it has changed while it was read".to_string());
+    let file = StateFile::open(path)?.ok_or_else(changed)?;
+    StateFile { state: state.clone(), ..file }.add_to(film)
 }
 
 /// Adds the pixels, and returns their checksum.
-fn add_pixels(path: &Path, state: &State, film: &mut Film) -> std::result::Result<u32, String> {
-    let opened = open(path)?;
-    let changed = || "it has changed while it was read".to_string();
-    let part = state_part(opened.headers()).ok_or_else(changed)?;
+fn add_pixels(opened: Opened, part: usize, state: &State, film: &mut Film) -> std::result::Result<u32, String> {
     let header = &opened.headers()[part];
     let (width, height) = (state.size.0 as usize, state.size.1 as usize);
     if (header.layer_size.0, header.layer_size.1) != (width, height) {
-        return Err(changed());
+        return Err("it has changed while it was read".to_string());
     }
     let names = word_names();
     let word = |name: String| names.iter().position(|known| *known == name);

@@ -1,6 +1,7 @@
 //! Decodes OpenEXR: red, green and blue of the first part that has them.
 
 use std::io::Cursor;
+use std::sync::Arc;
 
 use exr::prelude::{MetaData, ReadChannels, ReadLayers};
 
@@ -42,6 +43,6 @@ pub fn decode(bytes: &[u8], budget: &Budget) -> Result<Bitmap, String> {
     Ok(Bitmap {
         width: layer.size.width() as u32,
         height: layer.size.height() as u32,
-        texels: layer.channel_data.pixels.1,
+        texels: Arc::new(layer.channel_data.pixels.1),
     })
 }

@@ -6,6 +6,7 @@ mod jpeg;
 
 use std::io::Cursor;
 use std::path::Path;
+use std::sync::Arc;
 
 use image::{DynamicImage, ImageBuffer, ImageDecoder, ImageFormat, ImageReader, Limits, Pixel};
 
@@ -77,7 +78,7 @@ fn decode_other(bytes: &[u8], by_name: Option<ImageFormat>, budget: &Budget) -> 
         ImageFormat::Jpeg => jpeg::decode(bytes, budget)?,
         _ => decode_with_image(bytes, format, budget)?,
     };
-    Ok(Bitmap { width: image.width(), height: image.height(), texels: linear(image) })
+    Ok(Bitmap { width: image.width(), height: image.height(), texels: Arc::new(linear(image)) })
 }
 
 /// Decodes a file with the crate `image`.

@@ -1,0 +1,256 @@
+//! `gpu-rt submit`: shares one render among many processes.
+
+use std::fs;
+use std::path::{Component, Path, PathBuf};
+
+use super::{make_folder, print_line};
+use crate::cli::{MOST_SAMPLES, SubmitArgs};
+use crate::error::{Error, Result};
+use crate::jobs::scripts::{line, text_of};
+use crate::jobs::slurm::{Ids, Slurm, forget_tries};
+use crate::jobs::{Asked, Folder, MERGE, RENDER, split};
+use crate::output::exr::{Attribute, read_attributes, read_state};
+use crate::render::LAST_LOOK;
+use crate::scene::Scene;
+
+/// Bytes of a pixel in an EXR with its state: 14 of a sample, 60 to 73 of 256 and 84 of 16,384 samples were measured, on several scenes.
+const PIXEL_BYTES: f64 = 80.0;
+
+/// Writes or reads the folder, and submits what it lacks.
+pub fn run(args: &SubmitArgs) -> Result<()> {
+    let slurm = Slurm::find(args.dry_run)?;
+    let folder = match (&args.scene, &args.missing, &args.next) {
+        (Some(scene), ..) => new_folder(args, scene)?,
+        (None, Some(path), _) => read(path, args)?,
+        (None, None, Some(path)) => match next_round(read(path, args)?)? {
+            Some(folder) => folder,
+            None => return Ok(()),
+        },
+        (None, None, None) => return Err(Error::Usage("a scene is missing".to_string())),
+    };
+    let program = std::env::current_exe().map_err(|error| Error::File {
+        path: "gpu-rt".into(),
+        action: "run",
+        reason: format!("the program does not know where it is: {error}"),
+    })?;
+    // A part is of the task that is its number modulo the number of tasks.
+    let all = folder.asked.parts.len() as u32;
+    let tasks = all.min(slurm.most_tasks);
+    let missing = folder.missing()?;
+    let mut needed: Vec<u32> = missing.iter().map(|part| part % tasks).collect();
+    needed.sort_unstable();
+    needed.dedup();
+    folder.write_scripts(&program, tasks)?;
+    folder.write()?;
+    forget_tries(&folder.path, &needed);
+
+    print_line(&format!("folder: {}", folder.path.display()))?;
+    let samples = missing.iter().filter_map(|part| folder.parts().nth(*part as usize)).map(|part| part.len() as u64);
+    print_line(&format!(
+        "parts: {} of {all}, {} samples, in {} tasks",
+        missing.len(),
+        samples.sum::<u64>(),
+        needed.len()
+    ))?;
+    let pixels = f64::from(folder.asked.width) * f64::from(folder.asked.height);
+    print_line(&format!("disk: {} for all parts and the image", bytes(pixels * PIXEL_BYTES * f64::from(all + 1))))?;
+    match slurm.submit(&folder, &needed, &mut print_line)? {
+        Some(Ids { array, merge }) => {
+            array.map_or(Ok(()), |id| print_line(&format!("array: {id}")))?;
+            print_line(&format!("merge: {merge}"))
+        }
+        None => {
+            let indices: Vec<String> = needed.iter().map(u32::to_string).collect();
+            let indices = match needed.len() as u32 == tasks {
+                true => format!("seq 0 {}", tasks - 1),
+                false => format!("printf '%s\\n' {}", indices.join(" ")),
+            };
+            let rendering = match needed.is_empty() {
+                true => String::new(),
+                false => format!("{indices} | parallel -j 1 ./{RENDER} && "),
+            };
+            let at = line(&[text_of(&folder.path)?.to_string()]);
+            print_line(&format!("here: cd {at} && {rendering}./{MERGE}"))
+        }
+    }
+}
+
+/// The folder, with its whole path and the new options of sbatch.
+fn read(path: &Path, args: &SubmitArgs) -> Result<Folder> {
+    let mut folder = Folder::read(&whole(path)?)?;
+    if !args.sbatch.is_empty() {
+        folder.asked.sbatch = args.sbatch.clone();
+    }
+    Ok(folder)
+}
+
+/// A path from the root, without `.` and `..`.
+fn whole(path: &Path) -> Result<PathBuf> {
+    let failed =
+        |error: std::io::Error| Error::File { path: path.to_owned(), action: "read", reason: error.to_string() };
+    let mut whole = PathBuf::new();
+    for component in std::path::absolute(path).map_err(failed)?.components() {
+        match component {
+            Component::ParentDir => _ = whole.pop(),
+            Component::CurDir => {}
+            other => whole.push(other),
+        }
+    }
+    Ok(whole)
+}
+
+/// Makes the folder with the copy of the scene.
+fn new_folder(args: &SubmitArgs, scene_path: &Path) -> Result<Folder> {
+    let scene = Scene::load_with(scene_path, &mut |_, _, _| {})?;
+    let stem = text_of(Path::new(scene_path.file_stem().unwrap_or_default()))?;
+    let of_scene = (scene.image.width, scene.image.height);
+    let (width, height) = args.size.map_or(of_scene, |size| size.of(of_scene));
+    let spp = args.spp.unwrap_or(scene.render.samples);
+    let most = args.noise.map(|_| args.spp.unwrap_or(MOST_SAMPLES as u32));
+    let all = 0..most.unwrap_or(spp);
+    let count = args.parts.unwrap_or(1);
+    if count > split::runs(&all) {
+        let runs = split::runs(&all);
+        return Err(Error::Usage(format!(
+            "--parts {count}: {} samples are {runs} runs of 8, and a part has one at least. Give --parts {runs} at most",
+            all.end
+        )));
+    }
+    let parts = match most {
+        Some(most) => split::round(0, most, count),
+        None => split::even(&all, count),
+    };
+    let path = match &args.output {
+        Some(path) => path.clone(),
+        None => PathBuf::from(format!("{stem}-job")),
+    };
+    let path = whole(&path)?;
+    text_of(&path)?;
+    let files = Files::of(&scene)?;
+    if fs::read_dir(&path).is_ok_and(|mut entries| entries.next().is_some()) {
+        return Err(Error::Usage(format!(
+            "{}: it is not empty. Give another folder with -o, or go on with `gpu-rt submit slurm --missing`",
+            path.display()
+        )));
+    }
+    let undone = "nothing has been submitted";
+    make_folder(&path, undone)?;
+    let copy = |from: &Path, to: &Path| -> Result<()> {
+        make_folder(to.parent().unwrap_or(&path), undone)?;
+        let failed =
+            |error| Error::File { path: from.to_owned(), action: "copy", reason: format!("{error}; {undone}") };
+        fs::copy(from, to).map(|_| ()).map_err(failed)
+    };
+    for (from, to) in &files.copied {
+        copy(from, &path.join(to))?;
+    }
+    for fixed in &files.fixed {
+        print_line(&format!("not copied, because the scene names it by its whole path: {}", fixed.display()))?;
+    }
+    let asked = Asked {
+        scene: files.copied.first().map(|(_, to)| to.clone()).unwrap_or_default(),
+        output: format!("{stem}.exr").into(),
+        samples: [0, parts.last().map_or(0, |part| part.end)],
+        noise: args.noise,
+        most,
+        parts: parts.iter().map(|part| [part.start, part.end]).collect(),
+        round: most.map(|_| count),
+        width,
+        height,
+        options: words_of(args, (width, height)),
+        sbatch: args.sbatch.clone(),
+        ..Asked::default()
+    };
+    Ok(Folder { path, asked })
+}
+
+/// The options of each part, as words of the command line.
+fn words_of(args: &SubmitArgs, (width, height): (u32, u32)) -> Vec<String> {
+    let mut words = Vec::new();
+    let mut add =
+        |name: &str, value: Option<String>| words.extend(value.into_iter().flat_map(|value| [name.to_string(), value]));
+    add("--size", args.size.map(|_| format!("{width}x{height}")));
+    add("--max-depth", args.paths.max_depth.map(|depth| depth.to_string()));
+    add("--seed", (args.paths.seed != 0).then(|| args.paths.seed.to_string()));
+    add("--device", args.paths.device.clone());
+    let checkpoint = args.checkpoint.as_secs_f64();
+    add("--checkpoint", (checkpoint != 60.0).then(|| checkpoint.to_string()));
+    words.extend(args.options.words());
+    words.extend(args.mixed_drivers.then(|| "--mixed-drivers".to_string()));
+    words
+}
+
+/// The files of a scene.
+struct Files {
+    /// Each with its path in the folder: the tree is that below the folder which they have in common. The scene file is the first.
+    copied: Vec<(PathBuf, PathBuf)>,
+    /// Those that stay where they are.
+    fixed: Vec<PathBuf>,
+}
+
+impl Files {
+    fn of(scene: &Scene) -> Result<Files> {
+        let (fixed, moved): (Vec<_>, Vec<_>) = scene.input_files().into_iter().partition(|input| input.fixed);
+        let mut whole_paths = Vec::new();
+        for input in &moved {
+            text_of(&input.path)?;
+            if !input.path.is_file() {
+                return Err(Error::Usage(format!("{}: expected a file, which can be copied", input.path.display())));
+            }
+            whole_paths.push(whole(&input.path)?);
+        }
+        let mut common = whole_paths.first().and_then(|path| path.parent()).unwrap_or(Path::new("")).to_owned();
+        while !whole_paths.iter().all(|path| path.starts_with(&common)) && common.pop() {}
+        let to = |path: &PathBuf| Path::new("scene").join(path.strip_prefix(&common).unwrap_or(path));
+        let copied = moved.into_iter().map(|input| input.path).zip(whole_paths.iter().map(to)).collect();
+        Ok(Files { copied, fixed: fixed.into_iter().map(|input| input.path).collect() })
+    }
+}
+
+/// The folder with the parts of its next round; nothing where nothing is left to do, which is said.
+fn next_round(mut folder: Folder) -> Result<Option<Folder>> {
+    let (Some(noise), Some(most)) = (folder.asked.noise, folder.asked.most) else {
+        return Err(Error::Usage(format!(
+            "{}: it has no rounds, because it was submitted without --noise",
+            folder.path.display()
+        )));
+    };
+    let output = folder.output();
+    let name = output.display();
+    let state = if output.exists() { read_state(&output)? } else { None };
+    let Some(state) = state else {
+        return Err(Error::Usage(format!("{name} is not there: {MERGE} joins the parts before the next round")));
+    };
+    let attributes = read_attributes(&output)?;
+    let attribute = |of: &str| attributes.iter().find(|(name, _)| name == of).map(|(_, value)| value);
+    let reached = attribute("gpu-rt:noise_reached") == Some(&Attribute::Int(1));
+    let unbounded = attribute("gpu-rt:relative_error_bound").is_none();
+    let (done, asked) = (state.samples.hull().end, folder.asked.samples[1]);
+    let samples = state.samples.count();
+    if reached {
+        print_line(&format!("{name}: --noise {noise} is reached with {samples} samples"))?;
+    } else if unbounded && samples >= u64::from(LAST_LOOK) {
+        print_line(&format!("{name}: nothing bounds the error after {samples} samples, so that it cannot be reached"))?;
+    } else if done < asked {
+        return Err(Error::Usage(format!(
+            "{name} has {done} of {asked} samples that have been submitted: {MERGE} joins the parts before the next round"
+        )));
+    } else if asked >= most {
+        print_line(&format!(
+            "{name}: --noise {noise} is not reached with {samples} samples, the most that were asked for"
+        ))?;
+    } else {
+        let parts = split::round(asked, most, folder.asked.round.unwrap_or(1).max(1));
+        folder.asked.samples[1] = parts.last().map_or(asked, |part| part.end);
+        folder.asked.parts.extend(parts.iter().map(|part| [part.start, part.end]));
+        return Ok(Some(folder));
+    }
+    Ok(None)
+}
+
+/// A number of bytes, in words.
+fn bytes(count: f64) -> String {
+    let units = ["bytes", "kB", "MB", "GB", "TB"];
+    let power = (0..units.len() - 1).take_while(|power| count >= 1000f64.powi(*power as i32 + 1)).count();
+    format!("{:.*} {}", usize::from(power > 0), count / 1000f64.powi(power as i32), units[power])
+}

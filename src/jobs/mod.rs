@@ -1,0 +1,261 @@
+//! The folder of a render that many processes share: what is asked, its parts, and where their images are.
+//!
+//! `gpu-rt submit` writes it, `gpu-rt status` reads it.
+
+pub mod parts;
+pub mod scripts;
+pub mod slurm;
+pub mod split;
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use crate::data::RUN_LENGTH;
+use crate::error::{Error, Result};
+use crate::output::atomic;
+use crate::output::exr::read_state;
+
+/// The file that says what is asked.
+pub const ASKED: &str = "job.json";
+const PARTS: &str = "parts";
+/// The script of a task, and that of the join.
+pub const RENDER: &str = "render.sh";
+pub const MERGE: &str = "merge.sh";
+/// Where tasks write what they say, and how often they were tried.
+pub const LOG: &str = "log";
+/// The version of the format. A reader refuses others.
+const FORMAT: u32 = 1;
+
+/// The folder, and what it says is asked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Folder {
+    pub path: PathBuf,
+    pub asked: Asked,
+}
+
+/// What is asked of all processes together: `job.json`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Asked {
+    pub format: u32,
+    /// Of the program that wrote it.
+    pub version: String,
+    /// The scene file, from the folder.
+    pub scene: PathBuf,
+    /// The image of all parts, from the folder.
+    pub output: PathBuf,
+    /// All samples: with an error to reach, those of the rounds so far.
+    pub samples: [u32; 2],
+    /// The error to reach, and the most samples to reach it by.
+    pub noise: Option<f64>,
+    pub most: Option<u32>,
+    /// The samples of each part, in order.
+    pub parts: Vec<[u32; 2]>,
+    /// With an error to reach: the parts that each round is split into.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub round: Option<u32>,
+    pub width: u32,
+    pub height: u32,
+    /// The render's options, as words of the command line.
+    pub options: Vec<String>,
+    /// Options of sbatch.
+    pub sbatch: Vec<String>,
+}
+
+/// Of a render whose parts are not known yet.
+impl Default for Asked {
+    fn default() -> Asked {
+        Asked {
+            format: FORMAT,
+            version: env!("CARGO_PKG_VERSION").to_string(),
+            scene: PathBuf::new(),
+            output: PathBuf::new(),
+            samples: [0, 0],
+            noise: None,
+            most: None,
+            parts: Vec::new(),
+            round: None,
+            width: 0,
+            height: 0,
+            options: Vec::new(),
+            sbatch: Vec::new(),
+        }
+    }
+}
+
+impl Folder {
+    /// Reads what is asked in this folder.
+    ///
+    /// # Errors
+    /// `Error::File` with the file's name, where it cannot be read or is not what `gpu-rt submit` writes.
+    pub fn read(path: &Path) -> Result<Folder> {
+        let file = path.join(ASKED);
+        let failed = |reason: String| Error::File { path: file.clone(), action: "read", reason };
+        let text = std::fs::read_to_string(&file)
+            .map_err(|error| failed(format!("{error}. Is this a folder that `gpu-rt submit` has written?")))?;
+        let json = serde_json::from_str::<serde_json::Value>(&text).map_err(|error| failed(error.to_string()))?;
+        if json.get("format").and_then(serde_json::Value::as_u64) != Some(u64::from(FORMAT)) {
+            return Err(failed(format!("it has another format than this version of gpu-rt reads ({FORMAT})")));
+        }
+        let asked: Asked = serde_json::from_value(json).map_err(|error| failed(error.to_string()))?;
+        asked.check().map_err(failed)?;
+        Ok(Folder { path: path.to_owned(), asked })
+    }
+
+    /// Writes what is asked; a reader finds the old text or the new one.
+    pub fn write(&self) -> Result<()> {
+        let asked = self.path.join(ASKED);
+        let json = serde_json::to_string_pretty(&self.asked).map_err(|error| failed(&asked, "write", &error))?;
+        atomic::write(&asked, (json + "\n").as_bytes())
+    }
+
+    /// Writes what the tasks need, so many of them: the list of parts, and the scripts for the program at this path.
+    pub fn write_scripts(&self, program: &Path, tasks: u32) -> Result<()> {
+        for folder in [self.path.join(PARTS), self.path.join(LOG)] {
+            std::fs::create_dir_all(&folder).map_err(|error| failed(&folder, "write", &error))?;
+        }
+        let lines: String = self.parts().map(|part| format!("{}..{}\n", part.start, part.end)).collect();
+        atomic::write(&self.path.join("parts.txt"), lines.as_bytes())?;
+        self.write_script(RENDER, &scripts::render(self, program, tasks)?)?;
+        self.write_script(MERGE, &scripts::merge(self, program)?)
+    }
+
+    fn write_script(&self, name: &str, text: &str) -> Result<()> {
+        let path = self.path.join(name);
+        atomic::write(&path, text.as_bytes())?;
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt;
+            let executable = |mode: u32| mode | (mode & 0o444) >> 2;
+            std::fs::metadata(&path)
+                .map(|found| executable(found.permissions().mode()))
+                .and_then(|mode| std::fs::set_permissions(&path, std::fs::Permissions::from_mode(mode)))
+                .map_err(|error| failed(&path, "write", &error))?;
+        }
+        Ok(())
+    }
+
+    /// The parts that lack samples, by their numbers.
+    ///
+    /// # Errors
+    /// `Error::File` with the name of one that cannot be read.
+    pub fn missing(&self) -> Result<Vec<u32>> {
+        let mut missing = Vec::new();
+        for (number, part) in (0..).zip(self.parts()) {
+            let path = self.part_path(&part);
+            let state = if path.exists() { read_state(&path)? } else { None };
+            if state.is_none_or(|state| !state.samples.missing(part).is_empty()) {
+                missing.push(number);
+            }
+        }
+        Ok(missing)
+    }
+
+    /// The samples of each part, in order.
+    pub fn parts(&self) -> impl ExactSizeIterator<Item = Range<u32>> + '_ {
+        self.asked.parts.iter().map(|[start, end]| *start..*end)
+    }
+
+    /// The image of a part. The names are sorted as the parts are.
+    pub fn part_path(&self, range: &Range<u32>) -> PathBuf {
+        let digits = self.digits();
+        self.path.join(PARTS).join(format!("{:0digits$}-{:0digits$}.exr", range.start, range.end))
+    }
+
+    /// The digits of the largest sample that may be asked, now or later.
+    fn digits(&self) -> usize {
+        self.asked.most.unwrap_or(0).max(self.asked.samples[1]).to_string().len()
+    }
+
+    /// The image of all parts.
+    pub fn output(&self) -> PathBuf {
+        self.path.join(&self.asked.output)
+    }
+
+    /// The scene file.
+    pub fn scene(&self) -> PathBuf {
+        self.path.join(&self.asked.scene)
+    }
+}
+
+fn failed(path: &Path, action: &'static str, error: &dyn std::fmt::Display) -> Error {
+    Error::File { path: path.to_owned(), action, reason: error.to_string() }
+}
+
+impl Asked {
+    /// Checks that the parts follow one another and make up all samples.
+    fn check(&self) -> std::result::Result<(), String> {
+        let [mut at, end] = self.samples;
+        for &[from, to] in &self.parts {
+            if from != at || to <= from || !from.is_multiple_of(RUN_LENGTH) {
+                return Err(format!("the part {from}..{to} does not go on where the one before ended, at {at}"));
+            }
+            at = to;
+        }
+        match at == end && !self.parts.is_empty() {
+            true => Ok(()),
+            false => Err(format!("the parts end at {at} instead of {end}")),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn folder(path: &Path) -> Folder {
+        let asked = Asked {
+            scene: "scene/a b.ron".into(),
+            output: "a b.exr".into(),
+            samples: [0, 1000],
+            parts: vec![[0, 504], [504, 1000]],
+            width: 16,
+            height: 9,
+            ..Asked::default()
+        };
+        Folder { path: path.to_owned(), asked }
+    }
+
+    #[test]
+    fn what_is_written_is_read() {
+        let place = tempfile::tempdir().unwrap();
+        let written = folder(place.path());
+        written.write().unwrap();
+        assert_eq!(Folder::read(place.path()).unwrap(), written);
+        assert_eq!(written.part_path(&(0..504)), place.path().join("parts/0000-0504.exr"));
+        assert_eq!(written.output(), place.path().join("a b.exr"));
+    }
+
+    #[test]
+    fn what_is_damaged_is_refused_by_name() {
+        let place = tempfile::tempdir().unwrap();
+        let file = place.path().join(ASKED);
+        let refused = |word: &str| {
+            let message = Folder::read(place.path()).unwrap_err().to_string();
+            assert!(message.starts_with(&file.display().to_string()) && message.contains(word), "{message}");
+        };
+        refused("submit");
+        let whole = folder(place.path());
+        whole.write().unwrap();
+        let text = std::fs::read_to_string(&file).unwrap();
+        for (from, to, word) in [
+            ("\"format\": 1", "\"format\": 2", "format"),
+            ("\"format\": 1", "\"forma\": 1", "format"),
+            ("\"noise\"", "\"noisy\"", "noisy"),
+            ("{", "", "column"),
+            ("1000\n", "2000\n", "2000"),
+        ] {
+            assert!(text.contains(from));
+            std::fs::write(&file, text.replacen(from, to, 1)).unwrap();
+            refused(word);
+        }
+        for parts in [vec![], vec![[0, 504]], vec![[0, 504], [512, 1000]], vec![[0, 500], [500, 1000]], vec![[8, 0]]] {
+            let mut other = whole.clone();
+            other.asked.parts = parts;
+            other.write().unwrap();
+            refused("part");
+        }
+    }
+}

@@ -1,0 +1,186 @@
+//! What has come of the parts of a render that many processes share. The headers of their files tell it; nothing else is read.
+
+use std::cmp::Reverse;
+use std::io::ErrorKind;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, SystemTime};
+
+use super::Folder;
+use crate::error::Error;
+use crate::output::exr::{Attribute, State, StateFile};
+use crate::samples::Samples;
+
+/// A part, and what has come of it.
+#[derive(Clone, Debug)]
+pub struct Part {
+    pub path: PathBuf,
+    /// The samples that it is asked for.
+    pub asked: Range<u32>,
+    /// Those that its file has.
+    pub samples: Samples,
+    pub came: Came,
+    /// Seconds that a process has taken for one sample of every pixel, where the file tells.
+    pub seconds_per_sample: Option<f64>,
+}
+
+/// What has come of a part.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Came {
+    /// All its samples are there.
+    Done,
+    /// Samples are missing, and its file has been written of late.
+    UnderWay,
+    /// Samples are missing, and its file has not been written of late.
+    Stopped,
+    /// There is no file: no process has come to its first checkpoint.
+    NotBegun,
+    /// There is a file that cannot be joined with the others, for this reason.
+    NotUsable(String),
+}
+
+impl Part {
+    /// Samples of a pixel that are still to be rendered.
+    pub fn missing(&self) -> u64 {
+        self.samples.missing(self.asked.clone()).count()
+    }
+
+    pub fn is_usable(&self) -> bool {
+        matches!(self.came, Came::Done | Came::UnderWay | Came::Stopped)
+    }
+}
+
+/// All parts, and what they are of.
+#[derive(Clone, Debug)]
+pub struct Parts {
+    pub all: Vec<Part>,
+    /// The file that tells what all usable parts are of, and its state; nothing where no part is usable.
+    pub reference: Option<(PathBuf, State)>,
+    /// The devices and drivers of the usable parts.
+    pub devices: Vec<(String, String)>,
+}
+
+/// What a header tells.
+struct Told {
+    state: State,
+    seconds_per_sample: Option<f64>,
+    /// When the file was written.
+    written: SystemTime,
+}
+
+impl Parts {
+    /// Reads the headers of the parts. A file is called under way if it was written in the `recent` time. `watch` is called with the number
+    /// of each part.
+    pub fn read(folder: &Folder, recent: Duration, watch: &mut dyn FnMut(usize)) -> Parts {
+        let mut told = Vec::new();
+        for (number, asked) in folder.parts().enumerate() {
+            watch(number);
+            let path = folder.part_path(&asked);
+            told.push((read_header(&path), path, asked));
+        }
+        let states: Vec<(&Path, &State)> = told
+            .iter()
+            .filter_map(|(told, path, _)| Some((path.as_path(), &told.as_ref().ok()?.as_ref()?.state)))
+            .collect();
+        let reference = most_common(&states).map(|(path, state)| (path.to_owned(), state.clone()));
+
+        let mut parts = Parts { all: Vec::new(), reference, devices: Vec::new() };
+        for (told, path, asked) in told {
+            let mut part =
+                Part { path, asked, samples: Samples::default(), came: Came::NotBegun, seconds_per_sample: None };
+            match told {
+                Ok(None) => {}
+                Err(why) => part.came = Came::NotUsable(why),
+                Ok(Some(told)) => {
+                    // A clock that is ahead of this one makes the file look as if it were of the future.
+                    let is_recent = told.written.elapsed().unwrap_or(Duration::ZERO) <= recent;
+                    part.seconds_per_sample = told.seconds_per_sample;
+                    parts.note(&mut part, &told.state, is_recent, folder);
+                }
+            }
+            parts.all.push(part);
+        }
+        parts
+    }
+
+    /// Notes in a part what its state says.
+    pub fn note(&mut self, part: &mut Part, state: &State, is_recent: bool, folder: &Folder) {
+        if let Err(why) = self.fits(part, state, folder) {
+            part.came = Came::NotUsable(why);
+            part.samples = Samples::default();
+            return;
+        }
+        part.samples = state.samples.clone();
+        part.came = match part.missing() {
+            0 => Came::Done,
+            _ if is_recent => Came::UnderWay,
+            _ => Came::Stopped,
+        };
+        for device in &state.devices {
+            if !self.devices.contains(device) {
+                self.devices.push(device.clone());
+            }
+        }
+    }
+
+    /// Checks that a file is of this render and holds samples of its part alone.
+    fn fits(&self, part: &Part, state: &State, folder: &Folder) -> Result<(), String> {
+        let asked = (folder.asked.width, folder.asked.height);
+        if state.size != asked {
+            return Err(format!("it has {}x{} pixels instead of {}x{}", state.size.0, state.size.1, asked.0, asked.1));
+        }
+        if let Some((path, reference)) = &self.reference
+            && let Some(difference) = state.difference("it", reference, &path.display().to_string())
+        {
+            return Err(format!("it is of another render than most parts: {difference}"));
+        }
+        let hull = state.samples.hull();
+        if hull.start < part.asked.start || hull.end > part.asked.end {
+            let Range { start, end } = part.asked;
+            return Err(format!("it holds the samples {}, and those of this part are {start}..{end}", state.samples));
+        }
+        Ok(())
+    }
+}
+
+/// Reads the header of a part; nothing where there is no file. The error is why it cannot be used.
+fn read_header(path: &Path) -> Result<Option<Told>, String> {
+    let read = || -> Result<Option<Told>, String> {
+        let metadata = match std::fs::metadata(path) {
+            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+            metadata => metadata.map_err(|error| error.to_string())?,
+        };
+        let file = StateFile::open(path).map_err(reason)?;
+        let file = file.ok_or("it has no state. Images of other programs and of --no-state have none")?;
+        let seconds = file.attributes().into_iter().find(|(name, _)| name == "gpu-rt:seconds_per_sample");
+        let seconds_per_sample = match seconds {
+            Some((_, Attribute::Float(seconds))) if seconds.is_finite() && seconds > 0.0 => Some(seconds),
+            _ => None,
+        };
+        let written = metadata.modified().map_err(|error| error.to_string())?;
+        Ok(Some(Told { state: file.state, seconds_per_sample, written }))
+    };
+    // Over a network, a file that is replaced while it is read may become an error.
+    read().or_else(|_| read())
+}
+
+/// Why a file could not be read, without its name.
+fn reason(error: Error) -> String {
+    match error {
+        Error::File { reason, .. } => reason,
+        other => other.to_string(),
+    }
+}
+
+/// The state that most others agree with; of equally many the first.
+fn most_common<'a>(states: &[(&'a Path, &'a State)]) -> Option<(&'a Path, &'a State)> {
+    let mut groups: Vec<((&Path, &State), usize)> = Vec::new();
+    for state in states {
+        match groups.iter_mut().find(|((_, first), _)| first.difference("", state.1, "").is_none()) {
+            Some((_, count)) => *count += 1,
+            None => groups.push((*state, 1)),
+        }
+    }
+    let numbered = groups.into_iter().enumerate();
+    numbered.max_by_key(|(number, (_, count))| (*count, Reverse(*number))).map(|(_, (state, _))| state)
+}

@@ -1,0 +1,82 @@
+//! The scripts of the folder: a task, and the join of its parts.
+
+use std::path::Path;
+
+use super::Folder;
+use crate::error::{Error, Result};
+
+const RENDER: &str = include_str!("render.sh");
+const MERGE: &str = include_str!("merge.sh");
+
+/// A text as one word of the shell.
+pub fn quoted(text: &str) -> String {
+    format!("'{}'", text.replace('\'', r"'\''"))
+}
+
+/// A path as text.
+///
+/// # Errors
+/// `Error::Usage` where it is not Unicode, which neither scripts nor JSON can hold.
+pub fn text_of(path: &Path) -> Result<&str> {
+    path.to_str().ok_or_else(|| Error::Usage(format!("{}: expected a path in Unicode", path.display())))
+}
+
+/// Words of a command line, as the shell reads them.
+pub fn line(words: &[String]) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_=./:%@+,".contains(c);
+    let word = |word: &String| match !word.is_empty() && word.chars().all(plain) {
+        true => word.clone(),
+        false => quoted(word),
+    };
+    words.iter().map(word).collect::<Vec<_>>().join(" ")
+}
+
+/// The same, each behind a space.
+fn after_space(words: &[String]) -> String {
+    words.iter().map(|word| format!(" {}", line(std::slice::from_ref(word)))).collect()
+}
+
+/// The names of shell variables with their values, each on its line.
+fn variables(values: &[(&str, &str)]) -> String {
+    values.iter().map(|(name, value)| format!("{name}={}\n", quoted(value))).collect()
+}
+
+/// The beginning of each script, for the program at this path.
+fn beginning(folder: &Folder, program: &Path, values: &[(&str, &str)]) -> Result<String> {
+    let values = variables(&[("folder", text_of(&folder.path)?), ("gpu_rt", text_of(program)?)]) + &variables(values);
+    Ok(format!("#!/bin/sh\n{values}gpu_rt=${{GPU_RT:-$gpu_rt}}\n"))
+}
+
+/// The script of a task, of so many.
+pub fn render(folder: &Folder, program: &Path, tasks: u32) -> Result<String> {
+    let options = &folder.asked.options;
+    let digits = folder.digits();
+    let beginning = beginning(
+        folder,
+        program,
+        &[
+            ("scene", text_of(&folder.asked.scene)?),
+            ("name", &format!("parts/%0{digits}d-%0{digits}d.exr")),
+            ("tasks", &tasks.to_string()),
+            ("device", if options.iter().any(|word| word == "--device") { "given" } else { "auto" }),
+        ],
+    )?;
+    let task = "task=${SLURM_ARRAY_TASK_ID:-${1:-}}\n";
+    Ok(format!("{beginning}{task}set --{}\n{RENDER}", after_space(options)))
+}
+
+/// The script that joins the parts.
+pub fn merge(folder: &Folder, program: &Path) -> Result<String> {
+    let asked = &folder.asked;
+    let noise = asked.noise.map(|noise| noise.to_string()).unwrap_or_default();
+    let [start, end] = asked.samples;
+    let beginning = beginning(
+        folder,
+        program,
+        &[("samples", &format!("{start}..{end}")), ("output", text_of(&asked.output)?), ("noise", &noise)],
+    )?;
+    let mixed = asked.options.iter().filter(|word| *word == "--mixed-drivers").cloned();
+    let error = (!noise.is_empty()).then(|| ["--noise".to_string(), noise.clone()]);
+    let options: Vec<String> = mixed.chain(error.into_iter().flatten()).collect();
+    Ok(format!("{beginning}set --{}\n{MERGE}", after_space(&options)))
+}

@@ -1,0 +1,132 @@
+//! Several devices that render one film: what they come to is what one of them does.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use gpu_rt::data::RUN_LENGTH;
+use gpu_rt::film::Film;
+use gpu_rt::flatten::flatten;
+use gpu_rt::job::{Goal, Job};
+use gpu_rt::options::RenderOptions;
+use gpu_rt::plan::Plan;
+use gpu_rt::render::{Next, Outcome, Renderer, Watch};
+use gpu_rt::samples::Samples;
+use gpu_rt::scene::Scene;
+
+use crate::common::device::software;
+
+const SIZE: (u32, u32) = (29, 21);
+
+/// Renders by so many lanes of the device, with other sizes on each, onto a film.
+fn render(lanes: u32, first_sample: u32, goal: Goal, tile: Option<u32>, film: &mut Film, watch: Watch<'_>) -> Outcome {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.ron");
+    let scene = Scene::load(&file).expect("it ships");
+    let options = |lane: u32| RenderOptions { slots: Some(64 << lane), bounces: Some(3), ..RenderOptions::default() };
+    let flat = flatten(&scene, SIZE, &options(0)).expect("the scene flattens");
+    if film.totals().paths == 0 {
+        let empty = Film::with_sampler(SIZE.0, SIZE.1, flat.radiance_exponent, options(0).sampler);
+        *film = empty.expect("the film fits");
+    }
+    let job = Job { size: SIZE, max_depth: 20, seed: 3, first_sample, goal };
+    let plan = |lane: u32| {
+        let mut plan = Plan::new(&flat, &options(lane), software().class(), &job).expect("the kernels link");
+        plan.tuning.tile = tile.unwrap_or(plan.tuning.tile);
+        plan
+    };
+    let plans: Vec<_> = (0..lanes).map(plan).collect();
+    let pairs: Vec<_> = plans.iter().map(|plan| (software(), plan)).collect();
+    let mut renderer = Renderer::of_devices(&pairs, &job, false).expect("the kernels compile and the buffers fit");
+    renderer.run(&job, film, watch).expect("the devices render")
+}
+
+fn empty() -> Film {
+    Film::new(1, 1, 0).expect("it is small")
+}
+
+fn by_one(end: u32) -> Film {
+    let mut film = empty();
+    render(1, 0, Goal::Samples(end), None, &mut film, &mut |_, _| Next::GoOn);
+    film
+}
+
+#[test]
+fn devices_share_a_film() {
+    let whole = by_one(200);
+    for (lanes, tile) in [(2, None), (3, None), (3, Some(97))] {
+        let mut film = empty();
+        let mut calls = 0;
+        let outcome = render(lanes, 0, Goal::Samples(200), tile, &mut film, &mut |_, _| {
+            calls += 1;
+            Next::GoOn
+        });
+        assert!(film == whole, "{lanes} lanes, {tile:?}");
+        assert_eq!((outcome.totals, outcome.samples), (film.totals(), Samples::from(0..200)));
+        assert!(calls > 0);
+    }
+    // That films can differ at all is seen of other samples.
+    assert!(by_one(192) != whole);
+}
+
+/// A whole film that several devices show has just the samples that it says, and changes nothing.
+#[test]
+fn a_whole_film_of_devices_has_whole_samples() {
+    for (lanes, tile) in [(2, None), (3, Some(97))] {
+        let (mut film, mut looks, mut calls) = (empty(), Vec::new(), 0);
+        render(lanes, 0, Goal::Samples(200), tile, &mut film, &mut |outcome, look| {
+            if let Some(look) = look.filter(|look| look.whole) {
+                let samples = outcome.samples.count() as u32;
+                assert!(look.film.develop().samples.iter().all(|n| *n == samples), "{:?}", outcome.samples);
+                assert_eq!(look.film.totals(), outcome.totals);
+                looks.push((outcome.samples.clone(), look.film.clone()));
+                return Next::GoOn;
+            }
+            calls += 1;
+            if calls % 7 == 0 { Next::Whole } else { Next::GoOn }
+        });
+        assert!(film == by_one(200) && looks.len() > 2, "{} looks", looks.len());
+        // What is missing of each is what the render had left.
+        for (samples, mut film) in looks.into_iter().step_by(3) {
+            for gap in samples.missing(0..200).ranges() {
+                render(1, gap.start, Goal::Samples(gap.end), None, &mut film, &mut |_, _| Next::GoOn);
+            }
+            assert!(film == by_one(200), "{samples}");
+        }
+    }
+}
+
+/// Wherever several devices are stopped, each pixel has the samples that the outcome says, in whole runs.
+#[test]
+fn devices_that_are_stopped_leave_whole_samples() {
+    for stop in [1, 2, 5, 9, 20] {
+        let (mut film, mut calls) = (empty(), 0);
+        let outcome = render(3, 0, Goal::Samples(4096), None, &mut film, &mut |_, _| {
+            calls += 1;
+            if calls >= stop { Next::Stop } else { Next::GoOn }
+        });
+        assert!(outcome.interrupted && outcome.samples.count() < 4096, "{:?}", outcome.samples);
+        let samples = outcome.samples.count() as u32;
+        assert!(film.develop().samples.iter().all(|n| *n == samples));
+        let ends = outcome.samples.ranges().iter().flat_map(|range| [range.start, range.end]);
+        assert!(ends.into_iter().all(|end| end.is_multiple_of(RUN_LENGTH)), "{:?}", outcome.samples);
+        let end = outcome.samples.hull().end;
+        for gap in outcome.samples.missing(0..end).ranges() {
+            render(1, gap.start, Goal::Samples(gap.end), None, &mut film, &mut |_, _| Next::GoOn);
+        }
+        assert!(film == by_one(end), "{:?}", outcome.samples);
+    }
+}
+
+#[test]
+fn devices_reach_goals() {
+    let deadline = Instant::now() + Duration::from_millis(1500);
+    for goal in [
+        Goal::Until { deadline, end: 100 },
+        Goal::Noise { error: 0.05, deadline: None, end: 100, begun: 0, looks: 0 },
+        Goal::Noise { error: 1e-9, deadline: Some(deadline), end: 20, begun: 0, looks: 0 },
+    ] {
+        let mut film = empty();
+        let outcome = render(2, 0, goal, None, &mut film, &mut |_, _| Next::GoOn);
+        assert_eq!(outcome.samples, Samples::from(outcome.samples.hull()), "{goal:?}");
+        assert!(film == by_one(outcome.samples.hull().end), "{goal:?}: {:?}", outcome.samples);
+    }
+}
