@@ -55,6 +55,10 @@ impl Globe {
         let own = |v: DVec3| to_world.rotation.transpose() * v / to_world.scale;
         let (eye, eye_rest) = (own(moved), own(rest));
         let (to_center, rest) = difference(center, eye);
+        // Most spheres are far from the limit.
+        if radius < 0.5 * LEAST_RADIUS * (to_center.length() - radius).abs() {
+            return None;
+        }
         // D² - r² keeps the digits that D - r would lose: a ground of 1e12 is known to 1e-4 by its centre's distance in f64.
         let power = difference_of_squares(to_center, rest - eye_rest, radius);
         let height = power / (to_center.length() + radius);
