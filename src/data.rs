@@ -210,6 +210,20 @@ device_struct!(
 );
 
 device_struct!(
+    /// A sphere by its point nearest to the camera, in render space.
+    Globe {
+        nearest: [f32; 3],
+        curvature: f32,
+        inward: [f32; 3],
+        order: u32,
+        material: u32,
+        frame: u32,
+        light: u32,
+        padding: u32,
+    }
+);
+
+device_struct!(
     /// A parallelogram, in render space.
     Quad {
         corner: [f32; 3],

@@ -264,15 +264,15 @@ impl Texture {
     }
 
     /// The frame of the texture: it maps local coordinates to the point base + columns · local in the object's own
-    /// space, in the texture's units. The base is reduced by the texture's period, in f64. For an image the frame only
-    /// undoes the object's rotation, for the normals of spheres. A plain colour needs no frame.
-    pub fn frame(&self, (base, columns): (DVec3, DMat3), rotation: &DMat3) -> Option<data::Frame> {
+    /// space, in the texture's units. The base is reduced by the texture's period, in f64. For an image it maps them to
+    /// the normal of a sphere, as pole + the rotation undone · local. A plain colour needs no frame.
+    pub fn frame(&self, (base, columns): (DVec3, DMat3), (pole, rotation): (DVec3, &DMat3)) -> Option<data::Frame> {
         let (base, columns, phase) = match *self {
             Texture::Rgb(..) => return None,
             Texture::Checker { scale, .. } => (reduce(base / scale, 2.0), columns * (1.0 / scale), 0.0),
             Texture::Noise { scale } => (reduce(base * scale, 256.0), columns * scale, 0.0),
             Texture::Marble { scale } => (reduce(base, 256.0), columns, reduce(DVec3::splat(base.z * scale), TAU).z),
-            Texture::Image { .. } => (DVec3::ZERO, rotation.transpose(), 0.0),
+            Texture::Image { .. } => (pole, rotation.transpose(), 0.0),
         };
         Some(data::Frame {
             x: f32s(columns.x_axis),

@@ -59,6 +59,24 @@ struct Sphere {
     light: u32,
 }
 
+// A sphere that is large against its distance from the camera. With x relative to `nearest`, a point is on it if curvature x² - 2
+// inward . x = 0. Near the camera, these numbers are small and keep their digits, however large the sphere is.
+struct Globe {
+    // Its point nearest to the camera.
+    nearest: vec3<f32>,
+    // 1 over the radius.
+    curvature: f32,
+    // Unit normal at that point, towards the centre.
+    inward: vec3<f32>,
+    // Place in the scene's order of primitives.
+    order: u32,
+    material: u32,
+    frame: u32,
+    // Its place in the table of lights, if it is a light.
+    light: u32,
+    padding: u32,
+}
+
 // A parallelogram corner + a u + b v with 0 <= a, b <= 1, where a = (p - corner) . a_axis and b = (p - corner) . b_axis.
 struct Quad {
     corner: vec3<f32>,

@@ -13,12 +13,16 @@ impl Builder<'_> {
         // The boundary is not a surface: it has no material, and is not a primitive.
         let (index, _) = self.add_shape(boundary, to_world, Element::default());
         let world = RenderSpace { eye: DVec3::ZERO, scale: 1.0 };
-        let center = boundary.hull(&Placement { to_world, space: world }).place();
-        // From render space, relative to the middle of the boundary, to the medium's own space.
+        let center = match boundary.globe() {
+            Some(globe) => globe.nearest(to_world, self.space.eye),
+            None => boundary.hull(&Placement { to_world, space: world }).place(),
+        };
+        // From render space, relative to this point, to the medium's own space.
         let to_own = own.rotation.transpose() * (1.0 / (own.scale * self.space.scale));
         let base = own.rotation.transpose() * (center - own.translation) / own.scale;
         let texture = self.add_texture(albedo, 1.0);
-        let frame = albedo.frame((base, to_own), &own.rotation).map_or(0, |frame| self.flat.add_frame(frame));
+        let frame =
+            albedo.frame((base, to_own), (DVec3::ZERO, &own.rotation)).map_or(0, |frame| self.flat.add_frame(frame));
         self.flat.media.push(data::Medium {
             center: f32s(self.space.point(center)),
             // At least the smallest normal number, because kernels divide by it.

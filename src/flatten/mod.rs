@@ -16,6 +16,8 @@ mod view;
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use glam::DVec3;
+
 use crate::bvh::{self, Bounds};
 use crate::data::{self, MAX_PRIMITIVES, NO_TEXTURE, f32s};
 use crate::error::Result;
@@ -24,7 +26,7 @@ use crate::options::{FeatureSet, Integrator, RenderOptions};
 use crate::scene::{Background, Bitmap, Material, Object, Scene, Step, Texture, Use};
 use crate::shape::mesh::{self, Laid};
 use crate::shape::similarity::Similarity;
-use crate::shape::{Element, KINDS, Placement, RenderSpace, Shape, Tables, binary_exponent, exp2};
+use crate::shape::{Element, Globe, KINDS, Placement, RenderSpace, Shape, Tables, binary_exponent, exp2};
 use crate::threads::beside;
 use place::{Finder, Placed, PlacedMedium, extent};
 use view::View;
@@ -84,8 +86,8 @@ const LEAST_CROSSINGS: f32 = 1.25;
 pub fn flatten(scene: &Scene, size: (u32, u32), options: &RenderOptions) -> Result<DeviceScene> {
     let mut features = Features::default();
     let meshes = mesh::shapes(&scene.meshes);
-    let mut finder = Finder::new(scene, &meshes);
     let view = View::new(&scene.camera, size);
+    let mut finder = Finder::new(scene, &meshes, view.eye);
     scene.objects.iter().for_each(|object| finder.place(object, &view.to_space));
     for (primitive, object) in finder.placed.iter().zip(&finder.objects) {
         note(&mut features, scene, object, primitive);
@@ -261,7 +263,9 @@ impl Builder<'_> {
         }
         let place = shape.texture_place(&to_world.rotation);
         let index = self.flat.frames.len() as u32;
-        self.flat.frames.extend(texture.frame(place, &to_world.rotation));
+        // Of a globe, texture coordinates are relative to its nearest point, and of a sphere to its centre.
+        let pole = shape.globe().map_or(DVec3::ZERO, Globe::outward);
+        self.flat.frames.extend(texture.frame(place, (pole, &to_world.rotation)));
         if let Some(key) = shared {
             self.mesh_frames.insert(key, index);
         }

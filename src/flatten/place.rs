@@ -35,6 +35,8 @@ pub struct PlacedMedium<'a> {
 pub struct Finder<'a> {
     materials: HashMap<&'a str, u32>,
     meshes: &'a BTreeMap<&'a str, MeshShape<'a>>,
+    /// The camera's place.
+    eye: DVec3,
     pub placed: Vec<Placed<'a>>,
     /// The object of each primitive.
     pub objects: Vec<&'a Object>,
@@ -42,10 +44,11 @@ pub struct Finder<'a> {
 }
 
 impl<'a> Finder<'a> {
-    pub fn new(scene: &'a Scene, meshes: &'a BTreeMap<&'a str, MeshShape<'a>>) -> Finder<'a> {
+    pub fn new(scene: &'a Scene, meshes: &'a BTreeMap<&'a str, MeshShape<'a>>, eye: DVec3) -> Finder<'a> {
         Finder {
             materials: (0..).zip(&scene.materials).map(|(i, (name, _))| (name.as_str(), i)).collect(),
             meshes,
+            eye,
             placed: Vec::new(),
             objects: Vec::new(),
             media: Vec::new(),
@@ -76,6 +79,7 @@ impl<'a> Finder<'a> {
             _ => {
                 let material = object.material().and_then(|name| self.materials.get(name).copied());
                 if let (Some(shape), Some(material)) = (object.shape(self.meshes), material) {
+                    let shape = shape.seen_from(to_world, self.eye);
                     self.placed.push(Placed { shape, to_world: *to_world, material });
                     self.objects.push(object);
                 }
@@ -87,7 +91,7 @@ impl<'a> Finder<'a> {
     fn boundary(&self, object: &Object, to_world: &Similarity) -> Option<(Shape<'a>, Similarity)> {
         match object {
             Object::Transformed { by, object } => self.boundary(object, &to_world.after(&similarity(by))),
-            _ => object.shape(self.meshes).map(|shape| (shape, *to_world)),
+            _ => object.shape(self.meshes).map(|shape| (shape.seen_from(to_world, self.eye), *to_world)),
         }
     }
 }
@@ -105,8 +109,12 @@ fn similarity(transforms: &[Transform]) -> Similarity {
     transforms.iter().fold(Similarity::IDENTITY, |done, next| one(next).after(&done))
 }
 
-/// The largest distance of a shape's points from the eye along an axis.
+/// The largest distance of a shape's points from the eye along an axis; of a globe, that of its nearest point, because rays seldom
+/// get far from there.
 pub fn reach(shape: &Shape, to_world: &Similarity, eye: DVec3) -> f64 {
+    if let Some(globe) = shape.globe() {
+        return globe.reach(to_world);
+    }
     let hull = shape.hull(&Placement { to_world, space: RenderSpace { eye, scale: 1.0 } });
     match hull {
         Hull::Ball { center, radius } => center.abs().max_element() + radius,

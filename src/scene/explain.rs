@@ -9,7 +9,7 @@ use super::nearest::nearest;
 use super::validate::boundaries;
 use crate::error::Error;
 use crate::material::{Material, a_material};
-use crate::shape::KINDS;
+use crate::shape::kinds_in_files;
 use crate::source::form::{COLOUR, Form, NUMBER, PATH, POINT, VECTOR};
 use crate::source::{Id, Source, Span, Step, skip_space, slice};
 use crate::texture::{TEXTURE, Texture};
@@ -293,7 +293,7 @@ const TRANSFORM: &str = "a transform: Translate((x, y, z)), Scale(s), RotateX(de
 
 /// "an object: Sphere(..), .."
 fn object() -> String {
-    let shapes: Vec<String> = KINDS.iter().map(|kind| format!("{}(..)", kind.form.name)).collect();
+    let shapes: Vec<String> = kinds_in_files().map(|kind| format!("{}(..)", kind.form.name)).collect();
     format!("an object: {}, Transformed(..), Group([..]) or Medium(..)", shapes.join(", "))
 }
 
@@ -341,7 +341,7 @@ fn expected(path: &[Step<'_>]) -> String {
 /// The forms of materials, textures and shapes.
 fn forms() -> impl Iterator<Item = &'static Form> {
     let materials = Material::KINDS.iter().map(|kind| &kind.form);
-    materials.chain(Texture::KINDS.iter().map(|kind| &kind.form)).chain(KINDS.iter().map(|kind| &kind.form))
+    materials.chain(Texture::KINDS.iter().map(|kind| &kind.form)).chain(kinds_in_files().map(|kind| &kind.form))
 }
 
 fn expected_field(name: &str) -> &'static str {

@@ -9,7 +9,7 @@ use super::nearest::nearest;
 use super::types::*;
 use crate::error::Result;
 use crate::shape::mesh::{self, MeshShape};
-use crate::shape::{KINDS, ShapeKind};
+use crate::shape::{ShapeKind, kinds_in_files};
 use crate::source::form::any;
 use crate::source::{LARGEST, Place, SMALLEST, length, number, parallel, vector};
 
@@ -208,7 +208,7 @@ fn boundary(known: &KnownNames, at: &Place, object: &Object, reach: Reach) -> Re
 /// "a boundary: a Sphere, a Box or a closed Mesh, Transformed or not, without a material"
 pub fn boundaries(after_each: &str, transformed: &str) -> String {
     let boundary = |kind: &ShapeKind| Some(format!("{} {}{after_each}", kind.boundary.as_ref()?.words, kind.form.name));
-    format!("a boundary: {}{transformed}, without a material", any(KINDS.iter().filter_map(boundary)))
+    format!("a boundary: {}{transformed}, without a material", any(kinds_in_files().filter_map(boundary)))
 }
 
 /// Checks a list of transforms and adds them to those around them. The last in the list is the outermost.

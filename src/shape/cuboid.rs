@@ -14,6 +14,7 @@ use crate::source::{Place, SMALLEST, vector};
 
 pub const KIND: ShapeKind = ShapeKind {
     form: Form { name: "Box", fields: &[("min", POINT), ("max", POINT), MATERIAL], in_order: false },
+    in_files: true,
     shader: "cuboid",
     word: "box",
     sizes: &[("a side", "")],

@@ -18,6 +18,7 @@ use crate::source::form::{Form, PATH};
 /// Rays hit the triangles, so that the shader files are those of the triangle.
 pub const KIND: ShapeKind = ShapeKind {
     form: Form { name: "Mesh", fields: &[("path", PATH), MATERIAL], in_order: false },
+    in_files: true,
     shader: "triangle",
     word: "mesh",
     sizes: &[("a size", "")],

@@ -1,10 +1,11 @@
-//! The shapes: sphere, quad, box and mesh, one file each.
+//! The shapes: sphere, quad, box and mesh, and the globe, which is a sphere to scene files; one file each.
 //!
 //! `kinds!` has the one list of them. Everything about a shape is a field of `ShapeKind` or a method of `Geometry`.
 //! Neither has defaults, so that a new shape cannot forget one.
 
 mod closed;
 pub mod cuboid;
+pub mod globe;
 mod hull;
 pub mod mesh;
 pub mod quad;
@@ -21,9 +22,11 @@ use crate::error::Result;
 use crate::source::Place;
 use crate::source::form::{Form, kinds};
 pub use cuboid::Cuboid;
+pub use globe::Globe;
 pub use hull::{Hull, normal, reach_of};
 use mesh::{Laid, MeshShape};
 pub use quad::Quad;
+use similarity::Similarity;
 pub use space::{Aabb, Placement, RenderSpace, binary_exponent, error_bound, exp2, padded};
 pub use sphere::Sphere;
 
@@ -31,6 +34,8 @@ pub use sphere::Sphere;
 pub struct ShapeKind {
     /// How the scene file writes it.
     pub form: Form,
+    /// Whether scene files have it. The host chooses the others in place of one that they have.
+    pub in_files: bool,
     /// The name of its files under shaders/geometry and shaders/light.
     pub shader: &'static str,
     /// Its name in messages.
@@ -95,6 +100,7 @@ pub struct Tables {
     pub quads: Vec<data::Quad>,
     pub cuboids: Vec<data::Cuboid>,
     pub instances: Vec<data::Instance>,
+    pub globes: Vec<data::Globe>,
 }
 
 /// The members that an element of any shape has: how it refers to the rest of the scene.
@@ -149,6 +155,7 @@ pub enum Shape<'a> {
     Quad(Quad),
     Cuboid(Cuboid),
     Mesh(&'a MeshShape<'a>),
+    Globe(Globe),
 }
 
 kinds! {
@@ -157,6 +164,7 @@ kinds! {
     Quad => quad::KIND,
     Cuboid => cuboid::KIND,
     Mesh => mesh::KIND,
+    Globe => globe::KIND,
 }
 
 impl<'a> Deref for Shape<'a> {
@@ -168,6 +176,7 @@ impl<'a> Deref for Shape<'a> {
             Shape::Quad(shape) => shape,
             Shape::Cuboid(shape) => shape,
             Shape::Mesh(shape) => shape,
+            Shape::Globe(shape) => shape,
         }
     }
 }
@@ -175,11 +184,32 @@ impl<'a> Deref for Shape<'a> {
 /// The kinds of shape by number.
 pub const KINDS: &[ShapeKind] = Shape::KINDS;
 
+/// Those that scene files have.
+pub fn kinds_in_files() -> impl Iterator<Item = &'static ShapeKind> {
+    KINDS.iter().filter(|kind| kind.in_files)
+}
+
 impl<'a> Shape<'a> {
     /// The mesh, if it is one.
     pub fn mesh(&self) -> Option<&'a MeshShape<'a>> {
         match self {
             Shape::Mesh(mesh) => Some(mesh),
+            _ => None,
+        }
+    }
+
+    /// The form in which kernels get it if the camera is at `eye`: a sphere may be a globe.
+    pub fn seen_from(self, to_world: &Similarity, eye: DVec3) -> Shape<'a> {
+        match self {
+            Shape::Sphere(sphere) => Globe::new(sphere, to_world, eye).map_or(self, Shape::Globe),
+            _ => self,
+        }
+    }
+
+    /// The globe, if it is one.
+    pub fn globe(&self) -> Option<&Globe> {
+        match self {
+            Shape::Globe(globe) => Some(globe),
             _ => None,
         }
     }

@@ -13,6 +13,7 @@ use crate::source::{Place, SMALLEST, parallel, vector};
 
 pub const KIND: ShapeKind = ShapeKind {
     form: Form { name: "Quad", fields: &[("corner", POINT), ("u", VECTOR), ("v", VECTOR), MATERIAL], in_order: false },
+    in_files: true,
     shader: "quad",
     word: "quad",
     sizes: &[("an edge", "u"), ("an edge", "v")],

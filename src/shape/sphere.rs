@@ -16,6 +16,7 @@ use crate::source::{Place, length, vector};
 
 pub const KIND: ShapeKind = ShapeKind {
     form: Form { name: "Sphere", fields: &[("center", POINT), ("radius", NUMBER), MATERIAL], in_order: false },
+    in_files: true,
     shader: "sphere",
     word: "sphere",
     sizes: &[("a radius", "radius")],
@@ -27,6 +28,17 @@ pub const KIND: ShapeKind = ShapeKind {
 pub struct Sphere {
     pub center: DVec3,
     pub radius: f64,
+}
+
+impl Sphere {
+    /// As a light with this code.
+    pub fn emitter(&self, at: &Placement, code: u32) -> Emitter {
+        let (middle, radius) = (at.point(self.center), self.radius * at.scale());
+        let reach = DVec3::splat(radius);
+        let area = 4.0 * PI * radius.powi(2);
+        let around = Aabb::around([middle - reach, middle + reach]);
+        Emitter { code, instance: data::NO_INSTANCE, area, around, normal: None }
+    }
 }
 
 impl Geometry for Sphere {
@@ -53,12 +65,7 @@ impl Geometry for Sphere {
     }
 
     fn emitters(&self, at: &Placement, index: u32, _: Laid) -> Vec<Emitter> {
-        let (middle, radius) = (at.point(self.center), self.radius * at.scale());
-        let reach = DVec3::splat(radius);
-        let code = Shape::Sphere(*self).code(index as usize);
-        let area = 4.0 * PI * radius.powi(2);
-        let around = Aabb::around([middle - reach, middle + reach]);
-        vec![Emitter { code, instance: data::NO_INSTANCE, area, around, normal: None }]
+        vec![self.emitter(at, Shape::Sphere(*self).code(index as usize))]
     }
 
     fn set_light(&self, tables: &mut Tables, index: usize, _: Laid, light: u32) {

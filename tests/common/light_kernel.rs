@@ -35,6 +35,7 @@ pub struct Out {
 pub type Kind = (&'static str, &'static str);
 
 pub const SPHERE: Kind = ("sphere", "Sphere");
+pub const GLOBE: Kind = ("globe", "Globe");
 pub const TRIANGLE: Kind = ("triangle", "Triangle");
 pub const QUAD: Kind = ("quad", "Quad");
 pub const CUBOID: Kind = ("cuboid", "Cuboid");

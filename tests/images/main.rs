@@ -7,6 +7,7 @@ mod closed_form;
 mod devices;
 mod estimators;
 mod features;
+mod globes;
 mod instances;
 mod knobs;
 mod recipe;

@@ -109,7 +109,7 @@ fn host_structs() -> BTreeMap<&'static str, (Fields, usize)> {
             ),)*])
         };
     }
-    structs!(Window Counters RunRecord PixelTotals Node Sphere Quad Cuboid Instance Light LightNode SkyCell Medium Material Texture Frame Trial Answer)
+    structs!(Window Counters RunRecord PixelTotals Node Sphere Globe Quad Cuboid Instance Light LightNode SkyCell Medium Material Texture Frame Trial Answer)
 }
 
 /// Names that src/data.rs declares behind a word, so that none can be added there and forgotten here.

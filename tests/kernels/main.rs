@@ -15,6 +15,7 @@ mod cuboid;
 mod film;
 mod float;
 mod frames;
+mod globe;
 mod layout;
 mod light_tree;
 mod lights;

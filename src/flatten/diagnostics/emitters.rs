@@ -38,16 +38,19 @@ pub fn turned_away(found: &Found, kinds: &[Role]) -> Option<Diagnostic> {
     let lens = DVec3::splat(found.view.lens_radius());
     let primitives = (0..found.placed.len()).map(body);
     let media = found.media.iter().map(|medium| Body::new(found, &medium.boundary, &medium.to_world));
-    let (low, high) = primitives.chain(media).fold((-lens, lens), |(low, high), body| {
+    let nothing = (-lens, lens, lens);
+    let (low, high, rounded) = primitives.chain(media).fold(nothing, |(low, high, rounded), body| {
         let (l, h) = body.hull.bounds();
-        (low.min(l), high.max(h))
+        // The rounding of a globe is not that of its far side.
+        let coordinates = if body.shape.globe().is_some() { DVec3::ZERO } else { l.abs().max(h.abs()) };
+        (low.min(l), high.max(h), rounded.max(coordinates))
     });
     let mut worst = Worst::default();
     for number in lights {
         let Hull::Parallelogram { corner, u, v } = body(number).hull else { continue };
         let n = normal(u, v);
         let farthest = DVec3::select(n.cmpge(DVec3::ZERO), high, low);
-        let rounding = 8.0 * U * n.abs().dot(low.abs().max(high.abs()));
+        let rounding = 8.0 * U * n.abs().dot(rounded);
         if n.dot(farthest - corner) <= rounding {
             worst.note(-(number as f64), At::Primitive(number));
         }

@@ -26,6 +26,12 @@ pub fn from_sphere(center: DVec3, radius: f64) -> f64 {
     U * (4.0 * (center.abs().max_element() + radius) + 2.0 * (center.length() + radius))
 }
 
+/// From a globe, at points as far from the nearest one as the camera is. The bound is u (|n|.(|p| + 9 |x|)), without the
+/// curvature, with |x| and |p| the distance (shaders/geometry/globe), and no coordinate is larger than twice that.
+pub fn from_globe(distance: f64) -> f64 {
+    U * 14.0 * distance
+}
+
 /// From a mesh whose triangles are not needles. The bound is u (8 Σ |p_i| + 32 l) for a triangle with a longest edge l, and 16 u Σ |p_i|
 /// for the position of the instance, with p relative to the centre of the mesh (shaders/geometry/triangle, shaders/geometry/instance).
 /// |p_i| is at most the half side of the box around the mesh, and l at most its diagonal.

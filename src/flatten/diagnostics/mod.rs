@@ -8,7 +8,6 @@ mod emitters;
 mod leaving;
 mod same_place;
 mod sizes;
-mod surfaces;
 mod within;
 
 use std::collections::BTreeMap;
@@ -24,7 +23,6 @@ use coincident::Planes;
 use emitters::Walls;
 use same_place::SamePlace;
 use sizes::Sizes;
-use surfaces::Surfaces;
 
 /// A scene after its objects have been placed.
 pub struct Found<'a> {
@@ -44,7 +42,6 @@ pub fn warnings(found: &Found) -> Vec<String> {
     let kinds: Vec<Role> =
         found.scene.materials.iter().map(|(_, material)| Role::of(material, &found.scene.bitmaps)).collect();
     let mut sizes = Sizes::new(found);
-    let mut surfaces = Surfaces::default();
     let mut same_place = SamePlace::new(found, &kinds);
     let mut planes = Planes::new(found, &kinds);
     let mut walls = Walls::new(found, &kinds);
@@ -53,13 +50,11 @@ pub fn warnings(found: &Found) -> Vec<String> {
         let body = Body::new(found, &placed.shape, &placed.to_world);
         let kind = kinds[placed.material as usize];
         sizes.see(number, &body, kind);
-        surfaces.see(number, &body);
         same_place.see(number, &body);
         planes.see(number, &body);
         walls.see(number, &body, kind);
     }
     let mut diagnostics = sizes.diagnostics();
-    diagnostics.extend(surfaces.diagnostics());
     diagnostics.extend(same_place.diagnostics());
     diagnostics.extend(planes.diagnostics());
     diagnostics.extend(emitters::turned_away(found, &kinds));

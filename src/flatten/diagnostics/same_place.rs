@@ -80,9 +80,16 @@ impl<'a> SamePlace<'a> {
             return None;
         }
         let ((place, r), (other, s)) = (a.hull.ball(), b.hull.ball());
-        let rounding = 4.0 * U * (place.abs().max_element() + r);
+        let rounding = match a.shape.globe().zip(b.shape.globe()) {
+            Some((one, same)) => leaving::from_globe(one.distance(a.to_world).max(same.distance(b.to_world))),
+            None => 4.0 * U * (place.abs().max_element() + r),
+        };
         // Meshes count only if they are within the rounding. The distance that the warning advises includes the ray offset.
         let (gap, most, bound) = match (a.shape.mesh(), b.shape.mesh()) {
+            (None, None) if a.shape.globe().and(b.shape.globe()).is_some() => {
+                let bound = if clear { 2.0 * rounding } else { rounding };
+                ((r - s).abs() + place.distance(other), bound, bound)
+            }
             (None, None) => {
                 // The offset of rays that leave either one, and the rounding of the radius and of the next distance.
                 let leaving = [(place, r), (other, s)].into_iter().zip(kinds).filter(|(_, kind)| !kind.light);
