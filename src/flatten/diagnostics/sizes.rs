@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::{At, Body, Diagnostic, Found, Role, U, Worst, leaving, power_of_two, short};
+use super::{At, Body, Diagnostic, Found, OTHER, Role, U, Worst, leaving, power_of_two, short};
 use crate::flatten::place::{PlacedMedium, reach};
 use crate::shape::Hull;
 
@@ -114,7 +114,7 @@ impl<'a> Sizes<'a> {
                 }
             }
         }
-        let tiny = self.tiny.diagnostic(|of| tell_tiny(of, found.extent));
+        let tiny = self.tiny.diagnostic(|of| tell_tiny(of, found.extent, farthest(found)));
         let thin = self.thin.diagnostic(tell_thin);
         let white = white.diagnostic(|of| tell_white(of, found.scene.render.max_depth));
         let dim = self.dim.diagnostic(tell_dim);
@@ -244,16 +244,26 @@ fn tell_lost(Small { at, name: (name, field), size, distance, coordinate, share 
     Diagnostic { at, field: field_of(at, field), message, other: None, more: 0 }
 }
 
-fn tell_tiny((at, (name, field), size): (At, Name, f64), extent: f64) -> Diagnostic {
+/// The object that reaches farthest from the camera.
+fn farthest(found: &Found) -> Option<At> {
+    let eye = found.view.eye;
+    let primitives = found.placed.iter().map(|of| reach(&of.shape, &of.to_world, eye)).enumerate();
+    let media = found.media.iter().map(|of| reach(&of.boundary, &of.to_world, eye)).enumerate();
+    let all = primitives.map(|(i, far)| (At::Primitive(i), far)).chain(media.map(|(i, far)| (At::Medium(i), far)));
+    all.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(at, _)| at)
+}
+
+fn tell_tiny((at, (name, field), size): (At, Name, f64), extent: f64, farthest: Option<At>) -> Diagnostic {
+    let by = if farthest.is_some() { format!(", which the object at {OTHER} sets") } else { String::new() };
     let message = format!(
-        "{name} of {} is {} of the scene's extent of {}, expected {} at least: leave out the small object, or objects \
-         that are so far away",
+        "{name} of {} is {} of the scene's extent of {}{by}, expected {} at least: leave out the small object, or objects \
+         that are so large or far away",
         short(size),
         power_of_two(size / extent),
         short(extent),
         power_of_two(SMALLEST_SHARE)
     );
-    Diagnostic { at, field: field_of(at, field), message, other: None, more: 0 }
+    Diagnostic { at, field: field_of(at, field), message, other: farthest, more: 0 }
 }
 
 fn tell_dim((number, size, far): (usize, f64, f64)) -> Diagnostic {
