@@ -3,9 +3,7 @@
 //@ use light/sample
 //@ use light/sphere
 //@ use geometry/globe
-//@ use lib/basis
 //@ use lib/float
-//@ use lib/sampling
 // A globe as a light: as a sphere (light/sphere), with the cone of directions that hit it computed from the height above it.
 
 // With D the distance from the centre, (D/r)² - 1 = c power. A point inside never counts as outside: the margin is a bound of the
@@ -25,24 +23,11 @@ fn globe_cone(from_point: vec3<f32>, globe: Globe) -> SphereCone {
 }
 
 fn globe_light_sample(from_point: vec3<f32>, globe: Globe, u: vec2<f32>) -> DirectionSample {
-    let cone = globe_cone(from_point, globe);
-    if cone.sine > 1.0 {
-        return DirectionSample(sample_sphere(u), sphere_cone_pdf(cone));
-    }
-    if !(cone.sine > SPHERE_LEAST_SINE) {
-        return NO_DIRECTION_SAMPLE;
-    }
-    let narrower = max(cone.sine - SPHERE_LIMB, 0.0) / cone.sine;
-    let height = u.x * (cone.height * (narrower * narrower));
-    let across = sqrt(height * (2.0 - height));
-    let local = vec3<f32>(across * sample_circle(u.y), 1.0 - height);
-    return DirectionSample(normalize(from_basis(basis_around(cone.axis), local)), sphere_cone_pdf(cone));
+    return sphere_cone_sample(globe_cone(from_point, globe), u);
 }
 
-// The pdf with which light sampling draws a direction that hits the globe.
 fn globe_light_pdf(from_point: vec3<f32>, direction: vec3<f32>, globe: Globe) -> f32 {
-    let cone = globe_cone(from_point, globe);
-    return select(0.0, sphere_cone_pdf(cone), cone.sine > SPHERE_LEAST_SINE);
+    return sphere_cone_light_pdf(globe_cone(from_point, globe));
 }
 
 // Whether a ray to the globe arrives from outside.

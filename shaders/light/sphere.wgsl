@@ -50,8 +50,7 @@ const SPHERE_LIMB: f32 = 12.0 * UNIT_ROUNDOFF;
 // of f32 could be aimed at the sphere. Such a sphere is not sampled.
 const SPHERE_LEAST_SINE: f32 = 0x1p-31f;
 
-fn sphere_light_sample(from_point: vec3<f32>, sphere: Sphere, u: vec2<f32>) -> DirectionSample {
-    let cone = sphere_cone(from_point, sphere);
+fn sphere_cone_sample(cone: SphereCone, u: vec2<f32>) -> DirectionSample {
     if cone.sine > 1.0 {
         return DirectionSample(sample_sphere(u), sphere_cone_pdf(cone));
     }
@@ -66,9 +65,16 @@ fn sphere_light_sample(from_point: vec3<f32>, sphere: Sphere, u: vec2<f32>) -> D
 }
 
 // The pdf with which light sampling draws a direction that hits the sphere.
-fn sphere_light_pdf(from_point: vec3<f32>, direction: vec3<f32>, sphere: Sphere) -> f32 {
-    let cone = sphere_cone(from_point, sphere);
+fn sphere_cone_light_pdf(cone: SphereCone) -> f32 {
     return select(0.0, sphere_cone_pdf(cone), cone.sine > SPHERE_LEAST_SINE);
+}
+
+fn sphere_light_sample(from_point: vec3<f32>, sphere: Sphere, u: vec2<f32>) -> DirectionSample {
+    return sphere_cone_sample(sphere_cone(from_point, sphere), u);
+}
+
+fn sphere_light_pdf(from_point: vec3<f32>, direction: vec3<f32>, sphere: Sphere) -> f32 {
+    return sphere_cone_light_pdf(sphere_cone(from_point, sphere));
 }
 
 // Whether a ray to the sphere arrives from outside. The normal at the hit cannot tell: if the sphere is tiny as seen from the
