@@ -213,8 +213,9 @@ pub struct Device {
 
 /// How often a wait is begun anew, and for how long each time. Ten minutes are far more than any submission takes, also on a busy
 /// machine without a GPU. Time in which the process is stopped or the machine sleeps costs one of the waits at most.
-const WAITS: u32 = 600;
-const WAIT: Duration = Duration::from_secs(1);
+const WAITS: u32 = 10;
+/// A wait whose time is over while another thread also waits for this device may panic in wgpu, so that none should be over on a busy machine.
+const WAIT: Duration = Duration::from_secs(60);
 
 /// Bytes of a buffer's contents that are on their way at a time.
 const FILL_AT_ONCE: usize = 64 << 20;
