@@ -41,6 +41,9 @@ pub enum Command {
     Devices(DevicesArgs),
 }
 
+/// The interval of checkpoints where none is given.
+pub const CHECKPOINT: &str = "60s";
+
 #[derive(Debug, Args)]
 pub struct RenderArgs {
     /// The scene file.
@@ -74,7 +77,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "EV", default_value_t = 0.0, value_parser = exposure, allow_negative_numbers = true)]
     pub exposure: f64,
     /// Write the image so far at this interval [30s, 5m, …].
-    #[arg(long, value_name = "TIME", value_parser = duration, default_value = "60s")]
+    #[arg(long, value_name = "TIME", value_parser = duration, default_value = CHECKPOINT)]
     pub checkpoint: Duration,
     /// Go on with the render in the output, and fail if there is none; --resume=auto starts afresh then. The image is that of one render.
     #[arg(long, value_name = "auto", num_args = 0..=1, require_equals = true, default_missing_value = "yes", value_parser = resume)]
@@ -144,7 +147,7 @@ pub struct SubmitArgs {
     #[command(flatten)]
     pub paths: PathArgs,
     /// Write the images of parts so far at this interval [30s, 5m, …].
-    #[arg(long, value_name = "TIME", value_parser = duration, default_value = "60s")]
+    #[arg(long, value_name = "TIME", value_parser = duration, default_value = CHECKPOINT)]
     pub checkpoint: Duration,
     /// Allow several devices or drivers, whose rounding may differ.
     #[arg(long)]
@@ -188,7 +191,7 @@ pub struct PathArgs {
     /// Seed of the random numbers.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u32,
-    /// The device, by its index or a part of its name as `gpu-rt devices` lists them. `render` also takes several, A,B,…, and all GPUs: all.
+    /// The device, by its index or a part of its name as `gpu-rt devices` lists them. `render` also takes a list A,B,…, or `all` for all GPUs.
     #[arg(long, value_name = "INDEX|NAME")]
     pub device: Option<String>,
 }

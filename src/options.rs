@@ -66,9 +66,7 @@ impl RenderOptions {
         let known = all().filter(|knob| knob.class != Class::Exact && knob.reading.is_some());
         known.map(|knob| (knob.name, knob.value(self).unwrap_or_else(|| "none".to_string())))
     }
-}
 
-impl RenderOptions {
     /// The options that are not at their defaults, as words of the command line.
     pub fn words(&self) -> Vec<String> {
         let known = all().filter(|knob| !knob.is_default(self));

@@ -1,11 +1,27 @@
 //! Work on several threads. A system that has no more threads costs time, never the work.
 
 use std::panic::resume_unwind;
+use std::sync::{Mutex, PoisonError};
 use std::thread::{Builder, ScopedJoinHandle, scope};
+
+/// Does the work on each item and returns the results in the items' order. `threads` of them, this one included, take the next item whenever
+/// they have finished one.
+pub fn each<I: Send, T: Send>(
+    threads: usize,
+    items: impl IntoIterator<Item = I, IntoIter: Send>,
+    work: impl Fn(I) -> T + Sync,
+) -> Vec<T> {
+    let queue = Mutex::new(items.into_iter().enumerate());
+    let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
+    let take = || std::iter::from_fn(next).map(|(number, item)| (number, work(item))).collect::<Vec<_>>();
+    let mut done: Vec<_> = together(threads, take).into_iter().flatten().collect();
+    done.sort_by_key(|(number, _)| *number);
+    done.into_iter().map(|(_, result)| result).collect()
+}
 
 /// Does `work` on this thread and on as many others that together there are `threads`, and returns what all of them return. `work`
 /// takes its parts from a common queue, so that fewer threads do the same.
-pub fn together<T: Send>(threads: usize, work: impl Fn() -> T + Sync) -> Vec<T> {
+fn together<T: Send>(threads: usize, work: impl Fn() -> T + Sync) -> Vec<T> {
     scope(|scope| {
         let others: Vec<_> = (1..threads).map_while(|_| Builder::new().spawn_scoped(scope, &work).ok()).collect();
         std::iter::once(work()).chain(others.into_iter().map(joined)).collect()

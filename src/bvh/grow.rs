@@ -1,12 +1,10 @@
 //! Builds the tree from the root down.
 
-use std::sync::{Mutex, PoisonError};
-
 use super::split::{Group, Search};
 use super::wide::{WIDTH, quantised};
 use super::{Bounds, Bvh};
 use crate::data::{Node, PRIMITIVE_BIT};
-use crate::threads::together;
+use crate::threads::each;
 
 /// The depth down to which the heuristic chooses cuts. Deeper groups are halved, so that at most 16 more levels follow.
 /// Otherwise nested boxes would make a path as long as their number, and the kernels' stack is a private array of fixed
@@ -49,19 +47,12 @@ pub fn grow(all: Group<'_>, search: &Search, threads: usize) -> Bvh {
 
 /// Builds the subtrees of all pieces, and returns them in the order of the pieces.
 fn grow_all(pieces: Vec<Branch<'_>>, search: &Search, threads: usize) -> Vec<Grown> {
-    let mut grown: Vec<Grown> = pieces.iter().map(|_| Grown::default()).collect();
     let workers = threads.clamp(1, pieces.len().max(1));
-    let queue = Mutex::new(pieces.into_iter().zip(&mut grown));
-    let work = || {
-        loop {
-            let next = queue.lock().unwrap_or_else(PoisonError::into_inner).next();
-            let Some((piece, subtree)) = next else { break };
-            subtree.grow(Branch { parent: None, ..piece }, search, 0);
-        }
-    };
-    together(workers, work);
-    drop(queue);
-    grown
+    each(workers, pieces, |piece| {
+        let mut subtree = Grown::default();
+        subtree.grow(Branch { parent: None, ..piece }, search, 0);
+        subtree
+    })
 }
 
 impl Grown {

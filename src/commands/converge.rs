@@ -62,7 +62,7 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
     let end = args.spp.unwrap_or(scene.render.samples);
     let max_depth = args.paths.max_depth.unwrap_or(scene.render.max_depth);
     let job = Job { size, max_depth, seed: args.paths.seed, first_sample: 0, goal: Goal::Samples(end) };
-    if state.is_some_and(|state| !Identity::of(&scene, &job, &args.options).is_of_scene(&state.identity)) && !args.quiet
+    if !args.quiet && state.is_some_and(|state| !Identity::of(&scene, &job, &args.options).is_of_scene(&state.identity))
     {
         tell(&format!("warning: {} is of another scene, as its header says", args.reference.display()));
     }

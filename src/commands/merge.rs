@@ -12,7 +12,7 @@ use crate::cli::MergeArgs;
 use crate::data::RUN_LENGTH;
 use crate::error::{Error, Result};
 use crate::film::Film;
-use crate::output::exr::{Attribute, State, add_film, read_attributes, read_state, write_render};
+use crate::output::exr::{State, add_film, attribute_text, read_attributes, read_state, write_render};
 use crate::output::progress::Loading;
 use crate::render::{Noise, look_after, look_at};
 use crate::samples::Samples;
@@ -42,10 +42,7 @@ pub fn run(args: &MergeArgs) -> Result<()> {
     let complete = samples.ranges().len() == 1;
     // What the parts were asked is the same; what came of them is told of the whole.
     let mut attributes = read_attributes(first.path)?;
-    let text = |name: &str| match attributes.iter().find(|(known, _)| known == name) {
-        Some((_, Attribute::Text(text))) => text.clone(),
-        _ => String::new(),
-    };
+    let text = |name: &str| attribute_text(&attributes, name);
     let finish = Finish::of(&film, samples, devices, *noise, &text("gpu-rt:integrator"), complete);
     let mut record = json!(finish.record(&excluded(&text("gpu-rt:biases"))));
     if let (Some(error), Some(noise), Some(record)) = (args.noise, noise, record.as_object_mut()) {

@@ -8,18 +8,16 @@ use serde_json::{Value, json};
 use super::outputs::check_outputs;
 use super::render::{Finish, doubts, error_words, excluded};
 use super::{path_text, print_json, print_line, tell};
-use crate::cli::{StatusArgs, duration};
+use crate::cli::{CHECKPOINT, StatusArgs, duration};
 use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::jobs::parts::{Came, Part, Parts};
 use crate::jobs::{ASKED, Folder};
-use crate::output::exr::{Attribute, StateFile, read_attributes};
+use crate::output::exr::{Attribute, StateFile, attribute, attribute_text, read_attributes};
 use crate::output::png::write_png;
 use crate::output::progress::Loading;
 use crate::samples::Samples;
 
-/// What `render` takes if `--checkpoint` is not given.
-const CHECKPOINT: Duration = Duration::from_secs(60);
 /// A part is under way if its file was written within so many intervals of `--checkpoint`: one checkpoint may be late, and another one fail.
 const INTERVALS: u32 = 3;
 
@@ -62,7 +60,7 @@ fn checkpoint(options: &[String]) -> Duration {
     let after = options.iter().zip(options.iter().skip(1)).find(|(word, _)| *word == "--checkpoint");
     let within = || options.iter().find_map(|word| word.strip_prefix("--checkpoint="));
     let given = after.map(|(_, value)| value.as_str()).or_else(within);
-    given.and_then(|value| duration(value).ok()).unwrap_or(CHECKPOINT)
+    given.and_then(|value| duration(value).ok()).or(duration(CHECKPOINT).ok()).unwrap_or_default()
 }
 
 /// The files of the folder that a picture must not replace.
@@ -127,10 +125,7 @@ fn excluded_of(parts: &Parts) -> String {
 /// A text of the header of a part; empty where it has none.
 fn attribute_of(parts: &Parts, name: &str) -> String {
     let attributes = parts.reference.as_ref().and_then(|(path, _)| read_attributes(path).ok()).unwrap_or_default();
-    match attributes.into_iter().find(|(known, _)| known == name) {
-        Some((_, Attribute::Text(text))) => text,
-        _ => String::new(),
-    }
+    attribute_text(&attributes, name)
 }
 
 /// What the image of all parts is.
@@ -160,7 +155,7 @@ impl Image {
         let [start, end] = folder.asked.samples;
         let is_complete = match folder.asked.noise {
             None => state.samples.missing(start..end).is_empty(),
-            Some(_) => file.attributes().contains(&("gpu-rt:noise_reached".to_string(), Attribute::Int(1))),
+            Some(_) => attribute(&file.attributes(), "gpu-rt:noise_reached") == Some(&Attribute::Int(1)),
         };
         match difference {
             Some(difference) => Image::NotUsable(format!("it is of another render than the parts: {difference}")),

@@ -4,12 +4,12 @@ use std::fs;
 use std::path::{Component, Path, PathBuf};
 
 use super::{make_folder, print_line};
-use crate::cli::{MOST_SAMPLES, SubmitArgs};
+use crate::cli::{CHECKPOINT, MOST_SAMPLES, SubmitArgs, duration};
 use crate::error::{Error, Result};
 use crate::jobs::scripts::{line, text_of};
 use crate::jobs::slurm::{Ids, Slurm, forget_tries};
 use crate::jobs::{Asked, Folder, MERGE, RENDER, split};
-use crate::output::exr::{Attribute, read_attributes, read_state};
+use crate::output::exr::{Attribute, attribute, read_attributes, read_state};
 use crate::render::LAST_LOOK;
 use crate::scene::Scene;
 
@@ -173,8 +173,8 @@ fn words_of(args: &SubmitArgs, (width, height): (u32, u32)) -> Vec<String> {
     add("--max-depth", args.paths.max_depth.map(|depth| depth.to_string()));
     add("--seed", (args.paths.seed != 0).then(|| args.paths.seed.to_string()));
     add("--device", args.paths.device.clone());
-    let checkpoint = args.checkpoint.as_secs_f64();
-    add("--checkpoint", (checkpoint != 60.0).then(|| checkpoint.to_string()));
+    let is_default = duration(CHECKPOINT) == Ok(args.checkpoint);
+    add("--checkpoint", (!is_default).then(|| args.checkpoint.as_secs_f64().to_string()));
     words.extend(args.options.words());
     words.extend(args.mixed_drivers.then(|| "--mixed-drivers".to_string()));
     words
@@ -222,9 +222,8 @@ fn next_round(mut folder: Folder) -> Result<Option<Folder>> {
         return Err(Error::Usage(format!("{name} is not there: {MERGE} joins the parts before the next round")));
     };
     let attributes = read_attributes(&output)?;
-    let attribute = |of: &str| attributes.iter().find(|(name, _)| name == of).map(|(_, value)| value);
-    let reached = attribute("gpu-rt:noise_reached") == Some(&Attribute::Int(1));
-    let unbounded = attribute("gpu-rt:relative_error_bound").is_none();
+    let reached = attribute(&attributes, "gpu-rt:noise_reached") == Some(&Attribute::Int(1));
+    let unbounded = attribute(&attributes, "gpu-rt:relative_error_bound").is_none();
     let (done, asked) = (state.samples.hull().end, folder.asked.samples[1]);
     let samples = state.samples.count();
     if reached {

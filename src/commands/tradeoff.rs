@@ -31,9 +31,8 @@ const MEASURING: f64 = 0.8;
 const CALIBRATING: f64 = 0.9;
 /// The largest share of the measuring time that the choice of the image size leaves to compiling.
 const COMPILING: f64 = 0.5;
-/// One more setting is compiled only if there is time left for a few more than the fewest rounds: a setting that is not measured is worth more
-/// than another round of the others. The margin allows for a machine
-/// that becomes slower.
+/// One more setting is compiled only if there is time left for so many times the fewest rounds. The number is small, because one more setting
+/// tells more than one more round of the others. The margin allows for a machine that becomes slower.
 const ROUNDS_LEFT: f64 = 1.3;
 const MARGIN: f64 = 1.3;
 

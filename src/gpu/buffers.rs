@@ -12,7 +12,7 @@ use crate::error::{Error, Result};
 pub struct BufferSpec<'a> {
     pub name: &'static str,
     pub bytes: u64,
-    /// What it is filled with, one after the other; zeros where there is nothing. The bytes of each are a multiple of four.
+    /// The parts of its contents, one after the other, each a multiple of four bytes long. A buffer without parts holds zeros.
     pub contents: Vec<Cow<'a, [u8]>>,
     pub usage: wgpu::BufferUsages,
     /// What it is for.

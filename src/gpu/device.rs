@@ -282,16 +282,20 @@ impl Device {
 
     /// Writes the first bytes of a buffer, before the next submission.
     pub fn write(&self, buffer: &wgpu::Buffer, bytes: &[u8]) -> Result<()> {
-        // wgpu panics where the driver has no memory for the commands that copy the bytes.
-        caught(|| self.queue.write_buffer(buffer, 0, bytes)).or_else(|panic| self.fail(panic))
+        self.write_at(buffer, 0, bytes)
     }
 
-    /// Fills a buffer with these bytes, one after the other. It waits when much is on its way, for which the driver has a copy.
+    fn write_at(&self, buffer: &wgpu::Buffer, offset: u64, bytes: &[u8]) -> Result<()> {
+        // wgpu panics where the driver has no memory for the commands that copy the bytes.
+        caught(|| self.queue.write_buffer(buffer, offset, bytes)).or_else(|panic| self.fail(panic))
+    }
+
+    /// Fills a buffer with the bytes of these parts, one after the other. The driver copies what is on its way, so that much is sent in
+    /// pieces, each of which is waited for.
     pub(super) fn fill(&self, buffer: &wgpu::Buffer, contents: &[Cow<'_, [u8]>]) -> Result<()> {
         let mut offset = 0;
         for part in contents.iter().flat_map(|part| part.chunks(FILL_AT_ONCE)) {
-            let write = || self.queue.write_buffer(buffer, offset, part);
-            caught(write).or_else(|panic| self.fail(panic))?;
+            self.write_at(buffer, offset, part)?;
             if part.len() == FILL_AT_ONCE {
                 self.wait(self.queue.submit([]))?;
             }

@@ -2,14 +2,13 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread::available_parallelism;
 
 use super::buffers::Buffers;
 use super::device::Device;
 use super::layout::{Binding, BindingKind, has_override};
 use crate::error::Result;
-use crate::threads::together;
+use crate::threads::each;
 
 /// A kernel on the device, bound to its buffers.
 pub struct Pipeline {
@@ -35,21 +34,8 @@ impl Pipeline {
     /// # Errors
     /// That of the first kernel that has one.
     pub fn all(device: &Device, specs: &[PipelineSpec<'_>], buffers: &Buffers) -> Result<Vec<Pipeline>> {
-        let next = AtomicUsize::new(0);
-        let compile = || {
-            let mut done = Vec::new();
-            loop {
-                let index = next.fetch_add(1, Ordering::Relaxed);
-                match specs.get(index) {
-                    Some(spec) => done.push((index, Pipeline::new(device, spec, buffers))),
-                    None => return done,
-                }
-            }
-        };
         let threads = available_parallelism().map_or(1, usize::from).min(specs.len());
-        let mut done: Vec<_> = together(threads, compile).into_iter().flatten().collect();
-        done.sort_by_key(|(index, _)| *index);
-        done.into_iter().map(|(_, pipeline)| pipeline).collect()
+        each(threads, specs, |spec| Pipeline::new(device, spec, buffers)).into_iter().collect()
     }
 
     /// Compiles and binds a kernel.

@@ -48,8 +48,12 @@ impl Identity {
 
     /// Whether both are of one scene, with the same images and meshes.
     pub fn is_of_scene(&self, other: &Identity) -> bool {
-        let hashes = |identity: &Identity| identity.assets.iter().map(|(_, hash)| hash.clone()).collect::<Vec<_>>();
-        self.scene == other.scene && hashes(self) == hashes(other)
+        self.scene == other.scene && self.hashes().eq(other.hashes())
+    }
+
+    /// The hashes of images and meshes.
+    fn hashes(&self) -> impl Iterator<Item = &String> {
+        self.assets.iter().map(|(_, hash)| hash)
     }
 
     /// What differs in another one, in words; nothing where both are of one image. `mine` and `theirs` name the two.
@@ -63,8 +67,7 @@ impl Identity {
                 words.push(format!("--{name} is {a} in {mine} and {b} in {theirs}"));
             }
         }
-        let hashes = |identity: &Identity| identity.assets.iter().map(|(_, hash)| hash.clone()).collect::<Vec<_>>();
-        match hashes(self).len() == hashes(other).len() {
+        match self.assets.len() == other.assets.len() {
             true => words.extend(self.assets.iter().zip(&other.assets).filter(|(a, b)| a.1 != b.1).map(
                 |((mine, _), (theirs, _))| match mine == theirs {
                     true => format!("the file {mine} has changed"),

@@ -8,7 +8,7 @@ use std::time::{Duration, SystemTime};
 
 use super::Folder;
 use crate::error::Error;
-use crate::output::exr::{Attribute, State, StateFile};
+use crate::output::exr::{Attribute, State, StateFile, attribute};
 use crate::samples::Samples;
 
 /// A part, and what has come of it.
@@ -152,9 +152,8 @@ fn read_header(path: &Path) -> Result<Option<Told>, String> {
         };
         let file = StateFile::open(path).map_err(reason)?;
         let file = file.ok_or("it has no state. Images of other programs and of --no-state have none")?;
-        let seconds = file.attributes().into_iter().find(|(name, _)| name == "gpu-rt:seconds_per_sample");
-        let seconds_per_sample = match seconds {
-            Some((_, Attribute::Float(seconds))) if seconds.is_finite() && seconds > 0.0 => Some(seconds),
+        let seconds_per_sample = match attribute(&file.attributes(), "gpu-rt:seconds_per_sample") {
+            Some(Attribute::Float(seconds)) if seconds.is_finite() && *seconds > 0.0 => Some(*seconds),
             _ => None,
         };
         let written = metadata.modified().map_err(|error| error.to_string())?;

@@ -11,10 +11,9 @@
 
 use std::f64::consts::PI;
 use std::ops::Range;
-use std::sync::Mutex;
 
 use crate::data::unit;
-use crate::threads::together;
+use crate::threads::each;
 
 /// Pixels per degree of a display that is 0.7 m away and shows 3840 pixels on 0.7 m, the paper's default (section 4): 67.02.
 pub const PIXELS_PER_DEGREE: f64 = 0.7 * (3840.0 / 0.7) * (PI / 180.0);
@@ -153,18 +152,15 @@ impl Flip {
             return map;
         }
         let threads = std::thread::available_parallelism().map_or(1, usize::from);
-        let bands = Mutex::new(map.chunks_mut(width * BAND).enumerate());
-        // Each thread takes the next band when it has finished one. The result does not depend on which thread takes which band.
-        let work = || {
-            while let Some((band, out)) = bands.lock().ok().and_then(|mut bands| bands.next()) {
-                let rows = band * BAND..band * BAND + out.len() / width;
-                let [a, b] = [a, b].map(|image| self.rows(width, height, image, rows.clone()));
-                for ((out, a), b) in out.chunks_mut(width).zip(&a).zip(&b) {
-                    self.compare(a, b, out);
-                }
+        let bands = map.chunks_mut(width * BAND).enumerate();
+        // The result does not depend on which thread takes which band.
+        each(threads.min(height.div_ceil(BAND)), bands, |(band, out)| {
+            let rows = band * BAND..band * BAND + out.len() / width;
+            let [a, b] = [a, b].map(|image| self.rows(width, height, image, rows.clone()));
+            for ((out, a), b) in out.chunks_mut(width).zip(&a).zip(&b) {
+                self.compare(a, b, out);
             }
-        };
-        together(threads.min(height.div_ceil(BAND)), work);
+        });
         map
     }
 

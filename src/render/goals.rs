@@ -81,19 +81,19 @@ impl Renderer<'_> {
         let begin = Instant::now();
         let all = seconds_until(deadline);
         let mut done = most.start;
-        let mut shares = SHARES.into_iter().peekable();
-        while let Some(share) = shares.peek() {
+        let mut shares = &SHARES[..];
+        while let [share, later @ ..] = shares {
             let spent = begin.elapsed().as_secs_f64();
             let fits = (*pace * (share * all - spent)).max(0.0) as u32;
             let aim = done.saturating_add(fits).min(most.end);
-            let last = *share == SHARES[SHARES.len() - 1];
+            let last = later.is_empty();
             let end = match last || aim == most.end {
                 true => aim,
                 false => aim / RUN_LENGTH * RUN_LENGTH,
             };
             // On a machine that has become faster, a share that ended early has room for more.
             if end <= done || last {
-                shares.next();
+                shares = later;
             }
             if end <= done {
                 continue;

@@ -1,7 +1,6 @@
 //! A render by one device or by several, which add to one film.
 
 use std::ops::Range;
-use std::sync::{Mutex, PoisonError};
 use std::thread;
 use std::time::Instant;
 
@@ -14,7 +13,7 @@ use crate::film::Film;
 use crate::gpu::device::Device;
 use crate::job::{Goal, Job};
 use crate::plan::Plan;
-use crate::threads::together;
+use crate::threads::each;
 
 /// A render that is ready to go.
 pub struct Renderer<'a> {
@@ -36,13 +35,8 @@ impl<'a> Renderer<'a> {
     /// # Errors
     /// As of [`Renderer::new`].
     pub fn of_devices(devices: &[(&'a Device, &Plan<'_>)], job: &Job, profile: bool) -> Result<Renderer<'a>> {
-        let queue = Mutex::new(devices.iter());
-        let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
-        let make = || -> Result<Vec<Lane<'a>>> {
-            std::iter::from_fn(next).map(|(device, plan)| Lane::new(device, plan, job, profile)).collect()
-        };
-        let lanes: Result<Vec<_>> = together(devices.len(), make).into_iter().collect();
-        Ok(Renderer { lanes: lanes?.into_iter().flatten().collect() })
+        let lanes = each(devices.len(), devices, |(device, plan)| Lane::new(device, plan, job, profile));
+        Ok(Renderer { lanes: lanes.into_iter().collect::<Result<_>>()? })
     }
 
     /// Renders until the goal is reached. Calls `watch` after each submission with the outcome so far; fields that are known only at the end
@@ -80,11 +74,8 @@ impl<'a> Renderer<'a> {
     pub(super) fn render_samples(&mut self, samples: Range<u32>, stretch: &mut Stretch<'_>) -> Result<()> {
         let count = self.lanes.len();
         let shared = Shared::new(samples, count, stretch);
-        let lanes = Mutex::new(self.lanes.iter_mut());
         let caller = thread::current().id();
-        // A thread that cannot be had is a device that has no part in it.
-        let work = || -> Result<()> {
-            let Some(lane) = lanes.lock().unwrap_or_else(PoisonError::into_inner).next() else { return Ok(()) };
+        let work = |lane: &mut Lane<'_>| -> Result<()> {
             let processor = ThreadTime::now();
             let present = shared.enter();
             lane.work(&shared)?;
@@ -94,7 +85,7 @@ impl<'a> Renderer<'a> {
             }
             Ok(())
         };
-        together(count, work).into_iter().collect()
+        each(count, &mut self.lanes, work).into_iter().collect()
     }
 
     /// Brings what the devices have rendered to the film.

@@ -27,8 +27,8 @@ pub fn tiles(pixels: u32, tile: u32) -> impl Iterator<Item = Range<u32>> {
 }
 
 /// How many blocks of samples the tiles of a film render in a round. A film of one tile takes all blocks in one. Otherwise the first round has
-/// one block, so that the picture is whole early. Each later round doubles the blocks, while it is short enough. So do rounds of several devices,
-/// which find their paces.
+/// one block, so that the picture is whole early. Each later round doubles the blocks, while it is short enough. Several devices begin
+/// in the same way, because their paces are not known.
 pub struct Rounds {
     next: u32,
     most: u32,

@@ -15,7 +15,7 @@ pub const TARGETS: [f64; 3] = [1e-1, 1e-2, 1e-3];
 /// The probability that the report calls any unbiased setting biased.
 const FALSE_ALARMS: f64 = 0.05;
 
-/// A relMSE, of the mean or of pixels, that changes nothing of what the targets are about: a thousandth of the finest.
+/// A difference below this relMSE does not count: a thousandth of the finest target.
 const NEGLIGIBLE: f64 = 1e-6;
 
 /// The largest relative standard error of a predicted error that counts as reliable.
@@ -47,8 +47,7 @@ pub struct Measured {
     pub squared: Estimate,
     /// Whether either bias is significant, corrected for the number of settings and tests.
     pub biased: bool,
-    /// Whether it is declared unbiased, and differs by more than noise, but not by more than what rare bright paths that nobody has met may
-    /// explain.
+    /// Whether it is declared unbiased and differs by more than noise, and rare bright paths that were not met may explain the difference.
     pub lacks_paths: bool,
     /// Whether the biases are against the reference.
     pub against_reference: bool,
@@ -102,16 +101,15 @@ impl Measured {
 
     /// Its verdict in two words at most, for the terminal.
     pub fn short_verdict(&self) -> &'static str {
-        match (self.standing, self.biased, self.reliable) {
-            (Standing::NeverReaches, ..) => "cannot reach",
-            (_, true, _) if self.declared_unbiased() => "differs",
-            (_, _, false) => "unreliable",
-            (Standing::AsDefaults, true, _) => "biased",
-            (Standing::Front, true, _) => "front, biased",
-            (Standing::Dominated, true, _) => "dominated",
-            (Standing::AsDefaults, false, _) => "as the defaults",
-            (Standing::Front, false, _) => "front",
-            (Standing::Dominated, false, _) => "dominated",
+        match (self.standing, self.biased) {
+            (Standing::NeverReaches, _) => "cannot reach",
+            (_, true) if self.declared_unbiased() => "differs",
+            _ if !self.reliable => "unreliable",
+            (Standing::Dominated, _) => "dominated",
+            (Standing::AsDefaults, true) => "biased",
+            (Standing::AsDefaults, false) => "as the defaults",
+            (Standing::Front, true) => "front, biased",
+            (Standing::Front, false) => "front",
         }
     }
 

@@ -101,51 +101,47 @@ fn a_device_without_memory_is_an_error_and_the_last_checkpoint_stays() {
     ends_a_render(&functions, "memory", "emory", &[]);
 }
 
-/// A device that is lost once is opened again, and the render goes on from its last checkpoint: the image is that of a render without a fault.
-#[test]
-fn a_device_that_is_lost_once_is_opened_again() {
+/// Asserts that a device which is lost once is opened again, and that the render goes on from its last checkpoint: the image is that of a render
+/// without a fault. Each fault has a function, a call of it, and the interval of checkpoints.
+fn is_opened_again(devices: &str, faults: &[(&str, u32, &str)]) {
     let whole = place();
     ran(render(whole.path(), &["--spp", "2048", "--quiet"])).exits(0);
-    // Before the first checkpoint, and after it.
-    for (function, call, checkpoint) in
-        [("vkQueueSubmit", 9, "1h"), ("vkWaitSemaphores", 1, "1ns"), ("vkQueueSubmit", 3, "1ns")]
-    {
+    let whole = image(whole.path());
+    let arguments = ["render", "sphere.ron", "--device", devices, "--spp", "2048", "--bounces", "1", "--checkpoint"];
+    for (function, call, checkpoint) in faults {
         let folder = place();
-        let fault = Fault::once(folder.path(), function, call, "lost");
-        let mut command = render(folder.path(), &["--spp", "2048", "--bounces", "1", "--checkpoint", checkpoint]);
-        if checkpoint == "1ns" {
+        let fault = Fault::once(folder.path(), function, *call, "lost");
+        let mut command = command(folder.path(), &[&arguments[..], &[*checkpoint]].concat());
+        if *checkpoint == "1ns" {
             command.env("GPU_RT_FAULT_AFTER", "sphere.exr");
         }
         let ran = meets(command, &fault);
         assert!(fault.has_happened(), "{fault:?} never happened: {ran:?}");
         let ran = ran.exits(0);
         assert!(ran.stderr.contains("the device is opened once more"), "{}", ran.stderr);
-        let (image, whole) = (image(folder.path()), image(whole.path()));
-        assert_eq!((image.rgb, image.variance, image.samples), (whole.rgb, whole.variance, whole.samples), "{fault:?}");
+        let image = image(folder.path());
+        assert_eq!(
+            (&image.rgb, &image.variance, &image.samples),
+            (&whole.rgb, &whole.variance, &whole.samples),
+            "{fault:?}"
+        );
     }
+}
+
+#[test]
+fn a_device_that_is_lost_once_is_opened_again() {
+    // Before the first checkpoint, and after it.
+    is_opened_again(
+        software(),
+        &[("vkQueueSubmit", 9, "1h"), ("vkWaitSemaphores", 1, "1ns"), ("vkQueueSubmit", 3, "1ns")],
+    );
 }
 
 /// One of two devices is lost: both are opened again, and the image is that of one device.
 #[test]
 fn one_of_several_devices_that_is_lost_is_opened_again() {
-    let whole = place();
-    ran(render(whole.path(), &["--spp", "2048", "--quiet"])).exits(0);
     let twice = [software(), software()].join(",");
-    for (calls, checkpoint) in [(12, "1h"), (5, "1ns")] {
-        let folder = place();
-        let fault = Fault::once(folder.path(), "vkQueueSubmit", calls, "lost");
-        let of_two = ["render", "sphere.ron", "--device", &twice, "--spp", "2048", "--bounces", "1"];
-        let mut command = command(folder.path(), &[&of_two[..], &["--checkpoint", checkpoint]].concat());
-        if checkpoint == "1ns" {
-            command.env("GPU_RT_FAULT_AFTER", "sphere.exr");
-        }
-        let ran = meets(command, &fault);
-        assert!(fault.has_happened(), "{fault:?} never happened: {ran:?}");
-        let ran = ran.exits(0);
-        assert!(ran.stderr.contains("opened once more"), "{}", ran.stderr);
-        let (image, whole) = (image(folder.path()), image(whole.path()));
-        assert_eq!((image.rgb, image.variance, image.samples), (whole.rgb, whole.variance, whole.samples), "{fault:?}");
-    }
+    is_opened_again(&twice, &[("vkQueueSubmit", 12, "1h"), ("vkQueueSubmit", 5, "1ns")]);
     // Where it stays lost, nobody waits for it.
     let folder = place();
     let fault = Fault::new(folder.path(), "vkQueueSubmit", 1, "lost");

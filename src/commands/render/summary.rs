@@ -99,8 +99,8 @@ pub fn doubts(finish: &Finish) -> Vec<String> {
     }
     if finish.lacks_light() && finish.unmet > finish.through_glass.missing() {
         doubts.push(format!(
-            "warning: the relative error is unreliable: --integrator bsdf finds lights by chance, and of the brightest one paths may have \
-             missed up to {} % of the image's light. Raise --spp, or use --integrator mis",
+            "warning: the relative error is unreliable: --integrator bsdf finds lights by chance: up to {} % of the image's light \
+             may be missing, from the brightest light. Raise --spp, or use --integrator mis",
             percent(finish.unmet)
         ));
     } else if finish.lacks_light() {

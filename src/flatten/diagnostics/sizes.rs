@@ -114,7 +114,7 @@ impl<'a> Sizes<'a> {
                 }
             }
         }
-        let tiny = self.tiny.diagnostic(|of| tell_tiny(of, found.extent, farthest(found)));
+        let tiny = self.tiny.diagnostic(|of| tell_tiny(of, found));
         let thin = self.thin.diagnostic(tell_thin);
         let white = white.diagnostic(|of| tell_white(of, found.scene.render.max_depth));
         let dim = self.dim.diagnostic(tell_dim);
@@ -253,7 +253,8 @@ fn farthest(found: &Found) -> Option<At> {
     all.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(at, _)| at)
 }
 
-fn tell_tiny((at, (name, field), size): (At, Name, f64), extent: f64, farthest: Option<At>) -> Diagnostic {
+fn tell_tiny((at, (name, field), size): (At, Name, f64), found: &Found) -> Diagnostic {
+    let (extent, farthest) = (found.extent, farthest(found));
     let by = if farthest.is_some() { format!(", which the object at {OTHER} sets") } else { String::new() };
     let message = format!(
         "{name} of {} is {} of the scene's extent of {}{by}, expected {} at least: leave out the small object, or objects \

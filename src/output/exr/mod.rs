@@ -32,6 +32,19 @@ pub enum Attribute {
     Float(f64),
 }
 
+/// The attribute of this name.
+pub fn attribute<'a>(attributes: &'a [(String, Attribute)], name: &str) -> Option<&'a Attribute> {
+    attributes.iter().find(|(known, _)| known == name).map(|(_, value)| value)
+}
+
+/// The text of this name; empty where there is none.
+pub fn attribute_text(attributes: &[(String, Attribute)], name: &str) -> String {
+    match attribute(attributes, name) {
+        Some(Attribute::Text(text)) => text.clone(),
+        _ => String::new(),
+    }
+}
+
 impl Attribute {
     fn to_exr(&self) -> AttributeValue {
         match self {
