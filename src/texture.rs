@@ -10,8 +10,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::data::{self, f32s, luminance};
 use crate::error::Result;
-use crate::source::form::{COLOUR, Form, NUMBER, PATH, kinds};
-use crate::source::{Place, length};
+use crate::source::form::{Field, Form, NO_UNIT, PATH, SCENE_UNITS, Takes, kinds};
+use crate::source::{Place, Range};
 
 /// A linear Rec. 709 colour: red, green, blue.
 pub type Colour = DVec3;
@@ -45,24 +45,83 @@ pub struct TextureKind {
     pub shader: &'static str,
 }
 
-const fn kind(
-    shader: &'static str,
-    name: &'static str,
-    fields: &'static [(&'static str, &'static str)],
-) -> TextureKind {
-    TextureKind { form: Form { name, fields, in_order: false }, shader }
+/// The range of a channel depends on the material's slot, which has it.
+const fn channel(name: &'static str, about: &'static str) -> Field {
+    Field::new(name, Takes::Number(Range::ANY, NO_UNIT), about)
 }
 
-/// A plain colour is stored in the material, and has no shader file.
-const RGB: Form = Form { name: "Rgb", fields: &[("r", NUMBER), ("g", NUMBER), ("b", NUMBER)], in_order: true };
+const fn colour(name: &'static str, about: &'static str) -> Field {
+    Field::new(name, Takes::Colour(Range::ANY), about)
+}
+
+const SIDE: Field = Field::new("scale", Takes::Number(Range::POSITIVE, SCENE_UNITS), "The side of a cube.");
+const FREQUENCY: Field = Field::new(
+    "scale",
+    Takes::Number(Range::POSITIVE, "per scene unit"),
+    "Detail: a larger number makes finer patterns.",
+);
 
 kinds! {
     Texture: TextureKind;
-    Rgb => TextureKind { form: RGB, shader: "" },
-    Checker => kind("checker", "Checker", &[("scale", NUMBER), ("even", COLOUR), ("odd", COLOUR)]),
-    Image => kind("image", "Image", &[("path", PATH)]),
-    Noise => kind("noise", "Noise", &[("scale", NUMBER)]),
-    Marble => kind("marble", "Marble", &[("scale", NUMBER)]),
+    // A plain colour is stored in the material, and has no shader file.
+    Rgb => TextureKind {
+        form: Form {
+            name: "Rgb",
+            about: "One colour everywhere, linear Rec. 709.",
+            fields: &[channel("r", "Red."), channel("g", "Green."), channel("b", "Blue.")],
+            in_order: true,
+            example: "Rgb(0.7, 0.3, 0.2)",
+        },
+        shader: "",
+    },
+    Checker => TextureKind {
+        form: Form {
+            name: "Checker",
+            about: "Cubes of two colours that take turns along each axis.",
+            fields: &[
+                SIDE,
+                colour("even", "Where the sum of floor(p / scale) over the coordinates is even."),
+                colour("odd", "Where it is odd."),
+            ],
+            in_order: false,
+            example: "Checker(scale: 0.5, even: (0.2, 0.3, 0.1), odd: (0.9, 0.9, 0.9))",
+        },
+        shader: "checker",
+    },
+    Image => TextureKind {
+        form: Form {
+            name: "Image",
+            about: "An image on the surface: u to the right, v up. A mesh needs texture coordinates for it; a medium has none.",
+            fields: &[Field::new(
+                "path",
+                Takes::Other(PATH),
+                "A PNG, JPEG, BMP, TGA, TIFF or WebP in sRGB, or a linear HDR or EXR.",
+            )],
+            in_order: false,
+            example: "Image(path: \"textures/planet.png\")",
+        },
+        shader: "image",
+    },
+    Noise => TextureKind {
+        form: Form {
+            name: "Noise",
+            about: "Perlin noise as a grey: 0.5 (1 + perlin(scale · p)).",
+            fields: &[FREQUENCY],
+            in_order: false,
+            example: "Noise(scale: 4)",
+        },
+        shader: "noise",
+    },
+    Marble => TextureKind {
+        form: Form {
+            name: "Marble",
+            about: "Marble as a grey: 0.5 (1 + sin(scale · z + 10 turbulence(p))), with seven octaves of Perlin noise.",
+            fields: &[FREQUENCY],
+            in_order: false,
+            example: "Marble(scale: 4)",
+        },
+        shader: "marble",
+    },
 }
 
 /// The shader files of the kinds of texture, under shaders/texture. Kernels switch on the indices.
@@ -70,9 +129,6 @@ pub const TEXTURES: &[&str] = match Texture::SHADERS {
     [_plain, shaders @ ..] => shaders,
     [] => &[],
 };
-
-/// The words in error messages for an expected texture.
-pub const TEXTURE: &str = "a texture: Rgb(r, g, b), Checker(..), Image(..), Noise(..) or Marble(..)";
 
 /// A decoded image file of the scene: linear Rec. 709, with row 0 at the top.
 #[derive(Clone, Debug, PartialEq)]
@@ -101,20 +157,22 @@ const SMALLEST_RADIANCE: f64 = 1e-30;
 const TEXELS_EACH: usize = 100;
 
 impl Use {
+    /// The range of a channel.
+    pub const fn range(self) -> Range {
+        match self {
+            Use::Albedo => Range::SHARE,
+            Use::Radiance => Range::from_to(SMALLEST_RADIANCE, LARGEST_RADIANCE).or_zero(),
+        }
+    }
+
     /// Refuses a colour with a channel out of range.
     pub fn check(self, at: &Place, colour: Colour) -> Result<()> {
-        let (expected, range) = match self {
-            Use::Albedo => ("an albedo from 0 to 1".to_owned(), 0.0..=1.0),
-            Use::Radiance => (
-                format!("a radiance of 0 or from {SMALLEST_RADIANCE:e} to {LARGEST_RADIANCE:e}"),
-                SMALLEST_RADIANCE..=LARGEST_RADIANCE,
-            ),
+        let name = match self {
+            Use::Albedo => "albedo",
+            Use::Radiance => "radiance",
         };
-        let is_wrong = |channel: &f64| *channel != 0.0 && !range.contains(channel);
-        match colour.to_array().iter().position(is_wrong) {
-            Some(index) => Err(at.index(index).unexpected(expected)),
-            None => Ok(()),
-        }
+        let channels = colour.to_array().into_iter().enumerate();
+        { channels }.try_for_each(|(index, channel)| self.range().check(&at.index(index), name, NO_UNIT, channel))
     }
 
     /// Refuses an image with a texel out of range, and names the first one.
@@ -158,12 +216,12 @@ impl Texture {
         match self {
             Texture::Rgb(r, g, b) => usage.check(&at, DVec3::new(*r, *g, *b)),
             Texture::Checker { scale, even, odd } => {
-                length(&at.field("scale"), "a scale", *scale)?;
+                SIDE.check(&at, *scale)?;
                 usage.check(&at.field("even"), *even)?;
                 usage.check(&at.field("odd"), *odd)
             }
             Texture::Image { .. } => Ok(()),
-            Texture::Noise { scale } | Texture::Marble { scale } => length(&at.field("scale"), "a scale", *scale),
+            Texture::Noise { scale } | Texture::Marble { scale } => FREQUENCY.check(&at, *scale),
         }
     }
 
@@ -293,7 +351,7 @@ fn reduce(v: DVec3, period: f64) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::source::form::any_of;
+    use crate::source::form::{TEXTURE, any_of};
 
     #[test]
     fn what_is_expected_names_all_kinds() {

@@ -2,11 +2,23 @@
 
 use super::{MaterialKind, Model, Number, Scattering};
 use crate::data;
-use crate::source::form::{Form, NUMBER};
-use crate::source::length;
+use crate::source::Range;
+use crate::source::form::{Field, Form, NO_UNIT, Takes};
+
+const IOR: Field = Field::new(
+    "ior",
+    Takes::Number(Range::POSITIVE, NO_UNIT),
+    "Index of refraction, relative to what is outside: 1.5 for glass, 1.33 for water, 0.667 for air in glass.",
+);
 
 pub const KIND: MaterialKind = MaterialKind {
-    form: Form { name: "Dielectric", fields: &[("ior", NUMBER)], in_order: false },
+    form: Form {
+        name: "Dielectric",
+        about: "A clear solid, such as glass or water. It reflects and refracts, and absorbs nothing.",
+        fields: &[IOR],
+        in_order: false,
+        example: "Dielectric(ior: 1.5)",
+    },
     shader: "dielectric",
     scatters: &[Scattering::OneWay],
     is_clear: true,
@@ -22,7 +34,7 @@ pub fn model(ior: f64) -> Model<'static> {
         slot: None,
         scattering: Scattering::OneWay,
         two_sided: None,
-        numbers: vec![Number { field: "ior", what: "an ior", value: ior, check: length, warning: warning(ior) }],
+        numbers: vec![Number { field: &IOR, value: ior, warning: warning(ior) }],
         on_device: data::Material {
             parameter: ior as f32,
             contrast_outside: ((ior - 1.0) * (ior + 1.0)) as f32,

@@ -2,11 +2,19 @@
 
 use super::{MaterialKind, Model, Scattering, Slot};
 use crate::data;
-use crate::source::form::Form;
-use crate::texture::{TEXTURE, Texture};
+use crate::source::form::{Field, Form, Takes};
+use crate::texture::{Texture, Use};
+
+const ALBEDO: Field = Field::new("albedo", Takes::Texture(Use::Albedo.range()), "The reflected share of light.");
 
 pub const KIND: MaterialKind = MaterialKind {
-    form: Form { name: "Lambertian", fields: &[("albedo", TEXTURE)], in_order: false },
+    form: Form {
+        name: "Lambertian",
+        about: "A matt surface: it looks equally bright from all directions.",
+        fields: &[ALBEDO],
+        in_order: false,
+        example: "Lambertian(albedo: Rgb(0.7, 0.3, 0.2))",
+    },
     shader: "lambertian",
     scatters: &[Scattering::Spread],
     is_clear: false,
@@ -15,7 +23,7 @@ pub const KIND: MaterialKind = MaterialKind {
 
 pub fn model(albedo: &Texture) -> Model<'_> {
     Model {
-        slot: Some(Slot::albedo(albedo)),
+        slot: Some(Slot { field: &ALBEDO, usage: Use::Albedo, texture: albedo }),
         scattering: Scattering::Spread,
         two_sided: None,
         numbers: Vec::new(),

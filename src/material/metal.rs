@@ -2,12 +2,27 @@
 
 use super::{MaterialKind, Model, Number, Scattering, Slot};
 use crate::data;
-use crate::source::form::{Form, NUMBER};
-use crate::source::share;
-use crate::texture::{TEXTURE, Texture};
+use crate::source::Range;
+use crate::source::form::{Field, Form, NO_UNIT, Takes};
+use crate::texture::{Texture, Use};
+
+const ALBEDO: Field = Field::new("albedo", Takes::Texture(Use::Albedo.range()), "The reflected share of light.");
+const FUZZ: Field = Field::new(
+    "fuzz",
+    Takes::Number(Range::SHARE, NO_UNIT),
+    "Roughness: the radius of the ball around the reflected direction from which the \
+    scattered direction is taken.",
+)
+.or("0");
 
 pub const KIND: MaterialKind = MaterialKind {
-    form: Form { name: "Metal", fields: &[("albedo", TEXTURE), ("fuzz", NUMBER)], in_order: false },
+    form: Form {
+        name: "Metal",
+        about: "A mirror, perfect or rough. It has no Fresnel term. What scatters below the surface is absorbed.",
+        fields: &[ALBEDO, FUZZ],
+        in_order: false,
+        example: "Metal(albedo: Rgb(0.8, 0.6, 0.2), fuzz: 0.1)",
+    },
     shader: "metal",
     scatters: &[Scattering::Spread, Scattering::OneWay],
     is_clear: false,
@@ -17,11 +32,11 @@ pub const KIND: MaterialKind = MaterialKind {
 pub fn model(albedo: &Texture, fuzz: f64) -> Model<'_> {
     let on_device = data::Material { parameter: fuzz as f32, ..data::Material::default() };
     Model {
-        slot: Some(Slot::albedo(albedo)),
+        slot: Some(Slot { field: &ALBEDO, usage: Use::Albedo, texture: albedo }),
         // A fuzz that rounds to 0 in f32 makes a perfect mirror, because kernels read it as f32.
         scattering: if on_device.parameter > 0.0 { Scattering::Spread } else { Scattering::OneWay },
         two_sided: None,
-        numbers: vec![Number { field: "fuzz", what: "a fuzz", value: fuzz, check: share, warning: None }],
+        numbers: vec![Number { field: &FUZZ, value: fuzz, warning: None }],
         on_device,
     }
 }

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use crate::data;
 use crate::error::Result;
 use crate::source::Place;
-use crate::source::form::{Form, any_of, kinds};
+use crate::source::form::{Field, Form, any_of, kinds};
 use crate::texture::{Bitmaps, Texture, Use};
 
 /// A material as the scene file writes it.
@@ -69,18 +69,19 @@ impl Material {
         let at = at.variant(self.name());
         let model = self.model();
         if let Some(slot) = model.slot {
-            slot.texture.check(&at.field(slot.field), slot.usage)?;
+            slot.texture.check(&at.field(slot.field.name), slot.usage)?;
         }
-        let check = |number: &Number| (number.check)(&at.field(number.field), number.what, number.value);
-        model.numbers.iter().try_for_each(check)
+        model.numbers.iter().try_for_each(|number| number.field.check(&at, number.value))
     }
 
     /// Warnings about values that are allowed but likely to disappoint.
     pub fn warnings(&self, at: &Place, bitmaps: &Bitmaps) -> Vec<String> {
         let at = at.variant(self.name());
         let model = self.model();
-        let of_numbers =
-            model.numbers.iter().filter_map(|number| Some(at.field(number.field).warning(number.warning.as_ref()?)));
+        let of_numbers = model
+            .numbers
+            .iter()
+            .filter_map(|number| Some(at.field(number.field.name).warning(number.warning.as_ref()?)));
         of_numbers.chain(model.slot.and_then(|slot| slot.warning(&at, bitmaps))).collect()
     }
 }
@@ -129,22 +130,18 @@ pub struct Model<'a> {
     pub on_device: data::Material,
 }
 
-/// A number of a material, with the name of the field that holds it.
+/// A number of a material, with the field that holds it.
 pub struct Number {
-    pub field: &'static str,
-    /// The words for it in error messages, such as "a fuzz".
-    pub what: &'static str,
+    pub field: &'static Field,
     pub value: f64,
-    /// Refuses invalid values.
-    pub check: fn(&Place, &str, f64) -> Result<()>,
     /// A warning about a value that is allowed but likely to disappoint.
     pub warning: Option<String>,
 }
 
-/// A texture of a material, with the name of the field that holds it.
+/// A texture of a material, with the field that holds it.
 #[derive(Clone, Copy, Debug)]
 pub struct Slot<'a> {
-    pub field: &'static str,
+    pub field: &'static Field,
     pub usage: Use,
     pub texture: &'a Texture,
 }
@@ -162,11 +159,7 @@ impl<'a> Model<'a> {
     }
 }
 
-impl<'a> Slot<'a> {
-    fn albedo(texture: &'a Texture) -> Slot<'a> {
-        Slot { field: "albedo", usage: Use::Albedo, texture }
-    }
-
+impl Slot<'_> {
     fn warning(&self, at: &Place, bitmaps: &Bitmaps) -> Option<String> {
         let (is_odd, message) = match self.usage {
             Use::Albedo => (
@@ -179,7 +172,7 @@ impl<'a> Slot<'a> {
                 "an emission of 0 emits no light: raise it, or write Lambertian(albedo: Rgb(0, 0, 0)) for a black surface",
             ),
         };
-        is_odd.then(|| at.field(self.field).warning(message))
+        is_odd.then(|| at.field(self.field.name).warning(message))
     }
 }
 

@@ -5,14 +5,14 @@
 
 use ron::error::{Error as Ron, SpannedError};
 
+use super::forms::{SCENE, TRANSFORMS, groups};
 use super::nearest::nearest;
 use super::validate::boundaries;
 use crate::error::Error;
-use crate::material::{Material, a_material};
+use crate::material::a_material;
 use crate::shape::kinds_in_files;
-use crate::source::form::{COLOUR, Form, NUMBER, PATH, POINT, VECTOR};
+use crate::source::form::{Form, NUMBER, Takes, any_of};
 use crate::source::{Id, Source, Span, Step, skip_space, slice};
-use crate::texture::{TEXTURE, Texture};
 
 /// The same error with the position of the value, its path, and what is expected there.
 pub fn explain(source: &Source, error: SpannedError) -> Error {
@@ -288,96 +288,40 @@ fn lower(message: &str) -> String {
     first.into_iter().chain(characters).collect()
 }
 
-const TRANSFORM: &str = "a transform: Translate((x, y, z)), Scale(s), RotateX(degrees), \
-                         RotateY(degrees), RotateZ(degrees) or Rotate(axis: .., degrees: ..)";
-
 /// "an object: Sphere(..), .."
 fn object() -> String {
     let shapes: Vec<String> = kinds_in_files().map(|kind| format!("{}(..)", kind.form.name)).collect();
     format!("an object: {}, Transformed(..), Group([..]) or Medium(..)", shapes.join(", "))
 }
 
+const BY_NAME: &str = "fields by name: (name: value, ..)";
+
 /// The words for what the scene format expects at the end of a path.
 fn expected(path: &[Step<'_>]) -> String {
-    let form = |name: &str| forms().find(|form| form.name == name);
-    let of_form = match path {
-        [.., Step::Variant(name)] => form(name).map(Form::in_full),
-        [.., Step::Variant(name), Step::Field(field)] => {
-            form(name).and_then(|form| form.expects(field)).map(str::to_owned)
-        }
-        [.., Step::Variant(name), Step::Field(field), Step::Index(_)] => form(name)
-            .and_then(|form| form.expects(field))
-            .filter(|expected| [POINT, VECTOR].contains(expected))
-            .map(|_| NUMBER.to_owned()),
-        _ => None,
+    let field = |name: &str| {
+        let outer = match path.iter().rev().skip_while(|step| !matches!(step, Step::Field(_))).nth(1) {
+            Some(Step::Variant(outer) | Step::Field(outer)) => form(outer),
+            _ => Some(&SCENE),
+        };
+        outer.and_then(|outer| outer.field(name)).map(|field| &field.takes)
     };
-    if let Some(expected) = of_form {
-        return expected;
-    }
-    let expected = match path {
-        [.., Step::Key(_)] => return a_material(),
-        [.., Step::Field("object")] | [.., Step::Field("objects") | Step::Variant("Group"), Step::Index(_)] => {
-            return object();
-        }
-        [.., Step::Field("boundary")] => return boundaries("(..)", ", Transformed(..) or not"),
-        [] => "Scene(image: .., camera: .., background: .., materials: .., objects: .., render: ..)",
-        [.., Step::Variant("Medium"), Step::Field("albedo")] => TEXTURE,
-        [.., Step::Field(name)] => expected_field(name),
-        [.., Step::Variant(name)] => expected_variant(name),
-        [.., Step::Field("by"), Step::Index(_)] => TRANSFORM,
-        [.., Step::Variant("Solid"), Step::Index(_)] => "a colour in brackets: Solid((r, g, b))",
-        [.., Step::Variant("Translate"), Step::Index(_)] => "a vector in brackets: Translate((x, y, z))",
-        [.., Step::Variant("Rgb"), Step::Index(_)] => "a number",
-        [
-            ..,
-            Step::Field("look_from" | "look_at" | "up" | "bottom" | "top" | "even" | "odd" | "axis"),
-            Step::Index(_),
-        ] => NUMBER,
-        [.., Step::Index(_)] => "fields by name: (name: value, ..)",
-    };
-    expected.to_owned()
-}
-
-/// The forms of materials, textures and shapes.
-fn forms() -> impl Iterator<Item = &'static Form> {
-    let materials = Material::KINDS.iter().map(|kind| &kind.form);
-    materials.chain(Texture::KINDS.iter().map(|kind| &kind.form)).chain(kinds_in_files().map(|kind| &kind.form))
-}
-
-fn expected_field(name: &str) -> &'static str {
-    match name {
-        "image" => "(width: .., height: ..)",
-        "width" | "height" => "a whole number from 1 to 65536",
-        "camera" => "(look_from: .., look_at: .., vertical_fov: ..)",
-        "look_from" | "look_at" => POINT,
-        "up" | "axis" => VECTOR,
-        "vertical_fov" => "a number of degrees between 0 and 180",
-        "degrees" => "a number of degrees",
-        "background" => "a background: Solid((r, g, b)), Gradient(bottom: .., top: ..) or Image(path: ..)",
-        "bottom" | "top" => COLOUR,
-        "path" => PATH,
-        "materials" => "a map of materials: {\"name\": Lambertian(..), ..}",
-        "objects" => "a list of objects: [..]",
-        "by" => "a list of transforms: [..]",
-        "render" => "(samples: .., max_depth: ..)",
-        "samples" => "a whole number from 1 to 2147483648",
-        "max_depth" => "a whole number from 0 to 1000000",
-        _ => "a number",
+    match path {
+        [] => SCENE.in_full(),
+        [.., Step::Key(_)] => a_material(),
+        [.., Step::Field("object")] | [.., Step::Field("objects") | Step::Variant("Group"), Step::Index(_)] => object(),
+        [.., Step::Field("boundary")] => boundaries("(..)", ", Transformed(..) or not"),
+        [.., Step::Field("by"), Step::Index(_)] => format!("a transform: {}", any_of(TRANSFORMS.iter())),
+        [.., Step::Field(name)] => field(name).map_or(NUMBER.to_owned(), Takes::words),
+        [.., Step::Variant(name)] => form(name).map_or(BY_NAME.to_owned(), Form::content),
+        [.., Step::Variant("Solid"), Step::Index(_)] => "a colour in brackets: Solid((r, g, b))".to_owned(),
+        [.., Step::Variant("Translate"), Step::Index(_)] => "a vector in brackets: Translate((x, y, z))".to_owned(),
+        [.., Step::Variant("Rgb"), Step::Index(_)] => NUMBER.to_owned(),
+        [.., Step::Field(name), Step::Index(_)] if field(name).is_some_and(Takes::is_numbers) => NUMBER.to_owned(),
+        [.., Step::Index(_)] => BY_NAME.to_owned(),
     }
 }
 
-fn expected_variant(name: &str) -> &'static str {
-    match name {
-        "Solid" => COLOUR,
-        "Gradient" => "Gradient(bottom: .., top: ..)",
-        "Image" => "Image(path: ..)",
-        "Transformed" => "Transformed(by: [..], object: ..)",
-        "Group" => "a list of objects: [..]",
-        "Medium" => "Medium(boundary: .., density: .., albedo: .., anisotropy: ..)",
-        "Translate" => VECTOR,
-        "Scale" => "one positive number",
-        "RotateX" | "RotateY" | "RotateZ" => "a number of degrees",
-        "Rotate" => "Rotate(axis: .., degrees: ..)",
-        _ => "fields by name: (name: value, ..)",
-    }
+/// The form of this name.
+fn form(name: &str) -> Option<&'static Form> {
+    groups().into_iter().flat_map(|(_, forms)| forms).find(|form| form.name == name)
 }

@@ -6,6 +6,7 @@
 mod bitmap;
 mod explain;
 mod file;
+pub mod forms;
 mod inputs;
 mod load;
 mod mesh;
@@ -133,7 +134,7 @@ impl Scene {
         let at = materials.key(name);
         let at = at.variant(material.name());
         match material.model().emission() {
-            Some(emission) => at.field(emission.slot.field).spot(),
+            Some(emission) => at.field(emission.slot.field.name).spot(),
             None => at.spot(),
         }
     }

@@ -5,18 +5,14 @@ use std::collections::{BTreeMap, HashMap};
 use glam::DVec3;
 
 use super::Scene;
+use super::forms::*;
 use super::nearest::nearest;
 use super::types::*;
 use crate::error::Result;
 use crate::shape::mesh::{self, MeshShape};
 use crate::shape::{ShapeKind, kinds_in_files};
 use crate::source::form::any;
-use crate::source::{LARGEST, Place, SMALLEST, length, number, parallel, vector};
-
-const LARGEST_SIDE: u32 = 1 << 16;
-const LARGEST_AREA: u64 = 1 << 30;
-const MOST_SAMPLES: u32 = 1 << 31;
-const DEEPEST: u32 = 1_000_000;
+use crate::source::{LARGEST, Place, SMALLEST, parallel, vector};
 
 /// Checks the whole scene, in the order of the format's description, except for the files that it names.
 pub fn validate(scene: &Scene) -> Result<()> {
@@ -51,11 +47,8 @@ fn objects(scene: &Scene) -> Result<()> {
 }
 
 fn image(at: &Place, image: &ImageSize) -> Result<()> {
-    for (name, side) in [("width", image.width), ("height", image.height)] {
-        if !(1..=LARGEST_SIDE).contains(&side) {
-            return Err(at.field(name).unexpected(format!("a {name} from 1 to {LARGEST_SIDE}")));
-        }
-    }
+    WIDTH.check_whole(at, image.width)?;
+    HEIGHT.check_whole(at, image.height)?;
     let area = u64::from(image.width) * u64::from(image.height);
     if area > LARGEST_AREA {
         let most = format!("width times height of at most {LARGEST_AREA} pixels");
@@ -65,9 +58,9 @@ fn image(at: &Place, image: &ImageSize) -> Result<()> {
 }
 
 fn camera(at: &Place, camera: &Camera) -> Result<()> {
-    vector(&at.field("look_from"), camera.look_from)?;
-    vector(&at.field("look_at"), camera.look_at)?;
-    vector(&at.field("up"), camera.up)?;
+    LOOK_FROM.check_vector(at, camera.look_from)?;
+    LOOK_AT.check_vector(at, camera.look_at)?;
+    UP.check_vector(at, camera.up)?;
     let view = camera.look_at - camera.look_from;
     if view == DVec3::ZERO {
         return Err(at.field("look_at").error("look_at and look_from are the same point"));
@@ -87,17 +80,9 @@ fn camera(at: &Place, camera: &Camera) -> Result<()> {
         );
         return Err(at.field("up").error(message));
     }
-    let fov = camera.vertical_fov;
-    if !(fov > 0.0 && fov < 180.0) {
-        return Err(at.field("vertical_fov").unexpected("a vertical_fov between 0 and 180 degrees"));
-    }
-    if camera.aperture != 0.0 {
-        length(&at.field("aperture"), "an aperture of 0 or", camera.aperture)?;
-    }
-    match camera.focus_distance {
-        Some(distance) => length(&at.field("focus_distance"), "a focus_distance", distance),
-        None => Ok(()),
-    }
+    VERTICAL_FOV.check(at, camera.vertical_fov)?;
+    APERTURE.check(at, camera.aperture)?;
+    camera.focus_distance.map_or(Ok(()), |distance| FOCUS_DISTANCE.check(at, distance))
 }
 
 fn background(at: &Place, background: &Background) -> Result<()> {
@@ -154,19 +139,14 @@ fn object(known: &KnownNames, at: &Place, object: &Object, reach: Reach) -> Resu
             .try_for_each(|(index, inner)| self::object(known, &at.index(index), inner, reach)),
         Object::Medium { boundary, density, albedo, anisotropy } => {
             self::boundary(known, &at.field("boundary"), boundary, reach)?;
-            if *density != 0.0 {
-                length(&at.field("density"), "a density of 0 or", *density)?;
-            }
+            DENSITY.check(at, *density)?;
             if albedo.image().is_some() {
                 let message = "there are no texture coordinates inside a medium: expected Rgb(..), Checker(..), \
                                Noise(..) or Marble(..)";
                 return Err(at.field("albedo").error(message));
             }
             albedo.check(&at.field("albedo"), Use::Albedo)?;
-            if !(*anisotropy > -1.0 && *anisotropy < 1.0) {
-                return Err(at.field("anisotropy").unexpected("an anisotropy between -1 and 1, without these"));
-            }
-            Ok(())
+            ANISOTROPY.check(at, *anisotropy)
         }
         _ => {
             shape(known, at, object, reach)?;
@@ -217,17 +197,17 @@ fn transforms(at: &Place, by: &[Transform], mut reach: Reach) -> Result<Reach> {
         let at = at.index(index);
         match transform {
             Transform::Translate(by) => vector(&at.variant("Translate"), *by)?,
-            Transform::Scale(s) => length(&at.variant("Scale"), "a scale", *s)?,
-            Transform::RotateX(angle) => number(&at.variant("RotateX"), *angle)?,
-            Transform::RotateY(angle) => number(&at.variant("RotateY"), *angle)?,
-            Transform::RotateZ(angle) => number(&at.variant("RotateZ"), *angle)?,
+            Transform::Scale(s) => FACTOR.check_at(&at.variant("Scale"), *s)?,
+            Transform::RotateX(angle) => ANGLE.check_at(&at.variant("RotateX"), *angle)?,
+            Transform::RotateY(angle) => ANGLE.check_at(&at.variant("RotateY"), *angle)?,
+            Transform::RotateZ(angle) => ANGLE.check_at(&at.variant("RotateZ"), *angle)?,
             Transform::Rotate { axis, degrees } => {
                 let at = at.variant("Rotate");
-                vector(&at.field("axis"), *axis)?;
+                AXIS.check_vector(&at, *axis)?;
                 if axis.length() < SMALLEST {
                     return Err(at.field("axis").error("the axis has no length"));
                 }
-                number(&at.field("degrees"), *degrees)?;
+                ANGLE.check(&at, *degrees)?;
             }
         }
         reach = reach.after(transform);
@@ -286,11 +266,6 @@ fn known<'a>(names: impl Iterator<Item = &'a str>) -> String {
 }
 
 fn render(at: &Place, render: &RenderDefaults) -> Result<()> {
-    if !(1..=MOST_SAMPLES).contains(&render.samples) {
-        return Err(at.field("samples").unexpected(format!("from 1 to {MOST_SAMPLES} samples")));
-    }
-    if render.max_depth > DEEPEST {
-        return Err(at.field("max_depth").unexpected(format!("a max_depth from 0 to {DEEPEST}")));
-    }
-    Ok(())
+    SAMPLES.check_whole(at, render.samples)?;
+    MAX_DEPTH.check_whole(at, render.max_depth)
 }

@@ -13,11 +13,21 @@ use super::{
 use crate::data::{self, KIND_TRIANGLE, NOT_SAMPLED, f32s, primitive_code};
 use crate::error::Result;
 use crate::source::Place;
-use crate::source::form::{Form, PATH};
+use crate::source::form::{Field, Form, PATH, Takes};
 
 /// Rays hit the triangles, so that the shader files are those of the triangle.
 pub const KIND: ShapeKind = ShapeKind {
-    form: Form { name: "Mesh", fields: &[("path", PATH), MATERIAL], in_order: false },
+    form: Form {
+        name: "Mesh",
+        about: "The triangles of a file. The outside of a triangle is where its corners run counter-clockwise. Without normals in the \
+                file it is flat-shaded. A file is read once, however many meshes name it.",
+        fields: &[
+            Field::new("path", Takes::Other(PATH), "A .ply, .obj, .gltf or .glb; materials in it are not used."),
+            MATERIAL,
+        ],
+        in_order: false,
+        example: "Mesh(path: \"meshes/star.ply\", material: \"matt\")",
+    },
     in_files: true,
     shader: "triangle",
     word: "mesh",

@@ -20,7 +20,7 @@ use glam::{DMat3, DVec3, Vec3};
 use crate::data::{self, KIND_INSTANCE, KIND_TRIANGLE, primitive_code};
 use crate::error::Result;
 use crate::source::Place;
-use crate::source::form::{Form, kinds};
+use crate::source::form::{Field, Form, Takes, kinds};
 pub use cuboid::Cuboid;
 pub use globe::Globe;
 pub use hull::{Hull, normal, reach_of};
@@ -55,7 +55,9 @@ pub struct Boundary {
 }
 
 /// The field that all shapes have.
-const MATERIAL: (&str, &str) = ("material", "a material's name in quotes");
+const MATERIAL: Field =
+    Field::new("material", Takes::Other("a material's name in quotes"), "One of the scene's materials.")
+        .or("none, which only the boundary of a medium may have");
 
 /// The table that holds the elements of a kind on the device.
 pub struct Table {

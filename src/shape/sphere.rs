@@ -11,11 +11,21 @@ use super::{
 };
 use crate::data;
 use crate::error::Result;
-use crate::source::form::{Form, NUMBER, POINT};
-use crate::source::{Place, length, vector};
+use crate::source::form::{Field, Form, SCENE_UNITS, Takes};
+use crate::source::{Place, Range};
+
+const CENTER: Field = Field::new("center", Takes::Point, "The middle.");
+const RADIUS: Field =
+    Field::new("radius", Takes::Number(Range::POSITIVE, SCENE_UNITS), "The distance from the middle to the surface.");
 
 pub const KIND: ShapeKind = ShapeKind {
-    form: Form { name: "Sphere", fields: &[("center", POINT), ("radius", NUMBER), MATERIAL], in_order: false },
+    form: Form {
+        name: "Sphere",
+        about: "A sphere. Images on it have u = (atan2(-z, x) + π) / 2π and v = acos(-y) / π of the unit normal.",
+        fields: &[CENTER, RADIUS, MATERIAL],
+        in_order: false,
+        example: "Sphere(center: (0, 1, 0), radius: 1, material: \"matt\")",
+    },
     in_files: true,
     shader: "sphere",
     word: "sphere",
@@ -43,8 +53,8 @@ impl Sphere {
 
 impl Geometry for Sphere {
     fn check(&self, at: &Place) -> Result<()> {
-        vector(&at.field("center"), self.center)?;
-        length(&at.field("radius"), "a radius", self.radius)
+        CENTER.check_vector(at, self.center)?;
+        RADIUS.check(at, self.radius)
     }
 
     fn span(&self) -> (f64, f64) {

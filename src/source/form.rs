@@ -1,32 +1,154 @@
-//! The notation of enum variants in the scene file, for error messages that say what is expected.
+//! The notation of the scene file: its forms, their fields and what these take, each declared once. The checks of numbers, the words
+//! of error messages and docs/scene.md are made from the declarations.
+
+use super::Place;
+use super::numbers::Range;
+use crate::error::Result;
+use glam::DVec3;
 
 pub const NUMBER: &str = "a number";
 pub const COLOUR: &str = "a colour: (r, g, b)";
 pub const PATH: &str = "a file's path in quotes";
 pub const POINT: &str = "a point: (x, y, z)";
 pub const VECTOR: &str = "a vector: (x, y, z)";
+/// The words in error messages for an expected texture.
+pub const TEXTURE: &str = "a texture: Rgb(r, g, b), Checker(..), Image(..), Noise(..) or Marble(..)";
 
-/// A variant as the scene file writes it.
+pub const SCENE_UNITS: &str = "scene units";
+pub const DEGREES: &str = "degrees";
+pub const NO_UNIT: &str = "";
+
+/// What a field takes.
+#[derive(Clone, Copy, Debug)]
+pub enum Takes {
+    /// A number, with its unit.
+    Number(Range, &'static str),
+    /// A whole number, from the first to the last.
+    Whole(u32, u32),
+    Point,
+    Vector,
+    /// A colour; the range is that of each channel.
+    Colour(Range),
+    /// A texture; the range is that of each channel of its colours.
+    Texture(Range),
+    /// Anything else, in words.
+    Other(&'static str),
+}
+
+impl Takes {
+    /// "a number from 0 to 1"
+    pub fn words(&self) -> String {
+        match self {
+            Takes::Number(range, unit) => {
+                let number = if *unit == DEGREES { "a number of degrees" } else { NUMBER };
+                match *range {
+                    Range::ANY => number.to_owned(),
+                    Range::POSITIVE => "a positive number".to_owned(),
+                    Range::NOT_NEGATIVE => "0 or a positive number".to_owned(),
+                    range => format!("{number} {range}"),
+                }
+            }
+            Takes::Whole(least, most) => format!("a whole number from {least} to {most}"),
+            Takes::Point => POINT.to_owned(),
+            Takes::Vector => VECTOR.to_owned(),
+            Takes::Colour(_) => COLOUR.to_owned(),
+            Takes::Texture(_) => TEXTURE.to_owned(),
+            Takes::Other(words) => (*words).to_owned(),
+        }
+    }
+
+    /// Whether it is several numbers in brackets.
+    pub fn is_numbers(&self) -> bool {
+        matches!(self, Takes::Point | Takes::Vector | Takes::Colour(_))
+    }
+}
+
+/// A field as the scene file writes it.
+#[derive(Debug)]
+pub struct Field {
+    pub name: &'static str,
+    pub takes: Takes,
+    /// Its value where the file does not give it, as RON or in words; empty if the file must give it.
+    pub default: &'static str,
+    /// What it means, for docs/scene.md.
+    pub about: &'static str,
+}
+
+impl Field {
+    /// A field that must be given.
+    pub const fn new(name: &'static str, takes: Takes, about: &'static str) -> Field {
+        Field { name, takes, default: "", about }
+    }
+
+    /// The same, with a default.
+    pub const fn or(self, default: &'static str) -> Field {
+        Field { default, ..self }
+    }
+
+    /// Checks a number; `above` is the place of the form.
+    pub fn check(&self, above: &Place, x: f64) -> Result<()> {
+        self.check_at(&above.field(self.name), x)
+    }
+
+    /// The same for a number that is written without its name.
+    pub fn check_at(&self, at: &Place, x: f64) -> Result<()> {
+        match self.takes {
+            Takes::Number(range, unit) => range.check(at, self.name, unit, x),
+            _ => Ok(()),
+        }
+    }
+
+    /// Checks a whole number.
+    pub fn check_whole(&self, above: &Place, x: u32) -> Result<()> {
+        match self.takes {
+            Takes::Whole(least, most) if !(least..=most).contains(&x) => {
+                Err(above.field(self.name).unexpected(format!("{}: {}", self.name, self.takes.words())))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Checks each coordinate of a point or a vector.
+    pub fn check_vector(&self, above: &Place, v: DVec3) -> Result<()> {
+        super::vector(&above.field(self.name), v)
+    }
+}
+
+/// A struct or an enum's variant as the scene file writes it.
 #[derive(Debug)]
 pub struct Form {
     pub name: &'static str,
-    /// Its fields, each with a description of the expected value.
-    pub fields: &'static [(&'static str, &'static str)],
+    /// What it is, for docs/scene.md.
+    pub about: &'static str,
+    pub fields: &'static [Field],
     /// Whether its fields are written in order, without their names.
     pub in_order: bool,
+    /// A small example, for docs/scene.md.
+    pub example: &'static str,
 }
 
 impl Form {
     /// "Metal(albedo: .., fuzz: ..)"
     pub fn in_full(&self) -> String {
-        let suffix = if self.in_order { "" } else { ": .." };
-        let fields: Vec<String> = self.fields.iter().map(|(field, _)| format!("{field}{suffix}")).collect();
-        format!("{}({})", self.name, fields.join(", "))
+        let write = |field: &Field| match (self.in_order, &field.takes) {
+            (false, _) => format!("{}: ..", field.name),
+            (true, Takes::Point | Takes::Vector) => "(x, y, z)".to_owned(),
+            (true, Takes::Colour(_)) => "(r, g, b)".to_owned(),
+            (true, _) => field.name.to_owned(),
+        };
+        format!("{}({})", self.name, self.fields.iter().map(write).collect::<Vec<_>>().join(", "))
     }
 
-    /// The description of a field's expected value.
-    pub fn expects(&self, field: &str) -> Option<&'static str> {
-        self.fields.iter().find(|(known, _)| *known == field).map(|(_, expected)| *expected)
+    /// The words for its content where that is wrong as a whole.
+    pub fn content(&self) -> String {
+        match self.fields {
+            [only] if self.in_order => only.takes.words(),
+            _ => self.in_full(),
+        }
+    }
+
+    pub fn field(&self, name: &str) -> Option<&'static Field> {
+        self.fields.iter().find(|field| field.name == name)
     }
 }
 

@@ -13,4 +13,5 @@ mod image_files;
 mod mesh_files;
 mod plan;
 mod scaling;
+mod scene_file;
 mod statistics;

@@ -38,7 +38,7 @@ pub fn load_all(scene: &Scene) -> Result<Bitmaps> {
         {
             let at = materials.key(name);
             let at = at.variant(material.name());
-            let at = at.field(slot.field);
+            let at = at.field(slot.field.name);
             let at = at.variant(slot.texture.name());
             load(scene, &at.field("path"), path, slot.usage, &mut budget, &mut bitmaps)?;
         }
