@@ -46,12 +46,13 @@ pub const CHECKPOINT: &str = "60s";
 
 #[derive(Debug, Args)]
 pub struct RenderArgs {
-    /// The scene file.
+    /// The scene file, or - for standard input.
     pub scene: PathBuf,
-    /// The EXR to write [default: the scene's name with .exr, in the current folder].
-    #[arg(short, long, value_name = "FILE.exr")]
+    /// The image to write: a linear .exr, or a .png, which is the picture alone and cannot be resumed. - is a PNG on standard output
+    /// [default: the scene's name with .exr, in the current folder].
+    #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
-    /// Also write a tone-mapped picture.
+    /// Also write a tone-mapped picture, - for standard output.
     #[arg(long, value_name = "FILE.png")]
     pub png: Option<PathBuf>,
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_SAMPLES),
@@ -248,7 +249,7 @@ pub struct StatusArgs {
 
 #[derive(Debug, Args)]
 pub struct TradeoffArgs {
-    /// The scene file.
+    /// The scene file, or - for standard input.
     pub scene: PathBuf,
     /// The time limit, compiling included.
     #[arg(long, value_name = "TIME", value_parser = duration, default_value = "120s")]
@@ -278,7 +279,7 @@ pub struct TradeoffArgs {
 
 #[derive(Debug, Args)]
 pub struct ConvergeArgs {
-    /// The scene file.
+    /// The scene file, or - for standard input.
     pub scene: PathBuf,
     /// The reference image, from any renderer. The render has its size.
     #[arg(long, value_name = "R.exr")]
@@ -362,7 +363,7 @@ impl Metric {
 
 #[derive(Debug, Args)]
 pub struct PlanArgs {
-    /// The scene file.
+    /// The scene file, or - for standard input.
     pub scene: PathBuf,
     /// Write the linked shaders into this folder.
     #[arg(long, value_name = "DIR")]
@@ -386,7 +387,7 @@ pub struct PlanArgs {
 
 #[derive(Debug, Args)]
 pub struct CheckArgs {
-    /// The scene file.
+    /// The scene file, or - for standard input.
     pub scene: PathBuf,
     /// Print one JSON object on stdout.
     #[arg(long)]

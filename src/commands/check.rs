@@ -2,12 +2,12 @@
 
 use serde_json::json;
 
+use super::scene::load_scene;
 use super::{Target, flatten_for, path_text, planned, print_json, print_line};
 use crate::cli::CheckArgs;
 use crate::error::{Error, Result};
 use crate::gpu::buffers::too_large;
 use crate::options::RenderOptions;
-use crate::scene::Scene;
 
 /// Reads, validates and flattens the scene, links its kernels, and compares its buffers with the limits of this machine's device.
 pub fn run(args: &CheckArgs) -> Result<()> {
@@ -37,7 +37,7 @@ pub fn run(args: &CheckArgs) -> Result<()> {
 }
 
 fn examine(args: &CheckArgs) -> Result<(usize, Vec<String>)> {
-    let scene = Scene::load(&args.scene)?;
+    let scene = load_scene(&args.scene, &mut |_, _, _| {})?;
     // With the default options of `render`.
     let (size, flat) = flatten_for(&scene, None, &RenderOptions::default())?;
     let target = Target::find(None)?;

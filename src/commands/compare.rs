@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde_json::{Value, json};
 
-use super::outputs::check_outputs;
+use super::outputs::{Beside, OutputImage, PNG, check_name, check_outputs};
 use super::{path_text, print_json, print_line, tell};
 use crate::cli::{CompareArgs, Limit, Metric};
 use crate::error::{Error, Result};
@@ -18,9 +18,12 @@ use crate::output::png::write_heatmap;
 
 /// Reads both images, prints their differences, and fails if an error is above its limit.
 pub fn run(args: &CompareArgs) -> Result<()> {
-    if let Some(heatmap) = &args.heatmap {
-        let images = [args.image.clone(), args.reference.clone()];
-        check_outputs(&[("--heatmap", heatmap)], &images, "nothing has been compared")?;
+    let images = [args.image.clone(), args.reference.clone()];
+    images.iter().try_for_each(|path| check_name(path, "an EXR: images are read more than once"))?;
+    if let Some(path) = &args.heatmap {
+        let heatmap = OutputImage { option: "--heatmap", path, formats: PNG };
+        let beside = Beside { inputs: &images, stdout: Some("the report"), undone: "nothing has been compared" };
+        check_outputs(&[heatmap], &beside)?;
     }
     let (mut a, mut b) = (read_exr(&args.image)?, read_exr(&args.reference)?);
     let identity = |path| read_state(path).ok().flatten().map(|state| state.identity);

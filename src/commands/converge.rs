@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use serde_json::{Value, json};
 
+use super::outputs::check_name;
+use super::scene::{load_scene, name_of, stem_of};
 use super::signals::Signals;
 use super::{
     flatten_for, make_folder, open_device, path_text, print_json, print_line, tell, tell_biases, tell_software,
@@ -21,7 +23,6 @@ use crate::output::exr::{ExrImage, read_exr, read_state};
 use crate::output::plot::{Curve, Plot, svg};
 use crate::plan::Plan;
 use crate::render::{Look, Next, Outcome, Renderer};
-use crate::scene::Scene;
 
 /// The render after a number of samples.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -41,9 +42,11 @@ struct Measurement {
 
 /// Doubles the number of samples on one film again and again, and measures the image each time.
 pub fn run(args: &ConvergeArgs) -> Result<()> {
+    check_name(&args.reference, "an EXR")?;
+    check_name(&args.output, "a folder")?;
     let reference = read_exr(&args.reference)?;
     let own_error = error_of_reference(&reference);
-    let scene = Scene::load(&args.scene)?;
+    let scene = load_scene(&args.scene, &mut |_, _, _| {})?;
     let biases = tell_biases(&args.options, args.paths.max_depth, &scene, args.quiet);
     if reference.seed() == Some(args.paths.seed) && !args.quiet {
         tell(&format!(
@@ -108,7 +111,7 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
     }
     let rows: Vec<Value> = steps.iter().map(|step| json!(step)).collect();
     atomic::write(&table, csv(COLUMNS, &rows).as_bytes())?;
-    let name = args.scene.file_name().unwrap_or_default().to_string_lossy();
+    let name = name_of(&args.scene);
     let title = format!("{name} on {}", device.name.driver);
     atomic::write(&plot, svg(&drawing(&title, &steps, own_error))?.as_bytes())?;
     report(args, &biases, &device.name.to_string(), (&steps, rows), own_error, (&table, &plot))?;
@@ -121,7 +124,7 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
 /// The paths of the table and the plot. Creates their folder.
 fn outputs(args: &ConvergeArgs) -> Result<(PathBuf, PathBuf)> {
     make_folder(&args.output, "nothing has been rendered")?;
-    let stem = args.scene.file_stem().unwrap_or_default().to_string_lossy();
+    let stem = stem_of(&args.scene).to_string_lossy();
     let file = |ending: &str| args.output.join(format!("{stem}-converge.{ending}"));
     Ok((file("csv"), file("svg")))
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::json;
 
-use super::outputs::check_outputs;
+use super::outputs::{Beside, EXR, OutputImage, check_name, check_outputs};
 use super::render::{Finish, attributes_of, excluded, noise_words};
 use super::{path_text, print_json, tell};
 use crate::cli::MergeArgs;
@@ -20,7 +20,9 @@ use crate::samples::Samples;
 /// Joins the parts. It takes the memory of one film, whatever their number.
 pub fn run(args: &MergeArgs) -> Result<()> {
     let paths = files(&args.parts)?;
-    check_outputs(&[("-o", &args.output)], &paths, "nothing has been joined")?;
+    paths.iter().try_for_each(|path| check_name(path, "an EXR: parts are read more than once"))?;
+    let output = OutputImage { option: "-o", path: &args.output, formats: EXR };
+    check_outputs(&[output], &Beside { inputs: &paths, stdout: None, undone: "nothing has been joined" })?;
     let mut loading = Loading::new(args.quiet);
     let parts = parts_of(args, &paths, &mut loading)?;
     let Some(first) = parts.first() else { return Err(Error::Usage("no part is there".to_string())) };

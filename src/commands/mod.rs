@@ -8,6 +8,7 @@ mod merge;
 mod outputs;
 mod plan;
 mod render;
+mod scene;
 mod signals;
 mod status;
 mod submit;

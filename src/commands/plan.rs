@@ -4,17 +4,19 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 
+use super::outputs::check_name;
+use super::scene::load_scene;
 use super::{Target, flatten_for, make_folder, open_device, path_text, planned, print_json, print_text, tell};
 use crate::cli::PlanArgs;
 use crate::error::{Error, Result};
 use crate::gpu::probe::numerics;
 use crate::output::atomic;
 use crate::plan::{Buffer, Constant, KernelReport, Module, PathField, Plan, Report, STEPS};
-use crate::scene::Scene;
 
 /// Prints the kernels and buffers, and the reason for each.
 pub fn run(args: &PlanArgs) -> Result<()> {
-    let scene = Scene::load(&args.scene)?;
+    args.wgsl.iter().try_for_each(|path| check_name(path, "a folder"))?;
+    let scene = load_scene(&args.scene, &mut |_, _, _| {})?;
     let (size, flat) = flatten_for(&scene, args.size, &args.options)?;
     let target = Target::find(args.device.as_deref())?;
     let plan = planned(&scene, size, &flat, &target, &args.options)?;

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 
-use super::outputs::check_outputs;
+use super::outputs::{Beside, OutputImage, PNG, check_name, check_outputs};
 use super::render::{Finish, doubts, error_words, excluded};
 use super::{path_text, print_json, print_line, tell};
 use crate::cli::{CHECKPOINT, StatusArgs, duration};
@@ -23,9 +23,13 @@ const INTERVALS: u32 = 3;
 
 /// Tells what has come of the parts.
 pub fn run(args: &StatusArgs) -> Result<()> {
+    check_name(&args.folder, "a folder")?;
     let folder = Folder::read(&args.folder)?;
     if let Some(png) = &args.png {
-        check_outputs(&[("--png", png)], &files_of(&folder), "nothing has been joined")?;
+        let image = OutputImage { option: "--png", path: png, formats: PNG };
+        let inputs = files_of(&folder);
+        let beside = Beside { inputs: &inputs, stdout: Some("the report"), undone: "nothing has been joined" };
+        check_outputs(&[image], &beside)?;
     }
     let mut loading = Loading::new(args.quiet);
     let count = folder.parts().len().max(1) as f64;

@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 
+use super::outputs::check_name;
 use super::{make_folder, print_line};
 use crate::cli::{CHECKPOINT, MOST_SAMPLES, SubmitArgs, duration};
 use crate::error::{Error, Result};
@@ -18,6 +19,9 @@ const PIXEL_BYTES: f64 = 80.0;
 
 /// Writes or reads the folder, and submits what it lacks.
 pub fn run(args: &SubmitArgs) -> Result<()> {
+    args.scene.iter().try_for_each(|path| check_name(path, "a scene file, which is copied"))?;
+    let folders = [&args.output, &args.missing, &args.next];
+    folders.into_iter().flatten().try_for_each(|path| check_name(path, "a folder"))?;
     let slurm = Slurm::find(args.dry_run)?;
     let folder = match (&args.scene, &args.missing, &args.next) {
         (Some(scene), ..) => new_folder(args, scene)?,

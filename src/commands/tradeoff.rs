@@ -5,6 +5,8 @@ use std::time::{Duration, Instant};
 
 use clap::Parser;
 
+use super::outputs::check_name;
+use super::scene::{load_scene, name_of, stem_of};
 use super::signals::Signals;
 use super::{make_folder, open_device, path_text, print_json, print_line, tell, tell_software};
 use crate::cli::{Cli, Command, RenderArgs, Size, TradeoffArgs};
@@ -45,7 +47,9 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     // From here on a signal ends the measurement, not the program.
     let signals = Signals::listen("no report is written");
     let stop = || signals.came();
-    let mut scene = Scene::load(&args.scene)?;
+    args.reference.iter().try_for_each(|path| check_name(path, "an EXR"))?;
+    args.output.iter().try_for_each(|path| check_name(path, "a folder"))?;
+    let mut scene = load_scene(&args.scene, &mut |_, _, _| {})?;
     let knobs = knobs_of(args)?;
     let reference = args.reference.as_deref().map(reference_of).transpose()?;
     let given = reference.as_ref().map(|image| (image.width, image.height));
@@ -134,7 +138,7 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
         found.map(|(distance, _)| distance.signed).or_else(|| against(&sweep, truth))
     };
     let report = Findings {
-        scene: args.scene.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+        scene: name_of(&args.scene),
         device: device.name.name.clone(),
         driver: device.name.driver.clone(),
         size,
@@ -239,7 +243,7 @@ fn knobs_of(args: &TradeoffArgs) -> Result<Vec<&'static Knob>> {
 /// The folder for the report. Creates it unless it exists.
 fn folder_of(args: &TradeoffArgs) -> Result<PathBuf> {
     let folder = args.output.clone().unwrap_or_else(|| {
-        let stem = args.scene.file_stem().unwrap_or_default().to_string_lossy();
+        let stem = stem_of(&args.scene).to_string_lossy();
         PathBuf::from(format!("{stem}-tradeoff"))
     });
     make_folder(&folder, "nothing has been measured")?;

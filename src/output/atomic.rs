@@ -4,7 +4,7 @@ use std::fs::{self, File, Metadata};
 use std::io::{self, Seek, Write};
 use std::path::Path;
 
-use super::place::{Place, folder_of};
+use super::place::{Place, folder_of, is_standard};
 use super::temporary;
 use crate::error::{Error, Result};
 
@@ -86,6 +86,11 @@ fn replace_stream(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) 
     let mut file = tempfile::tempfile()?;
     write(&mut file)?;
     file.rewind()?;
+    if is_standard(path) {
+        let mut stdout = io::stdout().lock();
+        io::copy(&mut file, &mut stdout)?;
+        return stdout.flush();
+    }
     // Behind what an open file has already, as the shell's >> asks.
     let mut stream = fs::OpenOptions::new().append(true).open(path)?;
     io::copy(&mut file, &mut stream)?;

@@ -1,6 +1,7 @@
 pub mod atomic;
 pub mod csv;
 pub mod exr;
+pub mod format;
 mod magma;
 pub mod place;
 pub mod plot;

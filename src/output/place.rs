@@ -9,18 +9,26 @@ use std::path::{Path, PathBuf};
 /// The number of links after which Linux reports a loop.
 const MAX_LINKS: usize = 40;
 
+/// Whether a path is `-`: standard input or standard output. A file of this name is `./-`.
+pub fn is_standard(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
+
 /// What a path leads to.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Place {
     /// A regular file, or a file that does not exist yet in a folder that does. The path is not a link.
     File(PathBuf),
-    /// Something that can be written to but not replaced: a pipe, a device, or an open file such as /dev/stdout.
+    /// Something that can be written to but not replaced: standard output, a pipe, a device, or an open file such as /dev/stdout.
     Stream,
 }
 
 impl Place {
     /// Follows links one by one, because the last one may point to a file that does not exist yet.
     pub fn of(path: &Path) -> io::Result<Place> {
+        if is_standard(path) {
+            return Ok(Place::Stream);
+        }
         let exists = match fs::metadata(path) {
             Ok(metadata) if metadata.is_dir() => return Err(io::Error::other("it is a folder")),
             Ok(metadata) if !metadata.is_file() => return Ok(Place::Stream),
@@ -71,6 +79,9 @@ pub fn folder_of(path: &Path) -> &Path {
 ///
 /// A device such as /dev/null is not the same as itself: what one writes does not change what another finds.
 pub fn same_file(a: &Path, b: &Path) -> bool {
+    if is_standard(a) || is_standard(b) {
+        return is_standard(a) && is_standard(b);
+    }
     identity(a).is_some_and(|a| identity(b) == Some(a))
 }
 

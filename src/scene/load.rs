@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, HashSet};
 use std::fmt;
 use std::fs::File;
-use std::io::Read;
+use std::io::{self, Read};
 use std::path::Path;
 
 use ron::extensions::Extensions;
@@ -13,7 +13,7 @@ use serde::{Deserialize, Deserializer};
 use super::explain::explain;
 use super::types::*;
 use super::{OnProgress, Scene, bitmap, mesh, validate};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::source::{MOST_VALUES, Source};
 
 /// The longest scene file, in bytes. A scene of two million spheres is half as long.
@@ -37,14 +37,19 @@ struct SceneFile {
     render: RenderDefaults,
 }
 
-/// Reads the text of a scene file, without the byte order mark that some editors write.
+/// Reads the text of a scene file.
 pub fn read(path: &Path) -> Result<String> {
-    let whole = Source::new(String::new(), path);
-    let cannot = |reason: String| whole.error(&[], format!("cannot read the scene file: {reason}"));
+    text_of(File::open(path).map_err(|error| cannot_read(path, &error))?, path)
+}
+
+fn cannot_read(path: &Path, error: &io::Error) -> Error {
+    Source::new(String::new(), path).error(&[], format!("cannot read the scene file: {error}"))
+}
+
+/// The text of a scene file, whose name is `path`.
+pub fn text_of(reader: impl Read, path: &Path) -> Result<String> {
     let mut bytes = Vec::new();
-    File::open(path)
-        .and_then(|file| file.take(LONGEST_FILE + 1).read_to_end(&mut bytes))
-        .map_err(|error| cannot(error.to_string()))?;
+    reader.take(LONGEST_FILE + 1).read_to_end(&mut bytes).map_err(|error| cannot_read(path, &error))?;
     String::from_utf8(bytes).map_err(|error| {
         let (good, rest) = error.as_bytes().split_at(error.utf8_error().valid_up_to());
         let bad = rest.first().copied().unwrap_or_default();

@@ -17,6 +17,7 @@ mod visit;
 mod warn;
 
 use std::collections::BTreeMap;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Location, Result};
@@ -55,6 +56,11 @@ impl Scene {
     /// The same, with a report of the progress of large files about every MiB.
     pub fn load_with(path: &Path, progress: &mut OnProgress) -> Result<Scene> {
         load::parse(load::read(path)?, path, progress)
+    }
+
+    /// The same for the text that a reader gives, such as standard input. `path` is its name in errors, as for [`Scene::parse`].
+    pub fn read(reader: impl Read, path: &Path, progress: &mut OnProgress) -> Result<Scene> {
+        load::parse(load::text_of(reader, path)?, path, progress)
     }
 
     /// The same for a text in memory. `path` is its name in errors; relative paths start at the folder of `path`.

@@ -59,7 +59,7 @@ fn places_that_cannot_be_written_are_refused_before_rendering() {
 fn the_longest_names_are_written() {
     let place = Place::new();
     for length in [243, 255] {
-        let [exr, png] = ["e", "p"].map(|letter| letter.repeat(length));
+        let [exr, png] = ["exr", "png"].map(|ending| format!("{}.{ending}", "n".repeat(length - 4)));
         place.render(&["-o", &exr, "--png", &png, "--checkpoint", "1ms"]).exits(0);
         assert_eq!(place.files(), [&exr[..], &png]);
         fs::remove_file(place.work().join(exr)).unwrap();

@@ -9,6 +9,8 @@ mod cli;
 mod device;
 #[cfg(unix)]
 mod files;
+#[cfg(unix)]
+mod names;
 mod place;
 mod resume;
 #[cfg(unix)]

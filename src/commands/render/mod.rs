@@ -13,7 +13,8 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 use serde_json::json;
 
-use super::outputs::check_outputs;
+use super::outputs::{Beside, EXR_OR_PNG, OutputImage, PNG, check_outputs};
+use super::scene::{load_scene, stem_of};
 use super::signals::Signals;
 use super::{flatten_for, open_devices, print_json, tell, tell_biases, tell_software};
 use crate::cli::{MOST_SAMPLES, RenderArgs};
@@ -25,7 +26,8 @@ use crate::gpu::probe::numerics;
 use crate::identity::Identity;
 use crate::job::{Goal, Job};
 use crate::output::exr::{State, read_state, write_render};
-use crate::output::place::Place;
+use crate::output::format::{Format, format_of};
+use crate::output::place::{Place, is_standard};
 use crate::output::png::write_png;
 use crate::output::progress::{Loading, Progress};
 use crate::plan::Plan;
@@ -63,13 +65,24 @@ fn per_sample(seconds: f64, samples: u64) -> f64 {
     if samples == 0 { 0.0 } else { seconds / samples as f64 }
 }
 
-/// Where the image goes.
+/// Where the image goes: into an EXR, a PNG or both.
 struct Output<'a> {
-    exr: PathBuf,
-    /// Whether a later image can replace the EXR. A pipe gets one image, at the end.
+    /// What `-o` names: the EXR, or the PNG where there is no EXR.
+    image: PathBuf,
+    /// What of the two it is. A PNG has no state: nothing can go on from it.
+    format: Format,
+    /// Whether a later image can replace it. A pipe gets one image, at the end.
     can_be_replaced: bool,
+    /// The picture beside the EXR.
     png: Option<&'a Path>,
     exposure: f64,
+}
+
+impl Output<'_> {
+    /// The path of the EXR, which may have a state.
+    fn exr(&self) -> Option<&Path> {
+        (self.format == Format::Exr).then_some(&*self.image)
+    }
 }
 
 /// Renders the scene as asked, writing the image now and then and at the end.
@@ -77,7 +90,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     let mut clock = Clock(start);
     let mut seconds = Seconds::default();
     let mut loading = Loading::new(args.quiet);
-    let scene = Scene::load_with(&args.scene, &mut |file, done, whole| loading.update(file, done, whole))?;
+    let scene = load_scene(&args.scene, &mut |file, done, whole| loading.update(file, done, whole))?;
     drop(loading);
     // As `check` has them; --quiet leaves them to the report and the image's header.
     let mut warnings = scene.warnings();
@@ -101,7 +114,10 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     });
     let (size, flat, job) = built?;
     let identity = LazyLock::new(|| Identity::of(&scene, &job, &args.options));
-    let earlier = resume::earlier(args, &output.exr, &identity, &job)?;
+    let earlier = match output.exr() {
+        Some(exr) => resume::earlier(args, exr, &identity, &job)?,
+        None => None,
+    };
     tell_warnings(&flat.warnings);
     warnings.extend_from_slice(&flat.warnings);
     let mut devices = devices?;
@@ -112,17 +128,17 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     seconds.device = clock.lap();
 
     let mut film = match &earlier {
-        Some(state) => Accumulation::of_file(&output.exr, state)?,
+        Some(state) => Accumulation::of_file(&output.image, state)?,
         None => Accumulation::new(size, flat.radiance_exponent, args.options.sampler)?,
     };
-    film.note_devices(names_of(&devices), &output.exr, args.mixed_drivers)?;
+    film.note_devices(names_of(&devices), &output.image, args.mixed_drivers)?;
     let overwritten = match &earlier {
         Some(_) => None,
-        None => resume::more_there(&output.exr, &identity, 0),
+        None => output.exr().and_then(|exr| resume::more_there(exr, &identity, 0)),
     };
     let resumed_from = earlier.as_ref().map(|state| state.samples.count());
     let signals = Signals::listen(&match resumed_from {
-        Some(_) => format!("{} holds what it held before", output.exr.display()),
+        Some(_) => format!("{} holds what it held before", output.image.display()),
         None => "nothing has been written".to_owned(),
     });
     let progress = Progress::new(args.quiet, &job, resumed_from.unwrap_or(0));
@@ -154,7 +170,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
         // Where that fails too, the first failure is the one to tell.
         if let Ok((last, other)) = again {
             (film, devices) = (last, other);
-            film.note_devices(names_of(&devices), &output.exr, args.mixed_drivers)?;
+            film.note_devices(names_of(&devices), &output.image, args.mixed_drivers)?;
             rendered = task.render(&devices, &mut film, &mut rendering, &mut seconds, &mut clock);
         }
     }
@@ -286,8 +302,8 @@ impl Task<'_> {
                     let pace =
                         per_sample(begun.elapsed().as_secs_f64(), finish.samples.count().saturating_sub(earlier));
                     self.keep(&about, film, looks, &finish, &Seconds { per_sample: pace, ..*seconds })?;
-                    let exr = self.output.exr.display();
-                    self.signals.set_loss(format!("{exr} holds the last checkpoint; what came since is lost"));
+                    let image = self.output.image.display();
+                    self.signals.set_loss(format!("{image} holds the last checkpoint; what came since is lost"));
                     Ok(())
                 },
             };
@@ -305,10 +321,10 @@ impl Task<'_> {
         Ok(())
     }
 
-    /// Writes the EXR, unless another process has put more samples of this render there. A complete render also overwrites what the file
-    /// held at the start.
+    /// Writes the image that `-o` names. It stays as it is if it is an EXR, and another process has put more samples of this render there;
+    /// but a complete render overwrites what it held at the start.
     fn keep(&self, about: &About<'_>, film: &Film, looks: u32, finish: &Finish, seconds: &Seconds) -> Result<()> {
-        let exr = &self.output.exr;
+        let Some(exr) = self.output.exr() else { return self.write_picture(&self.output.image, film) };
         let Finish { samples, devices, .. } = finish;
         let state = State::new(Identity::clone(self.identity), devices.clone(), film, samples.clone(), looks);
         let mine = samples.count();
@@ -337,23 +353,25 @@ impl Task<'_> {
         if rendering.started {
             self.keep(about, &film.film, film.looks, finish, seconds)?;
         }
-        self.signals.set_loss(format!("{} holds the image", self.output.exr.display()));
-        match self.output.png {
-            Some(png) => write_png(png, self.job.size, &|index| film.film.developed(index).rgb, self.output.exposure),
-            None => Ok(()),
-        }
+        self.signals.set_loss(format!("{} holds the image", self.output.image.display()));
+        self.output.png.map_or(Ok(()), |png| self.write_picture(png, &film.film))
     }
 
-    /// Whether the file holds a checkpoint of this render, or what it goes on with.
-    fn is_in_file(&self, rendering: &Rendering) -> bool {
-        rendering.kept || self.resumed_from.is_some()
+    fn write_picture(&self, png: &Path, film: &Film) -> Result<()> {
+        write_png(png, self.job.size, &|index| film.developed(index).rgb, self.output.exposure)
+    }
+
+    /// The EXR, if it holds a checkpoint of this render, or what it goes on with.
+    fn in_file(&self, rendering: &Rendering) -> Option<&Path> {
+        self.output.exr().filter(|_| rendering.kept || self.resumed_from.is_some())
     }
 
     /// The film as it was when it was last whole: that of the file, or an empty one.
     fn last_whole(&self, rendering: &Rendering) -> Result<Accumulation> {
-        match if self.is_in_file(rendering) { read_state(&self.output.exr)? } else { None } {
-            Some(state) => Accumulation::of_file(&self.output.exr, &state),
-            None => Accumulation::new(self.job.size, self.flat.radiance_exponent, self.args.options.sampler),
+        let kept = self.in_file(rendering).map(|exr| Ok((exr, read_state(exr)?))).transpose()?;
+        match kept {
+            Some((exr, Some(state))) => Accumulation::of_file(exr, &state),
+            _ => Accumulation::new(self.job.size, self.flat.radiance_exponent, self.args.options.sampler),
         }
     }
 
@@ -368,17 +386,20 @@ impl Task<'_> {
         error: Error,
     ) -> Error {
         let Error::Device(why) = error else { return error };
-        let exr = &self.output.exr;
-        if self.is_in_file(rendering) {
+        let image = self.output.image.display();
+        if let Some(exr) = self.in_file(rendering) {
             let held = read_state(exr).ok().flatten().map_or(0, |state| state.samples.count());
             return Error::Device(format!("{why}; {}", self.what_is_kept(held)));
         }
         // A film with runs under way left out favours short paths. Nothing can go on from it.
         if film.film.totals().paths > 0 {
             let attributes = about.record(finish, seconds).attributes();
-            let written = write_render(exr, &film.film, &attributes, None, || Ok(()));
+            let written = match self.output.exr() {
+                Some(exr) => write_render(exr, &film.film, &attributes, None, || Ok(())),
+                None => self.write_picture(&self.output.image, &film.film),
+            };
             return Error::Device(match written {
-                Ok(()) => format!("{why}; {} holds what there was, and cannot be resumed", exr.display()),
+                Ok(()) => format!("{why}; {image} holds what there was, and cannot be resumed"),
                 Err(error) => format!("{why}; {error}"),
             });
         }
@@ -387,10 +408,10 @@ impl Task<'_> {
 
     /// What the file holds, and how to go on.
     fn what_is_kept(&self, samples: u64) -> String {
-        let exr = self.output.exr.display();
-        match self.args.no_state || samples == 0 || !self.output.can_be_replaced {
-            true => format!("{exr} holds the image so far"),
-            false => format!("{exr} holds {samples} samples per pixel. Add --resume to go on"),
+        let image = self.output.image.display();
+        match self.output.exr().is_none() || self.args.no_state || samples == 0 || !self.output.can_be_replaced {
+            true => format!("{image} holds the image so far"),
+            false => format!("{image} holds {samples} samples per pixel. Add --resume to go on"),
         }
     }
 }
@@ -414,19 +435,38 @@ impl Clock {
 
 /// The paths to write to, checked before anything costs time.
 fn output_of<'a>(args: &'a RenderArgs, scene: &Scene) -> Result<Output<'a>> {
-    let exr: PathBuf = match &args.output {
-        Some(path) => path.clone(),
-        None => {
-            let name = args.scene.file_stem().unwrap_or_default();
-            PathBuf::from(name).with_added_extension("exr")
-        }
-    };
+    let image = args.output.clone().unwrap_or_else(|| PathBuf::from(stem_of(&args.scene)).with_added_extension("exr"));
     let png = args.png.as_deref();
-    let outputs: Vec<(&str, &Path)> =
-        std::iter::once(("-o", exr.as_path())).chain(png.map(|png| ("--png", png))).collect();
-    check_outputs(&outputs, &scene.inputs(), "nothing has been rendered")?;
-    let can_be_replaced = !matches!(Place::of(&exr), Ok(Place::Stream));
-    Ok(Output { exr, can_be_replaced, png, exposure: args.exposure })
+    // A name that says no format is refused below.
+    let format = format_of(&image, EXR_OR_PNG).unwrap_or(Format::Exr);
+    let first = OutputImage { option: "-o", path: &image, formats: EXR_OR_PNG };
+    let second = png.map(|path| OutputImage { option: "--png", path, formats: PNG });
+    let images: Vec<OutputImage<'_>> = std::iter::once(first).chain(second).collect();
+    let stdout = args.json.then_some("the report of --json");
+    check_outputs(&images, &Beside { inputs: &scene.inputs(), stdout, undone: "nothing has been rendered" })?;
+    if format == Format::Png {
+        let refuse = |why: &str| {
+            let (name, exr) = (
+                image.display(),
+                match is_standard(&image) {
+                    true => PathBuf::from(stem_of(&args.scene)).with_added_extension("exr"),
+                    false => image.with_extension("exr"),
+                },
+            );
+            Err(Error::Usage(format!(
+                "{name}: {why}: give -o {} --png {name}; nothing has been rendered",
+                exr.display()
+            )))
+        };
+        if args.resume.is_some() {
+            return refuse("a PNG cannot be resumed, and --resume goes on from an EXR");
+        }
+        if png.is_some() {
+            return refuse("-o and --png are both a PNG");
+        }
+    }
+    let can_be_replaced = !matches!(Place::of(&image), Ok(Place::Stream));
+    Ok(Output { image, format, can_be_replaced, png, exposure: args.exposure })
 }
 
 fn job_of(args: &RenderArgs, scene: &Scene, size: (u32, u32), start: Instant) -> Job {

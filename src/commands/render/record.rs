@@ -291,7 +291,7 @@ pub fn report<'a>(
     let per_second = |n: u64| n as f64 / outcome.seconds.max(1e-9);
     let stages = || outcome.stages.iter().map(|(name, s)| (name.clone(), json!(s))).collect();
     RenderReport {
-        output: path_text(&output.exr),
+        output: path_text(&output.image),
         width: about.job.size.0,
         height: about.job.size.1,
         samples_per_pixel: finish.samples.count(),

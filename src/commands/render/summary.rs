@@ -65,10 +65,13 @@ pub fn summarise(about: &About<'_>, output: &Output<'_>, outcome: &Outcome, fini
     if finish.error.is_some() {
         tell(&format!("the relative error covers noise; it excludes {}", about.excluded()));
     }
+    if output.exr().is_none() {
+        tell("a PNG is the picture alone: no EXR is written");
+    }
     let samples = finish.samples.count();
     let resumed = about.resumed_from.map_or(String::new(), |from| format!(" ({from} of them resumed)"));
     let error = error_words(finish);
-    tell(&format!("{}: {samples} samples{resumed}, {error}, {total:.1} s", output.exr.display()));
+    tell(&format!("{}: {samples} samples{resumed}, {error}, {total:.1} s", output.image.display()));
 }
 
 /// The error with its bound.
