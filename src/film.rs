@@ -34,17 +34,17 @@ const MOST_OF_HALVES: f64 = 0.02;
 const DEGREES_OF_SPREAD: f64 = 4.0;
 /// What a sum of squares is at least for each run, in units of 2^-[`SQUARE_FRACTION`], where it counts as known: each run's is rounded by half a
 /// unit at most.
-const LEAST_SQUARES: u128 = 1 << 10;
+const LEAST_SQUARES: i128 = 1 << 10;
 
 /// What one pixel has received, in device units.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Zeroable)]
 struct Pixel {
     /// Σ s over runs, s the run's sum, in units of 2^-[`SUM_FRACTION`].
-    sum: Rgb<u128>,
+    sum: Rgb<i128>,
     /// What the odd runs have of it.
-    odd_sum: Rgb<u128>,
+    odd_sum: Rgb<i128>,
     /// The squared deviations of samples from the means of their runs, summed, in units of 2^-[`SQUARE_FRACTION`].
-    spread: Rgb<u128>,
+    spread: Rgb<i128>,
     /// Accepted samples of even and of odd runs. A pixel's samples are numbered by 32 bits, so that either has at most 2^31.
     even: u32,
     odd: u32,
@@ -59,8 +59,8 @@ type Halves = [Rgb<f64>; 2];
 impl From<&PixelTotals> for Pixel {
     fn from(totals: &PixelTotals) -> Pixel {
         let sum = |index: usize| match totals.saturated >> index & 1 {
-            0 => u128::from_le_bytes(bytemuck::cast(totals.sums[index].map(u32::to_le))),
-            _ => u128::MAX,
+            0 => i128::from_le_bytes(bytemuck::cast(totals.sums[index].map(u32::to_le))),
+            _ => i128::MAX,
         };
         let sums = |first: usize| [0, 1, 2].map(|channel| sum(first * CHANNELS.len() + channel));
         let (even_sum, odd_sum) = (sums(0), sums(1));
@@ -100,7 +100,7 @@ impl Pixel {
 
     /// The variance of the pixel's mean, in device units squared. Unknown without samples in either half, or where a total has saturated.
     fn variance(&self, channel: usize, sampler: Sampler) -> Option<f64> {
-        let saturated = self.sum[channel] == u128::MAX || self.spread[channel] == u128::MAX;
+        let saturated = self.sum[channel] == i128::MAX || self.spread[channel] == i128::MAX;
         match (saturated || !self.has_halves(), sampler) {
             (true, _) => None,
             (false, Sampler::Independent) => {
@@ -131,9 +131,9 @@ impl Pixel {
     /// on one side, v is right if V and W are as 1/a to 1/b, as for independent samples; where the larger half is better than
     /// that, v is too large, by a factor of a/b at most (own derivation: V a = W b gives v; V = 0 gives v = a b W / N² for b² W / N²).
     fn variance_of_halves(&self, channel: usize) -> f64 {
-        // Means are rounded down by 2^-88 at most, so that nothing cancels but equal digits.
-        let mean_odd = self.odd_sum[channel] / u128::from(self.odd);
-        let mean_even = self.sum[channel].saturating_sub(self.odd_sum[channel]) / u128::from(self.even);
+        // Means are rounded towards 0 by 2^-88 at most, so that nothing cancels but equal digits.
+        let mean_odd = self.odd_sum[channel] / i128::from(self.odd);
+        let mean_even = self.sum[channel].saturating_sub(self.odd_sum[channel]) / i128::from(self.even);
         let difference = mean_odd.abs_diff(mean_even) as f64 * exp2(-(SUM_FRACTION as i32));
         let all = self.samples() as f64;
         let weights = (f64::from(self.even) / all) * (f64::from(self.odd) / all);
@@ -146,7 +146,7 @@ impl Pixel {
     fn variance_of_spread(&self, channel: usize) -> Option<f64> {
         let degrees = self.samples().checked_sub(u64::from(self.runs)).filter(|degrees| *degrees > 0)?;
         let squares = self.spread[channel];
-        let known = squares >= LEAST_SQUARES * u128::from(self.runs);
+        let known = squares >= LEAST_SQUARES * i128::from(self.runs);
         known.then(|| squares as f64 * exp2(-(SQUARE_FRACTION as i32)) / (degrees as f64 * self.samples() as f64))
     }
 
@@ -165,10 +165,10 @@ impl Pixel {
 
 /// The exact totals of a whole image.
 ///
-/// Range, in device units (scene radiance / 2^exponent). A pixel's sum holds 2^-88 to 2^40: every f32 from 2^-65 on is added without
-/// any rounding, smaller ones are rounded to 2^-88, and 2^30 samples of mean 1000 fit. Its squared deviations hold 2^-96 to 2^32: 2^30
+/// Range, in device units (scene radiance / 2^exponent). A pixel's sum holds 2^-88 to 2^39, of either sign: every f32 from 2^-65 on is added
+/// without any rounding, smaller ones are rounded to 2^-88, and 2^30 samples of mean 500 fit. Its squared deviations hold 2^-96 to 2^31: 2^29
 /// samples that deviate by 2 fit. Below about 2^-43 they are not known, and the two halves tell the variance, which are exact to 2^-88.
-/// Beyond, the total saturates (a saturating sum of numbers that are not negative is still the same in any order) and the
+/// Beyond, the total saturates (a saturating sum of numbers of one sign is still the same in any order) and the
 /// variance is reported as unknown. So the device's unit should be about the radiance of the brightest thing that is often seen.
 ///
 /// Memory: 160 bytes a pixel.
@@ -515,13 +515,13 @@ fn exp2(exponent: i32) -> f64 {
 }
 
 /// The mean of a sum in units of 2^-[`SUM_FRACTION`]; 0 without samples.
-fn mean(sum: u128, samples: u64) -> f64 {
+fn mean(sum: i128, samples: u64) -> f64 {
     if samples == 0 { 0.0 } else { sum as f64 * exp2(-(SUM_FRACTION as i32)) / samples as f64 }
 }
 
-/// `value`, not negative, as f32; saturates at f32::MAX.
+/// `value` as f32; saturates at ±f32::MAX.
 fn to_f32(value: f64) -> f32 {
-    (value as f32).min(f32::MAX)
+    (value as f32).clamp(f32::MIN, f32::MAX)
 }
 
 fn variance_to_f32(variance: Option<f64>, scale: f64) -> f32 {

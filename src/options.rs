@@ -15,6 +15,7 @@ pub struct RenderOptions {
     pub integrator: Integrator,
     pub roulette: Switch,
     pub sampler: Sampler,
+    pub filter: Filter,
     pub fresnel: Fresnel,
     /// The most indirect radiance that a path may add, in scene units; `None` for no limit.
     pub clamp: Option<f64>,
@@ -38,6 +39,7 @@ impl Default for RenderOptions {
             integrator: Integrator::Mis,
             roulette: Switch::On,
             sampler: Sampler::Sobol,
+            filter: Filter::Box,
             fresnel: Fresnel::Exact,
             clamp: None,
             offset: Offset::Robust,
@@ -132,6 +134,19 @@ words!(
     }
 );
 words!(
+    /// What a pixel is the mean over: how samples are spread around its middle.
+    enum Filter {
+        /// Uniform over its square.
+        Box = "box",
+        /// A tent two pixels wide.
+        Tent = "tent",
+        /// A Gaussian of half a pixel, cut off at 1.5 pixels.
+        Gauss = "gauss",
+        /// The cubic of Mitchell and Netravali, four pixels wide, with negative lobes.
+        Mitchell = "mitchell",
+    }
+);
+words!(
     enum Fresnel {
         Exact = "exact",
         Schlick = "schlick",
@@ -181,6 +196,8 @@ pub enum Class {
     Noise,
     /// Some of the image's pixels; each that is left converges to the mean over what it shows.
     Detail,
+    /// Nothing: what a pixel is the mean over is a matter of taste.
+    Look,
     /// What the image converges to is another one.
     Bias,
     /// The same image, but for the rounding of f32: right in ordinary scenes, wrong at the extremes of scale.
@@ -194,6 +211,7 @@ impl Class {
             Class::Exact => "Speed (the image stays the same to the byte)",
             Class::Noise => "Noise (the expectation stays the same)",
             Class::Detail => "Detail (fewer pixels, each of them right)",
+            Class::Look => "Look (what a pixel is the mean over)",
             Class::Bias => "Bias (each biases the result; off by default)",
             Class::Numerics => "Numerics (wrong at the extremes of scale; off by default)",
         }
@@ -270,7 +288,7 @@ impl Knob {
         match self.class {
             Class::Bias => format!("{option} biases the result"),
             Class::Numerics => format!("{option} is wrong at the extremes of scale"),
-            Class::Exact | Class::Noise | Class::Detail => option,
+            Class::Exact | Class::Noise | Class::Detail | Class::Look => option,
         }
     }
 
@@ -428,6 +446,23 @@ pub const SAMPLER: Knob = Knob {
     }),
 };
 
+pub const FILTER: Knob = Knob {
+    name: "filter",
+    about: "The reconstruction filter: `box` is the pixel's square, `tent` is 2 pixels wide, `gauss` 3, `mitchell` 4.",
+    values: &["box", "tent", "gauss", "mitchell"],
+    default: Some("box"),
+    class: Class::Look,
+    gives_up: "`tent` and `gauss` have smoother edges and less detail. `mitchell` has sharper edges; where its filter is negative, \
+               pixels beside a bright edge may be too. Pixels share what they see, but not their noise.",
+    reading: word!(filter: Filter),
+    links: Some(|options| match options.filter {
+        Filter::Box => "filter/box",
+        Filter::Tent => "filter/tent",
+        Filter::Gauss => "filter/gauss",
+        Filter::Mitchell => "filter/mitchell",
+    }),
+};
+
 pub const MAX_DEPTH: Knob = Knob {
     name: "max-depth",
     about: "The most scattering events per path [default: the scene's].",
@@ -510,9 +545,21 @@ pub const BUILD: Knob = Knob {
     links: None,
 };
 
-/// All that trade one thing for another, those first that are the first to be measured where time is short.
-pub const KNOBS: &[&Knob] =
-    &[&SPP, &INTEGRATOR, &SAMPLER, &ROULETTE, &MAX_DEPTH, &FRESNEL, &CLAMP, &BUILD, &OFFSET, &PRECISION, &SIZE];
+/// All that trade one thing for another, or a look for another, those first that are the first to be measured where time is short.
+pub const KNOBS: &[&Knob] = &[
+    &SPP,
+    &INTEGRATOR,
+    &SAMPLER,
+    &ROULETTE,
+    &MAX_DEPTH,
+    &FRESNEL,
+    &CLAMP,
+    &BUILD,
+    &OFFSET,
+    &PRECISION,
+    &SIZE,
+    &FILTER,
+];
 
 /// What changes the speed and never the image, and is not swept over.
 const TUNING: &[&Knob] = &[

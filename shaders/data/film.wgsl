@@ -1,6 +1,6 @@
 // What the film holds of a pixel: sums in fixed point, so that the order of the runs does not matter.
 struct PixelTotals {
-    // Nine sums, each an integer of 128 bits in four words, the lowest first: the radiance of even runs (red, green, blue), the radiance of
+    // Nine sums, each an integer of 128 bits (two's complement) in four words, the lowest first: the radiance of even runs (red, green, blue), the radiance of
     // odd runs, and the squared deviations of the samples from the means of their runs.
     sums: array<array<atomic<u32>, 4>, 9>,
     // Accepted samples of even runs and of odd ones.
@@ -8,7 +8,7 @@ struct PixelTotals {
     // Runs with at least one accepted sample.
     runs: atomic<u32>,
     rejected: atomic<u32>,
-    // A bit for each sum that has exceeded its 128 bits.
+    // A bit for each sum that has left its range.
     saturated: atomic<u32>,
 }
 

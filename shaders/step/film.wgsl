@@ -7,14 +7,14 @@
 
 const FIRST_SQUARE: u32 = 6u;
 
-// Whether a component is negative or NaN, which a sum of accepted samples never is.
+// Whether a component is negative or NaN.
 fn is_no_sum(v: vec3<f32>) -> bool {
     let bits = bitcast<vec3<u32>>(v);
     return any((bits > vec3<u32>(0x7f800000u)) & (bits != vec3<u32>(0x80000000u)));
 }
 
-// Adds a value, not negative, to a sum of a pixel, rounded to the nearest multiple of 2^-fraction (halves up). atomicAdd returns what the word
-// was before, which tells whether it carries.
+// Adds a value to a sum of a pixel, rounded to the nearest multiple of 2^-fraction (halves away from 0). atomicAdd and atomicSub return what
+// the word was before, which tells whether it carries or borrows.
 fn add_to_film(pixel: u32, sum: u32, value: f32, fraction: u32) {
     let bits = bitcast<u32>(value) & 0x7fffffffu;
     // value = mantissa * 2^(exponent - 150) (IEEE 754-2019, section 3.4). Subnormal numbers round to 0 in either fixed point.
@@ -24,8 +24,8 @@ fn add_to_film(pixel: u32, sum: u32, value: f32, fraction: u32) {
     if exponent == 0 || shift < -24 {
         return;
     }
-    // The mantissa has 24 bits.
-    if shift > 104 {
+    // The mantissa has 24 bits, and the sum 127 and a sign.
+    if shift > 103 {
         atomicOr(&film[pixel].saturated, 1u << sum);
         return;
     }
@@ -39,14 +39,25 @@ fn add_to_film(pixel: u32, sum: u32, value: f32, fraction: u32) {
         high = 0u;
     }
     var word = places / 32u;
+    let negative = value < 0.0;
     while word < 4u && (low | high) != 0u {
-        let before = atomicAdd(&film[pixel].sums[sum][word], low);
-        low = high + carry(before, low);
+        var before = 0u;
+        var after = 0u;
+        if negative {
+            before = atomicSub(&film[pixel].sums[sum][word], low);
+            after = before - low;
+            low = high + borrow(before, low);
+        } else {
+            before = atomicAdd(&film[pixel].sums[sum][word], low);
+            after = before + low;
+            low = high + carry(before, low);
+        }
+        // The highest bit is the sum's sign. It shows where the sum leaves its range of ±2^127. Words below come here with `low`.
+        if word == 3u && ((before ^ after) >> 31u) == 1u && (before >> 31u == 1u) == negative {
+            atomicOr(&film[pixel].saturated, 1u << sum);
+        }
         high = 0u;
         word++;
-    }
-    if low != 0u {
-        atomicOr(&film[pixel].saturated, 1u << sum);
     }
 }
 
@@ -66,7 +77,12 @@ fn add_run(pixel: u32, run: RunRecord) -> u32 {
         atomicAdd(&counters.infinite, infinite);
         atomicAdd(&counters.cut, cut);
     }
-    if is_no_sum(sum) || is_no_sum(spread) {
+    var unsigned = sum;
+    //@ if signed
+    // A filter with negative lobes makes sums of either sign.
+    unsigned = abs(sum);
+    //@ end
+    if is_no_sum(unsigned) || is_no_sum(spread) {
         atomicAdd(&counters.refused, accepted);
         rejected += accepted;
     } else if is_infinite(sum.x) || is_infinite(sum.y) || is_infinite(sum.z) {

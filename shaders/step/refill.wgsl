@@ -52,6 +52,9 @@ fn refill_path(path: ptr<function, Path>) {
     //@ if light
     radiance += (*path).radiance;
     //@ end
+    //@ if signed
+    radiance *= weight_of_sample(path);
+    //@ end
     // A sample that is not finite is dropped, and counted by its reason. Tested by bits: a compiler may assume that x != x is false.
     if (*path).status == PATH_CUT {
         (*path).counts += 0x1000000u;

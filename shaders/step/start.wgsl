@@ -5,6 +5,7 @@
 //@ use bind/window
 //@ use bind/counters
 //@ use choice/camera
+//@ use choice/filter
 //@ use choice/sampler
 //@ use step/pixel_order
 //@ if light
@@ -12,11 +13,20 @@
 //@ end
 // Starting a sample, and a run.
 
+//@ if signed
+// The weight of the path's sample. Its point is drawn again: its numbers are the same.
+fn weight_of_sample(path: ptr<function, Path>) -> f32 {
+    let u = random4((*path).pixel, (*path).sample, DIMENSION_CAMERA, settings.seed);
+    return filter_weight(u.xy);
+}
+//@ end
+
 // Puts the path onto the camera ray of its sample.
 fn start_sample(path: ptr<function, Path>) {
     let pixel = (*path).pixel;
     let u = random4(pixel, (*path).sample, DIMENSION_CAMERA, settings.seed);
-    (*path).ray = camera_ray(pixel % settings.image_width, pixel / settings.image_width, u);
+    let jitter = vec4<f32>(filter_point(u.xy), u.zw);
+    (*path).ray = camera_ray(pixel % settings.image_width, pixel / settings.image_width, jitter);
     (*path).status = RAY_READY;
     (*path).throughput = vec3<f32>(1.0);
     (*path).depth = 0u;

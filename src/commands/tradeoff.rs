@@ -13,7 +13,7 @@ use crate::cli::{Cli, Command, RenderArgs, Size, TradeoffArgs};
 use crate::error::{Error, Result};
 use crate::metrics::estimate::Estimate;
 use crate::metrics::flip::error_map;
-use crate::options::{KNOBS, Knob, MAX_DEPTH, SIZE, SPP};
+use crate::options::{Class, KNOBS, Knob, MAX_DEPTH, SIZE, SPP};
 use crate::output::atomic;
 use crate::output::exr::{ExrImage, read_exr};
 use crate::output::png;
@@ -224,9 +224,9 @@ fn too_short(args: &TradeoffArgs) -> Error {
 }
 
 /// The knobs of the command line, each once; all knobs by default. The number of samples is not a knob here, because
-/// every setting is measured at several numbers.
+/// every setting is measured at several numbers. What is a matter of taste has no error.
 fn knobs_of(args: &TradeoffArgs) -> Result<Vec<&'static Knob>> {
-    let all = || KNOBS.iter().copied().filter(|knob| knob.name != SPP.name);
+    let all = || KNOBS.iter().copied().filter(|knob| knob.name != SPP.name && knob.class != Class::Look);
     for name in &args.knobs {
         if name == SPP.name {
             let why = "every setting is measured over its samples; the report has the number that each target takes";

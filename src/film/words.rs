@@ -1,4 +1,4 @@
-//! The exact totals of pixels as words of 16 bits, for files.
+//! The exact totals of pixels as words of 16 bits, for files. Sums are in two's complement.
 
 use super::{Film, Pixel};
 use crate::data::CHANNELS;
@@ -35,7 +35,7 @@ impl Pixel {
     fn of_words(words: &Words) -> Pixel {
         let (sums, counts) = words.split_at(9 * 8);
         let sums = sums.as_chunks::<8>().0;
-        let sum = |index: usize| sums[index].iter().rev().fold(0, |value, word| value << 16 | u128::from(*word));
+        let sum = |index: usize| sums[index].iter().rev().fold(0, |value, word| value << 16 | i128::from(*word));
         let rgb = |first: usize| [sum(first), sum(first + 1), sum(first + 2)];
         let count = |index: usize| u32::from(counts[2 * index]) | u32::from(counts[2 * index + 1]) << 16;
         Pixel {
@@ -75,12 +75,12 @@ mod tests {
 
     #[test]
     fn words_hold_every_bit() {
-        let mut bits = 1u128;
+        let mut bits = 1i128;
         let mut next = || {
             bits = bits.wrapping_mul(0x0123_4567_89ab_cdef_0fed_cba9_8765_4321).wrapping_add(7);
             bits
         };
-        let rgb = |next: &mut dyn FnMut() -> u128| [next(), next(), next()];
+        let rgb = |next: &mut dyn FnMut() -> i128| [next(), next(), next()];
         let pixel = Pixel {
             sum: rgb(&mut next),
             odd_sum: rgb(&mut next),

@@ -9,7 +9,7 @@ use crate::data::{KIND_INSTANCE, KIND_TRIANGLE, RUN_LENGTH};
 use crate::flatten::{BACKGROUNDS, BOUNDARIES, EVERY_FEATURE, Features, PRIMITIVES, TEXTURES};
 use crate::gpu::link::{Choices, Chosen, Entry, Reason};
 use crate::material::Material;
-use crate::options::{self, FeatureSet, Knob, RenderOptions};
+use crate::options::{self, FeatureSet, Filter, Knob, RenderOptions};
 use crate::shape::KINDS;
 
 /// A struct with a member for each name that directives of one kind have in the shaders, so that none can be left undecided.
@@ -53,6 +53,8 @@ named! {
         /// Render space has the camera's axes.
         camera_axes,
         clamp,
+        /// Samples have weights of either sign.
+        signed,
         /// All primitives are asked of every ray.
         brute_force,
         gradient_background,
@@ -112,6 +114,7 @@ named! {
     Modules: Chosen {
         axes,
         camera,
+        filter,
         colour,
         uv,
         shading,
@@ -293,6 +296,7 @@ pub(super) fn decide(
             options.clamp.is_some() && (surface.is_some() || features.media > 0),
             by_option(&options::CLAMP).why,
         ),
+        signed: if_so(options.filter == Filter::Mitchell, by_option(&options::FILTER).why),
         gradient_background: asked(&features.backgrounds[1]),
         image_background: asked(&features.backgrounds[2]),
         several_backgrounds: if_so(!other_background.is_empty(), option(EVERY_FEATURE)),
@@ -327,6 +331,7 @@ pub(super) fn decide(
     let modules = Modules {
         axes: either(asked(&features.turned), "scene/camera_axes", "scene/world_axes"),
         camera: either(asked(&features.thin_lens), "camera/thin_lens", "camera/pinhole"),
+        filter: by_option(&options::FILTER),
         colour: either(first(&features.textures), "scene/textured_colour", "scene/plain_colour"),
         uv: either(image_texture, "scene/uv", "scene/no_uv"),
         shading: either(asked(&features.smooth), "scene/smooth_shading", "scene/flat_shading"),

@@ -91,6 +91,7 @@ pub fn class_name(class: Class) -> &'static str {
         Class::Exact => "exact",
         Class::Noise => "noise",
         Class::Detail => "detail",
+        Class::Look => "look",
         Class::Bias => "bias",
         Class::Numerics => "numerics",
     }

@@ -23,17 +23,18 @@ impl Run {
         RunRecord { sum_r, sum_g, sum_b, pixel, counts, rays, spread_r, spread_g, spread_b }
     }
 
-    /// What it adds to its pixel and to the film's counts.
-    fn totals(&self) -> (PixelTotals, Totals) {
+    /// What it adds to its pixel and to the film's counts. Where samples have weights of either sign, so may their sum.
+    fn totals(&self, signed: bool) -> (PixelTotals, Totals) {
         let [accepted, nan, infinite, cut] = (self.counts & !ODD_RUN).to_le_bytes();
         let mut rejected =
             Rejected { nan: u64::from(nan), infinite: u64::from(infinite), cut: u64::from(cut), refused: 0 };
         let paths = u64::from(accepted) + rejected.total();
         let mut pixel = PixelTotals::default();
+        let unsigned = self.sum.map(|value| if signed { value.abs() } else { value });
         // A NaN fails this too.
-        if !self.sum.iter().chain(&self.spread).all(|value| *value >= 0.0) {
+        if !unsigned.iter().chain(&self.spread).all(|value| *value >= 0.0) {
             rejected.refused += u64::from(accepted);
-        } else if self.sum.iter().any(|value| value.is_infinite()) {
+        } else if unsigned.iter().any(|value| value.is_infinite()) {
             rejected.infinite += u64::from(accepted);
         } else if accepted > 0 {
             let half = usize::from(self.counts & ODD_RUN != 0);
@@ -57,31 +58,43 @@ impl Run {
     }
 }
 
-/// `value`, not negative, in units of 2^-fraction, rounded to the nearest (halves up); nothing where 128 bits do not hold it.
-pub fn to_fixed(value: f64, fraction: i32) -> Option<u128> {
+/// `value` in units of 2^-fraction, rounded to the nearest (halves away from 0); nothing where 127 bits and a sign do not hold it.
+pub fn to_fixed(value: f64, fraction: i32) -> Option<i128> {
     // value = mantissa * 2^(exponent - 1075) (IEEE 754-2019, section 3.4). Denormals, below 2^-1022, round to 0 here anyway.
     let bits = value.to_bits();
     let exponent = (bits >> 52 & 0x7ff) as i32;
-    let mantissa = u128::from(bits & ((1 << 52) - 1) | 1 << 52);
-    match exponent - 1075 + fraction {
+    let mantissa = i128::from(bits & ((1 << 52) - 1) | 1 << 52);
+    let fixed = match exponent - 1075 + fraction {
         // The mantissa has 53 bits.
-        76.. => None,
-        shift @ 0..76 => Some(mantissa << shift),
-        shift @ -53..0 => Some((mantissa + (1 << (-shift - 1))) >> -shift),
-        _ => Some(0),
-    }
+        75.. => return None,
+        shift @ 0..75 => mantissa << shift,
+        shift @ -53..0 => (mantissa + (1 << (-shift - 1))) >> -shift,
+        _ => 0,
+    };
+    Some(if value < 0.0 { -fixed } else { fixed })
 }
 
 /// Adds runs to a film, one by one.
 pub trait AddRuns {
     fn add_runs(&mut self, runs: &[Run]);
+
+    /// The same of samples that have weights of either sign.
+    fn add_signed_runs(&mut self, runs: &[Run]);
 }
 
 impl AddRuns for Film {
     fn add_runs(&mut self, runs: &[Run]) {
-        for run in runs {
-            let (pixel, counted) = run.totals();
-            self.add([(run.pixel as usize, &pixel)], counted);
-        }
+        add(self, runs, false);
+    }
+
+    fn add_signed_runs(&mut self, runs: &[Run]) {
+        add(self, runs, true);
+    }
+}
+
+fn add(film: &mut Film, runs: &[Run], signed: bool) {
+    for run in runs {
+        let (pixel, counted) = run.totals(signed);
+        film.add([(run.pixel as usize, &pixel)], counted);
     }
 }

@@ -82,8 +82,17 @@ const USUAL: [(&str, &str); 4] = [
 ];
 
 /// The conditions that do not hold where nothing else is asked, and those of the settings' members, which are all there.
-const NONE: [&str; 8] =
-    ["mesh", "light", "emitting_mesh", "emitting_sky", "unsampled", "one_way", "medium", "several_backgrounds"];
+const NONE: [&str; 9] = [
+    "mesh",
+    "light",
+    "emitting_mesh",
+    "emitting_sky",
+    "unsampled",
+    "one_way",
+    "medium",
+    "several_backgrounds",
+    "signed",
+];
 const SETTINGS: [&str; 6] = ["lens", "gradient_background", "image_background", "camera_axes", "clamp", "brute_force"];
 
 /// A test kernel, linked and validated.

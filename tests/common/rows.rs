@@ -90,3 +90,12 @@ pub struct CameraRay {
     pub direction: [f32; 3],
     pub padding1: u32,
 }
+
+/// What `test/filter` gives: a point of a pixel, and its weight.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct FilterPoint {
+    pub point: [f32; 2],
+    pub weight: f32,
+    pub padding: u32,
+}

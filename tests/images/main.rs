@@ -7,6 +7,7 @@ mod closed_form;
 mod devices;
 mod estimators;
 mod features;
+mod filters;
 mod globes;
 mod instances;
 mod knobs;

@@ -13,6 +13,7 @@ mod bounds;
 mod camera;
 mod cuboid;
 mod film;
+mod filter;
 mod float;
 mod frames;
 mod globe;
