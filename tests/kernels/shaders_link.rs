@@ -8,7 +8,7 @@ use gpu_rt::flatten::{BACKGROUNDS, BOUNDARIES, Features, MATERIALS, PRIMITIVES, 
 use gpu_rt::gpu::layout::BindingKind;
 use gpu_rt::gpu::link::{Choices, Chosen, Embedded, Entry, Library, Linked, Reason, link};
 use gpu_rt::material::{Material, MaterialKind, Scattering};
-use gpu_rt::options::{FeatureSet, Fresnel, Offset, Precision, RenderOptions, Scatter, Switch};
+use gpu_rt::options::{FeatureSet, Filter, Fresnel, Offset, Precision, RenderOptions, Scatter, Switch};
 use gpu_rt::plan::choices::{Conditions, Lists, Modules, Values, table_names};
 use gpu_rt::plan::{Kernel, Kernels, UniformTables};
 
@@ -208,6 +208,11 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
     beside.extend((1..=all(BOUNDARIES)).map(|set| with_media(features(1, 1, 0, SOLID, false), set, false)));
     beside.extend([everything(), many_lights(everything())]);
     found.extend(beside.into_iter().map(|features| (features, approximate_all())));
+    // Every filter, beside the least and everything.
+    for filter in [Filter::Tent, Filter::Gauss, Filter::Mitchell] {
+        let beside = [features(0, 0, 0, SOLID, true), everything()];
+        found.extend(beside.map(|features| (features, RenderOptions { filter, ..RenderOptions::default() })));
+    }
     // `--features all`.
     let all_backgrounds = Features { backgrounds: on(all(BACKGROUNDS)), ..turned(everything()) };
     found.push((all_backgrounds, RenderOptions { features: FeatureSet::All, ..RenderOptions::default() }));
@@ -344,12 +349,26 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("bind", &["data", "light/sky"]),
     ("texture", &["data", "lib", "scene/texel"]),
     ("camera", &["bind", "camera", "data", "lib"]),
+    ("filter", &["lib"]),
     ("background", &["bind", "choice/axes", "data", "lib", "scene/texel"]),
     ("scene", &["background", "bind", "data", "geometry", "lib", "light", "material", "medium", "scene", "texture"]),
     ("slots", &["bind", "data", "lib", "scene", "slots"]),
     (
         "step",
-        &["background", "bind", "camera", "data", "geometry", "lib", "light", "medium", "sampler", "scene", "step"],
+        &[
+            "background",
+            "bind",
+            "camera",
+            "data",
+            "filter",
+            "geometry",
+            "lib",
+            "light",
+            "medium",
+            "sampler",
+            "scene",
+            "step",
+        ],
     ),
     (
         "stage",
@@ -361,6 +380,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
 const CHOICES: &[(&str, &str)] = &[
     ("axes", "scene"),
     ("camera", "camera"),
+    ("filter", "filter"),
     ("colour", "scene"),
     ("uv", "scene"),
     ("shading", "scene"),
