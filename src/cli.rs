@@ -7,6 +7,7 @@ use std::time::Duration;
 use clap::{Args, Parser, Subcommand};
 
 use crate::options::{self, Class, RenderOptions};
+use crate::output::view_transform::{Tonemap, ViewTransform};
 
 /// A path tracer for GPUs, and for machines without one.
 #[derive(Debug, Parser)]
@@ -22,6 +23,8 @@ pub enum Command {
     Render(RenderArgs),
     /// Join renders of disjoint samples of one scene, in any order: the image is that of one render.
     Merge(MergeArgs),
+    /// Make a picture of an EXR, of any program.
+    Develop(DevelopArgs),
     /// Tell what has come of a render that `gpu-rt submit` has shared: samples, parts, time left. It changes no file.
     Status(StatusArgs),
     /// Share one render among many processes or machines.
@@ -74,10 +77,9 @@ pub struct RenderArgs {
     pub size: Option<Size>,
     #[command(flatten)]
     pub paths: PathArgs,
-    /// Exposure of the PNG, in stops.
-    #[arg(long, value_name = "EV", default_value_t = 0.0, value_parser = exposure, allow_negative_numbers = true)]
-    pub exposure: f64,
-    /// Write the image so far at this interval [30s, 5m, …].
+    #[command(flatten)]
+    pub view: ViewArgs,
+    /// Write the image so far at this interval, and the PNG too [30s, 5m, …].
     #[arg(long, value_name = "TIME", value_parser = duration, default_value = CHECKPOINT)]
     pub checkpoint: Duration,
     /// Go on with the render in the output, and fail if there is none; --resume=auto starts afresh then. The image is that of one render.
@@ -197,6 +199,36 @@ pub struct PathArgs {
     pub device: Option<String>,
 }
 
+/// How a PNG shows radiance.
+#[derive(Clone, Copy, Debug, Args)]
+pub struct ViewArgs {
+    /// Exposure of the PNG, in stops.
+    #[arg(long, value_name = "EV", default_value_t = 0.0, value_parser = exposure, allow_negative_numbers = true)]
+    exposure: f64,
+    /// Curve of the PNG: `srgb` clips what is brighter than white; `soft` is the same with a shoulder, so that bright lamps keep a
+    /// hue; `neutral` is Khronos PBR Neutral; `filmic` is a film curve with darker shadows (ACES).
+    #[arg(long, value_name = "CURVE", value_enum, default_value_t)]
+    tonemap: Tonemap,
+}
+
+impl ViewArgs {
+    pub fn transform(&self) -> ViewTransform {
+        ViewTransform { exposure: self.exposure, tonemap: self.tonemap }
+    }
+}
+
+#[derive(Debug, Args)]
+pub struct DevelopArgs {
+    /// The EXR, of any program: red, green and blue, or a luminance alone.
+    #[arg(value_name = "IN.exr")]
+    pub image: PathBuf,
+    /// The PNG to write, - for standard output.
+    #[arg(short, long, value_name = "OUT.png")]
+    pub output: PathBuf,
+    #[command(flatten)]
+    pub view: ViewArgs,
+}
+
 #[derive(Debug, Args)]
 pub struct MergeArgs {
     /// The parts: EXRs of `gpu-rt render --samples A..B`, or of this command, or folders of them.
@@ -236,9 +268,8 @@ pub struct StatusArgs {
     /// Also join the samples that are there, and write a tone-mapped picture of them.
     #[arg(long, value_name = "FILE.png")]
     pub png: Option<PathBuf>,
-    /// Exposure of the PNG, in stops.
-    #[arg(long, value_name = "EV", default_value_t = 0.0, value_parser = exposure, allow_negative_numbers = true)]
-    pub exposure: f64,
+    #[command(flatten)]
+    pub view: ViewArgs,
     /// Print results and errors only.
     #[arg(long)]
     pub quiet: bool,

@@ -3,6 +3,7 @@
 mod check;
 mod compare;
 mod converge;
+mod develop;
 mod devices;
 mod merge;
 mod outputs;
@@ -31,6 +32,7 @@ pub fn run(cli: &Cli, start: std::time::Instant) -> Result<()> {
     match &cli.command {
         Command::Render(args) => render::run(args, start),
         Command::Merge(args) => merge::run(args),
+        Command::Develop(args) => develop::run(args),
         Command::Status(args) => status::run(args),
         Command::Submit(Scheduler::Slurm(args)) => submit::run(args),
         Command::Compare(args) => compare::run(args),

@@ -43,7 +43,7 @@ pub fn run(args: &StatusArgs) -> Result<()> {
     drop(loading);
     if let (Some(png), Some((film, _))) = (&args.png, &joined) {
         let size = (film.width(), film.height());
-        write_png(png, size, &|index| film.developed(index).rgb, args.exposure)?;
+        write_png(png, size, &|index| film.developed(index).rgb, &args.view.transform())?;
     }
     let finish = joined.as_ref().map(|(film, samples)| finish(film, samples, &parts, &folder)).filter(|_| args.error);
 

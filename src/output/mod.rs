@@ -8,4 +8,5 @@ pub mod plot;
 pub mod png;
 pub mod progress;
 mod temporary;
+pub mod view_transform;
 pub mod writable;

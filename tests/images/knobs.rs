@@ -27,6 +27,7 @@ const SAME_IMAGE: &[(&str, Option<&str>)] = &[
     ("png", Some("picture.png")),
     ("device", None),
     ("exposure", Some("2")),
+    ("tonemap", Some("filmic")),
     ("checkpoint", Some("1s")),
     ("mixed-drivers", None),
     ("no-state", None),

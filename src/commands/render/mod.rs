@@ -30,6 +30,7 @@ use crate::output::format::{Format, format_of};
 use crate::output::place::{Place, is_standard};
 use crate::output::png::write_png;
 use crate::output::progress::{Loading, Progress};
+use crate::output::view_transform::ViewTransform;
 use crate::plan::Plan;
 use crate::render::{Outcome, Renderer};
 use crate::scene::Scene;
@@ -75,7 +76,7 @@ struct Output<'a> {
     can_be_replaced: bool,
     /// The picture beside the EXR.
     png: Option<&'a Path>,
-    exposure: f64,
+    view: ViewTransform,
 }
 
 impl Output<'_> {
@@ -306,6 +307,7 @@ impl Task<'_> {
                     self.signals.set_loss(format!("{image} holds the last checkpoint; what came since is lost"));
                     Ok(())
                 },
+                picture: &|film| self.show_checkpoint(film),
             };
             rendering.started = true;
             let outcome = renderer.run(job, pixels, &mut |outcome, look| watcher.watch(outcome, look));
@@ -354,11 +356,21 @@ impl Task<'_> {
             self.keep(about, &film.film, film.looks, finish, seconds)?;
         }
         self.signals.set_loss(format!("{} holds the image", self.output.image.display()));
-        self.output.png.map_or(Ok(()), |png| self.write_picture(png, &film.film))
+        self.show(&film.film)
+    }
+
+    /// Writes the picture beside the EXR, if one is asked for.
+    fn show(&self, film: &Film) -> Result<()> {
+        self.output.png.map_or(Ok(()), |png| self.write_picture(png, film))
+    }
+
+    /// The same at a checkpoint. A pipe gets one picture, at the end.
+    fn show_checkpoint(&self, film: &Film) -> Result<()> {
+        if self.output.png.is_some_and(can_be_replaced) { self.show(film) } else { Ok(()) }
     }
 
     fn write_picture(&self, png: &Path, film: &Film) -> Result<()> {
-        write_png(png, self.job.size, &|index| film.developed(index).rgb, self.output.exposure)
+        write_png(png, self.job.size, &|index| film.developed(index).rgb, &self.output.view)
     }
 
     /// The EXR, if it holds a checkpoint of this render, or what it goes on with.
@@ -398,6 +410,7 @@ impl Task<'_> {
                 Some(exr) => write_render(exr, &film.film, &attributes, None, || Ok(())),
                 None => self.write_picture(&self.output.image, &film.film),
             };
+            let written = written.and_then(|()| self.show(&film.film));
             return Error::Device(match written {
                 Ok(()) => format!("{why}; {image} holds what there was, and cannot be resumed"),
                 Err(error) => format!("{why}; {error}"),
@@ -433,6 +446,11 @@ impl Clock {
     }
 }
 
+/// Whether a later image can replace what is there.
+fn can_be_replaced(path: &Path) -> bool {
+    !matches!(Place::of(path), Ok(Place::Stream))
+}
+
 /// The paths to write to, checked before anything costs time.
 fn output_of<'a>(args: &'a RenderArgs, scene: &Scene) -> Result<Output<'a>> {
     let image = args.output.clone().unwrap_or_else(|| PathBuf::from(stem_of(&args.scene)).with_added_extension("exr"));
@@ -465,8 +483,8 @@ fn output_of<'a>(args: &'a RenderArgs, scene: &Scene) -> Result<Output<'a>> {
             return refuse("-o and --png are both a PNG");
         }
     }
-    let can_be_replaced = !matches!(Place::of(&image), Ok(Place::Stream));
-    Ok(Output { image, format, can_be_replaced, png, exposure: args.exposure })
+    let can_be_replaced = can_be_replaced(&image);
+    Ok(Output { image, format, can_be_replaced, png, view: args.view.transform() })
 }
 
 fn job_of(args: &RenderArgs, scene: &Scene, size: (u32, u32), start: Instant) -> Job {

@@ -42,6 +42,8 @@ pub struct Watcher<'a> {
     /// Whether it has been told that a signal ends the render.
     pub told: bool,
     pub checkpoint: &'a (dyn Fn(&Film, &Outcome) -> Result<()> + Sync),
+    /// Writes the picture of a checkpoint, after it.
+    pub picture: &'a (dyn Fn(&Film) -> Result<()> + Sync),
 }
 
 impl Watcher<'_> {
@@ -53,7 +55,8 @@ impl Watcher<'_> {
         if let Some(Look { film, begin, whole }) = look {
             if keep && whole {
                 let kept = (self.checkpoint)(film, outcome);
-                self.note_checkpoint(kept, begin.elapsed());
+                self.kept |= kept.is_ok();
+                self.note_checkpoint(kept.and_then(|()| (self.picture)(film)), begin.elapsed());
             } else if let Some(next) = &mut self.next_look {
                 self.error = film.relative_error();
                 *next = Instant::now() + pause_after(begin.elapsed());
@@ -81,7 +84,6 @@ impl Watcher<'_> {
 
     /// Tells what is new, and when the next checkpoint comes. One that fails is tried again; the render is worth more than it.
     fn note_checkpoint(&mut self, kept: Result<()>, took: Duration) {
-        self.kept |= kept.is_ok();
         let failed = kept.err().map(|error| error.to_string());
         if let Some(words) = about_checkpoint(self.failed.as_deref(), failed.as_deref()) {
             self.progress.message(&words);
@@ -117,15 +119,21 @@ mod tests {
     use super::*;
     use crate::job::{Goal, Job};
 
-    /// What a watcher says to `calls` submissions, with a film that takes 10 ms to be looked at: how often it looks.
-    fn looks(next_look: Option<Instant>, checkpoint: Duration, calls: usize) -> usize {
+    fn progress() -> Progress {
         let goal = Goal::Samples(1);
-        let job = Job { size: (1, 1), max_depth: 1, seed: 0, first_sample: 0, goal };
-        let (film, outcome) = (Film::new(1, 1, 0).unwrap(), Outcome::default());
-        let (progress, signals, begun) = (Progress::new(true, &job, 0), Signals::default(), Instant::now());
-        let mut watcher = Watcher {
-            progress: &progress,
-            signals: &signals,
+        Progress::new(true, &Job { size: (1, 1), max_depth: 1, seed: 0, first_sample: 0, goal }, 0)
+    }
+
+    fn watcher<'a>(
+        progress: &'a Progress,
+        signals: &'a Signals,
+        next_look: Option<Instant>,
+        checkpoint: Duration,
+    ) -> Watcher<'a> {
+        let begun = Instant::now();
+        Watcher {
+            progress,
+            signals,
             begun,
             pixels: 1,
             earlier: 0,
@@ -137,7 +145,15 @@ mod tests {
             kept: false,
             told: false,
             checkpoint: &|_, _| Ok(()),
-        };
+            picture: &|_| Ok(()),
+        }
+    }
+
+    /// What a watcher says to `calls` submissions, with a film that takes 10 ms to be looked at: how often it looks.
+    fn looks(next_look: Option<Instant>, checkpoint: Duration, calls: usize) -> usize {
+        let (progress, signals) = (progress(), Signals::default());
+        let mut watcher = watcher(&progress, &signals, next_look, checkpoint);
+        let (film, outcome) = (Film::new(1, 1, 0).unwrap(), Outcome::default());
         let mut count = 0;
         for _ in 0..calls {
             let next = watcher.watch(&outcome, None);
@@ -149,6 +165,26 @@ mod tests {
             }
         }
         count
+    }
+
+    /// A picture that cannot be written is told as a checkpoint that failed is. The EXR is there all the same, and can be gone on with.
+    #[test]
+    fn a_checkpoint_is_kept_without_its_picture() {
+        let (progress, signals) = (progress(), Signals::default());
+        let (film, outcome) = (Film::new(1, 1, 0).unwrap(), Outcome::default());
+        let fails = || Err(crate::error::Error::Usage("the disk is full".to_string()));
+        for (exr, picture, kept) in [(true, false, true), (false, true, false), (true, true, true)] {
+            let mut watcher = watcher(&progress, &signals, None, Duration::ZERO);
+            let (of_exr, of_picture) = (
+                |_: &Film, _: &Outcome| if exr { Ok(()) } else { fails() },
+                |_: &Film| if picture { Ok(()) } else { fails() },
+            );
+            watcher = Watcher { checkpoint: &of_exr, picture: &of_picture, ..watcher };
+            assert_eq!(watcher.watch(&outcome, None), Next::Whole);
+            watcher.watch(&outcome, Some(Look { film: &film, begin: Instant::now(), whole: true }));
+            assert_eq!(watcher.kept, kept);
+            assert_eq!(watcher.failed.is_some(), !(exr && picture));
+        }
     }
 
     #[test]

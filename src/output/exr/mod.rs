@@ -246,10 +246,23 @@ mod tests {
         write_channels(&path, vec![other(&["R", "G", "B"]), other(&["R", "G", "B"])]);
         assert!(read_exr(&path).unwrap_err().to_string().contains("It has part 0, part 1; expected"));
 
-        write_channels(&path, vec![vec![("Y", half(1.0, 2.0)), ("R", FlatSamples::U32(vec![1, 2]))]]);
+        // A luminance is grey, but not beside chroma, and not before colours.
+        let y = |name: &'static str| vec![(name, half(0.5, -2.0))];
+        let grey = [[0.5; 3], [-2.0; 3]];
+        for name in ["Y", "beauty.Y"] {
+            write_channels(&path, vec![y(name)]);
+            assert_eq!(read_exr(&path).unwrap().rgb, grey, "{name}");
+        }
+        write_channels(&path, vec![[y("Y"), y("RY"), y("BY")].concat()]);
+        assert!(read_exr(&path).unwrap_err().to_string().contains("it has BY, RY, Y"));
+        write_channels(&path, vec![y("Y"), rgb(&["R", "G", "B"])]);
+        assert_eq!(read_exr(&path).unwrap().rgb, expected);
+
+        write_channels(&path, vec![vec![("Z", half(1.0, 2.0)), ("R", FlatSamples::U32(vec![1, 2]))]]);
         let message = read_exr(&path).unwrap_err().to_string();
         assert!(
-            message.contains("a.exr: cannot read: expected channels R, G and B") && message.contains("it has R, Y"),
+            message.contains("a.exr: cannot read: expected channels R, G and B, or Y")
+                && message.contains("it has R, Z"),
             "{message}"
         );
     }

@@ -1,4 +1,4 @@
-//! Reads the picture of any file that holds R, G and B.
+//! Reads the picture of any file that holds R, G and B, or a luminance alone.
 
 use std::fs::File;
 use std::io::BufReader;
@@ -94,8 +94,8 @@ pub(super) fn attributes_of(opened: &Opened) -> Vec<(String, Attribute)> {
     attributes.filter_map(|(name, value)| Some((decoded(name), Attribute::of_exr(value)?))).collect()
 }
 
-/// Reads red, green and blue, in half or float, from the part or layer whose name says that it is the picture. The size
-/// is that of the data window.
+/// Reads red, green and blue, in half or float, from the part or layer whose name says that it is the picture. A file without them may
+/// have a luminance, Y, which is grey. The size is that of the data window.
 pub fn read_exr(path: &Path) -> Result<ExrImage> {
     read_picture(path).map_err(|reason| Error::File { path: path.to_owned(), action: "read", reason })
 }
@@ -134,11 +134,14 @@ fn read_picture(path: &Path) -> std::result::Result<ExrImage, String> {
     let triples = [Some(rgb), variance];
     read_part(opened, part, |channel, (column, line), bytes| {
         let first = line * width + column;
-        let place = |of: &[usize; 3]| of.iter().position(|number| *number == channel);
         for (of, values) in triples.iter().zip([Some(&mut image.rgb), image.variance.as_mut()]) {
-            if let (Some(place), Some(values)) = (of.as_ref().and_then(place), values) {
+            if let (Some(of), Some(values)) = (of, values)
+                && of.contains(&channel)
+            {
                 let values = values.iter_mut().skip(first);
-                values.zip(as_floats(types[channel], bytes)).for_each(|(value, read)| value[place] = read);
+                values.zip(as_floats(types[channel], bytes)).for_each(|(value, read)| {
+                    value.iter_mut().zip(of).filter(|(_, number)| **number == channel).for_each(|(v, _)| *v = read);
+                });
             }
         }
         for (of, values) in counts.iter().zip([&mut image.samples, &mut image.rejected]) {
@@ -185,6 +188,9 @@ fn float(header: &Header, name: &str) -> Option<usize> {
 const PICTURES: [&str; 8] = ["combined", "beauty", "rgba", "rgb", "color", "colour", "c", "image"];
 /// The names of red, green and blue.
 const SPELLINGS: [Rgb<&str>; 3] = [CHANNELS, ["r", "g", "b"], ["red", "green", "blue"]];
+/// The name of a luminance. With the chroma of the next names it is no grey.
+const LUMINANCE: Rgb<&str> = ["Y"; 3];
+const CHROMA: [&str; 2] = ["RY", "BY"];
 
 /// Red, green and blue in a file.
 struct RgbPlace {
@@ -218,8 +224,13 @@ const UNNAMED_LAYER: usize = UNNAMED_PART + 1 + PICTURES.len();
 /// them, the part with a picture's name counts. Next come layers with a picture's name, and then a single layer of any
 /// name. It is an error if several are possible.
 fn find_rgb(parts: &[Header]) -> std::result::Result<RgbPlace, String> {
-    let mut places: Vec<RgbPlace> =
-        parts.iter().enumerate().flat_map(|(number, part)| rgb_of_part(number, part)).collect();
+    let named = |spellings: &[Rgb<&str>]| -> Vec<RgbPlace> {
+        parts.iter().enumerate().flat_map(|(number, part)| places_in_part(number, part, spellings)).collect()
+    };
+    let mut places = named(&SPELLINGS);
+    if places.is_empty() {
+        places = named(&[LUMINANCE]);
+    }
     places.sort_by_key(RgbPlace::rank);
     let alike = places.iter().filter(|place| place.rank() == places[0].rank()).count();
     if alike > 1 && [UNNAMED_PART, UNNAMED_LAYER].contains(&places[0].rank()) {
@@ -233,15 +244,19 @@ fn find_rgb(parts: &[Header]) -> std::result::Result<RgbPlace, String> {
     places.into_iter().next().ok_or_else(|| no_rgb(parts))
 }
 
-/// All triples of red, green and blue in a part, sorted by name.
-fn rgb_of_part(number: usize, part: &Header) -> Vec<RgbPlace> {
+/// All triples of channels with such names in a part, sorted by name.
+fn places_in_part(number: usize, part: &Header, spellings: &[Rgb<&str>]) -> Vec<RgbPlace> {
     let part_name = part.own_attributes.layer_name.as_ref().map(decoded);
     let names = part.channels.list.iter().map(|channel| channel.name.to_string());
     let place = |name: String| {
         let (prefix, red) = name.rsplit_once('.').map_or(("", name.as_str()), |(layer, last)| (layer, last));
-        let names = SPELLINGS.iter().find(|names| names[0] == red)?;
-        let channels =
-            names.map(|channel| if prefix.is_empty() { channel.to_string() } else { format!("{prefix}.{channel}") });
+        let names = spellings.iter().find(|names| names[0] == red)?;
+        let whole = |channel: &str| if prefix.is_empty() { channel.to_string() } else { format!("{prefix}.{channel}") };
+        let channels = names.map(whole);
+        let has = |name| part.channels.list.iter().any(|channel| channel.name.to_string() == whole(name));
+        if *names == LUMINANCE && CHROMA.into_iter().any(has) {
+            return None;
+        }
         let layer = match (&part_name, prefix) {
             (None, _) => prefix.to_string(),
             (Some(part), "") => part.clone(),
@@ -261,7 +276,7 @@ fn no_rgb(parts: &[Header]) -> String {
     let names: Vec<String> =
         parts.iter().flat_map(|part| part.channels.list.iter().map(|channel| channel.name.to_string())).collect();
     format!(
-        "expected channels R, G and B, in half or float and one for each pixel; it has {}",
+        "expected channels R, G and B, or Y alone, in half or float and one for each pixel; it has {}",
         if names.is_empty() { "none".into() } else { names.join(", ") }
     )
 }

@@ -1,0 +1,29 @@
+//! `gpu-rt develop`: a picture of an EXR.
+
+use super::outputs::{Beside, OutputImage, PNG, check_name, check_outputs};
+use super::tell;
+use crate::cli::DevelopArgs;
+use crate::error::Result;
+use crate::output::exr::read_exr;
+use crate::output::png::write_png;
+
+/// Writes the picture, and says which pixels have no value to show.
+pub fn run(args: &DevelopArgs) -> Result<()> {
+    check_name(&args.image, "an EXR: it is not read as a stream")?;
+    let picture = OutputImage { option: "-o", path: &args.output, formats: PNG };
+    let inputs = std::slice::from_ref(&args.image);
+    check_outputs(&[picture], &Beside { inputs, stdout: None, undone: "nothing has been developed" })?;
+    let image = read_exr(&args.image)?;
+    let count = |is: fn(&f32) -> bool| image.rgb.iter().filter(|rgb| rgb.iter().any(is)).count();
+    for (count, words) in [
+        (count(|v| v.is_nan()), "NaN, and shown as black"),
+        (count(|v| *v == f32::INFINITY), "infinite, and shown as white"),
+        (count(|v| *v < 0.0), "negative, and shown as black"),
+    ] {
+        if count > 0 {
+            let (name, all) = (args.image.display(), image.rgb.len());
+            tell(&format!("warning: {name}: channels of {count} of {all} pixels are {words}"));
+        }
+    }
+    write_png(&args.output, (image.width, image.height), &|index| image.rgb[index], &args.view.transform())
+}

@@ -1,0 +1,264 @@
+//! What a screen shows of linear radiance: exposure, a curve, and 8 bits. docs/pictures.md compares the curves.
+
+use clap::ValueEnum;
+
+use crate::data::{Rgb, srgb};
+
+/// Exposures beyond this, of either sign, make every f32 white or black.
+const MAX_EXPOSURE: f64 = 300.0;
+/// More than any f32 at the largest exposure. What is infinite becomes this, so that every formula below stays finite.
+const BRIGHTEST: f64 = 1e150;
+
+/// A curve from radiance to the screen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Tonemap {
+    #[default]
+    Soft,
+    Srgb,
+    Neutral,
+    Filmic,
+}
+
+impl Tonemap {
+    /// Linear Rec. 709 for the screen, of linear Rec. 709 of 0 and more. What is not from 0 to 1 is clipped later.
+    fn shown(self, colour: Rgb<f64>) -> Rgb<f64> {
+        match self {
+            Tonemap::Soft => neutral(colour, 0.0),
+            Tonemap::Srgb => colour,
+            Tonemap::Neutral => neutral(colour, 0.04),
+            Tonemap::Filmic => filmic(colour),
+        }
+    }
+}
+
+/// How a picture is made of radiance.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ViewTransform {
+    /// In stops.
+    pub exposure: f64,
+    pub tonemap: Tonemap,
+}
+
+impl ViewTransform {
+    /// The bytes of a pixel. What is below zero or not a number is black.
+    pub fn bytes(&self, colour: Rgb<f32>, (x, y): (usize, usize)) -> [u8; 3] {
+        let exposure = self.exposure.clamp(-MAX_EXPOSURE, MAX_EXPOSURE).exp2();
+        let exposed = colour.map(|v| f64::from(v) * exposure);
+        let exposed = exposed.map(|v| if v > 0.0 { v.min(BRIGHTEST) } else { 0.0 });
+        let threshold = threshold(x, y);
+        // `as` cuts off the fraction.
+        self.tonemap.shown(exposed).map(|v| (255.0 * srgb(v) + threshold) as u8)
+    }
+}
+
+/// What is added to a value before its fraction is cut off: from 0 to 1, and evenly distributed over any few pixels, so that their mean
+/// is that of the values. Whole values stay as they are: black is black, and white is white. All channels add the same, so that grey is grey.
+///
+/// Interleaved gradient noise (J. Jimenez, "Next Generation Post Processing in Call of Duty: Advanced Warfare", SIGGRAPH 2014 course
+/// "Advances in Real-Time Rendering in Games").
+fn threshold(x: usize, y: usize) -> f64 {
+    let (x, y) = (x as f64 + 0.5, y as f64 + 0.5);
+    (52.982_918_9 * (0.067_110_56 * x + 0.005_837_15 * y).fract()).fract()
+}
+
+/// Khronos PBR Neutral tone mapper (github.com/KhronosGroup/ToneMapping, PBR_Neutral/README.md, "PBR Neutral
+/// Specification", 2024): linear Rec. 709 of any brightness ≥ 0 to 0..1. Below its shoulder it subtracts `f90`, the share of white
+/// light that a dielectric reflects, so that the displayed colour is the base colour of the material. The specification's is 0.04.
+/// With 0, which is our own choice, colours below the shoulder are shown as they are.
+fn neutral(colour: Rgb<f64>, f90: f64) -> Rgb<f64> {
+    /// How fast highlights lose their colour.
+    const DESATURATION: f64 = 0.15;
+    // The brightness at which compression starts.
+    let shoulder = 0.8 - f90;
+
+    let least = colour[0].min(colour[1]).min(colour[2]);
+    let offset = if least < 2.0 * f90 { least - least * least / (4.0 * f90) } else { f90 };
+    let colour = colour.map(|v| v - offset);
+    let peak = colour[0].max(colour[1]).max(colour[2]);
+    if peak <= shoulder {
+        return colour;
+    }
+    let range = 1.0 - shoulder;
+    let new_peak = 1.0 - range * range / (peak + range - shoulder);
+    let white = 1.0 - 1.0 / (DESATURATION * (peak - new_peak) + 1.0);
+    colour.map(|v| v * (new_peak / peak) * (1.0 - white) + new_peak * white)
+}
+
+/// The film curve of the Academy Color Encoding System, RRT and ODT in one, as S. Hill fitted it in 2016
+/// (github.com/TheRealMJP/BakingLab, BakingLab/ACES.hlsl): linear Rec. 709 of any brightness to about 0..1.
+fn filmic(colour: Rgb<f64>) -> Rgb<f64> {
+    /// Rec. 709 to the primaries of the curve, AP1 with RRT's saturation.
+    const IN: [Rgb<f64>; 3] = [[0.59719, 0.35458, 0.04823], [0.07600, 0.90834, 0.01566], [0.02840, 0.13383, 0.83777]];
+    /// Back, with ODT's saturation.
+    const OUT: [Rgb<f64>; 3] =
+        [[1.60475, -0.53108, -0.07367], [-0.10208, 1.10813, -0.00605], [-0.00327, -0.07276, 1.07602]];
+    let times = |rows: [Rgb<f64>; 3], v: Rgb<f64>| rows.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2]);
+    let curve = |v: f64| (v * (v + 0.024_578_6) - 0.000_090_537) / (v * (0.983_729 * v + 0.432_951_0) + 0.238_081);
+    times(OUT, times(IN, colour).map(curve))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is shown without a threshold, in codes.
+    fn codes(tonemap: Tonemap, colour: Rgb<f64>) -> Rgb<f64> {
+        tonemap.shown(colour).map(|v| 255.0 * srgb(v.clamp(0.0, 1.0)))
+    }
+
+    #[test]
+    fn srgb_agrees_with_known_values() {
+        for (linear, code) in
+            [(0.0, 0.0), (0.003_130_8, 10.3147), (0.18, 117.6458), (0.214_041, 127.5), (0.5, 187.516), (1.0, 255.0)]
+        {
+            let found = codes(Tonemap::Srgb, [linear; 3])[0];
+            assert!((found - code).abs() < 1e-3, "{linear}: {found}");
+        }
+    }
+
+    #[test]
+    fn neutral_agrees_with_the_specification() {
+        assert_eq!(neutral([0.0; 3], 0.04), [0.0; 3]);
+        // Below the shoulder, 4 % are subtracted, or x² · 6.25 of the least channel in dark colours.
+        // Above the shoulder, the values are computed with the specification's formulas in mpmath.
+        let cases = [
+            ([0.5, 0.3, 0.18], [0.46, 0.26, 0.14]),
+            ([0.5, 0.3, 0.04], [0.47, 0.27, 0.01]),
+            ([5.0, 1.0, 0.5], [0.987_027_027_027_027, 0.488_269_822_908_046_4, 0.425_925_172_393_173_8]),
+        ];
+        for (colour, expected) in cases {
+            for (found, expected) in neutral(colour, 0.04).into_iter().zip(expected) {
+                assert!((found - expected).abs() < 1e-14, "{colour:?}: {found}");
+            }
+        }
+    }
+
+    /// Values by the published code, in Python's floats.
+    #[test]
+    fn filmic_agrees_with_the_fit() {
+        let cases = [
+            ([0.18; 3], [0.105_591_247_228_930_51, 0.105_591_247_228_930_57, 0.105_590_191_316_458_25]),
+            ([5.0, 1.0, 0.5], [1.019_079_531_132_495_6, 0.679_927_877_746_419_6, 0.476_660_108_374_171_7]),
+            ([0.02, 0.03, 0.5], [-0.007_890_484_822_141_7, 0.006_139_906_733_382_7, 0.340_680_887_458_506_5]),
+        ];
+        for (colour, expected) in cases {
+            for (found, expected) in filmic(colour).into_iter().zip(expected) {
+                assert!((found - expected).abs() < 1e-12, "{colour:?}: {found}");
+            }
+        }
+    }
+
+    /// The default leaves what is below its shoulder alone, also in the dark.
+    #[test]
+    fn soft_is_srgb_below_its_shoulder() {
+        for colour in [[0.0; 3], [1e-6, 1e-3, 0.01], [0.02, 0.01, 0.03], [0.8, 0.5, 0.1]] {
+            assert_eq!(Tonemap::Soft.shown(colour), colour);
+        }
+        // 1 - 0.2² / (1 + 0.2 - 0.8)
+        assert!((Tonemap::Soft.shown([1.0; 3])[1] - 0.9).abs() < 1e-14);
+    }
+
+    #[test]
+    fn curves_rise_without_a_jump_from_black_to_white() {
+        for tonemap in Tonemap::value_variants() {
+            let grey = |v: f64| codes(*tonemap, [v; 3])[0];
+            assert_eq!(grey(0.0), 0.0, "{tonemap:?}");
+            let mut last = 0.0;
+            for i in 0..4000 {
+                let value = grey(10f64.powf(f64::from(i) / 400.0 - 4.0));
+                assert!(value >= last && value <= 255.0 && value - last < 1.0, "{tonemap:?} {i}: {value}");
+                last = value;
+            }
+            assert!(last > 254.999, "{tonemap:?}: {last}");
+            let beside = |peak: f64| codes(*tonemap, [peak, 0.5, 0.1]);
+            let jumps = beside(0.8 - 1e-9).into_iter().zip(beside(0.8 + 1e-9)).map(|(a, b)| (a - b).abs());
+            assert!(jumps.fold(0.0, f64::max) < 1e-5, "{tonemap:?}");
+        }
+    }
+
+    /// A lamp of one colour keeps its hue until it is white, but for clipped sRGB.
+    #[test]
+    fn bright_colours_fade_to_white() {
+        for tonemap in [Tonemap::Soft, Tonemap::Neutral] {
+            let orange = |brightness: f64| codes(tonemap, [brightness, brightness * 0.4, brightness * 0.1]);
+            let spread = |[r, g, b]: Rgb<f64>| {
+                assert!(r >= g && g >= b, "{tonemap:?}: {r} {g} {b}");
+                r - b
+            };
+            let spreads = [1.0, 4.0, 16.0, 64.0, 1e6].map(|brightness| spread(orange(brightness)));
+            assert!(spreads.is_sorted_by(|a, b| a > b) && spreads[4] < 0.1, "{tonemap:?}: {spreads:?}");
+        }
+        let far = codes(Tonemap::Filmic, [1e6, 0.0, 0.0]);
+        assert!(far.iter().all(|v| *v > 240.0), "{far:?}");
+    }
+
+    #[test]
+    fn pixels_of_any_value_have_bytes() {
+        for tonemap in Tonemap::value_variants() {
+            for exposure in [-1e9, -2.5, 0.0, 1.0, 1e9] {
+                let view = ViewTransform { exposure, tonemap: *tonemap };
+                for black in [0.0, -0.0, -1.0, f32::NAN, f32::NEG_INFINITY] {
+                    assert_eq!(view.bytes([black; 3], (3, 5)), [0; 3], "{black} {view:?}");
+                }
+                assert_eq!(view.bytes([f32::INFINITY; 3], (3, 5)), [255; 3], "{view:?}");
+                let [r, g, b] = view.bytes([f32::INFINITY, 0.5, f32::NAN], (3, 5));
+                assert!(r >= g && g >= b, "{view:?}: {r} {g} {b}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_stop_is_twice_the_radiance() {
+        for tonemap in Tonemap::value_variants() {
+            let view = |exposure| ViewTransform { exposure, tonemap: *tonemap };
+            let colour = [0.09, 0.045, 0.36];
+            assert_eq!(view(1.0).bytes(colour, (7, 7)), view(0.0).bytes(colour.map(|v| 2.0 * v), (7, 7)));
+            assert_ne!(view(1.0).bytes(colour, (7, 7)), view(0.0).bytes(colour, (7, 7)));
+        }
+    }
+
+    /// Over 16 x 16 pixels the mean of the bytes is the value to 0.03 codes, wherever the patch lies. Rounding alone is off by up to 0.5.
+    #[test]
+    fn a_patch_has_the_mean_of_its_values() {
+        let view = ViewTransform { exposure: 0.0, tonemap: Tonemap::Srgb };
+        for i in 0..200u16 {
+            let value = 0.003 + f32::from(i) * 0.001_37;
+            let code = 255.0 * srgb(f64::from(value));
+            let (left, top) = (usize::from(i) * 31, usize::from(i) * 97);
+            let patch = (0..256).map(|i| (left + i % 16, top + i / 16));
+            let mean = patch.map(|place| f64::from(view.bytes([value; 3], place)[1])).sum::<f64>() / 256.0;
+            assert!((mean - code).abs() < 0.03, "{value}: {mean}, expected {code}");
+        }
+    }
+
+    /// A gradient of two codes over 1024 columns: no column is of one code where the value lies between two, and grey stays grey.
+    #[test]
+    fn a_gradient_has_no_bands() {
+        let view = ViewTransform { exposure: 0.0, tonemap: Tonemap::Soft };
+        for x in 0..1024 {
+            let value = 0.100 + 0.0045 * x as f32 / 1024.0;
+            let code = 255.0 * srgb(f64::from(value));
+            let column: Vec<[u8; 3]> = (0..64).map(|y| view.bytes([value; 3], (x, y))).collect();
+            assert!(column.iter().all(|[r, g, b]| r == g && g == b));
+            let mean = column.iter().map(|[r, ..]| f64::from(*r)).sum::<f64>() / 64.0;
+            assert!((mean - code).abs() < 0.2, "{x}: {mean}, expected {code}");
+        }
+    }
+
+    /// Bytes that a picture had come back: an image of 8 bits as a texture is shown as it is.
+    #[test]
+    fn whole_codes_stay() {
+        let view = ViewTransform { exposure: 0.0, tonemap: Tonemap::Srgb };
+        let linear = |code: u8| {
+            let v = f64::from(code) / 255.0;
+            if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
+        };
+        for code in 0..=255 {
+            for i in 0..64 {
+                let found = view.bytes([linear(code) as f32; 3], (i % 8, i / 8))[0];
+                // f32 moves a value by 1e-5 codes.
+                assert!(found == code || threshold(i % 8, i / 8) < 1e-4 || threshold(i % 8, i / 8) > 1.0 - 1e-4);
+            }
+        }
+    }
+}
