@@ -12,7 +12,15 @@ use std::process::Command;
 use gpu_rt::tradeoff::report::{CAPTION, time_text};
 use serde_json::Value;
 
-const SCENES: [&str; 6] = ["weekend", "cornell", "cornell-smoke", "next-week", "lights", "glass"];
+/// The paths of the scenes, without their endings.
+const SCENES: [&str; 6] = [
+    "scenes/weekend",
+    "scenes/cornell",
+    "scenes/cornell-smoke",
+    "scenes/next-week",
+    "scenes/lights",
+    "benches/glass-small-lamp",
+];
 /// The target whose times are compared over all scenes: its index among the report's targets.
 const MIDDLE: usize = 1;
 /// A smaller ratio is no difference between settings (`tradeoff::model`).
@@ -107,11 +115,12 @@ fn cell(text: &str) -> String {
     text.replace('|', "\\|")
 }
 
-fn measure(scene: &'static str, budget: &str, folder: &Path) -> Result<Report> {
+fn measure(path: &'static str, budget: &str, folder: &Path) -> Result<Report> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let scene = path.rsplit('/').next().unwrap_or(path);
     let out = folder.join(scene);
     let mut command = Command::new(env!("CARGO_BIN_EXE_gpu-rt"));
-    command.arg("tradeoff").arg(root.join(format!("scenes/{scene}.ron"))).args(["--budget", budget, "--json", "-o"]);
+    command.arg("tradeoff").arg(root.join(format!("{path}.ron"))).args(["--budget", budget, "--json", "-o"]);
     command.arg(&out);
     if let Ok(device) = std::env::var("GPU_RT_BENCH_DEVICE") {
         command.args(["--device", &device]);
@@ -321,9 +330,9 @@ fn main() -> Result<()> {
     };
     let folder = tempfile::tempdir()?;
     let mut reports = Vec::new();
-    for scene in SCENES {
-        eprintln!("{scene}");
-        reports.push(measure(scene, budget, folder.path())?);
+    for path in SCENES {
+        eprintln!("{path}");
+        reports.push(measure(path, budget, folder.path())?);
     }
     let path: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/accuracy.md");
     fs::write(path, document(&reports, budget))?;

@@ -289,7 +289,8 @@ fn errors_fall_as_they_should_and_to_no_floor() {
 fn bounds_hold((width, height): (u32, u32), seeds: u32, samples: &[u32]) {
     let name = |file: &Path| file.file_stem().expect("it has a name").to_string_lossy().into_owned();
     let load = |file: &PathBuf| (name(file), Scene::load(file).expect("it ships"));
-    let mut scenes: Vec<(String, Scene)> = files("scenes").iter().map(load).collect();
+    let mut scenes: Vec<(String, Scene)> =
+        ["scenes", "benches"].into_iter().flat_map(files).map(|file| load(&file)).collect();
     scenes.push(("bulb".to_string(), scene(BULB)));
     scenes.extend(THINGS.map(|(name, things)| (name.to_string(), room(things))));
     let (mut cells, mut failed, mut noise) = (Vec::new(), Vec::new(), Vec::new());
