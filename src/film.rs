@@ -191,7 +191,7 @@ impl Film {
         Film::with_sampler(width, height, exponent, Sampler::Independent)
     }
 
-    /// An empty film. The sampler decides what the error is told by: all samples, or the difference of two halves. Device radiance times 2^exponent is scene radiance; the exponent is within ±300.
+    /// An empty film. The sampler decides what the error is told by: all samples, or the difference of two halves. Device radiance times 2^exponent is scene radiance; the exponent is within ±300. A render takes a film with the `radiance_exponent` of its scene, and refuses others.
     ///
     /// Fails where the image has no pixels, more than 2^32, or more than the memory holds.
     pub fn with_sampler(width: u32, height: u32, exponent: i32, sampler: Sampler) -> Result<Film> {

@@ -1,30 +1,94 @@
 //! gpu-rt: a path tracer with WGSL kernels. It runs on any GPU that wgpu supports, and on software Vulkan.
+//!
+//! It is a program first: `gpu-rt render scene.ron`. As a library it renders a scene in memory:
+//!
+//! ```
+//! use std::path::Path;
+//!
+//! use gpu_rt::{RenderSettings, Scene, render_scene};
+//!
+//! let text = r#"Scene(
+//!     image: (width: 32, height: 18),
+//!     camera: (look_from: (0, 1, 8), look_at: (0, 1, 0), vertical_fov: 30),
+//!     background: Solid((0.5, 0.7, 1)),
+//!     materials: { "lamp": DiffuseLight(emit: Rgb(4, 2, 1)) },
+//!     objects: [ Sphere(center: (0, 1, 0), radius: 1, material: "lamp") ],
+//! )"#;
+//! // Relative paths in the scene start at the folder of the path; errors begin with it.
+//! let scene = Scene::parse(text, Path::new("lamp.ron"))?;
+//! let settings = RenderSettings { samples: Some(16), ..RenderSettings::default() };
+//! # let names = gpu_rt::gpu::device::Adapters::find().names();
+//! # let software = names.iter().position(|(name, _)| name.software).map(|index| index.to_string());
+//! # let settings = RenderSettings { device: std::env::var("GPU_RT_TEST_DEVICE").ok().or(software), ..settings };
+//! let picture = render_scene(&scene, &settings)?;
+//!
+//! // Linear radiance, row 0 on top. The middle of the image shows the lamp, its corner the background.
+//! assert_eq!(picture.rgb.len(), 32 * 18);
+//! assert_eq!(picture.rgb[9 * 32 + 16], [4.0, 2.0, 1.0]);
+//! assert_eq!(picture.rgb[0], [0.5, 0.7, 1.0]);
+//! # let folder = tempfile::tempdir().expect("a temporary folder");
+//! # let path = folder.path().join("lamp.exr");
+//! gpu_rt::write_exr(&path, &picture, &[])?;
+//! # Ok::<(), gpu_rt::Error>(())
+//! ```
+//!
+//! The scene file is described in docs/scene.md. The modules are not part of the interface: they are public for the program, the tests
+//! and the benchmarks, and may change at any time.
 
+#[doc(hidden)]
 pub mod bvh;
+#[doc(hidden)]
 pub mod cli;
+#[doc(hidden)]
 pub mod commands;
+#[doc(hidden)]
 pub mod data;
+#[doc(hidden)]
 pub mod error;
+#[doc(hidden)]
 pub mod film;
+#[doc(hidden)]
 pub mod flatten;
+#[doc(hidden)]
 pub mod gpu;
 mod guard;
+#[doc(hidden)]
 pub mod identity;
+mod in_memory;
+#[doc(hidden)]
 pub mod job;
+#[doc(hidden)]
 pub mod jobs;
+#[doc(hidden)]
 pub mod lights;
+#[doc(hidden)]
 pub mod material;
-pub mod memory;
+mod memory;
+#[doc(hidden)]
 pub mod metrics;
+#[doc(hidden)]
 pub mod options;
+#[doc(hidden)]
 pub mod output;
+#[doc(hidden)]
 pub mod plan;
-pub mod printable;
+mod printable;
+#[doc(hidden)]
 pub mod render;
+#[doc(hidden)]
 pub mod samples;
+#[doc(hidden)]
 pub mod scene;
-pub mod shape;
+mod shape;
+#[doc(hidden)]
 pub mod source;
-pub mod texture;
-pub mod threads;
+mod texture;
+mod threads;
+#[doc(hidden)]
 pub mod tradeoff;
+
+pub use error::{Error, Location, Result};
+pub use film::Picture;
+pub use in_memory::{RenderSettings, render_scene};
+pub use output::exr::{Attribute, write_exr};
+pub use scene::Scene;

@@ -66,6 +66,8 @@ struct Lane<'a> {
     settings: Settings,
     settings_layout: SettingsLayout,
     size: (u32, u32),
+    /// The scale of the film, as that of the scene.
+    exponent: i32,
     tuning: Tuning,
     /// Bounces of the next submission, and whether their number is fixed.
     bounces: u32,
@@ -201,6 +203,7 @@ impl<'a> Lane<'a> {
             settings,
             settings_layout: plan.kernels.settings.clone(),
             size: job.size,
+            exponent: plan.scene.radiance_exponent,
             bounces: tuning.bounces.unwrap_or(1),
             bounces_fixed: tuning.bounces.is_some(),
             most_bounces: 1,

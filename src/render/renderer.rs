@@ -8,7 +8,7 @@ use cpu_time::ThreadTime;
 
 use super::stretch::{Shared, Stretch};
 use super::{Lane, Outcome, Watch};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::gpu::device::Device;
 use crate::job::{Goal, Job};
@@ -44,8 +44,10 @@ impl<'a> Renderer<'a> {
     /// was made for, but not in its size.
     ///
     /// # Errors
-    /// `Error::Device` if a device fails. The film then has what it had after the last look.
+    /// `Error::Usage` if the film has another size than the job, or another scale than the scene. `Error::Device` if a device fails; the
+    /// film then has what it had after the last look.
     pub fn run(&mut self, job: &Job, film: &mut Film, watch: Watch<'_>) -> Result<Outcome> {
+        self.lanes.iter().try_for_each(|lane| lane.check_film(job, film))?;
         let mut outcome = Outcome::default();
         let start = Instant::now();
         let processor = ThreadTime::now();
@@ -96,5 +98,18 @@ impl<'a> Renderer<'a> {
     /// Drops what the devices' films have received.
     pub(super) fn drop_film(&mut self) {
         self.lanes.iter_mut().for_each(Lane::drop_film);
+    }
+}
+
+impl Lane<'_> {
+    /// Refuses a film that does not fit: on one of another scale the image would be too dark or too bright.
+    fn check_film(&self, job: &Job, film: &Film) -> Result<()> {
+        let (needed, found) = ((job.size, self.exponent), ((film.width(), film.height()), film.exponent()));
+        if found == needed {
+            return Ok(());
+        }
+        let words =
+            |((width, height), scale): ((u32, u32), i32)| format!("{width} x {height} pixels of the scale 2^{scale}");
+        Err(Error::Usage(format!("the render needs a film of {}, found {}", words(needed), words(found))))
     }
 }

@@ -9,6 +9,7 @@ mod estimators;
 mod features;
 mod filters;
 mod globes;
+mod in_memory;
 mod instances;
 mod knobs;
 mod recipe;

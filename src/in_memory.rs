@@ -1,0 +1,53 @@
+//! A scene rendered in memory, for programs that use this one as a library.
+
+use crate::cli::MOST_SAMPLES;
+use crate::error::{Error, Result};
+use crate::film::{Film, Picture};
+use crate::flatten::flatten;
+use crate::gpu::device::{Adapters, Device};
+use crate::job::{Goal, Job};
+use crate::options::RenderOptions;
+use crate::plan::Plan;
+use crate::render::{Next, Renderer};
+use crate::scene::Scene;
+
+/// The longest side of an image, in pixels.
+const LONGEST_SIDE: u32 = 1 << 16;
+
+/// What to render, where it is not what the scene says.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RenderSettings {
+    /// Width and height in pixels.
+    pub size: Option<(u32, u32)>,
+    /// Samples per pixel.
+    pub samples: Option<u32>,
+    /// The seed of the random numbers.
+    pub seed: u32,
+    /// The device, by its index or a part of its name as `gpu-rt devices` lists them. The default is the most capable kind of device.
+    pub device: Option<String>,
+}
+
+/// The picture of a scene, as `gpu-rt render` makes it.
+///
+/// # Errors
+/// If a setting is out of range, if there is no such device, or if the device fails.
+pub fn render_scene(scene: &Scene, settings: &RenderSettings) -> Result<Picture> {
+    let size = settings.size.unwrap_or((scene.image.width, scene.image.height));
+    let samples = settings.samples.unwrap_or(scene.render.samples);
+    if [size.0, size.1].iter().any(|side| !(1..=LONGEST_SIDE).contains(side)) {
+        let (width, height) = size;
+        return Err(Error::Usage(format!("expected sides from 1 to {LONGEST_SIDE} pixels, found {width} x {height}")));
+    }
+    if !(1..=MOST_SAMPLES).contains(&i64::from(samples)) {
+        return Err(Error::Usage(format!("expected from 1 to {MOST_SAMPLES} samples, found {samples}")));
+    }
+    let options = RenderOptions::default();
+    let flat = flatten(scene, size, &options)?;
+    let device = Device::open(Adapters::find().choose(settings.device.as_deref())?)?;
+    let goal = Goal::Samples(samples);
+    let job = Job { size, max_depth: scene.render.max_depth, seed: settings.seed, first_sample: 0, goal };
+    let plan = Plan::new(&flat, &options, device.class(), &job)?;
+    let mut film = Film::with_sampler(size.0, size.1, flat.radiance_exponent, options.sampler)?;
+    Renderer::new(&device, &plan, &job, false)?.run(&job, &mut film, &mut |_, _| Next::GoOn)?;
+    Ok(film.develop())
+}
