@@ -36,6 +36,7 @@ pub mod rows;
 pub mod scaling;
 pub mod scenes;
 pub mod stats;
+pub mod tables;
 pub mod trace;
 pub mod triangles;
 pub mod vectors;

@@ -156,7 +156,7 @@ fn unkept(promises: &[String]) -> Vec<String> {
             wrong.push(format!("no test: {promise}"));
         }
         for (file, name) in named {
-            let text = fs::read_to_string(root().join(&file)).unwrap_or_default();
+            let text = fs::read_to_string(root().join("docs").join(&file)).unwrap_or_default();
             let is = |line: &str| line.trim_start().starts_with(&format!("fn {name}("));
             let lines: Vec<&str> = text.lines().collect();
             let test = |at: usize| lines[..at].iter().rev().take(4).any(|line| line.trim() == "#[test]");
@@ -168,9 +168,22 @@ fn unkept(promises: &[String]) -> Vec<String> {
     wrong
 }
 
+/// A newcomer reads it to its end.
+#[test]
+fn the_readme_is_short_and_begins_with_what_it_is_and_the_two_commands() {
+    let readme = read(&root().join("README.md"));
+    let lines: Vec<&str> = readme.lines().collect();
+    assert!(lines.len() <= 150, "{} lines", lines.len());
+    let first = &lines[..25];
+    assert!(first.iter().any(|line| line.starts_with("![")));
+    for command in ["make render ", "make test "] {
+        assert!(first.iter().any(|line| line.starts_with(command)), "{command}");
+    }
+}
+
 #[test]
 fn every_promise_names_tests_that_exist() {
-    let promises = bullets(&read(&root().join("README.md")), "## What it promises");
+    let promises = bullets(&read(&root().join("docs/promises.md")), "# What it promises");
     assert!(promises.len() >= 8, "{promises:?}");
     assert_eq!(unkept(&promises), Vec::<String>::new());
     let named: usize = promises.iter().map(|promise| named_tests(promise).len()).sum();
@@ -179,16 +192,16 @@ fn every_promise_names_tests_that_exist() {
 
 #[test]
 fn a_promise_that_no_test_keeps_is_found() {
-    let text = "## A\n- **Kept.** So it is ([`d`](tests/host/docs.rs):\n  `a_broken_link_is_found`, `every_link_leads_somewhere`; [`d`](tests/host/docs.rs): `gone`).\n\
-                - **Not.** See [there](docs/conventions.md): `x`.\n- **No test.** ([`d`](tests/host/docs.rs): `root`) [`e`](tests/no.rs): `f`\n## B\n- no promise\n";
+    let text = "## A\n- **Kept.** So it is ([`d`](../tests/host/docs.rs):\n  `a_broken_link_is_found`, `every_link_leads_somewhere`; [`d`](../tests/host/docs.rs): `gone`).\n\
+                - **Not.** See [there](docs/conventions.md): `x`.\n- **No test.** ([`d`](../tests/host/docs.rs): `root`) [`e`](../tests/no.rs): `f`\n## B\n- no promise\n";
     let promises = bullets(text, "## A");
     assert_eq!(named_tests(&promises[0]).len(), 3);
     let wrong = unkept(&promises);
     let starts = [
-        "tests/host/docs.rs has no test gone",
+        "../tests/host/docs.rs has no test gone",
         "no test: **Not.**",
-        "tests/host/docs.rs has no test root",
-        "tests/no.rs has no test f",
+        "../tests/host/docs.rs has no test root",
+        "../tests/no.rs has no test f",
     ];
     assert_eq!(wrong.len(), starts.len(), "{wrong:?}");
     assert!(wrong.iter().zip(starts).all(|(wrong, start)| wrong.starts_with(start)), "{wrong:?}");

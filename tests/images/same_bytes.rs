@@ -1,5 +1,5 @@
 //! The image is a function of scene, settings and sample range alone: not of the sizes that the work is cut into, nor of the place
-//! and scale of the scene (README.md, "What it promises").
+//! and scale of the scene (docs/promises.md).
 //!
 //! What is compared is the film: the exact totals of every pixel, their squares, and the counts of samples and rays. What the user
 //! gets is developed from it by a pure function. Equality has no noise, and so no false alarms; that it can fail at all is shown by

@@ -19,4 +19,6 @@ mod signals;
 mod status;
 #[cfg(unix)]
 mod submit;
+mod tables;
 mod terminal;
+mod tutorial;

@@ -1,6 +1,7 @@
 //! `gpu-rt tradeoff`: planted biases are found, noise is not called a bias, and what is recommended does what was promised.
 
 use crate::common::program::{self, Ran};
+use crate::common::tables::compare;
 use crate::common::{device, render};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -374,6 +375,7 @@ fn the_program_reports_and_its_advice_is_kept() {
     std::fs::write(place.path().join("room.ron"), ROOM).expect("it is written");
     let sweep = ["tradeoff", "room.ron", "--budget", "40s", "--knobs", "roulette,clamp,max-depth,sampler", "--json"];
     let json = run(place.path(), &sweep).exits(0).json();
+    compare("### `tradeoff --json`", std::slice::from_ref(&json));
     let folder = place.path().join("room-tradeoff");
     let page = std::fs::read_to_string(folder.join("index.html")).expect("the page is there");
     assert!(

@@ -1,0 +1,67 @@
+//! docs/files.md: its tables have all channels, attributes and keys that the program writes, and no others. That of
+//! `tradeoff` is compared in tests/timed/tradeoff.rs, which gives a sweep the time that it needs.
+
+use std::collections::BTreeSet;
+
+use crate::common::device::index as software;
+use crate::common::tables::{compare, rows};
+use crate::place::{Place, SPHERE};
+
+/// A scene that is warned of.
+fn place() -> Place {
+    let place = Place::new();
+    place.scene("sphere.ron", &SPHERE.replace("materials: {", "materials: { \"unused\": Dielectric(ior: 1.5),"));
+    place
+}
+
+#[test]
+fn renders_and_their_parts_have_the_keys_and_attributes_that_are_documented() {
+    let place = place();
+    let json = |more: &str| {
+        let more: Vec<&str> = more.split_whitespace().chain(["--json"]).collect();
+        place.render(&more).exits(0).json()
+    };
+    // Every render takes longer than a millisecond.
+    let renders = [
+        json("--spp 16 -o a.exr"),
+        json("--spp 32 -o a.exr --resume"),
+        json("--noise 0.9 --spp 64 --profile --clamp 10 -o noise.exr"),
+        json("--samples 16..32 -o b.exr"),
+        json("--samples 0..16 -o c.exr"),
+        json("--time 1ms -o time.exr"),
+    ];
+    compare("### `render --json`", &renders);
+    let names = ["a.exr", "noise.exr"].map(|name| place.exr(name).attributes);
+    let attributes: BTreeSet<_> = names.into_iter().flatten().map(|(name, _)| name).collect();
+    let own: BTreeSet<_> = attributes.into_iter().filter(|name| name.starts_with("gpu-rt:")).collect();
+    assert_eq!(own, rows("## Header"));
+    let meta = exr::meta::MetaData::read_from_file(place.work().join("a.exr"), true).expect("an EXR");
+    let channels = meta.headers[0].channels.list.iter().map(|channel| channel.name.to_string());
+    assert_eq!(channels.collect::<BTreeSet<_>>(), rows("## Channels"));
+    compare("### `merge --json`", &[place.says("merge b.exr c.exr -o whole.exr --json").exits(0).json()]);
+    compare("### `compare --json`", &[place.says("compare a.exr b.exr --json").exits(0).json()]);
+    let spp = "converge ../scenes/sphere.ron --spp 16 --reference a.exr --json --device";
+    compare("### `converge --json`", &[place.says(&format!("{spp} {}", software())).exits(0).json()]);
+}
+
+#[test]
+fn what_is_told_of_scenes_and_devices_has_the_keys_that_are_documented() {
+    let place = place();
+    let good = place.says("check ../scenes/sphere.ron --json").exits(0).json();
+    compare("### `check --json`", &[good, place.says("check ../scenes/none.ron --json").exits(2).json()]);
+    let plan = place.says(&format!("plan ../scenes/sphere.ron --json --device {}", software())).exits(0).json();
+    compare("### `plan --json`", &[plan]);
+    compare("### `devices --json`", &[place.says("devices --json").exits(0).json()]);
+}
+
+#[test]
+#[cfg(unix)]
+fn what_is_told_of_a_job_has_the_keys_that_are_documented() {
+    let place = place();
+    let submit = "submit slurm ../scenes/sphere.ron --spp 16 --parts 2 -o job --dry-run --device";
+    place.says(&format!("{submit} {}", software())).exits(0);
+    let before = place.says("status job --json").exits(0).json();
+    place.render(&["--samples", "0..8", "-o", "job/parts/00-08.exr"]).exits(0);
+    let after = place.says("status job --json --error").exits(0).json();
+    compare("### `status --json`", &[before, after]);
+}
