@@ -61,7 +61,7 @@ impl Range {
         }
         let a = if name.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" };
         let or = if self.or_zero { "of 0 or " } else { "" };
-        let range = match self.least == SMALLEST && !(x > 0.0) {
+        let range = match self.least == SMALLEST && (x <= 0.0 || x.is_nan()) {
             true => "greater than 0".to_owned(),
             false => Range { or_zero: false, ..*self }.to_string(),
         };

@@ -33,8 +33,8 @@ fn introduction(group: &str) -> &'static str {
 fn document() -> String {
     let mut out = format!(
         "# The scene file\n\n\
-         Every part of a scene file, with its fields. This page is made from the declarations by which the program checks\n\
-         scenes: `GPU_RT_RENEW=1 cargo test --test host scene_file` writes it.\n\n\
+         Every part of a scene file, with its fields. [tutorial.md](tutorial.md) builds a scene step by step. This page is made\n\
+         from the declarations by which the program checks scenes: `GPU_RT_RENEW=1 cargo test --test host scene_file` writes it.\n\n\
          A scene is a [RON](https://github.com/ron-rs/ron) file. Comments begin with `//`, or stand between `/*` and `*/`. The y axis points\n\
          up, coordinates are right-handed, and colours are linear Rec. 709. Lengths have whatever unit you choose, the scene unit: the\n\
          image of a scene that is scaled as a whole is the same. Paths are relative to the scene file.\n\n\
