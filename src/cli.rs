@@ -11,7 +11,7 @@ use crate::output::view_transform::{Tonemap, ViewTransform};
 
 /// A path tracer for GPUs, and for machines without one.
 #[derive(Debug, Parser)]
-#[command(name = "gpu-rt", version, about, max_term_width = 100)]
+#[command(name = "gpu-rt", version, about, max_term_width = 80)]
 pub struct Cli {
     #[command(subcommand)]
     pub command: Command,
@@ -100,6 +100,9 @@ pub struct RenderArgs {
     /// Print errors only.
     #[arg(long)]
     pub quiet: bool,
+    /// Also say what the stated error is not about.
+    #[arg(long, conflicts_with = "quiet")]
+    pub verbose: bool,
     /// Print one JSON object on stdout at the end.
     #[arg(long)]
     pub json: bool,

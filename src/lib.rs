@@ -82,6 +82,7 @@ pub mod scene;
 mod shape;
 #[doc(hidden)]
 pub mod source;
+mod terminal;
 mod texture;
 mod threads;
 #[doc(hidden)]

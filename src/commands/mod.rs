@@ -26,6 +26,7 @@ use crate::options::{MAX_DEPTH, RenderOptions};
 use crate::plan::Plan;
 use crate::printable::printable;
 use crate::scene::Scene;
+use crate::terminal::{columns_of_stderr, columns_of_stdout, shown};
 
 /// Runs the command.
 pub fn run(cli: &Cli, start: std::time::Instant) -> Result<()> {
@@ -133,21 +134,25 @@ fn path_text(path: &Path) -> String {
     path.display().to_string()
 }
 
-/// Prints one JSON object on stdout.
+/// Prints one JSON object on stdout. No line of it is broken.
 fn print_json(object: &serde_json::Value) -> Result<()> {
-    print_line(&format!("{object:#}"))
+    write_stdout(&format!("{}\n", printable(&format!("{object:#}"))))
 }
 
 fn print_line(text: &str) -> Result<()> {
     print_text(&format!("{text}\n"))
 }
 
-/// Prints text on stdout, without an additional line end and with controls of terminals escaped. A closed pipe is not an error, because
-/// the reader chose to close it.
+/// Prints text on stdout as a terminal shows it, without an additional line end.
 fn print_text(text: &str) -> Result<()> {
+    write_stdout(&shown(text, columns_of_stdout()))
+}
+
+/// Writes on stdout. A closed pipe is not an error, because the reader chose to close it.
+fn write_stdout(text: &str) -> Result<()> {
     use std::io::{ErrorKind, Write};
     let mut stdout = std::io::stdout();
-    match stdout.write_all(printable(text).as_bytes()).and_then(|()| stdout.flush()) {
+    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             Err(Error::File { path: "stdout".into(), action: "write", reason: error.to_string() })
         }
@@ -155,8 +160,8 @@ fn print_text(text: &str) -> Result<()> {
     }
 }
 
-/// Prints a line on stderr, with controls of terminals escaped. A closed stderr is not an error.
+/// Prints a line on stderr as a terminal shows it. A closed stderr is not an error.
 pub fn tell(text: &str) {
     use std::io::Write;
-    let _ = writeln!(std::io::stderr(), "{}", printable(text));
+    let _ = writeln!(std::io::stderr(), "{}", shown(text, columns_of_stderr()));
 }

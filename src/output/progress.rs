@@ -8,7 +8,8 @@ use std::time::{Duration, Instant};
 use indicatif::{FormattedDuration, ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle};
 
 use crate::job::{Goal, Job};
-use crate::printable::{one_line, printable};
+use crate::printable::one_line;
+use crate::terminal::{columns_of_stderr, shown};
 
 /// The time between lines if stderr is not a terminal. A long render writes few enough lines for a log.
 const LINE_INTERVAL: Duration = Duration::from_secs(5);
@@ -17,7 +18,10 @@ const MOMENT: Duration = Duration::from_millis(500);
 /// The steps of the bar. A step is a share of the work, because the work may be samples or seconds.
 const BAR_STEPS: u64 = 10_000;
 /// Indicatif omits the colour if stderr is not a terminal, or if NO_COLOR is set.
-const TEMPLATE: &str = "{bar:24.cyan} {msg}";
+/// It cuts off what is wider than the terminal.
+const TEMPLATE: &str = "{bar:10.cyan} {wide_msg}";
+/// The columns that the bar takes.
+const BAR: usize = 11;
 
 /// The state of the render.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,7 +60,7 @@ impl Progress {
     /// Shows the new status. May be called as often as is convenient.
     pub fn update(&self, status: Status) {
         let elapsed = self.start.elapsed();
-        self.display.show(self.share(&status, elapsed), || self.describe(&status, elapsed));
+        self.display.show(self.share(&status, elapsed), |columns| self.describe(&status, elapsed, columns));
     }
 
     /// Prints a line above the bar, unless quiet.
@@ -93,20 +97,21 @@ impl Display {
         }
     }
 
-    /// Shows the share of the work that is done, 0 to 1, and the words.
-    fn show(&self, share: f64, words: impl FnOnce() -> String) {
+    /// Shows the share of the work that is done, 0 to 1, and the words, which get the columns that there are for them.
+    fn show(&self, share: f64, words: impl FnOnce(usize) -> String) {
         match self {
             Display::Hidden => {}
             Display::Bar(bar) => {
                 bar.set_position((share * BAR_STEPS as f64) as u64);
-                bar.set_message(one_line(&words()).into_owned());
+                let columns = columns_of_stderr().unwrap_or(usize::MAX);
+                bar.set_message(one_line(&words(columns.saturating_sub(BAR))).into_owned());
             }
             Display::Lines(last) => {
                 // A poisoned lock still holds a time.
                 let mut last = last.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
                 if last.elapsed() >= LINE_INTERVAL {
                     *last = Instant::now();
-                    print(&words());
+                    print(&words(usize::MAX));
                 }
             }
         }
@@ -151,7 +156,7 @@ impl Loading {
         if self.quiet || self.start.elapsed() < MOMENT {
             return;
         }
-        self.display.get_or_insert_with(|| Display::for_stderr(self.start)).show(share, words);
+        self.display.get_or_insert_with(|| Display::for_stderr(self.start)).show(share, |_| words());
     }
 }
 
@@ -162,7 +167,7 @@ fn describe_file(file: &Path, done: u64, whole: u64) -> String {
 
 /// Prints a line. A stderr that cannot be written to must not end the render; `eprintln` would panic.
 fn print(text: &str) {
-    let _ = writeln!(std::io::stderr(), "{}", printable(text));
+    let _ = writeln!(std::io::stderr(), "{}", shown(text, columns_of_stderr()));
 }
 
 impl Progress {
@@ -197,8 +202,8 @@ impl Progress {
         Duration::try_from_secs_f64(elapsed.as_secs_f64() * (1.0 - share) / share).ok()
     }
 
-    /// `12/500 spp  1.42 Mpaths/s  error 3.2 %  ETA 00:01:23`
-    fn describe(&self, status: &Status, elapsed: Duration) -> String {
+    /// `12/500 spp  1.42 Mpaths/s  error 3.2 %  time 00:00:02  ETA 00:01:23`, or as much of it as fits into so many columns.
+    fn describe(&self, status: &Status, elapsed: Duration, columns: usize) -> String {
         let done = status.samples_per_pixel;
         let samples = match self.job.goal {
             Goal::Samples(end) => format!("{done}/{} spp", end.saturating_sub(self.job.first_sample)),
@@ -207,8 +212,21 @@ impl Progress {
         };
         let speed = format!("{:.2} Mpaths/s", status.paths_per_second / 1e6);
         let error = status.relative_error.map(|error| format!("error {} %", two_digits(100.0 * error)));
+        let time = format!("time {}", FormattedDuration(elapsed));
         let remaining = self.remaining(status, elapsed).map(|time| format!("ETA {}", FormattedDuration(time)));
-        [Some(samples), Some(speed), error, remaining].into_iter().flatten().collect::<Vec<_>>().join("  ")
+        // Each with its rank: those of the highest rank go first where there is no room.
+        let mut parts: Vec<(u32, String)> =
+            [(0, Some(samples)), (4, Some(speed)), (2, error), (3, Some(time)), (1, remaining)]
+                .into_iter()
+                .filter_map(|(rank, part)| Some((rank, part?)))
+                .collect();
+        loop {
+            let words = parts.iter().map(|(_, part)| part.as_str()).collect::<Vec<_>>().join("  ");
+            match parts.iter().enumerate().max_by_key(|(_, (rank, _))| *rank) {
+                Some((last, (1.., _))) if words.len() > columns => _ = parts.remove(last),
+                _ => return words,
+            }
+        }
     }
 }
 
@@ -231,17 +249,38 @@ mod tests {
 
     #[test]
     fn the_line_says_samples_speed_error_and_time_to_go() {
-        let line = progress(Goal::Samples(600)).describe(&STATUS, MINUTE);
-        assert_eq!(line, "125/500 spp  1.42 Mpaths/s  error 3.2 %  ETA 00:03:00");
+        let line = progress(Goal::Samples(600)).describe(&STATUS, MINUTE, 80 - BAR);
+        assert_eq!(line, "125/500 spp  1.42 Mpaths/s  error 3.2 %  time 00:01:00  ETA 00:03:00");
         let mut timed = progress(Goal::Samples(0));
         timed.job.goal = Goal::Until { deadline: timed.start + Duration::from_secs(90), end: 600 };
-        assert_eq!(timed.describe(&STATUS, MINUTE), "125 spp  1.42 Mpaths/s  error 3.2 %  ETA 00:00:30");
+        assert_eq!(
+            timed.describe(&STATUS, MINUTE, 80),
+            "125 spp  1.42 Mpaths/s  error 3.2 %  time 00:01:00  ETA 00:00:30"
+        );
+    }
+
+    #[test]
+    fn where_there_is_no_room_the_least_goes_first() {
+        let progress = progress(Goal::Samples(600));
+        for (columns, line) in [
+            (68, "125/500 spp  1.42 Mpaths/s  error 3.2 %  time 00:01:00  ETA 00:03:00"),
+            (67, "125/500 spp  error 3.2 %  time 00:01:00  ETA 00:03:00"),
+            (52, "125/500 spp  error 3.2 %  ETA 00:03:00"),
+            (37, "125/500 spp  ETA 00:03:00"),
+            (24, "125/500 spp"),
+            (0, "125/500 spp"),
+        ] {
+            assert_eq!(progress.describe(&STATUS, MINUTE, columns), line, "{columns}");
+        }
     }
 
     #[test]
     fn what_is_not_known_is_left_out() {
         let nothing = Status { samples_per_pixel: 0, paths_per_second: 0.0, relative_error: None };
-        assert_eq!(progress(Goal::Samples(600)).describe(&nothing, MINUTE), "0/500 spp  0.00 Mpaths/s");
+        assert_eq!(
+            progress(Goal::Samples(600)).describe(&nothing, MINUTE, 80),
+            "0/500 spp  0.00 Mpaths/s  time 00:01:00"
+        );
     }
 
     #[test]
@@ -250,8 +289,8 @@ mod tests {
         for progress in [Goal::Samples(100), Goal::Samples(50), now].map(progress) {
             let share = progress.share(&STATUS, MINUTE);
             assert!((0.0..=1.0).contains(&share), "{:?}: {share}", progress.job);
-            progress.describe(&STATUS, MINUTE);
-            progress.describe(&STATUS, Duration::ZERO);
+            progress.describe(&STATUS, MINUTE, 80);
+            progress.describe(&STATUS, Duration::ZERO, 80);
         }
         assert_eq!(progress(Goal::Samples(200)).remaining(&STATUS, MINUTE), Some(Duration::ZERO));
     }

@@ -35,6 +35,8 @@ pub mod rooms;
 pub mod rows;
 pub mod scaling;
 pub mod scenes;
+#[cfg(target_os = "linux")]
+pub mod screen;
 pub mod stats;
 pub mod tables;
 pub mod trace;

@@ -49,10 +49,12 @@ fn render_ends_with_path_samples_error_and_time() {
     };
     let percent: f64 = attribute(&place.exr("picture one.exr"), "gpu-rt:relative_error").parse().unwrap();
     assert!((number_before("%") - 100.0 * percent).abs() <= 0.0051, "{line}, {percent}");
-    // With its bound, and what it is not about.
+    // With its bound.
     let bound: f64 = attribute(&place.exr("picture one.exr"), "gpu-rt:relative_error_bound").parse().unwrap();
     assert!(line.contains(&format!("below {:.2} %)", 100.0 * bound)) && bound > percent, "{line}, {bound}");
-    assert!(ran.stderr.contains("it excludes what max_depth cut off"), "{}", ran.stderr);
+    // What it is not about is said when asked.
+    let excludes = |ran: &Ran| ran.stderr.contains("it excludes what max_depth cut off");
+    assert!(!excludes(&ran) && excludes(&place.render(&["--verbose"]).exits(0)), "{}", ran.stderr);
     assert!(number_before("s") >= 0.0);
     // A software driver is warned about.
     let devices = place.says("devices --json").exits(0).json();

@@ -1,4 +1,4 @@
-//! Names and excerpts that would control a terminal reach it escaped.
+//! What terminals get: names and excerpts that would control them are escaped, and nothing is wider than they are.
 
 use std::fs;
 use std::path::Path;
@@ -91,4 +91,66 @@ fn names_and_excerpts_do_not_control_the_terminal() {
     // The parser of arguments leaves out escape sequences by itself, and nothing else.
     assert_nothing_raw(&run(folder, &["render", &file, &format!("--{EVIL}")]).exits(2));
     printed(folder, &["check", &format!("missing{EVIL}")], 2);
+}
+
+#[cfg(target_os = "linux")]
+mod wide {
+    use std::process::Stdio;
+
+    use crate::common::device::index as software;
+    use crate::common::screen::{on_terminal, rows};
+    use crate::place::{Place, SPHERE};
+
+    /// Progress, warnings, summaries, tables, errors and help. A word alone in its row may be wider: a path is never broken.
+    #[test]
+    fn nothing_is_wider_than_the_terminal() {
+        let place = Place::new();
+        let white = SPHERE
+            .replace("Rgb(0.5, 0.4, 0.3)", "Rgb(1, 1, 1)")
+            .replace("\"grey\": ", "\"grey\": Metal(albedo: Noise(scale: 1)), \"white\": ");
+        place.scene("white.ron", &white.replace("material: \"grey\"", "material: \"white\""));
+        place.scene("bad.ron", &SPHERE.replace("radius: 1", "radius: wide").replace("\"grey\" }", "\"gray\" }"));
+        place.render(&["-o", "b.exr"]).exits(0);
+        let device = software();
+        for columns in [80, 40] {
+            for line in [
+                format!("render ../scenes/white.ron -o a.exr --verbose --max-depth 2 --device {device}"),
+                "check ../scenes/white.ron".to_owned(),
+                "check ../scenes/bad.ron".to_owned(),
+                "plan ../scenes/white.ron".to_owned(),
+                "compare a.exr b.exr".to_owned(),
+                "devices".to_owned(),
+                "render --what".to_owned(),
+                "--help".to_owned(),
+                "render --help".to_owned(),
+                "merge --help".to_owned(),
+                "tradeoff --help".to_owned(),
+                "compare --help".to_owned(),
+            ] {
+                let command = place.command(&line.split(' ').collect::<Vec<_>>());
+                let text = on_terminal(command, columns);
+                let rows = rows(&text);
+                assert!(!rows.is_empty(), "{line}");
+                for row in rows {
+                    // The library of options breaks no headings, which fit into 80.
+                    let is_heading = columns < 80 && line.contains("--help") && !row.starts_with(' ');
+                    let may_be_wide = is_heading || !row.trim().contains(' ');
+                    assert!(row.chars().count() <= usize::from(columns) || may_be_wide, "{line}, {columns}: {row:?}");
+                }
+            }
+        }
+    }
+
+    /// JSON stays JSON, and what a program reads stays in its line.
+    #[test]
+    fn what_programs_read_is_never_broken() {
+        let place = Place::new();
+        let text = on_terminal(place.command(&["devices", "--json"]), 20);
+        assert!(serde_json::from_str::<serde_json::Value>(&text).is_ok(), "{text}");
+        place.scene("white.ron", &SPHERE.replace("Rgb(0.5, 0.4, 0.3)", "Rgb(1, 1, 1)"));
+        let ran = place.run(&["check", "../scenes/white.ron"]).exits(0);
+        assert_eq!(ran.stdout.lines().count(), 2, "{}", ran.stdout);
+        let mut command = place.command(&["check", "../scenes/white.ron"]);
+        assert_eq!(command.stdout(Stdio::piped()).output().unwrap().stdout, ran.stdout.as_bytes());
+    }
 }

@@ -62,7 +62,7 @@ pub fn summarise(about: &About<'_>, output: &Output<'_>, outcome: &Outcome, fini
     if let (Some(wish), Some(noise)) = (args.noise, finish.noise) {
         tell(&noise_words(wish, &noise, finish.error.as_ref()));
     }
-    if finish.error.is_some() {
+    if args.verbose && finish.error.is_some() {
         tell(&format!("the relative error covers noise; it excludes {}", about.excluded()));
     }
     if output.exr().is_none() {

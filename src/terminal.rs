@@ -1,0 +1,69 @@
+//! Text for terminals: without characters that control them, and broken at words where it is wider than they are.
+
+use std::io::{self, IsTerminal};
+
+use textwrap::{Options, WordSeparator, WordSplitter};
+
+use crate::printable::printable;
+
+/// The width where a terminal does not say its own.
+const USUAL: usize = 80;
+
+/// The columns of the terminal that stdout is; nothing where it is none, so that lines stay whole for programs that read them.
+pub fn columns_of_stdout() -> Option<usize> {
+    let stdout = io::stdout();
+    stdout.is_terminal().then(|| columns(terminal_size::terminal_size_of(stdout)))
+}
+
+/// The same of stderr.
+pub fn columns_of_stderr() -> Option<usize> {
+    let stderr = io::stderr();
+    stderr.is_terminal().then(|| columns(terminal_size::terminal_size_of(stderr)))
+}
+
+fn columns(size: Option<(terminal_size::Width, terminal_size::Height)>) -> usize {
+    size.map_or(USUAL, |(width, _)| usize::from(width.0)).max(1)
+}
+
+/// The text as a terminal of so many columns is to show it. Lines that are too long are broken between words; what follows is indented. A
+/// word stays whole, so that a path can be copied.
+pub fn shown(text: &str, columns: Option<usize>) -> String {
+    let text = printable(text);
+    let Some(columns) = columns else { return text.into_owned() };
+    let lines = text.split('\n').map(|line| {
+        let own = line.len() - line.trim_start_matches(' ').len();
+        // A deep indent would leave no room.
+        let indent = " ".repeat(if own + 2 <= columns / 2 { own + 2 } else { 2 });
+        let options = Options::new(columns)
+            .break_words(false)
+            .word_separator(WordSeparator::AsciiSpace)
+            .word_splitter(WordSplitter::NoHyphenation)
+            .wrap_algorithm(textwrap::WrapAlgorithm::FirstFit)
+            .subsequent_indent(&indent);
+        textwrap::wrap(line, options).join("\n")
+    });
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::shown;
+
+    #[test]
+    fn long_lines_are_broken_at_words_and_paths_are_not() {
+        let text = "warning: one two three\n  four five six seven\nshort\n";
+        assert_eq!(shown(text, None), text);
+        assert_eq!(shown(text, Some(16)), "warning: one two\n  three\n  four five six\n    seven\nshort\n");
+        let path = "a/long/path/of/folders.exr: 16 samples";
+        assert_eq!(shown(path, Some(12)), "a/long/path/of/folders.exr:\n  16 samples");
+        assert_eq!(shown("é é é", Some(5)), "é é é");
+        assert_eq!(shown("\u{1b}[2J a", Some(80)), "\\u001b[2J a");
+    }
+
+    /// The columns of a table stay where they are.
+    #[test]
+    fn spaces_within_a_line_stay() {
+        assert_eq!(shown("name      1.0   words behind", Some(18)), "name      1.0\n  words behind");
+        assert_eq!(shown("a  b", Some(80)), "a  b");
+    }
+}

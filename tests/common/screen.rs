@@ -1,0 +1,43 @@
+//! What a terminal gets of the program.
+
+use std::fs::File;
+use std::io::Read;
+use std::os::fd::{FromRawFd, OwnedFd};
+use std::process::{Command, Stdio};
+
+/// Runs the program on a terminal of so many columns: all that it prints.
+pub fn on_terminal(mut command: Command, columns: u16) -> String {
+    let size = libc::winsize { ws_row: 24, ws_col: columns, ws_xpixel: 0, ws_ypixel: 0 };
+    let (mut ours, mut its) = (0, 0);
+    // SAFETY: the numbers are written, and the size is read, during the call.
+    let made = unsafe { libc::openpty(&mut ours, &mut its, std::ptr::null_mut(), std::ptr::null(), &size) };
+    assert_eq!(made, 0, "a terminal is made");
+    // SAFETY: both are open, and nobody else has them.
+    let (ours, its) = unsafe { (OwnedFd::from_raw_fd(ours), OwnedFd::from_raw_fd(its)) };
+    let copy = |file: &OwnedFd| Stdio::from(file.try_clone().expect("it can be copied"));
+    command.stdin(copy(&its)).stdout(copy(&its)).stderr(copy(&its)).env("TERM", "xterm");
+    let mut child = command.spawn().expect("the program starts");
+    // The reading ends when nobody has the other end.
+    drop((command, its));
+    let (mut file, mut bytes, mut some) = (File::from(ours), Vec::new(), [0; 4096]);
+    while let Ok(count @ 1..) = file.read(&mut some) {
+        bytes.extend_from_slice(&some[..count]);
+    }
+    child.wait().expect("the program ends");
+    String::from_utf8(bytes).expect("UTF-8")
+}
+
+/// The pieces that stand on a line of their own: what is between ends of lines and returns, without the sequences that control the terminal.
+pub fn rows(text: &str) -> Vec<String> {
+    let mut plain = String::new();
+    let mut rest = text.chars();
+    while let Some(c) = rest.next() {
+        match c {
+            // ESC [ parameters letter
+            '\u{1b}' => _ = rest.by_ref().skip(1).find(|c| c.is_ascii_alphabetic()),
+            '\r' => plain.push('\n'),
+            c => plain.push(c),
+        }
+    }
+    plain.lines().filter(|line| !line.trim().is_empty()).map(|line| line.trim_end().to_owned()).collect()
+}
