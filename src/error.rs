@@ -24,6 +24,11 @@ fn path_on_one_line(path: &Path) -> String {
     one_line(&path.to_string_lossy()).into_owned()
 }
 
+fn lines(errors: &[Error], more: usize) -> Vec<String> {
+    let rest = (more > 0).then(|| format!("{more} more errors, which are not listed"));
+    errors.iter().map(Error::to_string).chain(rest).collect()
+}
+
 /// All errors of gpu-rt. The text names the place or the limit, and what to do.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
@@ -35,6 +40,9 @@ pub enum Error {
         field: String,
         message: String,
     },
+    /// Errors of a scene file, in its order. `more` is the number of those that are not listed.
+    #[error("{}", lines(errors, *more).join("\n"))]
+    Several { errors: Vec<Error>, more: usize },
     /// The command line asks for something impossible.
     #[error("{0}")]
     Usage(String),
@@ -61,11 +69,27 @@ pub enum Error {
 pub type Result<T> = std::result::Result<T, Error>;
 
 impl Error {
+    /// The errors one by one.
+    pub fn each(&self) -> &[Error] {
+        match self {
+            Error::Several { errors, .. } => errors,
+            one => std::slice::from_ref(one),
+        }
+    }
+
+    /// The messages one by one.
+    pub fn messages(&self) -> Vec<String> {
+        match self {
+            Error::Several { errors, more } => lines(errors, *more),
+            one => vec![one.to_string()],
+        }
+    }
+
     /// The exit status of the process: 2 for bad input or arguments, 1 if the work itself failed, and after a signal 128 plus its
     /// number, as shells report it.
     pub fn exit_status(&self) -> u8 {
         match self {
-            Error::Scene { .. } | Error::Usage(_) => 2,
+            Error::Scene { .. } | Error::Several { .. } | Error::Usage(_) => 2,
             Error::File { action, .. } if *action == "read" => 2,
             Error::Interrupted { signal, .. } => u8::try_from(128 + signal).unwrap_or(1),
             _ => 1,

@@ -23,7 +23,7 @@ fn main() -> ExitCode {
     let status = match commands::run(&cli, start) {
         Ok(()) => 0,
         Err(error) => {
-            commands::tell(&format!("error: {error}"));
+            error.messages().iter().for_each(|message| commands::tell(&format!("error: {message}")));
             error.exit_status()
         }
     };

@@ -29,7 +29,11 @@ pub fn run(args: &CheckArgs) -> Result<()> {
         }
         Err(error) => {
             if args.json {
-                print_json(&json!({"scene": path_text(&args.scene), "valid": false, "error": describe(&error)}))?;
+                let errors: Vec<_> = error.each().iter().map(describe).collect();
+                let first = errors.first();
+                print_json(
+                    &json!({"scene": path_text(&args.scene), "valid": false, "error": first, "errors": errors}),
+                )?;
             }
             Err(error)
         }

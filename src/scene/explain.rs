@@ -14,59 +14,46 @@ use crate::shape::kinds_in_files;
 use crate::source::form::{Form, NUMBER, Takes, any_of};
 use crate::source::{Id, Source, Span, Step, skip_space, slice};
 
+/// One of ron's errors in the terms of the scene format.
+pub struct Explained {
+    pub error: Error,
+    /// The byte that it points at.
+    pub offset: usize,
+    /// Whether it is about a value, so that the text around the value may be read on.
+    pub about_value: bool,
+    /// Whether a field is missing.
+    pub is_missing: bool,
+}
+
 /// The same error with the position of the value, its path, and what is expected there.
-pub fn explain(source: &Source, error: SpannedError) -> Error {
+pub fn explain(source: &Source, error: SpannedError) -> Explained {
     let cursor = source.offset(error.span.end.line, error.span.end.col);
     let explain = Explain { source, cursor };
-    match error.code {
-        Ron::UnclosedBlockComment => explain.unclosed_comment(),
-        Ron::ExpectedStringEnd => explain.unclosed_string(),
-        _ if cursor >= source.text().len() && source.spans.unclosed_bracket.is_some() => explain.unclosed_bracket(),
-        Ron::NoSuchStructField { expected, found, .. } => {
-            explain.name(format!("unknown field {found}: {}", known(&found, expected)), &found)
-        }
-        Ron::DuplicateStructField { field, .. } => explain.name(format!("{field} is given twice"), field),
-        // This program's own error about a material's name that occurs twice.
-        Ron::Message(message) => explain.name(message, ""),
-        Ron::MissingStructField { field, .. } => explain.missing(field),
-        Ron::NoSuchEnumVariant { expected, found, .. } => explain.variant(&found, expected),
-        Ron::ExpectedDifferentLength { .. } => explain.value_around(),
-        Ron::ExpectedStructLike => explain.bracket(),
-        Ron::ExpectedStructLikeEnd | Ron::ExpectedOptionEnd => explain.too_many(),
-        Ron::ExpectedComma => explain.comma(),
-        Ron::ExpectedMapColon => explain.token("a colon after the name"),
-        Ron::UnexpectedChar(found) => {
-            let message = format!("expected // or /* as the start of a comment, found /{found}");
-            explain.here(cursor.saturating_sub(1 + found.len_utf8()), message)
-        }
-        Ron::NoSuchExtension(name) => {
-            let message = format!("RON has no extension {name}: a scene needs none");
-            explain.here(cursor.saturating_sub(name.len()), message)
-        }
-        Ron::TrailingCharacters => explain.here(cursor, "expected the end of the file after the scene's last bracket"),
-        Ron::ExceededRecursionLimit => explain.too_deep(),
-        Ron::InvalidEscape(reason) => {
-            explain.here(cursor, format!("{}: a backslash is written \\\\ in a string", lower(reason)))
-        }
-        Ron::ExpectedArray
-        | Ron::ExpectedBoolean
-        | Ron::ExpectedFloat
-        | Ron::FloatUnderscore
-        | Ron::ExpectedInteger
-        | Ron::ExpectedByteLiteral
-        | Ron::ExpectedOption
-        | Ron::ExpectedMap
-        | Ron::ExpectedDifferentStructName { .. }
-        | Ron::ExpectedNamedStructLike(_)
-        | Ron::ExpectedString
-        | Ron::ExpectedIdentifier
-        | Ron::SuggestRawIdentifier(_)
-        | Ron::IntegerOutOfBounds
-        | Ron::InvalidIntegerDigit { .. }
-        | Ron::UnderscoreAtBeginning
-        | Ron::InvalidValueForType { .. } => explain.value(),
-        other => explain.here(cursor, lower(&other.to_string())),
-    }
+    let is_missing = matches!(error.code, Ron::MissingStructField { .. });
+    let (error, about_value) = match explain.hash() {
+        Some(error) => (error, false),
+        None => explain.of_code(error.code),
+    };
+    let offset = match &error {
+        Error::Scene { location, .. } => source.offset(location.line, location.column),
+        _ => cursor,
+    };
+    Explained { error, offset, about_value, is_missing }
+}
+
+const HASH: &str = "comments begin with //, found #";
+
+/// The error that the scene begins with a # that begins no attribute.
+pub fn hash_at_start(source: &Source) -> Option<Error> {
+    let at = skip_space(source.text(), 0).ok()?;
+    let rest = source.text().get(at..)?.strip_prefix('#')?;
+    (!rest.starts_with('!')).then(|| source.error_at(at, &[], HASH))
+}
+
+/// The error that a section of the scene is missing.
+pub fn missing_section(source: &Source, name: &str) -> Error {
+    let end = source.spans.root().map_or(0, |root| source.spans.value(root).end);
+    Explain { source, cursor: end.saturating_sub(1) as usize }.missing(name)
 }
 
 struct Explain<'a> {
@@ -76,6 +63,76 @@ struct Explain<'a> {
 }
 
 impl<'a> Explain<'a> {
+    /// The error, and whether it is about a value. All others are about the notation, and nothing behind them is known.
+    fn of_code(&self, code: Ron) -> (Error, bool) {
+        let cursor = self.cursor;
+        let is_open = cursor >= self.source.text().len() && self.source.spans.unclosed_bracket.is_some();
+        let of_notation = match code {
+            Ron::UnclosedBlockComment => self.unclosed_comment(),
+            Ron::ExpectedStringEnd => self.unclosed_string(),
+            _ if is_open => self.unclosed_bracket(),
+            Ron::ExpectedComma => return self.comma(),
+            Ron::ExpectedMapColon => self.token("a colon after the name"),
+            Ron::UnexpectedChar(found) => {
+                let message = format!("expected // or /* as the start of a comment, found /{found}");
+                self.here(cursor.saturating_sub(1 + found.len_utf8()), message)
+            }
+            Ron::NoSuchExtension(name) => {
+                let message = format!("RON has no extension {name}: a scene needs none");
+                self.here(cursor.saturating_sub(name.len()), message)
+            }
+            Ron::TrailingCharacters => self.here(cursor, "expected the end of the file after the scene's last bracket"),
+            Ron::ExceededRecursionLimit => self.too_deep(),
+            Ron::InvalidEscape(reason) => {
+                self.here(cursor, format!("{}: a backslash is written \\\\ in a string", lower(reason)))
+            }
+            code => return self.of_value(code),
+        };
+        (of_notation, false)
+    }
+
+    fn of_value(&self, code: Ron) -> (Error, bool) {
+        let of_value = match code {
+            Ron::NoSuchStructField { expected, found, .. } => {
+                self.name(format!("unknown field {found}: {}", known(&found, expected)), &found)
+            }
+            Ron::DuplicateStructField { field, .. } => self.name(format!("{field} is given twice"), field),
+            // This program's own error about a material's name that occurs twice.
+            Ron::Message(message) => self.name(message, ""),
+            Ron::MissingStructField { field, .. } => self.missing(field),
+            Ron::NoSuchEnumVariant { expected, found, .. } => self.variant(&found, expected),
+            Ron::ExpectedDifferentLength { .. } => self.value_around(),
+            Ron::ExpectedStructLike => self.bracket(),
+            Ron::ExpectedStructLikeEnd | Ron::ExpectedOptionEnd => self.too_many(),
+            Ron::ExpectedArray
+            | Ron::ExpectedBoolean
+            | Ron::ExpectedFloat
+            | Ron::FloatUnderscore
+            | Ron::ExpectedInteger
+            | Ron::ExpectedByteLiteral
+            | Ron::ExpectedOption
+            | Ron::ExpectedMap
+            | Ron::ExpectedDifferentStructName { .. }
+            | Ron::ExpectedNamedStructLike(_)
+            | Ron::ExpectedString
+            | Ron::ExpectedIdentifier
+            | Ron::SuggestRawIdentifier(_)
+            | Ron::IntegerOutOfBounds
+            | Ron::InvalidIntegerDigit { .. }
+            | Ron::UnderscoreAtBeginning
+            | Ron::InvalidValueForType { .. } => self.value(),
+            other => return (self.here(self.cursor, lower(&other.to_string())), false),
+        };
+        (of_value, true)
+    }
+
+    /// For a # in the place of a comment, with the cursor at it or before it.
+    fn hash(&self) -> Option<Error> {
+        let text = self.source.text();
+        let at = skip_space(text, self.cursor).ok().filter(|&at| text.as_bytes().get(at) == Some(&b'#'))?;
+        Some(self.here(at, HASH))
+    }
+
     /// An error at a byte, with the path of the innermost value around it.
     fn here(&self, offset: usize, message: impl Into<String>) -> Error {
         let id = self.at(offset);
@@ -176,13 +233,13 @@ impl<'a> Explain<'a> {
     }
 
     /// For a missing comma or closing bracket, with the cursor at its place.
-    fn comma(&self) -> Error {
+    fn comma(&self) -> (Error, bool) {
         match self.at(self.cursor) {
             // The cursor is in the middle of a word: `640.5` in the place of a whole number, or `5px`.
             Some(id) if self.is_word(id) && (self.source.spans.value(id).start as usize) < self.cursor => {
-                self.expected(Some(id), &self.path(Some(id), false), "")
+                (self.expected(Some(id), &self.path(Some(id), false), ""), true)
             }
-            _ => self.token("a comma or a closing bracket"),
+            _ => (self.token("a comma or a closing bracket"), false),
         }
     }
 

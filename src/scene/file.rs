@@ -8,25 +8,43 @@ use std::path::Path;
 /// fits a device. A mesh of 50 million triangles needs no more as a binary PLY. Sparse files can claim any length.
 pub const LONGEST: u64 = 1 << 30;
 
-/// The bytes of a file of at most `most` bytes. `what` names it in errors: "image".
-pub fn read(path: &Path, what: &str, most: u64) -> Result<Vec<u8>, String> {
+/// What is read of the files that a scene names.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reading {
+    Whole,
+    /// Nothing: whether they are there is all that counts.
+    IfThere,
+}
+
+/// Checks that a file is there and is at most so long; the result is its length. `what` names it in errors: "image".
+pub fn find(path: &Path, what: &str, most: u64) -> Result<u64, String> {
     let cannot = |reason: String| format!("cannot read the {what}: {reason}");
-    let failed = |error: std::io::Error| cannot(error.to_string());
-    let meta = std::fs::metadata(path).map_err(failed)?;
+    let meta = std::fs::metadata(path).map_err(|error| cannot(error.to_string()))?;
     if !meta.is_file() {
         return Err(cannot("it is not a file".to_owned()));
     }
-    let too_long = |length: u64| Err(cannot(format!("expected a file of at most {most} bytes, found {length}")));
     if meta.len() > most {
-        return too_long(meta.len());
+        return Err(cannot(too_long(most, meta.len())));
     }
+    Ok(meta.len())
+}
+
+fn too_long(most: u64, length: u64) -> String {
+    format!("expected a file of at most {most} bytes, found {length}")
+}
+
+/// The bytes of a file of at most `most` bytes.
+pub fn read(path: &Path, what: &str, most: u64) -> Result<Vec<u8>, String> {
+    let cannot = |reason: String| format!("cannot read the {what}: {reason}");
     let mut bytes = Vec::new();
-    let size = meta.len() as usize;
+    let size = find(path, what, most)? as usize;
     bytes.try_reserve_exact(size).map_err(|_| format!("there is no memory for its {size} bytes"))?;
     // The file may grow while it is read.
-    File::open(path).and_then(|file| file.take(most + 1).read_to_end(&mut bytes)).map_err(failed)?;
+    File::open(path)
+        .and_then(|file| file.take(most + 1).read_to_end(&mut bytes))
+        .map_err(|error| cannot(error.to_string()))?;
     if bytes.len() as u64 > most {
-        return too_long(bytes.len() as u64);
+        return Err(cannot(too_long(most, bytes.len() as u64)));
     }
     Ok(bytes)
 }

@@ -6,11 +6,15 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
+use glam::DVec3;
 use ron::extensions::Extensions;
 use serde::de::{Error as _, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
-use super::explain::explain;
+use super::explain::{explain, hash_at_start};
+use super::file::Reading;
+use super::findings::Findings;
+use super::recover::{Parts, recover};
 use super::types::*;
 use super::{OnProgress, Scene, bitmap, mesh, validate};
 use crate::error::{Error, Result};
@@ -73,15 +77,24 @@ pub fn parse(mut text: String, path: &Path, progress: &mut OnProgress) -> Result
         let message = format!("expected at most {MOST_VALUES} values in a scene file: replace objects by meshes");
         return Err(source.error_at(at as usize, &[], message));
     }
+    if let Some(error) = hash_at_start(&source) {
+        return Err(error);
+    }
     if source.spans.root().is_none() && source.spans.unclosed_comment.is_none() {
         let message = "the scene file is empty: expected Scene(image: .., camera: .., ..)";
         return Err(source.error(&[], message));
     }
-    let file: SceneFile = ron::Options::default()
-        .with_default_extension(Extensions::IMPLICIT_SOME)
-        .with_recursion_limit(RECURSION_LIMIT)
-        .from_str(source.text())
-        .map_err(|error| explain(&source, error))?;
+    let mut findings = Findings::default();
+    let file = match options().from_str::<SceneFile>(source.text()) {
+        Ok(file) => file,
+        Err(error) => {
+            let parts = recover(&source, &mut findings);
+            if findings.is_empty() {
+                return Err(explain(&source, error).error);
+            }
+            SceneFile::of_parts(parts)
+        }
+    };
     let mut scene = Scene {
         image: file.image,
         camera: file.camera,
@@ -93,17 +106,46 @@ pub fn parse(mut text: String, path: &Path, progress: &mut OnProgress) -> Result
         meshes: BTreeMap::new(),
         source,
     };
-    validate::validate(&scene)?;
-    scene.bitmaps = bitmap::load_all(&scene)?;
-    scene.meshes = mesh::load_all(&scene, progress)?;
-    if !scene.meshes.is_empty() {
-        validate::with_meshes(&scene)?;
+    validate::validate(&scene, &mut findings);
+    // Large files are not read for a scene that is refused, but all that are missing are named.
+    let reading = if findings.is_empty() { Reading::Whole } else { Reading::IfThere };
+    scene.bitmaps = bitmap::load_all(&scene, reading, &mut findings);
+    scene.meshes = mesh::load_all(&scene, reading, &mut findings, progress);
+    if findings.is_empty() && !scene.meshes.is_empty() {
+        validate::with_meshes(&scene, &mut findings);
     }
-    Ok(scene)
+    findings.end().map(|()| scene)
+}
+
+/// How scene files are parsed.
+pub fn options() -> ron::Options {
+    ron::Options::default().with_default_extension(Extensions::IMPLICIT_SOME).with_recursion_limit(RECURSION_LIMIT)
+}
+
+impl SceneFile {
+    /// What is absent is replaced by something that is valid.
+    fn of_parts(parts: Parts) -> SceneFile {
+        let camera = || Camera {
+            look_from: DVec3::ZERO,
+            look_at: DVec3::NEG_Z,
+            up: DVec3::Y,
+            vertical_fov: 45.0,
+            aperture: 0.0,
+            focus_distance: None,
+        };
+        SceneFile {
+            image: parts.image.unwrap_or(ImageSize { width: 1, height: 1 }),
+            camera: parts.camera.unwrap_or_else(camera),
+            background: parts.background.unwrap_or(Background::Solid(Colour::ZERO)),
+            materials: parts.materials,
+            objects: parts.objects.unwrap_or_default(),
+            render: parts.render,
+        }
+    }
 }
 
 /// Reads a map as a list in the file's order. The second occurrence of a name is an error.
-fn in_file_order<'de, D>(deserializer: D) -> std::result::Result<Vec<(String, Material)>, D::Error>
+pub fn in_file_order<'de, D>(deserializer: D) -> std::result::Result<Vec<(String, Material)>, D::Error>
 where
     D: Deserializer<'de>,
 {

@@ -1,16 +1,19 @@
 //! The scene: the checked contents of a scene file, with the place of every value in the file.
 //!
 //! `load` reads the file, `explain` translates ron's errors into the terms of the scene format, `validate` refuses invalid
-//! numbers, `bitmap` decodes the images, `mesh` reads the meshes. Every error names file:line:column and the field.
+//! numbers, `bitmap` decodes the images, `mesh` reads the meshes. Every error names file:line:column and the field. `recover` reads on
+//! behind an error, so that all are listed.
 
 mod bitmap;
 mod explain;
 mod file;
+mod findings;
 pub mod forms;
 mod inputs;
 mod load;
 mod mesh;
 mod nearest;
+mod recover;
 pub mod types;
 mod validate;
 mod visit;
@@ -48,7 +51,7 @@ pub struct Scene {
 impl Scene {
     /// Reads and validates a scene file, and loads the images and meshes that it names.
     ///
-    /// Every error is an [`Error::Scene`]. Errors about the file as a whole (it is missing, it is a folder) point at 1:1.
+    /// Every error is an [`Error::Scene`], or several of them. Errors about the file as a whole (it is missing, it is a folder) point at 1:1.
     pub fn load(path: &Path) -> Result<Scene> {
         Scene::load_with(path, &mut |_, _, _| {})
     }

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, HashMap};
 use glam::DVec3;
 
 use super::Scene;
+use super::findings::Findings;
 use super::forms::*;
 use super::nearest::nearest;
 use super::types::*;
@@ -12,55 +13,68 @@ use crate::error::Result;
 use crate::shape::mesh::{self, MeshShape};
 use crate::shape::{ShapeKind, kinds_in_files};
 use crate::source::form::any;
-use crate::source::{LARGEST, Place, SMALLEST, parallel, vector};
+use crate::source::{LARGEST, Place, SMALLEST, Step, parallel, vector};
 
 /// Checks the whole scene, in the order of the format's description, except for the files that it names.
-pub fn validate(scene: &Scene) -> Result<()> {
+pub fn validate(scene: &Scene, findings: &mut Findings) {
     let top = scene.top();
-    image(&top.field("image"), &scene.image)?;
-    camera(&top.field("camera"), &scene.camera)?;
-    background(&top.field("background"), &scene.background)?;
+    image(&top.field("image"), &scene.image, findings);
+    camera(&top.field("camera"), &scene.camera, findings);
+    findings.note(background(&top.field("background"), &scene.background));
     for (name, value) in &scene.materials {
-        value.check(&top.field("materials").key(name))?;
+        findings.note(value.check(&top.field("materials").key(name)));
     }
-    objects(scene)?;
-    render(&top.field("render"), &scene.render)
+    objects(scene, findings);
+    let at = top.field("render");
+    findings.note(SAMPLES.check_whole(&at, scene.render.samples));
+    findings.note(MAX_DEPTH.check_whole(&at, scene.render.max_depth));
 }
 
 /// Checks the objects again, now that the meshes are known.
-pub fn with_meshes(scene: &Scene) -> Result<()> {
-    objects(scene)
+pub fn with_meshes(scene: &Scene, findings: &mut Findings) {
+    objects(scene, findings);
 }
 
-fn objects(scene: &Scene) -> Result<()> {
+fn objects(scene: &Scene, findings: &mut Findings) {
     let meshes = mesh::shapes(&scene.meshes);
     let known = KnownNames {
-        all: &scene.materials,
+        scene,
         materials: scene.materials.iter().map(|(name, material)| (name.as_str(), material)).collect(),
         meshes: &meshes,
+        all_are_lost: scene.materials.is_empty() && !findings.is_empty(),
     };
     let top = scene.top();
     for (index, value) in scene.objects.iter().enumerate() {
-        object(&known, &top.field("objects").index(index), value, Reach::IDENTITY)?;
+        object(&known, &top.field("objects").index(index), value, Reach::IDENTITY, findings);
     }
-    Ok(())
 }
 
-fn image(at: &Place, image: &ImageSize) -> Result<()> {
-    WIDTH.check_whole(at, image.width)?;
-    HEIGHT.check_whole(at, image.height)?;
+fn image(at: &Place, image: &ImageSize, findings: &mut Findings) {
+    let sides = [WIDTH.check_whole(at, image.width), HEIGHT.check_whole(at, image.height)];
     let area = u64::from(image.width) * u64::from(image.height);
-    if area > LARGEST_AREA {
+    if sides.iter().all(Result::is_ok) && area > LARGEST_AREA {
         let most = format!("width times height of at most {LARGEST_AREA} pixels");
-        return Err(at.error(format!("expected {most}, found {area}")));
+        findings.note::<()>(Err(at.error(format!("expected {most}, found {area}"))));
     }
-    Ok(())
+    sides.into_iter().for_each(|side| _ = findings.note(side));
 }
 
-fn camera(at: &Place, camera: &Camera) -> Result<()> {
-    LOOK_FROM.check_vector(at, camera.look_from)?;
-    LOOK_AT.check_vector(at, camera.look_at)?;
-    UP.check_vector(at, camera.up)?;
+fn camera(at: &Place, camera: &Camera, findings: &mut Findings) {
+    let points = [
+        LOOK_FROM.check_vector(at, camera.look_from),
+        LOOK_AT.check_vector(at, camera.look_at),
+        UP.check_vector(at, camera.up),
+    ];
+    if points.iter().all(Result::is_ok) {
+        findings.note(directions(at, camera));
+    }
+    points.into_iter().for_each(|point| _ = findings.note(point));
+    findings.note(VERTICAL_FOV.check(at, camera.vertical_fov));
+    findings.note(APERTURE.check(at, camera.aperture));
+    findings.note(camera.focus_distance.map_or(Ok(()), |distance| FOCUS_DISTANCE.check(at, distance)));
+}
+
+fn directions(at: &Place, camera: &Camera) -> Result<()> {
     let view = camera.look_at - camera.look_from;
     if view == DVec3::ZERO {
         return Err(at.field("look_at").error("look_at and look_from are the same point"));
@@ -80,9 +94,7 @@ fn camera(at: &Place, camera: &Camera) -> Result<()> {
         );
         return Err(at.field("up").error(message));
     }
-    VERTICAL_FOV.check(at, camera.vertical_fov)?;
-    APERTURE.check(at, camera.aperture)?;
-    camera.focus_distance.map_or(Ok(()), |distance| FOCUS_DISTANCE.check(at, distance))
+    Ok(())
 }
 
 fn background(at: &Place, background: &Background) -> Result<()> {
@@ -126,31 +138,37 @@ impl Reach {
 const OUT_OF_REACH: &str = "the transforms around this place take it out of the range of numbers, \
                             1e-100 to 1e100";
 
-fn object(known: &KnownNames, at: &Place, object: &Object, reach: Reach) -> Result<()> {
+fn object(known: &KnownNames, at: &Place, object: &Object, reach: Reach, findings: &mut Findings) {
+    if findings.is_full() {
+        return;
+    }
     let at = &at.variant(object.name());
     match object {
         Object::Transformed { by, object: inner } => {
-            let reach = transforms(&at.field("by"), by, reach)?;
-            self::object(known, &at.field("object"), inner, reach)
+            let reach = transforms(&at.field("by"), by, reach, findings);
+            self::object(known, &at.field("object"), inner, reach, findings);
         }
-        Object::Group(objects) => objects
-            .iter()
-            .enumerate()
-            .try_for_each(|(index, inner)| self::object(known, &at.index(index), inner, reach)),
-        Object::Medium { boundary, density, albedo, anisotropy } => {
-            self::boundary(known, &at.field("boundary"), boundary, reach)?;
-            DENSITY.check(at, *density)?;
-            if albedo.image().is_some() {
-                let message = "there are no texture coordinates inside a medium: expected Rgb(..), Checker(..), \
-                               Noise(..) or Marble(..)";
-                return Err(at.field("albedo").error(message));
+        Object::Group(objects) => {
+            for (index, inner) in objects.iter().enumerate() {
+                self::object(known, &at.index(index), inner, reach, findings);
             }
-            albedo.check(&at.field("albedo"), Use::Albedo)?;
-            ANISOTROPY.check(at, *anisotropy)
+        }
+        Object::Medium { boundary, density, albedo, anisotropy } => {
+            self::boundary(known, &at.field("boundary"), boundary, reach, findings);
+            findings.note(DENSITY.check(at, *density));
+            findings.note(match albedo.image() {
+                Some(_) => {
+                    let message = "there are no texture coordinates inside a medium: expected Rgb(..), Checker(..), \
+                                   Noise(..) or Marble(..)";
+                    Err(at.field("albedo").error(message))
+                }
+                None => albedo.check(&at.field("albedo"), Use::Albedo),
+            });
+            findings.note(ANISOTROPY.check(at, *anisotropy));
         }
         _ => {
-            shape(known, at, object, reach)?;
-            known.check_material(at, object)
+            findings.note(shape(known, at, object, reach));
+            findings.note(known.check_material(at, object));
         }
     }
 }
@@ -167,22 +185,25 @@ fn shape(known: &KnownNames, at: &Place, object: &Object, reach: Reach) -> Resul
 }
 
 /// Checks the boundary of a medium.
-fn boundary(known: &KnownNames, at: &Place, object: &Object, reach: Reach) -> Result<()> {
+fn boundary(known: &KnownNames, at: &Place, object: &Object, reach: Reach, findings: &mut Findings) {
     let inside = &at.variant(object.name());
     if let Object::Transformed { by, object } = object {
-        let reach = transforms(&inside.field("by"), by, reach)?;
-        return boundary(known, &inside.field("object"), object, reach);
+        let reach = transforms(&inside.field("by"), by, reach, findings);
+        return boundary(known, &inside.field("object"), object, reach, findings);
     }
     if object.kind().is_none_or(|kind| kind.boundary.is_none()) {
-        return Err(at.unexpected(boundaries("", ", Transformed or not")));
+        findings.note::<()>(Err(at.unexpected(boundaries("", ", Transformed or not"))));
+        return;
     }
-    shape(known, inside, object, reach)?;
+    findings.note(shape(known, inside, object, reach));
     if object.material().is_some() {
         let message = "a medium's boundary has no surface, and so no material: remove the material, or list the object \
                        outside the medium, too";
-        return Err(inside.field("material").error(message));
+        findings.note::<()>(Err(inside.field("material").error(message)));
     }
-    object.shape(known.meshes).and_then(|shape| shape.mesh().map(|mesh| mesh.check_closed(inside))).unwrap_or(Ok(()))
+    if let Some(mesh) = object.shape(known.meshes).and_then(|shape| shape.mesh()) {
+        findings.note(mesh.check_closed(inside));
+    }
 }
 
 /// "a boundary: a Sphere, a Box or a closed Mesh, Transformed or not, without a material"
@@ -192,50 +213,63 @@ pub fn boundaries(after_each: &str, transformed: &str) -> String {
 }
 
 /// Checks a list of transforms and adds them to those around them. The last in the list is the outermost.
-fn transforms(at: &Place, by: &[Transform], mut reach: Reach) -> Result<Reach> {
+fn transforms(at: &Place, by: &[Transform], mut reach: Reach, findings: &mut Findings) -> Reach {
     for (index, transform) in by.iter().enumerate().rev() {
         let at = at.index(index);
-        match transform {
-            Transform::Translate(by) => vector(&at.variant("Translate"), *by)?,
-            Transform::Scale(s) => FACTOR.check_at(&at.variant("Scale"), *s)?,
-            Transform::RotateX(angle) => ANGLE.check_at(&at.variant("RotateX"), *angle)?,
-            Transform::RotateY(angle) => ANGLE.check_at(&at.variant("RotateY"), *angle)?,
-            Transform::RotateZ(angle) => ANGLE.check_at(&at.variant("RotateZ"), *angle)?,
-            Transform::Rotate { axis, degrees } => {
-                let at = at.variant("Rotate");
-                AXIS.check_vector(&at, *axis)?;
-                if axis.length() < SMALLEST {
-                    return Err(at.field("axis").error("the axis has no length"));
-                }
-                ANGLE.check(&at, *degrees)?;
-            }
+        if findings.note(self::transform(&at, transform)).is_none() {
+            continue;
         }
-        reach = reach.after(transform);
-        if !(SMALLEST..=LARGEST).contains(&reach.scale) || reach.shift > LARGEST {
-            return Err(at.error(OUT_OF_REACH));
+        let wider = reach.after(transform);
+        match (SMALLEST..=LARGEST).contains(&wider.scale) && wider.shift <= LARGEST {
+            true => reach = wider,
+            false => _ = findings.note::<()>(Err(at.error(OUT_OF_REACH))),
         }
     }
-    Ok(reach)
+    reach
+}
+
+fn transform(at: &Place, transform: &Transform) -> Result<()> {
+    match transform {
+        Transform::Translate(by) => vector(&at.variant("Translate"), *by),
+        Transform::Scale(s) => FACTOR.check_at(&at.variant("Scale"), *s),
+        Transform::RotateX(angle) => ANGLE.check_at(&at.variant("RotateX"), *angle),
+        Transform::RotateY(angle) => ANGLE.check_at(&at.variant("RotateY"), *angle),
+        Transform::RotateZ(angle) => ANGLE.check_at(&at.variant("RotateZ"), *angle),
+        Transform::Rotate { axis, degrees } => {
+            let at = at.variant("Rotate");
+            AXIS.check_vector(&at, *axis)?;
+            if axis.length() < SMALLEST {
+                return Err(at.field("axis").error("the axis has no length"));
+            }
+            ANGLE.check(&at, *degrees)
+        }
+    }
 }
 
 /// The names that objects may refer to.
 struct KnownNames<'a> {
-    all: &'a [(String, Material)],
-    /// The same materials, for lookups in constant time.
+    scene: &'a Scene,
+    /// Its materials, for lookups in constant time.
     materials: HashMap<&'a str, &'a Material>,
     /// The meshes that have been read. It is empty in the first check, before any file is read.
     meshes: &'a BTreeMap<&'a str, MeshShape<'a>>,
+    /// Whether errors have left no material, so that none can be looked for.
+    all_are_lost: bool,
 }
 
 impl KnownNames<'_> {
     /// Checks that the object names a material, that the material exists, and that it fits the object.
     fn check_material(&self, above: &Place, object: &Object) -> Result<()> {
-        let names = || self.all.iter().map(|(name, _)| name.as_str());
+        let names = || self.scene.materials.iter().map(|(name, _)| name.as_str());
         let at = above.field("material");
         let Some(name) = object.material() else {
             return Err(at.error(format!("material is missing: {}", known(names()))));
         };
         let Some(material) = self.materials.get(name) else {
+            // A material that has errors is there all the same.
+            if self.all_are_lost || self.scene.source.has(&[Step::Field("materials"), Step::Key(name)]) {
+                return Ok(());
+            }
             let meant = nearest(name, names());
             let meant = meant.map_or(String::new(), |meant| format!("; did you mean {meant:?}?"));
             return Err(at.error(format!("there is no material {name:?}: {}{meant}", known(names()))));
@@ -263,9 +297,4 @@ fn known<'a>(names: impl Iterator<Item = &'a str>) -> String {
         names.push(more);
     }
     format!("expected one of {}", names.join(", "))
-}
-
-fn render(at: &Place, render: &RenderDefaults) -> Result<()> {
-    SAMPLES.check_whole(at, render.samples)?;
-    MAX_DEPTH.check_whole(at, render.max_depth)
 }

@@ -70,6 +70,11 @@ impl Source {
         self.location(id.map_or(0, |id| self.spans.value(id).start as usize))
     }
 
+    /// Whether the text has a value at the end of the path.
+    pub fn has(&self, steps: &[Step<'_>]) -> bool {
+        self.spans.follow(&self.text, steps).is_some_and(|(_, rest)| rest.is_empty())
+    }
+
     /// An error at the value at the end of the path.
     pub fn error(&self, steps: &[Step<'_>], message: impl Into<String>) -> Error {
         Error::Scene { location: self.location_of(steps), field: field(steps), message: message.into() }
@@ -174,6 +179,12 @@ impl<'a> Place<'a> {
         let id = self.source.spans.find(self.source.text(), &self.steps());
         let found = id.map_or(String::new(), |id| self.source.excerpt(id));
         self.error(format!("expected {expected}, found {found}"))
+    }
+
+    /// The value as the file writes it.
+    pub fn text(&self) -> &'a str {
+        let id = self.source.spans.find(self.source.text(), &self.steps());
+        id.map_or("", |id| slice(self.source.text(), self.source.spans.value(id)))
     }
 
     /// The location of this value, and its path as messages show it.

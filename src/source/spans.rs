@@ -60,6 +60,8 @@ pub struct Spans {
     root: Option<Id>,
     /// The innermost bracket that the text never closes.
     pub unclosed_bracket: Option<u32>,
+    /// Whether a bracket is closed by one of another kind, or one that is not open.
+    pub mismatched: bool,
     /// The block comment that the text never closes.
     pub unclosed_comment: Option<u32>,
     /// The first value beyond `MOST_VALUES`. The tree ends there.
@@ -91,20 +93,23 @@ impl Spans {
 
     /// The value at the end of the path. If the text lacks it, the innermost value on the path.
     pub fn find(&self, text: &str, steps: &[Step<'_>]) -> Option<Id> {
+        self.follow(text, steps).map(|(id, _)| id)
+    }
+
+    /// The same, with the steps that the text lacks.
+    pub fn follow<'s>(&self, text: &str, mut steps: &'s [Step<'s>]) -> Option<(Id, &'s [Step<'s>])> {
         let mut id = self.root?;
-        for step in steps {
+        while let [step, rest @ ..] = steps {
             let next = match *step {
                 Step::Field(name) => self.child_where(id, |key| field_name(slice(text, key)) == name),
                 Step::Key(name) => self.child_where(id, |key| is_key(slice(text, key), name)),
                 Step::Index(index) => self.children(id).get(index).copied(),
                 Step::Variant(name) => (self.name(text, id) == name).then(|| self.inside(id)),
             };
-            match next {
-                Some(next) => id = next,
-                None => break,
-            }
+            let Some(next) = next else { break };
+            (id, steps) = (next, rest);
         }
-        Some(id)
+        Some((id, steps))
     }
 
     /// The innermost value whose text or key contains the byte at `offset`.
@@ -425,6 +430,11 @@ impl<'t> Scanner<'t> {
     /// Closes the innermost bracket, of any kind. If the kinds differ, ron reports an error here anyway.
     fn close(&mut self) {
         self.value_is_missing();
+        let opened = self.open.last().and_then(|open| self.text.as_bytes().get(open.bracket));
+        self.spans.mismatched |= !matches!(
+            (opened, self.next()),
+            (Some(b'('), Some(')')) | (Some(b'['), Some(']')) | (Some(b'{'), Some('}'))
+        );
         self.at += 1;
         if let Some(open) = self.open.pop() {
             self.finish(open);

@@ -18,10 +18,13 @@ struct Bad {
 
 /// Why an error is not a scene's, at the mark of the text in this file, about this field, in these words.
 fn compare(error: &Error, file: &Path, text: &str, field: &str, words: &[&str]) -> Result<(), String> {
-    match error {
+    let faults = error.each().iter().map(|error| match error {
         Error::Scene { .. } => fault(error, file, text, field, words),
         _ => Err(format!("not a scene's error: {error}")),
-    }
+    });
+    // Objects without a material are told so, too.
+    let faults: Vec<_> = faults.collect();
+    faults.iter().find(|fault| fault.is_ok()).or(faults.first()).cloned().unwrap_or(Ok(()))
 }
 
 fn parse(text: &str) -> Result<Scene, Error> {
@@ -459,7 +462,7 @@ fn line_ends_byte_order_marks_and_struct_names_do_not_matter() {
     let error = parse("\u{feff}(imag: 1)").unwrap_err().to_string();
     assert!(error.starts_with("folder/scene.ron:1:2: imag: "), "{error}");
     let error = parse("Scene(image: ImageSize(width: x))").unwrap_err().to_string();
-    assert!(error.starts_with("folder/scene.ron:1:31: image.width: "), "{error}");
+    assert!(error.contains("folder/scene.ron:1:31: image.width: "), "{error}");
 }
 
 #[test]
@@ -687,13 +690,15 @@ fn deep_nesting_is_an_error_and_no_crash() {
 
 /// An error's place is inside the text, or just past the end of its line.
 fn assert_inside(error: &Error, text: &str) {
-    let Error::Scene { location, .. } = error else {
-        panic!("{error}");
-    };
-    assert_eq!(location.file, Path::new(FILE));
-    let line = text.split('\n').nth(location.line.wrapping_sub(1));
-    let columns = 1..=line.map_or(0, |line| line.chars().count() + 1);
-    assert!(columns.contains(&location.column), "{error}\n{text}");
+    for error in error.each() {
+        let Error::Scene { location, .. } = error else {
+            panic!("{error}");
+        };
+        assert_eq!(location.file, Path::new(FILE));
+        let line = text.split('\n').nth(location.line.wrapping_sub(1));
+        let columns = 1..=line.map_or(0, |line| line.chars().count() + 1);
+        assert!(columns.contains(&location.column), "{error}\n{text}");
+    }
 }
 
 /// One to three random edits: bytes taken out, put in or replaced, pieces copied, the end cut off.
@@ -767,4 +772,113 @@ fn no_mutated_image_panics() {
             }
         }
     }
+}
+
+// All errors of a scene
+
+/// The lines and columns of all marks.
+fn marks(text: &str) -> Vec<(usize, usize)> {
+    let lines = text.split('\n').enumerate();
+    let of_line = |(number, line): (usize, &str)| {
+        let starts = line.split(MARK).scan(1, |column, part| {
+            *column += part.chars().count();
+            Some((number + 1, *column))
+        });
+        let starts: Vec<_> = starts.collect();
+        starts[..starts.len() - 1].to_vec()
+    };
+    lines.flat_map(of_line).collect()
+}
+
+/// The places of the errors of a text, which are at its marks and nowhere else.
+#[track_caller]
+fn all_at_marks(text: &str) -> Error {
+    let error = parse(&unmarked(text)).expect_err("the scene is bad");
+    let place = |error: &Error| match error {
+        Error::Scene { location, .. } => (location.line, location.column),
+        other => panic!("{other}"),
+    };
+    assert_eq!(error.each().iter().map(place).collect::<Vec<_>>(), marks(text), "{error}");
+    error
+}
+
+/// Wrong types, unknown, missing and repeated fields, ranges, references and files, in the file's order, and nothing that only follows from
+/// another error.
+#[test]
+fn all_errors_of_a_scene_are_listed() {
+    all_at_marks(
+        "(
+    image: (width: 4, height: §3.5),
+    camera: (look_from: (0, 0, §\"5\"), §lookat: (0, 0, 0), vertical_fov: §fast),
+    background: Solid(§(1, 1)),
+    render: (samples: §0),
+    materials: {
+        \"grey\": Lambertian(albedo: Rgb(0.5, §1.5, 0.5)),
+        \"blue\": Lambertian(albedo: Rgb(§blue, 0, 0)),
+        \"image\": Lambertian(albedo: Image(path: §\"gone.png\")),
+        §\"grey\": Dielectric(ior: 1.5),
+    },
+    objects: [
+        Sphere(center: (0, 0, 0), radius: §-1, material: §\"gray\"),
+        Sphere(center: (0, 0, 0), §radus: 1, material: \"blue\"),
+        §Sphere(center: (0, 0, 0), material: \"blue\"),
+        §Ball(radius: 1), /* a comment */
+        Group([
+            Transformed(by: [RotateX(§up), Scale(2)], object: Sphere(center: (0, 0, 0), radius: 1, material: \"grey\")),
+            Mesh(path: §\"gone.ply\", material: \"blue\"),
+            Medium(boundary: §Quad(corner: (0, 0, 0), u: (1, 0, 0), v: (0, 1, 0)), density: §-1, albedo: Rgb(§2, 1, 1)),
+        ]),
+    ],
+)
+",
+    );
+}
+
+#[test]
+fn sections_that_are_missing_are_listed_too() {
+    let error = parse("(camera: (look_from: 1, look_at: (0, 0, 0), vertical_fov: 40))").expect_err("it is bad");
+    let fields = error.messages().iter().map(|text| text.split(": ").nth(1).unwrap().to_owned()).collect::<Vec<_>>();
+    assert_eq!(fields, ["image", "background", "objects", "camera.look_from"], "{error}");
+    // One of them may be the field that nobody knows.
+    all_at_marks("(§imag: (width: 4, height: 3), objects: [])");
+}
+
+/// Nothing is known of what comes behind it.
+#[test]
+fn an_error_of_the_notation_is_the_last() {
+    let error = all_at_marks(
+        &object("Sphere(center: 0, radius: 1, material: \"grey\"), Box(min §(0, 0, 0)), Ball()")
+            .replace("center: 0", "center: §0"),
+    );
+    assert!(error.messages()[1].contains("expected a colon after the name"), "{error}");
+}
+
+#[test]
+fn at_most_twenty_are_listed() {
+    let sphere = |radius: &str| format!("Sphere(center: (0, 0, 0), radius: {radius}, material: \"grey\")");
+    let spheres = |count: usize, radius: &str| object(&vec![sphere(radius); count].join(",\n"));
+    for radius in ["0", "wide"] {
+        let Err(Error::Several { errors, more }) = parse(&spheres(30, radius)) else { panic!("it is bad") };
+        assert_eq!(errors.len(), 20);
+        // ron's own are not looked for beyond.
+        assert_eq!(more, if radius == "0" { 10 } else { 0 });
+    }
+}
+
+#[test]
+fn a_hash_is_no_comment() {
+    for text in [
+        format!("§# a scene\n{}", object("")),
+        object("§# an object\n"),
+        object("Sphere(center: (0, 0, 0), radius: 1, §# wide\n material: \"grey\")"),
+        object("Sphere(center: (0, 0, 0), radius: §# wide\n 1, material: \"grey\")"),
+        object("Sphere(center: (0, 0, 0), radius: 1, material: \"grey\") §# grey\n"),
+    ] {
+        let error = all_at_marks(&text);
+        assert!(error.to_string().ends_with("comments begin with //, found #"), "{error}");
+    }
+    // A raw string has some, and an extension begins with one.
+    let raw = object("Sphere(center: (0, 0, 0), radius: 1, material: r#\"grey\"#)");
+    assert!(parse(&raw).is_ok());
+    assert!(parse(&format!("#![enable(implicit_some)]\n{raw}")).is_ok());
 }

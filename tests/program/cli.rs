@@ -807,6 +807,15 @@ fn check_finds_errors_and_dangers() {
     assert!(ran.stdout.contains(&format!("warning: {scene}:5:")), "{}", ran.stdout);
     let json = place.run(&["check", &scene, "--json"]).exits(0).json();
     assert!(json["warnings"][0].as_str().is_some_and(|warning| warning.starts_with(&format!("{scene}:5:"))), "{json}");
+    // All errors are listed, one in a line and in the file's order.
+    let scene = place.scene("bad.ron", &SPHERE.replace("width: 20", "width: 0").replace("radius: 1", "radius: 0"));
+    let ran = place.run(&["check", &scene]).exits(2);
+    let starts: Vec<&str> = ran.stderr.lines().filter_map(|line| line.split(": ").nth(1)).collect();
+    assert_eq!(starts, [format!("{scene}:2:20"), format!("{scene}:6:49")], "{}", ran.stderr);
+    assert!(ran.stderr.lines().all(|line| line.starts_with("error: ")), "{}", ran.stderr);
+    let json = place.run(&["check", &scene, "--json"]).exits(2).json();
+    let lines: Vec<_> = json["errors"].as_array().expect("a list").iter().map(|error| error["line"].as_u64()).collect();
+    assert_eq!((lines, &json["error"]), (vec![Some(2), Some(6)], &json["errors"][0]));
     // An error is one object too.
     for (text, word) in bad_scenes() {
         let scene = place.scene("bad.ron", &unmarked(&text));

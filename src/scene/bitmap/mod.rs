@@ -4,6 +4,7 @@ mod budget;
 mod exr;
 mod jpeg;
 
+use std::collections::HashSet;
 use std::io::Cursor;
 use std::path::Path;
 use std::sync::Arc;
@@ -11,7 +12,8 @@ use std::sync::Arc;
 use image::{DynamicImage, ImageBuffer, ImageDecoder, ImageFormat, ImageReader, Limits, Pixel};
 
 use super::Scene;
-use super::file;
+use super::file::{self, Reading};
+use super::findings::Findings;
 use super::types::*;
 use crate::error::Result;
 use crate::guard::guarded;
@@ -22,14 +24,14 @@ use budget::Budget;
 const HEADERS: u64 = 64 << 20;
 
 /// Decodes every image of the scene once. The keys are the paths as the scene file writes them. Errors point at the `path` field.
-pub fn load_all(scene: &Scene) -> Result<Bitmaps> {
-    let mut bitmaps = Bitmaps::new();
-    let mut budget = Budget::default();
+pub fn load_all(scene: &Scene, reading: Reading, findings: &mut Findings) -> Bitmaps {
+    let mut loader =
+        Loader { scene, reading, budget: Budget::default(), bitmaps: Bitmaps::new(), found: HashSet::new() };
     let top = scene.top();
     if let Background::Image { path } = &scene.background {
         let background = top.field("background");
         let at = background.variant("Image");
-        load(scene, &at.field("path"), path, Use::Radiance, &mut budget, &mut bitmaps)?;
+        findings.note(loader.load(&at.field("path"), path, Use::Radiance));
     }
     let materials = top.field("materials");
     for (name, material) in &scene.materials {
@@ -40,23 +42,36 @@ pub fn load_all(scene: &Scene) -> Result<Bitmaps> {
             let at = at.variant(material.name());
             let at = at.field(slot.field.name);
             let at = at.variant(slot.texture.name());
-            load(scene, &at.field("path"), path, slot.usage, &mut budget, &mut bitmaps)?;
+            findings.note(loader.load(&at.field("path"), path, slot.usage));
         }
     }
-    Ok(bitmaps)
+    loader.bitmaps
 }
 
-fn load(scene: &Scene, at: &Place, path: &str, usage: Use, budget: &mut Budget, bitmaps: &mut Bitmaps) -> Result<()> {
-    let file = scene.source.resolve(path);
-    let wrong = |reason: String| at.error(format!("{}: {reason}", file.display()));
-    if !bitmaps.contains_key(path) {
-        let bitmap = decode(&file, budget).map_err(wrong)?;
-        budget.add(bitmap.texels.len());
-        bitmaps.insert(path.to_owned(), bitmap);
-    }
-    match bitmaps.get(path) {
-        Some(bitmap) => usage.check_texels(bitmap).map_err(wrong),
-        None => Ok(()),
+struct Loader<'a> {
+    scene: &'a Scene,
+    reading: Reading,
+    budget: Budget,
+    bitmaps: Bitmaps,
+    /// The paths of files that have been looked at, good or not.
+    found: HashSet<String>,
+}
+
+impl Loader<'_> {
+    fn load(&mut self, at: &Place, path: &str, usage: Use) -> Result<()> {
+        let file = self.scene.source.resolve(path);
+        let wrong = |reason: String| at.error(format!("{}: {reason}", file.display()));
+        if self.found.insert(path.to_owned()) {
+            match self.reading {
+                Reading::IfThere => _ = file::find(&file, "image", file::LONGEST).map_err(wrong)?,
+                Reading::Whole => {
+                    let bitmap = decode(&file, &self.budget).map_err(wrong)?;
+                    self.budget.add(bitmap.texels.len());
+                    self.bitmaps.insert(path.to_owned(), bitmap);
+                }
+            }
+        }
+        self.bitmaps.get(path).map_or(Ok(()), |bitmap| usage.check_texels(bitmap).map_err(wrong))
     }
 }
 

@@ -10,14 +10,13 @@ mod input;
 mod obj;
 mod ply;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
 
 use super::Scene;
-use super::file;
+use super::file::{self, Reading};
+use super::findings::Findings;
 use super::types::Object;
-use super::visit::visit_all;
-use crate::error::Result;
 use draft::{Draft, MOST_BYTES};
 use input::Input;
 
@@ -28,34 +27,50 @@ pub(super) use gltf::unescape;
 pub type OnProgress<'a> = dyn FnMut(&Path, u64, u64) + 'a;
 
 /// Reads every mesh of the scene once. The keys are the paths as the scene file writes them. Errors point at the `path` field.
-pub fn load_all(scene: &Scene, progress: &mut OnProgress) -> Result<BTreeMap<String, Mesh>> {
+pub fn load_all(
+    scene: &Scene,
+    reading: Reading,
+    findings: &mut Findings,
+    progress: &mut OnProgress,
+) -> BTreeMap<String, Mesh> {
     let mut meshes = BTreeMap::new();
+    let mut found = HashSet::new();
     let mut room = MOST_BYTES;
-    visit_all(&scene.top().field("objects"), &scene.objects, &mut |at, object| {
-        let Object::Mesh { path, .. } = object else { return Ok(()) };
-        if !meshes.contains_key(path) {
-            let file = scene.source.resolve(path);
-            let wrong = |reason: String| at.field("path").error(format!("{}: {reason}", file.display()));
-            let (mesh, left) = load(&file, room, progress).map_err(wrong)?;
+    scene.visit_objects(&mut |at, object| {
+        let Object::Mesh { path, .. } = object else { return };
+        if findings.is_full() || !found.insert(path.clone()) {
+            return;
+        }
+        let file = scene.source.resolve(path);
+        let loaded = match reading {
+            Reading::Whole => load(&file, room, progress).map(Some),
+            Reading::IfThere => parser(&file).and_then(|_| file::find(&file, "mesh", file::LONGEST)).map(|_| None),
+        };
+        let loaded = loaded.map_err(|reason| at.field("path").error(format!("{}: {reason}", file.display())));
+        if let Some((mesh, left)) = findings.note(loaded).flatten() {
             room = left;
             meshes.insert(path.clone(), mesh);
         }
-        Ok(())
-    })?;
-    Ok(meshes)
+    });
+    meshes
 }
 
 type Parser = fn(&Path, &mut Input, &mut Draft) -> std::result::Result<(), String>;
 
+/// What reads a file, by its ending, and what it is.
+fn parser(path: &Path) -> std::result::Result<(Parser, &'static str), String> {
+    let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    match ending.as_str() {
+        "obj" => Ok((obj::parse, "an OBJ file")),
+        "ply" => Ok((ply::parse, "a PLY file")),
+        "gltf" | "glb" => Ok((gltf::parse, "a glTF file")),
+        _ => Err("expected the path of a mesh that ends in .obj, .ply, .gltf or .glb".to_owned()),
+    }
+}
+
 /// The mesh of a file, which may take `room` bytes, and the bytes that are left.
 fn load(path: &Path, room: usize, progress: &mut OnProgress) -> std::result::Result<(Mesh, usize), String> {
-    let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-    let (parse, format): (Parser, _) = match ending.as_str() {
-        "obj" => (obj::parse, "an OBJ file"),
-        "ply" => (ply::parse, "a PLY file"),
-        "gltf" | "glb" => (gltf::parse, "a glTF file"),
-        _ => return Err("expected the path of a mesh that ends in .obj, .ply, .gltf or .glb".to_owned()),
-    };
+    let (parse, format) = parser(path)?;
     let bytes = file::read(path, "mesh", file::LONGEST)?;
     if bytes.is_empty() {
         return Err(format!("the file is empty: expected {format}"));
