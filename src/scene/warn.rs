@@ -5,12 +5,14 @@ use std::collections::HashSet;
 use super::Scene;
 use super::types::*;
 use super::visit::visit_all;
+use crate::source::Place;
 
 /// The warnings about a scene, in the file's order.
 pub fn warnings(scene: &Scene) -> Vec<String> {
     let top = scene.top();
     let used: HashSet<&str> = materials_of(&scene.objects).collect();
     let mut warnings = Vec::new();
+    warnings.extend(radians(&top.field("camera").field("vertical_fov")));
     for (name, material) in &scene.materials {
         let materials = top.field("materials");
         let at = materials.key(name);
@@ -34,12 +36,49 @@ pub fn warnings(scene: &Scene) -> Vec<String> {
                 let about = scene.meshes.get(path).map_or(&[][..], |mesh| &mesh.warnings);
                 warnings.extend(about.iter().map(|text| at.field("path").warning(&format!("{path}: {text}"))));
             }
+            Object::Transformed { by, .. } => {
+                let by_field = at.field("by");
+                for (index, transform) in by.iter().enumerate() {
+                    let at = by_field.index(index);
+                    warnings.extend(match transform {
+                        Transform::RotateX(_) => radians(&at.variant("RotateX")),
+                        Transform::RotateY(_) => radians(&at.variant("RotateY")),
+                        Transform::RotateZ(_) => radians(&at.variant("RotateZ")),
+                        Transform::Rotate { .. } => radians(&at.variant("Rotate").field("degrees")),
+                        Transform::Translate(_) | Transform::Scale(_) => None,
+                    });
+                }
+            }
             _ => {}
         }
         Ok(())
     });
     debug_assert!(walked.is_ok(), "nothing in it fails");
     warnings
+}
+
+/// The warning that an angle is surely written in radians.
+fn radians(at: &Place) -> Option<String> {
+    let text = at.text();
+    let degrees = degrees_of_radians(text)?;
+    let message = format!("{text} is {degrees} degrees in radians, and angles are in degrees: write {degrees}");
+    Some(at.warning(&message))
+}
+
+/// The multiple of 5 degrees that a number is in radians, to all of its digits. Of fewer than five digits nothing is sure.
+fn degrees_of_radians(text: &str) -> Option<i32> {
+    let (mantissa, exponent) = text.split_once(['e', 'E']).unwrap_or((text, "0"));
+    let digits = mantissa.trim_start_matches(['+', '-', '0', '.']).chars().filter(char::is_ascii_digit).count();
+    if digits < 5 {
+        return None;
+    }
+    let decimals = mantissa.split_once('.').map_or(0, |(_, decimals)| decimals.len()) as i32;
+    let last = 10f64.powi(exponent.parse::<i32>().ok()?.saturating_sub(decimals));
+    let value: f64 = text.parse().ok()?;
+    let degrees = 5.0 * (value.to_degrees() / 5.0).round();
+    // Cut off or rounded. Numbers of more digits than f64 has are not exact.
+    let near = (value - degrees.to_radians()).abs() <= last.max(1e-15 * value.abs());
+    (near && degrees != 0.0 && degrees.abs() <= 360.0).then_some(degrees as i32)
 }
 
 /// The names of the materials that objects use, also inside groups.
@@ -59,4 +98,40 @@ fn materials_of(objects: &[Object]) -> impl Iterator<Item = &str> {
         }
         None
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::degrees_of_radians;
+
+    #[test]
+    fn radians_are_known_by_their_digits() {
+        for (text, degrees) in [
+            ("1.5708", Some(90)),
+            ("1.5707", Some(90)),
+            ("1.57079632679489661923", Some(90)),
+            ("-0.78540", Some(-45)),
+            ("-0.785398", Some(-45)),
+            ("6.98132e-1", Some(40)),
+            ("0.0872665", Some(5)),
+            ("+6.2832", Some(360)),
+            // Too few digits, other digits, other angles, and degrees.
+            ("1.571", None),
+            ("0.785", None),
+            ("1.5706", None),
+            ("1.57080", Some(90)),
+            ("1.57090", None),
+            ("0.01745329", None),
+            ("12.5664", None),
+            ("90.000", None),
+            ("0.00000", None),
+            ("30", None),
+            ("36.8699", None),
+            ("x1.5708", None),
+            ("1.5708e99999999999", None),
+            ("", None),
+        ] {
+            assert_eq!(degrees_of_radians(text), degrees, "{text}");
+        }
+    }
 }

@@ -774,6 +774,33 @@ fn no_mutated_image_panics() {
     }
 }
 
+/// Angles in radians are warned of at their places, and angles in degrees are not.
+#[test]
+fn angles_that_are_surely_radians_are_warned_of() {
+    let turned = |angle: &str| {
+        let by = format!("RotateX({angle}), RotateY({angle}), Rotate(axis: (1, 0, 0), degrees: {angle}), RotateZ(30)");
+        let sphere = "Sphere(center: (0, 0, 0), radius: 1, material: \"grey\")";
+        let text = object(&format!("Transformed(by: [{by}], object: {sphere})"));
+        let text = text
+            .replace(", \"été\": Dielectric(ior: 1.5)", "")
+            .replace("vertical_fov: 40", &format!("vertical_fov: {angle}"));
+        (parse(&unmarked(&text)).unwrap().warnings(), text)
+    };
+    let (warnings, text) = turned("§0.69813");
+    let fields = ["camera.vertical_fov", "by[0].RotateX", "by[1].RotateY", "by[2].Rotate.degrees"];
+    assert_eq!(warnings.len(), fields.len(), "{warnings:#?}");
+    for ((warning, field), (line, column)) in warnings.iter().zip(fields).zip(marks(&text)) {
+        assert!(warning.starts_with(&format!("{FILE}:{line}:{column}: ")) && warning.contains(field), "{warning}");
+        assert!(
+            warning.ends_with("0.69813 is 40 degrees in radians, and angles are in degrees: write 40"),
+            "{warning}"
+        );
+    }
+    for angle in ["40", "0.698", "0.69823", "45.5"] {
+        assert_eq!(turned(angle).0, Vec::<String>::new());
+    }
+}
+
 // All errors of a scene
 
 /// The lines and columns of all marks.

@@ -114,7 +114,9 @@ fn spheres_with_the_camera_near_their_surface() {
     for r in ["1e3", "42000", "4.2e6", "1e12"] {
         let above = ground(r);
         assert_silent(&above);
-        assert_silent(&above.replace("(0, 1, 0)", "(0, -1, 0)").replace("(0, 2, 1)", "(0, -2, 1)"));
+        // From within one that shines: another one would be a dark room.
+        let inside = above.replace("(0, 1, 0)", "(0, -1, 0)").replace("(0, 2, 1)", "(0, -2, 1)");
+        assert_silent(&inside.replace("material: \"grey\"", "material: \"lamp\""));
     }
     assert_silent(&ground("1").replace("(0, 1, 0)", "(0, 0, 0)"));
 }
@@ -412,9 +414,10 @@ fn boxes_that_share_a_plane() {
     assert_warns(&scene(&up, &format!("{block}\n§{}", block.replace("steel", "grey"))), "objects[1].Box", &["box at"]);
     // In a room, flush with its wall: a picture is seen or not, a cupboard hides the wall.
     let room = cuboid("(-6, -6, -6)", "(6, 6, 6)", "grey");
+    let bulb = "Sphere(center: (3, 3, 3), radius: 0.5, material: \"lamp\"),";
     let picture = "Quad(corner: (-1, -1, -6), u: (2, 0, 0), v: (0, 2, 0), material: \"steel\"),";
-    assert_warns(&scene(BEFORE, &format!("{room}\n§{picture}")), "objects[1].Quad", &["the box at"]);
-    assert_silent(&scene(BEFORE, &format!("{room}\n{}", cuboid("(-1, -1, -6)", "(1, 1, -5)", "steel"))));
+    assert_warns(&scene(BEFORE, &format!("{room}\n§{picture}\n{bulb}")), "objects[1].Quad", &["the box at"]);
+    assert_silent(&scene(BEFORE, &format!("{room}\n{}\n{bulb}", cuboid("(-1, -1, -6)", "(1, 1, -5)", "steel"))));
     // Glass that stands on something, whichever is first in the file.
     let glass = block.replace("steel", "glass");
     let words =
@@ -674,6 +677,26 @@ fn closed_lights_around_the_camera() {
         assert_silent(&around(shape, "lamp"));
         assert_silent(&around(&shape.replace("20", "4"), "spot"));
     }
+}
+
+#[test]
+fn closed_rooms_around_the_camera() {
+    let room = |material: &str| format!("§Box(min: (-9, -9, -9), max: (9, 9, 9), material: \"{material}\"),");
+    let words = ["the camera is inside this opaque box, and no light is: the image is black", "put a light inside"];
+    assert_warns(&scene(BEFORE, &room("grey")), "objects[0].Box", &words);
+    let ball = "§Sphere(center: (0, 0, 0), radius: 9, material: \"steel\"),";
+    assert_warns(&scene(BEFORE, ball), "objects[0].Sphere", &["inside this opaque sphere"]);
+    // One that light passes or comes from, one with a light inside, one beside the camera, and one with an open side.
+    assert_silent(&scene(BEFORE, &room("glass")));
+    assert_silent(&scene(BEFORE, &room("lamp")));
+    let lamp = "Sphere(center: (0, 0, 0), radius: 1, material: \"lamp\"),";
+    assert_silent(&scene(BEFORE, &(room("grey") + lamp)));
+    assert_silent(&scene(BEFORE, &room("grey").replace("9)", "4)")));
+    let wall = "Quad(corner: (-9, -9, -9), u: (18, 0, 0), v: (0, 18, 0), material: \"grey\"),";
+    assert_silent(&scene(BEFORE, wall));
+    // With nothing that emits light, that is what is said.
+    let dark = scene(BEFORE, &room("grey")).replace("Solid((1, 1, 1))", "Solid((0, 0, 0))");
+    assert!(warnings(&dark).iter().all(|warning| !warning.contains("inside this opaque")), "{dark}");
 }
 
 #[test]

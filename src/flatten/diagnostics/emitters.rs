@@ -1,6 +1,6 @@
 //! Finds emitters that no path can reach, and emitters that are too faint beside others.
 //!
-//! It finds three cases of unreachable light: a one-sided light with nothing on its emitting side; a closed light
+//! It finds four cases of unreachable light: a background beyond a closed opaque object around the camera; a one-sided light with nothing on its emitting side; a closed light
 //! around the camera that emits outwards; and a closed opaque sphere, box or mesh around either the light or the
 //! camera, with the other one outside.
 
@@ -83,6 +83,10 @@ pub struct Walls<'a> {
     worst: Worst<(usize, usize, bool)>,
     /// Closed lights around the camera that emit outwards.
     outwards: Worst<usize>,
+    /// Whether the background is all that emits light.
+    only_background: bool,
+    /// Closed opaque objects around the camera, where only the background emits light.
+    rooms: Worst<usize>,
     within: Within,
 }
 
@@ -98,8 +102,11 @@ impl<'a> Walls<'a> {
             }));
             emitters.sort_unstable_by(|a, b| a.center.x.total_cmp(&b.center.x));
         }
+        let background = found.emissions.iter().any(|(material, radiance)| material.is_none() && *radiance > 0.0);
         Walls {
             found,
+            only_background: emitters.is_empty() && background,
+            rooms: Worst::default(),
             smallest: emitters.iter().map(|emitter| emitter.radius).fold(f64::INFINITY, f64::min),
             emitters,
             tests: TESTS_EACH * (found.placed.len() + 1000),
@@ -111,13 +118,16 @@ impl<'a> Walls<'a> {
     }
 
     pub fn see(&mut self, number: usize, wall: &Body, kind: Role) {
-        if self.emitters.is_empty() || self.tests == 0 || kind.glass {
+        if (self.emitters.is_empty() && !self.only_background) || self.tests == 0 || kind.glass {
             return;
         }
         let lens = self.found.view.lens_radius();
         let Some(depth) = self.within.depth(wall, DVec3::ZERO) else { return };
         if depth > lens && self.around < MOST_AROUND {
             self.around += 1;
+            if self.only_background {
+                self.rooms.note(-(number as f64), number);
+            }
             if kind.light && kind.one_sided && is_outside_in_front(wall) {
                 self.outwards.note(-(number as f64), number);
             }
@@ -173,7 +183,15 @@ impl<'a> Walls<'a> {
             );
             Diagnostic::of_two(emitter, wall, message)
         });
-        [outwards, hidden].into_iter().flatten().collect()
+        let rooms = self.rooms.diagnostic(|number| {
+            let word = found.placed[number].shape.kind().word;
+            let message = format!(
+                "the camera is inside this opaque {word}, and no light is: the image is black. Move the camera out of it, open it, or put \
+                 a light inside"
+            );
+            Diagnostic::of(At::Primitive(number), "", message)
+        });
+        [outwards, hidden, rooms].into_iter().flatten().collect()
     }
 }
 
