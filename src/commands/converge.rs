@@ -20,7 +20,7 @@ use crate::metrics::error as metrics;
 use crate::output::atomic;
 use crate::output::csv::csv;
 use crate::output::exr::{ExrImage, read_exr, read_state};
-use crate::output::plot::{Curve, Plot, svg};
+use crate::output::plot::{Curve, Plot, Width, svg};
 use crate::plan::Plan;
 use crate::render::{Look, Next, Outcome, Renderer};
 
@@ -175,7 +175,8 @@ fn drawing<'a>(title: &'a str, steps: &[Measurement], own_error: Option<f64>) ->
         curves.push(curve("relMSE of the reference by its noise", &|_| own));
         curves.push(curve("relMSE less the reference's own", &|step| step.relmse - own));
     }
-    Plot { title, x: "seconds of rendering", y: "relMSE; the dashed line falls as 1/N", curves, guide: true }
+    let y = "relMSE; the dotted line falls as 1/N";
+    Plot { title, x: "seconds of rendering", y, curves, guide: true, width: Width::Wide }
 }
 
 const COLUMNS: &str = "samples,seconds,mse,rmse,relmse,mean_difference,relative_error";

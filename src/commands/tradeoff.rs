@@ -16,6 +16,7 @@ use crate::metrics::flip::error_map;
 use crate::options::{Class, KNOBS, Knob, MAX_DEPTH, SIZE, SPP};
 use crate::output::atomic;
 use crate::output::exr::{ExrImage, read_exr};
+use crate::output::plot::Width;
 use crate::output::png;
 use crate::output::progress::Loading;
 use crate::scene::Scene;
@@ -365,9 +366,8 @@ fn write(folder: &Path, report: &Findings) -> Result<()> {
     let file = |name: &str, text: &str| atomic::write(&folder.join(name), text.as_bytes());
     file("tradeoff.csv", &report.csv())?;
     file("tradeoff.json", &format!("{:#}\n", report.json()))?;
-    let plot = plot(report)?;
-    if let Some(plot) = &plot {
-        file("plot.svg", plot)?;
+    if let Some(plot) = plot(report, Width::Wide)? {
+        file("plot.svg", &plot)?;
     }
-    file("index.html", &html(report, plot.as_deref()))
+    file("index.html", &html(report)?)
 }

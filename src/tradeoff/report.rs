@@ -60,7 +60,8 @@ pub struct Shown {
 
 /// The caption of the plot.
 pub const CAPTION: &str = "relMSE is the mean over pixels and channels of (error)² / (value² + 0.01); 1e-2 is noise of about 10 %. Each curve is \
-                           bias² + c N^-p, with the measured bias. The dots are the noise measured at 4, 16 and 64 samples. A curve that becomes level has a \
+                           bias² + c N^-p, with the measured bias. The dots are the noise measured at 4, 16 and 64 samples; beyond them the curve is \
+                           extrapolated, and dashed. A curve that becomes level has a \
                            bias that more samples do not remove.";
 /// The plot has colours for this many curves.
 pub const MOST_CURVES: usize = 10;
@@ -154,6 +155,8 @@ fn bias_text(measured: &Measured) -> String {
         // A limit that no sample has met yet may meet a later one.
         true if measured.setting.class() == Class::Bias => "0 so far".to_string(),
         true => "0".to_string(),
+        // The mean of a smaller image is the same, but for rounding.
+        false if value.abs().max(half) < 5e-5 => "0.0000 %".to_string(),
         false => {
             let digits = digits(half).min(4);
             format!("{value:+.digits$} ± {half:.digits$} %")

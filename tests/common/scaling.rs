@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use gpu_rt::output::plot::{Curve, Plot, svg};
+use gpu_rt::output::plot::{Curve, Plot, Width, svg};
 use gpu_rt::tradeoff::report::time_text;
 
 pub const DOCUMENT: &str = "docs/scaling.md";
@@ -252,7 +252,8 @@ pub fn plot(scenes: &[Inputs]) -> String {
             curves.push(Curve { name, points: nodes.iter().map(seconds).collect(), marks: Vec::new() });
         }
     }
-    svg(&Plot { title: "", x: "nodes", y: "seconds", curves, guide: false }).unwrap_or_default()
+    let plot = Plot { title: "", x: "nodes", y: "seconds", curves, guide: false, width: Width::Wide };
+    svg(&plot).unwrap_or_default()
 }
 
 /// The document with these measurements in place of its own.

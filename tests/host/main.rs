@@ -11,6 +11,7 @@ mod drivers;
 mod film;
 mod image_files;
 mod mesh_files;
+mod page;
 mod plan;
 mod scaling;
 mod scene_file;
