@@ -24,10 +24,17 @@ const COMMENTS: &str = "R, G, B: linear radiance. variance: of the pixel's mean;
 const STATE_COMMENTS: &str = "What gpu-rt needs to go on with the render: the exact totals of each pixel. The bits of each half are a word \
     of 16 bits of an integer, the lowest word first; absent words are zero.";
 
-/// Lossless and readable everywhere. Noise hardly compresses. All channels of 1200 x 675 noisy pixels, on 2 cores: 25.9
-/// MB in 0.09 s without compression, 21.3 MB in 0.14 s by run lengths, 19.4 MB in 0.45 s by ZIP1, 19.0 MB in 0.70 s by
-/// ZIP16, 18.3 MB in 0.51 s by PIZ.
-const OF_PICTURE: Compression = Compression::RLE;
+/// Lossless and readable everywhere. Noise hardly compresses: megabytes of the pictures of three scenes, and the least seconds to write the
+/// first, 1200 x 675 pixels, on 2 cores that others used too.
+///
+/// | | weekend, 64 samples | cornell, 64 | next-week, 16 | seconds |
+/// |---|---|---|---|---|
+/// | none | 25.9 | 11.5 | 20.5 | 0.24 |
+/// | RLE | 20.0 | 8.7 | 16.8 | 0.32 |
+/// | ZIP1 | 17.3 | 7.9 | 14.7 | 1.25 |
+/// | ZIP16 | 17.1 | 7.8 | 14.6 | 2.6 |
+/// | PIZ | 17.1 | 8.4 | 16.1 | 2.8 |
+const OF_PICTURE: Compression = Compression::ZIP1;
 /// ZIP splits the bytes of halves into planes of their own, of which the upper ones are smooth and the lowest empty: 31.7 bytes a pixel of
 /// scenes/weekend.ron at 256 samples. The same totals as 32-bit integers take 38.3.
 const OF_STATE: Compression = Compression::ZIP16;
