@@ -7,7 +7,7 @@ use serde_json::json;
 
 use super::outputs::{Beside, EXR, OutputImage, check_name, check_outputs};
 use super::render::{Finish, attributes_of, excluded, noise_words};
-use super::{path_text, print_json, tell};
+use super::{command_line, path_text, print_json, tell};
 use crate::cli::MergeArgs;
 use crate::data::RUN_LENGTH;
 use crate::error::{Error, Result};
@@ -47,6 +47,9 @@ pub fn run(args: &MergeArgs) -> Result<()> {
     let text = |name: &str| attribute_text(&attributes, name);
     let finish = Finish::of(&film, samples, devices, *noise, &text("gpu-rt:integrator"), complete);
     let mut record = json!(finish.record(&excluded(&text("gpu-rt:biases"))));
+    if let Some(record) = record.as_object_mut() {
+        record.insert("command".to_string(), json!(command_line()));
+    }
     if let (Some(error), Some(noise), Some(record)) = (args.noise, noise, record.as_object_mut()) {
         record.insert("noise".to_string(), json!(error));
         record.insert("noise_reached".to_string(), json!(noise.reached));

@@ -22,6 +22,7 @@ use crate::error::{Error, Result};
 use crate::flatten::{DeviceScene, flatten};
 use crate::gpu::device::{AdapterName, Adapters, Device, DeviceClass};
 use crate::job::{Goal, Job};
+use crate::jobs::scripts::line;
 use crate::options::{MAX_DEPTH, RenderOptions};
 use crate::plan::Plan;
 use crate::printable::printable;
@@ -127,6 +128,12 @@ fn make_folder(folder: &Path, undone: &str) -> Result<()> {
         reason: format!("{error}; {undone}"),
     };
     std::fs::create_dir_all(folder).map_err(failed)
+}
+
+/// The command line as it was typed, as the shell reads it. The folder of the program is left out.
+fn command_line() -> String {
+    let words = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned());
+    line(&std::iter::once("gpu-rt".to_string()).chain(words).collect::<Vec<_>>())
 }
 
 /// A path as text for JSON.

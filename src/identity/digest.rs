@@ -76,6 +76,14 @@ fn of_mesh(mesh: &Mesh) -> String {
 }
 
 /// The first 128 bits of the hash.
+/// A hash of hashes.
+pub fn of_texts<'a>(texts: impl Iterator<Item = &'a String>) -> String {
+    let mut hasher = Sha256::new();
+    // No hash has a line end.
+    texts.for_each(|text| [text.as_bytes(), b"\n"].into_iter().for_each(|bytes| hasher.update(bytes)));
+    hexadecimal(hasher)
+}
+
 fn hexadecimal(hasher: Sha256) -> String {
     hasher.finalize().iter().take(16).map(|byte| format!("{byte:02x}")).collect()
 }

@@ -51,6 +51,11 @@ impl Identity {
         self.scene == other.scene && self.hashes().eq(other.hashes())
     }
 
+    /// One hash of the scene with its images and meshes: equal where [`Identity::is_of_scene`].
+    pub fn hash_of_scene(&self) -> String {
+        digest::of_texts(std::iter::once(&self.scene).chain(self.hashes()))
+    }
+
     /// The hashes of images and meshes.
     fn hashes(&self) -> impl Iterator<Item = &String> {
         self.assets.iter().map(|(_, hash)| hash)

@@ -163,6 +163,26 @@ fn the_report_and_the_exr_hold_what_check_warns_of() {
     assert!(!names.iter().any(|(name, _)| name == "gpu-rt:warnings"), "{names:?}");
 }
 
+/// Whatever the file holds beside, and by whatever name the scene goes.
+#[test]
+fn the_header_tells_scenes_apart() {
+    let place = Place::new();
+    let hash_of = |name: &str, text: &str, more: &[&str]| {
+        let scene = place.scene(&format!("{name}.ron"), text);
+        place.run(&[&["render", &scene, "--device", software(), "--quiet"], more].concat()).exits(0);
+        let image = place.exr(&format!("{name}.exr"));
+        let asked = attribute(&image, "gpu-rt:command").to_string();
+        (attribute(&image, "gpu-rt:scene_hash").to_string(), asked)
+    };
+    let (hash, _) = hash_of("a", SPHERE, &[]);
+    assert!(hash.len() == 32 && hash.bytes().all(|byte| byte.is_ascii_hexdigit()), "{hash}");
+    let (same, asked) = hash_of("it's b", &format!("// The same.\n{SPHERE}"), &["--no-state", "--seed", "3"]);
+    assert_eq!(same, hash);
+    assert!(asked.starts_with(r"gpu-rt render '../scenes/it'\''s b.ron' "), "as the shell reads it: {asked}");
+    let (other, _) = hash_of("c", &SPHERE.replace("Lambertian", "Metal"), &[]);
+    assert_ne!(other, hash);
+}
+
 #[test]
 fn the_exr_holds_linear_floats_and_says_how_it_was_made() {
     let place = Place::new();
@@ -181,6 +201,13 @@ fn the_exr_holds_linear_floats_and_says_how_it_was_made() {
     ] {
         assert_eq!(attribute(&image, &format!("gpu-rt:{name}")), value, "{name}");
     }
+    let asked = attribute(&image, "gpu-rt:command");
+    assert!(asked.starts_with("gpu-rt render ../scenes/sphere.ron"), "{asked}");
+    assert!(asked.contains(" --json --seed 77 --samples 8..32 --max-depth 4"), "{asked}");
+    let camera: Value = serde_json::from_str(attribute(&image, "gpu-rt:camera")).expect("JSON");
+    assert_eq!((&camera["up"], &camera["aperture"]), (&serde_json::json!([0.0, 1.0, 0.0]), &serde_json::json!(0.0)));
+    assert!(camera["look_from"].is_array() && camera["vertical_fov"].is_number(), "{camera}");
+    assert_eq!(json["camera"], camera);
     for name in ["seconds_load", "seconds_compile", "seconds_render"] {
         let seconds = attribute(&image, &format!("gpu-rt:{name}"));
         assert!(seconds.parse::<f64>().is_ok_and(|seconds| seconds >= 0.0), "{name}: {seconds}");

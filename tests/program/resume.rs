@@ -130,7 +130,9 @@ impl Held {
         let mut film = state.film().expect("it fits");
         add_film(path, &state, &mut film).expect("the film is read");
         let mut attributes = read_attributes(path).expect("the header is read");
-        attributes.retain(|(name, _)| !name.starts_with("gpu-rt:seconds_") && name != "gpu-rt:scene");
+        attributes.retain(|(name, _)| {
+            !name.starts_with("gpu-rt:seconds_") && name != "gpu-rt:scene" && name != "gpu-rt:command"
+        });
         attributes.sort_by(|a, b| a.0.cmp(&b.0));
         let State { samples, looks, .. } = state;
         Held { rgb: image.rgb, variance: image.variance, film, samples: samples.to_string(), looks, attributes }

@@ -33,7 +33,7 @@ use crate::output::progress::{Loading, Progress};
 use crate::output::view_transform::ViewTransform;
 use crate::plan::Plan;
 use crate::render::{Outcome, Renderer};
-use crate::scene::Scene;
+use crate::scene::{Camera, Scene};
 use crate::threads::beside;
 use record::{About, report};
 pub use record::{Finish, attributes_of, excluded};
@@ -145,6 +145,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     let progress = Progress::new(args.quiet, &job, resumed_from.unwrap_or(0));
     let task = Task {
         args,
+        camera: &scene.camera,
         flat: &flat,
         output: &output,
         identity: &identity,
@@ -219,6 +220,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
 /// What stays the same while a render is tried on a device, and once more on another.
 struct Task<'a> {
     args: &'a RenderArgs,
+    camera: &'a Camera,
     flat: &'a DeviceScene,
     output: &'a Output<'a>,
     identity: &'a (dyn Deref<Target = Identity> + Sync),
@@ -248,9 +250,10 @@ struct Rendering {
 
 impl Task<'_> {
     fn about<'b>(&'b self, devices: &'b [Device]) -> Result<About<'b>> {
-        let Task { args, job, biases, warnings, resumed_from, .. } = self;
+        let Task { args, camera, job, biases, warnings, resumed_from, .. } = self;
         let first = devices.first().ok_or_else(|| Error::Device("no device is open".to_string()))?;
-        Ok(About { args, devices, numerics: numerics(first)?, job, biases, warnings, resumed_from: *resumed_from })
+        let (numerics, resumed_from) = (numerics(first)?, *resumed_from);
+        Ok(About { args, camera, identity: self.identity, devices, numerics, job, biases, warnings, resumed_from })
     }
 
     /// Renders what the film lacks.

@@ -6,15 +6,17 @@ use serde_json::{Map, Value, json};
 use super::summary::overrun;
 use super::{Output, Rendering, Seconds};
 use crate::cli::RenderArgs;
-use crate::commands::path_text;
+use crate::commands::{command_line, path_text};
 use crate::film::{ErrorEstimate, Film, ThroughGlass, TooDeep, Totals};
 use crate::gpu::device::Device;
 use crate::gpu::probe::Numerics;
+use crate::identity::Identity;
 use crate::job::Job;
 use crate::options::Integrator;
 use crate::output::exr::Attribute;
 use crate::render::{NOISE_LEVEL, Noise, Outcome};
 use crate::samples::Samples;
+use crate::scene::Camera;
 
 /// What the stated error of any render is not about, in words.
 pub const EXCLUDED: &str =
@@ -151,6 +153,8 @@ fn unmet(film: &Film) -> f64 {
 /// What a render was asked and where it ran: for the header and the report.
 pub struct About<'a> {
     pub args: &'a RenderArgs,
+    pub camera: &'a Camera,
+    pub identity: &'a Identity,
     pub devices: &'a [Device],
     pub numerics: &'a Numerics,
     pub job: &'a Job,
@@ -180,7 +184,10 @@ impl About<'_> {
     pub fn record(&self, finish: &Finish, seconds: &Seconds) -> Record<'_> {
         Record {
             version: env!("CARGO_PKG_VERSION"),
+            command: command_line(),
             scene: path_text(&self.args.scene),
+            scene_hash: self.identity.hash_of_scene(),
+            camera: self.camera,
             numerics: self.numerics,
             integrator: self.args.options.integrator.to_string(),
             sampler: self.args.options.sampler.to_string(),
@@ -200,7 +207,13 @@ impl About<'_> {
 #[derive(Serialize)]
 pub struct Record<'a> {
     version: &'static str,
+    /// As it was typed.
+    command: String,
     scene: String,
+    /// Of what it says, and of its images and meshes.
+    scene_hash: String,
+    /// As the scene says it, in the scene's units and degrees.
+    camera: &'a Camera,
     numerics: &'a Numerics,
     integrator: String,
     sampler: String,
