@@ -42,6 +42,12 @@ pub enum Command {
     Check(CheckArgs),
     /// List the devices, their drivers and limits.
     Devices(DevicesArgs),
+    /// Print what a shell needs to complete command lines.
+    #[command(hide = true)]
+    Completions(CompletionsArgs),
+    /// Print the manual page, or write the pages of all commands into a folder.
+    #[command(hide = true)]
+    Man(ManArgs),
 }
 
 /// The interval of checkpoints where none is given.
@@ -433,6 +439,18 @@ pub struct DevicesArgs {
     /// Print one JSON object on stdout.
     #[arg(long)]
     pub json: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct CompletionsArgs {
+    /// The shell.
+    pub shell: clap_complete::Shell,
+}
+
+#[derive(Debug, Args)]
+pub struct ManArgs {
+    /// The folder for a page of each command; created if missing.
+    pub folder: Option<PathBuf>,
 }
 
 /// The size of an image, in pixels or as a share of the scene's.

@@ -2,9 +2,11 @@
 
 mod check;
 mod compare;
+mod completions;
 mod converge;
 mod develop;
 mod devices;
+mod man;
 mod merge;
 mod outputs;
 mod plan;
@@ -43,6 +45,8 @@ pub fn run(cli: &Cli, start: std::time::Instant) -> Result<()> {
         Command::Check(args) => check::run(args),
         Command::Tradeoff(args) => tradeoff::run(args, start),
         Command::Devices(args) => devices::run(args),
+        Command::Completions(args) => completions::run(args),
+        Command::Man(args) => man::run(args),
     }
 }
 

@@ -14,6 +14,7 @@ mod files;
 mod names;
 mod place;
 mod resume;
+mod shells;
 #[cfg(unix)]
 mod signals;
 mod status;

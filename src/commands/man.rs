@@ -1,0 +1,42 @@
+//! `gpu-rt man`: the manual pages.
+
+use std::io;
+
+use clap::{Command, CommandFactory};
+use clap_mangen::Man;
+
+use super::{make_folder, print_text};
+use crate::cli::{Cli, ManArgs};
+use crate::error::{Error, Result};
+use crate::output::atomic;
+
+/// Prints the page of the program, or writes the pages of all its commands.
+pub fn run(args: &ManArgs) -> Result<()> {
+    let mut program = Cli::command().disable_help_subcommand(true);
+    // The commands take the program's name before their own.
+    program.build();
+    let failed = |error: io::Error| Error::Usage(format!("the manual page cannot be made: {error}"));
+    let Some(folder) = &args.folder else {
+        return print_text(&String::from_utf8_lossy(&page(program).map_err(failed)?.1));
+    };
+    make_folder(folder, "no page has been written")?;
+    for command in with_commands(program) {
+        let (name, text) = page(command).map_err(failed)?;
+        atomic::write(&folder.join(name), &text)?;
+    }
+    Ok(())
+}
+
+/// The command, and those below it that help lists.
+fn with_commands(command: Command) -> Vec<Command> {
+    let below: Vec<Command> = command.get_subcommands().filter(|below| !below.is_hide_set()).cloned().collect();
+    std::iter::once(command).chain(below.into_iter().flat_map(with_commands)).collect()
+}
+
+/// The name and the text of a page.
+fn page(command: Command) -> io::Result<(String, Vec<u8>)> {
+    let page = Man::new(command);
+    let mut text = Vec::new();
+    page.render(&mut text)?;
+    Ok((page.get_filename(), text))
+}
