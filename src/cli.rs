@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand};
 
+use crate::job::Crop;
 use crate::options::{self, Class, RenderOptions};
 use crate::output::view_transform::{Tonemap, ViewTransform};
 
@@ -81,6 +82,9 @@ pub struct RenderArgs {
     #[arg(long, value_name = "WxH|N%", value_parser = image_size,
           help = options::SIZE.help(), help_heading = options::SIZE.class.heading())]
     pub size: Option<Size>,
+    /// Render a part of the image alone: WIDTH x HEIGHT pixels from column X and row Y on. They have the bytes that they have in the whole.
+    #[arg(long, value_name = "X,Y,WIDTH,HEIGHT")]
+    pub crop: Option<Crop>,
     #[command(flatten)]
     pub paths: PathArgs,
     #[command(flatten)]

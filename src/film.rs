@@ -8,6 +8,7 @@ mod words;
 
 use crate::data::{CHANNELS, PixelTotals, Rgb, SQUARE_FRACTION, SUM_FRACTION, Sampler, luminance};
 use crate::error::{Error, Result};
+use crate::job::Frame;
 use crate::memory;
 pub use totals::{Rejected, ThroughGlass, TooDeep, Totals};
 pub use words::{WORDS, Words, word_names};
@@ -178,6 +179,7 @@ pub struct Film {
     height: u32,
     exponent: i32,
     sampler: Sampler,
+    frame: Frame,
     pixels: Vec<Pixel>,
     totals: Totals,
 }
@@ -215,7 +217,18 @@ impl Film {
         let count = usize::try_from(count).map_err(|_| cannot(()))?;
         // Zeros as the system hands them out: writing them would cost a large film more than all else before its first pass.
         let pixels = bytemuck::allocation::try_zeroed_vec::<Pixel>(count).map_err(cannot)?;
-        Ok(Film { width, height, exponent, sampler, pixels, totals: Totals::default() })
+        let frame = Frame::whole((width, height));
+        Ok(Film { width, height, exponent, sampler, frame, pixels, totals: Totals::default() })
+    }
+
+    /// The same film of a part of an image.
+    pub fn of_part(self, frame: Frame) -> Film {
+        Film { frame, ..self }
+    }
+
+    /// The part of the image that it is of.
+    pub fn frame(&self) -> Frame {
+        self.frame
     }
 
     /// Takes everything back.

@@ -1,14 +1,76 @@
 //! The job of a render: the image size, the range of samples, and when it ends.
 
 use std::ops::Range;
+use std::str::FromStr;
 use std::time::Instant;
 
 use crate::data::RUN_LENGTH;
 
+/// A part of an image, in pixels from its left upper corner.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Crop {
+    pub left: u32,
+    pub top: u32,
+    pub width: u32,
+    pub height: u32,
+}
+
+impl std::fmt::Display for Crop {
+    /// As `--crop` takes it.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{},{},{},{}", self.left, self.top, self.width, self.height)
+    }
+}
+
+/// The part of an image that is rendered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Frame {
+    pub part: Crop,
+    /// Width and height of the image.
+    pub whole: (u32, u32),
+}
+
+impl Frame {
+    /// All of an image.
+    pub fn whole(size: (u32, u32)) -> Frame {
+        Frame { part: Crop::whole(size), whole: size }
+    }
+
+    /// The part, if it is not all of the image.
+    pub fn crop(&self) -> Option<Crop> {
+        (self.part != Crop::whole(self.whole)).then_some(self.part)
+    }
+}
+
+impl FromStr for Crop {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Crop, String> {
+        let numbers: Option<Vec<u32>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
+        match numbers.as_deref() {
+            Some(&[left, top, width, height]) if width > 0 && height > 0 => Ok(Crop { left, top, width, height }),
+            _ => Err("expected X,Y,WIDTH,HEIGHT in pixels, such as 100,50,320,180".to_string()),
+        }
+    }
+}
+
+impl Crop {
+    /// The part of an image of this size that is all of it.
+    pub fn whole((width, height): (u32, u32)) -> Crop {
+        Crop { left: 0, top: 0, width, height }
+    }
+
+    /// Whether an image of this size has it.
+    pub fn is_in(&self, (width, height): (u32, u32)) -> bool {
+        let within = |first: u32, count: u32, all: u32| u64::from(first) + u64::from(count) <= u64::from(all);
+        within(self.left, self.width, width) && within(self.top, self.height, height)
+    }
+}
+
 /// The job of a render.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Job {
-    /// Width and height in pixels.
+    /// Width and height in pixels: of the image, or of the part of it that is rendered.
     pub size: (u32, u32),
     /// The most scattering events of a path.
     pub max_depth: u32,

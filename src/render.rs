@@ -195,6 +195,8 @@ impl<'a> Lane<'a> {
             max_depth: job.max_depth,
             seed: job.seed,
             slots: tuning.slots,
+            film_width: job.size.0,
+            film_height: job.size.1,
             indirect_limit: plan.indirect_limit(),
             ..plan.scene.settings
         };

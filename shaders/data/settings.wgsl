@@ -17,6 +17,11 @@ struct Settings {
     background_bottom: vec3<f32>,
     // Code of the root of the scene's BVH (data/primitive).
     root: u32,
+    // The part of the image that is rendered, in pixels: all of it, or what --crop says.
+    film_left: u32,
+    film_top: u32,
+    film_width: u32,
+    film_height: u32,
     //@ if lens
     // The image's x and y directions in render space, times the lens's radius.
     lens_x: vec3<f32>,

@@ -15,7 +15,7 @@ use crate::cli::{ConvergeArgs, Size};
 use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::identity::Identity;
-use crate::job::{Goal, Job};
+use crate::job::{Frame, Goal, Job};
 use crate::metrics::error as metrics;
 use crate::output::atomic;
 use crate::output::csv::csv;
@@ -65,7 +65,10 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
     let end = args.spp.unwrap_or(scene.render.samples);
     let max_depth = args.paths.max_depth.unwrap_or(scene.render.max_depth);
     let job = Job { size, max_depth, seed: args.paths.seed, first_sample: 0, goal: Goal::Samples(end) };
-    if !args.quiet && state.is_some_and(|state| !Identity::of(&scene, &job, &args.options).is_of_scene(&state.identity))
+    if !args.quiet
+        && state.is_some_and(|state| {
+            !Identity::of(&scene, &Frame::whole(size), &job, &args.options).is_of_scene(&state.identity)
+        })
     {
         tell(&format!("warning: {} is of another scene, as its header says", args.reference.display()));
     }

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::job::Job;
+use crate::job::{Frame, Job};
 use crate::options::RenderOptions;
 use crate::scene::Scene;
 
@@ -27,12 +27,13 @@ pub struct Identity {
 }
 
 impl Identity {
-    pub fn of(scene: &Scene, job: &Job, options: &RenderOptions) -> Identity {
+    pub fn of(scene: &Scene, frame: &Frame, job: &Job, options: &RenderOptions) -> Identity {
         let of_job = [
-            ("size", format!("{}x{}", job.size.0, job.size.1)),
+            ("size", format!("{}x{}", frame.whole.0, frame.whole.1)),
             ("max-depth", job.max_depth.to_string()),
             ("seed", job.seed.to_string()),
         ];
+        let of_crop = frame.crop().map(|crop| ("crop", crop.to_string()));
         Identity {
             version: env!("CARGO_PKG_VERSION").to_string(),
             kernels: digest::of_shaders(),
@@ -40,10 +41,19 @@ impl Identity {
             assets: digest::of_assets(scene),
             settings: of_job
                 .into_iter()
+                .chain(of_crop)
                 .chain(options.of_image())
                 .map(|(name, value)| (name.to_string(), value))
                 .collect(),
         }
+    }
+
+    /// The part of the image that a film of this size is of; nothing where the settings do not say so.
+    pub fn frame(&self, size: (u32, u32)) -> Option<Frame> {
+        let Some(crop) = self.settings.get("crop") else { return Some(Frame::whole(size)) };
+        let (width, height) = self.settings.get("size")?.split_once('x')?;
+        let frame = Frame { part: crop.parse().ok()?, whole: (width.parse().ok()?, height.parse().ok()?) };
+        (frame.part.is_in(frame.whole) && (frame.part.width, frame.part.height) == size).then_some(frame)
     }
 
     /// Whether both are of one scene, with the same images and meshes.

@@ -44,7 +44,7 @@ const SAME_IMAGE: &[(&str, Option<&str>)] = &[
 ];
 
 /// Options that say which samples there are, and when they are enough. How many there are is the knob `spp`.
-const WHICH_SAMPLES: &[&str] = &["seed", "samples", "time", "noise", "resume"];
+const WHICH_SAMPLES: &[&str] = &["seed", "samples", "crop", "time", "noise", "resume"];
 
 // The table and the command line
 

@@ -5,6 +5,7 @@ mod common;
 
 mod bad_files;
 mod cli;
+mod crop;
 mod develop;
 #[cfg(target_os = "linux")]
 mod device;

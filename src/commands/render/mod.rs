@@ -24,7 +24,7 @@ use crate::flatten::DeviceScene;
 use crate::gpu::device::{AdapterName, Device};
 use crate::gpu::probe::numerics;
 use crate::identity::Identity;
-use crate::job::{Goal, Job};
+use crate::job::{Crop, Frame, Goal, Job};
 use crate::output::exr::{State, read_state, write_render};
 use crate::output::format::{Format, format_of};
 use crate::output::place::{Place, is_standard};
@@ -108,13 +108,15 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     // The driver loads while the scene is built; `device` is the time that it takes beyond. A scene that does not load waits for no driver.
     let opening = || open_devices(args.paths.device.as_deref());
     let (devices, built) = beside(opening, || {
-        let built = flatten_for(&scene, args.size, &args.options)
-            .map(|(size, flat)| (size, flat, job_of(args, &scene, size, start)));
+        let built = flatten_for(&scene, args.size, &args.options);
         seconds.build = clock.lap();
         built
     });
-    let (size, flat, job) = built?;
-    let identity = LazyLock::new(|| Identity::of(&scene, &job, &args.options));
+    let (size, mut flat) = built?;
+    let frame = frame_of(args, size)?;
+    (flat.settings.film_left, flat.settings.film_top) = (frame.part.left, frame.part.top);
+    let job = job_of(args, &scene, (frame.part.width, frame.part.height), start);
+    let identity = LazyLock::new(|| Identity::of(&scene, &frame, &job, &args.options));
     let earlier = match output.exr() {
         Some(exr) => resume::earlier(args, exr, &identity, &job)?,
         None => None,
@@ -130,7 +132,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
 
     let mut film = match &earlier {
         Some(state) => Accumulation::of_file(&output.image, state)?,
-        None => Accumulation::new(size, flat.radiance_exponent, args.options.sampler)?,
+        None => Accumulation::new(frame, flat.radiance_exponent, args.options.sampler)?,
     };
     film.note_devices(names_of(&devices), &output.image, args.mixed_drivers)?;
     let overwritten = match &earlier {
@@ -147,6 +149,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
         args,
         camera: &scene.camera,
         flat: &flat,
+        frame,
         output: &output,
         identity: &identity,
         job: &job,
@@ -222,6 +225,7 @@ struct Task<'a> {
     args: &'a RenderArgs,
     camera: &'a Camera,
     flat: &'a DeviceScene,
+    frame: Frame,
     output: &'a Output<'a>,
     identity: &'a (dyn Deref<Target = Identity> + Sync),
     job: &'a Job,
@@ -386,7 +390,7 @@ impl Task<'_> {
         let kept = self.in_file(rendering).map(|exr| Ok((exr, read_state(exr)?))).transpose()?;
         match kept {
             Some((exr, Some(state))) => Accumulation::of_file(exr, &state),
-            _ => Accumulation::new(self.job.size, self.flat.radiance_exponent, self.args.options.sampler),
+            _ => Accumulation::new(self.frame, self.flat.radiance_exponent, self.args.options.sampler),
         }
     }
 
@@ -488,6 +492,18 @@ fn output_of<'a>(args: &'a RenderArgs, scene: &Scene) -> Result<Output<'a>> {
     }
     let can_be_replaced = can_be_replaced(&image);
     Ok(Output { image, format, can_be_replaced, png, view: args.view.transform() })
+}
+
+/// The part of an image of this size that is asked for.
+fn frame_of(args: &RenderArgs, whole: (u32, u32)) -> Result<Frame> {
+    let part = args.crop.unwrap_or(Crop::whole(whole));
+    match part.is_in(whole) {
+        true => Ok(Frame { part, whole }),
+        false => Err(Error::Usage(format!(
+            "--crop {part}: expected a part of the image, which has {} x {} pixels",
+            whole.0, whole.1
+        ))),
+    }
 }
 
 fn job_of(args: &RenderArgs, scene: &Scene, size: (u32, u32), start: Instant) -> Job {

@@ -14,6 +14,7 @@ use crate::data::Sampler;
 use crate::error::{Error, Result};
 use crate::film::{Film, Totals, WORDS, Words, word_names};
 use crate::identity::Identity;
+use crate::job::Frame;
 use crate::samples::Samples;
 
 /// What a film is of.
@@ -71,7 +72,8 @@ impl State {
 
     /// An empty film for it.
     pub fn film(&self) -> Result<Film> {
-        Film::with_sampler(self.size.0, self.size.1, self.exponent, self.sampler)
+        let film = Film::with_sampler(self.size.0, self.size.1, self.exponent, self.sampler)?;
+        Ok(film.of_part(self.identity.frame(self.size).unwrap_or(Frame::whole(self.size))))
     }
 
     /// Why the pixels of another one cannot be added to its own, in words; nothing where they can. `mine` and `theirs` name the two. Drivers

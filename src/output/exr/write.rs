@@ -7,7 +7,7 @@ use std::path::Path;
 use ::exr::block::writer::ChunksWriter;
 use ::exr::block::{BlockIndex, UncompressedBlock, enumerate_ordered_header_block_indices};
 use ::exr::math::Vec2;
-use ::exr::meta::attribute::{ChannelDescription, Chromaticities, Compression, LineOrder, SampleType};
+use ::exr::meta::attribute::{ChannelDescription, Chromaticities, Compression, IntegerBounds, LineOrder, SampleType};
 use ::exr::meta::header::{Header, LayerAttributes};
 use ::exr::meta::{BlockDescription, Headers};
 
@@ -15,6 +15,7 @@ use super::{Attribute, REJECTED, SAMPLES, STATE, State, VARIANCES, text, to_io};
 use crate::data::CHANNELS;
 use crate::error::Result;
 use crate::film::{Film, Picture, PicturePixel, Words, word_names};
+use crate::job::Frame;
 use crate::output::atomic;
 
 /// The file's `comments`, which explain the layers beside R, G and B.
@@ -49,8 +50,8 @@ const REC_709: Chromaticities =
 ///
 /// Attribute names must not be empty, longer than 255 bytes, or reserved by the EXR standard.
 pub fn write_exr(path: &Path, picture: &Picture, attributes: &[(String, Attribute)]) -> Result<()> {
-    let size = (picture.width, picture.height);
-    write_parts(path, size, &|index| picture.pixel(index), attributes, None, || Ok(()))
+    let frame = Frame::whole((picture.width, picture.height));
+    write_parts(path, &frame, &|index| picture.pixel(index), attributes, None, || Ok(()))
 }
 
 /// Writes what a film holds, as [`write_exr`] does. With a state, a second part holds what it takes to go on with the render. It takes no
@@ -63,7 +64,7 @@ pub fn write_render(
     may: impl FnOnce() -> std::result::Result<(), String>,
 ) -> Result<()> {
     let part = state.map(|state| StatePart::new(film, state));
-    write_parts(path, (film.width(), film.height()), &|index| film.developed(index), attributes, part, may)
+    write_parts(path, &film.frame(), &|index| film.developed(index), attributes, part, may)
 }
 
 /// The part that holds the state.
@@ -106,13 +107,13 @@ fn survey(film: &Film) -> (Words, u32) {
 
 fn write_parts(
     path: &Path,
-    (width, height): (u32, u32),
+    Frame { part, whole }: &Frame,
     pixel: &dyn Fn(usize) -> PicturePixel,
     attributes: &[(String, Attribute)],
     state: Option<StatePart<'_>>,
     may: impl FnOnce() -> std::result::Result<(), String>,
 ) -> Result<()> {
-    let size = (width as usize, height as usize);
+    let size = (part.width as usize, part.height as usize);
     let own = LayerAttributes {
         // A file with several parts names them. Blender takes the name for that of the pass.
         layer_name: state.is_some().then(|| text("Combined")),
@@ -132,6 +133,9 @@ fn write_parts(
             // A fixed line order makes the bytes independent of the threads that compress.
             .with_encoding(compression, BlockDescription::ScanLines, LineOrder::Increasing);
         header.shared_attributes.chromaticities = Some(REC_709);
+        // The pixels of a part of an image stand where they are in the whole, for programs that put parts together.
+        header.shared_attributes.display_window = IntegerBounds::from_dimensions((whole.0 as usize, whole.1 as usize));
+        header.own_attributes.layer_position = Vec2(part.left as i32, part.top as i32);
         header
     };
     let mut headers: Headers = Headers::new();
