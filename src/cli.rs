@@ -24,9 +24,9 @@ pub enum Command {
     Render(RenderArgs),
     /// Join renders of disjoint samples of one scene, in any order: the image is that of one render.
     Merge(MergeArgs),
-    /// Make a picture of an EXR, of any program.
+    /// Make a PNG of an EXR, whichever program wrote it.
     Develop(DevelopArgs),
-    /// Tell what has come of a render that `gpu-rt submit` has shared: samples, parts, time left. It changes no file.
+    /// Report the progress of a render that `gpu-rt submit` shares: samples, parts, time left. It changes no file.
     Status(StatusArgs),
     /// Share one render among many processes or machines.
     #[command(subcommand)]
@@ -110,7 +110,7 @@ pub struct RenderArgs {
     /// Print errors only.
     #[arg(long)]
     pub quiet: bool,
-    /// Also say what the stated error is not about.
+    /// Also say what the stated error excludes.
     #[arg(long, conflicts_with = "quiet")]
     pub verbose: bool,
     /// Print one JSON object on stdout at the end.
@@ -126,7 +126,7 @@ pub struct RenderArgs {
 /// Who runs the processes.
 #[derive(Debug, Subcommand)]
 pub enum Scheduler {
-    /// By Slurm: a folder with the scene and scripts, an array of tasks that render, and a job after them that joins.
+    /// Share it through Slurm: write a folder with the scene and scripts, submit an array of tasks that render, and a job that joins their images.
     Slurm(SubmitArgs),
 }
 
@@ -232,7 +232,7 @@ impl ViewArgs {
 
 #[derive(Debug, Args)]
 pub struct DevelopArgs {
-    /// The EXR, of any program: red, green and blue, or a luminance alone.
+    /// The EXR: red, green and blue, or a luminance alone.
     #[arg(value_name = "IN.exr")]
     pub image: PathBuf,
     /// The PNG to write, - for standard output.
@@ -247,10 +247,11 @@ pub struct MergeArgs {
     /// The parts: EXRs of `gpu-rt render --samples A..B`, or of this command, or folders of them.
     #[arg(value_name = "PART.exr", required = true)]
     pub parts: Vec<PathBuf>,
-    /// The samples that the parts must have together, and no others.
+    /// Fail unless the parts together have exactly these samples.
     #[arg(long, value_name = "A..B", value_parser = sample_range, conflicts_with = "allow_gaps")]
     pub samples: Option<Range<u32>>,
-    /// Join no more than `render --noise` would render: it looks at 16, 32, 64 … samples. Parts must end there.
+    /// Join parts until the relative error is below this, as `render --noise` would: it is checked at 16, 32, 64 … samples, and a part
+    /// must end at each check.
     #[arg(long, value_name = "E", value_parser = relative_error, conflicts_with = "allow_gaps")]
     pub noise: Option<f64>,
     /// The EXR to write. It can be resumed, and joined with others.

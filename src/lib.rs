@@ -1,4 +1,4 @@
-//! gpu-rt: a path tracer with WGSL kernels. It runs on any GPU that wgpu supports, and on software Vulkan.
+//! gpu-rt: a path tracer with WGSL kernels. It runs through wgpu on Vulkan, Metal or DirectX 12, and on software Vulkan without a GPU.
 //!
 //! It is a program first: `gpu-rt render scene.ron`. As a library it renders a scene in memory:
 //!
@@ -14,7 +14,7 @@
 //!     materials: { "lamp": DiffuseLight(emit: Rgb(4, 2, 1)) },
 //!     objects: [ Sphere(center: (0, 1, 0), radius: 1, material: "lamp") ],
 //! )"#;
-//! // Relative paths in the scene start at the folder of the path; errors begin with it.
+//! // The path stands for the file that the text is from: relative paths in the scene start at its folder, and errors name it.
 //! let scene = Scene::parse(text, Path::new("lamp.ron"))?;
 //! let settings = RenderSettings { samples: Some(16), ..RenderSettings::default() };
 //! # let names = gpu_rt::gpu::device::Adapters::find().names();

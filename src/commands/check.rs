@@ -23,7 +23,8 @@ pub fn run(args: &CheckArgs) -> Result<()> {
                     1 => "1 warning".to_string(),
                     n => format!("{n} warnings"),
                 };
-                print_line(&format!("{}: valid, {primitives} primitives, {warned}", args.scene.display()))?;
+                let counted = if primitives == 1 { "primitive" } else { "primitives" };
+                print_line(&format!("{}: valid, {primitives} {counted}, {warned}", args.scene.display()))?;
             }
             Ok(())
         }

@@ -10,15 +10,14 @@ const ALBEDO: Field = Field::new("albedo", Takes::Texture(Use::Albedo.range()), 
 const FUZZ: Field = Field::new(
     "fuzz",
     Takes::Number(Range::SHARE, NO_UNIT),
-    "Roughness: the radius of the ball around the reflected direction from which the \
-    scattered direction is taken.",
+    "Roughness. A random vector of at most this length is added to the reflected direction, which has the length 1.",
 )
 .or("0");
 
 pub const KIND: MaterialKind = MaterialKind {
     form: Form {
         name: "Metal",
-        about: "A mirror, perfect or rough. It has no Fresnel term. What scatters below the surface is absorbed.",
+        about: "A mirror, perfect or rough. It has no Fresnel term. Rays that would go below the surface are absorbed.",
         fields: &[ALBEDO, FUZZ],
         in_order: false,
         example: "Metal(albedo: Rgb(0.8, 0.6, 0.2), fuzz: 0.1)",

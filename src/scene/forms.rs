@@ -125,7 +125,7 @@ pub const BACKGROUNDS: &[Form] = &[
     Form {
         name: "Image",
         about: "A sky all around: a latitude-longitude image, with +y at the top and -z in the middle.",
-        fields: &[Field::new("path", Takes::Other(PATH), "The image's file, as of the texture `Image`.")],
+        fields: &[Field::new("path", Takes::Other(PATH), "A file of the same formats as the texture `Image`.")],
         in_order: false,
         example: "Image(path: \"sky.exr\")",
     },
@@ -190,7 +190,7 @@ pub const DENSITY: Field = Field::new(
 pub const MEDIUM_ALBEDO: Field = Field::new(
     "albedo",
     Takes::Texture(Use::Albedo.range()),
-    "The share of that light that is scattered and not absorbed. No `Image`.",
+    "The scattered share of that light; the rest is absorbed. An `Image` is not allowed.",
 );
 pub const ANISOTROPY: Field = Field::new(
     "anisotropy",

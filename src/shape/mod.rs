@@ -57,7 +57,7 @@ pub struct Boundary {
 /// The field that all shapes have.
 const MATERIAL: Field =
     Field::new("material", Takes::Other("a material's name in quotes"), "One of the scene's materials.")
-        .or("none, which only the boundary of a medium may have");
+        .or("none; only the boundary of a medium may leave it out");
 
 /// The table that holds the elements of a kind on the device.
 pub struct Table {

@@ -80,7 +80,7 @@ impl fmt::Display for Range {
         let zero = if self.or_zero { "0 or " } else { "" };
         match self.has_ends {
             true => write!(f, "{zero}from {least} to {most}"),
-            false => write!(f, "{zero}between {least} and {most}, without these"),
+            false => write!(f, "{zero}between {least} and {most}, both excluded"),
         }
     }
 }

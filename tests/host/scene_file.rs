@@ -16,14 +16,13 @@ const DOCUMENT: &str = "docs/scene.md";
 fn introduction(group: &str) -> &'static str {
     match group {
         "Scene" => "The parts that belong to the file itself.",
-        "Backgrounds" => "What rays see that hit nothing: the value of `background`.",
+        "Backgrounds" => "What rays that hit nothing see: the value of `background`.",
         "Materials" => {
             "How surfaces scatter and emit light: the values of `materials`. [light-transport.md](light-transport.md#materials) has\n\
              their equations."
         }
         "Textures" => {
-            "Colours of materials. A texture is evaluated at a point in the object's own space, before its transforms. Colours of an\n\
-             albedo are from 0 to 1."
+            "Colours of materials. A texture is evaluated at a point in the object's own space, before its transforms."
         }
         "Objects" => "Shapes, and what holds them: the elements of `objects`.",
         _ => "What `by` of `Transformed` lists. Rotations are right-handed about their axis.",
@@ -37,10 +36,10 @@ fn document() -> String {
          from the declarations by which the program checks scenes: `GPU_RT_RENEW=1 cargo test --test host scene_file` writes it.\n\n\
          A scene is a [RON](https://github.com/ron-rs/ron) file. Comments begin with `//`, or stand between `/*` and `*/`. The y axis points\n\
          up, coordinates are right-handed, and colours are linear Rec. 709. Lengths have whatever unit you choose, the scene unit: the\n\
-         image of a scene that is scaled as a whole is the same. Paths are relative to the scene file.\n\n\
-         Numbers have at most the magnitude {LARGEST:e}. Positive numbers are at least {SMALLEST:e}. A field with a default may be left out,\n\
-         all others must be given, and a field that is not listed is an error. `gpu-rt check SCENE.ron` names the line and column of what is wrong, and\n\
-         [warns](warnings.md) of numbers that are allowed but dangerous.\n"
+         image does not change if the whole scene is scaled. Paths are relative to the scene file.\n\n\
+         A field with a default may be left out. All others must be given. A field that is not listed is an error. Numbers have a\n\
+         magnitude of at most {LARGEST:e}; where a field takes a positive number, it is at least {SMALLEST:e}. `gpu-rt check SCENE.ron` names\n\
+         the line and column of each error, and [warns](warnings.md) of numbers that are allowed but dangerous.\n"
     );
     for (group, forms) in groups() {
         let _ = write!(out, "\n## {group}\n\n{}\n", introduction(group));

@@ -127,7 +127,7 @@ fn scenes_on_standard_input_have_their_paths_here_and_their_errors_named() {
     let scene = |path: &str| SPHERE.replace("Rgb(0.5, 0.4, 0.3)", &format!("Image(path: \"{path}\")"));
     let ran = fed(&place, &["check", "-"], &scene("black.png"));
     assert!(ran.status.success(), "{}", words(&ran.stderr));
-    let says = "-: valid, 1 primitives, no warnings\n";
+    let says = "-: valid, 1 primitive, no warnings\n";
     assert_eq!(words(&ran.stdout), says);
     for (text, says) in [
         (

@@ -27,8 +27,8 @@ pub fn summarise(about: &About<'_>, output: &Output<'_>, outcome: &Outcome, fini
     if cut.paths > 0 {
         let (paths, mean) = (finish.totals.paths.max(1) as f64, cut.mean());
         tell(&format!(
-            "max_depth {} cut {} of {} paths, with a mean throughput of {mean:.2e}: averaged over the image, at most {:.2e} of the \
-             radiance that they would have found is missing",
+            "max_depth {} ended {} of {} paths. Their mean throughput was {mean:.2e}: the image may lack up to {:.2e} times the \
+             brightest light that they could have hit",
             job.max_depth,
             cut.paths,
             finish.totals.paths,
