@@ -164,6 +164,7 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     } else {
         // The first line of the basis says what the rest holds for.
         report.basis().iter().take(1).try_for_each(|words| print_line(words))?;
+        print_line("the time to a relMSE of 1e-1, 1e-2 and 1e-3, and the bias, of each setting:")?;
         print_line(&report.table())?;
         report.advice().iter().try_for_each(|words| print_line(words))?;
     }
