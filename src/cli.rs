@@ -299,7 +299,7 @@ pub struct TradeoffArgs {
     /// The time limit, compiling included.
     #[arg(long, value_name = "TIME", value_parser = duration, default_value = "120s")]
     pub budget: Duration,
-    /// The reference image, from any renderer [default: the pooled samples of all unbiased settings].
+    /// The reference image, from any renderer [default: the mean image of the unbiased settings].
     #[arg(long, value_name = "R.exr")]
     pub reference: Option<PathBuf>,
     /// The settings to sweep, by their options' names [default: all].
