@@ -22,7 +22,7 @@ render: toolchain
 	$(CARGO) build --release
 	@$(GPU_RT) devices >/dev/null 2>&1 || $(call install, libvulkan1 mesa-vulkan-drivers, no Vulkan driver answers)
 	@mkdir -p out
-	$(GPU_RT) render scenes/weekend.ron --size 800x450 --time 50s --spp 4096 -o out/weekend.exr --png out/weekend.png
+	$(GPU_RT) render scenes/weekend.ron --size 800x450 --time 50s --spp 4096 -o out/weekend.exr --png out/weekend.png --force
 
 # The tests run on a software driver, which they choose by themselves; GPU_RT_TEST_DEVICE names another device.
 # LVP_POISON_MEMORY makes Mesa's software driver fill fresh memory with junk, so that reading what nobody wrote shows.

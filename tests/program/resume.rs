@@ -250,8 +250,18 @@ fn a_finished_render_is_done() {
     let said = place.render("--spp 8 -o out.exr").exits(2).stderr;
     assert!(said.contains("holds 16 samples per pixel of this render") && said.contains("--force"), "{said}");
     assert!(fs::read(place.path("out.exr")).expect("it is read") == before);
-    place.render("--quiet --spp 8 -o out.exr --force").exits(0);
-    assert_eq!(place.holds("out.exr").samples, "0..8");
+    // So it would where the number of samples is not known before.
+    let said = place.render("--noise 0.9 --spp 8 -o out.exr --png less.png").exits(1).stderr;
+    assert!(
+        said.contains("16 samples per pixel of this render, more than the 8 here") && said.contains("--force"),
+        "{said}"
+    );
+    assert!(fs::read(place.path("out.exr")).expect("it is read") == before);
+    for goal in ["--spp 8", "--noise 0.9 --spp 8"] {
+        place.render("--quiet --spp 16 -o out.exr").exits(0);
+        place.render(&format!("--quiet {goal} -o out.exr --force")).exits(0);
+        assert_eq!(place.holds("out.exr").samples, "0..8", "{goal}");
+    }
 }
 
 /// What does not fit together is refused with exit status 2, and the message names it. The file stays as it was.

@@ -135,10 +135,6 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
         None => Accumulation::new(frame, flat.radiance_exponent, args.options.sampler)?,
     };
     film.note_devices(names_of(&devices), &output.image, args.mixed_drivers)?;
-    let overwritten = match &earlier {
-        Some(_) => None,
-        None => output.exr().and_then(|exr| resume::more_there(exr, &identity, 0)),
-    };
     let resumed_from = earlier.as_ref().map(|state| state.samples.count());
     let signals = Signals::listen(&match resumed_from {
         Some(_) => format!("{} holds what it held before", output.image.display()),
@@ -158,7 +154,6 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
         signals: &signals,
         progress: &progress,
         resumed_from,
-        overwritten,
     };
     let mut rendering = Rendering::default();
     // Hashing a large scene takes as long as reading it; the hashes are needed when something is written.
@@ -235,8 +230,6 @@ struct Task<'a> {
     progress: &'a Progress,
     /// Samples of a pixel that an earlier render has left.
     resumed_from: Option<u64>,
-    /// Samples of a pixel that the output had at the start, if it is of this render and is to be overwritten.
-    overwritten: Option<u64>,
 }
 
 /// What has come of the tries.
@@ -330,21 +323,18 @@ impl Task<'_> {
         Ok(())
     }
 
-    /// Writes the image that `-o` names. It stays as it is if it is an EXR, and another process has put more samples of this render there;
-    /// but a complete render overwrites what it held at the start.
+    /// Writes the image that `-o` names. It stays as it is if it is an EXR that has more samples of this render: how many `--time` and
+    /// `--noise` render is known only now, and another process may have put them there meanwhile.
     fn keep(&self, about: &About<'_>, film: &Film, looks: u32, finish: &Finish, seconds: &Seconds) -> Result<()> {
         let Some(exr) = self.output.exr() else { return self.write_picture(&self.output.image, film) };
         let Finish { samples, devices, .. } = finish;
         let state = State::new(Identity::clone(self.identity), devices.clone(), film, samples.clone(), looks);
         let mine = samples.count();
-        let may = || {
-            let more = resume::more_there(exr, self.identity, mine).filter(|_| !self.args.force);
-            match more.filter(|more| !(finish.complete && Some(*more) == self.overwritten)) {
-                None => Ok(()),
-                Some(more) => Err(format!(
-                    "it holds {more} samples per pixel of this render, more than the {mine} here: it stays"
-                )),
-            }
+        let may = || match resume::more_there(exr, self.identity, mine).filter(|_| !self.args.force) {
+            None => Ok(()),
+            Some(more) => Err(format!(
+                "it holds {more} samples per pixel of this render, more than the {mine} here: it stays. --force overwrites it"
+            )),
         };
         let attributes = about.record(finish, seconds).attributes();
         write_render(exr, film, &attributes, (!self.args.no_state).then_some(&state), may)
