@@ -34,6 +34,7 @@ const SAME_IMAGE: &[(&str, Option<&str>)] = &[
     ("force", None),
     ("strict", None),
     ("quiet", None),
+    ("verbose", None),
     ("json", None),
     ("slots", Some("33")),
     ("workgroup", Some("8")),
