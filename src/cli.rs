@@ -89,6 +89,9 @@ pub struct RenderArgs {
     pub paths: PathArgs,
     #[command(flatten)]
     pub view: ViewArgs,
+    /// Send the image so far, about once a second, and the image at the end to a viewer: tev, which listens on 127.0.0.1:14158.
+    #[arg(long, value_name = "HOST:PORT", value_parser = host_and_port)]
+    pub display_server: Option<String>,
     /// Write the image so far at this interval, and the PNG too [30s, 5m, …].
     #[arg(long, value_name = "TIME", value_parser = duration, default_value = CHECKPOINT)]
     pub checkpoint: Duration,
@@ -548,6 +551,13 @@ fn limit(text: &str) -> Result<Limit, String> {
     match value.parse::<f64>() {
         Ok(value) if value >= 0.0 && value.is_finite() => Ok(Limit { metric, value }),
         _ => Err(format!("expected a number of at least 0 as the limit of {name}, such as {name}=0.01")),
+    }
+}
+
+fn host_and_port(text: &str) -> Result<String, String> {
+    match text.rsplit_once(':') {
+        Some((host, port)) if !host.is_empty() && port.parse::<u16>().is_ok_and(|port| port > 0) => Ok(text.to_owned()),
+        _ => Err("expected HOST:PORT, such as 127.0.0.1:14158".to_string()),
     }
 }
 

@@ -1,5 +1,6 @@
 pub mod atomic;
 pub mod csv;
+pub mod display;
 pub mod exr;
 pub mod format;
 mod magma;

@@ -28,6 +28,7 @@ const SAME_IMAGE: &[(&str, Option<&str>)] = &[
     ("device", None),
     ("exposure", Some("2")),
     ("tonemap", Some("filmic")),
+    ("display-server", Some("127.0.0.1:9")),
     ("checkpoint", Some("1s")),
     ("mixed-drivers", None),
     ("no-state", None),

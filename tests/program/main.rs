@@ -10,6 +10,8 @@ mod develop;
 #[cfg(target_os = "linux")]
 mod device;
 #[cfg(unix)]
+mod display;
+#[cfg(unix)]
 mod files;
 #[cfg(unix)]
 mod names;

@@ -3,6 +3,7 @@
 mod record;
 mod resume;
 mod summary;
+mod viewers;
 mod watcher;
 
 use std::ops::Deref;
@@ -40,6 +41,7 @@ pub use record::{Finish, attributes_of, excluded};
 use resume::Accumulation;
 pub use summary::{doubts, error_words, noise_words};
 use summary::{rejected_words, summarise};
+use viewers::Viewers;
 use watcher::{Watcher, look_time, pause_after};
 
 /// Seconds of the parts of a render, as `--json` and the EXR's header report them.
@@ -155,7 +157,8 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
         progress: &progress,
         resumed_from,
     };
-    let mut rendering = Rendering::default();
+    let viewers = Viewers::open(args, output.image.display().to_string(), job.size);
+    let mut rendering = Rendering { viewers, ..Rendering::default() };
     // Hashing a large scene takes as long as reading it; the hashes are needed when something is written.
     let hashing = || _ = LazyLock::force(&identity);
     let ((), mut rendered) =
@@ -196,6 +199,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     seconds.render = outcome.seconds;
     seconds.first_pass = outcome.first_pass;
     seconds.total = start.elapsed().as_secs_f64();
+    rendering.viewers.end(&film.film, &progress);
     if !args.quiet {
         summarise(&about, &output, &outcome, &finish, seconds.total);
     }
@@ -243,6 +247,7 @@ struct Rendering {
     started: bool,
     /// Whether the file has a checkpoint of this render.
     kept: bool,
+    viewers: Viewers,
 }
 
 impl Task<'_> {
@@ -288,7 +293,8 @@ impl Task<'_> {
                 begun,
                 pixels: u64::from(job.size.0) * u64::from(job.size.1),
                 earlier,
-                next_look: (!self.args.quiet).then(|| begun + pause_after(look_time(job.size))),
+                next_look: (!self.args.quiet || rendering.viewers.any())
+                    .then(|| begun + pause_after(look_time(job.size))),
                 next_checkpoint: self.output.can_be_replaced.then(|| begun + self.args.checkpoint),
                 interval: self.args.checkpoint,
                 error: None,
@@ -308,6 +314,7 @@ impl Task<'_> {
                     Ok(())
                 },
                 picture: &|film| self.show_checkpoint(film),
+                viewers: &mut rendering.viewers,
             };
             rendering.started = true;
             let outcome = renderer.run(job, pixels, &mut |outcome, look| watcher.watch(outcome, look));

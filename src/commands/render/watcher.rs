@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use super::viewers::Viewers;
 use crate::commands::signals::Signals;
 use crate::error::Result;
 use crate::film::Film;
@@ -44,6 +45,7 @@ pub struct Watcher<'a> {
     pub checkpoint: &'a (dyn Fn(&Film, &Outcome) -> Result<()> + Sync),
     /// Writes the picture of a checkpoint, after it.
     pub picture: &'a (dyn Fn(&Film) -> Result<()> + Sync),
+    pub viewers: &'a mut Viewers,
 }
 
 impl Watcher<'_> {
@@ -59,6 +61,7 @@ impl Watcher<'_> {
                 self.note_checkpoint(kept.and_then(|()| (self.picture)(film)), begin.elapsed());
             } else if let Some(next) = &mut self.next_look {
                 self.error = film.relative_error();
+                self.viewers.show(film, self.progress);
                 *next = Instant::now() + pause_after(begin.elapsed());
             }
         }
@@ -127,6 +130,7 @@ mod tests {
     fn watcher<'a>(
         progress: &'a Progress,
         signals: &'a Signals,
+        viewers: &'a mut Viewers,
         next_look: Option<Instant>,
         checkpoint: Duration,
     ) -> Watcher<'a> {
@@ -146,13 +150,14 @@ mod tests {
             told: false,
             checkpoint: &|_, _| Ok(()),
             picture: &|_| Ok(()),
+            viewers,
         }
     }
 
     /// What a watcher says to `calls` submissions, with a film that takes 10 ms to be looked at: how often it looks.
     fn looks(next_look: Option<Instant>, checkpoint: Duration, calls: usize) -> usize {
-        let (progress, signals) = (progress(), Signals::default());
-        let mut watcher = watcher(&progress, &signals, next_look, checkpoint);
+        let (progress, signals, mut viewers) = (progress(), Signals::default(), Viewers::default());
+        let mut watcher = watcher(&progress, &signals, &mut viewers, next_look, checkpoint);
         let (film, outcome) = (Film::new(1, 1, 0).unwrap(), Outcome::default());
         let mut count = 0;
         for _ in 0..calls {
@@ -170,11 +175,11 @@ mod tests {
     /// A picture that cannot be written is told as a checkpoint that failed is. The EXR is there all the same, and can be gone on with.
     #[test]
     fn a_checkpoint_is_kept_without_its_picture() {
-        let (progress, signals) = (progress(), Signals::default());
+        let (progress, signals, mut viewers) = (progress(), Signals::default(), Viewers::default());
         let (film, outcome) = (Film::new(1, 1, 0).unwrap(), Outcome::default());
         let fails = || Err(crate::error::Error::Usage("the disk is full".to_string()));
         for (exr, picture, kept) in [(true, false, true), (false, true, false), (true, true, true)] {
-            let mut watcher = watcher(&progress, &signals, None, Duration::ZERO);
+            let mut watcher = watcher(&progress, &signals, &mut viewers, None, Duration::ZERO);
             let (of_exr, of_picture) = (
                 |_: &Film, _: &Outcome| if exr { Ok(()) } else { fails() },
                 |_: &Film| if picture { Ok(()) } else { fails() },
