@@ -89,6 +89,9 @@ pub struct RenderArgs {
     pub paths: PathArgs,
     #[command(flatten)]
     pub view: ViewArgs,
+    /// Draw the image so far, about once a second, and the image at the end in the terminal, as --exposure and --tonemap have it.
+    #[arg(long)]
+    pub preview: bool,
     /// Send the image so far, about once a second, and the image at the end to a viewer: tev, which listens on 127.0.0.1:14158.
     #[arg(long, value_name = "HOST:PORT", value_parser = host_and_port)]
     pub display_server: Option<String>,

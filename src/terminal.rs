@@ -21,6 +21,12 @@ pub fn columns_of_stderr() -> Option<usize> {
     stderr.is_terminal().then(|| columns(terminal_size::terminal_size_of(stderr)))
 }
 
+/// The columns and rows of the terminal that stderr is, or usual ones.
+pub fn size_of_stderr() -> (usize, usize) {
+    let size = terminal_size::terminal_size_of(io::stderr());
+    size.map_or((USUAL, 24), |(width, height)| (usize::from(width.0), usize::from(height.0)))
+}
+
 fn columns(size: Option<(terminal_size::Width, terminal_size::Height)>) -> usize {
     size.map_or(USUAL, |(width, _)| usize::from(width.0)).max(1)
 }

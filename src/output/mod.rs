@@ -7,6 +7,7 @@ mod magma;
 pub mod place;
 pub mod plot;
 pub mod png;
+pub mod preview;
 pub mod progress;
 mod temporary;
 pub mod view_transform;

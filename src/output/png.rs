@@ -45,8 +45,8 @@ fn failed(path: &Path, reason: String) -> Error {
     Error::File { path: path.to_owned(), action: "write", reason }
 }
 
-/// Encodes in memory, so that the encoder cannot hide an error of the disk. The PNG is small relative to the film.
-fn compress((width, height): (u32, u32), pixels: &[[u8; 3]]) -> std::result::Result<Vec<u8>, String> {
+/// The bytes of a PNG. Encodes in memory, so that the encoder cannot hide an error of the disk. The PNG is small relative to the film.
+pub(super) fn compress((width, height): (u32, u32), pixels: &[[u8; 3]]) -> std::result::Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
     let written =
         PngEncoder::new(&mut bytes).write_image(pixels.as_flattened(), width, height, ExtendedColorType::Rgb8);

@@ -3,6 +3,7 @@
 use std::io::Write;
 use std::path::Path;
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 use indicatif::{FormattedDuration, ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle};
@@ -40,6 +41,8 @@ pub struct Progress {
     earlier: u64,
     start: Instant,
     display: Display,
+    /// Messages that have been printed.
+    lines: AtomicUsize,
 }
 
 enum Display {
@@ -54,7 +57,7 @@ impl Progress {
     pub fn new(quiet: bool, job: &Job, earlier: u64) -> Progress {
         let start = Instant::now();
         let display = if quiet { Display::Hidden } else { Display::for_stderr(start) };
-        Progress { job: job.clone(), earlier, start, display }
+        Progress { job: job.clone(), earlier, start, display, lines: AtomicUsize::new(0) }
     }
 
     /// Shows the new status. May be called as often as is convenient.
@@ -65,7 +68,23 @@ impl Progress {
 
     /// Prints a line above the bar, unless quiet.
     pub fn message(&self, text: &str) {
+        if !matches!(self.display, Display::Hidden) {
+            self.lines.fetch_add(1, Ordering::Relaxed);
+        }
         self.display.message(text);
+    }
+
+    /// How many messages there were: what was drawn above the bar before stands higher by now.
+    pub fn lines(&self) -> usize {
+        self.lines.load(Ordering::Relaxed)
+    }
+
+    /// Draws above the bar.
+    pub fn above(&self, draw: impl FnOnce()) {
+        match &self.display {
+            Display::Bar(bar) => bar.suspend(draw),
+            _ => draw(),
+        }
     }
 
     /// Removes the bar. Dropping does the same, so that an error message starts on a line of its own.
@@ -74,6 +93,11 @@ impl Progress {
             bar.finish_and_clear();
         }
     }
+}
+
+/// Whether stderr is a terminal, and not a dumb one.
+pub fn is_terminal() -> bool {
+    !ProgressDrawTarget::stderr().is_hidden()
 }
 
 impl Display {

@@ -5,8 +5,15 @@ use std::io::Read;
 use std::os::fd::{FromRawFd, OwnedFd};
 use std::process::{Command, Stdio};
 
+use super::program::send;
+
 /// Runs the program on a terminal of so many columns: all that it prints.
-pub fn on_terminal(mut command: Command, columns: u16) -> String {
+pub fn on_terminal(command: Command, columns: u16) -> String {
+    interrupted_on_terminal(command, columns, |_| false)
+}
+
+/// The same, with an interrupt when what it has printed is enough.
+pub fn interrupted_on_terminal(mut command: Command, columns: u16, is_enough: impl Fn(&str) -> bool) -> String {
     let size = libc::winsize { ws_row: 24, ws_col: columns, ws_xpixel: 0, ws_ypixel: 0 };
     let (mut ours, mut its) = (0, 0);
     // SAFETY: the numbers are written, and the size is read, during the call.
@@ -19,12 +26,55 @@ pub fn on_terminal(mut command: Command, columns: u16) -> String {
     let mut child = command.spawn().expect("the program starts");
     // The reading ends when nobody has the other end.
     drop((command, its));
-    let (mut file, mut bytes, mut some) = (File::from(ours), Vec::new(), [0; 4096]);
+    let (mut file, mut bytes, mut some, mut is_sent) = (File::from(ours), Vec::new(), [0; 4096], false);
     while let Ok(count @ 1..) = file.read(&mut some) {
         bytes.extend_from_slice(&some[..count]);
+        if !is_sent && is_enough(&String::from_utf8_lossy(&bytes)) {
+            send(&child, libc::SIGINT);
+            is_sent = true;
+        }
     }
     child.wait().expect("the program ends");
     String::from_utf8(bytes).expect("UTF-8")
+}
+
+/// What stands in the rows of a terminal in the end, from the first that was written to on. Colours are left out.
+pub fn screen(text: &str) -> Vec<String> {
+    let (mut rows, mut row, mut column) = (vec![Vec::new()], 0, 0);
+    let mut rest = text.chars();
+    while let Some(c) = rest.next() {
+        match c {
+            '\r' => column = 0,
+            '\n' => row += 1,
+            '\u{1b}' => {
+                // ESC [ parameters letter
+                let mut sequence = String::new();
+                for c in rest.by_ref().skip(1) {
+                    sequence.push(c);
+                    if c.is_ascii_alphabetic() {
+                        break;
+                    }
+                }
+                let letter = sequence.pop();
+                let number = sequence.parse();
+                match letter {
+                    Some('A') => row -= number.unwrap_or(1),
+                    Some('B') => row += number.unwrap_or(1),
+                    Some('K') => rows[row].clear(),
+                    Some('m' | 'h' | 'l') => {}
+                    _ => panic!("{sequence:?} {letter:?} is not known here"),
+                }
+            }
+            c => {
+                let cells = &mut rows[row];
+                cells.resize(cells.len().max(column + 1), ' ');
+                cells[column] = c;
+                column += 1;
+            }
+        }
+        rows.resize(rows.len().max(row + 1), Vec::new());
+    }
+    rows.iter().map(|row| row.iter().collect::<String>().trim_end().to_owned()).collect()
 }
 
 /// The pieces that stand on a line of their own: what is between ends of lines and returns, without the sequences that control the terminal.

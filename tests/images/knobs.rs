@@ -28,6 +28,7 @@ const SAME_IMAGE: &[(&str, Option<&str>)] = &[
     ("device", None),
     ("exposure", Some("2")),
     ("tonemap", Some("filmic")),
+    ("preview", None),
     ("display-server", Some("127.0.0.1:9")),
     ("checkpoint", Some("1s")),
     ("mixed-drivers", None),
@@ -44,6 +45,9 @@ const SAME_IMAGE: &[(&str, Option<&str>)] = &[
     ("features", Some("all")),
     ("profile", None),
 ];
+
+/// Those of them that are in every command line here, or need a terminal ([`terminal`](../program/terminal.rs) has one).
+const ELSEWHERE: &[&str] = &["scene", "output", "device", "preview"];
 
 /// Options that say which samples there are, and when they are enough. How many there are is the knob `spp`.
 const WHICH_SAMPLES: &[&str] = &["seed", "samples", "crop", "time", "noise", "resume"];
@@ -279,7 +283,7 @@ fn exact_values_and_options_that_are_no_knobs_change_no_byte() {
             knob.option(value)
         );
     }
-    for (name, value) in SAME_IMAGE.iter().filter(|(name, _)| !["scene", "output", "device"].contains(name)) {
+    for (name, value) in SAME_IMAGE.iter().filter(|(name, _)| !ELSEWHERE.contains(name)) {
         let option = format!("--{name}");
         let options: Vec<&str> = std::iter::once(option.as_str()).chain(*value).collect();
         assert!(bits(&place.render(&scene, &options).image) == usual, "{options:?}");

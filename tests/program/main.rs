@@ -16,6 +16,8 @@ mod files;
 #[cfg(unix)]
 mod names;
 mod place;
+#[cfg(target_os = "linux")]
+mod preview;
 mod resume;
 mod shells;
 #[cfg(unix)]

@@ -90,6 +90,7 @@ impl Output<'_> {
 
 /// Renders the scene as asked, writing the image now and then and at the end.
 pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
+    Viewers::check(args)?;
     let mut clock = Clock(start);
     let mut seconds = Seconds::default();
     let mut loading = Loading::new(args.quiet);
