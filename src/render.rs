@@ -163,6 +163,7 @@ impl<'a> Lane<'a> {
                 name: &kernel.name,
                 entry_point: kernel.stage,
                 module: &kernel.module,
+                text: &kernel.linked.text,
                 bindings: &kernel.bindings,
                 workgroup: tuning.workgroup,
                 constants: &constants,

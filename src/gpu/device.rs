@@ -1,6 +1,7 @@
 //! Adapters and devices.
 
 use std::borrow::Cow;
+use std::collections::HashMap;
 use std::fmt;
 use std::mem::ManuallyDrop;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -8,6 +9,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Duration;
 
 use super::panics::caught;
+use super::pipeline::{Compiled, CompiledFrom};
 use super::probe::Numerics;
 use crate::error::{Error, Result};
 
@@ -205,8 +207,10 @@ pub struct Device {
     pub timestamps: bool,
     /// The findings of [`super::probe::numerics`].
     pub numerics: OnceLock<Numerics>,
-    /// The kernels that were compiled for it so far.
+    /// The names of the kernels that were compiled for it so far.
     compiled: Mutex<Vec<String>>,
+    /// The compiled kernels, for renders that come later.
+    kept: Mutex<HashMap<CompiledFrom, Compiled>>,
     /// The first error that occurred outside a call that could return it.
     fault: Arc<OnceLock<String>>,
 }
@@ -260,8 +264,8 @@ impl Device {
                 let _ = lost.set(format!("the device was lost: {message}"));
             }
         });
-        let (numerics, compiled) = (OnceLock::new(), Mutex::default());
-        Ok(Device { name, device, queue, limits, timestamps, numerics, compiled, fault })
+        let (numerics, compiled, kept) = (OnceLock::new(), Mutex::default(), Mutex::default());
+        Ok(Device { name, device, queue, limits, timestamps, numerics, compiled, kept, fault })
     }
 
     /// The class of this device.
@@ -278,6 +282,23 @@ impl Device {
     /// Records that a kernel was compiled.
     pub(super) fn note_compiled(&self, name: &str) {
         self.compiled.lock().unwrap_or_else(PoisonError::into_inner).push(name.to_string());
+    }
+
+    /// A kernel as `compile` makes it, or as it was made before.
+    pub(super) fn compiled_once(
+        &self,
+        from: CompiledFrom,
+        compile: impl FnOnce() -> Result<Compiled>,
+    ) -> Result<Compiled> {
+        let kept = || self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        // The lock is not held while a kernel is compiled: several are at a time.
+        let known = kept().get(&from).cloned();
+        if let Some(known) = known {
+            return Ok(known);
+        }
+        let compiled = compile()?;
+        kept().insert(from, compiled.clone());
+        Ok(compiled)
     }
 
     /// Writes the first bytes of a buffer, before the next submission.

@@ -22,10 +22,29 @@ pub struct PipelineSpec<'a> {
     pub name: &'a str,
     pub entry_point: &'a str,
     pub module: &'a naga::Module,
+    /// The text that the module was parsed from.
+    pub text: &'a str,
     pub bindings: &'a BTreeMap<String, Binding>,
     pub workgroup: u32,
     /// Values of override constants; of those that the kernel lacks nothing comes.
     pub constants: &'a [(&'a str, f64)],
+}
+
+/// A kernel that a device has compiled, without buffers.
+#[derive(Clone)]
+pub struct Compiled {
+    pipeline: wgpu::ComputePipeline,
+    layout: wgpu::BindGroupLayout,
+}
+
+/// All that a compiled kernel is a function of: the text, the entry point, the workgroup's size, and the constants with the bits of their values.
+pub type CompiledFrom = (String, String, u32, Vec<(String, u64)>);
+
+impl PipelineSpec<'_> {
+    fn compiled_from(&self) -> CompiledFrom {
+        let constants = self.constants.iter().map(|(name, value)| (name.to_string(), value.to_bits()));
+        (self.text.to_string(), self.entry_point.to_string(), self.workgroup, constants.collect())
+    }
 }
 
 impl Pipeline {
@@ -38,47 +57,9 @@ impl Pipeline {
         each(threads, specs, |spec| Pipeline::new(device, spec, buffers)).into_iter().collect()
     }
 
-    /// Compiles and binds a kernel.
+    /// Compiles and binds a kernel. One that the device has compiled before is not compiled again.
     pub fn new(device: &Device, spec: &PipelineSpec<'_>, buffers: &Buffers) -> Result<Pipeline> {
-        let wgpu_device = &device.device;
-        let storage = spec.bindings.values().filter(|binding| binding.kind != BindingKind::Uniform).count();
-        let limit = device.limits.max_storage_buffers_per_shader_stage;
-        if storage as u64 > u64::from(limit) {
-            // A stage as a kernel of its own binds no more than it must.
-            let is_alone = spec.entry_point != "bounce" && !spec.bindings.contains_key("queues");
-            return Err(device.failed(&format!(
-                "the kernel {} binds {storage} storage buffers, and the device allows {limit} a stage{}",
-                spec.name,
-                if is_alone { "" } else { "; try --scatter linked" }
-            )));
-        }
-        device.note_compiled(spec.name);
-        let module = wgpu_device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(spec.name),
-            source: wgpu::ShaderSource::Naga(Cow::Owned(spec.module.clone())),
-        });
-        let entries: Vec<_> = spec.bindings.values().map(layout_entry).collect();
-        let layout = wgpu_device
-            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(spec.name), entries: &entries });
-        let pipeline_layout = wgpu_device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some(spec.name),
-            bind_group_layouts: &[Some(&layout)],
-            immediate_size: 0,
-        });
-        let workgroup = ("WORKGROUP_SIZE", f64::from(spec.workgroup));
-        let given = spec.constants.iter().copied().filter(|(name, _)| has_override(spec.module, name));
-        let constants: Vec<_> = std::iter::once(workgroup).chain(given).collect();
-        let pipeline = wgpu_device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some(spec.name),
-            layout: Some(&pipeline_layout),
-            module: &module,
-            entry_point: Some(spec.entry_point),
-            compilation_options: wgpu::PipelineCompilationOptions {
-                constants: &constants,
-                ..wgpu::PipelineCompilationOptions::default()
-            },
-            cache: None,
-        });
+        let Compiled { pipeline, layout } = device.compiled_once(spec.compiled_from(), || compile(device, spec))?;
         let bound = spec
             .bindings
             .iter()
@@ -87,7 +68,7 @@ impl Pipeline {
                 Ok(wgpu::BindGroupEntry { binding: binding.number, resource })
             })
             .collect::<Result<Vec<_>>>()?;
-        let bind_group = wgpu_device.create_bind_group(&wgpu::BindGroupDescriptor {
+        let bind_group = device.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some(spec.name),
             layout: &layout,
             entries: &bound,
@@ -109,6 +90,51 @@ impl Pipeline {
         pass.set_bind_group(0, &self.bind_group, &[]);
         pass.dispatch_workgroups_indirect(sizes, offset);
     }
+}
+
+/// Compiles a kernel.
+fn compile(device: &Device, spec: &PipelineSpec<'_>) -> Result<Compiled> {
+    let wgpu_device = &device.device;
+    let storage = spec.bindings.values().filter(|binding| binding.kind != BindingKind::Uniform).count();
+    let limit = device.limits.max_storage_buffers_per_shader_stage;
+    if storage as u64 > u64::from(limit) {
+        // A stage as a kernel of its own binds no more than it must.
+        let is_alone = spec.entry_point != "bounce" && !spec.bindings.contains_key("queues");
+        return Err(device.failed(&format!(
+            "the kernel {} binds {storage} storage buffers, and the device allows {limit} a stage{}",
+            spec.name,
+            if is_alone { "" } else { "; try --scatter linked" }
+        )));
+    }
+    device.note_compiled(spec.name);
+    let module = wgpu_device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some(spec.name),
+        source: wgpu::ShaderSource::Naga(Cow::Owned(spec.module.clone())),
+    });
+    let entries: Vec<_> = spec.bindings.values().map(layout_entry).collect();
+    let layout = wgpu_device
+        .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(spec.name), entries: &entries });
+    let pipeline_layout = wgpu_device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some(spec.name),
+        bind_group_layouts: &[Some(&layout)],
+        immediate_size: 0,
+    });
+    let workgroup = ("WORKGROUP_SIZE", f64::from(spec.workgroup));
+    let given = spec.constants.iter().copied().filter(|(name, _)| has_override(spec.module, name));
+    let constants: Vec<_> = std::iter::once(workgroup).chain(given).collect();
+    let pipeline = wgpu_device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some(spec.name),
+        layout: Some(&pipeline_layout),
+        module: &module,
+        entry_point: Some(spec.entry_point),
+        compilation_options: wgpu::PipelineCompilationOptions {
+            constants: &constants,
+            ..wgpu::PipelineCompilationOptions::default()
+        },
+        cache: None,
+    });
+    device.check()?;
+    Ok(Compiled { pipeline, layout })
 }
 
 fn layout_entry(binding: &Binding) -> wgpu::BindGroupLayoutEntry {

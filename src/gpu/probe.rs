@@ -160,6 +160,7 @@ pub fn ask(device: &Device, trials: &[Trial]) -> Result<Vec<Answer>> {
         name: "probe",
         entry_point: "probe",
         module: &module,
+        text: &linked.text,
         bindings: &bindings,
         workgroup: TRIALS as u32,
         constants: &[],

@@ -99,6 +99,7 @@ const SETTINGS: [&str; 6] = ["lens", "gradient_background", "image_background", 
 pub struct Kernel {
     name: String,
     module: naga::Module,
+    text: String,
     bindings: BTreeMap<String, Binding>,
 }
 
@@ -141,7 +142,7 @@ impl Kernel {
             .unwrap_or_else(|error| panic!("{name}: {error}"));
         let (module, _) = linked.validate().unwrap_or_else(|error| panic!("{name}: {error}"));
         let bindings = layout::bindings(&module).unwrap_or_else(|error| panic!("{name}: {error}"));
-        Kernel { name: name.to_string(), module, bindings }
+        Kernel { name: name.to_string(), module, text: linked.text, bindings }
     }
 
     /// The settings as this kernel has them.
@@ -215,6 +216,7 @@ impl Kernel {
             name: &self.name,
             entry_point: "main",
             module: &self.module,
+            text: &self.text,
             bindings: &self.bindings,
             workgroup: WORKGROUP,
             constants: &[],

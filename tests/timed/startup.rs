@@ -113,7 +113,8 @@ fn what_is_compiled_runs() {
     }
 }
 
-/// Kernels that are compiled and not run are found, and so is one that is compiled twice.
+/// Kernels that are compiled and not run are found, and so is one that is compiled twice: `generate`, which differs in the two. `accumulate` is
+/// the same in both, and the device has kept it.
 #[test]
 fn what_is_compiled_in_vain_is_found() {
     let device = device::open();
@@ -122,5 +123,5 @@ fn what_is_compiled_in_vain_is_found() {
     let ran = start(&device, &scene, Scatter::Fused, true);
     let mut found = in_vain(&device, &ran);
     found.sort();
-    assert_eq!(found, ["accumulate", "generate", "intersect", "refill", "scatter"]);
+    assert_eq!(found, ["generate", "intersect", "refill", "scatter"]);
 }
