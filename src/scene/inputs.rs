@@ -25,7 +25,7 @@ pub fn inputs(scene: &Scene) -> Vec<Input> {
 }
 
 /// The files with the buffers of a .gltf, which is JSON. Other meshes are one file.
-fn buffers(file: &Input) -> Vec<Input> {
+pub(super) fn buffers(file: &Input) -> Vec<Input> {
     let path = &file.path;
     if !path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("gltf")) {
         return Vec::new();

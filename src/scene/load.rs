@@ -11,6 +11,7 @@ use ron::extensions::Extensions;
 use serde::de::{Error as _, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
+use super::assets::Assets;
 use super::explain::{explain, hash_at_start};
 use super::file::Reading;
 use super::findings::Findings;
@@ -64,7 +65,8 @@ pub fn text_of(reader: impl Read, path: &Path) -> Result<String> {
 }
 
 /// Makes the scene that a text describes, and checks it.
-pub fn parse(mut text: String, path: &Path, progress: &mut OnProgress) -> Result<Scene> {
+/// Images and meshes that `assets` has are not read again.
+pub fn parse(mut text: String, path: &Path, progress: &mut OnProgress, assets: &mut Assets) -> Result<Scene> {
     if text.starts_with('\u{feff}') {
         text.drain(..'\u{feff}'.len_utf8());
     }
@@ -109,12 +111,14 @@ pub fn parse(mut text: String, path: &Path, progress: &mut OnProgress) -> Result
     validate::validate(&scene, &mut findings);
     // Large files are not read for a scene that is refused, but all that are missing are named.
     let reading = if findings.is_empty() { Reading::Whole } else { Reading::IfThere };
-    scene.bitmaps = bitmap::load_all(&scene, reading, &mut findings);
-    scene.meshes = mesh::load_all(&scene, reading, &mut findings, progress);
+    scene.bitmaps = bitmap::load_all(&scene, reading, &mut findings, assets);
+    scene.meshes = mesh::load_all(&scene, reading, &mut findings, progress, assets);
     if findings.is_empty() && !scene.meshes.is_empty() {
         validate::with_meshes(&scene, &mut findings);
     }
-    findings.end().map(|()| scene)
+    findings.end()?;
+    assets.end();
+    Ok(scene)
 }
 
 /// How scene files are parsed.

@@ -4,6 +4,7 @@
 //! numbers, `bitmap` decodes the images, `mesh` reads the meshes. Every error names file:line:column and the field. `recover` reads on
 //! behind an error, so that all are listed.
 
+mod assets;
 mod bitmap;
 mod explain;
 mod file;
@@ -22,11 +23,13 @@ mod warn;
 use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use crate::error::{Error, Location, Result};
 use crate::source::Source;
 
 pub use crate::source::{Place, Step};
+pub use assets::{Assets, Stamp, stamp};
 pub use inputs::Input;
 pub use mesh::{Mesh, OnProgress, OpenEdges};
 pub use types::*;
@@ -44,7 +47,7 @@ pub struct Scene {
     /// The decoded images, by the paths that the scene file writes.
     pub bitmaps: Bitmaps,
     /// The meshes, by the paths that the scene file writes.
-    pub meshes: BTreeMap<String, Mesh>,
+    pub meshes: BTreeMap<String, Arc<Mesh>>,
     source: Source,
 }
 
@@ -58,17 +61,23 @@ impl Scene {
 
     /// The same, with a report of the progress of large files about every MiB.
     pub fn load_with(path: &Path, progress: &mut OnProgress) -> Result<Scene> {
-        load::parse(load::read(path)?, path, progress)
+        Scene::load_again(path, progress, &mut Assets::default())
+    }
+
+    /// The same, of a scene that may have been read before: images and meshes are taken from `assets` where their files have not changed.
+    pub fn load_again(path: &Path, progress: &mut OnProgress, assets: &mut Assets) -> Result<Scene> {
+        assets.begin(path);
+        load::parse(load::read(path)?, path, progress, assets)
     }
 
     /// The same for the text that a reader gives, such as standard input. `path` is its name in errors, as for [`Scene::parse`].
     pub fn read(reader: impl Read, path: &Path, progress: &mut OnProgress) -> Result<Scene> {
-        load::parse(load::text_of(reader, path)?, path, progress)
+        load::parse(load::text_of(reader, path)?, path, progress, &mut Assets::default())
     }
 
     /// The same for a text in memory. `path` is its name in errors; relative paths start at the folder of `path`.
     pub fn parse(text: &str, path: &Path) -> Result<Scene> {
-        load::parse(text.to_owned(), path, &mut |_, _, _| {})
+        load::parse(text.to_owned(), path, &mut |_, _, _| {}, &mut Assets::default())
     }
 
     /// The paths of all files that the scene was read from, the scene file first.

@@ -1,7 +1,7 @@
 //! A mesh: triangles in a space of their own, placed in the scene any number of times.
 
 use std::collections::BTreeMap;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use glam::{DMat3, DVec3, Vec2, Vec3};
 
@@ -91,7 +91,7 @@ pub struct MeshShape<'a> {
 }
 
 /// The meshes of a scene as shapes, by their paths.
-pub fn shapes(meshes: &BTreeMap<String, Mesh>) -> BTreeMap<&str, MeshShape<'_>> {
+pub fn shapes(meshes: &BTreeMap<String, Arc<Mesh>>) -> BTreeMap<&str, MeshShape<'_>> {
     meshes
         .iter()
         .enumerate()

@@ -4,6 +4,7 @@ use crate::common::meshes::{Quads, cube, cubes};
 use crate::common::stats::Random;
 use std::fs;
 use std::path::Path;
+use std::sync::Arc;
 
 use base64::Engine;
 use glam::{DVec3, Vec3};
@@ -44,7 +45,7 @@ fn scene_of(file: &str, bytes: &[u8]) -> Result<Scene, Error> {
 
 fn mesh(file: &str, bytes: &[u8]) -> Mesh {
     let mut scene = scene_of(file, bytes).unwrap_or_else(|error| panic!("{error}"));
-    scene.meshes.remove(file).unwrap()
+    scene.meshes.remove(file).and_then(Arc::into_inner).unwrap()
 }
 
 /// The error's text behind its place, which is the object's path.

@@ -6,12 +6,13 @@ mod jpeg;
 
 use std::collections::HashSet;
 use std::io::Cursor;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use image::{DynamicImage, ImageBuffer, ImageDecoder, ImageFormat, ImageReader, Limits, Pixel};
 
 use super::Scene;
+use super::assets::{Assets, Stamp};
 use super::file::{self, Reading};
 use super::findings::Findings;
 use super::types::*;
@@ -24,9 +25,9 @@ use budget::Budget;
 const HEADERS: u64 = 64 << 20;
 
 /// Decodes every image of the scene once. The keys are the paths as the scene file writes them. Errors point at the `path` field.
-pub fn load_all(scene: &Scene, reading: Reading, findings: &mut Findings) -> Bitmaps {
+pub fn load_all(scene: &Scene, reading: Reading, findings: &mut Findings, assets: &mut Assets) -> Bitmaps {
     let mut loader =
-        Loader { scene, reading, budget: Budget::default(), bitmaps: Bitmaps::new(), found: HashSet::new() };
+        Loader { scene, reading, assets, budget: Budget::default(), bitmaps: Bitmaps::new(), found: HashSet::new() };
     let top = scene.top();
     if let Background::Image { path } = &scene.background {
         let background = top.field("background");
@@ -51,6 +52,7 @@ pub fn load_all(scene: &Scene, reading: Reading, findings: &mut Findings) -> Bit
 struct Loader<'a> {
     scene: &'a Scene,
     reading: Reading,
+    assets: &'a mut Assets,
     budget: Budget,
     bitmaps: Bitmaps,
     /// The paths of files that have been looked at, good or not.
@@ -62,16 +64,30 @@ impl Loader<'_> {
         let file = self.scene.source.resolve(path);
         let wrong = |reason: String| at.error(format!("{}: {reason}", file.display()));
         if self.found.insert(path.to_owned()) {
+            let files = self.assets.note(&file);
             match self.reading {
                 Reading::IfThere => _ = file::find(&file, "image", file::LONGEST).map_err(wrong)?,
                 Reading::Whole => {
-                    let bitmap = decode(&file, &self.budget).map_err(wrong)?;
+                    let bitmap = self.read(&file, files).map_err(wrong)?;
                     self.budget.add(bitmap.texels.len());
                     self.bitmaps.insert(path.to_owned(), bitmap);
                 }
             }
         }
         self.bitmaps.get(path).map_or(Ok(()), |bitmap| usage.check_texels(bitmap).map_err(wrong))
+    }
+}
+
+impl Loader<'_> {
+    /// An image that has been decoded before, or is now.
+    fn read(&mut self, file: &Path, files: Vec<(PathBuf, Stamp)>) -> std::result::Result<Bitmap, String> {
+        if let Some(bitmap) = self.assets.bitmap(file, &files) {
+            self.budget.check((bitmap.width as usize, bitmap.height as usize), 0)?;
+            return Ok(bitmap);
+        }
+        let bitmap = decode(file, &self.budget)?;
+        self.assets.keep_bitmap(file, files, bitmap.clone());
+        Ok(bitmap)
     }
 }
 

@@ -12,8 +12,10 @@ mod ply;
 
 use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
+use std::sync::Arc;
 
 use super::Scene;
+use super::assets::Assets;
 use super::file::{self, Reading};
 use super::findings::Findings;
 use super::types::Object;
@@ -32,7 +34,8 @@ pub fn load_all(
     reading: Reading,
     findings: &mut Findings,
     progress: &mut OnProgress,
-) -> BTreeMap<String, Mesh> {
+    assets: &mut Assets,
+) -> BTreeMap<String, Arc<Mesh>> {
     let mut meshes = BTreeMap::new();
     let mut found = HashSet::new();
     let mut room = MOST_BYTES;
@@ -42,8 +45,16 @@ pub fn load_all(
             return;
         }
         let file = scene.source.resolve(path);
+        let files = assets.note(&file);
         let loaded = match reading {
-            Reading::Whole => load(&file, room, progress).map(Some),
+            Reading::Whole => match assets.mesh(&file, &files).filter(|(_, taken)| *taken <= room) {
+                Some((mesh, taken)) => Ok(Some((mesh, room - taken))),
+                None => load(&file, room, progress).map(|(mesh, left)| {
+                    let mesh = Arc::new(mesh);
+                    assets.keep_mesh(&file, files, (Arc::clone(&mesh), room - left));
+                    Some((mesh, left))
+                }),
+            },
             Reading::IfThere => parser(&file).and_then(|_| file::find(&file, "mesh", file::LONGEST)).map(|_| None),
         };
         let loaded = loaded.map_err(|reason| at.field("path").error(format!("{}: {reason}", file.display())));

@@ -1,0 +1,101 @@
+//! The images and meshes that a scene was read with. If it is read again, those whose files have not changed are taken from here.
+
+use std::collections::{BTreeMap, HashMap};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::SystemTime;
+
+use super::inputs::{Input, buffers};
+use super::mesh::Mesh;
+use super::types::Bitmap;
+
+/// What tells that a file has changed: when it was written last, its length, and the number that another file of its name would not have.
+/// Nothing where there is no file.
+pub type Stamp = Option<(SystemTime, u64, u64)>;
+
+/// The stamp of a file as it is now.
+pub fn stamp(path: &Path) -> Stamp {
+    let found = std::fs::metadata(path).ok()?;
+    Some((found.modified().ok()?, found.len(), number(&found)))
+}
+
+#[cfg(unix)]
+fn number(found: &std::fs::Metadata) -> u64 {
+    std::os::unix::fs::MetadataExt::ino(found)
+}
+
+#[cfg(not(unix))]
+fn number(_: &std::fs::Metadata) -> u64 {
+    0
+}
+
+/// The images and meshes of a scene, by the paths of their files.
+#[derive(Default)]
+pub struct Assets {
+    bitmaps: HashMap<PathBuf, Kept<Bitmap>>,
+    /// With the bytes of memory that reading each took of the room that there was.
+    meshes: HashMap<PathBuf, Kept<(Arc<Mesh>, usize)>>,
+    /// The files that the scene was read from, also those that are missing, as they were before they were read.
+    pub files: BTreeMap<PathBuf, Stamp>,
+    /// How many images and meshes have been read since the start.
+    pub read: usize,
+}
+
+struct Kept<T> {
+    what: T,
+    /// Its files, as they were before it was read.
+    files: Vec<(PathBuf, Stamp)>,
+}
+
+impl Assets {
+    /// Begins to read a scene.
+    pub(super) fn begin(&mut self, scene: &Path) {
+        self.files = BTreeMap::from([(scene.to_owned(), stamp(scene))]);
+    }
+
+    /// Ends it: what the scene does not name is dropped.
+    pub(super) fn end(&mut self) {
+        let Assets { bitmaps, meshes, files, .. } = self;
+        bitmaps.retain(|path, _| files.contains_key(path));
+        meshes.retain(|path, _| files.contains_key(path));
+    }
+
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.bitmaps.len() + self.meshes.len()
+    }
+
+    /// Notes that the scene names a file. The result is the file and those that it names, as they are.
+    pub(super) fn note(&mut self, path: &Path) -> Vec<(PathBuf, Stamp)> {
+        let file = Input { path: path.to_owned(), fixed: false };
+        let others = buffers(&file).into_iter().map(|buffer| buffer.path);
+        let files: Vec<_> = others.chain([file.path]).map(|path| (stamp(&path), path)).map(|(s, p)| (p, s)).collect();
+        self.files.extend(files.iter().cloned());
+        files
+    }
+
+    /// An image, if its file is as it was.
+    pub(super) fn bitmap(&self, path: &Path, files: &[(PathBuf, Stamp)]) -> Option<Bitmap> {
+        kept(&self.bitmaps, path, files).cloned()
+    }
+
+    /// A mesh, if its files are as they were, and the bytes that reading it took.
+    pub(super) fn mesh(&self, path: &Path, files: &[(PathBuf, Stamp)]) -> Option<(Arc<Mesh>, usize)> {
+        kept(&self.meshes, path, files).cloned()
+    }
+
+    pub(super) fn keep_bitmap(&mut self, path: &Path, files: Vec<(PathBuf, Stamp)>, what: Bitmap) {
+        self.read += 1;
+        self.bitmaps.insert(path.to_owned(), Kept { what, files });
+    }
+
+    pub(super) fn keep_mesh(&mut self, path: &Path, files: Vec<(PathBuf, Stamp)>, what: (Arc<Mesh>, usize)) {
+        self.read += 1;
+        self.meshes.insert(path.to_owned(), Kept { what, files });
+    }
+}
+
+/// What is kept of a file, if its files are as they were.
+fn kept<'a, T>(all: &'a HashMap<PathBuf, Kept<T>>, path: &Path, files: &[(PathBuf, Stamp)]) -> Option<&'a T> {
+    all.get(path).filter(|kept| kept.files == files).map(|kept| &kept.what)
+}
