@@ -61,6 +61,9 @@ pub enum Error {
     /// `--fail-above` was given and a metric is above its limit.
     #[error("{0}")]
     Limit(String),
+    /// The render was given up, because its scene has changed. Nobody is told.
+    #[error("the scene has changed")]
+    Dropped,
     /// A signal ended the work. Finished parts are kept.
     #[error("{message}")]
     Interrupted { signal: i32, message: String },

@@ -50,10 +50,12 @@ pub enum Next {
     Whole,
     /// End the block of samples that has been started, and nothing after it.
     Stop,
+    /// End at once. Nobody wants the image: the render fails with [`Error::Dropped`].
+    Drop,
 }
 
-/// The time that a submission should take: long enough to hide what it costs to make one, short
-/// enough that no watchdog fires and no user waits.
+/// The time that a submission should take, unless a caller wants to be asked more often: long enough to hide what it costs to make one,
+/// short enough that no watchdog fires and no user waits.
 const SUBMISSION: Duration = Duration::from_millis(100);
 /// Submissions in flight. While the device executes one, the next one waits in its queue, and the host reads the counters of the last one.
 const IN_FLIGHT: usize = 2;
@@ -74,6 +76,8 @@ struct Lane<'a> {
     bounces_fixed: bool,
     /// Bounces of a submission at most.
     most_bounces: u32,
+    /// The time that a submission should take.
+    submission: Duration,
     buffers: Buffers,
     generate: Pipeline,
     bounce: BouncePipelines,
@@ -210,6 +214,7 @@ impl<'a> Lane<'a> {
             bounces: tuning.bounces.unwrap_or(1),
             bounces_fixed: tuning.bounces.is_some(),
             most_bounces: 1,
+            submission: SUBMISSION,
             generate: pipeline(&plan.kernels.generate)?,
             bounce,
             accumulate: pipeline(&plan.kernels.accumulate)?,
@@ -315,7 +320,11 @@ impl<'a> Lane<'a> {
                     let before = std::mem::replace(&mut counters, self.land(flight)?);
                     let counted = totals_since(&counters, &before);
                     self.received += counted;
-                    look |= shared.state().stretch.landed(counted) == Next::Look;
+                    match shared.state().stretch.landed(counted) {
+                        Next::Look => look = true,
+                        Next::Drop => return Err(Error::Dropped),
+                        _ => {}
+                    }
                 }
                 None if to_cut => {
                     (to_cut, cut) = (false, true);
@@ -474,7 +483,7 @@ impl<'a> Lane<'a> {
     /// Aims the next submission at its target time.
     fn adapt(&mut self, bounces: u32, took: Duration) {
         if !self.bounces_fixed {
-            let ratio = SUBMISSION.as_secs_f64() / took.as_secs_f64().max(1e-6);
+            let ratio = self.submission.as_secs_f64() / took.as_secs_f64().max(1e-6);
             self.bounces = (f64::from(bounces) * ratio.clamp(0.25, 4.0)).round().clamp(1.0, 4096.0) as u32;
         }
     }

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 use std::thread;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use cpu_time::ThreadTime;
 
@@ -39,13 +39,18 @@ impl<'a> Renderer<'a> {
         Ok(Renderer { lanes: lanes.into_iter().collect::<Result<_>>()? })
     }
 
+    /// Has submissions take so long, so that the caller is asked as often what it wants next.
+    pub fn ask_every(&mut self, time: Duration) {
+        self.lanes.iter_mut().for_each(|lane| lane.submission = time);
+    }
+
     /// Renders until the goal is reached. Calls `watch` after each submission with the outcome so far; fields that are known only at the end
     /// have their defaults. If `watch` asks for a look, it is called again with the film. The job may differ from the one that the renderer
     /// was made for, but not in its size.
     ///
     /// # Errors
     /// `Error::Usage` if the film has another size than the job, or another scale than the scene. `Error::Device` if a device fails; the
-    /// film then has what it had after the last look.
+    /// film then has what it had after the last look. `Error::Dropped` if `watch` asks for that.
     pub fn run(&mut self, job: &Job, film: &mut Film, watch: Watch<'_>) -> Result<Outcome> {
         self.lanes.iter().try_for_each(|lane| lane.check_film(job, film))?;
         let mut outcome = Outcome::default();

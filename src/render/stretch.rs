@@ -35,7 +35,7 @@ impl Stretch<'_> {
     pub fn ask(&mut self, look: Option<(Instant, bool)>) -> Next {
         let look = look.map(|(begin, whole)| Look { film: self.film, begin, whole });
         let next = (self.watch)(self.outcome, look);
-        let next = if self.pilot.is_some() && next != Next::Stop { Next::GoOn } else { next };
+        let next = if self.pilot.is_some() && !matches!(next, Next::Stop | Next::Drop) { Next::GoOn } else { next };
         self.whole |= next == Next::Whole;
         self.outcome.interrupted |= next == Next::Stop;
         next
