@@ -54,7 +54,7 @@ pub enum Command {
 /// The interval of checkpoints where none is given.
 pub const CHECKPOINT: &str = "60s";
 
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub struct RenderArgs {
     /// The scene file, or - for standard input.
     pub scene: PathBuf,
@@ -101,6 +101,9 @@ pub struct RenderArgs {
     /// Go on with the render in the output, and fail if there is none; --resume=auto starts afresh then. The image is that of one render.
     #[arg(long, value_name = "auto", num_args = 0..=1, require_equals = true, default_missing_value = "yes", value_parser = resume)]
     pub resume: Option<Resume>,
+    /// Render again whenever the scene or one of its files is saved, until Ctrl-C: a quarter of the size, a half, then all of it.
+    #[arg(long, conflicts_with_all = ["samples", "resume", "json"])]
+    pub watch: bool,
     /// Render with several devices or drivers, or go on with another one, whose rounding may differ.
     #[arg(long)]
     pub mixed_drivers: bool,

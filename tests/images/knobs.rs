@@ -31,6 +31,7 @@ const SAME_IMAGE: &[(&str, Option<&str>)] = &[
     ("preview", None),
     ("display-server", Some("127.0.0.1:9")),
     ("checkpoint", Some("1s")),
+    ("watch", None),
     ("mixed-drivers", None),
     ("no-state", None),
     ("force", None),
@@ -46,8 +47,9 @@ const SAME_IMAGE: &[(&str, Option<&str>)] = &[
     ("profile", None),
 ];
 
-/// Those of them that are in every command line here, or need a terminal ([`terminal`](../program/terminal.rs) has one).
-const ELSEWHERE: &[&str] = &["scene", "output", "device", "preview"];
+/// Those of them that are in every command line here, need a terminal ([`terminal`](../program/terminal.rs) has one), or do not end
+/// ([`watch`](../program/watch.rs) compares their images).
+const ELSEWHERE: &[&str] = &["scene", "output", "device", "preview", "watch"];
 
 /// Options that say which samples there are, and when they are enough. How many there are is the knob `spp`.
 const WHICH_SAMPLES: &[&str] = &["seed", "samples", "crop", "time", "noise", "resume"];

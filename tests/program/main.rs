@@ -28,3 +28,5 @@ mod submit;
 mod tables;
 mod terminal;
 mod tutorial;
+#[cfg(unix)]
+mod watch;

@@ -1,7 +1,9 @@
 //! `gpu-rt render`: from a scene file to an image file.
 
+mod changes;
 mod record;
 mod resume;
+mod session;
 mod summary;
 mod viewers;
 mod watcher;
@@ -15,7 +17,7 @@ use serde::Serialize;
 use serde_json::json;
 
 use super::outputs::{Beside, EXR_OR_PNG, OutputImage, PNG, check_outputs};
-use super::scene::{load_scene, stem_of};
+use super::scene::stem_of;
 use super::signals::Signals;
 use super::{flatten_for, open_devices, print_json, tell, tell_biases, tell_software};
 use crate::cli::{MOST_SAMPLES, RenderArgs};
@@ -30,15 +32,17 @@ use crate::output::exr::{State, read_state, write_render};
 use crate::output::format::{Format, format_of};
 use crate::output::place::{Place, is_standard};
 use crate::output::png::write_png;
-use crate::output::progress::{Loading, Progress};
+use crate::output::progress::Progress;
 use crate::output::view_transform::ViewTransform;
 use crate::plan::Plan;
 use crate::render::{Outcome, Renderer};
 use crate::scene::{Camera, Scene};
 use crate::threads::beside;
+use changes::Changes;
 use record::{About, report};
 pub use record::{Finish, attributes_of, excluded};
 use resume::Accumulation;
+use session::Session;
 pub use summary::{doubts, error_words, noise_words};
 use summary::{rejected_words, summarise};
 use viewers::Viewers;
@@ -68,6 +72,11 @@ fn per_sample(seconds: f64, samples: u64) -> f64 {
     if samples == 0 { 0.0 } else { seconds / samples as f64 }
 }
 
+/// Under `--watch`: the time that a submission should take, since the one that is under way is waited for.
+const SOON: Duration = Duration::from_millis(30);
+/// Under `--watch`: the most between two checkpoints, unless they would take too long.
+const WATCHED: Duration = Duration::from_secs(2);
+
 /// Where the image goes: into an EXR, a PNG or both.
 struct Output<'a> {
     /// What `-o` names: the EXR, or the PNG where there is no EXR.
@@ -88,14 +97,22 @@ impl Output<'_> {
     }
 }
 
-/// Renders the scene as asked, writing the image now and then and at the end.
+/// Renders the scene as asked, once or whenever it changes.
 pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     Viewers::check(args)?;
+    if args.watch {
+        return session::watch(args, start);
+    }
+    let mut session = Session::default();
+    let scene = session.load(args)?;
+    render(args, &scene, &mut session, start)
+}
+
+/// Renders a scene, writing the image now and then and at the end. `start` is when it began to be loaded.
+fn render(args: &RenderArgs, scene: &Scene, session: &mut Session, start: Instant) -> Result<()> {
+    let Session { devices, signals, changes, compile, told, .. } = session;
     let mut clock = Clock(start);
     let mut seconds = Seconds::default();
-    let mut loading = Loading::new(args.quiet);
-    let scene = load_scene(&args.scene, &mut |file, done, whole| loading.update(file, done, whole))?;
-    drop(loading);
     // As `check` has them; --quiet leaves them to the report and the image's header.
     let mut warnings = scene.warnings();
     let tell_warnings = |warnings: &[String]| {
@@ -104,44 +121,50 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
         }
     };
     tell_warnings(&warnings);
-    let biases = tell_biases(&args.options, args.paths.max_depth, &scene, args.quiet);
-    let output = output_of(args, &scene)?;
+    let biases = tell_biases(&args.options, args.paths.max_depth, scene, args.quiet);
+    let output = output_of(args, scene)?;
     seconds.load = clock.lap();
 
     // The driver loads while the scene is built; `device` is the time that it takes beyond. A scene that does not load waits for no driver.
-    let opening = || open_devices(args.paths.device.as_deref());
-    let (devices, built) = beside(opening, || {
-        let built = flatten_for(&scene, args.size, &args.options);
+    let opening = || match devices.is_empty() {
+        true => open_devices(args.paths.device.as_deref()),
+        false => Ok(Vec::new()),
+    };
+    let (opened, built) = beside(opening, || {
+        let built = flatten_for(scene, args.size, &args.options);
         seconds.build = clock.lap();
         built
     });
     let (size, mut flat) = built?;
     let frame = frame_of(args, size)?;
     (flat.settings.film_left, flat.settings.film_top) = (frame.part.left, frame.part.top);
-    let job = job_of(args, &scene, (frame.part.width, frame.part.height), start);
-    let identity = LazyLock::new(|| Identity::of(&scene, &frame, &job, &args.options));
+    let job = job_of(args, scene, (frame.part.width, frame.part.height), start);
+    let identity = LazyLock::new(|| Identity::of(scene, &frame, &job, &args.options));
     let earlier = match output.exr() {
         Some(exr) => resume::earlier(args, exr, &identity, &job)?,
         None => None,
     };
     tell_warnings(&flat.warnings);
     warnings.extend_from_slice(&flat.warnings);
-    let mut devices = devices?;
+    devices.extend(opened?);
     for (number, device) in devices.iter().enumerate() {
         let is_told = devices.iter().take(number).any(|other| other.name == device.name);
-        tell_software(device, args.quiet || is_told);
+        tell_software(device, args.quiet || is_told || *told);
     }
+    *told |= !args.quiet;
     seconds.device = clock.lap();
 
     let mut film = match &earlier {
         Some(state) => Accumulation::of_file(&output.image, state)?,
         None => Accumulation::new(frame, flat.radiance_exponent, args.options.sampler)?,
     };
-    film.note_devices(names_of(&devices), &output.image, args.mixed_drivers)?;
+    film.note_devices(names_of(devices), &output.image, args.mixed_drivers)?;
     let resumed_from = earlier.as_ref().map(|state| state.samples.count());
-    let signals = Signals::listen(&match resumed_from {
-        Some(_) => format!("{} holds what it held before", output.image.display()),
-        None => "nothing has been written".to_owned(),
+    let signals = signals.get_or_insert_with(|| {
+        Signals::listen(&match resumed_from {
+            Some(_) => format!("{} holds what it held before", output.image.display()),
+            None => "nothing has been written".to_owned(),
+        })
     });
     let progress = Progress::new(args.quiet, &job, resumed_from.unwrap_or(0));
     let task = Task {
@@ -154,7 +177,8 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
         job: &job,
         biases: &biases,
         warnings: &warnings,
-        signals: &signals,
+        signals,
+        changes: changes.as_ref(),
         progress: &progress,
         resumed_from,
     };
@@ -163,7 +187,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     // Hashing a large scene takes as long as reading it; the hashes are needed when something is written.
     let hashing = || _ = LazyLock::force(&identity);
     let ((), mut rendered) =
-        beside(hashing, || task.render(&devices, &mut film, &mut rendering, &mut seconds, &mut clock));
+        beside(hashing, || task.render(devices, &mut film, &mut rendering, &mut seconds, &mut clock));
     if let Err(Error::Device(why)) = &rendered
         && rendering.started
         && !signals.came()
@@ -173,15 +197,16 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
             task.last_whole(&rendering).and_then(|last| Ok((last, open_devices(args.paths.device.as_deref())?)));
         // Where that fails too, the first failure is the one to tell.
         if let Ok((last, other)) = again {
-            (film, devices) = (last, other);
-            film.note_devices(names_of(&devices), &output.image, args.mixed_drivers)?;
-            rendered = task.render(&devices, &mut film, &mut rendering, &mut seconds, &mut clock);
+            (film, *devices) = (last, other);
+            film.note_devices(names_of(devices), &output.image, args.mixed_drivers)?;
+            rendered = task.render(devices, &mut film, &mut rendering, &mut seconds, &mut clock);
         }
     }
     progress.finish();
+    *compile = seconds.compile;
     seconds.render = clock.lap();
 
-    let about = task.about(&devices)?;
+    let about = task.about(devices)?;
     let outcome = std::mem::take(&mut rendering.outcome);
     let complete = rendered.is_ok() && !outcome.interrupted;
     seconds.per_sample = per_sample(outcome.seconds, film.samples.count().saturating_sub(resumed_from.unwrap_or(0)));
@@ -232,6 +257,8 @@ struct Task<'a> {
     biases: &'a [String],
     warnings: &'a [String],
     signals: &'a Signals,
+    /// What would end the render, because nobody wants its image.
+    changes: Option<&'a Changes>,
     progress: &'a Progress,
     /// Samples of a pixel that an earlier render has left.
     resumed_from: Option<u64>,
@@ -282,6 +309,9 @@ impl Task<'_> {
         rendering.kernels = kernels.map(|kernel| kernel.name.clone()).collect();
         rendering.gpu_bytes = plans.iter().flat_map(Plan::buffers).map(|buffer| buffer.allocated()).sum();
         seconds.compile += clock.lap();
+        if self.changes.is_some() {
+            renderer.ask_every(SOON);
+        }
 
         let about = self.about(devices)?;
         let integrator = self.args.options.integrator.to_string();
@@ -296,8 +326,9 @@ impl Task<'_> {
                 earlier,
                 next_look: (!self.args.quiet || rendering.viewers.any())
                     .then(|| begun + pause_after(look_time(job.size))),
-                next_checkpoint: self.output.can_be_replaced.then(|| begun + self.args.checkpoint),
-                interval: self.args.checkpoint,
+                next_checkpoint: self.output.can_be_replaced.then(|| begun + self.checkpoint()),
+                interval: self.checkpoint(),
+                changes: self.changes,
                 error: None,
                 failed: None,
                 kept: false,
@@ -329,6 +360,14 @@ impl Task<'_> {
             }
         }
         Ok(())
+    }
+
+    /// The interval of checkpoints. Who watches wants one soon.
+    fn checkpoint(&self) -> Duration {
+        match self.changes {
+            Some(_) => self.args.checkpoint.min(WATCHED),
+            None => self.args.checkpoint,
+        }
     }
 
     /// Writes the image that `-o` names. It stays as it is if it is an EXR that has more samples of this render: how many `--time` and
@@ -429,6 +468,9 @@ impl Task<'_> {
         let image = self.output.image.display();
         match self.output.exr().is_none() || self.args.no_state || samples == 0 || !self.output.can_be_replaced {
             true => format!("{image} holds the image so far"),
+            false if self.args.watch => {
+                format!("{image} holds {samples} samples per pixel. --resume in place of --watch goes on")
+            }
             false => format!("{image} holds {samples} samples per pixel. Add --resume to go on"),
         }
     }
@@ -456,9 +498,14 @@ fn can_be_replaced(path: &Path) -> bool {
     !matches!(Place::of(path), Ok(Place::Stream))
 }
 
+/// The image to write.
+fn image_of(args: &RenderArgs) -> PathBuf {
+    args.output.clone().unwrap_or_else(|| PathBuf::from(stem_of(&args.scene)).with_added_extension("exr"))
+}
+
 /// The paths to write to, checked before anything costs time.
 fn output_of<'a>(args: &'a RenderArgs, scene: &Scene) -> Result<Output<'a>> {
-    let image = args.output.clone().unwrap_or_else(|| PathBuf::from(stem_of(&args.scene)).with_added_extension("exr"));
+    let image = image_of(args);
     let png = args.png.as_deref();
     // A name that says no format is refused below.
     let format = format_of(&image, EXR_OR_PNG).unwrap_or(Format::Exr);

@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use super::changes::Changes;
 use super::viewers::Viewers;
 use crate::commands::signals::Signals;
 use crate::error::Result;
@@ -35,6 +36,8 @@ pub struct Watcher<'a> {
     /// Nothing where the file cannot be replaced.
     pub next_checkpoint: Option<Instant>,
     pub interval: Duration,
+    /// What ends the render at once.
+    pub changes: Option<&'a Changes>,
     pub error: Option<f64>,
     /// Why the last checkpoint failed, if it did.
     pub failed: Option<String>,
@@ -78,6 +81,7 @@ impl Watcher<'_> {
         }
         match stopped {
             true => Next::Stop,
+            false if self.changes.is_some_and(Changes::came) => Next::Drop,
             false if looked => Next::GoOn,
             false if keep => Next::Whole,
             false if is_due => Next::Look,
@@ -95,12 +99,15 @@ impl Watcher<'_> {
         let least = took.div_f64(MOST_OF_CHECKPOINTS);
         if least > self.interval {
             self.interval = least;
-            self.progress.message(&format!(
-                "a checkpoint takes {:.1} s: the next ones come every {:.0} s, so that they take {} % of the time",
-                took.as_secs_f64(),
-                least.as_secs_f64(),
-                100.0 * MOST_OF_CHECKPOINTS
-            ));
+            // Under --watch the interval was nobody's wish.
+            if self.changes.is_none() {
+                self.progress.message(&format!(
+                    "a checkpoint takes {:.1} s: the next ones come every {:.0} s, so that they take {} % of the time",
+                    took.as_secs_f64(),
+                    least.as_secs_f64(),
+                    100.0 * MOST_OF_CHECKPOINTS
+                ));
+            }
         }
         self.next_checkpoint = Some(Instant::now() + self.interval);
     }
@@ -144,6 +151,7 @@ mod tests {
             next_look,
             next_checkpoint: Some(begun + checkpoint),
             interval: checkpoint,
+            changes: None,
             error: None,
             failed: None,
             kept: false,

@@ -1,0 +1,123 @@
+//! The files of a scene that change while somebody watches it.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use notify::{RecommendedWatcher, RecursiveMode, Watcher as _};
+
+use crate::output::place::folder_of;
+use crate::scene::{Stamp, stamp};
+
+/// How long files must have stayed as they are, so that a save is over.
+const CALM: Duration = Duration::from_millis(20);
+/// How long a file that was there may be missing before that counts as a change.
+const MISSING: Duration = Duration::from_secs(1);
+/// The files are looked at so often also if nobody tells of a change: shared folders tell of none.
+const PAUSE: Duration = Duration::from_secs(1);
+/// How long a signal may wait.
+const WAIT: Duration = Duration::from_millis(100);
+
+/// Notes when one of some files changes. The stamps of the files decide. The system tells when to look at them: its words do not say what a
+/// save is, because editors save in many ways, and some put a new file in the place of the old one.
+pub struct Changes {
+    files: BTreeMap<PathBuf, Stamp>,
+    /// Nothing where the system does not tell of changes.
+    system: Option<RecommendedWatcher>,
+    /// The folders that the system tells of.
+    folders: BTreeSet<PathBuf>,
+    /// Whether the system has told of something since the last look.
+    stirred: Arc<AtomicBool>,
+    looked: Mutex<Instant>,
+    /// Whether a file has changed.
+    came: AtomicBool,
+}
+
+impl Changes {
+    /// Wakes this thread when files change.
+    pub fn new() -> Changes {
+        let stirred = Arc::new(AtomicBool::new(false));
+        let (noted, waiting) = (Arc::clone(&stirred), thread::current());
+        let system = notify::recommended_watcher(move |_| {
+            noted.store(true, Ordering::Relaxed);
+            waiting.unpark();
+        });
+        Changes {
+            files: BTreeMap::new(),
+            system: system.ok(),
+            folders: BTreeSet::new(),
+            stirred,
+            looked: Mutex::new(Instant::now()),
+            came: AtomicBool::new(false),
+        }
+    }
+
+    /// Begins anew with these files, as they were when they were read.
+    pub fn follow(&mut self, files: &BTreeMap<PathBuf, Stamp>) {
+        self.files.clone_from(files);
+        self.came = AtomicBool::new(false);
+        // A file behind a link changes in another folder.
+        let real = files.keys().filter_map(|path| path.canonicalize().ok());
+        let folders: BTreeSet<PathBuf> =
+            files.keys().cloned().chain(real).map(|path| folder_of(&path).to_owned()).collect();
+        if let Some(system) = &mut self.system {
+            for folder in folders.difference(&self.folders) {
+                // Where that fails, the files are looked at all the same, if less often.
+                let _ = system.watch(folder, RecursiveMode::NonRecursive);
+            }
+            for folder in self.folders.difference(&folders) {
+                let _ = system.unwatch(folder);
+            }
+        }
+        self.folders = folders;
+        // What has changed since the files were read, nobody has told.
+        self.stirred.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether a file has changed. May be asked from any thread, as often as is convenient.
+    pub fn came(&self) -> bool {
+        if self.came.load(Ordering::Relaxed) {
+            return true;
+        }
+        let mut looked = self.looked.lock().unwrap_or_else(PoisonError::into_inner);
+        if !self.stirred.swap(false, Ordering::Relaxed) && looked.elapsed() < PAUSE {
+            return false;
+        }
+        *looked = Instant::now();
+        let changed = self.files.iter().any(|(path, before)| stamp(path) != *before);
+        self.came.fetch_or(changed, Ordering::Relaxed);
+        changed
+    }
+
+    /// Waits until a file has changed and the save is over, or until `ends`. The result is the files that have changed, and when that was noted.
+    pub fn wait(&self, ends: impl Fn() -> bool) -> Option<(Vec<&Path>, Instant)> {
+        while !self.came() {
+            if ends() {
+                return None;
+            }
+            thread::park_timeout(WAIT);
+        }
+        let noted = Instant::now();
+        let mut before = self.stamps();
+        loop {
+            if ends() {
+                return None;
+            }
+            thread::sleep(CALM);
+            let now = self.stamps();
+            let is_missing = self.files.values().zip(&now).any(|(known, now)| known.is_some() && now.is_none());
+            if now == before && (!is_missing || noted.elapsed() > MISSING) {
+                let changed = self.files.iter().zip(&now).filter(|((_, known), now)| *known != *now);
+                return Some((changed.map(|((path, _), _)| path.as_path()).collect(), noted));
+            }
+            before = now;
+        }
+    }
+
+    fn stamps(&self) -> Vec<Stamp> {
+        self.files.keys().map(|path| stamp(path)).collect()
+    }
+}

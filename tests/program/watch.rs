@@ -1,0 +1,297 @@
+//! `--watch`: renders again after each save, keeps what has not changed, and ends by a signal.
+
+use std::fs;
+use std::path::PathBuf;
+use std::process::Child;
+
+use gpu_rt::output::exr::{ExrImage, read_exr};
+
+use crate::common::program::{finish, meanwhile, send};
+use crate::place::{ENDLESS, Place, SPHERE, attribute};
+
+/// A program that watches `sphere.ron`.
+struct Watch {
+    place: Place,
+    child: Child,
+    said: PathBuf,
+}
+
+/// Saves that replace the file, as many editors do, or that write into it.
+#[derive(Clone, Copy)]
+enum Save {
+    InPlace,
+    ByName,
+}
+
+impl Watch {
+    fn new(place: Place, more: &[&str]) -> Watch {
+        let said = place.folder.path().join("said");
+        let arguments = [&place.render_sphere(), ["--watch", "--verbose"].as_slice(), more].concat();
+        let mut command = place.command(&arguments);
+        let child = command.stderr(fs::File::create(&said).unwrap()).spawn().expect("the program starts");
+        Watch { place, child, said }
+    }
+
+    fn said(&self) -> String {
+        fs::read_to_string(&self.said).unwrap()
+    }
+
+    /// What it has said between one change and the next.
+    fn said_last(&self) -> String {
+        self.said().rsplit(" changed\n").next().unwrap_or_default().to_owned()
+    }
+
+    /// Waits until it says this. The result is what it has said since the last change.
+    #[track_caller]
+    fn until_said(&mut self, words: &str, times: usize) -> String {
+        let said = self.said.clone();
+        meanwhile(&mut self.child, || fs::read_to_string(&said).unwrap().matches(words).count() >= times);
+        self.said_last()
+    }
+
+    /// Waits until the image has as many pixels as the scene says, and all samples.
+    fn until_whole(&mut self) {
+        let path = self.place.work().join("sphere.exr");
+        let is_whole =
+            || read_exr(&path).is_ok_and(|image| image.width == 20 && attribute(&image, "gpu-rt:complete") == "1");
+        meanwhile(&mut self.child, is_whole);
+    }
+
+    fn save(&self, text: &str, how: Save) {
+        let scene = self.place.work().join("../scenes/sphere.ron");
+        match how {
+            Save::InPlace => fs::write(&scene, text).unwrap(),
+            Save::ByName => {
+                let temporary = scene.with_extension("ron~");
+                fs::write(&temporary, text).unwrap();
+                fs::rename(&temporary, &scene).unwrap();
+            }
+        }
+    }
+
+    /// Asserts that the image is that of a plain render of the scene as it is now.
+    #[track_caller]
+    fn is_of_the_scene(&self) {
+        self.place.render(&["-o", "plain.exr"]).exits(0);
+        assert!(bits(&self.place.exr("sphere.exr")) == bits(&self.place.exr("plain.exr")), "{}", self.said());
+    }
+
+    /// Ends it, and returns the last line that it says.
+    fn end(self) -> String {
+        send(&self.child, libc::SIGINT);
+        finish(self.child).exits(130);
+        let said = fs::read_to_string(&self.said).unwrap();
+        assert!(!said.contains("panicked"), "{said}");
+        said.lines().last().unwrap_or_default().to_owned()
+    }
+}
+
+/// All that an image holds of its pixels.
+fn bits(image: &ExrImage) -> impl PartialEq + use<> {
+    let layer = |layer: &[[f32; 3]]| layer.iter().flatten().map(|v| v.to_bits()).collect::<Vec<_>>();
+    let variance = image.variance.as_ref().map(|variance| layer(variance));
+    (image.width, image.height, layer(&image.rgb), variance, image.samples.clone(), image.rejected.clone())
+}
+
+const WAITING: &str = "waiting for the next save";
+
+#[test]
+fn each_save_is_rendered_with_the_kernels_that_are_there() {
+    let mut watch = Watch::new(Place::new(), &["--png", "sphere.png"]);
+    let said = watch.until_said(WAITING, 1);
+    let sizes = |said: &str| {
+        let before =
+            |line: &str| line.strip_prefix("preview of ")?.split_once(" after").map(|(size, _)| size.to_owned());
+        said.lines().filter_map(before).collect::<Vec<_>>()
+    };
+    // A quarter, a half, and then all of it.
+    assert_eq!(sizes(&said), ["5 x 3 pixels", "10 x 6 pixels"], "{said}");
+    watch.until_whole();
+    watch.is_of_the_scene();
+    let redder = SPHERE.replace("Rgb(0.5", "Rgb(0.75");
+    let none = ": 0 kernels compiled, 0 of 0 images and meshes read";
+    for (count, text, how) in
+        [(2, redder.as_str(), Save::InPlace), (3, SPHERE, Save::ByName), (4, &redder, Save::ByName)]
+    {
+        watch.save(text, how);
+        let said = watch.until_said(WAITING, count);
+        assert_eq!((sizes(&said).len(), said.matches(none).count()), (2, 2), "{said}");
+        watch.is_of_the_scene();
+        assert_eq!(image::image_dimensions(watch.place.work().join("sphere.png")).unwrap(), (20, 12));
+    }
+    // Another material needs other kernels, and the compile time is told.
+    watch.save(&SPHERE.replace("Lambertian(albedo: Rgb(0.5, 0.4, 0.3))", "Dielectric(ior: 1.5)"), Save::InPlace);
+    let said = watch.until_said(WAITING, 5);
+    assert!(said.contains("compiled for the change: ") && said.matches(none).count() == 1, "{said}");
+    watch.is_of_the_scene();
+    // Those of before are still there.
+    watch.save(SPHERE, Save::InPlace);
+    let said = watch.until_said(WAITING, 6);
+    assert_eq!(said.matches(none).count(), 2, "{said}");
+    watch.is_of_the_scene();
+    assert_eq!(watch.place.files(), ["plain.exr", "sphere.exr", "sphere.png"]);
+    assert_eq!(watch.end(), "error: interrupted by SIGINT; sphere.exr holds the last picture");
+}
+
+#[test]
+fn an_error_is_shown_as_check_shows_it_and_the_picture_stays() {
+    let mut watch = Watch::new(Place::new(), &[]);
+    watch.until_said(WAITING, 1);
+    let before = fs::read(watch.place.work().join("sphere.exr")).unwrap();
+    for (count, wrong) in [(2, SPHERE.replace("radius: 1", "radius: -1, colour: 2")), (3, SPHERE.replace(")],", ""))] {
+        watch.save(&wrong, Save::ByName);
+        let said = watch.until_said(WAITING, count);
+        let checked = watch.place.says("check ../scenes/sphere.ron").exits(2);
+        assert!(said.starts_with(&checked.stderr), "{said}\n{}", checked.stderr);
+        assert!(fs::read(watch.place.work().join("sphere.exr")).unwrap() == before, "the picture changed");
+    }
+    // A file that is away is an error too, and is waited for.
+    let scene = watch.place.work().join("../scenes/sphere.ron");
+    fs::remove_file(&scene).unwrap();
+    let said = watch.until_said(WAITING, 4);
+    assert!(said.contains("cannot read the scene file"), "{said}");
+    watch.save(&SPHERE.replace("Rgb(0.5", "Rgb(0.75"), Save::InPlace);
+    watch.until_said(WAITING, 5);
+    watch.is_of_the_scene();
+    watch.end();
+}
+
+/// A scene that is wrong from the start is waited for as well; one that is not there is not.
+#[test]
+fn the_first_scene_may_be_wrong_but_not_missing() {
+    let place = Place::new();
+    place.scene("sphere.ron", "Scene(");
+    let mut watch = Watch::new(place, &[]);
+    watch.until_said(WAITING, 1);
+    watch.save(SPHERE, Save::InPlace);
+    watch.until_said(WAITING, 2);
+    watch.is_of_the_scene();
+    watch.end();
+    let ran = Place::new().says("render missing.ron --watch").exits(2);
+    assert!(ran.stderr.contains("cannot read the scene file"), "{}", ran.stderr);
+}
+
+#[test]
+fn of_the_files_of_a_scene_only_those_that_changed_are_read() {
+    let place = Place::new();
+    let scenes = place.folder.path().join("scenes");
+    let texture = |name: &str, red: u8| {
+        image::RgbImage::from_pixel(4, 4, image::Rgb([red, 90, 60])).save(scenes.join(name)).unwrap();
+    };
+    texture("red.png", 100);
+    fs::write(scenes.join("face.obj"), "v 0 0 1\nv 1 0 1\nv 0 1 1\nf 1 2 3\n").unwrap();
+    let textured = SPHERE
+        .replace("Rgb(0.5, 0.4, 0.3)", "Image(path: \"red.png\")")
+        .replace("materials: {", "materials: { \"plain\": Lambertian(albedo: Rgb(0.5, 0.4, 0.3)),")
+        .replace("objects: [", "objects: [Mesh(path: \"face.obj\", material: \"plain\"), ");
+    place.scene("sphere.ron", &textured);
+    let mut watch = Watch::new(place, &[]);
+    let said = watch.until_said(WAITING, 1);
+    assert!(said.contains(", 2 of 2 images and meshes read"), "{said}");
+    // The image, then the mesh, then neither.
+    texture("new.png", 200);
+    fs::rename(scenes.join("new.png"), scenes.join("red.png")).unwrap();
+    let said = watch.until_said(WAITING, 2);
+    assert!(said.contains(": 0 kernels compiled, 1 of 2 images and meshes read"), "{said}");
+    assert!(watch.said().contains("red.png changed"), "{}", watch.said());
+    watch.is_of_the_scene();
+    fs::write(scenes.join("face.obj"), "v 0 0 1\nv 1 0 1\nv 0 1.5 1\nf 1 2 3\n").unwrap();
+    let said = watch.until_said(WAITING, 3);
+    assert!(said.contains(", 1 of 2 images and meshes read"), "{said}");
+    watch.is_of_the_scene();
+    watch.save(&textured.replace("radius: 1,", "radius: 0.9,"), Save::InPlace);
+    let said = watch.until_said(WAITING, 4);
+    assert!(said.contains(", 0 of 2 images and meshes read"), "{said}");
+    watch.is_of_the_scene();
+    // An image that is missing is waited for, though the scene has not been read.
+    fs::remove_file(scenes.join("red.png")).unwrap();
+    let said = watch.until_said(WAITING, 5);
+    assert!(said.contains("red.png: cannot read the image"), "{said}");
+    texture("red.png", 50);
+    watch.until_said(WAITING, 6);
+    watch.is_of_the_scene();
+    watch.end();
+}
+
+/// The render under way is given up at once, though it would never end by itself; nothing of it is written.
+#[test]
+fn a_save_ends_the_render_under_way() {
+    let place = Place::new();
+    let of_samples = |text: &str, samples: &str| text.replace("samples: 16", &format!("samples: {samples}"));
+    place.scene("sphere.ron", &of_samples(SPHERE, ENDLESS));
+    let mut watch = Watch::new(place, &[]);
+    watch.until_said("preview of 10 x 6", 1);
+    watch.save(&of_samples(&SPHERE.replace("Rgb(0.5", "Rgb(0.75"), ENDLESS), Save::ByName);
+    watch.until_said("preview of 10 x 6", 2);
+    watch.save(SPHERE, Save::ByName);
+    watch.until_said(WAITING, 1);
+    watch.is_of_the_scene();
+    // Of the renders that were given up nothing is told.
+    assert_eq!(watch.said().matches("relative error").count(), 2, "{}", watch.said());
+    watch.end();
+}
+
+#[test]
+fn a_signal_ends_it_with_the_image_so_far() {
+    let mut watch = Watch::new(Place::new(), &["--spp", ENDLESS]);
+    watch.until_said("preview of 10 x 6", 1);
+    send(&watch.child, libc::SIGINT);
+    let Watch { place, child, said } = watch;
+    finish(child).exits(130);
+    let said = fs::read_to_string(said).unwrap();
+    let last = said.lines().last().unwrap_or_default();
+    let image = place.exr("sphere.exr");
+    assert_eq!((image.width, attribute(&image, "gpu-rt:complete")), (20, "0"), "{said}");
+    assert!(last.starts_with("error: interrupted by SIGINT; sphere.exr holds "), "{last}");
+}
+
+/// Samples of this very image are worth more than previews.
+#[test]
+fn samples_of_the_same_image_are_not_overwritten_by_previews_or_fewer() {
+    let place = Place::new();
+    place.render(&["--spp", "32"]).exits(0);
+    let before = fs::read(place.work().join("sphere.exr")).unwrap();
+    let ran = place.render(&["--watch"]).exits(2);
+    assert!(ran.stderr.contains("sphere.exr holds 32 samples per pixel of this render"), "{}", ran.stderr);
+    assert!(fs::read(place.work().join("sphere.exr")).unwrap() == before);
+    let mut watch = Watch::new(place, &["--spp", "40"]);
+    let said = watch.until_said(WAITING, 1);
+    assert!(!said.contains("preview of"), "{said}");
+    assert_eq!(attribute(&watch.place.exr("sphere.exr"), "gpu-rt:end_sample"), "40");
+    watch.end();
+    let place = Place::new();
+    place.render(&["--spp", "32"]).exits(0);
+    let mut watch = Watch::new(place, &["--force"]);
+    let said = watch.until_said(WAITING, 1);
+    assert_eq!(said.matches("preview of").count(), 2, "{said}");
+    watch.is_of_the_scene();
+    watch.end();
+}
+
+#[test]
+fn a_part_of_the_image_has_previews_of_that_part() {
+    let mut watch = Watch::new(Place::new(), &["--crop", "3,2,10,7"]);
+    watch.until_said(WAITING, 1);
+    watch.place.render(&["--crop", "3,2,10,7", "-o", "plain.exr"]).exits(0);
+    assert!(bits(&watch.place.exr("sphere.exr")) == bits(&watch.place.exr("plain.exr")), "{}", watch.said());
+    watch.end();
+}
+
+#[test]
+fn what_cannot_be_watched_is_refused_in_words() {
+    let place = Place::new();
+    for (more, words) in [
+        ("--samples 0..8", "'--samples <A..B>'"),
+        ("--resume", "'--resume[=<auto>]'"),
+        ("--json", "'--json'"),
+        ("-o -", "-o -: --watch replaces it again and again: give the name of a file"),
+        ("--png -", "--png -: --watch replaces it again and again: give the name of a file"),
+        ("--png /dev/null", "--png /dev/null: --watch replaces it"),
+    ] {
+        let ran = place.says(&format!("render ../scenes/sphere.ron --watch {more}")).exits(2);
+        assert!(ran.stderr.contains("--watch") && ran.stderr.contains(words), "{}", ran.stderr);
+    }
+    let ran = place.says("render - --watch").exits(2);
+    assert!(ran.stderr.contains("standard input does not change"), "{}", ran.stderr);
+    assert!(place.files().is_empty());
+}
