@@ -4,7 +4,7 @@ use std::fs;
 use std::path::PathBuf;
 use std::process::Child;
 
-use gpu_rt::output::exr::{ExrImage, read_exr};
+use gpu_rt::output::exr::ExrImage;
 
 use crate::common::program::{finish, meanwhile, send};
 use crate::place::{ENDLESS, Place, SPHERE, attribute};
@@ -14,6 +14,8 @@ struct Watch {
     place: Place,
     child: Child,
     said: PathBuf,
+    /// How many changes it must have told of before it is done.
+    changes: usize,
 }
 
 /// Saves that replace the file, as many editors do, or that write into it.
@@ -29,32 +31,38 @@ impl Watch {
         let arguments = [&place.render_sphere(), ["--watch", "--verbose"].as_slice(), more].concat();
         let mut command = place.command(&arguments);
         let child = command.stderr(fs::File::create(&said).unwrap()).spawn().expect("the program starts");
-        Watch { place, child, said }
+        Watch { place, child, said, changes: 0 }
     }
 
     fn said(&self) -> String {
         fs::read_to_string(&self.said).unwrap()
     }
 
-    /// What it has said between one change and the next.
-    fn said_last(&self) -> String {
-        self.said().rsplit(" changed\n").next().unwrap_or_default().to_owned()
-    }
-
-    /// Waits until it says this. The result is what it has said since the last change.
-    #[track_caller]
-    fn until_said(&mut self, words: &str, times: usize) -> String {
+    /// Waits until it has said this so often.
+    fn until_said(&mut self, words: &str, times: usize) {
         let said = self.said.clone();
         meanwhile(&mut self.child, || fs::read_to_string(&said).unwrap().matches(words).count() >= times);
-        self.said_last()
     }
 
-    /// Waits until the image has as many pixels as the scene says, and all samples.
-    fn until_whole(&mut self) {
-        let path = self.place.work().join("sphere.exr");
-        let is_whole =
-            || read_exr(&path).is_ok_and(|image| image.width == 20 && attribute(&image, "gpu-rt:complete") == "1");
-        meanwhile(&mut self.child, is_whole);
+    /// Waits until it has done what the last change asks, and has said this of it. The result is all that it has said of it. A file that is
+    /// written in place may be half there for a moment, which is an error, and then another change.
+    fn until(&mut self, words: &str) -> String {
+        let (said, least) = (self.said.clone(), self.changes);
+        let last = || {
+            let said = fs::read_to_string(&said).unwrap();
+            let changes = said.matches(" changed\n").count();
+            let last = said.rsplit(" changed\n").next().unwrap_or_default().to_owned();
+            (changes >= least && last.contains(words) && last.contains(WAITING)).then_some((last, changes))
+        };
+        meanwhile(&mut self.child, || last().is_some());
+        let (last, changes) = last().expect("nobody has changed anything");
+        self.changes = changes + 1;
+        last
+    }
+
+    /// The same of a render that comes to its end.
+    fn until_rendered(&mut self) -> String {
+        self.until("sphere.exr: ")
     }
 
     fn save(&self, text: &str, how: Save) {
@@ -98,7 +106,7 @@ const WAITING: &str = "waiting for the next save";
 #[test]
 fn each_save_is_rendered_with_the_kernels_that_are_there() {
     let mut watch = Watch::new(Place::new(), &["--png", "sphere.png"]);
-    let said = watch.until_said(WAITING, 1);
+    let said = watch.until_rendered();
     let sizes = |said: &str| {
         let before =
             |line: &str| line.strip_prefix("preview of ")?.split_once(" after").map(|(size, _)| size.to_owned());
@@ -106,27 +114,24 @@ fn each_save_is_rendered_with_the_kernels_that_are_there() {
     };
     // A quarter, a half, and then all of it.
     assert_eq!(sizes(&said), ["5 x 3 pixels", "10 x 6 pixels"], "{said}");
-    watch.until_whole();
     watch.is_of_the_scene();
     let redder = SPHERE.replace("Rgb(0.5", "Rgb(0.75");
     let none = ": 0 kernels compiled, 0 of 0 images and meshes read";
-    for (count, text, how) in
-        [(2, redder.as_str(), Save::InPlace), (3, SPHERE, Save::ByName), (4, &redder, Save::ByName)]
-    {
+    for (text, how) in [(redder.as_str(), Save::InPlace), (SPHERE, Save::ByName), (&redder, Save::ByName)] {
         watch.save(text, how);
-        let said = watch.until_said(WAITING, count);
+        let said = watch.until_rendered();
         assert_eq!((sizes(&said).len(), said.matches(none).count()), (2, 2), "{said}");
         watch.is_of_the_scene();
         assert_eq!(image::image_dimensions(watch.place.work().join("sphere.png")).unwrap(), (20, 12));
     }
     // Another material needs other kernels, and the compile time is told.
     watch.save(&SPHERE.replace("Lambertian(albedo: Rgb(0.5, 0.4, 0.3))", "Dielectric(ior: 1.5)"), Save::InPlace);
-    let said = watch.until_said(WAITING, 5);
+    let said = watch.until_rendered();
     assert!(said.contains("compiled for the change: ") && said.matches(none).count() == 1, "{said}");
     watch.is_of_the_scene();
     // Those of before are still there.
     watch.save(SPHERE, Save::InPlace);
-    let said = watch.until_said(WAITING, 6);
+    let said = watch.until_rendered();
     assert_eq!(said.matches(none).count(), 2, "{said}");
     watch.is_of_the_scene();
     assert_eq!(watch.place.files(), ["plain.exr", "sphere.exr", "sphere.png"]);
@@ -136,11 +141,11 @@ fn each_save_is_rendered_with_the_kernels_that_are_there() {
 #[test]
 fn an_error_is_shown_as_check_shows_it_and_the_picture_stays() {
     let mut watch = Watch::new(Place::new(), &[]);
-    watch.until_said(WAITING, 1);
+    watch.until_rendered();
     let before = fs::read(watch.place.work().join("sphere.exr")).unwrap();
-    for (count, wrong) in [(2, SPHERE.replace("radius: 1", "radius: -1, colour: 2")), (3, SPHERE.replace(")],", ""))] {
+    for wrong in [SPHERE.replace("radius: 1", "radius: -1, colour: 2"), SPHERE.replace(")],", "")] {
         watch.save(&wrong, Save::ByName);
-        let said = watch.until_said(WAITING, count);
+        let said = watch.until("error: ");
         let checked = watch.place.says("check ../scenes/sphere.ron").exits(2);
         assert!(said.starts_with(&checked.stderr), "{said}\n{}", checked.stderr);
         assert!(fs::read(watch.place.work().join("sphere.exr")).unwrap() == before, "the picture changed");
@@ -148,10 +153,9 @@ fn an_error_is_shown_as_check_shows_it_and_the_picture_stays() {
     // A file that is away is an error too, and is waited for.
     let scene = watch.place.work().join("../scenes/sphere.ron");
     fs::remove_file(&scene).unwrap();
-    let said = watch.until_said(WAITING, 4);
-    assert!(said.contains("cannot read the scene file"), "{said}");
+    watch.until("cannot read the scene file");
     watch.save(&SPHERE.replace("Rgb(0.5", "Rgb(0.75"), Save::InPlace);
-    watch.until_said(WAITING, 5);
+    watch.until_rendered();
     watch.is_of_the_scene();
     watch.end();
 }
@@ -162,9 +166,9 @@ fn the_first_scene_may_be_wrong_but_not_missing() {
     let place = Place::new();
     place.scene("sphere.ron", "Scene(");
     let mut watch = Watch::new(place, &[]);
-    watch.until_said(WAITING, 1);
+    watch.until("error: ");
     watch.save(SPHERE, Save::InPlace);
-    watch.until_said(WAITING, 2);
+    watch.until_rendered();
     watch.is_of_the_scene();
     watch.end();
     let ran = Place::new().says("render missing.ron --watch").exits(2);
@@ -186,29 +190,28 @@ fn of_the_files_of_a_scene_only_those_that_changed_are_read() {
         .replace("objects: [", "objects: [Mesh(path: \"face.obj\", material: \"plain\"), ");
     place.scene("sphere.ron", &textured);
     let mut watch = Watch::new(place, &[]);
-    let said = watch.until_said(WAITING, 1);
+    let said = watch.until_rendered();
     assert!(said.contains(", 2 of 2 images and meshes read"), "{said}");
     // The image, then the mesh, then neither.
     texture("new.png", 200);
     fs::rename(scenes.join("new.png"), scenes.join("red.png")).unwrap();
-    let said = watch.until_said(WAITING, 2);
+    let said = watch.until_rendered();
     assert!(said.contains(": 0 kernels compiled, 1 of 2 images and meshes read"), "{said}");
     assert!(watch.said().contains("red.png changed"), "{}", watch.said());
     watch.is_of_the_scene();
     fs::write(scenes.join("face.obj"), "v 0 0 1\nv 1 0 1\nv 0 1.5 1\nf 1 2 3\n").unwrap();
-    let said = watch.until_said(WAITING, 3);
+    let said = watch.until_rendered();
     assert!(said.contains(", 1 of 2 images and meshes read"), "{said}");
     watch.is_of_the_scene();
     watch.save(&textured.replace("radius: 1,", "radius: 0.9,"), Save::InPlace);
-    let said = watch.until_said(WAITING, 4);
+    let said = watch.until_rendered();
     assert!(said.contains(", 0 of 2 images and meshes read"), "{said}");
     watch.is_of_the_scene();
     // An image that is missing is waited for, though the scene has not been read.
     fs::remove_file(scenes.join("red.png")).unwrap();
-    let said = watch.until_said(WAITING, 5);
-    assert!(said.contains("red.png: cannot read the image"), "{said}");
+    watch.until("red.png: cannot read the image");
     texture("red.png", 50);
-    watch.until_said(WAITING, 6);
+    watch.until_rendered();
     watch.is_of_the_scene();
     watch.end();
 }
@@ -224,7 +227,7 @@ fn a_save_ends_the_render_under_way() {
     watch.save(&of_samples(&SPHERE.replace("Rgb(0.5", "Rgb(0.75"), ENDLESS), Save::ByName);
     watch.until_said("preview of 10 x 6", 2);
     watch.save(SPHERE, Save::ByName);
-    watch.until_said(WAITING, 1);
+    watch.until_rendered();
     watch.is_of_the_scene();
     // Of the renders that were given up nothing is told.
     assert_eq!(watch.said().matches("relative error").count(), 2, "{}", watch.said());
@@ -236,7 +239,7 @@ fn a_signal_ends_it_with_the_image_so_far() {
     let mut watch = Watch::new(Place::new(), &["--spp", ENDLESS]);
     watch.until_said("preview of 10 x 6", 1);
     send(&watch.child, libc::SIGINT);
-    let Watch { place, child, said } = watch;
+    let Watch { place, child, said, .. } = watch;
     finish(child).exits(130);
     let said = fs::read_to_string(said).unwrap();
     let last = said.lines().last().unwrap_or_default();
@@ -255,14 +258,14 @@ fn samples_of_the_same_image_are_not_overwritten_by_previews_or_fewer() {
     assert!(ran.stderr.contains("sphere.exr holds 32 samples per pixel of this render"), "{}", ran.stderr);
     assert!(fs::read(place.work().join("sphere.exr")).unwrap() == before);
     let mut watch = Watch::new(place, &["--spp", "40"]);
-    let said = watch.until_said(WAITING, 1);
+    let said = watch.until_rendered();
     assert!(!said.contains("preview of"), "{said}");
     assert_eq!(attribute(&watch.place.exr("sphere.exr"), "gpu-rt:end_sample"), "40");
     watch.end();
     let place = Place::new();
     place.render(&["--spp", "32"]).exits(0);
     let mut watch = Watch::new(place, &["--force"]);
-    let said = watch.until_said(WAITING, 1);
+    let said = watch.until_rendered();
     assert_eq!(said.matches("preview of").count(), 2, "{said}");
     watch.is_of_the_scene();
     watch.end();
@@ -271,7 +274,7 @@ fn samples_of_the_same_image_are_not_overwritten_by_previews_or_fewer() {
 #[test]
 fn a_part_of_the_image_has_previews_of_that_part() {
     let mut watch = Watch::new(Place::new(), &["--crop", "3,2,10,7"]);
-    watch.until_said(WAITING, 1);
+    watch.until_rendered();
     watch.place.render(&["--crop", "3,2,10,7", "-o", "plain.exr"]).exits(0);
     assert!(bits(&watch.place.exr("sphere.exr")) == bits(&watch.place.exr("plain.exr")), "{}", watch.said());
     watch.end();
