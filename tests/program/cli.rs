@@ -308,13 +308,13 @@ fn options_override_the_scene() {
 fn a_time_limit_gives_every_pixel_the_same_samples_and_one_at_least() {
     let place = Place::new();
     for time in ["1s", "1ms", "0.3"] {
-        let json = place.render(&["--time", time, "--json", "-o", "a.exr"]).exits(0).json();
+        let json = place.render(&["--time", time, "--json", "--force", "-o", "a.exr"]).exits(0).json();
         let samples = place.exr("a.exr").samples.expect("a layer of samples");
         assert!(samples[0] >= 1 && samples.iter().all(|&n| n == samples[0]), "{time}: {samples:?}");
         assert_eq!(json["samples_per_pixel"], samples[0], "{time}");
     }
     // Less than a start takes: that it took longer is said, and by how much. An hour is not overrun.
-    let ran = place.render(&["--time", "1ms", "--json", "-o", "a.exr"]).exits(0);
+    let ran = place.render(&["--time", "1ms", "--json", "--force", "-o", "a.exr"]).exits(0);
     let (json, over) = (ran.json(), &ran.json()["time_overrun_seconds"]);
     let (total, over) = (json["seconds"]["total"].as_f64().expect("a time"), over.as_f64().expect("an overrun"));
     assert!((total - 0.001 - over).abs() < 1e-9, "{total}, {over}");
@@ -322,7 +322,7 @@ fn a_time_limit_gives_every_pixel_the_same_samples_and_one_at_least() {
     // Kept where there is time, and nothing is said then: in one of five, as the other tests take what they take of the processor, and what
     // they begin after the pilot has seen how fast it goes makes it late.
     let is_kept = |_| {
-        let json = place.render(&["--time", "2s", "--json", "-o", "a.exr"]).exits(0).json();
+        let json = place.render(&["--time", "2s", "--json", "--force", "-o", "a.exr"]).exits(0).json();
         let total = json["seconds"]["total"].as_f64().expect("a time");
         assert_eq!(json["time_overrun_seconds"].is_null(), total <= 2.0, "{json}");
         total <= 2.0

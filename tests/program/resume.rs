@@ -251,11 +251,12 @@ fn a_finished_render_is_done() {
     assert!(said.contains("holds 16 samples per pixel of this render") && said.contains("--force"), "{said}");
     assert!(fs::read(place.path("out.exr")).expect("it is read") == before);
     // So it would where the number of samples is not known before.
-    let said = place.render("--noise 0.9 --spp 8 -o out.exr --png less.png").exits(1).stderr;
-    assert!(
-        said.contains("16 samples per pixel of this render, more than the 8 here") && said.contains("--force"),
-        "{said}"
-    );
+    let ran = place.render("--noise 0.9 --spp 8 -o out.exr --png less.png --json").exits(0);
+    let said = &ran.stderr;
+    assert!(said.contains("out.exr stays as it was: it holds 16 samples") && said.contains("--force"), "{said}");
+    let report = ran.json();
+    assert_eq!((&report["samples_per_pixel"], &report["output_samples"]), (&8.into(), &16.into()), "{report}");
+    assert!(place.path("less.png").exists());
     assert!(fs::read(place.path("out.exr")).expect("it is read") == before);
     for goal in ["--spp 8", "--noise 0.9 --spp 8"] {
         place.render("--quiet --spp 16 -o out.exr").exits(0);

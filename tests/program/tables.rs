@@ -29,6 +29,7 @@ fn renders_and_their_parts_have_the_keys_and_attributes_that_are_documented() {
         json("--samples 16..32 -o b.exr"),
         json("--samples 0..16 -o c.exr"),
         json("--time 1ms -o time.exr"),
+        json("--noise 0.9 --spp 16 -o a.exr"),
     ];
     compare("### `render --json`", &renders);
     let names = ["a.exr", "noise.exr"].map(|name| place.exr(name).attributes);

@@ -213,7 +213,7 @@ fn render(args: &RenderArgs, scene: &Scene, session: &mut Session, start: Instan
     let integrator = args.options.integrator.to_string();
     let finish = Finish::of(&film.film, &film.samples, &film.devices, outcome.noise, &integrator, complete);
     match rendered {
-        Ok(()) => match task.write(&about, &film, &finish, &seconds, &rendering) {
+        Ok(()) => match task.write(&about, &film, &finish, &seconds, &mut rendering) {
             Err(error) if outcome.interrupted => return Err(signals.interrupted(&error.to_string())),
             written => written?,
         },
@@ -227,7 +227,7 @@ fn render(args: &RenderArgs, scene: &Scene, session: &mut Session, start: Instan
     seconds.total = start.elapsed().as_secs_f64();
     rendering.viewers.end(&film.film, &progress);
     if !args.quiet {
-        summarise(&about, &output, &outcome, &finish, seconds.total);
+        summarise(&about, &output, &outcome, &finish, rendering.stays, seconds.total);
     }
     if args.json {
         print_json(&json!(report(&about, &output, &outcome, &finish, &seconds, &rendering)))?;
@@ -275,6 +275,8 @@ struct Rendering {
     started: bool,
     /// Whether the file has a checkpoint of this render.
     kept: bool,
+    /// The samples of each pixel that the file has, if it stays as it was because these are more.
+    stays: Option<u64>,
     viewers: Viewers,
 }
 
@@ -370,8 +372,8 @@ impl Task<'_> {
         }
     }
 
-    /// Writes the image that `-o` names. It stays as it is if it is an EXR that has more samples of this render: how many `--time` and
-    /// `--noise` render is known only now, and another process may have put them there meanwhile.
+    /// Writes the image that `-o` names. It is an error if that is an EXR with more samples of this render, which another process may have
+    /// put there meanwhile.
     fn keep(&self, about: &About<'_>, film: &Film, looks: u32, finish: &Finish, seconds: &Seconds) -> Result<()> {
         let Some(exr) = self.output.exr() else { return self.write_picture(&self.output.image, film) };
         let Finish { samples, devices, .. } = finish;
@@ -387,16 +389,19 @@ impl Task<'_> {
         write_render(exr, film, &attributes, (!self.args.no_state).then_some(&state), may)
     }
 
-    /// Writes what the render came to.
+    /// Writes what the render came to. Where the EXR has more samples of it than a complete one, it stays: how many samples `--time` and
+    /// `--noise` take is known only now.
     fn write(
         &self,
         about: &About<'_>,
         film: &Accumulation,
         finish: &Finish,
         seconds: &Seconds,
-        rendering: &Rendering,
+        rendering: &mut Rendering,
     ) -> Result<()> {
-        if rendering.started {
+        let exr = self.output.exr().filter(|_| finish.complete && !self.args.force);
+        rendering.stays = exr.and_then(|exr| resume::more_there(exr, self.identity, finish.samples.count()));
+        if rendering.started && rendering.stays.is_none() {
             self.keep(about, &film.film, film.looks, finish, seconds)?;
         }
         self.signals.set_loss(format!("{} holds the image", self.output.image.display()));

@@ -275,6 +275,8 @@ pub struct RenderReport<'a> {
     samples_per_pixel: u64,
     #[serde(skip_serializing_if = "Option::is_none")]
     resumed_from: Option<u64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    output_samples: Option<u64>,
     #[serde(flatten)]
     record: Record<'a>,
     features: String,
@@ -309,6 +311,7 @@ pub fn report<'a>(
         height: about.job.size.1,
         samples_per_pixel: finish.samples.count(),
         resumed_from: about.resumed_from,
+        output_samples: rendering.stays,
         record: about.record(finish, seconds),
         features: about.args.options.features.to_string(),
         software: about.devices.iter().any(|device| device.name.software),

@@ -18,7 +18,14 @@ pub fn overrun(time: Option<Duration>, total: f64) -> Option<f64> {
 const LEAST_OF_TIME: f64 = 0.9;
 
 /// The last line, and before it what the user should know.
-pub fn summarise(about: &About<'_>, output: &Output<'_>, outcome: &Outcome, finish: &Finish, total: f64) {
+pub fn summarise(
+    about: &About<'_>,
+    output: &Output<'_>,
+    outcome: &Outcome,
+    finish: &Finish,
+    stays: Option<u64>,
+    total: f64,
+) {
     let About { args, job, .. } = about;
     if finish.totals.rejected.total() > 0 {
         tell(&format!("warning: {}", rejected_words(&finish.totals)));
@@ -69,6 +76,13 @@ pub fn summarise(about: &About<'_>, output: &Output<'_>, outcome: &Outcome, fini
         tell("a PNG is the picture alone: no EXR is written");
     }
     let samples = finish.samples.count();
+    if let Some(more) = stays {
+        tell(&format!(
+            "warning: {} stays as it was: it holds {more} samples per pixel of this render, more than the {samples} here. --force \
+             overwrites it",
+            output.image.display()
+        ));
+    }
     let resumed = about.resumed_from.map_or(String::new(), |from| format!(" ({from} of them resumed)"));
     let error = error_words(finish);
     tell(&format!("{}: {samples} samples{resumed}, {error}, {total:.1} s", output.image.display()));
