@@ -82,7 +82,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "WxH|N%", value_parser = image_size,
           help = options::SIZE.help(), help_heading = options::SIZE.class.heading())]
     pub size: Option<Size>,
-    /// Render a part of the image alone: WIDTH x HEIGHT pixels from column X and row Y on. They have the bytes that they have in the whole.
+    /// Render only a part of the image: WIDTH x HEIGHT pixels, from column X and row Y on, with the bytes of the whole image.
     #[arg(long, value_name = "X,Y,WIDTH,HEIGHT")]
     pub crop: Option<Crop>,
     #[command(flatten)]

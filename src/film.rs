@@ -175,10 +175,9 @@ impl Pixel {
 /// Memory: 160 bytes a pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
-    width: u32,
-    height: u32,
     exponent: i32,
     sampler: Sampler,
+    /// The part of an image that it is of: as many pixels as there are.
     frame: Frame,
     pixels: Vec<Pixel>,
     totals: Totals,
@@ -218,10 +217,10 @@ impl Film {
         // Zeros as the system hands them out: writing them would cost a large film more than all else before its first pass.
         let pixels = bytemuck::allocation::try_zeroed_vec::<Pixel>(count).map_err(cannot)?;
         let frame = Frame::whole((width, height));
-        Ok(Film { width, height, exponent, sampler, frame, pixels, totals: Totals::default() })
+        Ok(Film { exponent, sampler, frame, pixels, totals: Totals::default() })
     }
 
-    /// The same film of a part of an image.
+    /// The same film, of a part of an image that has its size.
     pub fn of_part(self, frame: Frame) -> Film {
         Film { frame, ..self }
     }
@@ -238,11 +237,11 @@ impl Film {
     }
 
     pub fn width(&self) -> u32 {
-        self.width
+        self.frame.part.width
     }
 
     pub fn height(&self) -> u32 {
-        self.height
+        self.frame.part.height
     }
 
     /// Scene radiance is the film's radiance times 2 to this power.
@@ -271,16 +270,16 @@ impl Film {
 
     /// Adds another film of the same image. It is the same as if this film had got the other's records too.
     pub fn merge(&mut self, other: &Film) -> Result<()> {
-        let shape = |film: &Film| (film.width, film.height, film.exponent, film.sampler);
+        let shape = |film: &Film| (film.frame.part.size(), film.exponent, film.sampler);
         if shape(self) != shape(other) {
             return Err(Error::Usage(format!(
                 "films of different images cannot be joined: {} x {} pixels of scale 2^{} ({}) and {} x {} of 2^{} ({})",
-                self.width,
-                self.height,
+                self.width(),
+                self.height(),
                 self.exponent,
                 self.sampler,
-                other.width,
-                other.height,
+                other.width(),
+                other.height(),
                 other.exponent,
                 other.sampler
             )));
@@ -298,7 +297,7 @@ impl Film {
 
     /// The image in scene units.
     pub fn develop(&self) -> Picture {
-        let mut picture = Picture { width: self.width, height: self.height, ..Picture::default() };
+        let mut picture = Picture { width: self.width(), height: self.height(), ..Picture::default() };
         for pixel in (0..self.pixels.len()).map(|index| self.developed(index)) {
             picture.rgb.push(pixel.rgb);
             picture.variance.push(pixel.variance);

@@ -60,6 +60,11 @@ impl Crop {
         Crop { left: 0, top: 0, width, height }
     }
 
+    /// Width and height.
+    pub fn size(&self) -> (u32, u32) {
+        (self.width, self.height)
+    }
+
     /// Whether an image of this size has it.
     pub fn is_in(&self, (width, height): (u32, u32)) -> bool {
         let within = |first: u32, count: u32, all: u32| u64::from(first) + u64::from(count) <= u64::from(all);

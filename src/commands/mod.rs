@@ -52,9 +52,14 @@ pub fn run(cli: &Cli, start: std::time::Instant) -> Result<()> {
 
 /// The size of the image, and the scene flattened for it.
 fn flatten_for(scene: &Scene, size: Option<Size>, options: &RenderOptions) -> Result<((u32, u32), DeviceScene)> {
-    let of_scene = (scene.image.width, scene.image.height);
-    let size = size.map_or(of_scene, |size| size.of(of_scene));
+    let size = size_of(scene, size);
     Ok((size, flatten(scene, size, options)?))
+}
+
+/// The size of the image: the one asked for, or the scene's.
+fn size_of(scene: &Scene, asked: Option<Size>) -> (u32, u32) {
+    let of_scene = (scene.image.width, scene.image.height);
+    asked.map_or(of_scene, |size| size.of(of_scene))
 }
 
 /// Prints warnings about settings that bias the result or are less exact, unless `quiet`. Returns these options as the

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Component, Path, PathBuf};
 
 use super::outputs::check_name;
-use super::{make_folder, print_line};
+use super::{make_folder, print_line, size_of};
 use crate::cli::{CHECKPOINT, MOST_SAMPLES, SubmitArgs, duration};
 use crate::error::{Error, Result};
 use crate::jobs::scripts::{line, text_of};
@@ -107,8 +107,7 @@ fn whole(path: &Path) -> Result<PathBuf> {
 fn new_folder(args: &SubmitArgs, scene_path: &Path) -> Result<Folder> {
     let scene = Scene::load_with(scene_path, &mut |_, _, _| {})?;
     let stem = text_of(Path::new(scene_path.file_stem().unwrap_or_default()))?;
-    let of_scene = (scene.image.width, scene.image.height);
-    let (width, height) = args.size.map_or(of_scene, |size| size.of(of_scene));
+    let (width, height) = size_of(&scene, args.size);
     let spp = args.spp.unwrap_or(scene.render.samples);
     let most = args.noise.map(|_| args.spp.unwrap_or(MOST_SAMPLES as u32));
     let all = 0..most.unwrap_or(spp);

@@ -53,7 +53,7 @@ impl Identity {
         let Some(crop) = self.settings.get("crop") else { return Some(Frame::whole(size)) };
         let (width, height) = self.settings.get("size")?.split_once('x')?;
         let frame = Frame { part: crop.parse().ok()?, whole: (width.parse().ok()?, height.parse().ok()?) };
-        (frame.part.is_in(frame.whole) && (frame.part.width, frame.part.height) == size).then_some(frame)
+        (frame.part.is_in(frame.whole) && frame.part.size() == size).then_some(frame)
     }
 
     /// Whether both are of one scene, with the same images and meshes.

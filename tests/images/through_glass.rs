@@ -227,9 +227,9 @@ fn reports_do_not_depend_on_how_stages_are_linked() {
             let more = ["--scatter", scatter, "--seed", seed, "--size", "32x18", "--spp", "16", "--quiet"];
             let (mut report, _) = run.report(&scene, &more);
             let map = report.as_object_mut().expect("an object");
-            let own =
+            let of_work =
                 ["command", "kernels", "gpu_bytes", "seconds", "host_seconds", "paths_per_second", "rays_per_second"];
-            for own in own {
+            for own in of_work {
                 assert!(map.remove(own).is_some(), "{own}");
             }
             report

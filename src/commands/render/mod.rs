@@ -138,7 +138,7 @@ fn render(args: &RenderArgs, scene: &Scene, session: &mut Session, start: Instan
     let (size, mut flat) = built?;
     let frame = frame_of(args, size)?;
     (flat.settings.film_left, flat.settings.film_top) = (frame.part.left, frame.part.top);
-    let job = job_of(args, scene, (frame.part.width, frame.part.height), start);
+    let job = job_of(args, scene, frame.part.size(), start);
     let identity = LazyLock::new(|| Identity::of(scene, &frame, &job, &args.options));
     let earlier = match output.exr() {
         Some(exr) => resume::earlier(args, exr, &identity, &job)?,
@@ -505,7 +505,12 @@ fn can_be_replaced(path: &Path) -> bool {
 
 /// The image to write.
 fn image_of(args: &RenderArgs) -> PathBuf {
-    args.output.clone().unwrap_or_else(|| PathBuf::from(stem_of(&args.scene)).with_added_extension("exr"))
+    args.output.clone().unwrap_or_else(|| exr_of_scene(args))
+}
+
+/// The scene's name with .exr, in the current folder.
+fn exr_of_scene(args: &RenderArgs) -> PathBuf {
+    PathBuf::from(stem_of(&args.scene)).with_added_extension("exr")
 }
 
 /// The paths to write to, checked before anything costs time.
@@ -521,17 +526,9 @@ fn output_of<'a>(args: &'a RenderArgs, scene: &Scene) -> Result<Output<'a>> {
     check_outputs(&images, &Beside { inputs: &scene.inputs(), stdout, undone: "nothing has been rendered" })?;
     if format == Format::Png {
         let refuse = |why: &str| {
-            let (name, exr) = (
-                image.display(),
-                match is_standard(&image) {
-                    true => PathBuf::from(stem_of(&args.scene)).with_added_extension("exr"),
-                    false => image.with_extension("exr"),
-                },
-            );
-            Err(Error::Usage(format!(
-                "{name}: {why}: give -o {} --png {name}; nothing has been rendered",
-                exr.display()
-            )))
+            let exr = if is_standard(&image) { exr_of_scene(args) } else { image.with_extension("exr") };
+            let (name, exr) = (image.display(), exr.display());
+            Err(Error::Usage(format!("{name}: {why}: give -o {exr} --png {name}; nothing has been rendered")))
         };
         if args.resume.is_some() {
             return refuse("a PNG cannot be resumed, and --resume goes on from an EXR");

@@ -9,7 +9,7 @@ use super::{can_be_replaced, frame_of, image_of, job_of, render};
 use crate::cli::{RenderArgs, Size};
 use crate::commands::scene::{load_scene, name_of};
 use crate::commands::signals::Signals;
-use crate::commands::tell;
+use crate::commands::{size_of, tell};
 use crate::error::{Error, Result};
 use crate::gpu::device::Device;
 use crate::identity::Identity;
@@ -110,9 +110,8 @@ impl Session {
             changes.follow(&self.assets.files);
         }
         let scene = scene?;
-        let of_scene = (scene.image.width, scene.image.height);
-        let frame = frame_of(args, args.size.map_or(of_scene, |size| size.of(of_scene)))?;
-        let job = job_of(args, &scene, (frame.part.width, frame.part.height), start);
+        let frame = frame_of(args, size_of(&scene, args.size))?;
+        let job = job_of(args, &scene, frame.part.size(), start);
         let identity = LazyLock::new(|| Identity::of(&scene, &frame, &job, &args.options));
         let is_held = !args.force && more_there(&image_of(args), &identity, 0).is_some();
         let most = args.spp.unwrap_or(scene.render.samples);
