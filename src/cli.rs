@@ -368,6 +368,9 @@ pub struct CompareArgs {
     /// The reference: an EXR of the same size, from any renderer.
     #[arg(value_name = "B.exr")]
     pub reference: PathBuf,
+    /// Compare this layer of both files instead of the picture: albedo, N, Z, direct, … as `render --aov` names them, or those of other programs.
+    #[arg(long, value_name = "NAME")]
+    pub layer: Option<String>,
     /// Also write a heat map of FLIP's error: black is none, pale yellow is the most.
     #[arg(long, value_name = "FILE.png")]
     pub heatmap: Option<PathBuf>,

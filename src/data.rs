@@ -45,6 +45,8 @@ pub const TOO_DEEP_THROUGHPUT: u32 = 3;
 /// Bits after the binary point of the film's sums of radiance, in device units, and of its sums of squares, in device units squared.
 pub const SUM_FRACTION: u32 = 88;
 pub const SQUARE_FRACTION: u32 = 96;
+/// Sums of radiance and of its squares that the film has of each pixel: of even runs, of odd ones, and the squared deviations.
+pub const FILM_SUMS: usize = 3 * CHANNELS.len();
 /// Bins that light is counted in which mirrors and glass leave to chance.
 pub const LIGHT_BINS: usize = 32;
 /// Words before the first queue.
@@ -178,13 +180,13 @@ device_struct!(
 );
 
 device_struct!(
-    /// What the film on the device holds of a pixel.
+    /// What the film on the device holds of a pixel. The sums of further channels follow, where there are any.
     PixelTotals {
-        sums: [[u32; 4]; 3 * CHANNELS.len()],
         samples: [u32; 2],
         runs: u32,
         rejected: u32,
         saturated: u32,
+        sums: [[u32; 4]; FILM_SUMS],
     }
 );
 

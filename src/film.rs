@@ -3,15 +3,21 @@
 //! The device adds sums over short runs of samples as integers of a fixed scale (shaders/step/film.wgsl): a sum of integers is the same in
 //! any order and split. With them come the sums of squares that the error estimate needs. Here the device's totals are joined.
 
+mod channels;
 mod totals;
 mod words;
 
+use crate::aov::{Aovs, SceneSpace};
 use crate::data::{CHANNELS, PixelTotals, Rgb, SQUARE_FRACTION, SUM_FRACTION, Sampler, luminance};
 use crate::error::{Error, Result};
+use crate::flatten::DeviceScene;
 use crate::job::Frame;
 use crate::memory;
+use crate::options::RenderOptions;
+pub use channels::device_bytes;
 pub use totals::{Rejected, ThroughGlass, TooDeep, Totals};
-pub use words::{WORDS, Words, word_names};
+
+use channels::Channels;
 
 /// What [`Picture::variance`] holds where the variance is not known: the largest finite f32. An image file must hold finite values, 0
 /// would claim exactness, and whoever takes this one for a number concludes that the pixel is worthless, which is right.
@@ -172,7 +178,7 @@ impl Pixel {
 /// Beyond, the total saturates (a saturating sum of numbers of one sign is still the same in any order) and the
 /// variance is reported as unknown. So the device's unit should be about the radiance of the brightest thing that is often seen.
 ///
-/// Memory: 160 bytes a pixel.
+/// Memory: 160 bytes a pixel, and 16 more for each sum of further channels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
     exponent: i32,
@@ -180,6 +186,8 @@ pub struct Film {
     /// The part of an image that it is of: as many pixels as there are.
     frame: Frame,
     pixels: Vec<Pixel>,
+    /// The channels beside the radiance.
+    channels: Channels,
     totals: Totals,
 }
 
@@ -217,7 +225,34 @@ impl Film {
         // Zeros as the system hands them out: writing them would cost a large film more than all else before its first pass.
         let pixels = bytemuck::allocation::try_zeroed_vec::<Pixel>(count).map_err(cannot)?;
         let frame = Frame::whole((width, height));
-        Ok(Film { exponent, sampler, frame, pixels, totals: Totals::default() })
+        Ok(Film { exponent, sampler, frame, pixels, channels: Channels::default(), totals: Totals::default() })
+    }
+
+    /// An empty film for a render of this scene.
+    ///
+    /// # Errors
+    /// As of [`Film::with_sampler`].
+    pub fn for_render(flat: &DeviceScene, (width, height): (u32, u32), options: &RenderOptions) -> Result<Film> {
+        let film = Film::with_sampler(width, height, flat.radiance_exponent, options.sampler)?;
+        film.with_aovs(&options.aov, flat.space)
+    }
+
+    /// The same film, if it is empty, with further channels. `space` is that in which the kernels see the scene.
+    ///
+    /// # Errors
+    /// `Error::Usage` where the memory does not hold them.
+    pub fn with_aovs(self, aovs: &Aovs, space: SceneSpace) -> Result<Film> {
+        Ok(Film { channels: Channels::new(self.pixels.len(), aovs, space)?, ..self })
+    }
+
+    /// The channels that it has beside the radiance.
+    pub fn aovs(&self) -> &Aovs {
+        &self.channels.aovs
+    }
+
+    /// The space in which the kernels see the scene, if it has such channels.
+    pub fn space(&self) -> Option<SceneSpace> {
+        (!self.channels.aovs.is_empty()).then_some(self.channels.space)
     }
 
     /// The same film, of a part of an image that has its size.
@@ -233,6 +268,7 @@ impl Film {
     /// Takes everything back.
     pub fn clear(&mut self) {
         self.pixels.fill(Pixel::default());
+        self.channels.clear();
         self.totals = Totals::default();
     }
 
@@ -268,9 +304,24 @@ impl Film {
         self.totals += counted;
     }
 
+    /// Adds the totals of pixels, named as by [`Film::add`], as a device of this film holds them.
+    pub fn add_from_device(&mut self, pixels: impl IntoIterator<Item = usize>, bytes: &[u8]) {
+        if let (true, Ok(totals)) = (self.channels.aovs.is_empty(), bytemuck::try_cast_slice::<u8, PixelTotals>(bytes))
+        {
+            return self.add(pixels.into_iter().zip(totals), Totals::default());
+        }
+        let each = device_bytes(&self.channels.aovs) as usize;
+        for (index, bytes) in pixels.into_iter().zip(bytes.chunks_exact(each)) {
+            let (totals, sums) = bytes.split_at(size_of::<PixelTotals>());
+            let totals: PixelTotals = bytemuck::pod_read_unaligned(totals);
+            self.channels.add_from_device(index, &totals, sums);
+            self.add([(index, &totals)], Totals::default());
+        }
+    }
+
     /// Adds another film of the same image. It is the same as if this film had got the other's records too.
     pub fn merge(&mut self, other: &Film) -> Result<()> {
-        let shape = |film: &Film| (film.frame.part.size(), film.exponent, film.sampler);
+        let shape = |film: &Film| (film.frame.part.size(), film.exponent, film.sampler, film.channels.aovs.clone());
         if shape(self) != shape(other) {
             return Err(Error::Usage(format!(
                 "films of different images cannot be joined: {} x {} pixels of scale 2^{} ({}) and {} x {} of 2^{} ({})",
@@ -285,6 +336,7 @@ impl Film {
             )));
         }
         self.pixels.iter_mut().zip(&other.pixels).for_each(|(mine, theirs)| mine.add(theirs));
+        self.channels.add(&other.channels);
         self.totals += other.totals;
         Ok(())
     }

@@ -47,7 +47,7 @@ pub fn render_scene(scene: &Scene, settings: &RenderSettings) -> Result<Picture>
     let goal = Goal::Samples(samples);
     let job = Job { size, max_depth: scene.render.max_depth, seed: settings.seed, first_sample: 0, goal };
     let plan = Plan::new(&flat, &options, device.class(), &job)?;
-    let mut film = Film::with_sampler(size.0, size.1, flat.radiance_exponent, options.sampler)?;
+    let mut film = Film::for_render(&flat, size, &options)?;
     Renderer::new(&device, &plan, &job, false)?.run(&job, &mut film, &mut |_, _| Next::GoOn)?;
     Ok(film.develop())
 }

@@ -36,6 +36,8 @@
 //! and the benchmarks, and may change at any time.
 
 #[doc(hidden)]
+pub mod aov;
+#[doc(hidden)]
 pub mod bvh;
 #[doc(hidden)]
 pub mod cli;

@@ -1,11 +1,13 @@
 //! The options of a render, each declared once: its name, its values and how they are read, its words for `--help`, what it gives up,
 //! and the module of the shaders that it links. The command line, what a render says of itself, `plan` and `tradeoff` read this table.
 
+use std::collections::BTreeMap;
 use std::fmt::Display;
 
 use clap::builder::PossibleValuesParser;
 use clap::{Arg, ArgMatches, Command};
 
+use crate::aov::{Aovs, ChannelNames, SeenSurface};
 use crate::bvh::Quality;
 use crate::data::Sampler;
 
@@ -22,6 +24,7 @@ pub struct RenderOptions {
     pub offset: Offset,
     pub precision: Precision,
     pub build: Quality,
+    pub aov: Aovs,
     pub features: FeatureSet,
     /// This and the next three are the device's choice where absent.
     pub scatter: Option<Scatter>,
@@ -45,6 +48,7 @@ impl Default for RenderOptions {
             offset: Offset::Robust,
             precision: Precision::Strict,
             build: Quality::Medium,
+            aov: Aovs::default(),
             features: FeatureSet::Scene,
             scatter: None,
             slots: None,
@@ -65,8 +69,23 @@ impl RenderOptions {
 impl RenderOptions {
     /// The options that change the image, by their names, with their values.
     pub fn of_image(&self) -> impl Iterator<Item = (&'static str, String)> {
-        let known = all().filter(|knob| knob.class != Class::Exact && knob.reading.is_some());
+        // Without channels beside the picture, nobody asks what they are like.
+        let counts = |knob: &&Knob| match knob.class {
+            Class::Exact => false,
+            Class::Channels => !self.aov.is_empty() && !knob.is_default(self),
+            _ => true,
+        };
+        let known = all().filter(counts).filter(|knob| knob.reading.is_some());
         known.map(|knob| (knob.name, knob.value(self).unwrap_or_else(|| "none".to_string())))
+    }
+
+    /// The options that settings name as [`RenderOptions::of_image`] does. What cannot be read has its default.
+    pub fn of_settings(settings: &BTreeMap<String, String>) -> RenderOptions {
+        let mut options = RenderOptions::default();
+        for (reading, text) in all().filter_map(|knob| Some((knob.reading?, settings.get(knob.name)?))) {
+            _ = (reading.read)(&mut options, text);
+        }
+        options
     }
 
     /// The options that are not at their defaults, as words of the command line.
@@ -184,6 +203,8 @@ words!(
         Queues = "queues",
     }
 );
+words!(SeenSurface { Rough = "rough", First = "first", });
+words!(ChannelNames { Plain = "plain", Blender = "blender", });
 words!(Sampler { Sobol = "sobol", Independent = "independent", });
 words!(Quality { Fast = "fast", Medium = "medium", Best = "best", });
 
@@ -200,6 +221,8 @@ pub enum Class {
     Look,
     /// What the image converges to is another one.
     Bias,
+    /// Nothing: the picture is the same to the byte, and the file has more channels beside it.
+    Channels,
     /// The same image, but for the rounding of f32: right in ordinary scenes, wrong at the extremes of scale.
     Numerics,
 }
@@ -212,6 +235,7 @@ impl Class {
             Class::Noise => "Noise (the expectation stays the same)",
             Class::Detail => "Detail (fewer pixels, each of them right)",
             Class::Look => "Look (what a pixel is the mean over)",
+            Class::Channels => "Channels beside the picture (whose bytes stay the same)",
             Class::Bias => "Bias (each biases the result; off by default)",
             Class::Numerics => "Numerics (wrong at the extremes of scale; off by default)",
         }
@@ -288,7 +312,7 @@ impl Knob {
         match self.class {
             Class::Bias => format!("{option} biases the result"),
             Class::Numerics => format!("{option} is wrong at the extremes of scale"),
-            Class::Exact | Class::Noise | Class::Detail | Class::Look => option,
+            Class::Exact | Class::Noise | Class::Detail | Class::Look | Class::Channels => option,
         }
     }
 
@@ -561,6 +585,47 @@ pub const KNOBS: &[&Knob] = &[
     &FILTER,
 ];
 
+pub const AOV: Knob = Knob {
+    name: "aov",
+    about: "Further channels of the EXR, with commas between: `albedo`, `normal`, `depth`, `position`, `object`, `material`, `direct`, `indirect`.",
+    class: Class::Channels,
+    reading: Some(Reading {
+        takes: Takes::Text("LIST"),
+        read: |options, text| Aovs::parse(text).map(|list| options.aov.set(list)),
+        value: |options| options.aov.words(),
+    }),
+    ..OF_THE_DEVICE
+};
+
+/// What a file has beside the picture.
+const OF_FILES: &[&Knob] = &[
+    &AOV,
+    &Knob {
+        name: "aov-surface",
+        about: "Of which surface `albedo` and `normal` are: `rough` passes mirrors and clear glass, as denoisers want it; `first` does not.",
+        default: Some("rough"),
+        class: Class::Channels,
+        reading: Some(Reading {
+            takes: Takes::Words(|| SeenSurface::WORDS.iter().map(|(word, _)| *word).collect()),
+            read: |options, text| SeenSurface::read(text).map(|surface| options.aov.surface = surface),
+            value: |options| Some(options.aov.surface.word()),
+        }),
+        ..OF_THE_DEVICE
+    },
+    &Knob {
+        name: "aov-names",
+        about: "How the EXR names its channels: `plain`, or `blender` as the passes of Blender's multilayer files.",
+        default: Some("plain"),
+        class: Class::Channels,
+        reading: Some(Reading {
+            takes: Takes::Words(|| ChannelNames::WORDS.iter().map(|(word, _)| *word).collect()),
+            read: |options, text| ChannelNames::read(text).map(|names| options.aov.names = names),
+            value: |options| Some(options.aov.names.word()),
+        }),
+        ..OF_THE_DEVICE
+    },
+];
+
 /// What changes the speed and never the image, and is not swept over.
 const TUNING: &[&Knob] = &[
     &Knob {
@@ -614,5 +679,5 @@ const OF_THE_DEVICE: Knob = Knob {
 
 /// Every option.
 fn all() -> impl Iterator<Item = &'static Knob> {
-    KNOBS.iter().chain(TUNING).copied()
+    KNOBS.iter().chain(OF_FILES).chain(TUNING).copied()
 }

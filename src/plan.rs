@@ -9,8 +9,9 @@ mod tuning;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use crate::data::{self, PixelTotals, QUEUE_HEADER, RunRecord};
+use crate::data::{self, QUEUE_HEADER, RunRecord};
 use crate::error::Result;
+use crate::film;
 use crate::flatten::{BOUNDARIES, DeviceScene, Features, MATERIALS, PRIMITIVES};
 use crate::gpu::buffers::BufferSpec;
 use crate::gpu::device::DeviceClass;
@@ -121,6 +122,8 @@ pub struct Kernels {
     /// What slots keep of their paths from one dispatch to the next.
     pub path_fields: Vec<PathField>,
     pub settings: SettingsLayout,
+    /// Bytes of a pixel of the film.
+    pub pixel_bytes: u64,
     /// What they are linked for.
     pub features: Features,
     tables: UniformTables,
@@ -267,6 +270,7 @@ impl Kernels {
             accumulate,
             path_fields,
             settings,
+            pixel_bytes: film::device_bytes(&options.aov),
             tables: tables.clone(),
             features: features.clone(),
         })
@@ -305,7 +309,7 @@ impl Kernels {
         let slots = u64::from(tuning.slots);
         let queues = self.queues();
         let (runs, record_bytes) = (u64::from(tuning.records_per_slot), size_of::<RunRecord>() as u64);
-        let (tile, pixel_bytes) = (u64::from(tuning.tile), size_of::<PixelTotals>() as u64);
+        let (tile, pixel_bytes) = (u64::from(tuning.tile), self.pixel_bytes);
         let places = places(&self.path_fields);
         let (plane_bytes, word_bytes) = (places.plane_bytes(), places.word_bytes());
         let header = u64::from(QUEUE_HEADER);

@@ -10,9 +10,10 @@ use std::collections::{BTreeMap, VecDeque};
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
-use crate::data::{Counters, PixelTotals, RUN_LENGTH, Settings, Window};
+use crate::aov::Aovs;
+use crate::data::{Counters, RUN_LENGTH, Settings, Window};
 use crate::error::{Error, Result};
-use crate::film::{Film, Totals};
+use crate::film::{Film, Totals, device_bytes};
 use crate::gpu::buffers::{Buffers, Readback};
 use crate::gpu::device::Device;
 use crate::gpu::pipeline::{Pipeline, PipelineSpec};
@@ -70,6 +71,8 @@ struct Lane<'a> {
     size: (u32, u32),
     /// The scale of the film, as that of the scene.
     exponent: i32,
+    /// The channels that the film has beside the radiance.
+    aovs: Aovs,
     tuning: Tuning,
     /// Bounces of the next submission, and whether their number is fixed.
     bounces: u32,
@@ -191,7 +194,7 @@ impl<'a> Lane<'a> {
                 refill: pipeline(&staged.refill)?,
             },
         };
-        let film_bytes = u64::from(tuning.tile) * size_of::<PixelTotals>() as u64;
+        let film_bytes = u64::from(tuning.tile) * plan.kernels.pixel_bytes;
         let report = |_| Report {
             counters: Readback::new(device, "counters", size_of::<Counters>() as u64),
             timing: if profile { Timing::new(device) } else { None },
@@ -211,6 +214,7 @@ impl<'a> Lane<'a> {
             settings_layout: plan.kernels.settings.clone(),
             size: job.size,
             exponent: plan.scene.radiance_exponent,
+            aovs: plan.options.aov.clone(),
             bounces: tuning.bounces.unwrap_or(1),
             bounces_fixed: tuning.bounces.is_some(),
             most_bounces: 1,
@@ -373,7 +377,7 @@ impl<'a> Lane<'a> {
         if self.received == Totals::default() {
             return Ok(());
         }
-        let each = size_of::<PixelTotals>() as u64;
+        let each = device_bytes(&self.aovs);
         let at_once = (self.film.room() / each).clamp(1, u64::from(u32::MAX)) as u32;
         let tile = self.tile.clone();
         let places: Vec<u32> = tile.clone().step_by(at_once as usize).collect();
@@ -385,10 +389,7 @@ impl<'a> Lane<'a> {
             let submission = self.device.queue.submit([encoder.finish()]);
             self.film.read(self.device, submission, bytes, |bytes| {
                 let indices = (first..end).map(|place| pixel_in_order(place, self.size));
-                match bytemuck::try_cast_slice::<u8, PixelTotals>(bytes) {
-                    Ok(totals) => film.add(indices.zip(totals), Totals::default()),
-                    Err(_) => film.add(indices.zip(&bytemuck::pod_collect_to_vec(bytes)), Totals::default()),
-                }
+                film.add_from_device(indices, bytes);
             })?;
         }
         film.add([], std::mem::take(&mut self.received));

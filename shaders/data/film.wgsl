@@ -1,8 +1,5 @@
 // What the film holds of a pixel: sums in fixed point, so that the order of the runs does not matter.
 struct PixelTotals {
-    // Nine sums, each an integer of 128 bits (two's complement) in four words, the lowest first: the radiance of even runs (red, green, blue), the radiance of
-    // odd runs, and the squared deviations of the samples from the means of their runs.
-    sums: array<array<atomic<u32>, 4>, 9>,
     // Accepted samples of even runs and of odd ones.
     samples: array<atomic<u32>, 2>,
     // Runs with at least one accepted sample.
@@ -10,6 +7,10 @@ struct PixelTotals {
     rejected: atomic<u32>,
     // A bit for each sum that has left its range.
     saturated: atomic<u32>,
+    // Sums, each an integer of 128 bits (two's complement) in four words, the lowest first. Nine are of every film: the radiance of even
+    // runs (red, green, blue), the radiance of odd runs, and the squared deviations of the samples from the means of their runs. The sums of
+    // further channels follow (`--aov`).
+    sums: array<array<atomic<u32>, 4>, ${film_sums}>,
 }
 
 // Bits after the binary point of a sum of radiance, in device units, and of a sum of squares, in device units squared.

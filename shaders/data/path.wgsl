@@ -1,6 +1,9 @@
 //@ use data/ray
 //@ use data/hit
 //@ use lib/compensated
+// Light that reaches the camera by fewer scattering events is direct.
+const INDIRECT_FROM: u32 = 2u;
+
 // The state of a path, and of the run that its sample belongs to.
 struct Path {
     ray: Ray,
@@ -34,6 +37,14 @@ struct Path {
     //@ if emitting_mesh
     // For a light that is a triangle: the instance of its mesh.
     light_instance: u32,
+    //@ end
+    //@ if aov_direct
+    // Direct radiance of this sample so far (step/aov_direct).
+    direct: vec3<f32>,
+    //@ end
+    //@ if aov_rough
+    // 1 if the albedo and the normal of this sample are known (step/aov_surface).
+    seen: u32,
     //@ end
     // Sum of the radiance of the run's finished samples, and the number of rays traced for them.
     sum: Compensated,

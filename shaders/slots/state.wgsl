@@ -116,6 +116,16 @@ fn store_radiance(slot: u32, path: ptr<function, Path>) {
     store_plane(PLANE_OF_RADIANCE, slot, (*path).radiance, bitcast<u32>((*path).pdf));
 }
 
+//@ if aov_direct
+fn load_direct(slot: u32, path: ptr<function, Path>) {
+    (*path).direct = vector_of(paths[place(PLANE_OF_DIRECT, slot)]);
+}
+
+fn store_direct(slot: u32, path: ptr<function, Path>) {
+    store_vector(PLANE_OF_DIRECT, slot, (*path).direct);
+}
+
+//@ end
 // Loads all that a path keeps between two bounces.
 fn load_path(slot: u32, path: ptr<function, Path>) {
     load_ray(slot, path);
@@ -125,6 +135,12 @@ fn load_path(slot: u32, path: ptr<function, Path>) {
     //@ if light
     load_radiance(slot, path);
     (*path).light = NO_LIGHT;
+    //@ end
+    //@ if aov_direct
+    load_direct(slot, path);
+    //@ end
+    //@ if aov_rough
+    (*path).seen = load_seen(slot);
     //@ end
 }
 
@@ -139,5 +155,11 @@ fn store_path(slot: u32, path: ptr<function, Path>) {
     store_counts(slot, (*path).counts);
     //@ if light
     store_radiance(slot, path);
+    //@ end
+    //@ if aov_direct
+    store_direct(slot, path);
+    //@ end
+    //@ if aov_rough
+    store_seen(slot, (*path).seen);
     //@ end
 }

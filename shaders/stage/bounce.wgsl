@@ -1,5 +1,8 @@
 //@ use slots/state
 //@ use step/trace
+//@ if aov_hit
+//@ use step/aov_hit
+//@ end
 //@ if medium
 //@ use step/media
 //@ end
@@ -32,6 +35,9 @@ fn bounce(@builtin(global_invocation_id) id: vec3<u32>) {
     //@ end
     for (var i = 0u; i < window.bounces && iterations < MOST_ITERATIONS; i++) {
         iterations += trace(&path) + ITERATIONS_OF_SHADING;
+        //@ if aov_hit
+        note_hit(&path);
+        //@ end
         //@ if medium
         iterations += cross_media(&path);
         //@ end

@@ -1,5 +1,8 @@
 //@ use slots/between
 //@ use step/trace
+//@ if aov_hit
+//@ use step/aov_hit
+//@ end
 //@ if queue_of_hits
 //@ use slots/sort_by_material
 //@ end
@@ -18,6 +21,11 @@ fn intersect(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     trace(&path);
+    //@ if aov_hit
+    load_throughput(slot, &path);
+    load_sample_of_path(slot, &path);
+    note_hit(&path);
+    //@ end
     store_hit(slot, &path);
     //@ if queue_of_hits
     sort_slot(slot, path_hit(&path));

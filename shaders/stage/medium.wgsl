@@ -23,7 +23,13 @@ fn medium(@builtin(global_invocation_id) id: vec3<u32>) {
     load_radiance(slot, &path);
     path.light = NO_LIGHT;
     //@ end
+    //@ if aov_rough
+    path.seen = load_seen(slot);
+    //@ end
     cross_media(&path);
+    //@ if aov_rough
+    store_seen(slot, path.seen);
+    //@ end
     //@ if light
     store_radiance(slot, &path);
     if path.light != NO_LIGHT {

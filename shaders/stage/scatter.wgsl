@@ -28,7 +28,13 @@ fn scatter(@builtin(global_invocation_id) id: vec3<u32>) {
     //@ if sends_shadow_ray
     path.light = NO_LIGHT;
     //@ end
+    //@ if aov_rough
+    path.seen = load_seen(slot);
+    //@ end
     scatter_path(&path);
+    //@ if aov_rough
+    store_seen(slot, path.seen);
+    //@ end
     //@ if light
     store_radiance(slot, &path);
     //@ end

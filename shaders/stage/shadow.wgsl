@@ -22,7 +22,14 @@ fn shadow(@builtin(global_invocation_id) id: vec3<u32>) {
     load_sample_of_path(slot, &path);
     load_throughput(slot, &path);
     //@ end
+    //@ if aov_direct
+    load_throughput(slot, &path);
+    load_direct(slot, &path);
+    //@ end
     add_light_of_shadow(&path, limit, hit);
+    //@ if aov_direct
+    store_direct(slot, &path);
+    //@ end
     store_radiance(slot, &path);
     store_rays(slot, path.rays);
     store_no_light(slot);

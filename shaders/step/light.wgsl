@@ -13,6 +13,9 @@
 //@ if one_way
 //@ use step/through_glass
 //@ end
+//@ if aov_direct
+//@ use step/aov_direct
+//@ end
 //@ use scene/lights
 //@ if emitting_sky
 //@ use scene/background
@@ -151,6 +154,10 @@ fn add_light_of_shadow(path: ptr<function, Path>, limit: Hit, hit: Hit) -> u32 {
         }
         return steps;
     }
+    //@ end
+    //@ if aov_direct
+    // `depth` counts the event that sent the ray, unless the path ended there.
+    note_direct(path, brought, select((*path).depth + 1u, (*path).depth, status == RAY_READY));
     //@ end
     (*path).status = status;
     (*path).radiance += limited_light(brought);

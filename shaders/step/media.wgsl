@@ -15,6 +15,9 @@
 //@ use medium/phase_pdf
 //@ use step/light
 //@ end
+//@ if aov_surface
+//@ use step/aov_surface
+//@ end
 // Lets media scatter the path before it reaches its hit.
 
 const MEDIA: u32 = ${media}u;
@@ -57,6 +60,9 @@ fn cross_media(path: ptr<function, Path>) -> u32 {
     let medium = media[at_run_time(scatterer)];
     let point = ray.origin + nearest * ray.direction;
     let throughput = (*path).throughput * medium_albedo(medium, point);
+    //@ if aov_surface
+    note_surface(path, false, throughput, vec3<f32>(0.0));
+    //@ end
     if depth < settings.max_depth && any(throughput != vec3<f32>(0.0)) {
         let u = random4((*path).pixel, (*path).sample, bounce_dimension(depth, DIMENSION_SCATTER), settings.seed);
         let direction = sample_phase(ray.direction, medium.anisotropy, medium.one_minus_anisotropy, u.xy);

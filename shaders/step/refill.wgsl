@@ -15,6 +15,9 @@
 //@ if sky_by_chance
 //@ use step/through_glass
 //@ end
+//@ if aov_direct
+//@ use step/aov_direct
+//@ end
 //@ relies on bits
 // Whether the path has left the scene, ended on a surface, or cannot go on.
 fn has_ended(status: u32) -> bool {
@@ -48,6 +51,9 @@ fn refill_path(path: ptr<function, Path>) {
         count_too_deep(radiance);
         radiance = vec3<f32>(0.0);
     }
+    //@ if aov_direct
+    note_direct(path, radiance, (*path).depth);
+    //@ end
     radiance = limited_indirect(radiance, (*path).depth);
     //@ if light
     radiance += (*path).radiance;
@@ -63,6 +69,9 @@ fn refill_path(path: ptr<function, Path>) {
     } else if is_infinite(radiance.x) || is_infinite(radiance.y) || is_infinite(radiance.z) {
         (*path).counts += 0x10000u;
     } else {
+        //@ if aov_direct
+        add_direct(path);
+        //@ end
         (*path).spread += spread_by((*path).counts & 0xffu, (*path).sum.sum, radiance);
         (*path).counts += 1u;
         (*path).sum = compensated_sum((*path).sum, radiance, settings.zero);

@@ -23,6 +23,10 @@
 //@ use step/light
 //@ use step/through_glass
 //@ end
+//@ if aov_surface
+//@ use scene/responses
+//@ use step/aov_surface
+//@ end
 // The material at the path's hit scatters the path or ends it.
 fn scatter_path(path: ptr<function, Path>) {
     let ray = (*path).ray;
@@ -39,6 +43,11 @@ fn scatter_path(path: ptr<function, Path>) {
     let depth = (*path).depth;
     let u = random4((*path).pixel, (*path).sample, bounce_dimension(depth, DIMENSION_SCATTER), settings.seed);
     let scattered = scatter_by_material(material, arriving, u);
+    //@ if aov_surface
+    let passes = scattered.event == SCATTERED && !is_non_specular(material);
+    let share = select(scattered.weight, vec3<f32>(1.0), scattered.event == EMITTED);
+    note_surface(path, passes, (*path).throughput * share, shading);
+    //@ end
     //@ if light
     var pdf = 0.0;
     var samples_lights = false;

@@ -30,6 +30,12 @@ fn start_sample(path: ptr<function, Path>) {
     (*path).status = RAY_READY;
     (*path).throughput = vec3<f32>(1.0);
     (*path).depth = 0u;
+    //@ if aov_direct
+    (*path).direct = vec3<f32>(0.0);
+    //@ end
+    //@ if aov_rough
+    (*path).seen = 0u;
+    //@ end
     //@ if light
     (*path).radiance = vec3<f32>(0.0);
     (*path).pdf = 0.0;

@@ -13,7 +13,7 @@ use crate::metrics::error::{mse, psnr, relmse, relmse_trimmed};
 use crate::metrics::estimate::{CONFIDENCE, Estimate};
 use crate::metrics::flip::error_map;
 use crate::metrics::verdict::verdict;
-use crate::output::exr::{ExrImage, read_exr, read_state};
+use crate::output::exr::{ExrImage, read_exr, read_layer, read_state};
 use crate::output::png::write_heatmap;
 
 /// Reads both images, prints their differences, and fails if an error is above its limit.
@@ -25,7 +25,11 @@ pub fn run(args: &CompareArgs) -> Result<()> {
         let beside = Beside { inputs: &images, stdout: Some("the report"), undone: "nothing has been compared" };
         check_outputs(&[heatmap], &beside)?;
     }
-    let (mut a, mut b) = (read_exr(&args.image)?, read_exr(&args.reference)?);
+    let read = |path| match &args.layer {
+        Some(layer) => read_layer(path, layer),
+        None => read_exr(path),
+    };
+    let (mut a, mut b) = (read(&args.image)?, read(&args.reference)?);
     let identity = |path| read_state(path).ok().flatten().map(|state| state.identity);
     if let Some((a, b)) = identity(&args.image).zip(identity(&args.reference))
         && !a.is_of_scene(&b)

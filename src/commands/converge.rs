@@ -74,7 +74,7 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
     }
     let plan = Plan::new(&flat, &args.options, device.class(), &job)?;
     let mut renderer = Renderer::new(&device, &plan, &job, false)?;
-    let mut film = Film::with_sampler(size.0, size.1, flat.radiance_exponent, args.options.sampler)?;
+    let mut film = Film::for_render(&flat, size, &args.options)?;
 
     let signals = Signals::listen("no table and no plot are written");
     let mut steps: Vec<Measurement> = Vec::new();

@@ -3,40 +3,36 @@
 use super::{Film, Pixel};
 use crate::data::CHANNELS;
 
-/// Words of a pixel: nine sums of 128 bits, and four counts of 32 bits.
-pub const WORDS: usize = 9 * 8 + 4 * 2;
+/// Words of a sum of 128 bits.
+const OF_SUM: usize = 8;
+/// Words of a pixel without further channels: nine sums, and four counts of 32 bits.
+const OF_PIXEL: usize = 9 * OF_SUM + 4 * 2;
 
-/// A pixel's totals, the lowest word of each first.
-pub type Words = [u16; WORDS];
+fn put_sums<'a>(values: impl Iterator<Item = &'a i128>, words: &mut [u16]) {
+    for (words, value) in words.as_chunks_mut::<OF_SUM>().0.iter_mut().zip(values) {
+        *words = std::array::from_fn(|word| (value >> (16 * word)) as u16);
+    }
+}
 
-/// The names of the words: `sum.R.0` is the lowest of the sum of red.
-pub fn word_names() -> Vec<String> {
-    let sums = ["sum", "odd_sum", "squares"].into_iter();
-    let sums = sums.flat_map(|name| CHANNELS.map(|channel| (format!("{name}.{channel}"), 8)));
-    let counts = ["even", "odd", "runs", "rejected"].map(|name| (name.to_string(), 2));
-    sums.chain(counts).flat_map(|(name, words)| (0..words).map(move |word| format!("{name}.{word}"))).collect()
+fn sums_of(words: &[u16]) -> impl Iterator<Item = i128> {
+    let sum = |words: &[u16; OF_SUM]| words.iter().rev().fold(0, |value, word| value << 16 | i128::from(*word));
+    words.as_chunks::<OF_SUM>().0.iter().map(sum)
 }
 
 impl Pixel {
-    fn words(&self) -> Words {
-        let mut words = [0; WORDS];
-        let (sums, counts) = words.split_at_mut(9 * 8);
-        let values = self.sum.iter().chain(&self.odd_sum).chain(&self.spread);
-        for (words, value) in sums.as_chunks_mut::<8>().0.iter_mut().zip(values) {
-            *words = std::array::from_fn(|word| (value >> (16 * word)) as u16);
-        }
+    fn put(&self, words: &mut [u16]) {
+        let (sums, counts) = words.split_at_mut(9 * OF_SUM);
+        put_sums(self.sum.iter().chain(&self.odd_sum).chain(&self.spread), sums);
         let values = [self.even, self.odd, self.runs, self.rejected];
         for (words, value) in counts.as_chunks_mut::<2>().0.iter_mut().zip(values) {
             *words = [value as u16, (value >> 16) as u16];
         }
-        words
     }
 
-    fn of_words(words: &Words) -> Pixel {
-        let (sums, counts) = words.split_at(9 * 8);
-        let sums = sums.as_chunks::<8>().0;
-        let sum = |index: usize| sums[index].iter().rev().fold(0, |value, word| value << 16 | i128::from(*word));
-        let rgb = |first: usize| [sum(first), sum(first + 1), sum(first + 2)];
+    fn of_words(words: &[u16]) -> Pixel {
+        let (sums, counts) = words.split_at(9 * OF_SUM);
+        let sums: Vec<i128> = sums_of(sums).collect();
+        let rgb = |first: usize| [sums[first], sums[first + 1], sums[first + 2]];
         let count = |index: usize| u32::from(counts[2 * index]) | u32::from(counts[2 * index + 1]) << 16;
         Pixel {
             sum: rgb(0),
@@ -51,15 +47,38 @@ impl Pixel {
 }
 
 impl Film {
-    /// The exact totals of a pixel; zeros where it is not in the image.
-    pub fn words(&self, index: usize) -> Words {
-        self.pixels.get(index).copied().unwrap_or_default().words()
+    /// The names of a pixel's words, in their order: `sum.R.0` is the lowest of the sum of red.
+    pub fn word_names(&self) -> Vec<String> {
+        let sums = ["sum", "odd_sum", "squares"].into_iter();
+        let sums = sums.flat_map(|name| CHANNELS.map(|channel| (format!("{name}.{channel}"), OF_SUM)));
+        let counts = ["even", "odd", "runs", "rejected"].map(|name| (name.to_string(), 2));
+        let channels = self.channels.aovs.sum_names().map(|name| (name, OF_SUM));
+        let named = sums.chain(counts).chain(channels);
+        named.flat_map(|(name, words)| (0..words).map(move |word| format!("{name}.{word}"))).collect()
+    }
+
+    /// Writes the exact totals of a pixel, the lowest word of each first; zeros where it is not in the image. There is a word for each name.
+    pub fn put_words(&self, index: usize, words: &mut [u16]) {
+        let (of_pixel, of_channels) = words.split_at_mut(OF_PIXEL);
+        self.pixels.get(index).copied().unwrap_or_default().put(of_pixel);
+        put_sums(self.channels.of(index).iter(), of_channels);
+    }
+
+    /// The same as a list.
+    pub fn words(&self, index: usize) -> Vec<u16> {
+        let mut words = vec![0; OF_PIXEL + OF_SUM * self.channels.aovs.count()];
+        self.put_words(index, &mut words);
+        words
     }
 
     /// Adds the exact totals that a pixel of another film of this image has.
-    pub fn add_words(&mut self, index: usize, words: &Words) {
+    pub fn add_words(&mut self, index: usize, words: &[u16]) {
+        let (of_pixel, of_channels) = words.split_at(OF_PIXEL);
         if let Some(pixel) = self.pixels.get_mut(index) {
-            pixel.add(&Pixel::of_words(words));
+            pixel.add(&Pixel::of_words(of_pixel));
+        }
+        if let Some(sums) = self.channels.of_mut(index) {
+            sums.iter_mut().zip(sums_of(of_channels)).for_each(|(mine, sum)| *mine = mine.saturating_add(sum));
         }
     }
 
@@ -90,14 +109,19 @@ mod tests {
             runs: next() as u32,
             rejected: next() as u32,
         };
-        assert_eq!(Pixel::of_words(&pixel.words()), pixel);
-        assert_ne!(Pixel::of_words(&pixel.words()), Pixel::default());
-        let names = word_names();
-        assert_eq!((names.len(), names[8].as_str(), names[79].as_str()), (WORDS, "sum.G.0", "rejected.1"));
+        let words = |pixel: &Pixel| {
+            let mut words = [0; OF_PIXEL];
+            pixel.put(&mut words);
+            words
+        };
+        assert_eq!(Pixel::of_words(&words(&pixel)), pixel);
+        assert_ne!(Pixel::of_words(&words(&pixel)), Pixel::default());
+        let names = Film::new(1, 1, 0).expect("it is small").word_names();
+        assert_eq!((names.len(), names[8].as_str(), names[79].as_str()), (OF_PIXEL, "sum.G.0", "rejected.1"));
         // Each name is that of its word.
         let at = |name: &str| names.iter().position(|other| other == name).expect("it is a name");
         let one = Pixel { odd_sum: [0, 1 << 40, 0], runs: 1 << 20, ..Pixel::default() };
-        let words = one.words();
+        let words = words(&one);
         assert_eq!((words[at("odd_sum.G.2")], words[at("runs.1")]), (1 << 8, 1 << 4));
         assert_eq!(words.iter().filter(|word| **word != 0).count(), 2);
     }

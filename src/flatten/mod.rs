@@ -18,6 +18,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use crate::aov::SceneSpace;
 use crate::bvh::{self, Bounds};
 use crate::data::{self, MAX_PRIMITIVES, NO_TEXTURE, f32s};
 use crate::error::Result;
@@ -57,6 +58,8 @@ pub struct DeviceScene {
     /// The distribution of directions by the background's image.
     pub sky: Vec<data::SkyCell>,
     pub materials: Vec<data::Material>,
+    /// Their names in the scene file.
+    pub material_names: Vec<String>,
     pub textures: Vec<data::Texture>,
     pub frames: Vec<data::Frame>,
     /// Of each image, one after the other. They are the scene's own: a copy may take 2 GiB.
@@ -65,6 +68,8 @@ pub struct DeviceScene {
     pub primitives: u32,
     /// The scene's radiance is the device's radiance times 2 to this power.
     pub radiance_exponent: i32,
+    /// Render space in the scene.
+    pub space: SceneSpace,
     /// Warnings about the placed scene, each with a location in the file, the number and a remedy.
     pub warnings: Vec<String>,
 }
@@ -131,7 +136,8 @@ pub fn flatten(scene: &Scene, size: (u32, u32), options: &RenderOptions) -> Resu
     let radiance_exponent = binary_exponent(if brightest > 0.0 { brightest } else { 1.0 });
     let radiance_scale = exp2(-radiance_exponent);
 
-    let mut flat = DeviceScene { features, radiance_exponent, ..DeviceScene::default() };
+    let to_scene = SceneSpace::new(scene.camera.look_from, view.to_space.rotation.transpose(), length_exponent);
+    let mut flat = DeviceScene { features, radiance_exponent, space: to_scene, ..DeviceScene::default() };
     if brightest == 0.0 {
         let at = scene.location(&[Step::Field("background")]);
         flat.warnings.push(format!(
@@ -365,7 +371,7 @@ impl Builder<'_> {
     /// Adds the materials that objects use.
     fn add_materials(&mut self, used: &[bool], radiance_scale: f64) {
         let scene = self.scene;
-        for (number, (_, material)) in scene.materials.iter().enumerate().filter(|(number, _)| used[*number]) {
+        for (number, (name, material)) in scene.materials.iter().enumerate().filter(|(number, _)| used[*number]) {
             let model = material.model();
             let mut flat = data::Material { kind: material.number() as u32, texture: NO_TEXTURE, ..model.on_device };
             if let Some(slot) = model.slot {
@@ -378,6 +384,7 @@ impl Builder<'_> {
             }
             self.materials[number] = self.flat.materials.len() as u32;
             self.flat.materials.push(flat);
+            self.flat.material_names.push(name.clone());
         }
     }
 

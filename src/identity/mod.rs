@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use crate::aov::Aovs;
 use crate::job::{Frame, Job};
 use crate::options::RenderOptions;
 use crate::scene::Scene;
@@ -54,6 +55,11 @@ impl Identity {
         let (width, height) = self.settings.get("size")?.split_once('x')?;
         let frame = Frame { part: crop.parse().ok()?, whole: (width.parse().ok()?, height.parse().ok()?) };
         (frame.part.is_in(frame.whole) && frame.part.size() == size).then_some(frame)
+    }
+
+    /// The channels that there are beside the radiance.
+    pub fn aovs(&self) -> Aovs {
+        RenderOptions::of_settings(&self.settings).aov
     }
 
     /// Whether both are of one scene, with the same images and meshes.

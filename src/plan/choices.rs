@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 
 use super::state::{path_fields, places};
 use super::{Bounces, QUEUES, UniformTables};
-use crate::data::{KIND_INSTANCE, KIND_TRIANGLE, RUN_LENGTH};
+use crate::aov::{SeenSurface, Sum};
+use crate::data::{FILM_SUMS, KIND_INSTANCE, KIND_TRIANGLE, RUN_LENGTH};
 use crate::flatten::{BACKGROUNDS, BOUNDARIES, EVERY_FEATURE, Features, PRIMITIVES, TEXTURES};
 use crate::gpu::link::{Choices, Chosen, Entry, Reason};
 use crate::material::Material;
@@ -81,6 +82,23 @@ named! {
         met_light,
         /// and may be left to chance.
         met_by_chance,
+        /// The film has the albedo of the surface that is seen, and its normal; one of them.
+        aov_albedo,
+        aov_normal,
+        aov_surface,
+        /// Mirrors and clear glass are passed on the way to it, or not.
+        aov_rough,
+        aov_first,
+        /// The film has something of the first surface that camera rays hit: its depth, its position, or which it is; one of them.
+        aov_depth,
+        aov_position,
+        aov_object,
+        aov_material,
+        aov_hit,
+        /// The first two are means over the rays that hit it.
+        aov_hits,
+        /// The film has the direct radiance.
+        aov_direct,
     }
 }
 
@@ -144,6 +162,16 @@ named! {
         queues,
         /// The queue that the kernel serves.
         queue,
+        /// The sums of a pixel of the film, and the places of those beside the radiance's.
+        film_sums,
+        sum_of_albedo,
+        sum_of_normal,
+        sum_of_hits,
+        sum_of_depth,
+        sum_of_position,
+        sum_of_object,
+        sum_of_material,
+        sum_of_direct,
     }
 }
 
@@ -284,10 +312,32 @@ pub(super) fn decide(
     let specular = served_in(&features.specular).first().and_then(|kind| light.clone().and(Some(kind.why.clone())));
     let shines = served.iter().any(|kind| Material::KINDS.get(kind.number as usize).is_some_and(|kind| kind.emits));
 
+    let event = surface.clone().or(medium.clone());
+    let asked_aov = options::AOV.asked(options);
+    let aov = |sums: &[Sum], there: &Option<Reason>| {
+        let needed = there.is_some() && sums.iter().any(|sum| options.aov.needs(*sum));
+        if_so(needed, option(&asked_aov))
+    };
+    let aov_surface = aov(&[Sum::Albedo, Sum::Normal], &event);
+    let passes = options.aov.surface == SeenSurface::Rough;
+    let place = |sum| (FILM_SUMS + options.aov.place(sum).unwrap_or(0)) as u32;
+
     let queue_why = if_so(queues, option(QUEUES));
     let conditions = Conditions {
         staged_light: light.clone().filter(|_| !fused),
-        event: surface.clone().or(medium.clone()),
+        aov_albedo: aov(&[Sum::Albedo], &event),
+        aov_normal: aov(&[Sum::Normal], &event),
+        aov_rough: aov_surface.clone().filter(|_| passes),
+        aov_first: aov_surface.clone().filter(|_| !passes),
+        aov_surface,
+        aov_depth: aov(&[Sum::Depth], &surface),
+        aov_position: aov(&[Sum::Position], &surface),
+        aov_object: aov(&[Sum::Object], &surface),
+        aov_material: aov(&[Sum::Material], &surface),
+        aov_hit: aov(&[Sum::Hits, Sum::Object, Sum::Material], &surface),
+        aov_hits: aov(&[Sum::Hits], &surface),
+        aov_direct: aov(&[Sum::Direct], &Some(Reason::EveryRender)),
+        event,
         queue_of_hits: queue_why.clone().filter(|_| medium.is_none()),
         queue: queue_why,
         lens: asked(&features.thin_lens),
@@ -373,6 +423,15 @@ pub(super) fn decide(
             // Mesa 22.3 allows an invocation 65,535 iterations: for one walk, or for two, the other being a shadow ray's.
             most_steps: if features.shadow_rays { 19_000 } else { 48_000 },
             run_length: RUN_LENGTH,
+            film_sums: (FILM_SUMS + options.aov.count()) as u32,
+            sum_of_albedo: place(Sum::Albedo),
+            sum_of_normal: place(Sum::Normal),
+            sum_of_hits: place(Sum::Hits),
+            sum_of_depth: place(Sum::Depth),
+            sum_of_position: place(Sum::Position),
+            sum_of_object: place(Sum::Object),
+            sum_of_material: place(Sum::Material),
+            sum_of_direct: place(Sum::Direct),
             queues: materials.len() as u32,
             queue,
         },

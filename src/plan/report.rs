@@ -361,6 +361,8 @@ fn about_constant(name: &str) -> String {
         "run_length" => "samples of a run at most",
         "queues" => "queues that slots are sorted into",
         "queue" => "the queue that the kernel serves",
+        "film_sums" => "sums that the film has of a pixel",
+        _ if name.starts_with("sum_of_") => "its place among them",
         _ => "",
     };
     what.to_string()

@@ -38,7 +38,7 @@ impl PathField {
 }
 
 /// The most bytes that they are, of any scene.
-pub const MOST_PATH_BYTES: u64 = 164;
+pub const MOST_PATH_BYTES: u64 = 180;
 
 /// The fields that kernels hand to each other. The fused kernel keeps to itself what lies between a ray and its scattering.
 pub fn path_fields(conditions: &Conditions, fused: bool) -> Vec<PathField> {
@@ -69,6 +69,7 @@ pub fn path_fields(conditions: &Conditions, fused: bool) -> Vec<PathField> {
         vector(&always, "SPREAD", "squared deviations of the run's samples from their mean"),
         vector(&lights, "RADIANCE", "radiance of the sample so far, by lights that were sampled"),
         behind(&lights, "RADIANCE", "pdf", "density of the last scattering's direction"),
+        vector(&words(&conditions.aov_direct), "DIRECT", "direct radiance of the sample so far"),
         vector(&staged_lights, "SHADOW_ORIGIN", "where the ray to a light starts"),
         behind(&staged_lights, "SHADOW_ORIGIN", "light", "the light"),
         vector(&staged_lights, "SHADOW_DIRECTION", "the direction of that ray"),
@@ -77,6 +78,7 @@ pub fn path_fields(conditions: &Conditions, fused: bool) -> Vec<PathField> {
         word(&always, "counts", "samples of the run, accepted and rejected"),
         word(&always, "pixel", "the pixel"),
         word(&always, "sample", "the sample of the pixel"),
+        word(&words(&conditions.aov_rough), "seen", "whether the albedo and the normal of the sample are known"),
         word(&staged_meshes, "instance", "the mesh that the ray has met a part of"),
         word(&staged_mesh_lights, "light_instance", "the mesh that the light is part of"),
     ];

@@ -8,6 +8,7 @@ use cpu_time::ThreadTime;
 
 use super::stretch::{Shared, Stretch};
 use super::{Lane, Outcome, Watch};
+use crate::aov::Aovs;
 use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::gpu::device::Device;
@@ -109,12 +110,15 @@ impl<'a> Renderer<'a> {
 impl Lane<'_> {
     /// Refuses a film that does not fit: on one of another scale the image would be too dark or too bright.
     fn check_film(&self, job: &Job, film: &Film) -> Result<()> {
-        let (needed, found) = ((job.size, self.exponent), ((film.width(), film.height()), film.exponent()));
+        let needed = (job.size, self.exponent, &self.aovs);
+        let found = ((film.width(), film.height()), film.exponent(), film.aovs());
         if found == needed {
             return Ok(());
         }
-        let words =
-            |((width, height), scale): ((u32, u32), i32)| format!("{width} x {height} pixels of the scale 2^{scale}");
+        let words = |((width, height), scale, aovs): ((u32, u32), i32, &Aovs)| {
+            let aovs = aovs.words().map_or(String::new(), |aovs| format!(" with {aovs}"));
+            format!("{width} x {height} pixels of the scale 2^{scale}{aovs}")
+        };
         Err(Error::Usage(format!("the render needs a film of {}, found {}", words(needed), words(found))))
     }
 }

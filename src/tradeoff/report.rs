@@ -89,7 +89,7 @@ const COLUMNS: &str = "setting,knob,value,class,gives_up,measured,rounds,seconds
 /// The name of a class in the tables.
 pub fn class_name(class: Class) -> &'static str {
     match class {
-        Class::Exact => "exact",
+        Class::Exact | Class::Channels => "exact",
         Class::Noise => "noise",
         Class::Detail => "detail",
         Class::Look => "look",

@@ -192,7 +192,7 @@ impl<'a> Sweep<'a> {
             return Ok(None);
         }
         let renderer = Renderer::new(self.device, &plan, &job, false)?;
-        let film = Film::with_sampler(size.0, size.1, flat.radiance_exponent, setting.options.sampler)?;
+        let film = Film::for_render(&flat, size, &setting.options)?;
         let subject = Subject {
             setting: setting.clone(),
             renderer,

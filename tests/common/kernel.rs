@@ -82,7 +82,7 @@ const USUAL: [(&str, &str); 4] = [
 ];
 
 /// The conditions that do not hold where nothing else is asked, and those of the settings' members, which are all there.
-const NONE: [&str; 9] = [
+const NONE: [&str; 21] = [
     "mesh",
     "light",
     "emitting_mesh",
@@ -92,6 +92,18 @@ const NONE: [&str; 9] = [
     "medium",
     "several_backgrounds",
     "signed",
+    "aov_albedo",
+    "aov_normal",
+    "aov_surface",
+    "aov_rough",
+    "aov_first",
+    "aov_depth",
+    "aov_position",
+    "aov_object",
+    "aov_material",
+    "aov_hit",
+    "aov_hits",
+    "aov_direct",
 ];
 const SETTINGS: [&str; 6] = ["lens", "gradient_background", "image_background", "camera_axes", "clamp", "brute_force"];
 

@@ -216,8 +216,7 @@ pub fn render_with(
     let mut renderer = Renderer::new(device, &plan, &first, false).expect("the kernels compile and the buffers fit");
     for (seed, samples) in wanted {
         let job = job(seed, &samples);
-        let mut film =
-            Film::with_sampler(size.0, size.1, flat.radiance_exponent, ask.options.sampler).expect("the film fits");
+        let mut film = Film::for_render(&flat, size, &ask.options).expect("the film fits");
         let mut watch = Watchdog::new(job.max_depth);
         let outcome = renderer.run(&job, &mut film, &mut |outcome, _| watch.look(outcome)).expect("the device renders");
         take(Shot { picture: film.develop(), film, outcome, sampler: ask.options.sampler });

@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod aov;
 mod closed_form;
 mod devices;
 mod estimators;

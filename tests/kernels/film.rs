@@ -22,7 +22,8 @@ fn on_device(replaced: &[(&str, &str)], records: &[Run]) -> Film {
 fn linked_with(replaced: &[(&str, &str)], signed: Option<Reason>, records: &[Run]) -> Film {
     let run_length = gpu_rt::data::RUN_LENGTH.to_string();
     let plan = Choices { conditions: BTreeMap::from([("signed", signed)]), ..Choices::default() };
-    let setup = Setup { replaced, values: &[("run_length", &run_length)], plan, ..Setup::default() };
+    let setup =
+        Setup { replaced, values: &[("run_length", &run_length), ("film_sums", "9")], plan, ..Setup::default() };
     let kernel = Kernel::with("test/film", &setup);
     let buffers = [
         BufferSpec::working("film", u64::from(PIXELS) * size_of::<PixelTotals>() as u64, "the test"),

@@ -267,7 +267,8 @@ fn every_constant_of_the_host_is_that_of_the_shaders() {
     assert!(data::PRIMITIVE_BIT | (kinds << data::PRIMITIVE_KIND_SHIFT) <= first);
     assert!([data::HIT_NOTHING, data::SLOT_IDLE].iter().all(|status| *status >= first));
 
-    let mut listed: Vec<&str> = same.keys().copied().chain(["MAX_PRIMITIVES", "FIELDS", "CHANNELS"]).collect();
+    let mut listed: Vec<&str> =
+        same.keys().copied().chain(["MAX_PRIMITIVES", "FIELDS", "CHANNELS", "FILM_SUMS"]).collect();
     listed.sort_unstable();
     let mut names = declared("pub const ");
     names.sort_unstable();

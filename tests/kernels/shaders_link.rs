@@ -3,6 +3,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use gpu_rt::aov::{Aovs, SeenSurface};
 use gpu_rt::data::{KIND_TRIANGLE, Sampler};
 use gpu_rt::flatten::{BACKGROUNDS, BOUNDARIES, Features, MATERIALS, PRIMITIVES, TEXTURES, Unsampled};
 use gpu_rt::gpu::layout::BindingKind;
@@ -213,6 +214,20 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
         let beside = [features(0, 0, 0, SOLID, true), everything()];
         found.extend(beside.map(|features| (features, RenderOptions { filter, ..RenderOptions::default() })));
     }
+    // Every channel beside the radiance, by itself and with the others, beside nothing, media, a sphere and everything.
+    let names = ["albedo", "normal", "depth", "position", "object", "material", "direct", "indirect"];
+    let every = names.join(",");
+    for list in names.into_iter().chain([every.as_str()]) {
+        for (surface, filter) in [(SeenSurface::Rough, Filter::Box), (SeenSurface::First, Filter::Mitchell)] {
+            let mut options = RenderOptions { filter, ..RenderOptions::default() };
+            options.aov.set(Aovs::parse(list).expect("they are names"));
+            options.aov.surface = surface;
+            let nothing = features(0, 0, 0, SOLID, false);
+            let fog = with_media(nothing.clone(), 1, false);
+            let beside = [nothing, fog, features(1, materials, 0, SOLID, true), everything()];
+            found.extend(beside.map(|features| (features, options.clone())));
+        }
+    }
     // `--features all`.
     let all_backgrounds = Features { backgrounds: on(all(BACKGROUNDS)), ..turned(everything()) };
     found.push((all_backgrounds, RenderOptions { features: FeatureSet::All, ..RenderOptions::default() }));
@@ -268,7 +283,7 @@ fn every_combination_of_features_links_and_validates() {
                 for (module, wanted) in [
                     ("bind/lights", answered && features.lights > 0),
                     ("scene/light_alias", own.is_none_or(|kind| spreads(kind) || kind.emits)),
-                    ("scene/responses", answered && own.is_none_or(spreads)),
+                    ("scene/responses", answered && own.is_none_or(spreads) || !options.aov.is_empty()),
                 ] {
                     let linked = kernel.linked.modules.iter().any(|linked| linked == module);
                     assert!(wanted || !linked, "{}: {module} is linked: {features:?}", kernel.name);

@@ -156,7 +156,7 @@ fn render(args: &RenderArgs, scene: &Scene, session: &mut Session, start: Instan
 
     let mut film = match &earlier {
         Some(state) => Accumulation::of_file(&output.image, state)?,
-        None => Accumulation::new(frame, flat.radiance_exponent, args.options.sampler)?,
+        None => Accumulation::new(frame, &flat, &args.options)?,
     };
     film.note_devices(names_of(devices), &output.image, args.mixed_drivers)?;
     let resumed_from = earlier.as_ref().map(|state| state.samples.count());
@@ -285,7 +285,8 @@ impl Task<'_> {
         let Task { args, camera, job, biases, warnings, resumed_from, .. } = self;
         let first = devices.first().ok_or_else(|| Error::Device("no device is open".to_string()))?;
         let (numerics, resumed_from) = (numerics(first)?, *resumed_from);
-        Ok(About { args, camera, identity: self.identity, devices, numerics, job, biases, warnings, resumed_from })
+        let (identity, materials) = (&**self.identity, self.flat.material_names.as_slice());
+        Ok(About { args, camera, identity, devices, numerics, job, biases, warnings, resumed_from, materials })
     }
 
     /// Renders what the film lacks.
@@ -432,7 +433,7 @@ impl Task<'_> {
         let kept = self.in_file(rendering).map(|exr| Ok((exr, read_state(exr)?))).transpose()?;
         match kept {
             Some((exr, Some(state))) => Accumulation::of_file(exr, &state),
-            _ => Accumulation::new(self.frame, self.flat.radiance_exponent, self.args.options.sampler),
+            _ => Accumulation::new(self.frame, self.flat, &self.args.options),
         }
     }
 
@@ -530,6 +531,9 @@ fn output_of<'a>(args: &'a RenderArgs, scene: &Scene) -> Result<Output<'a>> {
             let (name, exr) = (image.display(), exr.display());
             Err(Error::Usage(format!("{name}: {why}: give -o {exr} --png {name}; nothing has been rendered")))
         };
+        if !args.options.aov.is_empty() {
+            return refuse("a PNG has no room for the channels of --aov");
+        }
         if args.resume.is_some() {
             return refuse("a PNG cannot be resumed, and --resume goes on from an EXR");
         }

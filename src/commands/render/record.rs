@@ -5,6 +5,7 @@ use serde_json::{Map, Value, json};
 
 use super::summary::overrun;
 use super::{Output, Rendering, Seconds};
+use crate::aov::Aov;
 use crate::cli::RenderArgs;
 use crate::commands::{command_line, path_text};
 use crate::film::{ErrorEstimate, Film, ThroughGlass, TooDeep, Totals};
@@ -164,6 +165,8 @@ pub struct About<'a> {
     pub warnings: &'a [String],
     /// Samples of a pixel that an earlier render has left.
     pub resumed_from: Option<u64>,
+    /// The names of the scene's materials, in the order of their numbers.
+    pub materials: &'a [String],
 }
 
 /// What the stated error is not about, in words.
@@ -193,6 +196,8 @@ impl About<'_> {
             sampler: self.args.options.sampler.to_string(),
             seed: self.job.seed,
             max_depth: self.job.max_depth,
+            aov: self.args.options.aov.words(),
+            materials: if self.args.options.aov.has(Aov::Material) { self.materials } else { &[] },
             biases: self.biases,
             warnings: self.warnings,
             seconds: *seconds,
@@ -219,6 +224,10 @@ pub struct Record<'a> {
     sampler: String,
     seed: u32,
     max_depth: u32,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    aov: Option<String>,
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    materials: &'a [String],
     biases: &'a [String],
     warnings: &'a [String],
     seconds: Seconds,

@@ -5,12 +5,14 @@ use std::path::Path;
 
 use crate::cli::{RenderArgs, Resume};
 use crate::commands::tell;
-use crate::data::{RUN_LENGTH, Sampler};
+use crate::data::RUN_LENGTH;
 use crate::error::{Error, Result};
 use crate::film::Film;
+use crate::flatten::DeviceScene;
 use crate::gpu::device::AdapterName;
 use crate::identity::Identity;
 use crate::job::{Frame, Goal, Job};
+use crate::options::RenderOptions;
 use crate::output::exr::{State, add_film, read_state};
 use crate::render::{FIRST_LOOK, Noise, level_after};
 use crate::samples::Samples;
@@ -103,8 +105,8 @@ pub fn more_there(exr: &Path, identity: &dyn Deref<Target = Identity>, than: u64
 }
 
 impl Accumulation {
-    pub fn new(frame: Frame, exponent: i32, sampler: Sampler) -> Result<Accumulation> {
-        let film = Film::with_sampler(frame.part.width, frame.part.height, exponent, sampler)?.of_part(frame);
+    pub fn new(frame: Frame, flat: &DeviceScene, options: &RenderOptions) -> Result<Accumulation> {
+        let film = Film::for_render(flat, frame.part.size(), options)?.of_part(frame);
         Ok(Accumulation { film, samples: Samples::default(), looks: 0, devices: Vec::new() })
     }
 
@@ -203,7 +205,8 @@ mod tests {
         let note = |film: &mut Accumulation, names: &[&AdapterName], mixed| {
             film.note_devices(names.iter().copied(), Path::new("a.exr"), mixed).map_err(|error| error.to_string())
         };
-        let empty = || Accumulation::new(Frame::whole((1, 1)), 0, Sampler::Sobol).unwrap();
+        let empty =
+            || Accumulation::new(Frame::whole((1, 1)), &DeviceScene::default(), &RenderOptions::default()).unwrap();
         let mut film = empty();
         assert_eq!(note(&mut film, &[&old, &old], false), Ok(()));
         assert_eq!(film.devices, [("GPU".to_string(), "driver 1".to_string())]);

@@ -10,7 +10,7 @@ use ::exr::meta::attribute::{AttributeValue, Text};
 
 use crate::data::Rgb;
 
-pub use read::{ExrImage, read_attributes, read_exr};
+pub use read::{ExrImage, read_attributes, read_exr, read_layer};
 pub use state::{State, StateFile, add_film, read_state};
 pub use write::{write_exr, write_render};
 

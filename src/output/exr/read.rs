@@ -97,12 +97,23 @@ pub(super) fn attributes_of(opened: &Opened) -> Vec<(String, Attribute)> {
 /// Reads red, green and blue, in half or float, from the part or layer whose name says that it is the picture. A file without them may
 /// have a luminance, Y, which is grey. The size is that of the data window.
 pub fn read_exr(path: &Path) -> Result<ExrImage> {
-    read_picture(path).map_err(|reason| Error::File { path: path.to_owned(), action: "read", reason })
+    read_place(path, find_rgb).map_err(|reason| Error::File { path: path.to_owned(), action: "read", reason })
 }
 
-fn read_picture(path: &Path) -> std::result::Result<ExrImage, String> {
+/// Reads the layer of this name, as [`read_exr`] does: three channels, or one, which is grey. It has no variance. Several parts or layers may
+/// precede the name.
+pub fn read_layer(path: &Path, layer: &str) -> Result<ExrImage> {
+    let read = read_place(path, |parts| find_layer(parts, layer));
+    let image = read.map_err(|reason| Error::File { path: path.to_owned(), action: "read", reason })?;
+    Ok(ExrImage { variance: None, ..image })
+}
+
+fn read_place(
+    path: &Path,
+    find: impl FnOnce(&[Header]) -> std::result::Result<RgbPlace, String>,
+) -> std::result::Result<ExrImage, String> {
     let opened = open(path)?;
-    let place = find_rgb(opened.headers())?;
+    let place = find(opened.headers())?;
     let (part, header) = (place.number, &opened.headers()[place.number]);
     let (width, height) = (header.layer_size.0, header.layer_size.1);
     let number = |name: &str| plain(header, name).map(|(number, _)| number);
@@ -242,6 +253,42 @@ fn find_rgb(parts: &[Header]) -> std::result::Result<RgbPlace, String> {
         ));
     }
     places.into_iter().next().ok_or_else(|| no_rgb(parts))
+}
+
+/// The channels that a layer may have, in their order. One channel alone is grey, and may have no name but the layer's.
+const OF_LAYER: [Rgb<&str>; 4] = [CHANNELS, ["X", "Y", "Z"], ["r", "g", "b"], ["red", "green", "blue"]];
+const ALONE: [&str; 4] = ["Y", "Z", "X", "V"];
+
+/// Finds the layer of this name.
+fn find_layer(parts: &[Header], layer: &str) -> std::result::Result<RgbPlace, String> {
+    let mut found = parts.iter().enumerate().flat_map(|(number, part)| {
+        let names = || part.channels.list.iter().map(|channel| channel.name.to_string());
+        let part_name = part.own_attributes.layer_name.as_ref().map(decoded).unwrap_or_default();
+        // The longest part of a name before its last point that is the layer's, as it stands in this file.
+        let is_layer = |prefix: &str| {
+            prefix == layer || prefix.ends_with(&format!(".{layer}")) || format!("{part_name}.{prefix}") == layer
+        };
+        let prefixes = names().filter_map(|name| name.rsplit_once('.').map(|(prefix, _)| prefix.to_string()));
+        let prefixes: std::collections::BTreeSet<String> = prefixes.filter(|prefix| is_layer(prefix)).collect();
+        let of_prefix = prefixes.into_iter().filter_map(|prefix| {
+            let whole = |name: &str| format!("{prefix}.{name}");
+            let triples = OF_LAYER.map(|names| names.map(whole));
+            let alone = ALONE.map(|name| [whole(name), whole(name), whole(name)]);
+            let has = |channels: &Rgb<String>| channels.iter().all(|name| float(part, name).is_some());
+            triples.into_iter().chain(alone).find(has)
+        });
+        let itself = names().filter(|name| name == layer && float(part, name).is_some());
+        let itself = itself.map(|name| [name.clone(), name.clone(), name]);
+        let place = |channels| RgbPlace { number, channels, layer: layer.to_string(), is_part: false };
+        itself.chain(of_prefix).map(place).collect::<Vec<_>>()
+    });
+    found.next().ok_or_else(|| {
+        let names = parts.iter().flat_map(|part| part.channels.list.iter().map(|channel| channel.name.to_string()));
+        let layers = names.map(|name| name.rsplit_once('.').map_or(name.clone(), |(layer, _)| layer.to_string()));
+        let layers: std::collections::BTreeSet<String> = layers.collect();
+        let layers: Vec<String> = layers.into_iter().collect();
+        format!("it has no layer {layer}; it has {}", layers.join(", "))
+    })
 }
 
 /// All triples of channels with such names in a part, sorted by name.

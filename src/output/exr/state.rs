@@ -10,9 +10,10 @@ use serde::{Deserialize, Serialize};
 
 use super::read::{Opened, attributes_of, open, read_part};
 use super::{Attribute, STATE, decoded};
+use crate::aov::SceneSpace;
 use crate::data::Sampler;
 use crate::error::{Error, Result};
-use crate::film::{Film, Totals, WORDS, Words, word_names};
+use crate::film::{Film, Totals};
 use crate::identity::Identity;
 use crate::job::Frame;
 use crate::samples::Samples;
@@ -31,6 +32,8 @@ pub struct State {
     pub size: (u32, u32),
     pub exponent: i32,
     pub sampler: Sampler,
+    /// The space in which the kernels see the scene, if there are channels beside the radiance.
+    pub space: Option<SceneSpace>,
     pub totals: Totals,
     /// Of all words of all pixels.
     checksum: u32,
@@ -47,6 +50,8 @@ struct Stored {
     looks: u32,
     exponent: i32,
     sampler: Sampler,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    space: Option<SceneSpace>,
     totals: Totals,
     checksum: u32,
 }
@@ -65,6 +70,7 @@ impl State {
             size: (film.width(), film.height()),
             exponent: film.exponent(),
             sampler: film.sampler(),
+            space: film.space(),
             totals: film.totals(),
             checksum: 0,
         }
@@ -73,7 +79,8 @@ impl State {
     /// An empty film for it.
     pub fn film(&self) -> Result<Film> {
         let film = Film::with_sampler(self.size.0, self.size.1, self.exponent, self.sampler)?;
-        Ok(film.of_part(self.identity.frame(self.size).unwrap_or(Frame::whole(self.size))))
+        let film = film.of_part(self.identity.frame(self.size).unwrap_or(Frame::whole(self.size)));
+        film.with_aovs(&self.identity.aovs(), self.space.unwrap_or_default())
     }
 
     /// Why the pixels of another one cannot be added to its own, in words; nothing where they can. `mine` and `theirs` name the two. Drivers
@@ -94,6 +101,7 @@ impl State {
             looks: self.looks,
             exponent: film.exponent(),
             sampler: film.sampler(),
+            space: film.space(),
             totals: film.totals(),
             checksum,
         };
@@ -123,6 +131,7 @@ impl State {
             size,
             exponent: stored.exponent,
             sampler: stored.sampler,
+            space: stored.space,
             totals: stored.totals,
             checksum: stored.checksum,
         })
@@ -207,16 +216,17 @@ fn add_pixels(opened: Opened, part: usize, state: &State, film: &mut Film) -> st
     if (header.layer_size.0, header.layer_size.1) != (width, height) {
         return Err("it has changed while it was read".to_string());
     }
-    let names = word_names();
+    let names = film.word_names();
     let word = |name: String| names.iter().position(|known| *known == name);
     let words: Option<Vec<usize>> = header.channels.list.iter().map(|channel| word(channel.name.to_string())).collect();
     let plain = header.channels.list.iter().all(|channel| channel.sample_type == SampleType::F16);
     let words = words.filter(|_| plain).ok_or("its state is damaged: it has channels of another kind")?;
     let mut checksum = crc32fast::Hasher::new();
     // The channels of a row come one after another.
-    let mut row: Vec<Words> = Vec::new();
-    row.try_reserve_exact(width).map_err(|_| "its rows are longer than the memory".to_string())?;
-    row.resize(width, [0; WORDS]);
+    let mut row: Vec<u16> = Vec::new();
+    let count = width * names.len();
+    row.try_reserve_exact(count).map_err(|_| "its rows are longer than the memory".to_string())?;
+    row.resize(count, 0);
     let mut next = (0, 0);
     let mut in_order = true;
     read_part(opened, part, |channel, (column, line), bytes| {
@@ -225,12 +235,14 @@ fn add_pixels(opened: Opened, part: usize, state: &State, film: &mut Film) -> st
             return;
         }
         let values = bytes.as_chunks().0.iter().map(|word| u16::from_ne_bytes(*word));
-        row.iter_mut().zip(values).for_each(|(pixel, value)| pixel[words[channel]] = value);
+        row.chunks_exact_mut(names.len()).zip(values).for_each(|(pixel, value)| pixel[words[channel]] = value);
         next = (line, channel + 1);
         if next.1 == words.len() {
-            for (pixel, words) in row.iter_mut().enumerate() {
+            for (pixel, words) in row.chunks_exact_mut(names.len()).enumerate() {
                 film.add_words(line * width + pixel, words);
-                checksum.update(bytemuck::cast_slice(&words.map(u16::to_le)));
+                words.iter_mut().for_each(|word| *word = word.to_le());
+                checksum.update(bytemuck::cast_slice(words));
+                words.iter_mut().for_each(|word| *word = u16::from_le(*word));
             }
             next = (line + 1, 0);
         }

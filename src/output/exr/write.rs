@@ -12,15 +12,23 @@ use ::exr::meta::header::{Header, LayerAttributes};
 use ::exr::meta::{BlockDescription, Headers};
 
 use super::{Attribute, REJECTED, SAMPLES, STATE, State, VARIANCES, text, to_io};
+use crate::aov::{Channel, ChannelNames};
 use crate::data::CHANNELS;
 use crate::error::Result;
-use crate::film::{Film, Picture, PicturePixel, Words, word_names};
+use crate::film::{Film, Picture, PicturePixel};
 use crate::job::Frame;
 use crate::output::atomic;
 
 /// The file's `comments`, which explain the layers beside R, G and B.
 const COMMENTS: &str = "R, G, B: linear radiance. variance: of the pixel's mean; 3.4028235e38 where unknown. \
     samples, rejected: camera samples of the pixel that went into the mean, and that were left out as not finite.";
+/// What follows where there are channels of `--aov`.
+const COMMENTS_OF_AOVS: &str = " Z: distance along the camera's axis, mean over the samples that hit a surface; 3.4028235e38 without any. \
+    N, P: in the world's axes. object, material: numbers from 1; 0 is none.";
+/// The name of the part that holds the picture, of a file with several parts. Blender takes the name for that of the pass, or of the view
+/// layer that has passes.
+const PART: &str = "Combined";
+const BLENDER_PART: &str = "ViewLayer";
 /// The `comments` of the part that holds the state.
 const STATE_COMMENTS: &str = "What gpu-rt needs to go on with the render: the exact totals of each pixel. The bits of each half are a word \
     of 16 bits of an integer, the lowest word first; absent words are zero.";
@@ -51,7 +59,9 @@ const REC_709: Chromaticities =
 /// Attribute names must not be empty, longer than 255 bytes, or reserved by the EXR standard.
 pub fn write_exr(path: &Path, picture: &Picture, attributes: &[(String, Attribute)]) -> Result<()> {
     let frame = Frame::whole((picture.width, picture.height));
-    write_parts(path, &frame, &|index| picture.pixel(index), attributes, None, || Ok(()))
+    let pixel = |index| picture.pixel(index);
+    let contents = Contents::new(&pixel, None, false);
+    write_parts(path, &frame, &contents, attributes, None, || Ok(()))
 }
 
 /// Writes what a film holds, as [`write_exr`] does. With a state, a second part holds what it takes to go on with the render. It takes no
@@ -64,13 +74,89 @@ pub fn write_render(
     may: impl FnOnce() -> std::result::Result<(), String>,
 ) -> Result<()> {
     let part = state.map(|state| StatePart::new(film, state));
-    write_parts(path, &film.frame(), &|index| film.developed(index), attributes, part, may)
+    let pixel = |index| film.developed(index);
+    let contents = Contents::new(&pixel, Some(film), part.is_some());
+    write_parts(path, &film.frame(), &contents, attributes, part, may)
+}
+
+/// What a channel of the picture's part holds.
+enum Value {
+    Radiance(usize),
+    Variance(usize),
+    Samples,
+    Rejected,
+    Aov(Channel),
+}
+
+/// The picture's part.
+struct Contents<'a> {
+    part: &'static str,
+    pixel: &'a dyn Fn(usize) -> PicturePixel,
+    /// That has the channels beside the radiance.
+    film: Option<&'a Film>,
+    /// By their names.
+    channels: Vec<(String, Value)>,
+}
+
+impl<'a> Contents<'a> {
+    /// `named` tells that the file names its parts.
+    fn new(pixel: &'a dyn Fn(usize) -> PicturePixel, film: Option<&'a Film>, named: bool) -> Contents<'a> {
+        let aovs = film.map(|film| film.aovs().clone()).unwrap_or_default();
+        let (part, layer) = match aovs.names {
+            ChannelNames::Plain => (PART, String::new()),
+            ChannelNames::Blender if named => (BLENDER_PART, format!("{PART}.")),
+            ChannelNames::Blender => (BLENDER_PART, format!("{BLENDER_PART}.{PART}.")),
+        };
+        let before =
+            if aovs.names == ChannelNames::Blender && !named { format!("{BLENDER_PART}.") } else { String::new() };
+        let colours = CHANNELS.into_iter().enumerate();
+        let radiance = colours.clone().map(|(c, name)| (format!("{layer}{name}"), Value::Radiance(c)));
+        let variance = VARIANCES.into_iter().enumerate().map(|(c, name)| (name.to_string(), Value::Variance(c)));
+        let counts = [(SAMPLES.to_string(), Value::Samples), (REJECTED.to_string(), Value::Rejected)];
+        let further =
+            aovs.channels().into_iter().map(|channel| (format!("{before}{}", channel.name), Value::Aov(channel)));
+        let mut channels: Vec<_> = radiance.chain(variance).chain(counts).chain(further).collect();
+        channels.sort_by(|(a, _), (b, _)| a.cmp(b));
+        Contents { part, pixel, film, channels }
+    }
+
+    fn has_aovs(&self) -> bool {
+        self.channels.iter().any(|(_, value)| matches!(value, Value::Aov(_)))
+    }
+
+    fn descriptions(&self) -> Vec<ChannelDescription> {
+        let kind = |value: &Value| match value {
+            Value::Samples | Value::Rejected => SampleType::U32,
+            Value::Radiance(_) | Value::Variance(_) | Value::Aov(_) => SampleType::F32,
+        };
+        self.channels.iter().map(|(name, value)| ChannelDescription::named(name.as_str(), kind(value))).collect()
+    }
+
+    /// A row: for each channel, all pixels.
+    fn bytes(&self, row: std::ops::Range<usize>) -> Vec<u8> {
+        let pixels: Vec<PicturePixel> = row.clone().map(self.pixel).collect();
+        let mut bytes = Vec::with_capacity(pixels.len() * self.channels.len() * size_of::<f32>());
+        for (_, value) in &self.channels {
+            let mut put = |word: u32| bytes.extend(word.to_ne_bytes());
+            match value {
+                Value::Radiance(c) => pixels.iter().for_each(|pixel| put(pixel.rgb[*c].to_bits())),
+                Value::Variance(c) => pixels.iter().for_each(|pixel| put(pixel.variance[*c].to_bits())),
+                Value::Samples => pixels.iter().for_each(|pixel| put(pixel.samples)),
+                Value::Rejected => pixels.iter().for_each(|pixel| put(pixel.rejected)),
+                Value::Aov(channel) => {
+                    let value = |index| self.film.map_or(0.0, |film| film.channel(index, channel));
+                    row.clone().for_each(|index| put(value(index).to_bits()));
+                }
+            }
+        }
+        bytes
+    }
 }
 
 /// The part that holds the state.
 struct StatePart<'a> {
     film: &'a Film,
-    /// The places in [`Words`] of its channels: the words that any pixel has, by their names.
+    /// The places in a pixel's words of its channels: the words that any pixel has, by their names.
     words: Vec<usize>,
     channels: Vec<ChannelDescription>,
     about: String,
@@ -79,7 +165,7 @@ struct StatePart<'a> {
 impl<'a> StatePart<'a> {
     fn new(film: &'a Film, state: &State) -> StatePart<'a> {
         let (used, checksum) = survey(film);
-        let names = word_names();
+        let names = film.word_names();
         let mut words: Vec<usize> = (0..names.len()).filter(|word| used[*word] != 0).collect();
         if words.is_empty() {
             // A part has at least one channel.
@@ -93,13 +179,14 @@ impl<'a> StatePart<'a> {
 }
 
 /// Which bits any pixel's words have, and the checksum of all words.
-fn survey(film: &Film) -> (Words, u32) {
-    let mut used = [0; crate::film::WORDS];
+fn survey(film: &Film) -> (Vec<u16>, u32) {
+    let count = film.word_names().len();
+    let (mut used, mut words) = (vec![0; count], vec![0; count]);
     let mut checksum = crc32fast::Hasher::new();
     for index in 0..film.width() as usize * film.height() as usize {
-        let words = film.words(index);
+        film.put_words(index, &mut words);
         used.iter_mut().zip(&words).for_each(|(used, word)| *used |= word);
-        let words = words.map(u16::to_le);
+        words.iter_mut().for_each(|word| *word = word.to_le());
         checksum.update(bytemuck::cast_slice(&words));
     }
     (used, checksum.finalize())
@@ -108,25 +195,21 @@ fn survey(film: &Film) -> (Words, u32) {
 fn write_parts(
     path: &Path,
     Frame { part, whole }: &Frame,
-    pixel: &dyn Fn(usize) -> PicturePixel,
+    contents: &Contents<'_>,
     attributes: &[(String, Attribute)],
     state: Option<StatePart<'_>>,
     may: impl FnOnce() -> std::result::Result<(), String>,
 ) -> Result<()> {
     let size = (part.width as usize, part.height as usize);
+    let comments = format!("{COMMENTS}{}", if contents.has_aovs() { COMMENTS_OF_AOVS } else { "" });
     let own = LayerAttributes {
-        // A file with several parts names them. Blender takes the name for that of the pass.
-        layer_name: state.is_some().then(|| text("Combined")),
+        // A file with several parts names them.
+        layer_name: state.is_some().then(|| text(contents.part)),
         software_name: Some(text(concat!("gpu-rt ", env!("CARGO_PKG_VERSION")))),
-        comments: Some(text(COMMENTS)),
+        comments: Some(text(&comments)),
         other: attributes.iter().map(|(name, value)| (text(name), value.to_exr())).collect(),
         ..LayerAttributes::default()
     };
-    let float = |name| ChannelDescription::named(name, SampleType::F32);
-    let count = |name| ChannelDescription::named(name, SampleType::U32);
-    let [[r, g, b], [vr, vg, vb]] = [CHANNELS, VARIANCES];
-    // Channels are sorted by name.
-    let channels = [float(b), float(g), float(r), count(REJECTED), count(SAMPLES), float(vb), float(vg), float(vr)];
     let header = |channels: &[ChannelDescription], own, compression| {
         let mut header = Header::new(text(""), size, channels.into())
             .with_attributes(own)
@@ -139,7 +222,7 @@ fn write_parts(
         header
     };
     let mut headers: Headers = Headers::new();
-    headers.push(header(&channels, own, OF_PICTURE));
+    headers.push(header(&contents.descriptions(), own, OF_PICTURE));
     if let Some(state) = &state {
         let own = LayerAttributes {
             layer_name: Some(text(STATE)),
@@ -157,7 +240,7 @@ fn write_parts(
         let rows = rows.map(|first| first..first + columns);
         match (&state, block.layer) {
             (Some(state), 1) => rows.flat_map(|row| state.bytes(row)).collect(),
-            _ => rows.flat_map(|row| picture_bytes(row, pixel)).collect(),
+            _ => rows.flat_map(|row| contents.bytes(row)).collect(),
         }
     };
     let write = |file: &mut File| {
@@ -193,24 +276,10 @@ fn compress<W: Write + Seek>(
     Ok(())
 }
 
-/// A row of the picture: for each channel, all pixels.
-fn picture_bytes(row: std::ops::Range<usize>, pixel: &dyn Fn(usize) -> PicturePixel) -> Vec<u8> {
-    let pixels: Vec<PicturePixel> = row.map(pixel).collect();
-    let mut bytes = Vec::with_capacity(pixels.len() * size_of::<PicturePixel>());
-    let mut channel = |value: &dyn Fn(&PicturePixel) -> u32| {
-        bytes.extend(pixels.iter().flat_map(|pixel| value(pixel).to_ne_bytes()));
-    };
-    [2, 1, 0].into_iter().for_each(|c| channel(&|pixel| pixel.rgb[c].to_bits()));
-    channel(&|pixel| pixel.rejected);
-    channel(&|pixel| pixel.samples);
-    [2, 1, 0].into_iter().for_each(|c| channel(&|pixel| pixel.variance[c].to_bits()));
-    bytes
-}
-
 impl StatePart<'_> {
     /// The same of the state.
     fn bytes(&self, row: std::ops::Range<usize>) -> Vec<u8> {
-        let pixels: Vec<Words> = row.map(|index| self.film.words(index)).collect();
+        let pixels: Vec<Vec<u16>> = row.map(|index| self.film.words(index)).collect();
         let channel = |word: &usize| pixels.iter().flat_map(|words| words[*word].to_ne_bytes()).collect::<Vec<u8>>();
         self.words.iter().flat_map(channel).collect()
     }

@@ -1,0 +1,305 @@
+//! Channels beside the radiance (arbitrary output variables, AOVs): which there are, which sums of the film they are made of, and how files
+//! name them.
+
+use glam::{DMat3, DVec3};
+use serde::{Deserialize, Serialize};
+
+use crate::data::CHANNELS;
+
+/// A channel, or three.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Aov {
+    /// The share of light that a surface scatters.
+    Albedo,
+    /// The shading normal in the axes of the world.
+    Normal,
+    /// The distance to the first surface along the camera's axis, in scene units.
+    Depth,
+    /// The point where camera rays hit the first surface, in scene units.
+    Position,
+    /// The number of the object there.
+    Object,
+    /// The number of its material.
+    Material,
+    /// The radiance of light seen directly, and of light on the first surface or medium.
+    Direct,
+    /// The rest of the radiance.
+    Indirect,
+}
+
+/// How users name them.
+const WORDS: [(&str, Aov); 8] = [
+    ("albedo", Aov::Albedo),
+    ("normal", Aov::Normal),
+    ("depth", Aov::Depth),
+    ("position", Aov::Position),
+    ("object", Aov::Object),
+    ("material", Aov::Material),
+    ("direct", Aov::Direct),
+    ("indirect", Aov::Indirect),
+];
+
+/// Of which surface the albedo and the normal are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SeenSurface {
+    /// Mirrors and clear glass are passed.
+    #[default]
+    Rough,
+    /// The first one.
+    First,
+}
+
+/// How an image file names the channels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ChannelNames {
+    #[default]
+    Plain,
+    /// As the passes of Blender's multilayer files.
+    Blender,
+}
+
+/// The channels that a render has beside the radiance.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Aovs {
+    /// In their order, each once.
+    list: Vec<Aov>,
+    pub surface: SeenSurface,
+    pub names: ChannelNames,
+}
+
+/// What the film sums up for them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sum {
+    Albedo,
+    Normal,
+    /// Camera rays that hit a surface.
+    Hits,
+    Depth,
+    Position,
+    Object,
+    Material,
+    Direct,
+}
+
+impl Sum {
+    const ALL: [Sum; 8] =
+        [Sum::Albedo, Sum::Normal, Sum::Hits, Sum::Depth, Sum::Position, Sum::Object, Sum::Material, Sum::Direct];
+
+    /// Its components, as names.
+    fn components(self) -> &'static [&'static str] {
+        match self {
+            Sum::Albedo | Sum::Direct => &CHANNELS,
+            Sum::Normal | Sum::Position => &["X", "Y", "Z"],
+            Sum::Hits | Sum::Depth | Sum::Object | Sum::Material => &["Y"],
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Sum::Albedo => "albedo",
+            Sum::Normal => "normal",
+            Sum::Hits => "hits",
+            Sum::Depth => "depth",
+            Sum::Position => "position",
+            Sum::Object => "object",
+            Sum::Material => "material",
+            Sum::Direct => "direct",
+        }
+    }
+}
+
+/// A channel of an image file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Channel {
+    pub aov: Aov,
+    pub component: usize,
+    pub name: String,
+}
+
+impl Aovs {
+    /// Channels by their names, with commas between.
+    ///
+    /// # Errors
+    /// What is wrong, in words.
+    pub fn parse(text: &str) -> Result<Vec<Aov>, String> {
+        let known = || WORDS.map(|(word, _)| word).join(", ");
+        let aov = |word: &str| {
+            let found = WORDS.iter().find(|(known, _)| *known == word.trim());
+            found.map(|(_, aov)| *aov).ok_or_else(|| format!("expected some of {}, found `{word}`", known()))
+        };
+        text.split(',').map(aov).collect()
+    }
+
+    /// Sets which channels there are.
+    pub fn set(&mut self, mut list: Vec<Aov>) {
+        list.sort_unstable();
+        list.dedup();
+        self.list = list;
+    }
+
+    /// Adds channels to those that there are.
+    pub fn include(&mut self, more: &[Aov]) {
+        self.set([&self.list[..], more].concat());
+    }
+
+    /// Their names with commas between; nothing where there are none.
+    pub fn words(&self) -> Option<String> {
+        let words = WORDS.iter().filter(|(_, aov)| self.has(*aov)).map(|(word, _)| *word);
+        (!self.list.is_empty()).then(|| words.collect::<Vec<_>>().join(","))
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.list.is_empty()
+    }
+
+    pub fn has(&self, aov: Aov) -> bool {
+        self.list.contains(&aov)
+    }
+
+    /// Whether the film sums this up.
+    pub fn needs(&self, sum: Sum) -> bool {
+        match sum {
+            Sum::Albedo => self.has(Aov::Albedo),
+            Sum::Normal => self.has(Aov::Normal),
+            Sum::Hits => self.has(Aov::Depth) || self.has(Aov::Position),
+            Sum::Depth => self.has(Aov::Depth),
+            Sum::Position => self.has(Aov::Position),
+            Sum::Object => self.has(Aov::Object),
+            Sum::Material => self.has(Aov::Material),
+            Sum::Direct => self.has(Aov::Direct) || self.has(Aov::Indirect),
+        }
+    }
+
+    fn sums(&self) -> impl Iterator<Item = Sum> {
+        Sum::ALL.into_iter().filter(|sum| self.needs(*sum))
+    }
+
+    /// How many sums a pixel has, by components.
+    pub fn count(&self) -> usize {
+        self.sums().map(|sum| sum.components().len()).sum()
+    }
+
+    /// The place of a sum's first component; nothing where the film does not have it.
+    pub fn place(&self, sum: Sum) -> Option<usize> {
+        let before = self.sums().take_while(|other| *other != sum).map(|sum| sum.components().len()).sum();
+        self.needs(sum).then_some(before)
+    }
+
+    /// The names of the sums by components: `albedo.R`.
+    pub fn sum_names(&self) -> impl Iterator<Item = String> {
+        self.sums().flat_map(|sum| sum.components().iter().map(move |name| format!("{}.{name}", sum.name())))
+    }
+
+    /// The channels of an image file.
+    pub fn channels(&self) -> Vec<Channel> {
+        let of_aov = |aov: &Aov| {
+            let (layer, components) = self.layer(*aov);
+            let name = move |component: &&str| match layer {
+                "" => (*component).to_string(),
+                layer => format!("{layer}.{component}"),
+            };
+            let channel = |(component, name): (usize, String)| Channel { aov: *aov, component, name };
+            components.iter().map(name).enumerate().map(channel).collect::<Vec<_>>()
+        };
+        self.list.iter().flat_map(of_aov).collect()
+    }
+
+    /// The layer of a channel, and its components.
+    fn layer(&self, aov: Aov) -> (&'static str, &'static [&'static str]) {
+        const XYZ: &[&str] = &["X", "Y", "Z"];
+        match (self.names, aov) {
+            (ChannelNames::Plain, Aov::Albedo) => ("albedo", &CHANNELS),
+            (ChannelNames::Plain, Aov::Normal) => ("N", XYZ),
+            (ChannelNames::Plain, Aov::Depth) => ("", &["Z"]),
+            (ChannelNames::Plain, Aov::Position) => ("P", XYZ),
+            (ChannelNames::Plain, Aov::Object) => ("object", &["Y"]),
+            (ChannelNames::Plain, Aov::Material) => ("material", &["Y"]),
+            (ChannelNames::Blender, Aov::Albedo) if self.surface == SeenSurface::Rough => {
+                ("Denoising Albedo", &CHANNELS)
+            }
+            (ChannelNames::Blender, Aov::Albedo) => ("DiffCol", &CHANNELS),
+            (ChannelNames::Blender, Aov::Normal) if self.surface == SeenSurface::Rough => ("Denoising Normal", XYZ),
+            (ChannelNames::Blender, Aov::Normal) => ("Normal", XYZ),
+            (ChannelNames::Blender, Aov::Depth) => ("Depth", &["Z"]),
+            (ChannelNames::Blender, Aov::Position) => ("Position", XYZ),
+            (ChannelNames::Blender, Aov::Object) => ("IndexOB", &["X"]),
+            (ChannelNames::Blender, Aov::Material) => ("IndexMA", &["X"]),
+            (_, Aov::Direct) => ("direct", &CHANNELS),
+            (_, Aov::Indirect) => ("indirect", &CHANNELS),
+        }
+    }
+}
+
+/// From render space, in which the kernels measure lengths and directions, to the scene.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SceneSpace {
+    /// The camera, in scene units.
+    eye: DVec3,
+    /// The axes of render space, in the world's.
+    axes: DMat3,
+    /// A length of the scene is that of render space times 2 to this power.
+    pub exponent: i32,
+}
+
+impl Default for SceneSpace {
+    fn default() -> SceneSpace {
+        SceneSpace { eye: DVec3::ZERO, axes: DMat3::IDENTITY, exponent: 0 }
+    }
+}
+
+impl SceneSpace {
+    pub fn new(eye: DVec3, axes: DMat3, exponent: i32) -> SceneSpace {
+        SceneSpace { eye, axes, exponent }
+    }
+
+    pub fn length(&self, length: f64) -> f64 {
+        length * 2f64.powi(self.exponent)
+    }
+
+    pub fn direction(&self, direction: DVec3) -> DVec3 {
+        self.axes * direction
+    }
+
+    pub fn point(&self, point: DVec3) -> DVec3 {
+        self.eye + self.axes * (point * 2f64.powi(self.exponent))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_read_and_told_in_one_order() {
+        let mut aovs = Aovs::default();
+        assert_eq!(aovs.words(), None);
+        aovs.set(Aovs::parse("depth, albedo,depth").unwrap());
+        assert_eq!(aovs.words().as_deref(), Some("albedo,depth"));
+        aovs.include(&[Aov::Normal, Aov::Albedo]);
+        assert_eq!(aovs.words().as_deref(), Some("albedo,normal,depth"));
+        let message = Aovs::parse("albedo,colour").unwrap_err();
+        assert!(message.contains("`colour`") && message.contains("albedo, normal, depth, position"), "{message}");
+        assert!(Aovs::parse("").is_err());
+    }
+
+    /// Each sum has places of its own, one after the other, whatever is asked.
+    #[test]
+    fn sums_have_places_of_their_own() {
+        for set in 0..1 << WORDS.len() {
+            let asked = WORDS.iter().enumerate().filter(|(number, _)| set >> number & 1 == 1).map(|(_, word)| word.1);
+            let mut aovs = Aovs::default();
+            aovs.set(asked.collect());
+            let names: Vec<String> = aovs.sum_names().collect();
+            assert_eq!(names.len(), aovs.count());
+            for sum in Sum::ALL {
+                match aovs.place(sum) {
+                    Some(place) => assert!(names[place].starts_with(sum.name()), "{names:?}"),
+                    None => assert!(!names.iter().any(|name| name.starts_with(sum.name())), "{names:?}"),
+                }
+            }
+            // With the nine of every film, a bit each tells which has left its range.
+            assert!(9 + aovs.count() <= 32);
+        }
+    }
+}
