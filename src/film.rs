@@ -10,10 +10,8 @@ mod words;
 use crate::aov::{Aovs, SceneSpace};
 use crate::data::{CHANNELS, PixelTotals, Rgb, SQUARE_FRACTION, SUM_FRACTION, Sampler, luminance};
 use crate::error::{Error, Result};
-use crate::flatten::DeviceScene;
 use crate::job::Frame;
 use crate::memory;
-use crate::options::RenderOptions;
 pub use channels::device_bytes;
 pub use totals::{Rejected, ThroughGlass, TooDeep, Totals};
 
@@ -226,15 +224,6 @@ impl Film {
         let pixels = bytemuck::allocation::try_zeroed_vec::<Pixel>(count).map_err(cannot)?;
         let frame = Frame::whole((width, height));
         Ok(Film { exponent, sampler, frame, pixels, channels: Channels::default(), totals: Totals::default() })
-    }
-
-    /// An empty film for a render of this scene.
-    ///
-    /// # Errors
-    /// As of [`Film::with_sampler`].
-    pub fn for_render(flat: &DeviceScene, (width, height): (u32, u32), options: &RenderOptions) -> Result<Film> {
-        let film = Film::with_sampler(width, height, flat.radiance_exponent, options.sampler)?;
-        film.with_aovs(&options.aov, flat.space)
     }
 
     /// The same film, if it is empty, with further channels. `space` is that in which the kernels see the scene.

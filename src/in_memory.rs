@@ -2,13 +2,13 @@
 
 use crate::cli::MOST_SAMPLES;
 use crate::error::{Error, Result};
-use crate::film::{Film, Picture};
+use crate::film::Picture;
 use crate::flatten::flatten;
 use crate::gpu::device::{Adapters, Device};
 use crate::job::{Goal, Job};
 use crate::options::RenderOptions;
 use crate::plan::Plan;
-use crate::render::{Next, Renderer};
+use crate::render::{Next, Renderer, empty_film};
 use crate::scene::Scene;
 
 /// The longest side of an image, in pixels.
@@ -47,7 +47,7 @@ pub fn render_scene(scene: &Scene, settings: &RenderSettings) -> Result<Picture>
     let goal = Goal::Samples(samples);
     let job = Job { size, max_depth: scene.render.max_depth, seed: settings.seed, first_sample: 0, goal };
     let plan = Plan::new(&flat, &options, device.class(), &job)?;
-    let mut film = Film::for_render(&flat, size, &options)?;
+    let mut film = empty_film(&flat, size, &options)?;
     Renderer::new(&device, &plan, &job, false)?.run(&job, &mut film, &mut |_, _| Next::GoOn)?;
     Ok(film.develop())
 }

@@ -24,7 +24,7 @@ use crate::plan::{Bounce, Kernel, Plan, STEPS, SettingsLayout, Tuning};
 pub use goals::{FIRST_LOOK, LAST_LOOK, look_after, look_at};
 use outcome::totals_since;
 pub use outcome::{NOISE_LEVEL, Noise, Outcome, level_after};
-pub use renderer::Renderer;
+pub use renderer::{Renderer, empty_film};
 use stretch::{Pilot, Shared};
 use turns::{Rounds, Turn, pixel_in_order, tiles};
 

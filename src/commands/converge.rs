@@ -22,7 +22,7 @@ use crate::output::csv::csv;
 use crate::output::exr::{ExrImage, read_exr, read_state};
 use crate::output::plot::{Curve, Plot, Width, svg};
 use crate::plan::Plan;
-use crate::render::{Look, Next, Outcome, Renderer};
+use crate::render::{Look, Next, Outcome, Renderer, empty_film};
 
 /// The render after a number of samples.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -74,7 +74,7 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
     }
     let plan = Plan::new(&flat, &args.options, device.class(), &job)?;
     let mut renderer = Renderer::new(&device, &plan, &job, false)?;
-    let mut film = Film::for_render(&flat, size, &args.options)?;
+    let mut film = empty_film(&flat, size, &args.options)?;
 
     let signals = Signals::listen("no table and no plot are written");
     let mut steps: Vec<Measurement> = Vec::new();

@@ -11,8 +11,10 @@ use super::{Lane, Outcome, Watch};
 use crate::aov::Aovs;
 use crate::error::{Error, Result};
 use crate::film::Film;
+use crate::flatten::DeviceScene;
 use crate::gpu::device::Device;
 use crate::job::{Goal, Job};
+use crate::options::RenderOptions;
 use crate::plan::Plan;
 use crate::threads::each;
 
@@ -105,6 +107,15 @@ impl<'a> Renderer<'a> {
     pub(super) fn drop_film(&mut self) {
         self.lanes.iter_mut().for_each(Lane::drop_film);
     }
+}
+
+/// An empty film for a render of this scene.
+///
+/// # Errors
+/// As of [`Film::with_sampler`] and [`Film::with_aovs`].
+pub fn empty_film(scene: &DeviceScene, (width, height): (u32, u32), options: &RenderOptions) -> Result<Film> {
+    let film = Film::with_sampler(width, height, scene.radiance_exponent, options.sampler)?;
+    film.with_aovs(&options.aov, scene.space)
 }
 
 impl Lane<'_> {

@@ -12,7 +12,7 @@ use crate::gpu::device::Device;
 use crate::job::{Goal, Job};
 use crate::options::{Class, Knob, RenderOptions};
 use crate::plan::Plan;
-use crate::render::{Next, Renderer};
+use crate::render::{Next, Renderer, empty_film};
 use crate::scene::Scene;
 
 /// The samples per pixel of the blocks of a round. Biases are measured with the middle one.
@@ -192,7 +192,7 @@ impl<'a> Sweep<'a> {
             return Ok(None);
         }
         let renderer = Renderer::new(self.device, &plan, &job, false)?;
-        let film = Film::for_render(&flat, size, &setting.options)?;
+        let film = empty_film(&flat, size, &setting.options)?;
         let subject = Subject {
             setting: setting.clone(),
             renderer,

@@ -11,7 +11,7 @@ use gpu_rt::gpu::link::{Choices, Embedded, Library, link};
 use gpu_rt::job::{Goal, Job, blocks};
 use gpu_rt::options::{Filter, Integrator, RenderOptions, Scatter, Switch};
 use gpu_rt::plan::{Bounce, Kernel, Kernels, Plan, Staged};
-use gpu_rt::render::{Next, Outcome, Renderer, Watch};
+use gpu_rt::render::{Next, Outcome, Renderer, Watch, empty_film};
 use gpu_rt::scene::Scene;
 
 use super::device::software;
@@ -216,7 +216,7 @@ pub fn render_with(
     let mut renderer = Renderer::new(device, &plan, &first, false).expect("the kernels compile and the buffers fit");
     for (seed, samples) in wanted {
         let job = job(seed, &samples);
-        let mut film = Film::for_render(&flat, size, &ask.options).expect("the film fits");
+        let mut film = empty_film(&flat, size, &ask.options).expect("the film fits");
         let mut watch = Watchdog::new(job.max_depth);
         let outcome = renderer.run(&job, &mut film, &mut |outcome, _| watch.look(outcome)).expect("the device renders");
         take(Shot { picture: film.develop(), film, outcome, sampler: ask.options.sampler });

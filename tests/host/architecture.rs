@@ -14,6 +14,7 @@ const NEVER: &[(&str, &[&str])] = &[
     ),
     ("metrics", &["gpu", "scene", "flatten", "plan", "render", "tradeoff", "commands", "cli"]),
     ("bvh", &["gpu", "scene", "shape", "flatten", "plan", "render", "film", "output", "tradeoff", "commands", "cli"]),
+    ("aov", &["gpu", "shape", "scene", "flatten", "plan", "render", "film", "output", "tradeoff", "commands", "cli"]),
     ("film", &["gpu", "scene", "flatten", "plan", "render", "bvh", "tradeoff", "commands", "cli"]),
     ("scene", &["gpu", "flatten", "plan", "render", "bvh", "film", "output", "tradeoff", "commands", "cli"]),
     ("flatten", &["gpu", "plan", "render", "film", "output", "tradeoff", "commands", "cli"]),

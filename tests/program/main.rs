@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod aov;
 mod bad_files;
 mod cli;
 mod crop;

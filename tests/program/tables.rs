@@ -25,7 +25,10 @@ fn renders_and_their_parts_have_the_keys_and_attributes_that_are_documented() {
     let renders = [
         json("--spp 16 -o a.exr"),
         json("--spp 32 -o a.exr --resume"),
-        json("--noise 0.9 --spp 64 --profile --clamp 10 -o noise.exr"),
+        json(
+            "--noise 0.9 --spp 64 --profile --clamp 10 -o noise.exr \
+             --aov albedo,normal,depth,position,object,material,direct,indirect",
+        ),
         json("--samples 16..32 -o b.exr"),
         json("--samples 0..16 -o c.exr"),
         json("--time 1ms -o time.exr"),
@@ -36,7 +39,7 @@ fn renders_and_their_parts_have_the_keys_and_attributes_that_are_documented() {
     let attributes: BTreeSet<_> = names.into_iter().flatten().map(|(name, _)| name).collect();
     let own: BTreeSet<_> = attributes.into_iter().filter(|name| name.starts_with("gpu-rt:")).collect();
     assert_eq!(own, rows("## Header"));
-    let meta = exr::meta::MetaData::read_from_file(place.work().join("a.exr"), true).expect("an EXR");
+    let meta = exr::meta::MetaData::read_from_file(place.work().join("noise.exr"), true).expect("an EXR");
     let channels = meta.headers[0].channels.list.iter().map(|channel| channel.name.to_string());
     assert_eq!(channels.collect::<BTreeSet<_>>(), rows("## Channels"));
     compare("### `merge --json`", &[place.says("merge b.exr c.exr -o whole.exr --json").exits(0).json()]);

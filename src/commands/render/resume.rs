@@ -14,7 +14,7 @@ use crate::identity::Identity;
 use crate::job::{Frame, Goal, Job};
 use crate::options::RenderOptions;
 use crate::output::exr::{State, add_film, read_state};
-use crate::render::{FIRST_LOOK, Noise, level_after};
+use crate::render::{FIRST_LOOK, Noise, empty_film, level_after};
 use crate::samples::Samples;
 
 /// A film, and what it is of: what a file with a state holds.
@@ -106,7 +106,7 @@ pub fn more_there(exr: &Path, identity: &dyn Deref<Target = Identity>, than: u64
 
 impl Accumulation {
     pub fn new(frame: Frame, flat: &DeviceScene, options: &RenderOptions) -> Result<Accumulation> {
-        let film = Film::for_render(flat, frame.part.size(), options)?.of_part(frame);
+        let film = empty_film(flat, frame.part.size(), options)?.of_part(frame);
         Ok(Accumulation { film, samples: Samples::default(), looks: 0, devices: Vec::new() })
     }
 
