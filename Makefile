@@ -1,5 +1,5 @@
 # The commands of the README. They need Rust (rustup.rs) and make; on Debian and Ubuntu they install what else is missing:
-# a C linker, and a Vulkan driver where none answers.
+# a C linker, a Vulkan driver where none answers, and for the tests pip, which fetches Open Image Denoise.
 
 CARGO ?= cargo
 GPU_RT = $(CARGO) run --release --quiet --
@@ -15,7 +15,7 @@ define install
 }
 endef
 
-.PHONY: render test quick test-long test-slurm fuzz soak test-drivers accuracy scaling gpu-compile lint toolchain
+.PHONY: render test oidn quick test-long test-slurm fuzz soak test-drivers accuracy scaling gpu-compile lint toolchain
 
 # The cover scene, in 50 s at most: out/weekend.exr is linear, out/weekend.png is for looking at.
 render: toolchain
@@ -29,16 +29,25 @@ render: toolchain
 test: export LVP_POISON_MEMORY = true
 # Mesa's device-select layer complains on every run where there is no desktop session to ask about GPUs.
 test: export NODEVICE_SELECT = 1
-test: toolchain
+test: toolchain oidn
 	$(CARGO) test --release --no-run
 	@[ -n "$(GPU_RT_TEST_DEVICE)" ] || $(GPU_RT) devices --json 2>/dev/null | grep -q '"software": true' || \
 		$(call install, libvulkan1 mesa-vulkan-drivers, no software Vulkan driver answers)
 	$(CARGO) test --release
 
+# Open Image Denoise, which the tests denoise with, unless OIDN_DIR names its folder. Python only fetches it and checks its hash.
+oidn:
+	@[ -n "$(OIDN_DIR)" ] || cmp -s tests/oidn/requirements.txt target/oidn/requirements.txt || { \
+		python3 -m pip --version >/dev/null 2>&1 || $(call install, python3 python3-pip, no Python fetches Open Image Denoise); \
+		rm -rf target/oidn && \
+		PIP_ROOT_USER_ACTION=ignore python3 -m pip install --quiet --no-deps --require-hashes --target target/oidn -r tests/oidn/requirements.txt && \
+		cp tests/oidn/requirements.txt target/oidn/; \
+	}
+
 # For developing: `make quick TEST=kernels ARGS=sphere`. The dev profile reads the shaders from disk: an edit of one compiles nothing.
 TEST ?= kernels
 quick: export NODEVICE_SELECT = 1
-quick: toolchain
+quick: toolchain oidn
 	$(CARGO) test --test $(TEST) -- $(ARGS)
 
 # What takes minutes: statistics of thousands of renders, and 1e9 paths through all scenes.

@@ -26,6 +26,8 @@ pub enum Command {
     Merge(MergeArgs),
     /// Make a PNG of an EXR, whichever program wrote it.
     Develop(DevelopArgs),
+    /// Remove the noise of an EXR by Intel's Open Image Denoise, which biases the result. The EXR stays as it is.
+    Denoise(DenoiseArgs),
     /// Report the progress of a render that `gpu-rt submit` shares: samples, parts, time left. It changes no file.
     Status(StatusArgs),
     /// Share one render among many processes or machines.
@@ -249,6 +251,37 @@ pub struct DevelopArgs {
     pub output: PathBuf,
     #[command(flatten)]
     pub view: ViewArgs,
+}
+
+#[derive(Debug, Args)]
+pub struct DenoiseArgs {
+    /// The EXR: red, green and blue, and to keep more detail albedo and normal, as `render --aov albedo,normal` writes them.
+    #[arg(value_name = "IN.exr")]
+    pub image: PathBuf,
+    /// The denoised EXR to write. It has no estimate of its error, and cannot be resumed or joined.
+    #[arg(short, long, value_name = "OUT.exr")]
+    pub output: PathBuf,
+    /// Also write a tone-mapped picture of it, - for standard output.
+    #[arg(long, value_name = "FILE.png")]
+    pub png: Option<PathBuf>,
+    #[command(flatten)]
+    pub library: LibraryArgs,
+    #[command(flatten)]
+    pub view: ViewArgs,
+    /// Print errors only.
+    #[arg(long)]
+    pub quiet: bool,
+    /// Print one JSON object on stdout.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Where the library is that denoises.
+#[derive(Clone, Debug, Args)]
+pub struct LibraryArgs {
+    /// The folder of the library of Open Image Denoise [default: the environment's OIDN_DIR, or where the system finds it].
+    #[arg(long, value_name = "FOLDER")]
+    pub oidn: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]

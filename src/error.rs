@@ -52,6 +52,9 @@ pub enum Error {
     /// No device is suitable, the device refused, or it was lost.
     #[error("{0}")]
     Device(String),
+    /// The library that denoises is missing, is another one, or has failed.
+    #[error("{}", one_line(.0))]
+    Denoiser(String),
     /// A shader did not link or validate. This is a defect of gpu-rt, never of the scene.
     #[error("{0}")]
     Shader(String),

@@ -46,6 +46,8 @@ pub mod commands;
 #[doc(hidden)]
 pub mod data;
 #[doc(hidden)]
+pub mod denoise;
+#[doc(hidden)]
 pub mod error;
 #[doc(hidden)]
 pub mod film;

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde_json::{Value, json};
 
 use super::outputs::{Beside, OutputImage, PNG, check_name, check_outputs};
-use super::{path_text, print_json, print_line, tell};
+use super::{path_text, print_json, print_line, tell, tell_denoised};
 use crate::cli::{CompareArgs, Limit, Metric};
 use crate::error::{Error, Result};
 use crate::metrics::difference::{Difference, ErrorSource, Images, LEVEL, MeanDifference, QUANTITIES, difference};
@@ -30,6 +30,8 @@ pub fn run(args: &CompareArgs) -> Result<()> {
         None => read_exr(path),
     };
     let (mut a, mut b) = (read(&args.image)?, read(&args.reference)?);
+    tell_denoised(&args.image, &a);
+    tell_denoised(&args.reference, &b);
     let identity = |path| read_state(path).ok().flatten().map(|state| state.identity);
     if let Some((a, b)) = identity(&args.image).zip(identity(&args.reference))
         && !a.is_of_scene(&b)

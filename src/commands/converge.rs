@@ -9,7 +9,8 @@ use super::outputs::check_name;
 use super::scene::{load_scene, name_of, stem_of};
 use super::signals::Signals;
 use super::{
-    flatten_for, make_folder, open_device, path_text, print_json, print_line, tell, tell_biases, tell_software,
+    flatten_for, make_folder, open_device, path_text, print_json, print_line, tell, tell_biases, tell_denoised,
+    tell_software,
 };
 use crate::cli::{ConvergeArgs, Size};
 use crate::error::{Error, Result};
@@ -45,6 +46,9 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
     check_name(&args.reference, "an EXR")?;
     check_name(&args.output, "a folder")?;
     let reference = read_exr(&args.reference)?;
+    if !args.quiet {
+        tell_denoised(&args.reference, &reference);
+    }
     let own_error = error_of_reference(&reference);
     let scene = load_scene(&args.scene, &mut |_, _, _| {})?;
     let biases = tell_biases(&args.options, args.paths.max_depth, &scene, args.quiet);

@@ -182,7 +182,7 @@ fn parts_of<'a>(args: &MergeArgs, paths: &'a [PathBuf], loading: &mut Loading) -
         loading.show(&format!("reading {}", path.display()), number as f64 / paths.len() as f64);
         let state = read_state(path)?.ok_or_else(|| {
             Error::Usage(format!(
-                "{}: it cannot be joined, because it has no state. Images of other programs and of --no-state have none",
+                "{}: it cannot be joined, because it has no state. Images of other programs, of --no-state and of denoise have none",
                 path.display()
             ))
         })?;

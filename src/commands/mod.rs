@@ -4,6 +4,7 @@ mod check;
 mod compare;
 mod completions;
 mod converge;
+mod denoise;
 mod develop;
 mod devices;
 mod man;
@@ -26,6 +27,7 @@ use crate::gpu::device::{AdapterName, Adapters, Device, DeviceClass};
 use crate::job::{Goal, Job};
 use crate::jobs::scripts::line;
 use crate::options::{MAX_DEPTH, RenderOptions};
+use crate::output::exr::ExrImage;
 use crate::plan::Plan;
 use crate::printable::printable;
 use crate::scene::Scene;
@@ -37,6 +39,7 @@ pub fn run(cli: &Cli, start: std::time::Instant) -> Result<()> {
         Command::Render(args) => render::run(args, start),
         Command::Merge(args) => merge::run(args),
         Command::Develop(args) => develop::run(args),
+        Command::Denoise(args) => denoise::run(args),
         Command::Status(args) => status::run(args),
         Command::Submit(Scheduler::Slurm(args)) => submit::run(args),
         Command::Compare(args) => compare::run(args),
@@ -143,6 +146,16 @@ fn make_folder(folder: &Path, undone: &str) -> Result<()> {
 fn command_line() -> String {
     let words = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned());
     line(&std::iter::once("gpu-rt".to_string()).chain(words).collect::<Vec<_>>())
+}
+
+/// Warns of an image that is denoised, where errors are measured: those of its pixels are not independent.
+fn tell_denoised(path: &Path, image: &ExrImage) {
+    if let Some(denoiser) = image.denoiser() {
+        let name = path.display();
+        tell(&format!(
+            "warning: {name} is denoised ({denoiser}): it is biased, and its pixels share errors, so that intervals are too narrow"
+        ));
+    }
 }
 
 /// A path as text for JSON.

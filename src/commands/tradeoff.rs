@@ -8,7 +8,7 @@ use clap::Parser;
 use super::outputs::check_name;
 use super::scene::{load_scene, name_of, stem_of};
 use super::signals::Signals;
-use super::{make_folder, open_device, path_text, print_json, print_line, tell, tell_software};
+use super::{make_folder, open_device, path_text, print_json, print_line, tell, tell_denoised, tell_software};
 use crate::cli::{Cli, Command, RenderArgs, Size, TradeoffArgs};
 use crate::error::{Error, Result};
 use crate::metrics::estimate::Estimate;
@@ -53,6 +53,9 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     let mut scene = load_scene(&args.scene, &mut |_, _, _| {})?;
     let knobs = knobs_of(args)?;
     let reference = args.reference.as_deref().map(reference_of).transpose()?;
+    if let Some((path, image)) = args.reference.as_deref().zip(reference.as_ref()).filter(|_| !args.quiet) {
+        tell_denoised(path, image);
+    }
     let given = reference.as_ref().map(|image| (image.width, image.height));
     let reference = reference.map(|image| middle(image, &mut scene));
     let whole = match &reference {

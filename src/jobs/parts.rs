@@ -151,7 +151,7 @@ fn read_header(path: &Path) -> Result<Option<Told>, String> {
             metadata => metadata.map_err(|error| error.to_string())?,
         };
         let file = StateFile::open(path).map_err(reason)?;
-        let file = file.ok_or("it has no state. Images of other programs and of --no-state have none")?;
+        let file = file.ok_or("it has no state. Images of other programs, of --no-state and of denoise have none")?;
         let seconds_per_sample = match attribute(&file.attributes(), "gpu-rt:seconds_per_sample") {
             Some(Attribute::Float(seconds)) if seconds.is_finite() && *seconds > 0.0 => Some(*seconds),
             _ => None,

@@ -69,7 +69,7 @@ pub fn without_threads(command: &mut Command, folder: &Path) -> PathBuf {
 }
 
 /// The library of a file of tests/layer.
-fn library(name: &str) -> PathBuf {
+pub fn library(name: &str) -> PathBuf {
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/layer").join(name).with_extension("rs");
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("layer");
     std::fs::create_dir_all(&folder).expect("a folder is made");

@@ -27,6 +27,7 @@ pub mod light_kernel;
 pub mod marked;
 pub mod meshes;
 pub mod mutate;
+pub mod oidn;
 pub mod oracles;
 pub mod program;
 pub mod quads;

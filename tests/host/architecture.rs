@@ -16,6 +16,7 @@ const NEVER: &[(&str, &[&str])] = &[
     ("bvh", &["gpu", "scene", "shape", "flatten", "plan", "render", "film", "output", "tradeoff", "commands", "cli"]),
     ("aov", &["gpu", "shape", "scene", "flatten", "plan", "render", "film", "output", "tradeoff", "commands", "cli"]),
     ("film", &["gpu", "scene", "flatten", "plan", "render", "bvh", "tradeoff", "commands", "cli"]),
+    ("denoise", &["gpu", "scene", "flatten", "plan", "render", "bvh", "film", "output", "tradeoff", "commands", "cli"]),
     ("scene", &["gpu", "flatten", "plan", "render", "bvh", "film", "output", "tradeoff", "commands", "cli"]),
     ("flatten", &["gpu", "plan", "render", "film", "output", "tradeoff", "commands", "cli"]),
     ("plan", &["scene", "render", "output", "tradeoff", "commands", "cli"]),

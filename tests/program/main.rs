@@ -7,6 +7,7 @@ mod aov;
 mod bad_files;
 mod cli;
 mod crop;
+mod denoise;
 mod develop;
 #[cfg(target_os = "linux")]
 mod device;

@@ -4,6 +4,7 @@
 use std::collections::BTreeSet;
 
 use crate::common::device::index as software;
+use crate::common::oidn;
 use crate::common::tables::{compare, rows};
 use crate::place::{Place, SPHERE};
 
@@ -35,7 +36,11 @@ fn renders_and_their_parts_have_the_keys_and_attributes_that_are_documented() {
         json("--noise 0.9 --spp 16 -o a.exr"),
     ];
     compare("### `render --json`", &renders);
-    let names = ["a.exr", "noise.exr"].map(|name| place.exr(name).attributes);
+    let denoise = "denoise a.exr -o denoised.exr --png denoised.png --json --oidn";
+    let folder = oidn::folder();
+    let denoised = place.run(&[denoise.split(' ').collect(), vec![folder.to_str().expect("UTF-8")]].concat());
+    compare("### `denoise --json`", &[denoised.exits(0).json()]);
+    let names = ["a.exr", "noise.exr", "denoised.exr"].map(|name| place.exr(name).attributes);
     let attributes: BTreeSet<_> = names.into_iter().flatten().map(|(name, _)| name).collect();
     let own: BTreeSet<_> = attributes.into_iter().filter(|name| name.starts_with("gpu-rt:")).collect();
     assert_eq!(own, rows("## Header"));

@@ -55,7 +55,7 @@ pub fn earlier(
     }
     let Some(state) = read_state(exr)? else {
         return nothing(format!(
-            "nothing to resume: {name} has no state, as images of other programs and of --no-state"
+            "nothing to resume: {name} has no state, as images of other programs, of --no-state and of denoise"
         ));
     };
     if let Some(difference) = identity.difference("this render", &state.identity, &name.to_string()) {

@@ -1,5 +1,6 @@
 //! OpenEXR files: the linear picture with its error estimate, the state that a render goes on from, and pictures of other programs.
 
+mod denoised;
 mod read;
 mod state;
 mod write;
@@ -10,6 +11,7 @@ use ::exr::meta::attribute::{AttributeValue, Text};
 
 use crate::data::Rgb;
 
+pub use denoised::{DENOISER, NoisyFile, read_noisy, write_denoised};
 pub use read::{ExrImage, read_attributes, read_exr, read_layer};
 pub use state::{State, StateFile, add_film, read_state};
 pub use write::{write_exr, write_render};

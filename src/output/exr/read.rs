@@ -10,7 +10,7 @@ use ::exr::meta::attribute::{ChannelDescription, SampleType};
 use ::exr::meta::header::Header;
 use ::exr::prelude::f16;
 
-use super::{Attribute, REJECTED, SAMPLES, VARIANCES, decoded};
+use super::{Attribute, DENOISER, REJECTED, SAMPLES, VARIANCES, decoded};
 use crate::data::{CHANNELS, Rgb};
 use crate::error::{Error, Result};
 use crate::film::UNKNOWN_VARIANCE;
@@ -36,6 +36,12 @@ impl ExrImage {
     pub fn known_variance(&self) -> Option<&[Rgb<f32>]> {
         let variance = self.variance.as_deref()?;
         variance.as_flattened().iter().all(|v| (0.0..UNKNOWN_VARIANCE).contains(v)).then_some(variance)
+    }
+
+    /// What has denoised it, if `gpu-rt denoise` made it.
+    pub fn denoiser(&self) -> Option<&str> {
+        let found = self.attributes.iter().find(|(name, _)| name == DENOISER);
+        found.map(|(_, words)| words.as_str())
     }
 
     /// The seed of the render, if this program made the file. Images with the same seed share some noise.
@@ -166,7 +172,7 @@ fn read_place(
 }
 
 /// The pixels of a part, if there is memory for as many bytes of each. A damaged header may claim more, and a failed allocation ends the process.
-fn pixels_of(header: &Header, bytes: usize) -> std::result::Result<usize, String> {
+pub(super) fn pixels_of(header: &Header, bytes: usize) -> std::result::Result<usize, String> {
     let pixels = header.layer_size.0.checked_mul(header.layer_size.1);
     let total = pixels.and_then(|pixels| pixels.checked_mul(bytes)).unwrap_or(usize::MAX);
     let had = Vec::<u8>::new().try_reserve_exact(total);
@@ -174,7 +180,7 @@ fn pixels_of(header: &Header, bytes: usize) -> std::result::Result<usize, String
     Ok(pixels.unwrap_or(0))
 }
 
-fn as_floats(kind: SampleType, bytes: &[u8]) -> impl Iterator<Item = f32> {
+pub(super) fn as_floats(kind: SampleType, bytes: &[u8]) -> impl Iterator<Item = f32> {
     let (halves, words) = match kind {
         SampleType::F16 => (bytes.as_chunks().0, &[][..]),
         SampleType::F32 | SampleType::U32 => (&[][..], bytes.as_chunks().0),
@@ -191,7 +197,7 @@ fn plain<'a>(header: &'a Header, name: &str) -> Option<(usize, &'a ChannelDescri
 }
 
 /// The number of a channel of floats.
-fn float(header: &Header, name: &str) -> Option<usize> {
+pub(super) fn float(header: &Header, name: &str) -> Option<usize> {
     plain(header, name).filter(|(_, channel)| channel.sample_type != SampleType::U32).map(|(number, _)| number)
 }
 
@@ -204,10 +210,10 @@ const LUMINANCE: Rgb<&str> = ["Y"; 3];
 const CHROMA: [&str; 2] = ["RY", "BY"];
 
 /// Red, green and blue in a file.
-struct RgbPlace {
+pub(super) struct RgbPlace {
     /// The number of its part.
-    number: usize,
-    channels: Rgb<String>,
+    pub number: usize,
+    pub channels: Rgb<String>,
     /// The name of their layer, after the name of the part if both have one.
     layer: String,
     /// Whether the layer is the whole part.
@@ -234,7 +240,7 @@ const UNNAMED_LAYER: usize = UNNAMED_PART + 1 + PICTURES.len();
 /// Finds the red, green and blue of the picture. Channels without a layer's name come first; if several parts have
 /// them, the part with a picture's name counts. Next come layers with a picture's name, and then a single layer of any
 /// name. It is an error if several are possible.
-fn find_rgb(parts: &[Header]) -> std::result::Result<RgbPlace, String> {
+pub(super) fn find_rgb(parts: &[Header]) -> std::result::Result<RgbPlace, String> {
     let named = |spellings: &[Rgb<&str>]| -> Vec<RgbPlace> {
         parts.iter().enumerate().flat_map(|(number, part)| places_in_part(number, part, spellings)).collect()
     };

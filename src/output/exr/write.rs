@@ -43,7 +43,7 @@ const STATE_COMMENTS: &str = "What gpu-rt needs to go on with the render: the ex
 /// | ZIP1 | 17.3 | 7.9 | 14.7 | 1.25 |
 /// | ZIP16 | 17.1 | 7.8 | 14.6 | 2.6 |
 /// | PIZ | 17.1 | 8.4 | 16.1 | 2.8 |
-const OF_PICTURE: Compression = Compression::ZIP1;
+pub(super) const OF_PICTURE: Compression = Compression::ZIP1;
 /// ZIP splits the bytes of halves into planes of their own, of which the upper ones are smooth and the lowest empty: 31.7 bytes a pixel of
 /// scenes/weekend.ron at 256 samples. The same totals as 32-bit integers take 38.3.
 const OF_STATE: Compression = Compression::ZIP16;
@@ -288,7 +288,7 @@ impl StatePart<'_> {
 /// Sorts the attributes of each part's header in place, because the crate keeps them in a hash map, whose order differs each time.
 /// A header is a list of (name, 0, type, 0, size, value), and ends with an empty name (The OpenEXR file layout,
 /// section "Header").
-fn sort_attributes(file: &mut File, parts: usize) -> io::Result<()> {
+pub(super) fn sort_attributes(file: &mut File, parts: usize) -> io::Result<()> {
     /// The magic number and the version come first.
     const HEADERS: SeekFrom = SeekFrom::Start(8);
     file.seek(HEADERS)?;

@@ -1,0 +1,135 @@
+//! `gpu-rt denoise`: an EXR without its noise.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use serde::Serialize;
+use serde_json::json;
+
+use super::outputs::{Beside, EXR, OutputImage, PNG, check_name, check_outputs};
+use super::{path_text, print_json, tell};
+use crate::cli::DenoiseArgs;
+use crate::denoise::{Denoiser, Noisy};
+use crate::error::{Error, Result};
+use crate::output::exr::{NoisyFile, read_noisy, write_denoised};
+use crate::output::png::write_png;
+use crate::output::view_transform::ViewTransform;
+
+/// Where the denoised image goes.
+pub struct Target {
+    pub exr: PathBuf,
+    /// The picture beside it.
+    pub png: Option<PathBuf>,
+    pub view: ViewTransform,
+}
+
+/// What has come of it, for JSON.
+#[derive(Debug, Serialize)]
+pub struct Denoised {
+    pub output: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    png: Option<String>,
+    /// The name and version of the library.
+    denoiser: String,
+    /// The layers that it used beside the image.
+    layers: Vec<&'static str>,
+    biases: [&'static str; 1],
+    /// Of denoising, without reading and writing.
+    seconds: f64,
+}
+
+/// Denoises, and says what that changes.
+pub fn run(args: &DenoiseArgs) -> Result<()> {
+    check_name(&args.image, "an EXR: it is not read as a stream")?;
+    let exr = OutputImage { option: "-o", path: &args.output, formats: EXR };
+    let png = args.png.as_deref().map(|path| OutputImage { option: "--png", path, formats: PNG });
+    let images: Vec<OutputImage<'_>> = std::iter::once(exr).chain(png).collect();
+    let inputs = std::slice::from_ref(&args.image);
+    let stdout = args.json.then_some("the report of --json");
+    check_outputs(&images, &Beside { inputs, stdout, undone: "nothing has been denoised" })?;
+    let denoiser = Denoiser::open(args.library.oidn.as_deref())?;
+    let target = Target { exr: args.output.clone(), png: args.png.clone(), view: args.view.transform() };
+    let (denoised, size) = denoise(&denoiser, &args.image, &target, args.quiet)?;
+    if args.json {
+        let mut report = json!({ "input": path_text(&args.image), "width": size.0, "height": size.1 });
+        if let (Some(report), Some(more)) = (report.as_object_mut(), json!(denoised).as_object()) {
+            report.extend(more.clone());
+        }
+        print_json(&report)?;
+    }
+    Ok(())
+}
+
+/// Writes the denoised image of a file, which stays as it is. The result has the size of the image too.
+///
+/// # Errors
+/// `Error::Usage` where the image is denoised already.
+pub fn denoise(denoiser: &Denoiser, image: &Path, target: &Target, quiet: bool) -> Result<(Denoised, (u32, u32))> {
+    let noisy = read_noisy(image)?;
+    let name = image.display();
+    if let Some(before) = noisy.denoiser() {
+        return Err(Error::Usage(format!("{name}: it is denoised already, by {before}: give the image of the render")));
+    }
+    if !quiet {
+        warnings(&noisy).into_iter().for_each(|words| tell(&format!("warning: {name}: {words}")));
+    }
+    let begin = Instant::now();
+    let NoisyFile { size, rgb, albedo, normal, .. } = &noisy;
+    let rgb = denoiser.denoise(&Noisy { size: *size, rgb, albedo: albedo.as_deref(), normal: normal.as_deref() })?;
+    let seconds = begin.elapsed().as_secs_f64();
+    let layers = layers(&noisy);
+    let words = match layers.as_slice() {
+        [] => denoiser.name(),
+        layers => format!("{}, with {}", denoiser.name(), layers.join(" and ")),
+    };
+    write_denoised(&target.exr, &noisy, &rgb, &words)?;
+    if let Some(png) = &target.png {
+        write_png(png, *size, &|index| rgb[index], &target.view)?;
+    }
+    if !quiet {
+        tell("warning: denoising biases the result: the error of the denoised image is not known");
+        tell(&format!("{}: denoised by {words}, {seconds:.1} s", target.exr.display()));
+    }
+    let denoised = Denoised {
+        output: path_text(&target.exr),
+        png: target.png.as_deref().map(path_text),
+        denoiser: denoiser.name(),
+        layers,
+        biases: ["denoise"],
+        seconds,
+    };
+    Ok((denoised, *size))
+}
+
+/// The layers that the denoiser uses. It takes a normal only beside an albedo.
+fn layers(noisy: &NoisyFile) -> Vec<&'static str> {
+    match (&noisy.albedo, &noisy.normal) {
+        (Some(_), Some(_)) => vec!["albedo", "normal"],
+        (Some(_), None) => vec!["albedo"],
+        (None, _) => vec![],
+    }
+}
+
+/// What makes the result worse than it could be.
+fn warnings(noisy: &NoisyFile) -> Vec<String> {
+    let mut found = Vec::new();
+    if layers(noisy).len() < 2 {
+        let missing = match (&noisy.albedo, &noisy.normal) {
+            (None, None) => "albedo and no normal",
+            (None, Some(_)) => "albedo, without which the normal is no help",
+            _ => "normal",
+        };
+        found.push(format!(
+            "it has no {missing}: the image loses more detail. `gpu-rt render --aov albedo,normal` adds both"
+        ));
+    }
+    let count = |is: fn(&f32) -> bool| noisy.rgb.iter().filter(|rgb| rgb.iter().any(is)).count();
+    for (count, words) in
+        [(count(|v| !v.is_finite()), "NaN or infinite"), (count(|v| v.is_finite() && *v < 0.0), "negative")]
+    {
+        if count > 0 {
+            found.push(format!("channels of {count} of {} pixels are {words}, and count as 0", noisy.rgb.len()));
+        }
+    }
+    found
+}

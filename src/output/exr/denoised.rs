@@ -1,0 +1,141 @@
+//! What a denoiser wants of a file, and the file of what it makes of that.
+
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::Path;
+
+use ::exr::image::write::WritableImage;
+use ::exr::image::{Encoding, Image, Layer, SpecificChannels};
+use ::exr::math::Vec2;
+use ::exr::meta::attribute::{LineOrder, SampleType};
+use ::exr::meta::header::{Header, LayerAttributes};
+
+use super::read::{as_floats, find_rgb, float, open, pixels_of, read_part};
+use super::write::{OF_PICTURE, sort_attributes};
+use super::{Attribute, decoded, text, to_io};
+use crate::data::Rgb;
+use crate::error::{Error, Result};
+use crate::output::atomic;
+
+/// A picture, the layers that help to denoise it, and its header.
+pub struct NoisyFile {
+    pub size: (u32, u32),
+    /// Row 0 on top.
+    pub rgb: Vec<Rgb<f32>>,
+    pub albedo: Option<Vec<Rgb<f32>>>,
+    pub normal: Option<Vec<Rgb<f32>>>,
+    header: Header,
+}
+
+/// Names of the layers with the albedo and with the normal, the likeliest first: this program's, those of others, and Blender's. The
+/// names of other layers and points can precede them.
+const ALBEDOS: [&str; 2] = ["albedo", "denoising albedo"];
+const NORMALS: [&str; 3] = ["n", "normal", "denoising normal"];
+const COMPONENTS: [Rgb<&str>; 2] = [["R", "G", "B"], ["X", "Y", "Z"]];
+
+/// The attribute that names the denoiser of a denoised image.
+pub const DENOISER: &str = "gpu-rt:denoiser";
+const BIASES: &str = "gpu-rt:biases";
+/// The attributes that are true of the image with its noise only: those of its error.
+const OF_NOISE: [&str; 7] = [
+    "gpu-rt:relative_error",
+    "gpu-rt:relative_error_bound",
+    "gpu-rt:relative_error_confidence",
+    "gpu-rt:relative_error_excludes",
+    "gpu-rt:reliable",
+    "gpu-rt:noise",
+    "gpu-rt:noise_reached",
+];
+const COMMENTS: &str = "R, G, B: linear radiance, denoised. Denoising biases the result, and its error is not known.";
+
+impl NoisyFile {
+    /// What has denoised it already.
+    pub fn denoiser(&self) -> Option<String> {
+        let known = self.header.own_attributes.other.iter().find(|(name, _)| decoded(name) == DENOISER);
+        known.map(|(_, value)| match Attribute::of_exr(value) {
+            Some(Attribute::Text(words)) => words,
+            _ => "unknown".to_string(),
+        })
+    }
+}
+
+/// Reads the picture that [`read_exr`](super::read_exr) reads, and what the same part has of albedo and normal.
+pub fn read_noisy(path: &Path) -> Result<NoisyFile> {
+    read(path).map_err(|reason| Error::File { path: path.to_owned(), action: "read", reason })
+}
+
+fn read(path: &Path) -> std::result::Result<NoisyFile, String> {
+    let opened = open(path)?;
+    let place = find_rgb(opened.headers())?;
+    let (part, header) = (place.number, opened.headers()[place.number].clone());
+    let wanted = [Some(place.channels), layer(&header, &ALBEDOS), layer(&header, &NORMALS)];
+    let numbers = |names: Rgb<String>| -> Option<[usize; 3]> {
+        let [r, g, b] = names.map(|name| float(&header, &name));
+        Some([r?, g?, b?])
+    };
+    let wanted = wanted.map(|names| names.and_then(numbers));
+    let pixels = pixels_of(&header, 72)?;
+    let Vec2(width, height) = header.layer_size;
+    let mut images = wanted.map(|numbers| numbers.map(|_| vec![[0.0; 3]; pixels]));
+    let types: Vec<SampleType> = header.channels.list.iter().map(|channel| channel.sample_type).collect();
+    read_part(opened, part, |channel, (column, line), bytes| {
+        for (numbers, image) in wanted.iter().zip(&mut images) {
+            let place = numbers.and_then(|numbers| numbers.iter().position(|number| *number == channel));
+            if let (Some(place), Some(image)) = (place, image) {
+                let row = image.iter_mut().skip(line * width + column);
+                row.zip(as_floats(types[channel], bytes)).for_each(|(pixel, value)| pixel[place] = value);
+            }
+        }
+    })?;
+    let [rgb, albedo, normal] = images;
+    let side = |length: usize| u32::try_from(length).map_err(|_| "its size is not supported".to_string());
+    let size = (side(width)?, side(height)?);
+    Ok(NoisyFile { size, rgb: rgb.ok_or("its channels differ in size")?, albedo, normal, header })
+}
+
+/// The channels of the layer with the likeliest of some names.
+fn layer(header: &Header, names: &[&str]) -> Option<Rgb<String>> {
+    let channels = || header.channels.list.iter().map(|channel| channel.name.to_string());
+    let of_name = |name: &&str| {
+        let is_named = |layer: &str| layer.rsplit('.').next().is_some_and(|last| last.to_lowercase() == **name);
+        channels().find_map(|channel| {
+            let (layer, last) = channel.rsplit_once('.').filter(|(layer, _)| is_named(layer))?;
+            let components = COMPONENTS.iter().find(|components| components[0] == last)?;
+            let all = components.map(|component| format!("{layer}.{component}"));
+            all.iter().all(|name| float(header, name).is_some()).then_some(all)
+        })
+    };
+    names.iter().find_map(of_name)
+}
+
+/// Writes the denoised picture of a file: red, green and blue, with the header of the file as far as it is still true, and with what has
+/// denoised it. It has neither variance nor state, so that nothing takes it for a render.
+pub fn write_denoised(path: &Path, noisy: &NoisyFile, rgb: &[Rgb<f32>], denoiser: &str) -> Result<()> {
+    let mut own = LayerAttributes {
+        layer_name: None,
+        software_name: Some(text(concat!("gpu-rt ", env!("CARGO_PKG_VERSION")))),
+        comments: Some(text(COMMENTS)),
+        ..noisy.header.own_attributes.clone()
+    };
+    own.other.retain(|name, _| !OF_NOISE.contains(&decoded(name).as_str()));
+    let before = match own.other.get(&text(BIASES)).and_then(Attribute::of_exr) {
+        Some(Attribute::Text(before)) => format!("{before}, "),
+        _ => String::new(),
+    };
+    for (name, value) in [(BIASES, format!("{before}denoise")), (DENOISER, denoiser.to_string())] {
+        own.other.insert(text(name), Attribute::Text(value).to_exr());
+    }
+    let Vec2(width, _) = noisy.header.layer_size;
+    let pixel = |Vec2(x, y): Vec2<usize>| {
+        let [r, g, b] = rgb.get(y * width + x).copied().unwrap_or_default();
+        (r, g, b)
+    };
+    let encoding = Encoding { compression: OF_PICTURE, line_order: LineOrder::Increasing, ..Encoding::UNCOMPRESSED };
+    let layer = Layer::new(noisy.header.layer_size, own, encoding, SpecificChannels::rgb(pixel));
+    let image = Image { attributes: noisy.header.shared_attributes.clone(), layer_data: layer };
+    let write = |file: &mut File| {
+        image.write().to_buffered(BufWriter::new(&mut *file)).map_err(to_io)?;
+        sort_attributes(file, 1)
+    };
+    atomic::replace(path, write)
+}
