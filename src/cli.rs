@@ -56,6 +56,9 @@ pub enum Command {
 /// The interval of checkpoints where none is given.
 pub const CHECKPOINT: &str = "60s";
 
+/// Of `--oidn`.
+const OIDN: &str = "The folder of the library of Open Image Denoise [default: the environment's OIDN_DIR, or where the system finds it].";
+
 #[derive(Clone, Debug, Args)]
 pub struct RenderArgs {
     /// The scene file, or - for standard input.
@@ -91,6 +94,10 @@ pub struct RenderArgs {
     pub paths: PathArgs,
     #[command(flatten)]
     pub view: ViewArgs,
+    #[arg(long, conflicts_with = "watch", help = options::DENOISE.help(), help_heading = options::DENOISE.class.heading())]
+    pub denoise: bool,
+    #[arg(long, value_name = "FOLDER", requires = "denoise", help = OIDN, help_heading = options::DENOISE.class.heading())]
+    pub oidn: Option<PathBuf>,
     /// Draw the image so far, about once a second, and the image at the end in the terminal, as --exposure and --tonemap have it.
     #[arg(long)]
     pub preview: bool,
@@ -264,8 +271,8 @@ pub struct DenoiseArgs {
     /// Also write a tone-mapped picture of it, - for standard output.
     #[arg(long, value_name = "FILE.png")]
     pub png: Option<PathBuf>,
-    #[command(flatten)]
-    pub library: LibraryArgs,
+    #[arg(long, value_name = "FOLDER", help = OIDN)]
+    pub oidn: Option<PathBuf>,
     #[command(flatten)]
     pub view: ViewArgs,
     /// Print errors only.
@@ -274,14 +281,6 @@ pub struct DenoiseArgs {
     /// Print one JSON object on stdout.
     #[arg(long)]
     pub json: bool,
-}
-
-/// Where the library is that denoises.
-#[derive(Clone, Debug, Args)]
-pub struct LibraryArgs {
-    /// The folder of the library of Open Image Denoise [default: the environment's OIDN_DIR, or where the system finds it].
-    #[arg(long, value_name = "FOLDER")]
-    pub oidn: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]
@@ -347,6 +346,8 @@ pub struct TradeoffArgs {
     /// The settings to sweep, by their options' names [default: all].
     #[arg(long, value_name = "A,B,…", value_delimiter = ',')]
     pub knobs: Vec<String>,
+    #[arg(long, value_name = "FOLDER", help = OIDN)]
+    pub oidn: Option<PathBuf>,
     /// The folder for index.html, plot.svg, tradeoff.csv and tradeoff.json; created if missing [default: SCENE-tradeoff].
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,

@@ -318,7 +318,7 @@ impl Knob {
 
     /// The option as it is given: `--clamp 10`.
     pub fn option(&self, value: &str) -> String {
-        format!("--{} {value}", self.name)
+        format!("--{} {value}", self.name).trim_end().to_string()
     }
 
     /// The module that the option links.
@@ -566,6 +566,19 @@ pub const BUILD: Knob = Knob {
     class: Class::Exact,
     gives_up: "`fast` builds sooner and renders slower, `best` the reverse.",
     reading: word!(build: Quality),
+    links: None,
+};
+
+/// It leaves the image as it is, and writes another one beside it. So it is no knob of the image, and `tradeoff` sweeps it like one.
+pub const DENOISE: Knob = Knob {
+    name: "denoise",
+    about: "Also write NAME.denoised.exr beside NAME.exr, and with --png a picture of it: the image at the end without its noise, by Open Image \
+            Denoise. The image itself gets the channels albedo and normal.",
+    values: &[""],
+    default: None,
+    class: Class::Bias,
+    gives_up: "What is denoised loses detail that looks like noise, which biases the result.",
+    reading: None,
     links: None,
 };
 

@@ -47,7 +47,7 @@ pub fn run(args: &DenoiseArgs) -> Result<()> {
     let inputs = std::slice::from_ref(&args.image);
     let stdout = args.json.then_some("the report of --json");
     check_outputs(&images, &Beside { inputs, stdout, undone: "nothing has been denoised" })?;
-    let denoiser = Denoiser::open(args.library.oidn.as_deref())?;
+    let denoiser = Denoiser::open(args.oidn.as_deref())?;
     let target = Target { exr: args.output.clone(), png: args.png.clone(), view: args.view.transform() };
     let (denoised, size) = denoise(&denoiser, &args.image, &target, args.quiet)?;
     if args.json {

@@ -35,6 +35,8 @@ const SAME_IMAGE: &[(&str, Option<&str>)] = &[
     ("aov-surface", Some("first")),
     ("aov-names", Some("blender")),
     ("watch", None),
+    ("denoise", None),
+    ("oidn", None),
     ("mixed-drivers", None),
     ("no-state", None),
     ("force", None),
@@ -50,9 +52,9 @@ const SAME_IMAGE: &[(&str, Option<&str>)] = &[
     ("profile", None),
 ];
 
-/// Those of them that are in every command line here, need a terminal ([`terminal`](../program/terminal.rs) has one), or do not end
-/// ([`watch`](../program/watch.rs) compares their images).
-const ELSEWHERE: &[&str] = &["scene", "output", "device", "preview", "watch"];
+/// Those of them that are in every command line here, need a terminal ([`terminal`](../program/terminal.rs) has one) or a library
+/// ([`denoise`](../program/denoise.rs)), or do not end ([`watch`](../program/watch.rs) compares their images).
+const ELSEWHERE: &[&str] = &["scene", "output", "device", "preview", "watch", "denoise", "oidn"];
 
 /// Options that say which samples there are, and when they are enough. How many there are is the knob `spp`.
 const WHICH_SAMPLES: &[&str] = &["seed", "samples", "crop", "time", "noise", "resume"];

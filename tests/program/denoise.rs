@@ -189,6 +189,66 @@ fn a_denoised_render_keeps_what_is_still_true_of_it_and_is_no_render() {
     assert!(!place.says("compare sphere.exr sphere.exr").exits(0).stderr.contains("denoised"));
 }
 
+/// The image is that of a plain render with the two channels, to the byte but for its command line and its times.
+#[test]
+fn a_render_denoises_what_it_has_written() {
+    let place = Place::new();
+    let oidn = oidn::folder();
+    let oidn = oidn.to_str().expect("UTF-8");
+    let before = place.render(&["-o", "plain.exr", "--aov", "albedo,normal", "--png", "plain.png"]).exits(0);
+    assert!(!before.stderr.contains("denois"), "{}", before.stderr);
+    let ran = place.render(&["--denoise", "--oidn", oidn, "--png", "a.png", "--json"]).exits(0);
+    assert_eq!(
+        place.files(),
+        ["a.denoised.png", "a.png", "plain.exr", "plain.png", "sphere.denoised.exr", "sphere.exr"]
+    );
+    let [raw, plain] = ["sphere.exr", "plain.exr"].map(|name| place.exr(name));
+    assert_eq!((&raw.rgb, &raw.variance), (&plain.rgb, &plain.variance));
+    let [raw, plain] = ["a.png", "plain.png"].map(|name| fs::read(at(&place, name)).unwrap());
+    assert!(raw == plain, "the picture of the render is not denoised");
+    let json = ran.json();
+    let denoised = &json["denoised"];
+    assert_eq!((&denoised["output"], &denoised["png"]), (&"sphere.denoised.exr".into(), &"a.denoised.png".into()));
+    assert_eq!(denoised["layers"], serde_json::json!(["albedo", "normal"]));
+    assert_eq!((&denoised["biases"], &json["biases"]), (&serde_json::json!(["denoise"]), &serde_json::json!([])));
+    assert!(ran.stderr.contains("warning: denoising biases the result"), "{}", ran.stderr);
+    assert!(ran.last_line().starts_with("sphere.exr: 16 samples"), "{}", ran.stderr);
+    // What `denoise` makes of the file is the same.
+    denoise(&place, "sphere.exr -o again.exr --png again.png").exits(0);
+    assert_eq!(place.exr("again.exr"), place.exr("sphere.denoised.exr"));
+    assert!(fs::read(at(&place, "again.png")).unwrap() == fs::read(at(&place, "a.denoised.png")).unwrap());
+    let blender = ["--denoise", "--oidn", oidn, "--aov-names", "blender", "--no-state", "-o", "blender.exr", "--json"];
+    let json = place.render(&blender).exits(0).json();
+    assert_eq!(json["denoised"]["layers"], serde_json::json!(["albedo", "normal"]));
+    assert_eq!(place.exr("blender.denoised.exr").rgb, place.exr("again.exr").rgb);
+
+    // It can be resumed, and only what has come to its end is denoised.
+    place.render(&["--denoise", "--oidn", oidn, "--resume", "--spp", "32"]).exits(0);
+    assert_eq!(attribute(&place.exr("sphere.exr"), "gpu-rt:samples"), "0..32");
+    assert_eq!(attribute(&place.exr("sphere.denoised.exr"), "gpu-rt:samples"), "0..32");
+
+    // What cannot be is refused before rendering.
+    let endless = ["--spp", crate::place::ENDLESS];
+    let files = place.files();
+    for (line, words, code) in [
+        ("--denoise --oidn missing", "missing: neither it", 1),
+        ("--denoise -o b.png", "--denoise reads the EXR that the render writes", 2),
+        ("--denoise -o -", "--denoise reads the EXR that the render writes", 2),
+        ("--denoise -o c.exr --png c.denoised.png --oidn .", "neither it nor its folder", 1),
+        ("--denoise --watch", "cannot be used with", 2),
+        ("--oidn .", "--denoise", 2),
+    ] {
+        let words_of_line: Vec<&str> = line.split_whitespace().collect();
+        let ran = place.render(&[&endless[..], &words_of_line].concat()).exits(code);
+        assert!(ran.stderr.contains(words), "{line}: {}", ran.stderr);
+        assert_eq!(place.files(), files, "{line}");
+    }
+    // The name of the denoised image is taken, by a folder.
+    fs::create_dir(at(&place, "d.denoised.exr")).unwrap();
+    let ran = place.render(&[&endless[..], &["--denoise", "-o", "d.exr"]].concat()).exits(2);
+    assert!(ran.stderr.contains("d.denoised.exr: cannot write: it is a folder"), "{}", ran.stderr);
+}
+
 #[test]
 fn windows_stay_where_they_are() {
     let place = Place::new();

@@ -34,6 +34,7 @@ fn renders_and_their_parts_have_the_keys_and_attributes_that_are_documented() {
         json("--samples 0..16 -o c.exr"),
         json("--time 1ms -o time.exr"),
         json("--noise 0.9 --spp 16 -o a.exr"),
+        json(&format!("--png d.png -o d.exr --denoise --oidn {}", oidn::folder().display())),
     ];
     compare("### `render --json`", &renders);
     let denoise = "denoise a.exr -o denoised.exr --png denoised.png --json --oidn";

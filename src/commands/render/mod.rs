@@ -1,6 +1,7 @@
 //! `gpu-rt render`: from a scene file to an image file.
 
 mod changes;
+mod denoising;
 mod record;
 mod resume;
 mod session;
@@ -16,7 +17,8 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 use serde_json::json;
 
-use super::outputs::{Beside, EXR_OR_PNG, OutputImage, PNG, check_outputs};
+use super::denoise::Denoised;
+use super::outputs::{Beside, EXR, EXR_OR_PNG, OutputImage, PNG, check_outputs};
 use super::scene::stem_of;
 use super::signals::Signals;
 use super::{flatten_for, open_devices, print_json, tell, tell_biases, tell_software};
@@ -39,6 +41,7 @@ use crate::render::{Outcome, Renderer};
 use crate::scene::{Camera, Scene};
 use crate::threads::beside;
 use changes::Changes;
+use denoising::{Denoising, WANTED, beside as denoised_beside, picture_beside};
 use record::{About, report};
 pub use record::{Finish, attributes_of, excluded};
 use resume::Accumulation;
@@ -105,6 +108,11 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     }
     let mut session = Session::default();
     let scene = session.load(args)?;
+    if args.denoise {
+        let mut args = args.clone();
+        args.options.aov.include(&WANTED);
+        return render(&args, &scene, &mut session, start);
+    }
     render(args, &scene, &mut session, start)
 }
 
@@ -123,6 +131,7 @@ fn render(args: &RenderArgs, scene: &Scene, session: &mut Session, start: Instan
     tell_warnings(&warnings);
     let biases = tell_biases(&args.options, args.paths.max_depth, scene, args.quiet);
     let output = output_of(args, scene)?;
+    let denoising = Denoising::of(args, &output)?;
     seconds.load = clock.lap();
 
     // The driver loads while the scene is built; `device` is the time that it takes beyond. A scene that does not load waits for no driver.
@@ -220,6 +229,9 @@ fn render(args: &RenderArgs, scene: &Scene, session: &mut Session, start: Instan
         Err(error) => return Err(task.failed(&about, &film, &finish, &seconds, &rendering, error)),
     }
     seconds.write = clock.lap();
+    if let Some((denoising, exr)) = denoising.as_ref().zip(output.exr()).filter(|_| complete) {
+        rendering.denoised = Some(denoising.write(exr, args.quiet)?);
+    }
 
     // The report has the passes alone, from the first to the last.
     seconds.render = outcome.seconds;
@@ -277,6 +289,7 @@ struct Rendering {
     kept: bool,
     /// The samples of each pixel that the file has, if it stays as it was because these are more.
     stays: Option<u64>,
+    denoised: Option<Denoised>,
     viewers: Viewers,
 }
 
@@ -522,7 +535,19 @@ fn output_of<'a>(args: &'a RenderArgs, scene: &Scene) -> Result<Output<'a>> {
     let format = format_of(&image, EXR_OR_PNG).unwrap_or(Format::Exr);
     let first = OutputImage { option: "-o", path: &image, formats: EXR_OR_PNG };
     let second = png.map(|path| OutputImage { option: "--png", path, formats: PNG });
-    let images: Vec<OutputImage<'_>> = std::iter::once(first).chain(second).collect();
+    let denoised = args.denoise.then(|| denoised_beside(&image));
+    let denoised_png = png.filter(|_| args.denoise).and_then(picture_beside);
+    let third = denoised.as_ref().map(|path| OutputImage { option: "-o", path, formats: EXR });
+    let fourth = denoised_png.as_ref().map(|path| OutputImage { option: "--png", path, formats: PNG });
+    let can_be_replaced = can_be_replaced(&image);
+    if args.denoise && (format == Format::Png || !can_be_replaced) {
+        return Err(Error::Usage(format!(
+            "{}: --denoise reads the EXR that the render writes: give -o {}; nothing has been rendered",
+            image.display(),
+            exr_of_scene(args).display()
+        )));
+    }
+    let images: Vec<OutputImage<'_>> = std::iter::once(first).chain(second).chain(third).chain(fourth).collect();
     let stdout = args.json.then_some("the report of --json");
     check_outputs(&images, &Beside { inputs: &scene.inputs(), stdout, undone: "nothing has been rendered" })?;
     if format == Format::Png {
@@ -541,7 +566,6 @@ fn output_of<'a>(args: &'a RenderArgs, scene: &Scene) -> Result<Output<'a>> {
             return refuse("-o and --png are both a PNG");
         }
     }
-    let can_be_replaced = can_be_replaced(&image);
     Ok(Output { image, format, can_be_replaced, png, view: args.view.transform() })
 }
 
@@ -559,7 +583,7 @@ fn frame_of(args: &RenderArgs, whole: (u32, u32)) -> Result<Frame> {
 
 fn job_of(args: &RenderArgs, scene: &Scene, size: (u32, u32), start: Instant) -> Job {
     let samples = args.samples.clone().unwrap_or(0..args.spp.unwrap_or(scene.render.samples));
-    let deadline = args.time.map(|time| start + time.saturating_sub(write_time(size, !args.no_state)));
+    let deadline = args.time.map(|time| start + time.saturating_sub(write_time(size, args)));
     let end = args.spp.unwrap_or(MOST_SAMPLES as u32);
     let goal = match (args.noise, deadline) {
         (None, None) => Goal::Samples(samples.end),
@@ -576,8 +600,10 @@ fn job_of(args: &RenderArgs, scene: &Scene, size: (u32, u32), start: Instant) ->
 }
 
 /// What developing and writing the image is allowed for under `--time`: measured as 0.15 to 0.5 µs a pixel on two cores, and 0.5 to 0.6 µs more
-/// with the state.
-fn write_time((width, height): (u32, u32), state: bool) -> Duration {
-    let each = if state { 1100 } else { 500 };
-    Duration::from_nanos(u64::from(width) * u64::from(height) * each) + Duration::from_millis(20)
+/// with the state; denoising takes 2 to 4 µs.
+fn write_time((width, height): (u32, u32), args: &RenderArgs) -> Duration {
+    let state = if args.no_state { 0 } else { 600 };
+    let denoise = if args.denoise { 4000 } else { 0 };
+    let pixels = u64::from(width) * u64::from(height);
+    Duration::from_nanos(pixels * (500 + state + denoise)) + Duration::from_millis(20)
 }

@@ -7,6 +7,7 @@ use super::summary::overrun;
 use super::{Output, Rendering, Seconds};
 use crate::aov::Aov;
 use crate::cli::RenderArgs;
+use crate::commands::denoise::Denoised;
 use crate::commands::{command_line, path_text};
 use crate::film::{ErrorEstimate, Film, ThroughGlass, TooDeep, Totals};
 use crate::gpu::device::Device;
@@ -286,6 +287,8 @@ pub struct RenderReport<'a> {
     resumed_from: Option<u64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     output_samples: Option<u64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    denoised: Option<&'a Denoised>,
     #[serde(flatten)]
     record: Record<'a>,
     features: String,
@@ -321,6 +324,7 @@ pub fn report<'a>(
         samples_per_pixel: finish.samples.count(),
         resumed_from: about.resumed_from,
         output_samples: rendering.stays,
+        denoised: rendering.denoised.as_ref(),
         record: about.record(finish, seconds),
         features: about.args.options.features.to_string(),
         software: about.devices.iter().any(|device| device.name.software),

@@ -29,7 +29,7 @@ pub struct NoisyFile {
 
 /// Names of the layers with the albedo and with the normal, the likeliest first: this program's, those of others, and Blender's. The
 /// names of other layers and points can precede them.
-const ALBEDOS: [&str; 2] = ["albedo", "denoising albedo"];
+const ALBEDOS: [&str; 3] = ["albedo", "denoising albedo", "diffcol"];
 const NORMALS: [&str; 3] = ["n", "normal", "denoising normal"];
 const COMPONENTS: [Rgb<&str>; 2] = [["R", "G", "B"], ["X", "Y", "Z"]];
 

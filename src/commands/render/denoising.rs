@@ -1,0 +1,54 @@
+//! `--denoise`: the denoised image beside that of the render.
+
+use std::path::{Path, PathBuf};
+
+use super::{Output, can_be_replaced};
+use crate::aov::Aov;
+use crate::cli::RenderArgs;
+use crate::commands::denoise::{Denoised, Target, denoise};
+use crate::denoise::Denoiser;
+use crate::error::{Error, Result};
+
+/// The channels that a denoiser wants.
+pub const WANTED: [Aov; 2] = [Aov::Albedo, Aov::Normal];
+
+/// What denoises, and where the result goes.
+pub struct Denoising {
+    denoiser: Denoiser,
+    target: Target,
+}
+
+impl Denoising {
+    /// Loads the library before anything costs time; nothing where nobody asks for it.
+    pub fn of(args: &RenderArgs, output: &Output<'_>) -> Result<Option<Denoising>> {
+        if !args.denoise {
+            return Ok(None);
+        }
+        let undone = |error: Error| Error::Denoiser(format!("{error}. Nothing has been rendered"));
+        let denoiser = Denoiser::open(args.oidn.as_deref()).map_err(undone)?;
+        let (exr, png) = (beside(&output.image), output.png.and_then(picture_beside));
+        Ok(Some(Denoising { denoiser, target: Target { exr, png, view: output.view } }))
+    }
+
+    /// Denoises the image of the render, which its file holds.
+    pub fn write(&self, exr: &Path, quiet: bool) -> Result<Denoised> {
+        let held = |error: Error| match error {
+            Error::Denoiser(words) => {
+                Error::Denoiser(format!("{words}. {} holds the image with its noise", exr.display()))
+            }
+            error => error,
+        };
+        denoise(&self.denoiser, exr, &self.target, quiet).map(|(denoised, _)| denoised).map_err(held)
+    }
+}
+
+/// The name of the denoised image: NAME.denoised.exr of NAME.exr.
+pub fn beside(image: &Path) -> PathBuf {
+    let ending = image.extension().map(|ending| ending.to_string_lossy().into_owned()).unwrap_or_default();
+    image.with_extension(format!("denoised.{ending}"))
+}
+
+/// The same of the picture. A pipe gets one picture, that of the render.
+pub fn picture_beside(png: &Path) -> Option<PathBuf> {
+    can_be_replaced(png).then(|| beside(png))
+}
