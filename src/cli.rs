@@ -43,6 +43,8 @@ pub enum Command {
     Plan(PlanArgs),
     /// Validate a scene without a GPU.
     Check(CheckArgs),
+    /// Write a glTF scene as a scene file of our own form, which renders to the same image.
+    Convert(ConvertArgs),
     /// List the devices, their drivers and limits.
     Devices(DevicesArgs),
     /// Print what a shell needs to complete command lines.
@@ -61,8 +63,10 @@ const OIDN: &str = "The folder of the library of Open Image Denoise [default: th
 
 #[derive(Clone, Debug, Args)]
 pub struct RenderArgs {
-    /// The scene file, or - for standard input.
+    /// The scene: a .ron, .glb or .gltf file, or - for a .ron on standard input.
     pub scene: PathBuf,
+    #[command(flatten)]
+    pub gltf: GltfArgs,
     /// The image to write: a linear .exr, or a .png, which is the picture alone and cannot be resumed. - is a PNG on standard output
     /// [default: the scene's name with .exr, in the current folder].
     #[arg(short, long, value_name = "FILE")]
@@ -141,6 +145,19 @@ pub struct RenderArgs {
     pub profile: bool,
 }
 
+/// What a glTF file leaves open.
+#[derive(Clone, Debug, Default, Args)]
+pub struct GltfArgs {
+    /// Of a .glb or .gltf: the camera, by its name or that of its node [default: the first one].
+    #[arg(long, value_name = "NAME", help_heading = GLTF)]
+    pub camera: Option<String>,
+    /// Of a .glb or .gltf: an image of the sky, as `background: Image` takes it.
+    #[arg(long, value_name = "FILE", help_heading = GLTF)]
+    pub sky: Option<PathBuf>,
+}
+
+const GLTF: &str = "Scenes that are glTF";
+
 /// Who runs the processes.
 #[derive(Debug, Subcommand)]
 pub enum Scheduler {
@@ -153,6 +170,8 @@ pub struct SubmitArgs {
     /// The scene file. It is copied, and so are the files that it names by relative paths.
     #[arg(required_unless_present_any = ["missing", "next"])]
     pub scene: Option<PathBuf>,
+    #[command(flatten)]
+    pub gltf: GltfArgs,
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_SAMPLES),
           help = options::SPP.help(), help_heading = options::SPP.class.heading())]
     pub spp: Option<u32>,
@@ -195,7 +214,7 @@ pub struct SubmitArgs {
 
 /// The arguments of `submit` that a folder has already.
 fn of_a_new_folder() -> impl Iterator<Item = &'static str> {
-    let own = ["scene", "spp", "noise", "parts", "output", "size", "checkpoint", "mixed_drivers"];
+    let own = ["scene", "camera", "sky", "spp", "noise", "parts", "output", "size", "checkpoint", "mixed_drivers"];
     own.into_iter().chain(["max_depth", "seed", "device"]).chain(RenderOptions::names())
 }
 
@@ -335,8 +354,10 @@ pub struct StatusArgs {
 
 #[derive(Debug, Args)]
 pub struct TradeoffArgs {
-    /// The scene file, or - for standard input.
+    /// The scene: a .ron, .glb or .gltf file, or - for a .ron on standard input.
     pub scene: PathBuf,
+    #[command(flatten)]
+    pub gltf: GltfArgs,
     /// The time limit, compiling included.
     #[arg(long, value_name = "TIME", value_parser = duration, default_value = "120s")]
     pub budget: Duration,
@@ -367,8 +388,10 @@ pub struct TradeoffArgs {
 
 #[derive(Debug, Args)]
 pub struct ConvergeArgs {
-    /// The scene file, or - for standard input.
+    /// The scene: a .ron, .glb or .gltf file, or - for a .ron on standard input.
     pub scene: PathBuf,
+    #[command(flatten)]
+    pub gltf: GltfArgs,
     /// The reference image, from any renderer. The render has its size.
     #[arg(long, value_name = "R.exr")]
     pub reference: PathBuf,
@@ -454,8 +477,10 @@ impl Metric {
 
 #[derive(Debug, Args)]
 pub struct PlanArgs {
-    /// The scene file, or - for standard input.
+    /// The scene: a .ron, .glb or .gltf file, or - for a .ron on standard input.
     pub scene: PathBuf,
+    #[command(flatten)]
+    pub gltf: GltfArgs,
     /// Write the linked shaders into this folder.
     #[arg(long, value_name = "DIR")]
     pub wgsl: Option<PathBuf>,
@@ -478,11 +503,24 @@ pub struct PlanArgs {
 
 #[derive(Debug, Args)]
 pub struct CheckArgs {
-    /// The scene file, or - for standard input.
+    /// The scene: a .ron, .glb or .gltf file, or - for a .ron on standard input.
     pub scene: PathBuf,
+    #[command(flatten)]
+    pub gltf: GltfArgs,
     /// Print one JSON object on stdout.
     #[arg(long)]
     pub json: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct ConvertArgs {
+    /// The .glb or .gltf file. Its meshes and images stay in it.
+    pub scene: PathBuf,
+    #[command(flatten)]
+    pub gltf: GltfArgs,
+    /// The scene file to write.
+    #[arg(short, long, value_name = "SCENE.ron")]
+    pub output: PathBuf,
 }
 
 #[derive(Debug, Args)]

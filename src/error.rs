@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::printable::one_line;
 
-/// A place in a text file. Lines and columns count from 1; columns count characters.
+/// A place in a text file. Lines and columns count from 1; columns count characters. Of a file that is no text, both are 0.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Location {
     pub file: PathBuf,
@@ -15,7 +15,11 @@ pub struct Location {
 
 impl fmt::Display for Location {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}:{}:{}", path_on_one_line(&self.file), self.line, self.column)
+        let file = path_on_one_line(&self.file);
+        match self.line {
+            0 => f.write_str(&file),
+            line => write!(f, "{file}:{line}:{}", self.column),
+        }
     }
 }
 

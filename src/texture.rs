@@ -26,8 +26,10 @@ pub enum Texture {
         odd: Colour,
     },
     Image {
-        #[serde(skip_serializing)]
         path: String,
+        /// What its colours are multiplied by.
+        #[serde(default = "white")]
+        tint: Colour,
     },
     Noise {
         scale: f64,
@@ -35,6 +37,10 @@ pub enum Texture {
     Marble {
         scale: f64,
     },
+}
+
+fn white() -> Colour {
+    Colour::ONE
 }
 
 /// The properties that all textures of a kind share.
@@ -54,6 +60,8 @@ const fn colour(name: &'static str, about: &'static str) -> Field {
     Field::new(name, Takes::Colour(Range::ANY), about)
 }
 
+const TINT: Field =
+    Field::new("tint", Takes::Colour(Range::ANY), "What its colours are multiplied by.").or("(1, 1, 1)");
 const SIDE: Field = Field::new("scale", Takes::Number(Range::POSITIVE, SCENE_UNITS), "The side of a cube.");
 const FREQUENCY: Field = Field::new(
     "scale",
@@ -92,11 +100,15 @@ kinds! {
         form: Form {
             name: "Image",
             about: "An image on the surface: u to the right, v up. A mesh needs texture coordinates for it; a medium has none.",
-            fields: &[Field::new(
-                "path",
-                Takes::Other(PATH),
-                "A PNG, JPEG, BMP, TGA, TIFF or WebP in sRGB, or a linear HDR or EXR.",
-            )],
+            fields: &[
+                Field::new(
+                    "path",
+                    Takes::Other(PATH),
+                    "A PNG, JPEG, BMP, TGA, TIFF or WebP in sRGB, or a linear HDR or EXR; or an image of a glTF file, \
+                     such as `room.glb#images/0`.",
+                ),
+                TINT,
+            ],
             in_order: false,
             example: "Image(path: \"textures/planet.png\")",
         },
@@ -151,8 +163,8 @@ pub enum Use {
 }
 
 /// The largest radiance, and the smallest other than zero. Both are normal numbers in f32.
-const LARGEST_RADIANCE: f64 = 1e30;
-const SMALLEST_RADIANCE: f64 = 1e-30;
+pub const LARGEST_RADIANCE: f64 = 1e30;
+pub const SMALLEST_RADIANCE: f64 = 1e-30;
 /// Faint texels count if they are at least one in this number of an image's lit texels. Fewer may be artefacts of the encoding.
 const TEXELS_EACH: usize = 100;
 
@@ -175,15 +187,19 @@ impl Use {
         { channels }.try_for_each(|(index, channel)| self.range().check(&at.index(index), name, NO_UNIT, channel))
     }
 
-    /// Refuses an image with a texel out of range, and names the first one.
-    pub fn check_texels(self, bitmap: &Bitmap) -> std::result::Result<(), String> {
+    /// Refuses an image with a texel out of range, and names the first one; also one that `tint` makes too bright.
+    pub fn check_texels(self, bitmap: &Bitmap, tint: Colour) -> std::result::Result<(), String> {
         let (expected, range): (_, RangeInclusive<f32>) = match self {
             Use::Albedo => ("an albedo from 0 to 1", 0.0..=1.0),
             Use::Radiance => ("a radiance from 0 to 1e30", 0.0..=LARGEST_RADIANCE as f32),
         };
         let fits = |texel: &[f32; 3]| texel.iter().all(|c| range.contains(c));
         let Some(index) = bitmap.texels.iter().position(|texel| !fits(texel)) else {
-            return Ok(());
+            let brightest = if tint.max_element() > 1.0 { bitmap.brightest(tint) } else { 0.0 };
+            return match brightest > f64::from(*range.end()) {
+                true => Err(format!("expected {expected}, found {brightest:?} with its tint")),
+                false => Ok(()),
+            };
         };
         let [r, g, b] = bitmap.texels.get(index).copied().unwrap_or_default();
         let (x, y) = (index % bitmap.width as usize, index / bitmap.width as usize);
@@ -191,15 +207,20 @@ impl Use {
     }
 }
 
+/// The largest channel of a texel, multiplied by `tint`.
+fn largest(tint: Colour, texel: &[f32; 3]) -> f64 {
+    (tint * DVec3::from_array(texel.map(f64::from))).max_element().max(0.0)
+}
+
 impl Bitmap {
-    /// The largest channel of all texels.
-    pub fn brightest(&self) -> f64 {
-        self.texels.iter().flatten().fold(0.0, |most, &x| f64::from(x).max(most))
+    /// The largest channel of all texels, each multiplied by `tint`.
+    pub fn brightest(&self, tint: Colour) -> f64 {
+        self.texels.iter().map(|texel| largest(tint, texel)).fold(0.0, f64::max)
     }
 
     /// The brightest of the texels that are too faint but not black, if they are many.
-    pub fn faint_part(&self, is_faint: impl Fn(f64) -> bool) -> Option<f64> {
-        let texels = self.texels.iter().map(|texel| texel.iter().fold(0.0, |most, &x| f64::from(x).max(most)));
+    pub fn faint_part(&self, tint: Colour, is_faint: impl Fn(f64) -> bool) -> Option<f64> {
+        let texels = self.texels.iter().map(|texel| largest(tint, texel));
         let lit = texels.filter(|x| *x > 0.0);
         let (count, faint, brightest) = lit.fold((0, 0, 0.0_f64), |(count, faint, brightest), x| match is_faint(x) {
             true => (count + 1, faint + 1, brightest.max(x)),
@@ -220,7 +241,7 @@ impl Texture {
                 usage.check(&at.field("even"), *even)?;
                 usage.check(&at.field("odd"), *odd)
             }
-            Texture::Image { .. } => Ok(()),
+            Texture::Image { tint, .. } => usage.check(&at.field(TINT.name), *tint),
             Texture::Noise { scale } | Texture::Marble { scale } => FREQUENCY.check(&at, *scale),
         }
     }
@@ -236,7 +257,7 @@ impl Texture {
     /// The path of its image, which needs texture coordinates.
     pub fn image(&self) -> Option<&String> {
         match self {
-            Texture::Image { path } => Some(path),
+            Texture::Image { path, .. } => Some(path),
             Texture::Rgb(..) | Texture::Checker { .. } | Texture::Noise { .. } | Texture::Marble { .. } => None,
         }
     }
@@ -251,7 +272,7 @@ impl Texture {
         match self {
             Texture::Rgb(r, g, b) => r.max(*g).max(*b),
             Texture::Checker { even, odd, .. } => even.max(*odd).max_element(),
-            Texture::Image { path } => bitmaps.get(path).map_or(0.0, Bitmap::brightest),
+            Texture::Image { path, tint } => bitmaps.get(path).map_or(0.0, |bitmap| bitmap.brightest(*tint)),
             Texture::Noise { .. } | Texture::Marble { .. } => 1.0,
         }
     }
@@ -261,9 +282,9 @@ impl Texture {
         match self {
             Texture::Rgb(r, g, b) => luminance([*r, *g, *b]),
             Texture::Checker { even, odd, .. } => luminance((0.5 * (*even + *odd)).to_array()),
-            Texture::Image { path } => bitmaps.get(path).map_or(0.0, |bitmap| {
+            Texture::Image { path, tint } => bitmaps.get(path).map_or(0.0, |bitmap| {
                 let sum: DVec3 = bitmap.texels.iter().map(|t| DVec3::from_array(t.map(f64::from))).sum();
-                luminance((sum / bitmap.texels.len().max(1) as f64).to_array())
+                luminance((*tint * sum / bitmap.texels.len().max(1) as f64).to_array())
             }),
             Texture::Noise { .. } | Texture::Marble { .. } => 0.5,
         }
@@ -275,9 +296,9 @@ impl Texture {
             Texture::Rgb(r, g, b) => [*r, *g, *b].contains(&1.0),
             Texture::Checker { even, odd, .. } => even.max(*odd).max_element() == 1.0,
             // Single white texels deserve no warning.
-            Texture::Image { path } => bitmaps
-                .get(path)
-                .is_some_and(|image| (0..3).any(|channel| image.texels.iter().all(|texel| texel[channel] >= 1.0))),
+            Texture::Image { path, tint } => bitmaps.get(path).is_some_and(|image| {
+                (0..3).any(|channel| tint[channel] == 1.0 && image.texels.iter().all(|texel| texel[channel] >= 1.0))
+            }),
             Texture::Noise { .. } | Texture::Marble { .. } => false,
         }
     }
@@ -288,7 +309,7 @@ impl Texture {
             Texture::Checker { even, odd, .. } => {
                 [even, odd].map(|colour| colour.max_element()).into_iter().find(|radiance| is_faint(*radiance))
             }
-            Texture::Image { path } => bitmaps.get(path)?.faint_part(is_faint),
+            Texture::Image { path, tint } => bitmaps.get(path)?.faint_part(*tint, is_faint),
             Texture::Rgb(..) | Texture::Noise { .. } | Texture::Marble { .. } => None,
         }
     }
@@ -309,7 +330,8 @@ impl Texture {
                 texture.second = f32s(brightness * *odd);
             }
             Texture::Marble { scale } => texture.parameter = *scale as f32,
-            Texture::Image { path } => {
+            Texture::Image { path, tint } => {
+                texture.first = f32s(brightness * *tint);
                 if let Some(bitmap) = bitmaps.get(path) {
                     texture.texel = add_image(path, bitmap);
                     texture.width = bitmap.width;

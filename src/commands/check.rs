@@ -8,6 +8,7 @@ use crate::cli::CheckArgs;
 use crate::error::{Error, Result};
 use crate::gpu::buffers::too_large;
 use crate::options::RenderOptions;
+use crate::scene::Assets;
 
 /// Reads, validates and flattens the scene, links its kernels, and compares its buffers with the limits of this machine's device.
 pub fn run(args: &CheckArgs) -> Result<()> {
@@ -42,7 +43,7 @@ pub fn run(args: &CheckArgs) -> Result<()> {
 }
 
 fn examine(args: &CheckArgs) -> Result<(usize, Vec<String>)> {
-    let scene = load_scene(&args.scene, &mut |_, _, _| {})?;
+    let scene = load_scene(&args.scene, &args.gltf, &mut |_, _, _| {}, &mut Assets::default())?;
     // With the default options of `render`.
     let (size, flat) = flatten_for(&scene, None, &RenderOptions::default())?;
     let target = Target::find(None)?;
@@ -59,8 +60,8 @@ fn describe(error: &Error) -> serde_json::Value {
     match error {
         Error::Scene { location, field, message } => json!({
             "file": path_text(&location.file),
-            "line": location.line,
-            "column": location.column,
+            "line": (location.line > 0).then_some(location.line),
+            "column": (location.line > 0).then_some(location.column),
             "field": field,
             "message": message,
         }),

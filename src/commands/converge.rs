@@ -24,6 +24,7 @@ use crate::output::exr::{ExrImage, read_exr, read_state};
 use crate::output::plot::{Curve, Plot, Width, svg};
 use crate::plan::Plan;
 use crate::render::{Look, Next, Outcome, Renderer, empty_film};
+use crate::scene::Assets;
 
 /// The render after a number of samples.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -50,7 +51,7 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
         tell_denoised(&args.reference, &reference);
     }
     let own_error = error_of_reference(&reference);
-    let scene = load_scene(&args.scene, &mut |_, _, _| {})?;
+    let scene = load_scene(&args.scene, &args.gltf, &mut |_, _, _| {}, &mut Assets::default())?;
     let biases = tell_biases(&args.options, args.paths.max_depth, &scene, args.quiet);
     if reference.seed() == Some(args.paths.seed) && !args.quiet {
         tell(&format!(

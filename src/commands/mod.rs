@@ -4,6 +4,7 @@ mod check;
 mod compare;
 mod completions;
 mod converge;
+mod convert;
 mod denoise;
 mod develop;
 mod devices;
@@ -46,6 +47,7 @@ pub fn run(cli: &Cli, start: std::time::Instant) -> Result<()> {
         Command::Converge(args) => converge::run(args),
         Command::Plan(args) => plan::run(args),
         Command::Check(args) => check::run(args),
+        Command::Convert(args) => convert::run(args),
         Command::Tradeoff(args) => tradeoff::run(args, start),
         Command::Devices(args) => devices::run(args),
         Command::Completions(args) => completions::run(args),

@@ -12,11 +12,12 @@ use crate::error::{Error, Result};
 use crate::gpu::probe::numerics;
 use crate::output::atomic;
 use crate::plan::{Buffer, Constant, KernelReport, Module, PathField, Plan, Report, STEPS};
+use crate::scene::Assets;
 
 /// Prints the kernels and buffers, and the reason for each.
 pub fn run(args: &PlanArgs) -> Result<()> {
     args.wgsl.iter().try_for_each(|path| check_name(path, "a folder"))?;
-    let scene = load_scene(&args.scene, &mut |_, _, _| {})?;
+    let scene = load_scene(&args.scene, &args.gltf, &mut |_, _, _| {}, &mut Assets::default())?;
     let (size, flat) = flatten_for(&scene, args.size, &args.options)?;
     let target = Target::find(args.device.as_deref())?;
     let plan = planned(&scene, size, &flat, &target, &args.options)?;

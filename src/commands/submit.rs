@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Component, Path, PathBuf};
 
 use super::outputs::check_name;
+use super::scene::load_scene;
 use super::{make_folder, print_line, size_of};
 use crate::cli::{CHECKPOINT, MOST_SAMPLES, SubmitArgs, duration};
 use crate::error::{Error, Result};
@@ -12,7 +13,7 @@ use crate::jobs::slurm::{Ids, Slurm, forget_tries};
 use crate::jobs::{Asked, Folder, MERGE, RENDER, split};
 use crate::output::exr::{Attribute, attribute, read_attributes, read_state};
 use crate::render::LAST_LOOK;
-use crate::scene::Scene;
+use crate::scene::{Assets, Scene};
 
 /// Bytes of a pixel in an EXR with its state: 14 of a sample, 60 to 73 of 256 and 84 of 16,384 samples were measured, on several scenes.
 const PIXEL_BYTES: f64 = 80.0;
@@ -105,7 +106,7 @@ fn whole(path: &Path) -> Result<PathBuf> {
 
 /// Makes the folder with the copy of the scene.
 fn new_folder(args: &SubmitArgs, scene_path: &Path) -> Result<Folder> {
-    let scene = Scene::load_with(scene_path, &mut |_, _, _| {})?;
+    let scene = load_scene(scene_path, &args.gltf, &mut |_, _, _| {}, &mut Assets::default())?;
     let stem = text_of(Path::new(scene_path.file_stem().unwrap_or_default()))?;
     let (width, height) = size_of(&scene, args.size);
     let spp = args.spp.unwrap_or(scene.render.samples);
@@ -160,7 +161,7 @@ fn new_folder(args: &SubmitArgs, scene_path: &Path) -> Result<Folder> {
         round: most.map(|_| count),
         width,
         height,
-        options: words_of(args, (width, height)),
+        options: words_of(args, (width, height))?,
         sbatch: args.sbatch.clone(),
         ..Asked::default()
     };
@@ -168,10 +169,14 @@ fn new_folder(args: &SubmitArgs, scene_path: &Path) -> Result<Folder> {
 }
 
 /// The options of each part, as words of the command line.
-fn words_of(args: &SubmitArgs, (width, height): (u32, u32)) -> Vec<String> {
+fn words_of(args: &SubmitArgs, (width, height): (u32, u32)) -> Result<Vec<String>> {
     let mut words = Vec::new();
+    let sky = args.gltf.sky.as_ref().map(|path| whole(path)).transpose()?;
+    let sky = sky.map(|path| text_of(&path).map(str::to_string)).transpose()?;
     let mut add =
         |name: &str, value: Option<String>| words.extend(value.into_iter().flat_map(|value| [name.to_string(), value]));
+    add("--camera", args.gltf.camera.clone());
+    add("--sky", sky);
     add("--size", args.size.map(|_| format!("{width}x{height}")));
     add("--max-depth", args.paths.max_depth.map(|depth| depth.to_string()));
     add("--seed", (args.paths.seed != 0).then(|| args.paths.seed.to_string()));
@@ -180,7 +185,7 @@ fn words_of(args: &SubmitArgs, (width, height): (u32, u32)) -> Vec<String> {
     add("--checkpoint", (!is_default).then(|| args.checkpoint.as_secs_f64().to_string()));
     words.extend(args.options.words());
     words.extend(args.mixed_drivers.then(|| "--mixed-drivers".to_string()));
-    words
+    Ok(words)
 }
 
 /// The files of a scene.

@@ -19,7 +19,7 @@ use crate::output::exr::{ExrImage, read_exr};
 use crate::output::plot::Width;
 use crate::output::png;
 use crate::output::progress::Loading;
-use crate::scene::Scene;
+use crate::scene::{Assets, Scene};
 use crate::tradeoff::extent::{FEWEST_PIXELS, Whole, calibrate, middle_of, pixels_for, pixels_ratio, size_of};
 use crate::tradeoff::judge::{Judged, Measured, judge};
 use crate::tradeoff::page::{html, plot};
@@ -50,7 +50,7 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     let stop = || signals.came();
     args.reference.iter().try_for_each(|path| check_name(path, "an EXR"))?;
     args.output.iter().try_for_each(|path| check_name(path, "a folder"))?;
-    let mut scene = load_scene(&args.scene, &mut |_, _, _| {})?;
+    let mut scene = load_scene(&args.scene, &args.gltf, &mut |_, _, _| {}, &mut Assets::default())?;
     let knobs = knobs_of(args)?;
     let reference = args.reference.as_deref().map(reference_of).transpose()?;
     if let Some((path, image)) = args.reference.as_deref().zip(reference.as_ref()).filter(|_| !args.quiet) {

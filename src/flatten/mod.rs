@@ -321,7 +321,7 @@ fn emissions(scene: &Scene, used: &[bool]) -> Vec<(Option<usize>, f64)> {
     let sky = match &scene.background {
         Background::Solid(colour) => colour.max_element(),
         Background::Gradient { bottom, top } => bottom.max(*top).max_element(),
-        Background::Image { path } => scene.bitmaps.get(path).map_or(0.0, Bitmap::brightest),
+        Background::Image { path } => scene.bitmaps.get(path).map_or(0.0, |bitmap| bitmap.brightest(DVec3::ONE)),
     };
     let light = |(number, (_, material)): (usize, &(String, Material))| {
         let emission = material.model().emission()?;

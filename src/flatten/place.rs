@@ -59,7 +59,9 @@ impl<'a> Finder<'a> {
     pub fn place(&mut self, object: &'a Object, to_world: &Similarity) {
         match object {
             Object::Transformed { by, object } => self.place(object, &to_world.after(&similarity(by))),
-            Object::Group(objects) => objects.iter().for_each(|object| self.place(object, to_world)),
+            Object::Group(objects) | Object::Gltf { objects, .. } => {
+                objects.iter().for_each(|object| self.place(object, to_world));
+            }
             Object::Medium { boundary, density, albedo, anisotropy } => {
                 // A medium without density has no effect.
                 if *density > 0.0

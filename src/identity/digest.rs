@@ -4,10 +4,11 @@ use std::collections::HashMap;
 use std::io::{self, Write};
 
 use serde::Serialize;
+use serde_json::Value;
 use sha2::{Digest, Sha256};
 
 use crate::gpu::link::{Embedded, Library};
-use crate::scene::{Background, Camera, Material, Mesh, Object, Scene};
+use crate::scene::{Background, Camera, Mesh, Object, Scene};
 use crate::texture::Bitmap;
 
 /// A hash of all shaders.
@@ -24,12 +25,30 @@ pub fn of_shaders() -> String {
 /// A hash of what the scene file says, but for the image's size, the defaults of the render, the paths of files, and comments.
 pub fn of_scene(scene: &Scene) -> String {
     #[derive(Serialize)]
-    struct Says<'a>(&'a Camera, &'a Background, &'a [(String, Material)], &'a [Object]);
-    let says = Says(&scene.camera, &scene.background, &scene.materials, &scene.objects);
+    struct Says<'a>(&'a Camera, Value, Vec<Value>, &'a [Object]);
+    let materials = scene.materials.iter().map(without_paths).collect();
+    let says = Says(&scene.camera, without_paths(&scene.background), materials, &scene.objects);
     let mut hasher = Sha256::new();
     // Neither serialising these types nor a hasher can fail.
     let _ = serde_json::to_writer(io::BufWriter::with_capacity(1 << 16, &mut hasher), &says);
     hexadecimal(hasher)
+}
+
+/// What a value says, but for the paths of files in it.
+fn without_paths(value: &impl Serialize) -> Value {
+    fn strip(value: &mut Value) {
+        match value {
+            Value::Object(fields) => {
+                fields.retain(|name, _| name != "path");
+                fields.values_mut().for_each(strip);
+            }
+            Value::Array(values) => values.iter_mut().for_each(strip),
+            _ => {}
+        }
+    }
+    let mut value = serde_json::to_value(value).unwrap_or_default();
+    strip(&mut value);
+    value
 }
 
 /// The images and meshes that the scene names, once for each place that names them, in the file's order: the path, and a hash of what was

@@ -1,10 +1,11 @@
 //! The images and meshes that a scene was read with. If it is read again, those whose files have not changed are taken from here.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::SystemTime;
 
+use super::gltf;
 use super::inputs::{Input, buffers};
 use super::mesh::Mesh;
 use super::types::Bitmap;
@@ -29,7 +30,7 @@ fn number(_: &std::fs::Metadata) -> u64 {
     0
 }
 
-/// The images and meshes of a scene, by the paths of their files.
+/// The images and meshes of a scene, by their paths: of files, or of parts of glTF files.
 #[derive(Default)]
 pub struct Assets {
     bitmaps: HashMap<PathBuf, Kept<Bitmap>>,
@@ -39,6 +40,12 @@ pub struct Assets {
     pub files: BTreeMap<PathBuf, Stamp>,
     /// How many images and meshes have been read since the start.
     pub read: usize,
+    /// The images and meshes that the scene names.
+    named: HashSet<PathBuf>,
+    /// What the files are, as they were noted: each names those that are read with it.
+    noted: HashMap<PathBuf, Vec<(PathBuf, Stamp)>>,
+    /// The glTF files that parts are read from.
+    pub(super) gltf: gltf::Files,
 }
 
 struct Kept<T> {
@@ -51,13 +58,21 @@ impl Assets {
     /// Begins to read a scene.
     pub(super) fn begin(&mut self, scene: &Path) {
         self.files = BTreeMap::from([(scene.to_owned(), stamp(scene))]);
+        self.named.clear();
+        self.noted.clear();
+        self.close();
+    }
+
+    /// Closes the files that are read from no more.
+    pub(super) fn close(&mut self) {
+        self.gltf = gltf::Files::default();
     }
 
     /// Ends it: what the scene does not name is dropped.
     pub(super) fn end(&mut self) {
-        let Assets { bitmaps, meshes, files, .. } = self;
-        bitmaps.retain(|path, _| files.contains_key(path));
-        meshes.retain(|path, _| files.contains_key(path));
+        let Assets { bitmaps, meshes, named, .. } = self;
+        bitmaps.retain(|path, _| named.contains(path));
+        meshes.retain(|path, _| named.contains(path));
     }
 
     /// How many there are.
@@ -65,12 +80,18 @@ impl Assets {
         self.bitmaps.len() + self.meshes.len()
     }
 
-    /// Notes that the scene names a file. The result is the file and those that it names, as they are.
+    /// Notes that the scene names a file, or a part of one. The result is the file and those that it names, as they are.
     pub(super) fn note(&mut self, path: &Path) -> Vec<(PathBuf, Stamp)> {
-        let file = Input { path: path.to_owned(), fixed: false };
+        self.named.insert(path.to_owned());
+        let path = gltf::split(path).0.into_owned();
+        if let Some(files) = self.noted.get(&path) {
+            return files.clone();
+        }
+        let file = Input { path: path.clone(), fixed: false };
         let others = buffers(&file).into_iter().map(|buffer| buffer.path);
         let files: Vec<_> = others.chain([file.path]).map(|path| (stamp(&path), path)).map(|(s, p)| (p, s)).collect();
         self.files.extend(files.iter().cloned());
+        self.noted.insert(path, files.clone());
         files
     }
 

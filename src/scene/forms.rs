@@ -225,6 +225,14 @@ pub const COMPOUNDS: &[Form] = &[
 ])",
     },
     Form {
+        name: "Gltf",
+        about: "What the default scene of a glTF file has, with its materials and transforms, without its cameras. Its materials have the \
+                names `PATH#NAME` for other objects. [gltf.md](gltf.md) says what is read.",
+        fields: &[Field::new("path", Takes::Other(PATH), "A .gltf or .glb.")],
+        in_order: false,
+        example: "Gltf(path: \"meshes/stool.glb\")",
+    },
+    Form {
         name: "Medium",
         about: "Fog or smoke of constant density inside a boundary, which itself is invisible. Where media overlap, their densities \
                 add. A medium whose boundary is also a glass surface fills the glass.",

@@ -1,9 +1,11 @@
 //! The files that a scene was read from.
 
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use super::Scene;
-use super::mesh::unescape;
+use super::gltf::{split, unescape};
+use super::types::Object;
 
 /// A file that a scene was read from.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -15,9 +17,24 @@ pub struct Input {
 
 /// The scene file, the images and meshes that it names, and the files that those name.
 pub fn inputs(scene: &Scene) -> Vec<Input> {
-    let mut inputs = vec![Input { path: scene.source.path().to_owned(), fixed: false }];
-    for name in scene.bitmaps.keys().chain(scene.meshes.keys()) {
-        let file = Input { path: scene.source.resolve(name), fixed: Path::new(name).is_absolute() };
+    let scene_file = Input { path: scene.source.path().to_owned(), fixed: false };
+    let mut inputs = vec![scene_file.clone()];
+    inputs.extend(buffers(&scene_file));
+    // Of the parts of a glTF file, each names it. An empty one has no part.
+    let mut names = Vec::new();
+    scene.visit_objects(&mut |_, object| {
+        if let Object::Gltf { path, .. } = object {
+            names.push(path.clone());
+        }
+    });
+    names.extend(scene.bitmaps.keys().chain(scene.meshes.keys()).cloned());
+    let mut known = HashSet::from([scene_file.path]);
+    for name in names {
+        let path = split(&scene.source.resolve(&name)).0.into_owned();
+        if !known.insert(path.clone()) {
+            continue;
+        }
+        let file = Input { path, fixed: Path::new(&name).is_absolute() };
         inputs.extend(buffers(&file));
         inputs.push(file);
     }

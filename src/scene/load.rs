@@ -11,14 +11,15 @@ use ron::extensions::Extensions;
 use serde::de::{Error as _, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
-use super::assets::Assets;
 use super::explain::{explain, hash_at_start};
 use super::file::Reading;
 use super::findings::Findings;
 use super::recover::{Parts, recover};
 use super::types::*;
-use super::{OnProgress, Scene, bitmap, mesh, validate};
+use super::write::relative;
+use super::{Assets, OnProgress, Scene, Wishes, bitmap, gltf, mesh, validate};
 use crate::error::{Error, Result};
+use crate::printable::one_line;
 use crate::source::{MOST_VALUES, Source};
 
 /// The longest scene file, in bytes. A scene of two million spheres is half as long.
@@ -42,6 +43,9 @@ struct SceneFile {
     render: RenderDefaults,
 }
 
+/// What a glTF scene has where nothing in it emits light: a sky from white at the horizon to blue above.
+const SKY: Background = Background::Gradient { bottom: Colour::ONE, top: Colour::new(0.5, 0.7, 1.0) };
+
 /// Reads the text of a scene file.
 pub fn read(path: &Path) -> Result<String> {
     text_of(File::open(path).map_err(|error| cannot_read(path, &error))?, path)
@@ -55,6 +59,10 @@ fn cannot_read(path: &Path, error: &io::Error) -> Error {
 pub fn text_of(reader: impl Read, path: &Path) -> Result<String> {
     let mut bytes = Vec::new();
     reader.take(LONGEST_FILE + 1).read_to_end(&mut bytes).map_err(|error| cannot_read(path, &error))?;
+    if bytes.starts_with(b"glTF") {
+        let message = "expected the text of a scene, found a glTF file: its name ends in .glb";
+        return Err(Source::new(String::new(), path).error(&[], message));
+    }
     String::from_utf8(bytes).map_err(|error| {
         let (good, rest) = error.as_bytes().split_at(error.utf8_error().valid_up_to());
         let bad = rest.first().copied().unwrap_or_default();
@@ -106,19 +114,123 @@ pub fn parse(mut text: String, path: &Path, progress: &mut OnProgress, assets: &
         render: file.render,
         bitmaps: Bitmaps::new(),
         meshes: BTreeMap::new(),
+        notes: Vec::new(),
         source,
     };
-    validate::validate(&scene, &mut findings);
+    add_gltf(&mut scene, &mut findings, progress, assets);
+    finish(&mut scene, findings, progress, assets)?;
+    Ok(scene)
+}
+
+/// Reads the contents of the glTF files that objects name.
+fn add_gltf(scene: &mut Scene, findings: &mut Findings, progress: &mut OnProgress, assets: &mut Assets) {
+    let mut paths = Vec::new();
+    scene.visit_objects(&mut |at, object| {
+        if let Object::Gltf { path, .. } = object
+            && !paths.iter().any(|(known, _)| known == path)
+        {
+            let file = scene.source.resolve(path);
+            assets.note(&file);
+            let read = match gltf::is_gltf(&file) {
+                true => assets.gltf.open(&file, progress).and_then(|file| file.contents(path, &format!("{path}#"))),
+                false => Err("expected a path that ends in .gltf or .glb".to_owned().into()),
+            };
+            let read =
+                read.map_err(|gltf::Broken { at: part, reason }| at.field("path").error_in(&file, &part, &reason));
+            paths.extend(findings.note(read).map(|contents| (path.clone(), contents)));
+        }
+    });
+    for (path, contents) in paths {
+        let file = scene.source.resolve(&path);
+        scene.notes.extend(contents.notes.iter().map(|note| format!("{}: {note}", one_line(&file.to_string_lossy()))));
+        scene.materials.extend(contents.materials);
+        fill(&mut scene.objects, &path, &contents.objects);
+    }
+}
+
+/// Gives the objects of a glTF file to those that name it.
+fn fill(objects: &mut [Object], name: &str, contents: &[Object]) {
+    for object in objects {
+        match object {
+            Object::Gltf { path, objects } if path == name => *objects = contents.to_vec(),
+            Object::Group(objects) => fill(objects, name, contents),
+            Object::Transformed { object, .. } => fill(std::slice::from_mut(object), name, contents),
+            _ => {}
+        }
+    }
+}
+
+/// The scene of a glTF file, as the scene file `to` would have it: paths are relative to its folder.
+pub fn of_gltf(
+    path: &Path,
+    to: &Path,
+    wishes: &Wishes,
+    progress: &mut OnProgress,
+    assets: &mut Assets,
+) -> Result<Scene> {
+    let source = Source::without_text(path);
+    let broken = |gltf::Broken { at, reason }: gltf::Broken| Error::Scene {
+        location: source.location(0),
+        field: if at.is_empty() { "glTF".to_owned() } else { at },
+        message: reason,
+    };
+    assets.note(path);
+    let seen = |file: &Path| match path == to {
+        true => file.file_name().map_or(file.to_owned(), Into::into),
+        false => relative(to.parent().unwrap_or(Path::new("")), file),
+    };
+    let name = seen(path).to_string_lossy().into_owned();
+    let mut contents = assets.gltf.open(path, progress).and_then(|file| file.contents(&name, "")).map_err(broken)?;
+    let view = contents.choose(wishes.camera.as_deref()).map_err(Error::Usage)?;
+    let has_view = view.is_some();
+    let (camera, image) = view.unwrap_or_else(|| gltf::framing((DVec3::ZERO, DVec3::ZERO)));
+    let background = match &wishes.sky {
+        Some(sky) if path == to => Background::Image { path: sky.clone() },
+        Some(sky) => Background::Image { path: seen(Path::new(sky)).to_string_lossy().into_owned() },
+        None if contents.emits() => Background::Solid(Colour::ZERO),
+        None => {
+            contents.notes.push(
+                "nothing in it emits light, so that a sky of white and blue does: give another with --sky FILE"
+                    .to_owned(),
+            );
+            SKY
+        }
+    };
+    let notes = contents.notes.iter().map(|note| format!("{}: {note}", source.location(0))).collect();
+    let mut scene = Scene {
+        image,
+        camera,
+        background,
+        materials: contents.materials,
+        objects: contents.objects,
+        render: RenderDefaults::default(),
+        bitmaps: Bitmaps::new(),
+        meshes: BTreeMap::new(),
+        notes,
+        source: Source::without_text(to),
+    };
+    finish(&mut scene, Findings::default(), progress, assets)?;
+    if !has_view {
+        scene.notes.push(format!("{}: it has no camera: one that sees all of it is used", source.location(0)));
+        (scene.camera, scene.image) = gltf::framing(gltf::bounds(&contents.placed, &scene.meshes));
+    }
+    Ok(scene)
+}
+
+/// Checks a scene, and reads its images and meshes.
+fn finish(scene: &mut Scene, mut findings: Findings, progress: &mut OnProgress, assets: &mut Assets) -> Result<()> {
+    validate::validate(scene, &mut findings);
     // Large files are not read for a scene that is refused, but all that are missing are named.
     let reading = if findings.is_empty() { Reading::Whole } else { Reading::IfThere };
-    scene.bitmaps = bitmap::load_all(&scene, reading, &mut findings, assets);
-    scene.meshes = mesh::load_all(&scene, reading, &mut findings, progress, assets);
+    scene.bitmaps = bitmap::load_all(scene, reading, &mut findings, assets);
+    scene.meshes = mesh::load_all(scene, reading, &mut findings, progress, assets);
+    assets.close();
     if findings.is_empty() && !scene.meshes.is_empty() {
-        validate::with_meshes(&scene, &mut findings);
+        validate::with_meshes(scene, &mut findings);
     }
     findings.end()?;
     assets.end();
-    Ok(scene)
+    Ok(())
 }
 
 /// How scene files are parsed.

@@ -10,6 +10,7 @@ mod explain;
 mod file;
 mod findings;
 pub mod forms;
+mod gltf;
 mod inputs;
 mod load;
 mod mesh;
@@ -19,6 +20,7 @@ pub mod types;
 mod validate;
 mod visit;
 mod warn;
+mod write;
 
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -48,7 +50,32 @@ pub struct Scene {
     pub bitmaps: Bitmaps,
     /// The meshes, by the paths that the scene file writes.
     pub meshes: BTreeMap<String, Arc<Mesh>>,
+    /// Warnings about what glTF files have and the scene does not.
+    notes: Vec<String>,
     source: Source,
+}
+
+/// What the command line asks of a scene that a glTF file describes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Wishes {
+    /// The name of a camera; the first one if nothing is asked.
+    pub camera: Option<String>,
+    /// The image of the sky.
+    pub sky: Option<String>,
+}
+
+impl Wishes {
+    /// Refuses what a scene of our own form says itself.
+    pub fn refuse(&self, path: &Path) -> Result<()> {
+        let asked = [("--camera", self.camera.is_some(), "camera"), ("--sky", self.sky.is_some(), "background")];
+        match asked.into_iter().find(|(_, is_asked, _)| *is_asked) {
+            Some((option, _, field)) => Err(Error::Usage(format!(
+                "{option} is for scenes that are .glb or .gltf: {} has its own {field}",
+                path.display()
+            ))),
+            None => Ok(()),
+        }
+    }
 }
 
 impl Scene {
@@ -66,8 +93,30 @@ impl Scene {
 
     /// The same, of a scene that may have been read before: images and meshes are taken from `assets` where their files have not changed.
     pub fn load_again(path: &Path, progress: &mut OnProgress, assets: &mut Assets) -> Result<Scene> {
+        Scene::load_as(path, &Wishes::default(), progress, assets)
+    }
+
+    /// The same, as the command line wishes it.
+    pub fn load_as(path: &Path, wishes: &Wishes, progress: &mut OnProgress, assets: &mut Assets) -> Result<Scene> {
         assets.begin(path);
+        if gltf::is_gltf(path) {
+            return load::of_gltf(path, path, wishes, progress, assets);
+        }
+        wishes.refuse(path)?;
         load::parse(load::read(path)?, path, progress, assets)
+    }
+
+    /// The scene of a glTF file, as the scene file `to` would have it.
+    pub fn of_gltf(path: &Path, to: &Path, wishes: &Wishes) -> Result<Scene> {
+        if !gltf::is_gltf(path) {
+            return Err(Error::Usage(format!("{}: expected a file that ends in .glb or .gltf", path.display())));
+        }
+        load::of_gltf(path, to, wishes, &mut |_, _, _| {}, &mut Assets::default())
+    }
+
+    /// The text of a scene file of this scene.
+    pub fn text(&self) -> String {
+        write::text(self).unwrap_or_default()
     }
 
     /// The same for the text that a reader gives, such as standard input. `path` is its name in errors, as for [`Scene::parse`].

@@ -49,7 +49,6 @@ pub enum Background {
     },
     /// Radiance in a latitude-longitude map, with +y at the top and -z in the middle.
     Image {
-        #[serde(skip_serializing)]
         path: String,
     },
 }
@@ -102,6 +101,13 @@ pub enum Object {
         object: Box<Object>,
     },
     Group(Vec<Object>),
+    /// What a glTF file has, with materials of its own.
+    Gltf {
+        #[serde(skip_serializing)]
+        path: String,
+        #[serde(default, skip_deserializing)]
+        objects: Vec<Object>,
+    },
     Medium {
         boundary: Box<Object>,
         /// The extinction coefficient, per unit of length.
@@ -135,7 +141,7 @@ impl Object {
             Object::Quad { .. } => Some(&quad::KIND),
             Object::Box { .. } => Some(&cuboid::KIND),
             Object::Mesh { .. } => Some(&mesh::KIND),
-            Object::Transformed { .. } | Object::Group(_) | Object::Medium { .. } => None,
+            Object::Transformed { .. } | Object::Group(_) | Object::Gltf { .. } | Object::Medium { .. } => None,
         }
     }
 
@@ -148,7 +154,7 @@ impl Object {
             Object::Quad { corner, u, v, .. } => Some(Shape::Quad(quad::Quad { corner: *corner, u: *u, v: *v })),
             Object::Box { min, max, .. } => Some(Shape::Cuboid(cuboid::Cuboid { min: *min, max: *max })),
             Object::Mesh { path, .. } => meshes.get(path.as_str()).map(Shape::Mesh),
-            Object::Transformed { .. } | Object::Group(_) | Object::Medium { .. } => None,
+            Object::Transformed { .. } | Object::Group(_) | Object::Gltf { .. } | Object::Medium { .. } => None,
         }
     }
 
@@ -157,6 +163,7 @@ impl Object {
         match self {
             Object::Transformed { .. } => "Transformed",
             Object::Group(_) => "Group",
+            Object::Gltf { .. } => "Gltf",
             Object::Medium { .. } => "Medium",
             shape => shape.kind().map_or("", |kind| kind.form.name),
         }
@@ -169,7 +176,7 @@ impl Object {
             | Object::Quad { material, .. }
             | Object::Box { material, .. }
             | Object::Mesh { material, .. } => material.as_deref(),
-            Object::Transformed { .. } | Object::Group(_) | Object::Medium { .. } => None,
+            Object::Transformed { .. } | Object::Group(_) | Object::Gltf { .. } | Object::Medium { .. } => None,
         }
     }
 }

@@ -148,7 +148,7 @@ fn object(known: &KnownNames, at: &Place, object: &Object, reach: Reach, finding
             let reach = transforms(&at.field("by"), by, reach, findings);
             self::object(known, &at.field("object"), inner, reach, findings);
         }
-        Object::Group(objects) => {
+        Object::Group(objects) | Object::Gltf { objects, .. } => {
             for (index, inner) in objects.iter().enumerate() {
                 self::object(known, &at.index(index), inner, reach, findings);
             }

@@ -12,7 +12,7 @@ pub fn visit(at: &Place, object: &Object, visitor: &mut dyn FnMut(&Place, &Objec
     match object {
         Object::Transformed { object, .. } => visit(&at.field("object"), object, visitor),
         Object::Medium { boundary, .. } => visit(&at.field("boundary"), boundary, visitor),
-        Object::Group(objects) => {
+        Object::Group(objects) | Object::Gltf { objects, .. } => {
             objects.iter().enumerate().try_for_each(|(index, object)| visit(&at.index(index), object, visitor))
         }
         // A shape contains no other objects.

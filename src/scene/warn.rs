@@ -11,7 +11,7 @@ use crate::source::Place;
 pub fn warnings(scene: &Scene) -> Vec<String> {
     let top = scene.top();
     let used: HashSet<&str> = materials_of(&scene.objects).collect();
-    let mut warnings = Vec::new();
+    let mut warnings = scene.notes.clone();
     warnings.extend(radians(&top.field("camera").field("vertical_fov")));
     for (name, material) in &scene.materials {
         let materials = top.field("materials");
@@ -33,7 +33,8 @@ pub fn warnings(scene: &Scene) -> Vec<String> {
                 warnings.push(at.field("density").warning(message));
             }
             Object::Mesh { path, .. } if told.insert(path.clone()) => {
-                let about = scene.meshes.get(path).map_or(&[][..], |mesh| &mesh.warnings);
+                let flat = ["none of its faces has an area: it is left out".to_owned()];
+                let about = scene.meshes.get(path).map_or(&flat[..], |mesh| &mesh.warnings);
                 warnings.extend(about.iter().map(|text| at.field("path").warning(&format!("{path}: {text}"))));
             }
             Object::Transformed { by, .. } => {
@@ -88,7 +89,7 @@ fn materials_of(objects: &[Object]) -> impl Iterator<Item = &str> {
         while let Some(object) = rest.pop() {
             match object {
                 Object::Transformed { object, .. } => rest.push(object),
-                Object::Group(objects) => rest.extend(objects.iter().rev()),
+                Object::Group(objects) | Object::Gltf { objects, .. } => rest.extend(objects.iter().rev()),
                 Object::Medium { boundary, .. } => rest.push(boundary),
                 _ => {}
             }

@@ -22,7 +22,11 @@ pub const KIND: ShapeKind = ShapeKind {
         about: "The triangles of a file. The outside of a triangle is where its corners run counter-clockwise. Without normals in the \
                 file it is flat-shaded. A file is read once, however many meshes name it.",
         fields: &[
-            Field::new("path", Takes::Other(PATH), "A .ply, .obj, .gltf or .glb; materials in it are not used."),
+            Field::new(
+                "path",
+                Takes::Other(PATH),
+                "A .ply, .obj, .gltf or .glb; materials in it are not used. Or a part of a glTF file, such as `room.glb#meshes/0/primitives/1`.",
+            ),
             MATERIAL,
         ],
         in_order: false,

@@ -21,6 +21,8 @@ pub struct Source {
     /// The offset of the first byte of every line, in 32 bits as in spans.
     lines: Vec<u32>,
     pub spans: Spans,
+    /// Whether the file is a text, so that values have lines and columns.
+    is_text: bool,
 }
 
 impl Source {
@@ -31,7 +33,17 @@ impl Source {
             lines: std::iter::once(0).chain(ends.map(|(at, _)| at as u32 + 1)).collect(),
             spans: Spans::scan(&text),
             text,
+            is_text: true,
         }
+    }
+
+    /// A file whose values have no places in a text.
+    pub fn without_text(path: &Path) -> Source {
+        Source { is_text: false, ..Source::new(String::new(), path) }
+    }
+
+    pub fn is_text(&self) -> bool {
+        self.is_text
     }
 
     pub fn path(&self) -> &Path {
@@ -49,6 +61,9 @@ impl Source {
 
     /// The line and column of a byte.
     pub fn location(&self, offset: usize) -> Location {
+        if !self.is_text {
+            return Location { file: self.path.clone(), line: 0, column: 0 };
+        }
         let line = self.lines.partition_point(|&start| start as usize <= offset);
         let start = line.checked_sub(1).and_then(|before| self.lines.get(before));
         let before = start.and_then(|&start| self.text.get(start as usize..offset));
@@ -172,6 +187,17 @@ impl<'a> Place<'a> {
     /// An error at this value.
     pub fn error(&self, message: impl Into<String>) -> Error {
         self.source.error(&self.steps(), message)
+    }
+
+    /// An error about a file that this value names. `part` is the part of that file, if it is known. Where the scene itself is no text,
+    /// this value is none that anybody wrote.
+    pub fn error_in(&self, file: &Path, part: &str, reason: &str) -> Error {
+        if self.source.is_text() || part.is_empty() {
+            let part = if part.is_empty() { String::new() } else { format!("{part}: ") };
+            return self.error(format!("{}: {part}{reason}", file.display()));
+        }
+        let location = Location { file: file.to_owned(), line: 0, column: 0 };
+        Error::Scene { location, field: part.to_owned(), message: reason.to_owned() }
     }
 
     /// "expected ..., found ..." at this value, which is quoted as the file writes it.

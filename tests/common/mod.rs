@@ -17,6 +17,7 @@ pub mod expect;
 #[cfg(target_os = "linux")]
 pub mod fault;
 pub mod film;
+pub mod gltf;
 pub mod held;
 pub mod instances;
 pub mod kernel;

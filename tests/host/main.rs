@@ -9,6 +9,7 @@ mod compare;
 mod docs;
 mod drivers;
 mod film;
+mod gltf;
 mod image_files;
 mod mesh_files;
 mod page;

@@ -85,10 +85,10 @@ fn a_gltf_buffer_may_lie_beside_it() {
     assert_eq!(loaded.meshes["cube.gltf"].positions, cube().expected().positions);
     fs::write(folder.path().join("sub dir/b.bin"), &cube().buffer()[..100]).unwrap();
     let error = scene(folder.path(), &object("cube.gltf")).unwrap_err().to_string();
-    assert!(error.contains("buffer 0: expected 840 bytes, found 100"), "{error}");
+    assert!(error.contains("buffers[0]: expected 840 bytes, found 100"), "{error}");
     fs::remove_file(folder.path().join("sub dir/b.bin")).unwrap();
     let error = scene(folder.path(), &object("cube.gltf")).unwrap_err().to_string();
-    assert!(error.contains("b.bin: cannot read the mesh"), "{error}");
+    assert!(error.contains("b.bin: cannot read the buffer"), "{error}");
 }
 
 #[test]
@@ -276,17 +276,17 @@ fn what_cannot_be_read_is_refused_with_its_reason() {
         ),
         ("a.gltf", gltf.replace("\"type\": \"VEC2\"", "\"type\": \"VEC4\""), &["type VEC2", "VEC4"]),
         ("a.gltf", gltf.replace("\"bufferView\": 0", "\"byteOffset\": 0"), &["no bufferView"]),
-        ("a.gltf", gltf.replace("\"NORMAL\": 1", "\"NORMAL\": 9"), &["mesh 0, primitive 0", "no accessor 9"]),
+        ("a.gltf", gltf.replace("\"NORMAL\": 1", "\"NORMAL\": 9"), &["meshes[0].primitives[0]", "no accessor 9"]),
         (
             "a.gltf",
             gltf.replace("\"count\": 24", "\"count\": 25"),
-            &["mesh 0, primitive 0", "past the end of its buffer"],
+            &["meshes[0].primitives[0]", "past the end of its buffer"],
         ),
         ("a.gltf", gltf.replace("\"count\": 24", "\"count\": 18446744073709551615"), &["past the end of its buffer"]),
-        ("a.gltf", gltf.replace("\"children\": [0]", "\"children\": [0, 1]"), &["node 1 occurs twice", "a tree"]),
+        ("a.gltf", gltf.replace("\"children\": [0]", "\"children\": [0, 1]"), &["nodes[1]: it occurs twice", "a tree"]),
         ("a.gltf", gltf.replace("\"scene\": 1", "\"scene\": 0"), &["no faces"]),
-        ("a.gltf", gltf.replace("data:application", "http://x"), &["buffer 0", "the path of a file"]),
-        ("a.gltf", gltf.replace(";base64,", ";base64,%"), &["buffer 0", "base64"]),
+        ("a.gltf", gltf.replace("data:application", "http://x"), &["buffers[0]", "the path of a file"]),
+        ("a.gltf", gltf.replace(";base64,", ";base64,%"), &["buffers[0]", "base64"]),
     ];
     for (file, text, words) in cases {
         let message = refused(file, text.as_bytes());

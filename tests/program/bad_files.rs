@@ -152,7 +152,7 @@ fn a_gltf_that_names_one_file_eight_times_reads_it_once() {
         folder.path(),
         &of_mesh("a.gltf"),
         2 * GIB,
-        "buffer 3: ./././a.bin: cannot read the mesh: expected a file of at most",
+        "buffers[3]: ./././a.bin: cannot read the buffer: expected a file of at most",
     );
 }
 

@@ -96,10 +96,7 @@ impl Session {
     pub fn load(&mut self, args: &RenderArgs) -> Result<Scene> {
         let mut loading = Loading::new(args.quiet);
         let progress = &mut |file: &_, done, whole| loading.update(file, done, whole);
-        match is_standard(&args.scene) {
-            true => load_scene(&args.scene, progress),
-            false => Scene::load_again(&args.scene, progress, &mut self.assets),
-        }
+        load_scene(&args.scene, &args.gltf, progress, &mut self.assets)
     }
 
     /// Loads the scene and renders it: previews first, but not over samples of this very image.

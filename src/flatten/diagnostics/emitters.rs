@@ -240,7 +240,7 @@ fn faint_part(found: &Found, material: Option<usize>, is_faint: impl Fn(f64) -> 
     match material {
         Some(number) => found.scene.materials[number].1.model().emission()?.slot.texture.faint_part(bitmaps, is_faint),
         None => match &found.scene.background {
-            Background::Image { path } => bitmaps.get(path)?.faint_part(is_faint),
+            Background::Image { path } => bitmaps.get(path)?.faint_part(DVec3::ONE, is_faint),
             Background::Solid(_) | Background::Gradient { .. } => None,
         },
     }

@@ -15,6 +15,7 @@ use super::Scene;
 use super::assets::{Assets, Stamp};
 use super::file::{self, Reading};
 use super::findings::Findings;
+use super::gltf::{self, Broken, Part};
 use super::types::*;
 use crate::error::Result;
 use crate::guard::guarded;
@@ -32,18 +33,18 @@ pub fn load_all(scene: &Scene, reading: Reading, findings: &mut Findings, assets
     if let Background::Image { path } = &scene.background {
         let background = top.field("background");
         let at = background.variant("Image");
-        findings.note(loader.load(&at.field("path"), path, Use::Radiance));
+        findings.note(loader.load(&at.field("path"), path, Colour::ONE, Use::Radiance));
     }
     let materials = top.field("materials");
     for (name, material) in &scene.materials {
         if let Some(slot) = material.model().slot
-            && let Some(path) = slot.texture.image()
+            && let Texture::Image { path, tint } = slot.texture
         {
             let at = materials.key(name);
             let at = at.variant(material.name());
             let at = at.field(slot.field.name);
             let at = at.variant(slot.texture.name());
-            findings.note(loader.load(&at.field("path"), path, slot.usage));
+            findings.note(loader.load(&at.field("path"), path, *tint, slot.usage));
         }
     }
     loader.bitmaps
@@ -60,44 +61,59 @@ struct Loader<'a> {
 }
 
 impl Loader<'_> {
-    fn load(&mut self, at: &Place, path: &str, usage: Use) -> Result<()> {
+    fn load(&mut self, at: &Place, path: &str, tint: Colour, usage: Use) -> Result<()> {
         let file = self.scene.source.resolve(path);
-        let wrong = |reason: String| at.error(format!("{}: {reason}", file.display()));
+        let (name, part) = gltf::split(&file);
+        let broken = |Broken { at: part, reason }| at.error_in(&name, &part, &reason);
+        let wrong = |reason: String| {
+            let part = part.map_or(String::new(), |part| part.to_json());
+            broken(Broken::new(part, reason))
+        };
         if self.found.insert(path.to_owned()) {
             let files = self.assets.note(&file);
             match self.reading {
-                Reading::IfThere => _ = file::find(&file, "image", file::LONGEST).map_err(wrong)?,
+                Reading::IfThere => _ = file::find(&name, "image", file::LONGEST).map_err(wrong)?,
                 Reading::Whole => {
-                    let bitmap = self.read(&file, files).map_err(wrong)?;
+                    let bitmap = self.read(&file, files).map_err(broken)?;
                     self.budget.add(bitmap.texels.len());
                     self.bitmaps.insert(path.to_owned(), bitmap);
                 }
             }
         }
-        self.bitmaps.get(path).map_or(Ok(()), |bitmap| usage.check_texels(bitmap).map_err(wrong))
+        self.bitmaps.get(path).map_or(Ok(()), |bitmap| usage.check_texels(bitmap, tint).map_err(wrong))
     }
 }
 
 impl Loader<'_> {
     /// An image that has been decoded before, or is now.
-    fn read(&mut self, file: &Path, files: Vec<(PathBuf, Stamp)>) -> std::result::Result<Bitmap, String> {
+    fn read(&mut self, file: &Path, files: Vec<(PathBuf, Stamp)>) -> gltf::Result<Bitmap> {
         if let Some(bitmap) = self.assets.bitmap(file, &files) {
             self.budget.check((bitmap.width as usize, bitmap.height as usize), 0)?;
             return Ok(bitmap);
         }
-        let bitmap = decode(file, &self.budget)?;
+        let bitmap = match gltf::split(file) {
+            (name, Some(part @ Part::Image(index))) => {
+                let file = self.assets.gltf.open(&name, &mut |_, _, _| {})?;
+                let bytes = file.image(index)?;
+                decode(&bytes, None, &self.budget).map_err(|reason| Broken::new(part.to_json(), reason))?
+            }
+            (_, Some(_)) => return Err("expected an image, such as #images/0".to_owned().into()),
+            (_, None) => {
+                let bytes = file::read(file, "image", file::LONGEST)?;
+                decode(&bytes, ImageFormat::from_path(file).ok(), &self.budget)?
+            }
+        };
         self.assets.keep_bitmap(file, files, bitmap.clone());
         Ok(bitmap)
     }
 }
 
-/// Decodes one file. Images of floats, such as .exr and .hdr, are linear; all others are sRGB. Alpha is
+/// Decodes the bytes of a file, whose name may say its format. Images of floats, such as .exr and .hdr, are linear; all others are sRGB. Alpha is
 /// ignored, and grey becomes a colour.
-fn decode(path: &Path, budget: &Budget) -> std::result::Result<Bitmap, String> {
-    let bytes = file::read(path, "image", file::LONGEST)?;
+fn decode(bytes: &[u8], by_name: Option<ImageFormat>, budget: &Budget) -> std::result::Result<Bitmap, String> {
     let bitmap = guarded(|| match bytes.starts_with(&exr::MAGIC) {
-        true => exr::decode(&bytes, budget),
-        false => decode_other(&bytes, ImageFormat::from_path(path).ok(), budget),
+        true => exr::decode(bytes, budget),
+        false => decode_other(bytes, by_name, budget),
     });
     bitmap.and_then(|bitmap| bitmap).map_err(|reason| format!("cannot decode the image: {reason}"))
 }

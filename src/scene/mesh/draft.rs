@@ -92,6 +92,14 @@ impl Draft {
         Ok(number as u32)
     }
 
+    /// Whether any of its triangles has corners at three places.
+    pub fn has_area(&self) -> bool {
+        self.triangles.iter().any(|triangle| {
+            let [a, b, c] = triangle.map(|corner| self.positions.get(corner as usize));
+            a != b && b != c && c != a
+        })
+    }
+
     /// Checks the faces and makes the mesh.
     pub fn finish(mut self) -> Result<Mesh, String> {
         if self.face_count == 0 {

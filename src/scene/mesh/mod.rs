@@ -1,11 +1,10 @@
 //! Triangle meshes from files.
 //!
-//! One module per format: `obj` with the crate `tobj`, `ply` with `serde-ply`, `gltf` with `gltf`. The parsers run under `guard`,
-//! because some panic on damaged files. They fill a `Draft`, which limits the memory. Its `finish` checks it, drops faces without
+//! One module per format: `obj` with the crate `tobj`, `ply` with `serde-ply`; `scene/gltf` reads those of glTF files. The parsers run
+//! under `guard`, because some panic on damaged files. They fill a `Draft`, which limits the memory. Its `finish` checks it, drops faces without
 //! area and unused vertices, and makes a `Mesh` of it.
 
 mod draft;
-mod gltf;
 mod input;
 mod obj;
 mod ply;
@@ -18,12 +17,15 @@ use super::Scene;
 use super::assets::Assets;
 use super::file::{self, Reading};
 use super::findings::Findings;
+use super::gltf::{self, Broken, is_gltf};
 use super::types::Object;
-use draft::{Draft, MOST_BYTES};
+use crate::guard::guarded;
+use draft::MOST_BYTES;
 use input::Input;
 
 pub use crate::shape::mesh::{Mesh, OpenEdges};
-pub(super) use gltf::unescape;
+pub(super) use draft::Draft;
+pub(super) use input::quote;
 
 /// A callback for the progress of reading a file, with its path, the bytes read so far, and all its bytes.
 pub type OnProgress<'a> = dyn FnMut(&Path, u64, u64) + 'a;
@@ -49,15 +51,17 @@ pub fn load_all(
         let loaded = match reading {
             Reading::Whole => match assets.mesh(&file, &files).filter(|(_, taken)| *taken <= room) {
                 Some((mesh, taken)) => Ok(Some((mesh, room - taken))),
-                None => load(&file, room, progress).map(|(mesh, left)| {
+                None => load(&file, room, progress, assets).map(|loaded| {
+                    let (mesh, left) = loaded?;
                     let mesh = Arc::new(mesh);
                     assets.keep_mesh(&file, files, (Arc::clone(&mesh), room - left));
                     Some((mesh, left))
                 }),
             },
-            Reading::IfThere => parser(&file).and_then(|_| file::find(&file, "mesh", file::LONGEST)).map(|_| None),
+            Reading::IfThere => find(&file).map(|()| None).map_err(Broken::from),
         };
-        let loaded = loaded.map_err(|reason| at.field("path").error(format!("{}: {reason}", file.display())));
+        let loaded = loaded
+            .map_err(|Broken { at: part, reason }| at.field("path").error_in(&gltf::split(&file).0, &part, &reason));
         if let Some((mesh, left)) = findings.note(loaded).flatten() {
             room = left;
             meshes.insert(path.clone(), mesh);
@@ -74,13 +78,42 @@ fn parser(path: &Path) -> std::result::Result<(Parser, &'static str), String> {
     match ending.as_str() {
         "obj" => Ok((obj::parse, "an OBJ file")),
         "ply" => Ok((ply::parse, "a PLY file")),
-        "gltf" | "glb" => Ok((gltf::parse, "a glTF file")),
         _ => Err("expected the path of a mesh that ends in .obj, .ply, .gltf or .glb".to_owned()),
     }
 }
 
-/// The mesh of a file, which may take `room` bytes, and the bytes that are left.
-fn load(path: &Path, room: usize, progress: &mut OnProgress) -> std::result::Result<(Mesh, usize), String> {
+/// Checks that a file is there, and that its ending is that of a mesh.
+fn find(path: &Path) -> std::result::Result<(), String> {
+    let path = gltf::split(path).0;
+    if !is_gltf(&path) {
+        parser(&path)?;
+    }
+    file::find(&path, "mesh", file::LONGEST).map(|_| ())
+}
+
+/// A mesh, and the bytes that are left.
+type Loaded = (Mesh, usize);
+
+/// The mesh of a file, or of a part of a glTF file. It may take `room` bytes. A part without area, as a node of scale 0 has it, is none.
+fn load(path: &Path, room: usize, progress: &mut OnProgress, assets: &mut Assets) -> gltf::Result<Option<Loaded>> {
+    let (name, part) = gltf::split(path);
+    if !is_gltf(&name) {
+        return Ok(Some(load_file(path, room, progress)?));
+    }
+    let file = assets.gltf.open(&name, progress)?;
+    let mut draft = Draft::new(room);
+    guarded(|| match part {
+        Some(part) => file.add_part(part, &mut draft),
+        None => file.add_scene(&mut draft),
+    })??;
+    if part.is_some() && !draft.has_area() {
+        return Ok(None);
+    }
+    let left = draft.room();
+    Ok(Some((draft.finish()?, left)))
+}
+
+fn load_file(path: &Path, room: usize, progress: &mut OnProgress) -> std::result::Result<Loaded, String> {
     let (parse, format) = parser(path)?;
     let bytes = file::read(path, "mesh", file::LONGEST)?;
     if bytes.is_empty() {

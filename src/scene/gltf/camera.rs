@@ -1,0 +1,104 @@
+//! The cameras of a glTF file, and one for a file that has none.
+
+use glam::{DAffine3, DVec3};
+use gltf::json::camera::Type;
+use gltf::json::validation::Checked;
+
+use super::nodes::Placed;
+use super::{Broken, File, Result, decimal};
+use crate::scene::types::{Camera, ImageSize};
+
+/// A camera of the file.
+pub struct View {
+    /// The names of its node and of the camera itself.
+    pub names: Vec<String>,
+    pub camera: Camera,
+    pub image: ImageSize,
+}
+
+/// The longer side of an image, of which a glTF file says no more than the shape.
+const LONGER_SIDE: u32 = 1280;
+/// The shape where it says nothing.
+const ASPECT: f64 = 16.0 / 9.0;
+
+/// An image of this shape.
+fn image(aspect: f64) -> ImageSize {
+    let shorter = |by: f64| (f64::from(LONGER_SIDE) * by).round().max(1.0) as u32;
+    match aspect >= 1.0 {
+        true => ImageSize { width: LONGER_SIDE, height: shorter(1.0 / aspect) },
+        false => ImageSize { width: shorter(aspect), height: LONGER_SIDE },
+    }
+}
+
+impl File {
+    /// The camera of a node. A note says why one is left out.
+    pub fn view(&self, placed: &Placed, notes: &mut Vec<String>) -> Result<Option<View>> {
+        let Some(index) = placed.node.camera.map(|camera| camera.value()) else { return Ok(None) };
+        let at = format!("cameras[{index}]");
+        let camera = self.root().cameras.get(index);
+        let camera = camera.ok_or_else(|| {
+            Broken::new(format!("nodes[{}].camera", placed.index), format!("there is no camera {index}"))
+        })?;
+        let perspective = match (camera.type_, &camera.perspective) {
+            (Checked::Valid(Type::Perspective), Some(perspective)) => perspective,
+            (Checked::Valid(Type::Perspective), None) => {
+                return Err(Broken::new(at, "expected the properties perspective"));
+            }
+            (Checked::Valid(Type::Orthographic), _) => {
+                notes.push(format!("{at}: orthographic cameras are not supported, and it is left out"));
+                return Ok(None);
+            }
+            (Checked::Invalid, _) => {
+                return Err(Broken::new(format!("{at}.type"), "expected perspective or orthographic"));
+            }
+        };
+        let field = |name: &str, found: f64| {
+            Broken::new(format!("{at}.perspective.{name}"), format!("expected a positive number, found {found}"))
+        };
+        let yfov = decimal(perspective.yfov);
+        if !(yfov > 0.0 && yfov < std::f64::consts::PI) {
+            let reason = format!("expected an angle between 0 and pi, found {yfov}");
+            return Err(Broken::new(format!("{at}.perspective.yfov"), reason));
+        }
+        let aspect = perspective.aspect_ratio.map_or(ASPECT, decimal);
+        if !(aspect > 0.0 && aspect.is_finite()) {
+            return Err(field("aspectRatio", aspect));
+        }
+        let DAffine3 { matrix3, translation } = placed.to_scene;
+        let (forward, up) = (-matrix3.z_axis.normalize(), matrix3.y_axis.normalize());
+        let turn = forward.cross(up).length();
+        if turn.is_nan() || turn < 1e-6 {
+            return Err(Broken::new(format!("nodes[{}]", placed.index), "its camera has no direction"));
+        }
+        let names = [placed.node.name.clone(), camera.name.clone()].into_iter().flatten().collect();
+        let camera = Camera {
+            look_from: translation,
+            look_at: translation + forward * translation.length().max(1.0),
+            up,
+            vertical_fov: yfov.to_degrees(),
+            aperture: 0.0,
+            focus_distance: None,
+        };
+        Ok(Some(View { names, camera, image: image(aspect) }))
+    }
+}
+
+/// A camera that sees all of a box, from the front, the right and above.
+pub fn framing((low, high): (DVec3, DVec3)) -> (Camera, ImageSize) {
+    const FOV: f64 = 40.0;
+    let (middle, radius) = match low.cmple(high).all() {
+        true => (0.5 * (low + high), 0.5 * (high - low).length()),
+        false => (DVec3::ZERO, 1.0),
+    };
+    let radius = if radius > 0.0 { radius } else { 1.0 };
+    let distance = radius / (0.5 * FOV).to_radians().sin();
+    let camera = Camera {
+        look_from: middle + distance * DVec3::new(0.5, 0.35, 1.0).normalize(),
+        look_at: middle,
+        up: DVec3::Y,
+        vertical_fov: FOV,
+        aperture: 0.0,
+        focus_distance: None,
+    };
+    (camera, image(ASPECT))
+}

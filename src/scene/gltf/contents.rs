@@ -1,0 +1,194 @@
+//! The contents of a glTF file as objects and materials.
+
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::sync::Arc;
+
+use glam::{DAffine3, DVec3};
+use gltf::json::mesh::Semantic;
+use gltf::json::validation::Checked;
+
+use super::camera::View;
+use super::geometry::has_triangles;
+use super::material::default_material;
+use super::nodes::similarity;
+use super::{Broken, File, Part, Result};
+use crate::scene::Mesh;
+use crate::scene::nearest::nearest;
+use crate::scene::types::{Camera, ImageSize, Material, Object};
+use crate::shape::Aabb;
+
+/// What the default scene of a file has.
+#[derive(Default)]
+pub struct Contents {
+    pub materials: Vec<(String, Material)>,
+    pub objects: Vec<Object>,
+    /// The meshes of the objects with their transforms, for a camera that sees them all.
+    pub placed: Vec<(String, DAffine3)>,
+    /// In the order of their nodes.
+    pub views: Vec<View>,
+    /// What is not as the file says, each with its place in the JSON.
+    pub notes: Vec<String>,
+}
+
+impl Contents {
+    /// The camera of this name, or the first one; nothing where there is none.
+    pub fn choose(&mut self, name: Option<&str>) -> std::result::Result<Option<(Camera, ImageSize)>, String> {
+        let chosen = match name {
+            None => self.views.first(),
+            Some(name) => {
+                let is_it = |view: &&View| view.names.iter().any(|known| known == name);
+                let known = || self.views.iter().flat_map(|view| &view.names).map(String::as_str);
+                let found = self.views.iter().find(is_it);
+                found.map(Some).ok_or_else(|| {
+                    let meant =
+                        nearest(name, known()).map_or(String::new(), |meant| format!("; did you mean {meant:?}?"));
+                    format!("--camera: there is no camera {name:?}: {}{meant}", one_of(known()))
+                })?
+            }
+        };
+        Ok(chosen.map(|view| (view.camera.clone(), view.image)))
+    }
+
+    /// Whether anything emits light.
+    pub fn emits(&self) -> bool {
+        self.materials.iter().any(|(_, material)| material.model().two_sided.is_some())
+    }
+}
+
+/// "expected one of ..."
+fn one_of<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    const MOST: usize = 10;
+    let mut names: Vec<String> = names.map(|name| format!("{name:?}")).collect();
+    names.dedup();
+    if names.is_empty() {
+        return "the file has no perspective camera with a name".to_owned();
+    }
+    names.truncate(MOST);
+    format!("expected one of {}", names.join(", "))
+}
+
+/// The smallest box around meshes that are placed.
+pub fn bounds(placed: &[(String, DAffine3)], meshes: &BTreeMap<String, Arc<Mesh>>) -> (DVec3, DVec3) {
+    let mut bounds = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for (path, to_scene) in placed {
+        let Some(mesh) = meshes.get(path) else { continue };
+        let (min, max) = mesh.bounds();
+        for corner in (Aabb { min, max }).corners() {
+            let corner = to_scene.transform_point3(corner);
+            bounds = (bounds.0.min(corner), bounds.1.max(corner));
+        }
+    }
+    bounds
+}
+
+impl File {
+    /// The contents of the default scene. `path` is the file as the scene names it; names of materials begin with `prefix`.
+    pub fn contents(&self, path: &str, prefix: &str) -> Result<Contents> {
+        let root = self.root();
+        let mut contents = Contents::default();
+        let mut materials = Materials { file: self, path, prefix, names: HashMap::new(), taken: HashSet::new() };
+        let mut without_triangles = 0;
+        let (mut of_mesh, mut baked) = (HashSet::new(), Vec::new());
+        for placed in self.nodes() {
+            contents.views.extend(self.view(&placed, &mut contents.notes)?);
+            let Some(mesh) = placed.node.mesh.map(|mesh| mesh.value()) else { continue };
+            let transforms = similarity(&placed.to_scene);
+            let is_first = of_mesh.insert(mesh);
+            if transforms.is_none() && !is_first {
+                baked.push(placed.index);
+            }
+            for (index, primitive) in self.primitives(mesh, placed.index)?.iter().enumerate() {
+                if !has_triangles(primitive) {
+                    without_triangles += 1;
+                    continue;
+                }
+                let part = match transforms {
+                    Some(_) => Part::OfMesh { mesh, primitive: index },
+                    None => Part::OfNode { node: placed.index, primitive: index },
+                };
+                let part = format!("{path}#{part}");
+                let material = primitive.material.map(|material| material.value());
+                let material = materials.name(material, (mesh, index), &mut contents)?;
+                let object = Object::Mesh { path: part.clone(), material: Some(material) };
+                contents.objects.push(match &transforms {
+                    Some(by) if !by.is_empty() => Object::Transformed { by: by.clone(), object: Box::new(object) },
+                    _ => object,
+                });
+                let to_scene = if transforms.is_some() { placed.to_scene } else { DAffine3::IDENTITY };
+                contents.placed.push((part, to_scene));
+            }
+        }
+        let notes = &mut contents.notes;
+        if let Some(first) = baked.first() {
+            let (count, them) = (baked.len(), if baked.len() == 1 { "node" } else { "nodes" });
+            notes.push(format!(
+                "nodes[{first}]: transforms that mirror or scale unevenly are written into the vertices: {count} {them} \
+                 with a mesh that others have too hold a copy of it"
+            ));
+        }
+        if without_triangles > 0 {
+            notes.push(format!("meshes: {without_triangles} primitives of points or lines are left out"));
+        }
+        let primitives = || root.meshes.iter().flat_map(|mesh| &mesh.primitives);
+        let has = |name: fn(&Semantic) -> bool| {
+            let given = |semantic: &Checked<Semantic>| matches!(semantic, Checked::Valid(it) if name(it));
+            primitives().any(|primitive| primitive.attributes.keys().any(given))
+        };
+        let lights = root.extensions.as_ref().and_then(|found| found.khr_lights_punctual.as_ref());
+        let lights = lights.map_or(0, |lights| lights.lights.len());
+        for (is_there, note) in [
+            (has(|name| matches!(name, Semantic::Colors(_))), "meshes: vertex colours (COLOR_0) are not read"),
+            (!root.skins.is_empty(), "skins are not read: meshes have the shape in which they were bound"),
+            (!root.animations.is_empty(), "animations are not read"),
+            (primitives().any(|it| it.targets.is_some()), "meshes: morph targets are not read"),
+            (lights > 0, "extensions.KHR_lights_punctual: lights are not read"),
+        ] {
+            if is_there {
+                notes.push(note.to_owned());
+            }
+        }
+        Ok(contents)
+    }
+}
+
+/// The materials that objects have named.
+struct Materials<'a> {
+    file: &'a File,
+    path: &'a str,
+    prefix: &'a str,
+    names: HashMap<Option<usize>, String>,
+    taken: HashSet<String>,
+}
+
+impl Materials<'_> {
+    /// The name of a material, which is added if it is new. Nothing stands for the default.
+    fn name(
+        &mut self,
+        index: Option<usize>,
+        (mesh, primitive): (usize, usize),
+        contents: &mut Contents,
+    ) -> Result<String> {
+        if let Some(name) = self.names.get(&index) {
+            return Ok(name.clone());
+        }
+        let (own, material) = match index {
+            Some(index) if index >= self.file.root().materials.len() => {
+                let at = format!("meshes[{mesh}].primitives[{primitive}].material");
+                return Err(Broken::new(at, format!("there is no material {index}")));
+            }
+            Some(index) => {
+                let material = self.file.material(index, self.path, &mut contents.notes)?;
+                let own = self.file.root().materials.get(index).and_then(|given| given.name.clone());
+                (own.filter(|name| !name.is_empty()).unwrap_or(format!("material {index}")), material)
+            }
+            None => ("default".to_owned(), default_material()),
+        };
+        let mut name = format!("{}{own}", self.prefix);
+        while !self.taken.insert(name.clone()) {
+            name += &index.map_or(" (default)".to_owned(), |index| format!(" ({index})"));
+        }
+        self.names.insert(index, name.clone());
+        contents.materials.push((name.clone(), material));
+        Ok(name)
+    }
+}

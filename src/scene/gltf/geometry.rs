@@ -1,0 +1,158 @@
+//! The triangles of a glTF file.
+
+use glam::{DAffine3, DMat3, DVec3, Vec2, Vec3};
+use gltf::json::mesh::{Mode, Primitive, Semantic};
+use gltf::json::validation::Checked;
+
+use super::material::UvPlacing;
+use super::{Broken, File, Part, Result};
+use crate::scene::mesh::Draft;
+
+/// Whether a primitive consists of triangles, and not of points or lines.
+pub fn has_triangles(primitive: &Primitive) -> bool {
+    matches!(primitive.mode, Checked::Valid(Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan))
+}
+
+impl File {
+    /// Adds the meshes of the default scene, or of the first scene if there is no default.
+    pub fn add_scene(&self, draft: &mut Draft) -> Result<()> {
+        for placed in self.nodes() {
+            let Some(mesh) = placed.node.mesh else { continue };
+            for primitive in 0..self.primitives(mesh.value(), placed.index)?.len() {
+                self.add(mesh.value(), primitive, &placed.to_scene, &UvPlacing::default(), draft)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds the triangles of a part, with the texture coordinates that its material wants.
+    pub fn add_part(&self, part: Part, draft: &mut Draft) -> Result<()> {
+        let (mesh, primitive, to_scene) = match part {
+            Part::OfMesh { mesh, primitive } => (mesh, primitive, DAffine3::IDENTITY),
+            Part::OfNode { node, primitive } => {
+                let placed = self.nodes().find(|placed| placed.index == node);
+                let wrong = |reason: &str| Broken::new(format!("nodes[{node}]"), reason);
+                let placed = placed.ok_or_else(|| wrong("expected a node of the default scene"))?;
+                let mesh = placed.node.mesh.ok_or_else(|| wrong("expected a node with a mesh"))?;
+                (mesh.value(), primitive, placed.to_scene)
+            }
+            Part::Image(_) => return Err("expected a mesh, such as #meshes/0/primitives/0".to_owned().into()),
+        };
+        let uvs = self.uv_placing(mesh, primitive)?;
+        self.add(mesh, primitive, &to_scene, &uvs, draft)?;
+        // An image on a primitive without texture coordinates has one colour, as where these are 0 in other programs.
+        if draft.uvs.is_empty() && self.has_image(mesh, primitive)? {
+            let [u, v] = uvs.applied([0.0; 2]);
+            draft.uvs = vec![Vec2::new(u as f32, (1.0 - v) as f32); draft.positions.len()];
+        }
+        Ok(())
+    }
+
+    /// The primitives of a node's mesh.
+    pub fn primitives(&self, mesh: usize, node: usize) -> Result<&[Primitive]> {
+        let found = self.root().meshes.get(mesh).map(|mesh| mesh.primitives.as_slice());
+        found.ok_or_else(|| Broken::new(format!("nodes[{node}].mesh"), format!("there is no mesh {mesh}")))
+    }
+
+    /// A primitive of a mesh.
+    pub fn primitive(&self, mesh: usize, primitive: usize) -> Result<&Primitive> {
+        let wrong = |at: String, what: &str, number: usize| Broken::new(at, format!("there is no {what} {number}"));
+        let found = self.root().meshes.get(mesh).ok_or_else(|| wrong("meshes".to_owned(), "mesh", mesh))?;
+        let primitives = format!("meshes[{mesh}].primitives");
+        found.primitives.get(primitive).ok_or_else(|| wrong(primitives, "primitive", primitive))
+    }
+
+    /// Adds a primitive's triangles; points and lines have none.
+    fn add(
+        &self,
+        mesh: usize,
+        primitive: usize,
+        to_scene: &DAffine3,
+        placing: &UvPlacing,
+        draft: &mut Draft,
+    ) -> Result<()> {
+        let wrong =
+            |field: &str, reason: String| Broken::new(format!("meshes[{mesh}].primitives[{primitive}]{field}"), reason);
+        let primitive = self.primitive(mesh, primitive)?;
+        let Checked::Valid(mode @ (Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)) = primitive.mode else {
+            return Ok(());
+        };
+        let attribute = |semantic| primitive.attributes.get(&Checked::Valid(semantic)).copied();
+        let positions = attribute(Semantic::Positions)
+            .ok_or_else(|| wrong(".attributes", "expected an attribute POSITION".to_owned()))?;
+        let count = self.accessor(positions).map_or(0, |accessor| accessor.count.0);
+        let positions = self.elements::<3>(positions).map_err(|reason| wrong(".attributes.POSITION", reason))?;
+        // Other attributes are used only if every vertex has them.
+        let whole =
+            |semantic| attribute(semantic).filter(|&index| self.accessor(index).is_none_or(|it| it.count.0 == count));
+        let normals = whole(Semantic::Normals).map(|index| self.elements::<3>(index)).transpose();
+        let normals = normals.map_err(|reason| wrong(".attributes.NORMAL", reason))?;
+        let set = placing.set;
+        let uvs = whole(Semantic::TexCoords(set)).map(|index| self.elements::<2>(index)).transpose();
+        let uvs = uvs.map_err(|reason| wrong(&format!(".attributes.TEXCOORD_{set}"), reason))?;
+
+        let first = draft.positions.len();
+        for position in positions {
+            draft.vertex(to_scene.transform_point3(DVec3::from_array(position)))?;
+        }
+        let end = draft.positions.len();
+        // Normals transform by the inverse transpose. The cofactor matrix is a multiple of it, and exists for singular
+        // matrices too.
+        let m = to_scene.matrix3;
+        let sign = m.determinant().signum();
+        let cofactors = DMat3::from_cols(
+            m.y_axis.cross(m.z_axis) * sign,
+            m.z_axis.cross(m.x_axis) * sign,
+            m.x_axis.cross(m.y_axis) * sign,
+        );
+        if normals.is_some() || !draft.normals.is_empty() {
+            draft.normals.resize(first, Vec3::NAN);
+            if let Some(normals) = normals {
+                let turned = |normal| (cofactors * DVec3::from_array(normal)).normalize().as_vec3();
+                draft.normals.extend(normals.map(turned));
+            }
+            draft.normals.resize(end, Vec3::NAN);
+        }
+        if uvs.is_some() || !draft.uvs.is_empty() {
+            draft.uvs.resize(first, Vec2::NAN);
+            if let Some(uvs) = uvs {
+                // In glTF, v runs down from the top.
+                draft.uvs.extend(uvs.map(|uv| placing.applied(uv)).map(|[u, v]| Vec2::new(u as f32, (1.0 - v) as f32)));
+            }
+            draft.uvs.resize(end, Vec2::NAN);
+        }
+
+        let corners = match primitive.indices {
+            Some(indices) => self.indices(indices).map_err(|reason| wrong(".indices", reason))?,
+            None => Box::new(0..count),
+        };
+        // The corners before this one that its triangle has too.
+        let mut held = [0; 2];
+        for (at, index) in corners.enumerate() {
+            if index >= count {
+                let face = draft.next_face();
+                return Err(wrong(
+                    ".indices",
+                    format!(
+                        "face {face} (counted from 0) or a later one: there is no vertex {index}; the primitive has {count}, \
+                         counted from 0"
+                    ),
+                ));
+            }
+            let c = first as u32 + index as u32;
+            let [a, b] = held;
+            let (corners, next) = match mode {
+                Mode::TriangleStrip => (if at % 2 == 0 { [a, b, c] } else { [b, a, c] }, [b, c]),
+                Mode::TriangleFan => ([a, b, c], if at == 0 { [c, c] } else { [a, c] }),
+                _ => ([a, b, c], if at % 3 == 0 { [c, c] } else { [a, c] }),
+            };
+            let is_last = if mode == Mode::Triangles { at % 3 == 2 } else { at >= 2 };
+            if is_last {
+                let [a, b, c] = corners;
+                draft.face(&if sign < 0.0 { [a, c, b] } else { [a, b, c] })?;
+            }
+            held = next;
+        }
+        Ok(())
+    }
+}

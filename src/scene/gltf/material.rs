@@ -1,0 +1,285 @@
+//! The materials of a glTF file, in terms of ours. What has no counterpart is named, once for each material.
+
+use std::path::Path;
+
+use glam::DVec3;
+use gltf::json::material::{AlphaMode, Material as Given};
+use gltf::json::texture::{Info, MagFilter, WrappingMode};
+use gltf::json::validation::Checked;
+
+use super::{Broken, File, Part, Result, beside, decimal};
+use crate::scene::mesh::quote;
+use crate::scene::types::{Colour, Material, Texture};
+use crate::texture::{LARGEST_RADIANCE, SMALLEST_RADIANCE};
+
+/// How the texture coordinates of a mesh become those of its material's image: the set, and KHR_texture_transform.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UvPlacing {
+    pub set: u32,
+    offset: [f64; 2],
+    scale: [f64; 2],
+    /// Radians.
+    rotation: f64,
+}
+
+impl Default for UvPlacing {
+    fn default() -> UvPlacing {
+        UvPlacing { set: 0, offset: [0.0; 2], scale: [1.0; 2], rotation: 0.0 }
+    }
+}
+
+impl UvPlacing {
+    fn of(info: &Info) -> UvPlacing {
+        let mut placing = UvPlacing { set: info.tex_coord, ..UvPlacing::default() };
+        if let Some(transform) = info.extensions.as_ref().and_then(|found| found.texture_transform.as_ref()) {
+            placing.set = transform.tex_coord.unwrap_or(info.tex_coord);
+            placing.offset = transform.offset.0.map(f64::from);
+            placing.scale = transform.scale.0.map(f64::from);
+            placing.rotation = f64::from(transform.rotation.0);
+        }
+        placing
+    }
+
+    /// Texture coordinates with v down. The rotation is counter-clockwise as the image is seen.
+    pub fn applied(&self, [u, v]: [f64; 2]) -> [f64; 2] {
+        let (sin, cos) = self.rotation.sin_cos();
+        let (u, v) = (u * self.scale[0], v * self.scale[1]);
+        [cos * u + sin * v + self.offset[0], cos * v - sin * u + self.offset[1]]
+    }
+}
+
+/// What a material becomes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Model {
+    Light,
+    Glass,
+    Metal,
+    Matt,
+}
+
+/// What a primitive without a material has, by the standard: a white metal that is as rough as can be.
+pub fn default_material() -> Material {
+    Material::Metal { albedo: Texture::Rgb(1.0, 1.0, 1.0), fuzz: 1.0 }
+}
+
+fn colour(rgb: [f32; 3]) -> Colour {
+    DVec3::from_array(rgb.map(decimal))
+}
+
+fn emission(given: &Given) -> Colour {
+    let strength = given.extensions.as_ref().and_then(|found| found.emissive_strength.as_ref());
+    let strength = strength.map_or(1.0, |strength| decimal(strength.emissive_strength.0));
+    strength * colour(given.emissive_factor.0)
+}
+
+fn model(given: &Given) -> Model {
+    let pbr = &given.pbr_metallic_roughness;
+    let [r, g, b, _] = pbr.base_color_factor.0;
+    let transmission = given.extensions.as_ref().and_then(|found| found.transmission.as_ref());
+    if emission(given).max_element() > 0.0 && (given.emissive_texture.is_none() || [r, g, b] == [0.0; 3]) {
+        Model::Light
+    } else if transmission.is_some_and(|transmission| transmission.transmission_factor.0 >= 0.5) {
+        Model::Glass
+    } else if pbr.metallic_factor.0 >= 0.5 && pbr.metallic_roughness_texture.is_none() {
+        Model::Metal
+    } else {
+        Model::Matt
+    }
+}
+
+/// The texture that a material of ours has, with the field that names it.
+fn main_texture(given: &Given) -> Option<(&'static str, &Info)> {
+    match model(given) {
+        Model::Light => Some(("emissiveTexture", given.emissive_texture.as_ref()?)),
+        Model::Metal | Model::Matt => {
+            Some(("pbrMetallicRoughness.baseColorTexture", given.pbr_metallic_roughness.base_color_texture.as_ref()?))
+        }
+        Model::Glass => None,
+    }
+}
+
+/// What is not as the file says.
+#[derive(Default)]
+struct Notes(Vec<String>);
+
+impl Notes {
+    fn add(&mut self, note: impl Into<String>) {
+        self.0.push(note.into());
+    }
+
+    fn add_if(&mut self, is_so: bool, note: impl Into<String>) {
+        if is_so {
+            self.add(note);
+        }
+    }
+}
+
+impl File {
+    /// How the texture coordinates of a primitive become those of its material's image.
+    pub fn uv_placing(&self, mesh: usize, primitive: usize) -> Result<UvPlacing> {
+        let material = self.primitive(mesh, primitive)?.material;
+        let given = material.and_then(|material| self.root().materials.get(material.value()));
+        Ok(given.and_then(main_texture).map(|(_, info)| UvPlacing::of(info)).unwrap_or_default())
+    }
+
+    /// Whether a primitive's material has an image.
+    pub fn has_image(&self, mesh: usize, primitive: usize) -> Result<bool> {
+        let material = self.primitive(mesh, primitive)?.material;
+        let given = material.and_then(|material| self.root().materials.get(material.value()));
+        Ok(given.and_then(main_texture).is_some())
+    }
+
+    /// A material in terms of ours. `path` is the file as the scene names it; a note is added if the material is not as the file says.
+    pub fn material(&self, index: usize, path: &str, notes: &mut Vec<String>) -> Result<Material> {
+        let given = self.root().materials.get(index);
+        let given = given.ok_or_else(|| Broken::new("materials", format!("there is no material {index}")))?;
+        let at = format!("materials[{index}]");
+        let pbr = &given.pbr_metallic_roughness;
+        let mut found = Notes::default();
+        let [r, g, b, alpha] = pbr.base_color_factor.0;
+        let base = share(colour([r, g, b]), "baseColorFactor", &mut found);
+        let radiance = emission(given);
+        let image = main_texture(given).map(|(field, info)| self.image_path(&at, field, info, path, &mut found));
+        let image = image.transpose()?.flatten();
+        let texture = |tint: Colour| match image {
+            Some(path) => Texture::Image { path, tint },
+            None => Texture::Rgb(tint.x, tint.y, tint.z),
+        };
+        let model = model(given);
+        let (roughness, metallic) = (decimal(pbr.roughness_factor.0), decimal(pbr.metallic_factor.0));
+        let extensions = given.extensions.as_ref();
+        let specular = extensions.and_then(|found| found.specular.as_ref());
+        let is_matt = specular.is_some_and(|specular| specular.specular_factor.0 == 0.0);
+        let material = match model {
+            Model::Light => {
+                found.add_if(base != Colour::ZERO, "it emits, and does not reflect");
+                let fits = |x: f64| if x < SMALLEST_RADIANCE { 0.0 } else { x.min(LARGEST_RADIANCE) };
+                Material::DiffuseLight { emit: texture(radiance.map(fits)), two_sided: given.double_sided }
+            }
+            Model::Glass => {
+                let ior = extensions.and_then(|found| found.ior.as_ref()).map_or(1.5, |ior| decimal(ior.ior.0));
+                let is_valid = (1e-3..=1e3).contains(&ior);
+                found.add_if(!is_valid, format!("its ior of {ior} is taken for 1.5"));
+                found.add_if(base != Colour::ONE || pbr.base_color_texture.is_some(), "clear glass without its colour");
+                found.add_if(roughness > 0.0, format!("smooth, without its roughness of {roughness}"));
+                let volume = extensions.and_then(|found| found.volume.as_ref());
+                let is_thin = volume.is_none_or(|volume| volume.thickness_factor.0 == 0.0);
+                found.add_if(is_thin, "solid, although it is thin-walled");
+                found.add_if(
+                    volume.is_some_and(|volume| volume.attenuation_distance.0.is_finite()),
+                    "without the absorption of its volume",
+                );
+                Material::Dielectric { ior: if is_valid { ior } else { 1.5 } }
+            }
+            Model::Metal => {
+                found.add_if(metallic < 1.0, format!("a metal, although metallicFactor is {metallic}"));
+                let fuzz = (roughness * roughness).clamp(0.0, 1.0);
+                found.add_if(fuzz > 0.0, format!("its roughness of {roughness} is a fuzz of {fuzz:.3}"));
+                Material::Metal { albedo: texture(base), fuzz }
+            }
+            Model::Matt => {
+                found.add_if(!is_matt, "matt, without reflections");
+                found.add_if(metallic > 0.0, "not metallic");
+                Material::Lambertian { albedo: texture(base) }
+            }
+        };
+        let opaque = matches!(given.alpha_mode, Checked::Valid(AlphaMode::Opaque));
+        found.add_if(!opaque, format!("opaque, without its alpha (alphaMode {})", alpha_mode(given, alpha)));
+        let is_light = model == Model::Light;
+        let has = |it: bool, name: &str| it.then(|| name.to_owned());
+        let unread = [
+            has(!is_light && emission(given) != Colour::ZERO, "emissiveFactor"),
+            has(!is_light && pbr.metallic_roughness_texture.is_some(), "metallicRoughnessTexture"),
+            has(!is_light && given.normal_texture.is_some(), "normalTexture"),
+            has(!is_light && given.occlusion_texture.is_some(), "occlusionTexture"),
+            has(!is_matt && specular.is_some(), "KHR_materials_specular"),
+            has(extensions.is_some_and(|found| found.unlit.is_some()), "KHR_materials_unlit"),
+        ];
+        let others = extensions.into_iter().flat_map(|found| found.others.keys().map(|name| quote(name.as_bytes())));
+        let unread: Vec<String> = unread.into_iter().flatten().chain(others).collect();
+        found.add_if(!unread.is_empty(), format!("not read: {}", unread.join(", ")));
+        if !found.0.is_empty() {
+            let name = given.name.as_ref().map_or(String::new(), |name| format!(" ({})", quote(name.as_bytes())));
+            notes.push(format!("{at}{name} is approximated: {}", found.0.join("; ")));
+        }
+        Ok(material)
+    }
+
+    /// The path of a texture's image, as the scene would write it. Nothing, with a note, where it is of a format that is not read.
+    fn image_path(
+        &self,
+        material: &str,
+        field: &str,
+        info: &Info,
+        path: &str,
+        notes: &mut Notes,
+    ) -> Result<Option<String>> {
+        let index = info.index.value();
+        let texture =
+            self.root().textures.get(index).ok_or_else(|| {
+                Broken::new(format!("{material}.{field}.index"), format!("there is no texture {index}"))
+            })?;
+        let at = format!("textures[{index}]");
+        let webp = texture.extensions.as_ref().and_then(|found| found.others.get("EXT_texture_webp"));
+        let webp = webp.and_then(|webp| webp.get("source")?.as_u64());
+        let source = match webp {
+            Some(source) => usize::try_from(source).unwrap_or(usize::MAX),
+            // The crate's word for a source that is not given.
+            None if texture.source.value() == u32::MAX as usize => {
+                notes.add(format!("without {field}, whose {at} has no source that is read"));
+                return Ok(None);
+            }
+            None => texture.source.value(),
+        };
+        let Some(image) = self.root().images.get(source) else {
+            return Err(Broken::new(format!("{at}.source"), format!("there is no image {source}")));
+        };
+        if let Some(sampler) = texture.sampler {
+            let number = sampler.value();
+            let sampler = self.root().samplers.get(number);
+            let sampler =
+                sampler.ok_or_else(|| Broken::new(format!("{at}.sampler"), format!("there is no sampler {number}")))?;
+            let repeats = |wrap: &Checked<WrappingMode>| matches!(wrap, Checked::Valid(WrappingMode::Repeat));
+            notes.add_if(!repeats(&sampler.wrap_s) || !repeats(&sampler.wrap_t), format!("{field} repeats"));
+            let nearest = matches!(sampler.mag_filter, Some(Checked::Valid(MagFilter::Nearest)));
+            notes.add_if(nearest, format!("{field} is smooth between texels"));
+        }
+        match image.uri.as_deref().filter(|uri| !uri.starts_with("data:")) {
+            Some(uri) => {
+                let uri = beside(uri).map_err(|reason| Broken::new(format!("images[{source}].uri"), reason))?;
+                Ok(Some(Path::new(path).with_file_name(uri).to_string_lossy().into_owned()))
+            }
+            None => Ok(Some(format!("{path}#{}", Part::Image(source)))),
+        }
+    }
+}
+
+fn alpha_mode(given: &Given, alpha: f32) -> String {
+    match given.alpha_mode {
+        Checked::Valid(AlphaMode::Blend) => format!("BLEND, {}", decimal(alpha)),
+        Checked::Valid(AlphaMode::Mask) => "MASK".to_owned(),
+        _ => "unknown".to_owned(),
+    }
+}
+
+/// A share of light, cut to its range.
+fn share(colour: Colour, name: &str, notes: &mut Notes) -> Colour {
+    let cut = colour.clamp(Colour::ZERO, Colour::ONE);
+    notes.add_if(cut != colour, format!("{name} is cut to 0 .. 1"));
+    cut
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// By the figures of KHR_texture_transform: the top left corner of the image turns to the left edge of the bottom.
+    #[test]
+    fn texture_coordinates_are_scaled_then_turned_then_moved() {
+        let turn = UvPlacing { rotation: std::f64::consts::FRAC_PI_2, ..UvPlacing::default() };
+        let near = |[a, b]: [f64; 2], [c, d]: [f64; 2]| (a - c).abs() + (b - d).abs() < 1e-12;
+        assert!(near(turn.applied([1.0, 0.0]), [0.0, -1.0]));
+        let all = UvPlacing { offset: [0.5, 0.25], scale: [2.0, 3.0], ..turn };
+        assert!(near(all.applied([1.0, 1.0]), [3.5, -1.75]));
+    }
+}

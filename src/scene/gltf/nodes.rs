@@ -1,0 +1,116 @@
+//! The nodes of the default scene, and their transforms in f64.
+
+use std::collections::HashSet;
+
+use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
+use gltf::json::Root;
+use gltf::json::scene::Node;
+
+use super::{Broken, File, Result};
+use crate::scene::types::Transform;
+use crate::source::{LARGEST, SMALLEST};
+
+/// A node of the default scene.
+pub struct Placed<'a> {
+    pub index: usize,
+    pub node: &'a Node,
+    pub to_scene: DAffine3,
+}
+
+impl File {
+    /// The nodes of the default scene: each before its children.
+    pub fn nodes(&self) -> impl Iterator<Item = Placed<'_>> {
+        self.nodes
+            .iter()
+            .filter_map(|&(index, to_scene)| Some(Placed { index, node: self.root().nodes.get(index)?, to_scene }))
+    }
+}
+
+/// The numbers and transforms of the nodes of the default scene, or of the first scene if there is no default.
+pub fn nodes(root: &Root) -> Result<Vec<(usize, DAffine3)>> {
+    let scene = root.scene.map_or(0, |scene| scene.value());
+    let at = if root.scene.is_some() { "scene" } else { "scenes" };
+    let top = root.scenes.get(scene).ok_or_else(|| Broken::new(at, format!("expected a scene {scene} in it")))?;
+    // Visits every node once: in a malicious file, nodes can be each other's children.
+    let mut seen = HashSet::new();
+    let mut placed = Vec::new();
+    // A stack: the first node is on top.
+    let mut nodes: Vec<(usize, Option<usize>, DAffine3)> =
+        top.nodes.iter().rev().map(|node| (node.value(), None, DAffine3::IDENTITY)).collect();
+    while let Some((index, above, parent)) = nodes.pop() {
+        let wrong = |reason: &str| Broken::new(format!("nodes[{index}]"), reason);
+        if !seen.insert(index) {
+            return Err(wrong("it occurs twice: expected a tree of nodes"));
+        }
+        let Some(node) = root.nodes.get(index) else {
+            let at = above.map_or(format!("scenes[{scene}].nodes"), |above| format!("nodes[{above}].children"));
+            return Err(Broken::new(at, format!("there is no node {index}")));
+        };
+        let to_scene = parent * to_parent(node);
+        if !to_scene.is_finite() {
+            return Err(wrong("expected transforms of finite numbers, and a rotation that is not 0"));
+        }
+        placed.push((index, to_scene));
+        let children = node.children.iter().flatten().rev();
+        nodes.extend(children.map(|child| (child.value(), Some(index), to_scene)));
+    }
+    Ok(placed)
+}
+
+/// A node's own transform.
+fn to_parent(node: &Node) -> DAffine3 {
+    if let Some(matrix) = &node.matrix {
+        return DAffine3::from_mat4(DMat4::from_cols_array(&matrix.map(f64::from)));
+    }
+    let vector = |value: Option<[f32; 3]>, default| value.map_or(default, |v| DVec3::from_array(v.map(f64::from)));
+    DAffine3::from_scale_rotation_translation(
+        vector(node.scale, DVec3::ONE),
+        DQuat::from_array(node.rotation.unwrap_or_default().0.map(f64::from)).normalize(),
+        vector(node.translation, DVec3::ZERO),
+    )
+}
+
+/// How far the columns of a matrix may be from orthogonal and equally long. Products of matrices and rotations in f32 are off by some
+/// units of 6e-8, and a part of an object moves by no more than this share of the object's size.
+const ROUNDING: f64 = 1e-6;
+
+/// A transform as the scene file writes it; nothing if it mirrors, or scales unevenly.
+pub fn similarity(transform: &DAffine3) -> Option<Vec<Transform>> {
+    let DAffine3 { matrix3, translation } = *transform;
+    let scale = matrix3.determinant().cbrt();
+    if !(SMALLEST..=LARGEST).contains(&scale) || translation.length() > LARGEST {
+        return None;
+    }
+    let rotation = matrix3 * (1.0 / scale);
+    let rest = rotation.transpose() * rotation - DMat3::IDENTITY;
+    if rest.to_cols_array().iter().any(|x| x.is_nan() || x.abs() > ROUNDING) {
+        return None;
+    }
+    let (axis, angle) = DQuat::from_mat3(&rotation).normalize().to_axis_angle();
+    let scaled = (scale - 1.0).abs() > 1e-15;
+    let scale = scaled.then_some(Transform::Scale(scale));
+    let rotate = (angle != 0.0).then(|| Transform::Rotate { axis, degrees: angle.to_degrees() });
+    let shift = (translation != DVec3::ZERO).then_some(Transform::Translate(translation));
+    Some(scale.into_iter().chain(rotate).chain(shift).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_similarity_is_written_as_transforms() {
+        let turn = DQuat::from_axis_angle(DVec3::new(1.0, 2.0, -2.0) / 3.0, 1.25);
+        let whole = DAffine3::from_scale_rotation_translation(DVec3::splat(3.0), turn, DVec3::new(1.0, -2.0, 5.0));
+        let found = similarity(&whole).unwrap();
+        let [Transform::Scale(scale), Transform::Rotate { axis, degrees }, Transform::Translate(by)] = found[..] else {
+            panic!("{found:?}")
+        };
+        assert!((scale - 3.0).abs() < 1e-14 && (degrees - 1.25_f64.to_degrees()).abs() < 1e-12);
+        assert!((axis - DVec3::new(1.0, 2.0, -2.0) / 3.0).length() < 1e-14 && by == DVec3::new(1.0, -2.0, 5.0));
+        assert_eq!(similarity(&DAffine3::IDENTITY), Some(Vec::new()));
+        for scale in [DVec3::new(1.0, 1.0, 1.00001), DVec3::new(-1.0, 1.0, 1.0), DVec3::ZERO, DVec3::splat(-1.0)] {
+            assert_eq!(similarity(&DAffine3::from_scale(scale)), None, "{scale}");
+        }
+    }
+}

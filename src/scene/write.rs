@@ -1,0 +1,83 @@
+//! Writes a scene as the text of a scene file.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use ron::ser::PrettyConfig;
+use serde::Serialize;
+
+use super::Scene;
+use super::types::Object;
+
+/// The text of a scene file. Nothing can fail but what serialises nothing.
+pub fn text(scene: &Scene) -> Result<String, ron::Error> {
+    let Scene { image, camera, background, materials, objects, render, .. } = scene;
+    let mut out = "Scene(\n".to_owned();
+    // Writing to a string never fails.
+    let mut line = |text: String| _ = writeln!(out, "    {text}");
+    line(format!("image: (width: {}, height: {}),", image.width, image.height));
+    line(format!("camera: {},", value(camera)?));
+    line(format!("background: {},", value(background)?));
+    line("materials: {".to_owned());
+    for (name, material) in materials {
+        line(format!("    {}: {},", value(name)?, value(material)?));
+    }
+    line("},".to_owned());
+    line("objects: [".to_owned());
+    for object in objects {
+        line(format!("    {},", self::object(object)?));
+    }
+    line("],".to_owned());
+    line(format!("render: (samples: {}, max_depth: {}),", render.samples, render.max_depth));
+    out += ")\n";
+    Ok(out)
+}
+
+/// An object. Its path is no part of what serde writes, because it is no part of what a scene says.
+fn object(object: &Object) -> Result<String, ron::Error> {
+    Ok(match object {
+        Object::Mesh { path, material } => {
+            let material = match material {
+                Some(name) => format!(", material: {}", value(name)?),
+                None => String::new(),
+            };
+            format!("Mesh(path: {}{material})", value(path)?)
+        }
+        Object::Transformed { by, object } => {
+            format!("Transformed(by: {}, object: {})", value(by)?, self::object(object)?)
+        }
+        Object::Group(objects) => {
+            let objects: Result<Vec<_>, _> = objects.iter().map(self::object).collect();
+            format!("Group([{}])", objects?.join(", "))
+        }
+        Object::Gltf { path, .. } => format!("Gltf(path: {})", value(path)?),
+        Object::Medium { boundary, density, albedo, anisotropy } => format!(
+            "Medium(boundary: {}, density: {}, albedo: {}, anisotropy: {})",
+            self::object(boundary)?,
+            value(density)?,
+            value(albedo)?,
+            value(anisotropy)?
+        ),
+        Object::Sphere { .. } | Object::Quad { .. } | Object::Box { .. } => value(object)?,
+    })
+}
+
+/// A value on one line.
+fn value(value: &(impl Serialize + ?Sized)) -> Result<String, ron::Error> {
+    let config = PrettyConfig::new().depth_limit(0).extensions(ron::extensions::Extensions::IMPLICIT_SOME);
+    super::load::options().to_string_pretty(value, config)
+}
+
+/// The path of a file as a scene in a folder names it.
+pub fn relative(folder: &Path, file: &Path) -> PathBuf {
+    let whole = |path: &Path| std::fs::canonicalize(path).or_else(|_| std::path::absolute(path));
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let (Ok(folder), Ok(file)) = (whole(folder), whole(file)) else { return file.to_owned() };
+    let shared = folder.components().zip(file.components()).take_while(|(a, b)| a == b).count();
+    if shared == 0 {
+        // Another drive.
+        return file;
+    }
+    let up = folder.components().skip(shared).map(|_| Path::new("..").as_os_str());
+    up.chain(file.components().skip(shared).map(|part| part.as_os_str())).collect()
+}

@@ -1,0 +1,366 @@
+//! Scenes that are glTF files: what is read, what is named as not read, and what is refused with its place in the JSON.
+
+use std::fs;
+use std::path::Path;
+
+use glam::DVec3;
+use gpu_rt::error::Error;
+use gpu_rt::scene::{Assets, Background, Camera, Material, Object, Scene, Texture, Transform, Wishes};
+use serde_json::{Value, json};
+
+use crate::common::gltf::{glb, gltf, png, room};
+use crate::common::stats::Random;
+
+/// The scene of a file with this JSON, and the buffer of the room.
+fn load(json: &Value) -> Result<Scene, Error> {
+    load_as(json, &Wishes::default())
+}
+
+fn load_as(json: &Value, wishes: &Wishes) -> Result<Scene, Error> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("room.glb");
+    fs::write(&path, glb(json, &room().1)).unwrap();
+    Scene::load_as(&path, wishes, &mut |_, _, _| {}, &mut Assets::default())
+}
+
+fn changed(pointer: &str, value: Value) -> Value {
+    let mut json = room().0;
+    let (parent, last) = pointer.rsplit_once('/').unwrap();
+    let parent = json.pointer_mut(parent).unwrap_or_else(|| panic!("there is no {parent}"));
+    match parent {
+        Value::Array(list) => list[last.parse::<usize>().unwrap()] = value,
+        parent => parent[last] = value,
+    }
+    json
+}
+
+/// The warnings, without the name of the file.
+fn notes(json: &Value) -> Vec<String> {
+    let scene = load(json).unwrap_or_else(|error| panic!("{error}"));
+    let name = scene.inputs()[0].display().to_string();
+    scene.warnings().iter().map(|note| note.replace(&format!("{name}: "), "")).collect()
+}
+
+fn camera(look_from: DVec3, vertical_fov: f64) -> impl Fn(&Camera) -> bool {
+    move |camera| camera.look_from == look_from && (camera.vertical_fov - vertical_fov).abs() < 1e-5
+}
+
+#[test]
+fn a_file_becomes_objects_materials_and_a_camera() {
+    let scene = load(&room().0).unwrap();
+    let names: Vec<&str> = scene.materials.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(names, ["Wood", "Lamp", "Steel"]);
+    let image = Texture::Image { path: "room.glb#images/0".to_owned(), tint: DVec3::new(0.5, 0.6, 0.7) };
+    assert_eq!(scene.materials[0].1, Material::Lambertian { albedo: image });
+    let emit = Texture::Rgb(10.0, 9.0, 8.0);
+    assert_eq!(scene.materials[1].1, Material::DiffuseLight { emit, two_sided: true });
+    assert_eq!(scene.materials[2].1, Material::Metal { albedo: Texture::Rgb(0.8, 0.7, 0.6), fuzz: 0.0 });
+    assert_eq!(scene.bitmaps["room.glb#images/0"].texels[3], [1.0, 1.0, 0.127_437_68]);
+
+    let mesh = |path: &str| {
+        let material = if path.starts_with("meshes/1") {
+            "Lamp"
+        } else if path.starts_with("meshes/2") {
+            "Steel"
+        } else {
+            "Wood"
+        };
+        Object::Mesh { path: format!("room.glb#{path}"), material: Some(material.to_owned()) }
+    };
+    assert_eq!(scene.objects.len(), 4);
+    assert_eq!(scene.objects[0], mesh("meshes/0/primitives/0"));
+    // What mirrors is written into the vertices, and its outside is turned with them.
+    assert_eq!(scene.objects[1], mesh("nodes/1/primitives/0"));
+    let mirrored = &scene.meshes["room.glb#nodes/1/primitives/0"];
+    assert_eq!(mirrored.positions[0], DVec3::new(3.5, -1.0, 0.0));
+    let [a, b, c] = mirrored.triangles[0].map(|corner| mirrored.positions[corner as usize]);
+    assert!((b - a).cross(c - a).z > 0.0);
+    let Object::Transformed { by, object } = &scene.objects[3] else { panic!("{:?}", scene.objects[3]) };
+    assert_eq!(**object, mesh("meshes/2/primitives/0"));
+    let [Transform::Scale(scale), Transform::Rotate { axis, degrees }, Transform::Translate(shift)] = by[..] else {
+        panic!("{by:?}")
+    };
+    assert!((scale - 2.0).abs() < 1e-12 && axis == DVec3::Y && (degrees - 90.0).abs() < 1e-5);
+    assert_eq!(shift, DVec3::new(-3.0, 0.0, 0.0));
+
+    assert!(camera(DVec3::new(0.0, 1.0, 8.0), 45.0)(&scene.camera), "{:?}", scene.camera);
+    assert_eq!((scene.image.width, scene.image.height), (1280, 800));
+    assert_eq!(scene.background, Background::Solid(DVec3::ZERO), "the lamp lights it");
+}
+
+#[test]
+fn a_camera_is_chosen_by_its_name_or_that_of_its_node() {
+    let of = |name: &str| load_as(&room().0, &Wishes { camera: Some(name.to_owned()), ..Wishes::default() });
+    assert!(camera(DVec3::new(-8.0, 1.0, 0.0), 68.754_935_4)(&of("Left").unwrap().camera));
+    assert_eq!(of("Left").unwrap().camera.look_at.x.round(), 0.0, "it looks along +x");
+    assert_eq!(of("Wide").unwrap().camera, of("Front").unwrap().camera);
+    let error = of("left").unwrap_err();
+    assert_eq!(error.exit_status(), 2);
+    let words =
+        "--camera: there is no camera \"left\": expected one of \"Front\", \"Wide\", \"Left\"; did you mean \"Left\"?";
+    assert_eq!(error.to_string(), words);
+    let orthographic = json!({"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "zfar": 9, "znear": 0.1}});
+    let json = changed("/cameras/0", orthographic);
+    assert!(camera(DVec3::new(-8.0, 1.0, 0.0), 68.754_935_4)(&load(&json).unwrap().camera));
+    assert!(notes(&json).join("\n").contains("cameras[0]: orthographic cameras are not supported"));
+}
+
+#[test]
+fn a_file_without_camera_and_light_gets_both_and_is_told() {
+    let mut json = changed("/scenes/0/nodes", json!([0, 1]));
+    json["nodes"][0]["translation"] = json!([1000.0, 0.0, 0.0]);
+    let scene = load(&json).unwrap();
+    let Camera { look_from, look_at, .. } = scene.camera;
+    // The squares span from 1.5 to 1001.
+    assert!((look_at - DVec3::new(501.25, 0.0, 0.0)).length() < 1e-9 && look_from.z > 1000.0, "{:?}", scene.camera);
+    assert!(matches!(scene.background, Background::Gradient { .. }));
+    let notes = notes(&json).join("\n");
+    assert!(notes.contains("nothing in it emits light") && notes.contains("it has no camera"), "{notes}");
+    let sky = Wishes { sky: Some("gone.exr".to_owned()), ..Wishes::default() };
+    assert!(load_as(&json, &sky).unwrap_err().to_string().contains("gone.exr: cannot read the image"));
+}
+
+#[test]
+fn what_is_not_read_is_named_once_with_its_material() {
+    assert_eq!(
+        notes(&room().0),
+        [
+            "materials[0] (\"Wood\") is approximated: matt, without reflections",
+            "nodes[1]: transforms that mirror or scale unevenly are written into the vertices: 1 node with a mesh that others \
+             have too hold a copy of it",
+        ]
+    );
+    let wood = |more: Value| {
+        let mut json = room().0;
+        for (name, value) in more.as_object().unwrap() {
+            json["materials"][0][name] = value.clone();
+        }
+        notes(&json)[0].clone()
+    };
+    for (more, expected) in [
+        (json!({"alphaMode": "BLEND"}), "opaque, without its alpha (alphaMode BLEND, 1)"),
+        (json!({"normalTexture": {"index": 0}}), "not read: normalTexture"),
+        (json!({"extensions": {"KHR_materials_clearcoat": {}}}), "not read: \"KHR_materials_clearcoat\""),
+        (
+            json!({"extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}}}),
+            "clear glass without its colour",
+        ),
+        (json!({"emissiveFactor": [1, 1, 1]}), "it emits, and does not reflect"),
+        (json!({"pbrMetallicRoughness": {"baseColorFactor": [2, 0.5, 0.5, 1]}}), "baseColorFactor is cut to 0 .. 1"),
+    ] {
+        let note = wood(more);
+        assert!(note.starts_with("materials[0] (\"Wood\") is approximated: ") && note.contains(expected), "{note}");
+    }
+    for (pointer, value, expected) in [
+        ("/meshes/0/primitives/0/mode", json!(1), "meshes: 2 primitives of points or lines are left out"),
+        (
+            "/nodes/2/scale",
+            json!([0, 0, 0]),
+            "room.glb#nodes/2/primitives/0: none of its faces has an area: it is left out",
+        ),
+        ("/animations", json!([{"channels": [], "samplers": []}]), "animations are not read"),
+    ] {
+        let notes = notes(&changed(pointer, value)).join("\n");
+        assert!(notes.contains(expected), "{notes}");
+    }
+}
+
+#[test]
+fn what_is_broken_is_refused_with_its_place_in_the_json() {
+    for (pointer, value, at, reason) in [
+        ("/asset", json!({}), "asset", "missing field `version`"),
+        ("/nodes/0/mesh", json!("x"), "nodes[0].mesh", "invalid type: string \"x\""),
+        ("/nodes/0/mesh", json!(7), "nodes[0].mesh", "there is no mesh 7"),
+        ("/nodes/0/camera", json!(7), "nodes[0].camera", "there is no camera 7"),
+        ("/nodes/3/rotation", json!([0, 0, 0, 0]), "nodes[3]", "a rotation that is not 0"),
+        ("/nodes/0/children", json!([1]), "nodes[1]", "it occurs twice"),
+        ("/nodes/0/children", json!([77]), "nodes[0].children", "there is no node 77"),
+        ("/scene", json!(3), "scene", "expected a scene 3"),
+        ("/cameras/0/perspective/yfov", json!(0), "cameras[0].perspective.yfov", "between 0 and pi, found 0"),
+        ("/cameras/0/type", json!("round"), "cameras[0].type", "perspective or orthographic"),
+        ("/meshes/0/primitives/0/material", json!(7), "meshes[0].primitives[0].material", "there is no material 7"),
+        (
+            "/materials/0/pbrMetallicRoughness/baseColorTexture/index",
+            json!(7),
+            "materials[0].pbrMetallicRoughness.baseColorTexture.index",
+            "there is no texture 7",
+        ),
+        ("/textures/0/source", json!(7), "textures[0].source", "there is no image 7"),
+        ("/images/0", json!({"uri": "http://a/b.png"}), "images[0].uri", "the path of a file"),
+        ("/images/0", json!({"bufferView": 77}), "images[0]", "there is no bufferView 77"),
+        ("/images/0", json!({"bufferView": 0}), "images[0]", "cannot decode the image"),
+        ("/images/0", json!({}), "images[0]", "expected a uri or a bufferView"),
+        ("/bufferViews/5/byteLength", json!(u64::MAX), "images[0]", "bufferView 5 reaches past the end"),
+        ("/accessors/0/count", json!(5), "meshes[0].primitives[0].attributes.POSITION", "reaches past the end"),
+        ("/accessors/4/componentType", json!(5122), "meshes[0].primitives[0].indices", "5121, 5123 or 5125"),
+        (
+            "/meshes/0/primitives/0/attributes",
+            json!({}),
+            "meshes[0].primitives[0].attributes",
+            "expected an attribute POSITION",
+        ),
+        ("/buffers/0/byteLength", json!(1 << 20), "buffers[0]", "it is not complete"),
+        (
+            "/extensionsRequired",
+            json!(["KHR_draco_mesh_compression"]),
+            "extensionsRequired[0]",
+            "which is not supported",
+        ),
+    ] {
+        let error = load(&changed(pointer, value)).err().unwrap_or_else(|| panic!("{pointer} was accepted"));
+        assert_eq!(error.exit_status(), 2);
+        // Where several parts share what is broken, each is listed.
+        let Error::Scene { location, field, message } = &error.each()[0] else { panic!("{error}") };
+        assert_eq!((location.line, field.as_str()), (0, at), "{error}");
+        assert!(message.contains(reason), "{error}");
+        assert!(error.to_string().contains(&format!("room.glb: {at}: ")), "{error}");
+    }
+}
+
+/// The pixel of the image that the point (x, y) of the first square shows is found by its texture coordinates.
+#[test]
+fn texture_coordinates_are_those_that_the_material_wants() {
+    let uvs = |info: Value| {
+        let json = changed("/materials/0/pbrMetallicRoughness/baseColorTexture", info);
+        let scene = load(&json).unwrap_or_else(|error| panic!("{error}"));
+        let uvs = scene.meshes["room.glb#meshes/0/primitives/0"].uvs.clone();
+        // As glTF counts v.
+        uvs.iter().map(|uv| [f64::from(uv.x), f64::from(1.0 - uv.y)]).collect::<Vec<_>>()
+    };
+    assert_eq!(uvs(json!({"index": 0})), [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]]);
+    assert_eq!(uvs(json!({"index": 0, "texCoord": 1})), [[0.0, 0.5], [0.5, 0.5], [0.5, 0.0], [0.0, 0.0]]);
+    let moved = json!({"index": 0, "extensions": {"KHR_texture_transform": {"offset": [0.25, 0.5], "scale": [2, 3]}}});
+    assert_eq!(uvs(moved), [[0.25, 3.5], [2.25, 3.5], [2.25, 0.5], [0.25, 0.5]]);
+    // A set that is not there: the colour of the image's corner everywhere.
+    assert_eq!(uvs(json!({"index": 0, "texCoord": 5})), [[0.0, 0.0]; 4]);
+}
+
+fn scene_with(folder: &Path, objects: &str) -> Result<Scene, Error> {
+    let text = format!(
+        "(image: (width: 4, height: 3), camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vertical_fov: 40),
+    background: Solid((1, 1, 1)), objects: [{objects}])"
+    );
+    Scene::parse(&text, &folder.join("scene.ron"))
+}
+
+#[test]
+fn a_gltf_file_is_an_object_with_materials_of_its_own() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("models")).unwrap();
+    let (mut json, binary) = room();
+    json["images"][0] = json!({"uri": "wood%20a.png"});
+    fs::write(folder.path().join("models/room.gltf"), gltf(&json, &binary)).unwrap();
+    fs::write(folder.path().join("models/wood a.png"), png()).unwrap();
+    let room = r#"Gltf(path: "models/room.gltf")"#;
+    let objects = format!(
+        r#"{room}, Transformed(by: [Scale(2)], object: Group([{room}])),
+        Sphere(center: (0, 0, 0), radius: 1, material: "models/room.gltf#Steel")"#
+    );
+    let scene = scene_with(folder.path(), &objects).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(scene.materials.len(), 3);
+    let mut meshes = 0;
+    scene.visit_objects(&mut |_, object| meshes += usize::from(matches!(object, Object::Mesh { .. })));
+    assert_eq!((meshes, scene.meshes.len()), (8, 4));
+    assert!(scene.bitmaps.contains_key("models/wood a.png"), "{:?}", scene.bitmaps.keys());
+    let files: Vec<_> =
+        scene.inputs().iter().map(|path| path.strip_prefix(folder.path()).unwrap().to_owned()).collect();
+    assert_eq!(files, ["scene.ron", "models/room.gltf", "models/wood a.png"].map(std::path::PathBuf::from));
+
+    json["nodes"][0]["mesh"] = json!(9);
+    fs::write(folder.path().join("models/room.gltf"), gltf(&json, &binary)).unwrap();
+    let error = scene_with(folder.path(), room).unwrap_err().to_string();
+    let place = error.split_once("scene.ron:").unwrap().1;
+    assert!(place.starts_with("2:56: objects[0].Gltf.path: "), "{error}");
+    assert!(place.ends_with("models/room.gltf: nodes[0].mesh: there is no mesh 9"), "{error}");
+    for (path, reason) in [("a.obj", "ends in .gltf or .glb"), ("gone.glb", "cannot read the glTF file")] {
+        let error = scene_with(folder.path(), &format!("Gltf(path: {path:?})")).unwrap_err().to_string();
+        assert!(error.contains("objects[0].Gltf.path") && error.contains(reason), "{error}");
+    }
+    for (part, reason) in [
+        ("meshes/0/primitives/7", "meshes[0].primitives: there is no primitive 7"),
+        ("meshes/9/primitives/0", "meshes: there is no mesh 9"),
+        ("nodes/4/primitives/0", "nodes[4]: expected a node with a mesh"),
+        ("nodes/99/primitives/0", "nodes[99]: expected a node of the default scene"),
+        ("images/0", "expected a mesh, such as #meshes/0/primitives/0"),
+    ] {
+        let object = format!("Mesh(path: \"models/room.gltf#{part}\", material: \"x\")");
+        let error = scene_with(folder.path(), &object).unwrap_err().to_string();
+        assert!(error.contains("there is no material"), "{error}");
+        let object = object.replace("material: \"x\"", "material: \"models/room.gltf#Steel\"");
+        fs::write(folder.path().join("models/good.gltf"), gltf(&crate::common::gltf::room().0, &binary)).unwrap();
+        let all = format!("{object}, Gltf(path: \"models/good.gltf\")").replace("room.gltf", "good.gltf");
+        let error = scene_with(folder.path(), &all).unwrap_err().to_string();
+        assert!(error.contains(reason), "{error}");
+    }
+}
+
+#[test]
+fn wishes_are_for_gltf_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.ron");
+    fs::write(&path, "").unwrap();
+    let wishes = Wishes { camera: Some("A".to_owned()), ..Wishes::default() };
+    let error = Scene::load_as(&path, &wishes, &mut |_, _, _| {}, &mut Assets::default()).unwrap_err();
+    assert!(matches!(error, Error::Usage(_)), "{error}");
+    assert!(error.to_string().starts_with("--camera is for scenes that are .glb or .gltf: "), "{error}");
+}
+
+/// Every error is one of the scene, and what is accepted can be asked for its warnings.
+#[test]
+fn no_mutated_scene_panics() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut random = Random(0x1234_5678_9abc_def1);
+    let pieces: [&[u8]; 14] = [
+        b"-1",
+        b"4000000000",
+        b"NaN",
+        b"null",
+        b"[]",
+        b"{}",
+        b"1e38",
+        b"1e999",
+        b"true",
+        b"\"\"",
+        b",",
+        b"0",
+        b"7",
+        b"0.5",
+    ];
+    let (json, binary) = room();
+    let (mut accepted, mut refused) = (0, 0);
+    for (name, good) in [("bad.glb", glb(&json, &binary)), ("bad.gltf", gltf(&json, &binary).into_bytes())] {
+        let path = folder.path().join(name);
+        // Most of the damage is in the JSON.
+        let numbers: Vec<usize> = (0..good.len()).filter(|&at| good[at].is_ascii_digit()).collect();
+        for _ in 0..400 {
+            let mut bytes = good.clone();
+            for _ in 0..=random.below(2) {
+                let at =
+                    if random.below(2) == 0 { numbers[random.below(numbers.len())] } else { random.below(bytes.len()) };
+                let at = at.min(bytes.len());
+                let end = (at + 1 + random.below(8)).min(bytes.len());
+                match random.below(12) {
+                    0 => bytes.truncate(at),
+                    1 => drop(bytes.drain(at..end)),
+                    2..=4 => drop(bytes.splice(at..end.min(at + 1), [random.below(256) as u8])),
+                    _ => drop(bytes.splice(at..end.min(at + 1), pieces[random.below(pieces.len())].iter().copied())),
+                }
+            }
+            fs::write(&path, &bytes).unwrap();
+            match Scene::load(&path) {
+                Ok(scene) => {
+                    let _ = scene.warnings();
+                    assert!(scene.camera.look_from.is_finite());
+                    accepted += 1;
+                }
+                Err(Error::Scene { location, .. }) => {
+                    assert_eq!(location.line, 0);
+                    refused += 1;
+                }
+                Err(Error::Several { .. }) => refused += 1,
+                Err(other) => panic!("{other}"),
+            }
+        }
+    }
+    assert!(accepted > 50 && refused > 150, "{accepted} accepted, {refused} refused");
+}
