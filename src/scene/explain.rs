@@ -348,7 +348,7 @@ fn lower(message: &str) -> String {
 /// "an object: Sphere(..), .."
 fn object() -> String {
     let shapes: Vec<String> = kinds_in_files().map(|kind| format!("{}(..)", kind.form.name)).collect();
-    format!("an object: {}, Transformed(..), Group([..]) or Medium(..)", shapes.join(", "))
+    format!("an object: {}, Transformed(..), Group([..]), Gltf(..) or Medium(..)", shapes.join(", "))
 }
 
 const BY_NAME: &str = "fields by name: (name: value, ..)";

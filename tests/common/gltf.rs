@@ -1,5 +1,7 @@
 //! A small scene as a glTF file, which tests change.
 
+use std::f64::consts::FRAC_PI_4;
+
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD as BASE64;
 use serde_json::{Value, json};
@@ -42,13 +44,13 @@ pub fn room() -> (Value, Vec<u8>) {
         "nodes": [
             {"mesh": 0},
             {"mesh": 0, "name": "mirrored", "scale": [-1.0, 1.0, 1.0], "translation": [2.5, 0.0, 0.0]},
-            {"mesh": 1, "rotation": [0.70710678, 0.0, 0.0, 0.70710678], "translation": [0.0, 4.0, 0.0]},
-            {"mesh": 2, "rotation": [0.0, 0.70710678, 0.0, 0.70710678], "translation": [-3.0, 0.0, 0.0], "scale": [2.0, 2.0, 2.0]},
+            {"mesh": 1, "rotation": [1.0, 0.0, 0.0, 1.0], "translation": [0.0, 4.0, 0.0]},
+            {"mesh": 2, "rotation": [0.0, 1.0, 0.0, 1.0], "translation": [-3.0, 0.0, 0.0], "scale": [2.0, 2.0, 2.0]},
             {"camera": 0, "name": "Front", "translation": [0.0, 1.0, 8.0]},
-            {"camera": 1, "name": "Left", "translation": [-8.0, 1.0, 0.0], "rotation": [0.0, -0.70710678, 0.0, 0.70710678]}
+            {"camera": 1, "name": "Left", "translation": [-8.0, 1.0, 0.0], "rotation": [0.0, -1.0, 0.0, 1.0]}
         ],
         "cameras": [
-            {"type": "perspective", "name": "Wide", "perspective": {"yfov": 0.7853982, "aspectRatio": 1.6, "znear": 0.1}},
+            {"type": "perspective", "name": "Wide", "perspective": {"yfov": FRAC_PI_4, "aspectRatio": 1.6, "znear": 0.1}},
             {"type": "perspective", "perspective": {"yfov": 1.2, "znear": 0.1}}
         ],
         "meshes": [square(0), square(1), square(2)],
