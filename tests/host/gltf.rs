@@ -336,12 +336,14 @@ fn no_mutated_scene_panics() {
             let mut bytes = good.clone();
             for _ in 0..=random.below(2) {
                 let at =
-                    if random.below(2) == 0 { numbers[random.below(numbers.len())] } else { random.below(bytes.len()) };
+                    if random.below(4) > 0 { numbers[random.below(numbers.len())] } else { random.below(bytes.len()) };
                 let at = at.min(bytes.len());
                 let end = (at + 1 + random.below(8)).min(bytes.len());
                 match random.below(12) {
                     0 => bytes.truncate(at),
                     1 => drop(bytes.drain(at..end)),
+                    // Another number, or a byte of the binary chunk.
+                    2..=7 if bytes.get(at).is_some_and(u8::is_ascii_digit) => bytes[at] = b'0' + random.below(10) as u8,
                     2..=4 => drop(bytes.splice(at..end.min(at + 1), [random.below(256) as u8])),
                     _ => drop(bytes.splice(at..end.min(at + 1), pieces[random.below(pieces.len())].iter().copied())),
                 }
