@@ -12,7 +12,7 @@ use crate::data::{CHANNELS, PixelTotals, Rgb, SQUARE_FRACTION, SUM_FRACTION, Sam
 use crate::error::{Error, Result};
 use crate::job::Frame;
 use crate::memory;
-pub use channels::device_bytes;
+pub use channels::{device_bytes, record_bytes};
 pub use totals::{Rejected, ThroughGlass, TooDeep, Totals};
 
 use channels::Channels;

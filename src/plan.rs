@@ -9,7 +9,8 @@ mod tuning;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use crate::data::{self, QUEUE_HEADER, RunRecord};
+use crate::aov::Aovs;
+use crate::data::{self, QUEUE_HEADER};
 use crate::error::Result;
 use crate::film;
 use crate::flatten::{BOUNDARIES, DeviceScene, Features, MATERIALS, PRIMITIVES};
@@ -122,8 +123,8 @@ pub struct Kernels {
     /// What slots keep of their paths from one dispatch to the next.
     pub path_fields: Vec<PathField>,
     pub settings: SettingsLayout,
-    /// Bytes of a pixel of the film.
-    pub pixel_bytes: u64,
+    /// The channels beside the radiance.
+    pub aovs: Aovs,
     /// What they are linked for.
     pub features: Features,
     tables: UniformTables,
@@ -270,7 +271,7 @@ impl Kernels {
             accumulate,
             path_fields,
             settings,
-            pixel_bytes: film::device_bytes(&options.aov),
+            aovs: options.aov.clone(),
             tables: tables.clone(),
             features: features.clone(),
         })
@@ -308,8 +309,8 @@ impl Kernels {
     fn buffers<'a>(&self, flat: &'a DeviceScene, tuning: &Tuning) -> Vec<BufferSpec<'a>> {
         let slots = u64::from(tuning.slots);
         let queues = self.queues();
-        let (runs, record_bytes) = (u64::from(tuning.records_per_slot), size_of::<RunRecord>() as u64);
-        let (tile, pixel_bytes) = (u64::from(tuning.tile), self.pixel_bytes);
+        let (runs, record_bytes) = (u64::from(tuning.records_per_slot), film::record_bytes(&self.aovs));
+        let (tile, pixel_bytes) = (u64::from(tuning.tile), film::device_bytes(&self.aovs));
         let places = places(&self.path_fields);
         let (plane_bytes, word_bytes) = (places.plane_bytes(), places.word_bytes());
         let header = u64::from(QUEUE_HEADER);

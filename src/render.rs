@@ -194,7 +194,7 @@ impl<'a> Lane<'a> {
                 refill: pipeline(&staged.refill)?,
             },
         };
-        let film_bytes = u64::from(tuning.tile) * plan.kernels.pixel_bytes;
+        let film_bytes = u64::from(tuning.tile) * device_bytes(&plan.options.aov);
         let report = |_| Report {
             counters: Readback::new(device, "counters", size_of::<Counters>() as u64),
             timing: if profile { Timing::new(device) } else { None },

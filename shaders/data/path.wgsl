@@ -38,13 +38,36 @@ struct Path {
     // For a light that is a triangle: the instance of its mesh.
     light_instance: u32,
     //@ end
-    //@ if aov_direct
-    // Direct radiance of this sample so far (step/aov_direct).
-    direct: vec3<f32>,
-    //@ end
     //@ if aov_rough
     // 1 if the albedo and the normal of this sample are known (step/aov_surface).
     seen: u32,
+    //@ end
+    //@ if aov_direct
+    // Direct radiance of this sample so far (step/aov_direct), and its sum over the run's accepted samples.
+    direct: vec3<f32>,
+    direct_sum: vec3<f32>,
+    //@ end
+    // Sums over the samples of the run, and what its first sample has met (`--aov`).
+    //@ if aov_albedo
+    albedo_sum: vec3<f32>,
+    //@ end
+    //@ if aov_normal
+    normal_sum: vec3<f32>,
+    //@ end
+    //@ if aov_hits
+    hits: f32,
+    //@ end
+    //@ if aov_depth
+    depth_sum: f32,
+    //@ end
+    //@ if aov_position
+    position_sum: vec3<f32>,
+    //@ end
+    //@ if aov_object
+    object: f32,
+    //@ end
+    //@ if aov_material
+    material: f32,
     //@ end
     // Sum of the radiance of the run's finished samples, and the number of rays traced for them.
     sum: Compensated,

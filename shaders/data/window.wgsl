@@ -64,4 +64,8 @@ struct RunRecord {
     spread_r: f32,
     spread_g: f32,
     spread_b: f32,
+    //@ if aov
+    // The sums of `--aov`, over all samples.
+    aov: array<f32, ${aov_sums}>,
+    //@ end
 }

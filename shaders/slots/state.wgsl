@@ -116,6 +116,67 @@ fn store_radiance(slot: u32, path: ptr<function, Path>) {
     store_plane(PLANE_OF_RADIANCE, slot, (*path).radiance, bitcast<u32>((*path).pdf));
 }
 
+// What `--aov` keeps of the first hits, of the surfaces that are seen, and of direct light.
+fn load_aov_hit(slot: u32, path: ptr<function, Path>) {
+    //@ if aov_hits
+    (*path).hits = bitcast<f32>(load_hits(slot));
+    //@ end
+    //@ if aov_depth
+    (*path).depth_sum = bitcast<f32>(load_depth_sum(slot));
+    //@ end
+    //@ if aov_position
+    (*path).position_sum = vector_of(paths[place(PLANE_OF_POSITION_SUM, slot)]);
+    //@ end
+    //@ if aov_object
+    (*path).object = bitcast<f32>(load_object(slot));
+    //@ end
+    //@ if aov_material
+    (*path).material = bitcast<f32>(load_material(slot));
+    //@ end
+}
+
+fn store_aov_hit(slot: u32, path: ptr<function, Path>) {
+    //@ if aov_hits
+    store_hits(slot, bitcast<u32>((*path).hits));
+    //@ end
+    //@ if aov_depth
+    store_depth_sum(slot, bitcast<u32>((*path).depth_sum));
+    //@ end
+    //@ if aov_position
+    store_vector(PLANE_OF_POSITION_SUM, slot, (*path).position_sum);
+    //@ end
+    //@ if aov_object
+    store_object(slot, bitcast<u32>((*path).object));
+    //@ end
+    //@ if aov_material
+    store_material(slot, bitcast<u32>((*path).material));
+    //@ end
+}
+
+fn load_aov_surface(slot: u32, path: ptr<function, Path>) {
+    //@ if aov_rough
+    (*path).seen = load_seen(slot);
+    //@ end
+    //@ if aov_albedo
+    (*path).albedo_sum = vector_of(paths[place(PLANE_OF_ALBEDO_SUM, slot)]);
+    //@ end
+    //@ if aov_normal
+    (*path).normal_sum = vector_of(paths[place(PLANE_OF_NORMAL_SUM, slot)]);
+    //@ end
+}
+
+fn store_aov_surface(slot: u32, path: ptr<function, Path>) {
+    //@ if aov_rough
+    store_seen(slot, (*path).seen);
+    //@ end
+    //@ if aov_albedo
+    store_vector(PLANE_OF_ALBEDO_SUM, slot, (*path).albedo_sum);
+    //@ end
+    //@ if aov_normal
+    store_vector(PLANE_OF_NORMAL_SUM, slot, (*path).normal_sum);
+    //@ end
+}
+
 //@ if aov_direct
 fn load_direct(slot: u32, path: ptr<function, Path>) {
     (*path).direct = vector_of(paths[place(PLANE_OF_DIRECT, slot)]);
@@ -138,9 +199,13 @@ fn load_path(slot: u32, path: ptr<function, Path>) {
     //@ end
     //@ if aov_direct
     load_direct(slot, path);
+    (*path).direct_sum = vector_of(paths[place(PLANE_OF_DIRECT_SUM, slot)]);
     //@ end
-    //@ if aov_rough
-    (*path).seen = load_seen(slot);
+    //@ if aov_hit
+    load_aov_hit(slot, path);
+    //@ end
+    //@ if aov_surface
+    load_aov_surface(slot, path);
     //@ end
 }
 
@@ -158,8 +223,12 @@ fn store_path(slot: u32, path: ptr<function, Path>) {
     //@ end
     //@ if aov_direct
     store_direct(slot, path);
+    store_vector(PLANE_OF_DIRECT_SUM, slot, (*path).direct_sum);
     //@ end
-    //@ if aov_rough
-    store_seen(slot, (*path).seen);
+    //@ if aov_hit
+    store_aov_hit(slot, path);
+    //@ end
+    //@ if aov_surface
+    store_aov_surface(slot, path);
     //@ end
 }

@@ -24,7 +24,9 @@ fn intersect(@builtin(global_invocation_id) id: vec3<u32>) {
     //@ if aov_hit
     load_throughput(slot, &path);
     load_sample_of_path(slot, &path);
+    load_aov_hit(slot, &path);
     note_hit(&path);
+    store_aov_hit(slot, &path);
     //@ end
     store_hit(slot, &path);
     //@ if queue_of_hits

@@ -23,12 +23,12 @@ fn medium(@builtin(global_invocation_id) id: vec3<u32>) {
     load_radiance(slot, &path);
     path.light = NO_LIGHT;
     //@ end
-    //@ if aov_rough
-    path.seen = load_seen(slot);
+    //@ if aov_surface
+    load_aov_surface(slot, &path);
     //@ end
     cross_media(&path);
-    //@ if aov_rough
-    store_seen(slot, path.seen);
+    //@ if aov_surface
+    store_aov_surface(slot, &path);
     //@ end
     //@ if light
     store_radiance(slot, &path);

@@ -28,12 +28,12 @@ fn scatter(@builtin(global_invocation_id) id: vec3<u32>) {
     //@ if sends_shadow_ray
     path.light = NO_LIGHT;
     //@ end
-    //@ if aov_rough
-    path.seen = load_seen(slot);
+    //@ if aov_surface
+    load_aov_surface(slot, &path);
     //@ end
     scatter_path(&path);
-    //@ if aov_rough
-    store_seen(slot, path.seen);
+    //@ if aov_surface
+    store_aov_surface(slot, &path);
     //@ end
     //@ if light
     store_radiance(slot, &path);

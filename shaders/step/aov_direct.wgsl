@@ -1,5 +1,4 @@
 //@ use data/path
-//@ use step/aov
 //@ if signed
 //@ use step/start
 //@ end
@@ -18,5 +17,5 @@ fn add_direct(path: ptr<function, Path>) {
     //@ if signed
     direct *= weight_of_sample(path);
     //@ end
-    add_vector_to_film(film_place(path), ${sum_of_direct}u, direct);
+    (*path).direct_sum += direct;
 }

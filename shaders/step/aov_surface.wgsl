@@ -1,5 +1,4 @@
 //@ use data/path
-//@ use step/aov
 //@ if signed
 //@ use step/start
 //@ end
@@ -24,11 +23,10 @@ fn note_surface(path: ptr<function, Path>, passes: bool, albedo: vec3<f32>, norm
     //@ if signed
     weight = weight_of_sample(path);
     //@ end
-    let place = film_place(path);
     //@ if aov_albedo
-    add_vector_to_film(place, ${sum_of_albedo}u, weight * albedo);
+    (*path).albedo_sum += weight * albedo;
     //@ end
     //@ if aov_normal
-    add_vector_to_film(place, ${sum_of_normal}u, weight * normal);
+    (*path).normal_sum += weight * normal;
     //@ end
 }

@@ -84,9 +84,49 @@ fn refill_path(path: ptr<function, Path>) {
     } else {
         let at = atomicAdd(&counters.records, 1u);
         let sum = (*path).sum.sum - (*path).sum.excess;
-        records[at] = RunRecord(
-            sum.x, sum.y, sum.z, (*path).pixel, (*path).counts, (*path).rays,
-            (*path).spread.x, (*path).spread.y, (*path).spread.z);
+        var run = RunRecord();
+        run.sum_r = sum.x;
+        run.sum_g = sum.y;
+        run.sum_b = sum.z;
+        run.pixel = (*path).pixel;
+        run.counts = (*path).counts;
+        run.rays = (*path).rays;
+        run.spread_r = (*path).spread.x;
+        run.spread_g = (*path).spread.y;
+        run.spread_b = (*path).spread.z;
+        //@ if aov_albedo
+        run.aov[${sum_of_albedo}u] = (*path).albedo_sum.x;
+        run.aov[${sum_of_albedo}u + 1u] = (*path).albedo_sum.y;
+        run.aov[${sum_of_albedo}u + 2u] = (*path).albedo_sum.z;
+        //@ end
+        //@ if aov_normal
+        run.aov[${sum_of_normal}u] = (*path).normal_sum.x;
+        run.aov[${sum_of_normal}u + 1u] = (*path).normal_sum.y;
+        run.aov[${sum_of_normal}u + 2u] = (*path).normal_sum.z;
+        //@ end
+        //@ if aov_hits
+        run.aov[${sum_of_hits}u] = (*path).hits;
+        //@ end
+        //@ if aov_depth
+        run.aov[${sum_of_depth}u] = (*path).depth_sum;
+        //@ end
+        //@ if aov_position
+        run.aov[${sum_of_position}u] = (*path).position_sum.x;
+        run.aov[${sum_of_position}u + 1u] = (*path).position_sum.y;
+        run.aov[${sum_of_position}u + 2u] = (*path).position_sum.z;
+        //@ end
+        //@ if aov_object
+        run.aov[${sum_of_object}u] = (*path).object;
+        //@ end
+        //@ if aov_material
+        run.aov[${sum_of_material}u] = (*path).material;
+        //@ end
+        //@ if aov_direct
+        run.aov[${sum_of_direct}u] = (*path).direct_sum.x;
+        run.aov[${sum_of_direct}u + 1u] = (*path).direct_sum.y;
+        run.aov[${sum_of_direct}u + 2u] = (*path).direct_sum.z;
+        //@ end
+        records[at] = run;
         start_run(path);
     }
 }

@@ -58,5 +58,29 @@ fn start_run(path: ptr<function, Path>) {
     (*path).sum = Compensated();
     (*path).rays = 0u;
     (*path).spread = vec3<f32>(0.0);
+    //@ if aov_direct
+    (*path).direct_sum = vec3<f32>(0.0);
+    //@ end
+    //@ if aov_albedo
+    (*path).albedo_sum = vec3<f32>(0.0);
+    //@ end
+    //@ if aov_normal
+    (*path).normal_sum = vec3<f32>(0.0);
+    //@ end
+    //@ if aov_hits
+    (*path).hits = 0.0;
+    //@ end
+    //@ if aov_depth
+    (*path).depth_sum = 0.0;
+    //@ end
+    //@ if aov_position
+    (*path).position_sum = vec3<f32>(0.0);
+    //@ end
+    //@ if aov_object
+    (*path).object = 0.0;
+    //@ end
+    //@ if aov_material
+    (*path).material = 0.0;
+    //@ end
     start_sample(path);
 }

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::{Film, exp2, to_f32};
 use crate::aov::{Aov, Aovs, Channel, SceneSpace, Sum};
-use crate::data::{FILM_SUMS, PixelTotals, SUM_FRACTION};
+use crate::data::{FILM_SUMS, PixelTotals, RunRecord, SUM_FRACTION};
 use crate::error::{Error, Result};
 use crate::memory;
 
@@ -25,9 +25,14 @@ pub(super) struct Channels {
     sums: Vec<i128>,
 }
 
-/// What a pixel of the device's film takes, in bytes.
+/// The bytes that a pixel of the device's film takes.
 pub fn device_bytes(aovs: &Aovs) -> u64 {
     (size_of::<PixelTotals>() + aovs.count() * size_of::<[u32; 4]>()) as u64
+}
+
+/// The bytes that a finished run takes on its way to it.
+pub fn record_bytes(aovs: &Aovs) -> u64 {
+    (size_of::<RunRecord>() + aovs.count() * size_of::<f32>()) as u64
 }
 
 impl Channels {

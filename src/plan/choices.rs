@@ -82,22 +82,24 @@ named! {
         met_light,
         /// and may be left to chance.
         met_by_chance,
-        /// The film has the albedo of the surface that is seen, and its normal; one of them.
+        /// The film has channels beside the radiance:
+        aov,
+        /// the albedo of the surface that is seen, its normal, one of them;
         aov_albedo,
         aov_normal,
         aov_surface,
-        /// Mirrors and clear glass are passed on the way to it, or not.
+        /// mirrors and clear glass are passed on the way to it, or not;
         aov_rough,
         aov_first,
-        /// The film has something of the first surface that camera rays hit: its depth, its position, or which it is; one of them.
+        /// the depth of the first surface that camera rays hit, its position, which it is, one of them;
         aov_depth,
         aov_position,
         aov_object,
         aov_material,
         aov_hit,
-        /// The first two are means over the rays that hit it.
+        /// the number of rays that hit it, for the first two;
         aov_hits,
-        /// The film has the direct radiance.
+        /// the direct radiance.
         aov_direct,
     }
 }
@@ -162,8 +164,9 @@ named! {
         queues,
         /// The queue that the kernel serves.
         queue,
-        /// The sums of a pixel of the film, and the places of those beside the radiance's.
+        /// The sums of a pixel of the film, those of them beside the radiance's, and their places.
         film_sums,
+        aov_sums,
         sum_of_albedo,
         sum_of_normal,
         sum_of_hits,
@@ -320,11 +323,12 @@ pub(super) fn decide(
     };
     let aov_surface = aov(&[Sum::Albedo, Sum::Normal], &event);
     let passes = options.aov.surface == SeenSurface::Rough;
-    let place = |sum| (FILM_SUMS + options.aov.place(sum).unwrap_or(0)) as u32;
+    let place = |sum| options.aov.place(sum).unwrap_or(0) as u32;
 
     let queue_why = if_so(queues, option(QUEUES));
     let conditions = Conditions {
         staged_light: light.clone().filter(|_| !fused),
+        aov: if_so(!options.aov.is_empty(), option(&asked_aov)),
         aov_albedo: aov(&[Sum::Albedo], &event),
         aov_normal: aov(&[Sum::Normal], &event),
         aov_rough: aov_surface.clone().filter(|_| passes),
@@ -424,6 +428,7 @@ pub(super) fn decide(
             most_steps: if features.shadow_rays { 19_000 } else { 48_000 },
             run_length: RUN_LENGTH,
             film_sums: (FILM_SUMS + options.aov.count()) as u32,
+            aov_sums: options.aov.count() as u32,
             sum_of_albedo: place(Sum::Albedo),
             sum_of_normal: place(Sum::Normal),
             sum_of_hits: place(Sum::Hits),

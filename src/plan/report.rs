@@ -362,6 +362,7 @@ fn about_constant(name: &str) -> String {
         "queues" => "queues that slots are sorted into",
         "queue" => "the queue that the kernel serves",
         "film_sums" => "sums that the film has of a pixel",
+        "aov_sums" => "those of them that are of --aov",
         _ if name.starts_with("sum_of_") => "its place among them",
         _ => "",
     };

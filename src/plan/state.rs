@@ -38,7 +38,7 @@ impl PathField {
 }
 
 /// The most bytes that they are, of any scene.
-pub const MOST_PATH_BYTES: u64 = 180;
+pub const MOST_PATH_BYTES: u64 = 244;
 
 /// The fields that kernels hand to each other. The fused kernel keeps to itself what lies between a ray and its scattering.
 pub fn path_fields(conditions: &Conditions, fused: bool) -> Vec<PathField> {
@@ -70,6 +70,10 @@ pub fn path_fields(conditions: &Conditions, fused: bool) -> Vec<PathField> {
         vector(&lights, "RADIANCE", "radiance of the sample so far, by lights that were sampled"),
         behind(&lights, "RADIANCE", "pdf", "density of the last scattering's direction"),
         vector(&words(&conditions.aov_direct), "DIRECT", "direct radiance of the sample so far"),
+        vector(&words(&conditions.aov_direct), "DIRECT_SUM", "that of the run's samples"),
+        vector(&words(&conditions.aov_albedo), "ALBEDO_SUM", "albedos of the run's samples"),
+        vector(&words(&conditions.aov_normal), "NORMAL_SUM", "their normals"),
+        vector(&words(&conditions.aov_position), "POSITION_SUM", "their positions"),
         vector(&staged_lights, "SHADOW_ORIGIN", "where the ray to a light starts"),
         behind(&staged_lights, "SHADOW_ORIGIN", "light", "the light"),
         vector(&staged_lights, "SHADOW_DIRECTION", "the direction of that ray"),
@@ -78,6 +82,10 @@ pub fn path_fields(conditions: &Conditions, fused: bool) -> Vec<PathField> {
         word(&always, "counts", "samples of the run, accepted and rejected"),
         word(&always, "pixel", "the pixel"),
         word(&always, "sample", "the sample of the pixel"),
+        word(&words(&conditions.aov_hits), "hits", "samples of the run whose camera ray hits a surface"),
+        word(&words(&conditions.aov_depth), "depth_sum", "their depths"),
+        word(&words(&conditions.aov_object), "object", "the object that the pixel's first sample hits"),
+        word(&words(&conditions.aov_material), "material", "the material of that object"),
         word(&words(&conditions.aov_rough), "seen", "whether the albedo and the normal of the sample are known"),
         word(&staged_meshes, "instance", "the mesh that the ray has met a part of"),
         word(&staged_mesh_lights, "light_instance", "the mesh that the light is part of"),

@@ -1,8 +1,7 @@
 //! Sizes that suit a device for a job; they do not change the image.
 
 use super::MOST_PATH_BYTES;
-use crate::data::RunRecord;
-use crate::film::device_bytes;
+use crate::film::{device_bytes, record_bytes};
 use crate::gpu::device::DeviceClass;
 use crate::job::Job;
 use crate::options::{RenderOptions, Scatter};
@@ -38,7 +37,7 @@ impl Tuning {
         // Their state is one buffer.
         let most = most.min(device.max_binding_bytes / MOST_PATH_BYTES).max(fewest);
         let slots = options.slots.unwrap_or((runs / 8).clamp(fewest, most) as u32).max(1);
-        let room_for_records = device.max_binding_bytes / (u64::from(slots) * size_of::<RunRecord>() as u64);
+        let room_for_records = device.max_binding_bytes / (u64::from(slots) * record_bytes(&options.aov));
         let pixels = u64::from(job.size.0) * u64::from(job.size.1);
         let room = device.max_binding_bytes.min(MOST_FILM_BYTES) / device_bytes(&options.aov);
         Tuning {

@@ -82,7 +82,7 @@ const USUAL: [(&str, &str); 4] = [
 ];
 
 /// The conditions that do not hold where nothing else is asked, and those of the settings' members, which are all there.
-const NONE: [&str; 21] = [
+const NONE: [&str; 22] = [
     "mesh",
     "light",
     "emitting_mesh",
@@ -92,6 +92,7 @@ const NONE: [&str; 21] = [
     "medium",
     "several_backgrounds",
     "signed",
+    "aov",
     "aov_albedo",
     "aov_normal",
     "aov_surface",
