@@ -158,6 +158,11 @@ fn what_is_not_read_is_named_once_with_its_material() {
             json!([0, 0, 0]),
             "room.glb#nodes/2/primitives/0: none of its faces has an area: it is left out",
         ),
+        (
+            "/meshes/0/primitives/0/attributes",
+            json!({"POSITION": 0, "COLOR_0": 1}),
+            "meshes: vertex colours (COLOR_0) are not read",
+        ),
         ("/animations", json!([{"channels": [], "samplers": []}]), "animations are not read"),
     ] {
         let notes = notes(&changed(pointer, value)).join("\n");

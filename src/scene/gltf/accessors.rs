@@ -24,7 +24,11 @@ impl File {
         [u32; N]: Item,
         [f32; N]: Item,
     {
-        let shape = if N == 2 { Dimensions::Vec2 } else { Dimensions::Vec3 };
+        let shape = match N {
+            2 => Dimensions::Vec2,
+            3 => Dimensions::Vec3,
+            _ => Dimensions::Vec4,
+        };
         match self.kind(index, shape)? {
             DataType::I8 => self.numbers::<i8, N>(index),
             DataType::U8 => self.numbers::<u8, N>(index),

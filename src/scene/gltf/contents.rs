@@ -4,14 +4,13 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
-use gltf::json::mesh::Semantic;
-use gltf::json::validation::Checked;
 
 use super::camera::View;
 use super::geometry::has_triangles;
 use super::material::default_material;
 use super::nodes::similarity;
 use super::{Broken, File, Part, Result};
+use crate::guard::guarded;
 use crate::scene::Mesh;
 use crate::scene::nearest::nearest;
 use crate::scene::types::{Camera, ImageSize, Material, Object};
@@ -84,6 +83,10 @@ pub fn bounds(placed: &[(String, DAffine3)], meshes: &BTreeMap<String, Arc<Mesh>
 impl File {
     /// The contents of the default scene. `path` is the file as the scene names it; names of materials begin with `prefix`.
     pub fn contents(&self, path: &str, prefix: &str) -> Result<Contents> {
+        guarded(|| self.read_contents(path, prefix))?
+    }
+
+    fn read_contents(&self, path: &str, prefix: &str) -> Result<Contents> {
         let root = self.root();
         let mut contents = Contents::default();
         let mut materials = Materials { file: self, path, prefix, names: HashMap::new(), taken: HashSet::new() };
@@ -130,14 +133,11 @@ impl File {
             notes.push(format!("meshes: {without_triangles} primitives of points or lines are left out"));
         }
         let primitives = || root.meshes.iter().flat_map(|mesh| &mesh.primitives);
-        let has = |name: fn(&Semantic) -> bool| {
-            let given = |semantic: &Checked<Semantic>| matches!(semantic, Checked::Valid(it) if name(it));
-            primitives().any(|primitive| primitive.attributes.keys().any(given))
-        };
+        let coloured = primitives().filter(|primitive| self.is_coloured(primitive)).count();
         let lights = root.extensions.as_ref().and_then(|found| found.khr_lights_punctual.as_ref());
         let lights = lights.map_or(0, |lights| lights.lights.len());
         for (is_there, note) in [
-            (has(|name| matches!(name, Semantic::Colors(_))), "meshes: vertex colours (COLOR_0) are not read"),
+            (coloured > 0, "meshes: vertex colours (COLOR_0) are not read"),
             (!root.skins.is_empty(), "skins are not read: meshes have the shape in which they were bound"),
             (!root.animations.is_empty(), "animations are not read"),
             (primitives().any(|it| it.targets.is_some()), "meshes: morph targets are not read"),

@@ -1,6 +1,7 @@
 //! The triangles of a glTF file.
 
 use glam::{DAffine3, DMat3, DVec3, Vec2, Vec3};
+use gltf::accessor::Dimensions;
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
 
@@ -60,6 +61,19 @@ impl File {
         let found = self.root().meshes.get(mesh).ok_or_else(|| wrong("meshes".to_owned(), "mesh", mesh))?;
         let primitives = format!("meshes[{mesh}].primitives");
         found.primitives.get(primitive).ok_or_else(|| wrong(primitives, "primitive", primitive))
+    }
+
+    /// Whether a primitive has vertex colours other than white, which exporters write too.
+    pub fn is_coloured(&self, primitive: &Primitive) -> bool {
+        let colours = primitive.attributes.get(&Checked::Valid(Semantic::Colors(0)));
+        let Some(colours) = colours.copied().filter(|_| has_triangles(primitive)) else { return false };
+        let is_white = |colour: &[f64]| colour.iter().all(|x| *x == 1.0);
+        match self.accessor(colours).map(|accessor| accessor.type_) {
+            Some(Checked::Valid(Dimensions::Vec3)) => {
+                self.elements::<3>(colours).is_ok_and(|mut all| !all.all(|colour| is_white(&colour)))
+            }
+            _ => self.elements::<4>(colours).is_ok_and(|mut all| !all.all(|colour| is_white(&colour))),
+        }
     }
 
     /// Adds a primitive's triangles; points and lines have none.

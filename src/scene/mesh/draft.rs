@@ -27,6 +27,8 @@ pub struct Draft {
     triangles: Vec<[u32; 3]>,
     /// The face that each triangle is part of.
     faces: Vec<u32>,
+    /// What is told of the file.
+    pub warnings: Vec<String>,
     /// The number of faces so far, including those without triangles.
     face_count: u32,
 }
@@ -105,7 +107,7 @@ impl Draft {
         if self.face_count == 0 {
             return Err("it has no faces: expected at least one of three corners or more".to_owned());
         }
-        let mut warnings = Vec::new();
+        let mut warnings = std::mem::take(&mut self.warnings);
         self.check_faces()?;
         warnings.extend(self.leave_out_flat_faces()?);
         self.leave_out_unused_vertices();

@@ -38,6 +38,11 @@ pub fn parse(_: &Path, input: &mut Input, draft: &mut Draft) -> Result<(), Strin
         ));
     }
     let has = lines.counts.map(|count| count > 0);
+    if let Some(library) = lines.library {
+        draft.warnings.push(format!(
+            "its materials, in {library} (mtllib), are not read: the mesh has the one that the scene gives it"
+        ));
+    }
     let models = loaded.and_then(|loaded| loaded.map_err(|error| error.to_string()));
     let (models, _) = models.map_err(|words| fault(bytes).unwrap_or(words))?;
     for model in models {
@@ -95,13 +100,16 @@ struct Lines<'a, 'b> {
     counts: [u64; 3],
     /// The bytes that are left for the crate; none if it needs more.
     room: Option<usize>,
+    /// The file of materials that is named first.
+    library: Option<String>,
     /// The number of lists that `fill_lists` has handled after the end of the file.
     ended: usize,
 }
 
 impl<'a, 'b> Lines<'a, 'b> {
     fn new(input: &'a mut Input<'b>) -> Lines<'a, 'b> {
-        Lines { input, line: Vec::new(), read: 0, number: 0, next: 1, counts: [0; 3], room: Some(MOST_BYTES), ended: 1 }
+        let (counts, room) = ([0; 3], Some(MOST_BYTES));
+        Lines { input, line: Vec::new(), read: 0, number: 0, next: 1, counts, room, library: None, ended: 1 }
     }
 
     /// Goes to the next line; false at the end, or if there is no room for more.
@@ -128,6 +136,10 @@ impl<'a, 'b> Lines<'a, 'b> {
                 Some(1) => 2,
                 Some(_) => 3,
                 None if name == b"f" => usize::MAX,
+                None if name == b"mtllib" => {
+                    self.library = self.library.take().or_else(|| words.next().map(quote));
+                    continue;
+                }
                 None => continue,
             };
             self.read = 0;
