@@ -3,11 +3,14 @@
 //! The origin of a mesh's space is the middle of its box, and a power of two scales its coordinates to -1..1. The rounding to
 //! f32 is therefore relative to the size of the mesh, and does not depend on its position in the file or on the scene.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 
 use super::Builder;
-use crate::bvh::{self, Bounds};
-use crate::data::{self, KIND_TRIANGLE, NO_NORMAL, NO_UVS, PRIMITIVE_BIT, primitive_code};
+use crate::bvh::{self, Bounds, Bvh, Quality};
+use crate::data::{self, HIT_NOTHING, KIND_TRIANGLE, NO_NORMAL, NO_UVS, PRIMITIVE_BIT, primitive_code};
+use crate::scene::Mesh;
 use crate::shape::mesh::{Laid, MeshShape};
 
 impl Builder<'_> {
@@ -41,31 +44,41 @@ impl Builder<'_> {
         }));
         words.extend(mesh.uvs.iter().map(|uv| [uv.x.to_bits(), uv.y.to_bits(), 0, 0]));
 
-        let corner = |i: u32| positions[i as usize];
-        let bounds: Vec<Bounds> = mesh
-            .triangles
-            .iter()
-            .map(|&[a, b, c]| {
-                let (a, b, c) = (corner(a), corner(b), corner(c));
-                Bounds { min: a.min(b).min(c), max: a.max(b).max(c) }
-            })
-            .collect();
-        let codes: Vec<u32> = (first_face..first_vertex).map(|face| primitive_code(KIND_TRIANGLE, face)).collect();
-        let bvh = bvh::build(&bounds, &codes, self.quality);
-        let root = self.flat.add_nodes(bvh.root, bvh.nodes);
+        let quality = self.quality;
+        let build = || hierarchy(mesh, &positions, quality);
+        let bvh = match &mut self.hierarchies {
+            Some(hierarchies) => hierarchies.of(self.scene, mesh, quality, build),
+            None => Arc::new(build()),
+        };
+        let root = self.flat.add_nodes(&bvh, first_face);
         let to_uvs = if mesh.uvs.is_empty() { NO_UVS } else { vertices };
         Laid { root, first_face, to_uvs, stack_size: bvh.stack_size }
     }
 }
 
+/// The hierarchy over the faces of a mesh, which are numbered from 0 on.
+fn hierarchy(mesh: &Mesh, positions: &[Vec3], quality: Quality) -> Bvh {
+    let corner = |i: u32| positions[i as usize];
+    let bounds = |&[a, b, c]: &[u32; 3]| {
+        let (a, b, c) = (corner(a), corner(b), corner(c));
+        Bounds { min: a.min(b).min(c), max: a.max(b).max(c) }
+    };
+    let bounds: Vec<Bounds> = mesh.triangles.iter().map(bounds).collect();
+    let codes: Vec<u32> = (0..mesh.triangles.len() as u32).map(|face| primitive_code(KIND_TRIANGLE, face)).collect();
+    bvh::build(&bounds, &codes, quality)
+}
+
 impl super::DeviceScene {
-    /// Appends a hierarchy to the table of nodes. Returns the code of its root.
-    pub fn add_nodes(&mut self, root: u32, nodes: Vec<data::Node>) -> u32 {
+    /// Appends a hierarchy to the table of nodes. Its primitives are numbered from `first_primitive` on. Returns the code of its root.
+    pub fn add_nodes(&mut self, bvh: &Bvh, first_primitive: u32) -> u32 {
         let first = self.nodes.len() as u32;
-        let moved = |code: u32| if code & PRIMITIVE_BIT == 0 { code + first } else { code };
-        self.nodes.reserve(nodes.len());
-        self.nodes.extend(nodes.into_iter().map(|node| data::Node { children: node.children.map(moved), ..node }));
-        moved(root)
+        let moved = |code: u32| match code {
+            HIT_NOTHING => code,
+            _ if code & PRIMITIVE_BIT == 0 => code + first,
+            _ => code + first_primitive,
+        };
+        self.nodes.extend(bvh.nodes.iter().map(|node| data::Node { children: node.children.map(moved), ..*node }));
+        moved(bvh.root)
     }
 }
 

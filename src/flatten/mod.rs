@@ -6,6 +6,7 @@
 
 mod diagnostics;
 mod features;
+mod hierarchies;
 mod light_tree;
 mod lights;
 mod media;
@@ -36,6 +37,7 @@ pub use crate::material::MATERIALS;
 pub use crate::texture::TEXTURES;
 pub use bvh::Quality;
 pub use features::{BACKGROUNDS, BOUNDARIES, EVERY_FEATURE, Features, PRIMITIVES, Unsampled};
+pub use hierarchies::Hierarchies;
 pub use lights::MOST_LIGHTS;
 
 /// A walk keeps six bits beside the index of a node whose children wait (shaders/scene/traverse). So many nodes take 4 GiB.
@@ -89,6 +91,29 @@ const LEAST_CROSSINGS: f32 = 1.25;
 /// # Errors
 /// `Error::Scene` if there are more primitives or nodes than codes can number, or more media than a ray can cross.
 pub fn flatten(scene: &Scene, size: (u32, u32), options: &RenderOptions) -> Result<DeviceScene> {
+    flatten_with(scene, size, options, None)
+}
+
+/// The same of a scene that may have been flattened before, by the hierarchies that were built then.
+///
+/// # Errors
+/// As of [`flatten`].
+pub fn flatten_again(
+    scene: &Scene,
+    size: (u32, u32),
+    options: &RenderOptions,
+    hierarchies: &mut Hierarchies,
+) -> Result<DeviceScene> {
+    hierarchies.keep_those_of(scene);
+    flatten_with(scene, size, options, Some(hierarchies))
+}
+
+fn flatten_with(
+    scene: &Scene,
+    size: (u32, u32),
+    options: &RenderOptions,
+    hierarchies: Option<&mut Hierarchies>,
+) -> Result<DeviceScene> {
     let mut features = Features::default();
     let meshes = mesh::shapes(&scene.meshes);
     let view = View::new(&scene.camera, size);
@@ -151,6 +176,7 @@ pub fn flatten(scene: &Scene, size: (u32, u32), options: &RenderOptions) -> Resu
         laid: vec![None; meshes.len()],
         space,
         quality: options.build,
+        hierarchies,
         materials: vec![0; scene.materials.len()],
         textures: scene.materials.iter().map(|(_, material)| material.texture()).collect(),
         images: HashMap::new(),
@@ -191,6 +217,8 @@ struct Builder<'a> {
     scene: &'a Scene,
     space: RenderSpace,
     quality: Quality,
+    /// Those of an earlier flattening, where the next one shall have them.
+    hierarchies: Option<&'a mut Hierarchies>,
     /// The meshes that have been laid out.
     laid: Vec<Option<Laid>>,
     /// The index in the table of each of the scene's materials that an object uses.
@@ -220,7 +248,7 @@ impl Builder<'_> {
         let room = &mut flat.settings.brute_force;
         flat.features.brute_force &= counts.len() <= room.len();
         room.iter_mut().zip(counts).for_each(|(room, count)| *room = count);
-        self.flat.settings.root = self.flat.add_nodes(bvh.root, bvh.nodes);
+        self.flat.settings.root = self.flat.add_nodes(&bvh, 0);
         // In a mesh, the walk keeps the nodes of the outer hierarchy on the stack.
         let within = self.laid.iter().flatten().map(|mesh| mesh.stack_size).max().unwrap_or(0);
         self.flat.features.stack_size = (bvh.stack_size + within).max(1);

@@ -21,11 +21,11 @@ use super::denoise::Denoised;
 use super::outputs::{Beside, EXR, EXR_OR_PNG, OutputImage, PNG, check_outputs};
 use super::scene::stem_of;
 use super::signals::Signals;
-use super::{flatten_for, open_devices, print_json, tell, tell_biases, tell_software};
+use super::{open_devices, print_json, size_of, tell, tell_biases, tell_software};
 use crate::cli::{MOST_SAMPLES, RenderArgs};
 use crate::error::{Error, Result};
 use crate::film::Film;
-use crate::flatten::DeviceScene;
+use crate::flatten::{DeviceScene, flatten, flatten_again};
 use crate::gpu::device::{AdapterName, Device};
 use crate::gpu::probe::numerics;
 use crate::identity::Identity;
@@ -118,7 +118,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
 
 /// Renders a scene, writing the image now and then and at the end. `start` is when it began to be loaded.
 fn render(args: &RenderArgs, scene: &Scene, session: &mut Session, start: Instant) -> Result<()> {
-    let Session { devices, signals, changes, compile, told, .. } = session;
+    let Session { devices, signals, changes, compile, told, hierarchies, .. } = session;
     let mut clock = Clock(start);
     let mut seconds = Seconds::default();
     // As `check` has them; --quiet leaves them to the report and the image's header.
@@ -134,17 +134,21 @@ fn render(args: &RenderArgs, scene: &Scene, session: &mut Session, start: Instan
     let denoising = Denoising::of(args, &output)?;
     seconds.load = clock.lap();
 
+    let size = size_of(scene, args.size);
     // The driver loads while the scene is built; `device` is the time that it takes beyond. A scene that does not load waits for no driver.
     let opening = || match devices.is_empty() {
         true => open_devices(args.paths.device.as_deref()),
         false => Ok(Vec::new()),
     };
     let (opened, built) = beside(opening, || {
-        let built = flatten_for(scene, args.size, &args.options);
+        let built = match hierarchies {
+            Some(hierarchies) => flatten_again(scene, size, &args.options, hierarchies),
+            None => flatten(scene, size, &args.options),
+        };
         seconds.build = clock.lap();
         built
     });
-    let (size, mut flat) = built?;
+    let mut flat = built?;
     let frame = frame_of(args, size)?;
     (flat.settings.film_left, flat.settings.film_top) = (frame.part.left, frame.part.top);
     let job = job_of(args, scene, frame.part.size(), start);

@@ -11,6 +11,7 @@ use crate::commands::scene::{load_scene, name_of};
 use crate::commands::signals::Signals;
 use crate::commands::{size_of, tell};
 use crate::error::{Error, Result};
+use crate::flatten::Hierarchies;
 use crate::gpu::device::Device;
 use crate::identity::Identity;
 use crate::job::{Crop, Frame};
@@ -31,6 +32,8 @@ pub struct Session {
     pub compile: f64,
     /// Whether it has been told what the devices are.
     pub told: bool,
+    /// Under `--watch`: the hierarchies of the scene's meshes.
+    pub hierarchies: Option<Hierarchies>,
     assets: Assets,
 }
 
@@ -42,7 +45,12 @@ const PREVIEWS: [(f64, u32); 2] = [(0.25, 1), (0.5, 4)];
 pub fn watch(args: &RenderArgs, start: Instant) -> Result<()> {
     refuse(args)?;
     let signals = Signals::listen("nothing has been written");
-    let mut session = Session { signals: Some(signals.clone()), changes: Some(Changes::new()), ..Session::default() };
+    let mut session = Session {
+        signals: Some(signals.clone()),
+        changes: Some(Changes::new()),
+        hierarchies: Some(Hierarchies::default()),
+        ..Session::default()
+    };
     let (mut start, mut began) = (start, false);
     loop {
         match session.pass(args, start) {

@@ -1,0 +1,73 @@
+//! The hierarchies of meshes that a scene was flattened with. If it is flattened again, those of the same meshes are taken from here.
+
+use std::sync::Arc;
+
+use crate::bvh::{Bvh, Quality};
+use crate::scene::{Mesh, Scene};
+
+#[derive(Default)]
+pub struct Hierarchies {
+    kept: Vec<Kept>,
+    /// How many have been built since the start.
+    pub built: usize,
+}
+
+struct Kept {
+    /// It stays while this is there, so that no other mesh has its address.
+    mesh: Arc<Mesh>,
+    quality: Quality,
+    hierarchy: Arc<Bvh>,
+}
+
+impl Hierarchies {
+    /// Drops those of meshes that the scene does not have.
+    pub fn keep_those_of(&mut self, scene: &Scene) {
+        self.kept.retain(|kept| scene.meshes.values().any(|mesh| Arc::ptr_eq(mesh, &kept.mesh)));
+    }
+
+    /// The hierarchy of a mesh of the scene. Builds it if it is not there.
+    pub fn of(&mut self, scene: &Scene, mesh: &Mesh, quality: Quality, build: impl FnOnce() -> Bvh) -> Arc<Bvh> {
+        let is_same = |other: &Arc<Mesh>| std::ptr::eq(Arc::as_ptr(other), mesh);
+        if let Some(kept) = self.kept.iter().find(|kept| is_same(&kept.mesh) && kept.quality == quality) {
+            return Arc::clone(&kept.hierarchy);
+        }
+        let hierarchy = Arc::new(build());
+        self.built += 1;
+        if let Some(mesh) = scene.meshes.values().find(|mesh| is_same(mesh)) {
+            self.kept.push(Kept { mesh: Arc::clone(mesh), quality, hierarchy: Arc::clone(&hierarchy) });
+        }
+        hierarchy
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::flatten::{flatten, flatten_again};
+    use crate::options::RenderOptions;
+
+    /// What is flattened again is the same as what is flattened for the first time, and only new meshes and qualities are built.
+    #[test]
+    fn a_scene_that_is_flattened_again_has_its_hierarchies() {
+        let load = || Scene::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/instances.ron")).unwrap();
+        let (scene, mut hierarchies) = (load(), Hierarchies::default());
+        let medium = RenderOptions::default();
+        let fast = RenderOptions { build: Quality::Fast, ..RenderOptions::default() };
+        let mut built = |scene: &Scene, options: &RenderOptions| {
+            let again = flatten_again(scene, (16, 9), options, &mut hierarchies).unwrap();
+            let first = flatten(scene, (16, 9), options).unwrap();
+            assert!(again.nodes == first.nodes && again.meshes == first.meshes);
+            assert_eq!(again.settings.root, first.settings.root);
+            (hierarchies.built, hierarchies.kept.len())
+        };
+        let meshes = scene.meshes.len();
+        assert!(meshes > 1);
+        assert_eq!(built(&scene, &medium), (meshes, meshes));
+        assert_eq!(built(&scene, &medium), (meshes, meshes));
+        assert_eq!(built(&scene, &fast), (2 * meshes, 2 * meshes));
+        // Of a scene with other meshes, none is the same, and the old ones are dropped.
+        assert_eq!(built(&load(), &medium), (3 * meshes, meshes));
+    }
+}
