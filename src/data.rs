@@ -13,6 +13,8 @@ pub const MAX_PRIMITIVES: usize = 1 << PRIMITIVE_KIND_SHIFT;
 /// The kinds of codes that have to do with meshes: a face, and a mesh placed in the scene.
 pub const KIND_TRIANGLE: u32 = 3;
 pub const KIND_INSTANCE: u32 = 6;
+/// The kind of codes of lights without size.
+pub const KIND_DELTA_LIGHT: u32 = 5;
 /// The instance of what is no part of a mesh.
 pub const NO_INSTANCE: u32 = 0xffff_ffff;
 /// `Instance::to_uvs` of a mesh without texture coordinates.
@@ -27,7 +29,8 @@ pub const SLOT_IDLE: u32 = 0xffff_fffd;
 pub const NOT_SAMPLED: u32 = 0x8000_0000;
 /// `Material::texture` where the colour is the material's own.
 pub const NO_TEXTURE: u32 = 0xffff_ffff;
-/// Of `LightNode::child`: it is a light, not a pair of nodes; what it leads to shines on both sides; it is the sky.
+/// Of `LightNode::child`: it is a light, not a pair of nodes; what it leads to shines on both sides; it is the sky or
+/// directional lights.
 pub const LIGHT_NODE_LEAF: u32 = 0x8000_0000;
 pub const LIGHT_NODE_TWO_SIDED: u32 = 0x4000_0000;
 pub const LIGHT_NODE_SKY: u32 = 0x2000_0000;
@@ -298,6 +301,18 @@ device_struct!(
         instance: u32,
         trail: u32,
         padding: u32,
+    }
+);
+
+device_struct!(
+    /// A light without size, in render space.
+    DeltaLight {
+        place: [f32; 3],
+        has_place: f32,
+        colour: [f32; 3],
+        height: f32,
+        axis: [f32; 3],
+        slope: f32,
     }
 );
 

@@ -45,6 +45,7 @@ pub mod cli;
 pub mod commands;
 #[doc(hidden)]
 pub mod data;
+mod delta_light;
 #[doc(hidden)]
 pub mod denoise;
 #[doc(hidden)]

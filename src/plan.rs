@@ -78,6 +78,7 @@ fn tables(flat: &DeviceScene) -> Vec<(&'static str, Cow<'_, [u8]>, u64, &'static
     let others = [
         table("media", &flat.media, "participating media"),
         table("lights", &flat.lights, "lights that are sampled"),
+        table("delta_lights", &flat.delta_lights, "lights without size"),
         table("light_nodes", &flat.light_nodes, "the tree over them"),
         table("materials", &flat.materials, "materials"),
         table("textures", &flat.textures, "textures"),
@@ -229,7 +230,8 @@ impl Kernels {
         let geometry = asked(PRIMITIVES, &features.primitives, "");
         let media = asked(&boundary_names(), &features.boundaries, " medium");
         let of_sky = asked(&["sky"], std::slice::from_ref(&features.emitting_sky), " light");
-        let emitters = [asked(PRIMITIVES, &features.emitters, " light"), of_sky];
+        let without_size = asked(&["delta"], std::slice::from_ref(&features.delta_lights), " light");
+        let emitters = [asked(PRIMITIVES, &features.emitters, " light"), without_size, of_sky];
         let emitters = emitters.into_iter().filter(|why| !why.is_empty()).collect::<Vec<_>>().join(", ");
         let all_materials = asked(MATERIALS, &features.materials, "");
         let reasons = [&geometry, &all_materials, &media, &emitters];

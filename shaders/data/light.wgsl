@@ -1,6 +1,6 @@
-// A light that can be sampled: an emitting primitive, a face of an emitting mesh, or the sky.
+// A light that can be sampled: an emitting primitive, a face of an emitting mesh, a light without size, or the sky.
 struct Light {
-    // Code of the primitive (data/primitive). HIT_NOTHING stands for the sky.
+    // Code of the primitive or of the light without size (data/primitive). HIT_NOTHING stands for the sky.
     code: u32,
     // For a triangle: the instance of its mesh.
     instance: u32,
@@ -8,6 +8,21 @@ struct Light {
     // for the second node of a pair.
     trail: u32,
     padding: u32,
+}
+
+// A light without size.
+struct DeltaLight {
+    // Its place; of a directional light the unit vector to it, and `has_place` is 0 and not 1.
+    place: vec3<f32>,
+    has_place: f32,
+    // Its intensity; of a directional light its irradiance.
+    colour: vec3<f32>,
+    // 1 - cos of the angle from which on a beam has no light; 4 without a beam.
+    height: f32,
+    // Unit vector along the beam.
+    axis: vec3<f32>,
+    // 1 over the difference of the cosines between which the beam falls.
+    slope: f32,
 }
 
 // A light chosen to be sampled from a point, and the probability of that choice.
@@ -19,6 +34,7 @@ struct LightChoice {
 // A node of the light tree: a sphere that bounds its lights, and a cone that bounds their normals.
 struct LightNode {
     center: vec3<f32>,
+    // Negative if its lights emit nothing beyond the cone of their normals.
     radius: f32,
     // The sum over its lights of radiance times mean projected area, relative to the brightest light.
     intensity: f32,
@@ -32,7 +48,7 @@ struct LightNode {
 const LIGHT_NODE_LEAF: u32 = 0x80000000u;
 // Its lights emit equally along the cone's directions and opposite to them.
 const LIGHT_NODE_TWO_SIDED: u32 = 0x40000000u;
-// The node is the sky, which surrounds every point and is equally bright from each.
+// The node is the sky, which surrounds every point and is equally bright from each; or directional lights, beside lights with a place.
 const LIGHT_NODE_SKY: u32 = 0x20000000u;
 const LIGHT_NODE_INDEX: u32 = 0x1fffffffu;
 

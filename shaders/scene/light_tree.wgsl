@@ -5,7 +5,7 @@
 // Chooses a light by its estimated contribution to a point. The choice descends a tree over the lights. At each node, the
 // probability of the left child is its share of the sum of both children's importances (Conty Estevez and Kulla, "Importance
 // Sampling of Many Lights with Adaptive Tree Splitting", HPG 2018; src/flatten/light_tree.rs). A sampled sky is the second node
-// of the first pair, and surrounds everything.
+// of the first pair, and surrounds everything. So do directional lights: alone, or as the first node of a pair with the sky.
 
 // The importance of a node: the intensity of its lights over the squared distance, times the largest cosine that any of their
 // normals can have to the point (section 4.2). Apart from the distance, this is an upper bound of the irradiance. The distance
@@ -29,6 +29,11 @@ fn light_node_importance(node: LightNode, from_point: vec3<f32>) -> f32 {
     let seen_cosine = sqrt(1.0 - seen_sine2);
     let turned = less_cosine * seen_cosine + less_sine * sqrt(seen_sine2);
     let open = distance2 <= radius2 || less_cosine >= seen_cosine;
+    //@ if delta_light
+    if node.radius < 0.0 && !open {
+        return 0.0;
+    }
+    //@ end
     return node.intensity * max(select(turned, 1.0, open), 0.0) / max(max(distance2, radius2), 0x1p-80f);
 }
 
@@ -41,7 +46,7 @@ fn light_node_share(pair: u32, from_point: vec3<f32>) -> f32 {
     let left = light_node_importance(light_nodes[pair], from_point);
     let right = light_node_importance(light_nodes[pair + 1u], from_point);
     var least = 0x1p-20f;
-    //@ if emitting_sky
+    //@ if light_without_place
     least = select(least, LEAST_OF_SKY, (light_nodes[pair + 1u].child & LIGHT_NODE_SKY) != 0u);
     //@ end
     if left == 0.0 || right == 0.0 {

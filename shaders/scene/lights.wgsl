@@ -15,6 +15,10 @@
 //@ use scene/at_run_time
 //@ use scene/meshes
 //@ end
+//@ if delta_light
+//@ use light/delta
+//@ use bind/delta_lights
+//@ end
 //@ if emitting_sky
 //@ use scene/sky_light
 //@ end
@@ -40,12 +44,23 @@ fn direction_to_light(light: Light, from_point: vec3<f32>, u: vec3<f32>) -> Dire
             return triangle_light_sample(from_point, corners.a, corners.b, corners.c, u.xy);
         }
         //@ end
+        //@ if delta_light
+        case KIND_DELTA_LIGHT: {
+            return delta_light_sample(from_point, delta_lights[index]);
+        }
+        //@ end
         default: {
             return DirectionSample(vec3<f32>(0.0), 0.0);
         }
     }
 }
 
+//@ if delta_light
+fn is_delta_light(code: u32) -> bool {
+    return primitive_kind(code) == KIND_DELTA_LIGHT;
+}
+
+//@ end
 // Distance to a light in front of the ray's origin, or NO_HIT, as primitive_distance (scene/primitives). It has no code for primitives
 // that are no lights, since GPUs inline each call.
 fn light_hit_distance(code: u32, ray: Ray, inverse: vec3<f32>) -> f32 {

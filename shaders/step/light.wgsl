@@ -48,6 +48,12 @@ fn sample_light(path: ptr<function, Path>, from_point: vec3<f32>) -> LightSample
 // Stores a shadow ray to the light. `response` is BSDF times cosine, or the phase function. `pdf` is the pdf with which BSDF
 // sampling draws the same direction.
 fn send_shadow_ray(path: ptr<function, Path>, light_sample: LightSample, origin: vec3<f32>, response: vec3<f32>, pdf: f32) {
+    //@ if delta_light
+    if is_delta_light(lights[light_sample.light].code) {
+        send_to_delta_light(path, light_sample, origin, response);
+        return;
+    }
+    //@ end
     let weight = (*path).throughput * response * (power_heuristic(light_sample.pdf, pdf) / light_sample.pdf);
     if light_sample.pdf > 0.0 && any(weight > vec3<f32>(0.0)) {
         let light = lights[light_sample.light];
@@ -60,6 +66,20 @@ fn send_shadow_ray(path: ptr<function, Path>, light_sample: LightSample, origin:
     }
 }
 
+//@ if delta_light
+// The same to a light without size. BSDF sampling never hits it, so the MIS weight is 1. The ray's weight has the light's intensity.
+fn send_to_delta_light(path: ptr<function, Path>, light_sample: LightSample, origin: vec3<f32>, response: vec3<f32>) {
+    let code = lights[light_sample.light].code;
+    let intensity = delta_light_intensity(light_sample.direction, delta_lights[primitive_index(code)]);
+    let weight = (*path).throughput * response * intensity / light_sample.pdf;
+    if light_sample.pdf > 0.0 && any(weight > vec3<f32>(0.0)) {
+        (*path).shadow = Ray(origin, light_sample.direction);
+        (*path).light = code;
+        (*path).light_weight = weight_of_light(weight, (*path).depth);
+    }
+}
+
+//@ end
 // The MIS weight of a light that BSDF sampling hit; 1 if light sampling cannot sample it.
 fn mis_weight(path: ptr<function, Path>, hit: Hit) -> f32 {
     let pdf = (*path).pdf;
@@ -71,6 +91,13 @@ fn mis_weight(path: ptr<function, Path>, hit: Hit) -> f32 {
 
 // The hit of the shadow ray on its light. Hits beyond it do not matter.
 fn limit_of_shadow(path: ptr<function, Path>) -> Hit {
+    //@ if delta_light
+    if is_delta_light((*path).light) {
+        let light = delta_lights[primitive_index((*path).light)];
+        let distance = delta_light_distance((*path).shadow.origin, (*path).shadow.direction, light);
+        return hit_at((*path).light, select(VERY_FAR, distance, light.has_place > 0.0));
+    }
+    //@ end
     //@ if emitting_surface
     if (*path).light != HIT_NOTHING {
         return limit_at_surface(path);
@@ -164,9 +191,15 @@ fn add_light_of_shadow(path: ptr<function, Path>, limit: Hit, hit: Hit) -> u32 {
     return steps;
 }
 
-// The radiance of a light along a shadow ray.
+// The radiance of a light along a shadow ray; 1 for a light without size.
 fn emitted_along(ray: Ray, hit: Hit) -> vec3<f32> {
     var radiance = vec3<f32>(0.0);
+    //@ if delta_light
+    if is_delta_light(hit.code) {
+        // The weight of the ray has its intensity.
+        return vec3<f32>(1.0);
+    }
+    //@ end
     //@ if emitting_sky
     if hit.code == HIT_NOTHING {
         radiance = background_radiance(ray.direction);

@@ -78,6 +78,10 @@ fn scatter_path(path: ptr<function, Path>) {
             pdf = response_of_material(material, arriving, scattered.direction).pdf;
         }
     //@ end
+    //@ if specular_beside_delta_light
+        // Chance cannot find a light without size: it is none that mirrors leave to chance.
+        asks = asks && !is_delta_light(lights[light_sample.light].code);
+    //@ end
     //@ if specular
         if asks {
             response.value = response_to_question(scattered.weight, scattered.direction, light_sample.direction, shading);

@@ -43,6 +43,9 @@ pub struct Features {
     pub textured_media: Option<String>,
     /// Kinds of primitive that are sampled as lights, by the indices of `PRIMITIVES`.
     pub emitters: [Option<String>; PRIMITIVES.len()],
+    /// Lights without size that are sampled, and those of them that are directional.
+    pub delta_lights: Option<String>,
+    pub directional_lights: Option<String>,
     /// The background's image, if it is sampled as a light.
     pub emitting_sky: Option<String>,
     /// Columns and rows of the grid over this image, from which directions are sampled.
@@ -99,7 +102,7 @@ impl Features {
         lists.into_iter().flatten().chain(emitters).for_each(add);
         [&mut self.smooth, &mut self.textured_media, &mut self.thin_lens, &mut self.turned].into_iter().for_each(add);
         if sample_lights {
-            add(&mut self.emitting_sky);
+            [&mut self.emitting_sky, &mut self.delta_lights, &mut self.directional_lights].into_iter().for_each(add);
             for (way, used) in [(Scattering::Spread, &mut self.non_specular), (Scattering::OneWay, &mut self.specular)]
             {
                 let materials = Material::KINDS.iter().zip(used);

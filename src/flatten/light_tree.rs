@@ -13,6 +13,16 @@ use crate::shape::Aabb;
 const DEEPEST: u32 = 32;
 const BINS: usize = 12;
 
+/// Where lights are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Extent {
+    Place,
+    /// Nowhere: directional lights, which are equally bright from every point.
+    Nowhere,
+    /// All around: the sky, equally bright from every point as well.
+    Sky,
+}
+
 /// The bounds of some lights: a box, and a cone around all their normals. They emit up to a quarter turn beyond the cone.
 #[derive(Clone, Copy, Debug)]
 pub struct Bounded {
@@ -22,7 +32,10 @@ pub struct Bounded {
     pub spread: f64,
     /// Whether they emit against the cone as they do along it.
     pub two_sided: bool,
-    /// The mean radiance times the area; for a convex body, times its mean projected area.
+    /// Whether they emit nothing beyond the cone, as spot lights do.
+    pub is_beam: bool,
+    pub extent: Extent,
+    /// The mean radiance times the area; for a convex body, times its mean projected area. Of directional lights the irradiance.
     pub intensity: f64,
 }
 
@@ -43,6 +56,8 @@ impl Bounded {
             axis,
             spread,
             two_sided: a.two_sided || b.two_sided,
+            is_beam: a.is_beam && b.is_beam,
+            extent: a.extent,
             intensity: a.intensity + b.intensity,
         }
     }
@@ -52,7 +67,7 @@ impl Bounded {
         let d = self.around.max - self.around.min;
         let surface = d.x * d.y + d.y * d.z + d.z * d.x;
         let (sine, cosine) = self.spread.sin_cos();
-        let reach = (self.spread + FRAC_PI_2).min(PI);
+        let reach = if self.is_beam { self.spread } else { (self.spread + FRAC_PI_2).min(PI) };
         let beyond = 2.0 * reach * sine - (self.spread - 2.0 * reach).cos() - 2.0 * self.spread * sine + cosine;
         let directions = 2.0 * PI * (1.0 - cosine) + FRAC_PI_2 * beyond;
         self.intensity * surface * directions * if self.two_sided { 2.0 } else { 1.0 }
@@ -86,23 +101,13 @@ pub struct LightTree {
 }
 
 impl LightTree {
-    /// Builds the tree over lights with a position, followed by the sky with its intensity at every point, if it is a light.
-    pub fn new(lights: &[Bounded], sky: Option<f64>) -> LightTree {
-        let mut tree = LightTree { nodes: Vec::new(), trails: vec![0; lights.len() + usize::from(sky.is_some())] };
+    /// Builds the tree over lights: those with a place, directional lights, and the sky if it is a light, in this order.
+    pub fn new(lights: &[Bounded]) -> LightTree {
+        let mut tree = LightTree { nodes: Vec::new(), trails: vec![0; lights.len()] };
         let mut order: Vec<usize> = (0..lights.len()).collect();
-        let unit = 1.0 / lights.iter().map(|light| light.intensity).chain(sky).fold(0.0, f64::max);
-        match sky {
-            Some(intensity) if !lights.is_empty() => {
-                tree.nodes.extend([data::LightNode::default(); 2]);
-                let (child, bounds) = tree.under(lights, &mut order, unit, (1, 0));
-                tree.nodes[0] = node(&bounds, unit, child);
-                tree.nodes[1] = sky_node(intensity * unit, lights.len() as u32);
-                tree.trails[lights.len()] = 1;
-            }
-            _ if lights.len() > 1 => {
-                tree.grow(lights, &mut order, unit, (0, 0));
-            }
-            _ => {}
+        let unit = 1.0 / lights.iter().map(|light| light.intensity).fold(0.0, f64::max);
+        if lights.len() > 1 {
+            tree.grow(lights, &mut order, unit, (0, 0));
         }
         tree
     }
@@ -130,15 +135,27 @@ impl LightTree {
     ) -> (u32, Bounded) {
         let pair = self.nodes.len();
         self.nodes.extend([data::LightNode::default(); 2]);
-        let at = cut(lights, order, depth);
+        let apart = apart(lights, order);
+        let at = apart.unwrap_or_else(|| cut(lights, order, depth));
         let (left, right) = order.split_at_mut(at);
         let bounds = [(0, left), (1, right)].map(|(side, part)| {
             let (child, bounds) = self.under(lights, part, unit, (depth + 1, trail | side << depth));
+            let child = child | if apart.is_some() && side == 1 { LIGHT_NODE_SKY } else { 0 };
             self.nodes[pair + side as usize] = node(&bounds, unit, child);
             bounds
         });
         (pair as u32, bounds[0].joined(&bounds[1]))
     }
+}
+
+/// The number of lights with a place beside others without, or of directional lights beside the sky, which stand first; none where
+/// all are of one kind.
+fn apart(lights: &[Bounded], order: &[usize]) -> Option<usize> {
+    let count = |is_first: fn(Extent) -> bool| {
+        Some(order.iter().filter(|&&light| is_first(lights[light].extent)).count())
+            .filter(|count| (1..order.len()).contains(count))
+    };
+    count(|extent| extent == Extent::Place).or_else(|| count(|extent| extent != Extent::Sky))
 }
 
 /// Orders lights so that those of the first child come first. Returns their number, which is neither 0 nor all.
@@ -189,11 +206,21 @@ fn cut(lights: &[Bounded], order: &mut [usize], depth: u32) -> usize {
 }
 
 fn node(bounds: &Bounded, unit: f64, child: u32) -> data::LightNode {
+    if bounds.extent != Extent::Place {
+        return node_everywhere(bounds.intensity * unit, child);
+    }
     // A margin, so that rounding cannot exclude a light.
     const ROUNDING: f64 = 1e-4;
+    const ROUNDING_OF_F32: f64 = f32::EPSILON as f64;
+    // Its square is a normal number in f32, and far below that of any distance that counts.
+    const LEAST_RADIUS: f64 = 1.0 / (1u64 << 60) as f64;
+    let radius = 0.5 * (bounds.around.max - bounds.around.min).length() * (1.0 + 1e-6);
+    let center = bounds.around.center();
     data::LightNode {
-        center: bounds.around.center().as_vec3().to_array(),
-        radius: (0.5 * (bounds.around.max - bounds.around.min).length() * (1.0 + 1e-6)) as f32,
+        center: center.as_vec3().to_array(),
+        // The sign tells beams. Only they need the bound of the centre's rounding, because they emit nothing beyond the cone.
+        radius: if bounds.is_beam { -(radius + 2.0 * ROUNDING_OF_F32 * center.length() + LEAST_RADIUS) } else { radius }
+            as f32,
         intensity: not_lost(bounds.intensity * unit),
         axis: octahedral(bounds.axis.as_vec3()),
         cos_spread: (bounds.spread + ROUNDING).min(PI).cos() as f32,
@@ -202,13 +229,13 @@ fn node(bounds: &Bounded, unit: f64, child: u32) -> data::LightNode {
 }
 
 /// A node so large that every point is inside it. The importance there is its intensity over the squared radius.
-fn sky_node(intensity: f64, light: u32) -> data::LightNode {
+fn node_everywhere(intensity: f64, child: u32) -> data::LightNode {
     const RADIUS: f32 = (1u32 << 20) as f32;
     data::LightNode {
         radius: RADIUS,
         intensity: not_lost(intensity) * (RADIUS * RADIUS),
         cos_spread: -1.0,
-        child: LIGHT_NODE_LEAF | LIGHT_NODE_SKY | light,
+        child,
         ..data::LightNode::default()
     }
 }

@@ -5,14 +5,15 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use super::features::Unsampled;
-use super::light_tree::{Bounded, LightTree};
+use super::light_tree::{Bounded, Extent, LightTree};
 use super::place::Placed;
 use super::{Builder, PRIMITIVES};
-use crate::data::{self, HIT_NOTHING, NOT_SAMPLED, luminance};
+use crate::data::{self, HIT_NOTHING, KIND_DELTA_LIGHT, NOT_SAMPLED, luminance, primitive_code};
+use crate::delta_light::PlacedLight;
 use crate::lights::SkyDistribution;
 use crate::material::Emission;
-use crate::scene::{Background, Bitmap};
-use crate::shape::{Emitter, Placement};
+use crate::scene::{Background, Bitmap, Object};
+use crate::shape::{Aabb, Emitter, Placement};
 
 /// The most lights. The tree's nodes then take 64 MiB, half of the largest binding of software drivers.
 pub const MOST_LIGHTS: usize = 1 << 20;
@@ -30,8 +31,8 @@ struct LightGroup<'a> {
 }
 
 impl Builder<'_> {
-    /// Adds the primitives that emit as lights, in their order, and then the background's image.
-    pub fn add_lights(&mut self, placed: &[Placed<'_>]) {
+    /// Adds the primitives that emit as lights, in their order, then lights without size, and then the background's image.
+    pub fn add_lights(&mut self, placed: &[Placed<'_>], delta_lights: &[(&Object, PlacedLight)], radiance_scale: f64) {
         let materials = &self.scene.materials;
         let bitmaps = &self.scene.bitmaps;
         let radiance = |emission: Emission| (emission.slot.texture.mean_luminance(bitmaps), emission.two_sided);
@@ -50,8 +51,11 @@ impl Builder<'_> {
             }
         }
         let sky = self.add_sky();
-        let groups = self.that_fit(groups, MOST_LIGHTS - usize::from(sky.is_some()));
-        let sum: f64 = groups.iter().map(|group| group.intensity).chain(sky).sum();
+        let delta_lights: Vec<_> =
+            delta_lights.iter().filter(|(_, light)| light.brightness(self.space) > 0.0).collect();
+        let groups = self.that_fit(groups, MOST_LIGHTS - usize::from(sky.is_some()) - delta_lights.len());
+        let of_delta = delta_lights.iter().map(|(_, light)| light.brightness(self.space));
+        let sum: f64 = groups.iter().map(|group| group.intensity).chain(of_delta).chain(sky).sum();
         // There is no light.
         if sum == 0.0 || !sum.is_finite() {
             self.flat.features.emitting_sky = None;
@@ -66,17 +70,56 @@ impl Builder<'_> {
             self.set_light(&group, lights.len() as u32);
             for (Emitter { code, instance, around, normal, .. }, intensity) in group.emitters {
                 let (axis, spread) = normal.map_or((DVec3::Z, PI), |normal| (normal, 0.0));
-                bounds.push(Bounded { around, axis, spread, two_sided: group.two_sided, intensity });
+                bounds.push(Bounded {
+                    around,
+                    axis,
+                    spread,
+                    two_sided: group.two_sided,
+                    is_beam: false,
+                    extent: Extent::Place,
+                    intensity,
+                });
                 lights.push((code, instance));
             }
         }
-        let tree = LightTree::new(&bounds, sky);
+        // Those with a place first, as the tree asks.
+        let (with_place, without): (Vec<_>, Vec<_>) =
+            delta_lights.into_iter().partition(|(_, light)| light.place.is_some());
+        for (object, light) in with_place.into_iter().chain(without) {
+            let code = primitive_code(KIND_DELTA_LIGHT, self.flat.delta_lights.len() as u32);
+            bounds.push(self.add_delta_light(object, &light, radiance_scale));
+            lights.push((code, data::NO_INSTANCE));
+        }
+        bounds.extend(sky.map(everywhere));
+        let tree = LightTree::new(&bounds);
         let light = |((code, instance), trail)| data::Light { code, instance, trail, padding: 0 };
         let of_sky = sky.map(|_| (HIT_NOTHING, data::NO_INSTANCE));
         self.flat.lights = lights.into_iter().chain(of_sky).zip(tree.trails).map(light).collect();
         self.flat.light_nodes = tree.nodes;
         self.flat.features.lights = self.flat.lights.len() as u32;
         self.flat.features.sky_light = self.flat.features.lights.saturating_sub(1);
+    }
+
+    /// Adds a light without size to its table.
+    fn add_delta_light(&mut self, object: &Object, light: &PlacedLight, radiance_scale: f64) -> Bounded {
+        let features = &mut self.flat.features;
+        let asked = || format!("{} at {}", object.name(), self.scene.location_of(object));
+        features.delta_lights.get_or_insert_with(asked);
+        self.flat.delta_lights.push(light.on_device(self.space, radiance_scale));
+        let intensity = light.brightness(self.space);
+        if light.place.is_none() {
+            features.directional_lights.get_or_insert_with(asked);
+            return Bounded { extent: Extent::Nowhere, ..everywhere(intensity) };
+        }
+        let (axis, beam) = light.cone();
+        Bounded {
+            around: light.around(self.space),
+            axis,
+            spread: beam.unwrap_or(PI),
+            is_beam: beam.is_some(),
+            extent: Extent::Place,
+            ..everywhere(intensity)
+        }
     }
 
     /// Adds the background's image as a light, unless it is black. Returns its intensity.
@@ -150,6 +193,12 @@ impl Builder<'_> {
         let intensity = emitters.iter().map(|(_, intensity)| intensity).sum();
         LightGroup { primitive, index, emitters, two_sided, intensity }
     }
+}
+
+/// A light all around, of this irradiance.
+fn everywhere(intensity: f64) -> Bounded {
+    let around = Aabb::around([DVec3::ZERO]);
+    Bounded { around, axis: DVec3::Z, spread: PI, two_sided: false, is_beam: false, extent: Extent::Sky, intensity }
 }
 
 /// The luminance of a latitude-longitude image, integrated over all directions.

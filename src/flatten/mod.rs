@@ -22,14 +22,16 @@ use glam::DVec3;
 use crate::aov::SceneSpace;
 use crate::bvh::{self, Bounds};
 use crate::data::{self, MAX_PRIMITIVES, NO_TEXTURE, f32s};
-use crate::error::Result;
+use crate::delta_light::PlacedLight;
+use crate::error::{Error, Result};
 use crate::material::Scattering;
 use crate::options::{FeatureSet, Integrator, RenderOptions};
 use crate::scene::{Background, Bitmap, Material, Object, Scene, Step, Texture, Use};
 use crate::shape::mesh::{self, Laid};
 use crate::shape::similarity::Similarity;
-use crate::shape::{Element, Globe, KINDS, Placement, RenderSpace, Shape, Tables, binary_exponent, exp2};
+use crate::shape::{Element, Globe, Hull, KINDS, Placement, RenderSpace, Shape, Tables, binary_exponent, exp2};
 use crate::threads::beside;
+use diagnostics::At;
 use place::{Finder, Placed, PlacedMedium, extent};
 use view::View;
 
@@ -55,6 +57,7 @@ pub struct DeviceScene {
     pub meshes: Vec<[u32; 4]>,
     pub media: Vec<data::Medium>,
     pub lights: Vec<data::Light>,
+    pub delta_lights: Vec<data::DeltaLight>,
     /// The tree over the lights; empty if there are fewer than two.
     pub light_nodes: Vec<data::LightNode>,
     /// The distribution of directions by the background's image.
@@ -144,13 +147,23 @@ fn flatten_with(
         let message = format!("expected at most {MOST_MEDIA} media, found {}", finder.media.len());
         return Err(scene.error(&[], message));
     }
+    if let Some((object, _)) = finder.lights.first()
+        && options.integrator == Integrator::Bsdf
+    {
+        return Err(no_chance(scene, object));
+    }
+    if finder.lights.len() >= MOST_LIGHTS {
+        let message = format!("expected fewer than {MOST_LIGHTS} lights without size, found {}", finder.lights.len());
+        return Err(scene.error(&[], message));
+    }
 
     let extent = extent(view.eye, view.lens_radius(), &finder);
-    let emissions = emissions(scene, &used);
+    let emissions = emissions(scene, &used, brightest_shown(&finder, view.eye, extent));
     let found = diagnostics::Found {
         scene,
         placed: &finder.placed,
         media: &finder.media,
+        lights: &finder.lights,
         view: &view,
         extent,
         emissions: &emissions,
@@ -192,7 +205,7 @@ fn flatten_with(
         builder.add_primitives(&finder.placed);
         builder.add_media(&finder.media);
         if sample_lights && builder.flat.features.samples_light_anywhere() {
-            builder.add_lights(&finder.placed);
+            builder.add_lights(&finder.placed, &finder.lights, radiance_scale);
         }
     });
     let mut flat = builder.flat;
@@ -201,6 +214,7 @@ fn flatten_with(
         return Err(scene.error(&[], message));
     }
     flat.warnings.extend(warnings);
+    flat.warnings.extend(stopped_by_glass(scene, &finder, &flat.features));
     flat.features.shadow_rays = flat.features.lights > 0;
     let of_camera =
         |field: &str| format!("camera.{field} at {}", scene.location(&[Step::Field("camera"), Step::Field(field)]));
@@ -344,8 +358,63 @@ fn note_medium(features: &mut Features, scene: &Scene, medium: &PlacedMedium<'_>
     }
 }
 
-/// The largest component of the radiance of each used material, with its number, and of the background (`None`).
-fn emissions(scene: &Scene, used: &[bool]) -> Vec<(Option<usize>, f64)> {
+/// The error that `--integrator bsdf` cannot find a light.
+fn no_chance(scene: &Scene, object: &Object) -> Error {
+    let name = object.name();
+    let message = format!(
+        "a {name} has no size, so that no path can hit it: --integrator bsdf finds no light of it. Use --integrator mis, or a small sphere \
+         with a DiffuseLight in its place"
+    );
+    scene.error_of(object, &message)
+}
+
+/// The warning that mirrors or glass stop the light of lights without size, which chance cannot find.
+fn stopped_by_glass(scene: &Scene, finder: &Finder<'_>, features: &Features) -> Option<String> {
+    let (object, _) = finder.lights.first()?;
+    let shiny = features.specular.iter().flatten().next()?;
+    if !features.samples_light_anywhere() {
+        return None;
+    }
+    let more = match finder.lights.len() {
+        1 => String::new(),
+        n => format!(" (and {} more like it)", n - 1),
+    };
+    Some(format!(
+        "{}: this {} has no size, so that no path finds it by a mirror or through glass ({shiny}): the light that they pass on from it is \
+         missing in the image. A small sphere with a DiffuseLight brings it back, as noise{more}",
+        scene.location_of(object),
+        object.name(),
+    ))
+}
+
+/// How many lights without size are looked at for the unit of radiance: the brightest.
+const MOST_SHOWN: usize = 64;
+/// The least distance of a light from what it lights, as a share of the scene's extent.
+const LEAST_SHOWN: f64 = 1.0 / (1u64 << 14) as f64;
+
+/// The largest radiance that a white diffuse surface has by a light without size, about: at the nearest hull of an object. Each light
+/// with its number.
+fn brightest_shown(finder: &Finder<'_>, eye: DVec3, extent: f64) -> Vec<(usize, f64)> {
+    let space = RenderSpace { eye, scale: 1.0 };
+    let mut lights: Vec<_> = finder.lights.iter().map(|(_, light)| light).enumerate().collect();
+    lights.sort_by(|(_, a), (_, b)| b.colour.max_element().total_cmp(&a.colour.max_element()));
+    let placed = finder.placed.iter().map(|placed| placed.shape.hull(&Placement { to_world: &placed.to_world, space }));
+    let media =
+        finder.media.iter().map(|medium| medium.boundary.hull(&Placement { to_world: &medium.to_world, space }));
+    let hulls: Vec<Hull> = if lights.is_empty() { Vec::new() } else { placed.chain(media).collect() };
+    let shown = |(number, light): (usize, &PlacedLight)| {
+        let distance = light.place.map_or(1.0, |place| {
+            let nearest = hulls.iter().map(|hull| hull.distance(place - eye)).fold(f64::INFINITY, f64::min);
+            let nearest = if nearest.is_finite() { nearest } else { extent };
+            nearest.max(LEAST_SHOWN * extent)
+        });
+        (number, light.shown(distance))
+    };
+    lights.into_iter().take(MOST_SHOWN).map(shown).collect()
+}
+
+/// The largest component of the radiance of each used material, of the background, and of what lights without size light.
+fn emissions(scene: &Scene, used: &[bool], shown: Vec<(usize, f64)>) -> Vec<(At, f64)> {
     let sky = match &scene.background {
         Background::Solid(colour) => colour.max_element(),
         Background::Gradient { bottom, top } => bottom.max(*top).max_element(),
@@ -353,10 +422,11 @@ fn emissions(scene: &Scene, used: &[bool]) -> Vec<(Option<usize>, f64)> {
     };
     let light = |(number, (_, material)): (usize, &(String, Material))| {
         let emission = material.model().emission()?;
-        Some((Some(number), emission.slot.texture.brightest(&scene.bitmaps)))
+        Some((At::Emit(number), emission.slot.texture.brightest(&scene.bitmaps)))
     };
     let lights = scene.materials.iter().enumerate().filter(|(number, _)| used[*number]).filter_map(light);
-    lights.chain([(None, sky)]).collect()
+    let shown = shown.into_iter().map(|(number, radiance)| (At::Light(number), radiance));
+    lights.chain([(At::Background, sky)]).chain(shown).collect()
 }
 
 /// The index in `BACKGROUNDS`.

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use glam::DVec3;
 
+use crate::delta_light::PlacedLight;
 use crate::scene::{Object, Scene, Texture, Transform};
 use crate::shape::mesh::MeshShape;
 use crate::shape::similarity::Similarity;
@@ -41,6 +42,8 @@ pub struct Finder<'a> {
     /// The object of each primitive.
     pub objects: Vec<&'a Object>,
     pub media: Vec<PlacedMedium<'a>>,
+    /// The lights without size, each with its object.
+    pub lights: Vec<(&'a Object, PlacedLight)>,
 }
 
 impl<'a> Finder<'a> {
@@ -52,10 +55,11 @@ impl<'a> Finder<'a> {
             placed: Vec::new(),
             objects: Vec::new(),
             media: Vec::new(),
+            lights: Vec::new(),
         }
     }
 
-    /// Adds the primitives and media of an object.
+    /// Adds the primitives, media and lights of an object.
     pub fn place(&mut self, object: &'a Object, to_world: &Similarity) {
         match object {
             Object::Transformed { by, object } => self.place(object, &to_world.after(&similarity(by))),
@@ -79,6 +83,7 @@ impl<'a> Finder<'a> {
                 }
             }
             _ => {
+                self.lights.extend(object.delta_light().map(|light| (object, light.placed(to_world))));
                 let material = object.material().and_then(|name| self.materials.get(name).copied());
                 if let (Some(shape), Some(material)) = (object.shape(self.meshes), material) {
                     let shape = shape.seen_from(to_world, self.eye);

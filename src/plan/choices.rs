@@ -66,9 +66,13 @@ named! {
         /// Primitives of any kind are.
         emitting_surface,
         emitting_sky,
+        /// Lights without size are.
+        delta_light,
+        /// The sky or directional lights are, which stand beside those with a place.
+        light_without_place,
         /// Something that emits is not sampled.
         unsampled,
-        /// Lights are sampled, and mirrors or glass leave some to chance.
+        /// Lights are sampled, and mirrors or glass leave some that chance can find to chance.
         one_way,
         /// The sky is one that they may leave to chance.
         sky_by_chance,
@@ -78,6 +82,8 @@ named! {
         specular,
         /// One of them does either.
         sends_shadow_ray,
+        /// One of them sends rays one way alone, and some lights are such that chance cannot find them.
+        specular_beside_delta_light,
         /// One of them is a light that is sampled,
         met_light,
         /// and may be left to chance.
@@ -182,8 +188,8 @@ macro_rules! tables {
     ($($name:literal),*) => { [$(($name, concat!("space_of_", $name), concat!("size_of_", $name))),*] };
 }
 /// The tables but those of shapes by name, and the names of the values that say how each is bound.
-const OTHER_TABLES: [(&str, &str, &str); 7] =
-    tables!["nodes", "media", "lights", "light_nodes", "materials", "textures", "frames"];
+const OTHER_TABLES: [(&str, &str, &str); 8] =
+    tables!["nodes", "media", "lights", "delta_lights", "light_nodes", "materials", "textures", "frames"];
 
 /// The same of all tables.
 pub fn table_names() -> impl Iterator<Item = (&'static str, &'static str, &'static str)> {
@@ -292,8 +298,12 @@ pub(super) fn decide(
 
     let emitting_surface = first(&features.emitters);
     let emitting_sky = asked(&features.emitting_sky);
-    let any_light = emitting_surface.clone().or(emitting_sky.clone()).unwrap_or(Reason::EveryRender);
+    let delta_light = asked(&features.delta_lights);
+    // The lights that chance can find.
+    let extended = emitting_surface.clone().or(emitting_sky.clone());
+    let any_light = extended.clone().or(delta_light.clone()).unwrap_or(Reason::EveryRender);
     let light = if_so(features.lights > 0, any_light);
+    let by_chance = light.clone().and(extended);
     let medium = if_so(features.crosses_media(), first(&features.boundaries).unwrap_or(Reason::EveryRender));
     let surface = materials.first().map(|kind| kind.why.clone());
     // A mesh makes walks long.
@@ -304,7 +314,7 @@ pub(super) fn decide(
         (Some(_), Some(_)) => Chosen { module: "scene/brute_force", why: hit },
         (Some(_), None) => Chosen { module: "scene/traverse", why: hit },
     };
-    let one_way = light.clone().and(first(&features.specular));
+    let one_way = by_chance.clone().and(first(&features.specular));
 
     let served_in = |used: &[Option<String>]| -> Vec<Entry> {
         let is_in = |kind: &&Entry| used.get(kind.number as usize).is_some_and(Option::is_some);
@@ -312,7 +322,7 @@ pub(super) fn decide(
     };
     let non_specular = served_in(&features.non_specular);
     let surface_samples_light = light.clone().filter(|_| !non_specular.is_empty());
-    let specular = served_in(&features.specular).first().and_then(|kind| light.clone().and(Some(kind.why.clone())));
+    let specular = served_in(&features.specular).first().and_then(|kind| by_chance.clone().and(Some(kind.why.clone())));
     let shines = served.iter().any(|kind| Material::KINDS.get(kind.number as usize).is_some_and(|kind| kind.emits));
 
     let event = surface.clone().or(medium.clone());
@@ -362,6 +372,9 @@ pub(super) fn decide(
         sends_shadow_ray: surface_samples_light.clone().or(specular.clone()),
         met_light: light.clone().and(emitting_surface.clone()).filter(|_| shines),
         met_by_chance: one_way.clone().filter(|_| shines && emitting_surface.is_some()),
+        specular_beside_delta_light: specular.clone().and(delta_light.clone()),
+        light_without_place: emitting_sky.clone().or(asked(&features.directional_lights)),
+        delta_light,
         surface_samples_light,
         specular,
         one_way,

@@ -8,6 +8,7 @@ use ron::error::{Error as Ron, SpannedError};
 use super::forms::{SCENE, TRANSFORMS, groups};
 use super::nearest::nearest;
 use super::validate::boundaries;
+use crate::delta_light;
 use crate::error::Error;
 use crate::material::a_material;
 use crate::shape::kinds_in_files;
@@ -347,7 +348,8 @@ fn lower(message: &str) -> String {
 
 /// "an object: Sphere(..), .."
 fn object() -> String {
-    let shapes: Vec<String> = kinds_in_files().map(|kind| format!("{}(..)", kind.form.name)).collect();
+    let forms = kinds_in_files().map(|kind| &kind.form).chain(delta_light::FORMS);
+    let shapes: Vec<String> = forms.map(|form| format!("{}(..)", form.name)).collect();
     format!("an object: {}, Transformed(..), Group([..]), Gltf(..) or Medium(..)", shapes.join(", "))
 }
 

@@ -1,6 +1,7 @@
 //! The forms of the scene file that belong to no material, texture or shape: how they are written, and what their fields take.
 
 use super::types::Material;
+use crate::delta_light;
 use crate::shape::kinds_in_files;
 use crate::source::Range;
 use crate::source::form::{DEGREES, Field, Form, NO_UNIT, PATH, SCENE_UNITS, Takes};
@@ -251,6 +252,11 @@ pub const COMPOUNDS: &[Form] = &[
     },
 ];
 
+/// The forms of objects: shapes, lights without size, and what holds others.
+fn objects() -> Vec<&'static Form> {
+    kinds_in_files().map(|kind| &kind.form).chain(delta_light::FORMS).chain(COMPOUNDS).collect()
+}
+
 /// All forms by what they are, in the order of docs/scene.md. A name may stand for two of them, which are written alike.
 pub fn groups() -> [(&'static str, Vec<&'static Form>); 6] {
     [
@@ -258,7 +264,7 @@ pub fn groups() -> [(&'static str, Vec<&'static Form>); 6] {
         ("Backgrounds", BACKGROUNDS.iter().collect()),
         ("Materials", Material::KINDS.iter().map(|kind| &kind.form).collect()),
         ("Textures", Texture::KINDS.iter().map(|kind| &kind.form).collect()),
-        ("Objects", kinds_in_files().map(|kind| &kind.form).chain(COMPOUNDS).collect()),
+        ("Objects", objects()),
         ("Transforms", TRANSFORMS.iter().collect()),
     ]
 }

@@ -158,6 +158,16 @@ impl Scene {
 
     /// The location of an object in the scene file, also of one inside other objects.
     pub fn location_of(&self, object: &Object) -> Location {
+        self.place_of(object, |steps| self.location(steps))
+    }
+
+    /// An [`Error::Scene`] about an object, also about one inside other objects.
+    pub fn error_of(&self, object: &Object, message: &str) -> Error {
+        self.place_of(object, |steps| self.error(steps, message))
+    }
+
+    /// What `tell` says of the steps to an object.
+    fn place_of<T>(&self, object: &Object, tell: impl Fn(&[Step<'_>]) -> T) -> T {
         let top = self.top();
         let objects = top.field("objects");
         let mut found = None;
@@ -167,7 +177,7 @@ impl Scene {
                     // The visited place is that of the variant; the object is one step above.
                     let mut steps = at.steps();
                     steps.pop();
-                    found = Some(self.location(&steps));
+                    found = Some(tell(&steps));
                 }
                 Ok(())
             });
@@ -176,7 +186,7 @@ impl Scene {
                 break;
             }
         }
-        found.unwrap_or_else(|| self.location(&objects.steps()))
+        found.unwrap_or_else(|| tell(&objects.steps()))
     }
 
     /// The location of the definition of the material of this name.

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
+use crate::delta_light::{DeltaLight, default_inner, default_outer};
 pub use crate::material::Material;
 use crate::shape::mesh::{self, MeshShape};
 use crate::shape::{Shape, ShapeKind, cuboid, quad, sphere};
@@ -95,6 +96,24 @@ pub enum Object {
         #[serde(default)]
         material: Option<String>,
     },
+    PointLight {
+        at: DVec3,
+        intensity: Colour,
+    },
+    /// Angles are in degrees, from the middle of the beam.
+    SpotLight {
+        at: DVec3,
+        towards: DVec3,
+        intensity: Colour,
+        #[serde(default = "default_inner")]
+        inner: f64,
+        #[serde(default = "default_outer")]
+        outer: f64,
+    },
+    DirectionalLight {
+        direction: DVec3,
+        irradiance: Colour,
+    },
     /// Transforms are applied in the order listed.
     Transformed {
         by: Vec<Transform>,
@@ -134,18 +153,32 @@ impl Default for RenderDefaults {
 }
 
 impl Object {
-    /// Its kind of shape; none for objects that contain others.
+    /// Its kind of shape; none for lights without size and for objects that contain others.
     pub fn kind(&self) -> Option<&'static ShapeKind> {
         match self {
             Object::Sphere { .. } => Some(&sphere::KIND),
             Object::Quad { .. } => Some(&quad::KIND),
             Object::Box { .. } => Some(&cuboid::KIND),
             Object::Mesh { .. } => Some(&mesh::KIND),
-            Object::Transformed { .. } | Object::Group(_) | Object::Gltf { .. } | Object::Medium { .. } => None,
+            _ => None,
         }
     }
 
-    /// Its shape; none for objects that contain others, and for a mesh that is not in `meshes`.
+    /// The light without size that it is, if it is one.
+    pub fn delta_light(&self) -> Option<DeltaLight> {
+        match *self {
+            Object::PointLight { at, intensity } => Some(DeltaLight::Point { at, intensity }),
+            Object::SpotLight { at, towards, intensity, inner, outer } => {
+                Some(DeltaLight::Spot { at, towards, intensity, inner, outer })
+            }
+            Object::DirectionalLight { direction, irradiance } => {
+                Some(DeltaLight::Directional { direction, irradiance })
+            }
+            _ => None,
+        }
+    }
+
+    /// Its shape; none for lights without size, for objects that contain others, and for a mesh that is not in `meshes`.
     pub fn shape<'a>(&self, meshes: &'a BTreeMap<&str, MeshShape<'a>>) -> Option<Shape<'a>> {
         match self {
             Object::Sphere { center, radius, .. } => {
@@ -154,7 +187,7 @@ impl Object {
             Object::Quad { corner, u, v, .. } => Some(Shape::Quad(quad::Quad { corner: *corner, u: *u, v: *v })),
             Object::Box { min, max, .. } => Some(Shape::Cuboid(cuboid::Cuboid { min: *min, max: *max })),
             Object::Mesh { path, .. } => meshes.get(path.as_str()).map(Shape::Mesh),
-            Object::Transformed { .. } | Object::Group(_) | Object::Gltf { .. } | Object::Medium { .. } => None,
+            _ => None,
         }
     }
 
@@ -165,18 +198,21 @@ impl Object {
             Object::Group(_) => "Group",
             Object::Gltf { .. } => "Gltf",
             Object::Medium { .. } => "Medium",
+            Object::PointLight { .. } => "PointLight",
+            Object::SpotLight { .. } => "SpotLight",
+            Object::DirectionalLight { .. } => "DirectionalLight",
             shape => shape.kind().map_or("", |kind| kind.form.name),
         }
     }
 
-    /// The name of the object's own material. Objects that contain others have none.
+    /// The name of the object's own material. Lights without size and objects that contain others have none.
     pub fn material(&self) -> Option<&str> {
         match self {
             Object::Sphere { material, .. }
             | Object::Quad { material, .. }
             | Object::Box { material, .. }
             | Object::Mesh { material, .. } => material.as_deref(),
-            Object::Transformed { .. } | Object::Group(_) | Object::Gltf { .. } | Object::Medium { .. } => None,
+            _ => None,
         }
     }
 }

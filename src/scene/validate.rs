@@ -166,6 +166,12 @@ fn object(known: &KnownNames, at: &Place, object: &Object, reach: Reach, finding
             });
             findings.note(ANISOTROPY.check(at, *anisotropy));
         }
+        Object::PointLight { .. } | Object::SpotLight { .. } | Object::DirectionalLight { .. } => {
+            let Some(light) = object.delta_light() else { return };
+            let is_in_reach = reach.holds(1.0, light.distance());
+            let in_reach = || if is_in_reach { Ok(()) } else { Err(at.error(OUT_OF_REACH)) };
+            findings.note(light.check(at).and_then(|()| in_reach()));
+        }
         _ => {
             findings.note(shape(known, at, object, reach));
             findings.note(known.check_material(at, object));

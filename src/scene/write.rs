@@ -58,7 +58,12 @@ fn object(object: &Object) -> Result<String, ron::Error> {
             value(albedo)?,
             value(anisotropy)?
         ),
-        Object::Sphere { .. } | Object::Quad { .. } | Object::Box { .. } => value(object)?,
+        Object::Sphere { .. }
+        | Object::Quad { .. }
+        | Object::Box { .. }
+        | Object::PointLight { .. }
+        | Object::SpotLight { .. }
+        | Object::DirectionalLight { .. } => value(object)?,
     })
 }
 

@@ -39,6 +39,26 @@ impl Hull {
         }
     }
 
+    /// The distance of a point from its surface, or less.
+    pub fn distance(&self, p: DVec3) -> f64 {
+        match *self {
+            Hull::Ball { center, radius } => ((p - center).length() - radius).abs(),
+            Hull::Parallelogram { corner, u, v } => {
+                let (n, q) = (normal(u, v), p - corner);
+                // Beside it, the ball around it is nearer than it is.
+                let (middle, radius) = self.ball();
+                n.dot(q).abs().max((p - middle).length() - radius)
+            }
+            Hull::Cuboid { center, half, axes } => {
+                let beyond = (axes.transpose() * (p - center)).abs() - half;
+                match beyond.max_element() <= 0.0 {
+                    true => -beyond.max_element(),
+                    false => beyond.max(DVec3::ZERO).length(),
+                }
+            }
+        }
+    }
+
     /// The corners; a ball has none.
     pub fn corners(&self) -> Vec<DVec3> {
         match *self {

@@ -17,7 +17,7 @@ use std::ops::Deref;
 
 use glam::{DMat3, DVec3, Vec3};
 
-use crate::data::{self, KIND_INSTANCE, KIND_TRIANGLE, primitive_code};
+use crate::data::{self, KIND_DELTA_LIGHT, KIND_INSTANCE, KIND_TRIANGLE, primitive_code};
 use crate::error::Result;
 use crate::source::Place;
 use crate::source::form::{Field, Form, Takes, kinds};
@@ -240,8 +240,8 @@ const fn code_kind(number: usize) -> u32 {
 pub const PRIMITIVES: &[&str] = Shape::SHADERS;
 const _: () = {
     assert!(
-        KINDS.len() <= KIND_INSTANCE as usize,
-        "too many shapes: the number of the last one is that of an instance"
+        KINDS.len() <= KIND_DELTA_LIGHT as usize,
+        "too many shapes: the number of the last one is that of a light without size"
     );
     assert!(
         matches!(PRIMITIVES[KIND_TRIANGLE as usize].as_bytes(), b"triangle"),

@@ -82,11 +82,13 @@ const USUAL: [(&str, &str); 4] = [
 ];
 
 /// The conditions that do not hold where nothing else is asked, and those of the settings' members, which are all there.
-const NONE: [&str; 22] = [
+const NONE: [&str; 24] = [
     "mesh",
     "light",
     "emitting_mesh",
     "emitting_sky",
+    "delta_light",
+    "light_without_place",
     "unsampled",
     "one_way",
     "medium",

@@ -93,6 +93,15 @@ const POINTS: &[Point] = &[
          Quad(corner: (-1, 2, -1), u: (0.3, 0, 0), v: (0, 0, 0.3), material: \"more\"), Box(min: (0, 2, 0), max: (0.1, 2.1, 0.1), material: \"more\"),
          Sphere(center: (0.9, 0.5, 0.6), radius: 0.4, material: \"glass\"),",
     ),
+    point("a light without size", DARK, GREY, POINT_LIGHT),
+    point("lights without size in fog", DARK, GREY, LIGHTS_IN_FOG),
+    point(
+        "a lamp, a sky, lights without size and glass",
+        SKY,
+        "\"more\": DiffuseLight(emit: Rgb(4, 3, 2)), \"glass\": Dielectric(ior: 1.5),",
+        "Sphere(center: (1.5, 1, 0), radius: 0.1, material: \"more\"), Sphere(center: (0.9, 0.5, 0.6), radius: 0.4, material: \"glass\"),
+         PointLight(at: (-1, 1.5, 1), intensity: (2, 2, 1)), DirectionalLight(direction: (1, -2, -1), irradiance: (1, 1, 1)),",
+    ),
     Point {
         camera: LENS,
         ..point(
@@ -104,6 +113,11 @@ const POINTS: &[Point] = &[
         )
     },
 ];
+
+const POINT_LIGHT: &str = "PointLight(at: (1, 2, 1), intensity: (3, 2, 1)),";
+const LIGHTS_IN_FOG: &str = "SpotLight(at: (1, 2, 1), towards: (0, 0.5, 0), intensity: (9, 8, 7), inner: 10, outer: 25),
+    DirectionalLight(direction: (1, -2, -1), irradiance: (1, 1, 1)),
+    Medium(boundary: Sphere(center: (0, 0.5, 0), radius: 1.5), density: 0.4, albedo: Rgb(0.9, 0.8, 0.7), anisotropy: 0.3),";
 
 /// Scenes that lack what the others have, by name: background, materials and objects.
 const SPARSE: &[(&str, &str, &str, &str)] = &[

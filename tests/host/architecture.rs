@@ -31,6 +31,13 @@ const NEVER: &[(&str, &[&str])] = &[
     ("texture", &["gpu", "material", "scene", "flatten", "plan", "render", "film", "output", "tradeoff", "cli"]),
     ("shape", &["gpu", "material", "scene", "flatten", "plan", "render", "bvh", "film", "output", "tradeoff", "cli"]),
     (
+        "delta_light",
+        &[
+            "gpu", "material", "scene", "flatten", "plan", "render", "bvh", "film", "output", "tradeoff", "commands",
+            "cli",
+        ],
+    ),
+    (
         "source",
         &["gpu", "texture", "material", "shape", "scene", "flatten", "plan", "render", "output", "tradeoff", "cli"],
     ),

@@ -290,8 +290,19 @@ fn without_any_module_there_is_no_kernel() {
 }
 
 /// The tables that may be uniforms, without the first, for which there is room in any case (shaders/scene/at_run_time.wgsl).
-const TABLES: [&str; 10] =
-    ["spheres", "quads", "cuboids", "materials", "textures", "frames", "instances", "media", "lights", "light_nodes"];
+const TABLES: [&str; 11] = [
+    "spheres",
+    "quads",
+    "cuboids",
+    "materials",
+    "textures",
+    "frames",
+    "instances",
+    "media",
+    "lights",
+    "delta_lights",
+    "light_nodes",
+];
 
 /// Codes of primitives: those that are constant say that there is none, and that was asked before a table is read.
 const EXEMPT: [(&str, &str); 2] = [("Hit", "code"), ("Path", "light")];

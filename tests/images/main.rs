@@ -5,6 +5,7 @@ mod common;
 
 mod aov;
 mod closed_form;
+mod delta_lights;
 mod devices;
 mod estimators;
 mod features;

@@ -40,6 +40,8 @@ fn modules() -> Vec<naga::Module> {
         smooth: Some("a test".to_string()),
         emitters: Default::default(),
         emitting_sky: Some("a test".to_string()),
+        delta_lights: Some("a test".to_string()),
+        directional_lights: Some("a test".to_string()),
         sky_grid: (4, 2),
         lights: 1000,
         shadow_rays: true,
@@ -109,7 +111,7 @@ fn host_structs() -> BTreeMap<&'static str, (Fields, usize)> {
             ),)*])
         };
     }
-    structs!(Window Counters RunRecord PixelTotals Node Sphere Globe Quad Cuboid Instance Light LightNode SkyCell Medium Material Texture Frame Trial Answer)
+    structs!(Window Counters RunRecord PixelTotals Node Sphere Globe Quad Cuboid Instance Light DeltaLight LightNode SkyCell Medium Material Texture Frame Trial Answer)
 }
 
 /// Names that src/data.rs declares behind a word, so that none can be added there and forgotten here.
@@ -233,6 +235,7 @@ fn every_constant_of_the_host_is_that_of_the_shaders() {
         ("NO_INSTANCE", data::NO_INSTANCE),
         ("KIND_TRIANGLE", data::KIND_TRIANGLE),
         ("KIND_INSTANCE", data::KIND_INSTANCE),
+        ("KIND_DELTA_LIGHT", data::KIND_DELTA_LIGHT),
         ("LIGHT_NODE_LEAF", data::LIGHT_NODE_LEAF),
         ("LIGHT_NODE_TWO_SIDED", data::LIGHT_NODE_TWO_SIDED),
         ("LIGHT_NODE_SKY", data::LIGHT_NODE_SKY),
@@ -263,7 +266,7 @@ fn every_constant_of_the_host_is_that_of_the_shaders() {
     let first = constant(&modules, "FIRST_STATUS").expect("it is in data/primitive");
     let kinds = data::KIND_INSTANCE + 1;
     assert_eq!(gpu_rt::flatten::PRIMITIVES[data::KIND_TRIANGLE as usize], "triangle");
-    assert!(gpu_rt::flatten::PRIMITIVES.len() <= data::KIND_INSTANCE as usize);
+    assert!(gpu_rt::flatten::PRIMITIVES.len() <= data::KIND_DELTA_LIGHT as usize);
     assert!(data::PRIMITIVE_BIT | (kinds << data::PRIMITIVE_KIND_SHIFT) <= first);
     assert!([data::HIT_NOTHING, data::SLOT_IDLE].iter().all(|status| *status >= first));
 

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
-use gpu_rt::data::{LIGHT_NODE_LEAF, LIGHT_NODE_TWO_SIDED, Light};
+use gpu_rt::data::{KIND_DELTA_LIGHT, LIGHT_NODE_LEAF, LIGHT_NODE_TWO_SIDED, Light};
 use gpu_rt::flatten::{DeviceScene, flatten};
 use gpu_rt::options::RenderOptions;
 use gpu_rt::plan::{UniformTables, choices_of};
@@ -40,9 +40,9 @@ struct Out {
 
 const SKY: &str = "Image(path: \"sky.hdr\")";
 
-/// Lights of all shapes, of powers over three decades and turned anywhere, within a unit or so.
-fn lights(random: &mut Random, sky: bool) -> DeviceScene {
-    let objects: Vec<String> = (0..300)
+/// Lights of all shapes, of powers over three decades and turned anywhere, within a unit or so; among them lights without size.
+fn lights(random: &mut Random, sky: bool, without_size: bool) -> DeviceScene {
+    let mut objects: Vec<String> = (0..300)
         .map(|i| {
             let place = unit(random) * random.uniform();
             let size = 10f64.powf(-1.0 - 2.0 * random.uniform());
@@ -62,6 +62,16 @@ fn lights(random: &mut Random, sky: bool) -> DeviceScene {
             }
         })
         .collect();
+    for i in (0..90).filter(|_| without_size) {
+        let (at, towards) = (triple(random.uniform() * unit(random)), triple(unit(random)));
+        let colour = triple(DVec3::splat(10f64.powf(-4.0 + 3.0 * random.uniform())));
+        let outer = 10.0 + 80.0 * random.uniform();
+        objects.push(match i % 9 {
+            0..4 => format!("PointLight(at: {at}, intensity: {colour})"),
+            4..8 => format!("SpotLight(at: {at}, towards: {towards}, intensity: {colour}, outer: {outer:?})"),
+            _ => format!("DirectionalLight(direction: {towards}, irradiance: {colour})"),
+        });
+    }
     let lamp = |i: i32| {
         let emit = 2f64.powi(i);
         format!("\"{i}\": DiffuseLight(emit: Rgb({emit:?}, {emit:?}, {emit:?}), two_sided: {})", i == 3)
@@ -92,6 +102,12 @@ fn flattened(text: &str) -> DeviceScene {
 /// Whether the light's front is turned towards the point by more than rounding.
 fn reaches(flat: &DeviceScene, light: &Light, from: DVec3) -> bool {
     let (kind, index) = (light.code >> 28 & 7, (light.code & 0x0fff_ffff) as usize);
+    if kind == KIND_DELTA_LIGHT {
+        let spot = &flat.delta_lights[index];
+        let way = (from - exact(spot.place)).normalize();
+        return spot.has_place == 0.0
+            || 0.5 * (way - exact(spot.axis)).length_squared() < f64::from(spot.height) - 1e-6;
+    }
     if kind != 1 {
         return true;
     }
@@ -103,8 +119,8 @@ fn reaches(flat: &DeviceScene, light: &Light, from: DVec3) -> bool {
 #[test]
 fn lights_are_chosen_as_often_as_is_said() {
     let mut random = Random(77);
-    for sky in [false, true] {
-        let flat = lights(&mut random, sky);
+    for (sky, without_size) in [(false, false), (true, false), (false, true), (true, true)] {
+        let flat = lights(&mut random, sky, without_size);
         let count = flat.lights.len();
         assert_eq!(flat.light_nodes.len(), 2 * (count - 1));
         let draws = DRAWS.to_string();
@@ -152,7 +168,7 @@ fn lights_are_chosen_as_often_as_is_said() {
 
 #[test]
 fn nearer_lights_and_those_turned_towards_a_point_are_chosen_more_often() {
-    let flat = lights(&mut Random(78), false);
+    let flat = lights(&mut Random(78), false, false);
     let draws = DRAWS.to_string();
     let plan = choices_of(&flat.features, &RenderOptions::default(), &UniformTables::default());
     let lights = flat.features.lights.to_string();
@@ -222,4 +238,58 @@ fn two_lights_and_a_lamp_under_a_sky() {
     }
     let least = probability(&flat, 1, DVec3::splat(1e-4));
     assert!((least - 0.1).abs() < 2.0 * U, "beside a lamp the sky keeps a tenth: {least}");
+}
+
+/// Lights without size beside each other: a spot is chosen just where its beam reaches, and as a point light there; directional lights
+/// by their irradiance, against a sky and a point light between a tenth and nine tenths.
+#[test]
+fn lights_without_size_are_chosen_by_their_irradiance() {
+    let scene = |background: &str, lights: &str| {
+        flattened(&format!(
+            "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 0, 0), look_at: (0, 0, -1), vertical_fov: 40),
+            background: {background}, materials: {{{GREY}}}, objects: [{lights}, {RECEIVER}])"
+        ))
+    };
+    // The probabilities of all lights, those with a place first and the sky last.
+    let probabilities = |flat: &DeviceScene, from: DVec3| -> Vec<f64> {
+        let plan = choices_of(&flat.features, &RenderOptions::default(), &UniformTables::default());
+        let lights = flat.features.lights.to_string();
+        assert_eq!(plan.modules["light_choice"].module, "scene/light_tree");
+        let setup = Setup { plan, values: &[("draws", &*lights), ("lights", &*lights)], ..Setup::default() };
+        let more = [array("lights", &flat.lights), array("light_nodes", &flat.light_nodes)];
+        // Render space is the scene's, but for its scale; the receiver's reach is 0.1.
+        let scale = 8.0;
+        let row = In { from: rounded(scale * from), padding: 0 };
+        let found: Vec<Out> = Kernel::with("test/light_choice", &setup).run_with(&[row], flat.lights.len(), &more);
+        found.iter().map(|out| f64::from(out.of_row)).collect()
+    };
+    let close = |found: &[f64], expected: &[f64]| {
+        let off = found.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(found.len() == expected.len() && off < 1e-4, "{found:?}, expected {expected:?}");
+    };
+    let point = "PointLight(at: (0, 0, 0), intensity: (1, 1, 1))";
+    let spot = "SpotLight(at: (2, 0, 0), towards: (2, -1, 0), intensity: (1, 1, 1), outer: 45)";
+    let two = scene("Solid((0, 0, 0))", &format!("{point}, {spot}"));
+    // In the beam at distances of 1 and of the root of 5; beside it, and behind the light.
+    close(&probabilities(&two, DVec3::new(2.0, -1.0, 0.0)), &[1.0 / 6.0, 5.0 / 6.0]);
+    close(&probabilities(&two, DVec3::new(3.1, -1.0, 0.0)), &[1.0, 0.0]);
+    close(&probabilities(&two, DVec3::new(2.0, 1.0, 0.0)), &[1.0, 0.0]);
+    let suns = "DirectionalLight(direction: (0, -1, 0), irradiance: (3, 3, 3)),
+        DirectionalLight(direction: (0, 0, -1), irradiance: (1, 1, 1))";
+    close(&probabilities(&scene("Solid((0, 0, 0))", suns), DVec3::ONE), &[0.75, 0.25]);
+    let beside = scene("Solid((0, 0, 0))", &format!("{point}, {suns}"));
+    for (distance, of_point) in [(0.5, 0.5), (1.0, 0.2), (0.01, 0.9), (100.0, 0.1)] {
+        let suns = 1.0 - of_point;
+        close(&probabilities(&beside, distance * DVec3::X), &[of_point, 0.75 * suns, 0.25 * suns]);
+    }
+    // The sky has half of 4 pi times its luminance, and a tenth of what has no place at least.
+    let luminance = 0.2126 + 2.0 * 0.7152 + 3.0 * 0.0722;
+    let sky = 2.0 * PI * luminance;
+    let all = scene(SKY, &format!("{point}, {suns}"));
+    let found = probabilities(&all, 0.5 * DVec3::X);
+    let of_point = 4.0 / (8.0 + sky);
+    let of_suns = (1.0 - of_point) * 4.0 / (4.0 + sky);
+    let off =
+        [of_point, 0.75 * of_suns, 0.25 * of_suns].iter().zip(&found).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(off < 1e-2 && found.len() == 4, "{found:?}");
 }

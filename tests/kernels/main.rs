@@ -12,6 +12,7 @@ mod backends;
 mod bounds;
 mod camera;
 mod cuboid;
+mod delta_lights;
 mod film;
 mod filter;
 mod float;

@@ -76,6 +76,20 @@ fn lit(features: Features, emitters: usize, sky: bool) -> Features {
     }
 }
 
+/// The same with lights without size, directional ones among them, where anything answers to them.
+fn delta_lit(features: Features, directional: bool) -> Features {
+    if features.media == 0 && features.non_specular.iter().all(Option::is_none) {
+        return features;
+    }
+    Features {
+        shadow_rays: true,
+        delta_lights: Some("a test".to_string()),
+        directional_lights: directional.then(|| "a test".to_string()),
+        lights: features.lights + 1,
+        ..features
+    }
+}
+
 /// The same with so many lights that one is chosen by the tree.
 fn many_lights(features: Features) -> Features {
     Features { lights: 2, sky_light: 1, ..features }
@@ -97,7 +111,7 @@ fn everything() -> Features {
 
 fn all_sampled() -> Features {
     let surfaces = features(all(PRIMITIVES), all(MATERIALS), all(TEXTURES), IMAGE, true);
-    lit(with_media(smooth(surfaces), all(BOUNDARIES), true), all(PRIMITIVES), true)
+    delta_lit(lit(with_media(smooth(surfaces), all(BOUNDARIES), true), all(PRIMITIVES), true), true)
 }
 
 /// The same with render space turned to the camera's axes.
@@ -191,6 +205,19 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
         found.push(lit(with_media(surfaces, 1 + emitters % all(BOUNDARIES), false), emitters.max(1), false));
     }
     found.extend((1..=materials).map(|set| lit(features(1, set, 0, SOLID, false), 1, false)));
+    // Lights without size alone, with every material and in media, and beside each kind of light.
+    for directional in [false, true] {
+        let alone = |surfaces: Features| delta_lit(surfaces, directional);
+        found.extend((1..=materials).map(|set| alone(features(1, set, 0, SOLID, false))));
+        let several = (1..=materials).map(|set| alone(features(1, set, 0, SOLID, false)));
+        found.extend(several.filter(|features| features.lights > 0).map(many_lights));
+        found.push(alone(with_media(features(0, 0, 0, SOLID, false), 1, false)));
+        found.push(few(alone(features(1, 1, 0, SOLID, false))));
+        for emitters in (0..PRIMITIVES.len()).map(|i| 1 << i) {
+            let surfaces = features(emitters, materials, 0, IMAGE, false);
+            found.extend([false, true].map(|sky| many_lights(alone(lit(surfaces.clone(), emitters, sky)))));
+        }
+    }
     for sky in [false, true] {
         let of_each = (1..=primitives).map(|emitters| lit(features(emitters, 1, 0, IMAGE, false), emitters, sky));
         found.extend(of_each.map(many_lights));
@@ -339,7 +366,7 @@ fn every_line_under_shaders_is_in_some_kernel() {
 /// The most storage buffers that a kernel with everything on binds, all tables in storage bindings. WebGPU promises 8. Kernels
 /// with everything on exceed it (docs/architecture.md); this limit keeps them from growing further.
 const MOST_STORAGE_BUFFERS: [(Scatter, usize); 3] =
-    [(Scatter::Linked, 16), (Scatter::Queues, 18), (Scatter::Fused, 18)];
+    [(Scatter::Linked, 17), (Scatter::Queues, 19), (Scatter::Fused, 19)];
 
 #[test]
 fn no_kernel_binds_too_many_storage_buffers() {

@@ -63,7 +63,7 @@ pub fn turned_away(found: &Found, kinds: &[Role]) -> Option<Diagnostic> {
 /// An emitter, and a ball around it.
 #[derive(Clone, Copy)]
 struct EmittingBody {
-    number: usize,
+    at: At,
     center: DVec3,
     radius: f64,
 }
@@ -80,12 +80,12 @@ pub struct Walls<'a> {
     /// The number of objects around the camera so far.
     around: usize,
     /// The emitter, the closed object, and whether the camera is the one inside.
-    worst: Worst<(usize, usize, bool)>,
+    worst: Worst<(At, usize, bool)>,
     /// Closed lights around the camera that emit outwards.
     outwards: Worst<usize>,
-    /// Whether the background is all that emits light.
+    /// Whether all light comes from outside the scene: from the background and directional lights.
     only_background: bool,
-    /// Closed opaque objects around the camera, where only the background emits light.
+    /// Closed opaque objects around the camera, where all light comes from outside the scene.
     rooms: Worst<usize>,
     within: Within,
 }
@@ -98,11 +98,20 @@ impl<'a> Walls<'a> {
             emitters.extend(lights.take(MOST_EMITTERS).map(|number| {
                 let Placed { shape, to_world, .. } = &found.placed[number];
                 let (center, radius) = Body::new(found, shape, to_world).hull.ball();
-                EmittingBody { number, center, radius }
+                EmittingBody { at: At::Primitive(number), center, radius }
             }));
-            emitters.sort_unstable_by(|a, b| a.center.x.total_cmp(&b.center.x));
         }
-        let background = found.emissions.iter().any(|(material, radiance)| material.is_none() && *radiance > 0.0);
+        let without_size = found.lights.iter().enumerate().take(MOST_EMITTERS).filter_map(|(number, (_, light))| {
+            let center = light.place? - found.view.eye;
+            Some(EmittingBody { at: At::Light(number), center, radius: 0.0 })
+        });
+        emitters.extend(without_size);
+        emitters.sort_unstable_by(|a, b| a.center.x.total_cmp(&b.center.x));
+        let is_outside = |at: At| match at {
+            At::Light(number) => found.lights[number].1.place.is_none(),
+            at => at == At::Background,
+        };
+        let background = found.emissions.iter().any(|(at, radiance)| is_outside(*at) && *radiance > 0.0);
         Walls {
             found,
             only_background: emitters.is_empty() && background,
@@ -135,7 +144,7 @@ impl<'a> Walls<'a> {
                 let emitter = self.emitters[at];
                 let mut outside =
                     || self.within.depth(wall, emitter.center).is_some_and(|depth| -depth > emitter.radius);
-                if emitter.number != number && outside() {
+                if emitter.at != At::Primitive(number) && outside() {
                     self.note(number, &emitter, true);
                 }
             }
@@ -153,7 +162,10 @@ impl<'a> Walls<'a> {
                 self.tests -= 1;
                 let apart = (emitter.center - wall.place).abs();
                 let near = apart.y < reach && apart.z < reach && emitter.radius < reach;
-                if near && emitter.number != number && is_within(self.found, &mut self.within, wall, &emitter) {
+                if near
+                    && emitter.at != At::Primitive(number)
+                    && is_within(self.found, &mut self.within, wall, &emitter)
+                {
                     self.note(number, &emitter, false);
                 }
             }
@@ -161,7 +173,13 @@ impl<'a> Walls<'a> {
     }
 
     fn note(&mut self, wall: usize, emitter: &EmittingBody, around_camera: bool) {
-        self.worst.note(-(emitter.number as f64), (emitter.number, wall, around_camera));
+        // The first of the file's objects, and lights without size behind the others.
+        let number = match emitter.at {
+            At::Light(number) => self.found.placed.len() + number,
+            At::Primitive(number) | At::Medium(number) | At::Emit(number) => number,
+            At::Background => 0,
+        };
+        self.worst.note(-(number as f64), (emitter.at, wall, around_camera));
     }
 
     pub fn diagnostics(self) -> Vec<Diagnostic> {
@@ -181,7 +199,7 @@ impl<'a> Walls<'a> {
                 "no path reaches this light: the opaque {shape} at {OTHER} encloses {enclosed}, and the {beyond} is outside: remove \
                  the light, or open the {shape}"
             );
-            Diagnostic::of_two(emitter, wall, message)
+            Diagnostic { other: Some(At::Primitive(wall)), ..Diagnostic::of(emitter, "", message) }
         });
         let rooms = self.rooms.diagnostic(|number| {
             let word = found.placed[number].shape.kind().word;
@@ -197,7 +215,10 @@ impl<'a> Walls<'a> {
 
 /// Whether an emitter is entirely within a sphere, box or mesh.
 fn is_within(found: &Found, within: &mut Within, wall: &Body, emitter: &EmittingBody) -> bool {
-    let Placed { shape, to_world, .. } = &found.placed[emitter.number];
+    let At::Primitive(number) = emitter.at else {
+        return within.depth(wall, emitter.center).is_some_and(|depth| depth > 0.0);
+    };
+    let Placed { shape, to_world, .. } = &found.placed[number];
     // A convex wall contains a flat emitter or a box if it contains the corners.
     let body = Body::new(found, shape, to_world);
     let by_ball = matches!(body.hull, Hull::Ball { .. }) || wall.shape.mesh().is_some();
@@ -208,15 +229,14 @@ fn is_within(found: &Found, within: &mut Within, wall: &Body, emitter: &Emitting
 
 /// Finds emitters, or parts of them, that are so much fainter than the brightest that the film keeps few digits of them.
 pub fn too_faint(found: &Found) -> Option<Diagnostic> {
-    let at = |material: Option<usize>| material.map_or(At::Background, At::Emit);
     let (brightest, most) = found.emissions.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1))?;
     let limit = most / LARGEST_SHARE;
     let is_faint = |radiance: f64| radiance > 0.0 && radiance < limit;
     let mut worst = Worst::default();
-    for &(material, radiance) in found.emissions {
-        let part = if is_faint(radiance) { Some(radiance) } else { faint_part(found, material, is_faint) };
+    for &(at, radiance) in found.emissions {
+        let part = if is_faint(radiance) { Some(radiance) } else { faint_part(found, at, is_faint) };
         if let Some(part) = part {
-            worst.note(most / part, (at(material), part, radiance > part));
+            worst.note(most / part, (at, part, radiance > part));
         }
     }
     worst.diagnostic(|(at_it, radiance, is_part)| {
@@ -229,19 +249,22 @@ pub fn too_faint(found: &Found) -> Option<Diagnostic> {
             short(most),
             power_of_two(1.0 / LARGEST_SHARE)
         );
-        Diagnostic { other: Some(at(brightest)), ..Diagnostic::of(at_it, "", message) }
+        Diagnostic { other: Some(brightest), ..Diagnostic::of(at_it, "", message) }
     })
 }
 
 /// The radiance of a part of an emitter that is too faint: the fainter colour of a checker, or the brightest of an
 /// image's too faint texels, if they are many.
-fn faint_part(found: &Found, material: Option<usize>, is_faint: impl Fn(f64) -> bool) -> Option<f64> {
+fn faint_part(found: &Found, at: At, is_faint: impl Fn(f64) -> bool) -> Option<f64> {
     let bitmaps = &found.scene.bitmaps;
-    match material {
-        Some(number) => found.scene.materials[number].1.model().emission()?.slot.texture.faint_part(bitmaps, is_faint),
-        None => match &found.scene.background {
+    match at {
+        At::Emit(number) => {
+            found.scene.materials[number].1.model().emission()?.slot.texture.faint_part(bitmaps, is_faint)
+        }
+        At::Background => match &found.scene.background {
             Background::Image { path } => bitmaps.get(path)?.faint_part(DVec3::ONE, is_faint),
             Background::Solid(_) | Background::Gradient { .. } => None,
         },
+        At::Primitive(_) | At::Medium(_) | At::Light(_) => None,
     }
 }

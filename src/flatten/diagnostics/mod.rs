@@ -16,6 +16,7 @@ use glam::DVec3;
 
 use super::place::{Placed, PlacedMedium};
 use super::view::View;
+use crate::delta_light::PlacedLight;
 use crate::scene::{Bitmaps, Material, Object, Scene};
 use crate::shape::similarity::Similarity;
 use crate::shape::{Hull, Placement, RenderSpace, Shape};
@@ -29,12 +30,13 @@ pub struct Found<'a> {
     pub scene: &'a Scene,
     pub placed: &'a [Placed<'a>],
     pub media: &'a [PlacedMedium<'a>],
+    pub lights: &'a [(&'a Object, PlacedLight)],
     pub view: &'a View<'a>,
     /// The largest distance from the camera, along an axis, that any object reaches.
     pub extent: f64,
-    /// The largest component of the emitted radiance: of each material that an object has, by its number, and of the
-    /// background (`None`).
-    pub emissions: &'a [(Option<usize>, f64)],
+    /// The largest component of the radiance that each material that an object has emits, the background, and what is lit by lights
+    /// without size.
+    pub emissions: &'a [(At, f64)],
 }
 
 /// The warnings about a placed scene.
@@ -89,13 +91,15 @@ const U: f64 = 1.0 / (1u64 << 24) as f64;
 
 /// The subject of a warning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum At {
+pub enum At {
     /// By its index among the placed objects.
     Primitive(usize),
     Medium(usize),
     /// The emission of the material of this number.
     Emit(usize),
     Background,
+    /// A light without size, by its number.
+    Light(usize),
 }
 
 /// A warning whose locations in the file are not yet filled in.
@@ -176,16 +180,20 @@ fn places(scene: &Scene, wanted: impl Iterator<Item = (At, &'static str)>) -> BT
                 }
             }
             At::Background => *found = spot(scene.spot_of_background()),
-            At::Primitive(_) | At::Medium(_) => {}
+            At::Primitive(_) | At::Medium(_) | At::Light(_) => {}
         }
     }
     // Objects are numbered in the order of this walk, as `Finder` does.
-    let (mut primitives, mut media) = (0, 0);
+    let (mut primitives, mut media, mut lights) = (0, 0, 0);
     scene.visit_objects(&mut |place, object| {
         let at = match object {
             Object::Medium { density, .. } if *density > 0.0 => {
                 media += 1;
                 At::Medium(media - 1)
+            }
+            _ if object.delta_light().is_some() => {
+                lights += 1;
+                At::Light(lights - 1)
             }
             _ if object.material().is_some() => {
                 primitives += 1;

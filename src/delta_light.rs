@@ -1,0 +1,242 @@
+//! Delta lights: lights without size, which only light sampling can find. This file has everything that the host knows about them.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+
+use crate::data::{self, f32s, luminance};
+use crate::error::Result;
+use crate::shape::similarity::Similarity;
+use crate::shape::{Aabb, RenderSpace};
+use crate::source::form::{DEGREES, Field, Form, NO_UNIT, Takes};
+use crate::source::{Place, Range, SMALLEST};
+use crate::texture::{Colour, Use};
+
+const AT: Field = Field::new("at", Takes::Point, "Where the light is.");
+const TOWARDS: Field = Field::new("towards", Takes::Point, "A point in the middle of its beam.");
+const INTENSITY: Field = Field::new(
+    "intensity",
+    Takes::Colour(Use::Radiance.range()),
+    "Power per solid angle. A surface that faces the light at a distance d gets the irradiance intensity / d². Transforms do not scale \
+     it.",
+);
+const INNER: Field = Field::new(
+    "inner",
+    Takes::Number(ANGLES, DEGREES),
+    "The angle from the middle of the beam up to which the light has its whole intensity; at most `outer`.",
+)
+.or("0");
+const OUTER: Field = Field::new(
+    "outer",
+    Takes::Number(ANGLES, DEGREES),
+    "The angle from which on it has none. Between them it falls as in glTF: by the square of the share of the cosine.",
+)
+.or("45");
+const DIRECTION: Field =
+    Field::new("direction", Takes::Vector, "Where the light goes, not where it comes from; of any length but 0.");
+const IRRADIANCE: Field = Field::new(
+    "irradiance",
+    Takes::Colour(Use::Radiance.range()),
+    "Power per area of a surface that faces the light, the same everywhere.",
+);
+const ANGLES: Range = Range::from_to(0.0, 180.0);
+
+pub fn default_inner() -> f64 {
+    0.0
+}
+
+pub fn default_outer() -> f64 {
+    45.0
+}
+
+/// As the scene file writes them.
+pub const FORMS: &[Form] = &[
+    Form {
+        name: "PointLight",
+        about: "A light without size that is equally bright in all directions. No ray can hit it, so the camera does not see it, nor does a \
+                mirror. Mirrors and glass stop its light: only light sampling finds it, and `--integrator bsdf` refuses it.",
+        fields: &[AT, INTENSITY],
+        in_order: false,
+        example: "PointLight(at: (0, 3, 1), intensity: (5, 5, 5))",
+    },
+    Form {
+        name: "SpotLight",
+        about: "A `PointLight` with a beam.",
+        fields: &[AT, TOWARDS, INTENSITY, INNER, OUTER],
+        in_order: false,
+        example: "SpotLight(at: (0, 3, 1), towards: (0, 0, 0), intensity: (5, 5, 5), inner: 20, outer: 30)",
+    },
+    Form {
+        name: "DirectionalLight",
+        about: "A light so far away that it reaches everything from one direction, like a sun without size. What is said of a `PointLight` \
+                holds for it.",
+        fields: &[DIRECTION, IRRADIANCE],
+        in_order: false,
+        example: "DirectionalLight(direction: (1, -2, -1), irradiance: (3, 3, 3))",
+    },
+];
+
+/// A light without size.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DeltaLight {
+    Point { at: DVec3, intensity: Colour },
+    Spot { at: DVec3, towards: DVec3, intensity: Colour, inner: f64, outer: f64 },
+    Directional { direction: DVec3, irradiance: Colour },
+}
+
+fn unit(v: DVec3) -> DVec3 {
+    // Divided by its largest component first, because the squares of a short vector would underflow.
+    (v / v.abs().max_element()).normalize_or_zero()
+}
+
+/// 1 - cos, with its digits.
+fn height(degrees: f64) -> f64 {
+    2.0 * (0.5 * degrees).to_radians().sin().powi(2)
+}
+
+impl DeltaLight {
+    /// Checks its numbers.
+    pub fn check(&self, above: &Place) -> Result<()> {
+        match *self {
+            DeltaLight::Point { at, intensity } => {
+                AT.check_vector(above, at)?;
+                check_colour(above, &INTENSITY, intensity)
+            }
+            DeltaLight::Spot { at, towards, intensity, inner, outer } => {
+                AT.check_vector(above, at)?;
+                TOWARDS.check_vector(above, towards)?;
+                if (towards - at).length() < SMALLEST {
+                    return Err(above.field("towards").error("towards and at are the same point"));
+                }
+                check_colour(above, &INTENSITY, intensity)?;
+                INNER.check(above, inner)?;
+                OUTER.check(above, outer)?;
+                if inner > outer {
+                    let message = format!("expected an inner angle of at most outer ({outer}), found {inner}");
+                    return Err(above.field("inner").error(message));
+                }
+                Ok(())
+            }
+            DeltaLight::Directional { direction, irradiance } => {
+                DIRECTION.check_vector(above, direction)?;
+                if direction.length() < SMALLEST {
+                    let message = "the direction has no length: expected a direction such as (0, -1, 0)";
+                    return Err(above.field("direction").error(message));
+                }
+                check_colour(above, &IRRADIANCE, irradiance)
+            }
+        }
+    }
+
+    /// Its distance from the origin.
+    pub fn distance(&self) -> f64 {
+        match *self {
+            DeltaLight::Point { at, .. } | DeltaLight::Spot { at, .. } => at.length(),
+            DeltaLight::Directional { .. } => 0.0,
+        }
+    }
+
+    /// The light in the world.
+    pub fn placed(&self, to_world: &Similarity) -> PlacedLight {
+        let turned = |v: DVec3| to_world.rotation * unit(v);
+        match *self {
+            DeltaLight::Point { at, intensity } => {
+                PlacedLight { place: Some(to_world.point(at)), axis: DVec3::Z, colour: intensity, beam: None }
+            }
+            DeltaLight::Spot { at, towards, intensity, inner, outer } => PlacedLight {
+                place: Some(to_world.point(at)),
+                axis: turned(towards - at),
+                colour: intensity,
+                beam: Some(Beam { inner, outer }),
+            },
+            DeltaLight::Directional { direction, irradiance } => {
+                PlacedLight { place: None, axis: turned(direction), colour: irradiance, beam: None }
+            }
+        }
+    }
+}
+
+fn check_colour(above: &Place, field: &Field, colour: Colour) -> Result<()> {
+    let at = above.field(field.name);
+    let channels = colour.to_array().into_iter().enumerate();
+    { channels }
+        .try_for_each(|(index, channel)| Use::Radiance.range().check(&at.index(index), field.name, NO_UNIT, channel))
+}
+
+/// The angles of a spot light, in degrees.
+#[derive(Clone, Copy, Debug)]
+pub struct Beam {
+    inner: f64,
+    outer: f64,
+}
+
+/// A delta light in the world.
+#[derive(Clone, Copy, Debug)]
+pub struct PlacedLight {
+    /// None of a directional light.
+    pub place: Option<DVec3>,
+    /// Unit vector: where the light, or the middle of its beam, goes.
+    axis: DVec3,
+    /// Its intensity, or the irradiance of a directional light.
+    pub colour: Colour,
+    beam: Option<Beam>,
+}
+
+/// The distance in render space to which farther lights are moved. From there, all of the scene sees them in one direction.
+const FARTHEST: f64 = (1u64 << 30) as f64;
+
+/// Added to the angle of a beam in the light tree: more than the rounding of an angle there, so that no part of the beam is lost.
+const MARGIN: f64 = 2e-3;
+
+impl PlacedLight {
+    /// Its place in render space, or the direction to a directional light; and its intensity there per unit of the world's.
+    fn in_space(&self, space: RenderSpace) -> (DVec3, f64) {
+        let Some(at) = self.place.map(|at| space.point(at)) else { return (-self.axis, 1.0) };
+        let distance = at.length();
+        let moved = if distance > FARTHEST { FARTHEST / distance } else { 1.0 };
+        (moved * at, (moved * space.scale).powi(2))
+    }
+
+    /// The struct that kernels read.
+    pub fn on_device(&self, space: RenderSpace, radiance_scale: f64) -> data::DeltaLight {
+        let (place, factor) = self.in_space(space);
+        let colour = radiance_scale * (factor * self.colour);
+        // Without a beam, the falloff is 1 in all directions.
+        let (height, slope) = self.beam.map_or((4.0, 1.0), |Beam { inner, outer }| {
+            let (inner, outer) = (height(inner), height(outer));
+            (outer, 1.0 / (outer - inner).max(f64::MIN_POSITIVE))
+        });
+        data::DeltaLight {
+            place: f32s(place),
+            has_place: f32::from(u8::from(self.place.is_some())),
+            colour: f32s(colour.min(DVec3::splat(f64::from(f32::MAX)))),
+            height: height as f32,
+            axis: f32s(self.axis),
+            slope: slope.min(f64::from(f32::MAX)) as f32,
+        }
+    }
+
+    /// How bright it is to the light tree: its intensity in render space, or the irradiance of a directional light.
+    pub fn brightness(&self, space: RenderSpace) -> f64 {
+        self.in_space(space).1 * luminance(self.colour.to_array())
+    }
+
+    /// A box around its place in render space.
+    pub fn around(&self, space: RenderSpace) -> Aabb {
+        Aabb::around([self.in_space(space).0])
+    }
+
+    /// Where its light goes, for the light tree: an axis, and an angle from it beyond which there is no light.
+    pub fn cone(&self) -> (DVec3, Option<f64>) {
+        (self.axis, self.beam.map(|beam| (beam.outer.to_radians() + MARGIN).min(PI)))
+    }
+
+    /// The radiance of a white diffuse surface that faces it at a distance.
+    pub fn shown(&self, distance: f64) -> f64 {
+        let irradiance = match self.place {
+            Some(_) => self.colour / distance / distance,
+            None => self.colour,
+        };
+        irradiance.max_element() / PI
+    }
+}

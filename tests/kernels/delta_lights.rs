@@ -1,0 +1,160 @@
+//! light/delta: what lights without size send to points at any distance and angle, against f64.
+
+use bytemuck::{Pod, Zeroable};
+use glam::DVec3;
+use gpu_rt::data::DeltaLight;
+use gpu_rt::flatten::flatten;
+use gpu_rt::options::RenderOptions;
+
+use crate::common::kernel::{Kernel, Setup, array};
+use crate::common::render::scene;
+use crate::common::scenes::triple;
+use crate::common::stats::Random;
+use crate::common::vectors::{U, decades, exact, rounded, unit};
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+struct In {
+    from: [f32; 3],
+    light: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+struct Out {
+    direction: [f32; 3],
+    distance2: f32,
+    intensity: [f32; 3],
+    end: f32,
+}
+
+/// A spot light of the scene file, with its axis and angles in degrees.
+struct Spot {
+    at: DVec3,
+    axis: DVec3,
+    inner: f64,
+    outer: f64,
+}
+
+impl Spot {
+    /// The falloff of KHR_lights_punctual at this 1 - cos, and how fast it changes there.
+    fn share(&self, height: f64) -> (f64, f64) {
+        let of = |degrees: f64| 2.0 * (0.5 * degrees).to_radians().sin().powi(2);
+        let (inner, outer) = (of(self.inner), of(self.outer));
+        let share = ((outer - height) / (outer - inner)).clamp(0.0, 1.0);
+        (share * share, 2.0 * share / (outer - inner))
+    }
+}
+
+fn spots(random: &mut Random) -> Vec<Spot> {
+    let angles =
+        [(0.0, 45.0), (20.0, 30.0), (0.0, 0.5), (0.09, 0.1), (1.0, 89.0), (90.0, 90.5), (0.0, 180.0), (170.0, 180.0)];
+    let spot = |(inner, outer)| Spot { at: unit(random), axis: unit(random), inner, outer };
+    angles.into_iter().map(spot).collect()
+}
+
+/// The lights as the device has them, by the scene file: spots, then a point light, then a directional one.
+fn on_device(spots: &[Spot], direction: DVec3) -> Vec<DeltaLight> {
+    let text = |spot: &Spot| {
+        let (at, towards) = (triple(spot.at), triple(spot.at + spot.axis));
+        let Spot { inner, outer, .. } = spot;
+        format!("SpotLight(at: {at}, towards: {towards}, intensity: (1, 2, 4), inner: {inner:?}, outer: {outer:?}),")
+    };
+    let lights: String = spots.iter().map(text).collect();
+    let scene = scene(&format!(
+        "Scene(image: (width: 8, height: 8), camera: (look_from: (0, 0, 0), look_at: (0, 0, -1), vertical_fov: 40),
+        background: Solid((0, 0, 0)), materials: {{\"grey\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5))}},
+        objects: [Quad(corner: (-0.75, -0.75, -0.75), u: (1, 0, 0), v: (0, 1, 0), material: \"grey\"), {lights}
+            PointLight(at: (0.1, 0.2, 0.3), intensity: (1, 2, 4)),
+            DirectionalLight(direction: {}, irradiance: (1, 2, 4)),
+        ])",
+        triple(direction)
+    ));
+    let flat = flatten(&scene, (8, 8), &RenderOptions::default()).expect("it flattens");
+    assert_eq!(flat.delta_lights.len(), spots.len() + 2);
+    flat.delta_lights
+}
+
+/// The most that an answer is off by, over its bound: the direction, the squared distance, and the intensity.
+fn worst(replaced: &[(&str, &str)]) -> [f64; 3] {
+    let mut random = Random(911);
+    let spots = spots(&mut random);
+    let sun = DVec3::new(1.0, -2.0, 0.5).normalize();
+    let lights = on_device(&spots, sun);
+    let (of_point, of_sun) = (spots.len(), spots.len() + 1);
+    let full = exact(lights[of_sun].colour);
+    let mut rows = Vec::new();
+    for (light, at) in spots.iter().map(|spot| spot.at).chain([DVec3::new(0.1, 0.2, 0.3), DVec3::ZERO]).enumerate() {
+        for _ in 0..2000 {
+            let away = decades(&mut random, -4.0, 6.0);
+            // Half of them where the beam falls.
+            let aside = spots.get(light).filter(|_| random.below(2) == 0).map(|spot| {
+                let angle = (spot.inner + random.uniform() * (spot.outer - spot.inner)).to_radians();
+                let (x, _) = spot.axis.any_orthonormal_pair();
+                angle.cos() * spot.axis + angle.sin() * x
+            });
+            let way = aside.unwrap_or_else(|| unit(&mut random));
+            rows.push(In { from: rounded(at + away * way), light: light as u32 });
+        }
+    }
+    let kernel = Kernel::with("test/delta_light", &Setup { replaced, ..Setup::default() });
+    let found = kernel.run_with::<_, Out>(&rows, rows.len(), &[array("shapes", &lights)]);
+    let mut worst = [0.0f64; 3];
+    let mut note = |which: usize, off: f64, bound: f64| worst[which] = worst[which].max(off / bound);
+    for (row, out) in rows.iter().zip(&found) {
+        let light = &lights[row.light as usize];
+        let number = row.light as usize;
+        let way = if number == of_sun { -sun } else { exact(light.place) - exact(row.from) };
+        // A rounding of each difference, and four for the square root and the products.
+        note(0, (exact(out.direction) - way.normalize()).length(), 6.0 * U);
+        note(1, (f64::from(out.distance2) / way.length_squared() - 1.0).abs(), 8.0 * U);
+        let full = if number == of_sun { full } else { exact(light.colour) };
+        let (share, slope) = match spots.get(number) {
+            Some(spot) => spot.share(0.5 * (way.normalize() + spot.axis).length_squared()),
+            None => (1.0, 0.0),
+        };
+        let height = 0.5 * (way.normalize() + exact(light.axis)).length_squared();
+        // Both unit vectors are off by 6 u; the angles are rounded.
+        let off = slope * (12.0 * U * (2.0 * height).sqrt() + 4.0 * U * (height + f64::from(light.height))) + 8.0 * U;
+        note(2, (exact(out.intensity) / full - share).abs().max_element(), off);
+        let end = f64::from(out.end) / way.length();
+        assert!(number == of_sun || (0.499..=1.0).contains(&end), "{row:?} {out:?}");
+        assert!(number == of_point || out.distance2 > 0.0, "{row:?} {out:?}");
+    }
+    worst
+}
+
+#[test]
+fn lights_without_size_send_what_their_definition_says() {
+    let found = worst(&[]);
+    assert!(found.iter().all(|worst| *worst < 1.0), "{found:?}");
+    let planted = worst(&[("light/delta", "test/control/light_delta_linear")]);
+    assert!(planted[2] > 1e3, "a falloff without its square is not found: {planted:?}");
+    assert!(planted[1] > 1e3, "a distance without its square is not found: {planted:?}");
+}
+
+/// At the light, an ulp beside it, and beyond what f32 can square: numbers, and no light nearer than is said.
+#[test]
+fn points_at_a_light_get_numbers() {
+    let lights = on_device(&spots(&mut Random(912)), DVec3::NEG_Y);
+    let kernel = Kernel::with("test/delta_light", &Setup::default());
+    let mut rows = Vec::new();
+    for (number, light) in lights.iter().enumerate() {
+        for away in [0.0, 1e-30, 1e-20, 2e-13, 2e-12, 1e-7, 1e-6, 1.0, 1e6, 1e15] {
+            for axis in [DVec3::X, DVec3::NEG_Y, DVec3::ONE] {
+                rows.push(In { from: rounded(exact(light.place) + away * axis), light: number as u32 });
+            }
+        }
+    }
+    let found = kernel.run_with::<_, Out>(&rows, rows.len(), &[array("shapes", &lights)]);
+    for (row, out) in rows.iter().zip(&found) {
+        let numbers = out.direction.iter().chain(&out.intensity).chain([&out.distance2, &out.end]);
+        assert!(numbers.clone().all(|x| x.is_finite()), "{row:?} {out:?}");
+        assert!((exact(out.direction).length() - 1.0).abs() < 1e-6, "{row:?} {out:?}");
+        let light = &lights[row.light as usize];
+        let away = (exact(light.place) - exact(row.from)).length();
+        if light.has_place > 0.0 {
+            assert_eq!(out.distance2 > 0.0, away > 2f64.powi(-40), "{row:?} {out:?}");
+        }
+    }
+}
