@@ -24,6 +24,10 @@ struct Interaction {
     front: bool,
     // The material's colour at the hit point: albedo or emission.
     colour: vec3<f32>,
+    //@ if two_parts
+    // The next element of the table: of a kind of material that has two, its second part.
+    second: Material,
+    //@ end
 }
 
 const SCATTERED: u32 = 0u;

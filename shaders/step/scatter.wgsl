@@ -9,6 +9,9 @@
 //@ use choice/colour
 //@ use choice/roulette
 //@ use choice/shading
+//@ if two_parts
+//@ use scene/second_parts
+//@ end
 //@ if surface_samples_light
 //@ use scene/responses
 //@ use step/light
@@ -37,7 +40,12 @@ fn scatter_path(path: ptr<function, Path>) {
     let facing = select(-surface.normal, surface.normal, front);
     let shading = shading_normal(hit, surface, ray.direction, facing);
     let colour = surface_colour(material, hit, surface);
-    let arriving = Interaction(ray.direction, shading, front, colour);
+    let arriving = Interaction(
+        ray.direction, shading, front, colour,
+        //@ if two_parts
+        second_part_of(material, surface.material),
+        //@ end
+    );
     let point = event_point(hit, surface, facing);
 
     let depth = (*path).depth;

@@ -483,6 +483,10 @@ impl Builder<'_> {
             self.materials[number] = self.flat.materials.len() as u32;
             self.flat.materials.push(flat);
             self.flat.material_names.push(name.clone());
+            if let Some(second) = model.second_part {
+                self.flat.materials.push(second);
+                self.flat.material_names.push(name.clone());
+            }
         }
     }
 

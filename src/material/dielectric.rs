@@ -23,6 +23,7 @@ pub const KIND: MaterialKind = MaterialKind {
     scatters: &[Scattering::OneWay],
     is_clear: true,
     emits: false,
+    has_second_part: false,
 };
 
 /// A refractive index within this of 1, but not 1, is visible only at grazing incidence: rays are bent by |n - 1| tan θ.
@@ -35,6 +36,9 @@ pub fn model(ior: f64) -> Model<'static> {
         scattering: Scattering::OneWay,
         two_sided: None,
         numbers: vec![Number { field: &IOR, value: ior, warning: warning(ior) }],
+        colours: Vec::new(),
+        lacks: None,
+        second_part: None,
         on_device: data::Material {
             parameter: ior as f32,
             contrast_outside: ((ior - 1.0) * (ior + 1.0)) as f32,

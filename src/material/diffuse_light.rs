@@ -26,6 +26,7 @@ pub const KIND: MaterialKind = MaterialKind {
     scatters: &[],
     is_clear: false,
     emits: true,
+    has_second_part: false,
 };
 
 pub fn model(emit: &Texture, two_sided: bool) -> Model<'_> {
@@ -34,6 +35,9 @@ pub fn model(emit: &Texture, two_sided: bool) -> Model<'_> {
         scattering: Scattering::Nowhere,
         two_sided: Some(two_sided),
         numbers: Vec::new(),
+        colours: Vec::new(),
+        lacks: None,
+        second_part: None,
         on_device: data::Material { parameter: f32::from(u8::from(two_sided)), ..data::Material::default() },
     }
 }

@@ -19,6 +19,7 @@ pub const KIND: MaterialKind = MaterialKind {
     scatters: &[Scattering::Spread],
     is_clear: false,
     emits: false,
+    has_second_part: false,
 };
 
 pub fn model(albedo: &Texture) -> Model<'_> {
@@ -27,6 +28,9 @@ pub fn model(albedo: &Texture) -> Model<'_> {
         scattering: Scattering::Spread,
         two_sided: None,
         numbers: Vec::new(),
+        colours: Vec::new(),
+        lacks: None,
+        second_part: None,
         on_device: data::Material::default(),
     }
 }

@@ -26,6 +26,7 @@ pub const KIND: MaterialKind = MaterialKind {
     scatters: &[Scattering::Spread, Scattering::OneWay],
     is_clear: false,
     emits: false,
+    has_second_part: false,
 };
 
 pub fn model(albedo: &Texture, fuzz: f64) -> Model<'_> {
@@ -36,6 +37,9 @@ pub fn model(albedo: &Texture, fuzz: f64) -> Model<'_> {
         scattering: if on_device.parameter > 0.0 { Scattering::Spread } else { Scattering::OneWay },
         two_sided: None,
         numbers: vec![Number { field: &FUZZ, value: fuzz, warning: None }],
+        colours: Vec::new(),
+        lacks: None,
         on_device,
+        second_part: None,
     }
 }

@@ -1,6 +1,7 @@
 //! Materials: how surfaces scatter and emit light. Each material has one file here with all that the host needs of it,
 //! and one file under shaders/material with the functions of the kernels.
 
+mod conductor;
 mod dielectric;
 mod diffuse_light;
 mod lambertian;
@@ -12,7 +13,7 @@ use crate::data;
 use crate::error::Result;
 use crate::source::Place;
 use crate::source::form::{Field, Form, any_of, kinds};
-use crate::texture::{Bitmaps, Texture, Use};
+use crate::texture::{Bitmaps, Colour, Texture, Use};
 
 /// A material as the scene file writes it.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -34,6 +35,16 @@ pub enum Material {
         #[serde(default = "yes")]
         two_sided: bool,
     },
+    Conductor {
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        albedo: Option<Texture>,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        eta: Option<Colour>,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        k: Option<Colour>,
+        #[serde(default)]
+        roughness: f64,
+    },
 }
 
 fn yes() -> bool {
@@ -46,6 +57,7 @@ kinds! {
     Metal => metal::KIND,
     Dielectric => dielectric::KIND,
     DiffuseLight => diffuse_light::KIND,
+    Conductor => conductor::KIND,
 }
 
 impl Material {
@@ -56,6 +68,9 @@ impl Material {
             Material::Metal { albedo, fuzz } => metal::model(albedo, *fuzz),
             Material::Dielectric { ior } => dielectric::model(*ior),
             Material::DiffuseLight { emit, two_sided } => diffuse_light::model(emit, *two_sided),
+            Material::Conductor { albedo, eta, k, roughness } => {
+                conductor::model(albedo.as_ref(), *eta, *k, *roughness)
+            }
         }
     }
 
@@ -71,6 +86,10 @@ impl Material {
         if let Some(slot) = model.slot {
             slot.texture.check(&at.field(slot.field.name), slot.usage)?;
         }
+        if let Some(expected) = model.lacks {
+            return Err(at.unexpected(expected));
+        }
+        model.colours.iter().try_for_each(|(field, colour)| field.check_colour(&at, *colour))?;
         model.numbers.iter().try_for_each(|number| number.field.check(&at, number.value))
     }
 
@@ -89,6 +108,9 @@ impl Material {
 /// The shader files of the kinds of material, under shaders/material. Kernels switch on the indices.
 pub const MATERIALS: &[&str] = Material::SHADERS;
 
+/// A roughness below this makes a smooth surface, as shaders/lib/microfacet says.
+pub const LEAST_ROUGHNESS: f32 = 1.0 / 1024.0;
+
 /// The words in error messages for an expected material.
 pub fn a_material() -> String {
     format!("a material: {}", any_of(Material::KINDS.iter().map(|kind| &kind.form)))
@@ -106,6 +128,8 @@ pub struct MaterialKind {
     /// Whether it transmits light.
     pub is_clear: bool,
     pub emits: bool,
+    /// Whether kernels read more numbers of it than one element of their table holds. Then it has two of them.
+    pub has_second_part: bool,
 }
 
 /// How a material scatters light.
@@ -126,8 +150,14 @@ pub struct Model<'a> {
     /// Whether it emits to both sides; none if it does not emit. Its texture is the emitted radiance.
     pub two_sided: Option<bool>,
     pub numbers: Vec<Number>,
+    /// Colours that are no textures, each with the field that holds it.
+    pub colours: Vec<(&'static Field, Colour)>,
+    /// What is expected, if fields that exclude or require each other are not given so.
+    pub lacks: Option<&'static str>,
     /// The struct that kernels read. The texture and the number of the kind are filled in later.
     pub on_device: data::Material,
+    /// The same of its second part, if its kind has one.
+    pub second_part: Option<data::Material>,
 }
 
 /// A number of a material, with the field that holds it.

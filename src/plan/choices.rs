@@ -84,6 +84,8 @@ named! {
         sends_shadow_ray,
         /// One of them sends rays one way alone, and some lights are such that chance cannot find them.
         specular_beside_delta_light,
+        /// One of them has two elements of the table.
+        two_parts,
         /// One of them is a light that is sampled,
         met_light,
         /// and may be left to chance.
@@ -123,6 +125,8 @@ named! {
         material,
         /// Those of them that are not specular.
         non_specular,
+        /// Those of them that have two elements of the table.
+        two_part,
         texture,
         background,
         /// The last of them,
@@ -323,7 +327,10 @@ pub(super) fn decide(
     let non_specular = served_in(&features.non_specular);
     let surface_samples_light = light.clone().filter(|_| !non_specular.is_empty());
     let specular = served_in(&features.specular).first().and_then(|kind| by_chance.clone().and(Some(kind.why.clone())));
-    let shines = served.iter().any(|kind| Material::KINDS.get(kind.number as usize).is_some_and(|kind| kind.emits));
+    let of_kind = |kind: &Entry| Material::KINDS.get(kind.number as usize);
+    let two_part: Vec<Entry> =
+        served.iter().filter(|kind| of_kind(kind).is_some_and(|kind| kind.has_second_part)).cloned().collect();
+    let shines = served.iter().any(|kind| of_kind(kind).is_some_and(|kind| kind.emits));
 
     let event = surface.clone().or(medium.clone());
     let asked_aov = options::AOV.asked(options);
@@ -370,6 +377,7 @@ pub(super) fn decide(
         },
         sky_by_chance: emitting_sky.clone().and(one_way.clone()),
         sends_shadow_ray: surface_samples_light.clone().or(specular.clone()),
+        two_parts: two_part.first().map(|kind| kind.why.clone()),
         met_light: light.clone().and(emitting_surface.clone()).filter(|_| shines),
         met_by_chance: one_way.clone().filter(|_| shines && emitting_surface.is_some()),
         specular_beside_delta_light: specular.clone().and(delta_light.clone()),
@@ -388,7 +396,7 @@ pub(super) fn decide(
         emitting_surface,
         emitting_sky,
     };
-    let has_glass = materials.iter().any(|kind| kind.name == "dielectric");
+    let has_glass = materials.iter().any(|kind| of_kind(kind).is_some_and(|kind| kind.is_clear));
     let has_spheres = primitive.iter().chain(&convex_boundary).any(|kind| kind.name == "sphere");
     let places = places(&path_fields(&conditions, fused));
     let numbered = |all: Vec<(&'static str, u32)>| {
@@ -420,6 +428,7 @@ pub(super) fn decide(
             convex_boundary,
             material: served.to_vec(),
             non_specular,
+            two_part,
             texture,
             background,
             own_background,

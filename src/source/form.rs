@@ -108,6 +108,14 @@ impl Field {
         }
     }
 
+    /// Checks each channel of a colour.
+    pub fn check_colour(&self, above: &Place, colour: DVec3) -> Result<()> {
+        let Takes::Colour(range) = self.takes else { return Ok(()) };
+        let at = above.field(self.name);
+        let channels = colour.to_array().into_iter().enumerate();
+        { channels }.try_for_each(|(index, channel)| range.check(&at.index(index), self.name, NO_UNIT, channel))
+    }
+
     /// Checks each coordinate of a point or a vector.
     pub fn check_vector(&self, above: &Place, v: DVec3) -> Result<()> {
         super::vector(&above.field(self.name), v)

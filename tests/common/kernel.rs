@@ -107,6 +107,7 @@ const NONE: [&str; 24] = [
     "aov_hit",
     "aov_hits",
     "aov_direct",
+    "two_parts",
 ];
 const SETTINGS: [&str; 6] = ["lens", "gradient_background", "image_background", "camera_axes", "clamp", "brute_force"];
 

@@ -102,6 +102,14 @@ const POINTS: &[Point] = &[
         "Sphere(center: (1.5, 1, 0), radius: 0.1, material: \"more\"), Sphere(center: (0.9, 0.5, 0.6), radius: 0.4, material: \"glass\"),
          PointLight(at: (-1, 1.5, 1), intensity: (2, 2, 1)), DirectionalLight(direction: (1, -2, -1), irradiance: (1, 1, 1)),",
     ),
+    point(
+        "rough metals under a lamp",
+        DARK,
+        "\"more\": DiffuseLight(emit: Rgb(4, 3, 2)), \"brushed\": Conductor(albedo: Image(path: \"image.png\"), roughness: 0.4),
+         \"gold\": Conductor(eta: (0.14, 0.37, 1.44), k: (3.98, 2.39, 1.6)),",
+        "Quad(corner: (-1, 3, -1), u: (2, 0, 0), v: (0, 0, 2), material: \"more\"),
+         Sphere(center: (0.9, 0.5, 0.4), radius: 0.4, material: \"brushed\"), Sphere(center: (-0.9, 0.5, 0.4), radius: 0.4, material: \"gold\"),",
+    ),
     Point {
         camera: LENS,
         ..point(

@@ -27,6 +27,7 @@ pub mod lattice;
 pub mod light_kernel;
 pub mod marked;
 pub mod meshes;
+pub mod microfacets;
 pub mod mutate;
 pub mod oidn;
 pub mod oracles;

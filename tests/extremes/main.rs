@@ -24,6 +24,7 @@ mod noise;
 mod places;
 mod quad;
 mod rejection;
+mod roughness;
 mod sphere;
 mod table;
 mod triangle;
@@ -61,6 +62,7 @@ const CELLS: &[Filler] = &[
     rejection::cells,
     fresnel::cells,
     fuzz::cells,
+    roughness::cells,
     albedo::cells,
     media::cells,
     lights::cells,

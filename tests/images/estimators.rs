@@ -147,6 +147,22 @@ fn scenes_of(albedo: &str, max_depth: Option<u32>) -> Vec<(&'static str, Scene)>
                 8,
             )),
         ),
+        (
+            "microfacets",
+            scene_in(
+                folder.path(),
+                &room(
+                    "Solid((0.2, 0.2, 0.2))",
+                    "\"brushed\": Conductor(albedo: Rgb(0.9, 0.8, 0.7), roughness: 0.35),
+                     \"gold\": Conductor(eta: (0.14, 0.37, 1.44), k: (3.98, 2.39, 1.6), roughness: 1),",
+                    &format!(
+                        "{CEILING} Sphere(center: (-0.5, 0.4, 0), radius: 0.4, material: \"brushed\"),
+                         Transformed(by: [Scale(0.5), RotateX(20), Translate((0.5, 0.5, 0))], object: Mesh(path: \"octahedron.obj\", material: \"gold\")),"
+                    ),
+                    8,
+                ),
+            ),
+        ),
         ("many lights", plain(&room(black, "\"dim\": DiffuseLight(emit: Rgb(1, 1, 2)),", &many, 4))),
         (
             "lamps of all shapes",

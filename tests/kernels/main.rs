@@ -28,6 +28,7 @@ mod perlin;
 mod probe;
 mod quad;
 mod rng;
+mod rough;
 mod sampler;
 mod sampling;
 mod shaders_link;

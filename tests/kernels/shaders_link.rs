@@ -149,7 +149,7 @@ fn approximate_all() -> RenderOptions {
     }
 }
 
-/// Every set of primitives, of materials and of textures, every background and lens, each beside the least of the others;
+/// Every set of primitives and of textures, every pair of materials and all of them, every background and lens, each beside the least of the others;
 /// primitives with textures, which one kernel joins; nothing, and everything.
 fn combinations() -> Vec<(Features, RenderOptions)> {
     let mut found = vec![features(0, 0, 0, SOLID, false), everything()];
@@ -161,7 +161,8 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
         found.extend([lit(surfaces.clone(), set, false), surfaces]);
     }
     found.push(few(lit(with_media(features(7, materials, 0, SOLID, false), 1, false), 7, false)));
-    found.extend((1..=materials).map(|set| features(1, set, 0, SOLID, false)));
+    let pairs: Vec<usize> = (1..=materials).filter(|set| set.count_ones() <= 2 || *set == materials).collect();
+    found.extend(pairs.iter().map(|set| features(1, *set, 0, SOLID, false)));
     found.extend((0..=textures).map(|set| features(1, 1, set, SOLID, false)));
     for background in 0..BACKGROUNDS.len() {
         found.extend([false, true].map(|lens| features(1, 1, 0, background, lens)));
@@ -204,12 +205,11 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
         found.extend([lit(surfaces.clone(), emitters, true), lit(surfaces.clone(), emitters.max(1), false)]);
         found.push(lit(with_media(surfaces, 1 + emitters % all(BOUNDARIES), false), emitters.max(1), false));
     }
-    found.extend((1..=materials).map(|set| lit(features(1, set, 0, SOLID, false), 1, false)));
     // Lights without size alone, with every material and in media, and beside each kind of light.
     for directional in [false, true] {
         let alone = |surfaces: Features| delta_lit(surfaces, directional);
-        found.extend((1..=materials).map(|set| alone(features(1, set, 0, SOLID, false))));
-        let several = (1..=materials).map(|set| alone(features(1, set, 0, SOLID, false)));
+        found.extend(pairs.iter().map(|set| alone(features(1, *set, 0, SOLID, false))));
+        let several = pairs.iter().map(|set| alone(features(1, *set, 0, SOLID, false)));
         found.extend(several.filter(|features| features.lights > 0).map(many_lights));
         found.push(alone(with_media(features(0, 0, 0, SOLID, false), 1, false)));
         found.push(few(alone(features(1, 1, 0, SOLID, false))));
@@ -218,6 +218,7 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
             found.extend([false, true].map(|sky| many_lights(alone(lit(surfaces.clone(), emitters, sky)))));
         }
     }
+    found.extend(pairs.iter().map(|set| lit(features(1, *set, 0, SOLID, false), 1, false)));
     for sky in [false, true] {
         let of_each = (1..=primitives).map(|emitters| lit(features(emitters, 1, 0, IMAGE, false), emitters, sky));
         found.extend(of_each.map(many_lights));
@@ -232,7 +233,7 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
     }
     let mut beside: Vec<_> =
         (1..=primitives).map(|set| lit(features(set, materials, 0, IMAGE, false), set, true)).collect();
-    beside.extend((1..=materials).map(|set| features(1, set, 0, SOLID, false)));
+    beside.extend(pairs.iter().map(|set| features(1, *set, 0, SOLID, false)));
     beside.extend((1..=all(BOUNDARIES)).map(|set| with_media(features(1, 1, 0, SOLID, false), set, false)));
     beside.extend([everything(), many_lights(everything())]);
     found.extend(beside.into_iter().map(|features| (features, approximate_all())));
@@ -311,6 +312,13 @@ fn every_combination_of_features_links_and_validates() {
                     ("bind/lights", answered && features.lights > 0),
                     ("scene/light_alias", own.is_none_or(|kind| spreads(kind) || kind.emits)),
                     ("scene/responses", answered && own.is_none_or(spreads) || !options.aov.is_empty()),
+                    // Nor a second part of materials that have one alone.
+                    (
+                        "scene/second_parts",
+                        (0..)
+                            .zip(&features.materials)
+                            .any(|(i, used)| used.is_some() && Material::KINDS[i].has_second_part),
+                    ),
                 ] {
                     let linked = kernel.linked.modules.iter().any(|linked| linked == module);
                     assert!(wanted || !linked, "{}: {module} is linked: {features:?}", kernel.name);

@@ -61,7 +61,15 @@ impl Writer {
     }
 
     fn material(&mut self) -> String {
-        match self.random.below(5) {
+        match self.random.below(6) {
+            5 => {
+                let roughness =
+                    self.among(&["", ", roughness: 0", ", roughness: 0.01", ", roughness: 0.3", ", roughness: 1"]);
+                match self.random.below(2) {
+                    0 => format!("Conductor(albedo: {}{roughness})", self.texture(1.0)),
+                    _ => format!("Conductor(eta: {}, k: {}{roughness})", self.triple(0.1, 3.0), self.triple(0.0, 5.0)),
+                }
+            }
             0 | 1 => format!("Lambertian(albedo: {})", self.texture(1.0)),
             2 => {
                 let fuzz = self.among(&["", ", fuzz: 0", ", fuzz: 0.1", ", fuzz: 0.5", ", fuzz: 1"]);

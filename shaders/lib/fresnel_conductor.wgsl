@@ -1,0 +1,38 @@
+// The reflectance of metals.
+
+// The reflected share of unpolarised light, per channel, for an index of refraction eta + i k. With (a + i b)^2 = (eta + i k)^2 -
+// sin^2, the amplitudes' squares are ((a - c)^2 + b^2) / ((a + c)^2 + b^2), and that times ((a c - s^2)^2 + b^2 c^2) / ((a c +
+// s^2)^2 + b^2 c^2) (Born and Wolf, Principles of Optics, section 14.4.1; this form has no cancellation).
+fn fresnel_of_index(cosine: f32, eta: vec3<f32>, k: vec3<f32>) -> vec3<f32> {
+    let s2 = (1.0 - cosine) * (1.0 + cosine);
+    let real = (eta - k) * (eta + k) - s2;
+    let imaginary = 2.0 * eta * k;
+    let modulus = sqrt(real * real + imaginary * imaginary);
+    // Of a^2 and b^2, the larger one is a sum. The other follows from 2 a b = the imaginary part.
+    let larger = 0.5 * (modulus + abs(real));
+    let smaller = 0.25 * imaginary * imaginary / max(larger, vec3<f32>(0x1p-60f));
+    let a = sqrt(select(smaller, larger, real > vec3<f32>(0.0)));
+    let b2 = select(larger, smaller, real > vec3<f32>(0.0));
+    let less = a - cosine;
+    let more = a + cosine;
+    let perpendicular = (less * less + b2) / (more * more + b2);
+    let near = a * cosine - s2;
+    let far = a * cosine + s2;
+    let across = b2 * cosine * cosine;
+    return 0.5 * perpendicular * (1.0 + (near * near + across) / (far * far + across));
+}
+
+// The same by Schlick's approximation, from the reflectance of light that falls straight on the metal.
+fn schlick(cosine: f32, albedo: vec3<f32>) -> vec3<f32> {
+    let m = 1.0 - cosine;
+    let m2 = m * m;
+    return albedo + (1.0 - albedo) * (m2 * m2 * m);
+}
+
+// Of a metal of an albedo, or of an index: `colour` is its real part then.
+fn reflectance_of_metal(cosine: f32, colour: vec3<f32>, k: vec3<f32>, has_index: bool) -> vec3<f32> {
+    if has_index {
+        return fresnel_of_index(cosine, colour, k);
+    }
+    return schlick(cosine, colour);
+}

@@ -1,0 +1,33 @@
+//@ use data/material
+//@ use lib/basis
+//@ use lib/fresnel_conductor
+//@ use lib/microfacet
+// A metal of microfacets. `parameter` is its roughness, `colour` its albedo or its eta. Its second part has k, and as `parameter`
+// whether the colour is an eta. A microfacet is drawn from those that are visible, so the weight is its reflectance times the share of
+// them that the light reaches too (Heitz, "Sampling the GGX Distribution of Visible Normals", JCGT 7(4), 2018). Light that is
+// reflected below the surface is lost.
+fn conductor_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scatter {
+    let normal = hit.normal;
+    let cos_view = clamp(-dot(hit.incoming, normal), 0.0, 1.0);
+    if material.parameter < LEAST_ROUGHNESS {
+        // The bytes of a metal without fuzz, which makes the direction a unit once more after it was blurred.
+        let mirrored = normalize(normalize(hit.incoming - 2.0 * dot(hit.incoming, normal) * normal));
+        if !(dot(mirrored, normal) > 0.0) {
+            return absorbed();
+        }
+        let share = reflectance_of_metal(cos_view, hit.colour, hit.second.colour, hit.second.parameter != 0.0);
+        return Scatter(SCATTERED, mirrored, share);
+    }
+    let alpha = material.parameter * material.parameter;
+    let basis = basis_around(normal);
+    let across = vec2<f32>(dot(hit.incoming, basis.tangent), dot(hit.incoming, basis.bitangent));
+    let facet = from_basis(basis, sample_visible_normal(vec3<f32>(-across, cos_view), alpha, u.xy));
+    let cos_facet = clamp(-dot(hit.incoming, facet), 0.0, 1.0);
+    let direction = normalize(hit.incoming + 2.0 * cos_facet * facet);
+    let cos_light = dot(direction, normal);
+    if !(cos_light > 0.0) {
+        return absorbed();
+    }
+    let share = reflectance_of_metal(cos_facet, hit.colour, hit.second.colour, hit.second.parameter != 0.0);
+    return Scatter(SCATTERED, direction, share * smith_shadowing(cos_view, min(cos_light, 1.0), alpha));
+}

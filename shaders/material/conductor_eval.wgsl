@@ -1,0 +1,23 @@
+//@ use data/material
+//@ use lib/fresnel_conductor
+//@ use lib/microfacet
+// A conductor that is smooth is a mirror.
+fn conductor_is_non_specular(material: Material) -> bool {
+    return material.parameter >= LEAST_ROUGHNESS;
+}
+
+// The microfacet BRDF F D G2 / (4 cos_view cos_light) times cos_light (Walter et al., EGSR 2007, equation 20), and the density G1 D /
+// (4 cos_view) with which conductor_scatter samples the direction.
+fn conductor_eval(material: Material, hit: Interaction, direction: vec3<f32>) -> Response {
+    let alpha = material.parameter * material.parameter;
+    let cos_view = clamp(-dot(hit.incoming, hit.normal), 0.0, 1.0);
+    let cos_light = min(dot(direction, hit.normal), 1.0);
+    if !(cos_light > 0.0) {
+        return Response(vec3<f32>(0.0), 0.0);
+    }
+    let half_way = direction - hit.incoming;
+    let pdf = 0.25 * visible_density(microfacet_density(half_way, hit.normal, alpha), cos_view, alpha);
+    let cos_facet = clamp(dot(direction, half_way) * inverseSqrt(dot(half_way, half_way)), 0.0, 1.0);
+    let share = reflectance_of_metal(cos_facet, hit.colour, hit.second.colour, hit.second.parameter != 0.0);
+    return Response(share * (pdf * smith_shadowing(cos_view, cos_light, alpha)), pdf);
+}

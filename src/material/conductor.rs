@@ -1,0 +1,71 @@
+//! A metal with microfacets: its surface is smooth or rough, and it reflects by Fresnel's equations.
+
+use super::{LEAST_ROUGHNESS, MaterialKind, Model, Number, Scattering, Slot};
+use crate::data::{self, f32s};
+use crate::source::Range;
+use crate::source::form::{Field, Form, NO_UNIT, Takes};
+use crate::texture::{Colour, Texture, Use};
+
+const ALBEDO: Field = Field::new(
+    "albedo",
+    Takes::Texture(Use::Albedo.range()),
+    "The reflected share of light that falls straight on it. At grazing angles it rises to 1 by Schlick's formula.",
+)
+.or("none if `eta` and `k` are given");
+const ETA: Field = Field::new(
+    "eta",
+    Takes::Colour(Range::from_to(1e-3, 1e3)),
+    "The index of refraction for red, green and blue, with `k` instead of `albedo`: the reflection is exact.",
+)
+.or("none if `albedo` is given");
+const K: Field =
+    Field::new("k", Takes::Colour(Range::from_to(0.0, 1e3)), "The extinction coefficient for red, green and blue.")
+        .or("none if `albedo` is given");
+const ROUGHNESS: Field = Field::new(
+    "roughness",
+    Takes::Number(Range::SHARE, NO_UNIT),
+    "0 is a perfect mirror. It is the perceptual roughness of glTF: the α of the microfacets is its square. Below 1/1024 it counts as 0.",
+)
+.or("0");
+
+pub const KIND: MaterialKind = MaterialKind {
+    form: Form {
+        name: "Conductor",
+        about: "A metal, polished or rough, with microfacets of GGX. Its colour is an `albedo`, or the measured `eta` and `k` of a real \
+                metal. Light that microfacets would reflect more than once is lost.",
+        fields: &[ALBEDO, ETA, K, ROUGHNESS],
+        in_order: false,
+        example: "Conductor(albedo: Rgb(0.95, 0.64, 0.54), roughness: 0.3)",
+    },
+    shader: "conductor",
+    scatters: &[Scattering::Spread, Scattering::OneWay],
+    is_clear: false,
+    emits: false,
+    has_second_part: true,
+};
+
+pub fn model(albedo: Option<&Texture>, eta: Option<Colour>, k: Option<Colour>, roughness: f64) -> Model<'_> {
+    let on_device = data::Material {
+        // Instead of the albedo, which a slot writes over it.
+        colour: f32s(eta.unwrap_or_default()),
+        parameter: roughness as f32,
+        ..data::Material::default()
+    };
+    let whole = albedo.is_some() && eta.is_none() && k.is_none() || albedo.is_none() && eta.is_some() && k.is_some();
+    let is_measured = f32::from(u8::from(eta.is_some()));
+    Model {
+        slot: albedo.map(|texture| Slot { field: &ALBEDO, usage: Use::Albedo, texture }),
+        scattering: if on_device.parameter >= LEAST_ROUGHNESS { Scattering::Spread } else { Scattering::OneWay },
+        two_sided: None,
+        numbers: vec![Number { field: &ROUGHNESS, value: roughness, warning: None }],
+        colours: [(&ETA, eta), (&K, k)].into_iter().filter_map(|(field, colour)| Some((field, colour?))).collect(),
+        lacks: (!whole).then_some("either an albedo, or both eta and k"),
+        on_device,
+        second_part: Some(data::Material {
+            colour: f32s(k.unwrap_or_default()),
+            parameter: is_measured,
+            texture: data::NO_TEXTURE,
+            ..data::Material::default()
+        }),
+    }
+}

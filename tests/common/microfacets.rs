@@ -1,0 +1,210 @@
+//! Materials of microfacets: their formulas in f64 as the papers have them, and the rows of tests/shaders/rough.wgsl.
+
+use std::f64::consts::{PI, TAU};
+
+use bytemuck::{Pod, Zeroable};
+use glam::DVec3;
+use gpu_rt::data::{self, NO_TEXTURE};
+use gpu_rt::gpu::link::{Choices, Reason};
+
+use super::kernel::{Kernel, Setup};
+use super::stats::Random;
+use super::vectors::{U, rounded, unit};
+
+/// As shaders/data/material.wgsl has them.
+pub const SCATTERED: u32 = 0;
+pub const ABSORBED: u32 = 1;
+
+/// What tests/shaders/rough.wgsl takes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct In {
+    pub incoming: [f32; 3],
+    pub front: u32,
+    pub normal: [f32; 3],
+    pub padding0: u32,
+    pub colour: [f32; 3],
+    pub padding1: u32,
+    pub light: [f32; 3],
+    pub padding2: u32,
+    pub u: [f32; 4],
+    pub material: data::Material,
+    pub second: data::Material,
+}
+
+/// What it gives.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct Out {
+    pub direction: [f32; 3],
+    pub event: u32,
+    pub weight: [f32; 3],
+    pub pdf: f32,
+    pub value: [f32; 3],
+    pub non_specular: u32,
+}
+
+/// A kernel that answers each row so many times: once for the row's own uniforms, or for independent ones.
+pub fn kernel(material: &str, times: usize, replaced: &[(&str, &str)]) -> Kernel {
+    let (times, keyed) = (times.to_string(), if times > 1 { "true" } else { "false" });
+    let values = [("material", material), ("times", &*times), ("keyed", keyed)];
+    let mut plan = Choices::default();
+    plan.conditions.insert("two_parts", Some(Reason::EveryRender));
+    Kernel::with("test/rough", &Setup { replaced, values: &values, plan, ..Setup::default() })
+}
+
+/// A ray that meets a surface from its front, at an angle with its normal.
+pub fn arriving(random: &mut Random, cos: f64) -> In {
+    let normal = unit(random);
+    let across = normal.cross(unit(random)).normalize();
+    let incoming = ((1.0 - cos * cos).sqrt() * across - cos * normal).normalize();
+    In { incoming: rounded(incoming), normal: rounded(normal), front: 1, colour: [1.0; 3], ..In::default() }
+}
+
+/// Uniforms as the device makes them, of which some are at the ends of their range.
+pub fn uniforms(random: &mut Random, number: usize) -> [f32; 4] {
+    [0, 1, 2, 3].map(|at: usize| match number >> (2 * at) & 7 {
+        0 => 0.0,
+        1 => 1.0 - U as f32,
+        _ => (random.bits() >> 40) as f32 * U as f32,
+    })
+}
+
+/// A metal of this roughness on the device: of an albedo, or of an index with this k.
+pub fn conductor(row: In, roughness: f64, k: Option<[f32; 3]>) -> In {
+    let material = data::Material { parameter: roughness as f32, ..data::Material::default() };
+    let second = data::Material {
+        colour: k.unwrap_or_default(),
+        parameter: f32::from(u8::from(k.is_some())),
+        texture: NO_TEXTURE,
+        ..data::Material::default()
+    };
+    In { material, second, ..row }
+}
+
+/// The density of microfacet normals at an angle with the surface's normal: equation 33 of Walter et al., EGSR 2007.
+pub fn density(sin: f64, cos: f64, alpha: f64) -> f64 {
+    let tan2 = (sin / cos).powi(2);
+    (alpha * cos * cos * (1.0 + tan2 / (alpha * alpha))).powi(-2) / PI
+}
+
+/// Smith's Lambda: Heitz, JCGT 3(2), 2014, equation 72.
+pub fn lambda(cos: f64, alpha: f64) -> f64 {
+    let tan2 = (1.0 - cos * cos).max(0.0) / (cos * cos);
+    0.5 * ((1.0 + alpha * alpha * tan2).sqrt() - 1.0)
+}
+
+/// The visible share of the microfacets.
+pub fn masking(cos: f64, alpha: f64) -> f64 {
+    1.0 / (1.0 + lambda(cos, alpha))
+}
+
+/// The share that is visible from both directions: correlated heights, equation 99 of the same.
+pub fn shadowing(cos: f64, other: f64, alpha: f64) -> f64 {
+    1.0 / (1.0 + lambda(cos, alpha) + lambda(other, alpha))
+}
+
+/// The density of microfacet normals `facet` as the view sees them, per solid angle.
+pub fn visible(facet: DVec3, view: DVec3, normal: DVec3, alpha: f64) -> f64 {
+    let cos = facet.dot(normal);
+    if cos <= 0.0 {
+        return 0.0;
+    }
+    let sin = facet.cross(normal).length();
+    masking(view.dot(normal), alpha) * density(sin, cos, alpha) * view.dot(facet).max(0.0) / view.dot(normal)
+}
+
+/// What a metal reflects per channel for an index eta + i k: Fresnel's formulas in complex numbers.
+pub fn metal_reflectance(cos: f64, eta: f64, k: f64) -> f64 {
+    type Complex = (f64, f64);
+    let times = |a: Complex, b: Complex| (a.0 * b.0 - a.1 * b.1, a.0 * b.1 + a.1 * b.0);
+    let square = |a: Complex| a.0 * a.0 + a.1 * a.1;
+    let index2 = times((eta, k), (eta, k));
+    let under = (index2.0 - (1.0 - cos * cos), index2.1);
+    let modulus = under.0.hypot(under.1);
+    let root = ((0.5 * (modulus + under.0)).max(0.0).sqrt(), (0.5 * (modulus - under.0)).max(0.0).sqrt());
+    let s = square((cos - root.0, -root.1)) / square((cos + root.0, root.1));
+    let along = (index2.0 * cos, index2.1 * cos);
+    let p = square((along.0 - root.0, along.1 - root.1)) / square((along.0 + root.0, along.1 + root.1));
+    0.5 * (s + p)
+}
+
+/// Schlick's approximation.
+pub fn schlick(cos: f64, straight: f64) -> f64 {
+    straight + (1.0 - straight) * (1.0 - cos).powi(5)
+}
+
+/// Microfacets in cells. By area, `s = tan² / (alpha² + tan²)` is uniform. The rings are even in `1 - sqrt(1 - s)`, because the view
+/// sees grazing microfacets by their tangent. The azimuth counts from the side of the view.
+pub struct Facets {
+    pub alpha: f64,
+    pub cos_view: f64,
+}
+
+impl Facets {
+    pub const RINGS: usize = 31;
+    pub const SECTORS: usize = 17;
+    pub const COUNT: usize = Facets::RINGS * Facets::SECTORS;
+    /// Midpoints each way within a cell.
+    const STEPS: usize = 24;
+
+    /// The view, in the space whose z is the normal.
+    pub fn view(&self) -> DVec3 {
+        DVec3::new((1.0 - self.cos_view * self.cos_view).max(0.0).sqrt(), 0.0, self.cos_view)
+    }
+
+    /// The cell of a microfacet normal in that space.
+    pub fn cell(&self, facet: DVec3) -> usize {
+        let tan2 = (facet.x * facet.x + facet.y * facet.y) / (facet.z * facet.z * self.alpha * self.alpha);
+        let azimuth = facet.y.atan2(facet.x);
+        let bin = |x: f64, bins: usize| ((x * bins as f64) as usize).min(bins - 1);
+        bin(1.0 - 1.0 / (1.0 + tan2).sqrt(), Facets::RINGS) * Facets::SECTORS
+            + bin((azimuth + PI) / TAU, Facets::SECTORS)
+    }
+
+    /// Calls with each cell, microfacet normal, and the share of the visible ones that it stands for. `true_alpha` is the
+    /// surface's: another one plants a wrong lobe.
+    pub fn integrate(&self, true_alpha: f64, mut add: impl FnMut(usize, DVec3, f64)) {
+        let (rings, sectors) = (Facets::RINGS * Facets::STEPS, Facets::SECTORS * Facets::STEPS);
+        let view = self.view();
+        for ring in 0..rings {
+            let left = 1.0 - (ring as f64 + 0.5) / rings as f64;
+            let tan = self.alpha * (1.0 - left * left).sqrt() / left;
+            let cos = 1.0 / (1.0 + tan * tan).sqrt();
+            let sin = tan * cos;
+            // The solid angle of one midpoint is ds dphi / (2 pi D cos).
+            let weight = 2.0 * left / (rings * sectors) as f64 / (density(sin, cos, self.alpha) * cos);
+            for sector in 0..sectors {
+                let azimuth = TAU * (sector as f64 + 0.5) / sectors as f64 - PI;
+                let facet = DVec3::new(sin * azimuth.cos(), sin * azimuth.sin(), cos);
+                let cell = ring / Facets::STEPS * Facets::SECTORS + sector / Facets::STEPS;
+                add(cell, facet, weight * visible(facet, view, DVec3::Z, true_alpha));
+            }
+        }
+    }
+}
+
+/// The share of light that comes back under one angle: what single scattering keeps.
+pub fn kept(facets: &Facets) -> f64 {
+    let view = facets.view();
+    let mut sum = 0.0;
+    facets.integrate(facets.alpha, |_, facet, share| {
+        let cos_light = 2.0 * view.dot(facet) * facet.z - view.z;
+        if cos_light > 0.0 {
+            sum += share * shadowing(view.z, cos_light, facets.alpha) / masking(view.z, facets.alpha);
+        }
+    });
+    sum
+}
+
+/// The axes of the space in which the normal is z and the view has no y: rows of (x, y, z).
+pub fn axes(normal: DVec3, view: DVec3) -> [DVec3; 3] {
+    let across = view - view.dot(normal) * normal;
+    let across = if across.length() > 1e-9 { across.normalize() } else { normal.any_orthonormal_vector() };
+    [across, normal.cross(across), normal]
+}
+
+/// A vector in such a space.
+pub fn within(axes: &[DVec3; 3], v: DVec3) -> DVec3 {
+    DVec3::from_array(axes.map(|axis| axis.dot(v)))
+}

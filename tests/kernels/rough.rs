@@ -1,0 +1,284 @@
+//! material/conductor: what becomes of a ray, one by one against f64 and many times against the density of
+//! visible microfacets.
+
+use glam::DVec3;
+
+use crate::common::kernel::Kernel;
+use crate::common::kernel::Setup;
+use crate::common::microfacets::{
+    ABSORBED, Facets, In, Out, SCATTERED, arriving, axes, conductor, density, kept, kernel, masking, metal_reflectance,
+    schlick, shadowing, uniforms, visible, within,
+};
+use crate::common::rows::{Answer, Met};
+use crate::common::stats::{Random, chi_square, sidak};
+use crate::common::vectors::{U, decades, exact, rounded, unit};
+
+/// False-alarm rate of each test here.
+const ALPHA: f64 = 1e-6;
+const DRAWS: usize = 1 << 18;
+
+/// The numbers that a row has after it was rounded.
+struct Exact {
+    view: DVec3,
+    normal: DVec3,
+    cos_view: f64,
+    alpha: f64,
+}
+
+fn exactly(row: &In, roughness: f32) -> Exact {
+    let (view, normal) = (-exact(row.incoming).normalize(), exact(row.normal).normalize());
+    Exact { view, normal, cos_view: view.dot(normal), alpha: f64::from(roughness).powi(2) }
+}
+
+/// Shares of the cells of microfacets that reflect upwards, and last what is lost.
+fn reflected_shares(facets: &Facets, alpha: f64, seen: impl Fn(DVec3, f64) -> f64) -> Vec<f64> {
+    let mut shares = vec![0.0; Facets::COUNT + 1];
+    let view = facets.view();
+    facets.integrate(alpha, |cell, facet, share| {
+        let up = 2.0 * view.dot(facet) * facet.z - view.z > 0.0;
+        shares[if up { cell } else { Facets::COUNT }] += seen(facet, share);
+    });
+    let sum: f64 = shares.iter().sum();
+    shares.iter().map(|share| share / sum).collect()
+}
+
+/// Chi-square of 31 x 17 cells over 2^18 draws finds a density that is off by 3.3 % in the root mean square with a probability of
+/// 99.9 %.
+#[test]
+fn conductors_reflect_by_the_visible_microfacets() {
+    let mut random = Random(171);
+    let roughnesses = [0.04, 0.2, 0.5, 1.0];
+    let cosines = [1.0, std::f64::consts::FRAC_1_SQRT_2, 0.1];
+    let threshold = sidak(ALPHA, roughnesses.len() * cosines.len());
+    let many = kernel("conductor", DRAWS, &[]);
+    for roughness in roughnesses {
+        for cos in cosines {
+            let row = conductor(arriving(&mut random, cos), roughness, None);
+            let Exact { view, normal, cos_view, alpha } = exactly(&row, roughness as f32);
+            let axes = axes(normal, view);
+            let facets = Facets { alpha, cos_view };
+            let mut counts = vec![0u64; Facets::COUNT + 1];
+            for out in many.run_with::<_, Out>(&[row], DRAWS, &[]) {
+                if out.event == ABSORBED {
+                    assert_eq!(out.weight, [0.0; 3]);
+                    counts[Facets::COUNT] += 1;
+                    continue;
+                }
+                let direction = exact(out.direction);
+                assert!(out.event == SCATTERED && (direction.length() - 1.0).abs() < 4.0 * U, "{out:?}");
+                assert!(out.weight.iter().all(|w| (0.0..=1.0 + 8.0 * U as f32).contains(w)), "{out:?}");
+                counts[facets.cell(within(&axes, (direction + view).normalize()))] += 1;
+            }
+            let p = |shares: Vec<f64>| {
+                let expected: Vec<f64> = shares.iter().map(|share| share * DRAWS as f64).collect();
+                chi_square(&counts, &expected, 1)
+            };
+            let right = p(reflected_shares(&facets, alpha, |_, share| share));
+            assert!(right > threshold, "roughness {roughness}, cosine {cos}: p = {right:e}");
+            // A lobe 3 % wider, and microfacets by their area, hidden or not.
+            let wider = p(reflected_shares(&facets, 1.03 * alpha, |_, share| share));
+            assert!(wider < threshold, "roughness {roughness}, cosine {cos}, wider: p = {wider:e}");
+            let by_area = |facet: DVec3, share: f64| share * facet.z / facet.dot(facets.view()).max(1e-9);
+            let area = p(reflected_shares(&facets, alpha, by_area));
+            // Where the lobe is narrow and the view steep, all are seen alike.
+            let alike = alpha * (1.0 - cos * cos).sqrt() / cos < 0.1;
+            assert!(alike || area < threshold, "roughness {roughness}, cosine {cos}, by area: p = {area:e}");
+        }
+    }
+}
+
+/// Rows of random roughness and angle, towards a random light or the answer.
+fn rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
+    (0..count)
+        .map(|i| {
+            let cos = if i % 2 == 0 { random.uniform() } else { decades(random, -4.0, 0.0) };
+            let roughness = [decades(random, -3.0, 0.0), 1.0, 0.1, 0.5][i % 4];
+            let k = (i % 3 == 0).then_some([3.9, 2.4, 1e-2]);
+            let row = conductor(arriving(random, cos), roughness, k);
+            let light = if towards_light { rounded(unit(random)) } else { [0.0; 3] };
+            let colour = if k.is_some() { [0.2, 0.9, 1.5] } else { [0.9, 0.5, 0.0] };
+            In { u: uniforms(random, i), light, colour, ..row }
+        })
+        .collect()
+}
+
+/// Value per channel, and density, in f64.
+fn response(row: &In, direction: DVec3) -> ([f64; 3], f64) {
+    let Exact { view, normal, cos_view, alpha } = exactly(row, row.material.parameter);
+    let facet = (view + direction).normalize();
+    let (cos_light, cos_facet) = (direction.dot(normal), view.dot(facet));
+    if cos_light <= 0.0 {
+        return ([0.0; 3], 0.0);
+    }
+    let share = |channel: usize| {
+        let colour = f64::from(row.colour[channel]);
+        match row.second.parameter != 0.0 {
+            true => metal_reflectance(cos_facet, colour, f64::from(row.second.colour[channel])),
+            false => schlick(cos_facet, colour),
+        }
+    };
+    let spread = density(facet.cross(normal).length(), facet.dot(normal), alpha) / (4.0 * cos_view);
+    let value = [0, 1, 2].map(|channel| share(channel) * spread * shadowing(cos_view, cos_light, alpha));
+    (value, visible(facet, view, normal, alpha) / (4.0 * cos_facet))
+}
+
+/// The share of the visible microfacets that the light reaches too.
+fn shadowed(row: &In, direction: DVec3) -> f64 {
+    let Exact { normal, cos_view, alpha, .. } = exactly(row, row.material.parameter);
+    shadowing(cos_view, direction.dot(normal).abs().max(1e-12), alpha) / masking(cos_view, alpha)
+}
+
+/// The relative error that f32 explains: the sum of two directions is off by 4 u, which turns the half vector by that over its
+/// length, and moves the density by at most 2 of it per alpha. A cosine is off by 4 u, which counts where the light grazes.
+fn explained(row: &In, direction: DVec3) -> f64 {
+    let Exact { view, normal, alpha, cos_view } = exactly(row, row.material.parameter);
+    let turned = 4.0 * U / (view + direction).length();
+    let light = direction.dot(normal).abs().max(1e-9);
+    64.0 * U + 4.0 * turned / alpha + 4.0 * U / light + 4.0 * U / (cos_view + alpha) + 16.0 * turned
+}
+
+/// The rows whose value or density is off by more, and those whose weight is not their ratio.
+fn faults(kernel: &Kernel, rows: &[In]) -> (usize, usize) {
+    let (mut off, mut unweighted) = (0, 0);
+    for (row, out) in rows.iter().zip(kernel.run::<_, Out>(rows)) {
+        let own = row.light == [0.0; 3];
+        let direction = exact(if own { out.direction } else { row.light }).normalize();
+        if own && out.event == ABSORBED {
+            continue;
+        }
+        let (value, pdf) = response(row, direction);
+        let limit = explained(row, direction);
+        // A reflectance is off by 5 times the cosine's rounding.
+        let cosine = 20.0 * U / (direction - exact(row.incoming)).length().min(1.0);
+        let white = pdf * shadowed(row, direction);
+        let near = |found: f32, expected: f64| {
+            (f64::from(found) - expected).abs() <= limit * expected + cosine * white + 1e-30
+        };
+        // A light within the rounding of the horizon may lie on either side of it.
+        let on_edge = direction.dot(exact(row.normal)).abs() < 4.0 * U;
+        off += usize::from(!(on_edge || near(out.pdf, pdf) && (0..3).all(|c| near(out.value[c], value[c]))));
+        if own {
+            let is_ratio = |c: usize| {
+                let ratio = value[c] / pdf;
+                (f64::from(out.weight[c]) - ratio).abs() <= limit * ratio + cosine
+            };
+            unweighted += usize::from(!(0..3).all(is_ratio));
+        }
+    }
+    (off, unweighted)
+}
+
+#[test]
+fn conductors_respond_by_the_microfacet_formula() {
+    let mut random = Random(173);
+    let own = kernel("conductor", 1, &[]);
+    let textbook = kernel("conductor", 1, &[("lib/microfacet", "test/control/microfacet_textbook")]);
+    for towards_light in [false, true] {
+        let rows = rows(&mut random, 20_000, towards_light);
+        assert_eq!(faults(&own, &rows), (0, 0), "towards lights: {towards_light}");
+        let (off, unweighted) = faults(&textbook, &rows);
+        assert!(off > 100 || towards_light, "1 - cos²: {off}");
+        let brighter = kernel("conductor", 1, &[("lib/fresnel_conductor", "test/control/fresnel_conductor_brighter")]);
+        let (off, unweighted_brighter) = faults(&brighter, &rows);
+        assert!(
+            off > 4000 && (towards_light || unweighted_brighter > 4000),
+            "1 % brighter: {off}, {unweighted_brighter}"
+        );
+        assert!(towards_light || unweighted > 0, "{unweighted}");
+    }
+}
+
+/// The BRDF for light and view exchanged, over its value: off by the roundings of either.
+#[test]
+fn conductors_reflect_the_same_both_ways() {
+    let mut random = Random(175);
+    let rows: Vec<In> = rows(&mut random, 20_000, true)
+        .into_iter()
+        .filter(|row| {
+            exact(row.light).dot(exact(row.normal)) > 1e-3 && -exact(row.incoming).dot(exact(row.normal)) > 1e-3
+        })
+        .collect();
+    assert!(rows.len() > 4000);
+    let back: Vec<In> = rows
+        .iter()
+        .map(|row| In { incoming: row.light.map(|c| -c), light: row.incoming.map(|c| -c), ..*row })
+        .collect();
+    let kernel = kernel("conductor", 1, &[]);
+    let (there, back) = (kernel.run::<_, Out>(&rows), kernel.run::<_, Out>(&back));
+    // `power` is 1 for the BRDF, and 0 for the values with their cosines, which are not the same both ways.
+    let wrong = |power: i32| {
+        let pairs = rows.iter().zip(there.iter().zip(&back));
+        let off = pairs.filter(|(row, (there, back))| {
+            let normal = exact(row.normal);
+            let (cos_there, cos_back) = (exact(row.light).dot(normal), -exact(row.incoming).dot(normal));
+            let (a, b) =
+                (f64::from(there.value[1]) / cos_there.powi(power), f64::from(back.value[1]) / cos_back.powi(power));
+            (a - b).abs() > 2.0 * (explained(row, exact(row.light)) + 8.0 * U / cos_back) * a
+        });
+        off.count()
+    };
+    assert_eq!(wrong(1), 0);
+    assert!(wrong(0) > 4000);
+}
+
+#[test]
+fn white_conductors_keep_what_single_scattering_keeps() {
+    let mut random = Random(177);
+    let many = kernel("conductor", DRAWS, &[]);
+    for (roughness, cos) in [(0.1, 0.9), (0.5, 1.0), (0.5, 0.2), (1.0, 1.0), (1.0, 0.5), (1.0, 0.05)] {
+        let row = conductor(arriving(&mut random, cos), roughness, None);
+        let Exact { cos_view, alpha, .. } = exactly(&row, roughness as f32);
+        let found = many.run_with::<_, Out>(&[row], DRAWS, &[]);
+        let mean = found.iter().map(|out| f64::from(out.weight[0])).sum::<f64>() / DRAWS as f64;
+        let expected = kept(&Facets { alpha, cos_view });
+        println!("roughness {roughness}, cosine {cos}: {mean:.4} of {expected:.4}");
+        // Weights are from 0 to 1: 4.9 standard errors, and 2e-4 of the integral. It would find 0.5 % of the light.
+        let limit = 4.9 * 0.5 * (4.0 * expected * (1.0 - expected)).sqrt() / (DRAWS as f64).sqrt() + 2e-4;
+        assert!(
+            (mean - expected).abs() < limit && limit < 0.0051,
+            "roughness {roughness}, cosine {cos}: {mean} of {expected}"
+        );
+    }
+}
+
+/// The reflectance of gold, silver and an index like glass, over all angles, by a mirror.
+#[test]
+fn smooth_conductors_are_mirrors_with_the_reflectance_of_the_metal() {
+    let mut random = Random(179);
+    let eta = [0.143, 1.65, 1e-3];
+    let k = [3.98, 0.0, 1e3];
+    let rows: Vec<In> = (0..20_000)
+        .map(|i| {
+            let cos = if i % 2 == 0 { random.uniform() } else { decades(&mut random, -6.0, 0.0) };
+            let roughness = [0.0, 0.0009][i % 2];
+            In { colour: eta, ..conductor(arriving(&mut random, cos), roughness, Some(k)) }
+        })
+        .collect();
+    let found = kernel("conductor", 1, &[]).run::<_, Out>(&rows);
+    let mirror: Vec<Met> = rows
+        .iter()
+        .map(|row| Met { incoming: row.incoming, normal: row.normal, front: 1, colour: [1.0; 3], ..Met::default() })
+        .collect();
+    let values = [("material", "metal"), ("times", "1"), ("keyed", "false")];
+    let mirror = Kernel::with("test/scatter", &Setup { values: &values, ..Setup::default() }).run::<_, Answer>(&mirror);
+    let (mut schlick_is_off, mut absorbed) = (0, 0);
+    for ((row, out), mirrored) in rows.iter().zip(&found).zip(&mirror) {
+        // The bytes of a metal without fuzz.
+        assert_eq!((out.event, out.direction, out.non_specular), (mirrored.event, mirrored.direction, 0));
+        absorbed += usize::from(out.event == ABSORBED);
+        let cos = -exact(row.incoming).dot(exact(row.normal));
+        for channel in 0..3 {
+            let reflectance = |cos: f64| metal_reflectance(cos, f64::from(eta[channel]), f64::from(k[channel]));
+            let expected = reflectance(cos);
+            let blur = (reflectance((cos + 4.0 * U).min(1.0)) - reflectance((cos - 4.0 * U).max(0.0))).abs() + 64.0 * U;
+            let off = |share: f64| out.event == SCATTERED && (f64::from(out.weight[channel]) - share).abs() > blur;
+            assert!(!off(expected), "{row:?}: {} of {expected}", out.weight[channel]);
+            schlick_is_off += usize::from(off(schlick(cos, reflectance(1.0))));
+        }
+    }
+    assert!(schlick_is_off > 10_000 && absorbed < 100, "{schlick_is_off}, {absorbed}");
+    // From the limit on it is rough.
+    let at = |roughness: f64| conductor(arriving(&mut Random(1), 0.5), roughness, None);
+    let found = kernel("conductor", 1, &[]).run::<_, Out>(&[at(1.0 / 1024.0), at(1.0 / 1024.1)]);
+    assert_eq!([found[0].non_specular, found[1].non_specular], [1, 0]);
+}

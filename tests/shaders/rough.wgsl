@@ -1,0 +1,48 @@
+//@ use data/material
+//@ use sampler/independent
+//@ use material/${material}
+//@ use material/${material}_eval
+// The answer to a ray of a material with two parts, and its response to a direction: the one given, or its own answer. For the
+// uniforms given, or many times for the rows' own.
+struct In {
+    incoming: vec3<f32>,
+    front: u32,
+    normal: vec3<f32>,
+    padding0: u32,
+    colour: vec3<f32>,
+    padding1: u32,
+    // Zero to ask for the response to the answer.
+    light: vec3<f32>,
+    padding2: u32,
+    u: vec4<f32>,
+    material: Material,
+    second: Material,
+}
+
+struct Out {
+    direction: vec3<f32>,
+    event: u32,
+    weight: vec3<f32>,
+    pdf: f32,
+    value: vec3<f32>,
+    non_specular: u32,
+}
+
+// How often each row of input is answered, and whether with its own uniforms.
+const TIMES: u32 = ${times}u;
+const KEYED: bool = ${keyed};
+
+@group(0) @binding(21) var<storage, read> input: array<In>;
+@group(0) @binding(22) var<storage, read_write> output: array<Out>;
+
+fn run(row: u32) {
+    let given = input[row / TIMES];
+    let u = select(given.u, random4(row, 0u, 0u, 2u), KEYED);
+    let hit = Interaction(given.incoming, given.normal, given.front != 0u, given.colour, given.second);
+    let scattered = ${material}_scatter(given.material, hit, u);
+    let light = select(given.light, scattered.direction, all(given.light == vec3<f32>(0.0)));
+    let response = ${material}_eval(given.material, hit, light);
+    let spreads = ${material}_is_non_specular(given.material);
+    output[row] = Out(
+        scattered.direction, scattered.event, scattered.weight, response.pdf, response.value, select(0u, 1u, spreads));
+}
