@@ -63,7 +63,7 @@ pub struct DeviceScene {
     /// The distribution of directions by the background's image.
     pub sky: Vec<data::SkyCell>,
     pub materials: Vec<data::Material>,
-    /// Their names in the scene file.
+    /// Their names in the scene file; of a material with two parts the same twice.
     pub material_names: Vec<String>,
     pub textures: Vec<data::Texture>,
     pub frames: Vec<data::Frame>,
