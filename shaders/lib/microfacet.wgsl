@@ -8,6 +8,12 @@
 // 2^-25: they do not tell narrower lobes apart.
 const LEAST_ROUGHNESS: f32 = 0x1p-10f;
 
+// Whether a boundary between clear solids is rough: `contrast` is (ior - 1)(ior + 1). Where the index is close to 1, the refracted lobe
+// is narrow by as much.
+fn is_rough_boundary(alpha: f32, contrast: f32) -> bool {
+    return alpha * min(abs(contrast), 1.0) >= LEAST_ROUGHNESS * LEAST_ROUGHNESS;
+}
+
 // The density of microfacet normals at the direction of `along`, a vector of any length on the side of the unit normal:
 // alpha^2 / (pi (alpha^2 cos^2 + sin^2)^2). The sine is computed from the part across the normal, since 1 - cos^2 has no correct
 // digits in narrow lobes. The ratio is squared last, so that nothing underflows.

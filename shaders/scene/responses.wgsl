@@ -18,6 +18,20 @@ fn is_non_specular(material: Material) -> bool {
     }
 }
 
+// Whether the material responds to light from the far side of the surface too.
+fn responds_on_both_sides(material: Material) -> bool {
+    switch material.kind {
+        //@ each both_sided
+        case ${number}u: {
+            return true;
+        }
+        //@ end
+        default: {
+            return false;
+        }
+    }
+}
+
 fn response_of_material(material: Material, hit: Interaction, direction: vec3<f32>) -> Response {
     switch material.kind {
         //@ each non_specular

@@ -75,6 +75,16 @@ fn scatter_path(path: ptr<function, Path>) {
     //@ if sends_shadow_ray
     // Both sample a light here: GPUs inline the functions of all kinds of lights at each call.
     if samples_lights || asks {
+    //@ end
+    //@ if both_sides
+        // On a smooth mesh, the two sides of a facet have two points. A material that responds on both chooses one of them
+        // before it aims at a light.
+        let chooses = samples_lights && responds_on_both_sides(material) && is_smooth(hit.code);
+        let below = chooses && u.y < 0.5;
+        let facet_point = leave_surface(surface.point, surface.error, -facing, -facing);
+        let point = select(point, facet_point, below);
+    //@ end
+    //@ if sends_shadow_ray
         let light_sample = sample_light(path, point);
         var response = Response();
         var leaving = scattered.direction;
@@ -84,6 +94,16 @@ fn scatter_path(path: ptr<function, Path>) {
             response = response_of_material(material, arriving, light_sample.direction);
             leaving = light_sample.direction;
             pdf = response_of_material(material, arriving, scattered.direction).pdf;
+        }
+    //@ end
+    //@ if both_sides
+        // The other side is never aimed at. Light sampling has half of its density on this one, which is the same to MIS as twice
+        // the density of the material.
+        if chooses {
+            let is_aimed_at = (dot(light_sample.direction, shading) < 0.0) == below;
+            response.value *= select(0.0, 2.0, is_aimed_at);
+            response.pdf *= 2.0;
+            pdf *= 2.0;
         }
     //@ end
     //@ if specular_beside_delta_light

@@ -5,7 +5,7 @@ use crate::data;
 use crate::source::Range;
 use crate::source::form::{Field, Form, NO_UNIT, Takes};
 
-const IOR: Field = Field::new(
+pub(super) const IOR: Field = Field::new(
     "ior",
     Takes::Number(Range::POSITIVE, NO_UNIT),
     "Index of refraction, relative to what is outside: 1.5 for glass, 1.33 for water, 0.667 for air in glass.",

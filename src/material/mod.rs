@@ -6,6 +6,7 @@ mod dielectric;
 mod diffuse_light;
 mod lambertian;
 mod metal;
+mod rough_dielectric;
 
 use serde::{Deserialize, Serialize};
 
@@ -45,6 +46,11 @@ pub enum Material {
         #[serde(default)]
         roughness: f64,
     },
+    RoughDielectric {
+        ior: f64,
+        #[serde(default)]
+        roughness: f64,
+    },
 }
 
 fn yes() -> bool {
@@ -58,6 +64,7 @@ kinds! {
     Dielectric => dielectric::KIND,
     DiffuseLight => diffuse_light::KIND,
     Conductor => conductor::KIND,
+    RoughDielectric => rough_dielectric::KIND,
 }
 
 impl Material {
@@ -71,6 +78,7 @@ impl Material {
             Material::Conductor { albedo, eta, k, roughness } => {
                 conductor::model(albedo.as_ref(), *eta, *k, *roughness)
             }
+            Material::RoughDielectric { ior, roughness } => rough_dielectric::model(*ior, *roughness),
         }
     }
 

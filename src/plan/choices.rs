@@ -86,6 +86,8 @@ named! {
         specular_beside_delta_light,
         /// One of them has two elements of the table.
         two_parts,
+        /// One of them responds to light from both sides, on smooth meshes, where the two sides have points of their own.
+        both_sides,
         /// One of them is a light that is sampled,
         met_light,
         /// and may be left to chance.
@@ -127,6 +129,8 @@ named! {
         non_specular,
         /// Those of them that have two elements of the table.
         two_part,
+        /// The non-specular ones that respond to light from both sides.
+        both_sided,
         texture,
         background,
         /// The last of them,
@@ -330,6 +334,8 @@ pub(super) fn decide(
     let of_kind = |kind: &Entry| Material::KINDS.get(kind.number as usize);
     let two_part: Vec<Entry> =
         served.iter().filter(|kind| of_kind(kind).is_some_and(|kind| kind.has_second_part)).cloned().collect();
+    let both_sided: Vec<Entry> =
+        non_specular.iter().filter(|kind| of_kind(kind).is_some_and(|kind| kind.is_clear)).cloned().collect();
     let shines = served.iter().any(|kind| of_kind(kind).is_some_and(|kind| kind.emits));
 
     let event = surface.clone().or(medium.clone());
@@ -378,6 +384,8 @@ pub(super) fn decide(
         sky_by_chance: emitting_sky.clone().and(one_way.clone()),
         sends_shadow_ray: surface_samples_light.clone().or(specular.clone()),
         two_parts: two_part.first().map(|kind| kind.why.clone()),
+        both_sides: { both_sided.first().zip(light.as_ref()) }
+            .and_then(|(kind, _)| asked(&features.smooth).and(Some(kind.why.clone()))),
         met_light: light.clone().and(emitting_surface.clone()).filter(|_| shines),
         met_by_chance: one_way.clone().filter(|_| shines && emitting_surface.is_some()),
         specular_beside_delta_light: specular.clone().and(delta_light.clone()),
@@ -429,6 +437,7 @@ pub(super) fn decide(
             material: served.to_vec(),
             non_specular,
             two_part,
+            both_sided,
             texture,
             background,
             own_background,

@@ -82,7 +82,7 @@ const USUAL: [(&str, &str); 4] = [
 ];
 
 /// The conditions that do not hold where nothing else is asked, and those of the settings' members, which are all there.
-const NONE: [&str; 24] = [
+const NONE: &[&str] = &[
     "mesh",
     "light",
     "emitting_mesh",
@@ -108,6 +108,7 @@ const NONE: [&str; 24] = [
     "aov_hits",
     "aov_direct",
     "two_parts",
+    "both_sides",
 ];
 const SETTINGS: [&str; 6] = ["lens", "gradient_background", "image_background", "camera_axes", "clamp", "brute_force"];
 
@@ -145,7 +146,7 @@ impl Kernel {
         for (choice, module) in USUAL {
             choices.modules.entry(choice).or_insert(chosen(module));
         }
-        for condition in NONE {
+        for &condition in NONE {
             choices.conditions.entry(condition).or_default();
         }
         for condition in SETTINGS {

@@ -110,6 +110,14 @@ const POINTS: &[Point] = &[
         "Quad(corner: (-1, 3, -1), u: (2, 0, 0), v: (0, 0, 2), material: \"more\"),
          Sphere(center: (0.9, 0.5, 0.4), radius: 0.4, material: \"brushed\"), Sphere(center: (-0.9, 0.5, 0.4), radius: 0.4, material: \"gold\"),",
     ),
+    point(
+        "frosted glass, flat and smooth, under a lamp",
+        DARK,
+        "\"more\": DiffuseLight(emit: Rgb(4, 3, 2)), \"frosted\": RoughDielectric(ior: 1.5, roughness: 0.3), \"clear\": RoughDielectric(ior: 1.3),",
+        "Quad(corner: (-1, 3, -1), u: (2, 0, 0), v: (0, 0, 2), material: \"more\"),
+         Transformed(by: [Scale(0.5), Translate((-0.9, 0.6, 0.5))], object: Mesh(path: \"octahedron.obj\", material: \"frosted\")),
+         Sphere(center: (0.9, 0.5, 0.4), radius: 0.4, material: \"frosted\"), Sphere(center: (0.9, 1.5, 0.4), radius: 0.4, material: \"clear\"),",
+    ),
     Point {
         camera: LENS,
         ..point(

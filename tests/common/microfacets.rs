@@ -8,6 +8,7 @@ use gpu_rt::data::{self, NO_TEXTURE};
 use gpu_rt::gpu::link::{Choices, Reason};
 
 use super::kernel::{Kernel, Setup};
+use super::rows::glass;
 use super::stats::Random;
 use super::vectors::{U, rounded, unit};
 
@@ -79,6 +80,14 @@ pub fn conductor(row: In, roughness: f64, k: Option<[f32; 3]>) -> In {
         texture: NO_TEXTURE,
         ..data::Material::default()
     };
+    In { material, second, ..row }
+}
+
+/// A rough boundary of this index and roughness on the device.
+pub fn frosted(row: In, ior: f64, roughness: f64) -> In {
+    let clear = glass(ior);
+    let material = data::Material { parameter: roughness as f32, ..clear };
+    let second = data::Material { parameter: clear.parameter, texture: NO_TEXTURE, ..data::Material::default() };
     In { material, second, ..row }
 }
 

@@ -164,6 +164,8 @@ fn bad_materials() -> Vec<Bad> {
         bad(material("Conductor(eta: (1, §0, 1), k: (1, 1, 1))"), "materials[\"it\"].Conductor.eta[1]", &["eta", "from 0.001 to 1000"]),
         bad(material("Conductor(albedo: Rgb(1, 1, §1.1))"), "materials[\"it\"].Conductor.albedo.Rgb[2]", &["albedo", "1.1"]),
         bad(material("Conductor(albedo: Rgb(1, 1, 1), roughness: §1.5)"), "materials[\"it\"].Conductor.roughness", &["roughness", "from 0 to 1"]),
+        bad(material("RoughDielectric(ior: 1.5, roughness: §-0.5)"), "materials[\"it\"].RoughDielectric.roughness", &["roughness", "from 0 to 1"]),
+        bad(material("RoughDielectric(ior: §0)"), "materials[\"it\"].RoughDielectric.ior", &["ior", "greater than 0"]),
         bad(material("§Glass(ior: 1.5)"), "materials[\"it\"]", &["a material: Lambertian(..), Metal(..)", "found Glass(ior: 1.5)"]),
         bad(material("§\"glass\""), "materials[\"it\"]", &["a material"]),
         bad(material("Dielectric(ior: 1), §\"it\": Dielectric(ior: 2)"), "materials[\"it\"]", &["\"it\" is defined twice"]),

@@ -154,10 +154,12 @@ fn scenes_of(albedo: &str, max_depth: Option<u32>) -> Vec<(&'static str, Scene)>
                 &room(
                     "Solid((0.2, 0.2, 0.2))",
                     "\"brushed\": Conductor(albedo: Rgb(0.9, 0.8, 0.7), roughness: 0.35),
-                     \"gold\": Conductor(eta: (0.14, 0.37, 1.44), k: (3.98, 2.39, 1.6), roughness: 1),",
+                     \"gold\": Conductor(eta: (0.14, 0.37, 1.44), k: (3.98, 2.39, 1.6), roughness: 1),
+                     \"frosted\": RoughDielectric(ior: 1.5, roughness: 0.6),",
                     &format!(
                         "{CEILING} Sphere(center: (-0.5, 0.4, 0), radius: 0.4, material: \"brushed\"),
-                         Transformed(by: [Scale(0.5), RotateX(20), Translate((0.5, 0.5, 0))], object: Mesh(path: \"octahedron.obj\", material: \"gold\")),"
+                         Transformed(by: [Scale(0.5), RotateX(20), Translate((0.5, 0.5, 0))], object: Mesh(path: \"octahedron.obj\", material: \"gold\")),
+                         Sphere(center: (0, 1.3, 0.3), radius: 0.35, material: \"frosted\"),"
                     ),
                     8,
                 ),
@@ -315,6 +317,49 @@ fn smooth_meshes_expect_the_same_with_rays_to_lights() {
     let wrong = render_planted(&scene, &Ask::spp(1024).seed(2).mis().sobol(), &aimed_from_the_facet());
     println!("aimed at from the facet: {}", worst_difference(&bsdf, &wrong, 1e-5).place);
     assert!(same_expectation(&bsdf, &wrong, 1e-5, ALPHA).is_err(), "light aimed at from the facet is not found");
+}
+
+/// A smooth body of frosted glass around a lamp and beside another: light passes each facet both ways.
+fn frosted_bodies() -> Scene {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    std::fs::write(folder.path().join("octahedron.obj"), smooth_ball_file(0)).expect("the mesh is written");
+    render::scene_in(
+        folder.path(),
+        "Scene(
+    image: (width: 16, height: 16),
+    camera: (look_from: (0, 0, 7), look_at: (0, 0, 0), vertical_fov: 17),
+    background: Solid((0, 0, 0)),
+    materials: {
+        \"frosted\": RoughDielectric(ior: 1.3, roughness: 0.8),
+        \"lamp\": DiffuseLight(emit: Rgb(4, 3, 2)),
+    },
+    objects: [
+        Transformed(by: [Scale(0.9), RotateX(35), RotateZ(25)], object: Mesh(path: \"octahedron.obj\", material: \"frosted\")),
+        Sphere(center: (0, 0, 0), radius: 0.25, material: \"lamp\"),
+        Sphere(center: (1, 0.8, 0.6), radius: 0.3, material: \"lamp\"),
+    ],
+    render: (samples: 512, max_depth: 3),
+)",
+    )
+}
+
+/// A material that answers on both sides of a smooth mesh aims at a light from the point of the side that it has chosen. Planted is the
+/// point of the near side for both, and 1 % more light.
+#[test]
+fn frosted_smooth_meshes_expect_the_same_with_rays_to_lights() {
+    let scene = frosted_bodies();
+    let bsdf = render(&scene, &Ask::spp(8192).seed(1).sobol());
+    let ask = Ask::spp(4096).seed(2).mis().sobol();
+    let mis = render(&scene, &ask);
+    known("frosted bodies", &bsdf, &mis);
+    same_expectation(&bsdf, &mis, 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
+    let planted = mis.changed(|_, _, rgb| rgb.map(|v| (1.0 + FOUND) * v));
+    assert!(same_expectation(&bsdf, &planted, 1e-5, ALPHA).is_err(), "1 % more light is not found");
+    let one_point =
+        Overlay::new(&[]).rewritten("step/scatter", |text| text.replace("select(point, facet_point, below)", "point"));
+    let wrong = render_planted(&scene, &ask, &one_point);
+    println!("aimed at from the near side: {}", worst_difference(&bsdf, &wrong, 1e-5).place);
+    assert!(same_expectation(&bsdf, &wrong, 1e-5, ALPHA).is_err(), "light aimed at from the near side is not found");
 }
 
 /// Says how well the difference of the means of two images is known, as a share of them.

@@ -1,4 +1,4 @@
-//! material/conductor: what becomes of a ray, one by one against f64 and many times against the density of
+//! material/conductor, material/rough_dielectric: what becomes of a ray, one by one against f64 and many times against the density of
 //! visible microfacets.
 
 use glam::DVec3;
@@ -6,10 +6,11 @@ use glam::DVec3;
 use crate::common::kernel::Kernel;
 use crate::common::kernel::Setup;
 use crate::common::microfacets::{
-    ABSORBED, Facets, In, Out, SCATTERED, arriving, axes, conductor, density, kept, kernel, masking, metal_reflectance,
-    schlick, shadowing, uniforms, visible, within,
+    ABSORBED, Facets, In, Out, SCATTERED, arriving, axes, conductor, density, frosted, kept, kernel, masking,
+    metal_reflectance, schlick, shadowing, uniforms, visible, within,
 };
-use crate::common::rows::{Answer, Met};
+use crate::common::oracles::fresnel;
+use crate::common::rows::{Answer, Met, glass};
 use crate::common::stats::{Random, chi_square, sidak};
 use crate::common::vectors::{U, decades, exact, rounded, unit};
 
@@ -281,4 +282,254 @@ fn smooth_conductors_are_mirrors_with_the_reflectance_of_the_metal() {
     let at = |roughness: f64| conductor(arriving(&mut Random(1), 0.5), roughness, None);
     let found = kernel("conductor", 1, &[]).run::<_, Out>(&[at(1.0 / 1024.0), at(1.0 / 1024.1)]);
     assert_eq!([found[0].non_specular, found[1].non_specular], [1, 0]);
+}
+
+/// The index of the far side relative to the near one.
+fn eta_of(row: &In) -> f64 {
+    let ior = f64::from(row.second.parameter);
+    if row.front == 1 { ior } else { 1.0 / ior }
+}
+
+/// The ray that a microfacet refracts, if it does.
+fn refracted(view: DVec3, facet: DVec3, eta: f64) -> Option<DVec3> {
+    let cos = view.dot(facet);
+    let transmitted = fresnel(cos, eta).1;
+    (transmitted > 0.0).then(|| -view / eta + (cos / eta - transmitted) * facet)
+}
+
+/// The microfacet normal between the view and a direction on the far side: Walter et al., equation 16.
+fn facet_between(view: DVec3, direction: DVec3, normal: DVec3, eta: f64) -> DVec3 {
+    let facet = (view + eta * direction).normalize();
+    if facet.dot(normal) < 0.0 { -facet } else { facet }
+}
+
+/// Shares of the cells of microfacets that reflect upwards, of those that refract downwards, and last what is lost.
+fn boundary_shares(facets: &Facets, eta: f64, alpha: f64, reflectance: impl Fn(f64) -> f64) -> Vec<f64> {
+    let mut shares = vec![0.0; 2 * Facets::COUNT + 1];
+    let view = facets.view();
+    facets.integrate(alpha, |cell, facet, share| {
+        let cos = view.dot(facet);
+        if cos <= 0.0 {
+            return;
+        }
+        let reflected = reflectance(cos);
+        let up = 2.0 * cos * facet.z - view.z > 0.0;
+        shares[if up { cell } else { 2 * Facets::COUNT }] += share * reflected;
+        let down = refracted(view, facet, eta).is_some_and(|direction| direction.z < 0.0);
+        shares[if down { Facets::COUNT + cell } else { 2 * Facets::COUNT }] += share * (1.0 - reflected);
+    });
+    let sum: f64 = shares.iter().sum();
+    // A cell that no midpoint is in may have a corner that is.
+    shares.iter().map(|share| (share / sum).max(1e-9)).collect()
+}
+
+/// Of 2 x 31 x 17 cells; see above.
+#[test]
+fn rough_dielectrics_reflect_and_refract_by_the_visible_microfacets() {
+    let mut random = Random(181);
+    let many = kernel("rough_dielectric", DRAWS, &[]);
+    let cases: Vec<(f64, f64, f64, u32)> = [(0.2, 1.5), (0.5, 1.5), (1.0, 1.5), (0.4, 1.1), (0.6, 2.4), (0.3, 0.6)]
+        .into_iter()
+        .flat_map(|(roughness, ior)| [1.0, 0.6, 0.15].map(|cos| (roughness, ior, cos, u32::from(cos != 0.6))))
+        .collect();
+    let threshold = sidak(ALPHA, cases.len());
+    for (roughness, ior, cos, front) in cases {
+        let what = format!("roughness {roughness}, ior {ior}, cosine {cos}, front {front}");
+        let row = In { front, ..frosted(arriving(&mut random, cos), ior, roughness) };
+        let Exact { view, normal, cos_view, alpha } = exactly(&row, roughness as f32);
+        let (axes, eta) = (axes(normal, view), eta_of(&row));
+        let facets = Facets { alpha, cos_view };
+        let mut counts = vec![0u64; 2 * Facets::COUNT + 1];
+        for out in many.run_with::<_, Out>(&[row], DRAWS, &[]) {
+            if out.event == ABSORBED {
+                counts[2 * Facets::COUNT] += 1;
+                continue;
+            }
+            let direction = exact(out.direction);
+            assert!(out.event == SCATTERED && (direction.length() - 1.0).abs() < 4.0 * U, "{out:?}");
+            assert!((0.0..=1.0 + 8.0 * U as f32).contains(&out.weight[0]), "{out:?}");
+            let (first, facet) = match direction.dot(normal) > 0.0 {
+                true => (0, (direction + view).normalize()),
+                false => (Facets::COUNT, facet_between(view, direction, normal, eta)),
+            };
+            counts[first + facets.cell(within(&axes, facet))] += 1;
+        }
+        let p = |shares: Vec<f64>| {
+            let expected: Vec<f64> = shares.iter().map(|share| share * DRAWS as f64).collect();
+            chi_square(&counts, &expected, 1)
+        };
+        let exactly = |cos: f64| fresnel(cos, eta).0;
+        let right = p(boundary_shares(&facets, eta, alpha, exactly));
+        assert!(right > threshold, "{what}: p = {right:e}");
+        let wider = p(boundary_shares(&facets, eta, 1.04 * alpha, exactly));
+        assert!(wider < threshold, "{what}, wider: p = {wider:e}");
+        // Reflection by the surface's normal instead of the microfacet's.
+        let flat = p(boundary_shares(&facets, eta, alpha, |_| fresnel(cos_view, eta).0));
+        assert!(cos == 1.0 || flat < threshold, "{what}, by the surface: p = {flat:e}");
+    }
+}
+
+/// Rows of random index, roughness, side and angle, towards a random light or the answer.
+fn boundary_rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
+    (0..count)
+        .map(|i| {
+            let cos = if i % 2 == 0 { random.uniform() } else { decades(random, -4.0, 0.0) };
+            let roughness = [decades(random, -2.0, 0.0), 1.0, 0.1, 0.5][i % 4];
+            let ior = [1.5, 1.01, 2.4, 0.6, 1.33][i % 5];
+            let row = frosted(arriving(random, cos), ior, roughness);
+            let light = if towards_light { rounded(unit(random)) } else { [0.0; 3] };
+            In { u: uniforms(random, i), light, front: i as u32 / 7 % 2, ..row }
+        })
+        .collect()
+}
+
+/// The value and the density in f64, how much of either f32 may be off, and the share that the light reaches too.
+fn boundary_response(row: &In, direction: DVec3) -> (f64, f64, f64, f64) {
+    let Exact { view, normal, cos_view, alpha } = exactly(row, row.material.parameter);
+    let eta = eta_of(row);
+    let cos_light = direction.dot(normal);
+    let reflects = cos_light > 0.0;
+    let sum = if reflects { view + direction } else { view + eta * direction };
+    let facet = if reflects { sum.normalize() } else { facet_between(view, direction, normal, eta) };
+    let (cos_facet, cos_out) = (view.dot(facet), direction.dot(facet));
+    if cos_facet <= 0.0 || (cos_out > 0.0) != reflects {
+        return (0.0, 0.0, 0.0, 0.0);
+    }
+    let reflectance = fresnel(cos_facet, eta).0;
+    let seen = visible(facet, view, normal, alpha);
+    let pdf = match reflects {
+        true => reflectance * seen / (4.0 * cos_facet),
+        false => (1.0 - reflectance) * seen * eta * eta * cos_out.abs() / (cos_facet + eta * cos_out).powi(2),
+    };
+    let share = shadowing(cos_view, cos_light.abs(), alpha) / masking(cos_view, alpha);
+    // As for conductors; and Fresnel's reflectance by the cosine's rounding, most of all next to total reflection.
+    let turned = 4.0 * (1.0 + eta) * U / sum.length();
+    let near = [-2.0, 2.0].map(|by| fresnel((cos_facet + by * turned).clamp(0.0, 1.0), eta).0);
+    let blur = (near[0] - near[1]).abs() + 64.0 * U * reflectance;
+    let of_share = if reflects { blur / reflectance } else { blur / (1.0 - reflectance) };
+    let grazing = 4.0 * U / cos_light.abs()
+        + 4.0 * U / (cos_view + alpha)
+        + 4.0 * turned / cos_facet
+        + 4.0 * turned / cos_out.abs();
+    // Microfacets that stand upright are seen or not by their last digits.
+    let upright = if facet.dot(normal).abs() < 16.0 * U / sum.length() { f64::NAN } else { 0.0 };
+    let limit = upright + 96.0 * U + 4.0 * turned / alpha + grazing + 16.0 * turned + of_share;
+    (pdf * share, pdf, limit, share)
+}
+
+fn boundary_faults(kernel: &Kernel, rows: &[In]) -> (usize, usize, usize) {
+    let (mut off, mut unweighted, mut compared) = (0, 0, 0);
+    for (row, out) in rows.iter().zip(kernel.run::<_, Out>(rows)) {
+        let own = row.light == [0.0; 3];
+        if own && out.event == ABSORBED || out.non_specular == 0 {
+            continue;
+        }
+        let direction = exact(if own { out.direction } else { row.light }).normalize();
+        let (value, pdf, limit, share) = boundary_response(row, direction);
+        // Where f32 has no digit left, at the ends of the sides of microfacets, there is nothing to compare.
+        if limit.is_nan() || limit > 0.1 || direction.dot(exact(row.normal)).abs() < 4.0 * U {
+            continue;
+        }
+        compared += 1;
+        let near = |found: f32, expected: f64| (f64::from(found) - expected).abs() <= limit * expected + 1e-30;
+        // A response that is 0 here may be one on the edge of what microfacets see there.
+        off += usize::from(pdf > 0.0 && !(near(out.pdf, pdf) && near(out.value[0], value)));
+        unweighted += usize::from(own && pdf > 0.0 && (f64::from(out.weight[0]) - share).abs() > limit * share);
+    }
+    (off, unweighted, compared)
+}
+
+#[test]
+fn rough_dielectrics_respond_by_the_microfacet_formula() {
+    let mut random = Random(183);
+    let own = kernel("rough_dielectric", 1, &[]);
+    let textbook = kernel("rough_dielectric", 1, &[("lib/microfacet", "test/control/microfacet_textbook")]);
+    let schlick = kernel("rough_dielectric", 1, &[("lib/fresnel", "test/control/fresnel_schlick")]);
+    for towards_light in [false, true] {
+        let rows = boundary_rows(&mut random, 20_000, towards_light);
+        let (off, unweighted, compared) = boundary_faults(&own, &rows);
+        assert_eq!((off, unweighted), (0, 0), "of {compared}, towards lights: {towards_light}");
+        assert!(compared > 8000, "{compared}");
+        let (off, unweighted, _) = boundary_faults(&textbook, &rows);
+        assert!(off > 100 && (towards_light || unweighted > 100), "textbook: {off}, {unweighted}");
+        let (off, ..) = boundary_faults(&schlick, &rows);
+        assert!(off > 1000, "Schlick: {off}");
+    }
+}
+
+/// The BSDF for light and view exchanged: over the index squared of the side of the light it is the same. The value is the BSDF
+/// times the cosine of the light.
+#[test]
+fn rough_dielectrics_scatter_the_same_both_ways_but_for_the_index_squared() {
+    let mut random = Random(185);
+    let rows: Vec<In> = boundary_rows(&mut random, 40_000, true)
+        .into_iter()
+        .filter(|row| [row.light, row.incoming].iter().all(|v| exact(*v).dot(exact(row.normal)).abs() > 1e-2))
+        .filter(|row| boundary_response(row, exact(row.light).normalize()).2 < 0.01)
+        .collect();
+    let turned: Vec<In> = rows
+        .iter()
+        .map(|row| {
+            let through = exact(row.light).dot(exact(row.normal)) < 0.0;
+            let normal = if through { row.normal.map(|c| -c) } else { row.normal };
+            let front = if through { 1 - row.front } else { row.front };
+            In { incoming: row.light.map(|c| -c), light: row.incoming.map(|c| -c), normal, front, ..*row }
+        })
+        .collect();
+    let kernel = kernel("rough_dielectric", 1, &[]);
+    let (there, back) = (kernel.run::<_, Out>(&rows), kernel.run::<_, Out>(&turned));
+    let limit = |row: &In| boundary_response(row, exact(row.light).normalize()).2;
+    let (mut wrong, mut unscaled, mut refracted, mut reflected) = (0, 0, 0, 0);
+    for ((row, turned), (there, back)) in rows.iter().zip(&turned).zip(there.iter().zip(&back)) {
+        let normal = exact(row.normal);
+        let (cos_there, cos_back) = (exact(row.light).dot(normal), -exact(row.incoming).dot(normal));
+        let (a, b) = (f64::from(there.value[0]) / cos_there.abs(), f64::from(back.value[0]) / cos_back);
+        let scale = if cos_there < 0.0 { eta_of(row).powi(2) } else { 1.0 };
+        let off = |scale: f64| {
+            let limit = 2.0 * (limit(row) + limit(turned)) + 1e-5;
+            usize::from(limit < 0.05 && (a - b * scale).abs() > limit * a)
+        };
+        wrong += off(scale);
+        unscaled += off(1.0);
+        *(if cos_there < 0.0 { &mut refracted } else { &mut reflected }) += usize::from(a > 0.0);
+    }
+    assert_eq!(wrong, 0);
+    assert!(unscaled > 1000 && refracted > 2000 && reflected > 4000, "{unscaled}, {refracted}, {reflected}");
+}
+
+/// A roughness of 0 makes the glass, bit by bit; and so does what no f32 direction tells from it.
+#[test]
+fn smooth_rough_dielectrics_are_glass() {
+    let mut random = Random(187);
+    for (ior, roughness) in [(1.5, 0.0), (0.7, 0.0009), (1.0, 0.5), (1.000_000_1, 1.0), (2.4, 0.0)] {
+        let rows: Vec<In> = (0..10_000)
+            .map(|i| {
+                let cos = if i % 2 == 0 { random.uniform() } else { decades(&mut random, -3.0, 0.0) };
+                let row = frosted(arriving(&mut random, cos), ior, roughness);
+                In { u: uniforms(&mut random, i), front: i as u32 / 3 % 2, ..row }
+            })
+            .collect();
+        let clear: Vec<Met> = rows
+            .iter()
+            .map(|row| Met {
+                incoming: row.incoming,
+                normal: row.normal,
+                front: row.front,
+                u: row.u,
+                material: glass(ior),
+                ..Met::default()
+            })
+            .collect();
+        let values = [("material", "dielectric"), ("times", "1"), ("keyed", "false")];
+        let clear =
+            Kernel::with("test/scatter", &Setup { values: &values, ..Setup::default() }).run::<_, Answer>(&clear);
+        for (out, clear) in kernel("rough_dielectric", 1, &[]).run::<_, Out>(&rows).iter().zip(&clear) {
+            assert_eq!(
+                (out.event, out.direction, out.weight, out.non_specular),
+                (clear.event, clear.direction, clear.weight, 0)
+            );
+        }
+    }
+    let rough = frosted(arriving(&mut random, 0.5), 1.5, 1.0 / 1023.0);
+    assert_eq!(kernel("rough_dielectric", 1, &[]).run::<_, Out>(&[rough])[0].non_specular, 1);
 }

@@ -2,6 +2,10 @@
 // lib/microfacet with the density as papers write it, by 1 - cos^2.
 const LEAST_ROUGHNESS: f32 = 0x1p-10f;
 
+fn is_rough_boundary(alpha: f32, contrast: f32) -> bool {
+    return alpha * min(abs(contrast), 1.0) >= LEAST_ROUGHNESS * LEAST_ROUGHNESS;
+}
+
 fn microfacet_density(along: vec3<f32>, normal: vec3<f32>, alpha: f32) -> f32 {
     let cosine = dot(normalize(along), normal);
     let tan2 = (1.0 - cosine * cosine) / (cosine * cosine);

@@ -1,0 +1,40 @@
+//@ use data/material
+//@ use choice/fresnel
+//@ use lib/basis
+//@ use lib/microfacet
+// A boundary of a clear solid with microfacets. `parameter` is its roughness, and that of its second part the index of refraction. A microfacet is drawn from those that are visible. It reflects with the probability of its reflectance and refracts
+// otherwise, so the weight is the share of the visible microfacets that the light reaches too (Walter et al., EGSR 2007). Light that
+// ends on the wrong side of the surface is lost. Radiance is not scaled by the index squared, as with a dielectric.
+fn rough_dielectric_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scatter {
+    let ior = hit.second.parameter;
+    let eta = select(1.0 / ior, ior, hit.front);
+    let contrast = select(material.contrast_inside, material.contrast_outside, hit.front);
+    let alpha = material.parameter * material.parameter;
+    let is_rough = is_rough_boundary(alpha, material.contrast_outside);
+    let normal = hit.normal;
+    let cos_view = clamp(-dot(hit.incoming, normal), 0.0, 1.0);
+    var facet = normal;
+    var cos_facet = cos_view;
+    if is_rough {
+        let basis = basis_around(normal);
+        let across = vec2<f32>(dot(hit.incoming, basis.tangent), dot(hit.incoming, basis.bitangent));
+        facet = from_basis(basis, sample_visible_normal(vec3<f32>(-across, cos_view), alpha, u.zw));
+        cos_facet = clamp(-dot(hit.incoming, facet), 0.0, 1.0);
+    }
+    let boundary = fresnel(cos_facet, eta, contrast);
+    let reflects = u.x < boundary.reflectance;
+    var direction = hit.incoming;
+    if reflects {
+        direction = normalize(hit.incoming + 2.0 * cos_facet * facet);
+    } else if contrast != 0.0 {
+        direction = refract_by(hit.incoming, facet, cos_facet, eta, boundary.cos_transmitted);
+    }
+    if !is_rough {
+        return Scatter(SCATTERED, direction, vec3<f32>(1.0));
+    }
+    let cos_light = dot(direction, normal) * select(-1.0, 1.0, reflects);
+    if !(cos_light > 0.0) {
+        return absorbed();
+    }
+    return Scatter(SCATTERED, direction, vec3<f32>(smith_shadowing(cos_view, min(cos_light, 1.0), alpha)));
+}

@@ -1,0 +1,39 @@
+//@ use data/material
+//@ use choice/fresnel
+//@ use lib/microfacet
+// A rough dielectric that is smooth is clear glass.
+fn rough_dielectric_is_non_specular(material: Material) -> bool {
+    return is_rough_boundary(material.parameter * material.parameter, material.contrast_outside);
+}
+
+// The microfacet BSDF times cosine, and the density with which rough_dielectric_scatter samples the direction. The half vector of a
+// refraction is the sum of the view and eta times the direction. The Jacobian of its unit vector is eta^2 |cos_out| over the
+// square of the sum's length (Walter et al., EGSR 2007, equations 16, 17 and 21).
+fn rough_dielectric_eval(material: Material, hit: Interaction, direction: vec3<f32>) -> Response {
+    let alpha = material.parameter * material.parameter;
+    let ior = hit.second.parameter;
+    let eta = select(1.0 / ior, ior, hit.front);
+    let contrast = select(material.contrast_inside, material.contrast_outside, hit.front);
+    let cos_view = clamp(-dot(hit.incoming, hit.normal), 0.0, 1.0);
+    let height = dot(direction, hit.normal);
+    let reflects = height > 0.0;
+    let sum = select(eta, 1.0, reflects) * direction - hit.incoming;
+    let length2 = dot(sum, sum);
+    if height == 0.0 || !(length2 > 0.0) {
+        return Response(vec3<f32>(0.0), 0.0);
+    }
+    let facet = sum * (inverseSqrt(length2) * select(-1.0, 1.0, dot(sum, hit.normal) >= 0.0));
+    let cos_facet = -dot(hit.incoming, facet);
+    let cos_out = dot(direction, facet);
+    // The microfacet must see both directions on the sides on which the surface has them.
+    if !(cos_facet > 0.0) || (cos_out > 0.0) != reflects {
+        return Response(vec3<f32>(0.0), 0.0);
+    }
+    let reflectance = fresnel(min(cos_facet, 1.0), eta, contrast).reflectance;
+    let seen = visible_density(microfacet_density(sum, hit.normal, alpha), cos_view, alpha);
+    var pdf = 0.25 * seen * reflectance;
+    if !reflects {
+        pdf = seen * cos_facet * (1.0 - reflectance) * (eta * eta * -cos_out / length2);
+    }
+    return Response(vec3<f32>(pdf * smith_shadowing(cos_view, min(abs(height), 1.0), alpha)), pdf);
+}
