@@ -6,6 +6,7 @@ mod dielectric;
 mod diffuse_light;
 mod lambertian;
 mod metal;
+mod pbr;
 mod rough_dielectric;
 
 use serde::{Deserialize, Serialize};
@@ -51,10 +52,32 @@ pub enum Material {
         #[serde(default)]
         roughness: f64,
     },
+    Pbr {
+        #[serde(default = "white")]
+        base_color: Texture,
+        #[serde(default = "one")]
+        metallic: f64,
+        #[serde(default = "one")]
+        roughness: f64,
+        #[serde(default = "index_of_glass")]
+        ior: f64,
+    },
 }
 
 fn yes() -> bool {
     true
+}
+
+fn white() -> Texture {
+    Texture::Rgb(1.0, 1.0, 1.0)
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+fn index_of_glass() -> f64 {
+    1.5
 }
 
 kinds! {
@@ -65,6 +88,7 @@ kinds! {
     DiffuseLight => diffuse_light::KIND,
     Conductor => conductor::KIND,
     RoughDielectric => rough_dielectric::KIND,
+    Pbr => pbr::KIND,
 }
 
 impl Material {
@@ -79,6 +103,9 @@ impl Material {
                 conductor::model(albedo.as_ref(), *eta, *k, *roughness)
             }
             Material::RoughDielectric { ior, roughness } => rough_dielectric::model(*ior, *roughness),
+            Material::Pbr { base_color, metallic, roughness, ior } => {
+                pbr::model(base_color, *metallic, *roughness, *ior)
+            }
         }
     }
 

@@ -118,6 +118,13 @@ const POINTS: &[Point] = &[
          Transformed(by: [Scale(0.5), Translate((-0.9, 0.6, 0.5))], object: Mesh(path: \"octahedron.obj\", material: \"frosted\")),
          Sphere(center: (0.9, 0.5, 0.4), radius: 0.4, material: \"frosted\"), Sphere(center: (0.9, 1.5, 0.4), radius: 0.4, material: \"clear\"),",
     ),
+    point(
+        "the material of glTF under a lamp",
+        DARK,
+        "\"more\": DiffuseLight(emit: Rgb(4, 3, 2)), \"plastic\": Pbr(base_color: Image(path: \"image.png\"), metallic: 0, roughness: 0.3),",
+        "Quad(corner: (-1, 3, -1), u: (2, 0, 0), v: (0, 0, 2), material: \"more\"),
+         Sphere(center: (0.9, 0.5, 0.4), radius: 0.4, material: \"plastic\"),",
+    ),
     Point {
         camera: LENS,
         ..point(

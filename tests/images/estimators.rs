@@ -155,11 +155,13 @@ fn scenes_of(albedo: &str, max_depth: Option<u32>) -> Vec<(&'static str, Scene)>
                     "Solid((0.2, 0.2, 0.2))",
                     "\"brushed\": Conductor(albedo: Rgb(0.9, 0.8, 0.7), roughness: 0.35),
                      \"gold\": Conductor(eta: (0.14, 0.37, 1.44), k: (3.98, 2.39, 1.6), roughness: 1),
-                     \"frosted\": RoughDielectric(ior: 1.5, roughness: 0.6),",
+                     \"frosted\": RoughDielectric(ior: 1.5, roughness: 0.6),
+                     \"plastic\": Pbr(base_color: Rgb(0.2, 0.4, 0.9), metallic: 0.2, roughness: 0.4),",
                     &format!(
                         "{CEILING} Sphere(center: (-0.5, 0.4, 0), radius: 0.4, material: \"brushed\"),
                          Transformed(by: [Scale(0.5), RotateX(20), Translate((0.5, 0.5, 0))], object: Mesh(path: \"octahedron.obj\", material: \"gold\")),
-                         Sphere(center: (0, 1.3, 0.3), radius: 0.35, material: \"frosted\"),"
+                         Sphere(center: (0, 1.3, 0.3), radius: 0.35, material: \"frosted\"),
+                         Sphere(center: (0, 0.3, 0.6), radius: 0.3, material: \"plastic\"),"
                     ),
                     8,
                 ),

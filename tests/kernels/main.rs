@@ -24,6 +24,7 @@ mod lights;
 mod materials;
 mod medium;
 mod meshes;
+mod pbr;
 mod perlin;
 mod probe;
 mod quad;

@@ -395,7 +395,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("geometry", &["data", "geometry", "lib"]),
     ("light", &["data", "geometry", "lib", "light"]),
     ("medium", &["data", "geometry", "lib", "medium"]),
-    ("material", &["data", "geometry", "lib"]),
+    ("material", &["data", "geometry", "lib", "material"]),
     ("bind", &["data", "light/sky"]),
     ("texture", &["data", "lib", "scene/texel"]),
     ("camera", &["bind", "camera", "data", "lib"]),

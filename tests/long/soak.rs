@@ -65,7 +65,12 @@ impl Writer {
             5 => {
                 let roughness =
                     self.among(&["", ", roughness: 0", ", roughness: 0.01", ", roughness: 0.3", ", roughness: 1"]);
-                match self.random.below(3) {
+                match self.random.below(4) {
+                    3 => format!(
+                        "Pbr(base_color: {}, metallic: {}{roughness})",
+                        self.texture(1.0),
+                        self.among(&["0", "0.5", "1"])
+                    ),
                     2 => format!("RoughDielectric(ior: {}{roughness})", self.among(&["0.7", "1", "1.1", "1.5", "2.4"])),
                     0 => format!("Conductor(albedo: {}{roughness})", self.texture(1.0)),
                     _ => format!("Conductor(eta: {}, k: {}{roughness})", self.triple(0.1, 3.0), self.triple(0.0, 5.0)),

@@ -1,0 +1,60 @@
+//! The material of glTF 2.0: a matt body under a glossy layer, or a metal.
+
+use super::{MaterialKind, Model, Number, Scattering, Slot};
+use crate::data;
+use crate::source::Range;
+use crate::source::form::{Field, Form, NO_UNIT, Takes};
+use crate::texture::{Texture, Use};
+
+const BASE_COLOR: Field =
+    Field::new("base_color", Takes::Texture(Use::Albedo.range()), "The colour of the body, or of the metal.")
+        .or("Rgb(1, 1, 1)");
+const METALLIC: Field =
+    Field::new("metallic", Takes::Number(Range::SHARE, NO_UNIT), "1 is a metal, 0 is none, and between is a mixture.")
+        .or("1");
+const ROUGHNESS: Field = Field::new(
+    "roughness",
+    Takes::Number(Range::SHARE, NO_UNIT),
+    "The perceptual roughness of the metal or the layer: the α of the microfacets is its square. Below 1/1024 it counts as 1/1024.",
+)
+.or("1");
+const IOR: Field =
+    Field::new("ior", Takes::Number(Range::from_to(1.0, 1e3), NO_UNIT), "The index of refraction of the layer.")
+        .or("1.5");
+
+pub const KIND: MaterialKind = MaterialKind {
+    form: Form {
+        name: "Pbr",
+        about: "The metallic-roughness material of glTF 2.0, as its appendix B defines it: a matt body under a glossy layer, or a metal. Its names \
+                and defaults are those of glTF.",
+        fields: &[BASE_COLOR, METALLIC, ROUGHNESS, IOR],
+        in_order: false,
+        example: "Pbr(base_color: Rgb(0.8, 0.2, 0.1), metallic: 0, roughness: 0.4)",
+    },
+    shader: "pbr",
+    scatters: &[Scattering::Spread],
+    is_clear: false,
+    emits: false,
+    has_second_part: false,
+};
+
+pub fn model(base_color: &Texture, metallic: f64, roughness: f64, ior: f64) -> Model<'_> {
+    Model {
+        slot: Some(Slot { field: &BASE_COLOR, usage: Use::Albedo, texture: base_color }),
+        scattering: Scattering::Spread,
+        two_sided: None,
+        numbers: [(&METALLIC, metallic), (&ROUGHNESS, roughness), (&IOR, ior)]
+            .map(|(field, value)| Number { field, value, warning: None })
+            .into(),
+        colours: Vec::new(),
+        lacks: None,
+        on_device: data::Material {
+            parameter: roughness as f32,
+            // The reflectance of the layer for light straight on it, and the metallic share.
+            contrast_outside: ((ior - 1.0) / (ior + 1.0)).powi(2) as f32,
+            contrast_inside: metallic as f32,
+            ..data::Material::default()
+        },
+        second_part: None,
+    }
+}

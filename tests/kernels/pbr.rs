@@ -1,0 +1,239 @@
+//! material/pbr: glTF's material against its formula in f64, its directions against its density, and the light that it keeps.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::DVec3;
+use gpu_rt::data;
+
+use crate::common::kernel::Kernel;
+use crate::common::microfacets::{
+    ABSORBED, In, Out, SCATTERED, arriving, axes, density, kernel, masking, schlick, shadowing, uniforms, visible,
+    within,
+};
+use crate::common::stats::{Random, chi_square, sidak};
+use crate::common::vectors::{U, decades, exact, rounded, unit};
+
+/// False-alarm rate of each test here.
+const ALPHA: f64 = 1e-6;
+const DRAWS: usize = 1 << 18;
+/// Cells of directions, all of the same solid angle.
+const RINGS: usize = 23;
+const SECTORS: usize = 17;
+
+fn pbr(row: In, base: [f32; 3], metallic: f64, roughness: f64, ior: f64) -> In {
+    let material = data::Material {
+        parameter: roughness as f32,
+        contrast_outside: ((ior - 1.0) / (ior + 1.0)).powi(2) as f32,
+        contrast_inside: metallic as f32,
+        ..data::Material::default()
+    };
+    In { colour: base, material, ..row }
+}
+
+/// The formula of appendix B: value per channel with the cosine, and the densities of microfacets and of the cosine.
+struct Formula {
+    value: [f64; 3],
+    facets: f64,
+    cosine: f64,
+}
+
+fn formula(row: &In, view: DVec3, normal: DVec3, direction: DVec3) -> Formula {
+    let alpha = f64::from(row.material.parameter.max(1.0 / 1024.0)).powi(2);
+    let (metallic, straight) = (f64::from(row.material.contrast_inside), f64::from(row.material.contrast_outside));
+    let (cos_view, cos_light) = (view.dot(normal), direction.dot(normal));
+    if cos_light <= 0.0 {
+        return Formula { value: [0.0; 3], facets: 0.0, cosine: 0.0 };
+    }
+    let facet = (view + direction).normalize();
+    let cos_facet = view.dot(facet);
+    let specular = density(facet.cross(normal).length(), facet.dot(normal), alpha)
+        * shadowing(cos_view, cos_light, alpha)
+        / (4.0 * cos_view);
+    let layer = schlick(cos_facet, straight);
+    let value = row.colour.map(|base| {
+        let base = f64::from(base);
+        let dielectric = (1.0 - layer) * base * cos_light / PI + layer * specular;
+        (1.0 - metallic) * dielectric + metallic * schlick(cos_facet, base) * specular
+    });
+    Formula { value, facets: visible(facet, view, normal, alpha) / (4.0 * cos_facet), cosine: cos_light / PI }
+}
+
+/// The probability of a microfacet, as the shader has it.
+fn share_of_facets(row: &In, cos_view: f64) -> f64 {
+    let (metallic, straight) = (f64::from(row.material.contrast_inside), f64::from(row.material.contrast_outside));
+    let layer = schlick(cos_view, straight);
+    let (mut facets, mut matt) = (0.0, 0.0);
+    for base in row.colour.map(f64::from) {
+        facets += (1.0 - metallic) * layer + metallic * schlick(cos_view, base);
+        matt += (1.0 - metallic) * (1.0 - layer) * base;
+    }
+    if matt == 0.0 { 1.0 } else { (facets / (facets + matt)).clamp(0.1, 0.9) }
+}
+
+/// Calls with the cell, the direction and the solid angle of many directions over the hemisphere around z.
+fn hemisphere(mut add: impl FnMut(usize, DVec3, f64)) {
+    const STEPS: usize = 24;
+    let (rings, sectors) = (RINGS * STEPS, SECTORS * STEPS);
+    for ring in 0..rings {
+        let cos = (ring as f64 + 0.5) / rings as f64;
+        let sin = (1.0 - cos * cos).sqrt();
+        for sector in 0..sectors {
+            let azimuth = TAU * (sector as f64 + 0.5) / sectors as f64 - PI;
+            let direction = DVec3::new(sin * azimuth.cos(), sin * azimuth.sin(), cos);
+            let cell = ring / STEPS * SECTORS + sector / STEPS;
+            add(cell, direction, TAU / (rings * sectors) as f64);
+        }
+    }
+}
+
+fn cell(direction: DVec3) -> usize {
+    let bin = |x: f64, bins: usize| ((x * bins as f64) as usize).min(bins - 1);
+    bin(direction.z, RINGS) * SECTORS + bin((direction.y.atan2(direction.x) + PI) / TAU, SECTORS)
+}
+
+/// Materials whose lobes are wide enough for cells of directions.
+const WIDE: [([f32; 3], f64, f64, f64); 4] = [
+    ([0.8, 0.5, 0.2], 0.0, 0.5, 1.5),
+    ([0.9, 0.6, 0.3], 1.0, 0.7, 1.5),
+    ([0.5; 3], 0.5, 1.0, 1.5),
+    ([0.0; 3], 0.0, 0.6, 1.5),
+];
+
+#[test]
+fn pbr_scatters_by_its_density_and_keeps_the_light_of_its_formula() {
+    let mut random = Random(201);
+    let many = kernel("pbr", DRAWS, &[]);
+    let cosines = [1.0, 0.6, 0.2];
+    let threshold = sidak(ALPHA, WIDE.len() * cosines.len());
+    for (base, metallic, roughness, ior) in WIDE {
+        for cos in cosines {
+            let what = format!("{base:?}, metallic {metallic}, roughness {roughness}, cosine {cos}");
+            let row = pbr(arriving(&mut random, cos), base, metallic, roughness, ior);
+            let (view, normal) = (-exact(row.incoming).normalize(), exact(row.normal).normalize());
+            let axes = axes(normal, view);
+            let mut counts = vec![0u64; RINGS * SECTORS + 1];
+            let (mut sum, mut squares) = (0.0, 0.0);
+            for out in many.run_with::<_, Out>(&[row], DRAWS, &[]) {
+                let weight = f64::from(out.weight[0]);
+                sum += weight;
+                squares += weight * weight;
+                if out.event == ABSORBED {
+                    counts[RINGS * SECTORS] += 1;
+                    continue;
+                }
+                let direction = exact(out.direction);
+                assert!(out.event == SCATTERED && (direction.length() - 1.0).abs() < 4.0 * U, "{out:?}");
+                counts[cell(within(&axes, direction))] += 1;
+            }
+            let inner = within(&axes, view);
+            let expected = |share: f64| {
+                let (mut shares, mut kept) = (vec![0.0; RINGS * SECTORS + 1], 0.0);
+                hemisphere(|cell, direction, solid_angle| {
+                    let Formula { value, facets, cosine } = formula(&row, inner, DVec3::Z, direction);
+                    shares[cell] += solid_angle * (share * facets + (1.0 - share) * cosine) * DRAWS as f64;
+                    kept += solid_angle * value[0];
+                });
+                shares[RINGS * SECTORS] = (DRAWS as f64 - shares.iter().sum::<f64>()).max(1e-9);
+                (shares, kept)
+            };
+            let share = share_of_facets(&row, view.dot(normal));
+            let (shares, kept) = expected(share);
+            let right = chi_square(&counts, &shares, 1);
+            assert!(right > threshold, "{what}: p = {right:e}");
+            let other = chi_square(&counts, &expected(share - 0.05).0, 1);
+            assert!(other < threshold, "{what}, another share: p = {other:e}");
+            let mean = sum / DRAWS as f64;
+            let error = 4.9 * ((squares / DRAWS as f64 - mean * mean) / DRAWS as f64).sqrt() + 1e-3 * kept;
+            assert!((mean - kept).abs() < error, "{what}: {mean} of {kept}, known to {error}");
+            assert!(error < 0.01 * kept, "{what}: {kept} is known to {error}");
+        }
+    }
+}
+
+fn rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
+    (0..count)
+        .map(|i| {
+            let cos = if i % 2 == 0 { random.uniform() } else { decades(random, -4.0, 0.0) };
+            let roughness = [decades(random, -2.0, 0.0), 1.0, 0.1, 0.5][i % 4];
+            let metallic = [0.0, 1.0, 0.3][i % 3];
+            let base = [[0.8, 0.5, 0.2], [1.0, 0.0, 0.5], [0.0; 3]][i / 2 % 3];
+            let row = pbr(arriving(random, cos), base, metallic, roughness, [1.5, 1.0, 2.4][i / 3 % 3]);
+            let light = if towards_light { rounded(unit(random)) } else { [0.0; 3] };
+            In { u: uniforms(random, i), light, ..row }
+        })
+        .collect()
+}
+
+/// The rows whose value or density is off by more than f32 explains, and those whose weight is not their ratio.
+fn faults(kernel: &Kernel, rows: &[In]) -> (usize, usize) {
+    let (mut off, mut unweighted) = (0, 0);
+    for (row, out) in rows.iter().zip(kernel.run::<_, Out>(rows)) {
+        let own = row.light == [0.0; 3];
+        if own && out.event == ABSORBED {
+            continue;
+        }
+        let (view, normal) = (-exact(row.incoming).normalize(), exact(row.normal).normalize());
+        let direction = exact(if own { out.direction } else { row.light }).normalize();
+        let Formula { value, facets, cosine } = formula(row, view, normal, direction);
+        let (cos_view, alpha) = (view.dot(normal), f64::from(row.material.parameter.max(1.0 / 1024.0)).powi(2));
+        let share = share_of_facets(row, cos_view);
+        let pdf = share * facets + (1.0 - share) * cosine;
+        // As for conductors (rough.rs).
+        let turned = 4.0 * U / (view + direction).length();
+        let light = direction.dot(normal).abs().max(1e-9);
+        let limit = 96.0 * U + 4.0 * turned / alpha + 4.0 * U / light + 4.0 * U / (cos_view + alpha) + 16.0 * turned;
+        let white = facets * shadowing(cos_view, light, alpha) / masking(cos_view, alpha) + cosine;
+        let near = |found: f32, expected: f64, all: f64| {
+            (f64::from(found) - expected).abs() <= limit * expected + 5.0 * turned * all + 1e-30
+        };
+        let on_edge = light < 4.0 * U;
+        let right = near(out.pdf, pdf, pdf) && (0..3).all(|c| near(out.value[c], value[c], white));
+        off += usize::from(!(on_edge || right));
+        let is_ratio =
+            |c: usize| (f64::from(out.weight[c]) - f64::from(out.value[c]) / f64::from(out.pdf)).abs() < 1e-6;
+        unweighted += usize::from(own && !(0..3).all(is_ratio));
+    }
+    (off, unweighted)
+}
+
+#[test]
+fn pbr_responds_by_the_formula_of_gltf() {
+    let mut random = Random(203);
+    let own = kernel("pbr", 1, &[]);
+    let brighter = kernel("pbr", 1, &[("lib/fresnel_conductor", "test/control/fresnel_conductor_brighter")]);
+    for towards_light in [false, true] {
+        let rows = rows(&mut random, 20_000, towards_light);
+        assert_eq!(faults(&own, &rows), (0, 0), "towards lights: {towards_light}");
+        assert!(faults(&brighter, &rows).0 > 3000, "1 % more reflection is not found");
+    }
+}
+
+/// The BRDF for light and view exchanged.
+#[test]
+fn pbr_reflects_the_same_both_ways() {
+    let mut random = Random(205);
+    let upright = |v: [f32; 3], row: &In| exact(v).dot(exact(row.normal)).abs();
+    let rows: Vec<In> = rows(&mut random, 20_000, true)
+        .into_iter()
+        .filter(|row| exact(row.light).dot(exact(row.normal)) > 0.01 && upright(row.incoming, row) > 0.01)
+        .collect();
+    let turned: Vec<In> = rows
+        .iter()
+        .map(|row| In { incoming: row.light.map(|c| -c), light: row.incoming.map(|c| -c), ..*row })
+        .collect();
+    let kernel = kernel("pbr", 1, &[]);
+    let (there, back) = (kernel.run::<_, Out>(&rows), kernel.run::<_, Out>(&turned));
+    let wrong = |power: i32| {
+        let pairs = rows.iter().zip(there.iter().zip(&back));
+        let off = pairs.filter(|(row, (there, back))| {
+            let (light, view) = (upright(row.light, row).powi(power), upright(row.incoming, row).powi(power));
+            let (a, b) = (f64::from(there.value[0]) / light, f64::from(back.value[0]) / view);
+            let alpha = f64::from(row.material.parameter).powi(2);
+            (a - b).abs() > (2e-5 + 32.0 * U / alpha) * a + 1e-9
+        });
+        off.count()
+    };
+    assert!(rows.len() > 4000);
+    assert_eq!(wrong(1), 0);
+    assert!(wrong(0) > 2000);
+}
