@@ -76,14 +76,14 @@ soak: toolchain
 	GPU_RT_SOAK_SECONDS=$(SECONDS) GPU_RT_SOAK_SEED=$(FIRST) $(CARGO) test --release --test long -- --exact soak::random_scenes --ignored --nocapture
 
 # The same tests on several drivers, fetched and not installed: a second opinion on every number.
-test-drivers: toolchain
+test-drivers: toolchain oidn
 	tests/drivers/matrix.sh
 
 # docs/accuracy.md with its plots, measured here: six scenes, each within the budget. `make accuracy BUDGET=30s` is quicker and knows less.
 BUDGET ?= 70s
 accuracy: export NODEVICE_SELECT = 1
-accuracy: toolchain
-	$(CARGO) bench --bench accuracy -- --budget $(BUDGET)
+accuracy: toolchain oidn
+	OIDN_DIR=$${OIDN_DIR:-$(CURDIR)/target/oidn/pyoidn/oidn/lib} $(CARGO) bench --bench accuracy -- --budget $(BUDGET)
 
 # docs/scaling.md: what its tables are computed from, measured here in half an hour, and the tables.
 scaling: export NODEVICE_SELECT = 1

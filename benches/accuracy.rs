@@ -1,14 +1,21 @@
 //! Writes docs/accuracy.md: the findings of `gpu-rt tradeoff` on scenes of this repository.
 //!
-//! `cargo bench --bench accuracy [-- --budget 70s]`: the budget is for each scene. GPU_RT_BENCH_DEVICE names the
+//! `cargo bench --bench accuracy [-- --budget 70s]`: the budget is for each scene. Denoising is measured in sweeps of its own, of half that;
+//! `--denoising` measures and writes that section alone. GPU_RT_BENCH_DEVICE names the
 //! device, if it is not the default one. `make accuracy` runs it.
 
 use std::error::Error;
 use std::fmt::Write as _;
 use std::fs;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
+use std::time::Instant;
 
+use gpu_rt::Scene;
+use gpu_rt::denoise::{Denoiser, Noisy};
+use gpu_rt::tradeoff::judge::FLIP_TARGET;
+use gpu_rt::tradeoff::model::samples_to;
 use gpu_rt::tradeoff::report::{CAPTION, time_text};
 use serde_json::Value;
 
@@ -145,7 +152,7 @@ fn machine() -> String {
     format!("{count} x {}", name.map_or("an unnamed processor", |(_, name)| name))
 }
 
-fn document(reports: &[Report], budget: &str) -> String {
+fn document(reports: &[Report], denoising: &str, budget: &str) -> String {
     let first = &reports[0];
     let mut text = format!(
         "# Accuracy\n\nWhat the settings of `gpu-rt render` trade: seconds against noise and bias, measured by `gpu-rt tradeoff` on {} scenes.\n\
@@ -190,6 +197,7 @@ fn document(reports: &[Report], budget: &str) -> String {
              15 % is no difference. *Italic*: unreliable. never: the bias may be larger than the target. –: the setting does not affect the scene. \
              Empty: not measured.\n\n";
     text += &overview(reports);
+    text += denoising;
     for report in reports {
         text += &section(report);
     }
@@ -286,6 +294,136 @@ fn overview(reports: &[Report]) -> String {
     text
 }
 
+const DENOISING: &str = "\n## Denoising\n";
+/// Denoising is measured in the middle of the image: this part of its width and height. Its pixels are as small as those of the whole image,
+/// because a denoiser loses more of the detail in larger ones.
+const MIDDLE_OF: u32 = 8;
+/// How often denoising the whole image is timed. The least counts.
+const TIMED: u32 = 3;
+
+/// A sweep of denoising over the middle of a scene.
+struct Denoised {
+    report: Report,
+    whole: (u32, u32),
+    /// The seconds of denoising the whole image.
+    seconds: f64,
+}
+
+/// The text of a scene of which the image is the middle, and the size of the whole image.
+fn middle_of(path: &Path) -> Result<(String, (u32, u32))> {
+    let text = fs::read_to_string(path)?;
+    let scene = Scene::parse(&text, path)?;
+    let (width, height, fov) = (scene.image.width, scene.image.height, scene.camera.vertical_fov);
+    // Parts of even sides stand in the middle of images of even sides; half a row does not matter.
+    let (w, h) = (width / MIDDLE_OF / 4 * 4, height / MIDDLE_OF / 4 * 4);
+    let narrow = 2.0 * ((0.5 * fov).to_radians().tan() * f64::from(h) / f64::from(height)).atan().to_degrees();
+    let mut middle = text.clone();
+    for (old, new) in [
+        (format!("image: (width: {width}, height: {height})"), format!("image: (width: {w}, height: {h})")),
+        (format!("vertical_fov: {fov}"), format!("vertical_fov: {narrow}")),
+    ] {
+        if middle.matches(&old).count() != 1 {
+            return Err(format!("{}: expected `{old}` once", path.display()).into());
+        }
+        middle = middle.replace(&old, &new);
+    }
+    Ok((middle, (width, height)))
+}
+
+fn measure_denoised(path: &'static str, budget: &str, denoiser: &Denoiser, folder: &Path) -> Result<Denoised> {
+    let scene = path.rsplit('/').next().unwrap_or(path);
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("{path}.ron"));
+    let (text, whole) = middle_of(&file)?;
+    let mut command = Command::new(env!("CARGO_BIN_EXE_gpu-rt"));
+    command.args(["tradeoff", "-", "--knobs", "denoise", "--budget", budget, "--json", "-o"]).arg(folder.join(scene));
+    if let Ok(device) = std::env::var("GPU_RT_BENCH_DEVICE") {
+        command.args(["--device", &device]);
+    }
+    // Paths in a scene on standard input are relative to the current folder.
+    command.current_dir(file.parent().unwrap_or(Path::new(".")));
+    let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn()?;
+    child.stdin.take().ok_or("no standard input")?.write_all(text.as_bytes())?;
+    let output = child.wait_with_output()?;
+    if !output.status.success() {
+        return Err(format!("{scene}: {}", output.status).into());
+    }
+    let layer = vec![[0.5; 3]; whole.0 as usize * whole.1 as usize];
+    let noisy = Noisy { size: whole, rgb: &layer, albedo: Some(&layer), normal: Some(&layer) };
+    let mut seconds = f64::INFINITY;
+    for _ in 0..TIMED {
+        let begin = Instant::now();
+        denoiser.denoise(&noisy)?;
+        seconds = seconds.min(begin.elapsed().as_secs_f64());
+    }
+    Ok(Denoised { report: Report { scene, json: serde_json::from_slice(&output.stdout)? }, whole, seconds })
+}
+
+/// What denoising changes: a row for each scene.
+fn denoising(all: &[Denoised], budget: &str) -> String {
+    let mut text = format!(
+        "{DENOISING}\n[`--denoise`](denoising.md) beside the defaults, in sweeps of {budget} over the middle of each image. Its pixels are as small as those of \
+         the whole image unless the budget is too short for that, which the second column tells: a denoiser loses more of the detail in larger pixels. \
+         Seconds are for the whole image, as if all of it were like the middle, on the machine as it was during these sweeps, other load included: \
+         compare them within a row. Each pair is the defaults → `--denoise`. FLIP is that of an image with 4, \
+         16 and 64 samples against the mean image of all rounds of the defaults. That image's own noise (its relMSE is in the third column) makes all \
+         FLIPs larger. The bias and bias² (a relMSE) are those with 16 samples. –: not reached with 64 times the samples.\n\n\
+         | scene | measured at | noise of the mean | FLIP with 4 samples | 16 | 64 | to FLIP 0.05 | to relMSE 1e-2 | s / sample | denoising takes | bias of the \
+         mean | bias² |\n|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n"
+    );
+    for Denoised { report, whole, seconds } in all {
+        let (Some(raw), Some(denoised)) = (report.setting("defaults"), report.setting("--denoise")) else { continue };
+        let number = |key: &str| report.json[key].as_f64().unwrap_or(f64::NAN);
+        let parts = f64::from(whole.0) * f64::from(whole.1) / (number("whole_width") * number("whole_height"));
+        let flips = |setting: Setting<'_>| -> Vec<(u32, f64)> {
+            let all = setting.0["flip"].as_array().into_iter().flatten();
+            all.filter_map(|flip| Some((flip["samples"].as_u64()? as u32, flip["flip"].as_f64()?))).collect()
+        };
+        let beside = |setting: Setting<'_>| if setting.name() == "--denoise" { *seconds } else { 0.0 };
+        let per_sample = |setting: Setting<'_>| parts * setting.number("seconds_per_sample");
+        let to_flip = |setting: Setting<'_>| {
+            let samples = samples_to(&flips(setting), FLIP_TARGET);
+            samples.map_or("–".to_string(), |n| time_text(Some(beside(setting) + n * per_sample(setting))))
+        };
+        let to_error = |setting: Setting<'_>| {
+            let of_samples = setting.time(MIDDLE).map(|time| time - setting.number("seconds_beside"));
+            time_text(of_samples.map(|time| beside(setting) + parts * time))
+        };
+        let both = |of: &dyn Fn(Setting<'_>) -> String| format!("{} → {}", of(raw), of(denoised));
+        let flip = |at: usize| both(&|setting| flips(setting).get(at).map_or(String::new(), |(_, flip)| short(*flip)));
+        let _ = writeln!(
+            text,
+            "| {} | {}x{} of {}x{} | {:.0e} | {} | {} | {} | {} | {} | {} | {} | {} | {:.0e} |",
+            report.link(),
+            report.json["width"],
+            report.json["height"],
+            report.json["whole_width"],
+            report.json["whole_height"],
+            number("relmse_of_reference"),
+            flip(0),
+            flip(1),
+            flip(2),
+            both(&to_flip),
+            both(&to_error),
+            both(&|setting| short(per_sample(setting))),
+            time_text(Some(*seconds)),
+            denoised.bias(true),
+            denoised.number("squared_bias"),
+        );
+    }
+    text
+}
+
+/// The document with another section of denoising.
+fn with_denoising(document: &str, section: &str) -> Result<String> {
+    const NEXT: &str = "\n## ";
+    let first = format!("{NEXT}{}\n", SCENES[0].rsplit('/').next().unwrap_or_default());
+    let (before, after) = match document.split_once(DENOISING) {
+        Some((before, rest)) => (before, &rest[rest.find(NEXT).unwrap_or(rest.len())..]),
+        None => document.split_at(document.find(&first).ok_or("the document has no section of a scene")?),
+    };
+    Ok(format!("{before}{section}{after}"))
+}
+
 fn section(report: &Report) -> String {
     let mut text = format!("\n## {}\n\n", report.scene);
     let words = |value: &Value| value.as_str().unwrap_or_default().to_string();
@@ -323,18 +461,30 @@ fn section(report: &Report) -> String {
 
 fn main() -> Result<()> {
     let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
-    let budget = match &words[..] {
+    let denoising_alone = words.iter().any(|word| word == "--denoising");
+    let words: Vec<&str> = words.iter().map(String::as_str).filter(|word| *word != "--denoising").collect();
+    let budget = match words[..] {
         [] => "70s",
-        [option, budget] if option == "--budget" => budget,
-        _ => return Err("expected nothing or --budget TIME".into()),
+        ["--budget", budget] => budget,
+        _ => return Err("expected --budget TIME, --denoising, both or nothing".into()),
     };
+    let half = format!("{}s", gpu_rt::cli::duration(budget)?.as_secs().div_ceil(2));
     let folder = tempfile::tempdir()?;
-    let mut reports = Vec::new();
+    let path: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/accuracy.md");
+    let denoiser = Denoiser::open(None)?;
+    let (mut denoised, mut reports) = (Vec::new(), Vec::new());
     for path in SCENES {
         eprintln!("{path}");
-        reports.push(measure(path, budget, folder.path())?);
+        denoised.push(measure_denoised(path, &half, &denoiser, folder.path())?);
+        if !denoising_alone {
+            reports.push(measure(path, budget, folder.path())?);
+        }
     }
-    let path: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/accuracy.md");
-    fs::write(path, document(&reports, budget))?;
+    let section = denoising(&denoised, &half);
+    let document = match denoising_alone {
+        true => with_denoising(&fs::read_to_string(&path)?, &section)?,
+        false => document(&reports, &section, budget),
+    };
+    fs::write(path, document)?;
     Ok(())
 }

@@ -9,11 +9,13 @@ use super::outputs::check_name;
 use super::scene::{load_scene, name_of, stem_of};
 use super::signals::Signals;
 use super::{make_folder, open_device, path_text, print_json, print_line, tell, tell_denoised, tell_software};
+use crate::aov::Aov;
 use crate::cli::{Cli, Command, RenderArgs, Size, TradeoffArgs};
+use crate::denoise::Denoiser;
 use crate::error::{Error, Result};
 use crate::metrics::estimate::Estimate;
 use crate::metrics::flip::error_map;
-use crate::options::{Class, KNOBS, Knob, MAX_DEPTH, SIZE, SPP};
+use crate::options::{Class, DENOISE, KNOBS, Knob, MAX_DEPTH, SIZE, SPP};
 use crate::output::atomic;
 use crate::output::exr::{ExrImage, read_exr};
 use crate::output::plot::Width;
@@ -97,6 +99,7 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     let compiling = Duration::from_secs_f64(pilot.subjects[0].seconds_compile).saturating_mul(settings.len() as u32);
     let for_rounds = left.saturating_sub(compiling.min(left.mul_f64(COMPILING)));
     let size = size_of(whole, pixels_for(of_pixel, settings.len(), for_rounds), exact);
+    let denoiser = denoiser_of(args, &knobs)?;
     let mut sweep = match stop() || size == pilot.size {
         true => {
             // The pilot's round is repeated together with the other settings.
@@ -104,7 +107,8 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
             pilot
         }
         false => Sweep::new(&device, &scene, size, seed),
-    };
+    }
+    .denoised_by(denoiser.as_ref());
     let size = sweep.size;
     compile(&mut sweep, settings, of_pixel * pixels_ratio(size, (1, 1)), at(MEASURING), &stop, &mut progress)?;
     let mut enough = false;
@@ -126,11 +130,12 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     let reference = reference.map(|file| Truth::of_file(&file, size));
     let unreached = if stop() { INTERRUPTED } else { UNREACHED };
     let calibration = measured_whole.as_ref().map(|found| (found.slower, found.noisier));
-    let of_whole = match measured_whole {
+    let mut of_whole = match measured_whole {
         Some(found) => found,
         None if size == whole => Whole::of_sweep(&sweep),
         None => Whole::unknown(&sweep, whole),
     };
+    of_whole.seconds_to_denoise = sweep.seconds_to_denoise(whole, at(CALIBRATING))?.unwrap_or(0.0);
     let judged = judge(&mut sweep, reference.as_ref(), &of_whole, unreached);
     if judged.measured.is_empty() && !stop() {
         return Err(too_short(args));
@@ -231,7 +236,8 @@ fn too_short(args: &TradeoffArgs) -> Error {
 /// The knobs of the command line, each once; all knobs by default. The number of samples is not a knob here, because
 /// every setting is measured at several numbers. What is a matter of taste has no error.
 fn knobs_of(args: &TradeoffArgs) -> Result<Vec<&'static Knob>> {
-    let all = || KNOBS.iter().copied().filter(|knob| knob.name != SPP.name && knob.class != Class::Look);
+    let of_image = || KNOBS.iter().copied().filter(|knob| knob.name != SPP.name && knob.class != Class::Look);
+    let all = || of_image().chain([&DENOISE]);
     for name in &args.knobs {
         if name == SPP.name {
             let why = "every setting is measured over its samples; the report has the number that each target takes";
@@ -243,6 +249,17 @@ fn knobs_of(args: &TradeoffArgs) -> Result<Vec<&'static Knob>> {
         }
     }
     Ok(all().filter(|knob| args.knobs.is_empty() || args.knobs.iter().any(|name| name == knob.name)).collect())
+}
+
+/// What denoises; none if nothing is denoised. Who asks for it by name is told what is wrong with its library. Otherwise the setting is not measured.
+fn denoiser_of(args: &TradeoffArgs, knobs: &[&Knob]) -> Result<Option<Denoiser>> {
+    if !knobs.iter().any(|knob| knob.name == DENOISE.name) {
+        return Ok(None);
+    }
+    match Denoiser::open(args.oidn.as_deref()) {
+        Err(error) if args.oidn.is_some() || args.knobs.iter().any(|name| name == DENOISE.name) => Err(error),
+        opened => Ok(opened.ok()),
+    }
 }
 
 /// The folder for the report. Creates it unless it exists.
@@ -269,13 +286,18 @@ fn options(more: &[String]) -> Result<RenderArgs> {
 fn settings_of(scene: &Scene, knobs: &[&'static Knob]) -> Result<Vec<Setting>> {
     let setting = |knob: Option<&'static Knob>, value: &str| -> Result<Setting> {
         let given = knob.map_or(Vec::new(), |knob| vec![format!("--{}", knob.name), value.to_string()]);
-        let args = options(&given)?;
+        // A flag has no value.
+        let given: Vec<String> = given.into_iter().filter(|word| !word.is_empty()).collect();
+        let mut args = options(&given)?;
+        if args.denoise {
+            args.options.aov.include(&[Aov::Albedo, Aov::Normal]);
+        }
         let scale = match args.size {
             Some(Size::Share(share)) => share,
             _ => 1.0,
         };
         let max_depth = args.paths.max_depth.unwrap_or(scene.render.max_depth);
-        Ok(Setting { knob, value: value.to_string(), options: args.options, max_depth, scale })
+        Ok(Setting { knob, value: value.to_string(), options: args.options, max_depth, scale, denoise: args.denoise })
     };
     let mut settings = vec![setting(None, "")?];
     for knob in knobs {

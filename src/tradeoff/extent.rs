@@ -31,6 +31,8 @@ pub struct Whole {
     pub size: (u32, u32),
     /// Images of the defaults, each with its own random numbers; none if there was not enough time.
     pub images: Vec<Pixels>,
+    /// The seconds that denoising an image takes; 0 if no setting does.
+    pub seconds_to_denoise: f64,
 }
 
 impl Whole {
@@ -38,12 +40,18 @@ impl Whole {
     pub fn of_sweep(sweep: &Sweep<'_>) -> Whole {
         let blocks = sweep.subjects.first().and_then(|defaults| defaults.blocks.get(&LEVEL));
         let images = blocks.into_iter().flatten().map(|block| block.image.clone()).collect();
-        Whole { slower: 1.0, noisier: 1.0, size: sweep.size, images }
+        Whole { slower: 1.0, noisier: 1.0, size: sweep.size, images, seconds_to_denoise: 0.0 }
     }
 
     /// For a whole size that was not measured: the time is assumed to grow with the number of pixels.
     pub fn unknown(sweep: &Sweep<'_>, size: (u32, u32)) -> Whole {
-        Whole { slower: pixels_ratio(size, sweep.size), noisier: 1.0, size, images: Vec::new() }
+        Whole {
+            slower: pixels_ratio(size, sweep.size),
+            noisier: 1.0,
+            size,
+            images: Vec::new(),
+            seconds_to_denoise: 0.0,
+        }
     }
 
     /// The bias of an image with smaller sides: that of the mean, and that of the pixels, squared. The expectation of a
@@ -113,7 +121,7 @@ pub fn calibrate(sweep: &mut Sweep<'_>, whole: (u32, u32), until: Instant, stop:
         noise(images, &weights, 1)
     };
     let noisier = noise_of(&at_whole).zip(noise_of(&at_small)).map_or(1.0, |(whole, small)| ratio(whole, small));
-    Ok(Some(Whole { slower: median(&slower), noisier, size: whole, images: at_whole }))
+    Ok(Some(Whole { slower: median(&slower), noisier, size: whole, images: at_whole, seconds_to_denoise: 0.0 }))
 }
 
 /// The ratio of the numbers of pixels of two sizes.

@@ -1,17 +1,20 @@
 //! Judges every setting from the blocks of a sweep: seconds, noise, bias, time to an error, and its standing among the others.
 
 use super::extent::Whole;
-use super::model::{Falling, Model, Standing, Times, doubt, falling, standings};
+use super::model::{Falling, Model, Standing, Times, doubt, falling, falling_denoised, samples_to, standings};
 use super::pace::{Pace, paces};
-use super::replicates::{FEWEST_ROUNDS, Pixels, Weights, noise, signed_bias, squared_bias, sum_of};
-use super::sweep::{LEVEL, LEVELS, Setting, Subject, Sweep, rounds_between};
+use super::replicates::{FEWEST_ROUNDS, Pixels, Weights, noise, signed_bias, squared_bias, squared_bias_apart, sum_of};
+use super::sweep::{Block, LEVEL, LEVELS, Setting, Subject, Sweep, rounds_between};
 use super::truth::{Distance, Truth};
 use crate::metrics::error::RELATIVE_FLOOR;
 use crate::metrics::estimate::Estimate;
+use crate::metrics::flip::error_map;
 use crate::options::Class;
 
 /// The targets: relMSE to reach.
 pub const TARGETS: [f64; 3] = [1e-1, 1e-2, 1e-3];
+/// The FLIP to reach: the perceived difference of an image that shows little of its noise.
+pub const FLIP_TARGET: f64 = 0.05;
 /// The probability that the report calls any unbiased setting biased.
 const FALSE_ALARMS: f64 = 0.05;
 
@@ -38,8 +41,10 @@ pub struct Measured {
     pub seconds_spread: f64,
     pub seconds_doubt: f64,
     pub model: Model,
-    /// The relMSE of the noise for each measured number of samples, at the whole size.
+    /// The relMSE of the noise for each measured number of samples, at the whole size; of denoised images that of noise and bias.
     pub noises: Vec<(u32, f64)>,
+    /// The FLIP of an image for each measured number of samples, at the size of the sweep.
+    pub flips: Vec<(u32, f64)>,
     /// The relative bias of the mean, with its sign. It is against the defaults, or against the reference if the
     /// defaults differ from it.
     pub signed: Estimate,
@@ -64,6 +69,16 @@ pub struct Measured {
 }
 
 impl Measured {
+    /// The seconds until FLIP reaches [`FLIP_TARGET`]; none if it is not known to.
+    pub fn seconds_to_flip(&self) -> Option<f64> {
+        samples_to(&self.flips, FLIP_TARGET).map(|samples| self.model.seconds_of(samples))
+    }
+
+    /// The squared bias: what remains with infinitely many samples, or of denoised images with [`LEVEL`] of them.
+    pub fn bias_squared(&self) -> f64 {
+        if self.setting.denoise { self.squared.value.max(0.0) } else { self.model.squared_bias }
+    }
+
     /// 1 / (relative variance of a sample × its seconds) (Pharr, Jakob, Humphreys, PBR 4th ed., section 2.1.4), at
     /// [`LEVEL`] samples.
     pub fn efficiency(&self) -> f64 {
@@ -224,8 +239,9 @@ pub fn judge(sweep: &mut Sweep<'_>, reference: Option<&Truth>, whole: &Whole, un
         let matters = measured.signed.value.powi(2).max(measured.squared.value) > NEGLIGIBLE;
         measured.lacks_paths = declared && !measured.biased && matters && shows(&measured.signed, &measured.squared);
         measured.reliable &= measured.bias_known && !measured.lacks_paths;
-        // A setting that is declared unbiased has no bias unless one is found.
-        if !declared || measured.biased {
+        // A setting that is declared unbiased has no bias unless one is found. That of denoised images falls with the samples, and is in
+        // the error that was measured at each number of them.
+        if !measured.setting.denoise && (!declared || measured.biased) {
             let (least, most) = by_mean(&measured.signed, &weights.image);
             measured.model.squared_bias = measured.squared.value.max(least);
             measured.model.squared_bias_upper = measured.squared.upper().max(most);
@@ -235,6 +251,12 @@ pub fn judge(sweep: &mut Sweep<'_>, reference: Option<&Truth>, whole: &Whole, un
         let is_faithful = |target: &f64| !measured.biased || lost <= target.sqrt();
         let time = |target: f64| Some(target).filter(is_faithful).and_then(|target| measured.model.seconds_to(target));
         measured.times = TARGETS.map(time);
+    }
+    let first = Truth::after_first_round(sweep);
+    if let Some(truth) = reference.or(first.as_ref()) {
+        found
+            .iter_mut()
+            .for_each(|(subject, measured)| measured.flips = flips(&sweep.subjects[*subject], truth, sweep.size));
     }
     let mut found: Vec<Measured> = found.into_iter().map(|(_, measured)| measured).collect();
     let times = |m: &Measured| Times { seconds: m.times.to_vec(), doubt: m.seconds_doubt, reliable: m.reliable };
@@ -307,6 +329,16 @@ fn seconds(subject: &Subject<'_>) -> Vec<f64> {
     blocks.iter().map(|block| block.seconds / f64::from(LEVEL)).collect()
 }
 
+/// The FLIP of the first image of each number of samples.
+fn flips(subject: &Subject<'_>, truth: &Truth, size: (u32, u32)) -> Vec<(u32, f64)> {
+    let flip = |image: &Pixels| {
+        let map = error_map(size.0 as usize, image, &truth.image);
+        map.iter().map(|&e| f64::from(e)).sum::<f64>() / map.len().max(1) as f64
+    };
+    let first = |(samples, blocks): (&u32, &Vec<Block>)| Some((*samples, flip(&blocks.first()?.image)));
+    subject.blocks.iter().filter_map(first).collect()
+}
+
 /// The images that biases are measured with.
 fn images(subject: &Subject<'_>) -> Vec<Pixels> {
     subject.blocks.get(&LEVEL).map_or(Vec::new(), |blocks| blocks.iter().map(|block| block.image.clone()).collect())
@@ -326,11 +358,21 @@ fn measured(
         Some(blocks.iter().map(|block| block.image.clone()).collect::<Vec<_>>())
     };
     let (own_images, base_images) = (images(subject, LEVEL)?, images(defaults, LEVEL)?);
-    let levels: Vec<(u32, Estimate)> = common
-        .iter()
-        .filter_map(|&(level, _)| Some((level, noise(&images(subject, level)?, weights, rounds_between(level))?)))
-        .collect();
-    let fall = falling(&levels, subject.setting.options.sampler).or_else(|| {
+    // The bias of denoised images falls with the samples, so it is a part of what falls.
+    let denoises = subject.setting.denoise;
+    let error = |level: u32| {
+        let (own, apart) = (images(subject, level)?, rounds_between(level));
+        let noise = noise(&own, weights, apart)?;
+        let bias = if denoises { squared_bias_apart(&own, &images(defaults, level)?, weights, apart) } else { None };
+        Some(bias.map_or(noise, |bias| Estimate {
+            value: noise.value + bias.value.max(0.0),
+            error: noise.error.hypot(bias.error),
+            ..noise
+        }))
+    };
+    let levels: Vec<(u32, Estimate)> = common.iter().filter_map(|&(level, _)| Some((level, error(level)?))).collect();
+    let fall = if denoises { falling_denoised(&levels) } else { falling(&levels, subject.setting.options.sampler) };
+    let fall = fall.or_else(|| {
         // A scene of one colour has no noise at all.
         let silent = levels.iter().all(|(_, noise)| noise.value <= 0.0);
         (silent && !levels.is_empty()).then_some(Falling::SILENT)
@@ -346,7 +388,14 @@ fn measured(
         seconds,
         seconds_spread: whole.slower * pace.spread,
         seconds_doubt: pace.doubt,
-        model: Model { squared_bias: 0.0, squared_bias_upper: 0.0, noise: fall, seconds },
+        model: Model {
+            squared_bias: 0.0,
+            squared_bias_upper: 0.0,
+            noise: fall,
+            seconds,
+            seconds_beside: if denoises { whole.seconds_to_denoise } else { 0.0 },
+        },
+        flips: Vec::new(),
         noises: levels.iter().map(|(samples, noise)| (*samples, whole.noisier * noise.value)).collect(),
         signed: signed_bias(&own_images, &base_images, &weights.image)?,
         squared: squared_bias(&own_images, &base_images, weights)?,

@@ -51,10 +51,14 @@ pub struct Model {
     pub noise: Falling,
     /// The seconds for one sample in every pixel.
     pub seconds: f64,
+    /// The seconds that an image takes beside its samples: those of denoising it.
+    pub seconds_beside: f64,
 }
 
 /// The range of plausible exponents. Sobol points reach at most 3, in smooth pixels.
 const EXPONENTS: (f64, f64) = (0.8, 3.0);
+/// The least plausible exponent of what is denoised, whose error is mostly bias: it falls more slowly than noise.
+pub const LEAST_OF_DENOISED: f64 = 0.1;
 /// The prior of the exponent, with its standard error. Noise from rare bright paths is measured too poorly to determine
 /// an exponent, and a wrong exponent is far off at many samples. The mean is that of independent samples; the standard
 /// error is what Sobol points gain on the scenes of this repository.
@@ -70,7 +74,12 @@ impl Model {
     /// squared bias is not below the target.
     pub fn seconds_to(&self, target: f64) -> Option<f64> {
         let left = target - self.squared_bias_upper;
-        (left > 0.0).then(|| self.seconds * self.noise.samples_to(left))
+        (left > 0.0).then(|| self.seconds_of(self.noise.samples_to(left)))
+    }
+
+    /// The seconds of this many samples in every pixel.
+    pub fn seconds_of(&self, samples: f64) -> f64 {
+        self.seconds_beside + self.seconds * samples
     }
 
     /// The relative standard error of [`Model::seconds_to`] that the noise's makes: d ln N = (d ln c N^-p) / p.
@@ -82,6 +91,16 @@ impl Model {
 
 /// Fits c and p of c N^-p to noises at numbers of samples, each weighted by its certainty. Of independent samples p is 1.
 pub fn falling(levels: &[(u32, Estimate)], sampler: Sampler) -> Option<Falling> {
+    fitted(levels, (sampler == Sampler::Sobol).then_some(EXPONENTS))
+}
+
+/// The same of the errors of denoised images.
+pub fn falling_denoised(levels: &[(u32, Estimate)]) -> Option<Falling> {
+    fitted(levels, Some((LEAST_OF_DENOISED, EXPONENTS.1)))
+}
+
+/// Fits c and p, with p in a range; without one it is 1.
+fn fitted(levels: &[(u32, Estimate)], exponents: Option<(f64, f64)>) -> Option<Falling> {
     let known: Vec<(f64, f64, f64)> = levels
         .iter()
         .filter(|(_, noise)| noise.value > 0.0 && noise.error.is_finite())
@@ -100,12 +119,30 @@ pub fn falling(levels: &[(u32, Estimate)], sampler: Sampler) -> Option<Falling> 
     let before = 1.0 / (USUAL.1 * USUAL.1);
     let along = before + known.iter().map(|k| k.2 * (k.0 - x) * (k.0 - x)).sum::<f64>();
     let both: f64 = known.iter().map(|k| k.2 * (k.0 - x) * (k.1 - y)).sum();
-    let (exponent, exponent_error) = match sampler {
-        Sampler::Independent => (1.0, 0.0),
-        Sampler::Sobol => (((before * USUAL.0 - both) / along).clamp(EXPONENTS.0, EXPONENTS.1), along.sqrt().recip()),
+    let (exponent, exponent_error) = match exponents {
+        None => (1.0, 0.0),
+        Some((least, most)) => (((before * USUAL.0 - both) / along).clamp(least, most), along.sqrt().recip()),
     };
     Some(Falling { noise: (y + exponent * x).exp(), exponent, middle: x, error: weight.sqrt().recip(), exponent_error })
 }
+
+/// The number of samples at which figures at some numbers of samples come down to a target, at least one: on a straight line in logarithms between
+/// the two next to it, or through the last two or the first two. None if they do not fall there, or if that is beyond [`FARTHEST`] times the last.
+pub fn samples_to(figures: &[(u32, f64)], target: f64) -> Option<f64> {
+    let points: Vec<(f64, f64)> = figures.iter().map(|(n, figure)| (f64::from(*n).ln(), figure.ln())).collect();
+    let lines = points.windows(2);
+    let line = lines.clone().find(|line| line[1].1 <= target.ln()).or_else(|| lines.clone().last())?;
+    let slope = (line[1].1 - line[0].1) / (line[1].0 - line[0].0);
+    let (farthest, at) = (points.last()?.0 + FARTHEST.ln(), line[0].0 + (target.ln() - line[0].1) / slope);
+    // Where it is there already, a line that rises says nothing.
+    match slope < 0.0 {
+        true => Some(at).filter(|at| *at <= farthest).map(|at| at.exp().max(1.0)),
+        false => figures.iter().find(|(_, figure)| *figure <= target).map(|(n, _)| f64::from(*n)),
+    }
+}
+
+/// How far figures are extrapolated.
+const FARTHEST: f64 = 64.0;
 
 /// The standing of a setting among the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -184,12 +221,35 @@ mod tests {
         let independent = falling(&levels, Sampler::Independent).unwrap();
         assert_eq!((independent.exponent, independent.exponent_half_width()), (1.0, 0.0));
         assert!((independent.doubt(1e6) / independent.error - 1.0).abs() < 1e-9);
-        let model = Model { squared_bias: 0.0, squared_bias_upper: 0.0, noise: found, seconds: 1.0 };
+        let model =
+            Model { squared_bias: 0.0, squared_bias_upper: 0.0, noise: found, seconds: 1.0, seconds_beside: 0.0 };
         assert!(model.doubt_to(1e-6) > model.doubt_to(1e-1) && found.exponent_half_width() > 0.0);
         // An uncertain level has little effect: two levels known to a percent have a weight of 9,600.
         let mut unsure = levels;
         unsure[2].1 = Estimate { value: 10.0 * unsure[2].1.value, error: 1e3, degrees: 2.0 };
         assert!((falling(&unsure, Sampler::Sobol).unwrap().exponent - 1.3).abs() < 4e-3);
+    }
+
+    /// An error of denoised images may fall as slowly as N^-0.5.
+    #[test]
+    fn what_is_denoised_may_fall_slowly() {
+        let levels = [4, 16, 64].map(|n: u32| level(n, 0.3 * f64::from(n).powf(-0.5)));
+        assert!((falling_denoised(&levels).unwrap().exponent - 0.5).abs() < 0.01);
+        assert!((falling(&levels, Sampler::Sobol).unwrap().exponent - 0.8).abs() < 1e-9);
+    }
+
+    #[test]
+    fn figures_come_down_to_a_target() {
+        let falls = [4u32, 16, 64].map(|n| (n, f64::from(n).powf(-0.5)));
+        // Between two, before the first, beyond the last, and too far.
+        for (target, samples) in [(0.2, 25.0), (0.25, 16.0), (0.8, 1.0 / 0.64), (5.0, 1.0), (0.05, 400.0)] {
+            let found = samples_to(&falls, target).unwrap();
+            assert!((found / samples - 1.0).abs() < 1e-9, "{target}: {found}");
+        }
+        assert_eq!(samples_to(&falls, 0.01), None);
+        assert_eq!(samples_to(&[(4, 0.3), (16, 0.2), (64, 0.2)], 0.1), None);
+        assert_eq!(samples_to(&[(4, 0.1), (16, 0.1), (64, 0.1)], 0.1), Some(4.0));
+        assert_eq!((samples_to(&[], 0.1), samples_to(&falls[..1], 0.1)), (None, None));
     }
 
     /// Noise that is known to 30 % does not establish an exponent of 0.6, and the model reports a large error at many samples.
@@ -206,7 +266,9 @@ mod tests {
     #[test]
     fn seconds_to_a_target_know_of_the_bias() {
         let noise = Falling { noise: 0.8, ..Falling::SILENT };
-        let model = Model { squared_bias: 1e-3, squared_bias_upper: 2e-3, noise, seconds: 0.5 };
+        let model = Model { squared_bias: 1e-3, squared_bias_upper: 2e-3, noise, seconds: 0.5, seconds_beside: 0.0 };
+        let with_denoising = Model { seconds_beside: 3.0, ..model };
+        assert!((with_denoising.seconds_to(1e-2).unwrap() - 3.0 - 0.5 * 100.0).abs() < 1e-9);
         assert!((model.seconds_to(1e-2).unwrap() - 0.5 * 100.0).abs() < 1e-9);
         assert_eq!(model.seconds_to(2e-3), None);
         assert!((model.error(100.0) - 9e-3).abs() < 1e-12);

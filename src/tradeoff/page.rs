@@ -20,7 +20,7 @@ const STYLE: &str = "
   :root { --ink: #e8e8ec; --paper: #17171b; --line: #3a3a42; --soft: #a6a6b0; --front: #1d3324; }
   figure svg { filter: invert(.91) hue-rotate(180deg); }
 }
-body { font: 16px/1.5 system-ui, sans-serif; color: var(--ink); background: var(--paper); margin: 1.5rem auto; padding: 0 1rem; max-width: 80rem; overflow-wrap: anywhere; }
+body { font: 16px/1.5 system-ui, sans-serif; color: var(--ink); background: var(--paper); margin: 1.5rem auto; padding: 0 1rem; max-width: 86rem; overflow-wrap: anywhere; }
 h1 { font-size: 1.6rem; line-height: 1.25; margin: 0; } h2 { font-size: 1.2rem; margin-top: 2rem; }
 ul { padding-left: 1.2rem; } li { margin: .2rem 0; } code, .figure { white-space: nowrap; }
 p, li { max-width: 60rem; } .note { color: var(--soft); }
@@ -31,7 +31,7 @@ th, td { text-align: right; padding: .3rem .35rem; border-bottom: 1px solid var(
 th, td { white-space: nowrap; } td:nth-child(2) { white-space: normal; min-width: 9rem; }
 th:nth-child(-n+3), td:nth-child(-n+3) { text-align: left; }
 tr.front td { background: var(--front); }
-@media (max-width: 76rem) {
+@media (max-width: 82rem) {
   table { display: block; } thead { display: none; }
   tbody { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(19rem, 100%), 1fr)); gap: .8rem; }
   tr { display: block; border: 1px solid var(--line); border-radius: 6px; padding: .4rem .6rem; }
@@ -169,12 +169,12 @@ pub fn plot(report: &Findings, width: Width) -> Result<Option<String>> {
     let curve = |measured: &Measured| {
         let points = (0..=12).map(|power| {
             let samples = f64::from(1u32 << power);
-            (samples * measured.model.seconds, measured.model.error(samples))
+            (measured.model.seconds_of(samples), measured.model.error(samples))
         });
         let name = format!("{} (p {})", measured.setting.name(), exponent_text(measured));
         // A mark is the measured noise at a number of samples plus the bias of the curve.
         let marks = measured.noises.iter().map(|&(samples, noise)| {
-            (f64::from(samples) * measured.model.seconds, measured.model.squared_bias + noise)
+            (measured.model.seconds_of(f64::from(samples)), measured.model.squared_bias + noise)
         });
         Curve { name, points: points.collect(), marks: marks.collect() }
     };
@@ -210,6 +210,6 @@ fn table(report: &Findings) -> String {
     }
     text += "</tbody></table>\n<p class=\"note\">Sorted by the time to 1e-2. Green settings are on the front: no other setting reaches every target as soon. Noise and bias² are \
              relMSE. Noise is extrapolated to one sample a pixel; it falls as N^-p. The figure after ± is half the 95 % interval of the bias, and half the \
-             interquartile range of the seconds over the rounds. Efficiency is 1 / (noise × seconds), relative to the defaults.</p>\n";
+             interquartile range of the seconds over the rounds. FLIP is the perceived difference; 0.05 shows little noise. Efficiency is 1 / (noise × seconds), relative to the defaults.</p>\n";
     text
 }

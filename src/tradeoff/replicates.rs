@@ -151,10 +151,11 @@ pub fn noise(images: &[Pixels], weights: &Weights, apart: usize) -> Option<Estim
 }
 
 /// The mean over pixels and channels of the squared expectation of differences, divided by r² + 0.01. Needs the
-/// differences of three rounds. If there is no difference, it may be below 0 by chance.
-pub(super) fn squared_mean(differences: &[Pixels], weights: &Weights) -> Option<Estimate> {
+/// differences of three rounds, which are `apart` rounds from each other. If there is no difference, it may be below 0 by chance.
+pub(super) fn squared_mean(differences: &[Pixels], weights: &Weights, apart: usize) -> Option<Estimate> {
     let of_pair = |a: usize, b: usize| {
-        product(differences[a].as_flattened(), differences[b].as_flattened(), weights.between(a, b))
+        let weights = weights.between(a * apart, b * apart);
+        product(differences[a].as_flattened(), differences[b].as_flattened(), weights)
     };
     Pairs::of(differences.len(), of_pair).jackknife()
 }
@@ -162,8 +163,18 @@ pub(super) fn squared_mean(differences: &[Pixels], weights: &Weights) -> Option<
 /// The squared bias of the pixels: the relMSE that remains with infinitely many samples. Needs three pairs of
 /// replicates of the setting and of the baseline.
 pub fn squared_bias(setting: &[Pixels], baseline: &[Pixels], weights: &Weights) -> Option<Estimate> {
+    squared_bias_apart(setting, baseline, weights, 1)
+}
+
+/// The same of pairs that are `apart` rounds from each other.
+pub(super) fn squared_bias_apart(
+    setting: &[Pixels],
+    baseline: &[Pixels],
+    weights: &Weights,
+    apart: usize,
+) -> Option<Estimate> {
     let differences: Vec<Pixels> = setting.iter().zip(baseline).map(|(a, b)| difference(a, b)).collect();
-    squared_mean(&differences, weights)
+    squared_mean(&differences, weights, apart)
 }
 
 /// The signed bias of the mean over pixels and channels, relative to the mean of the reference. Pairs share their

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::judge::{Measured, TARGETS, preferred, recommended, sooner_with_bias};
+use super::judge::{FLIP_TARGET, Measured, TARGETS, preferred, recommended, sooner_with_bias};
 use super::model::Standing;
 use super::sweep::{LEVEL, Setting, Unmeasured};
 use super::truth::Distance;
@@ -67,13 +67,14 @@ pub const CAPTION: &str = "relMSE is the mean over pixels and channels of (error
 pub const MOST_CURVES: usize = 10;
 
 /// The columns of the tables.
-pub const HEADINGS: [&str; 12] = [
+pub const HEADINGS: [&str; 13] = [
     "setting",
     "verdict",
     "gives up",
     "to 1e-1",
     "to 1e-2",
     "to 1e-3",
+    "FLIP 0.05",
     "bias of the mean",
     "bias²",
     "s / sample",
@@ -84,7 +85,7 @@ pub const HEADINGS: [&str; 12] = [
 /// The columns of the CSV.
 const COLUMNS: &str = "setting,knob,value,class,gives_up,measured,rounds,seconds_compile,seconds_per_sample,seconds_spread,variance_1spp,\
                        exponent,exponent_half_width,bias,bias_half_width,squared_bias,squared_bias_upper,biased,reliable,seconds_to_1e-1,seconds_to_1e-2,\
-                       seconds_to_1e-3,efficiency,verdict,device,driver";
+                       seconds_to_1e-3,seconds_beside,seconds_to_flip,efficiency,verdict,device,driver";
 
 /// The name of a class in the tables.
 pub fn class_name(class: Class) -> &'static str {
@@ -171,6 +172,10 @@ fn cost_text(best: &Measured) -> String {
     if best.biased {
         let stays = format!("a relMSE of {} that more samples do not remove", relmse_text(best.model.squared_bias));
         return match value {
+            _ if best.setting.denoise => {
+                let at_level = relmse_text(best.bias_squared());
+                format!("biased by a relMSE of {at_level} with {LEVEL} samples, of less with more")
+            }
             _ if best.setting.class() == Class::Detail => format!("loses detail, {stays}"),
             // Losses and gains of different pixels cancel in the mean.
             _ if value.abs() <= half => format!("biased by {stays}"),
@@ -258,7 +263,23 @@ impl Findings {
             };
             format!("To reach relMSE {target} use {what}: {time}, {cost}{besides}")
         };
-        recommended(&self.measured).into_iter().enumerate().map(sentence).collect()
+        recommended(&self.measured).into_iter().enumerate().map(sentence).chain(self.flip_of_denoised()).collect()
+    }
+
+    /// What denoising changes in the time to a FLIP, in words; none if no setting denoises.
+    fn flip_of_denoised(&self) -> Option<String> {
+        let denoised = self.measured.iter().find(|measured| measured.setting.denoise)?;
+        let time = |measured: &Measured| match measured.seconds_to_flip() {
+            None => "is not reached".to_string(),
+            time => format!("takes {}", time_text(time)),
+        };
+        Some(format!(
+            "A FLIP of {FLIP_TARGET} {} with the defaults, and {} with {}, of which denoising takes {}",
+            time(self.measured.first()?),
+            time(denoised),
+            denoised.named(),
+            time_text(Some(denoised.model.seconds_beside))
+        ))
     }
 
     /// The conditions of the measurement.
@@ -361,8 +382,9 @@ impl Findings {
             coarse,
             middle,
             fine,
+            measured.seconds_to_flip().map_or("–".to_string(), |seconds| time_text(Some(seconds))),
             bias_text(measured),
-            relmse_text(measured.model.squared_bias),
+            relmse_text(measured.bias_squared()),
             seconds_text(measured),
             format!("{:.3}", measured.model.noise.noise),
             exponent_text(measured),
@@ -450,6 +472,9 @@ impl Findings {
                 "reliable": measured.reliable,
                 "noise_doubt": measured.noise_doubt,
                 "seconds_to": times.map(|(target, time)| json!({"relmse": target, "seconds": time})).collect::<Vec<_>>(),
+                "seconds_beside": model.seconds_beside,
+                "flip": measured.flips.iter().map(|(samples, flip)| json!({"samples": samples, "flip": flip})).collect::<Vec<_>>(),
+                "seconds_to_flip": measured.seconds_to_flip(),
                 "efficiency": measured.efficiency(),
             });
             let mut row = row(&measured.setting, true, measured.verdict());
@@ -473,7 +498,7 @@ impl Findings {
                     "relmse": target,
                     "setting": best[i].map(|measured| measured.setting.name()),
                     "seconds": best[i].and_then(|measured| measured.times[i]),
-                    "samples": best[i].and_then(|measured| Some(measured.times[i]? / measured.model.seconds)),
+                    "samples": best[i].and_then(|m| Some((m.times[i]? - m.model.seconds_beside) / m.model.seconds)),
                     "words": words,
                 })
             })

@@ -4,8 +4,10 @@ use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 use super::replicates::{FEWEST_ROUNDS, Pixels};
+use crate::aov::Aov;
 use crate::data;
-use crate::error::Result;
+use crate::denoise::{Denoiser, Noisy};
+use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::flatten::flatten;
 use crate::gpu::device::Device;
@@ -46,6 +48,8 @@ pub struct Setting {
     pub max_depth: u32,
     /// The ratio of the image's sides to those of the sweep.
     pub scale: f64,
+    /// Whether its images are denoised.
+    pub denoise: bool,
 }
 
 impl Setting {
@@ -64,7 +68,7 @@ impl Setting {
 #[derive(Clone, Debug)]
 pub struct Block {
     pub image: Pixels,
-    /// Only the time of the passes.
+    /// Only the time of the passes. Denoising is not in it: its time does not grow with the samples.
     pub seconds: f64,
 }
 
@@ -95,6 +99,8 @@ pub struct Sweep<'a> {
     pub unmeasured: Vec<Unmeasured>,
     device: &'a Device,
     scene: &'a Scene,
+    /// Without it, settings that denoise are not measured.
+    denoiser: Option<&'a Denoiser>,
     pub seed: u32,
     /// The number of rounds that all subjects have.
     rounds: usize,
@@ -144,7 +150,22 @@ impl Sweep<'_> {
 impl<'a> Sweep<'a> {
     /// An empty sweep over images of this size.
     pub fn new(device: &'a Device, scene: &'a Scene, size: (u32, u32), seed: u32) -> Sweep<'a> {
-        Sweep { size, subjects: Vec::new(), unmeasured: Vec::new(), device, scene, seed, rounds: 0, defaults: None }
+        Sweep {
+            size,
+            subjects: Vec::new(),
+            unmeasured: Vec::new(),
+            device,
+            scene,
+            denoiser: None,
+            seed,
+            rounds: 0,
+            defaults: None,
+        }
+    }
+
+    /// The same with a denoiser.
+    pub fn denoised_by(self, denoiser: Option<&'a Denoiser>) -> Sweep<'a> {
+        Sweep { denoiser, ..self }
     }
 
     /// Compiles a setting; the first must be the defaults. A setting that does nothing to this scene, or that the
@@ -182,6 +203,11 @@ impl<'a> Sweep<'a> {
     }
 
     fn compile(&mut self, setting: &Setting) -> Result<Option<Subject<'a>>> {
+        if setting.denoise && self.denoiser.is_none() {
+            return Err(Error::Denoiser(
+                "it needs Open Image Denoise; `gpu-rt denoise` says how to get it".to_string(),
+            ));
+        }
         let begin = Instant::now();
         let size = scaled(self.size, setting.scale);
         let flat = flatten(self.scene, size, &setting.options)?;
@@ -214,14 +240,37 @@ impl<'a> Sweep<'a> {
         let Subject { size, setting, .. } = &self.subjects[subject];
         let job = self.job(*size, setting.max_depth, samples, seed);
         let whole = self.size;
-        let Subject { renderer, film, size, .. } = &mut self.subjects[subject];
+        let Subject { renderer, film, size, setting, .. } = &mut self.subjects[subject];
         film.clear();
         let outcome = renderer.run(&job, film, &mut |_, _| if stop() { Next::Stop } else { Next::GoOn })?;
         if outcome.interrupted {
             return Ok(None);
         }
-        let image = enlarged(&film.develop().rgb, *size, whole);
-        Ok(Some(Block { image, seconds: outcome.seconds }))
+        let image = match self.denoiser.filter(|_| setting.denoise) {
+            Some(denoiser) => Layers::of(film).denoised(denoiser, *size)?,
+            None => film.develop().rgb,
+        };
+        Ok(Some(Block { image: enlarged(&image, *size, whole), seconds: outcome.seconds }))
+    }
+
+    /// The seconds that denoising an image of some size takes; none if no setting denoises. They do not depend on what the image shows. It is timed
+    /// several times, but only once after `until`.
+    pub fn seconds_to_denoise(&self, size: (u32, u32), until: Instant) -> Result<Option<f64>> {
+        let Some(subject) = self.subjects.iter().find(|subject| subject.setting.denoise) else { return Ok(None) };
+        let Some(denoiser) = self.denoiser else { return Ok(None) };
+        let Layers { rgb, albedo, normal } = Layers::of(&subject.film);
+        let [rgb, albedo, normal] = [rgb, albedo, normal].map(|layer| enlarged(&layer, subject.size, size));
+        let layers = Layers { rgb, albedo, normal };
+        let mut least = f64::INFINITY;
+        for _ in 0..TIMED {
+            let begin = Instant::now();
+            layers.denoised(denoiser, size)?;
+            least = least.min(begin.elapsed().as_secs_f64());
+            if Instant::now() > until {
+                break;
+            }
+        }
+        Ok(Some(least))
     }
 
     /// Renders rounds of blocks of every subject until the time is over, `stop` is true, or `most` rounds are done,
@@ -287,6 +336,36 @@ impl<'a> Sweep<'a> {
             Some(last.seconds * f64::from(level) / f64::from(*samples))
         });
         Duration::from_secs_f64(known.next_back().unwrap_or(0.0))
+    }
+}
+
+/// How often denoising is timed. The least counts, because other load on the machine only adds to it.
+const TIMED: u32 = 3;
+
+/// What a denoiser takes.
+struct Layers {
+    rgb: Pixels,
+    albedo: Pixels,
+    normal: Pixels,
+}
+
+impl Layers {
+    fn of(film: &Film) -> Layers {
+        let channels = film.aovs().channels();
+        let layer = |aov: Aov| -> Pixels {
+            let component = |index: usize, c: usize| {
+                let found = channels.iter().find(|channel| channel.aov == aov && channel.component == c);
+                found.map_or(0.0, |channel| film.channel(index, channel))
+            };
+            let pixels = film.width() as usize * film.height() as usize;
+            (0..pixels).map(|index| std::array::from_fn(|c| component(index, c))).collect()
+        };
+        Layers { rgb: film.develop().rgb, albedo: layer(Aov::Albedo), normal: layer(Aov::Normal) }
+    }
+
+    fn denoised(&self, denoiser: &Denoiser, size: (u32, u32)) -> Result<Pixels> {
+        let (albedo, normal) = (Some(self.albedo.as_slice()), Some(self.normal.as_slice()));
+        denoiser.denoise(&Noisy { size, rgb: &self.rgb, albedo, normal })
     }
 }
 

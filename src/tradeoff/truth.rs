@@ -40,15 +40,21 @@ impl Truth {
     /// left out, because no image should be judged by itself.
     pub fn pooled(sweep: &Sweep<'_>, without: Option<usize>) -> Option<Truth> {
         let unbiased = |subject: &Subject<'_>| matches!(subject.setting.class(), Class::Exact | Class::Noise);
-        Truth::joined(sweep, |i, subject| Some(i) != without && unbiased(subject))
+        Truth::joined(sweep, 0, |i, subject| Some(i) != without && unbiased(subject))
+    }
+
+    /// The mean of all images of unbiased settings but for those of the first round, whose images it does not share any random numbers with.
+    pub fn after_first_round(sweep: &Sweep<'_>) -> Option<Truth> {
+        Truth::joined(sweep, 1, |_, subject| matches!(subject.setting.class(), Class::Exact | Class::Noise))
     }
 
     /// The mean of all images of one subject.
     pub fn of_subject(sweep: &Sweep<'_>, own: usize) -> Option<Truth> {
-        Truth::joined(sweep, |i, _| i == own)
+        Truth::joined(sweep, 0, |i, _| i == own)
     }
 
-    fn joined(sweep: &Sweep<'_>, takes: impl Fn(usize, &Subject<'_>) -> bool) -> Option<Truth> {
+    /// Leaves out the first `skipped` images of each number of samples.
+    fn joined(sweep: &Sweep<'_>, skipped: usize, takes: impl Fn(usize, &Subject<'_>) -> bool) -> Option<Truth> {
         // Two halves: the even and the odd rounds. Images of one round share their random numbers, but the two halves
         // share none, so that their difference measures the noise, whatever the number of settings.
         let empty = vec![[0.0f64; 3]; sweep.size.0 as usize * sweep.size.1 as usize];
@@ -58,7 +64,7 @@ impl Truth {
                 continue;
             }
             for (samples, blocks) in &subject.blocks {
-                for (round, block) in blocks.iter().enumerate() {
+                for (round, block) in blocks.iter().enumerate().skip(skipped) {
                     let n = f64::from(*samples);
                     weights[round % 2] += n;
                     for (sum, pixel) in sums[round % 2].iter_mut().zip(&block.image) {
@@ -121,7 +127,7 @@ impl Truth {
         let same = vec![self.image.clone(); images.len()];
         let signed = signed_bias(images, &same, &self.image)?;
         let differences: Vec<Pixels> = images.iter().map(|image| difference(image, &self.image)).collect();
-        let squared = squared_mean(&differences, weights)?;
+        let squared = squared_mean(&differences, weights, 1)?;
         // The variance of (b + e)² minus an estimate of E e² has three parts. e² contributes 2 σ⁴. An estimate with one
         // degree of freedom contributes 2 σ⁴, and the expectation of its square is 3 σ⁴. With more degrees the estimate
         // contributes less, and its square is about σ⁴. Twice the square is enough in both cases. The product 2 b e

@@ -12,7 +12,7 @@ fn setting(knob: Option<(&str, &str)>) -> Setting {
     let (name, value) = knob.unzip();
     let knob = name.map(|name| *KNOBS.iter().find(|knob| knob.name == name).expect("a knob"));
     let value = value.unwrap_or_default().to_string();
-    Setting { knob, value, options: RenderOptions::default(), max_depth: 50, scale: 1.0 }
+    Setting { knob, value, options: RenderOptions::default(), max_depth: 50, scale: 1.0, denoise: false }
 }
 
 /// A setting whose noise was measured with these numbers of samples.
@@ -28,7 +28,8 @@ fn measured(setting: Setting, samples: &[u32]) -> Measured {
         seconds: 0.1,
         seconds_spread: 0.01,
         seconds_doubt: 0.01,
-        model: Model { squared_bias: 0.0, squared_bias_upper: 0.0, noise, seconds: 0.1 },
+        model: Model { squared_bias: 0.0, squared_bias_upper: 0.0, noise, seconds: 0.1, seconds_beside: 0.0 },
+        flips: samples.iter().map(|&samples| (samples, 0.5 / f64::from(samples).sqrt())).collect(),
         noises: samples.iter().map(|&samples| (samples, noise.at(f64::from(samples)))).collect(),
         signed: none,
         squared: none,
@@ -139,5 +140,5 @@ fn no_screen_scrolls_sideways() {
     }
     // A row of the table becomes a card, whose cells name their column.
     assert!(style.contains("content: attr(data-heading)"));
-    assert_eq!(page.matches("<td data-heading=").count(), 12);
+    assert_eq!(page.matches("<td data-heading=").count(), 13);
 }

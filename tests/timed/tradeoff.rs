@@ -1,5 +1,6 @@
 //! `gpu-rt tradeoff`: planted biases are found, noise is not called a bias, and what is recommended does what was promised.
 
+use crate::common::oidn;
 use crate::common::program::{self, Ran};
 use crate::common::tables::compare;
 use crate::common::{device, render};
@@ -8,9 +9,11 @@ use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
+use gpu_rt::aov::Aov;
 use gpu_rt::data::Sampler;
+use gpu_rt::denoise::Denoiser;
 use gpu_rt::metrics::error::relmse;
-use gpu_rt::options::{CLAMP, INTEGRATOR, Integrator, ROULETTE, RenderOptions, SAMPLER, SIZE, Switch};
+use gpu_rt::options::{CLAMP, DENOISE, INTEGRATOR, Integrator, ROULETTE, RenderOptions, SAMPLER, SIZE, Switch};
 use gpu_rt::output::exr::read_exr;
 use gpu_rt::scene::Scene;
 use gpu_rt::tradeoff::extent::Whole;
@@ -112,6 +115,7 @@ fn unbiased(scene: &Scene) -> Vec<Setting> {
         options,
         max_depth: scene.render.max_depth,
         scale: 1.0,
+        denoise: false,
     };
     vec![
         setting(None, "", RenderOptions::default()),
@@ -388,7 +392,7 @@ fn the_program_reports_and_its_advice_is_kept() {
     let settings = json["settings"].as_array().expect("settings");
     assert_eq!(csv.lines().count(), 1 + settings.len());
     let columns = csv.lines().next().map(|line| line.split(',').count());
-    assert_eq!(columns, Some(26));
+    assert_eq!(columns, Some(28));
     // Every value of every knob asked for is there, measured or not.
     let named: Vec<&str> = settings.iter().filter_map(|setting| setting["setting"].as_str()).collect();
     for name in [
@@ -439,6 +443,54 @@ fn kept(place: &Path, scene: &str, advice: &Value) -> Vec<f64> {
     let mut errors: Vec<f64> = (1..=5).map(|seed| error(seed).expect("of one size")).collect();
     errors.sort_by(f64::total_cmp);
     errors
+}
+
+/// Denoised images are nearer to the truth, with a bias that is in their error, and cost time of their own.
+#[test]
+fn denoising_is_measured_as_a_setting() {
+    let _machine = alone();
+    let scene = scene(ROOM);
+    let denoiser = Denoiser::open(Some(&oidn::folder())).unwrap_or_else(|error| panic!("{error}"));
+    let defaults = unbiased(&scene).remove(0);
+    let mut options = RenderOptions::default();
+    options.aov.include(&[Aov::Albedo, Aov::Normal]);
+    let denoise = Setting { knob: Some(&DENOISE), options, denoise: true, ..defaults.clone() };
+    let mut sweep = Sweep::new(device::software(), &scene, (48, 48), 0).denoised_by(Some(&denoiser));
+    sweep.add(defaults.clone()).expect("it compiles");
+    sweep.add(denoise.clone()).expect("it compiles");
+    measure(&mut sweep, 1, 9);
+    let mut whole = Whole::of_sweep(&sweep);
+    whole.seconds_to_denoise = 3.0;
+    let found = judge(&mut sweep, None, &whole, "").measured;
+    let [raw, denoised] = &found[..] else { panic!("{found:?}") };
+    assert_eq!((denoised.setting.name().as_str(), denoised.biased, raw.biased), ("--denoise", true, false));
+    // In an image of 48 x 48 pixels detail is as small as noise, so that denoising gains little.
+    let (before, after) = (raw.flips[0], denoised.flips[0]);
+    assert!(before.0 == 4 && after.0 == 4 && after.1 < 0.95 * before.1, "{before:?} {after:?}");
+    // What falls is all of its error.
+    for (samples, error) in &denoised.noises {
+        let images = |subject: usize| -> Vec<Pixels> {
+            sweep.subjects[subject].blocks[samples].iter().map(|block| block.image.clone()).collect()
+        };
+        let truth = Truth::of_subject(&sweep, 0).expect("images").image;
+        let all: f64 = images(1).iter().map(|image| relmse(image, &truth).expect("of one size")).sum();
+        let mean = all / images(1).len() as f64;
+        assert!((error / mean - 1.0).abs() < 0.35, "{samples}: {error} is stated, {mean} is so");
+    }
+    assert!(denoised.bias_squared() > 1e-4 && denoised.model.squared_bias == 0.0, "{denoised:?}");
+    assert_eq!((raw.model.seconds_beside, denoised.model.seconds_beside), (0.0, 3.0));
+    assert!(denoised.times.iter().flatten().all(|seconds| *seconds > 3.0));
+    let timed = sweep.seconds_to_denoise((96, 96), Instant::now()).expect("it denoises");
+    assert!(timed.is_some_and(|seconds| seconds > 0.0));
+
+    // Without the library it is not measured, and an error where it is asked for.
+    let mut other = Sweep::new(device::software(), &scene, (48, 48), 0);
+    [defaults, denoise].into_iter().for_each(|setting| other.add(setting).expect("the defaults compile"));
+    assert!(other.subjects.len() == 1 && other.unmeasured[0].why.contains("it needs Open Image Denoise"));
+    let place = tempfile::tempdir().expect("a temporary folder");
+    std::fs::write(place.path().join("room.ron"), ROOM).expect("it is written");
+    let ran = run(place.path(), &["tradeoff", "room.ron", "--knobs", "denoise", "--oidn", "."]).exits(1);
+    assert!(ran.stderr.contains("neither it nor its folder lib or bin has"), "{}", ran.stderr);
 }
 
 /// A setting that is much noisier beside the defaults does not change what is promised of these.

@@ -604,10 +604,10 @@ fn job_of(args: &RenderArgs, scene: &Scene, size: (u32, u32), start: Instant) ->
 }
 
 /// What developing and writing the image is allowed for under `--time`: measured as 0.15 to 0.5 µs a pixel on two cores, and 0.5 to 0.6 µs more
-/// with the state; denoising takes 2 to 4 µs.
+/// with the state; denoising takes 5 µs.
 fn write_time((width, height): (u32, u32), args: &RenderArgs) -> Duration {
     let state = if args.no_state { 0 } else { 600 };
-    let denoise = if args.denoise { 4000 } else { 0 };
+    let denoise = if args.denoise { 5000 } else { 0 };
     let pixels = u64::from(width) * u64::from(height);
     Duration::from_nanos(pixels * (500 + state + denoise)) + Duration::from_millis(20)
 }
