@@ -154,6 +154,21 @@ pub struct GltfArgs {
     /// Of a .glb or .gltf: an image of the sky, as `background: Image` takes it.
     #[arg(long, value_name = "FILE", help_heading = GLTF)]
     pub sky: Option<PathBuf>,
+    /// Of a .glb or .gltf: add a sun, at this elevation, and this azimuth from -z to +x, in degrees.
+    #[arg(long, value_name = "ELEVATION,AZIMUTH", num_args = 0..=1, require_equals = true, default_missing_value = "45,60",
+          value_parser = sun, allow_hyphen_values = true, help_heading = GLTF)]
+    pub sun: Option<(f64, f64)>,
+    /// Of a .glb or .gltf: divide the intensities of its lights by 683 lm/W, which Blender multiplies watts by.
+    #[arg(long, help_heading = GLTF)]
+    pub watts: bool,
+}
+
+/// The place of a sun: two angles in degrees.
+fn sun(text: &str) -> Result<(f64, f64), String> {
+    let angles =
+        text.split_once(',').and_then(|(a, b)| Some((a.trim().parse::<f64>().ok()?, b.trim().parse::<f64>().ok()?)));
+    let fits = |(elevation, azimuth): &(f64, f64)| elevation.abs() <= 90.0 && azimuth.abs() <= 360.0;
+    angles.filter(fits).ok_or_else(|| "expected an elevation of at most 90 and an azimuth, such as 45,60".to_owned())
 }
 
 const GLTF: &str = "Scenes that are glTF";
@@ -214,7 +229,20 @@ pub struct SubmitArgs {
 
 /// The arguments of `submit` that a folder has already.
 fn of_a_new_folder() -> impl Iterator<Item = &'static str> {
-    let own = ["scene", "camera", "sky", "spp", "noise", "parts", "output", "size", "checkpoint", "mixed_drivers"];
+    let own = [
+        "scene",
+        "camera",
+        "sky",
+        "sun",
+        "watts",
+        "spp",
+        "noise",
+        "parts",
+        "output",
+        "size",
+        "checkpoint",
+        "mixed_drivers",
+    ];
     own.into_iter().chain(["max_depth", "seed", "device"]).chain(RenderOptions::names())
 }
 

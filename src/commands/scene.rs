@@ -28,7 +28,8 @@ pub fn convert(from: &Path, gltf: &GltfArgs, to: &Path) -> Result<Scene> {
 /// What the command line asks of a glTF scene. Its paths are relative to the current folder, and those of scenes to their own.
 fn wishes(args: &GltfArgs) -> Wishes {
     let sky = args.sky.as_ref().map(|path| std::path::absolute(path).unwrap_or(path.clone()));
-    Wishes { camera: args.camera.clone(), sky: sky.map(|path| path.to_string_lossy().into_owned()) }
+    let sky = sky.map(|path| path.to_string_lossy().into_owned());
+    Wishes { camera: args.camera.clone(), sky, sun: args.sun, watts: args.watts }
 }
 
 /// The scene's name, which names of outputs begin with: that of its file without the ending, or `stdin`.

@@ -132,7 +132,9 @@ fn add_gltf(scene: &mut Scene, findings: &mut Findings, progress: &mut OnProgres
             let file = scene.source.resolve(path);
             assets.note(&file);
             let read = match gltf::is_gltf(&file) {
-                true => assets.gltf.open(&file, progress).and_then(|file| file.contents(path, &format!("{path}#"))),
+                true => {
+                    assets.gltf.open(&file, progress).and_then(|file| file.contents(path, &format!("{path}#"), false))
+                }
                 false => Err("expected a path that ends in .gltf or .glb".to_owned().into()),
             };
             let read =
@@ -180,7 +182,9 @@ pub fn of_gltf(
         false => relative(to.parent().unwrap_or(Path::new("")), file),
     };
     let name = seen(path).to_string_lossy().into_owned();
-    let mut contents = assets.gltf.open(path, progress).and_then(|file| file.contents(&name, "")).map_err(broken)?;
+    let mut contents =
+        assets.gltf.open(path, progress).and_then(|file| file.contents(&name, "", wishes.watts)).map_err(broken)?;
+    contents.objects.extend(wishes.sun.map(gltf::sun));
     let view = contents.choose(wishes.camera.as_deref()).map_err(Error::Usage)?;
     let has_view = view.is_some();
     let (camera, image) = view.unwrap_or_else(|| gltf::framing((DVec3::ZERO, DVec3::ZERO)));
@@ -190,7 +194,7 @@ pub fn of_gltf(
         None if contents.emits() => Background::Solid(Colour::ZERO),
         None => {
             contents.notes.push(
-                "nothing in it emits light, so that a sky of white and blue does: give another with --sky FILE"
+                "nothing in it emits light, so that a sky of white and blue does: give another with --sky FILE, or a sun with --sun"
                     .to_owned(),
             );
             SKY

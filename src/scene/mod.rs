@@ -62,12 +62,21 @@ pub struct Wishes {
     pub camera: Option<String>,
     /// The image of the sky.
     pub sky: Option<String>,
+    /// The elevation and the azimuth of a sun.
+    pub sun: Option<(f64, f64)>,
+    /// Whether intensities of lights are divided by 683.
+    pub watts: bool,
 }
 
 impl Wishes {
     /// Refuses what a scene of our own form says itself.
     pub fn refuse(&self, path: &Path) -> Result<()> {
-        let asked = [("--camera", self.camera.is_some(), "camera"), ("--sky", self.sky.is_some(), "background")];
+        let asked = [
+            ("--camera", self.camera.is_some(), "camera"),
+            ("--sky", self.sky.is_some(), "background"),
+            ("--sun", self.sun.is_some(), "lights"),
+            ("--watts", self.watts, "lights"),
+        ];
         match asked.into_iter().find(|(_, is_asked, _)| *is_asked) {
             Some((option, _, field)) => Err(Error::Usage(format!(
                 "{option} is for scenes that are .glb or .gltf: {} has its own {field}",

@@ -240,6 +240,70 @@ fn texture_coordinates_are_those_that_the_material_wants() {
     assert_eq!(uvs(json!({"index": 0, "texCoord": 5})), [[0.0, 0.0]; 4]);
 }
 
+/// The room with a point, a spot and a directional light in place of the lamp.
+fn with_lights() -> Value {
+    let mut json = changed("/scenes/0/nodes", json!([0, 2, 3]));
+    json["extensions"] = json!({"KHR_lights_punctual": {"lights": [
+        {"type": "point", "intensity": 68.3, "color": [1, 0.5, 0], "range": 9},
+        {"type": "spot", "intensity": 2, "spot": {"innerConeAngle": 0.1, "outerConeAngle": 0.5}},
+        {"type": "directional", "intensity": 3}]}});
+    for (node, light) in [(0, 0), (2, 1), (3, 2)] {
+        json["nodes"][node].as_object_mut().unwrap().remove("mesh");
+        json["nodes"][node]["extensions"] = json!({"KHR_lights_punctual": {"light": light}});
+    }
+    json
+}
+
+#[test]
+fn lights_are_those_of_the_file() {
+    let json = with_lights();
+    let scene = load(&json).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(scene.objects[0], Object::PointLight { at: DVec3::ZERO, intensity: DVec3::new(68.3, 34.15, 0.0) });
+    // The quarter turn takes -z to +y.
+    let Object::SpotLight { at, towards, intensity, inner, outer } = scene.objects[1] else { panic!() };
+    assert!((at, intensity) == (DVec3::new(0.0, 4.0, 0.0), DVec3::splat(2.0)));
+    assert!(((towards - at).normalize() - DVec3::Y).length() < 1e-9, "{towards}");
+    assert!((inner - 0.1_f64.to_degrees()).abs() < 1e-9 && (outer - 0.5_f64.to_degrees()).abs() < 1e-9);
+    let Object::DirectionalLight { direction, irradiance } = scene.objects[2] else { panic!() };
+    assert!((direction + DVec3::X).length() < 1e-9 && irradiance == DVec3::splat(3.0), "{direction}");
+    assert_eq!(scene.background, Background::Solid(DVec3::ZERO));
+    let range = "extensions.KHR_lights_punctual: the range of lights is not read: light has none";
+    assert!(notes(&json).contains(&range.to_owned()), "{:?}", notes(&json));
+
+    let watts = Wishes { watts: true, ..Wishes::default() };
+    let Object::PointLight { intensity, .. } = load_as(&json, &watts).unwrap().objects[0] else { panic!() };
+    assert!((intensity - DVec3::new(0.1, 0.05, 0.0)).length() < 1e-12);
+    let mut of_blender = json.clone();
+    of_blender["asset"]["generator"] = json!("Khronos glTF Blender I/O v4.2.57");
+    assert!(notes(&of_blender).join(" ").contains("--watts") && !notes(&json).join(" ").contains("--watts"));
+    for (pointer, value, at) in [
+        ("/lights/0/type", json!("round"), "lights[0].type"),
+        ("/lights/0/intensity", json!(-1), "lights[0].intensity"),
+        ("/lights/1/spot", json!(null), "lights[1].spot"),
+        ("/lights/1/spot/outerConeAngle", json!(0), "lights[1].spot.outerConeAngle"),
+    ] {
+        let mut broken = json.clone();
+        *broken["extensions"]["KHR_lights_punctual"].pointer_mut(pointer).unwrap() = value;
+        let error = load(&broken).err().unwrap_or_else(|| panic!("{pointer} was accepted")).to_string();
+        assert!(error.contains(&format!("room.glb: extensions.KHR_lights_punctual.{at}: ")), "{error}");
+    }
+    let mut broken = json;
+    broken["nodes"][3]["extensions"]["KHR_lights_punctual"]["light"] = json!(9);
+    let error = load(&broken).unwrap_err().to_string();
+    assert!(error.contains("nodes[3].extensions.KHR_lights_punctual.light: there is no light 9"), "{error}");
+}
+
+#[test]
+fn a_sun_is_added_where_it_is_asked_for() {
+    let sun = Wishes { sun: Some((30.0, 90.0)), ..Wishes::default() };
+    let scene = load_as(&changed("/scenes/0/nodes", json!([0, 4])), &sun).unwrap();
+    let Some(&Object::DirectionalLight { direction, irradiance }) = scene.objects.last() else { panic!() };
+    // From the east, 30 degrees high.
+    assert!((direction - DVec3::new(-(0.75_f64.sqrt()), -0.5, 0.0)).length() < 1e-12, "{direction}");
+    assert_eq!(irradiance, DVec3::splat(std::f64::consts::PI));
+    assert!(matches!(scene.background, Background::Gradient { .. }));
+}
+
 fn scene_with(folder: &Path, objects: &str) -> Result<Scene, Error> {
     let text = format!(
         "(image: (width: 4, height: 3), camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vertical_fov: 40),

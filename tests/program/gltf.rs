@@ -53,6 +53,7 @@ fn what_convert_cannot_do_is_refused() {
             "--camera: there is no camera \"Up\": expected one of \"Front\"",
         ),
         ("convert ../scenes/room.glb -o gone/a.ron", "gone/a.ron: cannot write"),
+        ("check ../scenes/sphere.ron --sun", "--sun is for scenes that are .glb or .gltf"),
         ("check ../scenes/sphere.ron --sky a.exr", "--sky is for scenes that are .glb or .gltf"),
     ] {
         let ran = place.says(words).exits(2);

@@ -23,6 +23,8 @@ pub struct Contents {
     pub objects: Vec<Object>,
     /// The meshes of the objects with their transforms, for a camera that sees them all.
     pub placed: Vec<(String, DAffine3)>,
+    /// How many of the objects are lights without size.
+    lights: usize,
     /// In the order of their nodes.
     pub views: Vec<View>,
     /// What is not as the file says, each with its place in the JSON.
@@ -50,7 +52,7 @@ impl Contents {
 
     /// Whether anything emits light.
     pub fn emits(&self) -> bool {
-        self.materials.iter().any(|(_, material)| material.model().two_sided.is_some())
+        self.lights > 0 || self.materials.iter().any(|(_, material)| material.model().two_sided.is_some())
     }
 }
 
@@ -82,18 +84,24 @@ pub fn bounds(placed: &[(String, DAffine3)], meshes: &BTreeMap<String, Arc<Mesh>
 
 impl File {
     /// The contents of the default scene. `path` is the file as the scene names it; names of materials begin with `prefix`.
-    pub fn contents(&self, path: &str, prefix: &str) -> Result<Contents> {
-        guarded(|| self.read_contents(path, prefix))?
+    /// `watts` says that its lights are in units of 1/683 W, as Blender writes them.
+    pub fn contents(&self, path: &str, prefix: &str, watts: bool) -> Result<Contents> {
+        guarded(|| self.read_contents(path, prefix, watts))?
     }
 
-    fn read_contents(&self, path: &str, prefix: &str) -> Result<Contents> {
+    fn read_contents(&self, path: &str, prefix: &str, watts: bool) -> Result<Contents> {
         let root = self.root();
         let mut contents = Contents::default();
         let mut materials = Materials { file: self, path, prefix, names: HashMap::new(), taken: HashSet::new() };
-        let mut without_triangles = 0;
+        let (mut without_triangles, mut ranges) = (0, 0);
         let (mut of_mesh, mut baked) = (HashSet::new(), Vec::new());
         for placed in self.nodes() {
             contents.views.extend(self.view(&placed, &mut contents.notes)?);
+            if let Some(light) = self.light(&placed, watts)? {
+                contents.objects.push(light.object);
+                contents.lights += 1;
+                ranges += usize::from(light.has_range);
+            }
             let Some(mesh) = placed.node.mesh.map(|mesh| mesh.value()) else { continue };
             let transforms = similarity(&placed.to_scene);
             let is_first = of_mesh.insert(mesh);
@@ -134,14 +142,18 @@ impl File {
         }
         let primitives = || root.meshes.iter().flat_map(|mesh| &mesh.primitives);
         let coloured = primitives().filter(|primitive| self.is_coloured(primitive)).count();
-        let lights = root.extensions.as_ref().and_then(|found| found.khr_lights_punctual.as_ref());
-        let lights = lights.map_or(0, |lights| lights.lights.len());
+        let of_blender = root.asset.generator.as_ref().is_some_and(|name| name.contains("Blender"));
         for (is_there, note) in [
             (coloured > 0, "meshes: vertex colours (COLOR_0) are not read"),
             (!root.skins.is_empty(), "skins are not read: meshes have the shape in which they were bound"),
             (!root.animations.is_empty(), "animations are not read"),
             (primitives().any(|it| it.targets.is_some()), "meshes: morph targets are not read"),
-            (lights > 0, "extensions.KHR_lights_punctual: lights are not read"),
+            (ranges > 0, "extensions.KHR_lights_punctual: the range of lights is not read: light has none"),
+            (
+                contents.lights > 0 && of_blender && !watts,
+                "asset.generator: Blender multiplies the watts of its lights by 683 lm/W: --watts divides by it, so that \
+                 they are as bright beside other lights as there",
+            ),
         ] {
             if is_there {
                 notes.push(note.to_owned());

@@ -62,8 +62,13 @@ pub fn default_material() -> Material {
     Material::Metal { albedo: Texture::Rgb(1.0, 1.0, 1.0), fuzz: 1.0 }
 }
 
-fn colour(rgb: [f32; 3]) -> Colour {
+pub fn colour(rgb: [f32; 3]) -> Colour {
     DVec3::from_array(rgb.map(decimal))
+}
+
+/// Cut to the range of radiance.
+pub fn radiance(light: Colour) -> Colour {
+    light.map(|x| if x < SMALLEST_RADIANCE { 0.0 } else { x.min(LARGEST_RADIANCE) })
 }
 
 fn emission(given: &Given) -> Colour {
@@ -138,7 +143,6 @@ impl File {
         let mut found = Notes::default();
         let [r, g, b, alpha] = pbr.base_color_factor.0;
         let base = share(colour([r, g, b]), "baseColorFactor", &mut found);
-        let radiance = emission(given);
         let image = main_texture(given).map(|(field, info)| self.image_path(&at, field, info, path, &mut found));
         let image = image.transpose()?.flatten();
         let texture = |tint: Colour| match image {
@@ -153,8 +157,7 @@ impl File {
         let material = match model {
             Model::Light => {
                 found.add_if(base != Colour::ZERO, "it emits, and does not reflect");
-                let fits = |x: f64| if x < SMALLEST_RADIANCE { 0.0 } else { x.min(LARGEST_RADIANCE) };
-                Material::DiffuseLight { emit: texture(radiance.map(fits)), two_sided: given.double_sided }
+                Material::DiffuseLight { emit: texture(radiance(emission(given))), two_sided: given.double_sided }
             }
             Model::Glass => {
                 let ior = extensions.and_then(|found| found.ior.as_ref()).map_or(1.5, |ior| decimal(ior.ior.0));

@@ -9,6 +9,7 @@ mod accessors;
 mod camera;
 mod contents;
 mod geometry;
+mod light;
 mod material;
 mod nodes;
 
@@ -30,6 +31,7 @@ use crate::guard::guarded;
 
 pub use camera::framing;
 pub use contents::bounds;
+pub use light::sun;
 
 /// The longest JSON, in bytes. A file with more has its buffers in base64, and a copy of them in memory.
 const LONGEST_JSON: usize = 1 << 28;

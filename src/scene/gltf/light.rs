@@ -1,0 +1,79 @@
+//! The lights of KHR_lights_punctual.
+
+use glam::DVec3;
+use gltf::json::extensions::scene::khr_lights_punctual::Type;
+use gltf::json::validation::Checked;
+
+use super::material::{colour, radiance};
+use super::nodes::Placed;
+use super::{Broken, File, Result, decimal};
+use crate::scene::types::Object;
+
+/// Lumens of a watt of green light: what Blender multiplies the watts of its lights by.
+const LUMENS: f64 = 683.0;
+
+/// A light of the file.
+pub struct Light {
+    pub object: Object,
+    /// Whether it has a range, which is no property of light.
+    pub has_range: bool,
+}
+
+impl File {
+    /// The light of a node. In `watts`, the file's numbers are divided by 683.
+    pub fn light(&self, placed: &Placed, watts: bool) -> Result<Option<Light>> {
+        let of_node = placed.node.extensions.as_ref().and_then(|found| found.khr_lights_punctual.as_ref());
+        let Some(index) = of_node.map(|found| found.light.value()) else { return Ok(None) };
+        let node = format!("nodes[{}]", placed.index);
+        let all = self.root().extensions.as_ref().and_then(|found| found.khr_lights_punctual.as_ref());
+        let Some(light) = all.and_then(|all| all.lights.get(index)) else {
+            let at = format!("{node}.extensions.KHR_lights_punctual.light");
+            return Err(Broken::new(at, format!("there is no light {index}")));
+        };
+        let wrong = |field: &str, reason: String| {
+            Broken::new(format!("extensions.KHR_lights_punctual.lights[{index}].{field}"), reason)
+        };
+        let strength = decimal(light.intensity);
+        if strength < 0.0 || light.color.iter().any(|channel| *channel < 0.0) {
+            return Err(wrong("intensity", "expected no negative light".to_owned()));
+        }
+        let strength = radiance(strength / if watts { LUMENS } else { 1.0 } * colour(light.color));
+        let at = placed.to_scene.translation;
+        let direction = -placed.to_scene.matrix3.z_axis.normalize_or_zero();
+        if direction == DVec3::ZERO && light.type_ != Checked::Valid(Type::Point) {
+            return Err(Broken::new(node, "its light has no direction"));
+        }
+        let object = match light.type_ {
+            Checked::Valid(Type::Point) => Object::PointLight { at, intensity: strength },
+            Checked::Valid(Type::Directional) => Object::DirectionalLight { direction, irradiance: strength },
+            Checked::Valid(Type::Spot) => {
+                let spot =
+                    light.spot.as_ref().ok_or_else(|| wrong("spot", "expected the angles of the spot".to_owned()))?;
+                let outer = decimal(spot.outer_cone_angle);
+                if !(outer > 0.0 && outer <= std::f64::consts::PI) {
+                    let reason = format!("expected an angle above 0 and at most pi / 2, found {outer}");
+                    return Err(wrong("spot.outerConeAngle", reason));
+                }
+                let inner = decimal(spot.inner_cone_angle).clamp(0.0, outer);
+                Object::SpotLight {
+                    at,
+                    towards: at + direction * at.length().max(1.0),
+                    intensity: strength,
+                    inner: inner.to_degrees(),
+                    outer: outer.to_degrees(),
+                }
+            }
+            Checked::Invalid => return Err(wrong("type", "expected point, spot or directional".to_owned())),
+        };
+        Ok(Some(Light { object, has_range: light.range.is_some() }))
+    }
+}
+
+/// A sun at this elevation above the horizon, and this azimuth from north (-z) to east (+x), in degrees. A white surface that faces it is
+/// as bright as a white sky.
+pub fn sun((elevation, azimuth): (f64, f64)) -> Object {
+    let (sin, cos) = elevation.to_radians().sin_cos();
+    let (east, north) = azimuth.to_radians().sin_cos();
+    let direction = -DVec3::new(cos * east, sin, -cos * north);
+    Object::DirectionalLight { direction, irradiance: DVec3::splat(std::f64::consts::PI) }
+}
