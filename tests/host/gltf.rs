@@ -45,16 +45,21 @@ fn camera(look_from: DVec3, vertical_fov: f64) -> impl Fn(&Camera) -> bool {
     move |camera| camera.look_from == look_from && (camera.vertical_fov - vertical_fov).abs() < 1e-5
 }
 
+/// The material of the third square.
+fn metal(roughness: f64) -> Material {
+    Material::Conductor { albedo: Some(Texture::Rgb(0.8, 0.7, 0.6)), eta: None, k: None, roughness }
+}
+
 #[test]
 fn a_file_becomes_objects_materials_and_a_camera() {
     let scene = load(&room().0).unwrap();
     let names: Vec<&str> = scene.materials.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(names, ["Wood", "Lamp", "Steel"]);
     let image = Texture::Image { path: "room.glb#images/0".to_owned(), tint: DVec3::new(0.5, 0.6, 0.7) };
-    assert_eq!(scene.materials[0].1, Material::Lambertian { albedo: image });
+    assert_eq!(scene.materials[0].1, Material::Pbr { base_color: image, metallic: 0.0, roughness: 1.0, ior: 1.5 });
     let emit = Texture::Rgb(10.0, 9.0, 8.0);
     assert_eq!(scene.materials[1].1, Material::DiffuseLight { emit, two_sided: true });
-    assert_eq!(scene.materials[2].1, Material::Metal { albedo: Texture::Rgb(0.8, 0.7, 0.6), fuzz: 0.0 });
+    assert_eq!(scene.materials[2].1, metal(0.0));
     assert_eq!(scene.bitmaps["room.glb#images/0"].texels[3], [1.0, 1.0, 0.127_437_68]);
 
     let mesh = |path: &str| {
@@ -86,6 +91,44 @@ fn a_file_becomes_objects_materials_and_a_camera() {
     assert!(camera(DVec3::new(0.0, 1.0, 8.0), 45.0)(&scene.camera), "{:?}", scene.camera);
     assert_eq!((scene.image.width, scene.image.height), (1280, 800));
     assert_eq!(scene.background, Background::Solid(DVec3::ZERO), "the lamp lights it");
+}
+
+/// The third material, with these properties.
+fn steel(more: Value) -> Material {
+    let mut json = room().0;
+    for (name, value) in more.as_object().unwrap() {
+        json["materials"][2][name] = value.clone();
+    }
+    load(&json).unwrap_or_else(|error| panic!("{error}")).materials.swap_remove(2).1
+}
+
+#[test]
+fn materials_are_those_of_the_standard_as_far_as_ours_go() {
+    let pbr = |metallic: f64, more: Value| {
+        let extensions = json!({ "KHR_materials_ior": {"ior": 1.4}, "KHR_materials_specular": more });
+        let base = json!({"baseColorFactor": [0.8, 0.7, 0.6, 1], "metallicFactor": metallic, "roughnessFactor": 0.3});
+        steel(json!({"pbrMetallicRoughness": base, "extensions": extensions}))
+    };
+    let base_color = Texture::Rgb(0.8, 0.7, 0.6);
+    assert_eq!(pbr(1.0, json!({})), metal(0.3));
+    let expected = Material::Pbr { base_color: base_color.clone(), metallic: 0.25, roughness: 0.3, ior: 1.4 };
+    assert_eq!(pbr(0.25, json!({})), expected);
+    assert_eq!(pbr(0.0, json!({"specularFactor": 0})), Material::Lambertian { albedo: base_color });
+    let Material::Pbr { ior, .. } = pbr(0.0, json!({"specularFactor": 0.25})) else { panic!() };
+    let reflectance = |ior: f64| ((ior - 1.0) / (ior + 1.0)).powi(2);
+    assert!((reflectance(ior) - 0.25 * reflectance(1.4)).abs() < 1e-12);
+    let glass = |roughness: f64| {
+        let extensions =
+            json!({"KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_ior": {"ior": 1.4}});
+        steel(json!({"pbrMetallicRoughness": {"roughnessFactor": roughness}, "extensions": extensions}))
+    };
+    assert_eq!(glass(0.0), Material::Dielectric { ior: 1.4 });
+    assert_eq!(glass(0.5), Material::RoughDielectric { ior: 1.4, roughness: 0.5 });
+    // The image has half of its codes at 0 and half at 255 in green, and 100 in blue.
+    let textured =
+        steel(json!({"pbrMetallicRoughness": {"metallicFactor": 0.5, "metallicRoughnessTexture": {"index": 0}}}));
+    let base_color = Texture::Rgb(1.0, 1.0, 1.0);
+    assert_eq!(textured, Material::Pbr { base_color, metallic: 0.196, roughness: 0.5, ior: 1.5 });
 }
 
 #[test]
@@ -125,7 +168,6 @@ fn what_is_not_read_is_named_once_with_its_material() {
     assert_eq!(
         notes(&room().0),
         [
-            "materials[0] (\"Wood\") is approximated: matt, without reflections",
             "nodes[1]: transforms that mirror or scale unevenly are written into the vertices: 1 node with a mesh that others \
              have too hold a copy of it",
         ]

@@ -108,6 +108,16 @@ impl Loader<'_> {
     }
 }
 
+/// The mean of an image's codes, each from 0 to 1: of numbers that are no colours.
+pub fn mean_code(bytes: &[u8]) -> std::result::Result<[f64; 3], String> {
+    let bitmap = decode(bytes, None, &Budget::default())?;
+    let mut sums = [0.0; 3];
+    for texel in bitmap.texels.iter() {
+        sums.iter_mut().zip(texel).for_each(|(sum, light)| *sum += to_srgb(f64::from(*light)));
+    }
+    Ok(sums.map(|sum| sum / bitmap.texels.len().max(1) as f64))
+}
+
 /// Decodes the bytes of a file, whose name may say its format. Images of floats, such as .exr and .hdr, are linear; all others are sRGB. Alpha is
 /// ignored, and grey becomes a colour.
 fn decode(bytes: &[u8], by_name: Option<ImageFormat>, budget: &Budget) -> std::result::Result<Bitmap, String> {
@@ -199,9 +209,22 @@ fn from_srgb(code: f64) -> f32 {
     light as f32
 }
 
+/// The sRGB code of a linear value in 0..=1.
+fn to_srgb(light: f64) -> f64 {
+    if light <= 0.003_130_804_95 { 12.92 * light } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::from_srgb;
+    use super::{from_srgb, to_srgb};
+
+    #[test]
+    fn codes_come_back() {
+        for code in 0..=255u8 {
+            let code = f64::from(code) / 255.0;
+            assert!((to_srgb(f64::from(from_srgb(code))) - code).abs() < 1e-6);
+        }
+    }
 
     #[test]
     fn decodes_srgb() {

@@ -8,6 +8,7 @@ use gltf::json::texture::{Info, MagFilter, WrappingMode};
 use gltf::json::validation::Checked;
 
 use super::{Broken, File, Part, Result, beside, decimal};
+use crate::scene::bitmap;
 use crate::scene::mesh::quote;
 use crate::scene::types::{Colour, Material, Texture};
 use crate::texture::{LARGEST_RADIANCE, SMALLEST_RADIANCE};
@@ -53,13 +54,12 @@ impl UvPlacing {
 enum Model {
     Light,
     Glass,
-    Metal,
-    Matt,
+    Surface,
 }
 
 /// What a primitive without a material has, by the standard: a white metal that is as rough as can be.
 pub fn default_material() -> Material {
-    Material::Metal { albedo: Texture::Rgb(1.0, 1.0, 1.0), fuzz: 1.0 }
+    Material::Pbr { base_color: Texture::Rgb(1.0, 1.0, 1.0), metallic: 1.0, roughness: 1.0, ior: 1.5 }
 }
 
 pub fn colour(rgb: [f32; 3]) -> Colour {
@@ -85,10 +85,8 @@ fn model(given: &Given) -> Model {
         Model::Light
     } else if transmission.is_some_and(|transmission| transmission.transmission_factor.0 >= 0.5) {
         Model::Glass
-    } else if pbr.metallic_factor.0 >= 0.5 && pbr.metallic_roughness_texture.is_none() {
-        Model::Metal
     } else {
-        Model::Matt
+        Model::Surface
     }
 }
 
@@ -96,7 +94,7 @@ fn model(given: &Given) -> Model {
 fn main_texture(given: &Given) -> Option<(&'static str, &Info)> {
     match model(given) {
         Model::Light => Some(("emissiveTexture", given.emissive_texture.as_ref()?)),
-        Model::Metal | Model::Matt => {
+        Model::Surface => {
             Some(("pbrMetallicRoughness.baseColorTexture", given.pbr_metallic_roughness.base_color_texture.as_ref()?))
         }
         Model::Glass => None,
@@ -150,21 +148,26 @@ impl File {
             None => Texture::Rgb(tint.x, tint.y, tint.z),
         };
         let model = model(given);
-        let (roughness, metallic) = (decimal(pbr.roughness_factor.0), decimal(pbr.metallic_factor.0));
+        let (roughness, metallic) = self.roughness(&at, given, model, &mut found)?;
         let extensions = given.extensions.as_ref();
         let specular = extensions.and_then(|found| found.specular.as_ref());
+        let transmission = extensions.and_then(|found| found.transmission.as_ref());
+        let share = transmission.map_or(0.0, |transmission| decimal(transmission.transmission_factor.0));
+        found.add_if(
+            share > 0.0 && share < 1.0,
+            format!("its transmissionFactor of {share} is taken for {}", share.round()),
+        );
         let is_matt = specular.is_some_and(|specular| specular.specular_factor.0 == 0.0);
+        let ior = extensions.and_then(|found| found.ior.as_ref()).map_or(1.5, |ior| decimal(ior.ior.0));
+        found.add_if(!(1.0..=1e3).contains(&ior), format!("its ior of {ior} is taken for 1.5"));
+        let ior = if (1.0..=1e3).contains(&ior) { ior } else { 1.5 };
         let material = match model {
             Model::Light => {
                 found.add_if(base != Colour::ZERO, "it emits, and does not reflect");
                 Material::DiffuseLight { emit: texture(radiance(emission(given))), two_sided: given.double_sided }
             }
             Model::Glass => {
-                let ior = extensions.and_then(|found| found.ior.as_ref()).map_or(1.5, |ior| decimal(ior.ior.0));
-                let is_valid = (1e-3..=1e3).contains(&ior);
-                found.add_if(!is_valid, format!("its ior of {ior} is taken for 1.5"));
                 found.add_if(base != Colour::ONE || pbr.base_color_texture.is_some(), "clear glass without its colour");
-                found.add_if(roughness > 0.0, format!("smooth, without its roughness of {roughness}"));
                 let volume = extensions.and_then(|found| found.volume.as_ref());
                 let is_thin = volume.is_none_or(|volume| volume.thickness_factor.0 == 0.0);
                 found.add_if(is_thin, "solid, although it is thin-walled");
@@ -172,18 +175,21 @@ impl File {
                     volume.is_some_and(|volume| volume.attenuation_distance.0.is_finite()),
                     "without the absorption of its volume",
                 );
-                Material::Dielectric { ior: if is_valid { ior } else { 1.5 } }
+                match roughness > 0.0 {
+                    true => Material::RoughDielectric { ior, roughness },
+                    false => Material::Dielectric { ior },
+                }
             }
-            Model::Metal => {
-                found.add_if(metallic < 1.0, format!("a metal, although metallicFactor is {metallic}"));
-                let fuzz = (roughness * roughness).clamp(0.0, 1.0);
-                found.add_if(fuzz > 0.0, format!("its roughness of {roughness} is a fuzz of {fuzz:.3}"));
-                Material::Metal { albedo: texture(base), fuzz }
+            Model::Surface if metallic == 1.0 => {
+                Material::Conductor { albedo: Some(texture(base)), eta: None, k: None, roughness }
             }
-            Model::Matt => {
-                found.add_if(!is_matt, "matt, without reflections");
-                found.add_if(metallic > 0.0, "not metallic");
-                Material::Lambertian { albedo: texture(base) }
+            Model::Surface if is_matt && metallic == 0.0 => Material::Lambertian { albedo: texture(base) },
+            Model::Surface => {
+                let factor = specular.map_or(1.0, |specular| decimal(specular.specular_factor.0).clamp(0.0, 1.0));
+                found.add_if(factor != 1.0, format!("its specularFactor of {factor} changes its ior alone"));
+                let reflected = factor.sqrt() * (ior - 1.0) / (ior + 1.0);
+                let ior = if factor == 1.0 { ior } else { (1.0 + reflected) / (1.0 - reflected) };
+                Material::Pbr { base_color: texture(base), metallic, roughness, ior }
             }
         };
         let opaque = matches!(given.alpha_mode, Checked::Valid(AlphaMode::Opaque));
@@ -192,10 +198,12 @@ impl File {
         let has = |it: bool, name: &str| it.then(|| name.to_owned());
         let unread = [
             has(!is_light && emission(given) != Colour::ZERO, "emissiveFactor"),
-            has(!is_light && pbr.metallic_roughness_texture.is_some(), "metallicRoughnessTexture"),
             has(!is_light && given.normal_texture.is_some(), "normalTexture"),
             has(!is_light && given.occlusion_texture.is_some(), "occlusionTexture"),
-            has(!is_matt && specular.is_some(), "KHR_materials_specular"),
+            has(specular.is_some_and(|it| it.specular_texture.is_some()), "specularTexture"),
+            has(specular.is_some_and(|it| it.specular_color_texture.is_some()), "specularColorTexture"),
+            has(specular.is_some_and(|it| it.specular_color_factor.0 != [1.0; 3]), "specularColorFactor"),
+            has(transmission.is_some_and(|it| it.transmission_texture.is_some()), "transmissionTexture"),
             has(extensions.is_some_and(|found| found.unlit.is_some()), "KHR_materials_unlit"),
         ];
         let others = extensions.into_iter().flat_map(|found| found.others.keys().map(|name| quote(name.as_bytes())));
@@ -208,6 +216,21 @@ impl File {
         Ok(material)
     }
 
+    /// The roughness and the metallic share, each cut to 0..1. A texture of them is replaced by its mean.
+    fn roughness(&self, at: &str, given: &Given, model: Model, notes: &mut Notes) -> Result<(f64, f64)> {
+        let pbr = &given.pbr_metallic_roughness;
+        let factors = [pbr.roughness_factor, pbr.metallic_factor].map(|factor| decimal(factor.0).clamp(0.0, 1.0));
+        let texture = pbr.metallic_roughness_texture.as_ref().filter(|_| model != Model::Light);
+        let Some(info) = texture else { return Ok(factors.into()) };
+        let field = "pbrMetallicRoughness.metallicRoughnessTexture";
+        let Some(image) = self.image_of(at, field, info, notes)? else { return Ok(factors.into()) };
+        let [_, green, blue] = bitmap::mean_code(&self.image(image)?)
+            .map_err(|reason| Broken::new(Part::Image(image).to_json(), reason))?;
+        let [roughness, metallic] = [factors[0] * green, factors[1] * blue].map(|mean| (1e3 * mean).round() / 1e3);
+        notes.add(format!("the means of its metallicRoughnessTexture: roughness {roughness}, metallic {metallic}"));
+        Ok((roughness, metallic))
+    }
+
     /// The path of a texture's image, as the scene would write it. Nothing, with a note, where it is of a format that is not read.
     fn image_path(
         &self,
@@ -217,6 +240,31 @@ impl File {
         path: &str,
         notes: &mut Notes,
     ) -> Result<Option<String>> {
+        let Some(source) = self.image_of(material, field, info, notes)? else { return Ok(None) };
+        if let Some(sampler) = self.root().textures.get(info.index.value()).and_then(|texture| texture.sampler) {
+            let number = sampler.value();
+            let sampler = self.root().samplers.get(number);
+            let sampler = sampler.ok_or_else(|| {
+                let at = format!("textures[{}].sampler", info.index.value());
+                Broken::new(at, format!("there is no sampler {number}"))
+            })?;
+            let repeats = |wrap: &Checked<WrappingMode>| matches!(wrap, Checked::Valid(WrappingMode::Repeat));
+            notes.add_if(!repeats(&sampler.wrap_s) || !repeats(&sampler.wrap_t), format!("{field} repeats"));
+            let nearest = matches!(sampler.mag_filter, Some(Checked::Valid(MagFilter::Nearest)));
+            notes.add_if(nearest, format!("{field} is smooth between texels"));
+        }
+        let image = self.root().images.get(source);
+        match image.and_then(|image| image.uri.as_deref()).filter(|uri| !uri.starts_with("data:")) {
+            Some(uri) => {
+                let uri = beside(uri).map_err(|reason| Broken::new(format!("images[{source}].uri"), reason))?;
+                Ok(Some(Path::new(path).with_file_name(uri).to_string_lossy().into_owned()))
+            }
+            None => Ok(Some(format!("{path}#{}", Part::Image(source)))),
+        }
+    }
+
+    /// The number of a texture's image. Nothing, with a note, where it is of a format that is not read.
+    fn image_of(&self, material: &str, field: &str, info: &Info, notes: &mut Notes) -> Result<Option<usize>> {
         let index = info.index.value();
         let texture =
             self.root().textures.get(index).ok_or_else(|| {
@@ -234,25 +282,9 @@ impl File {
             }
             None => texture.source.value(),
         };
-        let Some(image) = self.root().images.get(source) else {
-            return Err(Broken::new(format!("{at}.source"), format!("there is no image {source}")));
-        };
-        if let Some(sampler) = texture.sampler {
-            let number = sampler.value();
-            let sampler = self.root().samplers.get(number);
-            let sampler =
-                sampler.ok_or_else(|| Broken::new(format!("{at}.sampler"), format!("there is no sampler {number}")))?;
-            let repeats = |wrap: &Checked<WrappingMode>| matches!(wrap, Checked::Valid(WrappingMode::Repeat));
-            notes.add_if(!repeats(&sampler.wrap_s) || !repeats(&sampler.wrap_t), format!("{field} repeats"));
-            let nearest = matches!(sampler.mag_filter, Some(Checked::Valid(MagFilter::Nearest)));
-            notes.add_if(nearest, format!("{field} is smooth between texels"));
-        }
-        match image.uri.as_deref().filter(|uri| !uri.starts_with("data:")) {
-            Some(uri) => {
-                let uri = beside(uri).map_err(|reason| Broken::new(format!("images[{source}].uri"), reason))?;
-                Ok(Some(Path::new(path).with_file_name(uri).to_string_lossy().into_owned()))
-            }
-            None => Ok(Some(format!("{path}#{}", Part::Image(source)))),
+        match source < self.root().images.len() {
+            true => Ok(Some(source)),
+            false => Err(Broken::new(format!("{at}.source"), format!("there is no image {source}"))),
         }
     }
 }
