@@ -7,6 +7,7 @@ use std::io::Write;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use icy_sixel::SixelImage;
 
 use super::png;
 use super::progress::Progress;
@@ -18,6 +19,8 @@ use crate::terminal::size_of_stderr;
 const ROWS_BELOW: usize = 3;
 /// The pixels of a cell, where the terminal shows pixels: about as many as its own.
 const CELL: (usize, usize) = (8, 16);
+/// The same where the terminal does not enlarge them: no more than its own, or the image would be higher than its rows.
+const SMALL_CELL: (usize, usize) = (6, 12);
 /// The bytes of an image that kitty takes at a time.
 const KITTY_CHUNK: usize = 4096;
 
@@ -28,6 +31,8 @@ enum Protocol {
     Kitty,
     /// iterm2.com/documentation-images.html
     Iterm2,
+    /// vt100.net/docs/vt3xx-gp/chapter14.html
+    Sixel,
     /// Two pixels a cell, above each other, in 24 bits of colour or in the 256 colours of xterm.
     Blocks { true_colour: bool },
 }
@@ -80,12 +85,14 @@ impl Preview {
         let room = if over { String::new() } else { "\n".repeat(rows) };
         let body = match self.protocol {
             Protocol::Blocks { true_colour } => blocks(&self.pixels(rgb, of_cell((1, 2))), columns, true_colour),
-            pixels => {
-                let size = of_cell(CELL);
-                let file = png::compress((size.0 as u32, size.1 as u32), &self.pixels(rgb, size)).unwrap_or_default();
-                let image = match pixels {
-                    Protocol::Kitty => kitty(&file, columns, rows),
-                    _ => iterm2(&file, columns, rows),
+            protocol => {
+                let size = of_cell(if protocol == Protocol::Sixel { SMALL_CELL } else { CELL });
+                let pixels = self.pixels(rgb, size);
+                let file = || png::compress((size.0 as u32, size.1 as u32), &pixels).unwrap_or_default();
+                let image = match protocol {
+                    Protocol::Kitty => kitty(&file(), columns, rows),
+                    Protocol::Iterm2 => iterm2(&file(), columns, rows),
+                    _ => sixel(&pixels, size),
                 };
                 // Terminals differ in where an image leaves the cursor.
                 format!("\x1b7{image}\x1b8\x1b[{rows}B")
@@ -129,6 +136,8 @@ impl Protocol {
             || is_set("KONSOLE_VERSION")
         {
             Protocol::Iterm2
+        } else if has("TERM", &["foot", "mlterm", "contour", "sixel"]) || is_set("MLTERM") || is_set("WT_SESSION") {
+            Protocol::Sixel
         } else {
             blocks
         }
@@ -195,6 +204,12 @@ fn iterm2(file: &[u8], columns: usize, rows: usize) -> String {
     format!("\x1b]1337;File=inline=1;size={length};width={columns};height={rows};preserveAspectRatio=0:{text}\x07")
 }
 
+/// The pixels in at most 256 colours; nothing if they cannot be so written.
+fn sixel(pixels: &[[u8; 3]], (width, height): (usize, usize)) -> String {
+    let opaque = pixels.iter().flat_map(|[r, g, b]| [*r, *g, *b, 255]).collect();
+    SixelImage::from_rgba(opaque, width, height).encode().unwrap_or_default()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -216,6 +231,8 @@ mod tests {
         assert_eq!(of(&[("KITTY_WINDOW_ID", "1"), ("TERM", "xterm-256color")]), Protocol::Kitty);
         assert_eq!(of(&[("KITTY_WINDOW_ID", "1"), ("TMUX", "/tmp/tmux"), ("COLORTERM", "24bit")]), blocks(true));
         assert_eq!(of(&[("TERM_PROGRAM", "iTerm.app")]), Protocol::Iterm2);
+        assert_eq!(of(&[("TERM", "foot"), ("COLORTERM", "truecolor")]), Protocol::Sixel);
+        assert_eq!(of(&[("WT_SESSION", "1"), ("TERM", "xterm-256color")]), Protocol::Sixel);
         assert_eq!(of(&[("LC_TERMINAL", "iTerm2"), ("TERM", "screen-256color")]), blocks(false));
     }
 
@@ -285,5 +302,20 @@ mod tests {
         assert!(keys.ends_with(";width=10;height=2;preserveAspectRatio=0"), "{keys}");
         let image = read(file);
         assert_eq!((image.dimensions(), image.into_raw()), ((80, 32), expected(&iterm2, (80, 32))));
+
+        let sixel = preview(Protocol::Sixel, (200, 100));
+        let text = sixel.text(&radiance, (10, 2), true);
+        let body = text.strip_prefix("\r\x1b[2A\x1b7").and_then(|text| text.strip_suffix("\x1b8\x1b[2B\r")).unwrap();
+        let image = SixelImage::decode(body.as_bytes()).unwrap();
+        assert_eq!((image.width, image.height), (60, 24));
+        // The encoder diffuses the errors of its 256 colours, which keeps the mean; a sixel's colours are in percent, so that it is off by half
+        // a percent at most.
+        let expected = sixel.pixels(&radiance, (60, 24));
+        for c in 0..3 {
+            let mean = |codes: &mut dyn Iterator<Item = u8>| codes.map(f64::from).sum::<f64>() / 1440.0;
+            let found = mean(&mut image.pixels.as_chunks::<4>().0.iter().map(|pixel| pixel[c]));
+            let asked = mean(&mut expected.iter().map(|pixel| pixel[c]));
+            assert!((found - asked).abs() < 1.3, "{found} for {asked}");
+        }
     }
 }
