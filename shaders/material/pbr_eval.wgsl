@@ -15,14 +15,15 @@ fn pbr_is_non_specular(material: Material) -> bool {
     return true;
 }
 
-// The probability of drawing a microfacet instead of a matt direction: about its share of the light that comes back.
+// The probability of drawing a microfacet instead of a matt direction: about its share of the light that comes back. A grazing view
+// makes the matt share 0 for light from straight ahead alone, so that it does not decide whether there is a matt part.
 fn pbr_share_of_facets(material: Material, base: vec3<f32>, cos_view: f32) -> f32 {
     let metallic = material.contrast_inside;
     let layer = schlick(cos_view, vec3<f32>(material.contrast_outside));
     let facets = mix(layer, schlick(cos_view, base), metallic);
     let matt = (1.0 - metallic) * (1.0 - layer) * base;
     let bright = vec2<f32>(facets.x + facets.y + facets.z, matt.x + matt.y + matt.z);
-    if bright.y == 0.0 {
+    if metallic == 1.0 || all(base == vec3<f32>(0.0)) {
         return 1.0;
     }
     return clamp(bright.x / (bright.x + bright.y), 0.1, 0.9);

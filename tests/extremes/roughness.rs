@@ -1,10 +1,11 @@
-//! material/conductor, lib/microfacet: lobes as narrow as f32 directions can tell, and as wide as there are; grazing views.
+//! material/conductor, material/rough_dielectric, material/pbr, lib/microfacet: lobes as narrow as f32 directions can tell, and as wide as there are; grazing views.
 
 use glam::DVec3;
+use gpu_rt::data;
 
 use crate::common::kernel::Overlay;
 use crate::common::microfacets::{
-    ABSORBED, Facets, In, Out, SCATTERED, arriving, conductor, kept, kernel, uniforms, visible,
+    ABSORBED, Facets, In, Out, SCATTERED, arriving, conductor, frosted, kept, kernel, uniforms, visible,
 };
 use crate::common::render::{Ask, render, render_planted, scene};
 use crate::common::stats::Random;
@@ -44,29 +45,29 @@ fn density_error(roughness: f64, replaced: &[(&str, &str)]) -> f64 {
     })
 }
 
-/// Answers at cosines down to 1e-20 that are not finite, lie below the surface, or have a weight above 1.
-fn wrong_at_grazing(roughness: f64) -> usize {
+/// Answers at cosines down to 1e-20 that are not finite, on no side where the material answers, or have a weight above `most`.
+fn wrong_at_grazing(material: &str, most: f32, row_of: impl Fn(In) -> In) -> f64 {
     let mut random = Random(193);
     let rows: Vec<In> = (0..5000)
         .map(|i| {
             let cos = decades(&mut random, -20.0, -2.0);
-            let row = conductor(arriving(&mut random, cos), roughness, None);
-            In { u: uniforms(&mut random, i), ..row }
+            let row = row_of(arriving(&mut random, cos));
+            In { u: uniforms(&mut random, i), front: i as u32 / 3 % 2, ..row }
         })
         .collect();
-    let found = kernel("conductor", 1, &[]).run::<_, Out>(&rows);
+    let found = kernel(material, 1, &[]).run::<_, Out>(&rows);
     let is_wrong = |(row, out): (&In, &Out)| {
         let direction = exact(out.direction);
         let is_good = out.event == ABSORBED
             || out.event == SCATTERED
                 && (direction.length() - 1.0).abs() < 8.0 * U
-                && direction.dot(exact(row.normal)) > -2.0 * U
-                && out.weight.iter().all(|w| (0.0..=1.0 + 1e-5).contains(w))
+                && (material == "rough_dielectric" || direction.dot(exact(row.normal)) > -2.0 * U)
+                && out.weight.iter().all(|w| (0.0..=most).contains(w))
                 && (out.non_specular == 0
                     || out.pdf.is_finite() && out.value.iter().all(|v| v.is_finite() && *v >= 0.0));
         !is_good
     };
-    rows.iter().zip(&found).filter(|pair| is_wrong(*pair)).count()
+    rows.iter().zip(&found).filter(|pair| is_wrong(*pair)).count() as f64
 }
 
 /// The mean of a white metal in a room that shines on all sides, seen at an angle, with light sampling.
@@ -112,16 +113,28 @@ pub fn cells() -> Vec<Cell> {
             let known = roughness < 0.02;
             all.push(if known { cell.planted(COSINE, density_error(roughness, &[TEXTBOOK])) } else { cell });
         }
-        all.push(
+        let grazing = |what: &str, wrong: f64| {
             Cell::new(
                 Row::Roughness,
-                &range,
-                "Answers of 5000 that are not finite, below the surface or brighter than the light, with cosines from 1e-20 to 1e-2",
+                format!("{range}, {what}"),
+                "Answers of 5000 that are not finite, on a wrong side or too bright, with cosines from 1e-20 to 1e-2",
                 0.0,
-                "none.",
+                "none. A weight is at most 1, and at most 10 of glTF's material, whose lobes are drawn with a probability of at least 0.1.",
             )
-            .achieved(wrong_at_grazing(roughness) as f64),
-        );
+            .achieved(wrong)
+        };
+        let metal = wrong_at_grazing("conductor", 1.0 + 1e-5, |row| conductor(row, roughness, None));
+        let glass = wrong_at_grazing("rough_dielectric", 1.0 + 1e-5, |row| frosted(row, 1.5, roughness));
+        let pbr = wrong_at_grazing("pbr", 10.0 + 1e-4, |row| In {
+            material: data::Material {
+                parameter: roughness as f32,
+                contrast_outside: 0.04,
+                contrast_inside: 0.3,
+                ..data::Material::default()
+            },
+            ..row
+        });
+        all.extend([grazing("a metal", metal), grazing("glass", glass), grazing("glTF's material", pbr)]);
         for cos in [1.0, 0.1] {
             let kept = if is_rough { kept(&Facets { alpha, cos_view: cos }) } else { 1.0 };
             let noise = 4.9 * (kept * (1.0 - kept)).max(0.0).sqrt() / (512.0f64 * 256.0).sqrt();

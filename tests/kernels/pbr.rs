@@ -67,7 +67,7 @@ fn share_of_facets(row: &In, cos_view: f64) -> f64 {
         facets += (1.0 - metallic) * layer + metallic * schlick(cos_view, base);
         matt += (1.0 - metallic) * (1.0 - layer) * base;
     }
-    if matt == 0.0 { 1.0 } else { (facets / (facets + matt)).clamp(0.1, 0.9) }
+    if metallic == 1.0 || row.colour == [0.0; 3] { 1.0 } else { (facets / (facets + matt)).clamp(0.1, 0.9) }
 }
 
 /// Calls with the cell, the direction and the solid angle of many directions over the hemisphere around z.
