@@ -24,7 +24,7 @@ use crate::shape::{KINDS, ShapeKind, Table};
 
 use choices::{Conditions, decide, entries};
 pub use report::{Buffer, Choice, Constant, KernelReport, Module, Report};
-pub use state::{MOST_PATH_BYTES, PathField};
+pub use state::{PathField, most_path_bytes};
 use state::{path_fields, places};
 pub use tuning::Tuning;
 

@@ -3,6 +3,7 @@
 
 use super::A_KERNEL_A_STAGE;
 use super::choices::Conditions;
+use crate::aov::Aovs;
 use crate::gpu::link::Reason;
 
 /// A field of the paths' state: words of 32 bits.
@@ -37,8 +38,14 @@ impl PathField {
     }
 }
 
-/// The most bytes that they are, of any scene.
-pub const MOST_PATH_BYTES: u64 = 244;
+/// The most bytes that they are, of any scene: without channels beside the radiance, and what these add.
+const MOST_PATH_BYTES: u64 = 164;
+const MOST_BYTES_OF_AOVS: u64 = 80;
+
+/// The most bytes that they are, of any scene with these channels.
+pub fn most_path_bytes(aovs: &Aovs) -> u64 {
+    MOST_PATH_BYTES + if aovs.is_empty() { 0 } else { MOST_BYTES_OF_AOVS }
+}
 
 /// The fields that kernels hand to each other. The fused kernel keeps to itself what lies between a ray and its scattering.
 pub fn path_fields(conditions: &Conditions, fused: bool) -> Vec<PathField> {

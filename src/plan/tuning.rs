@@ -1,6 +1,6 @@
 //! Sizes that suit a device for a job; they do not change the image.
 
-use super::MOST_PATH_BYTES;
+use super::most_path_bytes;
 use crate::film::{device_bytes, record_bytes};
 use crate::gpu::device::DeviceClass;
 use crate::job::Job;
@@ -35,7 +35,7 @@ impl Tuning {
             false => (65_536, 1 << 20),
         };
         // Their state is one buffer.
-        let most = most.min(device.max_binding_bytes / MOST_PATH_BYTES).max(fewest);
+        let most = most.min(device.max_binding_bytes / most_path_bytes(&options.aov)).max(fewest);
         let slots = options.slots.unwrap_or((runs / 8).clamp(fewest, most) as u32).max(1);
         let room_for_records = device.max_binding_bytes / (u64::from(slots) * record_bytes(&options.aov));
         let pixels = u64::from(job.size.0) * u64::from(job.size.1);

@@ -7,12 +7,13 @@ use crate::common::constants::tables_read_at_constants;
 use crate::common::everything::same;
 use crate::common::lattice::Lattice;
 use crate::common::render::{Ask, render};
+use gpu_rt::aov::Aovs;
 use gpu_rt::flatten::{DeviceScene, flatten};
 use gpu_rt::gpu::device::DeviceClass;
 use gpu_rt::gpu::link::{Choices, Embedded, Library, Linked, link};
 use gpu_rt::job::{Goal, Job};
 use gpu_rt::options::{FeatureSet, RenderOptions, Scatter};
-use gpu_rt::plan::{Kernels, MOST_PATH_BYTES, PathField, Plan, UniformTables};
+use gpu_rt::plan::{Kernels, PathField, Plan, UniformTables, most_path_bytes};
 use gpu_rt::scene::Scene;
 use naga::compact::{KeepUnused, compact};
 
@@ -70,24 +71,34 @@ fn the_state_of_all_slots_has_room() {
     let lattice = Lattice::new();
     let options = RenderOptions::default();
     let every = RenderOptions { features: FeatureSet::All, ..options.clone() };
-    let mut most = 0;
+    let mut aovs = every.clone();
+    aovs.aov.set(Aovs::parse("albedo,normal,depth,position,object,material,direct,indirect").expect("they are names"));
+    let (mut most, mut most_with_aovs) = (0, 0);
     for (name, scene) in lattice.scenes() {
-        for (options, scatter) in [(&options, Scatter::Linked), (&every, Scatter::Linked), (&every, Scatter::Queues)] {
+        for (options, scatter) in [
+            (&options, Scatter::Linked),
+            (&every, Scatter::Linked),
+            (&every, Scatter::Queues),
+            (&aovs, Scatter::Linked),
+        ] {
             let options = RenderOptions { scatter: Some(scatter), ..options.clone() };
             let flat = flatten(&scene, (3840, 2160), &options).expect("the scene flattens");
             let goal = Goal::Samples(1 << 16);
             let job = Job { size: (3840, 2160), max_depth: 50, seed: 0, first_sample: 0, goal };
             let class = DeviceClass::default();
             let plan = Plan::new(&flat, &options, class, &job).expect("the kernels link");
-            // 128 MiB of paths of 164 bytes.
-            assert!(plan.tuning.slots > 810_000, "{name}: {} slots", plan.tuning.slots);
+            // 128 MiB of paths of 164 bytes, or of 244.
+            let least = if options.aov.is_empty() { 810_000 } else { 550_000 };
+            assert!(plan.tuning.slots > least, "{name}: {} slots", plan.tuning.slots);
             for buffer in plan.buffers() {
                 assert!(buffer.allocated() <= class.max_binding_bytes, "{name}: {} has {}", buffer.name, buffer.bytes);
             }
-            most = most.max(plan.kernels.path_bytes());
+            let of = if options.aov.is_empty() { &mut most } else { &mut most_with_aovs };
+            *of = (*of).max(plan.kernels.path_bytes());
         }
     }
-    assert_eq!(most, MOST_PATH_BYTES);
+    assert_eq!(most, most_path_bytes(&every.aov));
+    assert_eq!(most_with_aovs, most_path_bytes(&aovs.aov));
 }
 
 /// With everything on, a scene of nothing much has every kernel, and each of the modules that some scene has.
