@@ -1,5 +1,6 @@
 //! Reads the picture of any file that holds R, G and B, or a luminance alone.
 
+use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
@@ -261,40 +262,34 @@ pub(super) fn find_rgb(parts: &[Header]) -> std::result::Result<RgbPlace, String
     places.into_iter().next().ok_or_else(|| no_rgb(parts))
 }
 
-/// The channels that a layer may have, in their order. One channel alone is grey, and may have no name but the layer's.
+/// The channels that a layer may have, in the order in which they are looked for.
 const OF_LAYER: [Rgb<&str>; 4] = [CHANNELS, ["X", "Y", "Z"], ["r", "g", "b"], ["red", "green", "blue"]];
+/// The channels that it may have alone. They are grey.
 const ALONE: [&str; 4] = ["Y", "Z", "X", "V"];
 
-/// Finds the layer of this name.
+/// Finds the layer of this name: the name of its channels up to the last point, or of a channel without a point. The names of parts and
+/// of outer layers may precede it.
 fn find_layer(parts: &[Header], layer: &str) -> std::result::Result<RgbPlace, String> {
-    let mut found = parts.iter().enumerate().flat_map(|(number, part)| {
-        let names = || part.channels.list.iter().map(|channel| channel.name.to_string());
+    let mut there = BTreeSet::new();
+    for (number, part) in parts.iter().enumerate() {
         let part_name = part.own_attributes.layer_name.as_ref().map(decoded).unwrap_or_default();
-        // The longest part of a name before its last point that is the layer's, as it stands in this file.
-        let is_layer = |prefix: &str| {
-            prefix == layer || prefix.ends_with(&format!(".{layer}")) || format!("{part_name}.{prefix}") == layer
-        };
-        let prefixes = names().filter_map(|name| name.rsplit_once('.').map(|(prefix, _)| prefix.to_string()));
-        let prefixes: std::collections::BTreeSet<String> = prefixes.filter(|prefix| is_layer(prefix)).collect();
-        let of_prefix = prefixes.into_iter().filter_map(|prefix| {
-            let whole = |name: &str| format!("{prefix}.{name}");
+        for name in part.channels.list.iter().map(|channel| channel.name.to_string()) {
+            let prefix = name.rsplit_once('.').map_or(name.as_str(), |(prefix, _)| prefix);
+            let is_asked = [prefix, &format!("{part_name}.{prefix}")]
+                .into_iter()
+                .any(|known| known == layer || known.ends_with(&format!(".{layer}")));
+            let whole = |last: &str| format!("{prefix}.{last}");
             let triples = OF_LAYER.map(|names| names.map(whole));
-            let alone = ALONE.map(|name| [whole(name), whole(name), whole(name)]);
+            let alone = ALONE.map(whole).into_iter().chain([prefix.to_string()]);
+            let mut all = triples.into_iter().chain(alone.map(|name| [name.clone(), name.clone(), name]));
             let has = |channels: &Rgb<String>| channels.iter().all(|name| float(part, name).is_some());
-            triples.into_iter().chain(alone).find(has)
-        });
-        let itself = names().filter(|name| name == layer && float(part, name).is_some());
-        let itself = itself.map(|name| [name.clone(), name.clone(), name]);
-        let place = |channels| RgbPlace { number, channels, layer: layer.to_string(), is_part: false };
-        itself.chain(of_prefix).map(place).collect::<Vec<_>>()
-    });
-    found.next().ok_or_else(|| {
-        let names = parts.iter().flat_map(|part| part.channels.list.iter().map(|channel| channel.name.to_string()));
-        let layers = names.map(|name| name.rsplit_once('.').map_or(name.clone(), |(layer, _)| layer.to_string()));
-        let layers: std::collections::BTreeSet<String> = layers.collect();
-        let layers: Vec<String> = layers.into_iter().collect();
-        format!("it has no layer {layer}; it has {}", layers.join(", "))
-    })
+            if let Some(channels) = all.find(has).filter(|_| is_asked) {
+                return Ok(RgbPlace { number, channels, layer: layer.to_string(), is_part: false });
+            }
+            there.insert(prefix.to_string());
+        }
+    }
+    Err(format!("it has no layer {layer}; it has {}", there.into_iter().collect::<Vec<_>>().join(", ")))
 }
 
 /// All triples of channels with such names in a part, sorted by name.
