@@ -59,6 +59,9 @@ const ELSEWHERE: &[&str] = &["scene", "output", "device", "preview", "watch", "d
 /// Options that say which samples there are, and when they are enough. How many there are is the knob `spp`.
 const WHICH_SAMPLES: &[&str] = &["seed", "samples", "crop", "time", "noise", "resume"];
 
+/// Options that say what a glTF file does not: they are parts of the scene, as the program's tests of [`gltf`](../program/gltf.rs) have it.
+const WHICH_SCENE: &[&str] = &["camera", "sky", "sun", "watts"];
+
 // The table and the command line
 
 /// Options of a command that are neither knobs nor known to leave the image as it is.
@@ -67,6 +70,7 @@ fn unknown(command: &clap::Command) -> Vec<String> {
         KNOBS.iter().any(|knob| knob.name == name)
             || SAME_IMAGE.iter().any(|(known, _)| *known == name)
             || WHICH_SAMPLES.contains(&name)
+            || WHICH_SCENE.contains(&name)
     };
     let names = command.get_arguments().map(|argument| argument.get_long().unwrap_or(argument.get_id().as_str()));
     names.filter(|name| !known(name)).map(str::to_string).collect()
@@ -85,7 +89,7 @@ fn every_option_of_render_that_changes_the_image_is_a_knob() {
     let there = |name: &str| {
         command.get_arguments().any(|argument| argument.get_long().unwrap_or(argument.get_id().as_str()) == name)
     };
-    for name in SAME_IMAGE.iter().map(|(name, _)| *name).chain(WHICH_SAMPLES.iter().copied()) {
+    for name in SAME_IMAGE.iter().map(|(name, _)| *name).chain([WHICH_SAMPLES, WHICH_SCENE].concat()) {
         assert!(there(name), "{name} is no option of render");
     }
     // An option that nobody put into the table is found.
