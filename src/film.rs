@@ -231,7 +231,10 @@ impl Film {
     /// # Errors
     /// `Error::Usage` where the memory does not hold them.
     pub fn with_aovs(self, aovs: &Aovs, space: SceneSpace) -> Result<Film> {
-        Ok(Film { channels: Channels::new(self.pixels.len(), aovs, space)?, ..self })
+        match aovs.is_empty() {
+            true => Ok(self),
+            false => Ok(Film { channels: Channels::new(self.pixels.len(), aovs, space)?, ..self }),
+        }
     }
 
     /// The channels that it has beside the radiance.
