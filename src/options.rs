@@ -280,11 +280,11 @@ enum Takes {
 
 /// The reading of a field of [`RenderOptions`] whose values are words.
 macro_rules! word {
-    ($field:ident: $type:ty) => {
+    ($($field:ident).+: $type:ty) => {
         Some(Reading {
             takes: Takes::Words(|| <$type>::WORDS.iter().map(|(word, _)| *word).collect()),
-            read: |options, text| <$type>::read(text).map(|value| options.$field = value),
-            value: |options| Some(options.$field.word()),
+            read: |options, text| <$type>::read(text).map(|value| options.$($field).+ = value),
+            value: |options| Some(options.$($field).+.word()),
         })
     };
 }
@@ -618,11 +618,7 @@ const OF_FILES: &[&Knob] = &[
         about: "Of which surface `albedo` and `normal` are: `rough` passes mirrors and clear glass, as denoisers want it; `first` does not.",
         default: Some("rough"),
         class: Class::Channels,
-        reading: Some(Reading {
-            takes: Takes::Words(|| SeenSurface::WORDS.iter().map(|(word, _)| *word).collect()),
-            read: |options, text| SeenSurface::read(text).map(|surface| options.aov.surface = surface),
-            value: |options| Some(options.aov.surface.word()),
-        }),
+        reading: word!(aov.surface: SeenSurface),
         ..OF_THE_DEVICE
     },
     &Knob {
@@ -630,11 +626,7 @@ const OF_FILES: &[&Knob] = &[
         about: "How the EXR names its channels: `plain`, or `blender` as the passes of Blender's multilayer files.",
         default: Some("plain"),
         class: Class::Channels,
-        reading: Some(Reading {
-            takes: Takes::Words(|| ChannelNames::WORDS.iter().map(|(word, _)| *word).collect()),
-            read: |options, text| ChannelNames::read(text).map(|names| options.aov.names = names),
-            value: |options| Some(options.aov.names.word()),
-        }),
+        reading: word!(aov.names: ChannelNames),
         ..OF_THE_DEVICE
     },
 ];
