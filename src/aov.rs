@@ -148,6 +148,11 @@ impl Aovs {
         (!self.list.is_empty()).then(|| words.collect::<Vec<_>>().join(","))
     }
 
+    /// Those of a film: without channels it does not matter what they would be like.
+    pub fn of_film(&self) -> Aovs {
+        if self.is_empty() { Aovs::default() } else { self.clone() }
+    }
+
     pub fn is_empty(&self) -> bool {
         self.list.is_empty()
     }

@@ -231,10 +231,8 @@ impl Film {
     /// # Errors
     /// `Error::Usage` where the memory does not hold them.
     pub fn with_aovs(self, aovs: &Aovs, space: SceneSpace) -> Result<Film> {
-        match aovs.is_empty() {
-            true => Ok(self),
-            false => Ok(Film { channels: Channels::new(self.pixels.len(), aovs, space)?, ..self }),
-        }
+        let space = if aovs.is_empty() { SceneSpace::default() } else { space };
+        Ok(Film { channels: Channels::new(self.pixels.len(), &aovs.of_film(), space)?, ..self })
     }
 
     /// The channels that it has beside the radiance.

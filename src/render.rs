@@ -214,7 +214,7 @@ impl<'a> Lane<'a> {
             settings_layout: plan.kernels.settings.clone(),
             size: job.size,
             exponent: plan.scene.radiance_exponent,
-            aovs: plan.options.aov.clone(),
+            aovs: plan.options.aov.of_film(),
             bounces: tuning.bounces.unwrap_or(1),
             bounces_fixed: tuning.bounces.is_some(),
             most_bounces: 1,
