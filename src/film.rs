@@ -231,8 +231,7 @@ impl Film {
     /// # Errors
     /// `Error::Usage` where the memory does not hold them.
     pub fn with_aovs(self, aovs: &Aovs, space: SceneSpace) -> Result<Film> {
-        let space = if aovs.is_empty() { SceneSpace::default() } else { space };
-        Ok(Film { channels: Channels::new(self.pixels.len(), &aovs.of_film(), space)?, ..self })
+        Ok(Film { channels: Channels::new(self.pixels.len(), aovs, space)?, ..self })
     }
 
     /// The channels that it has beside the radiance.

@@ -6,10 +6,11 @@ const PRIMITIVE_KIND_SHIFT: u32 = 28u;
 const PRIMITIVE_INDEX_MASK: u32 = 0x0fffffffu;
 
 // KIND_TRIANGLE is a face of a mesh. KIND_INSTANCE is a mesh placed in the scene; the walk continues there in the mesh's own
-// space. KIND_DELTA_LIGHT is a light without size, which no ray hits. The other kinds below KIND_INSTANCE are shapes. The kind above it belongs to the codes below, which name no primitive.
+// space. KIND_DELTA_LIGHT is a light without size, which no ray hits. The other kinds below KIND_INSTANCE are shapes. The kind
+// above KIND_INSTANCE belongs to the codes below, which name no primitive.
 const KIND_TRIANGLE: u32 = 3u;
-const KIND_INSTANCE: u32 = 6u;
 const KIND_DELTA_LIGHT: u32 = 5u;
+const KIND_INSTANCE: u32 = 6u;
 
 // The ray left the scene.
 const HIT_NOTHING: u32 = 0xffffffffu;

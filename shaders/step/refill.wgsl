@@ -26,7 +26,7 @@ fn has_ended(status: u32) -> bool {
 
 // Counts a path that max_depth ended, with its throughput: the most that it could still have added per radiance. Rounded up, since the
 // sum is a bound.
-// (Few throughputs exceed 1: of a mixture of lobes, one may be drawn more rarely than it reflects.)
+// (Few throughputs exceed 1: those of a material that draws one of its lobes more rarely than that lobe reflects.)
 fn count_too_deep(throughput: vec3<f32>) {
     let most = clamp(max(max(throughput.x, throughput.y), throughput.z), 0.0, 32768.0);
     let added = u32(ceil(most * 65536.0));

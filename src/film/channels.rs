@@ -37,6 +37,9 @@ pub fn record_bytes(aovs: &Aovs) -> u64 {
 
 impl Channels {
     pub fn new(pixels: usize, aovs: &Aovs, space: SceneSpace) -> Result<Channels> {
+        if aovs.is_empty() {
+            return Ok(Channels::default());
+        }
         let count = pixels.saturating_mul(aovs.count());
         let needs = |memory: String| Error::Usage(format!("the channels of --aov need {memory}; ask for fewer"));
         memory::check((count as u64).saturating_mul(size_of::<i128>() as u64)).map_err(needs)?;

@@ -72,7 +72,7 @@ named! {
         light_without_place,
         /// Something that emits is not sampled.
         unsampled,
-        /// Lights are sampled, and mirrors or glass leave some that chance can find to chance.
+        /// Lights with a size, or the sky, are sampled, and mirrors or glass leave some of that light to chance.
         one_way,
         /// The sky is one that they may leave to chance.
         sky_by_chance,
@@ -82,7 +82,7 @@ named! {
         specular,
         /// One of them does either.
         sends_shadow_ray,
-        /// One of them sends rays one way alone, and some lights are such that chance cannot find them.
+        /// One of them is specular, and some lights have no size, so that chance cannot find them.
         specular_beside_delta_light,
         /// One of them has two elements of the table.
         two_parts,

@@ -304,18 +304,23 @@ fn aimed_from_the_facet() -> Overlay {
     })
 }
 
+/// Renders a scene of smooth meshes by scattered rays alone, and compares its expectation with that of rays to lights. Planted is 1 % more light.
+fn rendered_as_with_rays_to_lights(name: &str, scene: &Scene) -> Shot {
+    let bsdf = render(scene, &Ask::spp(8192).seed(1).sobol());
+    let mis = render(scene, &Ask::spp(4096).seed(2).mis().sobol());
+    known(name, &bsdf, &mis);
+    same_expectation(&bsdf, &mis, 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
+    let planted = mis.changed(|_, _, rgb| rgb.map(|v| (1.0 + FOUND) * v));
+    assert!(same_expectation(&bsdf, &planted, 1e-5, ALPHA).is_err(), "1 % more light is not found");
+    bsdf
+}
+
 /// An event on a mesh with vertex normals has one point, the lifted one: light is aimed at from there, leaves there, and both densities are
 /// those there. Planted are a light that is aimed at from the facet, as it once was, and 1 % more light.
 #[test]
 fn smooth_meshes_expect_the_same_with_rays_to_lights() {
     let scene = smooth_bodies();
-    let bsdf = render(&scene, &Ask::spp(8192).seed(1).sobol());
-    let ask = Ask::spp(4096).seed(2).mis().sobol();
-    let mis = render(&scene, &ask);
-    known("smooth bodies", &bsdf, &mis);
-    same_expectation(&bsdf, &mis, 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
-    let planted = mis.changed(|_, _, rgb| rgb.map(|v| (1.0 + FOUND) * v));
-    assert!(same_expectation(&bsdf, &planted, 1e-5, ALPHA).is_err(), "1 % more light is not found");
+    let bsdf = rendered_as_with_rays_to_lights("smooth bodies", &scene);
     let wrong = render_planted(&scene, &Ask::spp(1024).seed(2).mis().sobol(), &aimed_from_the_facet());
     println!("aimed at from the facet: {}", worst_difference(&bsdf, &wrong, 1e-5).place);
     assert!(same_expectation(&bsdf, &wrong, 1e-5, ALPHA).is_err(), "light aimed at from the facet is not found");
@@ -350,16 +355,10 @@ fn frosted_bodies() -> Scene {
 #[test]
 fn frosted_smooth_meshes_expect_the_same_with_rays_to_lights() {
     let scene = frosted_bodies();
-    let bsdf = render(&scene, &Ask::spp(8192).seed(1).sobol());
-    let ask = Ask::spp(4096).seed(2).mis().sobol();
-    let mis = render(&scene, &ask);
-    known("frosted bodies", &bsdf, &mis);
-    same_expectation(&bsdf, &mis, 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
-    let planted = mis.changed(|_, _, rgb| rgb.map(|v| (1.0 + FOUND) * v));
-    assert!(same_expectation(&bsdf, &planted, 1e-5, ALPHA).is_err(), "1 % more light is not found");
+    let bsdf = rendered_as_with_rays_to_lights("frosted bodies", &scene);
     let one_point =
         Overlay::new(&[]).rewritten("step/scatter", |text| text.replace("select(point, facet_point, below)", "point"));
-    let wrong = render_planted(&scene, &ask, &one_point);
+    let wrong = render_planted(&scene, &Ask::spp(4096).seed(2).mis().sobol(), &one_point);
     println!("aimed at from the near side: {}", worst_difference(&bsdf, &wrong, 1e-5).place);
     assert!(same_expectation(&bsdf, &wrong, 1e-5, ALPHA).is_err(), "light aimed at from the near side is not found");
 }

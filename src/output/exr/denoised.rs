@@ -10,10 +10,10 @@ use ::exr::math::Vec2;
 use ::exr::meta::attribute::{LineOrder, SampleType};
 use ::exr::meta::header::{Header, LayerAttributes};
 
-use super::read::{as_floats, find_rgb, float, open, pixels_of, read_part};
+use super::read::{as_floats, find_rgb, float, open, pixels_of, read_part, triple};
 use super::write::{OF_PICTURE, sort_attributes};
 use super::{Attribute, decoded, text, to_io};
-use crate::data::Rgb;
+use crate::data::{CHANNELS, Rgb};
 use crate::error::{Error, Result};
 use crate::output::atomic;
 
@@ -31,7 +31,7 @@ pub struct NoisyFile {
 /// names of other layers and points can precede them.
 const ALBEDOS: [&str; 3] = ["albedo", "denoising albedo", "diffcol"];
 const NORMALS: [&str; 3] = ["n", "normal", "denoising normal"];
-const COMPONENTS: [Rgb<&str>; 2] = [["R", "G", "B"], ["X", "Y", "Z"]];
+const COMPONENTS: [Rgb<&str>; 2] = [CHANNELS, ["X", "Y", "Z"]];
 
 /// The attribute that names the denoiser of a denoised image.
 pub const DENOISER: &str = "gpu-rt:denoiser";
@@ -99,10 +99,8 @@ fn layer(header: &Header, names: &[&str]) -> Option<Rgb<String>> {
     let of_name = |name: &&str| {
         let is_named = |layer: &str| layer.rsplit('.').next().is_some_and(|last| last.to_lowercase() == **name);
         channels().find_map(|channel| {
-            let (layer, last) = channel.rsplit_once('.').filter(|(layer, _)| is_named(layer))?;
-            let components = COMPONENTS.iter().find(|components| components[0] == last)?;
-            let all = components.map(|component| format!("{layer}.{component}"));
-            all.iter().all(|name| float(header, name).is_some()).then_some(all)
+            let (layer, _) = channel.rsplit_once('.').filter(|(layer, _)| is_named(layer))?;
+            triple(header, layer, &COMPONENTS)
         })
     };
     names.iter().find_map(of_name)

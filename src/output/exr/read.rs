@@ -278,18 +278,21 @@ fn find_layer(parts: &[Header], layer: &str) -> std::result::Result<RgbPlace, St
             let is_asked = [prefix, &format!("{part_name}.{prefix}")]
                 .into_iter()
                 .any(|known| known == layer || known.ends_with(&format!(".{layer}")));
-            let whole = |last: &str| format!("{prefix}.{last}");
-            let triples = OF_LAYER.map(|names| names.map(whole));
-            let alone = ALONE.map(whole).into_iter().chain([prefix.to_string()]);
-            let mut all = triples.into_iter().chain(alone.map(|name| [name.clone(), name.clone(), name]));
-            let has = |channels: &Rgb<String>| channels.iter().all(|name| float(part, name).is_some());
-            if let Some(channels) = all.find(has).filter(|_| is_asked) {
+            let mut alone = ALONE.map(|last| format!("{prefix}.{last}")).into_iter().chain([prefix.to_string()]);
+            let grey = || alone.find(|name| float(part, name).is_some()).map(|name| [name.clone(), name.clone(), name]);
+            if let Some(channels) = triple(part, prefix, &OF_LAYER).or_else(grey).filter(|_| is_asked) {
                 return Ok(RgbPlace { number, channels, layer: layer.to_string(), is_part: false });
             }
             there.insert(prefix.to_string());
         }
     }
     Err(format!("it has no layer {layer}; it has {}", there.into_iter().collect::<Vec<_>>().join(", ")))
+}
+
+/// The three channels of a layer, by the first of some spellings of which the part has all.
+pub(super) fn triple(part: &Header, layer: &str, spellings: &[Rgb<&str>]) -> Option<Rgb<String>> {
+    let mut all = spellings.iter().map(|names| names.map(|name| format!("{layer}.{name}")));
+    all.find(|channels| channels.iter().all(|name| float(part, name).is_some()))
 }
 
 /// All triples of channels with such names in a part, sorted by name.
