@@ -29,6 +29,8 @@ pub const SLOT_IDLE: u32 = 0xffff_fffd;
 pub const NOT_SAMPLED: u32 = 0x8000_0000;
 /// `Material::texture` where the colour is the material's own.
 pub const NO_TEXTURE: u32 = 0xffff_ffff;
+/// In place of a member of a `Detail` that the material does not have.
+pub const NO_DETAIL: u32 = 0xffff_ffff;
 /// Of `LightNode::child`: it is a light, not a pair of nodes; what it leads to shines on both sides; it is the sky or
 /// directional lights.
 pub const LIGHT_NODE_LEAF: u32 = 0x8000_0000;
@@ -349,6 +351,33 @@ device_struct!(
         texture: u32,
     }
 );
+
+device_struct!(
+    /// What a material has beside its row of the table: indices of rows behind those of all materials, or `NO_DETAIL`.
+    Detail {
+        emission: u32,
+        alpha: u32,
+        roughness: u32,
+        metallic: u32,
+        normal: u32,
+        padding0: u32,
+        padding1: u32,
+        padding2: u32,
+    }
+);
+
+impl Detail {
+    pub(crate) const NONE: Detail = Detail {
+        emission: NO_DETAIL,
+        alpha: NO_DETAIL,
+        roughness: NO_DETAIL,
+        metallic: NO_DETAIL,
+        normal: NO_DETAIL,
+        padding0: 0,
+        padding1: 0,
+        padding2: 0,
+    };
+}
 
 device_struct!(
     /// A texture.

@@ -350,6 +350,12 @@ impl Kernels {
                 element_bytes(&flat.sky),
                 "the background's image as a distribution of directions",
             ),
+            array(
+                "details",
+                bytes(&flat.details),
+                element_bytes(&flat.details),
+                "what materials have beside their rows",
+            ),
             array("meshes", bytes(&flat.meshes), element_bytes(&flat.meshes), "faces and vertices of meshes"),
             BufferSpec::working("queues", (header + queues * slots) * 4, "a queue for each material")
                 .made_of(format!("({queues} queues x {slots} slots + {header}) x 4 bytes")),

@@ -14,6 +14,25 @@ struct Material {
 
 const NO_TEXTURE: u32 = 0xffffffffu;
 
+// What a material has beside its row of the table: for each, the index of a row behind those of all materials, or NO_DETAIL. Such a row
+// has a colour or a texture, whose frame is as far behind that of the material's own texture as `kind` says.
+struct Detail {
+    // The radiance that it emits. The row's parameter is 0 if it emits from its front alone.
+    emission: u32,
+    // The share of light that it stops.
+    alpha: u32,
+    // Factors of its numbers.
+    roughness: u32,
+    metallic: u32,
+    // The normal in the frame of the texture coordinates.
+    normal: u32,
+    padding0: u32,
+    padding1: u32,
+    padding2: u32,
+}
+
+const NO_DETAIL: u32 = 0xffffffffu;
+
 // What a material knows of a ray that hits its surface.
 struct Interaction {
     // Unit direction of the incoming ray.

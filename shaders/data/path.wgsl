@@ -23,12 +23,14 @@ struct Path {
     sample: u32,
     // As in RunRecord.
     counts: u32,
-    //@ if light
-    // Radiance of this sample so far from light sampling.
+    //@ if gathers
+    // Radiance of this sample so far from light sampling, and from surfaces that emit and scatter.
     radiance: vec3<f32>,
     // The pdf with which the last event sampled the ray's direction. 0 for camera rays and after specular events. After some
     // specular events it is BY_CHANCE (step/through_glass).
     pdf: f32,
+    //@ end
+    //@ if light
     // The shadow ray; the code of its light, or NO_LIGHT; and its contribution per unit of radiance if nothing blocks it.
     shadow: Ray,
     light: u32,

@@ -193,8 +193,10 @@ fn load_path(slot: u32, path: ptr<function, Path>) {
     load_throughput(slot, path);
     load_sample_of_path(slot, path);
     load_run(slot, path);
-    //@ if light
+    //@ if gathers
     load_radiance(slot, path);
+    //@ end
+    //@ if light
     (*path).light = NO_LIGHT;
     //@ end
     //@ if aov_direct
@@ -218,7 +220,7 @@ fn store_path(slot: u32, path: ptr<function, Path>) {
     store_vector(PLANE_OF_EXCESS, slot, (*path).sum.excess);
     store_vector(PLANE_OF_SPREAD, slot, (*path).spread);
     store_counts(slot, (*path).counts);
-    //@ if light
+    //@ if gathers
     store_radiance(slot, path);
     //@ end
     //@ if aov_direct

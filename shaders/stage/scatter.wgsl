@@ -22,7 +22,7 @@ fn scatter(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     load_throughput(slot, &path);
     load_sample_of_path(slot, &path);
-    //@ if light
+    //@ if gathers
     load_radiance(slot, &path);
     //@ end
     //@ if sends_shadow_ray
@@ -35,7 +35,7 @@ fn scatter(@builtin(global_invocation_id) id: vec3<u32>) {
     //@ if aov_surface
     store_aov_surface(slot, &path);
     //@ end
-    //@ if light
+    //@ if gathers
     store_radiance(slot, &path);
     //@ end
     //@ if sends_shadow_ray

@@ -25,6 +25,9 @@
 //@ use choice/colour
 //@ use scene/surfaces
 //@ end
+//@ if glow
+//@ use scene/glow
+//@ end
 // Light sampling: each event sends a shadow ray to a light, in addition to the ray that continues the path. Both rays can find
 // the same light. They are combined by multiple importance sampling with the power heuristic (Veach, "Robust Monte Carlo
 // Methods for Light Transport Simulation", 1997, section 9.2.4).
@@ -205,9 +208,15 @@ fn emitted_along(ray: Ray, hit: Hit) -> vec3<f32> {
         radiance = background_radiance(ray.direction);
     }
     //@ end
-    //@ if emitting_surface
+    //@ if emitting_without_scattering
     if hit.code != HIT_NOTHING {
         radiance = emitted_by_surface(ray, hit);
+    }
+    //@ end
+    //@ if glow_of_light
+    if hit.code != HIT_NOTHING {
+        let surface = light_surface_at(hit, ray);
+        radiance = glow_of_surface(hit, surface, arrives_at_front(hit.code, ray, surface.normal));
     }
     //@ end
     return radiance;

@@ -55,7 +55,7 @@ fn refill_path(path: ptr<function, Path>) {
     note_direct(path, radiance, (*path).depth);
     //@ end
     radiance = limited_indirect(radiance, (*path).depth);
-    //@ if light
+    //@ if gathers
     radiance += (*path).radiance;
     //@ end
     //@ if signed

@@ -12,6 +12,19 @@
 //@ if two_parts
 //@ use scene/second_parts
 //@ end
+//@ if own_glow
+//@ use choice/clamp
+//@ use scene/glow
+//@ end
+//@ if glow_is_sampled
+//@ use step/light
+//@ end
+//@ if glow_by_chance
+//@ use step/through_glass
+//@ end
+//@ if glow_direct
+//@ use step/aov_direct
+//@ end
 //@ if surface_samples_light
 //@ use scene/responses
 //@ use step/light
@@ -55,6 +68,27 @@ fn scatter_path(path: ptr<function, Path>) {
     let passes = scattered.event == SCATTERED && !is_non_specular(material);
     let share = select(scattered.weight, vec3<f32>(1.0), scattered.event == EMITTED);
     note_surface(path, passes, (*path).throughput * share, shading);
+    //@ end
+    //@ if own_glow
+    // A surface that emits and scatters brings its light, and the path goes on.
+    let glow = select(glow_of_surface(hit, surface, front), vec3<f32>(0.0), scattered.event == EMITTED);
+    var brought = (*path).throughput * glow;
+    //@ end
+    //@ if glow_is_sampled
+    if any(glow > vec3<f32>(0.0)) {
+        brought *= mis_weight(path, hit);
+    }
+    //@ end
+    //@ if glow_by_chance
+    if any(glow > vec3<f32>(0.0)) {
+        note_met_light(path, number_of_light(hit), glow, brought);
+    }
+    //@ end
+    //@ if glow_direct
+    note_direct(path, brought, depth);
+    //@ end
+    //@ if own_glow
+    (*path).radiance += limited_indirect(brought, depth);
     //@ end
     //@ if light
     var pdf = 0.0;

@@ -36,9 +36,11 @@ fn start_sample(path: ptr<function, Path>) {
     //@ if aov_rough
     (*path).seen = 0u;
     //@ end
-    //@ if light
+    //@ if gathers
     (*path).radiance = vec3<f32>(0.0);
     (*path).pdf = 0.0;
+    //@ end
+    //@ if light
     (*path).light = NO_LIGHT;
     //@ end
 }

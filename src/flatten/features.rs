@@ -1,7 +1,7 @@
 //! The features of the renderer that a scene requires.
 
 use crate::data;
-use crate::material::{MATERIALS, Material, Scattering};
+use crate::material::{DETAILS, MATERIALS, Material, Scattering};
 use crate::options::{FeatureSet, Integrator, RenderOptions};
 use crate::texture::TEXTURES;
 
@@ -33,6 +33,8 @@ pub struct Features {
     pub non_specular: [Option<String>; MATERIALS.len()],
     /// The same for materials that scatter into a single direction (`Scattering::OneWay`).
     pub specular: [Option<String>; MATERIALS.len()],
+    /// The same for materials that have a detail, by the kinds of it (`DetailKind`).
+    pub details: [[Option<String>; MATERIALS.len()]; DETAILS],
     /// Kinds of texture, by the indices of `TEXTURES`.
     pub textures: [Option<String>; TEXTURES.len()],
     /// Meshes with vertex normals, which have smooth shading.
@@ -109,6 +111,9 @@ impl Features {
                 materials.filter(|(kind, _)| kind.scatters.contains(&way)).for_each(|(_, used)| add(used));
             }
         }
+        for (number, kind) in Material::KINDS.iter().enumerate() {
+            kind.details.iter().for_each(|detail| add(&mut self.details[*detail as usize][number]));
+        }
         self.brute_force = false;
         // The sky that `require_all` adds is an additional light, which is never chosen.
         if sample_lights && self.sky_grid == (0, 0) {
@@ -120,6 +125,11 @@ impl Features {
         const DEEP: u32 = 16;
         self.stack_size = self.stack_size.max(DEEP);
         self.boundary_stack_size = self.boundary_stack_size.max(DEEP);
+    }
+
+    /// Whether a material has a detail.
+    pub(super) fn has_details(&self) -> bool {
+        self.details.iter().flatten().any(Option::is_some)
     }
 
     /// Whether kernels have code for media.

@@ -24,7 +24,7 @@ use crate::bvh::{self, Bounds};
 use crate::data::{self, MAX_PRIMITIVES, NO_TEXTURE, f32s};
 use crate::delta_light::PlacedLight;
 use crate::error::{Error, Result};
-use crate::material::Scattering;
+use crate::material::{Detail, Scattering, Slot};
 use crate::options::{FeatureSet, Integrator, RenderOptions};
 use crate::scene::{Background, Bitmap, Material, Object, Scene, Step, Texture, Use};
 use crate::shape::mesh::{self, Laid};
@@ -63,7 +63,9 @@ pub struct DeviceScene {
     /// The distribution of directions by the background's image.
     pub sky: Vec<data::SkyCell>,
     pub materials: Vec<data::Material>,
-    /// Their names in the scene file; of a material with two parts the same twice.
+    /// Where a material has details, those of each row of `materials`.
+    pub details: Vec<data::Detail>,
+    /// The names in the scene file of the rows of `materials`.
     pub material_names: Vec<String>,
     pub textures: Vec<data::Texture>,
     pub frames: Vec<data::Frame>,
@@ -191,13 +193,16 @@ fn flatten_with(
         quality: options.build,
         hierarchies,
         materials: vec![0; scene.materials.len()],
-        textures: scene.materials.iter().map(|(_, material)| material.texture()).collect(),
+        textures: scene.materials.iter().map(|(_, material)| material.textures()).collect(),
         images: HashMap::new(),
         mesh_frames: HashMap::new(),
         flat,
     };
     builder.add_background(radiance_scale);
     builder.add_materials(&used, radiance_scale);
+    if builder.flat.features.has_details() || options.features == FeatureSet::All {
+        builder.add_details(&used, radiance_scale);
+    }
     let sample_lights = options.integrator == Integrator::Mis;
     // The diagnostics run while the hierarchies are built.
     let look = || diagnostics::warnings(&found);
@@ -237,11 +242,12 @@ struct Builder<'a> {
     laid: Vec<Option<Laid>>,
     /// The index in the table of each of the scene's materials that an object uses.
     materials: Vec<u32>,
-    /// The texture of each of the scene's materials, none for a plain colour. On every object it has a frame of its own.
-    textures: Vec<Option<&'a Texture>>,
+    /// The textures of each of the scene's materials that are no plain colour. On every object they have frames of their own, one behind the
+    /// other.
+    textures: Vec<Vec<&'a Texture>>,
     /// The index of each image's first texel, by path.
     images: HashMap<String, u32>,
-    /// The frames of meshes, by mesh and material.
+    /// The first frames of meshes, by mesh and material.
     mesh_frames: HashMap<(usize, u32), u32>,
     flat: DeviceScene,
 }
@@ -300,11 +306,14 @@ impl Builder<'_> {
         shape.mesh().map(|mesh| self.laid(mesh)).unwrap_or_default()
     }
 
-    /// The index of a primitive's frame, which it has if its material has a texture; without a texture the index is 0.
+    /// The index of a primitive's first frame; 0 if its material has no texture.
     fn frame_of(&mut self, primitive: &Placed) -> u32 {
         let Placed { shape, to_world, material } = primitive;
-        let Some(texture) = self.textures[*material as usize] else { return 0 };
-        // All instances of a mesh share a frame, because textures are evaluated in the mesh's own space.
+        let textures = &self.textures[*material as usize];
+        if textures.is_empty() {
+            return 0;
+        }
+        // All instances of a mesh share frames, because textures are evaluated in the mesh's own space.
         let shared = shape.mesh().map(|mesh| (mesh.number, *material));
         if let Some(&frame) = shared.and_then(|key| self.mesh_frames.get(&key)) {
             return frame;
@@ -313,7 +322,8 @@ impl Builder<'_> {
         let index = self.flat.frames.len() as u32;
         // Of a globe, texture coordinates are relative to its nearest point, and of a sphere to its centre.
         let pole = shape.globe().map_or(DVec3::ZERO, Globe::outward);
-        self.flat.frames.extend(texture.frame(place, (pole, &to_world.rotation)));
+        let frames = textures.iter().filter_map(|texture| texture.frame(place, (pole, &to_world.rotation)));
+        self.flat.frames.extend(frames);
         if let Some(key) = shared {
             self.mesh_frames.insert(key, index);
         }
@@ -331,7 +341,8 @@ fn note_material(features: &mut Features, scene: &Scene, name: &str, material: &
     let at_material = || format!("\"{name}\" at {}", scene.material_location(name));
     let number = material.number();
     features.materials[number].get_or_insert_with(at_material);
-    let that_scatter = match material.model().scattering {
+    let model = material.model();
+    let that_scatter = match model.scattering {
         Scattering::Spread => Some(&mut features.non_specular),
         Scattering::OneWay => Some(&mut features.specular),
         Scattering::Nowhere => None,
@@ -339,7 +350,10 @@ fn note_material(features: &mut Features, scene: &Scene, name: &str, material: &
     if let Some(kinds) = that_scatter {
         kinds[number].get_or_insert_with(at_material);
     }
-    if let Some(kind) = material.texture().and_then(Texture::shader_number) {
+    for detail in &model.details {
+        features.details[detail.kind as usize][number].get_or_insert_with(at_material);
+    }
+    for kind in model.slots().filter_map(|slot| slot.texture.shader_number()) {
         features.textures[kind].get_or_insert_with(at_material);
     }
 }
@@ -471,23 +485,51 @@ impl Builder<'_> {
         let scene = self.scene;
         for (number, (name, material)) in scene.materials.iter().enumerate().filter(|(number, _)| used[*number]) {
             let model = material.model();
-            let mut flat = data::Material { kind: material.number() as u32, texture: NO_TEXTURE, ..model.on_device };
-            if let Some(slot) = model.slot {
-                let brightness = match slot.usage {
-                    Use::Radiance => radiance_scale,
-                    Use::Albedo => 1.0,
-                };
-                flat.colour = slot.texture.plain().map_or([0.0; 3], |colour| f32s(brightness * colour));
-                flat.texture = self.add_texture(slot.texture, brightness);
-            }
+            let row = data::Material { kind: material.number() as u32, ..model.on_device };
             self.materials[number] = self.flat.materials.len() as u32;
-            self.flat.materials.push(flat);
-            self.flat.material_names.push(name.clone());
+            self.add_row(name, row, model.slot, radiance_scale);
             if let Some(second) = model.second_part {
-                self.flat.materials.push(second);
-                self.flat.material_names.push(name.clone());
+                self.add_row(name, second, None, radiance_scale);
             }
         }
+    }
+
+    /// Adds a row of the table of materials.
+    fn add_row(&mut self, name: &str, mut row: data::Material, slot: Option<Slot<'_>>, radiance_scale: f64) {
+        row.texture = NO_TEXTURE;
+        if let Some(slot) = slot {
+            let brightness = match slot.usage {
+                Use::Radiance => radiance_scale,
+                Use::Albedo => 1.0,
+            };
+            row.colour = slot.texture.plain().map_or([0.0; 3], |colour| f32s(brightness * colour));
+            row.texture = self.add_texture(slot.texture, brightness);
+        }
+        self.flat.materials.push(row);
+        self.flat.material_names.push(name.to_owned());
+    }
+
+    /// Adds what materials have beside their rows: rows behind those of all materials. The emission of a light has one too, since a
+    /// kernel asks all emitters alike.
+    fn add_details(&mut self, used: &[bool], radiance_scale: f64) {
+        let scene = self.scene;
+        let mut details = vec![data::Detail::NONE; self.flat.materials.len()];
+        for (number, (name, material)) in scene.materials.iter().enumerate().filter(|(number, _)| used[*number]) {
+            let model = material.model();
+            let light = model.light().map(|light| Detail::emission(light.slot, light.two_sided));
+            let is_textured = |slot: Option<Slot>| u32::from(slot.is_some_and(|slot| slot.texture.plain().is_none()));
+            let mut frame = if light.is_some() { 0 } else { is_textured(model.slot) };
+            for detail in model.details.iter().copied().chain(light) {
+                let row = self.flat.materials.len() as u32;
+                let flat = data::Material { kind: frame, parameter: detail.parameter, ..data::Material::default() };
+                frame += is_textured(Some(detail.slot));
+                self.add_row(name, flat, Some(detail.slot), radiance_scale);
+                if let Some(details) = details.get_mut(self.materials[number] as usize) {
+                    *detail.kind.row_of(details) = row;
+                }
+            }
+        }
+        self.flat.details = details;
     }
 
     /// The index of an image's first texel. An image is stored once, however often it is used.

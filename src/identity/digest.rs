@@ -9,7 +9,7 @@ use sha2::{Digest, Sha256};
 
 use crate::gpu::link::{Embedded, Library};
 use crate::scene::{Background, Camera, Mesh, Object, Scene};
-use crate::texture::Bitmap;
+use crate::texture::{Bitmap, Texture};
 
 /// A hash of all shaders.
 pub fn of_shaders() -> String {
@@ -58,7 +58,7 @@ pub fn of_assets(scene: &Scene) -> Vec<(String, String)> {
         Background::Image { path } => Some(path),
         _ => None,
     };
-    let textures = scene.materials.iter().filter_map(|(_, material)| material.texture()?.image());
+    let textures = scene.materials.iter().flat_map(|(_, material)| material.textures()).filter_map(Texture::image);
     let mut paths: Vec<String> = background.into_iter().chain(textures).cloned().collect();
     scene.visit_objects(&mut |_, object| {
         if let Object::Mesh { path, .. } = object {

@@ -41,6 +41,7 @@ pub const KIND: MaterialKind = MaterialKind {
     scatters: &[Scattering::Spread, Scattering::OneWay],
     is_clear: false,
     emits: false,
+    details: &[],
     has_second_part: true,
 };
 
@@ -60,6 +61,7 @@ pub fn model(albedo: Option<&Texture>, eta: Option<Colour>, k: Option<Colour>, r
         numbers: vec![Number { field: &ROUGHNESS, value: roughness, warning: None }],
         colours: [(&ETA, eta), (&K, k)].into_iter().filter_map(|(field, colour)| Some((field, colour?))).collect(),
         lacks: (!whole).then_some("either an albedo, or both eta and k"),
+        details: Vec::new(),
         on_device,
         second_part: Some(data::Material {
             colour: f32s(k.unwrap_or_default()),

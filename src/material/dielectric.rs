@@ -23,6 +23,7 @@ pub const KIND: MaterialKind = MaterialKind {
     scatters: &[Scattering::OneWay],
     is_clear: true,
     emits: false,
+    details: &[],
     has_second_part: false,
 };
 
@@ -39,6 +40,7 @@ pub fn model(ior: f64) -> Model<'static> {
         colours: Vec::new(),
         lacks: None,
         second_part: None,
+        details: Vec::new(),
         on_device: data::Material {
             parameter: ior as f32,
             contrast_outside: ((ior - 1.0) * (ior + 1.0)) as f32,

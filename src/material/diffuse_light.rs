@@ -26,6 +26,7 @@ pub const KIND: MaterialKind = MaterialKind {
     scatters: &[],
     is_clear: false,
     emits: true,
+    details: &[],
     has_second_part: false,
 };
 
@@ -38,6 +39,7 @@ pub fn model(emit: &Texture, two_sided: bool) -> Model<'_> {
         colours: Vec::new(),
         lacks: None,
         second_part: None,
+        details: Vec::new(),
         on_device: data::Material { parameter: f32::from(u8::from(two_sided)), ..data::Material::default() },
     }
 }

@@ -1,6 +1,6 @@
 //! A perfectly diffuse surface: its reflected radiance is the same in all directions.
 
-use super::{MaterialKind, Model, Scattering, Slot};
+use super::{DetailKind, EMISSION, MaterialKind, Model, Scattering, Slot, glow};
 use crate::data;
 use crate::source::form::{Field, Form, Takes};
 use crate::texture::{Texture, Use};
@@ -11,7 +11,7 @@ pub const KIND: MaterialKind = MaterialKind {
     form: Form {
         name: "Lambertian",
         about: "A matt surface: it looks equally bright from all directions.",
-        fields: &[ALBEDO],
+        fields: &[ALBEDO, EMISSION],
         in_order: false,
         example: "Lambertian(albedo: Rgb(0.7, 0.3, 0.2))",
     },
@@ -19,10 +19,11 @@ pub const KIND: MaterialKind = MaterialKind {
     scatters: &[Scattering::Spread],
     is_clear: false,
     emits: false,
+    details: &[DetailKind::Emission],
     has_second_part: false,
 };
 
-pub fn model(albedo: &Texture) -> Model<'_> {
+pub fn model<'a>(albedo: &'a Texture, emission: Option<&'a Texture>) -> Model<'a> {
     Model {
         slot: Some(Slot { field: &ALBEDO, usage: Use::Albedo, texture: albedo }),
         scattering: Scattering::Spread,
@@ -31,6 +32,7 @@ pub fn model(albedo: &Texture) -> Model<'_> {
         colours: Vec::new(),
         lacks: None,
         second_part: None,
+        details: glow(emission).into_iter().collect(),
         on_device: data::Material::default(),
     }
 }

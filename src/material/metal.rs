@@ -26,6 +26,7 @@ pub const KIND: MaterialKind = MaterialKind {
     scatters: &[Scattering::Spread, Scattering::OneWay],
     is_clear: false,
     emits: false,
+    details: &[],
     has_second_part: false,
 };
 
@@ -39,6 +40,7 @@ pub fn model(albedo: &Texture, fuzz: f64) -> Model<'_> {
         numbers: vec![Number { field: &FUZZ, value: fuzz, warning: None }],
         colours: Vec::new(),
         lacks: None,
+        details: Vec::new(),
         on_device,
         second_part: None,
     }

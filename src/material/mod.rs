@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use crate::data;
 use crate::error::Result;
 use crate::source::Place;
-use crate::source::form::{Field, Form, any_of, kinds};
+use crate::source::form::{Field, Form, Takes, any_of, kinds};
 use crate::texture::{Bitmaps, Colour, Texture, Use};
 
 /// A material as the scene file writes it.
@@ -23,6 +23,8 @@ use crate::texture::{Bitmaps, Colour, Texture, Use};
 pub enum Material {
     Lambertian {
         albedo: Texture,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        emission: Option<Texture>,
     },
     Metal {
         albedo: Texture,
@@ -61,6 +63,8 @@ pub enum Material {
         roughness: f64,
         #[serde(default = "index_of_glass")]
         ior: f64,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        emission: Option<Texture>,
     },
 }
 
@@ -95,7 +99,7 @@ impl Material {
     /// The properties of the material.
     pub fn model(&self) -> Model<'_> {
         match self {
-            Material::Lambertian { albedo } => lambertian::model(albedo),
+            Material::Lambertian { albedo, emission } => lambertian::model(albedo, emission.as_ref()),
             Material::Metal { albedo, fuzz } => metal::model(albedo, *fuzz),
             Material::Dielectric { ior } => dielectric::model(*ior),
             Material::DiffuseLight { emit, two_sided } => diffuse_light::model(emit, *two_sided),
@@ -103,24 +107,22 @@ impl Material {
                 conductor::model(albedo.as_ref(), *eta, *k, *roughness)
             }
             Material::RoughDielectric { ior, roughness } => rough_dielectric::model(*ior, *roughness),
-            Material::Pbr { base_color, metallic, roughness, ior } => {
-                pbr::model(base_color, *metallic, *roughness, *ior)
+            Material::Pbr { base_color, metallic, roughness, ior, emission } => {
+                pbr::model(base_color, *metallic, *roughness, *ior, emission.as_ref())
             }
         }
     }
 
-    /// Its texture; none for a plain colour.
-    pub fn texture(&self) -> Option<&Texture> {
-        self.model().slot.map(|slot| slot.texture).filter(|texture| texture.plain().is_none())
+    /// Its textures that are no plain colour: its own, and those of its details.
+    pub fn textures(&self) -> Vec<&Texture> {
+        self.model().slots().map(|slot| slot.texture).filter(|texture| texture.plain().is_none()).collect()
     }
 
     /// Refuses invalid values; `at` is the place of the material.
     pub fn check(&self, at: &Place) -> Result<()> {
         let at = at.variant(self.name());
         let model = self.model();
-        if let Some(slot) = model.slot {
-            slot.texture.check(&at.field(slot.field.name), slot.usage)?;
-        }
+        model.slots().try_for_each(|slot| slot.texture.check(&at.field(slot.field.name), slot.usage))?;
         if let Some(expected) = model.lacks {
             return Err(at.unexpected(expected));
         }
@@ -136,7 +138,7 @@ impl Material {
             .numbers
             .iter()
             .filter_map(|number| Some(at.field(number.field.name).warning(number.warning.as_ref()?)));
-        of_numbers.chain(model.slot.and_then(|slot| slot.warning(&at, bitmaps))).collect()
+        of_numbers.chain(model.slots().filter_map(|slot| slot.warning(&at, bitmaps))).collect()
     }
 }
 
@@ -163,6 +165,8 @@ pub struct MaterialKind {
     /// Whether it transmits light.
     pub is_clear: bool,
     pub emits: bool,
+    /// What materials of the kind may have beside their row of the table.
+    pub details: &'static [DetailKind],
     /// Whether kernels read more numbers of it than one element of their table holds. Then it has two of them.
     pub has_second_part: bool,
 }
@@ -189,6 +193,8 @@ pub struct Model<'a> {
     pub colours: Vec<(&'static Field, Colour)>,
     /// What is expected, if fields that exclude or require each other are not given so.
     pub lacks: Option<&'static str>,
+    /// What it has beside its row of the table.
+    pub details: Vec<Detail<'a>>,
     /// The struct that kernels read. The texture and the number of the kind are filled in later.
     pub on_device: data::Material,
     /// The same of its second part, if its kind has one.
@@ -211,6 +217,63 @@ pub struct Slot<'a> {
     pub texture: &'a Texture,
 }
 
+/// What a material may have beside its row of the table: a row of its own for each (shaders/data/material).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DetailKind {
+    /// The radiance that it emits beside what it scatters.
+    Emission,
+    /// The share of light that it stops.
+    Alpha,
+    /// Factors of its numbers.
+    Roughness,
+    Metallic,
+    /// The normal in the frame of the texture coordinates.
+    Normal,
+}
+
+impl DetailKind {
+    /// The index of the row with a material's detail of this kind.
+    pub fn row_of(self, details: &mut data::Detail) -> &mut u32 {
+        match self {
+            DetailKind::Emission => &mut details.emission,
+            DetailKind::Alpha => &mut details.alpha,
+            DetailKind::Roughness => &mut details.roughness,
+            DetailKind::Metallic => &mut details.metallic,
+            DetailKind::Normal => &mut details.normal,
+        }
+    }
+}
+
+/// The number of kinds of detail.
+pub const DETAILS: usize = DetailKind::Normal as usize + 1;
+
+/// One of them.
+#[derive(Clone, Copy, Debug)]
+pub struct Detail<'a> {
+    pub kind: DetailKind,
+    pub slot: Slot<'a>,
+    /// The number beside its texture. Emission: 1 if it emits to both sides, else 0.
+    pub parameter: f32,
+}
+
+const EMISSION: Field = Field::new(
+    "emission",
+    Takes::Texture(Use::Radiance.range()),
+    "The radiance that it emits beside what it reflects, on both sides.",
+)
+.or("none: it emits nothing");
+
+/// What a material emits beside what it scatters.
+fn glow(emission: Option<&Texture>) -> Option<Detail<'_>> {
+    Some(Detail::emission(Slot { field: &EMISSION, usage: Use::Radiance, texture: emission? }, true))
+}
+
+impl<'a> Detail<'a> {
+    pub fn emission(slot: Slot<'a>, two_sided: bool) -> Detail<'a> {
+        Detail { kind: DetailKind::Emission, slot, parameter: f32::from(u8::from(two_sided)) }
+    }
+}
+
 /// The emission of a material.
 #[derive(Clone, Copy, Debug)]
 pub struct Emission<'a> {
@@ -219,8 +282,23 @@ pub struct Emission<'a> {
 }
 
 impl<'a> Model<'a> {
-    pub fn emission(&self) -> Option<Emission<'a>> {
+    /// What it emits, if it does not scatter.
+    pub fn light(&self) -> Option<Emission<'a>> {
         Some(Emission { slot: self.slot?, two_sided: self.two_sided? })
+    }
+
+    /// What it emits, whether it scatters or not.
+    pub fn emission(&self) -> Option<Emission<'a>> {
+        let glow = || self.details.iter().find(|detail| detail.kind == DetailKind::Emission);
+        self.light().or_else(|| {
+            let Detail { slot, parameter, .. } = *glow()?;
+            Some(Emission { slot, two_sided: parameter != 0.0 })
+        })
+    }
+
+    /// Its textures, also plain ones: its own first, then those of its details in their order.
+    pub fn slots(&self) -> impl Iterator<Item = Slot<'a>> + use<'a, '_> {
+        self.slot.into_iter().chain(self.details.iter().map(|detail| detail.slot))
     }
 }
 

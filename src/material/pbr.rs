@@ -1,6 +1,6 @@
 //! The material of glTF 2.0: a matt body under a glossy layer, or a metal.
 
-use super::{MaterialKind, Model, Number, Scattering, Slot};
+use super::{DetailKind, EMISSION, MaterialKind, Model, Number, Scattering, Slot, glow};
 use crate::data;
 use crate::source::Range;
 use crate::source::form::{Field, Form, NO_UNIT, Takes};
@@ -27,7 +27,7 @@ pub const KIND: MaterialKind = MaterialKind {
         name: "Pbr",
         about: "The metallic-roughness material of glTF 2.0, as its appendix B defines it: a matt body under a glossy layer, or a metal. Its names \
                 and defaults are those of glTF.",
-        fields: &[BASE_COLOR, METALLIC, ROUGHNESS, IOR],
+        fields: &[BASE_COLOR, METALLIC, ROUGHNESS, IOR, EMISSION],
         in_order: false,
         example: "Pbr(base_color: Rgb(0.8, 0.2, 0.1), metallic: 0, roughness: 0.4)",
     },
@@ -35,10 +35,17 @@ pub const KIND: MaterialKind = MaterialKind {
     scatters: &[Scattering::Spread],
     is_clear: false,
     emits: false,
+    details: &[DetailKind::Emission],
     has_second_part: false,
 };
 
-pub fn model(base_color: &Texture, metallic: f64, roughness: f64, ior: f64) -> Model<'_> {
+pub fn model<'a>(
+    base_color: &'a Texture,
+    metallic: f64,
+    roughness: f64,
+    ior: f64,
+    emission: Option<&'a Texture>,
+) -> Model<'a> {
     Model {
         slot: Some(Slot { field: &BASE_COLOR, usage: Use::Albedo, texture: base_color }),
         scattering: Scattering::Spread,
@@ -48,6 +55,7 @@ pub fn model(base_color: &Texture, metallic: f64, roughness: f64, ior: f64) -> M
             .into(),
         colours: Vec::new(),
         lacks: None,
+        details: glow(emission).into_iter().collect(),
         on_device: data::Material {
             parameter: roughness as f32,
             // The reflectance of the layer for light straight on it, and the metallic share.

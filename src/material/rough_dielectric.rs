@@ -25,6 +25,7 @@ pub const KIND: MaterialKind = MaterialKind {
     scatters: &[Scattering::Spread, Scattering::OneWay],
     is_clear: true,
     emits: false,
+    details: &[],
     has_second_part: true,
 };
 
@@ -38,6 +39,7 @@ pub fn model(ior: f64, roughness: f64) -> Model<'static> {
         numbers: { clear.numbers.into_iter() }
             .chain([Number { field: &ROUGHNESS, value: roughness, warning: None }])
             .collect(),
+        details: Vec::new(),
         on_device,
         second_part: Some(data::Material {
             parameter: clear.on_device.parameter,

@@ -9,7 +9,7 @@ use crate::aov::{SeenSurface, Sum};
 use crate::data::{FILM_SUMS, KIND_INSTANCE, KIND_TRIANGLE, RUN_LENGTH};
 use crate::flatten::{BACKGROUNDS, BOUNDARIES, EVERY_FEATURE, Features, PRIMITIVES, TEXTURES};
 use crate::gpu::link::{Choices, Chosen, Entry, Reason};
-use crate::material::Material;
+use crate::material::{DetailKind, Material};
 use crate::options::{self, FeatureSet, Filter, Knob, RenderOptions};
 use crate::shape::KINDS;
 
@@ -65,6 +65,22 @@ named! {
         emitting_mesh,
         /// Primitives of any kind are.
         emitting_surface,
+        /// And none of them scatters.
+        emitting_without_scattering,
+        /// Some material emits beside what it scatters.
+        glow,
+        /// And it or another surface is sampled as a light.
+        glow_of_light,
+        /// A material of the kernel does,
+        own_glow,
+        /// and is sampled as a light,
+        glow_is_sampled,
+        /// and may be left to chance.
+        glow_by_chance,
+        /// Its light is among the direct light beside the image.
+        glow_direct,
+        /// Paths have a sum: of light that is sampled, or of surfaces that emit and scatter.
+        gathers,
         emitting_sky,
         /// Lights without size are.
         delta_light,
@@ -348,6 +364,11 @@ pub(super) fn decide(
     let passes = options.aov.surface == SeenSurface::Rough;
     let place = |sum| options.aov.place(sum).unwrap_or(0) as u32;
 
+    let glowing = &features.details[DetailKind::Emission as usize];
+    let glow = first(glowing);
+    let own_glow = served_in(glowing).first().map(|kind| kind.why.clone());
+    let glow_is_sampled = own_glow.clone().and(light.clone()).and(emitting_surface.clone());
+
     let queue_why = if_so(queues, option(QUEUES));
     let conditions = Conditions {
         staged_light: light.clone().filter(|_| !fused),
@@ -388,6 +409,14 @@ pub(super) fn decide(
             .and_then(|(kind, _)| asked(&features.smooth).and(Some(kind.why.clone()))),
         met_light: light.clone().and(emitting_surface.clone()).filter(|_| shines),
         met_by_chance: one_way.clone().filter(|_| shines && emitting_surface.is_some()),
+        emitting_without_scattering: emitting_surface.clone().filter(|_| glow.is_none()),
+        glow_of_light: glow.clone().and(emitting_surface.clone()),
+        gathers: light.clone().or(glow.clone()),
+        glow_direct: own_glow.clone().and(aov(&[Sum::Direct], &Some(Reason::EveryRender))),
+        glow_by_chance: glow_is_sampled.clone().and(one_way.clone()),
+        glow_is_sampled,
+        own_glow,
+        glow,
         specular_beside_delta_light: specular.clone().and(delta_light.clone()),
         light_without_place: emitting_sky.clone().or(asked(&features.directional_lights)),
         delta_light,

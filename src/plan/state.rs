@@ -51,7 +51,7 @@ pub fn most_path_bytes(aovs: &Aovs) -> u64 {
 pub fn path_fields(conditions: &Conditions, fused: bool) -> Vec<PathField> {
     let words = |why: &Option<Reason>| why.as_ref().map(Reason::to_string);
     let always = words(&Some(Reason::EveryRender));
-    let lights = words(&conditions.light);
+    let gathers = words(&conditions.gathers);
     // What only stages that are kernels of their own hand on: for all scenes, or beside that for what some of them ask.
     let staged = |why| words(why).filter(|_| !fused).map(|why| format!("{A_KERNEL_A_STAGE}, and {why}"));
     let (staged_lights, staged_meshes, staged_mesh_lights) =
@@ -74,8 +74,12 @@ pub fn path_fields(conditions: &Conditions, fused: bool) -> Vec<PathField> {
         behind(&always, "SUM", "rays", "their rays"),
         vector(&always, "EXCESS", "what that sum is too large by, of its roundings"),
         vector(&always, "SPREAD", "squared deviations of the run's samples from their mean"),
-        vector(&lights, "RADIANCE", "radiance of the sample so far, by lights that were sampled"),
-        behind(&lights, "RADIANCE", "pdf", "density of the last scattering's direction"),
+        vector(
+            &gathers,
+            "RADIANCE",
+            "radiance of the sample so far, by lights that were sampled and surfaces that emit and scatter",
+        ),
+        behind(&gathers, "RADIANCE", "pdf", "density of the last scattering's direction"),
         vector(&words(&conditions.aov_direct), "DIRECT", "direct radiance of the sample so far"),
         vector(&words(&conditions.aov_direct), "DIRECT_SUM", "that of the run's samples"),
         vector(&words(&conditions.aov_albedo), "ALBEDO_SUM", "albedos of the run's samples"),

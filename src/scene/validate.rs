@@ -280,7 +280,7 @@ impl KnownNames<'_> {
             let meant = meant.map_or(String::new(), |meant| format!("; did you mean {meant:?}?"));
             return Err(at.error(format!("there is no material {name:?}: {}{meant}", known(names()))));
         };
-        if material.texture().is_some_and(|texture| texture.image().is_some())
+        if material.textures().into_iter().any(|texture| texture.image().is_some())
             && let Some(shape) = object.shape(self.meshes)
             && let Some(mesh) = shape.mesh()
         {

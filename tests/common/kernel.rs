@@ -83,6 +83,14 @@ const USUAL: [(&str, &str); 4] = [
 
 /// The conditions that do not hold where nothing else is asked, and those of the settings' members, which are all there.
 const NONE: &[&str] = &[
+    "gathers",
+    "glow",
+    "glow_of_light",
+    "own_glow",
+    "glow_is_sampled",
+    "glow_by_chance",
+    "glow_direct",
+    "emitting_without_scattering",
     "mesh",
     "light",
     "emitting_mesh",

@@ -93,6 +93,8 @@ const POINTS: &[Point] = &[
          Quad(corner: (-1, 2, -1), u: (0.3, 0, 0), v: (0, 0, 0.3), material: \"more\"), Box(min: (0, 2, 0), max: (0.1, 2.1, 0.1), material: \"more\"),
          Sphere(center: (0.9, 0.5, 0.6), radius: 0.4, material: \"glass\"),",
     ),
+    point("a surface that emits and scatters", DARK, GLOW, BALL),
+    point("a surface that emits and scatters, a lamp and glass", DARK, GLOW_AND_GLASS, GLOW_OBJECTS),
     point("a light without size", DARK, GREY, POINT_LIGHT),
     point("lights without size in fog", DARK, GREY, LIGHTS_IN_FOG),
     point(
@@ -137,6 +139,13 @@ const POINTS: &[Point] = &[
     },
 ];
 
+const GLOW: &str = "\"more\": Lambertian(albedo: Rgb(0.7, 0.3, 0.2), emission: Rgb(0.5, 1, 2)),";
+const GLOW_AND_GLASS: &str =
+    "\"more\": Lambertian(albedo: Rgb(0.7, 0.3, 0.2), emission: Rgb(0.5, 1, 2)), \"glass\": Dielectric(ior: 1.5),
+    \"lamp\": DiffuseLight(emit: Rgb(4, 3, 2), two_sided: false),";
+const GLOW_OBJECTS: &str = "Sphere(center: (0.9, 0.5, 0.4), radius: 0.4, material: \"glass\"),
+    Quad(corner: (-1.5, 0.1, -0.5), u: (1, 0, 0.3), v: (0, 1.2, 0), material: \"more\"),
+    Quad(corner: (-1, 2, -1), u: (0.3, 0, 0), v: (0, 0, 0.3), material: \"lamp\"),";
 const POINT_LIGHT: &str = "PointLight(at: (1, 2, 1), intensity: (3, 2, 1)),";
 const LIGHTS_IN_FOG: &str = "SpotLight(at: (1, 2, 1), towards: (0, 0.5, 0), intensity: (9, 8, 7), inner: 10, outer: 25),
     DirectionalLight(direction: (1, -2, -1), irradiance: (1, 1, 1)),

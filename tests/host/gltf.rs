@@ -56,7 +56,10 @@ fn a_file_becomes_objects_materials_and_a_camera() {
     let names: Vec<&str> = scene.materials.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(names, ["Wood", "Lamp", "Steel"]);
     let image = Texture::Image { path: "room.glb#images/0".to_owned(), tint: DVec3::new(0.5, 0.6, 0.7) };
-    assert_eq!(scene.materials[0].1, Material::Pbr { base_color: image, metallic: 0.0, roughness: 1.0, ior: 1.5 });
+    assert_eq!(
+        scene.materials[0].1,
+        Material::Pbr { base_color: image, metallic: 0.0, roughness: 1.0, ior: 1.5, emission: None }
+    );
     let emit = Texture::Rgb(10.0, 9.0, 8.0);
     assert_eq!(scene.materials[1].1, Material::DiffuseLight { emit, two_sided: true });
     assert_eq!(scene.materials[2].1, metal(0.0));
@@ -111,9 +114,10 @@ fn materials_are_those_of_the_standard_as_far_as_ours_go() {
     };
     let base_color = Texture::Rgb(0.8, 0.7, 0.6);
     assert_eq!(pbr(1.0, json!({})), metal(0.3));
-    let expected = Material::Pbr { base_color: base_color.clone(), metallic: 0.25, roughness: 0.3, ior: 1.4 };
+    let expected =
+        Material::Pbr { base_color: base_color.clone(), metallic: 0.25, roughness: 0.3, ior: 1.4, emission: None };
     assert_eq!(pbr(0.25, json!({})), expected);
-    assert_eq!(pbr(0.0, json!({"specularFactor": 0})), Material::Lambertian { albedo: base_color });
+    assert_eq!(pbr(0.0, json!({"specularFactor": 0})), Material::Lambertian { albedo: base_color, emission: None });
     let Material::Pbr { ior, .. } = pbr(0.0, json!({"specularFactor": 0.25})) else { panic!() };
     let reflectance = |ior: f64| ((ior - 1.0) / (ior + 1.0)).powi(2);
     assert!((reflectance(ior) - 0.25 * reflectance(1.4)).abs() < 1e-12);
@@ -124,11 +128,17 @@ fn materials_are_those_of_the_standard_as_far_as_ours_go() {
     };
     assert_eq!(glass(0.0), Material::Dielectric { ior: 1.4 });
     assert_eq!(glass(0.5), Material::RoughDielectric { ior: 1.4, roughness: 0.5 });
+    let glow = steel(json!({"emissiveFactor": [0.5, 0, 1], "emissiveTexture": {"index": 0},
+        "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 4}}}));
+    let emission = Texture::Image { path: "room.glb#images/0".to_owned(), tint: DVec3::new(2.0, 0.0, 4.0) };
+    let base_color = Texture::Rgb(0.8, 0.7, 0.6);
+    let expected = Material::Pbr { base_color, metallic: 1.0, roughness: 0.0, ior: 1.5, emission: Some(emission) };
+    assert_eq!(glow, expected);
     // The image has half of its codes at 0 and half at 255 in green, and 100 in blue.
     let textured =
         steel(json!({"pbrMetallicRoughness": {"metallicFactor": 0.5, "metallicRoughnessTexture": {"index": 0}}}));
     let base_color = Texture::Rgb(1.0, 1.0, 1.0);
-    assert_eq!(textured, Material::Pbr { base_color, metallic: 0.196, roughness: 0.5, ior: 1.5 });
+    assert_eq!(textured, Material::Pbr { base_color, metallic: 0.196, roughness: 0.5, ior: 1.5, emission: None });
 }
 
 #[test]
@@ -187,7 +197,10 @@ fn what_is_not_read_is_named_once_with_its_material() {
             json!({"extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}}}),
             "clear glass without its colour",
         ),
-        (json!({"emissiveFactor": [1, 1, 1]}), "it emits, and does not reflect"),
+        (
+            json!({"emissiveFactor": [1, 1, 1], "emissiveTexture": {"index": 0, "texCoord": 1}}),
+            "emissiveTexture by the texture coordinates of pbrMetallicRoughness.baseColorTexture",
+        ),
         (json!({"pbrMetallicRoughness": {"baseColorFactor": [2, 0.5, 0.5, 1]}}), "baseColorFactor is cut to 0 .. 1"),
     ] {
         let note = wood(more);

@@ -11,6 +11,7 @@ mod estimators;
 mod features;
 mod filters;
 mod globes;
+mod glow;
 mod in_memory;
 mod instances;
 mod knobs;

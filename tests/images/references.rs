@@ -175,7 +175,7 @@ type Planted = fn(&mut Scene);
 fn a_scene_with_one_thing_else_is_found() {
     let darker: Planted = |scene| {
         let brown = scene.materials.iter_mut().find(|(name, _)| name == "brown").expect("the sphere's material");
-        let Material::Lambertian { albedo: Texture::Rgb(r, g, b) } = &mut brown.1 else {
+        let Material::Lambertian { albedo: Texture::Rgb(r, g, b), .. } = &mut brown.1 else {
             panic!("the sphere is Lambertian and plain");
         };
         (*r, *g, *b) = (0.975 * *r, 0.975 * *g, 0.975 * *b);

@@ -39,6 +39,7 @@ fn modules() -> Vec<naga::Module> {
         boundary_stack_size: 8,
         smooth: Some("a test".to_string()),
         emitters: Default::default(),
+        details: Default::default(),
         emitting_sky: Some("a test".to_string()),
         delta_lights: Some("a test".to_string()),
         directional_lights: Some("a test".to_string()),
@@ -53,6 +54,12 @@ fn modules() -> Vec<naga::Module> {
         materials: features.materials.map(on),
         textures: features.textures.map(on),
         boundaries: features.boundaries.map(on),
+        details: std::array::from_fn(|detail| {
+            std::array::from_fn(|i| {
+                let kinds = Material::KINDS[i].details;
+                kinds.iter().any(|kind| *kind as usize == detail).then(|| "a test".to_string())
+            })
+        }),
         emitters: features.emitters.map(on),
         backgrounds: features.backgrounds.map(on),
         ..features
@@ -111,7 +118,7 @@ fn host_structs() -> BTreeMap<&'static str, (Fields, usize)> {
             ),)*])
         };
     }
-    structs!(Window Counters RunRecord PixelTotals Node Sphere Globe Quad Cuboid Instance Light DeltaLight LightNode SkyCell Medium Material Texture Frame Trial Answer)
+    structs!(Window Counters RunRecord PixelTotals Node Sphere Globe Quad Cuboid Instance Light DeltaLight LightNode SkyCell Medium Material Detail Texture Frame Trial Answer)
 }
 
 /// Names that src/data.rs declares behind a word, so that none can be added there and forgotten here.
@@ -235,6 +242,7 @@ fn every_constant_of_the_host_is_that_of_the_shaders() {
         ("NO_INSTANCE", data::NO_INSTANCE),
         ("KIND_TRIANGLE", data::KIND_TRIANGLE),
         ("KIND_INSTANCE", data::KIND_INSTANCE),
+        ("NO_DETAIL", data::NO_DETAIL),
         ("KIND_DELTA_LIGHT", data::KIND_DELTA_LIGHT),
         ("LIGHT_NODE_LEAF", data::LIGHT_NODE_LEAF),
         ("LIGHT_NODE_TWO_SIDED", data::LIGHT_NODE_TWO_SIDED),

@@ -8,7 +8,7 @@ use gpu_rt::data::{KIND_TRIANGLE, Sampler};
 use gpu_rt::flatten::{BACKGROUNDS, BOUNDARIES, Features, MATERIALS, PRIMITIVES, TEXTURES, Unsampled};
 use gpu_rt::gpu::layout::BindingKind;
 use gpu_rt::gpu::link::{Choices, Chosen, Embedded, Entry, Library, Linked, Reason, link};
-use gpu_rt::material::{Material, MaterialKind, Scattering};
+use gpu_rt::material::{DetailKind, Material, MaterialKind, Scattering};
 use gpu_rt::options::{FeatureSet, Filter, Fresnel, Offset, Precision, RenderOptions, Scatter, Switch};
 use gpu_rt::plan::choices::{Conditions, Lists, Modules, Values, table_names};
 use gpu_rt::plan::{Kernel, Kernels, UniformTables};
@@ -76,6 +76,13 @@ fn lit(features: Features, emitters: usize, sky: bool) -> Features {
     }
 }
 
+/// The same with materials that emit beside what they scatter.
+fn glowing(features: Features) -> Features {
+    let mut details = features.details.clone();
+    details[DetailKind::Emission as usize] = features.non_specular.clone();
+    Features { details, ..features }
+}
+
 /// The same with lights without size, directional ones among them, where anything answers to them.
 fn delta_lit(features: Features, directional: bool) -> Features {
     if features.media == 0 && features.non_specular.iter().all(Option::is_none) {
@@ -111,7 +118,7 @@ fn everything() -> Features {
 
 fn all_sampled() -> Features {
     let surfaces = features(all(PRIMITIVES), all(MATERIALS), all(TEXTURES), IMAGE, true);
-    delta_lit(lit(with_media(smooth(surfaces), all(BOUNDARIES), true), all(PRIMITIVES), true), true)
+    glowing(delta_lit(lit(with_media(smooth(surfaces), all(BOUNDARIES), true), all(PRIMITIVES), true), true))
 }
 
 /// The same with render space turned to the camera's axes.
@@ -204,6 +211,14 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
         let surfaces = features(emitters.max(1), materials, 0, IMAGE, false);
         found.extend([lit(surfaces.clone(), emitters, true), lit(surfaces.clone(), emitters.max(1), false)]);
         found.push(lit(with_media(surfaces, 1 + emitters % all(BOUNDARIES), false), emitters.max(1), false));
+    }
+    // Surfaces that emit and scatter: by chance alone, sampled, and beside other lights.
+    for set in [1, materials] {
+        let own = glowing(features(1, set, 0, SOLID, false));
+        found.extend([own.clone(), lit(own.clone(), 1, false), lit(own.clone(), 1, true), lit(own, 0, true)]);
+    }
+    for emitters in (0..PRIMITIVES.len()).map(|i| 1 << i) {
+        found.push(lit(with_media(glowing(features(emitters, 1, 0, SOLID, false)), 1, false), emitters, false));
     }
     // Lights without size alone, with every material and in media, and beside each kind of light.
     for directional in [false, true] {
@@ -374,7 +389,7 @@ fn every_line_under_shaders_is_in_some_kernel() {
 /// The most storage buffers that a kernel with everything on binds, all tables in storage bindings. WebGPU promises 8. Kernels
 /// with everything on exceed it (docs/architecture.md); this limit keeps them from growing further.
 const MOST_STORAGE_BUFFERS: [(Scatter, usize); 3] =
-    [(Scatter::Linked, 17), (Scatter::Queues, 19), (Scatter::Fused, 19)];
+    [(Scatter::Linked, 18), (Scatter::Queues, 20), (Scatter::Fused, 20)];
 
 #[test]
 fn no_kernel_binds_too_many_storage_buffers() {

@@ -37,9 +37,8 @@ pub fn load_all(scene: &Scene, reading: Reading, findings: &mut Findings, assets
     }
     let materials = top.field("materials");
     for (name, material) in &scene.materials {
-        if let Some(slot) = material.model().slot
-            && let Texture::Image { path, tint } = slot.texture
-        {
+        for slot in material.model().slots() {
+            let Texture::Image { path, tint } = slot.texture else { continue };
             let at = materials.key(name);
             let at = at.variant(material.name());
             let at = at.field(slot.field.name);

@@ -59,7 +59,7 @@ enum Model {
 
 /// What a primitive without a material has, by the standard: a white metal that is as rough as can be.
 pub fn default_material() -> Material {
-    Material::Pbr { base_color: Texture::Rgb(1.0, 1.0, 1.0), metallic: 1.0, roughness: 1.0, ior: 1.5 }
+    Material::Pbr { base_color: Texture::Rgb(1.0, 1.0, 1.0), metallic: 1.0, roughness: 1.0, ior: 1.5, emission: None }
 }
 
 pub fn colour(rgb: [f32; 3]) -> Colour {
@@ -81,7 +81,7 @@ fn model(given: &Given) -> Model {
     let pbr = &given.pbr_metallic_roughness;
     let [r, g, b, _] = pbr.base_color_factor.0;
     let transmission = given.extensions.as_ref().and_then(|found| found.transmission.as_ref());
-    if emission(given).max_element() > 0.0 && (given.emissive_texture.is_none() || [r, g, b] == [0.0; 3]) {
+    if emission(given).max_element() > 0.0 && [r, g, b] == [0.0; 3] {
         Model::Light
     } else if transmission.is_some_and(|transmission| transmission.transmission_factor.0 >= 0.5) {
         Model::Glass
@@ -90,15 +90,22 @@ fn model(given: &Given) -> Model {
     }
 }
 
-/// The texture that a material of ours has, with the field that names it.
-fn main_texture(given: &Given) -> Option<(&'static str, &Info)> {
-    match model(given) {
-        Model::Light => Some(("emissiveTexture", given.emissive_texture.as_ref()?)),
-        Model::Surface => {
-            Some(("pbrMetallicRoughness.baseColorTexture", given.pbr_metallic_roughness.base_color_texture.as_ref()?))
-        }
-        Model::Glass => None,
-    }
+/// A texture of a material, with the field that names it.
+type Named<'a> = (&'static str, &'a Info);
+
+fn base_texture(given: &Given) -> Option<Named<'_>> {
+    let info = given.pbr_metallic_roughness.base_color_texture.as_ref();
+    info.filter(|_| model(given) == Model::Surface).map(|info| ("pbrMetallicRoughness.baseColorTexture", info))
+}
+
+fn emissive_texture(given: &Given) -> Option<Named<'_>> {
+    let is_read = model(given) != Model::Glass && emission(given) != Colour::ZERO;
+    given.emissive_texture.as_ref().filter(|_| is_read).map(|info| ("emissiveTexture", info))
+}
+
+/// The textures that a material of ours has. The texture coordinates of its meshes are those of the first one.
+fn textures(given: &Given) -> impl Iterator<Item = Named<'_>> {
+    base_texture(given).into_iter().chain(emissive_texture(given))
 }
 
 /// What is not as the file says.
@@ -122,14 +129,15 @@ impl File {
     pub fn uv_placing(&self, mesh: usize, primitive: usize) -> Result<UvPlacing> {
         let material = self.primitive(mesh, primitive)?.material;
         let given = material.and_then(|material| self.root().materials.get(material.value()));
-        Ok(given.and_then(main_texture).map(|(_, info)| UvPlacing::of(info)).unwrap_or_default())
+        let first = given.and_then(|given| textures(given).next());
+        Ok(first.map(|(_, info)| UvPlacing::of(info)).unwrap_or_default())
     }
 
     /// Whether a primitive's material has an image.
     pub fn has_image(&self, mesh: usize, primitive: usize) -> Result<bool> {
         let material = self.primitive(mesh, primitive)?.material;
         let given = material.and_then(|material| self.root().materials.get(material.value()));
-        Ok(given.and_then(main_texture).is_some())
+        Ok(given.is_some_and(|given| textures(given).next().is_some()))
     }
 
     /// A material in terms of ours. `path` is the file as the scene names it; a note is added if the material is not as the file says.
@@ -141,12 +149,23 @@ impl File {
         let mut found = Notes::default();
         let [r, g, b, alpha] = pbr.base_color_factor.0;
         let base = share(colour([r, g, b]), "baseColorFactor", &mut found);
-        let image = main_texture(given).map(|(field, info)| self.image_path(&at, field, info, path, &mut found));
-        let image = image.transpose()?.flatten();
-        let texture = |tint: Colour| match image {
-            Some(path) => Texture::Image { path, tint },
-            None => Texture::Rgb(tint.x, tint.y, tint.z),
+        let mut texture = |named: Option<Named>, tint: Colour| -> Result<Texture> {
+            let image = named.map(|(field, info)| self.image_path(&at, field, info, path, &mut found));
+            Ok(match image.transpose()?.flatten() {
+                Some(path) => Texture::Image { path, tint },
+                None => Texture::Rgb(tint.x, tint.y, tint.z),
+            })
         };
+        let color = texture(base_texture(given), base)?;
+        let light = radiance(emission(given));
+        let light = texture(emissive_texture(given), light)?;
+        let emission = Some(light.clone()).filter(|light| light.plain() != Some(Colour::ZERO));
+        let placing: Vec<_> = textures(given).map(|(field, info)| (field, UvPlacing::of(info))).collect();
+        if let [(first, shared), others @ ..] = placing.as_slice() {
+            for (field, own) in others {
+                found.add_if(own != shared, format!("{field} by the texture coordinates of {first}"));
+            }
+        }
         let model = model(given);
         let (roughness, metallic) = self.roughness(&at, given, model, &mut found)?;
         let extensions = given.extensions.as_ref();
@@ -162,10 +181,7 @@ impl File {
         found.add_if(!(1.0..=1e3).contains(&ior), format!("its ior of {ior} is taken for 1.5"));
         let ior = if (1.0..=1e3).contains(&ior) { ior } else { 1.5 };
         let material = match model {
-            Model::Light => {
-                found.add_if(base != Colour::ZERO, "it emits, and does not reflect");
-                Material::DiffuseLight { emit: texture(radiance(emission(given))), two_sided: given.double_sided }
-            }
+            Model::Light => Material::DiffuseLight { emit: light, two_sided: given.double_sided },
             Model::Glass => {
                 found.add_if(base != Colour::ONE || pbr.base_color_texture.is_some(), "clear glass without its colour");
                 let volume = extensions.and_then(|found| found.volume.as_ref());
@@ -180,24 +196,25 @@ impl File {
                     false => Material::Dielectric { ior },
                 }
             }
-            Model::Surface if metallic == 1.0 => {
-                Material::Conductor { albedo: Some(texture(base)), eta: None, k: None, roughness }
+            Model::Surface if metallic == 1.0 && emission.is_none() => {
+                Material::Conductor { albedo: Some(color), eta: None, k: None, roughness }
             }
-            Model::Surface if is_matt && metallic == 0.0 => Material::Lambertian { albedo: texture(base) },
+            Model::Surface if is_matt && metallic == 0.0 => Material::Lambertian { albedo: color, emission },
             Model::Surface => {
                 let factor = specular.map_or(1.0, |specular| decimal(specular.specular_factor.0).clamp(0.0, 1.0));
                 found.add_if(factor != 1.0, format!("its specularFactor of {factor} changes its ior alone"));
                 let reflected = factor.sqrt() * (ior - 1.0) / (ior + 1.0);
                 let ior = if factor == 1.0 { ior } else { (1.0 + reflected) / (1.0 - reflected) };
-                Material::Pbr { base_color: texture(base), metallic, roughness, ior }
+                Material::Pbr { base_color: color, metallic, roughness, ior, emission }
             }
         };
         let opaque = matches!(given.alpha_mode, Checked::Valid(AlphaMode::Opaque));
         found.add_if(!opaque, format!("opaque, without its alpha (alphaMode {})", alpha_mode(given, alpha)));
         let is_light = model == Model::Light;
+        let emits = given.emissive_factor.0 != [0.0; 3];
         let has = |it: bool, name: &str| it.then(|| name.to_owned());
         let unread = [
-            has(!is_light && emission(given) != Colour::ZERO, "emissiveFactor"),
+            has(model == Model::Glass && emits, "emissiveFactor"),
             has(!is_light && given.normal_texture.is_some(), "normalTexture"),
             has(!is_light && given.occlusion_texture.is_some(), "occlusionTexture"),
             has(specular.is_some_and(|it| it.specular_texture.is_some()), "specularTexture"),
