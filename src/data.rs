@@ -138,6 +138,8 @@ device_struct!(
         lens_y: [f32; 3],
         background_width: u32,
         background_height: u32,
+        background_texel: u32,
+        background_format: u32,
         background_top: [f32; 3],
         world_x: [f32; 3],
         world_y: [f32; 3],
@@ -389,7 +391,7 @@ device_struct!(
         texel: u32,
         width: u32,
         height: u32,
-        padding: u32,
+        format: u32,
     }
 );
 

@@ -38,6 +38,8 @@
 #[doc(hidden)]
 pub mod aov;
 #[doc(hidden)]
+pub mod bitmap;
+#[doc(hidden)]
 pub mod bvh;
 #[doc(hidden)]
 pub mod cli;

@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use crate::bitmap::Bitmap;
 use crate::data::{SkyCell, luminance};
 
 /// The number of values of a uniform number on the device: the multiples of 2^-24.
@@ -137,11 +138,10 @@ fn tents(x0: f64, x1: f64) -> impl Iterator<Item = (i64, f64)> {
 }
 
 impl SkyDistribution {
-    /// None if the image is black everywhere or empty, or if the number of texels does not match its size. Negative and
-    /// non-finite texels count as black.
-    pub fn new(width: u32, height: u32, texels: &[[f32; 3]]) -> Option<SkyDistribution> {
-        let (w, h) = (width as usize, height as usize);
-        if w == 0 || h == 0 || w.checked_mul(h) != Some(texels.len()) {
+    /// None if the image is black everywhere or empty. Negative and non-finite texels count as black.
+    pub fn new(image: &Bitmap) -> Option<SkyDistribution> {
+        let (w, h) = (image.width as usize, image.height as usize);
+        if image.is_empty() {
             return None;
         }
         // The finest grid of whole texels with at most MAX_CELLS cells.
@@ -171,8 +171,8 @@ impl SkyDistribution {
             }
         }
         for (y, given) in given.iter().enumerate() {
-            for (to, texel) in line.iter_mut().zip(&texels[y * w..]) {
-                *to = brightness(*texel);
+            for (to, x) in line.iter_mut().zip(y * w..) {
+                *to = brightness(image.texel(x));
             }
             for (to, shares) in row.iter_mut().zip(&across) {
                 *to = shares.iter().map(|(x, share)| share * line[*x]).sum();

@@ -10,6 +10,7 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use crate::aov::Aovs;
+use crate::bitmap::{self, FORMATS};
 use crate::data::{self, QUEUE_HEADER};
 use crate::error::Result;
 use crate::film;
@@ -316,12 +317,11 @@ impl Kernels {
         let places = places(&self.path_fields);
         let (plane_bytes, word_bytes) = (places.plane_bytes(), places.word_bytes());
         let header = u64::from(QUEUE_HEADER);
-        let parts = |name, contents: Vec<Cow<'a, [u8]>>, stride: u64, why| {
-            let spec = BufferSpec::scene(name, contents, why);
+        let array = |name, contents, stride: u64, why| {
+            let spec = BufferSpec::scene(name, vec![contents], why);
             let size = format!("{} x {stride} bytes", spec.bytes / stride);
             spec.made_of(size)
         };
-        let array = |name, contents, stride, why| parts(name, vec![contents], stride, why);
         let all = [
             BufferSpec::uniform("settings", self.settings.size(), "camera, sky and limits of the render"),
             BufferSpec::uniform("window", size_of::<data::Window>() as u64, "the runs that may start now"),
@@ -338,12 +338,9 @@ impl Kernels {
                 .made_of(format!("{slots} slots x {plane_bytes} bytes")),
             BufferSpec::working("path_words", slots * word_bytes, "what of that state fills no vec4")
                 .made_of(format!("{slots} slots x {word_bytes} bytes")),
-            parts(
-                "texels",
-                flat.texels.iter().map(|image| bytes(image)).collect(),
-                size_of::<[f32; 3]>() as u64,
-                "images",
-            ),
+            BufferSpec::scene("texels", flat.texel_words().map(bytes).collect(), "images")
+                .made_of(texel_words(flat))
+                .shrunk_by(largest_images(flat)),
             array(
                 "sky",
                 bytes(&flat.sky),
@@ -380,6 +377,25 @@ impl Kernels {
 
 fn bytes<T: bytemuck::Pod>(items: &[T]) -> Cow<'_, [u8]> {
     Cow::Borrowed(bytemuck::cast_slice(items))
+}
+
+/// The make-up of the texels: how many images there are of each format, and their bytes.
+fn texel_words(flat: &DeviceScene) -> String {
+    let of_format = |(number, name): (usize, &&str)| {
+        let images = flat.images.iter().filter(|(_, bitmap)| bitmap.format.number() == number);
+        let (count, bytes) = images.fold((0, 0), |(count, bytes), (_, bitmap)| (count + 1, bytes + bitmap.bytes()));
+        let plural = if count == 1 { "" } else { "s" };
+        (count > 0).then(|| format!("{count} {name} image{plural}, {bytes} bytes"))
+    };
+    let formats: Vec<String> = FORMATS.iter().enumerate().filter_map(of_format).collect();
+    if formats.is_empty() { "no image".to_string() } else { formats.join("; ") }
+}
+
+/// What to do about images that take too much.
+fn largest_images(flat: &DeviceScene) -> Option<String> {
+    let images = flat.images.iter();
+    let images = images.map(|(path, bitmap)| (path.as_str(), (bitmap.width, bitmap.height), bitmap.bytes()));
+    (!flat.images.is_empty()).then(|| format!("scale images down, the largest first: {}", bitmap::largest(images)))
 }
 
 fn element_bytes<T>(_: &[T]) -> u64 {

@@ -1,13 +1,12 @@
 //! Textures: colours that vary over a surface or in space. This file has everything that the host knows about them.
 
-use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
-use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 
+use crate::bitmap::{Bitmap, Bitmaps, Format};
 use crate::data::{self, f32s, luminance};
 use crate::error::Result;
 use crate::source::form::{Field, Form, NO_UNIT, PATH, SCENE_UNITS, Takes, kinds};
@@ -142,17 +141,6 @@ pub const TEXTURES: &[&str] = match Texture::SHADERS {
     [] => &[],
 };
 
-/// A decoded image file of the scene: linear Rec. 709, with row 0 at the top.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Bitmap {
-    pub width: u32,
-    pub height: u32,
-    pub texels: Arc<Vec<[f32; 3]>>,
-}
-
-/// The decoded images, by the paths that the scene file writes.
-pub type Bitmaps = BTreeMap<String, Bitmap>;
-
 /// The meaning of a texture's values, which determines their range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Use {
@@ -194,33 +182,38 @@ impl Use {
             Use::Radiance => ("a radiance from 0 to 1e30", 0.0..=LARGEST_RADIANCE as f32),
         };
         let fits = |texel: &[f32; 3]| texel.iter().all(|c| range.contains(c));
-        let Some(index) = bitmap.texels.iter().position(|texel| !fits(texel)) else {
+        // Codes stand for numbers from 0 to 1.
+        let outside = match bitmap.format {
+            Format::Float => bitmap.texels().position(|texel| !fits(&texel)),
+            Format::Srgb | Format::Linear | Format::Number => None,
+        };
+        let Some(index) = outside else {
             let brightest = if tint.max_element() > 1.0 { bitmap.brightest(tint) } else { 0.0 };
             return match brightest > f64::from(*range.end()) {
                 true => Err(format!("expected {expected}, found {brightest:?} with its tint")),
                 false => Ok(()),
             };
         };
-        let [r, g, b] = bitmap.texels.get(index).copied().unwrap_or_default();
+        let [r, g, b] = bitmap.texel(index);
         let (x, y) = (index % bitmap.width as usize, index / bitmap.width as usize);
         Err(format!("expected {expected}, found ({r:?}, {g:?}, {b:?}) at texel ({x}, {y}) from the top left"))
     }
 }
 
 /// The largest channel of a texel, multiplied by `tint`.
-fn largest(tint: Colour, texel: &[f32; 3]) -> f64 {
+fn largest(tint: Colour, texel: [f32; 3]) -> f64 {
     (tint * DVec3::from_array(texel.map(f64::from))).max_element().max(0.0)
 }
 
 impl Bitmap {
     /// The largest channel of all texels, each multiplied by `tint`.
     pub fn brightest(&self, tint: Colour) -> f64 {
-        self.texels.iter().map(|texel| largest(tint, texel)).fold(0.0, f64::max)
+        self.texels().map(|texel| largest(tint, texel)).fold(0.0, f64::max)
     }
 
     /// The brightest of the texels that are too faint but not black, if they are many.
     pub fn faint_part(&self, tint: Colour, is_faint: impl Fn(f64) -> bool) -> Option<f64> {
-        let texels = self.texels.iter().map(|texel| largest(tint, texel));
+        let texels = self.texels().map(|texel| largest(tint, texel));
         let lit = texels.filter(|x| *x > 0.0);
         let (count, faint, brightest) = lit.fold((0, 0, 0.0_f64), |(count, faint, brightest), x| match is_faint(x) {
             true => (count + 1, faint + 1, brightest.max(x)),
@@ -272,7 +265,7 @@ impl Texture {
         match self {
             Texture::Rgb(r, g, b) => r.max(*g).max(*b),
             Texture::Checker { even, odd, .. } => even.max(*odd).max_element(),
-            Texture::Image { path, tint } => bitmaps.get(path).map_or(0.0, |bitmap| bitmap.brightest(*tint)),
+            Texture::Image { path, tint } => bitmaps.colours(path).map_or(0.0, |bitmap| bitmap.brightest(*tint)),
             Texture::Noise { .. } | Texture::Marble { .. } => 1.0,
         }
     }
@@ -282,9 +275,9 @@ impl Texture {
         match self {
             Texture::Rgb(r, g, b) => luminance([*r, *g, *b]),
             Texture::Checker { even, odd, .. } => luminance((0.5 * (*even + *odd)).to_array()),
-            Texture::Image { path, tint } => bitmaps.get(path).map_or(0.0, |bitmap| {
-                let sum: DVec3 = bitmap.texels.iter().map(|t| DVec3::from_array(t.map(f64::from))).sum();
-                luminance((*tint * sum / bitmap.texels.len().max(1) as f64).to_array())
+            Texture::Image { path, tint } => bitmaps.colours(path).map_or(0.0, |bitmap| {
+                let sum: DVec3 = bitmap.texels().map(|t| DVec3::from_array(t.map(f64::from))).sum();
+                luminance((*tint * sum / bitmap.len().max(1) as f64).to_array())
             }),
             Texture::Noise { .. } | Texture::Marble { .. } => 0.5,
         }
@@ -296,8 +289,8 @@ impl Texture {
             Texture::Rgb(r, g, b) => [*r, *g, *b].contains(&1.0),
             Texture::Checker { even, odd, .. } => even.max(*odd).max_element() == 1.0,
             // Single white texels deserve no warning.
-            Texture::Image { path, tint } => bitmaps.get(path).is_some_and(|image| {
-                (0..3).any(|channel| tint[channel] == 1.0 && image.texels.iter().all(|texel| texel[channel] >= 1.0))
+            Texture::Image { path, tint } => bitmaps.colours(path).is_some_and(|image| {
+                (0..3).any(|channel| tint[channel] == 1.0 && image.texels().all(|texel| texel[channel] >= 1.0))
             }),
             Texture::Noise { .. } | Texture::Marble { .. } => false,
         }
@@ -309,13 +302,13 @@ impl Texture {
             Texture::Checker { even, odd, .. } => {
                 [even, odd].map(|colour| colour.max_element()).into_iter().find(|radiance| is_faint(*radiance))
             }
-            Texture::Image { path, tint } => bitmaps.get(path)?.faint_part(*tint, is_faint),
+            Texture::Image { path, tint } => bitmaps.colours(path)?.faint_part(*tint, is_faint),
             Texture::Rgb(..) | Texture::Noise { .. } | Texture::Marble { .. } => None,
         }
     }
 
     /// The struct that kernels read, with values multiplied by `brightness`; none for a plain colour. `add_image`
-    /// returns the index of an image's first texel.
+    /// returns the place of an image's first word.
     pub fn upload(
         &self,
         brightness: f64,
@@ -332,7 +325,8 @@ impl Texture {
             Texture::Marble { scale } => texture.parameter = *scale as f32,
             Texture::Image { path, tint } => {
                 texture.first = f32s(brightness * *tint);
-                if let Some(bitmap) = bitmaps.get(path) {
+                if let Some(bitmap) = bitmaps.colours(path) {
+                    texture.format = bitmap.format.number() as u32;
                     texture.texel = add_image(path, bitmap);
                     texture.width = bitmap.width;
                     texture.height = bitmap.height;

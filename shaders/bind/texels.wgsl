@@ -1,2 +1,3 @@
-// The texels of all images, linear, row 0 on top: three 32-bit floats per texel.
-@group(0) @binding(12) var<storage, read> texels: array<f32>;
+// The texels of all images, row 0 on top, in words that the files of shaders/texel read. Where an image has sRGB codes, a table of
+// their 256 linear values comes first.
+@group(0) @binding(12) var<storage, read> texels: array<u32>;

@@ -33,6 +33,8 @@ struct Settings {
     //@ if image_background
     background_width: u32,
     background_height: u32,
+    background_texel: u32,
+    background_format: u32,
     //@ end
     //@ if gradient_background
     background_top: vec3<f32>,

@@ -7,11 +7,11 @@ struct Texture {
     second: vec3<f32>,
     // Marble: phase of the stripes in radians per unit of the object's z.
     parameter: f32,
-    // Image: index of its first texel, its width and its height.
+    // Image: the place of its first word, its width, its height, and the number of its texels' format.
     texel: u32,
     width: u32,
     height: u32,
-    padding: u32,
+    format: u32,
 }
 
 // Maps a point in a primitive's own coordinates (Surface.local) to the point at which a texture is evaluated, in the texture's

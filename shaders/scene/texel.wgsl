@@ -1,14 +1,32 @@
-//@ use bind/texels
 //@ use lib/bilinear
-fn texel(first: u32, width: u32, column: u32, row: u32) -> vec3<f32> {
-    let at = (first + row * width + column) * 3u;
-    return vec3<f32>(texels[at], texels[at + 1u], texels[at + 2u]);
+//@ each texel_format
+//@ use texel/${name}
+//@ end
+// The texels of images, in the formats that the scene's images have.
+
+// Where an image lies in the buffer of texels: the place of its first word, its size, and the number of its format.
+struct ImagePlace {
+    first: u32,
+    width: u32,
+    height: u32,
+    format: u32,
+}
+
+fn texel(image: ImagePlace, column: u32, row: u32) -> vec3<f32> {
+    let index = row * image.width + column;
+    switch image.format {
+        //@ each texel_format
+        ${case}: {
+            return ${name}_texel(image.first, index);
+        }
+        //@ end
+    }
 }
 
 // The image at (u, down), both in [0, 1], bilinear.
-fn image_at(first: u32, width: u32, height: u32, u: f32, down: f32, wraps: bool) -> vec3<f32> {
-    let b = bilinear(u, down, width, height, wraps);
-    let above = mix(texel(first, width, b.columns.x, b.rows.x), texel(first, width, b.columns.y, b.rows.x), b.share.x);
-    let below = mix(texel(first, width, b.columns.x, b.rows.y), texel(first, width, b.columns.y, b.rows.y), b.share.x);
+fn image_at(image: ImagePlace, u: f32, down: f32, wraps: bool) -> vec3<f32> {
+    let b = bilinear(u, down, image.width, image.height, wraps);
+    let above = mix(texel(image, b.columns.x, b.rows.x), texel(image, b.columns.y, b.rows.x), b.share.x);
+    let below = mix(texel(image, b.columns.x, b.rows.y), texel(image, b.columns.y, b.rows.y), b.share.x);
     return mix(above, below, b.share.y);
 }

@@ -3,6 +3,6 @@
 // An image. u goes right and v goes up. It is bilinear between texel centres and constant beyond the outermost ones, except
 // where the texture coordinates wrap: there the right edge continues at the left one.
 fn image_colour(texture: Texture, place: TexturePoint) -> vec3<f32> {
-    return texture.first
-        * image_at(texture.texel, texture.width, texture.height, place.uv.x, 1.0 - place.uv.y, place.wraps);
+    let image = ImagePlace(texture.texel, texture.width, texture.height, texture.format);
+    return texture.first * image_at(image, place.uv.x, 1.0 - place.uv.y, place.wraps);
 }

@@ -1,5 +1,6 @@
 //! The features of the renderer that a scene requires.
 
+use crate::bitmap::FORMATS;
 use crate::data;
 use crate::material::{DETAILS, MATERIALS, Material, Scattering};
 use crate::options::{FeatureSet, Integrator, RenderOptions};
@@ -37,6 +38,8 @@ pub struct Features {
     pub details: [[Option<String>; MATERIALS.len()]; DETAILS],
     /// Kinds of texture, by the indices of `TEXTURES`.
     pub textures: [Option<String>; TEXTURES.len()],
+    /// Formats of texels, by the indices of `FORMATS`.
+    pub texel_formats: [Option<String>; FORMATS.len()],
     /// Meshes with vertex normals, which have smooth shading.
     pub smooth: Option<String>,
     /// Boundaries of media, by the indices of `BOUNDARIES`.
@@ -94,10 +97,11 @@ impl Features {
             used.get_or_insert_with(|| EVERY_FEATURE.to_string());
         };
         let emitters = if sample_lights { self.emitters.as_mut_slice() } else { &mut [] };
-        let lists: [&mut [Option<String>]; 5] = [
+        let lists: [&mut [Option<String>]; 6] = [
             &mut self.primitives,
             &mut self.materials,
             &mut self.textures,
+            &mut self.texel_formats,
             &mut self.boundaries,
             &mut self.backgrounds,
         ];

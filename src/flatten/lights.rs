@@ -125,8 +125,8 @@ impl Builder<'_> {
     /// Adds the background's image as a light, unless it is black. Returns its intensity.
     fn add_sky(&mut self) -> Option<f64> {
         let Background::Image { path } = &self.scene.background else { return None };
-        let bitmap = self.scene.bitmaps.get(path)?;
-        let sky = SkyDistribution::new(bitmap.width, bitmap.height, &bitmap.texels)?;
+        let bitmap = self.scene.bitmaps.colours(path)?;
+        let sky = SkyDistribution::new(bitmap)?;
         self.flat.features.emitting_sky = self.flat.features.backgrounds[2].clone();
         self.flat.features.sky_grid = (sky.columns, sky.rows);
         self.flat.sky = sky.cells;
@@ -204,8 +204,9 @@ fn everywhere(intensity: f64) -> Bounded {
 /// The luminance of a latitude-longitude image, integrated over all directions.
 fn integral_over_directions(bitmap: &Bitmap) -> f64 {
     let (width, height) = (bitmap.width as usize, f64::from(bitmap.height));
-    let rows = bitmap.texels.chunks(width.max(1)).enumerate().map(|(y, row)| {
-        let sum: f64 = row.iter().map(|t| luminance(t.map(f64::from))).sum();
+    let rows = (0..bitmap.height as usize).map(|y| {
+        let row = (y * width..(y + 1) * width).map(|at| bitmap.texel(at));
+        let sum: f64 = row.map(|t| luminance(t.map(f64::from))).sum();
         let sine = (PI * (y as f64 + 0.5) / height).sin();
         sum * sine * (2.0 * PI / width as f64) * (PI / height)
     });

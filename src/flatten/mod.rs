@@ -15,11 +15,11 @@ mod place;
 mod view;
 
 use std::collections::HashMap;
-use std::sync::Arc;
 
 use glam::DVec3;
 
 use crate::aov::SceneSpace;
+use crate::bitmap::{Format, SRGB};
 use crate::bvh::{self, Bounds};
 use crate::data::{self, MAX_PRIMITIVES, NO_TEXTURE, f32s};
 use crate::delta_light::PlacedLight;
@@ -69,8 +69,8 @@ pub struct DeviceScene {
     pub material_names: Vec<String>,
     pub textures: Vec<data::Texture>,
     pub frames: Vec<data::Frame>,
-    /// Of each image, one after the other. They are the scene's own: a copy may take 2 GiB.
-    pub texels: Vec<Arc<Vec<[f32; 3]>>>,
+    /// The images, in the order of their texels, each with its path. The texels are the scene's own: a copy may take 2 GiB.
+    pub images: Vec<(String, Bitmap)>,
     /// The number of objects that rays can hit. An instance of a mesh counts as one.
     pub primitives: u32,
     /// The scene's radiance is the device's radiance times 2 to this power.
@@ -140,6 +140,10 @@ fn flatten_with(
         }
     }
     finder.media.iter().for_each(|medium| note_medium(&mut features, scene, medium));
+    if let Background::Image { path } = &scene.background {
+        let at = scene.location(&[Step::Field("background")]);
+        note_image(&mut features, scene, path, || format!("background at {at}"));
+    }
     let faces: usize = scene.meshes.values().map(|mesh| mesh.triangles.len() + mesh.positions.len() * 2).sum();
     let most = finder.placed.len().max(faces);
     if most >= MAX_PRIMITIVES {
@@ -245,7 +249,7 @@ struct Builder<'a> {
     /// The textures of each of the scene's materials that are no plain colour. On every object they have frames of their own, one behind the
     /// other.
     textures: Vec<Vec<&'a Texture>>,
-    /// The index of each image's first texel, by path.
+    /// The place of each image's first word, by path.
     images: HashMap<String, u32>,
     /// The first frames of meshes, by mesh and material.
     mesh_frames: HashMap<(usize, u32), u32>,
@@ -356,6 +360,16 @@ fn note_material(features: &mut Features, scene: &Scene, name: &str, material: &
     for kind in model.slots().filter_map(|slot| slot.texture.shader_number()) {
         features.textures[kind].get_or_insert_with(at_material);
     }
+    for path in model.slots().filter_map(|slot| slot.texture.image()) {
+        note_image(features, scene, path, at_material);
+    }
+}
+
+/// Records the format that an image requires.
+fn note_image(features: &mut Features, scene: &Scene, path: &str, asked_by: impl FnOnce() -> String) {
+    if let Some(bitmap) = scene.bitmaps.colours(path) {
+        features.texel_formats[bitmap.format.number()].get_or_insert_with(asked_by);
+    }
 }
 
 /// Records the features that a medium requires.
@@ -432,7 +446,7 @@ fn emissions(scene: &Scene, used: &[bool], shown: Vec<(usize, f64)>) -> Vec<(At,
     let sky = match &scene.background {
         Background::Solid(colour) => colour.max_element(),
         Background::Gradient { bottom, top } => bottom.max(*top).max_element(),
-        Background::Image { path } => scene.bitmaps.get(path).map_or(0.0, |bitmap| bitmap.brightest(DVec3::ONE)),
+        Background::Image { path } => scene.bitmaps.colours(path).map_or(0.0, |bitmap| bitmap.brightest(DVec3::ONE)),
     };
     let light = |(number, (_, material)): (usize, &(String, Material))| {
         let emission = material.model().emission()?;
@@ -470,11 +484,11 @@ impl Builder<'_> {
             }
             Background::Image { path } => {
                 settings.background_bottom = [radiance_scale as f32; 3];
-                if let Some(bitmap) = scene.bitmaps.get(path) {
+                if let Some(bitmap) = scene.bitmaps.colours(path) {
                     settings.background_width = bitmap.width;
                     settings.background_height = bitmap.height;
-                    // The first image, where the kernels expect it.
-                    self.add_image(path, bitmap);
+                    settings.background_format = bitmap.format.number() as u32;
+                    self.flat.settings.background_texel = self.add_image(path, bitmap);
                 }
             }
         }
@@ -532,13 +546,13 @@ impl Builder<'_> {
         self.flat.details = details;
     }
 
-    /// The index of an image's first texel. An image is stored once, however often it is used.
+    /// The place of an image's first word. An image is stored once, however often it is used.
     fn add_image(&mut self, path: &str, bitmap: &Bitmap) -> u32 {
         if let Some(&first) = self.images.get(path) {
             return first;
         }
-        let first = self.flat.texels.iter().map(|image| image.len()).sum::<usize>() as u32;
-        self.flat.texels.push(Arc::clone(&bitmap.texels));
+        let first = self.flat.texel_words().map(<[u32]>::len).sum::<usize>() as u32;
+        self.flat.images.push((path.to_string(), bitmap.clone()));
         self.images.insert(path.to_string(), first);
         first
     }
@@ -554,6 +568,13 @@ impl Builder<'_> {
 }
 
 impl DeviceScene {
+    /// The words of the buffer of texels, in parts: the table of sRGB codes if an image has them, then the images.
+    pub fn texel_words(&self) -> impl Iterator<Item = &[u32]> {
+        let has_codes = self.features.texel_formats[Format::Srgb.number()].is_some();
+        let table = has_codes.then(|| bytemuck::cast_slice(SRGB.as_slice()));
+        table.into_iter().chain(self.images.iter().map(|(_, bitmap)| bitmap.words.as_slice()))
+    }
+
     fn add_frame(&mut self, frame: data::Frame) -> u32 {
         self.frames.push(frame);
         self.frames.len() as u32 - 1

@@ -19,18 +19,26 @@ pub struct BufferSpec<'a> {
     pub why: &'static str,
     /// The make-up of its bytes: "485 x 32 bytes".
     pub size: String,
+    /// What makes it smaller, where the scene's author can.
+    pub remedy: Option<String>,
 }
 
 impl<'a> BufferSpec<'a> {
     fn new(name: &'static str, bytes: u64, usage: wgpu::BufferUsages, why: &'static str) -> BufferSpec<'a> {
         let usage = usage | wgpu::BufferUsages::COPY_DST;
-        BufferSpec { name, bytes, contents: Vec::new(), usage, why, size: format!("{bytes} bytes") }
+        BufferSpec { name, bytes, contents: Vec::new(), usage, why, size: format!("{bytes} bytes"), remedy: None }
     }
 
     /// The same, with the make-up of its bytes.
     #[must_use]
     pub fn made_of(self, size: String) -> BufferSpec<'a> {
         BufferSpec { size, ..self }
+    }
+
+    /// The same, with what makes it smaller.
+    #[must_use]
+    pub fn shrunk_by(self, remedy: Option<String>) -> BufferSpec<'a> {
+        BufferSpec { remedy, ..self }
     }
 
     /// Small, read by all kernels, written by the host.
@@ -98,8 +106,9 @@ pub fn too_large(specs: &[BufferSpec<'_>], limits: &wgpu::Limits) -> Vec<String>
         let (limit, what) = (spec.limit(limits), spec.binding());
         (spec.allocated() > limit).then(|| {
             let (name, why, bytes) = (spec.name, spec.why, spec.allocated());
+            let remedy = spec.remedy.as_ref().map_or(String::new(), |remedy| format!(": {remedy}"));
             format!(
-                "the buffer `{name}` ({why}) needs {bytes} bytes, and the device allows {limit} to a {what} binding"
+                "the buffer `{name}` ({why}) needs {bytes} bytes, and the device allows {limit} to a {what} binding{remedy}"
             )
         })
     };

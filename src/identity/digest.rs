@@ -7,9 +7,10 @@ use serde::Serialize;
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 
+use crate::bitmap::Bitmap;
 use crate::gpu::link::{Embedded, Library};
 use crate::scene::{Background, Camera, Mesh, Object, Scene};
-use crate::texture::{Bitmap, Texture};
+use crate::texture::Texture;
 
 /// A hash of all shaders.
 pub fn of_shaders() -> String {
@@ -67,7 +68,7 @@ pub fn of_assets(scene: &Scene) -> Vec<(String, String)> {
     });
     let mut known: HashMap<String, String> = HashMap::new();
     for path in &paths {
-        known.entry(path.clone()).or_insert_with(|| match (scene.bitmaps.get(path), scene.meshes.get(path)) {
+        known.entry(path.clone()).or_insert_with(|| match (scene.bitmaps.colours(path), scene.meshes.get(path)) {
             (Some(bitmap), _) => of_bitmap(bitmap),
             (_, Some(mesh)) => of_mesh(mesh),
             _ => String::new(),
@@ -78,8 +79,8 @@ pub fn of_assets(scene: &Scene) -> Vec<(String, String)> {
 
 fn of_bitmap(bitmap: &Bitmap) -> String {
     let mut hasher = Sha256::new();
-    let _ = write!(hasher, "image {} {} ", bitmap.width, bitmap.height);
-    hasher.update(bytemuck::cast_slice(&bitmap.texels));
+    let _ = write!(hasher, "image {} {} {:?} ", bitmap.width, bitmap.height, bitmap.format);
+    hasher.update(bytemuck::cast_slice(&bitmap.words));
     hexadecimal(hasher)
 }
 

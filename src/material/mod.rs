@@ -11,11 +11,12 @@ mod rough_dielectric;
 
 use serde::{Deserialize, Serialize};
 
+use crate::bitmap::Bitmaps;
 use crate::data;
 use crate::error::Result;
 use crate::source::Place;
 use crate::source::form::{Field, Form, Takes, any_of, kinds};
-use crate::texture::{Bitmaps, Colour, Texture, Use};
+use crate::texture::{Colour, Texture, Use};
 
 /// A material as the scene file writes it.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]

@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use super::state::{path_fields, places};
 use super::{Bounces, QUEUES, UniformTables};
 use crate::aov::{SeenSurface, Sum};
+use crate::bitmap::FORMATS;
 use crate::data::{FILM_SUMS, KIND_INSTANCE, KIND_TRIANGLE, RUN_LENGTH};
 use crate::flatten::{BACKGROUNDS, BOUNDARIES, EVERY_FEATURE, Features, PRIMITIVES, TEXTURES};
 use crate::gpu::link::{Choices, Chosen, Entry, Reason};
@@ -148,6 +149,8 @@ named! {
         /// The non-specular ones that respond to light from both sides.
         both_sided,
         texture,
+        /// The formats of the images' texels.
+        texel_format,
         background,
         /// The last of them,
         own_background,
@@ -314,6 +317,7 @@ pub(super) fn decide(
     let boundaries = boundaries.filter_map(|((name, kind), used)| Some((*name, *kind, asked(used)?)));
     let (mesh_boundary, convex_boundary) = split_meshes(closed(boundaries));
     let texture = entries(TEXTURES, &features.textures);
+    let texel_format = entries(FORMATS, &features.texel_formats);
     let background = entries(BACKGROUNDS, &features.backgrounds);
     let (own_background, other_background) = match background.split_last() {
         Some((own, others)) => (vec![own.clone()], others.to_vec()),
@@ -468,6 +472,7 @@ pub(super) fn decide(
             two_part,
             both_sided,
             texture,
+            texel_format,
             background,
             own_background,
             other_background,

@@ -1,14 +1,15 @@
 //! The images and meshes that a scene was read with. If it is read again, those whose files have not changed are taken from here.
 
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::SystemTime;
 
+use super::bitmap::Decoded;
 use super::gltf;
 use super::inputs::{Input, buffers};
 use super::mesh::Mesh;
-use super::types::Bitmap;
+use crate::bitmap::Decoding;
 
 /// What tells that a file has changed: when it was written last, its length, and the number that another file of its name would not have.
 /// Nothing where there is no file.
@@ -33,7 +34,7 @@ fn number(_: &std::fs::Metadata) -> u64 {
 /// The images and meshes of a scene, by their paths: of files, or of parts of glTF files.
 #[derive(Default)]
 pub struct Assets {
-    bitmaps: HashMap<PathBuf, Kept<Bitmap>>,
+    bitmaps: HashMap<PathBuf, Kept<Decoded>>,
     /// With the bytes of memory that reading each took of the room that there was.
     meshes: HashMap<PathBuf, Kept<(Arc<Mesh>, usize)>>,
     /// The files that the scene was read from, also those that are missing, as they were before they were read.
@@ -95,9 +96,16 @@ impl Assets {
         files
     }
 
-    /// An image, if its file is as it was.
-    pub(super) fn bitmap(&self, path: &Path, files: &[(PathBuf, Stamp)]) -> Option<Bitmap> {
-        kept(&self.bitmaps, path, files).cloned()
+    /// An image, if its file is as it was, and was decoded in all ways that are wanted.
+    pub(super) fn bitmaps(
+        &self,
+        path: &Path,
+        files: &[(PathBuf, Stamp)],
+        wanted: &BTreeSet<Decoding>,
+    ) -> Option<Decoded> {
+        let kept = kept(&self.bitmaps, path, files)?;
+        let found: Decoded = kept.iter().filter(|(decoding, _)| wanted.contains(decoding)).cloned().collect();
+        (found.len() == wanted.len()).then_some(found)
     }
 
     /// A mesh, if its files are as they were, and the bytes that reading it took.
@@ -105,7 +113,7 @@ impl Assets {
         kept(&self.meshes, path, files).cloned()
     }
 
-    pub(super) fn keep_bitmap(&mut self, path: &Path, files: Vec<(PathBuf, Stamp)>, what: Bitmap) {
+    pub(super) fn keep_bitmaps(&mut self, path: &Path, files: Vec<(PathBuf, Stamp)>, what: Decoded) {
         self.read += 1;
         self.bitmaps.insert(path.to_owned(), Kept { what, files });
     }

@@ -27,7 +27,7 @@ pub fn inputs(scene: &Scene) -> Vec<Input> {
             names.push(path.clone());
         }
     });
-    names.extend(scene.bitmaps.keys().chain(scene.meshes.keys()).cloned());
+    names.extend(scene.bitmaps.paths().chain(scene.meshes.keys()).cloned());
     let mut known = HashSet::from([scene_file.path]);
     for name in names {
         let path = split(&scene.source.resolve(&name)).0.into_owned();

@@ -5,11 +5,12 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
+pub use crate::bitmap::{Bitmap, Bitmaps};
 use crate::delta_light::{DeltaLight, default_inner, default_outer};
 pub use crate::material::Material;
 use crate::shape::mesh::{self, MeshShape};
 use crate::shape::{Shape, ShapeKind, cuboid, quad, sphere};
-pub use crate::texture::{Bitmap, Bitmaps, Colour, Texture, Use};
+pub use crate::texture::{Colour, Texture, Use};
 
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -10,7 +10,7 @@ use bytemuck::Pod;
 use gpu_rt::data::Settings;
 use gpu_rt::gpu::buffers::{BufferSpec, Buffers, Readback};
 use gpu_rt::gpu::layout::{self, Binding};
-use gpu_rt::gpu::link::{Choices, Chosen, Embedded, Library, Reason, link};
+use gpu_rt::gpu::link::{Choices, Chosen, Embedded, Entry, Library, Reason, link};
 use gpu_rt::gpu::pipeline::{Pipeline, PipelineSpec};
 use gpu_rt::plan::SettingsLayout;
 
@@ -160,6 +160,9 @@ impl Kernel {
         for condition in SETTINGS {
             choices.conditions.entry(condition).or_insert(Some(Reason::EveryRender));
         }
+        // Images of floats.
+        let float = Entry { name: "float".to_string(), number: 0, closes: true, why: Reason::EveryRender };
+        choices.lists.entry("texel_format").or_insert(vec![float]);
         choices.modules.extend(setup.choices.iter().map(|(choice, module)| (*choice, chosen(module))));
         choices.modules.insert("kernel", chosen(name));
         choices.values.extend(setup.values.iter().map(|(name, value)| (*name, value.to_string())));

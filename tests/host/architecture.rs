@@ -28,6 +28,10 @@ const NEVER: &[(&str, &[&str])] = &[
     ("job", &["gpu", "scene", "flatten", "plan", "render", "film", "output", "tradeoff", "commands", "cli"]),
     ("jobs", &["gpu", "scene", "flatten", "plan", "tradeoff", "cli"]),
     ("material", &["gpu", "scene", "flatten", "plan", "render", "bvh", "film", "output", "tradeoff", "cli"]),
+    (
+        "bitmap",
+        &["gpu", "texture", "material", "scene", "flatten", "plan", "render", "film", "output", "tradeoff", "cli"],
+    ),
     ("texture", &["gpu", "material", "scene", "flatten", "plan", "render", "film", "output", "tradeoff", "cli"]),
     ("shape", &["gpu", "material", "scene", "flatten", "plan", "render", "bvh", "film", "output", "tradeoff", "cli"]),
     (

@@ -63,7 +63,7 @@ fn a_file_becomes_objects_materials_and_a_camera() {
     let emit = Texture::Rgb(10.0, 9.0, 8.0);
     assert_eq!(scene.materials[1].1, Material::DiffuseLight { emit, two_sided: true });
     assert_eq!(scene.materials[2].1, metal(0.0));
-    assert_eq!(scene.bitmaps["room.glb#images/0"].texels[3], [1.0, 1.0, 0.127_437_68]);
+    assert_eq!(scene.bitmaps.colours("room.glb#images/0").unwrap().texel(3), [1.0, 1.0, 0.127_437_68]);
 
     let mesh = |path: &str| {
         let material = if path.starts_with("meshes/1") {
@@ -385,7 +385,7 @@ fn a_gltf_file_is_an_object_with_materials_of_its_own() {
     let mut meshes = 0;
     scene.visit_objects(&mut |_, object| meshes += usize::from(matches!(object, Object::Mesh { .. })));
     assert_eq!((meshes, scene.meshes.len()), (8, 4));
-    assert!(scene.bitmaps.contains_key("models/wood a.png"), "{:?}", scene.bitmaps.keys());
+    assert!(scene.bitmaps.colours("models/wood a.png").is_some(), "{:?}", scene.bitmaps);
     let files: Vec<_> =
         scene.inputs().iter().map(|path| path.strip_prefix(folder.path()).unwrap().to_owned()).collect();
     assert_eq!(files, ["scene.ron", "models/room.gltf", "models/wood a.png"].map(std::path::PathBuf::from));

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use crate::common::program::Ran;
 use gpu_rt::flatten::{DeviceScene, flatten};
+use gpu_rt::gpu::buffers::too_large;
 use gpu_rt::gpu::device::DeviceClass;
 use gpu_rt::gpu::link::{Choices, Chosen, Entry, Library, Reason, link};
 use gpu_rt::gpu::spirv;
@@ -377,7 +378,7 @@ fn buffers_hold_what_is_used_and_each_image_once() {
         let flat = flat(&scene, FeatureSet::Scene);
         let of_spheres: Vec<u32> = flat.shapes.spheres.iter().map(|sphere| sphere.material).collect();
         (
-            flat.texels.iter().map(|image| image.len()).sum::<usize>(),
+            flat.images.iter().map(|(_, image)| image.len()).sum::<usize>(),
             flat.materials.len(),
             flat.textures.len(),
             of_spheres,
@@ -391,6 +392,39 @@ fn buffers_hold_what_is_used_and_each_image_once() {
     assert_eq!(of(&[], "Image(path: \"b.png\")"), (64, 0, 0, vec![]));
     // All that is there is used by one that is.
     assert_eq!(of(&["unused"], solid), (256, 1, 1, vec![0]));
+}
+
+/// Images take the bytes of their files' formats. Where a device cannot bind them all, the largest are named.
+#[test]
+fn images_take_the_bytes_of_their_formats_and_the_largest_are_named() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    image::RgbImage::new(32, 16).save(folder.path().join("large.png")).expect("an image is written");
+    image::GrayImage::new(8, 8).save(folder.path().join("small.png")).expect("an image is written");
+    type Rgb16 = image::ImageBuffer<image::Rgb<u16>, Vec<u16>>;
+    Rgb16::new(4, 4).save(folder.path().join("fine.png")).expect("an image is written");
+    let lambertian = |name: &str| format!("\"{name}\": Lambertian(albedo: Image(path: \"{name}.png\"))");
+    let sphere = |name: &str| format!("Sphere(center: (0, 0, 0), radius: 1, material: \"{name}\")");
+    let names = ["fine", "small", "large"];
+    let text = SPHERE
+        .replace("\"grey\": Lambertian(albedo: Rgb(0.5, 0.4, 0.3))", &names.map(lambertian).join(", "))
+        .replace(&sphere("grey"), &names.map(sphere).join(", "));
+    let scene = Scene::parse(&text, &folder.path().join("images.ron")).unwrap_or_else(|error| panic!("{error}"));
+    let flat = flat(&scene, FeatureSet::Scene);
+    let (plan, report) = planned(&flat, &classes()[0], Scatter::Fused);
+    let texels = report.buffers.iter().find(|buffer| buffer.name == "texels").expect("images");
+    assert_eq!(texels.bytes, 1024 + 4 * (8 * 8 + 32 * 16) + 12 * 4 * 4);
+    assert_eq!(texels.size, "1 float image, 192 bytes; 2 srgb images, 2304 bytes");
+    // The kernels read just these formats.
+    let linked =
+        |module: &str| plan.kernels().iter().any(|kernel| kernel.linked.modules.iter().any(|name| name == module));
+    assert!(linked("texel/float") && linked("texel/srgb") && !linked("texel/number") && !linked("texel/linear"));
+    let buffers: Vec<_> = plan.buffers().into_iter().filter(|buffer| buffer.name == "texels").collect();
+    let limits = |bytes| wgpu::Limits { max_storage_buffer_binding_size: bytes, ..wgpu::Limits::default() };
+    assert_eq!(too_large(&buffers, &limits(3520)), Vec::<String>::new());
+    let said = too_large(&buffers, &limits(3519));
+    let expected = "the buffer `texels` (images) needs 3520 bytes, and the device allows 3519 to a storage binding: scale images down, the \
+                    largest first: large.png (32 by 16, 2048 bytes), small.png (8 by 8, 256 bytes), fine.png (4 by 4, 192 bytes)";
+    assert_eq!(said, [expected]);
 }
 
 /// The image of a sky asks for its texels, whether or not rays are sent to it.

@@ -208,7 +208,8 @@ fn textures_are_evaluated_in_their_objects_own_space() {
     }
     let plan = choices_of(&flat.features, &RenderOptions::default(), &UniformTables::default());
     let kernel = Kernel::with("test/colour", &Setup { plan, ..Setup::default() });
-    let texels: Vec<[f32; 3]> = flat.texels.iter().flat_map(|image| image.iter().copied()).collect();
+    let texels: Vec<[f32; 3]> = flat.images.iter().flat_map(|(_, image)| image.texels()).collect();
+    let words = flat.texel_words().collect::<Vec<_>>().concat();
     let judge = |frames: &[gpu_rt::data::Frame]| {
         let buffers = [
             array("spheres", &flat.shapes.spheres),
@@ -217,7 +218,7 @@ fn textures_are_evaluated_in_their_objects_own_space() {
             array("materials", &flat.materials),
             array("textures", &flat.textures),
             array("frames", frames),
-            array("texels", &texels),
+            array("texels", &words),
         ];
         let found = kernel.run_with::<_, [f32; 4]>(&rays, rays.len(), &buffers);
         let mut wrong = [0usize; 4];

@@ -28,6 +28,7 @@ fn modules() -> Vec<naga::Module> {
         non_specular: that_scatter(Scattering::Spread),
         specular: that_scatter(Scattering::OneWay),
         textures: Default::default(),
+        texel_formats: Default::default(),
         boundaries: Default::default(),
         textured_media: Some("a test".to_string()),
         media: 3,
@@ -53,6 +54,7 @@ fn modules() -> Vec<naga::Module> {
         primitives: features.primitives.map(on),
         materials: features.materials.map(on),
         textures: features.textures.map(on),
+        texel_formats: features.texel_formats.map(on),
         boundaries: features.boundaries.map(on),
         details: std::array::from_fn(|detail| {
             std::array::from_fn(|i| {

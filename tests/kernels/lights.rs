@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
+use gpu_rt::bitmap::Bitmap;
 use gpu_rt::data::{Cuboid, Quad, Sphere};
 use gpu_rt::lights as host;
 
@@ -522,9 +523,8 @@ fn tables_of_nothing_are_none() {
     assert_eq!(host::AliasTable::new(&[1.0, f64::NAN]), None);
     assert_eq!(host::AliasTable::new(&[1.0, f64::INFINITY]), None);
     assert_eq!(host::AliasTable::new(&vec![1.0; host::MAX_ENTRIES + 1]), None);
-    assert_eq!(host::SkyDistribution::new(2, 1, &[[0.0; 3]; 2]), None);
-    assert_eq!(host::SkyDistribution::new(2, 2, &[[1.0; 3]; 2]), None);
-    assert_eq!(host::SkyDistribution::new(0, 0, &[]), None);
+    assert_eq!(host::SkyDistribution::new(&Bitmap::of_floats(2, 1, [[0.0; 3]; 2])), None);
+    assert_eq!(host::SkyDistribution::new(&Bitmap::of_floats(0, 0, [])), None);
 }
 
 #[repr(C)]
@@ -583,7 +583,8 @@ fn the_skys_density_is_that_of_its_radiance_and_never_zero_under_it() {
     let mut random = Random(720);
     for (width, height) in SKIES {
         let texels = if width == 1 { vec![[0.5, 0.0, 0.0]] } else { sky(width, height, &mut random) };
-        let sky = host::SkyDistribution::new(width as u32, height as u32, &texels).expect("it is not black");
+        let sky = host::SkyDistribution::new(&Bitmap::of_floats(width as u32, height as u32, texels.iter().copied()))
+            .expect("it is not black");
         let (columns, rows) = (sky.columns as usize, sky.rows as usize);
         assert!(columns * rows == sky.cells.len() && sky.cells.len() <= host::MAX_CELLS);
         let whole: f64 = (0..rows * columns)
@@ -641,7 +642,8 @@ fn sky_directions_are_uniform_in_cells_drawn_by_their_probability() {
     let grids = [(64usize, 32usize), (63, 31), (1000, 7), (256, 128)];
     for (width, height) in grids {
         let texels = sky(width, height, &mut random);
-        let sky = host::SkyDistribution::new(width as u32, height as u32, &texels).expect("it is not black");
+        let sky = host::SkyDistribution::new(&Bitmap::of_floats(width as u32, height as u32, texels.iter().copied()))
+            .expect("it is not black");
         let row = SkyIn { columns: sky.columns, rows: sky.rows, ..SkyIn::default() };
         let found: Vec<SkyOut> = sky_kernel(true, &[]).run_with(&[row], DRAWS, &[array("cells", &sky.cells)]);
         let mut counts = vec![0u64; sky.cells.len()];
@@ -697,7 +699,8 @@ fn sky_samples_are_numbers_at_the_ends() {
     let mut random = Random(740);
     for (width, height) in SKIES {
         let texels = sky(width, height, &mut random);
-        let sky = host::SkyDistribution::new(width as u32, height as u32, &texels).expect("it is not black");
+        let sky = host::SkyDistribution::new(&Bitmap::of_floats(width as u32, height as u32, texels.iter().copied()))
+            .expect("it is not black");
         let mut rows = Vec::new();
         for x in ends {
             for y in ends {

@@ -4,6 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use gpu_rt::aov::{Aovs, SeenSurface};
+use gpu_rt::bitmap::FORMATS;
 use gpu_rt::data::{KIND_TRIANGLE, Sampler};
 use gpu_rt::flatten::{BACKGROUNDS, BOUNDARIES, Features, MATERIALS, PRIMITIVES, TEXTURES, Unsampled};
 use gpu_rt::gpu::layout::BindingKind;
@@ -26,7 +27,10 @@ fn on<const N: usize>(bits: usize) -> [Option<String>; N] {
 /// Features by the bits of the kinds that are on.
 fn features(primitives: usize, materials: usize, textures: usize, background: usize, thin_lens: bool) -> Features {
     let asked = |on: bool| on.then(|| "a test".to_string());
+    let has_image = background == IMAGE
+        || TEXTURES.iter().position(|name| *name == "image").is_some_and(|i| textures >> i & 1 == 1);
     Features {
+        texel_formats: on(if has_image { all(FORMATS) } else { 0 }),
         primitives: on(primitives),
         materials: on(materials),
         non_specular: on(materials & bits_of(spreads)),
@@ -171,6 +175,11 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
     let pairs: Vec<usize> = (1..=materials).filter(|set| set.count_ones() <= 2 || *set == materials).collect();
     found.extend(pairs.iter().map(|set| features(1, *set, 0, SOLID, false)));
     found.extend((0..=textures).map(|set| features(1, 1, set, SOLID, false)));
+    // Images of every format, on surfaces and in the sky.
+    for formats in (0..FORMATS.len()).map(|i| 1 << i) {
+        let images = |of: Features| Features { texel_formats: on(formats), ..of };
+        found.extend([images(features(1, 1, textures, SOLID, false)), images(features(1, 1, 0, IMAGE, false))]);
+    }
     for background in 0..BACKGROUNDS.len() {
         found.extend([false, true].map(|lens| features(1, 1, 0, background, lens)));
         found.push(features(0, 0, 0, background, true));
@@ -306,6 +315,7 @@ fn every_combination_of_features_links_and_validates() {
                     unused(PRIMITIVES, &features.primitives, "geometry"),
                     unused(MATERIALS, &features.materials, "material"),
                     unused(TEXTURES, &features.textures, "texture"),
+                    unused(FORMATS, &features.texel_formats, "texel"),
                 ];
                 // Nor what approximates, unless it was asked for, nor Fresnel's reflection without what reflects by it.
                 let glass =
@@ -416,7 +426,11 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("camera", &["bind", "camera", "data", "lib"]),
     ("filter", &["lib"]),
     ("background", &["bind", "choice/axes", "data", "lib", "scene/texel"]),
-    ("scene", &["background", "bind", "data", "geometry", "lib", "light", "material", "medium", "scene", "texture"]),
+    ("texel", &["bind"]),
+    (
+        "scene",
+        &["background", "bind", "data", "geometry", "lib", "light", "material", "medium", "scene", "texel", "texture"],
+    ),
     ("slots", &["bind", "data", "lib", "scene", "slots"]),
     (
         "step",

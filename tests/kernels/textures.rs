@@ -4,7 +4,9 @@ use std::f64::consts::{PI, TAU};
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, DVec3};
+use gpu_rt::bitmap::{Bitmap, FORMATS, Format, SRGB};
 use gpu_rt::data::{Settings, Texture};
+use gpu_rt::gpu::link::{Choices, Entry, Reason};
 
 use crate::common::kernel::{Kernel, Setup, array};
 use crate::common::oracles::{NOISE_ERROR, perlin, turbulence};
@@ -165,7 +167,7 @@ fn images_are_linear_between_texels_and_meet_at_their_edges() {
     for (i, image) in images.iter().enumerate() {
         let texture = Texture {
             first: [1.0; 3],
-            texel: image.first,
+            texel: 3 * image.first,
             width: image.width,
             height: image.height,
             ..Texture::default()
@@ -194,6 +196,57 @@ fn images_are_linear_between_texels_and_meet_at_their_edges() {
     let own = worst(&kernel("image", &[]));
     assert!(own <= 1.0, "{own}");
     assert!(worst(&kernel("image", &[("lib/bilinear", "test/control/bilinear_corners")])) > 1000.0);
+}
+
+/// On the device, the texels of each format are the host's to the bit.
+#[test]
+fn texels_of_every_format_are_those_of_the_host() {
+    let mut random = Random(96);
+    let (width, height) = (16, 16);
+    let mut code = |index: usize| if index < 256 { index as u8 } else { random.bits() as u8 };
+    let codes: Vec<[u8; 3]> = (0..256).map(|i| [code(i), code(256), code(256)]).collect();
+    let images = [
+        Bitmap::of_floats(width, height, codes.iter().map(|texel| texel.map(|c| f32::from(c) * 0.3))),
+        Bitmap::of_codes(width, height, Format::Srgb, codes.iter().copied()),
+        Bitmap::of_codes(width, height, Format::Linear, codes.iter().copied()),
+        Bitmap::of_numbers(width, height, codes.iter().map(|[r, ..]| *r)),
+    ];
+    let (mut words, mut rows, mut expected) = (SRGB.map(f32::to_bits).to_vec(), Vec::new(), Vec::new());
+    for image in &images {
+        let texture = Texture {
+            first: [1.0; 3],
+            texel: words.len() as u32,
+            width,
+            height,
+            format: image.format.number() as u32,
+            ..Texture::default()
+        };
+        words.extend(image.words.iter());
+        // At the centres of texels.
+        let place = |i: usize| [(i % 16) as f32 + 0.5, 15.5 - (i / 16) as f32].map(|x| x / 16.0);
+        rows.extend((0..image.len()).map(|i| In { texture, uv: place(i), ..In::default() }));
+        expected.extend(image.texels());
+    }
+    let entry = |(number, name): (usize, &&str)| Entry {
+        name: name.to_string(),
+        number: number as u32,
+        closes: number + 1 == FORMATS.len(),
+        why: Reason::EveryRender,
+    };
+    let mut plan = Choices::default();
+    plan.lists.insert("texel_format", FORMATS.iter().enumerate().map(entry).collect());
+    let setup = Setup { values: &[("texture", "image")], plan, ..Setup::default() };
+    let kernel = Kernel::with("test/texture", &setup);
+    let wrong = |words: &[u32]| {
+        let found = kernel.run_with::<_, Colour>(&rows, rows.len(), &[array("texels", words)]);
+        let bits = |texel: [f32; 3]| texel.map(f32::to_bits);
+        found.iter().zip(&expected).filter(|(out, expected)| bits(colour(out)) != bits(**expected)).count()
+    };
+    assert_eq!(wrong(&words), 0);
+    // One value of the table that is the next to it, and one channel of a texel.
+    words[77] += 1;
+    words[256 + 3 * 9] += 1;
+    assert!(wrong(&words) >= 2);
 }
 
 /// Directions everywhere, and ever closer to the poles and to the seam.

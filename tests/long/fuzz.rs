@@ -95,8 +95,8 @@ fn read_image(path: &Path, bytes: &[u8]) -> Result<(), String> {
     written(path, bytes, |path| {
         let scene = scene_with(path, &format!("Image(path: {:?})", name(path)), "")?;
         for bitmap in scene.bitmaps.values() {
-            assert_eq!(bitmap.texels.len(), bitmap.width as usize * bitmap.height as usize);
-            assert!(bitmap.texels.as_flattened().iter().all(|texel| texel.is_finite()));
+            assert_eq!(bitmap.words.len(), bitmap.format.words(bitmap.len()));
+            assert!(bitmap.texels().all(|texel| texel.iter().all(|value| value.is_finite())));
         }
         Ok(())
     })

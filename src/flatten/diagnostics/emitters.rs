@@ -262,7 +262,7 @@ fn faint_part(found: &Found, at: At, is_faint: impl Fn(f64) -> bool) -> Option<f
             found.scene.materials[number].1.model().emission()?.slot.texture.faint_part(bitmaps, is_faint)
         }
         At::Background => match &found.scene.background {
-            Background::Image { path } => bitmaps.get(path)?.faint_part(DVec3::ONE, is_faint),
+            Background::Image { path } => bitmaps.colours(path)?.faint_part(DVec3::ONE, is_faint),
             Background::Solid(_) | Background::Gradient { .. } => None,
         },
         At::Primitive(_) | At::Medium(_) | At::Light(_) => None,

@@ -1,5 +1,7 @@
 //! The memory that the images of a scene may take. It is checked against what a file declares, before anything is decoded.
 
+use crate::bitmap::{Bitmap, largest};
+
 /// The largest width or height of an image.
 const LARGEST_SIDE: usize = 16384;
 /// The most bytes that a device can bind: wgpu grants at most 2^31 - 1 on Vulkan and on DirectX 12. The texels of all images
@@ -7,31 +9,33 @@ const LARGEST_SIDE: usize = 16384;
 const LARGEST_BINDING: u64 = i32::MAX as u64;
 /// What decoding may take beyond.
 const BEYOND: u64 = 1 << 30;
-const TEXEL: u64 = size_of::<[f32; 3]>() as u64;
 
-/// The texels that are decoded so far.
+/// The images that are decoded so far: path, size and bytes.
 #[derive(Default)]
-pub struct Budget {
-    texels: u64,
-}
+pub struct Budget(Vec<(String, (u32, u32), u64)>);
 
 impl Budget {
-    /// Checks that an image of this size fits beside those before it. `decoder` is the number of bytes that its file and its
-    /// decoder take besides the texels.
-    pub fn check(&self, (width, height): (usize, usize), decoder: u64) -> Result<(), String> {
+    /// Checks that an image of this size fits beside those before it. `bytes_of` is the number of bytes of so many texels, and `decoder`
+    /// that of its file and its decoder besides the texels.
+    pub fn check(
+        &self,
+        (width, height): (usize, usize),
+        bytes_of: impl FnOnce(usize) -> u64,
+        decoder: u64,
+    ) -> Result<(), String> {
         let sides = 1..=LARGEST_SIDE;
         if !sides.contains(&width) || !sides.contains(&height) {
             return Err(format!("expected a width and height from 1 to {LARGEST_SIDE}, found {width} by {height}"));
         }
-        let texels = self.texels + (width * height) as u64;
-        let most = LARGEST_BINDING / TEXEL;
-        if texels > most {
+        let bytes = bytes_of(width * height) + self.0.iter().map(|(_, _, bytes)| bytes).sum::<u64>();
+        if bytes > LARGEST_BINDING {
+            let others = largest(self.0.iter().map(|(path, size, bytes)| (path.as_str(), *size, *bytes)));
+            let others = if others.is_empty() { others } else { format!(", beside {others}") };
             return Err(format!(
-                "expected at most {most} texels in all images of the scene, which is the most that a device can bind; \
-                 with its {width} by {height} there are {texels}"
+                "expected at most {LARGEST_BINDING} bytes of texels in all images of the scene, which is the most that a device can bind;                  with its {width} by {height} there are {bytes}{others}: scale images down"
             ));
         }
-        let bytes = (TEXEL * texels).saturating_add(decoder);
+        let bytes = bytes.saturating_add(decoder);
         match bytes > LARGEST_BINDING + BEYOND {
             true => Err(format!(
                 "it takes {} MiB of memory to decode {width} by {height} texels beside the other images, and at most {} MiB \
@@ -43,8 +47,8 @@ impl Budget {
         }
     }
 
-    pub fn add(&mut self, texels: usize) {
-        self.texels += texels as u64;
+    pub fn add(&mut self, path: &str, bitmap: &Bitmap) {
+        self.0.push((path.to_owned(), (bitmap.width, bitmap.height), bitmap.bytes()));
     }
 }
 
@@ -52,25 +56,30 @@ impl Budget {
 mod tests {
     use super::*;
 
+    const OF_FLOATS: fn(usize) -> u64 = |texels| 12 * texels as u64;
+    const OF_BYTES: fn(usize) -> u64 = |texels| 4 * texels as u64;
+
     #[test]
     fn all_images_together_fit_one_binding() {
         let mut budget = Budget::default();
-        let most = (LARGEST_BINDING / TEXEL) as usize;
-        let rows = most / LARGEST_SIDE;
-        assert_eq!(budget.check((LARGEST_SIDE, rows), 0), Ok(()));
-        assert!(budget.check((LARGEST_SIDE, rows + 1), 0).unwrap_err().contains("expected at most 178956970 texels"));
-        budget.add(most - 12);
-        assert_eq!(budget.check((4, 3), BEYOND), Ok(()));
-        assert!(budget.check((13, 1), 0).is_err());
-        assert!(budget.check((4, 3), BEYOND + 8).unwrap_err().contains("3071 MiB"));
+        let rows = (LARGEST_BINDING / 12) as usize / LARGEST_SIDE;
+        assert_eq!(budget.check((LARGEST_SIDE, rows), OF_FLOATS, 0), Ok(()));
+        let refused = budget.check((LARGEST_SIDE, rows + 1), OF_FLOATS, 0).unwrap_err();
+        assert!(refused.contains("expected at most 2147483647 bytes of texels"), "{refused}");
+        // The same as bytes takes a third.
+        assert_eq!(budget.check((LARGEST_SIDE, rows + 1), OF_BYTES, 0), Ok(()));
+        budget.0.push(("big.png".to_owned(), (9, 8), LARGEST_BINDING - 144));
+        assert_eq!(budget.check((4, 3), OF_FLOATS, BEYOND), Ok(()));
+        let refused = budget.check((13, 1), OF_FLOATS, 0).unwrap_err();
+        assert!(refused.contains("beside big.png (9 by 8, 2147483503 bytes): scale images down"), "{refused}");
+        assert!(budget.check((4, 3), OF_FLOATS, BEYOND + 8).unwrap_err().contains("3071 MiB"));
     }
 
     #[test]
     fn the_largest_maps_of_8_bits_and_of_floats_are_decoded() {
         let (size, texels) = ((LARGEST_SIDE, LARGEST_SIDE / 2), (LARGEST_SIDE * LARGEST_SIDE / 2) as u64);
         // A progressive JPEG; and floats with a file of 64 MiB.
-        for decoder in [9 * texels, 8 * texels] {
-            assert_eq!(Budget::default().check(size, decoder), Ok(()));
-        }
+        assert_eq!(Budget::default().check(size, OF_BYTES, 9 * texels), Ok(()));
+        assert_eq!(Budget::default().check(size, OF_FLOATS, 8 * texels), Ok(()));
     }
 }

@@ -1,19 +1,20 @@
-//! Decodes OpenEXR: red, green and blue of the first part that has them.
+//! Decodes OpenEXR: red, green, blue and alpha of the first part that has colours.
 
 use std::io::Cursor;
 use std::sync::Arc;
 
 use exr::prelude::{MetaData, ReadChannels, ReadLayers};
 
-use super::Bitmap;
-use super::budget::Budget;
+use super::pack::of_channel;
+use super::{Decoded, Wanted};
+use crate::bitmap::{Bitmap, Decoding, Format};
 
 pub const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 
 /// The largest block of pixels that is decoded in several threads, each with a block of its own.
 const LARGEST_PARALLEL_BLOCK: usize = 16 << 20;
 
-pub fn decode(bytes: &[u8], budget: &Budget) -> Result<Bitmap, String> {
+pub fn decode(bytes: &[u8], wanted: &Wanted) -> Result<Decoded, String> {
     let text = |error: exr::error::Error| error.to_string();
     // The sizes are checked first, because the crate allocates memory for all pixels before it reads them.
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(text)?;
@@ -23,16 +24,23 @@ pub fn decode(bytes: &[u8], budget: &Budget) -> Result<Bitmap, String> {
         largest_block = largest_block.max(block);
         // A block is in memory packed and unpacked, and once more where its bytes are sorted.
         let decoder = (bytes.len() as u64).saturating_add((block as u64).saturating_mul(3));
-        budget.check((header.layer_size.width(), header.layer_size.height()), decoder)?;
+        wanted.check((header.layer_size.width(), header.layer_size.height()), false, decoder)?;
     }
+    let decodings: Vec<Decoding> = wanted.decodings.iter().copied().collect();
+    let (count, ways) = (decodings.len(), decodings.clone());
     let reader = exr::prelude::read()
         .no_deep_data()
         .largest_resolution_level()
-        .rgb_channels(
-            |size, _| (size.width(), vec![[0.0; 3]; size.area()]),
-            |(width, texels), at, (r, g, b): (f32, f32, f32)| {
-                if let Some(texel) = texels.get_mut(at.y() * *width + at.x()) {
-                    *texel = [r, g, b];
+        .rgba_channels(
+            move |size, _| (size.width(), vec![vec![0; Format::Float.words(size.area())]; count]),
+            move |(width, images), at, (r, g, b, a): (f32, f32, f32, f32)| {
+                let start = Format::Float.words(at.y() * *width + at.x());
+                for (words, decoding) in images.iter_mut().zip(&ways) {
+                    let texel = match decoding {
+                        Decoding::Colour | Decoding::Numbers => [r, g, b],
+                        Decoding::Number(channel) => [of_channel([r, g, b, a], *channel); 3],
+                    };
+                    words.iter_mut().skip(start).zip(texel).for_each(|(word, value)| *word = value.to_bits());
                 }
             },
         )
@@ -40,9 +48,7 @@ pub fn decode(bytes: &[u8], budget: &Budget) -> Result<Bitmap, String> {
         .all_attributes();
     let reader = if largest_block > LARGEST_PARALLEL_BLOCK { reader.non_parallel() } else { reader };
     let layer = reader.from_buffered(Cursor::new(bytes)).map_err(text)?.layer_data;
-    Ok(Bitmap {
-        width: layer.size.width() as u32,
-        height: layer.size.height() as u32,
-        texels: Arc::new(layer.channel_data.pixels.1),
-    })
+    let (width, height) = (layer.size.width() as u32, layer.size.height() as u32);
+    let bitmap = |words| Bitmap { width, height, format: Format::Float, words: Arc::new(words) };
+    Ok(decodings.iter().copied().zip(layer.channel_data.pixels.1.into_iter().map(bitmap)).collect())
 }

@@ -7,24 +7,24 @@ use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
-use super::budget::Budget;
+use super::Wanted;
 
-pub fn decode(bytes: &[u8], budget: &Budget) -> Result<DynamicImage, String> {
+pub fn decode(bytes: &[u8], wanted: &Wanted) -> Result<DynamicImage, String> {
     let text = |error: zune_jpeg::errors::DecodeErrors| format!("{error:?}");
     let options = DecoderOptions::default().set_strict_mode(true).set_max_width(usize::MAX).set_max_height(usize::MAX);
     let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
     decoder.decode_headers().map_err(text)?;
     let info = decoder.info().ok_or("it has no header")?;
     let is_grey = decoder.input_colorspace() == Some(ColorSpace::Luma);
-    let (colours, wanted) = if is_grey { (1, ColorSpace::Luma) } else { (3, ColorSpace::RGB) };
+    let (colours, space) = if is_grey { (1, ColorSpace::Luma) } else { (3, ColorSpace::RGB) };
     // A progressive file keeps a coefficient of 16 bits for each component of a pixel.
     let size = (usize::from(info.width), usize::from(info.height));
     let per_pixel = colours + 2 * u64::from(info.components);
-    budget.check(size, bytes.len() as u64 + per_pixel * (size.0 * size.1) as u64)?;
+    wanted.check(size, true, bytes.len() as u64 + per_pixel * (size.0 * size.1) as u64)?;
     if !ends(bytes) {
         return Err("the file ends in the picture: it is not complete".to_owned());
     }
-    decoder.set_options(options.jpeg_set_out_colorspace(wanted));
+    decoder.set_options(options.jpeg_set_out_colorspace(space));
     let pixels = decoder.decode().map_err(text)?;
     let (width, height) = (u32::from(info.width), u32::from(info.height));
     let image = match is_grey {

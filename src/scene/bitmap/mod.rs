@@ -1,15 +1,15 @@
-//! Decodes the images that a scene names into linear Rec. 709.
+//! Decodes the images that a scene names.
 
 mod budget;
 mod exr;
 mod jpeg;
+mod pack;
 
-use std::collections::HashSet;
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
-use image::{DynamicImage, ImageBuffer, ImageDecoder, ImageFormat, ImageReader, Limits, Pixel};
+use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 
 use super::Scene;
 use super::assets::{Assets, Stamp};
@@ -17,6 +17,7 @@ use super::file::{self, Reading};
 use super::findings::Findings;
 use super::gltf::{self, Broken, Part};
 use super::types::*;
+use crate::bitmap::Decoding;
 use crate::error::Result;
 use crate::guard::guarded;
 use crate::source::Place;
@@ -25,10 +26,22 @@ use budget::Budget;
 /// The memory that a decoder may take for what comes before the pixels. A PNG's colour profile is the largest of it.
 const HEADERS: u64 = 64 << 20;
 
-/// Decodes every image of the scene once. The keys are the paths as the scene file writes them. Errors point at the `path` field.
+/// Decodes every image of the scene once, in all ways that the scene asks for. The keys are the paths as the scene file writes them. Errors
+/// point at the `path` field.
 pub fn load_all(scene: &Scene, reading: Reading, findings: &mut Findings, assets: &mut Assets) -> Bitmaps {
-    let mut loader =
-        Loader { scene, reading, assets, budget: Budget::default(), bitmaps: Bitmaps::new(), found: HashSet::new() };
+    let mut wanted: HashMap<String, BTreeSet<Decoding>> = HashMap::new();
+    for (path, decoding) in images_of(scene) {
+        wanted.entry(path.clone()).or_default().insert(decoding);
+    }
+    let mut loader = Loader {
+        scene,
+        reading,
+        assets,
+        wanted,
+        budget: Budget::default(),
+        bitmaps: Bitmaps::default(),
+        found: HashSet::new(),
+    };
     let top = scene.top();
     if let Background::Image { path } = &scene.background {
         let background = top.field("background");
@@ -49,10 +62,25 @@ pub fn load_all(scene: &Scene, reading: Reading, findings: &mut Findings, assets
     loader.bitmaps
 }
 
+/// The images of a scene, once for each place that names one.
+fn images_of(scene: &Scene) -> impl Iterator<Item = (&String, Decoding)> {
+    let background = match &scene.background {
+        Background::Image { path } => Some((path, Decoding::Colour)),
+        _ => None,
+    };
+    let materials = scene.materials.iter().flat_map(|(_, material)| material.textures());
+    background.into_iter().chain(materials.filter_map(|texture| Some((texture.image()?, Decoding::Colour))))
+}
+
+/// Decoded images of one file.
+pub type Decoded = Vec<(Decoding, Bitmap)>;
+
 struct Loader<'a> {
     scene: &'a Scene,
     reading: Reading,
     assets: &'a mut Assets,
+    /// How each file is to be decoded, by its path.
+    wanted: HashMap<String, BTreeSet<Decoding>>,
     budget: Budget,
     bitmaps: Bitmaps,
     /// The paths of files that have been looked at, good or not.
@@ -73,72 +101,105 @@ impl Loader<'_> {
             match self.reading {
                 Reading::IfThere => _ = file::find(&name, "image", file::LONGEST).map_err(wrong)?,
                 Reading::Whole => {
-                    let bitmap = self.read(&file, files).map_err(broken)?;
-                    self.budget.add(bitmap.texels.len());
-                    self.bitmaps.insert(path.to_owned(), bitmap);
+                    let decodings = self.wanted.remove(path).unwrap_or_default();
+                    for (decoding, bitmap) in self.read(&file, files, &decodings).map_err(broken)? {
+                        self.budget.add(path, &bitmap);
+                        self.bitmaps.insert(path, decoding, bitmap);
+                    }
                 }
             }
         }
-        self.bitmaps.get(path).map_or(Ok(()), |bitmap| usage.check_texels(bitmap, tint).map_err(wrong))
+        self.bitmaps.colours(path).map_or(Ok(()), |bitmap| usage.check_texels(bitmap, tint).map_err(wrong))
     }
-}
 
-impl Loader<'_> {
     /// An image that has been decoded before, or is now.
-    fn read(&mut self, file: &Path, files: Vec<(PathBuf, Stamp)>) -> gltf::Result<Bitmap> {
-        if let Some(bitmap) = self.assets.bitmap(file, &files) {
-            self.budget.check((bitmap.width as usize, bitmap.height as usize), 0)?;
-            return Ok(bitmap);
+    fn read(
+        &mut self,
+        file: &Path,
+        files: Vec<(PathBuf, Stamp)>,
+        decodings: &BTreeSet<Decoding>,
+    ) -> gltf::Result<Decoded> {
+        let wanted = Wanted { decodings, budget: &self.budget };
+        if let Some(decoded) = self.assets.bitmaps(file, &files, decodings) {
+            let size = decoded.first().map_or((1, 1), |(_, bitmap)| (bitmap.width as usize, bitmap.height as usize));
+            self.budget.check(size, |_| decoded.iter().map(|(_, bitmap)| bitmap.bytes()).sum(), 0)?;
+            return Ok(decoded);
         }
-        let bitmap = match gltf::split(file) {
+        let decoded = match gltf::split(file) {
             (name, Some(part @ Part::Image(index))) => {
                 let file = self.assets.gltf.open(&name, &mut |_, _, _| {})?;
                 let bytes = file.image(index)?;
-                decode(&bytes, None, &self.budget).map_err(|reason| Broken::new(part.to_json(), reason))?
+                decode(&bytes, None, &wanted).map_err(|reason| Broken::new(part.to_json(), reason))?
             }
             (_, Some(_)) => return Err("expected an image, such as #images/0".to_owned().into()),
             (_, None) => {
                 let bytes = file::read(file, "image", file::LONGEST)?;
-                decode(&bytes, ImageFormat::from_path(file).ok(), &self.budget)?
+                decode(&bytes, ImageFormat::from_path(file).ok(), &wanted)?
             }
         };
-        self.assets.keep_bitmap(file, files, bitmap.clone());
-        Ok(bitmap)
+        self.assets.keep_bitmaps(file, files, decoded.clone());
+        Ok(decoded)
     }
 }
 
-/// The mean of an image's codes, each from 0 to 1: of numbers that are no colours.
+/// What is wanted of a file: how it is to be decoded, and within which memory.
+struct Wanted<'a> {
+    decodings: &'a BTreeSet<Decoding>,
+    budget: &'a Budget,
+}
+
+impl Wanted<'_> {
+    /// Checks that the images fit beside those before them. `of_bytes` tells that the file has integers of 8 bits. `decoder` is the number
+    /// of bytes that the file and its decoder take beside the texels.
+    fn check(&self, size: (usize, usize), of_bytes: bool, decoder: u64) -> std::result::Result<(), String> {
+        let bytes = |texels| {
+            let words = self.decodings.iter().map(|decoding| decoding.format(of_bytes).words(texels));
+            size_of::<u32>() as u64 * words.sum::<usize>() as u64
+        };
+        self.budget.check(size, bytes, decoder)
+    }
+}
+
+/// The means of an image's red, green and blue codes, each from 0 to 1: of numbers that are no colours.
 pub fn mean_code(bytes: &[u8]) -> std::result::Result<[f64; 3], String> {
-    let bitmap = decode(bytes, None, &Budget::default())?;
+    let decodings = BTreeSet::from([Decoding::Numbers]);
+    let decoded = decode(bytes, None, &Wanted { decodings: &decodings, budget: &Budget::default() })?;
     let mut sums = [0.0; 3];
-    for texel in bitmap.texels.iter() {
-        sums.iter_mut().zip(texel).for_each(|(sum, light)| *sum += to_srgb(f64::from(*light)));
+    for texel in decoded.iter().flat_map(|(_, bitmap)| bitmap.texels()) {
+        sums.iter_mut().zip(texel).for_each(|(sum, code)| *sum += f64::from(code));
     }
-    Ok(sums.map(|sum| sum / bitmap.texels.len().max(1) as f64))
+    let count = decoded.iter().map(|(_, bitmap)| bitmap.len()).sum::<usize>().max(1);
+    Ok(sums.map(|sum| sum / count as f64))
 }
 
-/// Decodes the bytes of a file, whose name may say its format. Images of floats, such as .exr and .hdr, are linear; all others are sRGB. Alpha is
-/// ignored, and grey becomes a colour.
-fn decode(bytes: &[u8], by_name: Option<ImageFormat>, budget: &Budget) -> std::result::Result<Bitmap, String> {
-    let bitmap = guarded(|| match bytes.starts_with(&exr::MAGIC) {
-        true => exr::decode(bytes, budget),
-        false => decode_other(bytes, by_name, budget),
+/// Decodes the bytes of a file, whose name may say its format. Images of floats, such as .exr and .hdr, are linear; the colours of all
+/// others are sRGB.
+fn decode(bytes: &[u8], by_name: Option<ImageFormat>, wanted: &Wanted) -> std::result::Result<Decoded, String> {
+    let decoded = guarded(|| match bytes.starts_with(&exr::MAGIC) {
+        true => exr::decode(bytes, wanted),
+        false => {
+            let image = decode_other(bytes, by_name, wanted)?;
+            Ok(wanted.decodings.iter().map(|decoding| (*decoding, pack::bitmap(&image, *decoding))).collect())
+        }
     });
-    bitmap.and_then(|bitmap| bitmap).map_err(|reason| format!("cannot decode the image: {reason}"))
+    decoded.and_then(|decoded| decoded).map_err(|reason| format!("cannot decode the image: {reason}"))
 }
 
-fn decode_other(bytes: &[u8], by_name: Option<ImageFormat>, budget: &Budget) -> std::result::Result<Bitmap, String> {
+fn decode_other(
+    bytes: &[u8],
+    by_name: Option<ImageFormat>,
+    wanted: &Wanted,
+) -> std::result::Result<DynamicImage, String> {
     // The content identifies the format more reliably than the file's name, except for .tga, which has no magic number.
     let format = image::guess_format(bytes).ok().or(by_name).ok_or("its format is not known")?;
-    let image = match format {
-        ImageFormat::Jpeg => jpeg::decode(bytes, budget)?,
-        _ => decode_with_image(bytes, format, budget)?,
-    };
-    Ok(Bitmap { width: image.width(), height: image.height(), texels: Arc::new(linear(image)) })
+    match format {
+        ImageFormat::Jpeg => jpeg::decode(bytes, wanted),
+        _ => decode_with_image(bytes, format, wanted),
+    }
 }
 
 /// Decodes a file with the crate `image`.
-fn decode_with_image(bytes: &[u8], format: ImageFormat, budget: &Budget) -> std::result::Result<DynamicImage, String> {
+fn decode_with_image(bytes: &[u8], format: ImageFormat, wanted: &Wanted) -> std::result::Result<DynamicImage, String> {
     let text = |error: image::ImageError| error.to_string();
     let at_most = |bytes: u64| {
         let mut limits = Limits::default();
@@ -160,7 +221,8 @@ fn decode_with_image(bytes: &[u8], format: ImageFormat, budget: &Budget) -> std:
     };
     let picture = decoder.total_bytes().saturating_mul(times);
     let (width, height) = decoder.dimensions();
-    budget.check((width as usize, height as usize), picture.saturating_add(bytes.len() as u64))?;
+    let of_bytes = decoder.color_type().bytes_per_pixel() == decoder.color_type().channel_count();
+    wanted.check((width as usize, height as usize), of_bytes, picture.saturating_add(bytes.len() as u64))?;
     decoder.set_limits(at_most(picture.saturating_add(HEADERS))).map_err(text)?;
     DynamicImage::from_decoder(decoder).map_err(text)
 }
@@ -172,65 +234,5 @@ fn check_riff(bytes: &[u8]) -> std::result::Result<(), String> {
     match bytes.len() as u64 >= declared {
         true => Ok(()),
         false => Err(format!("expected {declared} bytes, found {}: it is not complete", bytes.len())),
-    }
-}
-
-/// The linear texels of a decoded image.
-fn linear(image: DynamicImage) -> Vec<[f32; 3]> {
-    let table: Vec<f32> = (0..=u8::MAX).map(|c| from_srgb(f64::from(c) / 255.0)).collect();
-    let of_8_bits = |c: u8| table.get(usize::from(c)).copied().unwrap_or_default();
-    let of_16_bits = |c: u16| from_srgb(f64::from(c) / 65535.0);
-    let of_float = |c: f32| c;
-    match image {
-        DynamicImage::ImageLuma8(image) => texels(&image, of_8_bits),
-        DynamicImage::ImageLumaA8(image) => texels(&image, of_8_bits),
-        DynamicImage::ImageRgb8(image) => texels(&image, of_8_bits),
-        DynamicImage::ImageRgba8(image) => texels(&image, of_8_bits),
-        DynamicImage::ImageLuma16(image) => texels(&image, of_16_bits),
-        DynamicImage::ImageLumaA16(image) => texels(&image, of_16_bits),
-        DynamicImage::ImageRgb16(image) => texels(&image, of_16_bits),
-        DynamicImage::ImageRgba16(image) => texels(&image, of_16_bits),
-        DynamicImage::ImageRgb32F(image) => texels(&image, of_float),
-        DynamicImage::ImageRgba32F(image) => texels(&image, of_float),
-        // The crate may add kinds.
-        other => texels(&other.into_rgb32f(), of_float),
-    }
-}
-
-/// Pixels one by one, because the crate would convert an image into a copy.
-fn texels<P: Pixel>(image: &ImageBuffer<P, Vec<P::Subpixel>>, decoded: impl Fn(P::Subpixel) -> f32) -> Vec<[f32; 3]> {
-    image.pixels().map(|pixel| pixel.to_rgb().0.map(&decoded)).collect()
-}
-
-/// The linear value of an sRGB code in 0..=1 (IEC 61966-2-1).
-fn from_srgb(code: f64) -> f32 {
-    let light = if code <= 0.04045 { code / 12.92 } else { ((code + 0.055) / 1.055).powf(2.4) };
-    light as f32
-}
-
-/// The sRGB code of a linear value in 0..=1.
-fn to_srgb(light: f64) -> f64 {
-    if light <= 0.003_130_804_95 { 12.92 * light } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{from_srgb, to_srgb};
-
-    #[test]
-    fn codes_come_back() {
-        for code in 0..=255u8 {
-            let code = f64::from(code) / 255.0;
-            assert!((to_srgb(f64::from(from_srgb(code))) - code).abs() < 1e-6);
-        }
-    }
-
-    #[test]
-    fn decodes_srgb() {
-        assert_eq!(from_srgb(0.0), 0.0);
-        assert_eq!(from_srgb(1.0), 1.0);
-        // Values of the standard, and the code at which its two parts join.
-        assert!((f64::from(from_srgb(188.0 / 255.0)) - 0.502_886_5).abs() < 1e-6);
-        assert!((f64::from(from_srgb(0.04045)) - 0.003_130_804_95).abs() < 1e-9);
     }
 }
