@@ -148,6 +148,8 @@ pub enum Use {
     Albedo,
     /// Emitted light: 0, or 1e-30 to 1e30.
     Radiance,
+    /// A number from 0 to 1. It is that of the red channel.
+    Share,
 }
 
 /// The largest radiance, and the smallest other than zero. Both are normal numbers in f32.
@@ -160,7 +162,7 @@ impl Use {
     /// The range of a channel.
     pub const fn range(self) -> Range {
         match self {
-            Use::Albedo => Range::SHARE,
+            Use::Albedo | Use::Share => Range::SHARE,
             Use::Radiance => Range::from_to(SMALLEST_RADIANCE, LARGEST_RADIANCE).or_zero(),
         }
     }
@@ -170,6 +172,7 @@ impl Use {
         let name = match self {
             Use::Albedo => "albedo",
             Use::Radiance => "radiance",
+            Use::Share => "share",
         };
         let channels = colour.to_array().into_iter().enumerate();
         { channels }.try_for_each(|(index, channel)| self.range().check(&at.index(index), name, NO_UNIT, channel))
@@ -179,6 +182,7 @@ impl Use {
     pub fn check_texels(self, bitmap: &Bitmap, tint: Colour) -> std::result::Result<(), String> {
         let (expected, range): (_, RangeInclusive<f32>) = match self {
             Use::Albedo => ("an albedo from 0 to 1", 0.0..=1.0),
+            Use::Share => ("numbers from 0 to 1", 0.0..=1.0),
             Use::Radiance => ("a radiance from 0 to 1e30", 0.0..=LARGEST_RADIANCE as f32),
         };
         let fits = |texel: &[f32; 3]| texel.iter().all(|c| range.contains(c));

@@ -47,6 +47,17 @@ fn primitive_order(hit: Hit) -> u32 {
     }
 }
 
+// A number that tells the parts of one object apart: for a triangle, its face's number in its file.
+fn part_number(hit: Hit) -> u32 {
+    var number = 0u;
+    //@ if mesh
+    if primitive_kind(hit.code) == KIND_TRIANGLE {
+        number = face_number(primitive_index(hit.code));
+    }
+    //@ end
+    return number;
+}
+
 // Whether a hit wins against another one at the same distance: by the primitives' order in the scene, and within a mesh by
 // the faces' numbers in its file.
 fn comes_before(candidate: Hit, hit: Hit) -> bool {

@@ -8,6 +8,9 @@
 //@ if mesh
 //@ use geometry/instance
 //@ end
+//@ if alpha
+//@ use scene/coverage
+//@ end
 //@ use lib/float
 //@ relies on loops
 // Finds the nearest primitive along a ray.
@@ -84,11 +87,17 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
                 candidate.instance = instance;
                 //@ end
                 if t < hit.t || comes_before(candidate, hit) {
+                //@ if alpha
+                if is_stopped(candidate, ray) {
+                //@ end
                     candidate.steps = hit.steps;
                     hit = candidate;
                     if any_will_do {
                         break;
                     }
+                //@ if alpha
+                }
+                //@ end
                 }
             }
         } else {

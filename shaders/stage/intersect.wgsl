@@ -20,6 +20,10 @@ fn intersect(@builtin(global_invocation_id) id: vec3<u32>) {
     if path.status == SLOT_IDLE {
         return;
     }
+    //@ if alpha
+    load_throughput(slot, &path);
+    load_sample_of_path(slot, &path);
+    //@ end
     trace(&path);
     //@ if aov_hit
     load_throughput(slot, &path);

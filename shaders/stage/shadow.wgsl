@@ -11,6 +11,10 @@ fn shadow(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     var path: Path;
     load_shadow(slot, &path);
+    //@ if alpha
+    load_throughput(slot, &path);
+    load_sample_of_path(slot, &path);
+    //@ end
     let limit = limit_of_shadow(&path);
     let hit = shadow_hit(&path, limit);
     // What the walk does not need is loaded after it, so that the walk has the registers.

@@ -6,6 +6,9 @@
 //@ use choice/sampler
 //@ use lib/float
 //@ use choice/walk
+//@ if alpha
+//@ use scene/coverage
+//@ end
 //@ if medium
 //@ use scene/transmittance
 //@ end
@@ -145,6 +148,9 @@ fn shadow_hit(path: ptr<function, Path>, limit: Hit) -> Hit {
         none.steps = 1u;
         return none;
     }
+    //@ if alpha
+    walk_for((*path).pixel, (*path).sample, bounce_dimension((*path).depth, DIMENSION_LIGHT));
+    //@ end
     return first_hit((*path).shadow, settings.root, limit, true);
 }
 
@@ -164,6 +170,9 @@ fn add_light_of_shadow(path: ptr<function, Path>, limit: Hit, hit: Hit) -> u32 {
     if !is_hidden {
         emitted = emitted_along((*path).shadow, hit);
         var radiance = emitted;
+        //@ if alpha_of_light
+        radiance *= coverage_of_light((*path).shadow, hit);
+        //@ end
         //@ if medium
         let through = transmittance((*path).shadow, hit.t, &steps);
         if through == WALK_CUT {
@@ -194,6 +203,17 @@ fn add_light_of_shadow(path: ptr<function, Path>, limit: Hit, hit: Hit) -> u32 {
     return steps;
 }
 
+//@ if alpha_of_light
+// The coverage of the light where its shadow ray ends. The walk does not draw whether the ray passes its own end, so this is a factor.
+fn coverage_of_light(ray: Ray, hit: Hit) -> f32 {
+    // The sky and lights without size have no surface.
+    if primitive_kind(hit.code) >= KIND_DELTA_LIGHT {
+        return 1.0;
+    }
+    return coverage_at(hit, light_surface_at(hit, ray));
+}
+
+//@ end
 // The radiance of a light along a shadow ray; 1 for a light without size.
 fn emitted_along(ray: Ray, hit: Hit) -> vec3<f32> {
     var radiance = vec3<f32>(0.0);

@@ -2,7 +2,7 @@
 
 use crate::bitmap::FORMATS;
 use crate::data;
-use crate::material::{DETAILS, MATERIALS, Material, Scattering};
+use crate::material::{DETAILS, DetailKind, MATERIALS, Material, Scattering};
 use crate::options::{FeatureSet, Integrator, RenderOptions};
 use crate::texture::TEXTURES;
 
@@ -134,6 +134,11 @@ impl Features {
     /// Whether a material has a detail.
     pub(super) fn has_details(&self) -> bool {
         self.details.iter().flatten().any(Option::is_some)
+    }
+
+    /// Whether a material has a detail of this kind.
+    pub(super) fn has_detail(&self, kind: DetailKind) -> bool {
+        self.details[kind as usize].iter().any(Option::is_some)
     }
 
     /// Whether kernels have code for media.

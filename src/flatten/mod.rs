@@ -24,7 +24,7 @@ use crate::bvh::{self, Bounds};
 use crate::data::{self, MAX_PRIMITIVES, NO_TEXTURE, f32s};
 use crate::delta_light::PlacedLight;
 use crate::error::{Error, Result};
-use crate::material::{Detail, Scattering, Slot};
+use crate::material::{Detail, DetailKind, Scattering, Slot};
 use crate::options::{FeatureSet, Integrator, RenderOptions};
 use crate::scene::{Background, Bitmap, Material, Object, Scene, Step, Texture, Use};
 use crate::shape::mesh::{self, Laid};
@@ -270,7 +270,8 @@ impl Builder<'_> {
         let counts = KINDS.iter().map(|kind| kind.table.count(&flat.shapes) as u32).filter(|count| *count > 0);
         let counts: Vec<u32> = counts.collect();
         let room = &mut flat.settings.brute_force;
-        flat.features.brute_force &= counts.len() <= room.len();
+        // Surfaces with an alpha are passed in the walk through the hierarchy alone.
+        flat.features.brute_force &= counts.len() <= room.len() && !flat.features.has_detail(DetailKind::Alpha);
         room.iter_mut().zip(counts).for_each(|(room, count)| *room = count);
         self.flat.settings.root = self.flat.add_nodes(&bvh, 0);
         // In a mesh, the walk keeps the nodes of the outer hierarchy on the stack.
@@ -514,7 +515,7 @@ impl Builder<'_> {
         if let Some(slot) = slot {
             let brightness = match slot.usage {
                 Use::Radiance => radiance_scale,
-                Use::Albedo => 1.0,
+                Use::Albedo | Use::Share => 1.0,
             };
             row.colour = slot.texture.plain().map_or([0.0; 3], |colour| f32s(brightness * colour));
             row.texture = self.add_texture(slot.texture, brightness);

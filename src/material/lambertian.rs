@@ -1,6 +1,6 @@
 //! A perfectly diffuse surface: its reflected radiance is the same in all directions.
 
-use super::{DetailKind, EMISSION, MaterialKind, Model, Scattering, Slot, glow};
+use super::{ALPHA, ALPHA_CUTOFF, Alpha, DetailKind, EMISSION, MaterialKind, Model, Scattering, Slot, glow};
 use crate::data;
 use crate::source::form::{Field, Form, Takes};
 use crate::texture::{Texture, Use};
@@ -11,7 +11,7 @@ pub const KIND: MaterialKind = MaterialKind {
     form: Form {
         name: "Lambertian",
         about: "A matt surface: it looks equally bright from all directions.",
-        fields: &[ALBEDO, EMISSION],
+        fields: &[ALBEDO, EMISSION, ALPHA, ALPHA_CUTOFF],
         in_order: false,
         example: "Lambertian(albedo: Rgb(0.7, 0.3, 0.2))",
     },
@@ -19,20 +19,20 @@ pub const KIND: MaterialKind = MaterialKind {
     scatters: &[Scattering::Spread],
     is_clear: false,
     emits: false,
-    details: &[DetailKind::Emission],
+    details: &[DetailKind::Emission, DetailKind::Alpha],
     has_second_part: false,
 };
 
-pub fn model<'a>(albedo: &'a Texture, emission: Option<&'a Texture>) -> Model<'a> {
+pub fn model<'a>(albedo: &'a Texture, emission: Option<&'a Texture>, alpha: Alpha<'a>) -> Model<'a> {
     Model {
         slot: Some(Slot { field: &ALBEDO, usage: Use::Albedo, texture: albedo }),
         scattering: Scattering::Spread,
         two_sided: None,
-        numbers: Vec::new(),
+        numbers: alpha.numbers().collect(),
         colours: Vec::new(),
         lacks: None,
         second_part: None,
-        details: glow(emission).into_iter().collect(),
+        details: glow(emission).into_iter().chain(alpha.detail()).collect(),
         on_device: data::Material::default(),
     }
 }

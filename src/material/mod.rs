@@ -14,8 +14,8 @@ use serde::{Deserialize, Serialize};
 use crate::bitmap::Bitmaps;
 use crate::data;
 use crate::error::Result;
-use crate::source::Place;
-use crate::source::form::{Field, Form, Takes, any_of, kinds};
+use crate::source::form::{Field, Form, NO_UNIT, Takes, any_of, kinds};
+use crate::source::{Place, Range};
 use crate::texture::{Colour, Texture, Use};
 
 /// A material as the scene file writes it.
@@ -26,6 +26,10 @@ pub enum Material {
         albedo: Texture,
         #[serde(default, skip_serializing_if = "Option::is_none")]
         emission: Option<Texture>,
+        #[serde(default = "white", with = "number", skip_serializing_if = "is_white")]
+        alpha: Texture,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        alpha_cutoff: Option<f64>,
     },
     Metal {
         albedo: Texture,
@@ -66,6 +70,10 @@ pub enum Material {
         ior: f64,
         #[serde(default, skip_serializing_if = "Option::is_none")]
         emission: Option<Texture>,
+        #[serde(default = "white", with = "number", skip_serializing_if = "is_white")]
+        alpha: Texture,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        alpha_cutoff: Option<f64>,
     },
 }
 
@@ -75,6 +83,28 @@ fn yes() -> bool {
 
 fn white() -> Texture {
     Texture::Rgb(1.0, 1.0, 1.0)
+}
+
+fn is_white(texture: &Texture) -> bool {
+    *texture == white()
+}
+
+/// A texture of numbers, written as a number where it is the same everywhere.
+mod number {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    use crate::texture::Texture;
+
+    pub fn deserialize<'a, D: Deserializer<'a>>(from: D) -> Result<Texture, D::Error> {
+        f64::deserialize(from).map(|x| Texture::Rgb(x, x, x))
+    }
+
+    pub fn serialize<S: Serializer>(texture: &Texture, to: S) -> Result<S::Ok, S::Error> {
+        match texture.plain() {
+            Some(grey) => grey.x.serialize(to),
+            None => texture.serialize(to),
+        }
+    }
 }
 
 fn one() -> f64 {
@@ -100,7 +130,9 @@ impl Material {
     /// The properties of the material.
     pub fn model(&self) -> Model<'_> {
         match self {
-            Material::Lambertian { albedo, emission } => lambertian::model(albedo, emission.as_ref()),
+            Material::Lambertian { albedo, emission, alpha, alpha_cutoff } => {
+                lambertian::model(albedo, emission.as_ref(), Alpha { alpha, cutoff: *alpha_cutoff })
+            }
             Material::Metal { albedo, fuzz } => metal::model(albedo, *fuzz),
             Material::Dielectric { ior } => dielectric::model(*ior),
             Material::DiffuseLight { emit, two_sided } => diffuse_light::model(emit, *two_sided),
@@ -108,10 +140,16 @@ impl Material {
                 conductor::model(albedo.as_ref(), *eta, *k, *roughness)
             }
             Material::RoughDielectric { ior, roughness } => rough_dielectric::model(*ior, *roughness),
-            Material::Pbr { base_color, metallic, roughness, ior, emission } => {
-                pbr::model(base_color, *metallic, *roughness, *ior, emission.as_ref())
+            Material::Pbr { base_color, metallic, roughness, ior, emission, alpha, alpha_cutoff } => {
+                let alpha = Alpha { alpha, cutoff: *alpha_cutoff };
+                pbr::model(base_color, *metallic, *roughness, *ior, emission.as_ref(), alpha)
             }
         }
+    }
+
+    /// Whether it lets light pass straight on somewhere.
+    pub fn has_alpha(&self) -> bool {
+        self.model().details.iter().any(|detail| detail.kind == DetailKind::Alpha)
     }
 
     /// Its textures that are no plain colour: its own, and those of its details.
@@ -123,7 +161,10 @@ impl Material {
     pub fn check(&self, at: &Place) -> Result<()> {
         let at = at.variant(self.name());
         let model = self.model();
-        model.slots().try_for_each(|slot| slot.texture.check(&at.field(slot.field.name), slot.usage))?;
+        // A plain number is among the numbers.
+        let is_texture = |slot: &Slot| slot.usage != Use::Share || slot.texture.plain().is_none();
+        let mut textures = model.slots().filter(is_texture);
+        textures.try_for_each(|slot| slot.texture.check(&at.field(slot.field.name), slot.usage))?;
         if let Some(expected) = model.lacks {
             return Err(at.unexpected(expected));
         }
@@ -253,7 +294,7 @@ pub const DETAILS: usize = DetailKind::Normal as usize + 1;
 pub struct Detail<'a> {
     pub kind: DetailKind,
     pub slot: Slot<'a>,
-    /// The number beside its texture. Emission: 1 if it emits to both sides, else 0.
+    /// The number beside its texture. Emission: 1 if it emits to both sides, else 0. Alpha: its cutoff, or -1.
     pub parameter: f32,
 }
 
@@ -267,6 +308,44 @@ const EMISSION: Field = Field::new(
 /// What a material emits beside what it scatters.
 fn glow(emission: Option<&Texture>) -> Option<Detail<'_>> {
     Some(Detail::emission(Slot { field: &EMISSION, usage: Use::Radiance, texture: emission? }, true))
+}
+
+const ALPHA: Field = Field::new(
+    "alpha",
+    Takes::Number(Range::SHARE, NO_UNIT),
+    "The share of light that it stops; the rest passes straight on, as if the surface were not there. For quads and meshes.",
+)
+.or("1");
+const ALPHA_CUTOFF: Field = Field::new(
+    "alpha_cutoff",
+    Takes::Number(Range::NOT_NEGATIVE, NO_UNIT),
+    "With it, the surface stops all light where its alpha is at least this, and none elsewhere.",
+)
+.or("no cutoff");
+
+/// How much of the light a material stops.
+struct Alpha<'a> {
+    alpha: &'a Texture,
+    cutoff: Option<f64>,
+}
+
+impl<'a> Alpha<'a> {
+    /// Nothing if it stops all light everywhere.
+    fn detail(&self) -> Option<Detail<'a>> {
+        let least = self.cutoff.unwrap_or(1.0);
+        let stops_all = self.alpha.plain().is_some_and(|alpha| alpha.x >= least);
+        let slot = Slot { field: &ALPHA, usage: Use::Share, texture: self.alpha };
+        let detail =
+            Detail { kind: DetailKind::Alpha, slot, parameter: self.cutoff.map_or(-1.0, |cutoff| cutoff as f32) };
+        (!stops_all).then_some(detail)
+    }
+
+    /// Its numbers, to be checked.
+    fn numbers(&self) -> impl Iterator<Item = Number> {
+        let alpha = self.alpha.plain().map(|alpha| (&ALPHA, alpha.x));
+        let cutoff = self.cutoff.map(|cutoff| (&ALPHA_CUTOFF, cutoff));
+        alpha.into_iter().chain(cutoff).map(|(field, value)| Number { field, value, warning: None })
+    }
 }
 
 impl<'a> Detail<'a> {
@@ -311,6 +390,7 @@ impl Slot<'_> {
                 "an albedo of 1 absorbs nothing, so that paths in a closed scene end only at max_depth: write 0.99 or less unless that \
                  is intended",
             ),
+            Use::Share => return None,
             Use::Radiance => (
                 self.texture.brightest(bitmaps) == 0.0,
                 "an emission of 0 emits no light: raise it, or write Lambertian(albedo: Rgb(0, 0, 0)) for a black surface",

@@ -1,6 +1,6 @@
 //! The material of glTF 2.0: a matt body under a glossy layer, or a metal.
 
-use super::{DetailKind, EMISSION, MaterialKind, Model, Number, Scattering, Slot, glow};
+use super::{ALPHA, ALPHA_CUTOFF, Alpha, DetailKind, EMISSION, MaterialKind, Model, Number, Scattering, Slot, glow};
 use crate::data;
 use crate::source::Range;
 use crate::source::form::{Field, Form, NO_UNIT, Takes};
@@ -27,7 +27,7 @@ pub const KIND: MaterialKind = MaterialKind {
         name: "Pbr",
         about: "The metallic-roughness material of glTF 2.0, as its appendix B defines it: a matt body under a glossy layer, or a metal. Its names \
                 and defaults are those of glTF.",
-        fields: &[BASE_COLOR, METALLIC, ROUGHNESS, IOR, EMISSION],
+        fields: &[BASE_COLOR, METALLIC, ROUGHNESS, IOR, EMISSION, ALPHA, ALPHA_CUTOFF],
         in_order: false,
         example: "Pbr(base_color: Rgb(0.8, 0.2, 0.1), metallic: 0, roughness: 0.4)",
     },
@@ -35,7 +35,7 @@ pub const KIND: MaterialKind = MaterialKind {
     scatters: &[Scattering::Spread],
     is_clear: false,
     emits: false,
-    details: &[DetailKind::Emission],
+    details: &[DetailKind::Emission, DetailKind::Alpha],
     has_second_part: false,
 };
 
@@ -45,6 +45,7 @@ pub fn model<'a>(
     roughness: f64,
     ior: f64,
     emission: Option<&'a Texture>,
+    alpha: Alpha<'a>,
 ) -> Model<'a> {
     Model {
         slot: Some(Slot { field: &BASE_COLOR, usage: Use::Albedo, texture: base_color }),
@@ -52,10 +53,12 @@ pub fn model<'a>(
         two_sided: None,
         numbers: [(&METALLIC, metallic), (&ROUGHNESS, roughness), (&IOR, ior)]
             .map(|(field, value)| Number { field, value, warning: None })
-            .into(),
+            .into_iter()
+            .chain(alpha.numbers())
+            .collect(),
         colours: Vec::new(),
         lacks: None,
-        details: glow(emission).into_iter().collect(),
+        details: glow(emission).into_iter().chain(alpha.detail()).collect(),
         on_device: data::Material {
             parameter: roughness as f32,
             // The reflectance of the layer for light straight on it, and the metallic share.

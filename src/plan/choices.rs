@@ -82,6 +82,10 @@ named! {
         glow_direct,
         /// Paths have a sum: of light that is sampled, or of surfaces that emit and scatter.
         gathers,
+        /// Some material has an alpha,
+        alpha,
+        /// and some material that may have one is sampled as a light.
+        alpha_of_light,
         emitting_sky,
         /// Lights without size are.
         delta_light,
@@ -373,6 +377,8 @@ pub(super) fn decide(
     let own_glow = served_in(glowing).first().map(|kind| kind.why.clone());
     let glow_is_sampled = own_glow.clone().and(light.clone()).and(emitting_surface.clone());
 
+    let alpha = surface.clone().and(first(&features.details[DetailKind::Alpha as usize]));
+
     let queue_why = if_so(queues, option(QUEUES));
     let conditions = Conditions {
         staged_light: light.clone().filter(|_| !fused),
@@ -414,6 +420,8 @@ pub(super) fn decide(
         met_light: light.clone().and(emitting_surface.clone()).filter(|_| shines),
         met_by_chance: one_way.clone().filter(|_| shines && emitting_surface.is_some()),
         emitting_without_scattering: emitting_surface.clone().filter(|_| glow.is_none()),
+        alpha_of_light: alpha.clone().and(glow.clone()).and(emitting_surface.clone()),
+        alpha,
         glow_of_light: glow.clone().and(emitting_surface.clone()),
         gathers: light.clone().or(glow.clone()),
         glow_direct: own_glow.clone().and(aov(&[Sum::Direct], &Some(Reason::EveryRender))),

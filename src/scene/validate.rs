@@ -280,6 +280,12 @@ impl KnownNames<'_> {
             let meant = meant.map_or(String::new(), |meant| format!("; did you mean {meant:?}?"));
             return Err(at.error(format!("there is no material {name:?}: {}{meant}", known(names()))));
         };
+        if material.has_alpha() && object.kind().is_some_and(|kind| kind.encloses()) {
+            return Err(at.error(format!(
+                "the material {name:?} has an alpha, which a {} cannot have: expected a Quad or a Mesh, or a material without an alpha",
+                object.name()
+            )));
+        }
         if material.textures().into_iter().any(|texture| texture.image().is_some())
             && let Some(shape) = object.shape(self.meshes)
             && let Some(mesh) = shape.mesh()

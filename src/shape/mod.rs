@@ -47,6 +47,13 @@ pub struct ShapeKind {
     pub boundary: Option<Boundary>,
 }
 
+impl ShapeKind {
+    /// Whether a ray that passes its surface meets it again from inside. (A mesh consists of faces, which it meets one by one.)
+    pub fn encloses(&self) -> bool {
+        self.boundary.is_some() && self.shader != mesh::KIND.shader
+    }
+}
+
 pub struct Boundary {
     /// Its name among the boundaries. A convex one has a file of this name under shaders/medium.
     pub name: &'static str,

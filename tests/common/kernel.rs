@@ -84,6 +84,8 @@ const USUAL: [(&str, &str); 4] = [
 /// The conditions that do not hold where nothing else is asked, and those of the settings' members, which are all there.
 const NONE: &[&str] = &[
     "gathers",
+    "alpha",
+    "alpha_of_light",
     "glow",
     "glow_of_light",
     "own_glow",

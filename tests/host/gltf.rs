@@ -50,6 +50,10 @@ fn metal(roughness: f64) -> Material {
     Material::Conductor { albedo: Some(Texture::Rgb(0.8, 0.7, 0.6)), eta: None, k: None, roughness }
 }
 
+fn white() -> Texture {
+    Texture::Rgb(1.0, 1.0, 1.0)
+}
+
 #[test]
 fn a_file_becomes_objects_materials_and_a_camera() {
     let scene = load(&room().0).unwrap();
@@ -58,7 +62,15 @@ fn a_file_becomes_objects_materials_and_a_camera() {
     let image = Texture::Image { path: "room.glb#images/0".to_owned(), tint: DVec3::new(0.5, 0.6, 0.7) };
     assert_eq!(
         scene.materials[0].1,
-        Material::Pbr { base_color: image, metallic: 0.0, roughness: 1.0, ior: 1.5, emission: None }
+        Material::Pbr {
+            base_color: image,
+            metallic: 0.0,
+            roughness: 1.0,
+            ior: 1.5,
+            emission: None,
+            alpha: white(),
+            alpha_cutoff: None
+        }
     );
     let emit = Texture::Rgb(10.0, 9.0, 8.0);
     assert_eq!(scene.materials[1].1, Material::DiffuseLight { emit, two_sided: true });
@@ -114,10 +126,20 @@ fn materials_are_those_of_the_standard_as_far_as_ours_go() {
     };
     let base_color = Texture::Rgb(0.8, 0.7, 0.6);
     assert_eq!(pbr(1.0, json!({})), metal(0.3));
-    let expected =
-        Material::Pbr { base_color: base_color.clone(), metallic: 0.25, roughness: 0.3, ior: 1.4, emission: None };
+    let expected = Material::Pbr {
+        base_color: base_color.clone(),
+        metallic: 0.25,
+        roughness: 0.3,
+        ior: 1.4,
+        emission: None,
+        alpha: white(),
+        alpha_cutoff: None,
+    };
     assert_eq!(pbr(0.25, json!({})), expected);
-    assert_eq!(pbr(0.0, json!({"specularFactor": 0})), Material::Lambertian { albedo: base_color, emission: None });
+    assert_eq!(
+        pbr(0.0, json!({"specularFactor": 0})),
+        Material::Lambertian { albedo: base_color, emission: None, alpha: white(), alpha_cutoff: None }
+    );
     let Material::Pbr { ior, .. } = pbr(0.0, json!({"specularFactor": 0.25})) else { panic!() };
     let reflectance = |ior: f64| ((ior - 1.0) / (ior + 1.0)).powi(2);
     assert!((reflectance(ior) - 0.25 * reflectance(1.4)).abs() < 1e-12);
@@ -132,13 +154,60 @@ fn materials_are_those_of_the_standard_as_far_as_ours_go() {
         "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 4}}}));
     let emission = Texture::Image { path: "room.glb#images/0".to_owned(), tint: DVec3::new(2.0, 0.0, 4.0) };
     let base_color = Texture::Rgb(0.8, 0.7, 0.6);
-    let expected = Material::Pbr { base_color, metallic: 1.0, roughness: 0.0, ior: 1.5, emission: Some(emission) };
+    let expected = Material::Pbr {
+        base_color,
+        metallic: 1.0,
+        roughness: 0.0,
+        ior: 1.5,
+        emission: Some(emission),
+        alpha: white(),
+        alpha_cutoff: None,
+    };
     assert_eq!(glow, expected);
     // The image has half of its codes at 0 and half at 255 in green, and 100 in blue.
     let textured =
         steel(json!({"pbrMetallicRoughness": {"metallicFactor": 0.5, "metallicRoughnessTexture": {"index": 0}}}));
     let base_color = Texture::Rgb(1.0, 1.0, 1.0);
-    assert_eq!(textured, Material::Pbr { base_color, metallic: 0.196, roughness: 0.5, ior: 1.5, emission: None });
+    assert_eq!(
+        textured,
+        Material::Pbr {
+            base_color,
+            metallic: 0.196,
+            roughness: 0.5,
+            ior: 1.5,
+            emission: None,
+            alpha: white(),
+            alpha_cutoff: None
+        }
+    );
+}
+
+/// The metal's base colour has an alpha of 0.25.
+#[test]
+fn alpha_is_read_where_its_mode_says_so() {
+    let of = |more: Value| {
+        let base = json!({"baseColorFactor": [0.8, 0.7, 0.6, 0.25], "roughnessFactor": 0.3});
+        let mut json = json!({"pbrMetallicRoughness": base});
+        json.as_object_mut().unwrap().extend(more.as_object().unwrap().clone());
+        steel(json)
+    };
+    let covered = |alpha: f64, alpha_cutoff: Option<f64>| {
+        let base_color = Texture::Rgb(0.8, 0.7, 0.6);
+        let alpha = Texture::Rgb(alpha, alpha, alpha);
+        Material::Pbr { base_color, metallic: 1.0, roughness: 0.3, ior: 1.5, emission: None, alpha, alpha_cutoff }
+    };
+    assert_eq!(of(json!({})), metal(0.3));
+    assert_eq!(of(json!({"alphaMode": "OPAQUE"})), metal(0.3));
+    assert_eq!(of(json!({"alphaMode": "BLEND"})), covered(0.25, None));
+    assert_eq!(of(json!({"alphaMode": "MASK"})), covered(0.25, Some(0.5)));
+    assert_eq!(of(json!({"alphaMode": "MASK", "alphaCutoff": 0.125})), covered(0.25, Some(0.125)));
+    // What emits and has an alpha is no DiffuseLight.
+    let lamp = of(json!({"alphaMode": "BLEND", "emissiveFactor": [1, 0.5, 0],
+        "pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 0.5]}}));
+    let emission = Some(Texture::Rgb(1.0, 0.5, 0.0));
+    let half = Texture::Rgb(0.5, 0.5, 0.5);
+    let black = Texture::Rgb(0.0, 0.0, 0.0);
+    assert_eq!(lamp, Material::Lambertian { albedo: black, emission, alpha: half, alpha_cutoff: None });
 }
 
 #[test]
@@ -190,7 +259,6 @@ fn what_is_not_read_is_named_once_with_its_material() {
         notes(&json)[0].clone()
     };
     for (more, expected) in [
-        (json!({"alphaMode": "BLEND"}), "opaque, without its alpha (alphaMode BLEND, 1)"),
         (json!({"normalTexture": {"index": 0}}), "not read: normalTexture"),
         (json!({"extensions": {"KHR_materials_clearcoat": {}}}), "not read: \"KHR_materials_clearcoat\""),
         (

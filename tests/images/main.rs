@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod alpha;
 mod aov;
 mod closed_form;
 mod delta_lights;

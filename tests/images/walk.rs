@@ -19,20 +19,25 @@ fn codes(count: usize) -> Vec<u32> {
     (0..count as u32).map(|i| PRIMITIVE_BIT | i).collect()
 }
 
-/// A camera that looks at so many coincident lamps, and behind them one of another colour.
-fn coincident_lamps(count: usize) -> String {
+/// A lamp that is met first.
+const LAMP: &str = "DiffuseLight(emit: Rgb(1, 1, 1))";
+/// A surface that lets all light pass.
+const NOTHING: &str = "Lambertian(albedo: Rgb(1, 1, 1), alpha: 0)";
+
+/// A camera that looks at so many coincident quads of a material, and behind them a lamp.
+fn coincident(material: &str, count: usize) -> String {
     let lamp = "Quad(corner: (-9, -9, 0), u: (18, 0, 0), v: (0, 18, 0), material: \"near\"),";
     format!(
         "Scene(image: (width: 1, height: 1), camera: (look_from: (0, 0, 3), look_at: (0, 0, 0), vertical_fov: 40),
          background: Solid((0, 0, 0)),
-         materials: {{ \"near\": DiffuseLight(emit: Rgb(1, 1, 1)), \"far\": DiffuseLight(emit: Rgb(0, 1, 0)) }},
+         materials: {{ \"near\": {material}, \"far\": DiffuseLight(emit: Rgb(0, 1, 0)) }},
          objects: [{} Quad(corner: (-9, -9, -1), u: (18, 0, 0), v: (0, 18, 0), material: \"far\")])",
         lamp.repeat(count)
     )
 }
 
-fn render(count: usize, scatter: Scatter) -> Film {
-    let scene = Scene::parse(&coincident_lamps(count), Path::new("lamps.ron")).expect("the scene is valid");
+fn render(material: &str, count: usize, scatter: Scatter) -> Film {
+    let scene = Scene::parse(&coincident(material, count), Path::new("lamps.ron")).expect("the scene is valid");
     let options = RenderOptions {
         integrator: Integrator::Bsdf,
         roulette: Switch::Off,
@@ -53,7 +58,7 @@ fn a_walk_is_right_or_counted_as_cut_short() {
     let limited = found.loop_iterations < probe::LOOPS;
     for scatter in [Scatter::Fused, Scatter::Linked] {
         for (count, is_cut) in [(30_000, false), (100_000, limited), (250_000, true)] {
-            let film = render(count, scatter);
+            let film = render(LAMP, count, scatter);
             let cut = if is_cut { 8 } else { 0 };
             assert_eq!(
                 (film.totals().rejected.cut, film.totals().rejected.total()),
@@ -65,6 +70,16 @@ fn a_walk_is_right_or_counted_as_cut_short() {
                 assert_eq!(film.develop().rgb[0], [1.0; 3], "{scatter:?}, {count}");
             }
         }
+    }
+}
+
+/// The same of quads that are passed: the lamp behind them is met, or the sample is counted as cut short.
+#[test]
+fn a_walk_that_passes_all_is_right_or_counted_as_cut_short() {
+    for (count, cut) in [(30_000, 0), (250_000, 8)] {
+        let film = render(NOTHING, count, Scatter::Fused);
+        assert_eq!((film.totals().rejected.cut, film.totals().rejected.total()), (cut, cut), "{count}");
+        assert!(cut > 0 || film.develop().rgb[0] == [0.0, 1.0, 0.0], "{count}");
     }
 }
 

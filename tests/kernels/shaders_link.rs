@@ -87,6 +87,13 @@ fn glowing(features: Features) -> Features {
     Features { details, ..features }
 }
 
+/// The same with materials that have an alpha.
+fn covered(features: Features) -> Features {
+    let mut details = features.details.clone();
+    details[DetailKind::Alpha as usize] = features.non_specular.clone();
+    Features { details, ..features }
+}
+
 /// The same with lights without size, directional ones among them, where anything answers to them.
 fn delta_lit(features: Features, directional: bool) -> Features {
     if features.media == 0 && features.non_specular.iter().all(Option::is_none) {
@@ -122,7 +129,8 @@ fn everything() -> Features {
 
 fn all_sampled() -> Features {
     let surfaces = features(all(PRIMITIVES), all(MATERIALS), all(TEXTURES), IMAGE, true);
-    glowing(delta_lit(lit(with_media(smooth(surfaces), all(BOUNDARIES), true), all(PRIMITIVES), true), true))
+    let lit = lit(with_media(smooth(surfaces), all(BOUNDARIES), true), all(PRIMITIVES), true);
+    covered(glowing(delta_lit(lit, true)))
 }
 
 /// The same with render space turned to the camera's axes.
@@ -228,6 +236,17 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
     }
     for emitters in (0..PRIMITIVES.len()).map(|i| 1 << i) {
         found.push(lit(with_media(glowing(features(emitters, 1, 0, SOLID, false)), 1, false), emitters, false));
+    }
+    // Surfaces with an alpha: of each kind, sampled as lights and beside them, with textures and in media.
+    for set in (0..PRIMITIVES.len()).map(|i| 1 << i) {
+        let own = covered(features(set, 1, 0, SOLID, false));
+        found.extend([
+            own.clone(),
+            glowing(own.clone()),
+            lit(glowing(own.clone()), set, false),
+            delta_lit(own.clone(), true),
+        ]);
+        found.push(lit(with_media(covered(features(set, 1, textures, IMAGE, false)), 1, false), set, true));
     }
     // Lights without size alone, with every material and in media, and beside each kind of light.
     for directional in [false, true] {
@@ -429,7 +448,20 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("texel", &["bind"]),
     (
         "scene",
-        &["background", "bind", "data", "geometry", "lib", "light", "material", "medium", "scene", "texel", "texture"],
+        &[
+            "background",
+            "bind",
+            "data",
+            "geometry",
+            "lib",
+            "light",
+            "material",
+            "medium",
+            "sampler",
+            "scene",
+            "texel",
+            "texture",
+        ],
     ),
     ("slots", &["bind", "data", "lib", "scene", "slots"]),
     (

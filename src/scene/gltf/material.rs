@@ -59,7 +59,8 @@ enum Model {
 
 /// What a primitive without a material has, by the standard: a white metal that is as rough as can be.
 pub fn default_material() -> Material {
-    Material::Pbr { base_color: Texture::Rgb(1.0, 1.0, 1.0), metallic: 1.0, roughness: 1.0, ior: 1.5, emission: None }
+    let (base_color, alpha) = (Texture::Rgb(1.0, 1.0, 1.0), Texture::Rgb(1.0, 1.0, 1.0));
+    Material::Pbr { base_color, metallic: 1.0, roughness: 1.0, ior: 1.5, emission: None, alpha, alpha_cutoff: None }
 }
 
 pub fn colour(rgb: [f32; 3]) -> Colour {
@@ -147,7 +148,7 @@ impl File {
         let at = format!("materials[{index}]");
         let pbr = &given.pbr_metallic_roughness;
         let mut found = Notes::default();
-        let [r, g, b, alpha] = pbr.base_color_factor.0;
+        let [r, g, b, _] = pbr.base_color_factor.0;
         let base = share(colour([r, g, b]), "baseColorFactor", &mut found);
         let mut texture = |named: Option<Named>, tint: Colour| -> Result<Texture> {
             let image = named.map(|(field, info)| self.image_path(&at, field, info, path, &mut found));
@@ -167,6 +168,8 @@ impl File {
             }
         }
         let model = model(given);
+        let (alpha, alpha_cutoff) = alpha(given);
+        let is_opaque = alpha.plain() == Some(Colour::ONE) && alpha_cutoff.is_none();
         let (roughness, metallic) = self.roughness(&at, given, model, &mut found)?;
         let extensions = given.extensions.as_ref();
         let specular = extensions.and_then(|found| found.specular.as_ref());
@@ -181,8 +184,13 @@ impl File {
         found.add_if(!(1.0..=1e3).contains(&ior), format!("its ior of {ior} is taken for 1.5"));
         let ior = if (1.0..=1e3).contains(&ior) { ior } else { 1.5 };
         let material = match model {
+            // A DiffuseLight has no alpha.
+            Model::Light if !is_opaque => {
+                Material::Lambertian { albedo: color, emission: Some(light), alpha, alpha_cutoff }
+            }
             Model::Light => Material::DiffuseLight { emit: light, two_sided: given.double_sided },
             Model::Glass => {
+                found.add_if(!is_opaque, "without its alpha");
                 found.add_if(base != Colour::ONE || pbr.base_color_texture.is_some(), "clear glass without its colour");
                 let volume = extensions.and_then(|found| found.volume.as_ref());
                 let is_thin = volume.is_none_or(|volume| volume.thickness_factor.0 == 0.0);
@@ -196,20 +204,20 @@ impl File {
                     false => Material::Dielectric { ior },
                 }
             }
-            Model::Surface if metallic == 1.0 && emission.is_none() => {
+            Model::Surface if metallic == 1.0 && emission.is_none() && is_opaque => {
                 Material::Conductor { albedo: Some(color), eta: None, k: None, roughness }
             }
-            Model::Surface if is_matt && metallic == 0.0 => Material::Lambertian { albedo: color, emission },
+            Model::Surface if is_matt && metallic == 0.0 => {
+                Material::Lambertian { albedo: color, emission, alpha, alpha_cutoff }
+            }
             Model::Surface => {
                 let factor = specular.map_or(1.0, |specular| decimal(specular.specular_factor.0).clamp(0.0, 1.0));
                 found.add_if(factor != 1.0, format!("its specularFactor of {factor} changes its ior alone"));
                 let reflected = factor.sqrt() * (ior - 1.0) / (ior + 1.0);
                 let ior = if factor == 1.0 { ior } else { (1.0 + reflected) / (1.0 - reflected) };
-                Material::Pbr { base_color: color, metallic, roughness, ior, emission }
+                Material::Pbr { base_color: color, metallic, roughness, ior, emission, alpha, alpha_cutoff }
             }
         };
-        let opaque = matches!(given.alpha_mode, Checked::Valid(AlphaMode::Opaque));
-        found.add_if(!opaque, format!("opaque, without its alpha (alphaMode {})", alpha_mode(given, alpha)));
         let is_light = model == Model::Light;
         let emits = given.emissive_factor.0 != [0.0; 3];
         let has = |it: bool, name: &str| it.then(|| name.to_owned());
@@ -306,11 +314,18 @@ impl File {
     }
 }
 
-fn alpha_mode(given: &Given, alpha: f32) -> String {
+/// The alpha, and the cutoff that makes a cut-out surface of it.
+fn alpha(given: &Given) -> (Texture, Option<f64>) {
+    let grey = |x: f64| Texture::Rgb(x, x, x);
+    let [_, _, _, factor] = given.pbr_metallic_roughness.base_color_factor.0;
+    let factor = decimal(factor).clamp(0.0, 1.0);
     match given.alpha_mode {
-        Checked::Valid(AlphaMode::Blend) => format!("BLEND, {}", decimal(alpha)),
-        Checked::Valid(AlphaMode::Mask) => "MASK".to_owned(),
-        _ => "unknown".to_owned(),
+        Checked::Valid(AlphaMode::Blend) => (grey(factor), None),
+        Checked::Valid(AlphaMode::Mask) => {
+            let cutoff = given.alpha_cutoff.map_or(0.5, |cutoff| decimal(cutoff.0).max(0.0));
+            if factor == 1.0 && cutoff <= 1.0 { (grey(1.0), None) } else { (grey(factor), Some(cutoff)) }
+        }
+        _ => (grey(1.0), None),
     }
 }
 

@@ -1,0 +1,53 @@
+//@ use data/ray
+//@ use data/hit
+//@ use data/surface
+//@ use data/material
+//@ use bind/details
+//@ use bind/materials
+//@ use bind/settings
+//@ use choice/sampler
+//@ use lib/rng
+//@ use scene/details
+//@ use scene/primitives
+//@ use scene/surfaces
+// Cut-out and transparent surfaces. A surface stops the share of light that its coverage says, and lets the rest pass straight on, as if
+// it were not there. So a ray passes such a surface with the probability 1 - coverage.
+
+// The sample whose ray is walked, and the block of random numbers for that ray.
+struct Walker {
+    pixel: u32,
+    sample: u32,
+    dimension: u32,
+}
+var<private> walker: Walker;
+
+// The walks that follow are of a ray of this sample, until the next call.
+fn walk_for(pixel: u32, sample: u32, dimension: u32) {
+    walker = Walker(pixel, sample, dimension);
+}
+
+// The share of light that a surface stops at a hit.
+fn coverage_at(hit: Hit, surface: Surface) -> f32 {
+    let number = details[surface.material].alpha;
+    if number == NO_DETAIL {
+        return 1.0;
+    }
+    let alpha = detail_colour(number, hit, surface).x;
+    // The least alpha of a cut-out surface; negative for a transparent one.
+    let cutoff = materials[number].parameter;
+    return select(alpha, select(0.0, 1.0, alpha >= cutoff), cutoff >= 0.0);
+}
+
+// Whether a ray is stopped at a hit. For each surface of the scene, the random number is one of its own, and it does not depend on
+// the order of the walk.
+fn is_stopped(hit: Hit, ray: Ray) -> bool {
+    if details[material_index(hit)].alpha == NO_DETAIL {
+        return true;
+    }
+    let coverage = coverage_at(hit, surface_at(hit, ray));
+    if coverage <= 0.0 || coverage >= 1.0 {
+        return coverage > 0.0;
+    }
+    let surface = pcg4d(vec4<u32>(primitive_order(hit), part_number(hit), 0u, settings.seed));
+    return random4(walker.pixel, walker.sample, walker.dimension, surface.x).x < coverage;
+}

@@ -1,0 +1,203 @@
+//! Cut-out and transparent surfaces: closed forms, one expectation with and without light sampling, and the same bytes however the
+//! work is done.
+
+use gpu_rt::aov::Aovs;
+use gpu_rt::bvh::Quality;
+use gpu_rt::options::{Integrator, Scatter};
+
+use crate::common::kernel::Overlay;
+use crate::common::render::{Ask, Mean, Shot, render, render_planted, same_expectation, scene};
+
+const ALPHA: f64 = 1e-6;
+/// Standard errors that a mean is off by once in 1e6.
+const NOISE: f64 = 4.9;
+
+/// A camera that looks along -z at sheets of one material that fill its view, before a sky; and more.
+fn sheets(material: &str, count: usize, max_depth: u32, more: &str) -> String {
+    let sheet = |k: usize| {
+        format!("Quad(corner: (-4, -4, {}), u: (8, 0, 0), v: (0, 8, 0), material: \"sheet\"),", -0.01 * k as f64)
+    };
+    format!(
+        "Scene(image: (width: 8, height: 8), camera: (look_from: (0, 0, 3), look_at: (0, 0, 0), vertical_fov: 40),
+        background: Solid((1, 2, 3)), materials: {{\"sheet\": {material}, \"lamp\": DiffuseLight(emit: Rgb(9, 8, 7))}},
+        objects: [{} {more}], render: (samples: 512, max_depth: {max_depth}))",
+        (0..count).map(sheet).collect::<String>()
+    )
+}
+
+/// Whether a mean is what is expected, within its noise, which is less than 1 % of it.
+fn is_near(mean: &Mean, expected: [f64; 3]) -> Result<(), String> {
+    for (channel, expected) in expected.into_iter().enumerate() {
+        let (value, noise) = (mean.value[channel], NOISE * mean.variance[channel].sqrt());
+        if noise > 0.01 * expected || (value - expected).abs() > noise + 1e-5 * expected {
+            return Err(format!("channel {channel}: {value} +- {noise}, expected {expected}"));
+        }
+    }
+    Ok(())
+}
+
+/// n sheets of coverage a leave (1 - a)^n of the sky, and show their own light by the rest. Neither max_depth nor roulette counts them.
+#[test]
+fn sheets_let_the_rest_of_the_light_pass() {
+    for (count, alpha) in [(1, 0.3), (2, 0.5), (5, 0.1), (300, 0.003), (3, 0.0), (2, 1.0)] {
+        let text = format!("Lambertian(albedo: Rgb(0, 0, 0), emission: Rgb(2, 2, 2), alpha: {alpha})");
+        let left = (1.0f64 - alpha).powi(count);
+        let expected = [1.0, 2.0, 3.0].map(|sky| left * sky + (1.0 - left) * 2.0);
+        for (max_depth, ask) in [
+            (0, Ask::default()),
+            (2, Ask::default().roulette().scatter(Scatter::Linked)),
+            (2, Ask::default().sobol().mis().roulette()),
+        ] {
+            let shot = render(&scene(&sheets(&text, count as usize, max_depth, "")), &ask.seed(3));
+            is_near(&shot.mean_of_all(), expected).unwrap_or_else(|error| panic!("{count} x {alpha}: {error}"));
+        }
+    }
+}
+
+/// Each channel of a sheet is a times that of an opaque sheet plus 1 - a times that of none, whatever the material does.
+#[test]
+fn a_sheet_is_mixed_with_what_is_behind() {
+    let lamp = "Quad(corner: (-1, 3, 2), u: (2, 0, 0), v: (0, 0, 2), material: \"lamp\"),";
+    for (material, cutoff) in [
+        ("Lambertian(albedo: Rgb(0.8, 0.5, 0.2)", ""),
+        ("Pbr(base_color: Rgb(0.8, 0.5, 0.2), metallic: 0.5, roughness: 0.6", ""),
+        ("Pbr(base_color: Rgb(0.8, 0.5, 0.2), metallic: 0", ", alpha_cutoff: 0.35"),
+        ("Lambertian(albedo: Rgb(0.8, 0.5, 0.2)", ", alpha_cutoff: 0.36"),
+    ] {
+        let sheet = |alpha: &str| scene(&sheets(&format!("{material}{alpha})"), 1, 4, lamp));
+        let ask = |seed| Ask::default().mis().sobol().seed(seed);
+        let [opaque, mixed] = ["", &format!(", alpha: 0.35{cutoff}")].map(|alpha| render(&sheet(alpha), &ask(1)));
+        let share = match cutoff {
+            "" => 0.35,
+            ", alpha_cutoff: 0.35" => 1.0,
+            _ => 0.0,
+        };
+        let (opaque, mixed) = (opaque.mean_of_all(), mixed.mean_of_all());
+        let expected = [0, 1, 2].map(|c| share * opaque.value[c] + (1.0 - share) * (c + 1) as f64);
+        let variance = [0, 1, 2].map(|c| mixed.variance[c] + opaque.variance[c]);
+        is_near(&Mean { variance, ..mixed }, expected).unwrap_or_else(|error| panic!("{material}{cutoff}: {error}"));
+    }
+}
+
+/// A floor under a lamp without size, and horizontal sheets under the lamp. The camera is at this height.
+fn shadow(alpha: f64, sheets: usize, height: f64) -> String {
+    let sheet = |k: usize| {
+        let y = 2.0 + 0.1 * k as f64;
+        format!("Quad(corner: (-9, {y}, 9), u: (18, 0, 0), v: (0, 0, -18), material: \"sheet\"),")
+    };
+    format!(
+        "Scene(image: (width: 16, height: 16), camera: (look_from: (0, {height}, 1), look_at: (0, 0, 0), vertical_fov: 10),
+        background: Solid((0, 0, 0)),
+        materials: {{\"sheet\": Lambertian(albedo: Rgb(0, 0, 0), alpha: {alpha}), \"floor\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5))}},
+        objects: [Quad(corner: (-9, 0, 9), u: (18, 0, 0), v: (0, 0, -18), material: \"floor\"), {}
+            PointLight(at: (0, 4, 0), intensity: (10, 10, 10))], render: (samples: 1024, max_depth: 1))",
+        (0..sheets).map(sheet).collect::<String>()
+    )
+}
+
+/// From below the sheets, the floor has lost what shadow rays lose; from above, what rays to it lose, too.
+#[test]
+fn shadow_rays_pass_as_other_rays_do() {
+    let ask = Ask::default().mis().sobol();
+    for (height, sheets, passed) in [(1.0, 1, 1), (1.0, 3, 3), (3.0, 1, 2)] {
+        let bare = render(&scene(&shadow(1.0, 0, height)), &ask).mean_of_all();
+        let look = |alpha: f64| render(&scene(&shadow(alpha, sheets, height)), &ask.clone().seed(5)).mean_of_all();
+        let expected = bare.value.map(|lit| 0.7f64.powi(passed) * lit);
+        is_near(&look(0.3), expected).unwrap_or_else(|error| panic!("{height}, {sheets}: {error}"));
+        assert!(is_near(&look(0.31), expected).is_err(), "{height}, {sheets}: another alpha is not found");
+        // A shadow ray draws numbers of its own.
+        let line = "walk_for((*path).pixel, (*path).sample, bounce_dimension((*path).depth, DIMENSION_LIGHT));";
+        let planted = Overlay::new(&[]).rewritten("step/light", |own| own.replace(line, ""));
+        let planted = render_planted(&scene(&shadow(0.3, sheets, height)), &ask, &planted).mean_of_all();
+        assert!(height == 1.0 || is_near(&planted, expected).is_err(), "numbers that are drawn twice are not found");
+    }
+}
+
+/// A room whose lamps, walls and mesh have an alpha, with fog and a mirror.
+fn room() -> String {
+    "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 1, 3.6), look_at: (0, 0.95, 0), vertical_fov: 38),
+        background: Solid((0.1, 0.1, 0.1)),
+        materials: {
+            \"wall\": Lambertian(albedo: Rgb(0.7, 0.6, 0.5)), \"mirror\": Metal(albedo: Rgb(0.8, 0.8, 0.8)),
+            \"glow\": Lambertian(albedo: Rgb(0.6, 0.4, 0.2), emission: Rgb(1, 2, 3), alpha: 0.4),
+            \"gauze\": Pbr(base_color: Rgb(0.6, 0.7, 0.8), metallic: 0, roughness: 0.5, alpha: 0.6),
+            \"lamp\": DiffuseLight(emit: Rgb(4, 3, 2), two_sided: false),
+        },
+        objects: [
+            Quad(corner: (-1, 0, -1), u: (0, 0, 2), v: (2, 0, 0), material: \"wall\"),
+            Quad(corner: (-1, 0, -1), u: (2, 0, 0), v: (0, 2, 0), material: \"mirror\"),
+            Quad(corner: (-1, 0, 1), u: (0, 0, -2), v: (0, 2, 0), material: \"gauze\"),
+            Quad(corner: (-0.5, 1.99, -0.5), u: (1, 0, 0), v: (0, 0, 1), material: \"lamp\"),
+            Quad(corner: (-0.7, 1.2, -0.5), u: (0.6, 0, 0.1), v: (0, 0.1, 0.7), material: \"glow\"),
+            Quad(corner: (0.2, 1.3, -0.5), u: (0.6, 0, 0.1), v: (0, 0.1, 0.7), material: \"gauze\"),
+            Transformed(by: [Scale(0.4), Translate((0.3, 0.5, 0))], object: Mesh(path: \"smooth_octahedron.obj\", material: \"glow\")),
+            Transformed(by: [Scale(0.3), Translate((-0.4, 0.4, 0.3))], object: Mesh(path: \"smooth_octahedron.obj\", material: \"gauze\")),
+            Medium(boundary: Box(min: (-0.9, 0.1, -0.9), max: (0.9, 0.7, 0.9)), density: 0.3, albedo: Rgb(0.8, 0.8, 0.8)),
+        ], render: (samples: 512, max_depth: 5))"
+        .to_owned()
+}
+
+#[test]
+fn light_sampling_changes_no_expectation_where_lamps_have_an_alpha() {
+    let room = scene(&room());
+    let bsdf = render(&room, &Ask::default().seed(1));
+    let mis = Ask::default().seed(2).mis();
+    same_expectation(&bsdf, &render(&room, &mis), 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
+    // A lamp is found by the share of its coverage, by either technique.
+    for (module, line) in [
+        ("step/light", "radiance *= coverage_of_light((*path).shadow, hit);"),
+        ("step/trace", "walk_for((*path).pixel, (*path).sample, bounce_dimension((*path).depth, DIMENSION_SCATTER));"),
+    ] {
+        let planted = Overlay::new(&[]).rewritten(module, |own| own.replace(line, ""));
+        let planted = render_planted(&room, &mis, &planted);
+        assert!(same_expectation(&bsdf, &planted, 1e-5, ALPHA).is_err(), "without {line} all is the same");
+    }
+}
+
+#[test]
+fn the_bytes_do_not_depend_on_how_the_work_is_done() {
+    let room = scene(&room());
+    let bits = |shot: &Shot| shot.picture.rgb.as_flattened().iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+    for ask in [Ask::spp(16).seed(7).mis().sobol().roulette(), Ask::spp(16).seed(7)] {
+        let usual = bits(&render(&room, &ask));
+        for scatter in [Scatter::Linked, Scatter::Queues] {
+            let cut = |options: &mut gpu_rt::options::RenderOptions| {
+                (options.slots, options.workgroup, options.bounces) = (Some(77), Some(32), Some(3));
+            };
+            assert!(usual == bits(&render(&room, &ask.clone().scatter(scatter).with(cut))), "{scatter:?}");
+        }
+        for build in [Quality::Fast, Quality::Best] {
+            assert!(usual == bits(&render(&room, &ask.clone().with(|options| options.build = build))), "{build:?}");
+        }
+    }
+}
+
+/// What is passed shows in no channel, and changes no byte: a sheet of alpha 0 before a wall is as no sheet.
+#[test]
+fn a_sheet_that_lets_all_pass_is_as_none() {
+    let wall = "Quad(corner: (-5, -5, -1), u: (10, 0, 0), v: (0, 10, 0), material: \"wall\"),";
+    let text = |sheet: &str| {
+        format!(
+            "Scene(image: (width: 8, height: 8), camera: (look_from: (0, 0, 3), look_at: (0, 0, 0), vertical_fov: 40),
+            background: Solid((1, 2, 3)),
+            materials: {{\"wall\": Lambertian(albedo: Rgb(0.8, 0.5, 0.2)), \"sheet\": Pbr(alpha: 0, metallic: 0)}},
+            objects: [{wall} {sheet}], render: (samples: 16, max_depth: 4))"
+        )
+    };
+    let sheet = "Quad(corner: (-2, -2, 0), u: (4, 0, 0), v: (0, 4, 0), material: \"sheet\"),";
+    for integrator in [Integrator::Bsdf, Integrator::Mis] {
+        let list = "albedo,normal,depth,position,object,material,direct,indirect";
+        let ask = Ask::default().with(|options| {
+            options.integrator = integrator;
+            options.aov.set(Aovs::parse(list).expect("they are names"));
+        });
+        let [with, without] = [sheet, ""].map(|sheet| render(&scene(&text(sheet)), &ask).film);
+        for channel in with.aovs().channels() {
+            let values = |film: &gpu_rt::film::Film| {
+                (0..64).map(|pixel| film.channel(pixel, &channel).to_bits()).collect::<Vec<_>>()
+            };
+            assert!(values(&with) == values(&without), "{}", channel.name);
+        }
+        assert!(with.develop().rgb == without.develop().rgb);
+    }
+}
