@@ -5,6 +5,7 @@ mod common;
 
 mod alpha;
 mod aov;
+mod blender;
 mod closed_form;
 mod delta_lights;
 mod devices;
