@@ -362,9 +362,9 @@ device_struct!(
         roughness: u32,
         metallic: u32,
         normal: u32,
+        vertex_colours: u32,
         padding0: u32,
         padding1: u32,
-        padding2: u32,
     }
 );
 
@@ -375,9 +375,9 @@ impl Detail {
         roughness: NO_DETAIL,
         metallic: NO_DETAIL,
         normal: NO_DETAIL,
+        vertex_colours: NO_DETAIL,
         padding0: 0,
         padding1: 0,
-        padding2: 0,
     };
 }
 

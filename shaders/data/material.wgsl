@@ -26,9 +26,10 @@ struct Detail {
     metallic: u32,
     // The normal in the frame of the texture coordinates.
     normal: u32,
+    // Whether the colours of a mesh's vertices multiply its own. The row has nothing.
+    vertex_colours: u32,
     padding0: u32,
     padding1: u32,
-    padding2: u32,
 }
 
 const NO_DETAIL: u32 = 0xffffffffu;

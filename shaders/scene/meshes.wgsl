@@ -71,6 +71,21 @@ fn mesh_surface(ray: Ray, instance: Instance, index: u32) -> Surface {
     return surface;
 }
 
+fn colour_of_vertex(index: u32) -> vec3<f32> {
+    let words = meshes[index].zw;
+    // Codes times a rounded step are the same on all devices, as a quotient is not.
+    return (1.0 / 65535.0) * vec3<f32>(vec3<u32>(words.x & 0xffffu, words.x >> 16u, words.y));
+}
+
+// The colour of the vertices at a point of a face.
+fn mesh_colour(instance: Instance, index: u32, weights: vec3<f32>) -> vec3<f32> {
+    if instance.to_uvs == NO_UVS {
+        return vec3<f32>(1.0);
+    }
+    let face = meshes[index] + instance.to_uvs;
+    return blend(weights, Corners(colour_of_vertex(face.x), colour_of_vertex(face.y), colour_of_vertex(face.z)));
+}
+
 // The mesh's own texture coordinates, repeated outside 0..1.
 fn mesh_uv(instance: Instance, index: u32, weights: vec3<f32>) -> SurfaceUv {
     if instance.to_uvs == NO_UVS {

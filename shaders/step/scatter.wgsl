@@ -12,6 +12,9 @@
 //@ if two_parts
 //@ use scene/second_parts
 //@ end
+//@ if vertex_colours
+//@ use scene/vertex_colours
+//@ end
 //@ if own_glow
 //@ use choice/clamp
 //@ use scene/glow
@@ -52,7 +55,12 @@ fn scatter_path(path: ptr<function, Path>) {
     let front = dot(ray.direction, surface.normal) < 0.0;
     let facing = select(-surface.normal, surface.normal, front);
     let shading = shading_normal(hit, surface, ray.direction, facing);
+    //@ if own_colours
     let colour = surface_colour(material, hit, surface);
+    //@ end
+    //@ if vertex_colours
+    let colour = vertex_colour(hit, surface) * surface_colour(material, hit, surface);
+    //@ end
     let arriving = Interaction(
         ray.direction, shading, front, colour,
         //@ if two_parts

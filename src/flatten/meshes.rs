@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use super::Builder;
 use crate::bvh::{self, Bounds, Bvh, Quality};
@@ -31,7 +31,8 @@ impl Builder<'_> {
         let first_vertex = first_face + mesh.triangles.len() as u32;
         let vertices = mesh.positions.len() as u32;
         let positions: Vec<Vec3> = mesh.positions.iter().map(|p| ((*p - center) / unit).as_vec3()).collect();
-        words.reserve(mesh.triangles.len() + positions.len() * if mesh.uvs.is_empty() { 1 } else { 2 });
+        let has_more = !mesh.uvs.is_empty() || !mesh.colours.is_empty();
+        words.reserve(mesh.triangles.len() + positions.len() * if has_more { 2 } else { 1 });
         words.extend(
             (0..)
                 .zip(&mesh.triangles)
@@ -42,7 +43,13 @@ impl Builder<'_> {
             let [x, y, z] = p.to_array().map(f32::to_bits);
             [x, y, z, normal]
         }));
-        words.extend(mesh.uvs.iter().map(|uv| [uv.x.to_bits(), uv.y.to_bits(), 0, 0]));
+        if has_more {
+            let uvs = mesh.uvs.iter().copied().chain(std::iter::repeat(Vec2::ZERO));
+            let colours = mesh.colours.iter().copied().chain(std::iter::repeat([u16::MAX; 3]));
+            words.extend(uvs.zip(colours).take(positions.len()).map(|(uv, [r, g, b])| {
+                [uv.x.to_bits(), uv.y.to_bits(), u32::from(r) | u32::from(g) << 16, u32::from(b)]
+            }));
+        }
 
         let quality = self.quality;
         let build = || hierarchy(mesh, &positions, quality);
@@ -51,7 +58,7 @@ impl Builder<'_> {
             None => Arc::new(build()),
         };
         let root = self.flat.add_nodes(&bvh, first_face);
-        let to_uvs = if mesh.uvs.is_empty() { NO_UVS } else { vertices };
+        let to_uvs = if has_more { vertices } else { NO_UVS };
         Laid { root, first_face, to_uvs, stack_size: bvh.stack_size }
     }
 }

@@ -86,12 +86,13 @@ fn of_bitmap(bitmap: &Bitmap) -> String {
 
 fn of_mesh(mesh: &Mesh) -> String {
     let mut hasher = Sha256::new();
-    let Mesh { positions, triangles, normals, uvs, .. } = mesh;
+    let Mesh { positions, triangles, normals, uvs, colours, .. } = mesh;
     let _ = write!(hasher, "mesh {} {} {} {} ", positions.len(), triangles.len(), normals.len(), uvs.len());
     hasher.update(bytemuck::cast_slice(positions));
     hasher.update(bytemuck::cast_slice(triangles));
     hasher.update(bytemuck::cast_slice(normals));
     hasher.update(bytemuck::cast_slice(uvs));
+    hasher.update(bytemuck::cast_slice(colours));
     hexadecimal(hasher)
 }
 

@@ -1,6 +1,9 @@
 //! A perfectly diffuse surface: its reflected radiance is the same in all directions.
 
-use super::{ALPHA, ALPHA_CUTOFF, Alpha, DetailKind, EMISSION, MaterialKind, Model, Scattering, Slot, glow};
+use super::{
+    ALPHA, ALPHA_CUTOFF, Alpha, DetailKind, EMISSION, MaterialKind, Model, Scattering, Slot, VERTEX_COLORS, glow,
+    vertex_colours,
+};
 use crate::data;
 use crate::source::form::{Field, Form, Takes};
 use crate::texture::{Texture, Use};
@@ -11,7 +14,7 @@ pub const KIND: MaterialKind = MaterialKind {
     form: Form {
         name: "Lambertian",
         about: "A matt surface: it looks equally bright from all directions.",
-        fields: &[ALBEDO, EMISSION, ALPHA, ALPHA_CUTOFF],
+        fields: &[ALBEDO, EMISSION, ALPHA, ALPHA_CUTOFF, VERTEX_COLORS],
         in_order: false,
         example: "Lambertian(albedo: Rgb(0.7, 0.3, 0.2))",
     },
@@ -19,11 +22,16 @@ pub const KIND: MaterialKind = MaterialKind {
     scatters: &[Scattering::Spread],
     is_clear: false,
     emits: false,
-    details: &[DetailKind::Emission, DetailKind::Alpha],
+    details: &[DetailKind::Emission, DetailKind::Alpha, DetailKind::VertexColours],
     has_second_part: false,
 };
 
-pub fn model<'a>(albedo: &'a Texture, emission: Option<&'a Texture>, alpha: Alpha<'a>) -> Model<'a> {
+pub fn model<'a>(
+    albedo: &'a Texture,
+    emission: Option<&'a Texture>,
+    alpha: Alpha<'a>,
+    has_vertex_colours: bool,
+) -> Model<'a> {
     Model {
         slot: Some(Slot { field: &ALBEDO, usage: Use::Albedo, texture: albedo }),
         scattering: Scattering::Spread,
@@ -32,7 +40,7 @@ pub fn model<'a>(albedo: &'a Texture, emission: Option<&'a Texture>, alpha: Alph
         colours: Vec::new(),
         lacks: None,
         second_part: None,
-        details: glow(emission).into_iter().chain(alpha.detail()).collect(),
+        details: glow(emission).into_iter().chain(alpha.detail()).chain(vertex_colours(has_vertex_colours)).collect(),
         on_device: data::Material::default(),
     }
 }

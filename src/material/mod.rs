@@ -30,6 +30,8 @@ pub enum Material {
         alpha: Texture,
         #[serde(default, skip_serializing_if = "Option::is_none")]
         alpha_cutoff: Option<f64>,
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        vertex_colors: bool,
     },
     Metal {
         albedo: Texture,
@@ -74,6 +76,8 @@ pub enum Material {
         alpha: Texture,
         #[serde(default, skip_serializing_if = "Option::is_none")]
         alpha_cutoff: Option<f64>,
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        vertex_colors: bool,
     },
 }
 
@@ -130,8 +134,9 @@ impl Material {
     /// The properties of the material.
     pub fn model(&self) -> Model<'_> {
         match self {
-            Material::Lambertian { albedo, emission, alpha, alpha_cutoff } => {
-                lambertian::model(albedo, emission.as_ref(), Alpha { alpha, cutoff: *alpha_cutoff })
+            Material::Lambertian { albedo, emission, alpha, alpha_cutoff, vertex_colors } => {
+                let alpha = Alpha { alpha, cutoff: *alpha_cutoff };
+                lambertian::model(albedo, emission.as_ref(), alpha, *vertex_colors)
             }
             Material::Metal { albedo, fuzz } => metal::model(albedo, *fuzz),
             Material::Dielectric { ior } => dielectric::model(*ior),
@@ -140,9 +145,9 @@ impl Material {
                 conductor::model(albedo.as_ref(), *eta, *k, *roughness)
             }
             Material::RoughDielectric { ior, roughness } => rough_dielectric::model(*ior, *roughness),
-            Material::Pbr { base_color, metallic, roughness, ior, emission, alpha, alpha_cutoff } => {
+            Material::Pbr { base_color, metallic, roughness, ior, emission, alpha, alpha_cutoff, vertex_colors } => {
                 let alpha = Alpha { alpha, cutoff: *alpha_cutoff };
-                pbr::model(base_color, *metallic, *roughness, *ior, emission.as_ref(), alpha)
+                pbr::model(base_color, *metallic, *roughness, *ior, emission.as_ref(), alpha, *vertex_colors)
             }
         }
     }
@@ -271,6 +276,8 @@ pub enum DetailKind {
     Metallic,
     /// The normal in the frame of the texture coordinates.
     Normal,
+    /// The colours of a mesh's vertices, which multiply its own.
+    VertexColours,
 }
 
 impl DetailKind {
@@ -282,12 +289,13 @@ impl DetailKind {
             DetailKind::Roughness => &mut details.roughness,
             DetailKind::Metallic => &mut details.metallic,
             DetailKind::Normal => &mut details.normal,
+            DetailKind::VertexColours => &mut details.vertex_colours,
         }
     }
 }
 
 /// The number of kinds of detail.
-pub const DETAILS: usize = DetailKind::Normal as usize + 1;
+pub const DETAILS: usize = DetailKind::VertexColours as usize + 1;
 
 /// One of them.
 #[derive(Clone, Copy, Debug)]
@@ -322,6 +330,20 @@ const ALPHA_CUTOFF: Field = Field::new(
     "With it, the surface stops all light where its alpha is at least this, and none elsewhere.",
 )
 .or("no cutoff");
+
+const VERTEX_COLORS: Field = Field::new(
+    "vertex_colors",
+    Takes::Other("true or false"),
+    "Whether the colours of a mesh's vertices multiply its colour. Those of glTF files are read (`COLOR_0`, without its alpha).",
+)
+.or("false");
+
+/// What tells that it has vertex colours. They lie in the mesh, so the row is white.
+fn vertex_colours(has_them: bool) -> Option<Detail<'static>> {
+    static WHITE: Texture = Texture::Rgb(1.0, 1.0, 1.0);
+    let slot = Slot { field: &VERTEX_COLORS, usage: Use::Share, texture: &WHITE };
+    has_them.then_some(Detail { kind: DetailKind::VertexColours, slot, parameter: 0.0 })
+}
 
 /// How much of the light a material stops.
 struct Alpha<'a> {

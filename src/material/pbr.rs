@@ -1,6 +1,9 @@
 //! The material of glTF 2.0: a matt body under a glossy layer, or a metal.
 
-use super::{ALPHA, ALPHA_CUTOFF, Alpha, DetailKind, EMISSION, MaterialKind, Model, Number, Scattering, Slot, glow};
+use super::{
+    ALPHA, ALPHA_CUTOFF, Alpha, DetailKind, EMISSION, MaterialKind, Model, Number, Scattering, Slot, VERTEX_COLORS,
+    glow, vertex_colours,
+};
 use crate::data;
 use crate::source::Range;
 use crate::source::form::{Field, Form, NO_UNIT, Takes};
@@ -27,7 +30,7 @@ pub const KIND: MaterialKind = MaterialKind {
         name: "Pbr",
         about: "The metallic-roughness material of glTF 2.0, as its appendix B defines it: a matt body under a glossy layer, or a metal. Its names \
                 and defaults are those of glTF.",
-        fields: &[BASE_COLOR, METALLIC, ROUGHNESS, IOR, EMISSION, ALPHA, ALPHA_CUTOFF],
+        fields: &[BASE_COLOR, METALLIC, ROUGHNESS, IOR, EMISSION, ALPHA, ALPHA_CUTOFF, VERTEX_COLORS],
         in_order: false,
         example: "Pbr(base_color: Rgb(0.8, 0.2, 0.1), metallic: 0, roughness: 0.4)",
     },
@@ -35,7 +38,7 @@ pub const KIND: MaterialKind = MaterialKind {
     scatters: &[Scattering::Spread],
     is_clear: false,
     emits: false,
-    details: &[DetailKind::Emission, DetailKind::Alpha],
+    details: &[DetailKind::Emission, DetailKind::Alpha, DetailKind::VertexColours],
     has_second_part: false,
 };
 
@@ -46,6 +49,7 @@ pub fn model<'a>(
     ior: f64,
     emission: Option<&'a Texture>,
     alpha: Alpha<'a>,
+    has_vertex_colours: bool,
 ) -> Model<'a> {
     Model {
         slot: Some(Slot { field: &BASE_COLOR, usage: Use::Albedo, texture: base_color }),
@@ -58,7 +62,7 @@ pub fn model<'a>(
             .collect(),
         colours: Vec::new(),
         lacks: None,
-        details: glow(emission).into_iter().chain(alpha.detail()).collect(),
+        details: glow(emission).into_iter().chain(alpha.detail()).chain(vertex_colours(has_vertex_colours)).collect(),
         on_device: data::Material {
             parameter: roughness as f32,
             // The reflectance of the layer for light straight on it, and the metallic share.

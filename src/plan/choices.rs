@@ -82,6 +82,10 @@ named! {
         glow_direct,
         /// Paths have a sum: of light that is sampled, or of surfaces that emit and scatter.
         gathers,
+        /// The colours of a mesh's vertices multiply that of a material of the kernel.
+        vertex_colours,
+        /// Or they multiply none.
+        own_colours,
         /// Some material has an alpha,
         alpha,
         /// and some material that may have one is sampled as a light.
@@ -377,6 +381,8 @@ pub(super) fn decide(
     let own_glow = served_in(glowing).first().map(|kind| kind.why.clone());
     let glow_is_sampled = own_glow.clone().and(light.clone()).and(emitting_surface.clone());
 
+    let vertex_colours = served_in(&features.details[DetailKind::VertexColours as usize]);
+    let vertex_colours = vertex_colours.first().and_then(|kind| mesh.clone().and(Some(kind.why.clone())));
     let alpha = surface.clone().and(first(&features.details[DetailKind::Alpha as usize]));
 
     let queue_why = if_so(queues, option(QUEUES));
@@ -420,6 +426,8 @@ pub(super) fn decide(
         met_light: light.clone().and(emitting_surface.clone()).filter(|_| shines),
         met_by_chance: one_way.clone().filter(|_| shines && emitting_surface.is_some()),
         emitting_without_scattering: emitting_surface.clone().filter(|_| glow.is_none()),
+        own_colours: if_so(vertex_colours.is_none(), Reason::EveryRender),
+        vertex_colours,
         alpha_of_light: alpha.clone().and(glow.clone()).and(emitting_surface.clone()),
         alpha,
         glow_of_light: glow.clone().and(emitting_surface.clone()),

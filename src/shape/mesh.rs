@@ -51,6 +51,8 @@ pub struct Mesh {
     pub normals: Vec<Vec3>,
     /// Texture coordinates for each vertex, u to the right and v up, all finite. Empty if the file has none.
     pub uvs: Vec<Vec2>,
+    /// A linear colour for each vertex, in steps of 1/65535. Empty if the file has none, or white ones alone.
+    pub colours: Vec<[u16; 3]>,
     /// The face of the file, counted from 0, that each triangle is part of.
     pub faces: Vec<u32>,
     /// Warnings about parts of the file that are not used.

@@ -85,6 +85,7 @@ const USUAL: [(&str, &str); 4] = [
 const NONE: &[&str] = &[
     "gathers",
     "alpha",
+    "vertex_colours",
     "alpha_of_light",
     "glow",
     "glow_of_light",
@@ -159,7 +160,7 @@ impl Kernel {
         for &condition in NONE {
             choices.conditions.entry(condition).or_default();
         }
-        for condition in SETTINGS {
+        for condition in ["own_colours"].into_iter().chain(SETTINGS) {
             choices.conditions.entry(condition).or_insert(Some(Reason::EveryRender));
         }
         // Images of floats.

@@ -47,6 +47,7 @@ impl Quads {
     pub fn expected(&self) -> Mesh {
         let faces = self.faces.iter().enumerate();
         Mesh {
+            colours: Vec::new(),
             positions: self.positions.iter().map(|&p| DVec3::from_array(p)).collect(),
             triangles: self.triangles(),
             normals: self.normals.iter().map(|&n| DVec3::from_array(n).as_vec3()).collect(),

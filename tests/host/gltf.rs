@@ -69,7 +69,8 @@ fn a_file_becomes_objects_materials_and_a_camera() {
             ior: 1.5,
             emission: None,
             alpha: white(),
-            alpha_cutoff: None
+            alpha_cutoff: None,
+            vertex_colors: false
         }
     );
     let emit = Texture::Rgb(10.0, 9.0, 8.0);
@@ -134,11 +135,18 @@ fn materials_are_those_of_the_standard_as_far_as_ours_go() {
         emission: None,
         alpha: white(),
         alpha_cutoff: None,
+        vertex_colors: false,
     };
     assert_eq!(pbr(0.25, json!({})), expected);
     assert_eq!(
         pbr(0.0, json!({"specularFactor": 0})),
-        Material::Lambertian { albedo: base_color, emission: None, alpha: white(), alpha_cutoff: None }
+        Material::Lambertian {
+            albedo: base_color,
+            emission: None,
+            alpha: white(),
+            alpha_cutoff: None,
+            vertex_colors: false
+        }
     );
     let Material::Pbr { ior, .. } = pbr(0.0, json!({"specularFactor": 0.25})) else { panic!() };
     let reflectance = |ior: f64| ((ior - 1.0) / (ior + 1.0)).powi(2);
@@ -162,6 +170,7 @@ fn materials_are_those_of_the_standard_as_far_as_ours_go() {
         emission: Some(emission),
         alpha: white(),
         alpha_cutoff: None,
+        vertex_colors: false,
     };
     assert_eq!(glow, expected);
     // The image has half of its codes at 0 and half at 255 in green, and 100 in blue.
@@ -177,7 +186,8 @@ fn materials_are_those_of_the_standard_as_far_as_ours_go() {
             ior: 1.5,
             emission: None,
             alpha: white(),
-            alpha_cutoff: None
+            alpha_cutoff: None,
+            vertex_colors: false
         }
     );
 }
@@ -194,7 +204,16 @@ fn alpha_is_read_where_its_mode_says_so() {
     let covered = |alpha: f64, alpha_cutoff: Option<f64>| {
         let base_color = Texture::Rgb(0.8, 0.7, 0.6);
         let alpha = Texture::Rgb(alpha, alpha, alpha);
-        Material::Pbr { base_color, metallic: 1.0, roughness: 0.3, ior: 1.5, emission: None, alpha, alpha_cutoff }
+        Material::Pbr {
+            base_color,
+            metallic: 1.0,
+            roughness: 0.3,
+            ior: 1.5,
+            emission: None,
+            alpha,
+            alpha_cutoff,
+            vertex_colors: false,
+        }
     };
     assert_eq!(of(json!({})), metal(0.3));
     assert_eq!(of(json!({"alphaMode": "OPAQUE"})), metal(0.3));
@@ -207,7 +226,33 @@ fn alpha_is_read_where_its_mode_says_so() {
     let emission = Some(Texture::Rgb(1.0, 0.5, 0.0));
     let half = Texture::Rgb(0.5, 0.5, 0.5);
     let black = Texture::Rgb(0.0, 0.0, 0.0);
-    assert_eq!(lamp, Material::Lambertian { albedo: black, emission, alpha: half, alpha_cutoff: None });
+    assert_eq!(
+        lamp,
+        Material::Lambertian { albedo: black, emission, alpha: half, alpha_cutoff: None, vertex_colors: false }
+    );
+}
+
+/// COLOR_0 multiplies the colours of materials whose primitives have it. The normals (0, 0, 1) are taken for colours.
+#[test]
+fn vertex_colours_are_read() {
+    let mut json = room().0;
+    json["meshes"][2]["primitives"][0]["attributes"]["COLOR_0"] = json!(1);
+    let scene = load(&json).unwrap();
+    let (base_color, alpha) = (Texture::Rgb(0.8, 0.7, 0.6), white());
+    let expected = Material::Pbr {
+        base_color,
+        metallic: 1.0,
+        roughness: 0.0,
+        ior: 1.5,
+        emission: None,
+        alpha,
+        alpha_cutoff: None,
+        vertex_colors: true,
+    };
+    assert_eq!(scene.materials[2].1, expected);
+    let colours = |path: &str| scene.meshes[path].colours.clone();
+    assert_eq!(colours("room.glb#meshes/2/primitives/0"), [[0, 0, u16::MAX]; 4]);
+    assert!(colours("room.glb#meshes/0/primitives/0").is_empty());
 }
 
 #[test]
@@ -280,11 +325,6 @@ fn what_is_not_read_is_named_once_with_its_material() {
             "/nodes/2/scale",
             json!([0, 0, 0]),
             "room.glb#nodes/2/primitives/0: none of its faces has an area: it is left out",
-        ),
-        (
-            "/meshes/0/primitives/0/attributes",
-            json!({"POSITION": 0, "COLOR_0": 1}),
-            "meshes: vertex colours (COLOR_0) are not read",
         ),
         ("/animations", json!([{"channels": [], "samplers": []}]), "animations are not read"),
     ] {

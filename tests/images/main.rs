@@ -23,5 +23,6 @@ mod same_bytes;
 mod sobol;
 mod through_glass;
 mod turns;
+mod vertex_colours;
 mod walk;
 mod warnings;

@@ -87,10 +87,11 @@ fn glowing(features: Features) -> Features {
     Features { details, ..features }
 }
 
-/// The same with materials that have an alpha.
+/// The same with materials that have an alpha, and vertex colours.
 fn covered(features: Features) -> Features {
     let mut details = features.details.clone();
     details[DetailKind::Alpha as usize] = features.non_specular.clone();
+    details[DetailKind::VertexColours as usize] = features.non_specular.clone();
     Features { details, ..features }
 }
 

@@ -141,10 +141,8 @@ impl File {
             notes.push(format!("meshes: {without_triangles} primitives of points or lines are left out"));
         }
         let primitives = || root.meshes.iter().flat_map(|mesh| &mesh.primitives);
-        let coloured = primitives().filter(|primitive| self.is_coloured(primitive)).count();
         let of_blender = root.asset.generator.as_ref().is_some_and(|name| name.contains("Blender"));
         for (is_there, note) in [
-            (coloured > 0, "meshes: vertex colours (COLOR_0) are not read"),
             (!root.skins.is_empty(), "skins are not read: meshes have the shape in which they were bound"),
             (!root.animations.is_empty(), "animations are not read"),
             (primitives().any(|it| it.targets.is_some()), "meshes: morph targets are not read"),
@@ -183,17 +181,20 @@ impl Materials<'_> {
         if let Some(name) = self.names.get(&index) {
             return Ok(name.clone());
         }
+        let primitives = self.file.root().meshes.iter().flat_map(|mesh| &mesh.primitives);
+        let mut of_this = primitives.filter(|primitive| primitive.material.map(|it| it.value()) == index);
+        let vertex_colors = of_this.any(|primitive| self.file.is_coloured(primitive));
         let (own, material) = match index {
             Some(index) if index >= self.file.root().materials.len() => {
                 let at = format!("meshes[{mesh}].primitives[{primitive}].material");
                 return Err(Broken::new(at, format!("there is no material {index}")));
             }
             Some(index) => {
-                let material = self.file.material(index, self.path, &mut contents.notes)?;
+                let material = self.file.material(index, self.path, vertex_colors, &mut contents.notes)?;
                 let own = self.file.root().materials.get(index).and_then(|given| given.name.clone());
                 (own.filter(|name| !name.is_empty()).unwrap_or(format!("material {index}")), material)
             }
-            None => ("default".to_owned(), default_material()),
+            None => ("default".to_owned(), default_material(vertex_colors)),
         };
         let mut name = format!("{}{own}", self.prefix);
         while !self.taken.insert(name.clone()) {

@@ -2,9 +2,12 @@
 
 use glam::{DAffine3, DMat3, DVec3, Vec2, Vec3};
 use gltf::accessor::Dimensions;
+use gltf::json::Index;
+use gltf::json::accessor::Accessor;
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
 
+use super::accessors::Elements;
 use super::material::UvPlacing;
 use super::{Broken, File, Part, Result};
 use crate::scene::mesh::Draft;
@@ -67,12 +70,17 @@ impl File {
     pub fn is_coloured(&self, primitive: &Primitive) -> bool {
         let colours = primitive.attributes.get(&Checked::Valid(Semantic::Colors(0)));
         let Some(colours) = colours.copied().filter(|_| has_triangles(primitive)) else { return false };
-        let is_white = |colour: &[f64]| colour.iter().all(|x| *x == 1.0);
-        match self.accessor(colours).map(|accessor| accessor.type_) {
+        self.colours(colours).is_ok_and(|mut all| !all.all(|colour| colour == [u16::MAX; 3]))
+    }
+
+    /// Vertex colours, linear, without their alpha.
+    fn colours(&self, index: Index<Accessor>) -> std::result::Result<Elements<'_, [u16; 3]>, String> {
+        let code = |x: f64| (x.clamp(0.0, 1.0) * f64::from(u16::MAX)).round() as u16;
+        match self.accessor(index).map(|accessor| accessor.type_) {
             Some(Checked::Valid(Dimensions::Vec3)) => {
-                self.elements::<3>(colours).is_ok_and(|mut all| !all.all(|colour| is_white(&colour)))
+                Ok(Box::new(self.elements::<3>(index)?.map(move |colour| colour.map(code))))
             }
-            _ => self.elements::<4>(colours).is_ok_and(|mut all| !all.all(|colour| is_white(&colour))),
+            _ => Ok(Box::new(self.elements::<4>(index)?.map(move |[r, g, b, _]| [r, g, b].map(code)))),
         }
     }
 
@@ -105,6 +113,9 @@ impl File {
         let uvs = whole(Semantic::TexCoords(set)).map(|index| self.elements::<2>(index)).transpose();
         let uvs = uvs.map_err(|reason| wrong(&format!(".attributes.TEXCOORD_{set}"), reason))?;
 
+        let colours = whole(Semantic::Colors(0)).map(|index| self.colours(index)).transpose();
+        let colours = colours.map_err(|reason| wrong(".attributes.COLOR_0", reason))?;
+
         let first = draft.positions.len();
         for position in positions {
             draft.vertex(to_scene.transform_point3(DVec3::from_array(position)))?;
@@ -119,6 +130,9 @@ impl File {
             m.z_axis.cross(m.x_axis) * sign,
             m.x_axis.cross(m.y_axis) * sign,
         );
+        if let Some(colours) = colours {
+            draft.colour(first, colours)?;
+        }
         if normals.is_some() || !draft.normals.is_empty() {
             draft.normals.resize(first, Vec3::NAN);
             if let Some(normals) = normals {

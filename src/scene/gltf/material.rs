@@ -58,9 +58,18 @@ enum Model {
 }
 
 /// What a primitive without a material has, by the standard: a white metal that is as rough as can be.
-pub fn default_material() -> Material {
+pub fn default_material(vertex_colors: bool) -> Material {
     let (base_color, alpha) = (Texture::Rgb(1.0, 1.0, 1.0), Texture::Rgb(1.0, 1.0, 1.0));
-    Material::Pbr { base_color, metallic: 1.0, roughness: 1.0, ior: 1.5, emission: None, alpha, alpha_cutoff: None }
+    Material::Pbr {
+        base_color,
+        metallic: 1.0,
+        roughness: 1.0,
+        ior: 1.5,
+        emission: None,
+        alpha,
+        alpha_cutoff: None,
+        vertex_colors,
+    }
 }
 
 pub fn colour(rgb: [f32; 3]) -> Colour {
@@ -142,7 +151,7 @@ impl File {
     }
 
     /// A material in terms of ours. `path` is the file as the scene names it; a note is added if the material is not as the file says.
-    pub fn material(&self, index: usize, path: &str, notes: &mut Vec<String>) -> Result<Material> {
+    pub fn material(&self, index: usize, path: &str, vertex_colors: bool, notes: &mut Vec<String>) -> Result<Material> {
         let given = self.root().materials.get(index);
         let given = given.ok_or_else(|| Broken::new("materials", format!("there is no material {index}")))?;
         let at = format!("materials[{index}]");
@@ -186,11 +195,12 @@ impl File {
         let material = match model {
             // A DiffuseLight has no alpha.
             Model::Light if !is_opaque => {
-                Material::Lambertian { albedo: color, emission: Some(light), alpha, alpha_cutoff }
+                Material::Lambertian { albedo: color, emission: Some(light), alpha, alpha_cutoff, vertex_colors }
             }
             Model::Light => Material::DiffuseLight { emit: light, two_sided: given.double_sided },
             Model::Glass => {
                 found.add_if(!is_opaque, "without its alpha");
+                found.add_if(vertex_colors, "without vertex colours");
                 found.add_if(base != Colour::ONE || pbr.base_color_texture.is_some(), "clear glass without its colour");
                 let volume = extensions.and_then(|found| found.volume.as_ref());
                 let is_thin = volume.is_none_or(|volume| volume.thickness_factor.0 == 0.0);
@@ -204,18 +214,27 @@ impl File {
                     false => Material::Dielectric { ior },
                 }
             }
-            Model::Surface if metallic == 1.0 && emission.is_none() && is_opaque => {
+            Model::Surface if metallic == 1.0 && emission.is_none() && is_opaque && !vertex_colors => {
                 Material::Conductor { albedo: Some(color), eta: None, k: None, roughness }
             }
             Model::Surface if is_matt && metallic == 0.0 => {
-                Material::Lambertian { albedo: color, emission, alpha, alpha_cutoff }
+                Material::Lambertian { albedo: color, emission, alpha, alpha_cutoff, vertex_colors }
             }
             Model::Surface => {
                 let factor = specular.map_or(1.0, |specular| decimal(specular.specular_factor.0).clamp(0.0, 1.0));
                 found.add_if(factor != 1.0, format!("its specularFactor of {factor} changes its ior alone"));
                 let reflected = factor.sqrt() * (ior - 1.0) / (ior + 1.0);
                 let ior = if factor == 1.0 { ior } else { (1.0 + reflected) / (1.0 - reflected) };
-                Material::Pbr { base_color: color, metallic, roughness, ior, emission, alpha, alpha_cutoff }
+                Material::Pbr {
+                    base_color: color,
+                    metallic,
+                    roughness,
+                    ior,
+                    emission,
+                    alpha,
+                    alpha_cutoff,
+                    vertex_colors,
+                }
             }
         };
         let is_light = model == Model::Light;

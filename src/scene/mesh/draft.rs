@@ -14,6 +14,8 @@ const TRIANGLE: usize = size_of::<[u32; 3]>() + size_of::<u32>();
 /// The largest coordinate, as in the scene file.
 const LARGEST: f64 = 1e100;
 
+const WHITE: [u16; 3] = [u16::MAX; 3];
+
 /// The contents of a file, unchecked.
 #[derive(Default)]
 pub struct Draft {
@@ -24,6 +26,8 @@ pub struct Draft {
     pub normals: Vec<Vec3>,
     /// One for every vertex, NaN if the file gives none; or empty.
     pub uvs: Vec<Vec2>,
+    /// One for every vertex that has been added, or empty. Where the file gives none it is white.
+    pub colours: Vec<[u16; 3]>,
     triangles: Vec<[u32; 3]>,
     /// The face that each triangle is part of.
     faces: Vec<u32>,
@@ -94,6 +98,15 @@ impl Draft {
         Ok(number as u32)
     }
 
+    /// Adds the colours of the vertices from `first` on; vertices before them without a colour are white.
+    pub fn colour(&mut self, first: usize, colours: impl Iterator<Item = [u16; 3]>) -> Result<(), String> {
+        self.take_room(size_of_val(&WHITE) * (self.positions.len() - self.colours.len()))?;
+        self.colours.resize(first, WHITE);
+        self.colours.extend(colours);
+        self.colours.resize(self.positions.len(), WHITE);
+        Ok(())
+    }
+
     /// Whether any of its triangles has corners at three places.
     pub fn has_area(&self) -> bool {
         self.triangles.iter().any(|triangle| {
@@ -121,7 +134,13 @@ impl Draft {
             uvs.is_err()
                 .then(|| "some corners have no texture coordinates: all texture coordinates are ignored".to_owned()),
         );
+        // Where the last vertices have none, they are white.
+        if !self.colours.is_empty() {
+            self.colours.resize(self.positions.len(), WHITE);
+        }
+        self.leave_out_white();
         Ok(Mesh {
+            colours: self.colours,
             positions: self.positions,
             triangles: self.triangles,
             normals: normals.unwrap_or_default(),
@@ -217,6 +236,7 @@ impl Draft {
         retain(&mut self.positions, &is_used);
         retain(&mut self.normals, &is_used);
         retain(&mut self.uvs, &is_used);
+        retain(&mut self.colours, &is_used);
     }
 
     /// The normals with length 1; none if the file has none; an error if some are missing or have no length.
@@ -234,6 +254,13 @@ impl Draft {
             *normal = unit.as_vec3();
         }
         Ok(normals)
+    }
+
+    /// Exporters write white colours, too.
+    fn leave_out_white(&mut self) {
+        if self.colours.iter().all(|colour| *colour == WHITE) {
+            self.colours = Vec::new();
+        }
     }
 
     fn take_uvs(&mut self) -> Result<Vec<Vec2>, ()> {
