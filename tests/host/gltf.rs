@@ -327,10 +327,41 @@ fn what_is_not_read_is_named_once_with_its_material() {
             "room.glb#nodes/2/primitives/0: none of its faces has an area: it is left out",
         ),
         ("/animations", json!([{"channels": [], "samplers": []}]), "animations are not read"),
+        (
+            "/extensionsUsed",
+            json!(["KHR_lights_punctual", "EXT_mesh_gpu_instancing", "KHR_materials_ior"]),
+            "extensionsUsed: not read: \"EXT_mesh_gpu_instancing\"",
+        ),
     ] {
         let notes = notes(&changed(pointer, value)).join("\n");
         assert!(notes.contains(expected), "{notes}");
     }
+}
+
+/// Blender writes scenes without nodes, and animations of other things than nodes.
+#[test]
+fn what_the_standard_leaves_open_is_no_error() {
+    let plain = load(&room().0).unwrap();
+    for (pointer, value) in [
+        ("/scenes/0/extras", json!(7)),
+        ("/materials/0/extras", json!([1, {"extras": "x"}])),
+        ("/scenes", json!([{"nodes": [0, 1, 2, 3, 4, 5]}, {"name": "empty"}])),
+        (
+            "/animations",
+            json!([{"samplers": [{"input": 0, "output": 0}], "channels": [{"sampler": 0, "target": {"path": "pointer"}}]}]),
+        ),
+    ] {
+        let scene = load(&changed(pointer, value)).unwrap_or_else(|error| panic!("{pointer}: {error}"));
+        assert_eq!(scene.materials, plain.materials, "{pointer}");
+        assert_eq!(scene.objects.len(), plain.objects.len(), "{pointer}");
+    }
+    let mut old = changed("/asset/version", json!("1.0"));
+    old["meshes"] = json!({});
+    let error = load(&old).err().map(|error| error.to_string()).unwrap_or_default();
+    assert!(error.contains("asset.version: expected glTF of version 2.0, found \"1.0\""), "{error}");
+    let mut broken = changed("/scenes/0/extras", json!(7));
+    broken["nodes"][0]["mesh"] = json!("x");
+    assert!(load(&broken).is_err());
 }
 
 #[test]

@@ -12,6 +12,7 @@ use super::nodes::similarity;
 use super::{Broken, File, Part, Result};
 use crate::guard::guarded;
 use crate::scene::Mesh;
+use crate::scene::mesh::quote;
 use crate::scene::nearest::nearest;
 use crate::scene::types::{Camera, ImageSize, Material, Object};
 use crate::shape::Aabb;
@@ -66,6 +67,14 @@ fn one_of<'a>(names: impl Iterator<Item = &'a str>) -> String {
     }
     names.truncate(MOST);
     format!("expected one of {}", names.join(", "))
+}
+
+/// Whether an extension is read, or named with the materials that have it.
+fn is_read(extension: &str) -> bool {
+    const READ: [&str; 2] = ["KHR_lights_punctual", "KHR_mesh_quantization"];
+    const BY_MATERIAL: [&str; 3] = ["KHR_materials_", "KHR_texture_", "EXT_texture_"];
+    let is_of_material = BY_MATERIAL.iter().any(|start| extension.starts_with(start));
+    READ.contains(&extension) || is_of_material && extension != "KHR_materials_variants"
 }
 
 /// The smallest box around meshes that are placed.
@@ -130,6 +139,11 @@ impl File {
             }
         }
         let notes = &mut contents.notes;
+        let unread: Vec<String> =
+            root.extensions_used.iter().filter(|name| !is_read(name)).map(|name| quote(name.as_bytes())).collect();
+        if !unread.is_empty() {
+            notes.push(format!("extensionsUsed: not read: {}", unread.join(", ")));
+        }
         if let Some(first) = baked.first() {
             let (count, them) = (baked.len(), if baked.len() == 1 { "node" } else { "nodes" });
             notes.push(format!(

@@ -24,6 +24,7 @@ use base64::engine::general_purpose::STANDARD as BASE64;
 use glam::DAffine3;
 use gltf::json::{Index, Root, buffer};
 use gltf::{Document, binary};
+use serde_json::{Value, json};
 
 use super::file;
 use super::mesh::{OnProgress, quote};
@@ -241,8 +242,48 @@ fn check_json(json: &[u8]) -> std::result::Result<(), String> {
     }
 }
 
-/// The structs of the JSON.
+/// The structs of the JSON. What the standard leaves out or open, and the crate's structs do not, is brought into their form if they refuse it.
 fn parse(json: &[u8]) -> Result<Root> {
+    /// A tree of longer JSON would need much memory.
+    const LONGEST: usize = 1 << 22;
+    let broken = match parse_strictly(json) {
+        Ok(root) => return Ok(root),
+        Err(broken) => broken,
+    };
+    let Some(tree) = (json.len() <= LONGEST).then(|| serde_json::from_slice::<Value>(json).ok()).flatten() else {
+        return Err(broken);
+    };
+    // Files of version 1 have maps where those of version 2 have lists.
+    tree.pointer("/asset/version").and_then(Value::as_str).map_or(Ok(()), check_version)?;
+    without_options(tree).ok_or(broken)
+}
+
+/// The structs of JSON without its extras, which may be anything; of scenes without nodes; and of animations without their contents, whose
+/// targets need not be nodes. Nothing where that does not help.
+fn without_options(mut root: Value) -> Option<Root> {
+    fn drop_extras(value: &mut Value) {
+        match value {
+            Value::Array(list) => list.iter_mut().for_each(drop_extras),
+            Value::Object(members) => {
+                members.remove("extras");
+                members.values_mut().for_each(drop_extras);
+            }
+            _ => {}
+        }
+    }
+    drop_extras(&mut root);
+    for scene in root.get_mut("scenes").and_then(Value::as_array_mut).into_iter().flatten() {
+        if let Some(scene) = scene.as_object_mut() {
+            scene.entry("nodes").or_insert_with(|| Value::Array(Vec::new()));
+        }
+    }
+    if let Some(animations) = root.get_mut("animations").and_then(Value::as_array_mut) {
+        animations.fill(json!({"channels": [], "samplers": []}));
+    }
+    serde_json::from_value(root).ok()
+}
+
+fn parse_strictly(json: &[u8]) -> Result<Root> {
     let wrong = |error: serde_json::Error| format!("expected the JSON of a glTF 2.0 file: {error}");
     let mut deserializer = serde_json::Deserializer::from_slice(json);
     let root = serde_path_to_error::deserialize(&mut deserializer).map_err(|error| {
@@ -253,14 +294,21 @@ fn parse(json: &[u8]) -> Result<Root> {
     Ok(root)
 }
 
+fn check_version(version: &str) -> Result<()> {
+    match version.starts_with("2.") {
+        true => Ok(()),
+        false => {
+            let found = quote(version.as_bytes());
+            Err(Broken::new("asset.version", format!("expected glTF of version 2.0, found {found}")))
+        }
+    }
+}
+
 fn check(root: &Root) -> Result<()> {
     /// Extensions that can be ignored, and one (quantization) that `accessors` supports.
     const HARMLESS: [&str; 5] =
         ["KHR_materials_", "KHR_lights_", "KHR_texture_", "EXT_texture_", "KHR_mesh_quantization"];
-    if !root.asset.version.starts_with("2.") {
-        let found = quote(root.asset.version.as_bytes());
-        return Err(Broken::new("asset.version", format!("expected glTF of version 2.0, found {found}")));
-    }
+    check_version(&root.asset.version)?;
     let is_harmless = |name: &String| HARMLESS.iter().any(|start| name.starts_with(start));
     match root.extensions_required.iter().enumerate().find(|(_, name)| !is_harmless(name)) {
         Some((at, name)) => Err(Broken::new(
