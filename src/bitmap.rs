@@ -6,7 +6,7 @@ use std::sync::{Arc, LazyLock};
 use serde::{Deserialize, Serialize};
 
 /// What the codes of an image file stand for. A file can be decoded in several ways.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Decoding {
     /// Colours in linear Rec. 709. Integers are sRGB codes, and floats are linear.
     Colour,
@@ -17,7 +17,7 @@ pub enum Decoding {
 }
 
 /// A channel of an image file. Alpha is 1 where the file has none, and all other channels of a grey image are its grey.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Deserialize, Serialize)]
 pub enum Channel {
     #[default]
     R,

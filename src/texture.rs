@@ -6,7 +6,7 @@ use std::ops::RangeInclusive;
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 
-use crate::bitmap::{Bitmap, Bitmaps, Format};
+use crate::bitmap::{Bitmap, Bitmaps, Channel, Decoding, Format};
 use crate::data::{self, f32s, luminance};
 use crate::error::Result;
 use crate::source::form::{Field, Form, NO_UNIT, PATH, SCENE_UNITS, Takes, kinds};
@@ -29,6 +29,9 @@ pub enum Texture {
         /// What its colours are multiplied by.
         #[serde(default = "white")]
         tint: Colour,
+        /// The channel that a number is taken from. A colour has none.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        channel: Option<Channel>,
     },
     Noise {
         scale: f64,
@@ -40,6 +43,41 @@ pub enum Texture {
 
 fn white() -> Colour {
     Colour::ONE
+}
+
+/// A texture of numbers: a material's number that may vary over a surface. It is written as a number where it is the same everywhere.
+pub mod number {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    use super::Texture;
+    use crate::bitmap::Channel;
+
+    /// The error about what is neither; its words are never seen (src/scene/explain.rs).
+    pub const NEITHER: &str = "neither a number nor a texture";
+
+    #[derive(Deserialize)]
+    #[serde(untagged, expecting = "neither a number nor a texture")]
+    enum Written {
+        Number(f64),
+        Texture(Texture),
+    }
+
+    pub fn deserialize<'a, D: Deserializer<'a>>(from: D) -> Result<Texture, D::Error> {
+        Ok(match Written::deserialize(from)? {
+            Written::Number(x) => Texture::grey(x),
+            Written::Texture(Texture::Image { path, tint, channel: None }) => {
+                Texture::Image { path, tint, channel: Some(Channel::default()) }
+            }
+            Written::Texture(texture) => texture,
+        })
+    }
+
+    pub fn serialize<S: Serializer>(texture: &Texture, to: S) -> Result<S::Ok, S::Error> {
+        match texture.plain() {
+            Some(grey) => grey.x.serialize(to),
+            None => texture.serialize(to),
+        }
+    }
 }
 
 /// The properties that all textures of a kind share.
@@ -61,6 +99,12 @@ const fn colour(name: &'static str, about: &'static str) -> Field {
 
 const TINT: Field =
     Field::new("tint", Takes::Colour(Range::ANY), "What its colours are multiplied by.").or("(1, 1, 1)");
+const CHANNEL: Field = Field::new(
+    "channel",
+    Takes::Other("R, G, B or A"),
+    "Of a number, such as a roughness: the channel that it is taken from. Its codes are linear, and the red of `tint` is its factor.",
+)
+.or("for a number R");
 const SIDE: Field = Field::new("scale", Takes::Number(Range::POSITIVE, SCENE_UNITS), "The side of a cube.");
 const FREQUENCY: Field = Field::new(
     "scale",
@@ -107,6 +151,7 @@ kinds! {
                      such as `room.glb#images/0`.",
                 ),
                 TINT,
+                CHANNEL,
             ],
             in_order: false,
             example: "Image(path: \"textures/planet.png\")",
@@ -148,7 +193,7 @@ pub enum Use {
     Albedo,
     /// Emitted light: 0, or 1e-30 to 1e30.
     Radiance,
-    /// A number from 0 to 1. It is that of the red channel.
+    /// A number from 0 to 1: the red of the texture.
     Share,
 }
 
@@ -238,6 +283,9 @@ impl Texture {
                 usage.check(&at.field("even"), *even)?;
                 usage.check(&at.field("odd"), *odd)
             }
+            Texture::Image { channel: Some(_), .. } if usage != Use::Share => Err(at
+                .field(CHANNEL.name)
+                .error("a colour has all channels: remove the channel, which is for numbers such as a roughness")),
             Texture::Image { tint, .. } => usage.check(&at.field(TINT.name), *tint),
             Texture::Noise { scale } | Texture::Marble { scale } => FREQUENCY.check(&at, *scale),
         }
@@ -259,6 +307,38 @@ impl Texture {
         }
     }
 
+    /// The path of its image, and how it is decoded.
+    pub fn decoded(&self) -> Option<(&String, Decoding)> {
+        match self {
+            Texture::Image { path, channel, .. } => Some((path, channel.map_or(Decoding::Colour, Decoding::Number))),
+            _ => None,
+        }
+    }
+
+    /// Its decoded image.
+    pub fn bitmap<'a>(&self, bitmaps: &'a Bitmaps) -> Option<&'a Bitmap> {
+        let (path, decoding) = self.decoded()?;
+        bitmaps.get(path, decoding)
+    }
+
+    /// The same number everywhere.
+    pub fn grey(x: f64) -> Texture {
+        Texture::Rgb(x, x, x)
+    }
+
+    /// The least of its numbers.
+    pub fn least(&self, bitmaps: &Bitmaps) -> f64 {
+        match self {
+            Texture::Rgb(x, ..) => *x,
+            Texture::Checker { even, odd, .. } => even.x.min(odd.x),
+            Texture::Image { tint, .. } => {
+                let least = |bitmap: &Bitmap| bitmap.texels().map(|texel| texel[0]).fold(f32::INFINITY, f32::min);
+                self.bitmap(bitmaps).map_or(0.0, |bitmap| tint.x * f64::from(least(bitmap)))
+            }
+            Texture::Noise { .. } | Texture::Marble { .. } => 0.0,
+        }
+    }
+
     /// Its index in `TEXTURES`; none for a plain colour.
     pub fn shader_number(&self) -> Option<usize> {
         self.number().checked_sub(1)
@@ -269,7 +349,7 @@ impl Texture {
         match self {
             Texture::Rgb(r, g, b) => r.max(*g).max(*b),
             Texture::Checker { even, odd, .. } => even.max(*odd).max_element(),
-            Texture::Image { path, tint } => bitmaps.colours(path).map_or(0.0, |bitmap| bitmap.brightest(*tint)),
+            Texture::Image { tint, .. } => self.bitmap(bitmaps).map_or(0.0, |bitmap| bitmap.brightest(*tint)),
             Texture::Noise { .. } | Texture::Marble { .. } => 1.0,
         }
     }
@@ -279,7 +359,7 @@ impl Texture {
         match self {
             Texture::Rgb(r, g, b) => luminance([*r, *g, *b]),
             Texture::Checker { even, odd, .. } => luminance((0.5 * (*even + *odd)).to_array()),
-            Texture::Image { path, tint } => bitmaps.colours(path).map_or(0.0, |bitmap| {
+            Texture::Image { tint, .. } => self.bitmap(bitmaps).map_or(0.0, |bitmap| {
                 let sum: DVec3 = bitmap.texels().map(|t| DVec3::from_array(t.map(f64::from))).sum();
                 luminance((*tint * sum / bitmap.len().max(1) as f64).to_array())
             }),
@@ -293,7 +373,7 @@ impl Texture {
             Texture::Rgb(r, g, b) => [*r, *g, *b].contains(&1.0),
             Texture::Checker { even, odd, .. } => even.max(*odd).max_element() == 1.0,
             // Single white texels deserve no warning.
-            Texture::Image { path, tint } => bitmaps.colours(path).is_some_and(|image| {
+            Texture::Image { tint, .. } => self.bitmap(bitmaps).is_some_and(|image| {
                 (0..3).any(|channel| tint[channel] == 1.0 && image.texels().all(|texel| texel[channel] >= 1.0))
             }),
             Texture::Noise { .. } | Texture::Marble { .. } => false,
@@ -306,7 +386,7 @@ impl Texture {
             Texture::Checker { even, odd, .. } => {
                 [even, odd].map(|colour| colour.max_element()).into_iter().find(|radiance| is_faint(*radiance))
             }
-            Texture::Image { path, tint } => bitmaps.colours(path)?.faint_part(*tint, is_faint),
+            Texture::Image { tint, .. } => self.bitmap(bitmaps)?.faint_part(*tint, is_faint),
             Texture::Rgb(..) | Texture::Noise { .. } | Texture::Marble { .. } => None,
         }
     }
@@ -317,7 +397,7 @@ impl Texture {
         &self,
         brightness: f64,
         bitmaps: &Bitmaps,
-        mut add_image: impl FnMut(&str, &Bitmap) -> u32,
+        mut add_image: impl FnMut(&str, Decoding, &Bitmap) -> u32,
     ) -> Option<data::Texture> {
         let kind = self.shader_number()? as u32;
         let mut texture = data::Texture { first: f32s(DVec3::splat(brightness)), kind, ..data::Texture::default() };
@@ -327,11 +407,12 @@ impl Texture {
                 texture.second = f32s(brightness * *odd);
             }
             Texture::Marble { scale } => texture.parameter = *scale as f32,
-            Texture::Image { path, tint } => {
+            Texture::Image { tint, channel, .. } => {
                 texture.first = f32s(brightness * *tint);
-                if let Some(bitmap) = bitmaps.colours(path) {
+                texture.parameter = f32::from(u8::from(channel.is_some()));
+                if let (Some((path, decoding)), Some(bitmap)) = (self.decoded(), self.bitmap(bitmaps)) {
                     texture.format = bitmap.format.number() as u32;
-                    texture.texel = add_image(path, bitmap);
+                    texture.texel = add_image(path, decoding, bitmap);
                     texture.width = bitmap.width;
                     texture.height = bitmap.height;
                 }

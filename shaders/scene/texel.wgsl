@@ -30,3 +30,12 @@ fn image_at(image: ImagePlace, u: f32, down: f32, wraps: bool) -> vec3<f32> {
     let below = mix(texel(image, b.columns.x, b.rows.y), texel(image, b.columns.y, b.rows.y), b.share.x);
     return mix(above, below, b.share.y);
 }
+
+// The same of an image of numbers. Between equal texels it is their number to the bit, which mix may round.
+fn number_in(image: ImagePlace, u: f32, down: f32, wraps: bool) -> f32 {
+    let b = bilinear(u, down, image.width, image.height, wraps);
+    let left = vec2<f32>(texel(image, b.columns.x, b.rows.x).x, texel(image, b.columns.x, b.rows.y).x);
+    let right = vec2<f32>(texel(image, b.columns.y, b.rows.x).x, texel(image, b.columns.y, b.rows.y).x);
+    let across = left + b.share.x * (right - left);
+    return across.x + b.share.y * (across.y - across.x);
+}

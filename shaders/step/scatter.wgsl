@@ -15,6 +15,9 @@
 //@ if vertex_colours
 //@ use scene/vertex_colours
 //@ end
+//@ if varying_numbers
+//@ use scene/numbers
+//@ end
 //@ if own_glow
 //@ use choice/clamp
 //@ use scene/glow
@@ -51,7 +54,12 @@ fn scatter_path(path: ptr<function, Path>) {
     let ray = (*path).ray;
     let hit = path_hit(path);
     let surface = surface_at(hit, ray);
+    //@ if fixed_numbers
     let material = materials[surface.material];
+    //@ end
+    //@ if varying_numbers
+    let material = material_at(hit, surface);
+    //@ end
     let front = dot(ray.direction, surface.normal) < 0.0;
     let facing = select(-surface.normal, surface.normal, front);
     let shading = shading_normal(hit, surface, ray.direction, facing);

@@ -4,5 +4,10 @@
 // where the texture coordinates wrap: there the right edge continues at the left one.
 fn image_colour(texture: Texture, place: TexturePoint) -> vec3<f32> {
     let image = ImagePlace(texture.texel, texture.width, texture.height, texture.format);
+    //@ if number_images
+    if texture.parameter != 0.0 {
+        return texture.first * number_in(image, place.uv.x, 1.0 - place.uv.y, place.wraps);
+    }
+    //@ end
     return texture.first * image_at(image, place.uv.x, 1.0 - place.uv.y, place.wraps);
 }

@@ -19,7 +19,7 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use crate::aov::SceneSpace;
-use crate::bitmap::{Format, SRGB};
+use crate::bitmap::{Decoding, Format, SRGB};
 use crate::bvh::{self, Bounds};
 use crate::data::{self, MAX_PRIMITIVES, NO_TEXTURE, f32s};
 use crate::delta_light::PlacedLight;
@@ -140,9 +140,11 @@ fn flatten_with(
         }
     }
     finder.media.iter().for_each(|medium| note_medium(&mut features, scene, medium));
-    if let Background::Image { path } = &scene.background {
+    if let Background::Image { path } = &scene.background
+        && let Some(bitmap) = scene.bitmaps.colours(path)
+    {
         let at = scene.location(&[Step::Field("background")]);
-        note_image(&mut features, scene, path, || format!("background at {at}"));
+        note_format(&mut features, bitmap, || format!("background at {at}"));
     }
     let faces: usize = scene.meshes.values().map(|mesh| mesh.triangles.len() + mesh.positions.len() * 2).sum();
     let most = finder.placed.len().max(faces);
@@ -249,8 +251,8 @@ struct Builder<'a> {
     /// The textures of each of the scene's materials that are no plain colour. On every object they have frames of their own, one behind the
     /// other.
     textures: Vec<Vec<&'a Texture>>,
-    /// The place of each image's first word, by path.
-    images: HashMap<String, u32>,
+    /// The place of each image's first word, by path and decoding.
+    images: HashMap<(String, Decoding), u32>,
     /// The first frames of meshes, by mesh and material.
     mesh_frames: HashMap<(usize, u32), u32>,
     flat: DeviceScene,
@@ -347,12 +349,12 @@ fn note_material(features: &mut Features, scene: &Scene, name: &str, material: &
     let number = material.number();
     features.materials[number].get_or_insert_with(at_material);
     let model = material.model();
-    let that_scatter = match model.scattering {
-        Scattering::Spread => Some(&mut features.non_specular),
-        Scattering::OneWay => Some(&mut features.specular),
-        Scattering::Nowhere => None,
-    };
-    if let Some(kinds) = that_scatter {
+    for scattering in material.scatterings(&scene.bitmaps) {
+        let kinds = match scattering {
+            Scattering::Spread => &mut features.non_specular,
+            Scattering::OneWay => &mut features.specular,
+            Scattering::Nowhere => continue,
+        };
         kinds[number].get_or_insert_with(at_material);
     }
     for detail in &model.details {
@@ -361,16 +363,14 @@ fn note_material(features: &mut Features, scene: &Scene, name: &str, material: &
     for kind in model.slots().filter_map(|slot| slot.texture.shader_number()) {
         features.textures[kind].get_or_insert_with(at_material);
     }
-    for path in model.slots().filter_map(|slot| slot.texture.image()) {
-        note_image(features, scene, path, at_material);
+    for bitmap in model.slots().filter_map(|slot| slot.texture.bitmap(&scene.bitmaps)) {
+        note_format(features, bitmap, at_material);
     }
 }
 
 /// Records the format that an image requires.
-fn note_image(features: &mut Features, scene: &Scene, path: &str, asked_by: impl FnOnce() -> String) {
-    if let Some(bitmap) = scene.bitmaps.colours(path) {
-        features.texel_formats[bitmap.format.number()].get_or_insert_with(asked_by);
-    }
+fn note_format(features: &mut Features, bitmap: &Bitmap, asked_by: impl FnOnce() -> String) {
+    features.texel_formats[bitmap.format.number()].get_or_insert_with(asked_by);
 }
 
 /// Records the features that a medium requires.
@@ -489,7 +489,7 @@ impl Builder<'_> {
                     settings.background_width = bitmap.width;
                     settings.background_height = bitmap.height;
                     settings.background_format = bitmap.format.number() as u32;
-                    self.flat.settings.background_texel = self.add_image(path, bitmap);
+                    self.flat.settings.background_texel = self.add_image(path, Decoding::Colour, bitmap);
                 }
             }
         }
@@ -548,20 +548,22 @@ impl Builder<'_> {
     }
 
     /// The place of an image's first word. An image is stored once, however often it is used.
-    fn add_image(&mut self, path: &str, bitmap: &Bitmap) -> u32 {
-        if let Some(&first) = self.images.get(path) {
+    fn add_image(&mut self, path: &str, decoding: Decoding, bitmap: &Bitmap) -> u32 {
+        let key = (path.to_string(), decoding);
+        if let Some(&first) = self.images.get(&key) {
             return first;
         }
         let first = self.flat.texel_words().map(<[u32]>::len).sum::<usize>() as u32;
         self.flat.images.push((path.to_string(), bitmap.clone()));
-        self.images.insert(path.to_string(), first);
+        self.images.insert(key, first);
         first
     }
 
     /// Adds a texture. Returns its number, or `NO_TEXTURE` for a plain colour.
     fn add_texture(&mut self, texture: &Texture, brightness: f64) -> u32 {
         let scene = self.scene;
-        let flat = texture.upload(brightness, &scene.bitmaps, |path, bitmap| self.add_image(path, bitmap));
+        let flat =
+            texture.upload(brightness, &scene.bitmaps, |path, decoding, bitmap| self.add_image(path, decoding, bitmap));
         let Some(flat) = flat else { return NO_TEXTURE };
         self.flat.textures.push(flat);
         self.flat.textures.len() as u32 - 1

@@ -7,7 +7,7 @@ use serde::Serialize;
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 
-use crate::bitmap::Bitmap;
+use crate::bitmap::{Bitmap, Decoding};
 use crate::gpu::link::{Embedded, Library};
 use crate::scene::{Background, Camera, Mesh, Object, Scene};
 use crate::texture::Texture;
@@ -56,25 +56,30 @@ fn without_paths(value: &impl Serialize) -> Value {
 /// read.
 pub fn of_assets(scene: &Scene) -> Vec<(String, String)> {
     let background = match &scene.background {
-        Background::Image { path } => Some(path),
+        Background::Image { path } => Some((path, Decoding::Colour)),
         _ => None,
     };
-    let textures = scene.materials.iter().flat_map(|(_, material)| material.textures()).filter_map(Texture::image);
-    let mut paths: Vec<String> = background.into_iter().chain(textures).cloned().collect();
+    let textures = scene.materials.iter().flat_map(|(_, material)| material.textures()).filter_map(Texture::decoded);
+    let mut names: Vec<_> =
+        background.into_iter().chain(textures).map(|(path, decoding)| (path.clone(), Some(decoding))).collect();
     scene.visit_objects(&mut |_, object| {
         if let Object::Mesh { path, .. } = object {
-            paths.push(path.clone());
+            names.push((path.clone(), None));
         }
     });
-    let mut known: HashMap<String, String> = HashMap::new();
-    for path in &paths {
-        known.entry(path.clone()).or_insert_with(|| match (scene.bitmaps.colours(path), scene.meshes.get(path)) {
-            (Some(bitmap), _) => of_bitmap(bitmap),
-            (_, Some(mesh)) => of_mesh(mesh),
-            _ => String::new(),
+    let mut known: HashMap<(String, Option<Decoding>), String> = HashMap::new();
+    let hash = |name: (String, Option<Decoding>)| {
+        let (path, decoding) = &name;
+        let hash = known.entry(name.clone()).or_insert_with(|| {
+            let hash = match decoding {
+                Some(decoding) => scene.bitmaps.get(path, *decoding).map(of_bitmap),
+                None => scene.meshes.get(path).map(|mesh| of_mesh(mesh)),
+            };
+            hash.unwrap_or_default()
         });
-    }
-    paths.into_iter().map(|path| (path.clone(), known.get(&path).cloned().unwrap_or_default())).collect()
+        (path.clone(), hash.clone())
+    };
+    names.into_iter().map(hash).collect()
 }
 
 fn of_bitmap(bitmap: &Bitmap) -> String {

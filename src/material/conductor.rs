@@ -1,9 +1,9 @@
 //! A metal with microfacets: its surface is smooth or rough, and it reflects by Fresnel's equations.
 
-use super::{LEAST_ROUGHNESS, MaterialKind, Model, Number, Scattering, Slot};
+use super::{DetailKind, LEAST_ROUGHNESS, MaterialKind, Model, Scattering, Slot, varying};
 use crate::data::{self, f32s};
 use crate::source::Range;
-use crate::source::form::{Field, Form, NO_UNIT, Takes};
+use crate::source::form::{Field, Form, Takes};
 use crate::texture::{Colour, Texture, Use};
 
 const ALBEDO: Field = Field::new(
@@ -23,7 +23,7 @@ const K: Field =
         .or("none if `albedo` is given");
 const ROUGHNESS: Field = Field::new(
     "roughness",
-    Takes::Number(Range::SHARE, NO_UNIT),
+    Takes::Varying(Range::SHARE),
     "0 is a perfect mirror. It is the perceptual roughness of glTF: the α of the microfacets is its square. Below 1/1024 it counts as 0.",
 )
 .or("0");
@@ -41,11 +41,22 @@ pub const KIND: MaterialKind = MaterialKind {
     scatters: &[Scattering::Spread, Scattering::OneWay],
     is_clear: false,
     emits: false,
-    details: &[],
+    details: &[DetailKind::Roughness],
     has_second_part: true,
 };
 
-pub fn model(albedo: Option<&Texture>, eta: Option<Colour>, k: Option<Colour>, roughness: f64) -> Model<'_> {
+/// How it scatters where it has this roughness.
+pub fn scattering(roughness: f64) -> Scattering {
+    if roughness as f32 >= LEAST_ROUGHNESS { Scattering::Spread } else { Scattering::OneWay }
+}
+
+pub fn model<'a>(
+    albedo: Option<&'a Texture>,
+    eta: Option<Colour>,
+    k: Option<Colour>,
+    roughness: &'a Texture,
+) -> Model<'a> {
+    let (roughness, number, detail) = varying(&ROUGHNESS, DetailKind::Roughness, roughness);
     let on_device = data::Material {
         // Instead of the albedo, which a slot writes over it.
         colour: f32s(eta.unwrap_or_default()),
@@ -56,12 +67,12 @@ pub fn model(albedo: Option<&Texture>, eta: Option<Colour>, k: Option<Colour>, r
     let is_measured = f32::from(u8::from(eta.is_some()));
     Model {
         slot: albedo.map(|texture| Slot { field: &ALBEDO, usage: Use::Albedo, texture }),
-        scattering: if on_device.parameter >= LEAST_ROUGHNESS { Scattering::Spread } else { Scattering::OneWay },
+        scattering: scattering(roughness),
         two_sided: None,
-        numbers: vec![Number { field: &ROUGHNESS, value: roughness, warning: None }],
+        numbers: number.into_iter().collect(),
         colours: [(&ETA, eta), (&K, k)].into_iter().filter_map(|(field, colour)| Some((field, colour?))).collect(),
         lacks: (!whole).then_some("either an albedo, or both eta and k"),
-        details: Vec::new(),
+        details: detail.into_iter().collect(),
         on_device,
         second_part: Some(data::Material {
             colour: f32s(k.unwrap_or_default()),

@@ -16,7 +16,7 @@ use crate::data;
 use crate::error::Result;
 use crate::source::form::{Field, Form, NO_UNIT, Takes, any_of, kinds};
 use crate::source::{Place, Range};
-use crate::texture::{Colour, Texture, Use};
+use crate::texture::{Colour, Texture, Use, number};
 
 /// A material as the scene file writes it.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -53,21 +53,21 @@ pub enum Material {
         eta: Option<Colour>,
         #[serde(default, skip_serializing_if = "Option::is_none")]
         k: Option<Colour>,
-        #[serde(default)]
-        roughness: f64,
+        #[serde(default = "zero", with = "number")]
+        roughness: Texture,
     },
     RoughDielectric {
         ior: f64,
-        #[serde(default)]
-        roughness: f64,
+        #[serde(default = "zero", with = "number")]
+        roughness: Texture,
     },
     Pbr {
         #[serde(default = "white")]
         base_color: Texture,
-        #[serde(default = "one")]
-        metallic: f64,
-        #[serde(default = "one")]
-        roughness: f64,
+        #[serde(default = "white", with = "number")]
+        metallic: Texture,
+        #[serde(default = "white", with = "number")]
+        roughness: Texture,
         #[serde(default = "index_of_glass")]
         ior: f64,
         #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -93,26 +93,8 @@ fn is_white(texture: &Texture) -> bool {
     *texture == white()
 }
 
-/// A texture of numbers, written as a number where it is the same everywhere.
-mod number {
-    use serde::{Deserialize, Deserializer, Serialize, Serializer};
-
-    use crate::texture::Texture;
-
-    pub fn deserialize<'a, D: Deserializer<'a>>(from: D) -> Result<Texture, D::Error> {
-        f64::deserialize(from).map(|x| Texture::Rgb(x, x, x))
-    }
-
-    pub fn serialize<S: Serializer>(texture: &Texture, to: S) -> Result<S::Ok, S::Error> {
-        match texture.plain() {
-            Some(grey) => grey.x.serialize(to),
-            None => texture.serialize(to),
-        }
-    }
-}
-
-fn one() -> f64 {
-    1.0
+fn zero() -> Texture {
+    Texture::grey(0.0)
 }
 
 fn index_of_glass() -> f64 {
@@ -141,13 +123,11 @@ impl Material {
             Material::Metal { albedo, fuzz } => metal::model(albedo, *fuzz),
             Material::Dielectric { ior } => dielectric::model(*ior),
             Material::DiffuseLight { emit, two_sided } => diffuse_light::model(emit, *two_sided),
-            Material::Conductor { albedo, eta, k, roughness } => {
-                conductor::model(albedo.as_ref(), *eta, *k, *roughness)
-            }
-            Material::RoughDielectric { ior, roughness } => rough_dielectric::model(*ior, *roughness),
+            Material::Conductor { albedo, eta, k, roughness } => conductor::model(albedo.as_ref(), *eta, *k, roughness),
+            Material::RoughDielectric { ior, roughness } => rough_dielectric::model(*ior, roughness),
             Material::Pbr { base_color, metallic, roughness, ior, emission, alpha, alpha_cutoff, vertex_colors } => {
                 let alpha = Alpha { alpha, cutoff: *alpha_cutoff };
-                pbr::model(base_color, *metallic, *roughness, *ior, emission.as_ref(), alpha, *vertex_colors)
+                pbr::model(base_color, metallic, roughness, *ior, emission.as_ref(), alpha, *vertex_colors)
             }
         }
     }
@@ -155,6 +135,20 @@ impl Material {
     /// Whether it lets light pass straight on somewhere.
     pub fn has_alpha(&self) -> bool {
         self.model().details.iter().any(|detail| detail.kind == DetailKind::Alpha)
+    }
+
+    /// The ways in which it scatters. Where its roughness varies, it may be smooth in some places.
+    pub fn scatterings(&self, bitmaps: &Bitmaps) -> Vec<Scattering> {
+        let model = self.model();
+        let of_roughness = model.details.iter().find(|detail| detail.kind == DetailKind::Roughness);
+        let Some(detail) = of_roughness else { return vec![model.scattering] };
+        let least = detail.slot.texture.least(bitmaps);
+        let smoothest = match self {
+            Material::Conductor { .. } => conductor::scattering(least),
+            Material::RoughDielectric { ior, .. } => rough_dielectric::scattering(*ior, least),
+            _ => model.scattering,
+        };
+        if smoothest == Scattering::Spread { vec![smoothest] } else { vec![Scattering::Spread, smoothest] }
     }
 
     /// Its textures that are no plain colour: its own, and those of its details.
@@ -320,7 +314,7 @@ fn glow(emission: Option<&Texture>) -> Option<Detail<'_>> {
 
 const ALPHA: Field = Field::new(
     "alpha",
-    Takes::Number(Range::SHARE, NO_UNIT),
+    Takes::Varying(Range::SHARE),
     "The share of light that it stops; the rest passes straight on, as if the surface were not there. For quads and meshes.",
 )
 .or("1");
@@ -373,6 +367,21 @@ impl<'a> Alpha<'a> {
 impl<'a> Detail<'a> {
     pub fn emission(slot: Slot<'a>, two_sided: bool) -> Detail<'a> {
         Detail { kind: DetailKind::Emission, slot, parameter: f32::from(u8::from(two_sided)) }
+    }
+}
+
+/// A material's number that may vary: the number, or 0 and the detail that stands for it.
+fn varying<'a>(
+    field: &'static Field,
+    kind: DetailKind,
+    texture: &'a Texture,
+) -> (f64, Option<Number>, Option<Detail<'a>>) {
+    match texture.plain() {
+        Some(grey) => (grey.x, Some(Number { field, value: grey.x, warning: None }), None),
+        None => {
+            let slot = Slot { field, usage: Use::Share, texture };
+            (0.0, None, Some(Detail { kind, slot, parameter: 0.0 }))
+        }
     }
 }
 

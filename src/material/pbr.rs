@@ -2,7 +2,7 @@
 
 use super::{
     ALPHA, ALPHA_CUTOFF, Alpha, DetailKind, EMISSION, MaterialKind, Model, Number, Scattering, Slot, VERTEX_COLORS,
-    glow, vertex_colours,
+    glow, varying, vertex_colours,
 };
 use crate::data;
 use crate::source::Range;
@@ -13,11 +13,10 @@ const BASE_COLOR: Field =
     Field::new("base_color", Takes::Texture(Use::Albedo.range()), "The colour of the body, or of the metal.")
         .or("Rgb(1, 1, 1)");
 const METALLIC: Field =
-    Field::new("metallic", Takes::Number(Range::SHARE, NO_UNIT), "1 is a metal, 0 is none, and between is a mixture.")
-        .or("1");
+    Field::new("metallic", Takes::Varying(Range::SHARE), "1 is a metal, 0 is none, and between is a mixture.").or("1");
 const ROUGHNESS: Field = Field::new(
     "roughness",
-    Takes::Number(Range::SHARE, NO_UNIT),
+    Takes::Varying(Range::SHARE),
     "The perceptual roughness of the metal or the layer: the α of the microfacets is its square. Below 1/1024 it counts as 1/1024.",
 )
 .or("1");
@@ -38,31 +37,45 @@ pub const KIND: MaterialKind = MaterialKind {
     scatters: &[Scattering::Spread],
     is_clear: false,
     emits: false,
-    details: &[DetailKind::Emission, DetailKind::Alpha, DetailKind::VertexColours],
+    details: &[
+        DetailKind::Emission,
+        DetailKind::Alpha,
+        DetailKind::VertexColours,
+        DetailKind::Roughness,
+        DetailKind::Metallic,
+    ],
     has_second_part: false,
 };
 
 pub fn model<'a>(
     base_color: &'a Texture,
-    metallic: f64,
-    roughness: f64,
+    metallic: &'a Texture,
+    roughness: &'a Texture,
     ior: f64,
     emission: Option<&'a Texture>,
     alpha: Alpha<'a>,
     has_vertex_colours: bool,
 ) -> Model<'a> {
+    let (metallic, number_of_metallic, varying_metallic) = varying(&METALLIC, DetailKind::Metallic, metallic);
+    let (roughness, number_of_roughness, varying_roughness) = varying(&ROUGHNESS, DetailKind::Roughness, roughness);
+    let ior_number = Number { field: &IOR, value: ior, warning: None };
     Model {
         slot: Some(Slot { field: &BASE_COLOR, usage: Use::Albedo, texture: base_color }),
         scattering: Scattering::Spread,
         two_sided: None,
-        numbers: [(&METALLIC, metallic), (&ROUGHNESS, roughness), (&IOR, ior)]
-            .map(|(field, value)| Number { field, value, warning: None })
-            .into_iter()
+        numbers: { number_of_metallic.into_iter() }
+            .chain(number_of_roughness)
+            .chain([ior_number])
             .chain(alpha.numbers())
             .collect(),
         colours: Vec::new(),
         lacks: None,
-        details: glow(emission).into_iter().chain(alpha.detail()).chain(vertex_colours(has_vertex_colours)).collect(),
+        details: { glow(emission).into_iter() }
+            .chain(alpha.detail())
+            .chain(vertex_colours(has_vertex_colours))
+            .chain(varying_roughness)
+            .chain(varying_metallic)
+            .collect(),
         on_device: data::Material {
             parameter: roughness as f32,
             // The reflectance of the layer for light straight on it, and the metallic share.

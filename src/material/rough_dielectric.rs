@@ -1,13 +1,14 @@
 //! A clear solid with a rough surface: frosted glass.
 
-use super::{LEAST_ROUGHNESS, MaterialKind, Model, Number, Scattering, dielectric};
+use super::{DetailKind, LEAST_ROUGHNESS, MaterialKind, Model, Scattering, dielectric, varying};
 use crate::data::{self, NO_TEXTURE};
 use crate::source::Range;
-use crate::source::form::{Field, Form, NO_UNIT, Takes};
+use crate::source::form::{Field, Form, Takes};
+use crate::texture::Texture;
 
 const ROUGHNESS: Field = Field::new(
     "roughness",
-    Takes::Number(Range::SHARE, NO_UNIT),
+    Takes::Varying(Range::SHARE),
     "0 is a `Dielectric`. It is the perceptual roughness of glTF: the α of the microfacets is its square. Below 1/1024 it counts as 0.",
 )
 .or("0");
@@ -25,21 +26,24 @@ pub const KIND: MaterialKind = MaterialKind {
     scatters: &[Scattering::Spread, Scattering::OneWay],
     is_clear: true,
     emits: false,
-    details: &[],
+    details: &[DetailKind::Roughness],
     has_second_part: true,
 };
 
-pub fn model(ior: f64, roughness: f64) -> Model<'static> {
+/// How it scatters where it has this roughness: as is_rough_boundary (shaders/lib/microfacet).
+pub fn scattering(ior: f64, roughness: f64) -> Scattering {
+    let spread = (roughness as f32).powi(2) * dielectric::model(ior).on_device.contrast_outside.abs().min(1.0);
+    if spread >= LEAST_ROUGHNESS.powi(2) { Scattering::Spread } else { Scattering::OneWay }
+}
+
+pub fn model(ior: f64, roughness: &Texture) -> Model<'_> {
     let clear = dielectric::model(ior);
+    let (roughness, number, detail) = varying(&ROUGHNESS, DetailKind::Roughness, roughness);
     let on_device = data::Material { parameter: roughness as f32, ..clear.on_device };
-    // As is_rough_boundary (shaders/lib/microfacet).
-    let spread = on_device.parameter.powi(2) * on_device.contrast_outside.abs().min(1.0);
     Model {
-        scattering: if spread >= LEAST_ROUGHNESS.powi(2) { Scattering::Spread } else { Scattering::OneWay },
-        numbers: { clear.numbers.into_iter() }
-            .chain([Number { field: &ROUGHNESS, value: roughness, warning: None }])
-            .collect(),
-        details: Vec::new(),
+        scattering: scattering(ior, roughness),
+        numbers: clear.numbers.into_iter().chain(number).collect(),
+        details: detail.into_iter().collect(),
         on_device,
         second_part: Some(data::Material {
             parameter: clear.on_device.parameter,

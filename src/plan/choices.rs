@@ -68,6 +68,16 @@ named! {
         emitting_surface,
         /// And none of them scatters.
         emitting_without_scattering,
+        /// Some material of the scene has a number that may be that of an image.
+        number_images,
+        /// The roughness of a material of the kernel varies over its surface,
+        varying_roughness,
+        /// or how metallic it is,
+        varying_metallic,
+        /// or one of both,
+        varying_numbers,
+        /// or none.
+        fixed_numbers,
         /// Some material emits beside what it scatters.
         glow,
         /// And it or another surface is sampled as a light.
@@ -378,6 +388,9 @@ pub(super) fn decide(
 
     let glowing = &features.details[DetailKind::Emission as usize];
     let glow = first(glowing);
+    let own = |detail: DetailKind| served_in(&features.details[detail as usize]).first().map(|kind| kind.why.clone());
+    let (varying_roughness, varying_metallic) = (own(DetailKind::Roughness), own(DetailKind::Metallic));
+    let varying_numbers = varying_roughness.clone().or(varying_metallic.clone());
     let own_glow = served_in(glowing).first().map(|kind| kind.why.clone());
     let glow_is_sampled = own_glow.clone().and(light.clone()).and(emitting_surface.clone());
 
@@ -434,6 +447,13 @@ pub(super) fn decide(
         gathers: light.clone().or(glow.clone()),
         glow_direct: own_glow.clone().and(aov(&[Sum::Direct], &Some(Reason::EveryRender))),
         glow_by_chance: glow_is_sampled.clone().and(one_way.clone()),
+        fixed_numbers: if_so(varying_numbers.is_none(), Reason::EveryRender),
+        number_images: [DetailKind::Roughness, DetailKind::Metallic, DetailKind::Alpha]
+            .into_iter()
+            .find_map(|detail| first(&features.details[detail as usize])),
+        varying_roughness,
+        varying_metallic,
+        varying_numbers,
         glow_is_sampled,
         own_glow,
         glow,

@@ -14,6 +14,7 @@ use crate::material::a_material;
 use crate::shape::kinds_in_files;
 use crate::source::form::{Form, NUMBER, Takes, any_of};
 use crate::source::{Id, Source, Span, Step, skip_space, slice};
+use crate::texture::number::NEITHER;
 
 /// One of ron's errors in the terms of the scene format.
 pub struct Explained {
@@ -74,7 +75,7 @@ impl<'a> Explain<'a> {
             _ if is_open => self.unclosed_bracket(),
             Ron::ExpectedComma => return self.comma(),
             Ron::ExpectedMapColon => self.token("a colon after the name"),
-            Ron::UnexpectedChar(found) => {
+            Ron::UnexpectedChar(found) if self.is_after(&format!("/{found}")) => {
                 let message = format!("expected // or /* as the start of a comment, found /{found}");
                 self.here(cursor.saturating_sub(1 + found.len_utf8()), message)
             }
@@ -98,6 +99,11 @@ impl<'a> Explain<'a> {
                 self.name(format!("unknown field {found}: {}", known(&found, expected)), &found)
             }
             Ron::DuplicateStructField { field, .. } => self.name(format!("{field} is given twice"), field),
+            // Of a number that may vary.
+            Ron::Message(message) if message == NEITHER => {
+                let id = self.before_cursor();
+                self.expected(id, &self.path(id, false), "")
+            }
             // This program's own error about a material's name that occurs twice.
             Ron::Message(message) => self.name(message, ""),
             Ron::MissingStructField { field, .. } => self.missing(field),
@@ -121,7 +127,8 @@ impl<'a> Explain<'a> {
             | Ron::IntegerOutOfBounds
             | Ron::InvalidIntegerDigit { .. }
             | Ron::UnderscoreAtBeginning
-            | Ron::InvalidValueForType { .. } => self.value(),
+            | Ron::InvalidValueForType { .. }
+            | Ron::UnexpectedChar(_) => self.value(),
             other => return (self.here(self.cursor, lower(&other.to_string())), false),
         };
         (of_value, true)
@@ -311,6 +318,10 @@ impl<'a> Explain<'a> {
 
     fn before_cursor(&self) -> Option<Id> {
         self.at(self.cursor.saturating_sub(1))
+    }
+
+    fn is_after(&self, text: &str) -> bool {
+        self.source.text().get(..self.cursor).is_some_and(|before| before.ends_with(text))
     }
 
     fn is_word(&self, id: Id) -> bool {

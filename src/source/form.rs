@@ -31,6 +31,8 @@ pub enum Takes {
     Colour(Range),
     /// A texture; the range is that of each channel of its colours.
     Texture(Range),
+    /// A number that may vary over a surface.
+    Varying(Range),
     /// Anything else, in words.
     Other(&'static str),
 }
@@ -53,6 +55,7 @@ impl Takes {
             Takes::Vector => VECTOR.to_owned(),
             Takes::Colour(_) => COLOUR.to_owned(),
             Takes::Texture(_) => TEXTURE.to_owned(),
+            Takes::Varying(range) => format!("{NUMBER} {range}, or a texture such as Image(path: .., channel: G)"),
             Takes::Other(words) => (*words).to_owned(),
         }
     }
@@ -94,6 +97,7 @@ impl Field {
     pub fn check_at(&self, at: &Place, x: f64) -> Result<()> {
         match self.takes {
             Takes::Number(range, unit) => range.check(at, self.name, unit, x),
+            Takes::Varying(range) => range.check(at, self.name, NO_UNIT, x),
             _ => Ok(()),
         }
     }

@@ -94,6 +94,7 @@ const POINTS: &[Point] = &[
          Sphere(center: (0.9, 0.5, 0.6), radius: 0.4, material: \"glass\"),",
     ),
     point("a surface that emits and scatters", DARK, GLOW, BALL),
+    point("numbers that vary, under a lamp", DARK, VARYING, VARYING_OBJECTS),
     point("a surface that emits and scatters, a lamp and glass", DARK, GLOW_AND_GLASS, GLOW_OBJECTS),
     point("a transparent quad", GRADIENT, "\"more\": Pbr(base_color: Rgb(0.7, 0.3, 0.2), metallic: 0, alpha: 0.5),", QUAD),
     point("a transparent mesh that emits", DARK, "\"more\": Lambertian(albedo: Rgb(0.7, 0.3, 0.2), emission: Rgb(0.5, 1, 2), alpha: 0.4),", FLAT),
@@ -141,6 +142,14 @@ const POINTS: &[Point] = &[
     },
 ];
 
+const VARYING: &str = "\"more\": Pbr(base_color: Rgb(0.7, 0.3, 0.2), metallic: Image(path: \"image.png\", channel: B), roughness: Noise(scale: 4)),
+    \"glass\": RoughDielectric(ior: 1.5, roughness: Checker(scale: 0.2, even: (0, 0, 0), odd: (0.3, 0, 0))),
+    \"steel\": Conductor(albedo: Rgb(0.7, 0.7, 0.8), roughness: Image(path: \"image.png\", channel: G)),
+    \"lamp\": DiffuseLight(emit: Rgb(4, 3, 2), two_sided: false),";
+const VARYING_OBJECTS: &str = "Sphere(center: (0.9, 0.5, 0.4), radius: 0.4, material: \"glass\"),
+    Quad(corner: (-1.5, 0.1, -0.5), u: (1, 0, 0.3), v: (0, 1.2, 0), material: \"more\"),
+    Box(min: (-0.3, 0, 0), max: (0.3, 0.5, 0.4), material: \"steel\"),
+    Quad(corner: (-1, 2, -1), u: (0.3, 0, 0), v: (0, 0, 0.3), material: \"lamp\"),";
 const GLOW: &str = "\"more\": Lambertian(albedo: Rgb(0.7, 0.3, 0.2), emission: Rgb(0.5, 1, 2)),";
 const GLOW_AND_GLASS: &str =
     "\"more\": Lambertian(albedo: Rgb(0.7, 0.3, 0.2), emission: Rgb(0.5, 1, 2)), \"glass\": Dielectric(ior: 1.5),

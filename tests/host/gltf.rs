@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use glam::DVec3;
+use gpu_rt::bitmap::Channel;
 use gpu_rt::error::Error;
 use gpu_rt::scene::{Assets, Background, Camera, Material, Object, Scene, Texture, Transform, Wishes};
 use serde_json::{Value, json};
@@ -47,7 +48,12 @@ fn camera(look_from: DVec3, vertical_fov: f64) -> impl Fn(&Camera) -> bool {
 
 /// The material of the third square.
 fn metal(roughness: f64) -> Material {
-    Material::Conductor { albedo: Some(Texture::Rgb(0.8, 0.7, 0.6)), eta: None, k: None, roughness }
+    Material::Conductor {
+        albedo: Some(Texture::Rgb(0.8, 0.7, 0.6)),
+        eta: None,
+        k: None,
+        roughness: Texture::grey(roughness),
+    }
 }
 
 fn white() -> Texture {
@@ -59,13 +65,13 @@ fn a_file_becomes_objects_materials_and_a_camera() {
     let scene = load(&room().0).unwrap();
     let names: Vec<&str> = scene.materials.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(names, ["Wood", "Lamp", "Steel"]);
-    let image = Texture::Image { path: "room.glb#images/0".to_owned(), tint: DVec3::new(0.5, 0.6, 0.7) };
+    let image = Texture::Image { path: "room.glb#images/0".to_owned(), tint: DVec3::new(0.5, 0.6, 0.7), channel: None };
     assert_eq!(
         scene.materials[0].1,
         Material::Pbr {
             base_color: image,
-            metallic: 0.0,
-            roughness: 1.0,
+            metallic: Texture::grey(0.0),
+            roughness: Texture::grey(1.0),
             ior: 1.5,
             emission: None,
             alpha: white(),
@@ -129,8 +135,8 @@ fn materials_are_those_of_the_standard_as_far_as_ours_go() {
     assert_eq!(pbr(1.0, json!({})), metal(0.3));
     let expected = Material::Pbr {
         base_color: base_color.clone(),
-        metallic: 0.25,
-        roughness: 0.3,
+        metallic: Texture::grey(0.25),
+        roughness: Texture::grey(0.3),
         ior: 1.4,
         emission: None,
         alpha: white(),
@@ -157,15 +163,16 @@ fn materials_are_those_of_the_standard_as_far_as_ours_go() {
         steel(json!({"pbrMetallicRoughness": {"roughnessFactor": roughness}, "extensions": extensions}))
     };
     assert_eq!(glass(0.0), Material::Dielectric { ior: 1.4 });
-    assert_eq!(glass(0.5), Material::RoughDielectric { ior: 1.4, roughness: 0.5 });
+    assert_eq!(glass(0.5), Material::RoughDielectric { ior: 1.4, roughness: Texture::grey(0.5) });
     let glow = steel(json!({"emissiveFactor": [0.5, 0, 1], "emissiveTexture": {"index": 0},
         "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 4}}}));
-    let emission = Texture::Image { path: "room.glb#images/0".to_owned(), tint: DVec3::new(2.0, 0.0, 4.0) };
+    let emission =
+        Texture::Image { path: "room.glb#images/0".to_owned(), tint: DVec3::new(2.0, 0.0, 4.0), channel: None };
     let base_color = Texture::Rgb(0.8, 0.7, 0.6);
     let expected = Material::Pbr {
         base_color,
-        metallic: 1.0,
-        roughness: 0.0,
+        metallic: Texture::grey(1.0),
+        roughness: Texture::grey(0.0),
         ior: 1.5,
         emission: Some(emission),
         alpha: white(),
@@ -173,16 +180,20 @@ fn materials_are_those_of_the_standard_as_far_as_ours_go() {
         vertex_colors: false,
     };
     assert_eq!(glow, expected);
-    // The image has half of its codes at 0 and half at 255 in green, and 100 in blue.
     let textured =
         steel(json!({"pbrMetallicRoughness": {"metallicFactor": 0.5, "metallicRoughnessTexture": {"index": 0}}}));
     let base_color = Texture::Rgb(1.0, 1.0, 1.0);
+    let number = |factor: f64, channel| {
+        let path = "room.glb#images/0".to_owned();
+        Texture::Image { path, tint: DVec3::splat(factor), channel: Some(channel) }
+    };
+    let (metallic, roughness) = (number(0.5, Channel::B), number(1.0, Channel::G));
     assert_eq!(
         textured,
         Material::Pbr {
             base_color,
-            metallic: 0.196,
-            roughness: 0.5,
+            metallic,
+            roughness,
             ior: 1.5,
             emission: None,
             alpha: white(),
@@ -190,6 +201,14 @@ fn materials_are_those_of_the_standard_as_far_as_ours_go() {
             vertex_colors: false
         }
     );
+    // Glass has the roughness alone, and a factor of 0 leaves nothing.
+    let glass = |factor: f64| {
+        let extensions = json!({"KHR_materials_transmission": {"transmissionFactor": 1}});
+        let numbers = json!({"roughnessFactor": factor, "metallicRoughnessTexture": {"index": 0}});
+        steel(json!({"pbrMetallicRoughness": numbers, "extensions": extensions}))
+    };
+    assert_eq!(glass(0.0), Material::Dielectric { ior: 1.5 });
+    assert_eq!(glass(0.25), Material::RoughDielectric { ior: 1.5, roughness: number(0.25, Channel::G) });
 }
 
 /// The metal's base colour has an alpha of 0.25.
@@ -206,8 +225,8 @@ fn alpha_is_read_where_its_mode_says_so() {
         let alpha = Texture::Rgb(alpha, alpha, alpha);
         Material::Pbr {
             base_color,
-            metallic: 1.0,
-            roughness: 0.3,
+            metallic: Texture::grey(1.0),
+            roughness: Texture::grey(0.3),
             ior: 1.5,
             emission: None,
             alpha,
@@ -241,8 +260,8 @@ fn vertex_colours_are_read() {
     let (base_color, alpha) = (Texture::Rgb(0.8, 0.7, 0.6), white());
     let expected = Material::Pbr {
         base_color,
-        metallic: 1.0,
-        roughness: 0.0,
+        metallic: Texture::grey(1.0),
+        roughness: Texture::grey(0.0),
         ior: 1.5,
         emission: None,
         alpha,

@@ -70,6 +70,7 @@ fn in_full(takes: &Takes) -> String {
     let words = match takes {
         Takes::Colour(range) | Takes::Texture(range) if *range == gpu_rt::source::Range::ANY => takes.words(),
         Takes::Colour(range) => format!("{}, each {range}", takes.words()),
+        Takes::Varying(range) => format!("a number {range}, or a [texture](#textures) of it"),
         Takes::Texture(range) => format!("a [texture](#textures), each channel {range}"),
         Takes::Number(_, unit) if ["scene units", "per scene unit"].contains(unit) => {
             format!("{}, {}{unit}", takes.words(), if unit.starts_with("per") { "" } else { "in " })
@@ -118,10 +119,11 @@ fn read<T: DeserializeOwned>(text: &str) -> Result<T, Ron> {
 /// A value that a field reads.
 fn sample(takes: &Takes) -> &'static str {
     match takes {
-        Takes::Number(..) | Takes::Whole(..) => "7",
+        Takes::Number(..) | Takes::Whole(..) | Takes::Varying(_) => "7",
         Takes::Point | Takes::Vector | Takes::Colour(_) => "(7, 8, 9)",
         Takes::Texture(_) => "Rgb(7, 8, 9)",
         Takes::Other("true or false") => "true",
+        Takes::Other("R, G, B or A") => "G",
         Takes::Other(words) if words.starts_with("a list") => "[]",
         Takes::Other(words) if words.starts_with("an object") => "Group([])",
         Takes::Other(_) => "\"name\"",

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use crate::common::render::{Ask, render};
 use gpu_rt::metrics::flip::error_map;
 use gpu_rt::output::exr::read_exr;
-use gpu_rt::scene::{Material, Object, Scene, Wishes};
+use gpu_rt::scene::{Material, Object, Scene, Texture, Wishes};
 
 /// Half of the size of the references: four of their pixels are one here.
 const WIDTH: usize = 80;
@@ -103,7 +103,7 @@ fn a_wrong_roughness_and_a_wrong_light_are_found() {
     let rougher: Planted = |scene| {
         let metal = scene.materials.iter_mut().find(|(name, _)| name == "Metal 0.3").expect("the third sphere");
         let Material::Conductor { roughness, .. } = &mut metal.1 else { panic!("it is a metal") };
-        *roughness = 0.6;
+        *roughness = Texture::grey(0.6);
     };
     let wider: Planted = |scene| {
         let spots = scene.objects.iter_mut().filter_map(|object| match object {

@@ -17,6 +17,7 @@ mod glow;
 mod in_memory;
 mod instances;
 mod knobs;
+mod numbers;
 mod recipe;
 mod references;
 mod same_bytes;

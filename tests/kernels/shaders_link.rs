@@ -95,6 +95,16 @@ fn covered(features: Features) -> Features {
     Features { details, ..features }
 }
 
+/// The same with numbers of materials that vary.
+fn varying(features: Features, kinds: &[DetailKind]) -> Features {
+    let mut details = features.details.clone();
+    for kind in kinds {
+        let has_it = |i: usize| features.materials[i].clone().filter(|_| Material::KINDS[i].details.contains(kind));
+        details[*kind as usize] = std::array::from_fn(has_it);
+    }
+    Features { details, ..features }
+}
+
 /// The same with lights without size, directional ones among them, where anything answers to them.
 fn delta_lit(features: Features, directional: bool) -> Features {
     if features.media == 0 && features.non_specular.iter().all(Option::is_none) {
@@ -130,6 +140,7 @@ fn everything() -> Features {
 
 fn all_sampled() -> Features {
     let surfaces = features(all(PRIMITIVES), all(MATERIALS), all(TEXTURES), IMAGE, true);
+    let surfaces = varying(surfaces, &[DetailKind::Roughness, DetailKind::Metallic]);
     let lit = lit(with_media(smooth(surfaces), all(BOUNDARIES), true), all(PRIMITIVES), true);
     covered(glowing(delta_lit(lit, true)))
 }
@@ -229,6 +240,13 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
         let surfaces = features(emitters.max(1), materials, 0, IMAGE, false);
         found.extend([lit(surfaces.clone(), emitters, true), lit(surfaces.clone(), emitters.max(1), false)]);
         found.push(lit(with_media(surfaces, 1 + emitters % all(BOUNDARIES), false), emitters.max(1), false));
+    }
+    // Numbers that vary, of one kind of material and of all, with each of them alone.
+    for kind in [DetailKind::Roughness, DetailKind::Metallic] {
+        for set in (0..MATERIALS.len()).filter(|i| Material::KINDS[*i].details.contains(&kind)).map(|i| 1 << i) {
+            found.push(lit(varying(features(1, set, textures, SOLID, false), &[kind]), 1, false));
+        }
+        found.push(varying(features(1, materials, textures, SOLID, false), &[kind]));
     }
     // Surfaces that emit and scatter: by chance alone, sampled, and beside other lights.
     for set in [1, materials] {

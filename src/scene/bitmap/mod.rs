@@ -46,17 +46,18 @@ pub fn load_all(scene: &Scene, reading: Reading, findings: &mut Findings, assets
     if let Background::Image { path } = &scene.background {
         let background = top.field("background");
         let at = background.variant("Image");
-        findings.note(loader.load(&at.field("path"), path, Colour::ONE, Use::Radiance));
+        findings.note(loader.load(&at.field("path"), path, Decoding::Colour, Colour::ONE, Use::Radiance));
     }
     let materials = top.field("materials");
     for (name, material) in &scene.materials {
         for slot in material.model().slots() {
-            let Texture::Image { path, tint } = slot.texture else { continue };
+            let Texture::Image { path, tint, .. } = slot.texture else { continue };
+            let decoding = slot.texture.decoded().map_or(Decoding::Colour, |(_, decoding)| decoding);
             let at = materials.key(name);
             let at = at.variant(material.name());
             let at = at.field(slot.field.name);
             let at = at.variant(slot.texture.name());
-            findings.note(loader.load(&at.field("path"), path, *tint, slot.usage));
+            findings.note(loader.load(&at.field("path"), path, decoding, *tint, slot.usage));
         }
     }
     loader.bitmaps
@@ -69,7 +70,7 @@ fn images_of(scene: &Scene) -> impl Iterator<Item = (&String, Decoding)> {
         _ => None,
     };
     let materials = scene.materials.iter().flat_map(|(_, material)| material.textures());
-    background.into_iter().chain(materials.filter_map(|texture| Some((texture.image()?, Decoding::Colour))))
+    background.into_iter().chain(materials.filter_map(Texture::decoded))
 }
 
 /// Decoded images of one file.
@@ -88,7 +89,7 @@ struct Loader<'a> {
 }
 
 impl Loader<'_> {
-    fn load(&mut self, at: &Place, path: &str, tint: Colour, usage: Use) -> Result<()> {
+    fn load(&mut self, at: &Place, path: &str, decoding: Decoding, tint: Colour, usage: Use) -> Result<()> {
         let file = self.scene.source.resolve(path);
         let (name, part) = gltf::split(&file);
         let broken = |Broken { at: part, reason }| at.error_in(&name, &part, &reason);
@@ -109,7 +110,7 @@ impl Loader<'_> {
                 }
             }
         }
-        self.bitmaps.colours(path).map_or(Ok(()), |bitmap| usage.check_texels(bitmap, tint).map_err(wrong))
+        self.bitmaps.get(path, decoding).map_or(Ok(()), |bitmap| usage.check_texels(bitmap, tint).map_err(wrong))
     }
 
     /// An image that has been decoded before, or is now.
@@ -158,18 +159,6 @@ impl Wanted<'_> {
         };
         self.budget.check(size, bytes, decoder)
     }
-}
-
-/// The means of an image's red, green and blue codes, each from 0 to 1: of numbers that are no colours.
-pub fn mean_code(bytes: &[u8]) -> std::result::Result<[f64; 3], String> {
-    let decodings = BTreeSet::from([Decoding::Numbers]);
-    let decoded = decode(bytes, None, &Wanted { decodings: &decodings, budget: &Budget::default() })?;
-    let mut sums = [0.0; 3];
-    for texel in decoded.iter().flat_map(|(_, bitmap)| bitmap.texels()) {
-        sums.iter_mut().zip(texel).for_each(|(sum, code)| *sum += f64::from(code));
-    }
-    let count = decoded.iter().map(|(_, bitmap)| bitmap.len()).sum::<usize>().max(1);
-    Ok(sums.map(|sum| sum / count as f64))
 }
 
 /// Decodes the bytes of a file, whose name may say its format. Images of floats, such as .exr and .hdr, are linear; the colours of all

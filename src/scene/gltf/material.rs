@@ -8,7 +8,7 @@ use gltf::json::texture::{Info, MagFilter, WrappingMode};
 use gltf::json::validation::Checked;
 
 use super::{Broken, File, Part, Result, beside, decimal};
-use crate::scene::bitmap;
+use crate::bitmap::Channel;
 use crate::scene::mesh::quote;
 use crate::scene::types::{Colour, Material, Texture};
 use crate::texture::{LARGEST_RADIANCE, SMALLEST_RADIANCE};
@@ -59,17 +59,10 @@ enum Model {
 
 /// What a primitive without a material has, by the standard: a white metal that is as rough as can be.
 pub fn default_material(vertex_colors: bool) -> Material {
-    let (base_color, alpha) = (Texture::Rgb(1.0, 1.0, 1.0), Texture::Rgb(1.0, 1.0, 1.0));
-    Material::Pbr {
-        base_color,
-        metallic: 1.0,
-        roughness: 1.0,
-        ior: 1.5,
-        emission: None,
-        alpha,
-        alpha_cutoff: None,
-        vertex_colors,
-    }
+    let [metallic, roughness, alpha] = [1.0; 3].map(Texture::grey);
+    let base_color = Texture::Rgb(1.0, 1.0, 1.0);
+    let (emission, alpha_cutoff) = (None, None);
+    Material::Pbr { base_color, metallic, roughness, ior: 1.5, emission, alpha, alpha_cutoff, vertex_colors }
 }
 
 pub fn colour(rgb: [f32; 3]) -> Colour {
@@ -113,9 +106,23 @@ fn emissive_texture(given: &Given) -> Option<Named<'_>> {
     given.emissive_texture.as_ref().filter(|_| is_read).map(|info| ("emissiveTexture", info))
 }
 
+/// The texture of its numbers: the roughness in green, and how metallic it is in blue.
+fn number_texture(given: &Given) -> Option<Named<'_>> {
+    let info = given.pbr_metallic_roughness.metallic_roughness_texture.as_ref();
+    let is_read = numbers(given) != [0.0; 2] && model(given) != Model::Light;
+    info.filter(|_| is_read).map(|info| ("pbrMetallicRoughness.metallicRoughnessTexture", info))
+}
+
+/// The factors of the roughness and of how metallic it is, each cut to 0..1. Glass is no metal.
+fn numbers(given: &Given) -> [f64; 2] {
+    let pbr = &given.pbr_metallic_roughness;
+    let [roughness, metallic] = [pbr.roughness_factor, pbr.metallic_factor].map(|x| decimal(x.0).clamp(0.0, 1.0));
+    [roughness, if model(given) == Model::Glass { 0.0 } else { metallic }]
+}
+
 /// The textures that a material of ours has. The texture coordinates of its meshes are those of the first one.
 fn textures(given: &Given) -> impl Iterator<Item = Named<'_>> {
-    base_texture(given).into_iter().chain(emissive_texture(given))
+    base_texture(given).into_iter().chain(emissive_texture(given)).chain(number_texture(given))
 }
 
 /// What is not as the file says.
@@ -159,16 +166,26 @@ impl File {
         let mut found = Notes::default();
         let [r, g, b, _] = pbr.base_color_factor.0;
         let base = share(colour([r, g, b]), "baseColorFactor", &mut found);
-        let mut texture = |named: Option<Named>, tint: Colour| -> Result<Texture> {
+        let mut image = |named: Option<Named>| -> Result<Option<String>> {
             let image = named.map(|(field, info)| self.image_path(&at, field, info, path, &mut found));
-            Ok(match image.transpose()?.flatten() {
-                Some(path) => Texture::Image { path, tint },
-                None => Texture::Rgb(tint.x, tint.y, tint.z),
-            })
+            Ok(image.transpose()?.flatten())
         };
-        let color = texture(base_texture(given), base)?;
-        let light = radiance(emission(given));
-        let light = texture(emissive_texture(given), light)?;
+        let texture = |image: Option<String>, tint: Colour, channel| match image {
+            Some(path) => Texture::Image { path, tint, channel },
+            None => Texture::Rgb(tint.x, tint.y, tint.z),
+        };
+        let color = texture(image(base_texture(given))?, base, None);
+        let light = texture(image(emissive_texture(given))?, radiance(emission(given)), None);
+        let of_numbers = image(number_texture(given))?;
+        let number = |factor: f64, channel| {
+            // Nothing of a texture is left by a factor of 0.
+            let image = of_numbers.clone().filter(|_| factor != 0.0);
+            texture(image, Colour::splat(factor), Some(channel))
+        };
+        let [roughness, metallic] = numbers(given);
+        let (roughness, metallic) = (number(roughness, Channel::G), number(metallic, Channel::B));
+        let [is_smooth, is_no_metal, is_metal] =
+            [(&roughness, 0.0), (&metallic, 0.0), (&metallic, 1.0)].map(|(number, x)| *number == Texture::grey(x));
         let emission = Some(light.clone()).filter(|light| light.plain() != Some(Colour::ZERO));
         let placing: Vec<_> = textures(given).map(|(field, info)| (field, UvPlacing::of(info))).collect();
         if let [(first, shared), others @ ..] = placing.as_slice() {
@@ -179,7 +196,6 @@ impl File {
         let model = model(given);
         let (alpha, alpha_cutoff) = alpha(given);
         let is_opaque = alpha.plain() == Some(Colour::ONE) && alpha_cutoff.is_none();
-        let (roughness, metallic) = self.roughness(&at, given, model, &mut found)?;
         let extensions = given.extensions.as_ref();
         let specular = extensions.and_then(|found| found.specular.as_ref());
         let transmission = extensions.and_then(|found| found.transmission.as_ref());
@@ -209,15 +225,15 @@ impl File {
                     volume.is_some_and(|volume| volume.attenuation_distance.0.is_finite()),
                     "without the absorption of its volume",
                 );
-                match roughness > 0.0 {
-                    true => Material::RoughDielectric { ior, roughness },
-                    false => Material::Dielectric { ior },
+                match is_smooth {
+                    true => Material::Dielectric { ior },
+                    false => Material::RoughDielectric { ior, roughness },
                 }
             }
-            Model::Surface if metallic == 1.0 && emission.is_none() && is_opaque && !vertex_colors => {
+            Model::Surface if is_metal && emission.is_none() && is_opaque && !vertex_colors => {
                 Material::Conductor { albedo: Some(color), eta: None, k: None, roughness }
             }
-            Model::Surface if is_matt && metallic == 0.0 => {
+            Model::Surface if is_matt && is_no_metal => {
                 Material::Lambertian { albedo: color, emission, alpha, alpha_cutoff, vertex_colors }
             }
             Model::Surface => {
@@ -258,21 +274,6 @@ impl File {
             notes.push(format!("{at}{name} is approximated: {}", found.0.join("; ")));
         }
         Ok(material)
-    }
-
-    /// The roughness and the metallic share, each cut to 0..1. A texture of them is replaced by its mean.
-    fn roughness(&self, at: &str, given: &Given, model: Model, notes: &mut Notes) -> Result<(f64, f64)> {
-        let pbr = &given.pbr_metallic_roughness;
-        let factors = [pbr.roughness_factor, pbr.metallic_factor].map(|factor| decimal(factor.0).clamp(0.0, 1.0));
-        let texture = pbr.metallic_roughness_texture.as_ref().filter(|_| model != Model::Light);
-        let Some(info) = texture else { return Ok(factors.into()) };
-        let field = "pbrMetallicRoughness.metallicRoughnessTexture";
-        let Some(image) = self.image_of(at, field, info, notes)? else { return Ok(factors.into()) };
-        let [_, green, blue] = bitmap::mean_code(&self.image(image)?)
-            .map_err(|reason| Broken::new(Part::Image(image).to_json(), reason))?;
-        let [roughness, metallic] = [factors[0] * green, factors[1] * blue].map(|mean| (1e3 * mean).round() / 1e3);
-        notes.add(format!("the means of its metallicRoughnessTexture: roughness {roughness}, metallic {metallic}"));
-        Ok((roughness, metallic))
     }
 
     /// The path of a texture's image, as the scene would write it. Nothing, with a note, where it is of a format that is not read.

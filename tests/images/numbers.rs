@@ -1,0 +1,174 @@
+//! Numbers of materials that vary over a surface: where a texture is constant, the image of the plain number, to the bit; one expectation
+//! with and without light sampling.
+
+use std::path::Path;
+
+use gpu_rt::bitmap::CODE;
+use gpu_rt::options::Scatter;
+use gpu_rt::scene::{Scene, Wishes};
+
+use crate::common::gltf::{glb, room};
+use crate::common::kernel::Overlay;
+use crate::common::render::{Ask, Shot, render, render_planted, same_expectation, scene_in};
+
+const ALPHA: f64 = 1e-6;
+
+fn bits(shot: &Shot, columns: std::ops::Range<usize>) -> Vec<[u32; 3]> {
+    let rows = shot.picture.rgb.chunks(shot.picture.width as usize);
+    rows.flat_map(|row| row[columns.clone()].iter().map(|pixel| pixel.map(f32::to_bits))).collect()
+}
+
+/// A square that fills the view, under a lamp and a sky. A path meets it at most once before the sky or the lamp.
+fn square(material: &str) -> String {
+    format!(
+        "Scene(image: (width: 32, height: 8), camera: (look_from: (0, 0, 4), look_at: (0, 0, 0), vertical_fov: 15),
+        background: Gradient(bottom: (0.2, 0.3, 0.4), top: (1, 0.9, 0.8)),
+        materials: {{\"square\": {material}, \"lamp\": DiffuseLight(emit: Rgb(9, 8, 7))}},
+        objects: [Quad(corner: (-2.2, -0.55, 0), u: (4.4, 0, 0), v: (0, 1.1, 0), material: \"square\"),
+            Sphere(center: (1, 2, 3), radius: 0.5, material: \"lamp\")], render: (samples: 16, max_depth: 1))"
+    )
+}
+
+/// The number that a code stands for.
+fn number(code: u8) -> f64 {
+    f64::from(CODE * f32::from(code))
+}
+
+fn write_image(folder: &Path, name: &str, codes: [[u8; 4]; 4]) {
+    let image = image::RgbaImage::from_fn(4, 1, |x, _| image::Rgba(codes[x as usize]));
+    image.save(folder.join(name)).expect("it is written");
+}
+
+#[test]
+fn where_a_texture_is_constant_the_image_is_that_of_the_plain_number() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path();
+    // Two halves; the channels differ.
+    let (left, right) = ([10, 0, 70, 200], [20, 128, 255, 90]);
+    write_image(path, "halves.png", [left, left, right, right]);
+    type Material = fn(&str) -> String;
+    let conductor: Material = |number| {
+        format!(
+            "Conductor(albedo: Checker(scale: 0.1, even: (1, 0.5, 0.2), odd: (0.9, 0.9, 0.9)), roughness: {number})"
+        )
+    };
+    let glass: Material = |number| format!("RoughDielectric(ior: 1.5, roughness: {number})");
+    let rough: Material = |number| format!("Pbr(base_color: Rgb(0.8, 0.2, 0.1), metallic: 0.25, roughness: {number})");
+    let metallic: Material = |number| {
+        format!(
+            "Pbr(base_color: Image(path: \"halves.png\"), metallic: {number}, roughness: 0.5, emission: Rgb(0.1, 0, 0))"
+        )
+    };
+    // Pixels of one texel on all four corners of a lookup.
+    let (in_left, in_right) = (1..11, 21..31);
+    for (material, channel, codes) in [
+        (conductor, "G", [0, 128]),
+        (glass, "G", [0, 128]),
+        (rough, "A", [200, 90]),
+        (rough, "R", [10, 20]),
+        (metallic, "B", [70, 255]),
+    ] {
+        for scatter in [Scatter::Fused, Scatter::Queues] {
+            for ask in [Ask::default().mis().scatter(scatter), Ask::default().scatter(scatter)] {
+                let of = |number: &str| render(&scene_in(path, &square(&material(number))), &ask);
+                let varying = of(&format!("Image(path: \"halves.png\", channel: {channel})"));
+                for (columns, code) in [(in_left.clone(), codes[0]), (in_right.clone(), codes[1])] {
+                    let plain = of(&number(code).to_string());
+                    let same = bits(&varying, columns.clone()) == bits(&plain, columns.clone());
+                    assert!(same, "{} of {code}", material(channel));
+                    // The next code is another image.
+                    let next = if code == 255 { 254 } else { code + 1 };
+                    let other = bits(&of(&number(next).to_string()), columns.clone());
+                    assert!(other != bits(&varying, columns), "{} of {code}: nothing depends on it", material(channel));
+                }
+            }
+        }
+    }
+    // A factor, and the red channel where none is said.
+    let of =
+        |number: &str| bits(&render(&scene_in(path, &square(&rough(number))), &Ask::default().mis()), in_left.clone());
+    assert!(of("Image(path: \"halves.png\")") == of(&number(10).to_string()));
+    let half = of("Image(path: \"halves.png\", channel: A, tint: (0.5, 1, 1))");
+    assert!(half == of(&(0.5 * number(200)).to_string()));
+}
+
+/// A room with a lamp, whose floor is a mirror in places, with frosted glass that is clear in places.
+const ROOM: &str =
+    "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 1, 3.6), look_at: (0, 0.95, 0), vertical_fov: 38),
+    background: Solid((0.1, 0.1, 0.1)),
+    materials: {
+        \"wall\": Lambertian(albedo: Rgb(0.7, 0.6, 0.5)),
+        \"floor\": Conductor(albedo: Rgb(0.9, 0.7, 0.5), roughness: Image(path: \"marks.png\", channel: G)),
+        \"back\": Pbr(base_color: Rgb(0.8, 0.5, 0.3), metallic: Image(path: \"marks.png\", channel: B),
+            roughness: Image(path: \"marks.png\", channel: R)),
+        \"glass\": RoughDielectric(ior: 1.5, roughness: Checker(scale: 0.2, even: (0, 0, 0), odd: (0.4, 0, 0))),
+        \"lamp\": DiffuseLight(emit: Rgb(4, 3, 2), two_sided: false),
+    },
+    objects: [
+        Quad(corner: (-1, 0, -1), u: (0, 0, 2), v: (2, 0, 0), material: \"floor\"),
+        Quad(corner: (-1, 0, -1), u: (2, 0, 0), v: (0, 2, 0), material: \"back\"),
+        Quad(corner: (-1, 0, 1), u: (0, 0, -2), v: (0, 2, 0), material: \"wall\"),
+        Quad(corner: (-0.8, 1.99, -0.8), u: (1.6, 0, 0), v: (0, 0, 1.6), material: \"lamp\"),
+        Sphere(center: (-0.2, 0.5, 0.1), radius: 0.4, material: \"glass\"),
+    ], render: (samples: 512, max_depth: 5))";
+
+fn marks(folder: &Path) {
+    write_image(folder, "marks.png", [[40, 0, 0, 0], [60, 0, 255, 0], [255, 128, 128, 0], [128, 250, 0, 0]]);
+}
+
+#[test]
+fn light_sampling_changes_no_expectation_where_numbers_vary() {
+    let folder = tempfile::tempdir().expect("a folder");
+    marks(folder.path());
+    let room = scene_in(folder.path(), ROOM);
+    let bsdf = render(&room, &Ask::default().seed(1));
+    let mis = Ask::default().seed(2).mis();
+    same_expectation(&bsdf, &render(&room, &mis), 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
+    // The plain numbers in the response to lights.
+    let plain = Overlay::new(&[]).rewritten("step/scatter", |own| {
+        own.replace("response_of_material(material,", "response_of_material(materials[surface.material],")
+    });
+    let plain = render_planted(&room, &mis, &plain);
+    assert!(same_expectation(&bsdf, &plain, 1e-5, ALPHA).is_err(), "a response of another roughness is not found");
+}
+
+#[test]
+fn the_bytes_do_not_depend_on_how_the_work_is_cut() {
+    let folder = tempfile::tempdir().expect("a folder");
+    marks(folder.path());
+    let room = scene_in(folder.path(), ROOM);
+    for ask in [Ask::spp(16).seed(7).mis().sobol().roulette(), Ask::spp(16).seed(7)] {
+        let usual = bits(&render(&room, &ask), 0..16);
+        for scatter in [Scatter::Linked, Scatter::Queues] {
+            let cut = |options: &mut gpu_rt::options::RenderOptions| {
+                (options.slots, options.workgroup, options.bounces) = (Some(77), Some(32), Some(3));
+            };
+            assert!(usual == bits(&render(&room, &ask.clone().scatter(scatter).with(cut)), 0..16), "{scatter:?}");
+        }
+    }
+}
+
+/// A glTF file's texture of metallic and roughness has the image of the scene that is written by hand.
+#[test]
+fn a_texture_of_gltf_is_that_of_the_scene_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (mut json, binary) = room();
+    json["materials"][2]["pbrMetallicRoughness"] = serde_json::json!({"baseColorFactor": [0.8, 0.7, 0.6, 1], "roughnessFactor": 0.5, "metallicRoughnessTexture": {"index": 0}});
+    let file = folder.path().join("room.glb");
+    std::fs::write(&file, glb(&json, &binary)).expect("it is written");
+    let own = folder.path().join("room.ron");
+    let text = Scene::of_gltf(&file, &own, &Wishes::default()).expect("it is read").text();
+    let texture = |factor: &str, channel: &str| {
+        format!("Image(path: \"room.glb#images/0\", tint: ({factor}, {factor}, {factor}), channel: {channel})")
+    };
+    let (metallic, roughness) = (texture("1.0", "B"), texture("0.5", "G"));
+    let written =
+        format!("Pbr(base_color: Rgb(0.8, 0.7, 0.6), metallic: {metallic}, roughness: {roughness}, ior: 1.5)");
+    assert!(text.contains(&written), "{written} is not in {text}");
+    let ask = Ask::spp(8).size(24, 16).mis();
+    let all = |scene: &Scene| bits(&render(scene, &ask), 0..24);
+    let of_gltf = all(&Scene::load(&file).expect("it is read"));
+    assert!(of_gltf == all(&scene_in(folder.path(), &text)));
+    let swapped = text.replace("channel: B", "channel: R");
+    assert!(of_gltf != all(&scene_in(folder.path(), &swapped)), "another channel is not found");
+}
