@@ -96,7 +96,7 @@ const POINTS: &[Point] = &[
     point("a surface that emits and scatters", DARK, GLOW, BALL),
     point("numbers that vary, under a lamp", DARK, VARYING, VARYING_OBJECTS),
     point("a surface that emits and scatters, a lamp and glass", DARK, GLOW_AND_GLASS, GLOW_OBJECTS),
-    point("a transparent quad", GRADIENT, "\"more\": Pbr(base_color: Rgb(0.7, 0.3, 0.2), metallic: 0, alpha: 0.5),", QUAD),
+    point("a transparent quad", GRADIENT, "\"more\": Pbr(base_color: Rgb(0.7, 0.3, 0.2), metallic: 0, alpha: Image(path: \"image.png\", channel: G)),", QUAD),
     point("a transparent mesh that emits", DARK, "\"more\": Lambertian(albedo: Rgb(0.7, 0.3, 0.2), emission: Rgb(0.5, 1, 2), alpha: 0.4),", FLAT),
     point("a light without size", DARK, GREY, POINT_LIGHT),
     point("lights without size in fog", DARK, GREY, LIGHTS_IN_FOG),

@@ -239,6 +239,18 @@ fn alpha_is_read_where_its_mode_says_so() {
     assert_eq!(of(json!({"alphaMode": "BLEND"})), covered(0.25, None));
     assert_eq!(of(json!({"alphaMode": "MASK"})), covered(0.25, Some(0.5)));
     assert_eq!(of(json!({"alphaMode": "MASK", "alphaCutoff": 0.125})), covered(0.25, Some(0.125)));
+    // Its texture has an alpha, too.
+    let wood = |more: Value| {
+        let mut json = room().0;
+        json["materials"][0].as_object_mut().unwrap().extend(more.as_object().unwrap().clone());
+        let Material::Pbr { alpha, alpha_cutoff, .. } = load(&json).unwrap().materials[0].1.clone() else { panic!() };
+        (alpha, alpha_cutoff)
+    };
+    let path = "room.glb#images/0".to_owned();
+    let textured = Texture::Image { path, tint: DVec3::ONE, channel: Some(Channel::A) };
+    assert_eq!(wood(json!({"alphaMode": "MASK", "alphaCutoff": 0.25})), (textured.clone(), Some(0.25)));
+    assert_eq!(wood(json!({"alphaMode": "BLEND"})), (textured, None));
+    assert_eq!(wood(json!({})), (white(), None));
     // What emits and has an alpha is no DiffuseLight.
     let lamp = of(json!({"alphaMode": "BLEND", "emissiveFactor": [1, 0.5, 0],
         "pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 0.5]}}));

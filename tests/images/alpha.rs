@@ -1,12 +1,16 @@
 //! Cut-out and transparent surfaces: closed forms, one expectation with and without light sampling, and the same bytes however the
 //! work is done.
 
+use std::path::Path;
+
 use gpu_rt::aov::Aovs;
 use gpu_rt::bvh::Quality;
 use gpu_rt::options::{Integrator, Scatter};
+use gpu_rt::scene::Scene;
+use image::{Rgba, RgbaImage};
 
 use crate::common::kernel::Overlay;
-use crate::common::render::{Ask, Mean, Shot, render, render_planted, same_expectation, scene};
+use crate::common::render::{Ask, Mean, Shot, render, render_planted, same_expectation, scene, scene_in};
 
 const ALPHA: f64 = 1e-6;
 /// Standard errors that a mean is off by once in 1e6.
@@ -200,4 +204,54 @@ fn a_sheet_that_lets_all_pass_is_as_none() {
         }
         assert!(with.develop().rgb == without.develop().rgb);
     }
+}
+
+/// A floor under a lamp without size, and between them an upright and a level sheet of one material, to be seen and to cast shadows.
+fn cut_out(folder: &Path, material: &str, width: f64) -> Scene {
+    let left = 1.0 - width;
+    let text = format!(
+        "Scene(image: (width: 32, height: 32), camera: (look_from: (0, 1.5, 4), look_at: (0, 0.4, 0), vertical_fov: 40),
+        background: Solid((0.2, 0.3, 0.4)),
+        materials: {{\"floor\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5)), \"sheet\": {material}}},
+        objects: [Quad(corner: (-3, 0, 3), u: (6, 0, 0), v: (0, 0, -6), material: \"floor\"),
+            Quad(corner: ({left}, 0.2, -0.6), u: ({width}, 0, 0), v: (0, 1, 0), material: \"sheet\"),
+            Quad(corner: ({left}, 1, 0.8), u: ({width}, 0, 0), v: (0, 0, -1), material: \"sheet\"),
+            PointLight(at: (0, 4, 0.5), intensity: (8, 8, 8))], render: (samples: 256, max_depth: 2))"
+    );
+    scene_in(folder, &text)
+}
+
+/// A sheet whose left half is cut out is a sheet of half the width.
+#[test]
+fn a_cut_out_surface_is_as_geometry() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let pixel = |x: u32, _| Rgba([50, 200, 90, if x < 2 { 0 } else { 255 }]);
+    RgbaImage::from_fn(4, 1, pixel).save(folder.path().join("half.png")).expect("the image is written");
+    let cut = |cutoff: f64| {
+        let alpha = format!("alpha: Image(path: \"half.png\", channel: A), alpha_cutoff: {cutoff}");
+        cut_out(folder.path(), &format!("Lambertian(albedo: Rgb(0.8, 0.3, 0.2), {alpha})"), 2.0)
+    };
+    let half = cut_out(folder.path(), "Lambertian(albedo: Rgb(0.8, 0.3, 0.2))", 1.0);
+    let ask = Ask::default().mis();
+    let half = render(&half, &ask.clone().seed(1));
+    let found = same_expectation(&half, &render(&cut(0.5), &ask.clone().seed(2)), 1e-4, ALPHA);
+    found.unwrap_or_else(|error| panic!("{error}"));
+    // The alpha rises from 0 to 1 over a quarter of the width, so that this moves the edge by a tenth of the half.
+    let moved = render(&cut(0.3), &ask.seed(2));
+    assert!(same_expectation(&half, &moved, 1e-4, ALPHA).is_err(), "another edge is not found");
+}
+
+/// A texel's alpha is its code over 255, times the factor, and no sRGB code.
+#[test]
+fn an_image_of_one_alpha_is_as_its_number() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let image = RgbaImage::from_pixel(3, 2, Rgba([255, 0, 7, 102]));
+    image.save(folder.path().join("veil.png")).expect("the image is written");
+    let of = |alpha: &str| {
+        let material = format!("Pbr(base_color: Rgb(0.8, 0.3, 0.2), metallic: 0, alpha: {alpha})");
+        render(&cut_out(folder.path(), &material, 2.0), &Ask::spp(32).mis().sobol()).picture.rgb
+    };
+    assert!(of("Image(path: \"veil.png\", channel: A)") == of("0.4"));
+    assert!(of("Image(path: \"veil.png\", channel: A, tint: (0.5, 1, 1))") == of("0.2"));
+    assert!(of("Image(path: \"veil.png\", channel: B)") != of("0.4"));
 }

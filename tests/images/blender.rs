@@ -16,9 +16,16 @@ const BLOCK: usize = 10;
 
 /// The scenes, with samples per pixel.
 ///
-/// "textures" waits for normal maps and for textures of roughness and metal, and "leaves" for alpha.
-const SCENES: [(&str, u32); 6] =
-    [("room", 256), ("metals", 128), ("glass", 128), ("nodes", 128), ("lights", 128), ("emission", 128)];
+/// "textures" waits for normal maps and for textures of roughness and metal.
+const SCENES: [(&str, u32); 7] = [
+    ("room", 256),
+    ("metals", 128),
+    ("glass", 128),
+    ("nodes", 128),
+    ("leaves", 128),
+    ("lights", 128),
+    ("emission", 128),
+];
 
 fn file(name: &str, extension: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/blender").join(name).with_extension(extension)

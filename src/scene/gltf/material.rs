@@ -98,7 +98,13 @@ type Named<'a> = (&'static str, &'a Info);
 
 fn base_texture(given: &Given) -> Option<Named<'_>> {
     let info = given.pbr_metallic_roughness.base_color_texture.as_ref();
-    info.filter(|_| model(given) == Model::Surface).map(|info| ("pbrMetallicRoughness.baseColorTexture", info))
+    let is_read = match model(given) {
+        Model::Surface => true,
+        // For its alpha.
+        Model::Light => !is_opaque(given),
+        Model::Glass => false,
+    };
+    info.filter(|_| is_read).map(|info| ("pbrMetallicRoughness.baseColorTexture", info))
 }
 
 fn emissive_texture(given: &Given) -> Option<Named<'_>> {
@@ -174,7 +180,8 @@ impl File {
             Some(path) => Texture::Image { path, tint, channel },
             None => Texture::Rgb(tint.x, tint.y, tint.z),
         };
-        let color = texture(image(base_texture(given))?, base, None);
+        let of_base = image(base_texture(given))?;
+        let color = texture(of_base.clone(), base, None);
         let light = texture(image(emissive_texture(given))?, radiance(emission(given)), None);
         let of_numbers = image(number_texture(given))?;
         let number = |factor: f64, channel| {
@@ -194,8 +201,12 @@ impl File {
             }
         }
         let model = model(given);
-        let (alpha, alpha_cutoff) = alpha(given);
-        let is_opaque = alpha.plain() == Some(Colour::ONE) && alpha_cutoff.is_none();
+        let (factor, alpha_cutoff) = alpha(given);
+        let of_alpha = of_base.filter(|_| factor != 0.0 && !is_opaque(given));
+        let alpha = texture(of_alpha, Colour::splat(factor), Some(Channel::A));
+        // A cutoff that all of it reaches changes nothing.
+        let is_opaque = alpha == Texture::grey(1.0) && alpha_cutoff.is_none_or(|cutoff| cutoff <= 1.0);
+        let alpha_cutoff = alpha_cutoff.filter(|_| !is_opaque);
         let extensions = given.extensions.as_ref();
         let specular = extensions.and_then(|found| found.specular.as_ref());
         let transmission = extensions.and_then(|found| found.transmission.as_ref());
@@ -211,6 +222,7 @@ impl File {
         let material = match model {
             // A DiffuseLight has no alpha.
             Model::Light if !is_opaque => {
+                found.add_if(!given.double_sided, "it emits to both sides");
                 Material::Lambertian { albedo: color, emission: Some(light), alpha, alpha_cutoff, vertex_colors }
             }
             Model::Light => Material::DiffuseLight { emit: light, two_sided: given.double_sided },
@@ -334,18 +346,20 @@ impl File {
     }
 }
 
-/// The alpha, and the cutoff that makes a cut-out surface of it.
-fn alpha(given: &Given) -> (Texture, Option<f64>) {
-    let grey = |x: f64| Texture::Rgb(x, x, x);
+fn is_opaque(given: &Given) -> bool {
+    !matches!(given.alpha_mode, Checked::Valid(AlphaMode::Mask | AlphaMode::Blend))
+}
+
+/// The factor of its alpha, and the cutoff that makes a cut-out surface of it.
+fn alpha(given: &Given) -> (f64, Option<f64>) {
     let [_, _, _, factor] = given.pbr_metallic_roughness.base_color_factor.0;
     let factor = decimal(factor).clamp(0.0, 1.0);
     match given.alpha_mode {
-        Checked::Valid(AlphaMode::Blend) => (grey(factor), None),
+        Checked::Valid(AlphaMode::Blend) => (factor, None),
         Checked::Valid(AlphaMode::Mask) => {
-            let cutoff = given.alpha_cutoff.map_or(0.5, |cutoff| decimal(cutoff.0).max(0.0));
-            if factor == 1.0 && cutoff <= 1.0 { (grey(1.0), None) } else { (grey(factor), Some(cutoff)) }
+            (factor, Some(given.alpha_cutoff.map_or(0.5, |cutoff| decimal(cutoff.0).max(0.0))))
         }
-        _ => (grey(1.0), None),
+        _ => (1.0, None),
     }
 }
 
