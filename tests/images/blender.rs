@@ -16,7 +16,7 @@ const BLOCK: usize = 10;
 
 /// The scenes, with samples per pixel.
 ///
-/// "textures" waits for normal maps and for textures of roughness and metal.
+/// "textures" waits for normal maps.
 const SCENES: [(&str, u32); 7] = [
     ("room", 256),
     ("metals", 128),
