@@ -16,7 +16,7 @@ pub enum Decoding {
     Number(Channel),
 }
 
-/// A channel of an image file. Alpha is 1 where the file has none, and all other channels of a grey image are its grey.
+/// The channel of an image file that has a number. Alpha is 1 where the file has none, and all other channels of a grey image are its grey.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Deserialize, Serialize)]
 pub enum Channel {
     #[default]
@@ -24,6 +24,14 @@ pub enum Channel {
     G,
     B,
     A,
+    /// Three numbers: those of a normal map.
+    Rgb,
+}
+
+impl Channel {
+    pub fn decoding(self) -> Decoding {
+        if self == Channel::Rgb { Decoding::Numbers } else { Decoding::Number(self) }
+    }
 }
 
 /// How texels lie in words of 32 bits. Each format has a file under shaders/texel, and kernels switch on its number.

@@ -357,6 +357,7 @@ device_struct!(
 device_struct!(
     /// What a material has beside its row of the table: indices of rows behind those of all materials, or `NO_DETAIL`.
     Detail {
+        absorption: [f32; 3],
         emission: u32,
         alpha: u32,
         roughness: u32,
@@ -365,11 +366,13 @@ device_struct!(
         vertex_colours: u32,
         padding0: u32,
         padding1: u32,
+        padding2: u32,
     }
 );
 
 impl Detail {
     pub(crate) const NONE: Detail = Detail {
+        absorption: [0.0; 3],
         emission: NO_DETAIL,
         alpha: NO_DETAIL,
         roughness: NO_DETAIL,
@@ -378,6 +381,7 @@ impl Detail {
         vertex_colours: NO_DETAIL,
         padding0: 0,
         padding1: 0,
+        padding2: 0,
     };
 }
 

@@ -80,6 +80,26 @@ pub mod number {
     }
 }
 
+/// A normal map: an image, of which all channels are numbers.
+pub mod normal_map {
+    use serde::{Deserialize, Deserializer};
+
+    use super::Texture;
+    use crate::bitmap::Channel;
+
+    pub fn deserialize<'a, D: Deserializer<'a>>(from: D) -> Result<Option<Texture>, D::Error> {
+        Ok(Option::deserialize(from)?.map(of_image))
+    }
+
+    /// This image as a normal map.
+    pub fn of_image(image: Texture) -> Texture {
+        match image {
+            Texture::Image { path, tint, channel: None } => Texture::Image { path, tint, channel: Some(Channel::Rgb) },
+            other => other,
+        }
+    }
+}
+
 /// The properties that all textures of a kind share.
 #[derive(Debug)]
 pub struct TextureKind {
@@ -195,6 +215,8 @@ pub enum Use {
     Radiance,
     /// A number from 0 to 1: the red of the texture.
     Share,
+    /// A normal map: an image alone, each channel 0 to 1.
+    Normal,
 }
 
 /// The largest radiance, and the smallest other than zero. Both are normal numbers in f32.
@@ -207,7 +229,7 @@ impl Use {
     /// The range of a channel.
     pub const fn range(self) -> Range {
         match self {
-            Use::Albedo | Use::Share => Range::SHARE,
+            Use::Albedo | Use::Share | Use::Normal => Range::SHARE,
             Use::Radiance => Range::from_to(SMALLEST_RADIANCE, LARGEST_RADIANCE).or_zero(),
         }
     }
@@ -218,6 +240,7 @@ impl Use {
             Use::Albedo => "albedo",
             Use::Radiance => "radiance",
             Use::Share => "share",
+            Use::Normal => "normal",
         };
         let channels = colour.to_array().into_iter().enumerate();
         { channels }.try_for_each(|(index, channel)| self.range().check(&at.index(index), name, NO_UNIT, channel))
@@ -228,6 +251,7 @@ impl Use {
         let (expected, range): (_, RangeInclusive<f32>) = match self {
             Use::Albedo => ("an albedo from 0 to 1", 0.0..=1.0),
             Use::Share => ("numbers from 0 to 1", 0.0..=1.0),
+            Use::Normal => ("codes from 0 to 1", 0.0..=1.0),
             Use::Radiance => ("a radiance from 0 to 1e30", 0.0..=LARGEST_RADIANCE as f32),
         };
         let fits = |texel: &[f32; 3]| texel.iter().all(|c| range.contains(c));
@@ -277,6 +301,11 @@ impl Texture {
     pub fn check(&self, at: &Place, usage: Use) -> Result<()> {
         let at = at.variant(self.name());
         match self {
+            Texture::Image { tint: Colour::ONE, channel: Some(Channel::Rgb), .. } if usage == Use::Normal => Ok(()),
+            _ if usage == Use::Normal => Err(at.unexpected("a normal map: Image(path: ..), without a tint")),
+            Texture::Image { channel: Some(Channel::Rgb), .. } if usage == Use::Share => {
+                Err(at.field(CHANNEL.name).error("a number has one channel: R, G, B or A"))
+            }
             Texture::Rgb(r, g, b) => usage.check(&at, DVec3::new(*r, *g, *b)),
             Texture::Checker { scale, even, odd } => {
                 SIDE.check(&at, *scale)?;
@@ -310,7 +339,7 @@ impl Texture {
     /// The path of its image, and how it is decoded.
     pub fn decoded(&self) -> Option<(&String, Decoding)> {
         match self {
-            Texture::Image { path, channel, .. } => Some((path, channel.map_or(Decoding::Colour, Decoding::Number))),
+            Texture::Image { path, channel, .. } => Some((path, channel.map_or(Decoding::Colour, Channel::decoding))),
             _ => None,
         }
     }
@@ -409,7 +438,7 @@ impl Texture {
             Texture::Marble { scale } => texture.parameter = *scale as f32,
             Texture::Image { tint, channel, .. } => {
                 texture.first = f32s(brightness * *tint);
-                texture.parameter = f32::from(u8::from(channel.is_some()));
+                texture.parameter = f32::from(u8::from(channel.is_some_and(|channel| channel != Channel::Rgb)));
                 if let (Some((path, decoding)), Some(bitmap)) = (self.decoded(), self.bitmap(bitmaps)) {
                     texture.format = bitmap.format.number() as u32;
                     texture.texel = add_image(path, decoding, bitmap);

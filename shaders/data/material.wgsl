@@ -17,6 +17,8 @@ const NO_TEXTURE: u32 = 0xffffffffu;
 // What a material has beside its row of the table: for each, the index of a row behind those of all materials, or NO_DETAIL. Such a row
 // has a colour or a texture, whose frame is as far behind that of the material's own texture as `kind` says.
 struct Detail {
+    // Of a clear solid: what it absorbs per unit of length. No row.
+    absorption: vec3<f32>,
     // The radiance that it emits. The row's parameter is 0 if it emits from its front alone.
     emission: u32,
     // The share of light that it stops.
@@ -30,6 +32,7 @@ struct Detail {
     vertex_colours: u32,
     padding0: u32,
     padding1: u32,
+    padding2: u32,
 }
 
 const NO_DETAIL: u32 = 0xffffffffu;

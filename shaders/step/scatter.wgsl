@@ -18,6 +18,15 @@
 //@ if varying_numbers
 //@ use scene/numbers
 //@ end
+//@ if normal_map
+//@ use scene/normal_map
+//@ end
+//@ if tinted
+//@ use scene/tint
+//@ end
+//@ if absorbing
+//@ use scene/absorption
+//@ end
 //@ if own_glow
 //@ use choice/clamp
 //@ use scene/glow
@@ -69,21 +78,42 @@ fn scatter_path(path: ptr<function, Path>) {
     //@ if vertex_colours
     let colour = vertex_colour(hit, surface) * surface_colour(material, hit, surface);
     //@ end
+    //@ if normal_map
+    let mapped = mapped_normal(hit, surface, ray.direction, shading, front);
+    //@ end
     let arriving = Interaction(
-        ray.direction, shading, front, colour,
+        ray.direction,
+        //@ if plain_normal
+        shading,
+        //@ end
+        //@ if normal_map
+        mapped,
+        //@ end
+        front, colour,
         //@ if two_parts
         second_part_of(material, surface.material),
         //@ end
     );
     let point = event_point(hit, surface, facing);
+    //@ if absorbing
+    (*path).throughput *= left_by_absorption(surface, front, hit.t);
+    //@ end
 
     let depth = (*path).depth;
     let u = random4((*path).pixel, (*path).sample, bounce_dimension(depth, DIMENSION_SCATTER), settings.seed);
+    //@ if plain_normal
     let scattered = scatter_by_material(material, arriving, u);
+    //@ end
+    //@ if normal_map
+    var scattered = scatter_by_material(material, arriving, u);
+    if scattered.event == SCATTERED && !keeps_its_side(scattered.direction, mapped, shading) {
+        scattered = absorbed();
+    }
+    //@ end
     //@ if aov_surface
     let passes = scattered.event == SCATTERED && !is_non_specular(material);
     let share = select(scattered.weight, vec3<f32>(1.0), scattered.event == EMITTED);
-    note_surface(path, passes, (*path).throughput * share, shading);
+    note_surface(path, passes, (*path).throughput * share, arriving.normal);
     //@ end
     //@ if own_glow
     // A surface that emits and scatters brings its light, and the path goes on.
@@ -146,6 +176,11 @@ fn scatter_path(path: ptr<function, Path>) {
             pdf = response_of_material(material, arriving, scattered.direction).pdf;
         }
     //@ end
+    //@ if normal_map_in_light
+        if samples_lights && !keeps_its_side(light_sample.direction, mapped, shading) {
+            response.value = vec3<f32>(0.0);
+        }
+    //@ end
     //@ if both_sides
         // The other side is never aimed at. Light sampling has half of its density on this one, which is the same to MIS as twice
         // the density of the material.
@@ -164,6 +199,9 @@ fn scatter_path(path: ptr<function, Path>) {
         if asks {
             response.value = response_to_question(scattered.weight, scattered.direction, light_sample.direction, shading);
         }
+    //@ end
+    //@ if tinted_in_light
+        response.value *= tint_of(material, colour, leaving, shading);
     //@ end
     //@ if sends_shadow_ray
         let origin = spawn_ray(hit, surface, facing, shading, point, leaving).origin;
@@ -184,6 +222,9 @@ fn scatter_path(path: ptr<function, Path>) {
     (*path).pdf = pdf;
     //@ end
     var throughput = (*path).throughput * scattered.weight;
+    //@ if tinted
+    throughput *= tint_of(material, colour, scattered.direction, shading);
+    //@ end
     if scattered.event == SCATTERED {
         throughput = russian_roulette(path, throughput);
     }

@@ -36,6 +36,9 @@ pub struct Features {
     pub specular: [Option<String>; MATERIALS.len()],
     /// The same for materials that have a detail, by the kinds of it (`DetailKind`).
     pub details: [[Option<String>; MATERIALS.len()]; DETAILS],
+    /// The same for clear materials with a colour, and for those that absorb light inside.
+    pub tinted: [Option<String>; MATERIALS.len()],
+    pub absorbing: [Option<String>; MATERIALS.len()],
     /// Kinds of texture, by the indices of `TEXTURES`.
     pub textures: [Option<String>; TEXTURES.len()],
     /// Formats of texels, by the indices of `FORMATS`.
@@ -117,6 +120,10 @@ impl Features {
         }
         for (number, kind) in Material::KINDS.iter().enumerate() {
             kind.details.iter().for_each(|detail| add(&mut self.details[*detail as usize][number]));
+            if kind.is_clear {
+                add(&mut self.tinted[number]);
+                add(&mut self.absorbing[number]);
+            }
         }
         self.brute_force = false;
         // The sky that `require_all` adds is an additional light, which is never chosen.
@@ -133,7 +140,7 @@ impl Features {
 
     /// Whether a material has a detail.
     pub(super) fn has_details(&self) -> bool {
-        self.details.iter().flatten().any(Option::is_some)
+        self.details.iter().flatten().chain(&self.absorbing).any(Option::is_some)
     }
 
     /// Whether a material has a detail of this kind.

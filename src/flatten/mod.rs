@@ -357,6 +357,12 @@ fn note_material(features: &mut Features, scene: &Scene, name: &str, material: &
         };
         kinds[number].get_or_insert_with(at_material);
     }
+    if material.kind().is_clear && model.slot.is_some() {
+        features.tinted[number].get_or_insert_with(at_material);
+    }
+    if model.absorption.is_some() {
+        features.absorbing[number].get_or_insert_with(at_material);
+    }
     for detail in &model.details {
         features.details[detail.kind as usize][number].get_or_insert_with(at_material);
     }
@@ -515,7 +521,7 @@ impl Builder<'_> {
         if let Some(slot) = slot {
             let brightness = match slot.usage {
                 Use::Radiance => radiance_scale,
-                Use::Albedo | Use::Share => 1.0,
+                Use::Albedo | Use::Share | Use::Normal => 1.0,
             };
             row.colour = slot.texture.plain().map_or([0.0; 3], |colour| f32s(brightness * colour));
             row.texture = self.add_texture(slot.texture, brightness);
@@ -533,6 +539,11 @@ impl Builder<'_> {
             let model = material.model();
             let light = model.light().map(|light| Detail::emission(light.slot, light.two_sided));
             let is_textured = |slot: Option<Slot>| u32::from(slot.is_some_and(|slot| slot.texture.plain().is_none()));
+            if let (Some(absorption), Some(details)) =
+                (model.absorption, details.get_mut(self.materials[number] as usize))
+            {
+                details.absorption = f32s(absorption / self.space.scale);
+            }
             let mut frame = if light.is_some() { 0 } else { is_textured(model.slot) };
             for detail in model.details.iter().copied().chain(light) {
                 let row = self.flat.materials.len() as u32;

@@ -1,6 +1,6 @@
 //! A metal with microfacets: its surface is smooth or rough, and it reflects by Fresnel's equations.
 
-use super::{DetailKind, LEAST_ROUGHNESS, MaterialKind, Model, Scattering, Slot, varying};
+use super::{DetailKind, LEAST_ROUGHNESS, MaterialKind, Model, NORMAL, NORMAL_SCALE, Scattering, Slot, varying};
 use crate::data::{self, f32s};
 use crate::source::Range;
 use crate::source::form::{Field, Form, Takes};
@@ -33,7 +33,7 @@ pub const KIND: MaterialKind = MaterialKind {
         name: "Conductor",
         about: "A metal, polished or rough, with microfacets of GGX. Its colour is an `albedo`, or the measured `eta` and `k` of a real \
                 metal. Light that microfacets would reflect more than once is lost.",
-        fields: &[ALBEDO, ETA, K, ROUGHNESS],
+        fields: &[ALBEDO, ETA, K, ROUGHNESS, NORMAL, NORMAL_SCALE],
         in_order: false,
         example: "Conductor(albedo: Rgb(0.95, 0.64, 0.54), roughness: 0.3)",
     },
@@ -41,7 +41,7 @@ pub const KIND: MaterialKind = MaterialKind {
     scatters: &[Scattering::Spread, Scattering::OneWay],
     is_clear: false,
     emits: false,
-    details: &[DetailKind::Roughness],
+    details: &[DetailKind::Roughness, DetailKind::Normal],
     has_second_part: true,
 };
 
@@ -73,6 +73,7 @@ pub fn model<'a>(
         colours: [(&ETA, eta), (&K, k)].into_iter().filter_map(|(field, colour)| Some((field, colour?))).collect(),
         lacks: (!whole).then_some("either an albedo, or both eta and k"),
         details: detail.into_iter().collect(),
+        absorption: None,
         on_device,
         second_part: Some(data::Material {
             colour: f32s(k.unwrap_or_default()),

@@ -1,6 +1,6 @@
 //! A clear solid: glass, water.
 
-use super::{MaterialKind, Model, Number, Scattering};
+use super::{ABSORPTION, MaterialKind, Model, Number, Scattering, TRANSMITTANCE};
 use crate::data;
 use crate::source::Range;
 use crate::source::form::{Field, Form, NO_UNIT, Takes};
@@ -14,8 +14,8 @@ pub(super) const IOR: Field = Field::new(
 pub const KIND: MaterialKind = MaterialKind {
     form: Form {
         name: "Dielectric",
-        about: "A clear solid, such as glass or water. It reflects and refracts, and absorbs nothing.",
-        fields: &[IOR],
+        about: "A clear solid, such as glass or water. It reflects and refracts.",
+        fields: &[IOR, TRANSMITTANCE, ABSORPTION],
         in_order: false,
         example: "Dielectric(ior: 1.5)",
     },
@@ -41,6 +41,7 @@ pub fn model(ior: f64) -> Model<'static> {
         lacks: None,
         second_part: None,
         details: Vec::new(),
+        absorption: None,
         on_device: data::Material {
             parameter: ior as f32,
             contrast_outside: ((ior - 1.0) * (ior + 1.0)) as f32,

@@ -40,6 +40,7 @@ pub fn model(emit: &Texture, two_sided: bool) -> Model<'_> {
         lacks: None,
         second_part: None,
         details: Vec::new(),
+        absorption: None,
         on_device: data::Material { parameter: f32::from(u8::from(two_sided)), ..data::Material::default() },
     }
 }

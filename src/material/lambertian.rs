@@ -1,8 +1,8 @@
 //! A perfectly diffuse surface: its reflected radiance is the same in all directions.
 
 use super::{
-    ALPHA, ALPHA_CUTOFF, Alpha, DetailKind, EMISSION, MaterialKind, Model, Scattering, Slot, VERTEX_COLORS, glow,
-    vertex_colours,
+    ALPHA, ALPHA_CUTOFF, DetailKind, EMISSION, MaterialKind, Model, NORMAL, NORMAL_SCALE, Scattering, Slot,
+    VERTEX_COLORS,
 };
 use crate::data;
 use crate::source::form::{Field, Form, Takes};
@@ -14,7 +14,7 @@ pub const KIND: MaterialKind = MaterialKind {
     form: Form {
         name: "Lambertian",
         about: "A matt surface: it looks equally bright from all directions.",
-        fields: &[ALBEDO, EMISSION, ALPHA, ALPHA_CUTOFF, VERTEX_COLORS],
+        fields: &[ALBEDO, EMISSION, ALPHA, ALPHA_CUTOFF, VERTEX_COLORS, NORMAL, NORMAL_SCALE],
         in_order: false,
         example: "Lambertian(albedo: Rgb(0.7, 0.3, 0.2))",
     },
@@ -22,25 +22,21 @@ pub const KIND: MaterialKind = MaterialKind {
     scatters: &[Scattering::Spread],
     is_clear: false,
     emits: false,
-    details: &[DetailKind::Emission, DetailKind::Alpha, DetailKind::VertexColours],
+    details: &[DetailKind::Emission, DetailKind::Alpha, DetailKind::VertexColours, DetailKind::Normal],
     has_second_part: false,
 };
 
-pub fn model<'a>(
-    albedo: &'a Texture,
-    emission: Option<&'a Texture>,
-    alpha: Alpha<'a>,
-    has_vertex_colours: bool,
-) -> Model<'a> {
+pub fn model(albedo: &Texture) -> Model<'_> {
     Model {
         slot: Some(Slot { field: &ALBEDO, usage: Use::Albedo, texture: albedo }),
         scattering: Scattering::Spread,
         two_sided: None,
-        numbers: alpha.numbers().collect(),
+        numbers: Vec::new(),
         colours: Vec::new(),
         lacks: None,
         second_part: None,
-        details: glow(emission).into_iter().chain(alpha.detail()).chain(vertex_colours(has_vertex_colours)).collect(),
+        details: Vec::new(),
+        absorption: None,
         on_device: data::Material::default(),
     }
 }

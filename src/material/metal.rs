@@ -41,6 +41,7 @@ pub fn model(albedo: &Texture, fuzz: f64) -> Model<'_> {
         colours: Vec::new(),
         lacks: None,
         details: Vec::new(),
+        absorption: None,
         on_device,
         second_part: None,
     }

@@ -8,6 +8,7 @@ mod lambertian;
 mod metal;
 mod pbr;
 mod rough_dielectric;
+mod thin_dielectric;
 
 use serde::{Deserialize, Serialize};
 
@@ -16,7 +17,7 @@ use crate::data;
 use crate::error::Result;
 use crate::source::form::{Field, Form, NO_UNIT, Takes, any_of, kinds};
 use crate::source::{Place, Range};
-use crate::texture::{Colour, Texture, Use, number};
+use crate::texture::{Colour, Texture, Use, normal_map, number};
 
 /// A material as the scene file writes it.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -32,6 +33,10 @@ pub enum Material {
         alpha_cutoff: Option<f64>,
         #[serde(default, skip_serializing_if = "std::ops::Not::not")]
         vertex_colors: bool,
+        #[serde(default, deserialize_with = "normal_map::deserialize", skip_serializing_if = "Option::is_none")]
+        normal: Option<Texture>,
+        #[serde(default = "one", skip_serializing_if = "is_one")]
+        normal_scale: f64,
     },
     Metal {
         albedo: Texture,
@@ -40,6 +45,10 @@ pub enum Material {
     },
     Dielectric {
         ior: f64,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        transmittance: Option<Texture>,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        absorption: Option<Colour>,
     },
     DiffuseLight {
         emit: Texture,
@@ -55,11 +64,23 @@ pub enum Material {
         k: Option<Colour>,
         #[serde(default = "zero", with = "number")]
         roughness: Texture,
+        #[serde(default, deserialize_with = "normal_map::deserialize", skip_serializing_if = "Option::is_none")]
+        normal: Option<Texture>,
+        #[serde(default = "one", skip_serializing_if = "is_one")]
+        normal_scale: f64,
     },
     RoughDielectric {
         ior: f64,
         #[serde(default = "zero", with = "number")]
         roughness: Texture,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        transmittance: Option<Texture>,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        absorption: Option<Colour>,
+        #[serde(default, deserialize_with = "normal_map::deserialize", skip_serializing_if = "Option::is_none")]
+        normal: Option<Texture>,
+        #[serde(default = "one", skip_serializing_if = "is_one")]
+        normal_scale: f64,
     },
     Pbr {
         #[serde(default = "white")]
@@ -78,6 +99,22 @@ pub enum Material {
         alpha_cutoff: Option<f64>,
         #[serde(default, skip_serializing_if = "std::ops::Not::not")]
         vertex_colors: bool,
+        #[serde(default, deserialize_with = "normal_map::deserialize", skip_serializing_if = "Option::is_none")]
+        normal: Option<Texture>,
+        #[serde(default = "one", skip_serializing_if = "is_one")]
+        normal_scale: f64,
+    },
+    ThinDielectric {
+        #[serde(default = "index_of_glass")]
+        ior: f64,
+        #[serde(default = "zero", with = "number")]
+        roughness: Texture,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        transmittance: Option<Texture>,
+        #[serde(default, deserialize_with = "normal_map::deserialize", skip_serializing_if = "Option::is_none")]
+        normal: Option<Texture>,
+        #[serde(default = "one", skip_serializing_if = "is_one")]
+        normal_scale: f64,
     },
 }
 
@@ -91,6 +128,14 @@ fn white() -> Texture {
 
 fn is_white(texture: &Texture) -> bool {
     *texture == white()
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+fn is_one(number: &f64) -> bool {
+    *number == 1.0
 }
 
 fn zero() -> Texture {
@@ -110,24 +155,47 @@ kinds! {
     Conductor => conductor::KIND,
     RoughDielectric => rough_dielectric::KIND,
     Pbr => pbr::KIND,
+    ThinDielectric => thin_dielectric::KIND,
 }
 
 impl Material {
     /// The properties of the material.
     pub fn model(&self) -> Model<'_> {
         match self {
-            Material::Lambertian { albedo, emission, alpha, alpha_cutoff, vertex_colors } => {
-                let alpha = Alpha { alpha, cutoff: *alpha_cutoff };
-                lambertian::model(albedo, emission.as_ref(), alpha, *vertex_colors)
+            Material::Lambertian { albedo, emission, alpha, alpha_cutoff, vertex_colors, normal, normal_scale } => {
+                let model = lambertian::model(albedo).glowing(emission).cut_out(alpha, *alpha_cutoff);
+                model.coloured_by_vertices(*vertex_colors).bumped(normal, *normal_scale)
             }
             Material::Metal { albedo, fuzz } => metal::model(albedo, *fuzz),
-            Material::Dielectric { ior } => dielectric::model(*ior),
+            Material::Dielectric { ior, transmittance, absorption } => {
+                dielectric::model(*ior).tinted(transmittance).absorbing(*absorption)
+            }
             Material::DiffuseLight { emit, two_sided } => diffuse_light::model(emit, *two_sided),
-            Material::Conductor { albedo, eta, k, roughness } => conductor::model(albedo.as_ref(), *eta, *k, roughness),
-            Material::RoughDielectric { ior, roughness } => rough_dielectric::model(*ior, roughness),
-            Material::Pbr { base_color, metallic, roughness, ior, emission, alpha, alpha_cutoff, vertex_colors } => {
-                let alpha = Alpha { alpha, cutoff: *alpha_cutoff };
-                pbr::model(base_color, metallic, roughness, *ior, emission.as_ref(), alpha, *vertex_colors)
+            Material::Conductor { albedo, eta, k, roughness, normal, normal_scale } => {
+                conductor::model(albedo.as_ref(), *eta, *k, roughness).bumped(normal, *normal_scale)
+            }
+            Material::RoughDielectric { ior, roughness, transmittance, absorption, normal, normal_scale } => {
+                let model = rough_dielectric::model(*ior, roughness);
+                model.tinted(transmittance).absorbing(*absorption).bumped(normal, *normal_scale)
+            }
+            Material::ThinDielectric { ior, roughness, transmittance, normal, normal_scale } => {
+                thin_dielectric::model(*ior, roughness).tinted(transmittance).bumped(normal, *normal_scale)
+            }
+            Material::Pbr {
+                base_color,
+                metallic,
+                roughness,
+                ior,
+                emission,
+                alpha,
+                alpha_cutoff,
+                vertex_colors,
+                normal,
+                normal_scale,
+            } => {
+                let model = pbr::model(base_color, metallic, roughness, *ior).glowing(emission);
+                let model = model.cut_out(alpha, *alpha_cutoff).coloured_by_vertices(*vertex_colors);
+                model.bumped(normal, *normal_scale)
             }
         }
     }
@@ -146,6 +214,7 @@ impl Material {
         let smoothest = match self {
             Material::Conductor { .. } => conductor::scattering(least),
             Material::RoughDielectric { ior, .. } => rough_dielectric::scattering(*ior, least),
+            Material::ThinDielectric { .. } => conductor::scattering(least),
             _ => model.scattering,
         };
         if smoothest == Scattering::Spread { vec![smoothest] } else { vec![Scattering::Spread, smoothest] }
@@ -236,6 +305,8 @@ pub struct Model<'a> {
     pub lacks: Option<&'static str>,
     /// What it has beside its row of the table.
     pub details: Vec<Detail<'a>>,
+    /// Of a clear solid: what it absorbs per scene unit.
+    pub absorption: Option<Colour>,
     /// The struct that kernels read. The texture and the number of the kind are filled in later.
     pub on_device: data::Material,
     /// The same of its second part, if its kind has one.
@@ -307,10 +378,35 @@ const EMISSION: Field = Field::new(
 )
 .or("none: it emits nothing");
 
-/// What a material emits beside what it scatters.
-fn glow(emission: Option<&Texture>) -> Option<Detail<'_>> {
-    Some(Detail::emission(Slot { field: &EMISSION, usage: Use::Radiance, texture: emission? }, true))
-}
+const TRANSMITTANCE: Field = Field::new(
+    "transmittance",
+    Takes::Texture(Use::Albedo.range()),
+    "The share of the light that is not reflected that each surface lets pass. Light through a body passes two.",
+)
+.or("all of it");
+/// The most that a clear solid absorbs per unit.
+pub const MOST_ABSORPTION: f64 = 1e9;
+const ABSORPTION: Field = Field::new(
+    "absorption",
+    Takes::Colour(Range::from_to(0.0, MOST_ABSORPTION)),
+    "What the inside absorbs per scene unit: exp(-absorption · distance) is left. The distance is that to the surface from which the light \
+     leaves, so a body needs a closed surface, and other things in it do not count.",
+)
+.or("none: it is clear");
+
+const NORMAL: Field = Field::new(
+    "normal",
+    Takes::Other("an image: Image(path: ..)"),
+    "A normal map: an image whose red, green and blue are the x, y and z of the normal, each from -1 at 0 to 1 at its largest code. x is \
+     along u, y along v, and z is the normal of the surface. Its codes are linear.",
+)
+.or("none: the normal is that of the surface");
+const NORMAL_SCALE: Field = Field::new(
+    "normal_scale",
+    Takes::Number(Range::from_to(-1e3, 1e3), NO_UNIT),
+    "What x and y of the normal map are multiplied by.",
+)
+.or("1");
 
 const ALPHA: Field = Field::new(
     "alpha",
@@ -331,38 +427,6 @@ const VERTEX_COLORS: Field = Field::new(
     "Whether the colours of a mesh's vertices multiply its colour. Those of glTF files are read (`COLOR_0`, without its alpha).",
 )
 .or("false");
-
-/// What tells that it has vertex colours. They lie in the mesh, so the row is white.
-fn vertex_colours(has_them: bool) -> Option<Detail<'static>> {
-    static WHITE: Texture = Texture::Rgb(1.0, 1.0, 1.0);
-    let slot = Slot { field: &VERTEX_COLORS, usage: Use::Share, texture: &WHITE };
-    has_them.then_some(Detail { kind: DetailKind::VertexColours, slot, parameter: 0.0 })
-}
-
-/// How much of the light a material stops.
-struct Alpha<'a> {
-    alpha: &'a Texture,
-    cutoff: Option<f64>,
-}
-
-impl<'a> Alpha<'a> {
-    /// Nothing if it stops all light everywhere.
-    fn detail(&self) -> Option<Detail<'a>> {
-        let least = self.cutoff.unwrap_or(1.0);
-        let stops_all = self.alpha.plain().is_some_and(|alpha| alpha.x >= least);
-        let slot = Slot { field: &ALPHA, usage: Use::Share, texture: self.alpha };
-        let detail =
-            Detail { kind: DetailKind::Alpha, slot, parameter: self.cutoff.map_or(-1.0, |cutoff| cutoff as f32) };
-        (!stops_all).then_some(detail)
-    }
-
-    /// Its numbers, to be checked.
-    fn numbers(&self) -> impl Iterator<Item = Number> {
-        let alpha = self.alpha.plain().map(|alpha| (&ALPHA, alpha.x));
-        let cutoff = self.cutoff.map(|cutoff| (&ALPHA_CUTOFF, cutoff));
-        alpha.into_iter().chain(cutoff).map(|(field, value)| Number { field, value, warning: None })
-    }
-}
 
 impl<'a> Detail<'a> {
     pub fn emission(slot: Slot<'a>, two_sided: bool) -> Detail<'a> {
@@ -393,6 +457,58 @@ pub struct Emission<'a> {
 }
 
 impl<'a> Model<'a> {
+    /// The same, emitting beside what it scatters.
+    fn glowing(mut self, emission: &'a Option<Texture>) -> Model<'a> {
+        let slot = |texture| Slot { field: &EMISSION, usage: Use::Radiance, texture };
+        self.details.extend(emission.as_ref().map(|texture| Detail::emission(slot(texture), true)));
+        self
+    }
+
+    /// The same, stopping the share `alpha` of light. With a cutoff, it stops all light where its alpha is at least that, and none elsewhere.
+    fn cut_out(mut self, alpha: &'a Texture, cutoff: Option<f64>) -> Model<'a> {
+        let least = cutoff.unwrap_or(1.0);
+        let stops_all = alpha.plain().is_some_and(|alpha| alpha.x >= least);
+        let slot = Slot { field: &ALPHA, usage: Use::Share, texture: alpha };
+        let parameter = cutoff.map_or(-1.0, |cutoff| cutoff as f32);
+        self.details.extend((!stops_all).then_some(Detail { kind: DetailKind::Alpha, slot, parameter }));
+        let numbers = alpha.plain().map(|alpha| (&ALPHA, alpha.x)).into_iter();
+        let numbers = numbers.chain(cutoff.map(|cutoff| (&ALPHA_CUTOFF, cutoff)));
+        self.numbers.extend(numbers.map(|(field, value)| Number { field, value, warning: None }));
+        self
+    }
+
+    /// The same clear solid, of which each surface lets this share of light pass.
+    fn tinted(mut self, transmittance: &'a Option<Texture>) -> Model<'a> {
+        let slot = |texture| Slot { field: &TRANSMITTANCE, usage: Use::Albedo, texture };
+        self.slot = transmittance.as_ref().map(slot);
+        self.on_device.colour = [1.0; 3];
+        self
+    }
+
+    /// The same clear solid, absorbing so much per scene unit.
+    fn absorbing(mut self, absorption: Option<Colour>) -> Model<'a> {
+        self.absorption = absorption;
+        self.colours.extend(absorption.map(|colour| (&ABSORPTION, colour)));
+        self
+    }
+
+    /// The same, with a colour that those of a mesh's vertices multiply. They lie in the mesh, so the row is white.
+    fn coloured_by_vertices(mut self, has_them: bool) -> Model<'a> {
+        static WHITE: Texture = Texture::Rgb(1.0, 1.0, 1.0);
+        let slot = Slot { field: &VERTEX_COLORS, usage: Use::Share, texture: &WHITE };
+        self.details.extend(has_them.then_some(Detail { kind: DetailKind::VertexColours, slot, parameter: 0.0 }));
+        self
+    }
+
+    /// The same with a normal map.
+    fn bumped(mut self, normal: &'a Option<Texture>, scale: f64) -> Model<'a> {
+        let slot = |texture| Slot { field: &NORMAL, usage: Use::Normal, texture };
+        let map = |texture| Detail { kind: DetailKind::Normal, slot: slot(texture), parameter: scale as f32 };
+        self.details.extend(normal.as_ref().map(map));
+        self.numbers.push(Number { field: &NORMAL_SCALE, value: scale, warning: None });
+        self
+    }
+
     /// What it emits, if it does not scatter.
     pub fn light(&self) -> Option<Emission<'a>> {
         Some(Emission { slot: self.slot?, two_sided: self.two_sided? })
@@ -416,12 +532,14 @@ impl<'a> Model<'a> {
 impl Slot<'_> {
     fn warning(&self, at: &Place, bitmaps: &Bitmaps) -> Option<String> {
         let (is_odd, message) = match self.usage {
+            Use::Share | Use::Normal => return None,
+            // A body of clear glass absorbs nothing, and light leaves it.
+            Use::Albedo if self.field.name == TRANSMITTANCE.name => return None,
             Use::Albedo => (
                 self.texture.is_white(bitmaps),
                 "an albedo of 1 absorbs nothing, so that paths in a closed scene end only at max_depth: write 0.99 or less unless that \
                  is intended",
             ),
-            Use::Share => return None,
             Use::Radiance => (
                 self.texture.brightest(bitmaps) == 0.0,
                 "an emission of 0 emits no light: raise it, or write Lambertian(albedo: Rgb(0, 0, 0)) for a black surface",

@@ -1,8 +1,8 @@
 //! The material of glTF 2.0: a matt body under a glossy layer, or a metal.
 
 use super::{
-    ALPHA, ALPHA_CUTOFF, Alpha, DetailKind, EMISSION, MaterialKind, Model, Number, Scattering, Slot, VERTEX_COLORS,
-    glow, varying, vertex_colours,
+    ALPHA, ALPHA_CUTOFF, DetailKind, EMISSION, MaterialKind, Model, NORMAL, NORMAL_SCALE, Number, Scattering, Slot,
+    VERTEX_COLORS, varying,
 };
 use crate::data;
 use crate::source::Range;
@@ -29,7 +29,18 @@ pub const KIND: MaterialKind = MaterialKind {
         name: "Pbr",
         about: "The metallic-roughness material of glTF 2.0, as its appendix B defines it: a matt body under a glossy layer, or a metal. Its names \
                 and defaults are those of glTF.",
-        fields: &[BASE_COLOR, METALLIC, ROUGHNESS, IOR, EMISSION, ALPHA, ALPHA_CUTOFF, VERTEX_COLORS],
+        fields: &[
+            BASE_COLOR,
+            METALLIC,
+            ROUGHNESS,
+            IOR,
+            EMISSION,
+            ALPHA,
+            ALPHA_CUTOFF,
+            VERTEX_COLORS,
+            NORMAL,
+            NORMAL_SCALE,
+        ],
         in_order: false,
         example: "Pbr(base_color: Rgb(0.8, 0.2, 0.1), metallic: 0, roughness: 0.4)",
     },
@@ -43,19 +54,12 @@ pub const KIND: MaterialKind = MaterialKind {
         DetailKind::VertexColours,
         DetailKind::Roughness,
         DetailKind::Metallic,
+        DetailKind::Normal,
     ],
     has_second_part: false,
 };
 
-pub fn model<'a>(
-    base_color: &'a Texture,
-    metallic: &'a Texture,
-    roughness: &'a Texture,
-    ior: f64,
-    emission: Option<&'a Texture>,
-    alpha: Alpha<'a>,
-    has_vertex_colours: bool,
-) -> Model<'a> {
+pub fn model<'a>(base_color: &'a Texture, metallic: &'a Texture, roughness: &'a Texture, ior: f64) -> Model<'a> {
     let (metallic, number_of_metallic, varying_metallic) = varying(&METALLIC, DetailKind::Metallic, metallic);
     let (roughness, number_of_roughness, varying_roughness) = varying(&ROUGHNESS, DetailKind::Roughness, roughness);
     let ior_number = Number { field: &IOR, value: ior, warning: None };
@@ -63,19 +67,11 @@ pub fn model<'a>(
         slot: Some(Slot { field: &BASE_COLOR, usage: Use::Albedo, texture: base_color }),
         scattering: Scattering::Spread,
         two_sided: None,
-        numbers: { number_of_metallic.into_iter() }
-            .chain(number_of_roughness)
-            .chain([ior_number])
-            .chain(alpha.numbers())
-            .collect(),
+        numbers: number_of_metallic.into_iter().chain(number_of_roughness).chain([ior_number]).collect(),
         colours: Vec::new(),
         lacks: None,
-        details: { glow(emission).into_iter() }
-            .chain(alpha.detail())
-            .chain(vertex_colours(has_vertex_colours))
-            .chain(varying_roughness)
-            .chain(varying_metallic)
-            .collect(),
+        details: varying_roughness.into_iter().chain(varying_metallic).collect(),
+        absorption: None,
         on_device: data::Material {
             parameter: roughness as f32,
             // The reflectance of the layer for light straight on it, and the metallic share.

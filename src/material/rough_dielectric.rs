@@ -1,6 +1,9 @@
 //! A clear solid with a rough surface: frosted glass.
 
-use super::{DetailKind, LEAST_ROUGHNESS, MaterialKind, Model, Scattering, dielectric, varying};
+use super::{
+    ABSORPTION, DetailKind, LEAST_ROUGHNESS, MaterialKind, Model, NORMAL, NORMAL_SCALE, Scattering, TRANSMITTANCE,
+    dielectric, varying,
+};
 use crate::data::{self, NO_TEXTURE};
 use crate::source::Range;
 use crate::source::form::{Field, Form, Takes};
@@ -18,7 +21,7 @@ pub const KIND: MaterialKind = MaterialKind {
         name: "RoughDielectric",
         about: "A clear solid with a rough surface, such as frosted glass. It reflects and refracts by microfacets of GGX. Light that \
                 microfacets would scatter more than once is lost.",
-        fields: &[dielectric::IOR, ROUGHNESS],
+        fields: &[dielectric::IOR, ROUGHNESS, TRANSMITTANCE, ABSORPTION, NORMAL, NORMAL_SCALE],
         in_order: false,
         example: "RoughDielectric(ior: 1.5, roughness: 0.3)",
     },
@@ -26,7 +29,7 @@ pub const KIND: MaterialKind = MaterialKind {
     scatters: &[Scattering::Spread, Scattering::OneWay],
     is_clear: true,
     emits: false,
-    details: &[DetailKind::Roughness],
+    details: &[DetailKind::Roughness, DetailKind::Normal],
     has_second_part: true,
 };
 

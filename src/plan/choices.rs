@@ -90,6 +90,15 @@ named! {
         glow_by_chance,
         /// Its light is among the direct light beside the image.
         glow_direct,
+        /// A clear material of the kernel is coloured: by a share that each surface lets pass, or by what the inside absorbs.
+        tinted,
+        tinted_in_light,
+        absorbing,
+        /// A material of the kernel has a normal map, or none of them has one.
+        normal_map,
+        plain_normal,
+        /// One that samples lights has one.
+        normal_map_in_light,
         /// Paths have a sum: of light that is sampled, or of surfaces that emit and scatter.
         gathers,
         /// The colours of a mesh's vertices multiply that of a material of the kernel.
@@ -166,6 +175,8 @@ named! {
         two_part,
         /// The non-specular ones that respond to light from both sides.
         both_sided,
+        /// Those of all that are clear.
+        clear,
         texture,
         /// The formats of the images' texels.
         texel_format,
@@ -388,10 +399,12 @@ pub(super) fn decide(
 
     let glowing = &features.details[DetailKind::Emission as usize];
     let glow = first(glowing);
-    let own = |detail: DetailKind| served_in(&features.details[detail as usize]).first().map(|kind| kind.why.clone());
+    let of_first = |used: &[Option<String>]| served_in(used).first().map(|kind| kind.why.clone());
+    let own = |detail: DetailKind| of_first(&features.details[detail as usize]);
     let (varying_roughness, varying_metallic) = (own(DetailKind::Roughness), own(DetailKind::Metallic));
     let varying_numbers = varying_roughness.clone().or(varying_metallic.clone());
-    let own_glow = served_in(glowing).first().map(|kind| kind.why.clone());
+    let (own_glow, normal_map) = (own(DetailKind::Emission), own(DetailKind::Normal));
+    let (tinted, absorbing) = (of_first(&features.tinted), of_first(&features.absorbing));
     let glow_is_sampled = own_glow.clone().and(light.clone()).and(emitting_surface.clone());
 
     let vertex_colours = served_in(&features.details[DetailKind::VertexColours as usize]);
@@ -457,6 +470,12 @@ pub(super) fn decide(
         glow_is_sampled,
         own_glow,
         glow,
+        tinted_in_light: tinted.clone().and(surface_samples_light.clone().or(specular.clone())),
+        tinted,
+        absorbing,
+        normal_map_in_light: normal_map.clone().and(surface_samples_light.clone()),
+        plain_normal: if_so(normal_map.is_none(), Reason::EveryRender),
+        normal_map,
         specular_beside_delta_light: specular.clone().and(delta_light.clone()),
         light_without_place: emitting_sky.clone().or(asked(&features.directional_lights)),
         delta_light,
@@ -507,6 +526,7 @@ pub(super) fn decide(
             non_specular,
             two_part,
             both_sided,
+            clear: { served.iter() }.filter(|kind| of_kind(kind).is_some_and(|kind| kind.is_clear)).cloned().collect(),
             texture,
             texel_format,
             background,

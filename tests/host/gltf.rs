@@ -4,9 +4,8 @@ use std::fs;
 use std::path::Path;
 
 use glam::DVec3;
-use gpu_rt::bitmap::Channel;
 use gpu_rt::error::Error;
-use gpu_rt::scene::{Assets, Background, Camera, Material, Object, Scene, Texture, Transform, Wishes};
+use gpu_rt::scene::{Assets, Background, Camera, Material, Object, Scene, Transform, Wishes};
 use serde_json::{Value, json};
 
 use crate::common::gltf::{glb, gltf, png, room};
@@ -46,18 +45,15 @@ fn camera(look_from: DVec3, vertical_fov: f64) -> impl Fn(&Camera) -> bool {
     move |camera| camera.look_from == look_from && (camera.vertical_fov - vertical_fov).abs() < 1e-5
 }
 
-/// The material of the third square.
-fn metal(roughness: f64) -> Material {
-    Material::Conductor {
-        albedo: Some(Texture::Rgb(0.8, 0.7, 0.6)),
-        eta: None,
-        k: None,
-        roughness: Texture::grey(roughness),
-    }
+/// A material as a scene file writes it.
+fn written(material: &str) -> Material {
+    let options = ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
+    options.from_str(material).unwrap_or_else(|error| panic!("{material}: {error}"))
 }
 
-fn white() -> Texture {
-    Texture::Rgb(1.0, 1.0, 1.0)
+/// The material of the third square.
+fn metal(roughness: f64) -> Material {
+    written(&format!("Conductor(albedo: Rgb(0.8, 0.7, 0.6), roughness: {roughness})"))
 }
 
 #[test]
@@ -65,22 +61,9 @@ fn a_file_becomes_objects_materials_and_a_camera() {
     let scene = load(&room().0).unwrap();
     let names: Vec<&str> = scene.materials.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(names, ["Wood", "Lamp", "Steel"]);
-    let image = Texture::Image { path: "room.glb#images/0".to_owned(), tint: DVec3::new(0.5, 0.6, 0.7), channel: None };
-    assert_eq!(
-        scene.materials[0].1,
-        Material::Pbr {
-            base_color: image,
-            metallic: Texture::grey(0.0),
-            roughness: Texture::grey(1.0),
-            ior: 1.5,
-            emission: None,
-            alpha: white(),
-            alpha_cutoff: None,
-            vertex_colors: false
-        }
-    );
-    let emit = Texture::Rgb(10.0, 9.0, 8.0);
-    assert_eq!(scene.materials[1].1, Material::DiffuseLight { emit, two_sided: true });
+    let wood = "Pbr(base_color: Image(path: \"room.glb#images/0\", tint: (0.5, 0.6, 0.7)), metallic: 0)";
+    assert_eq!(scene.materials[0].1, written(wood));
+    assert_eq!(scene.materials[1].1, written("DiffuseLight(emit: Rgb(10, 9, 8))"));
     assert_eq!(scene.materials[2].1, metal(0.0));
     assert_eq!(scene.bitmaps.colours("room.glb#images/0").unwrap().texel(3), [1.0, 1.0, 0.127_437_68]);
 
@@ -131,29 +114,10 @@ fn materials_are_those_of_the_standard_as_far_as_ours_go() {
         let base = json!({"baseColorFactor": [0.8, 0.7, 0.6, 1], "metallicFactor": metallic, "roughnessFactor": 0.3});
         steel(json!({"pbrMetallicRoughness": base, "extensions": extensions}))
     };
-    let base_color = Texture::Rgb(0.8, 0.7, 0.6);
     assert_eq!(pbr(1.0, json!({})), metal(0.3));
-    let expected = Material::Pbr {
-        base_color: base_color.clone(),
-        metallic: Texture::grey(0.25),
-        roughness: Texture::grey(0.3),
-        ior: 1.4,
-        emission: None,
-        alpha: white(),
-        alpha_cutoff: None,
-        vertex_colors: false,
-    };
-    assert_eq!(pbr(0.25, json!({})), expected);
-    assert_eq!(
-        pbr(0.0, json!({"specularFactor": 0})),
-        Material::Lambertian {
-            albedo: base_color,
-            emission: None,
-            alpha: white(),
-            alpha_cutoff: None,
-            vertex_colors: false
-        }
-    );
+    let expected = "Pbr(base_color: Rgb(0.8, 0.7, 0.6), metallic: 0.25, roughness: 0.3, ior: 1.4)";
+    assert_eq!(pbr(0.25, json!({})), written(expected));
+    assert_eq!(pbr(0.0, json!({"specularFactor": 0})), written("Lambertian(albedo: Rgb(0.8, 0.7, 0.6))"));
     let Material::Pbr { ior, .. } = pbr(0.0, json!({"specularFactor": 0.25})) else { panic!() };
     let reflectance = |ior: f64| ((ior - 1.0) / (ior + 1.0)).powi(2);
     assert!((reflectance(ior) - 0.25 * reflectance(1.4)).abs() < 1e-12);
@@ -162,53 +126,47 @@ fn materials_are_those_of_the_standard_as_far_as_ours_go() {
             json!({"KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_ior": {"ior": 1.4}});
         steel(json!({"pbrMetallicRoughness": {"roughnessFactor": roughness}, "extensions": extensions}))
     };
-    assert_eq!(glass(0.0), Material::Dielectric { ior: 1.4 });
-    assert_eq!(glass(0.5), Material::RoughDielectric { ior: 1.4, roughness: Texture::grey(0.5) });
+    assert_eq!(glass(0.0), written("ThinDielectric(ior: 1.4)"));
+    assert_eq!(glass(0.5), written("ThinDielectric(ior: 1.4, roughness: 0.5)"));
     let glow = steel(json!({"emissiveFactor": [0.5, 0, 1], "emissiveTexture": {"index": 0},
         "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 4}}}));
-    let emission =
-        Texture::Image { path: "room.glb#images/0".to_owned(), tint: DVec3::new(2.0, 0.0, 4.0), channel: None };
-    let base_color = Texture::Rgb(0.8, 0.7, 0.6);
-    let expected = Material::Pbr {
-        base_color,
-        metallic: Texture::grey(1.0),
-        roughness: Texture::grey(0.0),
-        ior: 1.5,
-        emission: Some(emission),
-        alpha: white(),
-        alpha_cutoff: None,
-        vertex_colors: false,
-    };
-    assert_eq!(glow, expected);
+    let expected = "Pbr(base_color: Rgb(0.8, 0.7, 0.6), roughness: 0, emission: Image(path: \"room.glb#images/0\", tint: (2, 0, 4)))";
+    assert_eq!(glow, written(expected));
+    // The image has half of its codes at 0 and half at 255 in green, and 100 in blue.
     let textured =
         steel(json!({"pbrMetallicRoughness": {"metallicFactor": 0.5, "metallicRoughnessTexture": {"index": 0}}}));
-    let base_color = Texture::Rgb(1.0, 1.0, 1.0);
-    let number = |factor: f64, channel| {
-        let path = "room.glb#images/0".to_owned();
-        Texture::Image { path, tint: DVec3::splat(factor), channel: Some(channel) }
+    let number = |factor: f64, channel: char| {
+        format!("Image(path: \"room.glb#images/0\", tint: ({factor}, {factor}, {factor}), channel: {channel})")
     };
-    let (metallic, roughness) = (number(0.5, Channel::B), number(1.0, Channel::G));
-    assert_eq!(
-        textured,
-        Material::Pbr {
-            base_color,
-            metallic,
-            roughness,
-            ior: 1.5,
-            emission: None,
-            alpha: white(),
-            alpha_cutoff: None,
-            vertex_colors: false
-        }
-    );
+    let expected = format!("Pbr(metallic: {}, roughness: {})", number(0.5, 'B'), number(1.0, 'G'));
+    assert_eq!(textured, written(&expected));
     // Glass has the roughness alone, and a factor of 0 leaves nothing.
     let glass = |factor: f64| {
         let extensions = json!({"KHR_materials_transmission": {"transmissionFactor": 1}});
         let numbers = json!({"roughnessFactor": factor, "metallicRoughnessTexture": {"index": 0}});
         steel(json!({"pbrMetallicRoughness": numbers, "extensions": extensions}))
     };
-    assert_eq!(glass(0.0), Material::Dielectric { ior: 1.5 });
-    assert_eq!(glass(0.25), Material::RoughDielectric { ior: 1.5, roughness: number(0.25, Channel::G) });
+    assert_eq!(glass(0.0), written("ThinDielectric()"));
+    assert_eq!(glass(0.25), written(&format!("ThinDielectric(roughness: {})", number(0.25, 'G'))));
+    let solid = |more: Value| {
+        let mut volume = json!({"thicknessFactor": 1});
+        volume.as_object_mut().unwrap().extend(more.as_object().unwrap().clone());
+        let extensions =
+            json!({"KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_volume": volume});
+        let base = json!({"baseColorFactor": [0.5, 1, 1, 1], "roughnessFactor": 0});
+        steel(json!({"pbrMetallicRoughness": base, "extensions": extensions}))
+    };
+    assert_eq!(solid(json!({})), written("Dielectric(ior: 1.5, transmittance: Rgb(0.5, 1, 1))"));
+    let Material::Dielectric { absorption: Some(absorption), .. } =
+        solid(json!({"attenuationDistance": 2, "attenuationColor": [0.5, 1, 0]}))
+    else {
+        panic!("it absorbs")
+    };
+    assert!((absorption - DVec3::new(0.5 * 2f64.ln(), 0.0, 1e9)).length() < 1e-12, "{absorption}");
+    let bumpy = steel(json!({"normalTexture": {"index": 0, "scale": 0.5}}));
+    let expected =
+        "Conductor(albedo: Rgb(0.8, 0.7, 0.6), normal: Image(path: \"room.glb#images/0\"), normal_scale: 0.5)";
+    assert_eq!(bumpy, written(expected));
 }
 
 /// The metal's base colour has an alpha of 0.25.
@@ -220,47 +178,31 @@ fn alpha_is_read_where_its_mode_says_so() {
         json.as_object_mut().unwrap().extend(more.as_object().unwrap().clone());
         steel(json)
     };
-    let covered = |alpha: f64, alpha_cutoff: Option<f64>| {
-        let base_color = Texture::Rgb(0.8, 0.7, 0.6);
-        let alpha = Texture::Rgb(alpha, alpha, alpha);
-        Material::Pbr {
-            base_color,
-            metallic: Texture::grey(1.0),
-            roughness: Texture::grey(0.3),
-            ior: 1.5,
-            emission: None,
-            alpha,
-            alpha_cutoff,
-            vertex_colors: false,
-        }
-    };
+    let covered = |alpha: &str| written(&format!("Pbr(base_color: Rgb(0.8, 0.7, 0.6), roughness: 0.3, {alpha})"));
     assert_eq!(of(json!({})), metal(0.3));
     assert_eq!(of(json!({"alphaMode": "OPAQUE"})), metal(0.3));
-    assert_eq!(of(json!({"alphaMode": "BLEND"})), covered(0.25, None));
-    assert_eq!(of(json!({"alphaMode": "MASK"})), covered(0.25, Some(0.5)));
-    assert_eq!(of(json!({"alphaMode": "MASK", "alphaCutoff": 0.125})), covered(0.25, Some(0.125)));
+    assert_eq!(of(json!({"alphaMode": "BLEND"})), covered("alpha: 0.25"));
+    assert_eq!(of(json!({"alphaMode": "MASK"})), covered("alpha: 0.25, alpha_cutoff: 0.5"));
+    assert_eq!(of(json!({"alphaMode": "MASK", "alphaCutoff": 0.125})), covered("alpha: 0.25, alpha_cutoff: 0.125"));
     // Its texture has an alpha, too.
     let wood = |more: Value| {
         let mut json = room().0;
         json["materials"][0].as_object_mut().unwrap().extend(more.as_object().unwrap().clone());
-        let Material::Pbr { alpha, alpha_cutoff, .. } = load(&json).unwrap().materials[0].1.clone() else { panic!() };
-        (alpha, alpha_cutoff)
+        load(&json).unwrap().materials[0].1.clone()
     };
-    let path = "room.glb#images/0".to_owned();
-    let textured = Texture::Image { path, tint: DVec3::ONE, channel: Some(Channel::A) };
-    assert_eq!(wood(json!({"alphaMode": "MASK", "alphaCutoff": 0.25})), (textured.clone(), Some(0.25)));
-    assert_eq!(wood(json!({"alphaMode": "BLEND"})), (textured, None));
-    assert_eq!(wood(json!({})), (white(), None));
+    let textured = |more: &str| {
+        let colour = "base_color: Image(path: \"room.glb#images/0\", tint: (0.5, 0.6, 0.7)), metallic: 0";
+        written(&format!("Pbr({colour}{more})"))
+    };
+    let alpha = ", alpha: Image(path: \"room.glb#images/0\", channel: A)";
+    let cut_out = textured(&format!("{alpha}, alpha_cutoff: 0.25"));
+    assert_eq!(wood(json!({"alphaMode": "MASK", "alphaCutoff": 0.25})), cut_out);
+    assert_eq!(wood(json!({"alphaMode": "BLEND"})), textured(alpha));
+    assert_eq!(wood(json!({})), textured(""));
     // What emits and has an alpha is no DiffuseLight.
     let lamp = of(json!({"alphaMode": "BLEND", "emissiveFactor": [1, 0.5, 0],
         "pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 0.5]}}));
-    let emission = Some(Texture::Rgb(1.0, 0.5, 0.0));
-    let half = Texture::Rgb(0.5, 0.5, 0.5);
-    let black = Texture::Rgb(0.0, 0.0, 0.0);
-    assert_eq!(
-        lamp,
-        Material::Lambertian { albedo: black, emission, alpha: half, alpha_cutoff: None, vertex_colors: false }
-    );
+    assert_eq!(lamp, written("Lambertian(albedo: Rgb(0, 0, 0), emission: Rgb(1, 0.5, 0), alpha: 0.5)"));
 }
 
 /// COLOR_0 multiplies the colours of materials whose primitives have it. The normals (0, 0, 1) are taken for colours.
@@ -269,18 +211,8 @@ fn vertex_colours_are_read() {
     let mut json = room().0;
     json["meshes"][2]["primitives"][0]["attributes"]["COLOR_0"] = json!(1);
     let scene = load(&json).unwrap();
-    let (base_color, alpha) = (Texture::Rgb(0.8, 0.7, 0.6), white());
-    let expected = Material::Pbr {
-        base_color,
-        metallic: Texture::grey(1.0),
-        roughness: Texture::grey(0.0),
-        ior: 1.5,
-        emission: None,
-        alpha,
-        alpha_cutoff: None,
-        vertex_colors: true,
-    };
-    assert_eq!(scene.materials[2].1, expected);
+    let expected = "Pbr(base_color: Rgb(0.8, 0.7, 0.6), roughness: 0, vertex_colors: true)";
+    assert_eq!(scene.materials[2].1, written(expected));
     let colours = |path: &str| scene.meshes[path].colours.clone();
     assert_eq!(colours("room.glb#meshes/2/primitives/0"), [[0, 0, u16::MAX]; 4]);
     assert!(colours("room.glb#meshes/0/primitives/0").is_empty());
@@ -335,11 +267,11 @@ fn what_is_not_read_is_named_once_with_its_material() {
         notes(&json)[0].clone()
     };
     for (more, expected) in [
-        (json!({"normalTexture": {"index": 0}}), "not read: normalTexture"),
+        (json!({"occlusionTexture": {"index": 0}}), "not read: occlusionTexture"),
         (json!({"extensions": {"KHR_materials_clearcoat": {}}}), "not read: \"KHR_materials_clearcoat\""),
         (
-            json!({"extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}}}),
-            "clear glass without its colour",
+            json!({"extensions": {"KHR_materials_transmission": {"transmissionFactor": 0.75}}}),
+            "its transmissionFactor of 0.75 is taken for 1",
         ),
         (
             json!({"emissiveFactor": [1, 1, 1], "emissiveTexture": {"index": 0, "texCoord": 1}}),

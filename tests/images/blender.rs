@@ -15,9 +15,7 @@ const HEIGHT: usize = 60;
 const BLOCK: usize = 10;
 
 /// The scenes, with samples per pixel.
-///
-/// "textures" waits for normal maps.
-const SCENES: [(&str, u32); 7] = [
+const SCENES: [(&str, u32); 8] = [
     ("room", 256),
     ("metals", 128),
     ("glass", 128),
@@ -25,6 +23,7 @@ const SCENES: [(&str, u32); 7] = [
     ("leaves", 128),
     ("lights", 128),
     ("emission", 128),
+    ("textures", 128),
 ];
 
 fn file(name: &str, extension: &str) -> PathBuf {

@@ -41,6 +41,8 @@ fn modules() -> Vec<naga::Module> {
         smooth: Some("a test".to_string()),
         emitters: Default::default(),
         details: Default::default(),
+        tinted: Default::default(),
+        absorbing: Default::default(),
         emitting_sky: Some("a test".to_string()),
         delta_lights: Some("a test".to_string()),
         directional_lights: Some("a test".to_string()),
@@ -62,6 +64,8 @@ fn modules() -> Vec<naga::Module> {
                 kinds.iter().any(|kind| *kind as usize == detail).then(|| "a test".to_string())
             })
         }),
+        tinted: features.tinted.map(on),
+        absorbing: features.absorbing.map(on),
         emitters: features.emitters.map(on),
         backgrounds: features.backgrounds.map(on),
         ..features

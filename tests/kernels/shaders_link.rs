@@ -82,17 +82,19 @@ fn lit(features: Features, emitters: usize, sky: bool) -> Features {
 
 /// The same with materials that emit beside what they scatter.
 fn glowing(features: Features) -> Features {
+    detailed(features, DetailKind::Emission)
+}
+
+/// The same with a detail of all materials that may scatter into many directions.
+fn detailed(features: Features, kind: DetailKind) -> Features {
     let mut details = features.details.clone();
-    details[DetailKind::Emission as usize] = features.non_specular.clone();
+    details[kind as usize] = features.non_specular.clone();
     Features { details, ..features }
 }
 
 /// The same with materials that have an alpha, and vertex colours.
 fn covered(features: Features) -> Features {
-    let mut details = features.details.clone();
-    details[DetailKind::Alpha as usize] = features.non_specular.clone();
-    details[DetailKind::VertexColours as usize] = features.non_specular.clone();
-    Features { details, ..features }
+    detailed(detailed(features, DetailKind::Alpha), DetailKind::VertexColours)
 }
 
 /// The same with numbers of materials that vary.
@@ -103,6 +105,15 @@ fn varying(features: Features, kinds: &[DetailKind]) -> Features {
         details[*kind as usize] = std::array::from_fn(has_it);
     }
     Features { details, ..features }
+}
+
+/// The same with colours of the clear materials.
+fn coloured(features: Features, tinted: bool, absorbing: bool) -> Features {
+    let clear = bits_of(|kind| kind.is_clear);
+    let those = |asked: bool| -> [Option<String>; MATERIALS.len()] {
+        std::array::from_fn(|i| features.materials[i].clone().filter(|_| asked && clear >> i & 1 == 1))
+    };
+    Features { tinted: those(tinted), absorbing: those(absorbing), ..features }
 }
 
 /// The same with lights without size, directional ones among them, where anything answers to them.
@@ -141,8 +152,8 @@ fn everything() -> Features {
 fn all_sampled() -> Features {
     let surfaces = features(all(PRIMITIVES), all(MATERIALS), all(TEXTURES), IMAGE, true);
     let surfaces = varying(surfaces, &[DetailKind::Roughness, DetailKind::Metallic]);
-    let lit = lit(with_media(smooth(surfaces), all(BOUNDARIES), true), all(PRIMITIVES), true);
-    covered(glowing(delta_lit(lit, true)))
+    let lit = delta_lit(lit(with_media(smooth(surfaces), all(BOUNDARIES), true), all(PRIMITIVES), true), true);
+    detailed(covered(glowing(coloured(lit, true, true))), DetailKind::Normal)
 }
 
 /// The same with render space turned to the camera's axes.
@@ -266,6 +277,21 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
             delta_lit(own.clone(), true),
         ]);
         found.push(lit(with_media(covered(features(set, 1, textures, IMAGE, false)), 1, false), set, true));
+    }
+    // Normal maps on each shape, in every material, with and without light.
+    for (shapes, set) in (0..PRIMITIVES.len()).map(|i| (1 << i, 1)).chain([(primitives, materials)]) {
+        let mapped = detailed(features(shapes, set, textures, SOLID, false), DetailKind::Normal);
+        found.extend([mapped.clone(), lit(mapped.clone(), shapes, false), lit(mapped.clone(), 0, true)]);
+        if shapes == primitives {
+            found.push(smooth(mapped));
+        }
+    }
+    // Coloured glass, smooth and rough, alone and beside the other materials.
+    for set in [bits_of(|kind| kind.is_clear), materials] {
+        for (tinted, absorbing) in [(true, false), (false, true), (true, true)] {
+            let glass = coloured(features(1, set, 0, SOLID, false), tinted, absorbing);
+            found.extend([glass.clone(), lit(glass.clone(), 1, false), lit(glass, 0, true)]);
+        }
     }
     // Lights without size alone, with every material and in media, and beside each kind of light.
     for directional in [false, true] {
@@ -456,6 +482,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("sampler", &["data", "lib"]),
     ("data", &["data", "lib"]),
     ("geometry", &["data", "geometry", "lib"]),
+    ("tangent", &["data", "lib"]),
     ("light", &["data", "geometry", "lib", "light"]),
     ("medium", &["data", "geometry", "lib", "medium"]),
     ("material", &["data", "geometry", "lib", "material"]),
@@ -478,6 +505,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "medium",
             "sampler",
             "scene",
+            "tangent",
             "texel",
             "texture",
         ],

@@ -29,7 +29,7 @@ pub fn bitmap(image: &DynamicImage, decoding: Decoding) -> Bitmap {
 /// The number of one channel of a pixel.
 pub fn of_channel<T: Copy>([r, g, b, a]: [T; 4], channel: Channel) -> T {
     match channel {
-        Channel::R => r,
+        Channel::R | Channel::Rgb => r,
         Channel::G => g,
         Channel::B => b,
         Channel::A => a,

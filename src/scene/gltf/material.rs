@@ -1,14 +1,18 @@
 //! The materials of a glTF file, in terms of ours. What has no counterpart is named, once for each material.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use glam::DVec3;
+use gltf::json::extensions::material::Volume;
+use gltf::json::extensions::texture;
 use gltf::json::material::{AlphaMode, Material as Given};
 use gltf::json::texture::{Info, MagFilter, WrappingMode};
 use gltf::json::validation::Checked;
 
 use super::{Broken, File, Part, Result, beside, decimal};
 use crate::bitmap::Channel;
+use crate::material::MOST_ABSORPTION;
 use crate::scene::mesh::quote;
 use crate::scene::types::{Colour, Material, Texture};
 use crate::texture::{LARGEST_RADIANCE, SMALLEST_RADIANCE};
@@ -61,8 +65,19 @@ enum Model {
 pub fn default_material(vertex_colors: bool) -> Material {
     let [metallic, roughness, alpha] = [1.0; 3].map(Texture::grey);
     let base_color = Texture::Rgb(1.0, 1.0, 1.0);
-    let (emission, alpha_cutoff) = (None, None);
-    Material::Pbr { base_color, metallic, roughness, ior: 1.5, emission, alpha, alpha_cutoff, vertex_colors }
+    let (emission, alpha_cutoff, normal, normal_scale) = (None, None, None, 1.0);
+    Material::Pbr {
+        base_color,
+        metallic,
+        roughness,
+        ior: 1.5,
+        emission,
+        alpha,
+        alpha_cutoff,
+        vertex_colors,
+        normal,
+        normal_scale,
+    }
 }
 
 pub fn colour(rgb: [f32; 3]) -> Colour {
@@ -94,29 +109,25 @@ fn model(given: &Given) -> Model {
 }
 
 /// A texture of a material, with the field that names it.
-type Named<'a> = (&'static str, &'a Info);
+type Named<'a> = (&'static str, Cow<'a, Info>);
 
 fn base_texture(given: &Given) -> Option<Named<'_>> {
     let info = given.pbr_metallic_roughness.base_color_texture.as_ref();
-    let is_read = match model(given) {
-        Model::Surface => true,
-        // For its alpha.
-        Model::Light => !is_opaque(given),
-        Model::Glass => false,
-    };
-    info.filter(|_| is_read).map(|info| ("pbrMetallicRoughness.baseColorTexture", info))
+    // That of a lamp is read for its alpha.
+    let info = info.filter(|_| model(given) != Model::Light || !is_opaque(given));
+    info.map(|info| ("pbrMetallicRoughness.baseColorTexture", Cow::Borrowed(info)))
 }
 
 fn emissive_texture(given: &Given) -> Option<Named<'_>> {
     let is_read = model(given) != Model::Glass && emission(given) != Colour::ZERO;
-    given.emissive_texture.as_ref().filter(|_| is_read).map(|info| ("emissiveTexture", info))
+    given.emissive_texture.as_ref().filter(|_| is_read).map(|info| ("emissiveTexture", Cow::Borrowed(info)))
 }
 
 /// The texture of its numbers: the roughness in green, and how metallic it is in blue.
 fn number_texture(given: &Given) -> Option<Named<'_>> {
     let info = given.pbr_metallic_roughness.metallic_roughness_texture.as_ref();
     let is_read = numbers(given) != [0.0; 2] && model(given) != Model::Light;
-    info.filter(|_| is_read).map(|info| ("pbrMetallicRoughness.metallicRoughnessTexture", info))
+    info.filter(|_| is_read).map(|info| ("pbrMetallicRoughness.metallicRoughnessTexture", Cow::Borrowed(info)))
 }
 
 /// The factors of the roughness and of how metallic it is, each cut to 0..1. Glass is no metal.
@@ -126,9 +137,30 @@ fn numbers(given: &Given) -> [f64; 2] {
     [roughness, if model(given) == Model::Glass { 0.0 } else { metallic }]
 }
 
+/// The normal map, which the crate reads as a type of its own.
+fn normal_texture(given: &Given) -> Option<Named<'_>> {
+    let map = given.normal_texture.as_ref().filter(|_| model(given) != Model::Light)?;
+    let others = map.extensions.as_ref().map(|extensions| extensions.others.clone()).unwrap_or_default();
+    let transform = others.get("KHR_texture_transform").cloned();
+    let transform = transform.and_then(|transform| serde_json::from_value(transform).ok());
+    let extensions = texture::Info { texture_transform: transform, others };
+    let info =
+        Info { index: map.index, tex_coord: map.tex_coord, extensions: Some(extensions), extras: Default::default() };
+    Some(("normalTexture", Cow::Owned(info)))
+}
+
 /// The textures that a material of ours has. The texture coordinates of its meshes are those of the first one.
 fn textures(given: &Given) -> impl Iterator<Item = Named<'_>> {
-    base_texture(given).into_iter().chain(emissive_texture(given)).chain(number_texture(given))
+    let of_colour = base_texture(given).into_iter().chain(emissive_texture(given));
+    of_colour.chain(number_texture(given)).chain(normal_texture(given))
+}
+
+/// What the inside absorbs per unit, of which the share `attenuationColor` is left after `attenuationDistance`.
+fn absorption(volume: &Volume) -> Option<Colour> {
+    let distance = f64::from(volume.attenuation_distance.0);
+    let left = colour(volume.attenuation_color.0).clamp(Colour::ZERO, Colour::ONE);
+    let absorbed = (-left.map(f64::ln) / distance).min(Colour::splat(MOST_ABSORPTION));
+    (distance > 0.0 && distance.is_finite() && absorbed != Colour::ZERO).then_some(absorbed)
 }
 
 /// What is not as the file says.
@@ -153,7 +185,7 @@ impl File {
         let material = self.primitive(mesh, primitive)?.material;
         let given = material.and_then(|material| self.root().materials.get(material.value()));
         let first = given.and_then(|given| textures(given).next());
-        Ok(first.map(|(_, info)| UvPlacing::of(info)).unwrap_or_default())
+        Ok(first.map(|(_, info)| UvPlacing::of(&info)).unwrap_or_default())
     }
 
     /// Whether a primitive's material has an image.
@@ -173,7 +205,7 @@ impl File {
         let [r, g, b, _] = pbr.base_color_factor.0;
         let base = share(colour([r, g, b]), "baseColorFactor", &mut found);
         let mut image = |named: Option<Named>| -> Result<Option<String>> {
-            let image = named.map(|(field, info)| self.image_path(&at, field, info, path, &mut found));
+            let image = named.map(|(field, info)| self.image_path(&at, field, &info, path, &mut found));
             Ok(image.transpose()?.flatten())
         };
         let texture = |image: Option<String>, tint: Colour, channel| match image {
@@ -184,6 +216,9 @@ impl File {
         let color = texture(of_base.clone(), base, None);
         let light = texture(image(emissive_texture(given))?, radiance(emission(given)), None);
         let of_numbers = image(number_texture(given))?;
+        let normal = image(normal_texture(given))?.map(|path| texture(Some(path), Colour::ONE, Some(Channel::Rgb)));
+        let scale = given.normal_texture.as_ref().map_or(1.0, |map| decimal(map.scale).clamp(-1e3, 1e3));
+        let normal_scale = if normal.is_some() { scale } else { 1.0 };
         let number = |factor: f64, channel| {
             // Nothing of a texture is left by a factor of 0.
             let image = of_numbers.clone().filter(|_| factor != 0.0);
@@ -194,7 +229,7 @@ impl File {
         let [is_smooth, is_no_metal, is_metal] =
             [(&roughness, 0.0), (&metallic, 0.0), (&metallic, 1.0)].map(|(number, x)| *number == Texture::grey(x));
         let emission = Some(light.clone()).filter(|light| light.plain() != Some(Colour::ZERO));
-        let placing: Vec<_> = textures(given).map(|(field, info)| (field, UvPlacing::of(info))).collect();
+        let placing: Vec<_> = textures(given).map(|(field, info)| (field, UvPlacing::of(&info))).collect();
         if let [(first, shared), others @ ..] = placing.as_slice() {
             for (field, own) in others {
                 found.add_if(own != shared, format!("{field} by the texture coordinates of {first}"));
@@ -223,30 +258,31 @@ impl File {
             // A DiffuseLight has no alpha.
             Model::Light if !is_opaque => {
                 found.add_if(!given.double_sided, "it emits to both sides");
-                Material::Lambertian { albedo: color, emission: Some(light), alpha, alpha_cutoff, vertex_colors }
+                let (albedo, emission) = (color, Some(light));
+                Material::Lambertian { albedo, emission, alpha, alpha_cutoff, vertex_colors, normal, normal_scale }
             }
             Model::Light => Material::DiffuseLight { emit: light, two_sided: given.double_sided },
             Model::Glass => {
                 found.add_if(!is_opaque, "without its alpha");
                 found.add_if(vertex_colors, "without vertex colours");
-                found.add_if(base != Colour::ONE || pbr.base_color_texture.is_some(), "clear glass without its colour");
                 let volume = extensions.and_then(|found| found.volume.as_ref());
-                let is_thin = volume.is_none_or(|volume| volume.thickness_factor.0 == 0.0);
-                found.add_if(is_thin, "solid, although it is thin-walled");
-                found.add_if(
-                    volume.is_some_and(|volume| volume.attenuation_distance.0.is_finite()),
-                    "without the absorption of its volume",
-                );
-                match is_smooth {
-                    true => Material::Dielectric { ior },
-                    false => Material::RoughDielectric { ior, roughness },
+                let solid = volume.filter(|volume| volume.thickness_factor.0 > 0.0);
+                let transmittance = Some(color).filter(|color| color.plain() != Some(Colour::ONE));
+                let absorption = solid.and_then(absorption);
+                match solid {
+                    None => Material::ThinDielectric { ior, roughness, transmittance, normal, normal_scale },
+                    Some(_) if is_smooth && normal.is_none() => Material::Dielectric { ior, transmittance, absorption },
+                    Some(_) => {
+                        Material::RoughDielectric { ior, roughness, transmittance, absorption, normal, normal_scale }
+                    }
                 }
             }
             Model::Surface if is_metal && emission.is_none() && is_opaque && !vertex_colors => {
-                Material::Conductor { albedo: Some(color), eta: None, k: None, roughness }
+                Material::Conductor { albedo: Some(color), eta: None, k: None, roughness, normal, normal_scale }
             }
             Model::Surface if is_matt && is_no_metal => {
-                Material::Lambertian { albedo: color, emission, alpha, alpha_cutoff, vertex_colors }
+                let albedo = color;
+                Material::Lambertian { albedo, emission, alpha, alpha_cutoff, vertex_colors, normal, normal_scale }
             }
             Model::Surface => {
                 let factor = specular.map_or(1.0, |specular| decimal(specular.specular_factor.0).clamp(0.0, 1.0));
@@ -262,6 +298,8 @@ impl File {
                     alpha,
                     alpha_cutoff,
                     vertex_colors,
+                    normal,
+                    normal_scale,
                 }
             }
         };
@@ -270,7 +308,6 @@ impl File {
         let has = |it: bool, name: &str| it.then(|| name.to_owned());
         let unread = [
             has(model == Model::Glass && emits, "emissiveFactor"),
-            has(!is_light && given.normal_texture.is_some(), "normalTexture"),
             has(!is_light && given.occlusion_texture.is_some(), "occlusionTexture"),
             has(specular.is_some_and(|it| it.specular_texture.is_some()), "specularTexture"),
             has(specular.is_some_and(|it| it.specular_color_texture.is_some()), "specularColorTexture"),

@@ -1,0 +1,30 @@
+//@ use data/material
+//@ use choice/fresnel
+//@ use lib/basis
+//@ use lib/microfacet
+// A pane of clear solid that is thin: what it refracts leaves it in the direction in which it came. `parameter` is its roughness. A
+// microfacet is drawn from those that are visible. It reflects with the probability of its reflectance. The light that passes is
+// spread as the reflected light is, on the other side of the pane, so both have the weight of a microfacet's reflection.
+fn thin_dielectric_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scatter {
+    let normal = hit.normal;
+    let cos_view = clamp(-dot(hit.incoming, normal), 0.0, 1.0);
+    if material.parameter < LEAST_ROUGHNESS {
+        let reflects = u.x < fresnel(cos_view, 1.0, material.contrast_outside).reflectance;
+        let mirrored = normalize(hit.incoming + 2.0 * cos_view * normal);
+        return Scatter(SCATTERED, select(hit.incoming, mirrored, reflects), vec3<f32>(1.0));
+    }
+    let alpha = material.parameter * material.parameter;
+    let basis = basis_around(normal);
+    let across = vec2<f32>(dot(hit.incoming, basis.tangent), dot(hit.incoming, basis.bitangent));
+    let facet = from_basis(basis, sample_visible_normal(vec3<f32>(-across, cos_view), alpha, u.zw));
+    let cos_facet = clamp(-dot(hit.incoming, facet), 0.0, 1.0);
+    let mirrored = normalize(hit.incoming + 2.0 * cos_facet * facet);
+    let cos_light = dot(mirrored, normal);
+    if !(cos_light > 0.0) {
+        return absorbed();
+    }
+    let reflects = u.x < fresnel(cos_facet, 1.0, material.contrast_outside).reflectance;
+    let passing = normalize(mirrored - 2.0 * cos_light * normal);
+    let share = smith_shadowing(cos_view, min(cos_light, 1.0), alpha);
+    return Scatter(SCATTERED, select(passing, mirrored, reflects), vec3<f32>(share));
+}

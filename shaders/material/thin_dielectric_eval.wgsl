@@ -1,0 +1,25 @@
+//@ use data/material
+//@ use choice/fresnel
+//@ use lib/microfacet
+// A thin pane that is smooth is clear glass.
+fn thin_dielectric_is_non_specular(material: Material) -> bool {
+    return material.parameter >= LEAST_ROUGHNESS;
+}
+
+// The microfacet BSDF times cosine, and the density with which thin_dielectric_scatter samples the direction. A direction behind the pane
+// counts as its mirror image before it.
+fn thin_dielectric_eval(material: Material, hit: Interaction, direction: vec3<f32>) -> Response {
+    let alpha = material.parameter * material.parameter;
+    let cos_view = clamp(-dot(hit.incoming, hit.normal), 0.0, 1.0);
+    let height = dot(direction, hit.normal);
+    if height == 0.0 {
+        return Response(vec3<f32>(0.0), 0.0);
+    }
+    let mirrored = direction - 2.0 * min(height, 0.0) * hit.normal;
+    let half_way = mirrored - hit.incoming;
+    let cos_facet = clamp(dot(mirrored, half_way) * inverseSqrt(dot(half_way, half_way)), 0.0, 1.0);
+    let reflectance = fresnel(cos_facet, 1.0, material.contrast_outside).reflectance;
+    let share = select(1.0 - reflectance, reflectance, height > 0.0);
+    let pdf = 0.25 * share * visible_density(microfacet_density(half_way, hit.normal, alpha), cos_view, alpha);
+    return Response(vec3<f32>(pdf * smith_shadowing(cos_view, min(abs(height), 1.0), alpha)), pdf);
+}

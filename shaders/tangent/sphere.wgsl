@@ -1,0 +1,11 @@
+//@ use data/primitive
+//@ use data/surface
+//@ use data/texture
+//@ use lib/tangents
+// The texture's frame turns render space to the object's own, in which u grows around the y axis and v along it.
+fn sphere_tangents(surface: Surface, sphere: Sphere, frame: Frame) -> Tangents {
+    let own = along_frame(frame, surface.normal);
+    let around = vec3<f32>(own.z, 0.0, -own.x);
+    let u = vec3<f32>(dot(frame.x, around), dot(frame.y, around), dot(frame.z, around));
+    return Tangents(u, vec3<f32>(frame.x.y, frame.y.y, frame.z.y));
+}

@@ -1,0 +1,130 @@
+//! Coloured glass: what surfaces let pass, what the inside absorbs, and thin panes.
+
+use crate::common::kernel::Overlay;
+use crate::common::render::{Ask, Shot, render, render_planted, same_expectation, scene, scene_in};
+
+const ALPHA: f64 = 1e-6;
+
+/// Light of 1 through what stands before the camera: a view so narrow that all rays go straight ahead.
+fn through(materials: &str, objects: &str) -> [f64; 3] {
+    let text = format!(
+        "Scene(image: (width: 1, height: 1), camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vertical_fov: 0.001),
+        background: Solid((1, 1, 1)), materials: {{{materials}}}, objects: [{objects}], render: (samples: 4, max_depth: 9))"
+    );
+    render(&scene(&text), &Ask::default()).pixel(0, 0)
+}
+
+fn near(found: [f64; 3], expected: [f64; 3]) {
+    let off = (0..3).map(|c| (found[c] - expected[c]).abs()).fold(0.0, f64::max);
+    // Rounding of a few products and one exp, whose argument is up to 3 (WGSL: 3 + 2 |x| ulps).
+    assert!(off < 16.0 * f64::from(f32::EPSILON), "{found:?}, expected {expected:?}");
+}
+
+/// With an index of 1, nothing is reflected or bent.
+#[test]
+fn the_inside_absorbs_by_the_distance_and_each_surface_by_its_share() {
+    let absorption = [0.25, 1.0, 0.0];
+    let left = |distance: f64| absorption.map(|a| (-a * distance).exp());
+    for glass in ["Dielectric(ior: 1", "RoughDielectric(ior: 1, roughness: 0.5"] {
+        let material = format!("\"glass\": {glass}, absorption: (0.25, 1, 0))");
+        let cube = "Box(min: (-1, -1, -1), max: (1, 1, 0.5), material: \"glass\")";
+        near(through(&material, cube), left(1.5));
+        near(through(&material, &format!("Transformed(by: [Scale(2)], object: {cube})")), left(3.0));
+        near(through(&material, "Sphere(center: (0, 0, 0), radius: 0.5, material: \"glass\")"), left(1.0));
+        let tinted = format!("\"glass\": {glass}, transmittance: Rgb(0.5, 0.8, 1), absorption: (0.25, 1, 0))");
+        near(through(&tinted, cube), [0, 1, 2].map(|c| left(1.5)[c] * [0.25, 0.64, 1.0][c]));
+    }
+    let pane = "Quad(corner: (-1, -1, 0), u: (2, 0, 0), v: (0, 2, 0), material: \"pane\")";
+    near(through("\"pane\": ThinDielectric(ior: 1, transmittance: Rgb(0.5, 0.8, 1))", pane), [0.5, 0.8, 1.0]);
+    near(through("\"pane\": ThinDielectric(ior: 1)", pane), [1.0; 3]);
+    let both = format!("{pane}, Quad(corner: (-1, -1, 1), u: (2, 0, 0), v: (0, 2, 0), material: \"pane\")");
+    near(through("\"pane\": ThinDielectric(ior: 1, transmittance: Rgb(0.5, 0.8, 1))", &both), [0.25, 0.64, 1.0]);
+}
+
+/// The unit of length of the scene is that of the absorption, however large the scene is.
+#[test]
+fn absorption_is_per_scene_unit() {
+    for unit in [1e-6, 1e6] {
+        let material = format!("\"glass\": Dielectric(ior: 1, absorption: ({}, 0, 0))", 0.5 / unit);
+        let text = format!(
+            "Scene(image: (width: 1, height: 1), camera: (look_from: (0, 0, {0}), look_at: (0, 0, 0), vertical_fov: 0.001),
+            background: Solid((1, 1, 1)), materials: {{{material}}},
+            objects: [Sphere(center: (0, 0, 0), radius: {unit}, material: \"glass\")], render: (samples: 4, max_depth: 9))",
+            5.0 * unit
+        );
+        near(render(&scene(&text), &Ask::default()).pixel(0, 0), [(-1.0_f64).exp(), 1.0, 1.0]);
+    }
+}
+
+/// A pane between the camera and a lamp, at the angle at which the camera sees it.
+fn pane(roughness: f64, samples: u32) -> String {
+    format!(
+        "Scene(image: (width: 1, height: 1), camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vertical_fov: 0.001),
+        background: Solid((0, 0, 0)), materials: {{
+            \"pane\": ThinDielectric(roughness: {roughness}, transmittance: Rgb(0.5, 1, 0.25)),
+            \"lamp\": DiffuseLight(emit: Rgb(1, 1, 1))}},
+        objects: [Transformed(by: [RotateY(60)], object: Quad(corner: (-1, -1, 0), u: (2, 0, 0), v: (0, 2, 0), material: \"pane\")),
+            Quad(corner: (-1, -1, -5), u: (2, 0, 0), v: (0, 2, 0), material: \"lamp\")],
+        render: (samples: {samples}, max_depth: 9))"
+    )
+}
+
+#[test]
+fn a_pane_reflects_as_one_surface_and_passes_the_rest_straight() {
+    // Fresnel's equations at 60 degrees for an index of 1.5.
+    let (c, s2) = (0.5_f64, 0.75_f64);
+    let g = (2.25 - s2).sqrt();
+    let reflectance = 0.5 * (((c - g) / (c + g)).powi(2) + ((2.25 * c - g) / (2.25 * c + g)).powi(2));
+    let shot = render(&scene(&pane(0.0, 4096)), &Ask::default());
+    let mean = shot.mean_of_all();
+    for (channel, share) in [0.5, 1.0, 0.25].into_iter().enumerate() {
+        let (expected, noise) = (share * (1.0 - reflectance), 4.9 * mean.variance[channel].sqrt());
+        let off = (mean.value[channel] - expected).abs();
+        assert!(noise < 0.03 && off <= noise + 1e-6, "{channel}: {:?}, expected {expected} +- {noise}", mean.value);
+    }
+}
+
+/// A room with coloured glass: a frosted ball and box, a frosted pane before a lamp, a clear one.
+const ROOM: &str = "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 1, 3.6), look_at: (0, 0.95, 0), vertical_fov: 38),
+    background: Solid((0.1, 0.1, 0.1)),
+    materials: {
+        \"wall\": Lambertian(albedo: Rgb(0.7, 0.6, 0.5)),
+        \"ball\": RoughDielectric(ior: 1.5, roughness: 0.5, transmittance: Rgb(0.9, 0.6, 0.3), absorption: (0.1, 0.5, 2)),
+        \"box\": RoughDielectric(ior: 1.3, roughness: 0.7, transmittance: Checker(scale: 0.2, even: (1, 0.5, 0.2), odd: (0.2, 1, 0.5))),
+        \"frosted\": ThinDielectric(roughness: 0.6, transmittance: Rgb(0.4, 0.9, 0.5)),
+        \"clear\": ThinDielectric(ior: 1.8, transmittance: Rgb(0.9, 0.3, 0.3)),
+        \"lamp\": DiffuseLight(emit: Rgb(4, 3, 2), two_sided: false),
+    },
+    objects: [
+        Quad(corner: (-1, 0, -1), u: (0, 0, 2), v: (2, 0, 0), material: \"wall\"),
+        Quad(corner: (-1, 0, -1), u: (2, 0, 0), v: (0, 2, 0), material: \"wall\"),
+        Quad(corner: (-0.5, 1.99, -0.5), u: (1, 0, 0), v: (0, 0, 1), material: \"lamp\"),
+        Quad(corner: (-0.7, 1.2, 0.4), u: (0.9, 0, 0), v: (0, 0.3, -0.8), material: \"frosted\"),
+        Quad(corner: (0.3, 0.6, 0.6), u: (0.6, 0, 0.2), v: (0, 0.8, 0), material: \"clear\"),
+        Box(min: (0.2, 0, -0.4), max: (0.7, 0.5, 0.1), material: \"box\"),
+        Transformed(by: [Scale(0.4), Translate((-0.4, 0.45, 0))], object: Mesh(path: \"ball.obj\", material: \"ball\")),
+    ], render: (samples: 512, max_depth: 6))";
+
+#[test]
+fn light_sampling_changes_no_expectation_behind_coloured_glass() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let ball = crate::common::instances::smooth_ball_file(1);
+    std::fs::write(folder.path().join("ball.obj"), ball).expect("it is written");
+    let room = scene_in(folder.path(), ROOM);
+    let bsdf = render(&room, &Ask::default().seed(1));
+    let mis = Ask::default().seed(2).mis();
+    same_expectation(&bsdf, &render(&room, &mis), 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
+    same_expectation(&bsdf, &render(&room, &mis.clone().seed(3).sobol()), 1e-5, ALPHA)
+        .unwrap_or_else(|error| panic!("{error}"));
+    let plain = Overlay::new(&[]).rewritten("step/scatter", |own| {
+        own.replace("response.value *= tint_of(material, colour, leaving, shading);", "")
+    });
+    let plain = render_planted(&room, &mis, &plain);
+    assert!(same_expectation(&bsdf, &plain, 1e-5, ALPHA).is_err(), "light that keeps its colour is not found");
+    let bits = |shot: &Shot| shot.picture.rgb.as_flattened().iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+    let few = Ask::spp(8).seed(7).mis();
+    let usual = bits(&render(&room, &few));
+    for scatter in [gpu_rt::options::Scatter::Linked, gpu_rt::options::Scatter::Queues] {
+        assert!(usual == bits(&render(&room, &few.clone().scatter(scatter))), "{scatter:?}");
+    }
+}

@@ -1,0 +1,201 @@
+//! Normal maps: the normal on each kind of shape, both integrators, and light that stays on its side.
+
+use std::f64::consts::{PI, TAU};
+use std::path::Path;
+
+use exr::prelude::write_rgb_file;
+use glam::{DMat3, DVec3};
+use gpu_rt::options::Scatter;
+use gpu_rt::scene::Scene;
+
+use crate::common::kernel::Overlay;
+use crate::common::render::{Ask, render, render_planted, same_expectation, scene_in};
+
+const ALPHA: f64 = 1e-6;
+/// The mapped normal in the frame of the texture, of length 1.
+const MAPPED: DVec3 = DVec3::new(0.36, 0.48, 0.8);
+
+/// A normal map that has one normal everywhere, and the vertices of a square whose texture coordinates are mirrored.
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    let code = (0.5 * (MAPPED + 1.0)).as_vec3();
+    write_rgb_file(folder.path().join("tilted.exr"), 3, 2, |_, _| (code.x, code.y, code.z)).expect("it is written");
+    let half = (0.5 * (MAPPED * DVec3::new(0.5, 0.5, 1.0) + 1.0)).as_vec3();
+    write_rgb_file(folder.path().join("half.exr"), 3, 2, |_, _| (half.x, half.y, half.z)).expect("it is written");
+    let bumps = |at: usize, of: usize| 0.5 + 0.4 * ((7 * at * at + of) as f32).sin();
+    write_rgb_file(folder.path().join("bumps.exr"), 8, 8, |x, y| (bumps(x, y), bumps(y, x + 3), 0.9))
+        .expect("it is written");
+    let square = |uvs: &str, normals: &str| {
+        format!("v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\n{uvs}{normals}f 1/1 2/2 3/3\nf 1/1 3/3 4/4\n")
+    };
+    let mirrored = "vt 3 0\nvt 0 0\nvt 0 3\nvt 3 3\n";
+    std::fs::write(folder.path().join("mirrored.obj"), square(mirrored, "")).expect("it is written");
+    // Turned by a right angle: u grows along y, v along -x.
+    let turned = "vt 0 1\nvt 0 0\nvt 1 0\nvt 1 1\n";
+    std::fs::write(folder.path().join("turned.obj"), square(turned, "")).expect("it is written");
+    std::fs::write(folder.path().join("ball.obj"), ball()).expect("it is written");
+    folder
+}
+
+/// A smooth ball of 8 by 16 faces, with texture coordinates.
+fn ball() -> String {
+    let (rows, columns) = (8, 16);
+    let mut text = String::new();
+    for (row, column) in (0..=rows).flat_map(|row| (0..=columns).map(move |column| (row, column))) {
+        let (u, v) = (f64::from(column) / f64::from(columns), f64::from(row) / f64::from(rows));
+        let ((sin, cos), (east, north)) = ((PI * v).sin_cos(), (TAU * u).sin_cos());
+        let [x, y, z] = [sin * north, -cos, -sin * east];
+        text += &format!("v {x} {y} {z}\nvn {x} {y} {z}\nvt {u} {v}\n");
+    }
+    for (row, column) in (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column))) {
+        let at = 1 + row * (columns + 1) + column;
+        let [a, b, c, d] = [at, at + 1, at + columns + 2, at + columns + 1].map(|i| format!("{i}/{i}/{i}"));
+        text += &format!("f {a} {b} {c}\nf {a} {c} {d}\n");
+    }
+    text
+}
+
+/// The normal that a surface shows in the middle of the image, from `eye`, by its brightness under a light along each axis in turn. The
+/// lights are on the sides of `towards`.
+fn normal_shown(folder: &Path, object: &str, map: &str, eye: DVec3, towards: DVec3) -> DVec3 {
+    let lights = [0, 1, 2].map(|axis| {
+        // A little above the surface, which is not lit from behind.
+        let mut to_light = 0.01 * eye.normalize();
+        to_light[axis] += towards[axis].signum();
+        to_light.normalize()
+    });
+    let shown = lights.map(|to_light| {
+        let [(a, b, c), (d, e, f)] = [eye, -to_light].map(<(f64, f64, f64)>::from);
+        let text = format!(
+            "Scene(image: (width: 1, height: 1), camera: (look_from: ({a}, {b}, {c}), look_at: (0, 0, 0), up: (1, 2, 3), vertical_fov: 0.001),
+            background: Solid((0, 0, 0)), materials: {{\"one\": Lambertian(albedo: Rgb(1, 1, 1), normal: Image(path: \"{map}\"))}},
+            objects: [{object}, DirectionalLight(direction: ({d}, {e}, {f}), irradiance: (3.14159265358979, 0, 0))],
+            render: (samples: 4, max_depth: 1))"
+        );
+        render(&scene_in(folder, &text), &Ask::default().mis()).pixel(0, 0)[0]
+    });
+    // Each brightness is that of the cosine with its light: three equations.
+    DMat3::from_cols(lights[0], lights[1], lights[2]).transpose().inverse() * DVec3::from_array(shown)
+}
+
+#[test]
+fn every_shape_has_the_axes_of_its_texture_coordinates() {
+    let folder = folder();
+    let unit = |x: f64, y: f64, z: f64| DVec3::new(x, y, z).normalize();
+    // Shape, eye, and the directions of u, v and the normal there.
+    let quad = "Quad(corner: (-1, -1, 0), u: (2, 0, 0), v: (0.5, 2, 0), material: \"one\")";
+    let cuboid = "Box(min: (-1, -1, -1), max: (1, 1, 1), material: \"one\")";
+    let sphere = "Sphere(center: (0, 0, 0), radius: 1, material: \"one\")";
+    let turned = "Transformed(by: [RotateY(90)], object: Sphere(center: (0, 0, 0), radius: 1, material: \"one\"))";
+    let mesh = |name: &str| format!("Mesh(path: \"{name}.obj\", material: \"one\")");
+    let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
+    let cases = [
+        (quad.to_owned(), 5.0 * z, x, y, z),
+        (cuboid.to_owned(), 5.0 * z, x, y, z),
+        (cuboid.to_owned(), -5.0 * z, -x, y, -z),
+        (cuboid.to_owned(), 5.0 * x, -z, y, x),
+        (cuboid.to_owned(), -5.0 * x, z, y, -x),
+        (cuboid.to_owned(), 5.0 * y, x, -z, y),
+        (cuboid.to_owned(), -5.0 * y, x, z, -y),
+        (sphere.to_owned(), 5.0 * z, x, y, z),
+        (sphere.to_owned(), 5.0 * x, -z, y, x),
+        (sphere.to_owned(), 5.0 * unit(0.0, 1.0, 1.0), x, unit(0.0, 1.0, -1.0), unit(0.0, 1.0, 1.0)),
+        (turned.to_owned(), 5.0 * unit(0.0, 1.0, 1.0), x, unit(0.0, 1.0, -1.0), unit(0.0, 1.0, 1.0)),
+        (mesh("mirrored"), 5.0 * z, -x, y, z),
+        (mesh("turned"), 5.0 * z, y, -x, z),
+    ];
+    for (object, eye, u, v, normal) in cases {
+        for (map, mapped) in [("tilted.exr", MAPPED), ("half.exr", MAPPED * DVec3::new(0.5, 0.5, 1.0))] {
+            let expected = (mapped.x * u + mapped.y * v + mapped.z * normal).normalize();
+            let shown = normal_shown(folder.path(), &object, map, eye, expected);
+            let off = (shown - expected).length();
+            assert!(off < 1e-3, "{object} from {eye}: {shown}, expected {expected}");
+        }
+    }
+}
+
+/// A room with normal maps on a wall, on a smooth ball of glass, on metal and on glazed clay.
+const ROOM: &str = "Scene(image: (width: 16, height: 16), camera: (look_from: (0, 1, 3.6), look_at: (0, 0.95, 0), vertical_fov: 38),
+    background: Solid((0.1, 0.1, 0.1)),
+    materials: {
+        \"wall\": Lambertian(albedo: Rgb(0.7, 0.6, 0.5), normal: Image(path: \"bumps.exr\")),
+        \"glass\": RoughDielectric(ior: 1.5, roughness: 0.6, normal: Image(path: \"bumps.exr\"), normal_scale: 0.5),
+        \"metal\": Conductor(albedo: Rgb(0.8, 0.7, 0.6), roughness: 0.5, normal: Image(path: \"bumps.exr\")),
+        \"clay\": Pbr(base_color: Rgb(0.9, 0.3, 0.2), metallic: 0, roughness: 0.4, normal: Image(path: \"bumps.exr\"), normal_scale: -2),
+        \"lamp\": DiffuseLight(emit: Rgb(4, 3, 2), two_sided: false),
+    },
+    objects: [
+        Quad(corner: (-1, 0, -1), u: (0, 0, 2), v: (2, 0, 0), material: \"wall\"),
+        Quad(corner: (-1, 0, -1), u: (2, 0, 0), v: (0, 2, 0), material: \"metal\"),
+        Quad(corner: (-1, 0, 1), u: (0, 0, -2), v: (0, 2, 0), material: \"clay\"),
+        Quad(corner: (-0.5, 1.99, -0.5), u: (1, 0, 0), v: (0, 0, 1), material: \"lamp\"),
+        Quad(corner: (-0.9, 1.2, -0.1), u: (1.5, 0.2, 0), v: (0, 0.6, 0.9), material: \"clay\"),
+        Box(min: (0.3, 0, -0.4), max: (0.8, 0.5, 0.2), material: \"clay\"),
+        Transformed(by: [Scale(0.4), Translate((-0.3, 0.45, 0))], object: Mesh(path: \"ball.obj\", material: \"glass\")),
+    ], render: (samples: 512, max_depth: 5))";
+
+#[test]
+fn light_sampling_changes_no_expectation_under_normal_maps() {
+    let folder = folder();
+    let room = scene_in(folder.path(), ROOM);
+    let bsdf = render(&room, &Ask::default().seed(1));
+    let mis = Ask::default().seed(2).mis();
+    same_expectation(&bsdf, &render(&room, &mis), 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
+    let sobol = render(&room, &Ask::default().seed(3).mis().sobol().scatter(Scatter::Linked));
+    same_expectation(&bsdf, &sobol, 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
+    let leaks = Overlay::new(&[]).rewritten("step/scatter", |own| {
+        own.replace("!keeps_its_side(light_sample.direction, mapped, shading)", "false")
+    });
+    let leaks = render_planted(&room, &mis, &leaks);
+    assert!(same_expectation(&bsdf, &leaks, 1e-5, ALPHA).is_err(), "light from behind the surface is not found");
+}
+
+#[test]
+fn no_light_passes_a_closed_surface() {
+    let folder = folder();
+    let text = |scale: f64| {
+        format!(
+            "Scene(image: (width: 12, height: 8), camera: (look_from: (0, 0, 0), look_at: (0.3, 0.2, 1), vertical_fov: 120),
+            background: Solid((1, 1, 1)), materials: {{\"one\": Pbr(metallic: 0.5, roughness: 0.3,
+                normal: Image(path: \"bumps.exr\"), normal_scale: {scale})}},
+            objects: [Transformed(by: [Scale(2)], object: Mesh(path: \"ball.obj\", material: \"one\")),
+                Box(min: (-1, -1, -1), max: (1, 1, 1), material: \"one\")],
+            render: (samples: 64, max_depth: 8))"
+        )
+    };
+    for scale in [1.0, 10.0] {
+        let scene = scene_in(folder.path(), &text(scale));
+        for ask in [Ask::default(), Ask::default().mis()] {
+            let shot = render(&scene, &ask);
+            assert!(shot.picture.rgb.iter().all(|pixel| *pixel == [0.0; 3]), "{scale}: {:?}", shot.mean_of_all());
+        }
+        let open = Overlay::new(&[]).rewritten("step/scatter", |own| {
+            own.replace("!keeps_its_side(scattered.direction, mapped, shading)", "false")
+        });
+        let leaks = render_planted(&scene, &Ask::default(), &open);
+        assert!(leaks.picture.rgb.iter().any(|pixel| pixel[0] > 0.0), "light that passes is not found");
+    }
+}
+
+#[test]
+fn a_normal_map_is_an_image_on_something_with_texture_coordinates() {
+    let folder = folder();
+    let found = |normal: &str, object: &str| {
+        let text = format!(
+            "Scene(image: (width: 4, height: 4), camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vertical_fov: 40),
+            background: Solid((1, 1, 1)), materials: {{\"one\": Lambertian(albedo: Rgb(1, 1, 1), {normal})}}, objects: [{object}])"
+        );
+        let file = folder.path().join("scene.ron");
+        std::fs::write(&file, text).expect("it is written");
+        Scene::load(&file).expect_err("it is refused").to_string()
+    };
+    let ball = "Sphere(center: (0, 0, 0), radius: 1, material: \"one\")";
+    let expected = "expected a normal map: Image(path: ..), without a tint";
+    assert!(found("normal: Rgb(0.5, 0.5, 1)", ball).contains(expected));
+    assert!(found("normal: Image(path: \"bumps.exr\", tint: (1, 1, 0.5))", ball).contains(expected));
+    assert!(found("normal: Image(path: \"bumps.exr\"), normal_scale: 1e4", ball).contains("from -1000 to 1000"));
+    let bare = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    std::fs::write(folder.path().join("bare.obj"), bare).expect("it is written");
+    let bare = "Mesh(path: \"bare.obj\", material: \"one\")";
+    assert!(found("normal: Image(path: \"bumps.exr\")", bare).contains("has no texture coordinates"));
+}
