@@ -9,7 +9,7 @@ fn thin_dielectric_scatter(material: Material, hit: Interaction, u: vec4<f32>) -
     let normal = hit.normal;
     let cos_view = clamp(-dot(hit.incoming, normal), 0.0, 1.0);
     if material.parameter < LEAST_ROUGHNESS {
-        let reflects = u.x < fresnel(cos_view, 1.0, material.contrast_outside).reflectance;
+        let reflects = u.x < fresnel(cos_view, sqrt(1.0 + material.contrast_outside), material.contrast_outside).reflectance;
         let mirrored = normalize(hit.incoming + 2.0 * cos_view * normal);
         return Scatter(SCATTERED, select(hit.incoming, mirrored, reflects), vec3<f32>(1.0));
     }
@@ -23,7 +23,7 @@ fn thin_dielectric_scatter(material: Material, hit: Interaction, u: vec4<f32>) -
     if !(cos_light > 0.0) {
         return absorbed();
     }
-    let reflects = u.x < fresnel(cos_facet, 1.0, material.contrast_outside).reflectance;
+    let reflects = u.x < fresnel(cos_facet, sqrt(1.0 + material.contrast_outside), material.contrast_outside).reflectance;
     let passing = normalize(mirrored - 2.0 * cos_light * normal);
     let share = smith_shadowing(cos_view, min(cos_light, 1.0), alpha);
     return Scatter(SCATTERED, select(passing, mirrored, reflects), vec3<f32>(share));

@@ -83,12 +83,15 @@ pub fn conductor(row: In, roughness: f64, k: Option<[f32; 3]>) -> In {
     In { material, second, ..row }
 }
 
+/// A thin pane of this index and roughness on the device.
+pub fn pane(row: In, ior: f64, roughness: f64) -> In {
+    In { material: data::Material { parameter: roughness as f32, ..glass(ior) }, ..row }
+}
+
 /// A rough boundary of this index and roughness on the device.
 pub fn frosted(row: In, ior: f64, roughness: f64) -> In {
-    let clear = glass(ior);
-    let material = data::Material { parameter: roughness as f32, ..clear };
-    let second = data::Material { parameter: clear.parameter, texture: NO_TEXTURE, ..data::Material::default() };
-    In { material, second, ..row }
+    let second = data::Material { parameter: ior as f32, texture: NO_TEXTURE, ..data::Material::default() };
+    In { second, ..pane(row, ior, roughness) }
 }
 
 /// The density of microfacet normals at an angle with the surface's normal: equation 33 of Walter et al., EGSR 2007.

@@ -1,11 +1,11 @@
-//! material/conductor, material/rough_dielectric, material/pbr, lib/microfacet: lobes as narrow as f32 directions can tell, and as wide as there are; grazing views.
+//! material/conductor, material/rough_dielectric, material/thin_dielectric, material/pbr, lib/microfacet: lobes as narrow as f32 directions can tell, and as wide as there are; grazing views.
 
 use glam::DVec3;
 use gpu_rt::data;
 
 use crate::common::kernel::Overlay;
 use crate::common::microfacets::{
-    ABSORBED, Facets, In, Out, SCATTERED, arriving, conductor, frosted, kept, kernel, uniforms, visible,
+    ABSORBED, Facets, In, Out, SCATTERED, arriving, conductor, frosted, kept, kernel, pane, uniforms, visible,
 };
 use crate::common::render::{Ask, render, render_planted, scene};
 use crate::common::stats::Random;
@@ -14,6 +14,8 @@ use crate::table::{Cell, Row};
 
 const TEXTBOOK: (&str, &str) = ("lib/microfacet", "test/control/microfacet_textbook");
 const COSINE: &str = "density by 1 - cos²";
+/// The ends of the range of indices of panes, and between.
+const INDICES: [f64; 4] = [1.0, 1.0001, 1.5, 1e3];
 const UNCORRELATED: &str = "shadowing without the view's";
 
 fn rows(roughness: f64) -> Vec<In> {
@@ -46,12 +48,12 @@ fn density_error(roughness: f64, replaced: &[(&str, &str)]) -> f64 {
 }
 
 /// Answers at cosines down to 1e-20 that are not finite, on no side where the material answers, or have a weight above `most`.
-fn wrong_at_grazing(material: &str, most: f32, row_of: impl Fn(In) -> In) -> f64 {
+fn wrong_at_grazing(material: &str, most: f32, row_of: impl Fn(usize, In) -> In) -> f64 {
     let mut random = Random(193);
     let rows: Vec<In> = (0..5000)
         .map(|i| {
             let cos = decades(&mut random, -20.0, -2.0);
-            let row = row_of(arriving(&mut random, cos));
+            let row = row_of(i, arriving(&mut random, cos));
             In { u: uniforms(&mut random, i), front: i as u32 / 3 % 2, ..row }
         })
         .collect();
@@ -61,7 +63,8 @@ fn wrong_at_grazing(material: &str, most: f32, row_of: impl Fn(In) -> In) -> f64
         let is_good = out.event == ABSORBED
             || out.event == SCATTERED
                 && (direction.length() - 1.0).abs() < 8.0 * U
-                && (material == "rough_dielectric" || direction.dot(exact(row.normal)) > -2.0 * U)
+                && (["rough_dielectric", "thin_dielectric"].contains(&material)
+                    || direction.dot(exact(row.normal)) > -2.0 * U)
                 && out.weight.iter().all(|w| (0.0..=most).contains(w))
                 && (out.non_specular == 0
                     || out.pdf.is_finite() && out.value.iter().all(|v| v.is_finite() && *v >= 0.0));
@@ -70,17 +73,17 @@ fn wrong_at_grazing(material: &str, most: f32, row_of: impl Fn(In) -> In) -> f64
     rows.iter().zip(&found).filter(|pair| is_wrong(*pair)).count() as f64
 }
 
-/// The mean of a white metal in a room that shines on all sides, seen at an angle, with light sampling.
-fn in_a_furnace(roughness: f64, cos: f64, planted: bool) -> f64 {
+/// The mean of a white material in a room that shines on all sides, seen at an angle, with light sampling.
+fn in_a_furnace(material: &str, cos: f64, planted: bool) -> f64 {
     let scene = scene(&format!(
         "Scene(
     image: (width: 16, height: 16),
     camera: (look_from: ({}, 0, {cos}), look_at: (0, 0, 0), vertical_fov: 0.1),
     background: Solid((0, 0, 0)),
-    materials: {{\"lamp\": DiffuseLight(emit: Rgb(1, 1, 1)), \"metal\": Conductor(albedo: Rgb(1, 1, 1), roughness: {roughness:?})}},
+    materials: {{\"lamp\": DiffuseLight(emit: Rgb(1, 1, 1)), \"white\": {material}}},
     objects: [
         Sphere(center: (0, 0, 0), radius: 9, material: \"lamp\"),
-        Quad(corner: (-1, -1, 0), u: (2, 0, 0), v: (0, 2, 0), material: \"metal\"),
+        Quad(corner: (-1, -1, 0), u: (2, 0, 0), v: (0, 2, 0), material: \"white\"),
     ],
 )",
         -(1.0 - cos * cos).sqrt()
@@ -123,9 +126,10 @@ pub fn cells() -> Vec<Cell> {
             )
             .achieved(wrong)
         };
-        let metal = wrong_at_grazing("conductor", 1.0 + 1e-5, |row| conductor(row, roughness, None));
-        let glass = wrong_at_grazing("rough_dielectric", 1.0 + 1e-5, |row| frosted(row, 1.5, roughness));
-        let pbr = wrong_at_grazing("pbr", 10.0 + 1e-4, |row| In {
+        let metal = wrong_at_grazing("conductor", 1.0 + 1e-5, |_, row| conductor(row, roughness, None));
+        let glass = wrong_at_grazing("rough_dielectric", 1.0 + 1e-5, |_, row| frosted(row, 1.5, roughness));
+        let panes = wrong_at_grazing("thin_dielectric", 1.0 + 1e-5, |i, row| pane(row, INDICES[i % 4], roughness));
+        let pbr = wrong_at_grazing("pbr", 10.0 + 1e-4, |_, row| In {
             material: data::Material {
                 parameter: roughness as f32,
                 contrast_outside: 0.04,
@@ -134,25 +138,50 @@ pub fn cells() -> Vec<Cell> {
             },
             ..row
         });
-        all.extend([grazing("a metal", metal), grazing("glass", glass), grazing("glTF's material", pbr)]);
+        all.extend([
+            grazing("a metal", metal),
+            grazing("glass", glass),
+            grazing("panes", panes),
+            grazing("glTF's material", pbr),
+        ]);
         for cos in [1.0, 0.1] {
-            let kept = if is_rough { kept(&Facets { alpha, cos_view: cos }) } else { 1.0 };
-            let noise = 4.9 * (kept * (1.0 - kept)).max(0.0).sqrt() / (512.0f64 * 256.0).sqrt();
-            let cell = Cell::new(
-                Row::Roughness,
-                format!("{range}, cosine {cos}"),
-                "Error of a white metal's radiance in a room that emits 1 everywhere, with light sampling",
-                noise + 1e-3,
-                "4.9 standard errors of 131 072 samples between 0 and 1 about what single scattering keeps in f64, and 1e-3 for the cosines over \
-                 the image.",
-            )
-            .achieved((in_a_furnace(roughness, cos, false) - kept).abs());
+            let metal = format!("Conductor(albedo: Rgb(1, 1, 1), roughness: {roughness:?})");
+            let what = "Error of a white metal's radiance in a room that emits 1 everywhere, with light sampling";
+            let (cell, error) = furnace(&format!("{range}, cosine {cos}"), what, &metal, roughness, cos);
             let known = roughness >= 0.5 && cos < 1.0;
-            all.push(match known {
-                true => cell.planted(UNCORRELATED, (in_a_furnace(roughness, cos, true) - kept).abs()),
-                false => cell,
-            });
+            all.push(if known { cell.planted(UNCORRELATED, error(true)) } else { cell });
+        }
+        for ior in INDICES {
+            let pane = format!("ThinDielectric(ior: {ior:?}, roughness: {roughness:?})");
+            let what =
+                "Error of a pane's radiance in a room that emits 1 everywhere, at a cosine of 0.1, with light sampling";
+            let (cell, error) = furnace(&format!("{range}, ior = {ior:e}"), what, &pane, roughness, 0.1);
+            all.push(if roughness >= 0.5 { cell.planted(UNCORRELATED, error(true)) } else { cell });
         }
     }
     all
+}
+
+/// The cell of a white material in a room that shines on all sides, and its error as it is or with the wrong form planted.
+fn furnace(
+    range: &str,
+    what: &'static str,
+    material: &str,
+    roughness: f64,
+    cos: f64,
+) -> (Cell, impl Fn(bool) -> f64 + use<>) {
+    let alpha = f64::from(roughness as f32).powi(2);
+    let kept = if roughness * 1024.0 >= 1.0 { kept(&Facets { alpha, cos_view: cos }) } else { 1.0 };
+    let noise = 4.9 * (kept * (1.0 - kept)).max(0.0).sqrt() / (512.0f64 * 256.0).sqrt();
+    let material = material.to_owned();
+    let error = move |planted: bool| (in_a_furnace(&material, cos, planted) - kept).abs();
+    let cell = Cell::new(
+        Row::Roughness,
+        range,
+        what,
+        noise + 1e-3,
+        "4.9 standard errors of 131 072 samples between 0 and 1 about what single scattering keeps in f64, and 1e-3 for the cosines over \
+         the image.",
+    );
+    (cell.achieved(error(false)), error)
 }

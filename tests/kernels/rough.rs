@@ -1,4 +1,4 @@
-//! material/conductor, material/rough_dielectric: what becomes of a ray, one by one against f64 and many times against the density of
+//! material/conductor, material/rough_dielectric, material/thin_dielectric: what becomes of a ray, one by one against f64 and many times against the density of
 //! visible microfacets.
 
 use glam::DVec3;
@@ -7,7 +7,7 @@ use crate::common::kernel::Kernel;
 use crate::common::kernel::Setup;
 use crate::common::microfacets::{
     ABSORBED, Facets, In, Out, SCATTERED, arriving, axes, conductor, density, frosted, kept, kernel, masking,
-    metal_reflectance, schlick, shadowing, uniforms, visible, within,
+    metal_reflectance, pane, schlick, shadowing, uniforms, visible, within,
 };
 use crate::common::oracles::fresnel;
 use crate::common::rows::{Answer, Met, glass};
@@ -532,4 +532,235 @@ fn smooth_rough_dielectrics_are_glass() {
     }
     let rough = frosted(arriving(&mut random, 0.5), 1.5, 1.0 / 1023.0);
     assert_eq!(kernel("rough_dielectric", 1, &[]).run::<_, Out>(&[rough])[0].non_specular, 1);
+}
+
+/// The index of a pane as the device has it.
+fn index_of(row: &In) -> f64 {
+    (1.0 + f64::from(row.material.contrast_outside)).sqrt()
+}
+
+/// What a pane passes counts by its mirror image, on the side of the view.
+fn before_the_pane(direction: DVec3, normal: DVec3) -> DVec3 {
+    direction - 2.0 * direction.dot(normal).min(0.0) * normal
+}
+
+/// Shares of the cells of microfacets that reflect, of those that pass light, and last what is lost.
+fn pane_shares(facets: &Facets, alpha: f64, reflectance: impl Fn(f64) -> f64) -> Vec<f64> {
+    let mut shares = vec![0.0; 2 * Facets::COUNT + 1];
+    let view = facets.view();
+    facets.integrate(alpha, |cell, facet, share| {
+        let cos = view.dot(facet);
+        let up = 2.0 * cos * facet.z - view.z > 0.0;
+        let reflected = reflectance(cos.clamp(0.0, 1.0));
+        shares[if up { cell } else { 2 * Facets::COUNT }] += share * reflected;
+        shares[if up { Facets::COUNT + cell } else { 2 * Facets::COUNT }] += share * (1.0 - reflected);
+    });
+    let sum: f64 = shares.iter().sum();
+    shares.iter().map(|share| (share / sum).max(1e-9)).collect()
+}
+
+/// Of 2 x 31 x 17 cells; see above. The mean weight is what single scattering keeps, whatever the index: 4.9 standard errors of it are
+/// at most 0.5 % of the light.
+#[test]
+fn panes_reflect_and_pass_by_the_visible_microfacets() {
+    let mut random = Random(201);
+    let many = kernel("thin_dielectric", DRAWS, &[]);
+    let cases: Vec<(f64, f64, f64)> = [(0.2, 1.5), (0.5, 1.5), (1.0, 1.3), (0.6, 2.4)]
+        .into_iter()
+        .flat_map(|(roughness, ior)| [1.0, 0.4, 0.1].map(|cos| (roughness, ior, cos)))
+        .collect();
+    let threshold = sidak(ALPHA, cases.len());
+    for (roughness, ior, cos) in cases {
+        let what = format!("roughness {roughness}, ior {ior}, cosine {cos}");
+        let row = pane(arriving(&mut random, cos), ior, roughness);
+        let Exact { view, normal, cos_view, alpha } = exactly(&row, roughness as f32);
+        let (axes, eta) = (axes(normal, view), index_of(&row));
+        let facets = Facets { alpha, cos_view };
+        let mut counts = vec![0u64; 2 * Facets::COUNT + 1];
+        let mut sum = 0.0;
+        for out in many.run_with::<_, Out>(&[row], DRAWS, &[]) {
+            sum += f64::from(out.weight[0]);
+            if out.event == ABSORBED {
+                counts[2 * Facets::COUNT] += 1;
+                continue;
+            }
+            let direction = exact(out.direction);
+            assert!(out.event == SCATTERED && (direction.length() - 1.0).abs() < 4.0 * U, "{out:?}");
+            assert!((0.0..=1.0 + 8.0 * U as f32).contains(&out.weight[0]), "{out:?}");
+            let first = if direction.dot(normal) > 0.0 { 0 } else { Facets::COUNT };
+            let facet = (before_the_pane(direction, normal) + view).normalize();
+            counts[first + facets.cell(within(&axes, facet))] += 1;
+        }
+        let p = |shares: Vec<f64>| {
+            let expected: Vec<f64> = shares.iter().map(|share| share * DRAWS as f64).collect();
+            chi_square(&counts, &expected, 1)
+        };
+        let exactly = |cos: f64| fresnel(cos, eta).0;
+        let right = p(pane_shares(&facets, alpha, exactly));
+        assert!(right > threshold, "{what}: p = {right:e}");
+        let wider = p(pane_shares(&facets, 1.04 * alpha, exactly));
+        assert!(wider < threshold, "{what}, wider: p = {wider:e}");
+        // Reflection by the surface's normal instead of the microfacet's. Within a narrow lobe it hardly changes.
+        let flat = p(pane_shares(&facets, alpha, |_| exactly(cos_view)));
+        assert!(cos == 1.0 || roughness < 0.5 || flat < threshold, "{what}, by the surface: p = {flat:e}");
+        let (mean, expected) = (sum / DRAWS as f64, kept(&facets));
+        let limit = 4.9 * (expected * (1.0 - expected)).sqrt() / (DRAWS as f64).sqrt() + 2e-4;
+        assert!((mean - expected).abs() < limit && limit < 0.0051, "{what}: {mean} of {expected}");
+    }
+}
+
+/// Rows of random index, roughness and angle, towards a random light or the answer.
+fn pane_rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
+    (0..count)
+        .map(|i| {
+            let cos = if i % 2 == 0 { random.uniform() } else { decades(random, -4.0, 0.0) };
+            let roughness = [decades(random, -2.0, 0.0), 1.0, 0.1, 0.5][i % 4];
+            let ior = [1.5, 1.0001, 2.4, 1e3, 1.0][i % 5];
+            let light = if towards_light { rounded(unit(random)) } else { [0.0; 3] };
+            In { u: uniforms(random, i), light, ..pane(arriving(random, cos), ior, roughness) }
+        })
+        .collect()
+}
+
+/// The share that a smooth boundary reflects at a cosine, for an index.
+type Reflectance = fn(f64, f64) -> f64;
+
+fn fresnel_of_a_pane(cos: f64, eta: f64) -> f64 {
+    if eta == 1.0 { 0.0 } else { fresnel(cos, eta).0 }
+}
+
+fn schlick_of_a_pane(cos: f64, eta: f64) -> f64 {
+    schlick(cos, ((eta - 1.0) / (eta + 1.0)).powi(2))
+}
+
+/// As of a rough boundary.
+fn pane_response(row: &In, direction: DVec3, reflectance: Reflectance) -> (f64, f64, f64, f64) {
+    let Exact { view, normal, cos_view, alpha } = exactly(row, row.material.parameter);
+    let eta = index_of(row);
+    let (height, mirrored) = (direction.dot(normal), before_the_pane(direction, normal));
+    let facet = (view + mirrored).normalize();
+    let cos_facet = view.dot(facet);
+    let reflected = reflectance(cos_facet.min(1.0), eta);
+    let part = if height > 0.0 { reflected } else { 1.0 - reflected };
+    let pdf = part * visible(facet, view, normal, alpha) / (4.0 * cos_facet);
+    let share = shadowing(cos_view, height.abs(), alpha) / masking(cos_view, alpha);
+    // As for conductors, with a direction that is rounded once more; and the reflectance by the cosine's rounding.
+    let turned = 8.0 * U / (view + mirrored).length();
+    let near = [-2.0, 2.0].map(|by| reflectance((cos_facet + by * turned).clamp(0.0, 1.0), eta));
+    let blur = (near[0] - near[1]).abs() + 64.0 * U * reflected;
+    let limit = 2.0 * explained(row, mirrored) + if part > 0.0 { blur / part } else { 0.0 };
+    (pdf * share, pdf, limit, share)
+}
+
+fn pane_faults(kernel: &Kernel, rows: &[In], reflectance: Reflectance) -> (usize, usize, usize) {
+    let (mut off, mut unweighted, mut compared) = (0, 0, 0);
+    for (row, out) in rows.iter().zip(kernel.run::<_, Out>(rows)) {
+        let own = row.light == [0.0; 3];
+        if own && out.event == ABSORBED {
+            continue;
+        }
+        let direction = exact(if own { out.direction } else { row.light }).normalize();
+        let (value, pdf, limit, share) = pane_response(row, direction, reflectance);
+        if limit > 0.1 || direction.dot(exact(row.normal)).abs() < 4.0 * U {
+            continue;
+        }
+        compared += 1;
+        let near = |found: f32, expected: f64| (f64::from(found) - expected).abs() <= limit * expected + 1e-30;
+        off += usize::from(!(near(out.pdf, pdf) && out.value.iter().all(|found| near(*found, value))));
+        unweighted += usize::from(own && (f64::from(out.weight[0]) - share).abs() > limit * share);
+    }
+    (off, unweighted, compared)
+}
+
+#[test]
+fn panes_respond_by_the_microfacet_formula() {
+    let mut random = Random(203);
+    let own = kernel("thin_dielectric", 1, &[]);
+    let textbook = kernel("thin_dielectric", 1, &[("lib/microfacet", "test/control/microfacet_textbook")]);
+    let approximate = kernel("thin_dielectric", 1, &[("lib/fresnel", "lib/fresnel_schlick")]);
+    for towards_light in [false, true] {
+        let rows = pane_rows(&mut random, 20_000, towards_light);
+        let (off, unweighted, compared) = pane_faults(&own, &rows, fresnel_of_a_pane);
+        assert_eq!((off, unweighted), (0, 0), "of {compared}, towards lights: {towards_light}");
+        assert!(compared > 12_000, "{compared}");
+        let (off, unweighted, _) = pane_faults(&textbook, &rows, fresnel_of_a_pane);
+        assert!(off > 100 && (towards_light || unweighted > 100), "textbook: {off}, {unweighted}");
+        // Each reflectance, where the other is expected, and where it is.
+        let (off, ..) = pane_faults(&approximate, &rows, fresnel_of_a_pane);
+        assert!(off > 1000, "Schlick: {off}");
+        let (off, unweighted, _) = pane_faults(&approximate, &rows, schlick_of_a_pane);
+        assert_eq!((off, unweighted), (0, 0), "Schlick, towards lights: {towards_light}");
+    }
+}
+
+/// The BSDF for light and view exchanged, on either side: what passes a thin pane ends in the solid in which it began. Planted is the
+/// index squared.
+#[test]
+fn panes_scatter_the_same_both_ways() {
+    let mut random = Random(205);
+    let rows: Vec<In> = pane_rows(&mut random, 40_000, true)
+        .into_iter()
+        .filter(|row| [row.light, row.incoming].iter().all(|v| exact(*v).dot(exact(row.normal)).abs() > 1e-2))
+        .collect();
+    let turned: Vec<In> = rows
+        .iter()
+        .map(|row| {
+            let through = exact(row.light).dot(exact(row.normal)) < 0.0;
+            let normal = if through { row.normal.map(|c| -c) } else { row.normal };
+            let front = u32::from(!through);
+            In { incoming: row.light.map(|c| -c), light: row.incoming.map(|c| -c), normal, front, ..*row }
+        })
+        .collect();
+    let kernel = kernel("thin_dielectric", 1, &[]);
+    let (there, back) = (kernel.run::<_, Out>(&rows), kernel.run::<_, Out>(&turned));
+    let limit = |row: &In| pane_response(row, exact(row.light).normalize(), fresnel_of_a_pane).2;
+    let (mut wrong, mut scaled, mut passed, mut reflected) = (0, 0, 0, 0);
+    for ((row, turned), (there, back)) in rows.iter().zip(&turned).zip(there.iter().zip(&back)) {
+        let normal = exact(row.normal);
+        let (cos_there, cos_back) = (exact(row.light).dot(normal), -exact(row.incoming).dot(normal));
+        let (a, b) = (f64::from(there.value[0]) / cos_there.abs(), f64::from(back.value[0]) / cos_back);
+        let off = |scale: f64| {
+            let limit = limit(row) + limit(turned);
+            usize::from(limit < 0.05 && (a - b * scale).abs() > limit * a)
+        };
+        wrong += off(1.0);
+        scaled += if cos_there < 0.0 { off(index_of(row).powi(2)) } else { 0 };
+        *(if cos_there < 0.0 { &mut passed } else { &mut reflected }) += usize::from(a > 0.0);
+    }
+    assert_eq!(wrong, 0);
+    assert!(scaled > 1000 && passed > 4000 && reflected > 4000, "{scaled}, {passed}, {reflected}");
+}
+
+/// A smooth pane passes a ray as it comes, bit by bit, or reflects it as a mirror does.
+#[test]
+fn smooth_panes_pass_straight_or_mirror() {
+    let mut random = Random(207);
+    let rows: Vec<In> = (0..20_000)
+        .map(|i| {
+            let cos = if i % 2 == 0 { random.uniform() } else { decades(&mut random, -6.0, 0.0) };
+            let (ior, roughness) = ([1.5, 1.0, 1.0001, 1e3, 2.4][i % 5], [0.0, 1.0 / 1024.1][i / 5 % 2]);
+            In { u: uniforms(&mut random, i), ..pane(arriving(&mut random, cos), ior, roughness) }
+        })
+        .collect();
+    let (mut mirrored, mut schlick_is_off) = (0, 0);
+    for (row, out) in rows.iter().zip(kernel("thin_dielectric", 1, &[]).run::<_, Out>(&rows)) {
+        assert_eq!((out.event, out.weight, out.non_specular), (SCATTERED, [1.0; 3], 0), "{row:?}");
+        let reflects = out.direction != row.incoming;
+        let (view, normal) = (-exact(row.incoming).normalize(), exact(row.normal).normalize());
+        let cos = view.dot(normal);
+        let off = (exact(out.direction) - (2.0 * cos * normal - view)).length();
+        assert!(!reflects || off < 8.0 * U, "{row:?}: {out:?}");
+        let is_wrong = |reflectance: Reflectance| {
+            let near = [-4.0, 4.0].map(|by| reflectance((cos + by * U).clamp(0.0, 1.0), index_of(row)));
+            let blur = (near[0] - near[1]).abs() + 64.0 * U;
+            let u = f64::from(row.u[0]);
+            (u < near[1] - blur && !reflects) || (u > near[0] + blur && reflects)
+        };
+        assert!(!is_wrong(fresnel_of_a_pane), "{row:?}: {out:?}");
+        schlick_is_off += usize::from(is_wrong(schlick_of_a_pane));
+        mirrored += usize::from(reflects);
+    }
+    assert!(schlick_is_off > 100 && mirrored > 5000, "{schlick_is_off}, {mirrored}");
+    let rough = pane(arriving(&mut random, 0.5), 1.5, 1.0 / 1024.0);
+    assert_eq!(kernel("thin_dielectric", 1, &[]).run::<_, Out>(&[rough])[0].non_specular, 1);
 }
