@@ -1,5 +1,5 @@
-//! Cut-out and transparent surfaces: closed forms, one expectation with and without light sampling, and the same bytes however the
-//! work is done.
+//! Cut-out and transparent surfaces: closed forms, one expectation with and without light sampling and by both samplers, and the same
+//! bytes however the work is done.
 
 use std::path::Path;
 
@@ -147,6 +147,10 @@ fn light_sampling_changes_no_expectation_where_lamps_have_an_alpha() {
     let bsdf = render(&room, &Ask::default().seed(1));
     let mis = Ask::default().seed(2).mis();
     same_expectation(&bsdf, &render(&room, &mis), 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
+    let sobol = render(&room, &Ask::default().seed(3).mis().sobol());
+    same_expectation(&bsdf, &sobol, 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
+    let brighter = sobol.changed(|_, _, rgb| rgb.map(|v| 1.02 * v));
+    assert!(same_expectation(&bsdf, &brighter, 1e-5, ALPHA).is_err(), "2 % more light is not found");
     // A lamp is found by the share of its coverage, by either technique.
     for (module, line) in [
         ("step/light", "radiance *= coverage_of_light((*path).shadow, hit);"),

@@ -99,6 +99,28 @@ fn files_by_blender_look_as_cycles_renders_them() {
     }
 }
 
+/// `gpu-rt convert` writes the scene of a file as a scene file, which renders to the same bytes.
+#[test]
+fn what_convert_writes_of_them_renders_to_the_same_bytes() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let load = |path: &Path| Scene::load(path).unwrap_or_else(|error| panic!("{error}"));
+    let bits = |scene: &Scene| {
+        let shot = render(scene, &Ask::spp(4).mis().sobol().roulette().size(16, 12));
+        shot.picture.rgb.as_flattened().iter().map(|v| v.to_bits()).collect::<Vec<_>>()
+    };
+    for (name, _) in SCENES {
+        let [from, to] = ["glb", "ron"].map(|extension| folder.path().join(name).with_extension(extension));
+        std::fs::copy(file(name, "glb"), &from).expect("it is copied");
+        let scene = Scene::of_gltf(&from, &to, &Wishes::default()).unwrap_or_else(|error| panic!("{error}"));
+        std::fs::write(&to, scene.text()).expect("it is written");
+        let (expected, converted) = (bits(&load(&from)), load(&to));
+        assert!(expected == bits(&converted), "{name}");
+        let mut planted = converted;
+        planted.camera.vertical_fov *= 1.001;
+        assert!(expected != bits(&planted), "{name}: another view is not found");
+    }
+}
+
 /// A scene with one thing else in it.
 type Planted = fn(&mut Scene);
 

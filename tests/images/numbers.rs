@@ -1,5 +1,5 @@
 //! Numbers of materials that vary over a surface: where a texture is constant, the image of the plain number, to the bit; one expectation
-//! with and without light sampling.
+//! with and without light sampling, and by both samplers.
 
 use std::path::Path;
 
@@ -53,6 +53,7 @@ fn where_a_texture_is_constant_the_image_is_that_of_the_plain_number() {
         )
     };
     let glass: Material = |number| format!("RoughDielectric(ior: 1.5, roughness: {number})");
+    let pane: Material = |number| format!("ThinDielectric(ior: 1.5, roughness: {number})");
     let rough: Material = |number| format!("Pbr(base_color: Rgb(0.8, 0.2, 0.1), metallic: 0.25, roughness: {number})");
     let metallic: Material = |number| {
         format!(
@@ -64,6 +65,7 @@ fn where_a_texture_is_constant_the_image_is_that_of_the_plain_number() {
     for (material, channel, codes) in [
         (conductor, "G", [0, 128]),
         (glass, "G", [0, 128]),
+        (pane, "G", [0, 128]),
         (rough, "A", [200, 90]),
         (rough, "R", [10, 20]),
         (metallic, "B", [70, 255]),
@@ -124,6 +126,10 @@ fn light_sampling_changes_no_expectation_where_numbers_vary() {
     let bsdf = render(&room, &Ask::default().seed(1));
     let mis = Ask::default().seed(2).mis();
     same_expectation(&bsdf, &render(&room, &mis), 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
+    let sobol = render(&room, &Ask::default().seed(3).mis().sobol());
+    same_expectation(&bsdf, &sobol, 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
+    let brighter = sobol.changed(|_, _, rgb| rgb.map(|v| 1.02 * v));
+    assert!(same_expectation(&bsdf, &brighter, 1e-5, ALPHA).is_err(), "2 % more light is not found");
     // The plain numbers in the response to lights.
     let plain = Overlay::new(&[]).rewritten("step/scatter", |own| {
         own.replace("response_of_material(material,", "response_of_material(materials[surface.material],")

@@ -6,12 +6,15 @@ use std::process::Child;
 
 use gpu_rt::output::exr::ExrImage;
 
+use crate::common::device::index as software;
+use crate::common::gltf::{glb, room};
 use crate::common::program::{finish, meanwhile, send};
 use crate::place::{ENDLESS, Place, SPHERE, attribute};
 
-/// A program that watches `sphere.ron`.
+/// A program that watches a scene called `sphere`.
 struct Watch {
     place: Place,
+    scene: &'static str,
     child: Child,
     said: PathBuf,
     /// How many changes it must have told of before it is done.
@@ -27,11 +30,15 @@ enum Save {
 
 impl Watch {
     fn new(place: Place, more: &[&str]) -> Watch {
+        Watch::of("../scenes/sphere.ron", place, more)
+    }
+
+    fn of(scene: &'static str, place: Place, more: &[&str]) -> Watch {
         let said = place.folder.path().join("said");
-        let arguments = [&place.render_sphere(), ["--watch", "--verbose"].as_slice(), more].concat();
+        let arguments = [&["render", scene, "--device", software(), "--watch", "--verbose"], more].concat();
         let mut command = place.command(&arguments);
         let child = command.stderr(fs::File::create(&said).unwrap()).spawn().expect("the program starts");
-        Watch { place, child, said, changes: 0 }
+        Watch { place, scene, child, said, changes: 0 }
     }
 
     fn said(&self) -> String {
@@ -65,12 +72,12 @@ impl Watch {
         self.until("sphere.exr: ")
     }
 
-    fn save(&self, text: &str, how: Save) {
-        let scene = self.place.work().join("../scenes/sphere.ron");
+    fn save(&self, text: &(impl AsRef<[u8]> + ?Sized), how: Save) {
+        let scene = self.place.work().join(self.scene);
         match how {
             Save::InPlace => fs::write(&scene, text).unwrap(),
             Save::ByName => {
-                let temporary = scene.with_extension("ron~");
+                let temporary = scene.with_extension("new~");
                 fs::write(&temporary, text).unwrap();
                 fs::rename(&temporary, &scene).unwrap();
             }
@@ -80,7 +87,13 @@ impl Watch {
     /// Asserts that the image is that of a plain render of the scene as it is now.
     #[track_caller]
     fn is_of_the_scene(&self) {
-        self.place.render(&["-o", "plain.exr"]).exits(0);
+        self.is_of_the_scene_with(&[]);
+    }
+
+    #[track_caller]
+    fn is_of_the_scene_with(&self, more: &[&str]) {
+        let plain = ["render", self.scene, "--device", software(), "-o", "plain.exr"];
+        self.place.run(&[&plain, more].concat()).exits(0);
         assert!(bits(&self.place.exr("sphere.exr")) == bits(&self.place.exr("plain.exr")), "{}", self.said());
     }
 
@@ -216,6 +229,62 @@ fn of_the_files_of_a_scene_only_those_that_changed_are_read() {
     watch.end();
 }
 
+#[test]
+fn a_gltf_file_is_watched_as_a_scene_file_is() {
+    const SMALL: [&str; 4] = ["--size", "16x10", "--spp", "8"];
+    let place = Place::new();
+    let (json, binary) = room();
+    fs::write(place.folder.path().join("scenes/sphere.glb"), glb(&json, &binary)).unwrap();
+    let mut watch = Watch::of("../scenes/sphere.glb", place, &SMALL);
+    watch.until_rendered();
+    watch.is_of_the_scene_with(&SMALL);
+    let first = fs::read(watch.place.work().join("sphere.exr")).unwrap();
+    let mut redder = json.clone();
+    redder["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] = serde_json::json!([0.9, 0.1, 0.1, 1.0]);
+    watch.save(&glb(&redder, &binary), Save::ByName);
+    watch.until_rendered();
+    watch.is_of_the_scene_with(&SMALL);
+    let second = fs::read(watch.place.work().join("sphere.exr")).unwrap();
+    assert!(first != second, "it shows the first picture");
+    // Half of a file, and a whole one that is wrong.
+    let whole = glb(&json, &binary);
+    redder["nodes"][0]["mesh"] = 9.into();
+    for (wrong, words) in [
+        (whole[..whole.len() / 2].to_vec(), "error: ../scenes/sphere.glb: "),
+        (glb(&redder, &binary), "nodes[0].mesh: there is no mesh 9"),
+    ] {
+        watch.save(&wrong, Save::ByName);
+        watch.until(words);
+        assert!(fs::read(watch.place.work().join("sphere.exr")).unwrap() == second, "the picture changed");
+    }
+    watch.save(&whole, Save::InPlace);
+    watch.until_rendered();
+    watch.is_of_the_scene_with(&SMALL);
+    watch.end();
+}
+
+/// The file that holds its numbers is one of the scene's.
+#[test]
+fn the_buffer_of_a_gltf_file_is_watched() {
+    const SMALL: [&str; 4] = ["--size", "16x10", "--spp", "8"];
+    let place = Place::new();
+    let (mut json, mut binary) = room();
+    json["buffers"][0]["uri"] = "room.bin".into();
+    let buffer = place.folder.path().join("scenes/room.bin");
+    fs::write(place.folder.path().join("scenes/sphere.gltf"), json.to_string()).unwrap();
+    fs::write(&buffer, &binary).unwrap();
+    let mut watch = Watch::of("../scenes/sphere.gltf", place, &SMALL);
+    watch.until_rendered();
+    let first = fs::read(watch.place.work().join("sphere.exr")).unwrap();
+    // The first corner's y.
+    binary[4..8].copy_from_slice(&0.5f32.to_le_bytes());
+    fs::write(&buffer, &binary).unwrap();
+    let said = watch.until_rendered();
+    watch.is_of_the_scene_with(&SMALL);
+    assert!(first != fs::read(watch.place.work().join("sphere.exr")).unwrap(), "it shows the first picture: {said}");
+    watch.end();
+}
+
 /// The render under way is given up at once, though it would never end by itself; nothing of it is written.
 #[test]
 fn a_save_ends_the_render_under_way() {
@@ -275,8 +344,7 @@ fn samples_of_the_same_image_are_not_overwritten_by_previews_or_fewer() {
 fn a_part_of_the_image_has_previews_of_that_part() {
     let mut watch = Watch::new(Place::new(), &["--crop", "3,2,10,7"]);
     watch.until_rendered();
-    watch.place.render(&["--crop", "3,2,10,7", "-o", "plain.exr"]).exits(0);
-    assert!(bits(&watch.place.exr("sphere.exr")) == bits(&watch.place.exr("plain.exr")), "{}", watch.said());
+    watch.is_of_the_scene_with(&["--crop", "3,2,10,7"]);
     watch.end();
 }
 
