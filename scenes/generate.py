@@ -307,6 +307,39 @@ def sky(width=256, height=128):
     return header + b"".join(rgbe(radiance(x, y)) for y in range(height) for x in range(width))
 
 
+def tiles(count=12, side=32):
+    """A normal map of square tiles with bevelled edges. Red points right, green up."""
+    steps = 3
+    slopes = [(0, 0)] + [(x * k, y * k) for k in range(1, steps + 1) for x, y in ((-1, 0), (1, 0), (0, -1), (0, 1))]
+
+    def colour(slope):
+        x, y = (0.35 * part for part in slope)
+        length = math.sqrt(x * x + y * y + 1.0)
+        return [round(127.5 * (part / length + 1.0)) for part in (x, y, 1.0)]
+
+    def index(column, row):
+        x, y = column % side, row % side
+        # The distances from the edges: left, right, bottom, top. The image's first row is its top.
+        distances = [x, side - 1 - x, side - 1 - y, y]
+        nearest = min(range(4), key=lambda edge: distances[edge])
+        steepness = steps - distances[nearest]
+        return 1 + 4 * (steepness - 1) + nearest if steepness > 0 else 0
+
+    size = count * side
+    return png(size, size, [colour(slope) for slope in slopes], [[index(c, r) for c in range(size)] for r in range(size)])
+
+
+def wear(size=192, seed=5):
+    """Blotches in greys, as of a floor that is worn: for a roughness. It repeats."""
+    def grey(column, row):
+        around, along = 2.0 * math.pi * column / size, 2.0 * math.pi * row / size
+        point = (2.2 * math.cos(around), 2.2 * math.sin(around) + 1.7 * math.cos(along), 1.7 * math.sin(along))
+        return max(0, min(63, round(63 * (0.5 + 1.6 * (fractal_noise(*point, 5, seed) - 0.5)))))
+
+    greys = [[round(255 * i / 63)] * 3 for i in range(64)]
+    return png(size, size, greys, [[grey(column, row) for column in range(size)] for row in range(size)])
+
+
 # --- meshes -----------------------------------------------------------------------------------------------------------
 
 
@@ -848,6 +881,8 @@ FILES = {
     "textures/planet.png": planet,
     "textures/world.png": world,
     "textures/sky.hdr": sky,
+    "textures/tiles.png": tiles,
+    "textures/wear.png": wear,
     "textures/amphora.png": amphora_image,
     "meshes/knot.ply": knot,
     "meshes/star.ply": star,

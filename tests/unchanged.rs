@@ -78,7 +78,7 @@ fn scenes() -> BTreeMap<String, PathBuf> {
         .filter(|path| path.extension().is_some_and(|ending| ending == "ron"))
         .map(|path| (path.strip_prefix(ROOT).expect("within").with_extension("").display().to_string(), path))
         .collect();
-    assert_eq!(scenes.len(), 12 + 5);
+    assert_eq!(scenes.len(), 13 + 5);
     scenes
 }
 
