@@ -82,14 +82,12 @@ fn scatter_path(path: ptr<function, Path>) {
     let mapped = mapped_normal(hit, surface, ray.direction, shading, front);
     //@ end
     let arriving = Interaction(
-        ray.direction,
         //@ if plain_normal
-        shading,
+        ray.direction, shading, front, colour,
         //@ end
         //@ if normal_map
-        mapped,
+        ray.direction, mapped, front, colour,
         //@ end
-        front, colour,
         //@ if two_parts
         second_part_of(material, surface.material),
         //@ end

@@ -248,8 +248,8 @@ struct Builder<'a> {
     laid: Vec<Option<Laid>>,
     /// The index in the table of each of the scene's materials that an object uses.
     materials: Vec<u32>,
-    /// The textures of each of the scene's materials that are no plain colour. On every object they have frames of their own, one behind the
-    /// other.
+    /// The textures of each of the scene's materials that are no plain colour. On every object they have frames of their own, one behind
+    /// the other.
     textures: Vec<Vec<&'a Texture>>,
     /// The place of each image's first word, by path and decoding.
     images: HashMap<(String, Decoding), u32>,

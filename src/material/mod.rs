@@ -464,7 +464,8 @@ impl<'a> Model<'a> {
         self
     }
 
-    /// The same, stopping the share `alpha` of light. With a cutoff, it stops all light where its alpha is at least that, and none elsewhere.
+    /// The same, stopping the share `alpha` of light. With a cutoff, it stops all light where its alpha is at least that, and none
+    /// elsewhere.
     fn cut_out(mut self, alpha: &'a Texture, cutoff: Option<f64>) -> Model<'a> {
         let least = cutoff.unwrap_or(1.0);
         let stops_all = alpha.plain().is_some_and(|alpha| alpha.x >= least);

@@ -32,7 +32,8 @@ impl Budget {
             let others = largest(self.0.iter().map(|(path, size, bytes)| (path.as_str(), *size, *bytes)));
             let others = if others.is_empty() { others } else { format!(", beside {others}") };
             return Err(format!(
-                "expected at most {LARGEST_BINDING} bytes of texels in all images of the scene, which is the most that a device can bind;                  with its {width} by {height} there are {bytes}{others}: scale images down"
+                "expected at most {LARGEST_BINDING} bytes of texels in all images of the scene, which is the most that a device can bind; \
+                 with its {width} by {height} there are {bytes}{others}: scale images down"
             ));
         }
         let bytes = bytes.saturating_add(decoder);
