@@ -364,9 +364,9 @@ device_struct!(
         metallic: u32,
         normal: u32,
         vertex_colours: u32,
+        multiscatter: u32,
         padding0: u32,
         padding1: u32,
-        padding2: u32,
     }
 );
 
@@ -379,9 +379,9 @@ impl Detail {
         metallic: NO_DETAIL,
         normal: NO_DETAIL,
         vertex_colours: NO_DETAIL,
+        multiscatter: NO_DETAIL,
         padding0: 0,
         padding1: 0,
-        padding2: 0,
     };
 }
 

@@ -353,6 +353,12 @@ impl Kernels {
                 element_bytes(&flat.details),
                 "what materials have beside their rows",
             ),
+            BufferSpec::table(
+                "kept_shares",
+                bytes(&flat.kept_shares),
+                size_of_val(flat.kept_shares.as_slice()) as u64,
+                "what single scattering by microfacets keeps of light",
+            ),
             array("meshes", bytes(&flat.meshes), element_bytes(&flat.meshes), "faces and vertices of meshes"),
             BufferSpec::working("queues", (header + queues * slots) * 4, "a queue for each material")
                 .made_of(format!("({queues} queues x {slots} slots + {header}) x 4 bytes")),

@@ -30,9 +30,10 @@ struct Detail {
     normal: u32,
     // Whether the colours of a mesh's vertices multiply its own. The row has nothing.
     vertex_colours: u32,
+    // Whether it makes up for light that microfacets scatter more than once. The row has nothing.
+    multiscatter: u32,
     padding0: u32,
     padding1: u32,
-    padding2: u32,
 }
 
 const NO_DETAIL: u32 = 0xffffffffu;
@@ -50,6 +51,10 @@ struct Interaction {
     //@ if two_parts
     // The next element of the table: of a kind of material that has two, its second part.
     second: Material,
+    //@ end
+    //@ if multiscatter
+    // What single scattering loses of the light over what it keeps; 0 in a material that does not make up for it.
+    lost_over_kept: f32,
     //@ end
 }
 

@@ -5,7 +5,8 @@
 // A metal of microfacets. `parameter` is its roughness, `colour` its albedo or its eta. Its second part has k, and as `parameter`
 // whether the colour is an eta. A microfacet is drawn from those that are visible, so the weight is its reflectance times the share of
 // them that the light reaches too (Heitz, "Sampling the GGX Distribution of Visible Normals", JCGT 7(4), 2018). Light that is
-// reflected below the surface is lost.
+// reflected below the surface is lost. What microfacets scatter more than once comes back by Turquin's factor (scene/multiscatter), if the
+// material asks for it.
 fn conductor_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scatter {
     let normal = hit.normal;
     let cos_view = clamp(-dot(hit.incoming, normal), 0.0, 1.0);
@@ -28,6 +29,13 @@ fn conductor_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scat
     if !(cos_light > 0.0) {
         return absorbed();
     }
+    //@ if single_scattering
     let share = reflectance_of_metal(cos_facet, hit.colour, hit.second.colour, hit.second.parameter != 0.0);
+    //@ end
+    //@ if multiscatter
+    let has_index = hit.second.parameter != 0.0;
+    let straight = reflectance_of_metal(1.0, hit.colour, hit.second.colour, has_index);
+    let share = reflectance_of_metal(cos_facet, hit.colour, hit.second.colour, has_index) * (1.0 + straight * hit.lost_over_kept);
+    //@ end
     return Scatter(SCATTERED, direction, share * smith_shadowing(cos_view, min(cos_light, 1.0), alpha));
 }

@@ -18,6 +18,13 @@ fn conductor_eval(material: Material, hit: Interaction, direction: vec3<f32>) ->
     let half_way = direction - hit.incoming;
     let pdf = 0.25 * visible_density(microfacet_density(half_way, hit.normal, alpha), cos_view, alpha);
     let cos_facet = clamp(dot(direction, half_way) * inverseSqrt(dot(half_way, half_way)), 0.0, 1.0);
+    //@ if single_scattering
     let share = reflectance_of_metal(cos_facet, hit.colour, hit.second.colour, hit.second.parameter != 0.0);
+    //@ end
+    //@ if multiscatter
+    let has_index = hit.second.parameter != 0.0;
+    let straight = reflectance_of_metal(1.0, hit.colour, hit.second.colour, has_index);
+    let share = reflectance_of_metal(cos_facet, hit.colour, hit.second.colour, has_index) * (1.0 + straight * hit.lost_over_kept);
+    //@ end
     return Response(share * (pdf * smith_shadowing(cos_view, cos_light, alpha)), pdf);
 }

@@ -43,7 +43,13 @@ fn pbr_eval(material: Material, hit: Interaction, direction: vec3<f32>) -> Respo
     let facets = 0.25 * visible_density(microfacet_density(half_way, hit.normal, alpha), cos_view, alpha);
     let cos_facet = clamp(dot(direction, half_way) * inverseSqrt(dot(half_way, half_way)), 0.0, 1.0);
     let layer = schlick(cos_facet, vec3<f32>(material.contrast_outside));
+    //@ if single_scattering
     let glossy = mix(layer, schlick(cos_facet, hit.colour), metallic);
+    //@ end
+    //@ if multiscatter
+    let whole_layer = layer * (1.0 + material.contrast_outside * hit.lost_over_kept);
+    let glossy = mix(whole_layer, schlick(cos_facet, hit.colour) * (1.0 + hit.colour * hit.lost_over_kept), metallic);
+    //@ end
     let matt = (1.0 - metallic) * (1.0 - layer) * hit.colour;
     let value = glossy * (facets * smith_shadowing(cos_view, cos_light, alpha)) + matt * (cos_light / PI);
     return Response(value, mix(cos_light / PI, facets, pbr_share_of_facets(material, hit.colour, cos_view)));

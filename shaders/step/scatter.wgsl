@@ -21,6 +21,9 @@
 //@ if normal_map
 //@ use scene/normal_map
 //@ end
+//@ if multiscatter
+//@ use scene/multiscatter
+//@ end
 //@ if tinted
 //@ use scene/tint
 //@ end
@@ -81,7 +84,12 @@ fn scatter_path(path: ptr<function, Path>) {
     //@ if normal_map
     let mapped = mapped_normal(hit, surface, ray.direction, shading, front);
     //@ end
+    //@ if single_scattering
     let arriving = Interaction(
+    //@ end
+    //@ if multiscatter
+    var arriving = Interaction(
+    //@ end
         //@ if plain_normal
         ray.direction, shading, front, colour,
         //@ end
@@ -91,7 +99,13 @@ fn scatter_path(path: ptr<function, Path>) {
         //@ if two_parts
         second_part_of(material, surface.material),
         //@ end
+        //@ if multiscatter
+        0.0,
+        //@ end
     );
+    //@ if multiscatter
+    arriving.lost_over_kept = lost_over_kept(material, surface, arriving);
+    //@ end
     let point = event_point(hit, surface, facing);
     //@ if absorbing
     (*path).throughput *= left_by_absorption(surface, front, hit.t);

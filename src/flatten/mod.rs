@@ -24,7 +24,7 @@ use crate::bvh::{self, Bounds};
 use crate::data::{self, MAX_PRIMITIVES, NO_TEXTURE, f32s};
 use crate::delta_light::PlacedLight;
 use crate::error::{Error, Result};
-use crate::material::{Detail, DetailKind, Scattering, Slot};
+use crate::material::{Detail, DetailKind, Scattering, Slot, microfacets};
 use crate::options::{FeatureSet, Integrator, RenderOptions};
 use crate::scene::{Background, Bitmap, Material, Object, Scene, Step, Texture, Use};
 use crate::shape::mesh::{self, Laid};
@@ -65,6 +65,8 @@ pub struct DeviceScene {
     pub materials: Vec<data::Material>,
     /// Where a material has details, those of each row of `materials`.
     pub details: Vec<data::Detail>,
+    /// Where a material asks for it, what single scattering by microfacets keeps of light.
+    pub kept_shares: Vec<[f32; 4]>,
     /// The names in the scene file of the rows of `materials`.
     pub material_names: Vec<String>,
     pub textures: Vec<data::Texture>,
@@ -208,6 +210,9 @@ fn flatten_with(
     builder.add_materials(&used, radiance_scale);
     if builder.flat.features.has_details() || options.features == FeatureSet::All {
         builder.add_details(&used, radiance_scale);
+    }
+    if builder.flat.features.has_detail(DetailKind::Multiscatter) || options.features == FeatureSet::All {
+        builder.flat.kept_shares = microfacets::kept_shares();
     }
     let sample_lights = options.integrator == Integrator::Mis;
     // The diagnostics run while the hierarchies are built.

@@ -1,6 +1,8 @@
 //! A metal with microfacets: its surface is smooth or rough, and it reflects by Fresnel's equations.
 
-use super::{DetailKind, LEAST_ROUGHNESS, MaterialKind, Model, NORMAL, NORMAL_SCALE, Scattering, Slot, varying};
+use super::{
+    DetailKind, LEAST_ROUGHNESS, MULTISCATTER, MaterialKind, Model, NORMAL, NORMAL_SCALE, Scattering, Slot, varying,
+};
 use crate::data::{self, f32s};
 use crate::source::Range;
 use crate::source::form::{Field, Form, Takes};
@@ -32,8 +34,8 @@ pub const KIND: MaterialKind = MaterialKind {
     form: Form {
         name: "Conductor",
         about: "A metal, polished or rough, with microfacets of GGX. Its colour is an `albedo`, or the measured `eta` and `k` of a real \
-                metal. Light that microfacets would reflect more than once is lost.",
-        fields: &[ALBEDO, ETA, K, ROUGHNESS, NORMAL, NORMAL_SCALE],
+                metal. Light that microfacets would reflect more than once is lost, unless `multiscatter` is true.",
+        fields: &[ALBEDO, ETA, K, ROUGHNESS, MULTISCATTER, NORMAL, NORMAL_SCALE],
         in_order: false,
         example: "Conductor(albedo: Rgb(0.95, 0.64, 0.54), roughness: 0.3)",
     },
@@ -41,7 +43,7 @@ pub const KIND: MaterialKind = MaterialKind {
     scatters: &[Scattering::Spread, Scattering::OneWay],
     is_clear: false,
     emits: false,
-    details: &[DetailKind::Roughness, DetailKind::Normal],
+    details: &[DetailKind::Roughness, DetailKind::Multiscatter, DetailKind::Normal],
     has_second_part: true,
 };
 

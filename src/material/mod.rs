@@ -6,6 +6,7 @@ mod dielectric;
 mod diffuse_light;
 mod lambertian;
 mod metal;
+pub mod microfacets;
 mod pbr;
 mod rough_dielectric;
 mod thin_dielectric;
@@ -64,6 +65,8 @@ pub enum Material {
         k: Option<Colour>,
         #[serde(default = "zero", with = "number")]
         roughness: Texture,
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        multiscatter: bool,
         #[serde(default, deserialize_with = "normal_map::deserialize", skip_serializing_if = "Option::is_none")]
         normal: Option<Texture>,
         #[serde(default = "one", skip_serializing_if = "is_one")]
@@ -91,6 +94,8 @@ pub enum Material {
         roughness: Texture,
         #[serde(default = "index_of_glass")]
         ior: f64,
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        multiscatter: bool,
         #[serde(default, skip_serializing_if = "Option::is_none")]
         emission: Option<Texture>,
         #[serde(default = "white", with = "number", skip_serializing_if = "is_white")]
@@ -171,8 +176,9 @@ impl Material {
                 dielectric::model(*ior).tinted(transmittance).absorbing(*absorption)
             }
             Material::DiffuseLight { emit, two_sided } => diffuse_light::model(emit, *two_sided),
-            Material::Conductor { albedo, eta, k, roughness, normal, normal_scale } => {
-                conductor::model(albedo.as_ref(), *eta, *k, roughness).bumped(normal, *normal_scale)
+            Material::Conductor { albedo, eta, k, roughness, multiscatter, normal, normal_scale } => {
+                let model = conductor::model(albedo.as_ref(), *eta, *k, roughness);
+                model.scattering_many_times(*multiscatter).bumped(normal, *normal_scale)
             }
             Material::RoughDielectric { ior, roughness, transmittance, absorption, normal, normal_scale } => {
                 let model = rough_dielectric::model(*ior, roughness);
@@ -186,6 +192,7 @@ impl Material {
                 metallic,
                 roughness,
                 ior,
+                multiscatter,
                 emission,
                 alpha,
                 alpha_cutoff,
@@ -195,7 +202,7 @@ impl Material {
             } => {
                 let model = pbr::model(base_color, metallic, roughness, *ior).glowing(emission);
                 let model = model.cut_out(alpha, *alpha_cutoff).coloured_by_vertices(*vertex_colors);
-                model.bumped(normal, *normal_scale)
+                model.scattering_many_times(*multiscatter).bumped(normal, *normal_scale)
             }
         }
     }
@@ -343,6 +350,8 @@ pub enum DetailKind {
     Normal,
     /// The colours of a mesh's vertices, which multiply its own.
     VertexColours,
+    /// It makes up for light that microfacets scatter more than once.
+    Multiscatter,
 }
 
 impl DetailKind {
@@ -355,12 +364,13 @@ impl DetailKind {
             DetailKind::Metallic => &mut details.metallic,
             DetailKind::Normal => &mut details.normal,
             DetailKind::VertexColours => &mut details.vertex_colours,
+            DetailKind::Multiscatter => &mut details.multiscatter,
         }
     }
 }
 
 /// The number of kinds of detail.
-pub const DETAILS: usize = DetailKind::VertexColours as usize + 1;
+pub const DETAILS: usize = DetailKind::Multiscatter as usize + 1;
 
 /// One of them.
 #[derive(Clone, Copy, Debug)]
@@ -428,6 +438,13 @@ const VERTEX_COLORS: Field = Field::new(
 )
 .or("false");
 
+const MULTISCATTER: Field = Field::new(
+    "multiscatter",
+    Takes::Other("true or false"),
+    "Whether it makes up for the light that its microfacets would reflect more than once, by Turquin's factor. Otherwise that light is lost.",
+)
+.or("false");
+
 impl<'a> Detail<'a> {
     pub fn emission(slot: Slot<'a>, two_sided: bool) -> Detail<'a> {
         Detail { kind: DetailKind::Emission, slot, parameter: f32::from(u8::from(two_sided)) }
@@ -448,6 +465,9 @@ fn varying<'a>(
         }
     }
 }
+
+/// Of details that have nothing in their rows.
+static WHITE: Texture = Texture::Rgb(1.0, 1.0, 1.0);
 
 /// The emission of a material.
 #[derive(Clone, Copy, Debug)]
@@ -495,9 +515,15 @@ impl<'a> Model<'a> {
 
     /// The same, with a colour that those of a mesh's vertices multiply. They lie in the mesh, so the row is white.
     fn coloured_by_vertices(mut self, has_them: bool) -> Model<'a> {
-        static WHITE: Texture = Texture::Rgb(1.0, 1.0, 1.0);
         let slot = Slot { field: &VERTEX_COLORS, usage: Use::Share, texture: &WHITE };
         self.details.extend(has_them.then_some(Detail { kind: DetailKind::VertexColours, slot, parameter: 0.0 }));
+        self
+    }
+
+    /// The same, making up for light that its microfacets scatter more than once. What that takes lies in a table, so the row is white.
+    fn scattering_many_times(mut self, does: bool) -> Model<'a> {
+        let slot = Slot { field: &MULTISCATTER, usage: Use::Share, texture: &WHITE };
+        self.details.extend(does.then_some(Detail { kind: DetailKind::Multiscatter, slot, parameter: 0.0 }));
         self
     }
 

@@ -1,8 +1,8 @@
 //! The material of glTF 2.0: a matt body under a glossy layer, or a metal.
 
 use super::{
-    ALPHA, ALPHA_CUTOFF, DetailKind, EMISSION, MaterialKind, Model, NORMAL, NORMAL_SCALE, Number, Scattering, Slot,
-    VERTEX_COLORS, varying,
+    ALPHA, ALPHA_CUTOFF, DetailKind, EMISSION, MULTISCATTER, MaterialKind, Model, NORMAL, NORMAL_SCALE, Number,
+    Scattering, Slot, VERTEX_COLORS, varying,
 };
 use crate::data;
 use crate::source::Range;
@@ -34,6 +34,7 @@ pub const KIND: MaterialKind = MaterialKind {
             METALLIC,
             ROUGHNESS,
             IOR,
+            MULTISCATTER,
             EMISSION,
             ALPHA,
             ALPHA_CUTOFF,
@@ -54,6 +55,7 @@ pub const KIND: MaterialKind = MaterialKind {
         DetailKind::VertexColours,
         DetailKind::Roughness,
         DetailKind::Metallic,
+        DetailKind::Multiscatter,
         DetailKind::Normal,
     ],
     has_second_part: false,

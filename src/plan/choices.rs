@@ -97,6 +97,9 @@ named! {
         /// A material of the kernel has a normal map, or none of them has one.
         normal_map,
         plain_normal,
+        /// A material of the kernel makes up for light that microfacets scatter more than once, or none of them does.
+        multiscatter,
+        single_scattering,
         /// One that samples lights has one.
         normal_map_in_light,
         /// Paths have a sum: of light that is sampled, or of surfaces that emit and scatter.
@@ -404,6 +407,7 @@ pub(super) fn decide(
     let (varying_roughness, varying_metallic) = (own(DetailKind::Roughness), own(DetailKind::Metallic));
     let varying_numbers = varying_roughness.clone().or(varying_metallic.clone());
     let (own_glow, normal_map) = (own(DetailKind::Emission), own(DetailKind::Normal));
+    let multiscatter = own(DetailKind::Multiscatter);
     let (tinted, absorbing) = (of_first(&features.tinted), of_first(&features.absorbing));
     let glow_is_sampled = own_glow.clone().and(light.clone()).and(emitting_surface.clone());
 
@@ -476,6 +480,8 @@ pub(super) fn decide(
         normal_map_in_light: normal_map.clone().and(surface_samples_light.clone()),
         plain_normal: if_so(normal_map.is_none(), Reason::EveryRender),
         normal_map,
+        single_scattering: if_so(multiscatter.is_none(), Reason::EveryRender),
+        multiscatter,
         specular_beside_delta_light: specular.clone().and(delta_light.clone()),
         light_without_place: emitting_sky.clone().or(asked(&features.directional_lights)),
         delta_light,

@@ -100,6 +100,7 @@ const NONE: &[&str] = &[
     "absorbing",
     "normal_map",
     "normal_map_in_light",
+    "multiscatter",
     "glow_is_sampled",
     "glow_by_chance",
     "glow_direct",
@@ -170,7 +171,7 @@ impl Kernel {
         for &condition in NONE {
             choices.conditions.entry(condition).or_default();
         }
-        for condition in ["own_colours"].into_iter().chain(SETTINGS) {
+        for condition in ["own_colours", "single_scattering"].into_iter().chain(SETTINGS) {
             choices.conditions.entry(condition).or_insert(Some(Reason::EveryRender));
         }
         // Images of floats.

@@ -27,7 +27,8 @@ pub struct In {
     pub colour: [f32; 3],
     pub padding1: u32,
     pub light: [f32; 3],
-    pub padding2: u32,
+    /// Of a material that makes up for it.
+    pub lost_over_kept: f32,
     pub u: [f32; 4],
     pub material: data::Material,
     pub second: data::Material,
@@ -47,10 +48,18 @@ pub struct Out {
 
 /// A kernel that answers each row so many times: once for the row's own uniforms, or for independent ones.
 pub fn kernel(material: &str, times: usize, replaced: &[(&str, &str)]) -> Kernel {
+    kernel_of(material, times, replaced, false)
+}
+
+/// The same, of a material that makes up for light that microfacets scatter more than once.
+pub fn kernel_of(material: &str, times: usize, replaced: &[(&str, &str)], multiscatter: bool) -> Kernel {
     let (times, keyed) = (times.to_string(), if times > 1 { "true" } else { "false" });
     let values = [("material", material), ("times", &*times), ("keyed", keyed)];
     let mut plan = Choices::default();
     plan.conditions.insert("two_parts", Some(Reason::EveryRender));
+    let those = |there: bool| there.then_some(Reason::EveryRender);
+    plan.conditions.insert("multiscatter", those(multiscatter));
+    plan.conditions.insert("single_scattering", those(!multiscatter));
     Kernel::with("test/rough", &Setup { replaced, values: &values, plan, ..Setup::default() })
 }
 

@@ -18,6 +18,7 @@ mod glow;
 mod in_memory;
 mod instances;
 mod knobs;
+mod multiscatter;
 mod normal_maps;
 mod numbers;
 mod recipe;

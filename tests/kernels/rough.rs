@@ -2,12 +2,14 @@
 //! visible microfacets.
 
 use glam::DVec3;
+use gpu_rt::gpu::buffers::BufferSpec;
+use gpu_rt::material::microfacets::kept_shares;
 
 use crate::common::kernel::Kernel;
 use crate::common::kernel::Setup;
 use crate::common::microfacets::{
-    ABSORBED, Facets, In, Out, SCATTERED, arriving, axes, conductor, density, frosted, kept, kernel, masking,
-    metal_reflectance, pane, schlick, shadowing, uniforms, visible, within,
+    ABSORBED, Facets, In, Out, SCATTERED, arriving, axes, conductor, density, frosted, kept, kernel, kernel_of,
+    masking, metal_reflectance, pane, schlick, shadowing, uniforms, visible, within,
 };
 use crate::common::oracles::fresnel;
 use crate::common::rows::{Answer, Met, glass};
@@ -239,6 +241,89 @@ fn white_conductors_keep_what_single_scattering_keeps() {
             (mean - expected).abs() < limit && limit < 0.0051,
             "roughness {roughness}, cosine {cos}: {mean} of {expected}"
         );
+    }
+}
+
+/// The table of it, whose error is that of interpolation.
+#[test]
+fn the_table_of_what_single_scattering_keeps_is_right() {
+    let mut random = Random(179);
+    let rows: Vec<[f32; 2]> = (0..96)
+        .map(|i| {
+            let cos = if i % 2 == 0 { random.uniform() } else { decades(&mut random, -3.0, 0.0) };
+            let roughness = [random.uniform(), decades(&mut random, -3.0, 0.0), 1.0][i % 3];
+            [cos as f32, roughness as f32]
+        })
+        .collect();
+    let own = Kernel::new("test/kept_share");
+    let expected = |[cos, roughness]: [f32; 2]| {
+        kept(&Facets { alpha: f64::from(roughness.max(1.0 / 1024.0)).powi(2), cos_view: f64::from(cos) })
+    };
+    let expected: Vec<f64> = rows.iter().map(|row| expected(*row)).collect();
+    let worst = |shares: &[[f32; 4]]| {
+        let bytes: &[u8] = bytemuck::cast_slice(shares);
+        let table = BufferSpec::table("kept_shares", bytes.into(), bytes.len() as u64, "the test");
+        let found = own.run_with::<_, f32>(&rows, rows.len(), &[table]);
+        let off = found.iter().zip(&expected).map(|(found, expected)| (f64::from(*found) / expected - 1.0).abs());
+        off.fold(0.0, f64::max)
+    };
+    let mut shares = kept_shares();
+    println!("off by {:.4} at most", worst(&shares));
+    assert!(worst(&shares) < 0.008);
+    shares.rotate_left(8);
+    assert!(worst(&shares) > 0.01, "a row of the table too few is not found");
+}
+
+/// The response with 1 + F0 (1 - E) / E, for an albedo and for an index, and of each lobe of glTF's material.
+#[test]
+fn what_is_scattered_more_than_once_is_a_factor() {
+    let mut random = Random(181);
+    let colour = [0.9f32, 0.5, 0.1];
+    let lost_over_kept = 0.75f32;
+    let mut rows = |of_material: &dyn Fn(In) -> In| -> Vec<In> {
+        let arriving = (0..600).map(|i| {
+            let row = arriving(&mut Random(i), 0.05 + 0.0015 * i as f64);
+            of_material(In { colour, lost_over_kept, u: uniforms(&mut random, i as usize), ..row })
+        });
+        arriving.collect()
+    };
+    let pbr = |metallic: f32| {
+        move |row: In| {
+            let material = gpu_rt::data::Material {
+                parameter: 0.5,
+                contrast_outside: 0.3,
+                contrast_inside: metallic,
+                ..Default::default()
+            };
+            let colour = if metallic == 1.0 { row.colour } else { [0.0; 3] };
+            In { material, colour, ..row }
+        }
+    };
+    let straight = |c: usize| metal_reflectance(1.0, f64::from(colour[c]), 2.0);
+    let albedo = |c: usize| f64::from(colour[c]);
+    type Case<'a> = (&'a str, Vec<In>, Box<dyn Fn(usize) -> f64 + 'a>);
+    let cases: [Case; 4] = [
+        ("conductor", rows(&|row| conductor(row, 0.5, None)), Box::new(albedo)),
+        ("conductor", rows(&|row| conductor(row, 0.5, Some([2.0; 3]))), Box::new(straight)),
+        ("pbr", rows(&pbr(1.0)), Box::new(albedo)),
+        ("pbr", rows(&pbr(0.0)), Box::new(|_| 0.3)),
+    ];
+    for (material, rows, straight) in cases {
+        let (single, whole) = (kernel(material, 1, &[]), kernel_of(material, 1, &[], true));
+        let pairs = single.run::<_, Out>(&rows).into_iter().zip(whole.run::<_, Out>(&rows));
+        let mut compared = 0;
+        for (single, whole) in pairs {
+            assert!(single.event == whole.event && single.direction == whole.direction && single.pdf == whole.pdf);
+            for c in 0..3 {
+                let factor = 1.0 + straight(c) * f64::from(lost_over_kept);
+                for (one, other) in [(single.value[c], whole.value[c]), (single.weight[c], whole.weight[c])] {
+                    let (one, other) = (f64::from(one), f64::from(other));
+                    assert!((one * factor - other).abs() <= 16.0 * U * other, "{material}: {one}, {other}, {factor}");
+                    compared += usize::from(other > 0.0);
+                }
+            }
+        }
+        assert!(compared > 2000, "{material}: {compared}");
     }
 }
 

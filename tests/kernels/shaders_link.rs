@@ -151,7 +151,7 @@ fn everything() -> Features {
 
 fn all_sampled() -> Features {
     let surfaces = features(all(PRIMITIVES), all(MATERIALS), all(TEXTURES), IMAGE, true);
-    let surfaces = varying(surfaces, &[DetailKind::Roughness, DetailKind::Metallic]);
+    let surfaces = varying(surfaces, &[DetailKind::Roughness, DetailKind::Metallic, DetailKind::Multiscatter]);
     let lit = delta_lit(lit(with_media(smooth(surfaces), all(BOUNDARIES), true), all(PRIMITIVES), true), true);
     detailed(covered(glowing(coloured(lit, true, true))), DetailKind::Normal)
 }
@@ -285,6 +285,11 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
         if shapes == primitives {
             found.push(smooth(mapped));
         }
+    }
+    // Light that microfacets scatter more than once: each material alone, and all.
+    for set in [bits_of(|kind| kind.details.contains(&DetailKind::Multiscatter)), materials] {
+        let whole = varying(features(1, set, 0, SOLID, false), &[DetailKind::Multiscatter]);
+        found.extend([whole.clone(), lit(whole.clone(), 1, false), lit(detailed(whole, DetailKind::Normal), 0, true)]);
     }
     // Coloured glass, smooth and rough, alone and beside the other materials.
     for set in [bits_of(|kind| kind.is_clear), materials] {

@@ -13,7 +13,7 @@ struct In {
     padding1: u32,
     // Zero to ask for the response to the answer.
     light: vec3<f32>,
-    padding2: u32,
+    lost_over_kept: f32,
     u: vec4<f32>,
     material: Material,
     second: Material,
@@ -38,7 +38,13 @@ const KEYED: bool = ${keyed};
 fn run(row: u32) {
     let given = input[row / TIMES];
     let u = select(given.u, random4(row, 0u, 0u, 2u), KEYED);
+    //@ if single_scattering
     let hit = Interaction(given.incoming, given.normal, given.front != 0u, given.colour, given.second);
+    //@ end
+    //@ if multiscatter
+    let hit = Interaction(
+        given.incoming, given.normal, given.front != 0u, given.colour, given.second, given.lost_over_kept);
+    //@ end
     let scattered = ${material}_scatter(given.material, hit, u);
     let light = select(given.light, scattered.direction, all(given.light == vec3<f32>(0.0)));
     let response = ${material}_eval(given.material, hit, light);

@@ -71,6 +71,7 @@ pub fn default_material(vertex_colors: bool) -> Material {
         metallic,
         roughness,
         ior: 1.5,
+        multiscatter: false,
         emission,
         alpha,
         alpha_cutoff,
@@ -278,7 +279,8 @@ impl File {
                 }
             }
             Model::Surface if is_metal && emission.is_none() && is_opaque && !vertex_colors => {
-                Material::Conductor { albedo: Some(color), eta: None, k: None, roughness, normal, normal_scale }
+                let (albedo, multiscatter) = (Some(color), false);
+                Material::Conductor { albedo, eta: None, k: None, roughness, multiscatter, normal, normal_scale }
             }
             Model::Surface if is_matt && is_no_metal => {
                 let albedo = color;
@@ -294,6 +296,7 @@ impl File {
                     metallic,
                     roughness,
                     ior,
+                    multiscatter: false,
                     emission,
                     alpha,
                     alpha_cutoff,
