@@ -353,10 +353,10 @@ impl Kernels {
                 element_bytes(&flat.details),
                 "what materials have beside their rows",
             ),
-            BufferSpec::table(
+            array(
                 "kept_shares",
                 bytes(&flat.kept_shares),
-                size_of_val(flat.kept_shares.as_slice()) as u64,
+                element_bytes(&flat.kept_shares),
                 "what single scattering by microfacets keeps of light",
             ),
             array("meshes", bytes(&flat.meshes), element_bytes(&flat.meshes), "faces and vertices of meshes"),

@@ -2,11 +2,9 @@
 //! visible microfacets.
 
 use glam::DVec3;
-use gpu_rt::gpu::buffers::BufferSpec;
 use gpu_rt::material::microfacets::kept_shares;
 
-use crate::common::kernel::Kernel;
-use crate::common::kernel::Setup;
+use crate::common::kernel::{Kernel, Setup, array};
 use crate::common::microfacets::{
     ABSORBED, Facets, In, Out, SCATTERED, arriving, axes, conductor, density, frosted, kept, kernel, kernel_of,
     masking, metal_reflectance, pane, schlick, shadowing, uniforms, visible, within,
@@ -261,9 +259,7 @@ fn the_table_of_what_single_scattering_keeps_is_right() {
     };
     let expected: Vec<f64> = rows.iter().map(|row| expected(*row)).collect();
     let worst = |shares: &[[f32; 4]]| {
-        let bytes: &[u8] = bytemuck::cast_slice(shares);
-        let table = BufferSpec::table("kept_shares", bytes.into(), bytes.len() as u64, "the test");
-        let found = own.run_with::<_, f32>(&rows, rows.len(), &[table]);
+        let found = own.run_with::<_, f32>(&rows, rows.len(), &[array("kept_shares", shares)]);
         let off = found.iter().zip(&expected).map(|(found, expected)| (f64::from(*found) / expected - 1.0).abs());
         off.fold(0.0, f64::max)
     };
