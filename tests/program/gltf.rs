@@ -66,10 +66,10 @@ fn what_convert_cannot_do_is_refused() {
 fn errors_and_warnings_name_the_file_and_the_json() {
     let place = with_room();
     let (mut json, binary) = room();
-    json["materials"][0]["normalTexture"] = serde_json::json!({"index": 0});
+    json["materials"][0]["occlusionTexture"] = serde_json::json!({"index": 0});
     fs::write(place.folder.path().join("scenes/room.glb"), glb(&json, &binary)).unwrap();
     let ran = place.says("check ../scenes/room.glb").exits(0);
-    let words = "warning: ../scenes/room.glb: materials[0] (\"Wood\") is approximated: not read: normalTexture";
+    let words = "warning: ../scenes/room.glb: materials[0] (\"Wood\") is approximated: not read: occlusionTexture";
     assert!(ran.stdout.contains(words), "{}", ran.stdout);
     json["textures"][0]["source"] = 3.into();
     fs::write(place.folder.path().join("scenes/room.glb"), glb(&json, &binary)).unwrap();
