@@ -339,7 +339,7 @@ impl Kernels {
             BufferSpec::working("path_words", slots * word_bytes, "what of that state fills no vec4")
                 .made_of(format!("{slots} slots x {word_bytes} bytes")),
             BufferSpec::scene("texels", flat.texel_words().map(bytes).collect(), "images")
-                .made_of(texel_words(flat))
+                .made_of(make_up_of_texels(flat))
                 .shrunk_by(largest_images(flat)),
             array(
                 "sky",
@@ -386,7 +386,7 @@ fn bytes<T: bytemuck::Pod>(items: &[T]) -> Cow<'_, [u8]> {
 }
 
 /// The make-up of the texels: how many images there are of each format, and their bytes.
-fn texel_words(flat: &DeviceScene) -> String {
+fn make_up_of_texels(flat: &DeviceScene) -> String {
     let of_format = |(number, name): (usize, &&str)| {
         let images = flat.images.iter().filter(|(_, bitmap)| bitmap.format.number() == number);
         let (count, bytes) = images.fold((0, 0), |(count, bytes), (_, bitmap)| (count + 1, bytes + bitmap.bytes()));

@@ -88,15 +88,10 @@ pub mod normal_map {
     use crate::bitmap::Channel;
 
     pub fn deserialize<'a, D: Deserializer<'a>>(from: D) -> Result<Option<Texture>, D::Error> {
-        Ok(Option::deserialize(from)?.map(of_image))
-    }
-
-    /// This image as a normal map.
-    pub fn of_image(image: Texture) -> Texture {
-        match image {
+        Ok(Option::deserialize(from)?.map(|texture| match texture {
             Texture::Image { path, tint, channel: None } => Texture::Image { path, tint, channel: Some(Channel::Rgb) },
             other => other,
-        }
+        }))
     }
 }
 

@@ -17,20 +17,20 @@ const NO_TEXTURE: u32 = 0xffffffffu;
 // What a material has beside its row of the table: for each, the index of a row behind those of all materials, or NO_DETAIL. Such a row
 // has a colour or a texture, whose frame is as far behind that of the material's own texture as `kind` says.
 struct Detail {
-    // Of a clear solid: what it absorbs per unit of length. No row.
+    // Of a clear solid: what it absorbs per unit of length. It is no index.
     absorption: vec3<f32>,
     // The radiance that it emits. The row's parameter is 0 if it emits from its front alone.
     emission: u32,
     // The share of light that it stops.
     alpha: u32,
-    // Factors of its numbers.
+    // Its roughness and how metallic it is, where they vary over the surface.
     roughness: u32,
     metallic: u32,
     // The normal in the frame of the texture coordinates.
     normal: u32,
-    // Whether the colours of a mesh's vertices multiply its own. The row has nothing.
+    // It has a row if the colours of a mesh's vertices multiply its own. Nothing reads the row.
     vertex_colours: u32,
-    // Whether it makes up for light that microfacets scatter more than once. The row has nothing.
+    // It has a row if it makes up for light that microfacets scatter more than once. Nothing reads the row.
     multiscatter: u32,
     padding0: u32,
     padding1: u32,

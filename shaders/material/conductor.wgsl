@@ -33,9 +33,9 @@ fn conductor_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scat
     let share = reflectance_of_metal(cos_facet, hit.colour, hit.second.colour, hit.second.parameter != 0.0);
     //@ end
     //@ if multiscatter
-    let has_index = hit.second.parameter != 0.0;
-    let straight = reflectance_of_metal(1.0, hit.colour, hit.second.colour, has_index);
-    let share = reflectance_of_metal(cos_facet, hit.colour, hit.second.colour, has_index) * (1.0 + straight * hit.lost_over_kept);
+    let share = whole_reflectance_of_metal(
+        cos_facet, hit.colour, hit.second.colour, hit.second.parameter != 0.0, hit.lost_over_kept,
+    );
     //@ end
     return Scatter(SCATTERED, direction, share * smith_shadowing(cos_view, min(cos_light, 1.0), alpha));
 }

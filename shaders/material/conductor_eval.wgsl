@@ -22,9 +22,9 @@ fn conductor_eval(material: Material, hit: Interaction, direction: vec3<f32>) ->
     let share = reflectance_of_metal(cos_facet, hit.colour, hit.second.colour, hit.second.parameter != 0.0);
     //@ end
     //@ if multiscatter
-    let has_index = hit.second.parameter != 0.0;
-    let straight = reflectance_of_metal(1.0, hit.colour, hit.second.colour, has_index);
-    let share = reflectance_of_metal(cos_facet, hit.colour, hit.second.colour, has_index) * (1.0 + straight * hit.lost_over_kept);
+    let share = whole_reflectance_of_metal(
+        cos_facet, hit.colour, hit.second.colour, hit.second.parameter != 0.0, hit.lost_over_kept,
+    );
     //@ end
     return Response(share * (pdf * smith_shadowing(cos_view, cos_light, alpha)), pdf);
 }

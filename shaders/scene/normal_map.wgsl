@@ -4,6 +4,7 @@
 //@ use data/surface
 //@ use bind/details
 //@ use bind/frames
+//@ use lib/bent_back
 //@ use lib/tangents
 //@ use scene/details
 //@ each primitive
@@ -55,7 +56,7 @@ fn mesh_tangents(instance: Instance, index: u32) -> Tangents {
 
 //@ end
 // The normal by the map of the surface's material, if it has one. `shading` is the normal without it, on the side from which the ray
-// comes. A normal that faces away from the ray is bent back until the ray grazes it.
+// comes.
 fn mapped_normal(hit: Hit, surface: Surface, incoming: vec3<f32>, shading: vec3<f32>, front: bool) -> vec3<f32> {
     let row = details[surface.material].normal;
     if row == NO_DETAIL {
@@ -66,13 +67,7 @@ fn mapped_normal(hit: Hit, surface: Surface, incoming: vec3<f32>, shading: vec3<
     let mapped = (2.0 * code - 1.0) * vec3<f32>(bumps, bumps, 1.0);
     let outward = select(-shading, shading, front);
     let turned = normal_of_map(mapped, outward, tangents_at(hit, surface, frames[surface.frame + materials[row].kind]));
-    let sided = select(-turned, turned, front);
-    let bent = sided - max(dot(sided, incoming), 0.0) * incoming;
-    // The map can point straight away from the ray.
-    if !(dot(bent, bent) > 1e-12) {
-        return shading;
-    }
-    return normalize(bent);
+    return bent_back(select(-turned, turned, front), incoming, shading);
 }
 
 // Whether a direction is on the same side of the surface as of the mapped normal. Light cannot pass a closed surface because of its map.

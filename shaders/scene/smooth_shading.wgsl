@@ -5,6 +5,7 @@
 //@ use choice/offset
 //@ use scene/at_run_time
 //@ use scene/meshes
+//@ use lib/bent_back
 //@ use lib/octahedral
 // Meshes with vertex normals look smooth: light scatters around the interpolated normal, and rays leave from the smooth
 // surface that this normal describes.
@@ -23,8 +24,7 @@ fn normals_of(code: u32) -> Corners {
 }
 
 // The normal for the material. `facing` is the surface's own normal, on the side from which the ray comes. Near a silhouette
-// the interpolated normal can face away from the ray, and a mirror would reflect the ray into the surface. Such a normal is
-// bent back until the ray grazes it.
+// the interpolated normal can face away from the ray. Such a normal is bent back.
 fn shading_normal(hit: Hit, surface: Surface, incoming: vec3<f32>, facing: vec3<f32>) -> vec3<f32> {
     if !is_smooth(hit.code) {
         return facing;
@@ -32,12 +32,8 @@ fn shading_normal(hit: Hit, surface: Surface, incoming: vec3<f32>, facing: vec3<
     let normals = normals_of(hit.code);
     let turned = from_mesh_turned(instances[at_run_time(hit.instance)], blend(surface.local, normals));
     let sided = select(-turned, turned, dot(facing, surface.normal) > 0.0);
-    let bent = sided - max(dot(sided, incoming), 0.0) * incoming;
     // Vertex normals in opposite directions can cancel.
-    if !(dot(bent, bent) > 1e-12) {
-        return facing;
-    }
-    return normalize(bent);
+    return bent_back(sided, incoming, facing);
 }
 
 // The point of an event, on the side of `facing`. Lights are chosen and sampled from this point, and rays to that side start

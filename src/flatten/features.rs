@@ -138,7 +138,7 @@ impl Features {
         self.boundary_stack_size = self.boundary_stack_size.max(DEEP);
     }
 
-    /// Whether a material has a detail.
+    /// Whether a material has anything in the table of details.
     pub(super) fn has_details(&self) -> bool {
         self.details.iter().flatten().chain(&self.absorbing).any(Option::is_some)
     }

@@ -543,21 +543,19 @@ impl Builder<'_> {
         for (number, (name, material)) in scene.materials.iter().enumerate().filter(|(number, _)| used[*number]) {
             let model = material.model();
             let light = model.light().map(|light| Detail::emission(light.slot, light.two_sided));
-            let is_textured = |slot: Option<Slot>| u32::from(slot.is_some_and(|slot| slot.texture.plain().is_none()));
-            if let (Some(absorption), Some(details)) =
-                (model.absorption, details.get_mut(self.materials[number] as usize))
-            {
-                details.absorption = f32s(absorption / self.space.scale);
-            }
-            let mut frame = if light.is_some() { 0 } else { is_textured(model.slot) };
+            let is_textured = |slot: Slot| u32::from(slot.texture.plain().is_none());
+            let mut own = data::Detail::NONE;
+            own.absorption = f32s(model.absorption.unwrap_or_default() / self.space.scale);
+            // The frames of the surface are those of the material's textures in their order. The emission of a light is its only one.
+            let mut frame = if light.is_some() { 0 } else { model.slot.map_or(0, is_textured) };
             for detail in model.details.iter().copied().chain(light) {
-                let row = self.flat.materials.len() as u32;
-                let flat = data::Material { kind: frame, parameter: detail.parameter, ..data::Material::default() };
-                frame += is_textured(Some(detail.slot));
-                self.add_row(name, flat, Some(detail.slot), radiance_scale);
-                if let Some(details) = details.get_mut(self.materials[number] as usize) {
-                    *detail.kind.row_of(details) = row;
-                }
+                *detail.kind.row_of(&mut own) = self.flat.materials.len() as u32;
+                let row = data::Material { kind: frame, parameter: detail.parameter, ..data::Material::default() };
+                frame += is_textured(detail.slot);
+                self.add_row(name, row, Some(detail.slot), radiance_scale);
+            }
+            if let Some(details) = details.get_mut(self.materials[number] as usize) {
+                *details = own;
             }
         }
         self.flat.details = details;

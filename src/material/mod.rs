@@ -219,9 +219,8 @@ impl Material {
         let Some(detail) = of_roughness else { return vec![model.scattering] };
         let least = detail.slot.texture.least(bitmaps);
         let smoothest = match self {
-            Material::Conductor { .. } => conductor::scattering(least),
+            Material::Conductor { .. } | Material::ThinDielectric { .. } => conductor::scattering(least),
             Material::RoughDielectric { ior, .. } => rough_dielectric::scattering(*ior, least),
-            Material::ThinDielectric { .. } => conductor::scattering(least),
             _ => model.scattering,
         };
         if smoothest == Scattering::Spread { vec![smoothest] } else { vec![Scattering::Spread, smoothest] }
@@ -343,8 +342,9 @@ pub enum DetailKind {
     Emission,
     /// The share of light that it stops.
     Alpha,
-    /// Factors of its numbers.
+    /// Its roughness, where that varies over the surface.
     Roughness,
+    /// How metallic it is, where that varies.
     Metallic,
     /// The normal in the frame of the texture coordinates.
     Normal,
@@ -391,7 +391,7 @@ const EMISSION: Field = Field::new(
 const TRANSMITTANCE: Field = Field::new(
     "transmittance",
     Takes::Texture(Use::Albedo.range()),
-    "The share of the light that is not reflected that each surface lets pass. Light through a body passes two.",
+    "The share of the refracted light that each surface lets pass. Light through a body passes two surfaces.",
 )
 .or("all of it");
 /// The most that a clear solid absorbs per unit.
@@ -399,8 +399,8 @@ pub const MOST_ABSORPTION: f64 = 1e9;
 const ABSORPTION: Field = Field::new(
     "absorption",
     Takes::Colour(Range::from_to(0.0, MOST_ABSORPTION)),
-    "What the inside absorbs per scene unit: exp(-absorption · distance) is left. The distance is that to the surface from which the light \
-     leaves, so a body needs a closed surface, and other things in it do not count.",
+    "What the inside absorbs per scene unit: exp(-absorption · distance) is left of light that reaches the body's surface from inside. The \
+     surface must be closed. Light that ends on another object inside the body keeps all.",
 )
 .or("none: it is clear");
 
@@ -466,9 +466,6 @@ fn varying<'a>(
     }
 }
 
-/// Of details that have nothing in their rows.
-static WHITE: Texture = Texture::Rgb(1.0, 1.0, 1.0);
-
 /// The emission of a material.
 #[derive(Clone, Copy, Debug)]
 pub struct Emission<'a> {
@@ -513,18 +510,22 @@ impl<'a> Model<'a> {
         self
     }
 
-    /// The same, with a colour that those of a mesh's vertices multiply. They lie in the mesh, so the row is white.
-    fn coloured_by_vertices(mut self, has_them: bool) -> Model<'a> {
-        let slot = Slot { field: &VERTEX_COLORS, usage: Use::Share, texture: &WHITE };
-        self.details.extend(has_them.then_some(Detail { kind: DetailKind::VertexColours, slot, parameter: 0.0 }));
+    /// The same with a detail that is there or not. What it takes lies elsewhere, so its row is white.
+    fn flagged(mut self, field: &'static Field, kind: DetailKind, is_there: bool) -> Model<'a> {
+        static WHITE: Texture = Texture::Rgb(1.0, 1.0, 1.0);
+        let slot = Slot { field, usage: Use::Share, texture: &WHITE };
+        self.details.extend(is_there.then_some(Detail { kind, slot, parameter: 0.0 }));
         self
     }
 
-    /// The same, making up for light that its microfacets scatter more than once. What that takes lies in a table, so the row is white.
-    fn scattering_many_times(mut self, does: bool) -> Model<'a> {
-        let slot = Slot { field: &MULTISCATTER, usage: Use::Share, texture: &WHITE };
-        self.details.extend(does.then_some(Detail { kind: DetailKind::Multiscatter, slot, parameter: 0.0 }));
-        self
+    /// The same, with a colour that those of a mesh's vertices multiply.
+    fn coloured_by_vertices(self, has_them: bool) -> Model<'a> {
+        self.flagged(&VERTEX_COLORS, DetailKind::VertexColours, has_them)
+    }
+
+    /// The same, making up for light that its microfacets scatter more than once.
+    fn scattering_many_times(self, does: bool) -> Model<'a> {
+        self.flagged(&MULTISCATTER, DetailKind::Multiscatter, does)
     }
 
     /// The same with a normal map.
@@ -560,7 +561,7 @@ impl Slot<'_> {
     fn warning(&self, at: &Place, bitmaps: &Bitmaps) -> Option<String> {
         let (is_odd, message) = match self.usage {
             Use::Share | Use::Normal => return None,
-            // A body of clear glass absorbs nothing, and light leaves it.
+            // Light leaves a clear body, so that a transmittance of 1 traps no path.
             Use::Albedo if self.field.name == TRANSMITTANCE.name => return None,
             Use::Albedo => (
                 self.texture.is_white(bitmaps),

@@ -90,18 +90,20 @@ named! {
         glow_by_chance,
         /// Its light is among the direct light beside the image.
         glow_direct,
-        /// A clear material of the kernel is coloured: by a share that each surface lets pass, or by what the inside absorbs.
+        /// A clear material of the kernel has a surface that lets a share of light pass alone,
         tinted,
+        /// and lights are sampled or asked for;
         tinted_in_light,
+        /// or it has an inside that absorbs.
         absorbing,
         /// A material of the kernel has a normal map, or none of them has one.
         normal_map,
         plain_normal,
+        /// A material of the kernel has one, and lights are sampled.
+        normal_map_in_light,
         /// A material of the kernel makes up for light that microfacets scatter more than once, or none of them does.
         multiscatter,
         single_scattering,
-        /// One that samples lights has one.
-        normal_map_in_light,
         /// Paths have a sum: of light that is sampled, or of surfaces that emit and scatter.
         gathers,
         /// The colours of a mesh's vertices multiply that of a material of the kernel.

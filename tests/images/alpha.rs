@@ -10,7 +10,9 @@ use gpu_rt::scene::Scene;
 use image::{Rgba, RgbaImage};
 
 use crate::common::kernel::Overlay;
-use crate::common::render::{Ask, Mean, Shot, render, render_planted, same_expectation, scene, scene_in};
+use crate::common::render::{
+    Ask, Mean, Shot, render, render_planted, same_bytes_however_cut, same_expectation, scene, scene_in,
+};
 
 const ALPHA: f64 = 1e-6;
 /// Standard errors that a mean is off by once in 1e6.
@@ -167,13 +169,8 @@ fn the_bytes_do_not_depend_on_how_the_work_is_done() {
     let room = scene(&room());
     let bits = |shot: &Shot| shot.picture.rgb.as_flattened().iter().map(|v| v.to_bits()).collect::<Vec<_>>();
     for ask in [Ask::spp(16).seed(7).mis().sobol().roulette(), Ask::spp(16).seed(7)] {
+        same_bytes_however_cut(&room, &ask, "a room of surfaces with an alpha");
         let usual = bits(&render(&room, &ask));
-        for scatter in [Scatter::Linked, Scatter::Queues] {
-            let cut = |options: &mut gpu_rt::options::RenderOptions| {
-                (options.slots, options.workgroup, options.bounces) = (Some(77), Some(32), Some(3));
-            };
-            assert!(usual == bits(&render(&room, &ask.clone().scatter(scatter).with(cut))), "{scatter:?}");
-        }
         for build in [Quality::Fast, Quality::Best] {
             assert!(usual == bits(&render(&room, &ask.clone().with(|options| options.build = build))), "{build:?}");
         }

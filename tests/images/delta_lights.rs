@@ -7,7 +7,7 @@ use gpu_rt::flatten::flatten;
 use gpu_rt::options::{Integrator, RenderOptions, Scatter};
 
 use crate::common::kernel::Overlay;
-use crate::common::render::{Ask, Shot, render, render_planted, same_expectation, scene};
+use crate::common::render::{Ask, Shot, render, render_planted, same_bytes_however_cut, same_expectation, scene};
 use crate::common::scenes::triple;
 use crate::common::vectors::U;
 
@@ -231,14 +231,7 @@ fn lights_without_size_make_the_same_bytes_however_the_work_is_cut() {
         DirectionalLight(direction: (1, -2, -1), irradiance: (1, 1, 1))";
     let scene = scene(&room(lights));
     let ask = Ask::spp(16).seed(7).mis().sobol().roulette();
-    let bits = |shot: &Shot| shot.picture.rgb.as_flattened().iter().map(|v| v.to_bits()).collect::<Vec<_>>();
-    let usual = bits(&render(&scene, &ask));
-    for scatter in [Scatter::Linked, Scatter::Queues] {
-        let cut = |options: &mut RenderOptions| {
-            (options.slots, options.workgroup, options.bounces) = (Some(77), Some(32), Some(3));
-        };
-        assert!(usual == bits(&render(&scene, &ask.clone().scatter(scatter).with(cut))), "{scatter:?}");
-    }
+    same_bytes_however_cut(&scene, &ask, "lights without size");
 }
 
 /// Far and near, bright and faint, in large and small scenes; on the floor, behind it, and at the point that is seen.

@@ -9,11 +9,13 @@ use std::path::Path;
 
 use crate::common::instances::{ball_file, smooth_ball_file};
 use crate::common::kernel::Overlay;
-use crate::common::render::{Ask, Shot, render, render_all, render_planted, same_expectation, scene, worst_difference};
+use crate::common::render::{
+    Ask, Shot, render, render_all, render_planted, same_bytes_however_cut, same_expectation, scene, worst_difference,
+};
 use crate::common::stats::{same_expectation_paired, sidak, welch_t};
 use glam::DVec3;
 use gpu_rt::flatten::{MOST_LIGHTS, flatten};
-use gpu_rt::options::{RenderOptions, Scatter};
+use gpu_rt::options::RenderOptions;
 
 use gpu_rt::scene::Scene;
 use image::{Rgb, Rgb32FImage};
@@ -524,13 +526,7 @@ fn lights_make_an_image_of_the_same_bytes_however_the_work_is_cut() {
         let usual = render(&scene, &ask);
         let bits =
             |shot: &render::Shot| shot.picture.rgb.as_flattened().iter().map(|v| v.to_bits()).collect::<Vec<_>>();
-        for scatter in [Scatter::Linked, Scatter::Queues] {
-            let cut = |options: &mut RenderOptions| {
-                (options.slots, options.workgroup, options.bounces) = (Some(77), Some(32), Some(3));
-            };
-            let other = render(&scene, &ask.clone().scatter(scatter).with(cut));
-            assert!(bits(&usual) == bits(&other), "{name}: {scatter:?} delivers other bytes");
-        }
+        same_bytes_however_cut(&scene, &ask, name);
         let other = render(&scene, &Ask { seed: 8, ..ask.clone() });
         assert!(bits(&usual) != bits(&other), "{name}: another seed delivers the same bytes");
     }

@@ -3,7 +3,7 @@
 use gpu_rt::options::Scatter;
 
 use crate::common::kernel::Overlay;
-use crate::common::render::{Ask, Shot, render, render_planted, same_expectation, scene, scene_in};
+use crate::common::render::{Ask, render, render_planted, same_bytes_however_cut, same_expectation, scene, scene_in};
 
 const ALPHA: f64 = 1e-6;
 
@@ -80,15 +80,8 @@ fn light_sampling_changes_no_expectation_where_surfaces_emit_and_scatter() {
 #[test]
 fn the_bytes_do_not_depend_on_how_the_work_is_cut() {
     let room = scene(&room());
-    let bits = |shot: &Shot| shot.picture.rgb.as_flattened().iter().map(|v| v.to_bits()).collect::<Vec<_>>();
     for ask in [Ask::spp(16).seed(7).mis().sobol().roulette(), Ask::spp(16).seed(7)] {
-        let usual = bits(&render(&room, &ask));
-        for scatter in [Scatter::Linked, Scatter::Queues] {
-            let cut = |options: &mut gpu_rt::options::RenderOptions| {
-                (options.slots, options.workgroup, options.bounces) = (Some(77), Some(32), Some(3));
-            };
-            assert!(usual == bits(&render(&room, &ask.clone().scatter(scatter).with(cut))), "{scatter:?}");
-        }
+        same_bytes_however_cut(&room, &ask, "a room with surfaces that emit and scatter");
     }
 }
 

@@ -9,7 +9,7 @@ use gpu_rt::scene::{Scene, Wishes};
 
 use crate::common::gltf::{glb, room};
 use crate::common::kernel::Overlay;
-use crate::common::render::{Ask, Shot, render, render_planted, same_expectation, scene_in};
+use crate::common::render::{Ask, Shot, render, render_planted, same_bytes_however_cut, same_expectation, scene_in};
 
 const ALPHA: f64 = 1e-6;
 
@@ -144,13 +144,7 @@ fn the_bytes_do_not_depend_on_how_the_work_is_cut() {
     marks(folder.path());
     let room = scene_in(folder.path(), ROOM);
     for ask in [Ask::spp(16).seed(7).mis().sobol().roulette(), Ask::spp(16).seed(7)] {
-        let usual = bits(&render(&room, &ask), 0..16);
-        for scatter in [Scatter::Linked, Scatter::Queues] {
-            let cut = |options: &mut gpu_rt::options::RenderOptions| {
-                (options.slots, options.workgroup, options.bounces) = (Some(77), Some(32), Some(3));
-            };
-            assert!(usual == bits(&render(&room, &ask.clone().scatter(scatter).with(cut)), 0..16), "{scatter:?}");
-        }
+        same_bytes_however_cut(&room, &ask, "a room whose numbers vary");
     }
 }
 
