@@ -2,7 +2,7 @@
 //@ use data/material
 //@ use data/surface
 //@ use scene/details
-// What surfaces emit in scenes where some emit and scatter.
+// What surfaces emit to shadow rays in scenes where some emit and scatter.
 
 // The radiance that a surface emits to a ray that hits it, from the front or not.
 fn glow_of_surface(hit: Hit, surface: Surface, front: bool) -> vec3<f32> {

@@ -4,9 +4,9 @@
 //@ use data/surface
 //@ use bind/details
 //@ use bind/frames
+//@ use bind/materials
 //@ use lib/bent_back
 //@ use lib/tangents
-//@ use scene/details
 //@ each primitive
 //@ use bind/${name}s
 //@ use tangent/${name}
@@ -56,13 +56,19 @@ fn mesh_tangents(instance: Instance, index: u32) -> Tangents {
 
 //@ end
 // The normal by the map of the surface's material, if it has one. `shading` is the normal without it, on the side from which the ray
-// comes.
-fn mapped_normal(hit: Hit, surface: Surface, incoming: vec3<f32>, shading: vec3<f32>, front: bool) -> vec3<f32> {
+// comes, and `code` is the map's texel.
+fn mapped_normal(
+    hit: Hit,
+    surface: Surface,
+    incoming: vec3<f32>,
+    shading: vec3<f32>,
+    front: bool,
+    code: vec3<f32>,
+) -> vec3<f32> {
     let row = details[surface.material].normal;
     if row == NO_DETAIL {
         return shading;
     }
-    let code = detail_colour(row, hit, surface);
     let bumps = materials[row].parameter;
     let mapped = (2.0 * code - 1.0) * vec3<f32>(bumps, bumps, 1.0);
     let outward = select(-shading, shading, front);

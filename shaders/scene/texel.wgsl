@@ -31,11 +31,18 @@ fn image_at(image: ImagePlace, u: f32, down: f32, wraps: bool) -> vec3<f32> {
     return mix(above, below, b.share.y);
 }
 
-// The same of an image of numbers. Between equal texels it is their number to the bit, which mix may round.
-fn number_in(image: ImagePlace, u: f32, down: f32, wraps: bool) -> f32 {
+// The same of an image of colours or of numbers. Between equal texels of numbers it is their number to the bit, which mix may round.
+fn colour_or_number_at(image: ImagePlace, u: f32, down: f32, wraps: bool, is_number: bool) -> vec3<f32> {
     let b = bilinear(u, down, image.width, image.height, wraps);
-    let left = vec2<f32>(texel(image, b.columns.x, b.rows.x).x, texel(image, b.columns.x, b.rows.y).x);
-    let right = vec2<f32>(texel(image, b.columns.y, b.rows.x).x, texel(image, b.columns.y, b.rows.y).x);
+    let left_above = texel(image, b.columns.x, b.rows.x);
+    let right_above = texel(image, b.columns.y, b.rows.x);
+    let left_below = texel(image, b.columns.x, b.rows.y);
+    let right_below = texel(image, b.columns.y, b.rows.y);
+    let above = mix(left_above, right_above, b.share.x);
+    let below = mix(left_below, right_below, b.share.x);
+    let left = vec2<f32>(left_above.x, left_below.x);
+    let right = vec2<f32>(right_above.x, right_below.x);
     let across = left + b.share.x * (right - left);
-    return across.x + b.share.y * (across.y - across.x);
+    let number = across.x + b.share.y * (across.y - across.x);
+    return select(mix(above, below, b.share.y), vec3<f32>(number), is_number);
 }

@@ -18,8 +18,14 @@ override WORKGROUP_SIZE: u32 = 64u;
 // After this many loop iterations, an invocation leaves its other bounces to the next dispatch. Even with the longest walks that
 // may still follow (scene/traverse, step/media), the total stays below the 65,535 iterations that Mesa 22.3 allows an invocation.
 const MOST_ITERATIONS: u32 = 16384u;
+//@ if undetailed
 // The most iterations that shading takes: seven octaves of noise over eight corners.
 const ITERATIONS_OF_SHADING: u32 = 64u;
+//@ end
+//@ if detailed
+// The most iterations that shading takes: seven octaves of noise over eight corners, for five textures of a material and one of a light.
+const ITERATIONS_OF_SHADING: u32 = 384u;
+//@ end
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn bounce(@builtin(global_invocation_id) id: vec3<u32>) {

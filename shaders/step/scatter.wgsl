@@ -6,17 +6,16 @@
 //@ use choice/sampler
 //@ use scene/materials
 //@ use scene/surfaces
+//@ if undetailed
 //@ use choice/colour
+//@ end
 //@ use choice/roulette
 //@ use choice/shading
 //@ if two_parts
 //@ use scene/second_parts
 //@ end
-//@ if vertex_colours
-//@ use scene/vertex_colours
-//@ end
-//@ if varying_numbers
-//@ use scene/numbers
+//@ if detailed
+//@ use scene/looks
 //@ end
 //@ if normal_map
 //@ use scene/normal_map
@@ -32,7 +31,6 @@
 //@ end
 //@ if own_glow
 //@ use choice/clamp
-//@ use scene/glow
 //@ end
 //@ if glow_is_sampled
 //@ use step/light
@@ -66,23 +64,22 @@ fn scatter_path(path: ptr<function, Path>) {
     let ray = (*path).ray;
     let hit = path_hit(path);
     let surface = surface_at(hit, ray);
-    //@ if fixed_numbers
+    //@ if undetailed
     let material = materials[surface.material];
-    //@ end
-    //@ if varying_numbers
-    let material = material_at(hit, surface);
     //@ end
     let front = dot(ray.direction, surface.normal) < 0.0;
     let facing = select(-surface.normal, surface.normal, front);
     let shading = shading_normal(hit, surface, ray.direction, facing);
-    //@ if own_colours
+    //@ if undetailed
     let colour = surface_colour(material, hit, surface);
     //@ end
-    //@ if vertex_colours
-    let colour = vertex_colour(hit, surface) * surface_colour(material, hit, surface);
+    //@ if detailed
+    let look = look_at(hit, surface, front);
+    let material = look.material;
+    let colour = look.colour;
     //@ end
     //@ if normal_map
-    let mapped = mapped_normal(hit, surface, ray.direction, shading, front);
+    let mapped = mapped_normal(hit, surface, ray.direction, shading, front, look.normal);
     //@ end
     //@ if single_scattering
     let arriving = Interaction(
@@ -129,7 +126,7 @@ fn scatter_path(path: ptr<function, Path>) {
     //@ end
     //@ if own_glow
     // A surface that emits and scatters brings its light, and the path goes on.
-    let glow = select(glow_of_surface(hit, surface, front), vec3<f32>(0.0), scattered.event == EMITTED);
+    let glow = select(look.glow, vec3<f32>(0.0), scattered.event == EMITTED);
     var brought = (*path).throughput * glow;
     //@ end
     //@ if glow_is_sampled

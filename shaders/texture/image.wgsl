@@ -5,9 +5,10 @@
 fn image_colour(texture: Texture, place: TexturePoint) -> vec3<f32> {
     let image = ImagePlace(texture.texel, texture.width, texture.height, texture.format);
     //@ if number_images
-    if texture.parameter != 0.0 {
-        return texture.first * number_in(image, place.uv.x, 1.0 - place.uv.y, place.wraps);
-    }
+    let is_number = texture.parameter != 0.0;
+    return texture.first * colour_or_number_at(image, place.uv.x, 1.0 - place.uv.y, place.wraps, is_number);
     //@ end
+    //@ if colour_images
     return texture.first * image_at(image, place.uv.x, 1.0 - place.uv.y, place.wraps);
+    //@ end
 }

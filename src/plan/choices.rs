@@ -68,16 +68,13 @@ named! {
         emitting_surface,
         /// And none of them scatters.
         emitting_without_scattering,
-        /// Some material of the scene has a number that may be that of an image.
+        /// Some material of the scene has a number that may be that of an image, or none has.
         number_images,
+        colour_images,
         /// The roughness of a material of the kernel varies over its surface,
         varying_roughness,
-        /// or how metallic it is,
+        /// or how metallic it is.
         varying_metallic,
-        /// or one of both,
-        varying_numbers,
-        /// or none.
-        fixed_numbers,
         /// Some material emits beside what it scatters.
         glow,
         /// And it or another surface is sampled as a light.
@@ -108,8 +105,10 @@ named! {
         gathers,
         /// The colours of a mesh's vertices multiply that of a material of the kernel.
         vertex_colours,
-        /// Or they multiply none.
-        own_colours,
+        /// A material of the kernel has one of these: a number that varies, a glow, a normal map, or such colours;
+        detailed,
+        /// or none of them has.
+        undetailed,
         /// Some material has an alpha,
         alpha,
         /// and some material that may have one is sampled as a light.
@@ -407,7 +406,6 @@ pub(super) fn decide(
     let of_first = |used: &[Option<String>]| served_in(used).first().map(|kind| kind.why.clone());
     let own = |detail: DetailKind| of_first(&features.details[detail as usize]);
     let (varying_roughness, varying_metallic) = (own(DetailKind::Roughness), own(DetailKind::Metallic));
-    let varying_numbers = varying_roughness.clone().or(varying_metallic.clone());
     let (own_glow, normal_map) = (own(DetailKind::Emission), own(DetailKind::Normal));
     let multiscatter = own(DetailKind::Multiscatter);
     let (tinted, absorbing) = (of_first(&features.tinted), of_first(&features.absorbing));
@@ -415,6 +413,12 @@ pub(super) fn decide(
 
     let vertex_colours = served_in(&features.details[DetailKind::VertexColours as usize]);
     let vertex_colours = vertex_colours.first().and_then(|kind| mesh.clone().and(Some(kind.why.clone())));
+    let number_images = [DetailKind::Roughness, DetailKind::Metallic, DetailKind::Alpha]
+        .into_iter()
+        .find_map(|detail| first(&features.details[detail as usize]));
+    let detailed = { [&varying_roughness, &varying_metallic, &own_glow, &normal_map, &vertex_colours] }
+        .into_iter()
+        .find_map(|detail| detail.clone());
     let alpha = surface.clone().and(first(&features.details[DetailKind::Alpha as usize]));
 
     let queue_why = if_so(queues, option(QUEUES));
@@ -458,7 +462,8 @@ pub(super) fn decide(
         met_light: light.clone().and(emitting_surface.clone()).filter(|_| shines),
         met_by_chance: one_way.clone().filter(|_| shines && emitting_surface.is_some()),
         emitting_without_scattering: emitting_surface.clone().filter(|_| glow.is_none()),
-        own_colours: if_so(vertex_colours.is_none(), Reason::EveryRender),
+        undetailed: if_so(detailed.is_none(), Reason::EveryRender),
+        detailed,
         vertex_colours,
         alpha_of_light: alpha.clone().and(glow.clone()).and(emitting_surface.clone()),
         alpha,
@@ -466,13 +471,10 @@ pub(super) fn decide(
         gathers: light.clone().or(glow.clone()),
         glow_direct: own_glow.clone().and(aov(&[Sum::Direct], &Some(Reason::EveryRender))),
         glow_by_chance: glow_is_sampled.clone().and(one_way.clone()),
-        fixed_numbers: if_so(varying_numbers.is_none(), Reason::EveryRender),
-        number_images: [DetailKind::Roughness, DetailKind::Metallic, DetailKind::Alpha]
-            .into_iter()
-            .find_map(|detail| first(&features.details[detail as usize])),
+        colour_images: if_so(number_images.is_none(), Reason::EveryRender),
+        number_images,
         varying_roughness,
         varying_metallic,
-        varying_numbers,
         glow_is_sampled,
         own_glow,
         glow,

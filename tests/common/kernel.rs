@@ -90,8 +90,7 @@ const NONE: &[&str] = &[
     "number_images",
     "varying_roughness",
     "varying_metallic",
-    "varying_numbers",
-    "fixed_numbers",
+    "detailed",
     "glow",
     "glow_of_light",
     "own_glow",
@@ -171,7 +170,7 @@ impl Kernel {
         for &condition in NONE {
             choices.conditions.entry(condition).or_default();
         }
-        for condition in ["own_colours", "single_scattering"].into_iter().chain(SETTINGS) {
+        for condition in ["undetailed", "colour_images", "single_scattering"].into_iter().chain(SETTINGS) {
             choices.conditions.entry(condition).or_insert(Some(Reason::EveryRender));
         }
         // Images of floats.
