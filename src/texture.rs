@@ -32,6 +32,9 @@ pub enum Texture {
         /// The channel that a number is taken from. A colour has none.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         channel: Option<Channel>,
+        /// Which of a mesh's sets of texture coordinates it has.
+        #[serde(default, skip_serializing_if = "is_first")]
+        uv_set: u32,
     },
     Noise {
         scale: f64,
@@ -43,6 +46,10 @@ pub enum Texture {
 
 fn white() -> Colour {
     Colour::ONE
+}
+
+fn is_first(uv_set: &u32) -> bool {
+    *uv_set == 0
 }
 
 /// A texture of numbers: a material's number that may vary over a surface. It is written as a number where it is the same everywhere.
@@ -65,8 +72,8 @@ pub mod number {
     pub fn deserialize<'a, D: Deserializer<'a>>(from: D) -> Result<Texture, D::Error> {
         Ok(match Written::deserialize(from)? {
             Written::Number(x) => Texture::grey(x),
-            Written::Texture(Texture::Image { path, tint, channel: None }) => {
-                Texture::Image { path, tint, channel: Some(Channel::default()) }
+            Written::Texture(Texture::Image { path, tint, channel: None, uv_set }) => {
+                Texture::Image { path, tint, channel: Some(Channel::default()), uv_set }
             }
             Written::Texture(texture) => texture,
         })
@@ -89,7 +96,9 @@ pub mod normal_map {
 
     pub fn deserialize<'a, D: Deserializer<'a>>(from: D) -> Result<Option<Texture>, D::Error> {
         Ok(Option::deserialize(from)?.map(|texture| match texture {
-            Texture::Image { path, tint, channel: None } => Texture::Image { path, tint, channel: Some(Channel::Rgb) },
+            Texture::Image { path, tint, channel: None, uv_set } => {
+                Texture::Image { path, tint, channel: Some(Channel::Rgb), uv_set }
+            }
             other => other,
         }))
     }
@@ -120,6 +129,15 @@ const CHANNEL: Field = Field::new(
     "Of a number, such as a roughness: the channel that it is taken from. Its codes are linear, and the red of `tint` is its factor.",
 )
 .or("for a number R");
+/// Each texture of a glTF material may have a set of its own, and these are few.
+const MOST_UV_SETS: u32 = 16;
+const UV_SET: Field = Field::new(
+    "uv_set",
+    Takes::Whole(0, MOST_UV_SETS - 1),
+    "On a mesh: which of its sets of texture coordinates it has. A part of a glTF file has one for each pair of TEXCOORD and \
+     KHR_texture_transform among the textures of its material in the file; other meshes have one.",
+)
+.or("0, the first");
 const SIDE: Field = Field::new("scale", Takes::Number(Range::POSITIVE, SCENE_UNITS), "The side of a cube.");
 const FREQUENCY: Field = Field::new(
     "scale",
@@ -167,6 +185,7 @@ kinds! {
                 ),
                 TINT,
                 CHANNEL,
+                UV_SET,
             ],
             in_order: false,
             example: "Image(path: \"textures/planet.png\")",
@@ -295,6 +314,7 @@ impl Texture {
     /// Refuses numbers that are invalid, or out of range for the use of the texture.
     pub fn check(&self, at: &Place, usage: Use) -> Result<()> {
         let at = at.variant(self.name());
+        UV_SET.check_whole(&at, self.uv_set())?;
         match self {
             Texture::Image { tint: Colour::ONE, channel: Some(Channel::Rgb), .. } if usage == Use::Normal => Ok(()),
             _ if usage == Use::Normal => Err(at.unexpected("a normal map: Image(path: ..), without a tint")),
@@ -329,6 +349,19 @@ impl Texture {
             Texture::Image { path, .. } => Some(path),
             Texture::Rgb(..) | Texture::Checker { .. } | Texture::Noise { .. } | Texture::Marble { .. } => None,
         }
+    }
+
+    /// The set of a mesh's texture coordinates that its image has.
+    pub fn uv_set(&self) -> u32 {
+        match self {
+            Texture::Image { uv_set, .. } => *uv_set,
+            Texture::Rgb(..) | Texture::Checker { .. } | Texture::Noise { .. } | Texture::Marble { .. } => 0,
+        }
+    }
+
+    /// Whether it is a normal map.
+    pub fn is_normal_map(&self) -> bool {
+        matches!(self, Texture::Image { channel: Some(Channel::Rgb), .. })
     }
 
     /// The path of its image, and how it is decoded.

@@ -127,7 +127,8 @@ struct Instance {
     to_light: u32,
     // Code of the root of the mesh's BVH.
     root: u32,
-    // A vertex's index plus this is the index of its texture coordinates and its colour in `meshes`; or NO_UVS.
+    // A vertex's index plus this is the index of its texture coordinates and its colour in `meshes`; or NO_UVS. A vertex's index plus a
+    // multiple of this is its index in a further table.
     to_uvs: u32,
 }
 

@@ -14,7 +14,10 @@
 //@ if mesh
 //@ use bind/instances
 //@ use scene/at_run_time
-//@ use scene/meshes
+//@ use scene/mesh_tangents
+//@ end
+//@ if uv_tables
+//@ use scene/mesh_normal_map
 //@ end
 // Normal maps: images of the normal that a finer surface would have.
 
@@ -34,27 +37,6 @@ fn tangents_at(hit: Hit, surface: Surface, frame: Frame) -> Tangents {
     }
 }
 
-//@ if mesh
-// From the texture coordinates of the face's corners: the edges are p = u (dp/du) + v (dp/dv). Both are multiplied by the determinant,
-// whose sign is that of the image: it is mirrored or not.
-fn mesh_tangents(instance: Instance, index: u32) -> Tangents {
-    if instance.to_uvs == NO_UVS {
-        return Tangents(vec3<f32>(0.0), vec3<f32>(0.0));
-    }
-    let face = meshes[index] + instance.to_uvs;
-    let a = bitcast<vec2<f32>>(meshes[face.x].xy);
-    let ab = bitcast<vec2<f32>>(meshes[face.y].xy) - a;
-    let ac = bitcast<vec2<f32>>(meshes[face.z].xy) - a;
-    let corners = corners_of(index);
-    let b = corners.b - corners.a;
-    let c = corners.c - corners.a;
-    let side = sign(ab.x * ac.y - ac.x * ab.y);
-    let u = side * (ac.y * b - ab.y * c);
-    let v = side * (ab.x * c - ac.x * b);
-    return Tangents(from_mesh_turned(instance, u), from_mesh_turned(instance, v));
-}
-
-//@ end
 // The normal by the map of the surface's material, if it has one. `shading` is the normal without it, on the side from which the ray
 // comes, and `code` is the map's texel.
 fn mapped_normal(
@@ -72,6 +54,13 @@ fn mapped_normal(
     let bumps = materials[row].parameter;
     let mapped = (2.0 * code - 1.0) * vec3<f32>(bumps, bumps, 1.0);
     let outward = select(-shading, shading, front);
+    //@ if uv_tables
+    if primitive_kind(hit.code) == KIND_TRIANGLE {
+        let number = frames[surface.frame + materials[row].kind].phase;
+        let on_mesh = normal_on_mesh(mapped, outward, hit, surface, number);
+        return bent_back(select(-on_mesh, on_mesh, front), incoming, shading);
+    }
+    //@ end
     let turned = normal_of_map(mapped, outward, tangents_at(hit, surface, frames[surface.frame + materials[row].kind]));
     return bent_back(select(-turned, turned, front), incoming, shading);
 }

@@ -7,6 +7,9 @@
 //@ if mesh
 //@ use scene/meshes
 //@ end
+//@ if uv_tables
+//@ use scene/uv_tables
+//@ end
 // The colour of a surface at a hit: the material's own, or that of its texture, evaluated in the object's space.
 fn surface_colour(material: Material, hit: Hit, surface: Surface) -> vec3<f32> {
     if material.texture == NO_TEXTURE {
@@ -20,6 +23,11 @@ fn surface_colour(material: Material, hit: Hit, surface: Surface) -> vec3<f32> {
     }
     //@ end
     let offset = along_frame(frame, local);
+    //@ if one_uv_table
     let uv = surface_uv(hit, frame.origin + offset, surface.local);
+    //@ end
+    //@ if uv_tables
+    let uv = uv_in_table(frame.phase, hit, frame.origin + offset, surface.local);
+    //@ end
     return texture_colour(material.texture, frame, offset, uv);
 }

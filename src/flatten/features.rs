@@ -45,6 +45,10 @@ pub struct Features {
     pub texel_formats: [Option<String>; FORMATS.len()],
     /// Meshes with vertex normals, which have smooth shading.
     pub smooth: Option<String>,
+    /// Images on meshes with tables of their own: further texture coordinates, or tangents.
+    pub uv_tables: Option<String>,
+    /// Normal maps on meshes with vertex normals, which have tangents.
+    pub vertex_tangents: Option<String>,
     /// Boundaries of media, by the indices of `BOUNDARIES`.
     pub boundaries: [Option<String>; BOUNDARIES.len()],
     /// Media whose albedo is a texture.
@@ -110,6 +114,7 @@ impl Features {
         ];
         lists.into_iter().flatten().chain(emitters).for_each(add);
         [&mut self.smooth, &mut self.textured_media, &mut self.thin_lens, &mut self.turned].into_iter().for_each(add);
+        [&mut self.uv_tables, &mut self.vertex_tangents].into_iter().for_each(add);
         if sample_lights {
             [&mut self.emitting_sky, &mut self.delta_lights, &mut self.directional_lights].into_iter().for_each(add);
             for (way, used) in [(Scattering::Spread, &mut self.non_specular), (Scattering::OneWay, &mut self.specular)]

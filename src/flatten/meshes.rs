@@ -3,17 +3,68 @@
 //! The origin of a mesh's space is the middle of its box, and a power of two scales its coordinates to -1..1. The rounding to
 //! f32 is therefore relative to the size of the mesh, and does not depend on its position in the file or on the scene.
 
+use std::collections::HashSet;
 use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 
 use super::Builder;
+use super::place::Placed;
+use super::tangents::Split;
 use crate::bvh::{self, Bounds, Bvh, Quality};
 use crate::data::{self, HIT_NOTHING, KIND_TRIANGLE, NO_NORMAL, NO_UVS, PRIMITIVE_BIT, primitive_code};
-use crate::scene::Mesh;
+use crate::scene::{Mesh, Texture};
 use crate::shape::mesh::{Laid, MeshShape};
 
+/// A table of a mesh beside its vertices. The first one has the first set of texture coordinates and the colours of the vertices.
+#[derive(Clone, Copy, PartialEq)]
+pub struct Table {
+    uv_set: u32,
+    has_tangents: bool,
+}
+
+impl Table {
+    pub const FIRST: Table = Table { uv_set: 0, has_tangents: false };
+
+    /// The one that a texture has on a mesh. A normal map on a smooth mesh needs tangents.
+    fn of(texture: &Texture, mesh: &Mesh) -> Table {
+        let has_tangents = texture.is_normal_map() && !mesh.normals.is_empty() && !mesh.uvs.is_empty();
+        Table { uv_set: texture.uv_set(), has_tangents }
+    }
+}
+
 impl Builder<'_> {
+    /// Finds the tables that textures need on meshes. Those but for the first are features, with the material that asked.
+    pub fn find_tables(&mut self, placed: &[Placed<'_>]) {
+        let mut known = HashSet::new();
+        for primitive in placed {
+            let Some(shape) = primitive.shape.mesh() else { continue };
+            if !known.insert((shape.number, primitive.material)) {
+                continue;
+            }
+            for texture in &self.textures[primitive.material as usize] {
+                let table = Table::of(texture, shape.mesh);
+                let tables = &mut self.tables[shape.number];
+                if tables.contains(&table) {
+                    continue;
+                }
+                tables.push(table);
+                let (name, _) = &self.scene.materials[primitive.material as usize];
+                let at_material = || format!("\"{name}\" at {}", self.scene.material_location(name));
+                self.flat.features.uv_tables.get_or_insert_with(at_material);
+                if table.has_tangents {
+                    self.flat.features.vertex_tangents.get_or_insert_with(at_material);
+                }
+            }
+        }
+    }
+
+    /// The number of the table that a texture has on a mesh.
+    pub fn table_of(&self, texture: &Texture, mesh: &MeshShape) -> usize {
+        let table = Table::of(texture, mesh.mesh);
+        self.tables[mesh.number].iter().position(|known| *known == table).unwrap_or(0)
+    }
+
     /// The place of a mesh in the tables. Lays it out on the first call.
     pub fn laid(&mut self, mesh: &MeshShape) -> Laid {
         if let Some(laid) = self.laid[mesh.number] {
@@ -26,28 +77,44 @@ impl Builder<'_> {
 
     fn lay_out(&mut self, shape: &MeshShape) -> Laid {
         let (center, unit, mesh) = (shape.around.center(), shape.unit(), shape.mesh);
+        let tables = &self.tables[shape.number];
+        let positions: Vec<Vec3> = mesh.positions.iter().map(|p| ((*p - center) / unit).as_vec3()).collect();
+        let split = split(mesh, &positions, tables);
+        let (triangles, copies) = match &split {
+            Some(split) => (split.triangles.as_slice(), split.copies(positions.len())),
+            None => (mesh.triangles.as_slice(), [].as_slice()),
+        };
+        // For each vertex, the one of the mesh that it is or copies.
+        let vertices = || (0..positions.len()).chain(copies.iter().map(|vertex| *vertex as usize));
+        let count = positions.len() + copies.len();
         let words = &mut self.flat.meshes;
         let first_face = words.len() as u32;
-        let first_vertex = first_face + mesh.triangles.len() as u32;
-        let vertices = mesh.positions.len() as u32;
-        let positions: Vec<Vec3> = mesh.positions.iter().map(|p| ((*p - center) / unit).as_vec3()).collect();
+        let first_vertex = first_face + triangles.len() as u32;
         let has_more = !mesh.uvs.is_empty() || !mesh.colours.is_empty();
-        words.reserve(mesh.triangles.len() + positions.len() * if has_more { 2 } else { 1 });
+        let tables = if has_more { tables.as_slice() } else { &[] };
+        words.reserve(triangles.len() + count * (1 + tables.len()));
         words.extend(
             (0..)
-                .zip(&mesh.triangles)
+                .zip(triangles)
                 .map(|(number, [a, b, c])| [first_vertex + a, first_vertex + b, first_vertex + c, number]),
         );
-        let normals = mesh.normals.iter().map(|n| octahedral(*n)).chain(std::iter::repeat(NO_NORMAL));
-        words.extend(positions.iter().zip(normals).map(|(p, normal)| {
-            let [x, y, z] = p.to_array().map(f32::to_bits);
-            [x, y, z, normal]
+        words.extend(vertices().map(|vertex| {
+            let [x, y, z] = positions[vertex].to_array().map(f32::to_bits);
+            [x, y, z, mesh.normals.get(vertex).map_or(NO_NORMAL, |normal| octahedral(*normal))]
         }));
-        if has_more {
-            let uvs = mesh.uvs.iter().copied().chain(std::iter::repeat(Vec2::ZERO));
-            let colours = mesh.colours.iter().copied().chain(std::iter::repeat([u16::MAX; 3]));
-            words.extend(uvs.zip(colours).take(positions.len()).map(|(uv, [r, g, b])| {
-                [uv.x.to_bits(), uv.y.to_bits(), u32::from(r) | u32::from(g) << 16, u32::from(b)]
+        let mut tangents = split.iter().flat_map(|split| &split.tangents);
+        for table in tables {
+            let uvs = uvs_of(mesh, table.uv_set);
+            let uvs =
+                vertices().map(|vertex| uvs.get(vertex).copied().unwrap_or_default().to_array().map(f32::to_bits));
+            if table.has_tangents {
+                let tangents = tangents.next().into_iter().flatten();
+                words.extend(uvs.zip(tangents).map(|([u, v], [along, sign])| [u, v, *along, *sign]));
+                continue;
+            }
+            words.extend(uvs.zip(vertices()).map(|([u, v], vertex)| {
+                let [r, g, b] = mesh.colours.get(vertex).copied().unwrap_or([u16::MAX; 3]);
+                [u, v, u32::from(r) | u32::from(g) << 16, u32::from(b)]
             }));
         }
 
@@ -58,9 +125,25 @@ impl Builder<'_> {
             None => Arc::new(build()),
         };
         let root = self.flat.add_nodes(&bvh, first_face);
-        let to_uvs = if has_more { vertices } else { NO_UVS };
+        let to_uvs = if has_more { count as u32 } else { NO_UVS };
         Laid { root, first_face, to_uvs, stack_size: bvh.stack_size }
     }
+}
+
+/// A set of a mesh's texture coordinates.
+fn uvs_of(mesh: &Mesh, uv_set: u32) -> &[Vec2] {
+    match uv_set.checked_sub(1) {
+        None => &mesh.uvs,
+        Some(further) => mesh.further_uvs.get(further as usize).map_or(&[], Vec::as_slice),
+    }
+}
+
+/// The mesh with its vertices split where tangents differ, if a table has tangents.
+fn split(mesh: &Mesh, positions: &[Vec3], tables: &[Table]) -> Option<Split> {
+    let sets: Vec<u32> = tables.iter().filter(|table| table.has_tangents).map(|table| table.uv_set).collect();
+    let mut split = (!sets.is_empty()).then(|| Split::new(mesh))?;
+    sets.into_iter().for_each(|uv_set| split.add(mesh, positions, uvs_of(mesh, uv_set)));
+    Some(split)
 }
 
 /// The hierarchy over the faces of a mesh, which are numbered from 0 on.

@@ -12,6 +12,7 @@ mod lights;
 mod media;
 mod meshes;
 mod place;
+mod tangents;
 mod view;
 
 use std::collections::HashMap;
@@ -197,6 +198,7 @@ fn flatten_with(
     let mut builder = Builder {
         scene,
         laid: vec![None; meshes.len()],
+        tables: vec![vec![meshes::Table::FIRST]; meshes.len()],
         space,
         quality: options.build,
         hierarchies,
@@ -206,6 +208,7 @@ fn flatten_with(
         mesh_frames: HashMap::new(),
         flat,
     };
+    builder.find_tables(&finder.placed);
     builder.add_background(radiance_scale);
     builder.add_materials(&used, radiance_scale);
     if builder.flat.features.has_details() || options.features == FeatureSet::All {
@@ -225,6 +228,13 @@ fn flatten_with(
         }
     });
     let mut flat = builder.flat;
+    if flat.meshes.len() >= MAX_PRIMITIVES {
+        let message = format!(
+            "expected fewer than {MAX_PRIMITIVES} faces, vertices and texture coordinates of meshes, found {}",
+            flat.meshes.len()
+        );
+        return Err(scene.error(&[], message));
+    }
     if flat.nodes.len() >= MAX_NODES {
         let message = format!("expected fewer than {MAX_NODES} nodes in the hierarchies, found {}", flat.nodes.len());
         return Err(scene.error(&[], message));
@@ -251,6 +261,8 @@ struct Builder<'a> {
     hierarchies: Option<&'a mut Hierarchies>,
     /// The meshes that have been laid out.
     laid: Vec<Option<Laid>>,
+    /// The tables of each mesh beside its vertices.
+    tables: Vec<Vec<meshes::Table>>,
     /// The index in the table of each of the scene's materials that an object uses.
     materials: Vec<u32>,
     /// The textures of each of the scene's materials that are no plain colour. On every object they have frames of their own, one behind
@@ -334,7 +346,12 @@ impl Builder<'_> {
         let index = self.flat.frames.len() as u32;
         // Of a globe, texture coordinates are relative to its nearest point, and of a sphere to its centre.
         let pole = shape.globe().map_or(DVec3::ZERO, Globe::outward);
-        let frames = textures.iter().filter_map(|texture| texture.frame(place, (pole, &to_world.rotation)));
+        let frames = textures.iter().filter_map(|texture| {
+            let frame = texture.frame(place, (pole, &to_world.rotation))?;
+            let mesh = shape.mesh().filter(|_| texture.image().is_some());
+            Some(mesh.map_or(frame, |mesh| data::Frame { phase: self.table_of(texture, mesh) as f32, ..frame }))
+        });
+        let frames: Vec<_> = frames.collect();
         self.flat.frames.extend(frames);
         if let Some(key) = shared {
             self.mesh_frames.insert(key, index);

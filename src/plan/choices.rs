@@ -68,6 +68,12 @@ named! {
         emitting_surface,
         /// And none of them scatters.
         emitting_without_scattering,
+        /// Images of the scene have the first texture coordinates of meshes alone,
+        one_uv_table,
+        /// or tables of their own,
+        uv_tables,
+        /// and normal maps on smooth meshes have tangents in theirs.
+        vertex_tangents,
         /// Some material of the scene has a number that may be that of an image, or none has.
         number_images,
         colour_images,
@@ -421,6 +427,8 @@ pub(super) fn decide(
         .find_map(|detail| detail.clone());
     let alpha = surface.clone().and(first(&features.details[DetailKind::Alpha as usize]));
 
+    let uv_tables = mesh.clone().and(asked(&features.uv_tables));
+
     let queue_why = if_so(queues, option(QUEUES));
     let conditions = Conditions {
         staged_light: light.clone().filter(|_| !fused),
@@ -465,6 +473,9 @@ pub(super) fn decide(
         undetailed: if_so(detailed.is_none(), Reason::EveryRender),
         detailed,
         vertex_colours,
+        one_uv_table: if_so(uv_tables.is_none(), Reason::EveryRender),
+        vertex_tangents: uv_tables.clone().and(asked(&features.vertex_tangents)),
+        uv_tables,
         alpha_of_light: alpha.clone().and(glow.clone()).and(emitting_surface.clone()),
         alpha,
         glow_of_light: glow.clone().and(emitting_surface.clone()),

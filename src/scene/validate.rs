@@ -286,13 +286,17 @@ impl KnownNames<'_> {
                 object.name()
             )));
         }
-        if material.textures().into_iter().any(|texture| texture.image().is_some())
-            && let Some(shape) = object.shape(self.meshes)
-            && let Some(mesh) = shape.mesh()
-        {
-            return mesh.check_image(above, name);
+        let images = material.textures().into_iter().filter(|texture| texture.image().is_some());
+        let Some(uv_set) = images.map(Texture::uv_set).max() else { return Ok(()) };
+        if uv_set > 0 && object.kind().is_some_and(|kind| kind.shader != mesh::KIND.shader) {
+            return Err(at.error(format!(
+                "the material {name:?} has an image with uv_set: {uv_set}, which meshes alone have: expected a Mesh, or an image without it"
+            )));
         }
-        Ok(())
+        match object.shape(self.meshes).and_then(|shape| shape.mesh()) {
+            Some(mesh) => mesh.check_image(above, name, uv_set),
+            None => Ok(()),
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
 
-use glam::{DMat3, DVec3, Vec2, Vec3};
+use glam::{DMat3, DVec3, Vec2, Vec3, Vec4};
 
 pub use super::closed::OpenEdges;
 use super::{
@@ -51,6 +51,11 @@ pub struct Mesh {
     pub normals: Vec<Vec3>,
     /// Texture coordinates for each vertex, u to the right and v up, all finite. Empty if the file has none.
     pub uvs: Vec<Vec2>,
+    /// Further sets of them, each like the first.
+    pub further_uvs: Vec<Vec<Vec2>>,
+    /// The direction of u on the surface at each vertex, a unit vector, with the sign of normal × u that v has. Empty if the file has none;
+    /// MikkTSpace then finds them where a normal map needs them.
+    pub tangents: Vec<Vec4>,
     /// A linear colour for each vertex, in steps of 1/65535. Empty if the file has none, or white ones alone.
     pub colours: Vec<[u16; 3]>,
     /// The face of the file, counted from 0, that each triangle is part of.
@@ -116,10 +121,19 @@ impl<'a> MeshShape<'a> {
         *self.open.get_or_init(|| self.mesh.open_edges())
     }
 
-    /// Checks that it has the texture coordinates that the image of a material of this name needs.
-    pub fn check_image(&self, at: &Place, material: &str) -> Result<()> {
+    /// Checks that it has the texture coordinates that the images of a material of this name need, up to this set of them.
+    pub fn check_image(&self, at: &Place, material: &str, uv_set: u32) -> Result<()> {
         if !self.mesh.uvs.is_empty() {
-            return Ok(());
+            let has = 1 + self.mesh.further_uvs.len();
+            if (uv_set as usize) < has {
+                return Ok(());
+            }
+            return Err(at.field("material").error(format!(
+                "the material {material:?} has an image with uv_set: {uv_set}, and the mesh {:?} has no such set of texture coordinates: \
+                 expected a set from 0 to {}",
+                self.path,
+                has - 1
+            )));
         }
         Err(at.field("material").error(format!(
             "the material {material:?} has an image, and the mesh {:?} has no texture coordinates for it: \

@@ -93,3 +93,31 @@ pub fn gltf(json: &Value, binary: &[u8]) -> String {
     json["buffers"][0]["uri"] = format!("data:;base64,{}", BASE64.encode(binary)).into();
     json.to_string()
 }
+
+/// A square from (-1, -1, 0) to (1, 1, 0) with these attributes of its four corners, of so many floats each, and one material. Its images are
+/// files beside it.
+pub fn square(attributes: &[(&str, usize, &[f32])], material: &Value, images: &[&str]) -> (Value, Vec<u8>) {
+    let corners: &[f32] = &[-1., -1., 0., 1., -1., 0., 1., 1., 0., -1., 1., 0.];
+    let (mut binary, mut views, mut accessors, mut names) = (Vec::new(), Vec::new(), Vec::new(), json!({}));
+    for &(name, width, numbers) in [("POSITION", 3, corners)].iter().chain(attributes) {
+        names[name] = accessors.len().into();
+        views.push(json!({"buffer": 0, "byteOffset": binary.len(), "byteLength": 4 * numbers.len()}));
+        let view = views.len() - 1;
+        accessors.push(json!({"bufferView": view, "componentType": 5126, "count": numbers.len() / width, "type": format!("VEC{width}")}));
+        binary.extend(numbers.iter().flat_map(|x| x.to_le_bytes()));
+    }
+    let indices = [0u16, 1, 2, 0, 2, 3];
+    views.push(json!({"buffer": 0, "byteOffset": binary.len(), "byteLength": 12}));
+    accessors.push(json!({"bufferView": views.len() - 1, "componentType": 5123, "count": 6, "type": "SCALAR"}));
+    binary.extend(indices.iter().flat_map(|x| x.to_le_bytes()));
+    let sources: Vec<Value> = (0..images.len()).map(|image| json!({"source": image})).collect();
+    let uris: Vec<Value> = images.iter().map(|name| json!({"uri": name})).collect();
+    let json = json!({
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1]}],
+        "nodes": [{"mesh": 0}, {"mesh": 0, "scale": [-1, 1, 1], "translation": [0, 0, -9]}],
+        "meshes": [{"primitives": [{"attributes": names, "indices": accessors.len() - 1, "material": 0}]}],
+        "materials": [material], "textures": sources, "images": uris,
+        "accessors": accessors, "bufferViews": views, "buffers": [{"byteLength": binary.len()}]
+    });
+    (json, binary)
+}

@@ -86,6 +86,8 @@ const NONE: &[&str] = &[
     "gathers",
     "alpha",
     "vertex_colours",
+    "uv_tables",
+    "vertex_tangents",
     "alpha_of_light",
     "number_images",
     "varying_roughness",
@@ -170,7 +172,7 @@ impl Kernel {
         for &condition in NONE {
             choices.conditions.entry(condition).or_default();
         }
-        for condition in ["undetailed", "colour_images", "single_scattering"].into_iter().chain(SETTINGS) {
+        for condition in ["undetailed", "colour_images", "single_scattering", "one_uv_table"].into_iter().chain(SETTINGS) {
             choices.conditions.entry(condition).or_insert(Some(Reason::EveryRender));
         }
         // Images of floats.

@@ -47,13 +47,12 @@ impl Quads {
     pub fn expected(&self) -> Mesh {
         let faces = self.faces.iter().enumerate();
         Mesh {
-            colours: Vec::new(),
             positions: self.positions.iter().map(|&p| DVec3::from_array(p)).collect(),
             triangles: self.triangles(),
             normals: self.normals.iter().map(|&n| DVec3::from_array(n).as_vec3()).collect(),
             uvs: self.uvs.iter().map(|&[u, v]| Vec2::new(u as f32, v as f32)).collect(),
             faces: faces.flat_map(|(face, corners)| vec![face as u32; corners.len() - 2]).collect(),
-            warnings: Vec::new(),
+            ..Mesh::default()
         }
     }
 

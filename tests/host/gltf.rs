@@ -8,7 +8,7 @@ use gpu_rt::error::Error;
 use gpu_rt::scene::{Assets, Background, Camera, Material, Object, Scene, Transform, Wishes};
 use serde_json::{Value, json};
 
-use crate::common::gltf::{glb, gltf, png, room};
+use crate::common::gltf::{glb, gltf, png, room, square};
 use crate::common::stats::Random;
 
 /// The scene of a file with this JSON, and the buffer of the room.
@@ -273,10 +273,6 @@ fn what_is_not_read_is_named_once_with_its_material() {
             json!({"extensions": {"KHR_materials_transmission": {"transmissionFactor": 0.75}}}),
             "its transmissionFactor of 0.75 is taken for 1",
         ),
-        (
-            json!({"emissiveFactor": [1, 1, 1], "emissiveTexture": {"index": 0, "texCoord": 1}}),
-            "emissiveTexture by the texture coordinates of pbrMetallicRoughness.baseColorTexture",
-        ),
         (json!({"pbrMetallicRoughness": {"baseColorFactor": [2, 0.5, 0.5, 1]}}), "baseColorFactor is cut to 0 .. 1"),
     ] {
         let note = wood(more);
@@ -395,6 +391,69 @@ fn texture_coordinates_are_those_that_the_material_wants() {
     assert_eq!(uvs(moved), [[0.25, 3.5], [2.25, 3.5], [2.25, 0.5], [0.25, 0.5]]);
     // A set that is not there: the colour of the image's corner everywhere.
     assert_eq!(uvs(json!({"index": 0, "texCoord": 5})), [[0.0, 0.0]; 4]);
+}
+
+/// Each placing of the textures of a material is a set of its meshes.
+#[test]
+fn textures_have_sets_of_texture_coordinates_of_their_own() {
+    let mut json = room().0;
+    json["materials"][0]["emissiveFactor"] = json!([1, 1, 1]);
+    json["materials"][0]["emissiveTexture"] = json!({"index": 0, "texCoord": 1});
+    let moved = json!({"texCoord": 5, "offset": [0.25, 0.5]});
+    let info = json!({"index": 0, "extensions": {"KHR_texture_transform": moved}});
+    json["materials"][0]["normalTexture"] = info.clone();
+    json["materials"][0]["pbrMetallicRoughness"]["metallicRoughnessTexture"] = info;
+    let scene = load(&json).unwrap_or_else(|error| panic!("{error}"));
+    let mesh = &scene.meshes["room.glb#meshes/0/primitives/0"];
+    assert_eq!(mesh.further_uvs.len(), 2);
+    let ends = |uvs: &[glam::Vec2]| [uvs[1], uvs[3]].map(|uv| [uv.x, 1.0 - uv.y]);
+    assert_eq!(ends(&mesh.uvs), [[1.0, 1.0], [0.0, 0.0]]);
+    assert_eq!(ends(&mesh.further_uvs[0]), [[0.5, 0.5], [0.0, 0.0]]);
+    // There is no such set: the colour of one point.
+    assert_eq!(ends(&mesh.further_uvs[1]), [[0.25, 0.5]; 2]);
+    let text = scene.text();
+    assert_eq!(text.matches("uv_set: 1").count(), 1, "{text}");
+    assert_eq!(text.matches("uv_set: 2").count(), 2, "{text}");
+    assert!(!notes(&json).iter().any(|note| note.contains("approximated")), "{:?}", notes(&json));
+}
+
+/// The square under a normal map, with these tangents of its corners.
+fn with_tangents(tangents: &[f32]) -> Result<Scene, Error> {
+    let normals = [0.0, 0.0, 1.0].repeat(4);
+    let uvs = [0., 1., 1., 1., 1., 0., 0., 0.];
+    let attributes = [("NORMAL", 3, normals.as_slice()), ("TEXCOORD_0", 2, &uvs), ("TANGENT", 4, tangents)];
+    let (json, binary) = square(&attributes, &json!({"normalTexture": {"index": 0}}), &["map.png"]);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("square.glb");
+    fs::write(folder.path().join("map.png"), png()).unwrap();
+    fs::write(&path, glb(&json, &binary)).unwrap();
+    Scene::load_as(&path, &Wishes::default(), &mut |_, _, _| {}, &mut Assets::default())
+}
+
+#[test]
+fn tangents_of_a_file_are_checked() {
+    let good = [0.0, 2.0, 0.0, -1.0].repeat(4);
+    let scene = with_tangents(&good).unwrap_or_else(|error| panic!("{error}"));
+    let mesh = &scene.meshes["square.glb#meshes/0/primitives/0"];
+    assert_eq!(mesh.tangents, [glam::Vec4::new(0.0, 1.0, 0.0, -1.0); 4]);
+    // The node that is mirrored has a mesh of its own.
+    let mirrored = &scene.meshes["square.glb#nodes/1/primitives/0"];
+    assert_eq!(mirrored.tangents, [glam::Vec4::new(0.0, 1.0, 0.0, 1.0); 4]);
+    assert!(!scene.warnings().iter().any(|note| note.contains("TANGENT")));
+    for (at, number) in [(1, f32::NAN), (1, 0.0), (7, 0.0), (12, f32::INFINITY)] {
+        let mut bad = good.clone();
+        bad[at] = number;
+        let scene = with_tangents(&bad).unwrap_or_else(|error| panic!("{error}"));
+        assert!(scene.meshes["square.glb#meshes/0/primitives/0"].tangents.is_empty());
+        let notes = scene.warnings().join("\n");
+        let expected =
+            "square.glb#meshes/0/primitives/0: some corners have a TANGENT without a length, or without a sign";
+        assert!(notes.contains(expected), "{notes}");
+    }
+    let error = with_tangents(&good[..12]).err().unwrap();
+    let Error::Scene { field, message, .. } = &error.each()[0] else { panic!("{error}") };
+    assert_eq!(field, "meshes[0].primitives[0].attributes.TANGENT");
+    assert!(message.contains("expected a tangent for each of 4 vertices, found 3"), "{error}");
 }
 
 /// The room with a point, a spot and a directional light in place of the lamp.

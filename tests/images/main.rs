@@ -27,6 +27,7 @@ mod same_bytes;
 mod sobol;
 mod through_glass;
 mod turns;
+mod uv_sets;
 mod vertex_colours;
 mod walk;
 mod warnings;

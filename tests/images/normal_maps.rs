@@ -7,9 +7,11 @@ use exr::prelude::write_rgb_file;
 use glam::{DMat3, DVec3};
 use gpu_rt::options::Scatter;
 use gpu_rt::scene::Scene;
+use serde_json::json;
 
+use crate::common::gltf::{glb, square};
 use crate::common::kernel::Overlay;
-use crate::common::render::{Ask, render, render_planted, same_expectation, scene_in};
+use crate::common::render::{Ask, Shot, render, render_planted, same_expectation, scene_in};
 
 const ALPHA: f64 = 1e-6;
 /// The mapped normal in the frame of the texture, of length 1.
@@ -33,6 +35,13 @@ fn folder() -> tempfile::TempDir {
     // Turned by a right angle: u grows along y, v along -x.
     let turned = "vt 0 1\nvt 0 0\nvt 1 0\nvt 1 1\n";
     std::fs::write(folder.path().join("turned.obj"), square(turned, "")).expect("it is written");
+    // The same as smooth meshes, which have tangents at their vertices.
+    let normals = "vn 0 0 1\nvn 0 0 1\nvn 0 0 1\nvn 0 0 1\n";
+    for (name, uvs) in [("smooth-mirrored.obj", mirrored), ("smooth-turned.obj", turned)] {
+        let text = square(uvs, normals).replace("1/1", "1/1/1").replace("2/2", "2/2/2");
+        let text = text.replace("3/3", "3/3/3").replace("4/4", "4/4/4");
+        std::fs::write(folder.path().join(name), text).expect("it is written");
+    }
     std::fs::write(folder.path().join("ball.obj"), ball()).expect("it is written");
     folder
 }
@@ -103,6 +112,11 @@ fn every_shape_has_the_axes_of_its_texture_coordinates() {
         (turned.to_owned(), 5.0 * unit(0.0, 1.0, 1.0), x, unit(0.0, 1.0, -1.0), unit(0.0, 1.0, 1.0)),
         (mesh("mirrored"), 5.0 * z, -x, y, z),
         (mesh("turned"), 5.0 * z, y, -x, z),
+        (mesh("smooth-mirrored"), 5.0 * z, -x, y, z),
+        (mesh("smooth-turned"), 5.0 * z, y, -x, z),
+        (format!("Transformed(by: [RotateZ(90)], object: {})", mesh("smooth-turned")), 5.0 * z, -x, -y, z),
+        // A vertex of the ball.
+        (mesh("ball"), 5.0 * z, x, y, z),
     ];
     for (object, eye, u, v, normal) in cases {
         for (map, mapped) in [("tilted.exr", MAPPED), ("half.exr", MAPPED * DVec3::new(0.5, 0.5, 1.0))] {
@@ -112,6 +126,105 @@ fn every_shape_has_the_axes_of_its_texture_coordinates() {
             assert!(off < 1e-3, "{object} from {eye}: {shown}, expected {expected}");
         }
     }
+}
+
+/// The normals of an image of the ball, whose pixels are a hundredth of its radius apart. Its lights are red, green and blue, each from a
+/// direction of its own.
+fn normals_of_ball(folder: &Path, shot: impl Fn(&Scene) -> Shot) -> Vec<DVec3> {
+    let lights =
+        [DVec3::new(0.6, 0.0, 1.0), DVec3::new(-0.3, 0.5, 1.0), DVec3::new(-0.3, -0.5, 1.0)].map(DVec3::normalize);
+    let colours = ["(3.14159265358979, 0, 0)", "(0, 3.14159265358979, 0)", "(0, 0, 3.14159265358979)"];
+    let side = SIDE;
+    // Each light alone, because one of several is chosen by chance.
+    let images = [0, 1, 2].map(|light| {
+        let (x, y, z) = (-lights[light]).into();
+        let colour = colours[light];
+        let text = format!(
+            "Scene(image: (width: {side}, height: {side}), camera: (look_from: (0.2, 0.3, 50), look_at: (0.2, 0.3, 0),
+            vertical_fov: {}), background: Solid((0, 0, 0)),
+            materials: {{\"one\": Lambertian(albedo: Rgb(1, 1, 1), normal: Image(path: \"tilted.exr\"))}},
+            objects: [Mesh(path: \"ball.obj\", material: \"one\"), DirectionalLight(direction: ({x}, {y}, {z}), irradiance: {colour})],
+            render: (samples: 1, max_depth: 1))",
+            2.0 * (0.005 * f64::from(side) / 49.0).atan().to_degrees()
+        );
+        let shot = shot(&scene_in(folder, &text));
+        (0..side * side).map(|at| shot.pixel(at % side, at / side)[light]).collect::<Vec<_>>()
+    });
+    let to_normal = DMat3::from_cols(lights[0], lights[1], lights[2]).transpose().inverse();
+    (0..(side * side) as usize)
+        .map(|at| to_normal * DVec3::from_array([0, 1, 2].map(|light| images[light][at])))
+        .collect()
+}
+
+const SIDE: u32 = 48;
+
+/// The largest difference between the normals of two pixels side by side.
+fn largest_jump(normals: &[DVec3]) -> f64 {
+    let side = SIDE as usize;
+    let pairs = (0..side * side).filter(|at| at % side > 0).map(|at| (at, at - 1));
+    let pairs = pairs.chain((side..side * side).map(|at| (at, at - side)));
+    pairs.map(|(a, b)| (normals[a] - normals[b]).length()).fold(0.0, f64::max)
+}
+
+/// Over the ball's edges, whose faces have tangents of their own.
+#[test]
+fn a_mapped_normal_does_not_jump_where_faces_meet() {
+    let folder = folder();
+    let ask = Ask::default().mis();
+    let jump = largest_jump(&normals_of_ball(folder.path(), |scene| render(scene, &ask)));
+    let faces = Overlay::new(&[]).rewritten("scene/mesh_normal_map", |own| {
+        own.replace("meshes[meshes[index].x].w != NO_NORMAL", "index == 0xffffffffu")
+    });
+    let by_faces = largest_jump(&normals_of_ball(folder.path(), |scene| render_planted(scene, &ask, &faces)));
+    println!("{jump}, by the tangents of faces {by_faces}");
+    // Pixels of one sample are two hundredths of the radius apart at most. At this height a normal turns by that, and its tangents by as
+    // much again; interpolation makes it a third more where faces are flattest.
+    assert!(jump < 0.05, "{jump}");
+    assert!(by_faces > 0.05, "the tangents of faces are not found: {by_faces}");
+}
+
+/// Tangents of a glTF file, which are not those of its texture coordinates; of nodes as they are, and mirrored.
+#[test]
+fn tangents_of_a_file_are_used() {
+    let folder = folder();
+    let normals = [0., 0., 1., 0., 0., 1., 0., 0., 1., 0., 0., 1.];
+    let uvs = [0., 1., 1., 1., 1., 0., 0., 0.];
+    let material = json!({"normalTexture": {"index": 0}});
+    let turned = DVec3::new(0.6, 0.8, 0.0);
+    for sign in [1.0, -1.0] {
+        let tangents = [turned.x as f32, turned.y as f32, 0.0, sign as f32].repeat(4);
+        let attributes = [("NORMAL", 3, normals.as_slice()), ("TEXCOORD_0", 2, &uvs), ("TANGENT", 4, &tangents)];
+        let (json, binary) = square(&attributes, &material, &["tilted.exr"]);
+        std::fs::write(folder.path().join("square.glb"), glb(&json, &binary)).expect("it is written");
+        let v = sign * DVec3::Z.cross(turned);
+        let expected = MAPPED.x * turned + MAPPED.y * v + MAPPED.z * DVec3::Z;
+        let mirror = DVec3::new(-1.0, 1.0, 1.0);
+        for (part, expected) in [("meshes/0", expected), ("nodes/0", expected), ("nodes/1", mirror * expected)] {
+            let by = if part == "nodes/1" { "Translate((0, 0, 9))" } else { "Scale(1)" };
+            let mesh = format!("Mesh(path: \"square.glb#{part}/primitives/0\", material: \"one\")");
+            let object = format!("Transformed(by: [{by}], object: {mesh})");
+            let shown = normal_shown(folder.path(), &object, "tilted.exr", 5.0 * DVec3::Z, expected);
+            assert!((shown - expected).length() < 1e-3, "{part}, {sign}: {shown}, expected {expected}");
+            let of_uvs = MAPPED * if part == "nodes/1" { mirror } else { DVec3::ONE };
+            assert!((shown - of_uvs).length() > 0.1, "{part}: the tangents of the texture coordinates are not found");
+        }
+    }
+}
+
+/// Without a TANGENT, a mirrored node has the mirrored normals.
+#[test]
+fn a_mirrored_node_has_a_mirrored_relief() {
+    let folder = folder();
+    let normals = [0., 0., 1., 0., 0., 1., 0., 0., 1., 0., 0., 1.];
+    let uvs = [0., 1., 1., 1., 1., 0., 0., 0.];
+    let attributes = [("NORMAL", 3, normals.as_slice()), ("TEXCOORD_0", 2, &uvs)];
+    let (json, binary) = square(&attributes, &json!({"normalTexture": {"index": 0}}), &["tilted.exr"]);
+    std::fs::write(folder.path().join("square.glb"), glb(&json, &binary)).expect("it is written");
+    let mesh = "Mesh(path: \"square.glb#nodes/1/primitives/0\", material: \"one\")";
+    let object = format!("Transformed(by: [Translate((0, 0, 9))], object: {mesh})");
+    let expected = MAPPED * DVec3::new(-1.0, 1.0, 1.0);
+    let shown = normal_shown(folder.path(), &object, "tilted.exr", 5.0 * DVec3::Z, expected);
+    assert!((shown - expected).length() < 1e-3, "{shown}, expected {expected}");
 }
 
 /// A room with normal maps on a wall, on a smooth ball of glass, on metal and on glazed clay.

@@ -38,6 +38,8 @@ fn modules() -> Vec<naga::Module> {
         brute_force: false,
         stack_size: 8,
         boundary_stack_size: 8,
+        uv_tables: Some("a test".to_string()),
+        vertex_tangents: Some("a test".to_string()),
         smooth: Some("a test".to_string()),
         emitters: Default::default(),
         details: Default::default(),

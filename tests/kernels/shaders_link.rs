@@ -135,6 +135,12 @@ fn many_lights(features: Features) -> Features {
     Features { lights: 2, sky_light: 1, ..features }
 }
 
+/// The same with images on meshes that have tables of their own, and tangents in them.
+fn with_tables(features: Features, tangents: bool) -> Features {
+    let asked = |on: bool| on.then(|| "a test".to_string());
+    Features { uv_tables: asked(true), vertex_tangents: asked(tangents), ..features }
+}
+
 /// The same with smooth meshes.
 fn smooth(features: Features) -> Features {
     Features { smooth: Some("a test".to_string()), ..features }
@@ -284,6 +290,14 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
         found.extend([mapped.clone(), lit(mapped.clone(), shapes, false), lit(mapped.clone(), 0, true)]);
         if shapes == primitives {
             found.push(smooth(mapped));
+        }
+    }
+    // Images on meshes with tables of their own: colours alone, and normal maps on flat and on smooth meshes.
+    for textures in (0..TEXTURES.len()).map(|i| 1 << i).chain([textures]) {
+        for (shapes, set) in [(1 << KIND_TRIANGLE, 1), (primitives, materials)] {
+            let own = with_tables(features(shapes, set, textures, SOLID, false), false);
+            let mapped = detailed(own.clone(), DetailKind::Normal);
+            found.extend([own, lit(mapped.clone(), shapes, false), smooth(with_tables(mapped, true))]);
         }
     }
     // Light that microfacets scatter more than once: each material alone, and all.

@@ -112,6 +112,8 @@ fn read_mesh(path: &Path, bytes: &[u8]) -> Result<(), String> {
             assert!(mesh.triangles.as_flattened().iter().all(|&corner| (corner as usize) < count));
             assert!(mesh.normals.is_empty() || mesh.normals.len() == count);
             assert!(mesh.uvs.is_empty() || mesh.uvs.len() == count);
+            assert!(mesh.further_uvs.iter().all(|uvs| uvs.len() == count));
+            assert!(mesh.tangents.is_empty() || mesh.tangents.len() == count);
             let _ = (mesh.open_edges(), mesh.volume_is_positive());
         }
         flatten(&scene, (4, 3), &RenderOptions::default()).map(drop)

@@ -42,14 +42,61 @@ impl File {
             }
             Part::Image(_) => return Err("expected a mesh, such as #meshes/0/primitives/0".to_owned().into()),
         };
-        let uvs = self.uv_placing(mesh, primitive)?;
-        self.add(mesh, primitive, &to_scene, &uvs, draft)?;
+        let placings = self.uv_placings(mesh, primitive)?;
+        self.add(mesh, primitive, &to_scene, placings.first().unwrap_or(&UvPlacing::default()), draft)?;
+        let count = draft.positions.len();
         // An image on a primitive without texture coordinates has one colour, as where these are 0 in other programs.
-        if draft.uvs.is_empty() && self.has_image(mesh, primitive)? {
-            let [u, v] = uvs.applied([0.0; 2]);
-            draft.uvs = vec![Vec2::new(u as f32, (1.0 - v) as f32); draft.positions.len()];
+        let constant = |placing: &UvPlacing| std::iter::repeat_n(placing.in_mesh([0.0; 2]), count);
+        if let Some(first) = placings.first().filter(|_| draft.uvs.is_empty()) {
+            draft.uvs = constant(first).collect();
+        }
+        for placing in placings.iter().skip(1) {
+            match self.uvs(mesh, primitive, placing)? {
+                Some(uvs) => draft.add_uvs(uvs)?,
+                None => draft.add_uvs(constant(placing))?,
+            }
+        }
+        if self.has_normal_map(mesh, primitive)? && !draft.normals.is_empty() {
+            self.add_tangents(mesh, primitive, &to_scene, draft)?;
         }
         Ok(())
+    }
+
+    /// The accessor of an attribute that every vertex of a primitive has. Others are not used.
+    fn whole(&self, primitive: &Primitive, semantic: Semantic) -> Option<Index<Accessor>> {
+        let attribute = |semantic| primitive.attributes.get(&Checked::Valid(semantic)).copied();
+        let count = |index| self.accessor(index).map(|accessor| accessor.count.0);
+        let vertices = attribute(Semantic::Positions).and_then(count).unwrap_or(0);
+        attribute(semantic).filter(|&index| count(index).is_none_or(|found| found == vertices))
+    }
+
+    /// The texture coordinates of a primitive, placed. Nothing if it does not have this set.
+    fn uvs(&self, mesh: usize, primitive: usize, placing: &UvPlacing) -> Result<Option<impl Iterator<Item = Vec2>>> {
+        let set = placing.set;
+        let Some(index) = self.whole(self.primitive(mesh, primitive)?, Semantic::TexCoords(set)) else {
+            return Ok(None);
+        };
+        let at = || format!("meshes[{mesh}].primitives[{primitive}].attributes.TEXCOORD_{set}");
+        let uvs = self.elements::<2>(index).map_err(|reason| Broken::new(at(), reason))?;
+        Ok(Some(uvs.map(|uv| placing.in_mesh(uv))))
+    }
+
+    /// Adds the tangents of a primitive's vertices, if it has them.
+    fn add_tangents(&self, mesh: usize, primitive: usize, to_scene: &DAffine3, draft: &mut Draft) -> Result<()> {
+        let given = self.primitive(mesh, primitive)?;
+        let Some(&index) = given.attributes.get(&Checked::Valid(Semantic::Tangents)) else { return Ok(()) };
+        let at = format!("meshes[{mesh}].primitives[{primitive}].attributes.TANGENT");
+        let (found, expected) = (self.accessor(index).map_or(0, |accessor| accessor.count.0), draft.positions.len());
+        if found != expected as u64 {
+            return Err(Broken::new(at, format!("expected a tangent for each of {expected} vertices, found {found}")));
+        }
+        let tangents = self.elements::<4>(index).map_err(|reason| Broken::new(&at, reason))?;
+        let sign = to_scene.matrix3.determinant().signum();
+        let placed = tangents.map(|[x, y, z, w]| {
+            let along = (to_scene.matrix3 * DVec3::new(x, y, z)).normalize();
+            along.as_vec3().extend((sign * w) as f32)
+        });
+        Ok(draft.add_tangents(placed)?)
     }
 
     /// The primitives of a node's mesh.
@@ -88,14 +135,14 @@ impl File {
     fn add(
         &self,
         mesh: usize,
-        primitive: usize,
+        number: usize,
         to_scene: &DAffine3,
         placing: &UvPlacing,
         draft: &mut Draft,
     ) -> Result<()> {
         let wrong =
-            |field: &str, reason: String| Broken::new(format!("meshes[{mesh}].primitives[{primitive}]{field}"), reason);
-        let primitive = self.primitive(mesh, primitive)?;
+            |field: &str, reason: String| Broken::new(format!("meshes[{mesh}].primitives[{number}]{field}"), reason);
+        let primitive = self.primitive(mesh, number)?;
         let Checked::Valid(mode @ (Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)) = primitive.mode else {
             return Ok(());
         };
@@ -104,15 +151,10 @@ impl File {
             .ok_or_else(|| wrong(".attributes", "expected an attribute POSITION".to_owned()))?;
         let count = self.accessor(positions).map_or(0, |accessor| accessor.count.0);
         let positions = self.elements::<3>(positions).map_err(|reason| wrong(".attributes.POSITION", reason))?;
-        // Other attributes are used only if every vertex has them.
-        let whole =
-            |semantic| attribute(semantic).filter(|&index| self.accessor(index).is_none_or(|it| it.count.0 == count));
+        let whole = |semantic| self.whole(primitive, semantic);
         let normals = whole(Semantic::Normals).map(|index| self.elements::<3>(index)).transpose();
         let normals = normals.map_err(|reason| wrong(".attributes.NORMAL", reason))?;
-        let set = placing.set;
-        let uvs = whole(Semantic::TexCoords(set)).map(|index| self.elements::<2>(index)).transpose();
-        let uvs = uvs.map_err(|reason| wrong(&format!(".attributes.TEXCOORD_{set}"), reason))?;
-
+        let uvs = self.uvs(mesh, number, placing)?;
         let colours = whole(Semantic::Colors(0)).map(|index| self.colours(index)).transpose();
         let colours = colours.map_err(|reason| wrong(".attributes.COLOR_0", reason))?;
 
@@ -144,8 +186,7 @@ impl File {
         if uvs.is_some() || !draft.uvs.is_empty() {
             draft.uvs.resize(first, Vec2::NAN);
             if let Some(uvs) = uvs {
-                // In glTF, v runs down from the top.
-                draft.uvs.extend(uvs.map(|uv| placing.applied(uv)).map(|[u, v]| Vec2::new(u as f32, (1.0 - v) as f32)));
+                draft.uvs.extend(uvs);
             }
             draft.uvs.resize(end, Vec2::NAN);
         }

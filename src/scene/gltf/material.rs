@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::path::Path;
 
-use glam::DVec3;
+use glam::{DVec3, Vec2};
 use gltf::json::extensions::material::Volume;
 use gltf::json::extensions::texture;
 use gltf::json::material::{AlphaMode, Material as Given};
@@ -45,8 +45,14 @@ impl UvPlacing {
         placing
     }
 
+    /// Texture coordinates of the file, whose v runs down from the top, as a mesh has them.
+    pub fn in_mesh(&self, uv: [f64; 2]) -> Vec2 {
+        let [u, v] = self.applied(uv);
+        Vec2::new(u as f32, (1.0 - v) as f32)
+    }
+
     /// Texture coordinates with v down. The rotation is counter-clockwise as the image is seen.
-    pub fn applied(&self, [u, v]: [f64; 2]) -> [f64; 2] {
+    fn applied(&self, [u, v]: [f64; 2]) -> [f64; 2] {
         let (sin, cos) = self.rotation.sin_cos();
         let (u, v) = (u * self.scale[0], v * self.scale[1]);
         [cos * u + sin * v + self.offset[0], cos * v - sin * u + self.offset[1]]
@@ -150,10 +156,22 @@ fn normal_texture(given: &Given) -> Option<Named<'_>> {
     Some(("normalTexture", Cow::Owned(info)))
 }
 
-/// The textures that a material of ours has. The texture coordinates of its meshes are those of the first one.
+/// The textures that a material of ours has.
 fn textures(given: &Given) -> impl Iterator<Item = Named<'_>> {
     let of_colour = base_texture(given).into_iter().chain(emissive_texture(given));
     of_colour.chain(number_texture(given)).chain(normal_texture(given))
+}
+
+/// The sets of texture coordinates that the meshes of a material have: each placing of its textures once, in their order.
+fn placings(given: &Given) -> Vec<UvPlacing> {
+    let mut found = Vec::new();
+    for (_, info) in textures(given) {
+        let placing = UvPlacing::of(&info);
+        if !found.contains(&placing) {
+            found.push(placing);
+        }
+    }
+    found
 }
 
 /// What the inside absorbs per unit, of which the share `attenuationColor` is left after `attenuationDistance`.
@@ -181,19 +199,19 @@ impl Notes {
 }
 
 impl File {
-    /// How the texture coordinates of a primitive become those of its material's image.
-    pub fn uv_placing(&self, mesh: usize, primitive: usize) -> Result<UvPlacing> {
+    fn material_of(&self, mesh: usize, primitive: usize) -> Result<Option<&Given>> {
         let material = self.primitive(mesh, primitive)?.material;
-        let given = material.and_then(|material| self.root().materials.get(material.value()));
-        let first = given.and_then(|given| textures(given).next());
-        Ok(first.map(|(_, info)| UvPlacing::of(&info)).unwrap_or_default())
+        Ok(material.and_then(|material| self.root().materials.get(material.value())))
     }
 
-    /// Whether a primitive's material has an image.
-    pub fn has_image(&self, mesh: usize, primitive: usize) -> Result<bool> {
-        let material = self.primitive(mesh, primitive)?.material;
-        let given = material.and_then(|material| self.root().materials.get(material.value()));
-        Ok(given.is_some_and(|given| textures(given).next().is_some()))
+    /// How the texture coordinates of a primitive become those of its material's images: each way once. None where it has no image.
+    pub fn uv_placings(&self, mesh: usize, primitive: usize) -> Result<Vec<UvPlacing>> {
+        Ok(self.material_of(mesh, primitive)?.map(placings).unwrap_or_default())
+    }
+
+    /// Whether a primitive's material has a normal map.
+    pub fn has_normal_map(&self, mesh: usize, primitive: usize) -> Result<bool> {
+        Ok(self.material_of(mesh, primitive)?.is_some_and(|given| normal_texture(given).is_some()))
     }
 
     /// A material in terms of ours. `path` is the file as the scene names it; a note is added if the material is not as the file says.
@@ -205,12 +223,16 @@ impl File {
         let mut found = Notes::default();
         let [r, g, b, _] = pbr.base_color_factor.0;
         let base = share(colour([r, g, b]), "baseColorFactor", &mut found);
-        let mut image = |named: Option<Named>| -> Result<Option<String>> {
-            let image = named.map(|(field, info)| self.image_path(&at, field, &info, path, &mut found));
-            Ok(image.transpose()?.flatten())
+        let placings = placings(given);
+        // The path of an image, and which of the sets of texture coordinates it has.
+        let mut image = |named: Option<Named>| -> Result<Option<(String, u32)>> {
+            let Some((field, info)) = named else { return Ok(None) };
+            let placing = UvPlacing::of(&info);
+            let uv_set = placings.iter().position(|known| *known == placing).unwrap_or_default() as u32;
+            Ok(self.image_path(&at, field, &info, path, &mut found)?.map(|path| (path, uv_set)))
         };
-        let texture = |image: Option<String>, tint: Colour, channel| match image {
-            Some(path) => Texture::Image { path, tint, channel },
+        let texture = |image: Option<(String, u32)>, tint: Colour, channel| match image {
+            Some((path, uv_set)) => Texture::Image { path, tint, channel, uv_set },
             None => Texture::Rgb(tint.x, tint.y, tint.z),
         };
         let of_base = image(base_texture(given))?;
@@ -230,12 +252,6 @@ impl File {
         let [is_smooth, is_no_metal, is_metal] =
             [(&roughness, 0.0), (&metallic, 0.0), (&metallic, 1.0)].map(|(number, x)| *number == Texture::grey(x));
         let emission = Some(light.clone()).filter(|light| light.plain() != Some(Colour::ZERO));
-        let placing: Vec<_> = textures(given).map(|(field, info)| (field, UvPlacing::of(&info))).collect();
-        if let [(first, shared), others @ ..] = placing.as_slice() {
-            for (field, own) in others {
-                found.add_if(own != shared, format!("{field} by the texture coordinates of {first}"));
-            }
-        }
         let model = model(given);
         let (factor, alpha_cutoff) = alpha(given);
         let of_alpha = of_base.filter(|_| factor != 0.0 && !is_opaque(given));

@@ -1,6 +1,6 @@
 //! A mesh while its file is being read, and the checks that turn it into a `Mesh`.
 
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 
 use super::Mesh;
 
@@ -26,6 +26,10 @@ pub struct Draft {
     pub normals: Vec<Vec3>,
     /// One for every vertex, NaN if the file gives none; or empty.
     pub uvs: Vec<Vec2>,
+    /// Further sets of texture coordinates, each with one for every vertex.
+    further_uvs: Vec<Vec<Vec2>>,
+    /// One for every vertex, or empty.
+    tangents: Vec<Vec4>,
     /// One for every vertex that has been added, or empty. Where the file gives none it is white.
     pub colours: Vec<[u16; 3]>,
     triangles: Vec<[u32; 3]>,
@@ -107,6 +111,23 @@ impl Draft {
         Ok(())
     }
 
+    /// Adds a further set of texture coordinates, with one for every vertex.
+    pub fn add_uvs(&mut self, uvs: impl Iterator<Item = Vec2>) -> Result<(), String> {
+        self.take_room(size_of::<Vec2>() * self.positions.len())?;
+        let mut set: Vec<Vec2> = uvs.collect();
+        set.resize(self.positions.len(), Vec2::NAN);
+        self.further_uvs.push(set);
+        Ok(())
+    }
+
+    /// Adds tangents for all vertices.
+    pub fn add_tangents(&mut self, tangents: impl Iterator<Item = Vec4>) -> Result<(), String> {
+        self.take_room(size_of::<Vec4>() * self.positions.len())?;
+        self.tangents.extend(tangents);
+        self.tangents.resize(self.positions.len(), Vec4::NAN);
+        Ok(())
+    }
+
     /// Whether any of its triangles has corners at three places.
     pub fn has_area(&self) -> bool {
         self.triangles.iter().any(|triangle| {
@@ -134,6 +155,10 @@ impl Draft {
             uvs.is_err()
                 .then(|| "some corners have no texture coordinates: all texture coordinates are ignored".to_owned()),
         );
+        let tangents = self.take_tangents();
+        warnings.extend(tangents.is_err().then(|| {
+            "some corners have a TANGENT without a length, or without a sign: all of them are ignored, and MikkTSpace finds them".to_owned()
+        }));
         // Where the last vertices have none, they are white.
         if !self.colours.is_empty() {
             self.colours.resize(self.positions.len(), WHITE);
@@ -145,6 +170,8 @@ impl Draft {
             triangles: self.triangles,
             normals: normals.unwrap_or_default(),
             uvs: uvs.unwrap_or_default(),
+            further_uvs: self.further_uvs,
+            tangents: tangents.unwrap_or_default(),
             faces: self.faces,
             warnings,
         })
@@ -236,6 +263,8 @@ impl Draft {
         retain(&mut self.positions, &is_used);
         retain(&mut self.normals, &is_used);
         retain(&mut self.uvs, &is_used);
+        self.further_uvs.iter_mut().for_each(|set| retain(set, &is_used));
+        retain(&mut self.tangents, &is_used);
         retain(&mut self.colours, &is_used);
     }
 
@@ -265,8 +294,26 @@ impl Draft {
 
     fn take_uvs(&mut self) -> Result<Vec<Vec2>, ()> {
         let uvs = std::mem::take(&mut self.uvs);
-        let all = uvs.is_empty() || (uvs.len() == self.positions.len() && uvs.iter().all(|uv| uv.is_finite()));
-        all.then_some(uvs).ok_or(())
+        let is_finite = |uv: &Vec2| uv.is_finite();
+        let all = uvs.is_empty() || (uvs.len() == self.positions.len() && uvs.iter().all(is_finite));
+        if all && self.further_uvs.iter().flatten().all(is_finite) {
+            return Ok(uvs);
+        }
+        self.further_uvs = Vec::new();
+        Err(())
+    }
+
+    /// The tangents with length 1; none if the file has none; an error if one has no length or no sign.
+    fn take_tangents(&mut self) -> Result<Vec<Vec4>, ()> {
+        let mut tangents = std::mem::take(&mut self.tangents);
+        for tangent in &mut tangents {
+            let unit = tangent.truncate().as_dvec3().normalize();
+            if !unit.is_finite() || !tangent.w.is_finite() || tangent.w == 0.0 {
+                return Err(());
+            }
+            *tangent = unit.as_vec3().extend(tangent.w.signum());
+        }
+        Ok(tangents)
     }
 }
 

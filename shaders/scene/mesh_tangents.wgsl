@@ -1,0 +1,24 @@
+//@ use data/primitive
+//@ use geometry/instance
+//@ use lib/tangents
+//@ use scene/meshes
+// The tangents of a face of a mesh.
+
+// From the texture coordinates of the face's corners: the edges are p = u (dp/du) + v (dp/dv). Both are multiplied by the determinant,
+// whose sign is that of the image: it is mirrored or not.
+fn mesh_tangents(instance: Instance, index: u32) -> Tangents {
+    if instance.to_uvs == NO_UVS {
+        return Tangents(vec3<f32>(0.0), vec3<f32>(0.0));
+    }
+    let face = meshes[index] + instance.to_uvs;
+    let a = bitcast<vec2<f32>>(meshes[face.x].xy);
+    let ab = bitcast<vec2<f32>>(meshes[face.y].xy) - a;
+    let ac = bitcast<vec2<f32>>(meshes[face.z].xy) - a;
+    let corners = corners_of(index);
+    let b = corners.b - corners.a;
+    let c = corners.c - corners.a;
+    let side = sign(ab.x * ac.y - ac.x * ab.y);
+    let u = side * (ac.y * b - ab.y * c);
+    let v = side * (ab.x * c - ac.x * b);
+    return Tangents(from_mesh_turned(instance, u), from_mesh_turned(instance, v));
+}
