@@ -211,6 +211,11 @@ device_struct!(
 );
 
 device_struct!(
+    /// Two faces of a mesh that share two corners, or one face.
+    FacePair { a: [u32; 4], b: [u32; 4], c: [u32; 4], d: [u32; 4], }
+);
+
+device_struct!(
     /// A sphere, in render space.
     Sphere {
         center: [f32; 3],

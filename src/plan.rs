@@ -360,6 +360,12 @@ impl Kernels {
                 "what single scattering by microfacets keeps of light",
             ),
             array("meshes", bytes(&flat.meshes), element_bytes(&flat.meshes), "faces and vertices of meshes"),
+            array(
+                "face_pairs",
+                bytes(&flat.face_pairs),
+                element_bytes(&flat.face_pairs),
+                "faces of meshes as walks read them",
+            ),
             BufferSpec::working("queues", (header + queues * slots) * 4, "a queue for each material")
                 .made_of(format!("({queues} queues x {slots} slots + {header}) x 4 bytes")),
             BufferSpec::indirect("queue_args", queues * 16, "sizes of the queues' dispatches")

@@ -5,7 +5,7 @@ const PRIMITIVE_BIT: u32 = 0x80000000u;
 const PRIMITIVE_KIND_SHIFT: u32 = 28u;
 const PRIMITIVE_INDEX_MASK: u32 = 0x0fffffffu;
 
-// KIND_TRIANGLE is a face of a mesh. KIND_INSTANCE is a mesh placed in the scene; the walk continues there in the mesh's own
+// KIND_TRIANGLE is a face of a mesh, or in the mesh's hierarchy a pair of faces. KIND_INSTANCE is a mesh placed in the scene; the walk continues there in the mesh's own
 // space. KIND_DELTA_LIGHT is a light without size, which no ray hits. The other kinds below KIND_INSTANCE are shapes. The kind
 // above KIND_INSTANCE belongs to the codes below, which name no primitive.
 const KIND_TRIANGLE: u32 = 3u;
@@ -132,6 +132,17 @@ struct Instance {
     to_uvs: u32,
 }
 
+// Two faces of a mesh that share two corners, or one face. The low three words of a, b, c and d are the positions of the corners in the
+// mesh's space; a, b and c are the corners of the first face. The high words of a and b are the codes of both faces, or NO_FACE in place of
+// the second. That of c holds the corners of the second face in their order: two bits each, 0 for a to 3 for d.
+struct FacePair {
+    a: vec4<u32>,
+    b: vec4<u32>,
+    c: vec4<u32>,
+    d: vec4<u32>,
+}
+
+const NO_FACE: u32 = 0u;
 const NO_UVS: u32 = 0xffffffffu;
 // Stands in place of a vertex normal in flat-shaded meshes.
 const NO_NORMAL: u32 = 0x80008000u;

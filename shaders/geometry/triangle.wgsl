@@ -44,8 +44,27 @@ fn shear_along(ray: Ray, inverse: vec3<f32>) -> Shear {
 }
 
 // Components below 2^-60 become 0, so that no product of two is subnormal and flushed.
-fn flush_small(v: vec3<f32>) -> vec3<f32> {
-    return select(v, vec3<f32>(0.0), abs(v) < vec3<f32>(0x1p-60f));
+fn flush_small(v: vec4<f32>) -> vec4<f32> {
+    return select(v, vec4<f32>(0.0), abs(v) < vec4<f32>(0x1p-60f));
+}
+
+// Four points, sheared so that the ray runs along z from the origin.
+struct SeenCorners {
+    x: vec4<f32>,
+    y: vec4<f32>,
+    z: vec4<f32>,
+}
+
+fn see_corners(shear: Shear, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, d: vec3<f32>) -> SeenCorners {
+    let from_a = end_with_axis(a, shear.axis) - shear.origin;
+    let from_b = end_with_axis(b, shear.axis) - shear.origin;
+    let from_c = end_with_axis(c, shear.axis) - shear.origin;
+    let from_d = end_with_axis(d, shear.axis) - shear.origin;
+    // One expression for all points, so that a vertex goes through the same operations in every triangle.
+    let z = vec4<f32>(from_a.z, from_b.z, from_c.z, from_d.z);
+    let x = flush_small(vec4<f32>(from_a.x, from_b.x, from_c.x, from_d.x) - shear.slope.x * z);
+    let y = flush_small(vec4<f32>(from_a.y, from_b.y, from_c.y, from_d.y) - shear.slope.y * z);
+    return SeenCorners(x, y, z);
 }
 
 // |x y| exactly, for normal floats: an integer of two digits in base 2^24, times 2 to the power of the sum of the exponents.
@@ -100,28 +119,44 @@ fn place_of_least(v: vec3<f32>) -> u32 {
     return select(select(2u, 1u, v.y <= v.z), 0u, v.x <= v.y && v.x <= v.z);
 }
 
-fn triangle_hit(shear: Shear, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> TriangleHit {
-    let miss = TriangleHit(NO_HIT, false, vec3<f32>(0.0));
-    let from_a = end_with_axis(a, shear.axis) - shear.origin;
-    let from_b = end_with_axis(b, shear.axis) - shear.origin;
-    let from_c = end_with_axis(c, shear.axis) - shear.origin;
-    // One expression for all three vertices, so that a vertex goes through the same operations in every triangle.
-    let z = vec3<f32>(from_a.z, from_b.z, from_c.z);
-    let x = flush_small(vec3<f32>(from_a.x, from_b.x, from_c.x) - shear.slope.x * z);
-    let y = flush_small(vec3<f32>(from_a.y, from_b.y, from_c.y) - shear.slope.y * z);
-    // Twice the signed areas of the three triangles that the origin forms with the edges opposite to a, b, c.
+// Twice the signed areas of the three triangles that the origin forms with the edges opposite to a, b, c.
+struct Areas {
+    areas: vec3<f32>,
+    // Whether the sign is that of the exact area.
+    certain: vec3<bool>,
+}
+
+fn areas_of(x: vec3<f32>, y: vec3<f32>) -> Areas {
     let first = x.yzx * y.zxy;
     let second = y.yzx * x.zxy;
     let areas = first - second;
     // Each product is off by at most two units of roundoff, however it is rounded or fused. Their difference is off by
     // two more units of its own size.
-    let certain = abs(areas) > 4.0 * UNIT_ROUNDOFF * (abs(first) + abs(second));
-    if any(certain & areas > vec3<f32>(0.0)) && any(certain & areas < vec3<f32>(0.0)) {
-        return miss;
+    return Areas(areas, abs(areas) > 4.0 * UNIT_ROUNDOFF * (abs(first) + abs(second)));
+}
+
+// Whether the signs that are certain tell that the ray misses a triangle with these sheared corners.
+fn passes_beside(x: vec3<f32>, y: vec3<f32>) -> bool {
+    let found = areas_of(x, y);
+    return any(found.certain & found.areas > vec3<f32>(0.0)) && any(found.certain & found.areas < vec3<f32>(0.0));
+}
+
+fn triangle_hit(shear: Shear, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> TriangleHit {
+    let seen = see_corners(shear, a, b, c, c);
+    if passes_beside(seen.x.xyz, seen.y.xyz) {
+        return TriangleHit(NO_HIT, false, vec3<f32>(0.0));
     }
+    return seen_hit(shear.slope.z, seen.x.xyz, seen.y.xyz, seen.z.xyz);
+}
+
+// Where a ray hits a triangle with these sheared corners. `over_z` is 1 over the z of the ray's direction.
+fn seen_hit(over_z: f32, x: vec3<f32>, y: vec3<f32>, z: vec3<f32>) -> TriangleHit {
+    let miss = TriangleHit(NO_HIT, false, vec3<f32>(0.0));
+    let found = areas_of(x, y);
+    let areas = found.areas;
     var signs = sign(areas);
-    if !all(certain) {
-        signs = select(close_signs(x.yzx, y.yzx, x.zxy, y.zxy), signs, certain);
+    if !all(found.certain) {
+        signs = select(close_signs(x.yzx, y.yzx, x.zxy, y.zxy), signs, found.certain);
     }
     if !(all(signs > vec3<f32>(0.0)) || all(signs < vec3<f32>(0.0))) {
         return miss;
@@ -145,11 +180,11 @@ fn triangle_hit(shear: Shear, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> Trian
     let rest = ends.y + ends.z;
     let share = select(clamp(ends.z / rest, 0.0, 1.0), 0.5, rest == 0.0);
     let weights = vec3<f32>(tip, (1.0 - tip) * (1.0 - share), (1.0 - tip) * share);
-    let t = dot(weights, pz) * shear.slope.z;
+    let t = dot(weights, pz) * over_z;
     if !(t > 0.0) {
         return miss;
     }
-    let front = (signs.x > 0.0) != (shear.slope.z > 0.0);
+    let front = (signs.x > 0.0) != (over_z > 0.0);
     return TriangleHit(t, front, turned(weights, (3u - turn) % 3u));
 }
 

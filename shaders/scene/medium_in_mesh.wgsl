@@ -5,7 +5,9 @@
 //@ use bind/nodes
 //@ use bind/instances
 //@ use geometry/bounds
-//@ use scene/meshes
+//@ use geometry/instance
+//@ use geometry/slab
+//@ use scene/face_pairs
 //@ use lib/float
 //@ relies on loops
 // Media bounded by closed meshes, which a ray may enter and leave any number of times.
@@ -45,13 +47,18 @@ fn next_crossing(ray: Ray, root: u32, last: Crossing, steps: ptr<function, u32>)
             break;
         }
         if (code & PRIMITIVE_BIT) != 0u {
-            let face = primitive_index(code);
-            let met = face_hit(ray, inverse, face);
-            if met.t > last.t || (met.t == last.t && face > last.face) {
-                next.winding += select(1, -1, met.front);
-                if met.t < next.t || (met.t == next.t && face < next.face) {
-                    next.t = met.t;
-                    next.face = face;
+            var pair = see_pair(primitive_index(code), ray, inverse);
+            while pair.left != 0u {
+                *steps += 1u;
+                let face = primitive_index(code_of_face(pair));
+                let met = hit_of_pair(pair);
+                pair.left &= pair.left - 1u;
+                if met.t > last.t || (met.t == last.t && face > last.face) {
+                    next.winding += select(1, -1, met.front);
+                    if met.t < next.t || (met.t == next.t && face < next.face) {
+                        next.t = met.t;
+                        next.face = face;
+                    }
                 }
             }
         } else {

@@ -12,9 +12,8 @@
 //@ end
 // The scene's primitives by their codes; only the kinds that the scene has.
 
-// Distance to the primitive in front of the ray's origin, or NO_HIT. For a triangle, the ray is in its mesh's space, and
-// `inverse` holds the guarded reciprocals of its direction (geometry/slab).
-fn primitive_distance(code: u32, ray: Ray, inverse: vec3<f32>) -> f32 {
+// Distance to the primitive in front of the ray's origin, or NO_HIT. Faces of meshes are met in pairs (scene/face_pairs).
+fn primitive_distance(code: u32, ray: Ray) -> f32 {
     let index = primitive_index(code);
     switch primitive_kind(code) {
         //@ each primitive
@@ -24,7 +23,7 @@ fn primitive_distance(code: u32, ray: Ray, inverse: vec3<f32>) -> f32 {
         //@ end
         //@ if mesh
         default: {
-            return face_hit(ray, inverse, index).t;
+            return NO_HIT;
         }
         //@ end
     }

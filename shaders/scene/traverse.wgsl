@@ -7,6 +7,7 @@
 //@ use scene/primitives
 //@ if mesh
 //@ use geometry/instance
+//@ use scene/face_pairs
 //@ end
 //@ if alpha
 //@ use scene/coverage
@@ -60,7 +61,7 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
     var waiting = NONE_WAIT;
     var code = root;
     loop {
-        if hit.steps == MOST_STEPS_OF_WALK {
+        if hit.steps >= MOST_STEPS_OF_WALK {
             hit.code = PATH_CUT;
             break;
         }
@@ -79,8 +80,27 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
                 code = instances[entered].root;
                 continue;
             }
+            let is_pair = primitive_kind(code) == KIND_TRIANGLE;
+            var pair: SeenPair;
+            // Any other primitive is one candidate.
+            pair.left = 1u;
+            if is_pair {
+                pair = see_pair(primitive_index(code), here, inverse);
+            }
+            var is_over = false;
+            while pair.left != 0u {
+            hit.steps += 1u;
+            if is_pair {
+                code = code_of_face(pair);
+            }
             //@ end
-            let t = primitive_distance(code, here, inverse);
+            var t = primitive_distance(code, here);
+            //@ if mesh
+            if is_pair {
+                t = hit_of_pair(pair).t;
+            }
+            pair.left &= pair.left - 1u;
+            //@ end
             if t != NO_HIT && t <= hit.t {
                 var candidate = hit_at(code, t);
                 //@ if mesh
@@ -93,6 +113,9 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
                     candidate.steps = hit.steps;
                     hit = candidate;
                     if any_will_do {
+                        //@ if mesh
+                        is_over = true;
+                        //@ end
                         break;
                     }
                 //@ if alpha
@@ -100,6 +123,12 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
                 //@ end
                 }
             }
+            //@ if mesh
+            }
+            if is_over {
+                break;
+            }
+            //@ end
         } else {
             let keys = sort_keys(child_keys(nodes[code], here.origin, inverse, hit.t));
             if keys.y != CHILD_MISSED {

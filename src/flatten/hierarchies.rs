@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use crate::bvh::{Bvh, Quality};
+use super::meshes::Hierarchy;
+use crate::bvh::Quality;
 use crate::scene::{Mesh, Scene};
 
 #[derive(Default)]
@@ -16,7 +17,7 @@ struct Kept {
     /// It stays while this is there, so that no other mesh has its address.
     mesh: Arc<Mesh>,
     quality: Quality,
-    hierarchy: Arc<Bvh>,
+    hierarchy: Arc<Hierarchy>,
 }
 
 impl Hierarchies {
@@ -26,7 +27,13 @@ impl Hierarchies {
     }
 
     /// The hierarchy of a mesh of the scene. Builds it if it is not there.
-    pub fn of(&mut self, scene: &Scene, mesh: &Mesh, quality: Quality, build: impl FnOnce() -> Bvh) -> Arc<Bvh> {
+    pub fn of(
+        &mut self,
+        scene: &Scene,
+        mesh: &Mesh,
+        quality: Quality,
+        build: impl FnOnce() -> Hierarchy,
+    ) -> Arc<Hierarchy> {
         let is_same = |other: &Arc<Mesh>| std::ptr::eq(Arc::as_ptr(other), mesh);
         if let Some(kept) = self.kept.iter().find(|kept| is_same(&kept.mesh) && kept.quality == quality) {
             return Arc::clone(&kept.hierarchy);

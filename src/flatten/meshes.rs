@@ -9,6 +9,7 @@ use std::sync::Arc;
 use glam::{Vec2, Vec3};
 
 use super::Builder;
+use super::pairs::{Pair, pairs};
 use super::place::Placed;
 use super::tangents::Split;
 use crate::bvh::{self, Bounds, Bvh, Quality};
@@ -119,12 +120,15 @@ impl Builder<'_> {
         }
 
         let quality = self.quality;
-        let build = || hierarchy(mesh, &positions, quality);
-        let bvh = match &mut self.hierarchies {
+        let build = || Hierarchy::over(mesh, &positions, quality);
+        let hierarchy = match &mut self.hierarchies {
             Some(hierarchies) => hierarchies.of(self.scene, mesh, quality, build),
             None => Arc::new(build()),
         };
-        let root = self.flat.add_nodes(&bvh, first_face);
+        let bvh = &hierarchy.bvh;
+        let root = self.flat.add_nodes(bvh, self.flat.face_pairs.len() as u32);
+        let laid_out = |pair: &Pair| pair.laid_out(&mesh.triangles, &positions, first_face);
+        self.flat.face_pairs.extend(hierarchy.pairs.iter().map(laid_out));
         let to_uvs = if has_more { count as u32 } else { NO_UVS };
         Laid { root, first_face, to_uvs, stack_size: bvh.stack_size }
     }
@@ -146,16 +150,26 @@ fn split(mesh: &Mesh, positions: &[Vec3], tables: &[Table]) -> Option<Split> {
     Some(split)
 }
 
-/// The hierarchy over the faces of a mesh, which are numbered from 0 on.
-fn hierarchy(mesh: &Mesh, positions: &[Vec3], quality: Quality) -> Bvh {
-    let corner = |i: u32| positions[i as usize];
-    let bounds = |&[a, b, c]: &[u32; 3]| {
-        let (a, b, c) = (corner(a), corner(b), corner(c));
-        Bounds { min: a.min(b).min(c), max: a.max(b).max(c) }
-    };
-    let bounds: Vec<Bounds> = mesh.triangles.iter().map(bounds).collect();
-    let codes: Vec<u32> = (0..mesh.triangles.len() as u32).map(|face| primitive_code(KIND_TRIANGLE, face)).collect();
-    bvh::build(&bounds, &codes, quality)
+/// The hierarchy of a mesh, and the pairs of faces that are its leaves, in the order in which nodes name them.
+pub struct Hierarchy {
+    pub bvh: Bvh,
+    pub pairs: Vec<Pair>,
+}
+
+impl Hierarchy {
+    fn over(mesh: &Mesh, positions: &[Vec3], quality: Quality) -> Hierarchy {
+        let pairs = pairs(&mesh.triangles, positions);
+        let bounds: Vec<Bounds> = pairs.iter().map(|pair| pair.bounds(&mesh.triangles, positions)).collect();
+        let codes: Vec<u32> = (0..pairs.len() as u32).map(|pair| primitive_code(KIND_TRIANGLE, pair)).collect();
+        let mut bvh = bvh::build(&bounds, &codes, quality);
+        let mut in_order = Vec::with_capacity(pairs.len());
+        let children = bvh.nodes.iter_mut().flat_map(|node| &mut node.children).chain([&mut bvh.root]);
+        for code in children.filter(|code| **code != HIT_NOTHING && **code & PRIMITIVE_BIT != 0) {
+            in_order.push(pairs[(*code ^ primitive_code(KIND_TRIANGLE, 0)) as usize]);
+            *code = primitive_code(KIND_TRIANGLE, in_order.len() as u32 - 1);
+        }
+        Hierarchy { bvh, pairs: in_order }
+    }
 }
 
 impl super::DeviceScene {

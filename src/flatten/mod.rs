@@ -11,6 +11,7 @@ mod light_tree;
 mod lights;
 mod media;
 mod meshes;
+mod pairs;
 mod place;
 mod tangents;
 mod view;
@@ -56,6 +57,8 @@ pub struct DeviceScene {
     pub shapes: Tables,
     /// Faces, vertices and texture coordinates of all meshes, in the layout of shaders/bind/meshes.
     pub meshes: Vec<[u32; 4]>,
+    /// The leaves of the meshes' hierarchies.
+    pub face_pairs: Vec<data::FacePair>,
     pub media: Vec<data::Medium>,
     pub lights: Vec<data::Light>,
     pub delta_lights: Vec<data::DeltaLight>,

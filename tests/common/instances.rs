@@ -126,6 +126,7 @@ pub fn run(kernel: &Kernel, flat: &DeviceScene, rays: &[In]) -> Vec<Out> {
         array("spheres", &flat.shapes.spheres),
         array("instances", &flat.shapes.instances),
         array("meshes", &flat.meshes),
+        array("face_pairs", &flat.face_pairs),
     ];
     kernel.run_with(rays, rays.len(), &tables)
 }

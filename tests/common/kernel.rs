@@ -172,7 +172,9 @@ impl Kernel {
         for &condition in NONE {
             choices.conditions.entry(condition).or_default();
         }
-        for condition in ["undetailed", "colour_images", "single_scattering", "one_uv_table"].into_iter().chain(SETTINGS) {
+        for condition in
+            ["undetailed", "colour_images", "single_scattering", "one_uv_table"].into_iter().chain(SETTINGS)
+        {
             choices.conditions.entry(condition).or_insert(Some(Reason::EveryRender));
         }
         // Images of floats.

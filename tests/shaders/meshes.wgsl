@@ -39,7 +39,7 @@ fn ask_all(ray: Ray) -> Hit {
         let inverse = slab_inverse(here.direction);
         for (var face = 0u; face < FACES; face++) {
             let code = PRIMITIVE_BIT | KIND_TRIANGLE << PRIMITIVE_KIND_SHIFT | face;
-            let t = primitive_distance(code, here, inverse);
+            let t = face_hit(here, inverse, face).t;
             if t != NO_HIT && t < asked.t {
                 asked = hit_at(code, t);
                 asked.instance = i;

@@ -1,0 +1,2 @@
+//@ use data/primitive
+@group(0) @binding(31) var<storage, read> face_pairs: array<FacePair>;

@@ -1,0 +1,65 @@
+//@ use data/ray
+//@ use data/primitive
+//@ use bind/face_pairs
+//@ use geometry/slab
+//@ use geometry/triangle
+// The leaves of a mesh's hierarchy: pairs of faces, which share two corners. So a walk reads four corners for two faces, in one place.
+
+// A pair as a ray sees it.
+struct SeenPair {
+    corners: SeenCorners,
+    // 1 over the z of the ray's direction.
+    over_z: f32,
+    // The codes of both faces.
+    faces: vec2<u32>,
+    // The corners of the second face.
+    second: u32,
+    // The faces that the ray may hit: 1 for the first, 2 for the second.
+    left: u32,
+}
+
+// The corners of the first face: 0, 1 and 2, with two bits each.
+const FIRST_FACE: u32 = 0x24u;
+
+// Three of the four numbers, as two bits for each say.
+fn three_of(numbers: vec4<f32>, corners: u32) -> vec3<f32> {
+    let corner = vec3<u32>(corners) >> vec3<u32>(0u, 2u, 4u);
+    let odd = (corner & vec3<u32>(1u)) != vec3<u32>(0u);
+    let low = select(vec3<f32>(numbers.x), vec3<f32>(numbers.y), odd);
+    let high = select(vec3<f32>(numbers.z), vec3<f32>(numbers.w), odd);
+    return select(low, high, (corner & vec3<u32>(2u)) != vec3<u32>(0u));
+}
+
+// `inverse` is slab_inverse(ray.direction), and the ray is in the mesh's space.
+fn see_pair(index: u32, ray: Ray, inverse: vec3<f32>) -> SeenPair {
+    let pair = face_pairs[index];
+    let shear = shear_along(ray, inverse);
+    let a = bitcast<vec3<f32>>(pair.a.xyz);
+    let b = bitcast<vec3<f32>>(pair.b.xyz);
+    let c = bitcast<vec3<f32>>(pair.c.xyz);
+    let d = bitcast<vec3<f32>>(pair.d.xyz);
+    let seen = see_corners(shear, a, b, c, d);
+    let faces = vec2<u32>(pair.a.w, pair.b.w);
+    let second = pair.c.w;
+    let may_hit_first = !passes_beside(seen.x.xyz, seen.y.xyz);
+    let may_hit_second = faces.y != NO_FACE && !passes_beside(three_of(seen.x, second), three_of(seen.y, second));
+    let left = select(0u, 1u, may_hit_first) | select(0u, 2u, may_hit_second);
+    return SeenPair(seen, shear.slope.z, faces, second, left);
+}
+
+// Whether the first of the faces that are left is the pair's second.
+fn is_second(pair: SeenPair) -> bool {
+    return (pair.left & 1u) == 0u;
+}
+
+// Where the ray hits the first of the faces that are left.
+fn hit_of_pair(pair: SeenPair) -> TriangleHit {
+    let corners = select(FIRST_FACE, pair.second, is_second(pair));
+    let seen = pair.corners;
+    return seen_hit(pair.over_z, three_of(seen.x, corners), three_of(seen.y, corners), three_of(seen.z, corners));
+}
+
+// The code of that face.
+fn code_of_face(pair: SeenPair) -> u32 {
+    return select(pair.faces.x, pair.faces.y, is_second(pair));
+}
