@@ -370,8 +370,8 @@ device_struct!(
         normal: u32,
         vertex_colours: u32,
         multiscatter: u32,
-        padding0: u32,
-        padding1: u32,
+        specular: u32,
+        padding: u32,
     }
 );
 
@@ -385,8 +385,8 @@ impl Detail {
         normal: NO_DETAIL,
         vertex_colours: NO_DETAIL,
         multiscatter: NO_DETAIL,
-        padding0: 0,
-        padding1: 0,
+        specular: NO_DETAIL,
+        padding: 0,
     };
 }
 

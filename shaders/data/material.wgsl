@@ -32,8 +32,9 @@ struct Detail {
     vertex_colours: u32,
     // It has a row if it makes up for light that microfacets scatter more than once. Nothing reads the row.
     multiscatter: u32,
-    padding0: u32,
-    padding1: u32,
+    // Of glTF's material: what the layer reflects straight on is multiplied by the row's colour, and all that it reflects by its parameter.
+    specular: u32,
+    padding: u32,
 }
 
 const NO_DETAIL: u32 = 0xffffffffu;
@@ -55,6 +56,11 @@ struct Interaction {
     //@ if multiscatter
     // What single scattering loses of the light over what it keeps; 0 in a material that does not make up for it.
     lost_over_kept: f32,
+    //@ end
+    //@ if own_layer
+    // Of glTF's material, what its layer reflects: of light straight on it, and of grazing light.
+    straight: vec3<f32>,
+    grazing: f32,
     //@ end
 }
 

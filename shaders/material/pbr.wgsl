@@ -10,7 +10,7 @@ fn pbr_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scatter {
     let cos_view = clamp(-dot(hit.incoming, normal), 0.0, 1.0);
     let basis = basis_around(normal);
     var direction = from_basis(basis, sample_cosine_hemisphere(u.zw));
-    if u.x < pbr_share_of_facets(material, hit.colour, cos_view) {
+    if u.x < pbr_share_of_facets(material, hit, cos_view) {
         let across = vec2<f32>(dot(hit.incoming, basis.tangent), dot(hit.incoming, basis.bitangent));
         let view = vec3<f32>(-across, cos_view);
         let facet = from_basis(basis, sample_visible_normal(view, pbr_alpha(material), u.zw));

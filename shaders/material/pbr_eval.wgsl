@@ -15,11 +15,26 @@ fn pbr_is_non_specular(material: Material) -> bool {
     return true;
 }
 
+//@ if own_layer
+// What the layer reflects (KHR_materials_specular).
+fn pbr_layer(hit: Interaction, cosine: f32) -> vec3<f32> {
+    let m = 1.0 - cosine;
+    let m2 = m * m;
+    return hit.straight + (hit.grazing - hit.straight) * (m2 * m2 * m);
+}
+
+//@ end
 // The probability of drawing a microfacet instead of a matt direction: about its share of the light that comes back. A grazing view
 // makes the matt share 0 for light from straight ahead alone, so that it does not decide whether there is a matt part.
-fn pbr_share_of_facets(material: Material, base: vec3<f32>, cos_view: f32) -> f32 {
+fn pbr_share_of_facets(material: Material, hit: Interaction, cos_view: f32) -> f32 {
+    let base = hit.colour;
     let metallic = material.contrast_inside;
+    //@ if plain_layer
     let layer = schlick(cos_view, vec3<f32>(material.contrast_outside));
+    //@ end
+    //@ if own_layer
+    let layer = pbr_layer(hit, cos_view);
+    //@ end
     let facets = mix(layer, schlick(cos_view, base), metallic);
     let matt = (1.0 - metallic) * (1.0 - layer) * base;
     let bright = vec2<f32>(facets.x + facets.y + facets.z, matt.x + matt.y + matt.z);
@@ -30,7 +45,7 @@ fn pbr_share_of_facets(material: Material, base: vec3<f32>, cos_view: f32) -> f3
 }
 
 // The BRDF times cosine. A dielectric reflects the share F from microfacets, and 1 - F of the base colour in all directions, with F at the
-// half vector. A metal reflects from microfacets by its base colour. They are mixed by the metallic share.
+// half vector. If F has a colour, its largest channel counts in 1 - F. A metal reflects from microfacets by its base colour. They are mixed by the metallic share.
 fn pbr_eval(material: Material, hit: Interaction, direction: vec3<f32>) -> Response {
     let metallic = material.contrast_inside;
     let alpha = pbr_alpha(material);
@@ -42,15 +57,24 @@ fn pbr_eval(material: Material, hit: Interaction, direction: vec3<f32>) -> Respo
     let half_way = direction - hit.incoming;
     let facets = 0.25 * visible_density(microfacet_density(half_way, hit.normal, alpha), cos_view, alpha);
     let cos_facet = clamp(dot(direction, half_way) * inverseSqrt(dot(half_way, half_way)), 0.0, 1.0);
-    let layer = schlick(cos_facet, vec3<f32>(material.contrast_outside));
+    //@ if plain_layer
+    let straight = vec3<f32>(material.contrast_outside);
+    let layer = schlick(cos_facet, straight);
+    let passed = 1.0 - layer;
+    //@ end
+    //@ if own_layer
+    let straight = hit.straight;
+    let layer = pbr_layer(hit, cos_facet);
+    let passed = 1.0 - max(max(layer.x, layer.y), layer.z);
+    //@ end
     //@ if single_scattering
     let glossy = mix(layer, schlick(cos_facet, hit.colour), metallic);
     //@ end
     //@ if multiscatter
-    let whole_layer = layer * (1.0 + material.contrast_outside * hit.lost_over_kept);
+    let whole_layer = layer * (1.0 + straight * hit.lost_over_kept);
     let glossy = mix(whole_layer, schlick(cos_facet, hit.colour) * (1.0 + hit.colour * hit.lost_over_kept), metallic);
     //@ end
-    let matt = (1.0 - metallic) * (1.0 - layer) * hit.colour;
+    let matt = (1.0 - metallic) * passed * hit.colour;
     let value = glossy * (facets * smith_shadowing(cos_view, cos_light, alpha)) + matt * (cos_light / PI);
-    return Response(value, mix(cos_light / PI, facets, pbr_share_of_facets(material, hit.colour, cos_view)));
+    return Response(value, mix(cos_light / PI, facets, pbr_share_of_facets(material, hit, cos_view)));
 }

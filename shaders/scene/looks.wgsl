@@ -21,6 +21,11 @@ struct Look {
     // The texel of its normal map.
     normal: vec3<f32>,
     //@ end
+    //@ if own_layer
+    // What the layer of glTF's material reflects: of light straight on it, and of grazing light.
+    straight: vec3<f32>,
+    grazing: f32,
+    //@ end
 }
 
 // One bit for each row that is to be evaluated.
@@ -29,6 +34,7 @@ const GLOW: u32 = 2u;
 const ROUGHNESS: u32 = 4u;
 const METALLIC: u32 = 8u;
 const NORMAL: u32 = 16u;
+const SPECULAR: u32 = 32u;
 
 // One loop evaluates all rows: compilers write out each call of a function, and the code of all textures is long. `front` tells whether
 // the ray comes from the front.
@@ -50,6 +56,11 @@ fn look_at(hit: Hit, surface: Surface, front: bool) -> Look {
     //@ if normal_map
     left |= select(0u, NORMAL, own.normal != NO_DETAIL);
     //@ end
+    //@ if own_layer
+    look.straight = vec3<f32>(look.material.contrast_outside);
+    look.grazing = 1.0;
+    left |= select(0u, SPECULAR, own.specular != NO_DETAIL);
+    //@ end
     while left != 0u {
         let part = left & (~left + 1u);
         left ^= part;
@@ -65,6 +76,9 @@ fn look_at(hit: Hit, surface: Surface, front: bool) -> Look {
         //@ end
         //@ if normal_map
         index = select(index, own.normal, part == NORMAL);
+        //@ end
+        //@ if own_layer
+        index = select(index, own.specular, part == SPECULAR);
         //@ end
         let row = materials[index];
         var framed = surface;
@@ -83,6 +97,11 @@ fn look_at(hit: Hit, surface: Surface, front: bool) -> Look {
         //@ end
         //@ if normal_map
         look.normal = select(look.normal, colour, part == NORMAL);
+        //@ end
+        //@ if own_layer
+        let tinted = row.parameter * min(look.material.contrast_outside * colour, vec3<f32>(1.0));
+        look.straight = select(look.straight, tinted, part == SPECULAR);
+        look.grazing = select(look.grazing, row.parameter, part == SPECULAR);
         //@ end
     }
     //@ if vertex_colours

@@ -99,6 +99,9 @@ fn scatter_path(path: ptr<function, Path>) {
         //@ if multiscatter
         0.0,
         //@ end
+        //@ if own_layer
+        look.straight, look.grazing,
+        //@ end
     );
     //@ if multiscatter
     arriving.lost_over_kept = lost_over_kept(material, surface, arriving);

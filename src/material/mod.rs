@@ -94,6 +94,10 @@ pub enum Material {
         roughness: Texture,
         #[serde(default = "index_of_glass")]
         ior: f64,
+        #[serde(default = "one", skip_serializing_if = "is_one")]
+        specular: f64,
+        #[serde(default = "white", skip_serializing_if = "is_white")]
+        specular_color: Texture,
         #[serde(default, skip_serializing_if = "std::ops::Not::not")]
         multiscatter: bool,
         #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -192,6 +196,8 @@ impl Material {
                 metallic,
                 roughness,
                 ior,
+                specular,
+                specular_color,
                 multiscatter,
                 emission,
                 alpha,
@@ -202,7 +208,8 @@ impl Material {
             } => {
                 let model = pbr::model(base_color, metallic, roughness, *ior).glowing(emission);
                 let model = model.cut_out(alpha, *alpha_cutoff).coloured_by_vertices(*vertex_colors);
-                model.scattering_many_times(*multiscatter).bumped(normal, *normal_scale)
+                let model = model.scattering_many_times(*multiscatter).bumped(normal, *normal_scale);
+                model.layered(*specular, specular_color)
             }
         }
     }
@@ -352,6 +359,8 @@ pub enum DetailKind {
     VertexColours,
     /// It makes up for light that microfacets scatter more than once.
     Multiscatter,
+    /// How much the layer of glTF's material reflects, and in which colour.
+    Specular,
 }
 
 impl DetailKind {
@@ -365,12 +374,13 @@ impl DetailKind {
             DetailKind::Normal => &mut details.normal,
             DetailKind::VertexColours => &mut details.vertex_colours,
             DetailKind::Multiscatter => &mut details.multiscatter,
+            DetailKind::Specular => &mut details.specular,
         }
     }
 }
 
 /// The number of kinds of detail.
-pub const DETAILS: usize = DetailKind::Multiscatter as usize + 1;
+pub const DETAILS: usize = DetailKind::Specular as usize + 1;
 
 /// One of them.
 #[derive(Clone, Copy, Debug)]
@@ -394,6 +404,8 @@ const TRANSMITTANCE: Field = Field::new(
     "The share of the refracted light that each surface lets pass. Light through a body passes two surfaces.",
 )
 .or("all of it");
+/// The largest index of refraction of a surface that reflects from microfacets.
+pub const MOST_IOR: f64 = 1e3;
 /// The most that a clear solid absorbs per unit.
 pub const MOST_ABSORPTION: f64 = 1e9;
 const ABSORPTION: Field = Field::new(
@@ -444,6 +456,16 @@ const MULTISCATTER: Field = Field::new(
     "Whether it makes up for the light that its microfacets would reflect more than once, by Turquin's factor. Otherwise that light is lost.",
 )
 .or("false");
+
+const SPECULAR: Field =
+    Field::new("specular", Takes::Number(Range::SHARE, NO_UNIT), "All that the layer reflects is multiplied by this.")
+        .or("1");
+const SPECULAR_COLOR: Field = Field::new(
+    "specular_color",
+    Takes::Texture(Use::Albedo.range()),
+    "What the layer reflects of light straight on it is multiplied by this colour; grazing light keeps its own.",
+)
+.or("Rgb(1, 1, 1)");
 
 impl<'a> Detail<'a> {
     pub fn emission(slot: Slot<'a>, two_sided: bool) -> Detail<'a> {
@@ -537,6 +559,15 @@ impl<'a> Model<'a> {
         self
     }
 
+    /// The same, with a layer that reflects this share, and straight on in this colour (KHR_materials_specular).
+    fn layered(mut self, share: f64, colour: &'a Texture) -> Model<'a> {
+        let slot = Slot { field: &SPECULAR_COLOR, usage: Use::Albedo, texture: colour };
+        let detail = Detail { kind: DetailKind::Specular, slot, parameter: share as f32 };
+        self.details.extend((share != 1.0 || !is_white(colour)).then_some(detail));
+        self.numbers.push(Number { field: &SPECULAR, value: share, warning: None });
+        self
+    }
+
     /// What it emits, if it does not scatter.
     pub fn light(&self) -> Option<Emission<'a>> {
         Some(Emission { slot: self.slot?, two_sided: self.two_sided? })
@@ -563,6 +594,8 @@ impl Slot<'_> {
             Use::Share | Use::Normal => return None,
             // Light leaves a clear body, so that a transmittance of 1 traps no path.
             Use::Albedo if self.field.name == TRANSMITTANCE.name => return None,
+            // What a layer does not reflect reaches the matt body.
+            Use::Albedo if self.field.name == SPECULAR_COLOR.name => return None,
             Use::Albedo => (
                 self.texture.is_white(bitmaps),
                 "an albedo of 1 absorbs nothing, so that paths in a closed scene end only at max_depth: write 0.99 or less unless that \

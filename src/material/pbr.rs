@@ -1,8 +1,8 @@
 //! The material of glTF 2.0: a matt body under a glossy layer, or a metal.
 
 use super::{
-    ALPHA, ALPHA_CUTOFF, DetailKind, EMISSION, MULTISCATTER, MaterialKind, Model, NORMAL, NORMAL_SCALE, Number,
-    Scattering, Slot, VERTEX_COLORS, varying,
+    ALPHA, ALPHA_CUTOFF, DetailKind, EMISSION, MOST_IOR, MULTISCATTER, MaterialKind, Model, NORMAL, NORMAL_SCALE,
+    Number, SPECULAR, SPECULAR_COLOR, Scattering, Slot, VERTEX_COLORS, varying,
 };
 use crate::data;
 use crate::source::Range;
@@ -21,7 +21,7 @@ const ROUGHNESS: Field = Field::new(
 )
 .or("1");
 const IOR: Field =
-    Field::new("ior", Takes::Number(Range::from_to(1.0, 1e3), NO_UNIT), "The index of refraction of the layer.")
+    Field::new("ior", Takes::Number(Range::from_to(1.0, MOST_IOR), NO_UNIT), "The index of refraction of the layer.")
         .or("1.5");
 
 pub const KIND: MaterialKind = MaterialKind {
@@ -34,6 +34,8 @@ pub const KIND: MaterialKind = MaterialKind {
             METALLIC,
             ROUGHNESS,
             IOR,
+            SPECULAR,
+            SPECULAR_COLOR,
             MULTISCATTER,
             EMISSION,
             ALPHA,
@@ -57,6 +59,7 @@ pub const KIND: MaterialKind = MaterialKind {
         DetailKind::Metallic,
         DetailKind::Multiscatter,
         DetailKind::Normal,
+        DetailKind::Specular,
     ],
     has_second_part: false,
 };

@@ -2,7 +2,8 @@
 
 use super::dielectric;
 use super::{
-    DetailKind, MaterialKind, Model, NORMAL, NORMAL_SCALE, Number, Scattering, TRANSMITTANCE, conductor, varying,
+    DetailKind, MOST_IOR, MaterialKind, Model, NORMAL, NORMAL_SCALE, Number, Scattering, TRANSMITTANCE, conductor,
+    varying,
 };
 use crate::data;
 use crate::source::Range;
@@ -11,7 +12,7 @@ use crate::texture::Texture;
 
 const IOR: Field = Field::new(
     "ior",
-    Takes::Number(Range::from_to(1.0, 1e3), NO_UNIT),
+    Takes::Number(Range::from_to(1.0, MOST_IOR), NO_UNIT),
     "Index of refraction, of which the reflectance follows.",
 )
 .or("1.5");

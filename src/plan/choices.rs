@@ -107,6 +107,9 @@ named! {
         /// A material of the kernel makes up for light that microfacets scatter more than once, or none of them does.
         multiscatter,
         single_scattering,
+        /// The layer of a material of the kernel has a share or a colour of its own, or none has.
+        own_layer,
+        plain_layer,
         /// Paths have a sum: of light that is sampled, or of surfaces that emit and scatter.
         gathers,
         /// The colours of a mesh's vertices multiply that of a material of the kernel.
@@ -414,6 +417,7 @@ pub(super) fn decide(
     let (varying_roughness, varying_metallic) = (own(DetailKind::Roughness), own(DetailKind::Metallic));
     let (own_glow, normal_map) = (own(DetailKind::Emission), own(DetailKind::Normal));
     let multiscatter = own(DetailKind::Multiscatter);
+    let own_layer = own(DetailKind::Specular);
     let (tinted, absorbing) = (of_first(&features.tinted), of_first(&features.absorbing));
     let glow_is_sampled = own_glow.clone().and(light.clone()).and(emitting_surface.clone());
 
@@ -422,7 +426,7 @@ pub(super) fn decide(
     let number_images = [DetailKind::Roughness, DetailKind::Metallic, DetailKind::Alpha]
         .into_iter()
         .find_map(|detail| first(&features.details[detail as usize]));
-    let detailed = { [&varying_roughness, &varying_metallic, &own_glow, &normal_map, &vertex_colours] }
+    let detailed = { [&varying_roughness, &varying_metallic, &own_glow, &normal_map, &vertex_colours, &own_layer] }
         .into_iter()
         .find_map(|detail| detail.clone());
     let alpha = surface.clone().and(first(&features.details[DetailKind::Alpha as usize]));
@@ -496,6 +500,8 @@ pub(super) fn decide(
         plain_normal: if_so(normal_map.is_none(), Reason::EveryRender),
         normal_map,
         single_scattering: if_so(multiscatter.is_none(), Reason::EveryRender),
+        plain_layer: if_so(own_layer.is_none(), Reason::EveryRender),
+        own_layer,
         multiscatter,
         specular_beside_delta_light: specular.clone().and(delta_light.clone()),
         light_without_place: emitting_sky.clone().or(asked(&features.directional_lights)),

@@ -102,6 +102,7 @@ const NONE: &[&str] = &[
     "normal_map",
     "normal_map_in_light",
     "multiscatter",
+    "own_layer",
     "glow_is_sampled",
     "glow_by_chance",
     "glow_direct",
@@ -172,8 +173,9 @@ impl Kernel {
         for &condition in NONE {
             choices.conditions.entry(condition).or_default();
         }
-        for condition in
-            ["undetailed", "colour_images", "single_scattering", "one_uv_table"].into_iter().chain(SETTINGS)
+        for condition in ["undetailed", "colour_images", "single_scattering", "plain_layer", "one_uv_table"]
+            .into_iter()
+            .chain(SETTINGS)
         {
             choices.conditions.entry(condition).or_insert(Some(Reason::EveryRender));
         }

@@ -32,6 +32,9 @@ pub struct In {
     pub u: [f32; 4],
     pub material: data::Material,
     pub second: data::Material,
+    /// Of glTF's material with a layer of its own.
+    pub straight: [f32; 3],
+    pub grazing: f32,
 }
 
 /// What it gives.
@@ -48,18 +51,20 @@ pub struct Out {
 
 /// A kernel that answers each row so many times: once for the row's own uniforms, or for independent ones.
 pub fn kernel(material: &str, times: usize, replaced: &[(&str, &str)]) -> Kernel {
-    kernel_of(material, times, replaced, false)
+    kernel_of(material, times, replaced, &[])
 }
 
-/// The same, of a material that makes up for light that microfacets scatter more than once.
-pub fn kernel_of(material: &str, times: usize, replaced: &[(&str, &str)], multiscatter: bool) -> Kernel {
+/// The same of a material with `multiscatter` or `own_layer`.
+pub fn kernel_of(material: &str, times: usize, replaced: &[(&str, &str)], with: &[&str]) -> Kernel {
     let (times, keyed) = (times.to_string(), if times > 1 { "true" } else { "false" });
     let values = [("material", material), ("times", &*times), ("keyed", keyed)];
     let mut plan = Choices::default();
     plan.conditions.insert("two_parts", Some(Reason::EveryRender));
-    let those = |there: bool| there.then_some(Reason::EveryRender);
-    plan.conditions.insert("multiscatter", those(multiscatter));
-    plan.conditions.insert("single_scattering", those(!multiscatter));
+    for (detail, none) in [("multiscatter", "single_scattering"), ("own_layer", "plain_layer")] {
+        let is_there = with.contains(&detail);
+        plan.conditions.insert(detail, is_there.then_some(Reason::EveryRender));
+        plan.conditions.insert(none, (!is_there).then_some(Reason::EveryRender));
+    }
     Kernel::with("test/rough", &Setup { replaced, values: &values, plan, ..Setup::default() })
 }
 

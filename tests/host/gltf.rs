@@ -5,7 +5,7 @@ use std::path::Path;
 
 use glam::DVec3;
 use gpu_rt::error::Error;
-use gpu_rt::scene::{Assets, Background, Camera, Material, Object, Scene, Transform, Wishes};
+use gpu_rt::scene::{Assets, Background, Camera, Material, Object, Scene, Texture, Transform, Wishes};
 use serde_json::{Value, json};
 
 use crate::common::gltf::{glb, gltf, png, room, square};
@@ -118,9 +118,14 @@ fn materials_are_those_of_the_standard_as_far_as_ours_go() {
     let expected = "Pbr(base_color: Rgb(0.8, 0.7, 0.6), metallic: 0.25, roughness: 0.3, ior: 1.4)";
     assert_eq!(pbr(0.25, json!({})), written(expected));
     assert_eq!(pbr(0.0, json!({"specularFactor": 0})), written("Lambertian(albedo: Rgb(0.8, 0.7, 0.6))"));
-    let Material::Pbr { ior, .. } = pbr(0.0, json!({"specularFactor": 0.25})) else { panic!() };
+    let expected = "Pbr(base_color: Rgb(0.8, 0.7, 0.6), metallic: 0, roughness: 0.3, ior: 1.4, specular: 0.25, specular_color: Rgb(1, 0.5, 0))";
+    assert_eq!(pbr(0.0, json!({"specularFactor": 0.25, "specularColorFactor": [1, 0.5, 0]})), written(expected));
+    // A colour above 1 is a larger index of refraction.
+    let bright = pbr(0.0, json!({"specularColorFactor": [2, 1, 0]}));
+    let Material::Pbr { ior, specular, specular_color, .. } = bright else { panic!("{bright:?}") };
     let reflectance = |ior: f64| ((ior - 1.0) / (ior + 1.0)).powi(2);
-    assert!((reflectance(ior) - 0.25 * reflectance(1.4)).abs() < 1e-12);
+    assert!((reflectance(ior) - 2.0 * reflectance(1.4)).abs() < 1e-12);
+    assert_eq!((specular, specular_color), (1.0, Texture::Rgb(1.0, 0.5, 0.0)));
     let glass = |roughness: f64| {
         let extensions =
             json!({"KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_ior": {"ior": 1.4}});

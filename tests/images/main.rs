@@ -18,6 +18,7 @@ mod glow;
 mod in_memory;
 mod instances;
 mod knobs;
+mod layers;
 mod multiscatter;
 mod normal_maps;
 mod numbers;

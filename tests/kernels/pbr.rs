@@ -7,8 +7,8 @@ use gpu_rt::data;
 
 use crate::common::kernel::Kernel;
 use crate::common::microfacets::{
-    ABSORBED, In, Out, SCATTERED, arriving, axes, density, kernel, masking, schlick, shadowing, uniforms, visible,
-    within,
+    ABSORBED, In, Out, SCATTERED, arriving, axes, density, kernel, kernel_of, masking, schlick, shadowing, uniforms,
+    visible, within,
 };
 use crate::common::stats::{Random, chi_square, sidak};
 use crate::common::vectors::{U, decades, exact, rounded, unit};
@@ -20,6 +20,9 @@ const DRAWS: usize = 1 << 18;
 const RINGS: usize = 23;
 const SECTORS: usize = 17;
 
+/// In place of what a layer of its own reflects of grazing light.
+const NO_LAYER: f32 = -1.0;
+
 fn pbr(row: In, base: [f32; 3], metallic: f64, roughness: f64, ior: f64) -> In {
     let material = data::Material {
         parameter: roughness as f32,
@@ -27,7 +30,16 @@ fn pbr(row: In, base: [f32; 3], metallic: f64, roughness: f64, ior: f64) -> In {
         contrast_inside: metallic as f32,
         ..data::Material::default()
     };
-    In { colour: base, material, ..row }
+    In { colour: base, material, grazing: NO_LAYER, ..row }
+}
+
+/// What the layer reflects: by KHR_materials_specular if the row has a layer of its own, else by appendix B.
+fn layer(row: &In, cosine: f64) -> [f64; 3] {
+    let [straight, grazing] = match row.grazing == NO_LAYER {
+        true => [[f64::from(row.material.contrast_outside); 3], [1.0; 3]],
+        false => [row.straight.map(f64::from), [f64::from(row.grazing); 3]],
+    };
+    [0, 1, 2].map(|c| straight[c] + (grazing[c] - straight[c]) * (1.0 - cosine).powi(5))
 }
 
 /// The formula of appendix B: value per channel with the cosine, and the densities of microfacets and of the cosine.
@@ -39,7 +51,7 @@ struct Formula {
 
 fn formula(row: &In, view: DVec3, normal: DVec3, direction: DVec3) -> Formula {
     let alpha = f64::from(row.material.parameter.max(1.0 / 1024.0)).powi(2);
-    let (metallic, straight) = (f64::from(row.material.contrast_inside), f64::from(row.material.contrast_outside));
+    let metallic = f64::from(row.material.contrast_inside);
     let (cos_view, cos_light) = (view.dot(normal), direction.dot(normal));
     if cos_light <= 0.0 {
         return Formula { value: [0.0; 3], facets: 0.0, cosine: 0.0 };
@@ -49,10 +61,11 @@ fn formula(row: &In, view: DVec3, normal: DVec3, direction: DVec3) -> Formula {
     let specular = density(facet.cross(normal).length(), facet.dot(normal), alpha)
         * shadowing(cos_view, cos_light, alpha)
         / (4.0 * cos_view);
-    let layer = schlick(cos_facet, straight);
-    let value = row.colour.map(|base| {
-        let base = f64::from(base);
-        let dielectric = (1.0 - layer) * base * cos_light / PI + layer * specular;
+    let layer = layer(row, cos_facet);
+    let passed = 1.0 - layer.into_iter().fold(0.0, f64::max);
+    let value = [0, 1, 2].map(|c| {
+        let base = f64::from(row.colour[c]);
+        let dielectric = passed * base * cos_light / PI + layer[c] * specular;
         (1.0 - metallic) * dielectric + metallic * schlick(cos_facet, base) * specular
     });
     Formula { value, facets: visible(facet, view, normal, alpha) / (4.0 * cos_facet), cosine: cos_light / PI }
@@ -60,10 +73,10 @@ fn formula(row: &In, view: DVec3, normal: DVec3, direction: DVec3) -> Formula {
 
 /// The probability of a microfacet, as the shader has it.
 fn share_of_facets(row: &In, cos_view: f64) -> f64 {
-    let (metallic, straight) = (f64::from(row.material.contrast_inside), f64::from(row.material.contrast_outside));
-    let layer = schlick(cos_view, straight);
+    let metallic = f64::from(row.material.contrast_inside);
+    let layer = layer(row, cos_view);
     let (mut facets, mut matt) = (0.0, 0.0);
-    for base in row.colour.map(f64::from) {
+    for (base, layer) in row.colour.map(f64::from).into_iter().zip(layer) {
         facets += (1.0 - metallic) * layer + metallic * schlick(cos_view, base);
         matt += (1.0 - metallic) * (1.0 - layer) * base;
     }
@@ -164,36 +177,42 @@ fn rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
         .collect()
 }
 
-/// The rows whose value or density is off by more than f32 explains, and those whose weight is not their ratio.
+/// Whether a value or a density is off by more than f32 explains.
+fn off(row: &In, out: &Out) -> bool {
+    let own = row.light == [0.0; 3];
+    let (view, normal) = (-exact(row.incoming).normalize(), exact(row.normal).normalize());
+    let direction = exact(if own { out.direction } else { row.light }).normalize();
+    let Formula { value, facets, cosine } = formula(row, view, normal, direction);
+    let (cos_view, alpha) = (view.dot(normal), f64::from(row.material.parameter.max(1.0 / 1024.0)).powi(2));
+    let share = share_of_facets(row, cos_view);
+    let pdf = share * facets + (1.0 - share) * cosine;
+    // As for conductors (rough.rs).
+    let turned = 4.0 * U / (view + direction).length();
+    let light = direction.dot(normal).abs().max(1e-9);
+    let limit = 96.0 * U + 4.0 * turned / alpha + 4.0 * U / light + 4.0 * U / (cos_view + alpha) + 16.0 * turned;
+    let white = facets * shadowing(cos_view, light, alpha) / masking(cos_view, alpha) + cosine;
+    let near = |found: f32, expected: f64, all: f64| {
+        (f64::from(found) - expected).abs() <= limit * expected + 5.0 * turned * all + 1e-30
+    };
+    let on_edge = light < 4.0 * U;
+    let right = near(out.pdf, pdf, pdf) && (0..3).all(|c| near(out.value[c], value[c], white));
+    !(on_edge || right)
+}
+
+/// The rows whose value or density is off, and those whose weight is not their ratio.
 fn faults(kernel: &Kernel, rows: &[In]) -> (usize, usize) {
-    let (mut off, mut unweighted) = (0, 0);
+    let (mut wrong, mut unweighted) = (0, 0);
     for (row, out) in rows.iter().zip(kernel.run::<_, Out>(rows)) {
         let own = row.light == [0.0; 3];
         if own && out.event == ABSORBED {
             continue;
         }
-        let (view, normal) = (-exact(row.incoming).normalize(), exact(row.normal).normalize());
-        let direction = exact(if own { out.direction } else { row.light }).normalize();
-        let Formula { value, facets, cosine } = formula(row, view, normal, direction);
-        let (cos_view, alpha) = (view.dot(normal), f64::from(row.material.parameter.max(1.0 / 1024.0)).powi(2));
-        let share = share_of_facets(row, cos_view);
-        let pdf = share * facets + (1.0 - share) * cosine;
-        // As for conductors (rough.rs).
-        let turned = 4.0 * U / (view + direction).length();
-        let light = direction.dot(normal).abs().max(1e-9);
-        let limit = 96.0 * U + 4.0 * turned / alpha + 4.0 * U / light + 4.0 * U / (cos_view + alpha) + 16.0 * turned;
-        let white = facets * shadowing(cos_view, light, alpha) / masking(cos_view, alpha) + cosine;
-        let near = |found: f32, expected: f64, all: f64| {
-            (f64::from(found) - expected).abs() <= limit * expected + 5.0 * turned * all + 1e-30
-        };
-        let on_edge = light < 4.0 * U;
-        let right = near(out.pdf, pdf, pdf) && (0..3).all(|c| near(out.value[c], value[c], white));
-        off += usize::from(!(on_edge || right));
+        wrong += usize::from(off(row, &out));
         let is_ratio =
             |c: usize| (f64::from(out.weight[c]) - f64::from(out.value[c]) / f64::from(out.pdf)).abs() < 1e-6;
         unweighted += usize::from(own && !(0..3).all(is_ratio));
     }
-    (off, unweighted)
+    (wrong, unweighted)
 }
 
 #[test]
@@ -205,6 +224,34 @@ fn pbr_responds_by_the_formula_of_gltf() {
         let rows = rows(&mut random, 20_000, towards_light);
         assert_eq!(faults(&own, &rows), (0, 0), "towards lights: {towards_light}");
         assert!(faults(&brighter, &rows).0 > 3000, "1 % more reflection is not found");
+    }
+}
+
+/// Layers of any share and colour, as KHR_materials_specular has them.
+#[test]
+fn pbr_has_the_layer_of_the_extension() {
+    let mut random = Random(207);
+    let own = kernel_of("pbr", 1, &[], &["own_layer"]);
+    for towards_light in [false, true] {
+        let layered = |(i, row): (usize, In)| {
+            let grazing = [0.0, 0.5, 1.0, 0.01][i % 4];
+            let color = [[1.0; 3], [0.9, 0.3, 0.0], [0.0; 3]][i / 4 % 3];
+            In { straight: color.map(|c: f32| c * grazing * row.material.contrast_outside), grazing, ..row }
+        };
+        let rows: Vec<In> = rows(&mut random, 20_000, towards_light).into_iter().enumerate().map(layered).collect();
+        assert_eq!(faults(&own, &rows), (0, 0), "towards lights: {towards_light}");
+        // The layer of appendix B in the formula, or one that is 1 % brighter at grazing angles.
+        let plain: Vec<In> = rows.iter().map(|row| In { grazing: NO_LAYER, ..*row }).collect();
+        let differs = |found: &[In]| {
+            let answers = own.run::<_, Out>(&rows);
+            let pairs = found.iter().zip(&answers);
+            pairs.filter(|(row, out)| row.light != [0.0; 3] && off(row, out)).count()
+        };
+        if towards_light {
+            assert!(differs(&plain) > 3000, "the layer of appendix B is not told from it");
+            let brighter: Vec<In> = rows.iter().map(|row| In { grazing: 1.01 * row.grazing, ..*row }).collect();
+            assert!(differs(&brighter) > 300, "a layer that is 1 % brighter is not found");
+        }
     }
 }
 

@@ -17,6 +17,8 @@ struct In {
     u: vec4<f32>,
     material: Material,
     second: Material,
+    straight: vec3<f32>,
+    grazing: f32,
 }
 
 struct Out {
@@ -38,13 +40,15 @@ const KEYED: bool = ${keyed};
 fn run(row: u32) {
     let given = input[row / TIMES];
     let u = select(given.u, random4(row, 0u, 0u, 2u), KEYED);
-    //@ if single_scattering
-    let hit = Interaction(given.incoming, given.normal, given.front != 0u, given.colour, given.second);
-    //@ end
-    //@ if multiscatter
     let hit = Interaction(
-        given.incoming, given.normal, given.front != 0u, given.colour, given.second, given.lost_over_kept);
-    //@ end
+        given.incoming, given.normal, given.front != 0u, given.colour, given.second,
+        //@ if multiscatter
+        given.lost_over_kept,
+        //@ end
+        //@ if own_layer
+        given.straight, given.grazing,
+        //@ end
+    );
     let scattered = ${material}_scatter(given.material, hit, u);
     let light = select(given.light, scattered.direction, all(given.light == vec3<f32>(0.0)));
     let response = ${material}_eval(given.material, hit, light);

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::path::Path;
 
 use glam::{DVec3, Vec2};
-use gltf::json::extensions::material::Volume;
+use gltf::json::extensions::material::{Specular, Volume};
 use gltf::json::extensions::texture;
 use gltf::json::material::{AlphaMode, Material as Given};
 use gltf::json::texture::{Info, MagFilter, WrappingMode};
@@ -12,7 +12,7 @@ use gltf::json::validation::Checked;
 
 use super::{Broken, File, Part, Result, beside, decimal};
 use crate::bitmap::Channel;
-use crate::material::MOST_ABSORPTION;
+use crate::material::{MOST_ABSORPTION, MOST_IOR};
 use crate::scene::mesh::quote;
 use crate::scene::types::{Colour, Material, Texture};
 use crate::texture::{LARGEST_RADIANCE, SMALLEST_RADIANCE};
@@ -77,6 +77,8 @@ pub fn default_material(vertex_colors: bool) -> Material {
         metallic,
         roughness,
         ior: 1.5,
+        specular: 1.0,
+        specular_color: Texture::Rgb(1.0, 1.0, 1.0),
         multiscatter: false,
         emission,
         alpha,
@@ -182,6 +184,24 @@ fn absorption(volume: &Volume) -> Option<Colour> {
     (distance > 0.0 && distance.is_finite() && absorbed != Colour::ZERO).then_some(absorbed)
 }
 
+fn changes_the_layer(specular: &Specular) -> bool {
+    specular.specular_factor.0 != 1.0 || specular.specular_color_factor.0 != [1.0; 3]
+}
+
+/// The share and the colour of a layer, and the index of refraction that goes with them: a colour above 1 counts as a larger index.
+fn layer(specular: &Specular, ior: f64) -> (f64, f64, Colour) {
+    let share = decimal(specular.specular_factor.0).clamp(0.0, 1.0);
+    let color = colour(specular.specular_color_factor.0).max(Colour::ZERO);
+    let most = color.max_element();
+    if most <= 1.0 {
+        return (share, ior, color);
+    }
+    // Straight on, the layer reflects ((ior - 1) / (ior + 1))².
+    let root = most.sqrt() * (ior - 1.0) / (ior + 1.0);
+    let ior = if root < 1.0 { (1.0 + root) / (1.0 - root) } else { MOST_IOR };
+    (share, ior.min(MOST_IOR), color / most)
+}
+
 /// What is not as the file says.
 #[derive(Default)]
 struct Notes(Vec<String>);
@@ -269,8 +289,9 @@ impl File {
         );
         let is_matt = specular.is_some_and(|specular| specular.specular_factor.0 == 0.0);
         let ior = extensions.and_then(|found| found.ior.as_ref()).map_or(1.5, |ior| decimal(ior.ior.0));
-        found.add_if(!(1.0..=1e3).contains(&ior), format!("its ior of {ior} is taken for 1.5"));
-        let ior = if (1.0..=1e3).contains(&ior) { ior } else { 1.5 };
+        let has_ior = (1.0..=MOST_IOR).contains(&ior);
+        found.add_if(!has_ior, format!("its ior of {ior} is taken for 1.5"));
+        let ior = if has_ior { ior } else { 1.5 };
         let material = match model {
             // A DiffuseLight has no alpha.
             Model::Light if !is_opaque => {
@@ -303,15 +324,14 @@ impl File {
                 Material::Lambertian { albedo, emission, alpha, alpha_cutoff, vertex_colors, normal, normal_scale }
             }
             Model::Surface => {
-                let factor = specular.map_or(1.0, |specular| decimal(specular.specular_factor.0).clamp(0.0, 1.0));
-                found.add_if(factor != 1.0, format!("its specularFactor of {factor} changes its ior alone"));
-                let reflected = factor.sqrt() * (ior - 1.0) / (ior + 1.0);
-                let ior = if factor == 1.0 { ior } else { (1.0 + reflected) / (1.0 - reflected) };
+                let (specular, ior, Colour { x, y, z }) = specular.map_or((1.0, ior, Colour::ONE), |it| layer(it, ior));
                 Material::Pbr {
                     base_color: color,
                     metallic,
                     roughness,
                     ior,
+                    specular,
+                    specular_color: Texture::Rgb(x, y, z),
                     multiscatter: false,
                     emission,
                     alpha,
@@ -327,10 +347,10 @@ impl File {
         let has = |it: bool, name: &str| it.then(|| name.to_owned());
         let unread = [
             has(model == Model::Glass && emits, "emissiveFactor"),
+            has(model == Model::Glass && specular.is_some_and(changes_the_layer), "KHR_materials_specular"),
             has(!is_light && given.occlusion_texture.is_some(), "occlusionTexture"),
             has(specular.is_some_and(|it| it.specular_texture.is_some()), "specularTexture"),
             has(specular.is_some_and(|it| it.specular_color_texture.is_some()), "specularColorTexture"),
-            has(specular.is_some_and(|it| it.specular_color_factor.0 != [1.0; 3]), "specularColorFactor"),
             has(transmission.is_some_and(|it| it.transmission_texture.is_some()), "transmissionTexture"),
             has(extensions.is_some_and(|found| found.unlit.is_some()), "KHR_materials_unlit"),
         ];
