@@ -24,13 +24,13 @@ fn room(material: &str) -> String {
 }
 
 fn wall(specular: f64) -> String {
-    room(&format!("Pbr(base_color: Rgb(0.7, 0.6, 0.5), metallic: 0, roughness: 0.5, specular: {specular})"))
+    room(&format!("Pbr(base_color: Rgb(0.2, 0.15, 0.1), metallic: 0, roughness: 0.5, ior: 2.5, specular: {specular})"))
 }
 
 /// A layer that reflects nothing leaves the matt body.
 #[test]
 fn without_its_layer_the_material_is_matt() {
-    let matt = render(&scene(&room("Lambertian(albedo: Rgb(0.7, 0.6, 0.5))")), &Ask::default().seed(1).mis());
+    let matt = render(&scene(&room("Lambertian(albedo: Rgb(0.2, 0.15, 0.1))")), &Ask::default().seed(1).mis());
     let render_with = |specular: f64| render(&scene(&wall(specular)), &Ask::default().seed(2).mis());
     same_expectation(&matt, &render_with(0.0), 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
     assert!(same_expectation(&matt, &render_with(0.2), 1e-5, ALPHA).is_err(), "a fifth of the layer is not found");
