@@ -14,9 +14,13 @@ struct SeenPair {
     faces: vec2<u32>,
     // The corners of the second face.
     second: u32,
-    // The faces that the ray may hit: 1 for the first, 2 for the second.
+    // The faces that the ray may hit: a bit for each.
     left: u32,
 }
+
+const FIRST_OF_PAIR: u32 = 1u;
+const SECOND_OF_PAIR: u32 = 2u;
+const BOTH_FACES: u32 = 3u;
 
 // The corners of the first face: 0, 1 and 2, with two bits each.
 const FIRST_FACE: u32 = 0x24u;
@@ -43,13 +47,13 @@ fn see_pair(index: u32, ray: Ray, inverse: vec3<f32>) -> SeenPair {
     let second = pair.c.w;
     let may_hit_first = !passes_beside(seen.x.xyz, seen.y.xyz);
     let may_hit_second = faces.y != NO_FACE && !passes_beside(three_of(seen.x, second), three_of(seen.y, second));
-    let left = select(0u, 1u, may_hit_first) | select(0u, 2u, may_hit_second);
+    let left = select(0u, FIRST_OF_PAIR, may_hit_first) | select(0u, SECOND_OF_PAIR, may_hit_second);
     return SeenPair(seen, shear.slope.z, faces, second, left);
 }
 
 // Whether the first of the faces that are left is the pair's second.
 fn is_second(pair: SeenPair) -> bool {
-    return (pair.left & 1u) == 0u;
+    return (pair.left & FIRST_OF_PAIR) == 0u;
 }
 
 // Where the ray hits the first of the faces that are left.

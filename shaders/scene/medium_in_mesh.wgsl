@@ -40,6 +40,8 @@ fn next_crossing(ray: Ray, root: u32, last: Crossing, steps: ptr<function, u32>)
     var stack: array<u32, CROSSING_STACK_SIZE>;
     var depth = 0u;
     var waiting = 0u;
+    // The face of the pair here that has been tested.
+    var tested = 0u;
     var code = root;
     loop {
         *steps += 1u;
@@ -48,11 +50,10 @@ fn next_crossing(ray: Ray, root: u32, last: Crossing, steps: ptr<function, u32>)
         }
         if (code & PRIMITIVE_BIT) != 0u {
             var pair = see_pair(primitive_index(code), ray, inverse);
-            while pair.left != 0u {
-                *steps += 1u;
+            pair.left &= ~tested;
+            if pair.left != 0u {
                 let face = primitive_index(code_of_face(pair));
                 let met = hit_of_pair(pair);
-                pair.left &= pair.left - 1u;
                 if met.t > last.t || (met.t == last.t && face > last.face) {
                     next.winding += select(1, -1, met.front);
                     if met.t < next.t || (met.t == next.t && face < next.face) {
@@ -60,6 +61,11 @@ fn next_crossing(ray: Ray, root: u32, last: Crossing, steps: ptr<function, u32>)
                         next.face = face;
                     }
                 }
+            }
+            // A turn of the loop tests one face, as in scene/traverse.
+            tested = select(0u, FIRST_OF_PAIR, pair.left == BOTH_FACES);
+            if tested != 0u {
+                continue;
             }
         } else {
             let keys = child_keys(nodes[code], ray.origin, inverse, VERY_FAR);

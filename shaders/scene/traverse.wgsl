@@ -51,6 +51,8 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
     var inverse = slab_inverse(ray.direction);
     //@ if mesh
     var instance = NO_INSTANCE;
+    // The face of the pair here that has been tested.
+    var tested = 0u;
     // The stack's depth and what was on top of it when the mesh was entered.
     var entered_at = 0u;
     var outside = NONE_WAIT;
@@ -61,7 +63,7 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
     var waiting = NONE_WAIT;
     var code = root;
     loop {
-        if hit.steps >= MOST_STEPS_OF_WALK {
+        if hit.steps == MOST_STEPS_OF_WALK {
             hit.code = PATH_CUT;
             break;
         }
@@ -80,26 +82,20 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
                 code = instances[entered].root;
                 continue;
             }
-            let is_pair = primitive_kind(code) == KIND_TRIANGLE;
-            var pair: SeenPair;
-            // Any other primitive is one candidate.
-            pair.left = 1u;
-            if is_pair {
-                pair = see_pair(primitive_index(code), here, inverse);
-            }
-            var is_over = false;
-            while pair.left != 0u {
-            hit.steps += 1u;
-            if is_pair {
-                code = code_of_face(pair);
-            }
             //@ end
             var t = primitive_distance(code, here);
             //@ if mesh
-            if is_pair {
-                t = hit_of_pair(pair).t;
+            let leaf = code;
+            var other_waits = false;
+            if primitive_kind(leaf) == KIND_TRIANGLE {
+                var pair = see_pair(primitive_index(leaf), here, inverse);
+                pair.left &= ~tested;
+                if pair.left != 0u {
+                    t = hit_of_pair(pair).t;
+                }
+                code = code_of_face(pair);
+                other_waits = pair.left == BOTH_FACES;
             }
-            pair.left &= pair.left - 1u;
             //@ end
             if t != NO_HIT && t <= hit.t {
                 var candidate = hit_at(code, t);
@@ -113,9 +109,6 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
                     candidate.steps = hit.steps;
                     hit = candidate;
                     if any_will_do {
-                        //@ if mesh
-                        is_over = true;
-                        //@ end
                         break;
                     }
                 //@ if alpha
@@ -124,9 +117,11 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
                 }
             }
             //@ if mesh
-            }
-            if is_over {
-                break;
+            // A turn of the loop tests one face. It is rare that the ray may hit the pair's other one too, which then has the next turn.
+            tested = select(0u, FIRST_OF_PAIR, other_waits);
+            if other_waits {
+                code = leaf;
+                continue;
             }
             //@ end
         } else {
