@@ -23,6 +23,7 @@ use crate::texture::{Colour, Texture, Use, normal_map, number};
 /// A material as the scene file writes it.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
+#[expect(clippy::large_enum_variant, reason = "a scene has few materials")]
 pub enum Material {
     Lambertian {
         albedo: Texture,
