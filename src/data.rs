@@ -29,6 +29,8 @@ pub const SLOT_IDLE: u32 = 0xffff_fffd;
 pub const NOT_SAMPLED: u32 = 0x8000_0000;
 /// `Material::texture` where the colour is the material's own.
 pub const NO_TEXTURE: u32 = 0xffff_ffff;
+/// In place of the second face of a `FacePair` that has one.
+pub const NO_FACE: u32 = 0;
 /// In place of a member of a `Detail` that the material does not have.
 pub const NO_DETAIL: u32 = 0xffff_ffff;
 /// Of `LightNode::child`: it is a light, not a pair of nodes; what it leads to shines on both sides; it is the sky or

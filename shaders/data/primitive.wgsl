@@ -5,9 +5,9 @@ const PRIMITIVE_BIT: u32 = 0x80000000u;
 const PRIMITIVE_KIND_SHIFT: u32 = 28u;
 const PRIMITIVE_INDEX_MASK: u32 = 0x0fffffffu;
 
-// KIND_TRIANGLE is a face of a mesh, or in the mesh's hierarchy a pair of faces. KIND_INSTANCE is a mesh placed in the scene; the walk continues there in the mesh's own
-// space. KIND_DELTA_LIGHT is a light without size, which no ray hits. The other kinds below KIND_INSTANCE are shapes. The kind
-// above KIND_INSTANCE belongs to the codes below, which name no primitive.
+// KIND_TRIANGLE is a face of a mesh, or in the mesh's hierarchy a pair of faces. KIND_INSTANCE is a mesh placed in the scene; the
+// walk continues there in the mesh's own space. KIND_DELTA_LIGHT is a light without size, which no ray hits. The other kinds below
+// KIND_INSTANCE are shapes. The kind above KIND_INSTANCE belongs to the codes below, which name no primitive.
 const KIND_TRIANGLE: u32 = 3u;
 const KIND_DELTA_LIGHT: u32 = 5u;
 const KIND_INSTANCE: u32 = 6u;

@@ -24,9 +24,14 @@ fn fresnel_of_index(cosine: f32, eta: vec3<f32>, k: vec3<f32>) -> vec3<f32> {
 
 // The same by Schlick's approximation, from the reflectance of light that falls straight on the metal.
 fn schlick(cosine: f32, albedo: vec3<f32>) -> vec3<f32> {
+    return schlick_up_to(cosine, albedo, 1.0);
+}
+
+// The same of a surface that reflects the share `grazing` of grazing light.
+fn schlick_up_to(cosine: f32, straight: vec3<f32>, grazing: f32) -> vec3<f32> {
     let m = 1.0 - cosine;
     let m2 = m * m;
-    return albedo + (1.0 - albedo) * (m2 * m2 * m);
+    return straight + (grazing - straight) * (m2 * m2 * m);
 }
 
 // Of a metal of an albedo, or of an index: `colour` is its real part then.

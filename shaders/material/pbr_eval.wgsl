@@ -15,15 +15,6 @@ fn pbr_is_non_specular(material: Material) -> bool {
     return true;
 }
 
-//@ if own_layer
-// What the layer reflects (KHR_materials_specular).
-fn pbr_layer(hit: Interaction, cosine: f32) -> vec3<f32> {
-    let m = 1.0 - cosine;
-    let m2 = m * m;
-    return hit.straight + (hit.grazing - hit.straight) * (m2 * m2 * m);
-}
-
-//@ end
 // The probability of drawing a microfacet instead of a matt direction: about its share of the light that comes back. A grazing view
 // makes the matt share 0 for light from straight ahead alone, so that it does not decide whether there is a matt part.
 fn pbr_share_of_facets(material: Material, hit: Interaction, cos_view: f32) -> f32 {
@@ -33,7 +24,7 @@ fn pbr_share_of_facets(material: Material, hit: Interaction, cos_view: f32) -> f
     let layer = schlick(cos_view, vec3<f32>(material.contrast_outside));
     //@ end
     //@ if own_layer
-    let layer = pbr_layer(hit, cos_view);
+    let layer = schlick_up_to(cos_view, hit.straight, hit.grazing);
     //@ end
     let facets = mix(layer, schlick(cos_view, base), metallic);
     let matt = (1.0 - metallic) * (1.0 - layer) * base;
@@ -45,7 +36,8 @@ fn pbr_share_of_facets(material: Material, hit: Interaction, cos_view: f32) -> f
 }
 
 // The BRDF times cosine. A dielectric reflects the share F from microfacets, and 1 - F of the base colour in all directions, with F at the
-// half vector. If F has a colour, its largest channel counts in 1 - F. A metal reflects from microfacets by its base colour. They are mixed by the metallic share.
+// half vector. If the layer has a share or a colour of its own (KHR_materials_specular), the largest channel of F counts in 1 - F. A metal
+// reflects from microfacets by its base colour. They are mixed by the metallic share.
 fn pbr_eval(material: Material, hit: Interaction, direction: vec3<f32>) -> Response {
     let metallic = material.contrast_inside;
     let alpha = pbr_alpha(material);
@@ -64,7 +56,7 @@ fn pbr_eval(material: Material, hit: Interaction, direction: vec3<f32>) -> Respo
     //@ end
     //@ if own_layer
     let straight = hit.straight;
-    let layer = pbr_layer(hit, cos_facet);
+    let layer = schlick_up_to(cos_facet, straight, hit.grazing);
     let passed = 1.0 - max(max(layer.x, layer.y), layer.z);
     //@ end
     //@ if single_scattering

@@ -12,8 +12,8 @@ struct SeenPair {
     over_z: f32,
     // The codes of both faces.
     faces: vec2<u32>,
-    // The corners of the second face.
-    second: u32,
+    // The corners of the second face: two bits each.
+    corners_of_second: u32,
     // The faces that the ray may hit: a bit for each.
     left: u32,
 }
@@ -22,8 +22,8 @@ const FIRST_OF_PAIR: u32 = 1u;
 const SECOND_OF_PAIR: u32 = 2u;
 const BOTH_FACES: u32 = 3u;
 
-// The corners of the first face: 0, 1 and 2, with two bits each.
-const FIRST_FACE: u32 = 0x24u;
+// The corners of the first face: 0, 1 and 2.
+const CORNERS_OF_FIRST: u32 = 0x24u;
 
 // Three of the four numbers, as two bits for each say.
 fn three_of(numbers: vec4<f32>, corners: u32) -> vec3<f32> {
@@ -34,8 +34,8 @@ fn three_of(numbers: vec4<f32>, corners: u32) -> vec3<f32> {
     return select(low, high, (corner & vec3<u32>(2u)) != vec3<u32>(0u));
 }
 
-// `inverse` is slab_inverse(ray.direction), and the ray is in the mesh's space.
-fn see_pair(index: u32, ray: Ray, inverse: vec3<f32>) -> SeenPair {
+// `inverse` is slab_inverse(ray.direction), and the ray is in the mesh's space. The faces with the bits of `tested` are left out.
+fn see_pair(index: u32, ray: Ray, inverse: vec3<f32>, tested: u32) -> SeenPair {
     let pair = face_pairs[index];
     let shear = shear_along(ray, inverse);
     let a = bitcast<vec3<f32>>(pair.a.xyz);
@@ -48,7 +48,7 @@ fn see_pair(index: u32, ray: Ray, inverse: vec3<f32>) -> SeenPair {
     let may_hit_first = !passes_beside(seen.x.xyz, seen.y.xyz);
     let may_hit_second = faces.y != NO_FACE && !passes_beside(three_of(seen.x, second), three_of(seen.y, second));
     let left = select(0u, FIRST_OF_PAIR, may_hit_first) | select(0u, SECOND_OF_PAIR, may_hit_second);
-    return SeenPair(seen, shear.slope.z, faces, second, left);
+    return SeenPair(seen, shear.slope.z, faces, second, left & ~tested);
 }
 
 // Whether the first of the faces that are left is the pair's second.
@@ -58,12 +58,18 @@ fn is_second(pair: SeenPair) -> bool {
 
 // Where the ray hits the first of the faces that are left.
 fn hit_of_pair(pair: SeenPair) -> TriangleHit {
-    let corners = select(FIRST_FACE, pair.second, is_second(pair));
+    let corners = select(CORNERS_OF_FIRST, pair.corners_of_second, is_second(pair));
     let seen = pair.corners;
     return seen_hit(pair.over_z, three_of(seen.x, corners), three_of(seen.y, corners), three_of(seen.z, corners));
 }
 
-// The code of that face.
+// A turn of a walk's loop tests one face: the first of those that are left. It is rare that the ray may hit the other one too, which then
+// has the next turn. The bit of the face that this turn tests if so; else 0.
+fn tested_before_other(pair: SeenPair) -> u32 {
+    return select(0u, FIRST_OF_PAIR, pair.left == BOTH_FACES);
+}
+
+// The code of the first of the faces that are left.
 fn code_of_face(pair: SeenPair) -> u32 {
     return select(pair.faces.x, pair.faces.y, is_second(pair));
 }

@@ -40,7 +40,7 @@ fn next_crossing(ray: Ray, root: u32, last: Crossing, steps: ptr<function, u32>)
     var stack: array<u32, CROSSING_STACK_SIZE>;
     var depth = 0u;
     var waiting = 0u;
-    // The face of the pair here that has been tested.
+    // The face of this pair that has been tested, if the other one has this turn.
     var tested = 0u;
     var code = root;
     loop {
@@ -49,8 +49,7 @@ fn next_crossing(ray: Ray, root: u32, last: Crossing, steps: ptr<function, u32>)
             break;
         }
         if (code & PRIMITIVE_BIT) != 0u {
-            var pair = see_pair(primitive_index(code), ray, inverse);
-            pair.left &= ~tested;
+            let pair = see_pair(primitive_index(code), ray, inverse, tested);
             if pair.left != 0u {
                 let face = primitive_index(code_of_face(pair));
                 let met = hit_of_pair(pair);
@@ -62,8 +61,7 @@ fn next_crossing(ray: Ray, root: u32, last: Crossing, steps: ptr<function, u32>)
                     }
                 }
             }
-            // A turn of the loop tests one face, as in scene/traverse.
-            tested = select(0u, FIRST_OF_PAIR, pair.left == BOTH_FACES);
+            tested = tested_before_other(pair);
             if tested != 0u {
                 continue;
             }

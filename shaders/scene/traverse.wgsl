@@ -51,7 +51,7 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
     var inverse = slab_inverse(ray.direction);
     //@ if mesh
     var instance = NO_INSTANCE;
-    // The face of the pair here that has been tested.
+    // The face of this pair that has been tested, if the other one has this turn.
     var tested = 0u;
     // The stack's depth and what was on top of it when the mesh was entered.
     var entered_at = 0u;
@@ -86,15 +86,13 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
             var t = primitive_distance(code, here);
             //@ if mesh
             let leaf = code;
-            var other_waits = false;
             if primitive_kind(leaf) == KIND_TRIANGLE {
-                var pair = see_pair(primitive_index(leaf), here, inverse);
-                pair.left &= ~tested;
+                let pair = see_pair(primitive_index(leaf), here, inverse, tested);
                 if pair.left != 0u {
                     t = hit_of_pair(pair).t;
                 }
                 code = code_of_face(pair);
-                other_waits = pair.left == BOTH_FACES;
+                tested = tested_before_other(pair);
             }
             //@ end
             if t != NO_HIT && t <= hit.t {
@@ -117,9 +115,7 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
                 }
             }
             //@ if mesh
-            // A turn of the loop tests one face. It is rare that the ray may hit the pair's other one too, which then has the next turn.
-            tested = select(0u, FIRST_OF_PAIR, other_waits);
-            if other_waits {
+            if tested != 0u {
                 code = leaf;
                 continue;
             }

@@ -13,8 +13,8 @@ fn with_table(instance: Instance, number: f32) -> Instance {
     return own;
 }
 
-// As surface_uv; `number` is the phase of the texture's frame. It is no number of a table where the texture is no image, and then what
-// is found is not used.
+// As surface_uv; `number` is the phase of the texture's frame. It is the number of a table only if the texture is an image. Other kinds of
+// texture use no texture coordinates.
 fn uv_in_table(number: f32, hit: Hit, point: vec3<f32>, local: vec3<f32>) -> SurfaceUv {
     if number <= 0.0 || primitive_kind(hit.code) != KIND_TRIANGLE {
         return surface_uv(hit, point, local);

@@ -4,7 +4,7 @@
 use glam::Vec3;
 
 use crate::bvh::Bounds;
-use crate::data::{FacePair, KIND_TRIANGLE, primitive_code};
+use crate::data::{FacePair, KIND_TRIANGLE, NO_FACE, primitive_code};
 
 /// The numbers of two faces, or of one that shares no edge with a face that is free.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,7 +62,7 @@ impl Pair {
         };
         FacePair {
             a: of_corner(a, code(self.first)),
-            b: of_corner(b, self.second.map_or(0, code)),
+            b: of_corner(b, self.second.map_or(NO_FACE, code)),
             c: of_corner(c, place(second[0]) | place(second[1]) << 2 | place(second[2]) << 4),
             d: of_corner(d, 0),
         }
@@ -95,7 +95,7 @@ mod tests {
                 assert_eq!(found, triangles[face as usize].map(|i| positions[i as usize]), "{pair:?}");
                 met[face as usize] += 1;
             }
-            assert_eq!(laid.b[3] == 0, pair.second.is_none());
+            assert_eq!(laid.b[3] == NO_FACE, pair.second.is_none());
             let bounds = pair.bounds(&triangles, &positions);
             let inside = |p: Vec3| p.cmpge(bounds.min).all() && p.cmple(bounds.max).all();
             assert!((0..4).all(|i| inside(corner(i))));

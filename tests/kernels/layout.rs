@@ -245,6 +245,7 @@ fn every_constant_of_the_host_is_that_of_the_shaders() {
         ("HIT_NOTHING", data::HIT_NOTHING),
         ("SLOT_IDLE", data::SLOT_IDLE),
         ("NO_TEXTURE", data::NO_TEXTURE),
+        ("NO_FACE", data::NO_FACE),
         ("NO_NORMAL", data::NO_NORMAL),
         ("NO_UVS", data::NO_UVS),
         ("NO_INSTANCE", data::NO_INSTANCE),
