@@ -202,8 +202,7 @@ device_struct!(
 device_struct!(
     /// A node of the BVH: the boxes of up to four children on a grid of the node's own.
     Node {
-        origin: [f32; 3],
-        exponents: u32,
+        grid: [u32; 4],
         low: [u32; 3],
         padding0: u32,
         high: [u32; 3],

@@ -37,9 +37,9 @@ fn primitive_index(code: u32) -> u32 {
 // A BVH node: the boxes of up to four children, and their codes. Each plane of a box is one byte, a position on the node's own grid:
 // origin + byte * scale. The host makes sure that this sum, rounded as the kernel rounds it, lies outside what the box bounds.
 struct Node {
-    origin: vec3<f32>,
-    // The low three bytes: biased binary exponents of the grid's scale along x, y and z. The high byte: the number of children.
-    exponents: u32,
+    // The bits of the grid's origin. In the last word, the low three bytes are the biased binary exponents of the grid's scale along x, y
+    // and z, and the high byte is the number of children. It is one vector, because llvmpipe reads a vector faster than its parts.
+    grid: vec4<u32>,
     // The lower planes along x, y and z: one byte per child.
     low: vec3<u32>,
     padding0: u32,

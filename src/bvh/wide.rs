@@ -10,8 +10,7 @@ pub const WIDTH: usize = 4;
 pub fn quantised(boxes: &[Bounds]) -> Node {
     let all = boxes.iter().skip(1).fold(boxes[0], |all, bounds| all.union(*bounds));
     let mut node = Node {
-        origin: all.min.to_array(),
-        exponents: (boxes.len() as u32) << 24,
+        grid: [all.min.x.to_bits(), all.min.y.to_bits(), all.min.z.to_bits(), (boxes.len() as u32) << 24],
         // Absent children have an empty box: the lower planes are above the upper ones.
         low: [u32::MAX; 3],
         children: [HIT_NOTHING; WIDTH],
@@ -24,7 +23,7 @@ pub fn quantised(boxes: &[Bounds]) -> Node {
         while !quantise_axis(&mut node, boxes, axis, origin, exponent) {
             exponent += 1;
         }
-        node.exponents |= exponent << (8 * axis);
+        node.grid[3] |= exponent << (8 * axis);
     }
     node
 }
@@ -74,7 +73,7 @@ mod tests {
     fn decoded(node: &Node, child: usize) -> Bounds {
         let plane = |packed: &[u32; 3], axis: usize| {
             let byte = packed[axis] >> (8 * child) & 255;
-            node.origin[axis] + byte as f32 * f32::from_bits((node.exponents >> (8 * axis) & 255) << 23)
+            f32::from_bits(node.grid[axis]) + byte as f32 * f32::from_bits((node.grid[3] >> (8 * axis) & 255) << 23)
         };
         Bounds {
             min: Vec3::from_array([0, 1, 2].map(|axis| plane(&node.low, axis))),

@@ -149,6 +149,8 @@ pub struct Kernel {
 pub struct Setup<'a> {
     /// Production modules and what stands in for them: `("geometry/sphere", "test/control/sphere_textbook")`.
     pub replaced: &'a [(&'a str, &'a str)],
+    /// A production module, a part of its text, and what stands in for that part.
+    pub rewritten: Option<(&'a str, &'a str, &'a str)>,
     /// The values behind `${name}`.
     pub values: &'a [(&'static str, &'a str)],
     /// The modules behind `choice/name`.
@@ -185,8 +187,11 @@ impl Kernel {
         choices.modules.extend(setup.choices.iter().map(|(choice, module)| (*choice, chosen(module))));
         choices.modules.insert("kernel", chosen(name));
         choices.values.extend(setup.values.iter().map(|(name, value)| (*name, value.to_string())));
-        let linked = link(&Overlay::new(setup.replaced), "test/main", &choices)
-            .unwrap_or_else(|error| panic!("{name}: {error}"));
+        let mut overlay = Overlay::new(setup.replaced);
+        if let Some((module, part, other)) = setup.rewritten {
+            overlay = overlay.rewritten(module, |own| own.replace(part, other));
+        }
+        let linked = link(&overlay, "test/main", &choices).unwrap_or_else(|error| panic!("{name}: {error}"));
         let (module, _) = linked.validate().unwrap_or_else(|error| panic!("{name}: {error}"));
         let bindings = layout::bindings(&module).unwrap_or_else(|error| panic!("{name}: {error}"));
         Kernel { name: name.to_string(), module, text: linked.text, bindings }

@@ -39,8 +39,8 @@ struct Nodes {
 }
 
 impl Nodes {
-    /// Nodes of two to four boxes from flat to square, 1e-6 to 1 wide, up to 1000 from the origin.
-    fn assorted(random: &mut Random, count: usize) -> Nodes {
+    /// Nodes of two to four boxes from flat to square, 1e-6 to 1 of the unit wide, up to 1000 units from the origin.
+    fn assorted(random: &mut Random, count: usize, unit_length: f64) -> Nodes {
         let mut all = Nodes::default();
         for _ in 0..count {
             let middle = decades(random, -3.0, 3.0) * unit(random);
@@ -52,7 +52,8 @@ impl Nodes {
                         extent[random.below(3)] = 0.0;
                     }
                     let low = middle + decades(random, -6.0, 0.0) * unit(random);
-                    Bounds { min: Vec3::from(rounded(low)), max: Vec3::from(rounded(low + extent)) }
+                    let (low, high) = (unit_length * low, unit_length * (low + extent));
+                    Bounds { min: Vec3::from(rounded(low)), max: Vec3::from(rounded(high)) }
                 })
                 .collect();
             let codes: Vec<u32> = (0..boxes.len() as u32).map(|i| PRIMITIVE_BIT | i).collect();
@@ -68,10 +69,10 @@ impl Nodes {
     /// The box of a child as the grid has it, in f64, moved out by some roundings of what the ray meets on the way.
     fn decoded(&self, node: usize, child: usize, origin: DVec3) -> (DVec3, DVec3) {
         let node = &self.nodes[node];
-        let at = exact(node.origin);
+        let at = exact([0, 1, 2].map(|axis| f32::from_bits(node.grid[axis])));
         let byte = |planes: [u32; 3]| DVec3::from_array(planes.map(|word| f64::from(word >> (8 * child) & 255)));
         let scale = DVec3::from_array(
-            [0, 1, 2].map(|axis| f64::from(f32::from_bits((node.exponents >> (8 * axis) & 255) << 23))),
+            [0, 1, 2].map(|axis| f64::from(f32::from_bits((node.grid[3] >> (8 * axis) & 255) << 23))),
         );
         let blur = 24.0 * U * ((at - origin).abs() + 255.0 * scale);
         (at + byte(node.low) * scale - blur, at + byte(node.high) * scale + blur)
@@ -85,7 +86,7 @@ fn span(ray: &In, low: DVec3, high: DVec3) -> Option<(f64, f64)> {
 
 /// Rays at the insides, faces, edges and corners of the nodes' boxes; every other one is parallel to one or two axes, or
 /// all but parallel. Every eighth is aimed beside.
-fn rays_at(random: &mut Random, nodes: &Nodes, count: usize) -> Vec<In> {
+fn rays_at(random: &mut Random, nodes: &Nodes, count: usize, unit_length: f64) -> Vec<In> {
     const SMALL: [f64; 8] = [0.0, -0.0, 1e-40, -1e-40, 1e-20, -1e-20, 1e-12, -1e-12];
     (0..count)
         .map(|i| {
@@ -113,7 +114,7 @@ fn rays_at(random: &mut Random, nodes: &Nodes, count: usize) -> Vec<In> {
                 }
             }
             let mut ray = In { direction: rounded(direction), node: node as u32, nearest: VERY_FAR, ..In::default() };
-            ray.origin = rounded(exact(target) - decades(random, -3.0, 3.0) * exact(ray.direction));
+            ray.origin = rounded(exact(target) - unit_length * decades(random, -3.0, 3.0) * exact(ray.direction));
             // A ray along an axis stays in the plane that it is aimed at.
             for (axis, &target) in target.iter().enumerate() {
                 if ray.direction[axis].abs() < 1e-10 {
@@ -173,8 +174,8 @@ fn judge(kernel: &Kernel, nodes: &Nodes, rays: &[In]) -> Verdict {
 #[test]
 fn a_child_is_never_missed_where_the_ray_meets_what_it_holds() {
     let mut random = Random(31);
-    let nodes = Nodes::assorted(&mut random, 5000);
-    let rays = rays_at(&mut random, &nodes, 100_000);
+    let nodes = Nodes::assorted(&mut random, 5000, 1.0);
+    let rays = rays_at(&mut random, &nodes, 100_000, 1.0);
     // Where the walk has found something already, at about the distance of one of the boxes, or just there.
     let later: Vec<In> = rays
         .iter()
@@ -190,8 +191,8 @@ fn a_child_is_never_missed_where_the_ray_meets_what_it_holds() {
         })
         .collect();
     let own = Kernel::new("test/bounds");
-    let replaced = [("geometry/bounds", "test/control/bounds_narrow")];
-    let narrow = Kernel::with("test/bounds", &Setup { replaced: &replaced, ..Setup::default() });
+    let rewritten = Some(("geometry/bounds", "8.0 * UNIT_ROUNDOFF * farthest", "0.0"));
+    let narrow = Kernel::with("test/bounds", &Setup { rewritten, ..Setup::default() });
     for rays in [&rays, &later] {
         let found = judge(&own, &nodes, rays);
         assert!(found.met > 30_000 && found.passed > 100_000, "{found:?}");
@@ -200,4 +201,23 @@ fn a_child_is_never_missed_where_the_ray_meets_what_it_holds() {
         let found = judge(&narrow, &nodes, rays);
         assert!(found.denied > 1000, "{found:?}");
     }
+}
+
+/// The same where the products of coordinates and reciprocals overflow.
+#[test]
+fn boxes_that_are_too_far_for_floats_are_never_missed() {
+    let own = Kernel::new("test/bounds");
+    let rewritten = Some(("geometry/bounds", "farthest < FARTHEST_PLANE", "true"));
+    let overflows = Kernel::with("test/bounds", &Setup { rewritten, ..Setup::default() });
+    let mut denied = 0;
+    for unit_length in [1e10, 1e18, 1e25, 1e30] {
+        let mut random = Random(32);
+        let nodes = Nodes::assorted(&mut random, 1000, unit_length);
+        let rays = rays_at(&mut random, &nodes, 20_000, unit_length);
+        let found = judge(&own, &nodes, &rays);
+        assert!(found.met > 6000, "{found:?}");
+        assert_eq!(found.denied, 0, "boxes of {unit_length:e}: {found:?}");
+        denied += judge(&overflows, &nodes, &rays).denied;
+    }
+    assert!(denied > 1000, "{denied}");
 }
