@@ -1,15 +1,16 @@
-//! Builds the tree from the root down.
+//! Builds the tree: a binary one from the root down, and the nodes from it.
 
+use super::collapse::{Collapse, End, Twig};
 use super::split::{Group, Search};
-use super::wide::{WIDTH, quantised};
+use super::wide::quantised;
 use super::{Bounds, Bvh};
 use crate::data::{Node, PRIMITIVE_BIT};
 use crate::threads::each;
 
-/// The depth down to which the heuristic chooses cuts. Deeper groups are halved, so that at most 16 more levels follow.
-/// Otherwise nested boxes would make a path as long as their number, and the kernels' stack is a private array of fixed
-/// size.
-const DEEPEST_SOUGHT: u32 = 32;
+/// The depth of the binary tree down to which the heuristic chooses cuts. Deeper groups are halved, so that at most as many levels follow
+/// as their number of primitives has bits. Otherwise nested boxes would make a path as long as their number, and the kernels' stack
+/// is a private array of fixed size.
+const DEEPEST_SOUGHT: u32 = 48;
 
 /// A subtree with at most 1 / `PIECES` of all primitives is a piece of work for one thread. The nodes do not depend on the
 /// number of threads.
@@ -18,78 +19,115 @@ const PIECES: usize = 16;
 /// A piece of fewer primitives is not worth a thread.
 const LEAST_PIECE: usize = 4096;
 
-/// A group that becomes a node, and the properties of its path from the root.
+/// A group that becomes a subtree, and its depth in the binary tree.
 struct Branch<'a> {
     group: Group<'a>,
     depth: u32,
-    /// The parent node, and the child there that gets its code.
-    parent: Option<(usize, usize)>,
 }
 
-/// The nodes so far, in the order of their creation.
-#[derive(Default)]
+/// The nodes of a tree, in the order of their creation.
 struct Grown {
     nodes: Vec<Node>,
-    stack_size: u32,
+    /// The depth of the deepest node.
+    deepest: u32,
+    /// The children that are pieces.
+    pieces: Vec<Place>,
+}
+
+/// A child of a node.
+#[derive(Clone, Copy)]
+struct Place {
+    node: usize,
+    child: usize,
+    depth: u32,
+    /// The number of the piece.
+    piece: u32,
 }
 
 /// Builds the tree over two primitives or more.
 pub fn grow(all: Group<'_>, search: &Search, threads: usize) -> Bvh {
-    let piece = (all.items.len() / PIECES).max(LEAST_PIECE);
-    let mut top = Grown::default();
-    let pieces = top.grow(Branch { group: all, depth: 0, parent: None }, search, piece);
-    let parents: Vec<_> = pieces.iter().map(|piece| piece.parent).collect();
-    for (parent, subtree) in parents.into_iter().zip(grow_all(pieces, search, threads)) {
-        top.append(parent, subtree);
-    }
-    Bvh { nodes: top.nodes, root: 0, stack_size: top.stack_size }
+    let most = (all.items.len() / PIECES).max(LEAST_PIECE);
+    let all = Branch { group: all, depth: 0 };
+    let whole = |branch| Grown::of(&fork(branch, search, 1).0);
+    let grown = if all.group.items.len() <= most {
+        whole(all)
+    } else {
+        let (twigs, pieces) = fork(all, search, most);
+        let mut top = Grown::of(&twigs);
+        let subtrees = each(threads.clamp(1, pieces.len().max(1)), pieces, whole);
+        top.pieces.sort_unstable_by_key(|place| place.piece);
+        for (place, subtree) in std::mem::take(&mut top.pieces).into_iter().zip(subtrees) {
+            top.append(place, subtree);
+        }
+        top
+    };
+    Bvh { nodes: grown.nodes, root: 0, stack_size: grown.deepest }
 }
 
-/// Builds the subtrees of all pieces, and returns them in the order of the pieces.
-fn grow_all(pieces: Vec<Branch<'_>>, search: &Search, threads: usize) -> Vec<Grown> {
-    let workers = threads.clamp(1, pieces.len().max(1));
-    each(workers, pieces, |piece| {
-        let mut subtree = Grown::default();
-        subtree.grow(Branch { parent: None, ..piece }, search, 0);
-        subtree
-    })
+/// The binary tree over a group. Its leaves hold the codes of primitives. A group of two to `most` primitives is a leaf with the number of
+/// the group, and is returned.
+fn fork<'a>(all: Branch<'a>, search: &Search, most: usize) -> (Vec<Twig>, Vec<Branch<'a>>) {
+    let (mut twigs, mut pieces) = (Vec::<Twig>::new(), Vec::new());
+    // With each branch, the node above it, and on which side it is.
+    let mut open: Vec<(_, Option<(usize, usize)>)> = vec![(all, None)];
+    while let Some((Branch { group, depth }, above)) = open.pop() {
+        let here = twigs.len();
+        if let Some((parent, side)) = above
+            && let End::Fork(sides) = &mut twigs[parent].end
+        {
+            sides[side] = here as u32;
+        }
+        let bounds = Bounds::from(group.bounds);
+        let end = match &*group.items {
+            [only] => End::Leaf(only.code),
+            items if items.len() <= most => {
+                pieces.push(Branch { group, depth });
+                End::Leaf(pieces.len() as u32 - 1)
+            }
+            _ => {
+                let [low, high] = if depth < DEEPEST_SOUGHT { group.split(search) } else { group.halve() };
+                for (side, group) in [(1, high), (0, low)] {
+                    open.push((Branch { group, depth: depth + 1 }, Some((here, side))));
+                }
+                End::Fork([0; 2])
+            }
+        };
+        twigs.push(Twig { bounds, end });
+    }
+    (twigs, pieces)
 }
 
 impl Grown {
-    /// Makes the nodes of a group, depth first. Groups of at most `piece` primitives are returned instead.
-    fn grow<'a>(&mut self, root: Branch<'a>, search: &Search, piece: usize) -> Vec<Branch<'a>> {
-        let mut pieces = Vec::new();
-        let mut open = vec![root];
-        while let Some(place) = open.pop() {
-            if place.group.items.len() <= piece {
-                pieces.push(place);
-                continue;
+    /// The nodes of a binary tree of two leaves or more, depth first.
+    fn of(twigs: &[Twig]) -> Grown {
+        let collapse = Collapse::new(twigs);
+        let mut grown = Grown { nodes: Vec::new(), deepest: 0, pieces: Vec::new() };
+        let mut open: Vec<(usize, u32, Option<(usize, usize)>)> = vec![(0, 0, None)];
+        while let Some((place, depth, above)) = open.pop() {
+            let here = grown.nodes.len();
+            if let Some((node, child)) = above {
+                grown.nodes[node].children[child] = here as u32;
             }
-            let here = self.nodes.len();
-            if let Some((node, child)) = place.parent {
-                self.nodes[node].children[child] = here as u32;
-            }
-            let groups = four(place.group, place.depth < DEEPEST_SOUGHT, search);
-            let boxes: Vec<Bounds> = groups.iter().map(|group| group.bounds.into()).collect();
+            let children = collapse.children(place);
+            let boxes: Vec<Bounds> = children.iter().map(|&below| twigs[below].bounds).collect();
             let mut node = quantised(&boxes);
-            self.stack_size = self.stack_size.max(place.depth);
-            for (child, group) in groups.into_iter().enumerate() {
-                match group.items {
-                    [only] => node.children[child] = only.code,
-                    _ => open.push(Branch { group, depth: place.depth + 1, parent: Some((here, child)) }),
+            grown.deepest = grown.deepest.max(depth);
+            for (child, below) in children.into_iter().enumerate() {
+                match twigs[below].end {
+                    End::Fork(_) => open.push((below, depth + 1, Some((here, child)))),
+                    End::Leaf(code) if code & PRIMITIVE_BIT != 0 => node.children[child] = code,
+                    End::Leaf(piece) => grown.pieces.push(Place { node: here, child, depth: depth + 1, piece }),
                 }
             }
-            self.nodes.push(node);
+            grown.nodes.push(node);
         }
-        pieces
+        grown
     }
 
-    /// Appends the nodes of a subtree, and writes its root's code into the parent.
-    fn append(&mut self, parent: Option<(usize, usize)>, subtree: Grown) {
+    /// Appends the nodes of a piece, and writes its root's code into its place.
+    fn append(&mut self, place: Place, subtree: Grown) {
         let first = self.nodes.len() as u32;
-        if let Some((node, child)) = parent {
-            self.nodes[node].children[child] = first;
-        }
+        self.nodes[place.node].children[place.child] = first;
         self.nodes.extend(subtree.nodes.into_iter().map(|mut node| {
             // The codes of absent children have the bit, too.
             for code in node.children.iter_mut().filter(|code| **code & PRIMITIVE_BIT == 0) {
@@ -97,31 +135,6 @@ impl Grown {
             }
             node
         }));
-        self.stack_size = self.stack_size.max(subtree.stack_size);
+        self.deepest = self.deepest.max(place.depth + subtree.deepest);
     }
-}
-
-/// Splits a group of two or more primitives until there are four groups or nothing to split. The next group to split is
-/// the one with the largest surface; without `seek` it is the one with the most primitives, and is halved.
-fn four<'a>(group: Group<'a>, seek: bool, search: &Search) -> Vec<Group<'a>> {
-    let mut groups = Vec::with_capacity(WIDTH);
-    groups.push(group);
-    while groups.len() < WIDTH {
-        let parted = groups.iter().enumerate().filter(|(_, group)| group.items.len() > 1);
-        let largest = match seek {
-            true => parted.max_by(|a, b| a.1.bounds.half_area().total_cmp(&b.1.bounds.half_area())),
-            false => parted.max_by_key(|(_, group)| group.items.len()),
-        };
-        let Some((largest, _)) = largest else { break };
-        let group = groups.swap_remove(largest);
-        if groups.len() + group.items.len() <= WIDTH {
-            // All primitives fit into the node, so that no cut is needed.
-            groups.extend(group.singles());
-        } else if seek {
-            groups.extend(group.split(search));
-        } else {
-            groups.extend(group.halve());
-        }
-    }
-    groups
 }

@@ -1,6 +1,7 @@
-//! The bounding volume hierarchy. It is built from the root down with the surface area heuristic, directly into nodes of four
-//! children with quantised boxes. Nodes are small, because the cost of a walk is that of gathers from memory.
+//! The bounding volume hierarchy. A binary tree is built from the root down with the surface area heuristic. Nodes of four
+//! children with quantised boxes are made from it. Nodes are small, because the cost of a walk is that of gathers from memory.
 
+mod collapse;
 mod grow;
 mod split;
 mod wide;
@@ -24,6 +25,12 @@ pub struct Bounds {
 impl Bounds {
     fn union(self, other: Bounds) -> Bounds {
         Bounds { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    /// Half the surface area.
+    fn half_area(self) -> f32 {
+        let d = self.max - self.min;
+        d.x * d.y + d.y * d.z + d.z * d.x
     }
 }
 
@@ -60,12 +67,8 @@ impl Quality {
 /// surfaces to its surface. The surface area heuristic uses the same ratio (Goldsmith and Salmon, IEEE CG&A 7(5),
 /// 1987). 0 if there are no boxes, or if all are at one point.
 pub fn crossings(bounds: &[Bounds]) -> f32 {
-    let half_area = |all: &Bounds| {
-        let d = all.max - all.min;
-        d.x * d.y + d.y * d.z + d.z * d.x
-    };
-    let around = bounds.iter().copied().reduce(Bounds::union).map_or(0.0, |all| half_area(&all));
-    if around > 0.0 { bounds.iter().map(half_area).sum::<f32>() / around } else { 0.0 }
+    let around = bounds.iter().copied().reduce(Bounds::union).map_or(0.0, Bounds::half_area);
+    if around > 0.0 { bounds.iter().map(|each| each.half_area()).sum::<f32>() / around } else { 0.0 }
 }
 
 /// Builds the hierarchy over boxes; `codes[i]` is the primitive code of box i.

@@ -45,7 +45,7 @@ impl Extent {
     }
 
     /// Half the surface area.
-    pub fn half_area(&self) -> f32 {
+    fn half_area(&self) -> f32 {
         let d = self.max - self.min;
         d.x * d.y + d.y * d.z + d.z * d.x
     }
@@ -91,15 +91,11 @@ impl<'a> Group<'a> {
         Group { items, bounds, middles }
     }
 
-    /// A group for each primitive.
-    pub fn singles(self) -> impl Iterator<Item = Group<'a>> {
-        self.items.chunks_mut(1).map(Group::new)
-    }
-
     /// Splits at the cut with the least cost. A small group needs only few bins.
     pub fn split(self, search: &Search) -> [Group<'a>; 2] {
         let cut = match (self.items.len(), search.bins) {
-            (0..=6, _) => self.best::<4>(search),
+            (0..=2, _) => None,
+            (3..=6, _) => self.best::<4>(search),
             (7..=24, _) => self.best::<8>(search),
             (_, 0..=16) => self.best::<16>(search),
             _ => self.best::<32>(search),
