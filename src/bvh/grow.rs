@@ -25,6 +25,9 @@ struct Branch<'a> {
     depth: u32,
 }
 
+/// The place of the node above, and which of its children a node is; none above the root.
+type Above = Option<(usize, usize)>;
+
 /// The nodes of a tree, in the order of their creation.
 struct Grown {
     nodes: Vec<Node>,
@@ -68,8 +71,7 @@ pub fn grow(all: Group<'_>, search: &Search, threads: usize) -> Bvh {
 /// the group, and is returned.
 fn fork<'a>(all: Branch<'a>, search: &Search, most: usize) -> (Vec<Twig>, Vec<Branch<'a>>) {
     let (mut twigs, mut pieces) = (Vec::<Twig>::new(), Vec::new());
-    // With each branch, the node above it, and on which side it is.
-    let mut open: Vec<(_, Option<(usize, usize)>)> = vec![(all, None)];
+    let mut open: Vec<(Branch<'_>, Above)> = vec![(all, None)];
     while let Some((Branch { group, depth }, above)) = open.pop() {
         let here = twigs.len();
         if let Some((parent, side)) = above
@@ -102,7 +104,7 @@ impl Grown {
     fn of(twigs: &[Twig]) -> Grown {
         let collapse = Collapse::new(twigs);
         let mut grown = Grown { nodes: Vec::new(), deepest: 0, pieces: Vec::new() };
-        let mut open: Vec<(usize, u32, Option<(usize, usize)>)> = vec![(0, 0, None)];
+        let mut open: Vec<(usize, u32, Above)> = vec![(0, 0, None)];
         while let Some((place, depth, above)) = open.pop() {
             let here = grown.nodes.len();
             if let Some((node, child)) = above {
