@@ -33,8 +33,9 @@ fn grid_axis(origin: f32, exponent: u32, ray_origin: f32, inverse: f32) -> GridA
     return GridAxis(select(0.0, step, is_near), select(0.0, start, is_near), error);
 }
 
-// The bits of the distances to four planes. The order of floats that are not negative is that of their bits as integers, and if one
-// of several is negative, so is the least integer. Integers are compared faster than floats, which a driver must test for NaN.
+// The bits of the distances to four planes, as integers. Floats that are not negative have the same order as their bits. A negative float
+// has negative bits. So the largest integer, with 0 among them, belongs to the largest float, and the least one is negative if a float
+// is. Integers are compared faster, because Mesa's software driver tests floats for NaN.
 fn enter_axis(axis: GridAxis, planes: u32) -> vec4<i32> {
     return bitcast<vec4<i32>>(bytes_of(planes) * axis.step + (axis.start - axis.error));
 }
@@ -59,6 +60,7 @@ fn child_keys(node: Node, origin: vec3<f32>, inverse: vec3<f32>, nearest: f32) -
     let enter = max(max(enter_axis(x, near.x), enter_yz), vec4<i32>(0));
     let leave = min(min(leave_axis(x, far.x), leave_yz), vec4<i32>(bitcast<i32>(nearest)));
     let child = vec4<u32>(0u, 1u, 2u, 3u);
+    // Compared as floats, among which -0 equals 0.
     let met = bitcast<vec4<f32>>(enter) <= bitcast<vec4<f32>>(leave) & child < vec4<u32>(node.grid.w >> 24u);
     let key = (bitcast<vec4<u32>>(enter) & vec4<u32>(~CHILD_MASK)) | child;
     return select(vec4<u32>(CHILD_MISSED), key, met);

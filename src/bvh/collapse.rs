@@ -37,6 +37,11 @@ impl Cost {
         Cost { surface: self.surface + other.surface, nodes: self.nodes + other.nodes }
     }
 
+    /// The lower one of two costs.
+    fn least(self, other: Cost) -> Cost {
+        if self.is_below(other) { self } else { other }
+    }
+
     fn is_below(self, other: Cost) -> bool {
         self.surface.total_cmp(&other.surface).then(self.nodes.cmp(&other.nodes)).is_lt()
     }
@@ -56,10 +61,12 @@ impl<'a> Collapse<'a> {
         let mut all = Collapse { twigs, costs: vec![[Cost::default(); SIDE]; twigs.len()] };
         for (place, twig) in twigs.iter().enumerate().rev() {
             if let End::Fork(sides) = twig.end {
-                let apart = [2, 3, WIDTH].map(|children| all.parted(sides, children).1);
-                let alone = apart[2].plus(Cost { surface: twig.bounds.half_area(), nodes: 1 });
-                let least = |apart: Cost| if apart.is_below(alone) { apart } else { alone };
-                all.costs[place] = [alone, least(apart[0]), least(apart[1])];
+                let apart = |children| all.parted(sides, children).1;
+                let alone = apart(WIDTH).plus(Cost { surface: twig.bounds.half_area(), nodes: 1 });
+                all.costs[place] = std::array::from_fn(|more| match more {
+                    0 => alone,
+                    _ => apart(more + 1).least(alone),
+                });
             }
         }
         all

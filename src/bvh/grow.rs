@@ -37,8 +37,7 @@ struct Grown {
     pieces: Vec<Place>,
 }
 
-/// A child of a node.
-#[derive(Clone, Copy)]
+/// A child of a node that stands for a piece.
 struct Place {
     node: usize,
     child: usize,
@@ -57,9 +56,10 @@ pub fn grow(all: Group<'_>, search: &Search, threads: usize) -> Bvh {
     } else {
         let (twigs, pieces) = fork(all, search, most);
         let mut top = Grown::of(&twigs);
-        let subtrees = each(threads.clamp(1, pieces.len().max(1)), pieces, whole);
-        top.pieces.sort_unstable_by_key(|place| place.piece);
-        for (place, subtree) in std::mem::take(&mut top.pieces).into_iter().zip(subtrees) {
+        let mut places = std::mem::take(&mut top.pieces);
+        places.sort_unstable_by_key(|place| place.piece);
+        let subtrees = each(threads.min(pieces.len()), pieces, whole);
+        for (place, subtree) in places.iter().zip(subtrees) {
             top.append(place, subtree);
         }
         top
@@ -127,7 +127,7 @@ impl Grown {
     }
 
     /// Appends the nodes of a piece, and writes its root's code into its place.
-    fn append(&mut self, place: Place, subtree: Grown) {
+    fn append(&mut self, place: &Place, subtree: Grown) {
         let first = self.nodes.len() as u32;
         self.nodes[place.node].children[place.child] = first;
         self.nodes.extend(subtree.nodes.into_iter().map(|mut node| {

@@ -42,11 +42,8 @@ fn everything_on_changes_no_byte() {
     for (name, scene) in &scenes {
         changes_no_byte(name, scene, Scatter::Linked);
     }
-    changes_no_byte(
-        "everything",
-        &scenes.iter().find(|(name, _)| *name == "everything").expect("a scene").1,
-        Scatter::Queues,
-    );
+    let (name, everything) = scenes.iter().find(|(name, _)| *name == "everything").expect("a scene");
+    changes_no_byte(name, everything, Scatter::Queues);
     // It could have told: the scenes' images differ.
     let shots: Vec<_> = scenes.iter().take(3).map(|(_, scene)| render(scene, &usual(Scatter::Fused))).collect();
     assert!(!same(&shots[0], &shots[1]) && !same(&shots[1], &shots[2]));
