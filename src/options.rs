@@ -564,7 +564,7 @@ pub const BUILD: Knob = Knob {
     values: &["fast", "medium", "best"],
     default: Some("medium"),
     class: Class::Exact,
-    gives_up: "`fast` builds sooner and renders slower, `best` the reverse.",
+    gives_up: "`fast` builds sooner and renders slower, `best` the reverse. `best` also cuts the boxes of long thin faces, which takes memory.",
     reading: word!(build: Quality),
     links: None,
 };

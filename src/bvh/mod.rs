@@ -28,7 +28,7 @@ impl Bounds {
     }
 
     /// Half the surface area.
-    fn half_area(self) -> f32 {
+    pub fn half_area(self) -> f32 {
         let d = self.max - self.min;
         d.x * d.y + d.y * d.z + d.z * d.x
     }
@@ -71,7 +71,7 @@ pub fn crossings(bounds: &[Bounds]) -> f32 {
     if around > 0.0 { bounds.iter().map(|each| each.half_area()).sum::<f32>() / around } else { 0.0 }
 }
 
-/// Builds the hierarchy over boxes; `codes[i]` is the primitive code of box i.
+/// Builds the hierarchy over boxes; `codes[i]` is the primitive code of box i. Several boxes may have the same.
 pub fn build(bounds: &[Bounds], codes: &[u32], quality: Quality) -> Bvh {
     let threads = available_parallelism().map_or(1, usize::from);
     build_with_threads(bounds, codes, quality, threads)

@@ -9,6 +9,7 @@ use std::sync::Arc;
 use glam::{Vec2, Vec3};
 
 use super::Builder;
+use super::cuts;
 use super::pairs::{Pair, pairs};
 use super::place::Placed;
 use super::tangents::Split;
@@ -119,7 +120,11 @@ impl Builder<'_> {
             }));
         }
 
-        let quality = self.quality;
+        // The walk that finds the ends of a medium sums over faces, each of which must be in one leaf.
+        let quality = match self.quality {
+            Quality::Best if self.around_media.contains(&shape.number) => Quality::Medium,
+            quality => quality,
+        };
         let build = || Hierarchy::over(mesh, &positions, quality);
         let hierarchy = match &mut self.hierarchies {
             Some(hierarchies) => hierarchies.of(self.scene, mesh, quality, build),
@@ -159,14 +164,23 @@ pub struct Hierarchy {
 impl Hierarchy {
     fn over(mesh: &Mesh, positions: &[Vec3], quality: Quality) -> Hierarchy {
         let pairs = pairs(&mesh.triangles, positions);
-        let bounds: Vec<Bounds> = pairs.iter().map(|pair| pair.bounds(&mesh.triangles, positions)).collect();
-        let codes: Vec<u32> = (0..pairs.len() as u32).map(|pair| primitive_code(KIND_TRIANGLE, pair)).collect();
+        let boxes = match quality {
+            Quality::Best => cuts::boxes(&pairs, &mesh.triangles, positions),
+            _ => pairs.iter().map(|pair| pair.bounds(&mesh.triangles, positions)).zip(0..).collect(),
+        };
+        let coded = boxes.into_iter().map(|(bounds, pair)| (bounds, primitive_code(KIND_TRIANGLE, pair)));
+        let (bounds, codes): (Vec<Bounds>, Vec<u32>) = coded.unzip();
         let mut bvh = bvh::build(&bounds, &codes, quality);
         let mut in_order = Vec::with_capacity(pairs.len());
+        let mut places = vec![None; pairs.len()];
         let children = bvh.nodes.iter_mut().flat_map(|node| &mut node.children).chain([&mut bvh.root]);
         for code in children.filter(|code| **code != HIT_NOTHING && **code & PRIMITIVE_BIT != 0) {
-            in_order.push(pairs[(*code ^ primitive_code(KIND_TRIANGLE, 0)) as usize]);
-            *code = primitive_code(KIND_TRIANGLE, in_order.len() as u32 - 1);
+            let pair = (*code ^ primitive_code(KIND_TRIANGLE, 0)) as usize;
+            let place = *places[pair].get_or_insert_with(|| {
+                in_order.push(pairs[pair]);
+                in_order.len() as u32 - 1
+            });
+            *code = primitive_code(KIND_TRIANGLE, place);
         }
         Hierarchy { bvh, pairs: in_order }
     }

@@ -4,6 +4,7 @@
 //! same numbers whatever the size and the position of the scene. If pixels are very narrow, it has the camera's axes
 //! (`view`). Emission is also scaled by a power of two.
 
+mod cuts;
 mod diagnostics;
 mod features;
 mod hierarchies;
@@ -16,7 +17,7 @@ mod place;
 mod tangents;
 mod view;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use glam::DVec3;
 
@@ -204,6 +205,7 @@ fn flatten_with(
         tables: vec![vec![meshes::Table::FIRST]; meshes.len()],
         space,
         quality: options.build,
+        around_media: finder.media.iter().filter_map(|medium| medium.boundary.mesh()).map(|mesh| mesh.number).collect(),
         hierarchies,
         materials: vec![0; scene.materials.len()],
         textures: scene.materials.iter().map(|(_, material)| material.textures()).collect(),
@@ -260,6 +262,8 @@ struct Builder<'a> {
     scene: &'a Scene,
     space: RenderSpace,
     quality: Quality,
+    /// The numbers of the meshes that bound media.
+    around_media: HashSet<usize>,
     /// Those of an earlier flattening, where the next one shall have them.
     hierarchies: Option<&'a mut Hierarchies>,
     /// The meshes that have been laid out.

@@ -37,7 +37,7 @@ pub fn pairs(triangles: &[[u32; 3]], positions: &[Vec3]) -> Vec<Pair> {
 }
 
 impl Pair {
-    fn faces(self) -> impl Iterator<Item = u32> {
+    pub fn faces(self) -> impl Iterator<Item = u32> {
         std::iter::once(self.first).chain(self.second)
     }
 

@@ -26,6 +26,7 @@ mod recipe;
 mod references;
 mod same_bytes;
 mod sobol;
+mod thin_faces;
 mod through_glass;
 mod turns;
 mod uv_sets;

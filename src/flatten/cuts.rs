@@ -1,0 +1,196 @@
+//! Cuts the boxes of long thin faces that lie across the axes. Small boxes along such a face have far less surface than one around all of
+//! it, so that fewer rays meet them (Ernst and Greiner, "Early Split Clipping for Bounding Volume Hierarchies", IEEE Symposium on
+//! Interactive Ray Tracing 2007). The face is then in several leaves.
+
+use std::thread::available_parallelism;
+
+use glam::{DVec3, Vec3};
+
+use super::pairs::Pair;
+use crate::bvh::Bounds;
+use crate::threads::each;
+
+/// The halves of a box that is cut have at most this share of its surface. A face of even sides leaves them 0.83 of it, a thin one
+/// across two axes or three leaves them half.
+const SHARE: f32 = 0.7;
+
+/// A cut saves more than this share of the mean surface of the boxes. So there are at most eleven times as many leaves.
+const LEAST_SAVED: f32 = 0.1;
+
+/// The most leaves of a mesh that is cut: its nodes then take half of the 128 MiB that every device gives a buffer.
+const MOST_LEAVES: usize = 1 << 21;
+
+/// The pairs that a thread cuts at a time.
+const PAIRS_AT_ONCE: usize = 4096;
+
+/// More than the rounding of a corner of a clipped face in f64, where no coordinate is above 1.
+const ROUNDING: f64 = 1e-14;
+
+/// Boxes that together hold all faces, each with the place of the pair whose faces, or parts of them, are in it. Coordinates are at most 1.
+pub fn boxes(pairs: &[Pair], triangles: &[[u32; 3]], positions: &[Vec3]) -> Vec<(Bounds, u32)> {
+    let whole: Vec<(Bounds, u32)> = pairs.iter().map(|pair| pair.bounds(triangles, positions)).zip(0..).collect();
+    let mean = whole.iter().map(|(bounds, _)| f64::from(bounds.half_area())).sum::<f64>() / whole.len().max(1) as f64;
+    let least = LEAST_SAVED * mean as f32;
+    let corners_of = |face: u32| triangles[face as usize].map(|corner| positions[corner as usize].as_dvec3());
+    let cut_some = |some: &[(Bounds, u32)]| -> Vec<(Bounds, u32)> {
+        let cut_one = |&(bounds, pair): &(Bounds, u32)| {
+            let faces: Vec<[DVec3; 3]> = pairs[pair as usize].faces().map(corners_of).collect();
+            cut(bounds, &faces, least).into_iter().map(move |part| (part, pair))
+        };
+        some.iter().flat_map(cut_one).collect()
+    };
+    let threads = available_parallelism().map_or(1, usize::from);
+    let parts = each(threads, whole.chunks(PAIRS_AT_ONCE), cut_some).concat();
+    if parts.len() <= MOST_LEAVES { parts } else { whole }
+}
+
+/// The boxes into which that of some faces is cut.
+fn cut(bounds: Bounds, faces: &[[DVec3; 3]], least_saved: f32) -> Vec<Bounds> {
+    let (mut done, mut open) = (Vec::new(), vec![bounds]);
+    while let Some(bounds) = open.pop() {
+        let pays = |halves: &[Bounds; 2]| {
+            let [whole, low, high] = [bounds, halves[0], halves[1]].map(Bounds::half_area);
+            low + high <= SHARE * whole && whole - (low + high) > least_saved
+        };
+        match halves(bounds, faces).filter(pays) {
+            Some(halves) => open.extend(halves),
+            None => done.push(bounds),
+        }
+    }
+    done
+}
+
+/// The boxes around what is of the faces in either half of a box. None if a half is empty.
+fn halves(bounds: Bounds, faces: &[[DVec3; 3]]) -> Option<[Bounds; 2]> {
+    let axis = (bounds.max - bounds.min).max_position();
+    let middle = bounds.min[axis].midpoint(bounds.max[axis]);
+    let (mut low, mut high) = (bounds, bounds);
+    low.max[axis] = middle;
+    high.min[axis] = middle;
+    Some([around(faces, low)?, around(faces, high)?])
+}
+
+/// The box around what is of the faces in a box. None if nothing is.
+fn around(faces: &[[DVec3; 3]], within: Bounds) -> Option<Bounds> {
+    let nothing = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let corners = faces.iter().flat_map(|face| clipped(face.to_vec(), within));
+    let (min, max) = corners.fold(nothing, |(min, max), corner| (min.min(corner), max.max(corner)));
+    (min.x <= max.x)
+        .then(|| Bounds { min: below(min - ROUNDING).max(within.min), max: (-below(-max - ROUNDING)).min(within.max) })
+}
+
+/// The part of a polygon in a box (Sutherland and Hodgman, "Reentrant Polygon Clipping", CACM 17(1), 1974).
+fn clipped(mut polygon: Vec<DVec3>, within: Bounds) -> Vec<DVec3> {
+    for axis in 0..3 {
+        for (side, plane) in [(1.0, within.min[axis]), (-1.0, within.max[axis])] {
+            let depth = |p: DVec3| side * (p[axis] - f64::from(plane));
+            let mut part = Vec::with_capacity(polygon.len() + 1);
+            for (i, &corner) in polygon.iter().enumerate() {
+                let next = polygon[(i + 1) % polygon.len()];
+                let (here, there) = (depth(corner), depth(next));
+                if here >= 0.0 {
+                    part.push(corner);
+                }
+                if here * there < 0.0 {
+                    part.push(corner.lerp(next, here / (here - there)));
+                }
+            }
+            polygon = part;
+        }
+    }
+    polygon
+}
+
+/// The largest vector of f32 that is not above a vector.
+fn below(v: DVec3) -> Vec3 {
+    let rounded = v.as_vec3();
+    let down = |axis: usize| if f64::from(rounded[axis]) > v[axis] { rounded[axis].next_down() } else { rounded[axis] };
+    Vec3::new(down(0), down(1), down(2))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::pairs::pairs;
+    use super::*;
+
+    /// Numbers in 0..1.
+    fn numbers() -> impl FnMut() -> f32 {
+        let mut state = 7u64;
+        move || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 40) as f32 / (1u64 << 24) as f32
+        }
+    }
+
+    /// Faces of so many corners' sizes each: long along a random direction, and this wide.
+    fn faces(count: usize, length: f32, width: f32) -> (Vec<[u32; 3]>, Vec<Vec3>) {
+        let mut random = numbers();
+        let mut vector = |size: f32| size * (2.0 * Vec3::new(random(), random(), random()) - 1.0);
+        let corners = |_| {
+            let (at, along, across) = (vector(0.5), vector(length), vector(width));
+            [at - along, at + along, at + along + across]
+        };
+        let positions: Vec<Vec3> = (0..count).flat_map(corners).collect();
+        ((0..count as u32).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect(), positions)
+    }
+
+    /// The points of the faces, on a grid, that are in no box of their pair. `shrink` moves the sides of the boxes inwards.
+    fn points_outside(triangles: &[[u32; 3]], positions: &[Vec3], shrink: f64) -> (usize, usize) {
+        let pairs = pairs(triangles, positions);
+        let boxes = boxes(&pairs, triangles, positions);
+        let mut outside = 0;
+        for (place, pair) in (0..).zip(&pairs) {
+            let own: Vec<&Bounds> = boxes.iter().filter(|(_, of)| *of == place).map(|(bounds, _)| bounds).collect();
+            for face in pair.faces() {
+                let [a, b, c] = triangles[face as usize].map(|corner| positions[corner as usize].as_dvec3());
+                for (i, j) in (0..=64).flat_map(|i| (0..=64 - i).map(move |j| (i, j))) {
+                    let point = a + f64::from(i) / 64.0 * (b - a) + f64::from(j) / 64.0 * (c - a);
+                    // The point itself is rounded by less than this.
+                    let slack = 1e-15 - shrink;
+                    let holds = |bounds: &&Bounds| {
+                        (point + slack).cmpge(bounds.min.as_dvec3()).all()
+                            && (point - slack).cmple(bounds.max.as_dvec3()).all()
+                    };
+                    outside += usize::from(!own.iter().any(holds));
+                }
+            }
+        }
+        (outside, boxes.len())
+    }
+
+    #[test]
+    fn boxes_of_thin_faces_are_cut_and_hold_them() {
+        let (triangles, positions) = faces(200, 0.3, 0.001);
+        let (outside, count) = points_outside(&triangles, &positions, 0.0);
+        assert_eq!(outside, 0);
+        assert!(count > 400, "{count} boxes");
+        // Boxes that are smaller by a millionth do not hold the faces.
+        assert!(points_outside(&triangles, &positions, 1e-6).0 > 1000);
+        // The boxes do not depend on the number of threads: they are those of each pair by itself, in order.
+        let pairs = pairs(&triangles, &positions);
+        let boxes = boxes(&pairs, &triangles, &positions);
+        assert!(boxes.is_sorted_by_key(|(_, pair)| *pair));
+        let surface = |boxes: &[(Bounds, u32)]| boxes.iter().map(|(bounds, _)| bounds.half_area()).sum::<f32>();
+        let whole: Vec<(Bounds, u32)> = pairs.iter().map(|pair| pair.bounds(&triangles, &positions)).zip(0..).collect();
+        assert!(surface(&boxes) < 0.6 * surface(&whole), "{} of {}", surface(&boxes), surface(&whole));
+    }
+
+    #[test]
+    fn boxes_of_other_faces_stay_whole() {
+        let mut random = numbers();
+        let side = 20u32;
+        let grid: Vec<Vec3> =
+            (0..side * side).map(|i| Vec3::new((i % side) as f32, (i / side) as f32, random()) / side as f32).collect();
+        let squares = (0..side - 1).flat_map(|x| (0..side - 1).map(move |y| x + y * side));
+        let hills: Vec<[u32; 3]> =
+            squares.flat_map(|i| [[i, i + 1, i + side], [i + 1, i + 1 + side, i + side]]).collect();
+        assert_eq!(boxes(&pairs(&hills, &grid), &hills, &grid).len(), pairs(&hills, &grid).len());
+        // Along an axis a box has no surface to save; and points and lines have none at all.
+        let line = |to: Vec3| (vec![[0, 1, 2]], vec![Vec3::ZERO, 0.5 * to, to]);
+        for (triangles, positions) in [line(Vec3::X), line(Vec3::ONE), line(Vec3::ZERO)] {
+            let boxes = boxes(&pairs(&triangles, &positions), &triangles, &positions);
+            assert!((1..=11).contains(&boxes.len()), "{} boxes", boxes.len());
+        }
+        assert!(boxes(&[], &[], &[]).is_empty());
+    }
+}
