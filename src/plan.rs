@@ -11,6 +11,7 @@ use std::collections::BTreeMap;
 
 use crate::aov::Aovs;
 use crate::bitmap::{self, FORMATS};
+use crate::bvh::Quality;
 use crate::data::{self, QUEUE_HEADER};
 use crate::error::Result;
 use crate::film;
@@ -202,7 +203,13 @@ impl<'a> Plan<'a> {
 
     /// The buffers that the kernels bind, with the scene's data for those that hold it.
     pub fn buffers(&self) -> Vec<BufferSpec<'a>> {
-        self.kernels.buffers(self.scene, &self.tuning)
+        let with_remedy = |spec: BufferSpec<'a>| match spec.name {
+            "nodes" if self.options.build == Quality::Best => {
+                spec.shrunk_by(Some("`--build medium` makes fewer".to_string()))
+            }
+            _ => spec,
+        };
+        self.kernels.buffers(self.scene, &self.tuning).into_iter().map(with_remedy).collect()
     }
 }
 

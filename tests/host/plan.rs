@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use crate::common::program::Ran;
+use gpu_rt::bvh::Quality;
 use gpu_rt::flatten::{DeviceScene, flatten};
 use gpu_rt::gpu::buffers::too_large;
 use gpu_rt::gpu::device::DeviceClass;
@@ -712,6 +713,25 @@ fn buffers_over_the_limit_are_said_to_be() {
     for (text, buffers) in [(report.text(), 3), (report.why("bounce").expect("it is a kernel"), 2)] {
         assert_eq!(text.matches("OVER THE LIMIT: the device allows 600000 bytes").count(), buffers, "{text}");
         assert_eq!(text.matches("OVER THE LIMIT: bounce binds 3 storage buffers, and the device allows 2").count(), 1);
+    }
+}
+
+/// Where nodes do not fit, the setting that makes more of them is named.
+#[test]
+fn nodes_that_do_not_fit_name_their_setting() {
+    let flat = flat(&shipped("next-week"), FeatureSet::Scene);
+    for (build, remedy) in [(Quality::Medium, ""), (Quality::Best, ": `--build medium` makes fewer")] {
+        let options = RenderOptions { build, ..options(FeatureSet::Scene) };
+        let (plan, _) = planned_with(&flat, &classes()[0], Scatter::Fused, options);
+        let (max_storage_buffer_binding_size, max_uniform_buffer_binding_size) = (1000, 1000);
+        let limits = wgpu::Limits {
+            max_storage_buffer_binding_size,
+            max_uniform_buffer_binding_size,
+            ..wgpu::Limits::default()
+        };
+        let said = too_large(&plan.buffers(), &limits);
+        let nodes = said.iter().find(|said| said.contains("`nodes`")).expect("nodes do not fit");
+        assert!(nodes.ends_with(&format!(" binding{remedy}")), "{nodes}");
     }
 }
 
