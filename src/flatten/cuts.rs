@@ -28,7 +28,15 @@ const ROUNDING: f64 = 1e-14;
 
 /// Boxes that together hold all faces, each with the place of the pair whose faces, or parts of them, are in it. Coordinates are at most 1.
 pub fn boxes(pairs: &[Pair], triangles: &[[u32; 3]], positions: &[Vec3]) -> Vec<(Bounds, u32)> {
+    at_most(MOST_LEAVES, pairs, triangles, positions)
+}
+
+/// Uncut boxes, if there would be more than `most`.
+fn at_most(most: usize, pairs: &[Pair], triangles: &[[u32; 3]], positions: &[Vec3]) -> Vec<(Bounds, u32)> {
     let whole: Vec<(Bounds, u32)> = pairs.iter().map(|pair| pair.bounds(triangles, positions)).zip(0..).collect();
+    if whole.len() > most {
+        return whole;
+    }
     let mean = whole.iter().map(|(bounds, _)| f64::from(bounds.half_area())).sum::<f64>() / whole.len().max(1) as f64;
     let least = LEAST_SAVED * mean as f32;
     let corners_of = |face: u32| triangles[face as usize].map(|corner| positions[corner as usize].as_dvec3());
@@ -41,7 +49,7 @@ pub fn boxes(pairs: &[Pair], triangles: &[[u32; 3]], positions: &[Vec3]) -> Vec<
     };
     let threads = available_parallelism().map_or(1, usize::from);
     let parts = each(threads, whole.chunks(PAIRS_AT_ONCE), cut_some).concat();
-    if parts.len() <= MOST_LEAVES { parts } else { whole }
+    if parts.len() <= most { parts } else { whole }
 }
 
 /// The boxes into which that of some faces is cut.
@@ -122,7 +130,7 @@ mod tests {
         }
     }
 
-    /// Faces of so many corners' sizes each: long along a random direction, and this wide.
+    /// So many faces along random directions.
     fn faces(count: usize, length: f32, width: f32) -> (Vec<[u32; 3]>, Vec<Vec3>) {
         let mut random = numbers();
         let mut vector = |size: f32| size * (2.0 * Vec3::new(random(), random(), random()) - 1.0);
@@ -134,7 +142,8 @@ mod tests {
         ((0..count as u32).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect(), positions)
     }
 
-    /// The points of the faces, on a grid, that are in no box of their pair. `shrink` moves the sides of the boxes inwards.
+    /// How many points of the faces, on a grid, are in no box of their pair, and the number of boxes. `shrink` moves the sides of the boxes
+    /// inwards.
     fn points_outside(triangles: &[[u32; 3]], positions: &[Vec3], shrink: f64) -> (usize, usize) {
         let pairs = pairs(triangles, positions);
         let boxes = boxes(&pairs, triangles, positions);
@@ -166,13 +175,15 @@ mod tests {
         assert!(count > 400, "{count} boxes");
         // Boxes that are smaller by a millionth do not hold the faces.
         assert!(points_outside(&triangles, &positions, 1e-6).0 > 1000);
-        // The boxes do not depend on the number of threads: they are those of each pair by itself, in order.
+        // In the order of the pairs, whatever thread has cut them.
         let pairs = pairs(&triangles, &positions);
         let boxes = boxes(&pairs, &triangles, &positions);
         assert!(boxes.is_sorted_by_key(|(_, pair)| *pair));
         let surface = |boxes: &[(Bounds, u32)]| boxes.iter().map(|(bounds, _)| bounds.half_area()).sum::<f32>();
         let whole: Vec<(Bounds, u32)> = pairs.iter().map(|pair| pair.bounds(&triangles, &positions)).zip(0..).collect();
         assert!(surface(&boxes) < 0.6 * surface(&whole), "{} of {}", surface(&boxes), surface(&whole));
+        let room = |most: usize| at_most(most, &pairs, &triangles, &positions);
+        assert!(room(boxes.len()) == boxes && room(boxes.len() - 1) == whole && room(0) == whole);
     }
 
     #[test]
