@@ -2,7 +2,12 @@
 
 use std::panic::resume_unwind;
 use std::sync::{Mutex, PoisonError};
-use std::thread::{Builder, ScopedJoinHandle, scope};
+use std::thread::{Builder, ScopedJoinHandle, available_parallelism, scope};
+
+/// The number of threads that run at the same time on this machine; 1 if the system does not tell.
+pub fn cores() -> usize {
+    available_parallelism().map_or(1, usize::from)
+}
 
 /// Does the work on each item and returns the results in the items' order. `threads` of them, this one included, take the next item whenever
 /// they have finished one.

@@ -106,6 +106,7 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
+    use crate::bvh::unit_numbers;
 
     /// A binary tree over so many boxes in random places.
     fn tree(leaves: usize, random: &mut impl FnMut() -> f32) -> Vec<Twig> {
@@ -175,11 +176,7 @@ mod tests {
 
     #[test]
     fn no_other_way_to_leave_nodes_out_costs_less() {
-        let mut state = 1u64;
-        let mut random = move || {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (state >> 40) as f32 / (1u64 << 24) as f32
-        };
+        let mut random = unit_numbers();
         let mut dearer = 0;
         for round in 0..300 {
             let leaves = 2 + round % 9;

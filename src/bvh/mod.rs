@@ -6,11 +6,10 @@ mod grow;
 mod split;
 mod wide;
 
-use std::thread::available_parallelism;
-
 use glam::Vec3;
 
 use crate::data::{HIT_NOTHING, Node};
+use crate::threads::cores;
 use split::{Group, Item, Search};
 
 pub use wide::WIDTH;
@@ -71,10 +70,9 @@ pub fn crossings(bounds: &[Bounds]) -> f32 {
     if around > 0.0 { bounds.iter().map(|each| each.half_area()).sum::<f32>() / around } else { 0.0 }
 }
 
-/// Builds the hierarchy over boxes; `codes[i]` is the primitive code of box i. Several boxes may have the same.
+/// Builds the hierarchy over boxes; `codes[i]` is the primitive code of box i. Several boxes may have the same one.
 pub fn build(bounds: &[Bounds], codes: &[u32], quality: Quality) -> Bvh {
-    let threads = available_parallelism().map_or(1, usize::from);
-    build_with_threads(bounds, codes, quality, threads)
+    build_with_threads(bounds, codes, quality, cores())
 }
 
 /// [`build`] with a number of threads. The nodes do not depend on it.
@@ -84,5 +82,15 @@ pub fn build_with_threads(bounds: &[Bounds], codes: &[u32], quality: Quality, th
         [] => Bvh { nodes: Vec::new(), root: HIT_NOTHING, stack_size: 0 },
         [only] => Bvh { nodes: Vec::new(), root: only.code, stack_size: 0 },
         items => grow::grow(Group::new(items), &quality.search(), threads),
+    }
+}
+
+/// Numbers in 0..1 for tests, the same in every run.
+#[cfg(test)]
+pub fn unit_numbers() -> impl FnMut() -> f32 {
+    let mut state = 1u64;
+    move || {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (state >> 40) as f32 / (1u64 << 24) as f32
     }
 }

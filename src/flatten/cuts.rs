@@ -2,23 +2,21 @@
 //! it, so that fewer rays meet them (Ernst and Greiner, "Early Split Clipping for Bounding Volume Hierarchies", IEEE Symposium on
 //! Interactive Ray Tracing 2007). The face is then in several leaves.
 
-use std::thread::available_parallelism;
-
 use glam::{DVec3, Vec3};
 
 use super::pairs::Pair;
 use crate::bvh::Bounds;
-use crate::threads::each;
+use crate::threads::{cores, each};
 
-/// The halves of a box that is cut have at most this share of its surface. A face of even sides leaves them 0.83 of it, a thin one
-/// across two axes or three leaves them half.
+/// The halves of a box that is cut have at most this share of its surface. The halves around a face of even sides have 0.83 of it. Those
+/// around a thin face that lies across two or three axes have half of it.
 const SHARE: f32 = 0.7;
 
 /// A cut saves more than this share of the mean surface of the boxes. So there are at most eleven times as many leaves.
 const LEAST_SAVED: f32 = 0.1;
 
 /// The most leaves of a mesh that is cut: its nodes then take half of the 128 MiB that every device gives a buffer.
-const MOST_LEAVES: usize = 1 << 21;
+pub const MOST_LEAVES: usize = 1 << 21;
 
 /// The pairs that a thread cuts at a time.
 const PAIRS_AT_ONCE: usize = 4096;
@@ -26,29 +24,33 @@ const PAIRS_AT_ONCE: usize = 4096;
 /// More than the rounding of a corner of a clipped face in f64, where no coordinate is above 1.
 const ROUNDING: f64 = 1e-14;
 
-/// Boxes that together hold all faces, each with the place of the pair whose faces, or parts of them, are in it. Coordinates are at most 1.
-pub fn boxes(pairs: &[Pair], triangles: &[[u32; 3]], positions: &[Vec3]) -> Vec<(Bounds, u32)> {
-    at_most(MOST_LEAVES, pairs, triangles, positions)
-}
+/// A box, and the place of the pair whose faces, or parts of them, are in it.
+pub type PairBox = (Bounds, u32);
 
-/// Uncut boxes, if there would be more than `most`.
-fn at_most(most: usize, pairs: &[Pair], triangles: &[[u32; 3]], positions: &[Vec3]) -> Vec<(Bounds, u32)> {
-    let whole: Vec<(Bounds, u32)> = pairs.iter().map(|pair| pair.bounds(triangles, positions)).zip(0..).collect();
+/// Cuts the boxes of pairs, which together still hold all faces. The boxes stay whole if there would be more than `most` of them.
+/// Coordinates are at most 1.
+pub fn boxes(
+    whole: Vec<PairBox>,
+    most: usize,
+    pairs: &[Pair],
+    triangles: &[[u32; 3]],
+    positions: &[Vec3],
+) -> Vec<PairBox> {
     if whole.len() > most {
         return whole;
     }
     let mean = whole.iter().map(|(bounds, _)| f64::from(bounds.half_area())).sum::<f64>() / whole.len().max(1) as f64;
     let least = LEAST_SAVED * mean as f32;
     let corners_of = |face: u32| triangles[face as usize].map(|corner| positions[corner as usize].as_dvec3());
-    let cut_some = |some: &[(Bounds, u32)]| -> Vec<(Bounds, u32)> {
-        let cut_one = |&(bounds, pair): &(Bounds, u32)| {
+    let cut_some = |some: &[PairBox]| -> Vec<PairBox> {
+        let cut_one = |&(bounds, pair): &PairBox| {
             let faces: Vec<[DVec3; 3]> = pairs[pair as usize].faces().map(corners_of).collect();
             cut(bounds, &faces, least).into_iter().map(move |part| (part, pair))
         };
         some.iter().flat_map(cut_one).collect()
     };
-    let threads = available_parallelism().map_or(1, usize::from);
-    let parts = each(threads, whole.chunks(PAIRS_AT_ONCE), cut_some).concat();
+    let chunks = whole.chunks(PAIRS_AT_ONCE);
+    let parts = each(cores().min(chunks.len()), chunks, cut_some).concat();
     if parts.len() <= most { parts } else { whole }
 }
 
@@ -120,19 +122,11 @@ fn below(v: DVec3) -> Vec3 {
 mod tests {
     use super::super::pairs::pairs;
     use super::*;
-
-    /// Numbers in 0..1.
-    fn numbers() -> impl FnMut() -> f32 {
-        let mut state = 7u64;
-        move || {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (state >> 40) as f32 / (1u64 << 24) as f32
-        }
-    }
+    use crate::bvh::unit_numbers;
 
     /// So many faces along random directions.
     fn faces(count: usize, length: f32, width: f32) -> (Vec<[u32; 3]>, Vec<Vec3>) {
-        let mut random = numbers();
+        let mut random = unit_numbers();
         let mut vector = |size: f32| size * (2.0 * Vec3::new(random(), random(), random()) - 1.0);
         let corners = |_| {
             let (at, along, across) = (vector(0.5), vector(length), vector(width));
@@ -142,13 +136,27 @@ mod tests {
         ((0..count as u32).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect(), positions)
     }
 
-    /// How many points of the faces, on a grid, are in no box of their pair, and the number of boxes. `shrink` moves the sides of the boxes
-    /// inwards.
-    fn points_outside(triangles: &[[u32; 3]], positions: &[Vec3], shrink: f64) -> (usize, usize) {
+    fn whole(pairs: &[Pair], triangles: &[[u32; 3]], positions: &[Vec3]) -> Vec<PairBox> {
+        pairs.iter().map(|pair| pair.bounds(triangles, positions)).zip(0..).collect()
+    }
+
+    /// The number of boxes of faces, and of pairs.
+    fn count(triangles: &[[u32; 3]], positions: &[Vec3]) -> (usize, usize) {
         let pairs = pairs(triangles, positions);
-        let boxes = boxes(&pairs, triangles, positions);
+        let whole = whole(&pairs, triangles, positions);
+        (boxes(whole, MOST_LEAVES, &pairs, triangles, positions).len(), pairs.len())
+    }
+
+    /// How many points of the faces, on a grid, are in no box of their pair. `shrink` moves the sides of the boxes inwards.
+    fn points_outside(
+        boxes: &[PairBox],
+        pairs: &[Pair],
+        triangles: &[[u32; 3]],
+        positions: &[Vec3],
+        shrink: f64,
+    ) -> usize {
         let mut outside = 0;
-        for (place, pair) in (0..).zip(&pairs) {
+        for (place, pair) in (0..).zip(pairs) {
             let own: Vec<&Bounds> = boxes.iter().filter(|(_, of)| *of == place).map(|(bounds, _)| bounds).collect();
             for face in pair.faces() {
                 let [a, b, c] = triangles[face as usize].map(|corner| positions[corner as usize].as_dvec3());
@@ -164,44 +172,45 @@ mod tests {
                 }
             }
         }
-        (outside, boxes.len())
+        outside
     }
 
     #[test]
     fn boxes_of_thin_faces_are_cut_and_hold_them() {
         let (triangles, positions) = faces(200, 0.3, 0.001);
-        let (outside, count) = points_outside(&triangles, &positions, 0.0);
-        assert_eq!(outside, 0);
-        assert!(count > 400, "{count} boxes");
-        // Boxes that are smaller by a millionth do not hold the faces.
-        assert!(points_outside(&triangles, &positions, 1e-6).0 > 1000);
-        // In the order of the pairs, whatever thread has cut them.
         let pairs = pairs(&triangles, &positions);
-        let boxes = boxes(&pairs, &triangles, &positions);
-        assert!(boxes.is_sorted_by_key(|(_, pair)| *pair));
-        let surface = |boxes: &[(Bounds, u32)]| boxes.iter().map(|(bounds, _)| bounds.half_area()).sum::<f32>();
-        let whole: Vec<(Bounds, u32)> = pairs.iter().map(|pair| pair.bounds(&triangles, &positions)).zip(0..).collect();
-        assert!(surface(&boxes) < 0.6 * surface(&whole), "{} of {}", surface(&boxes), surface(&whole));
-        let room = |most: usize| at_most(most, &pairs, &triangles, &positions);
-        assert!(room(boxes.len()) == boxes && room(boxes.len() - 1) == whole && room(0) == whole);
+        let whole = whole(&pairs, &triangles, &positions);
+        let room = |most: usize| boxes(whole.clone(), most, &pairs, &triangles, &positions);
+        let cut = room(MOST_LEAVES);
+        let outside = |shrink: f64| points_outside(&cut, &pairs, &triangles, &positions, shrink);
+        assert_eq!(outside(0.0), 0);
+        assert!(cut.len() > 400, "{} boxes", cut.len());
+        // Boxes that are smaller by a millionth do not hold the faces.
+        assert!(outside(1e-6) > 1000);
+        // In the order of the pairs, whatever thread has cut them.
+        assert!(cut.is_sorted_by_key(|(_, pair)| *pair));
+        let surface = |boxes: &[PairBox]| boxes.iter().map(|(bounds, _)| bounds.half_area()).sum::<f32>();
+        assert!(surface(&cut) < 0.6 * surface(&whole), "{} of {}", surface(&cut), surface(&whole));
+        assert!(room(cut.len()) == cut && room(cut.len() - 1) == whole && room(0) == whole);
     }
 
     #[test]
     fn boxes_of_other_faces_stay_whole() {
-        let mut random = numbers();
+        let mut random = unit_numbers();
         let side = 20u32;
         let grid: Vec<Vec3> =
             (0..side * side).map(|i| Vec3::new((i % side) as f32, (i / side) as f32, random()) / side as f32).collect();
         let squares = (0..side - 1).flat_map(|x| (0..side - 1).map(move |y| x + y * side));
         let hills: Vec<[u32; 3]> =
             squares.flat_map(|i| [[i, i + 1, i + side], [i + 1, i + 1 + side, i + side]]).collect();
-        assert_eq!(boxes(&pairs(&hills, &grid), &hills, &grid).len(), pairs(&hills, &grid).len());
+        let (boxes, pairs) = count(&hills, &grid);
+        assert_eq!(boxes, pairs);
         // Along an axis a box has no surface to save; and points and lines have none at all.
         let line = |to: Vec3| (vec![[0, 1, 2]], vec![Vec3::ZERO, 0.5 * to, to]);
         for (triangles, positions) in [line(Vec3::X), line(Vec3::ONE), line(Vec3::ZERO)] {
-            let boxes = boxes(&pairs(&triangles, &positions), &triangles, &positions);
-            assert!((1..=11).contains(&boxes.len()), "{} boxes", boxes.len());
+            let (boxes, _) = count(&triangles, &positions);
+            assert!((1..=11).contains(&boxes), "{boxes} boxes");
         }
-        assert!(boxes(&[], &[], &[]).is_empty());
+        assert_eq!(count(&[], &[]), (0, 0));
     }
 }

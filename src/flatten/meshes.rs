@@ -120,7 +120,7 @@ impl Builder<'_> {
             }));
         }
 
-        // The walk that finds the ends of a medium sums over faces, each of which must be in one leaf.
+        // `best` puts faces into several leaves. The walk that finds the ends of a medium would then count them twice.
         let quality = match self.quality {
             Quality::Best if self.around_media.contains(&shape.number) => Quality::Medium,
             quality => quality,
@@ -164,9 +164,10 @@ pub struct Hierarchy {
 impl Hierarchy {
     fn over(mesh: &Mesh, positions: &[Vec3], quality: Quality) -> Hierarchy {
         let pairs = pairs(&mesh.triangles, positions);
+        let whole = pairs.iter().map(|pair| pair.bounds(&mesh.triangles, positions)).zip(0..).collect();
         let boxes = match quality {
-            Quality::Best => cuts::boxes(&pairs, &mesh.triangles, positions),
-            _ => pairs.iter().map(|pair| pair.bounds(&mesh.triangles, positions)).zip(0..).collect(),
+            Quality::Best => cuts::boxes(whole, cuts::MOST_LEAVES, &pairs, &mesh.triangles, positions),
+            _ => whole,
         };
         let coded = boxes.into_iter().map(|(bounds, pair)| (bounds, primitive_code(KIND_TRIANGLE, pair)));
         let (bounds, codes): (Vec<Bounds>, Vec<u32>) = coded.unzip();

@@ -2,13 +2,12 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-use std::thread::available_parallelism;
 
 use super::buffers::Buffers;
 use super::device::Device;
 use super::layout::{Binding, BindingKind, has_override};
 use crate::error::Result;
-use crate::threads::each;
+use crate::threads::{cores, each};
 
 /// A kernel on the device, bound to its buffers.
 pub struct Pipeline {
@@ -53,7 +52,7 @@ impl Pipeline {
     /// # Errors
     /// That of the first kernel that has one.
     pub fn all(device: &Device, specs: &[PipelineSpec<'_>], buffers: &Buffers) -> Result<Vec<Pipeline>> {
-        let threads = available_parallelism().map_or(1, usize::from).min(specs.len());
+        let threads = cores().min(specs.len());
         each(threads, specs, |spec| Pipeline::new(device, spec, buffers)).into_iter().collect()
     }
 

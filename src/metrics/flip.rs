@@ -13,7 +13,7 @@ use std::f64::consts::PI;
 use std::ops::Range;
 
 use crate::data::unit;
-use crate::threads::each;
+use crate::threads::{cores, each};
 
 /// Pixels per degree of a display that is 0.7 m away and shows 3840 pixels on 0.7 m, the paper's default (section 4): 67.02.
 pub const PIXELS_PER_DEGREE: f64 = 0.7 * (3840.0 / 0.7) * (PI / 180.0);
@@ -151,10 +151,9 @@ impl Flip {
         if map.is_empty() {
             return map;
         }
-        let threads = std::thread::available_parallelism().map_or(1, usize::from);
         let bands = map.chunks_mut(width * BAND).enumerate();
         // The result does not depend on which thread takes which band.
-        each(threads.min(height.div_ceil(BAND)), bands, |(band, out)| {
+        each(cores().min(height.div_ceil(BAND)), bands, |(band, out)| {
             let rows = band * BAND..band * BAND + out.len() / width;
             let [a, b] = [a, b].map(|image| self.rows(width, height, image, rows.clone()));
             for ((out, a), b) in out.chunks_mut(width).zip(&a).zip(&b) {

@@ -5,6 +5,7 @@ use crate::film::{device_bytes, record_bytes};
 use crate::gpu::device::DeviceClass;
 use crate::job::Job;
 use crate::options::{RenderOptions, Scatter};
+use crate::threads::cores;
 
 /// The most memory of a device that the film takes; a larger one is in tiles.
 const MOST_FILM_BYTES: u64 = 512 << 20;
@@ -31,7 +32,7 @@ impl Tuning {
         // A processor wants work for each core and the slots' state in its caches; a GPU wants paths enough to hide its
         // latencies. A slot should serve several runs, or the render is all tail.
         let (fewest, most) = match device.software {
-            true => (2048, 4096 * cores().clamp(2, 16)),
+            true => (2048, 4096 * cores().clamp(2, 16) as u64),
             false => (65_536, 1 << 20),
         };
         // Their state is one buffer.
@@ -50,8 +51,4 @@ impl Tuning {
             tile: pixels.min(room).max(1) as u32,
         }
     }
-}
-
-fn cores() -> u64 {
-    std::thread::available_parallelism().map_or(1, |cores| cores.get() as u64)
 }

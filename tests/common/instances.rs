@@ -73,9 +73,13 @@ pub fn ball(cuts: u32) -> Faces {
 /// The ball as an OBJ file, stretched along its axes.
 pub fn ball_file(cuts: u32, stretch: DVec3) -> String {
     let (corners, faces) = ball(cuts);
+    obj_file(&(corners.into_iter().map(|p| stretch * p).collect(), faces))
+}
+
+/// Faces as an OBJ file.
+pub fn obj_file((corners, faces): &Faces) -> String {
     let mut text = String::new();
     for p in corners {
-        let p = stretch * p;
         writeln!(text, "v {:?} {:?} {:?}", p.x, p.y, p.z).expect("a string takes text");
     }
     for [a, b, c] in faces {

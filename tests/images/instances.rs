@@ -1,8 +1,8 @@
 //! Meshes that are placed many times: stored once, and the same image as if they had been copied.
 
 use std::f64::consts::TAU;
-use std::fmt::Write;
 
+use crate::common::instances::{Faces, obj_file};
 use crate::common::render::{Ask, render, same_expectation, scene_in};
 use glam::{DMat3, DVec3};
 use gpu_rt::flatten::flatten;
@@ -12,7 +12,7 @@ use gpu_rt::plan::{Kernels, Plan, Tuning, UniformTables};
 use gpu_rt::scene::Scene;
 
 /// A torus of radii 1 and 0.4 about the y axis, as corners and faces.
-fn torus(around: usize, across: usize) -> (Vec<DVec3>, Vec<[usize; 3]>) {
+fn torus(around: usize, across: usize) -> Faces {
     let corner = |i: usize, j: usize| {
         let (u, v) = (TAU * i as f64 / around as f64, TAU * j as f64 / across as f64);
         let r = 1.0 + 0.4 * v.cos();
@@ -30,18 +30,11 @@ fn torus(around: usize, across: usize) -> (Vec<DVec3>, Vec<[usize; 3]>) {
 }
 
 /// Meshes in one OBJ file, each moved by a map of its own.
-fn obj(mesh: &(Vec<DVec3>, Vec<[usize; 3]>), maps: &[&dyn Fn(DVec3) -> DVec3]) -> String {
-    let mut text = String::new();
-    for (copy, map) in maps.iter().enumerate() {
-        for p in mesh.0.iter().map(|p| map(*p)) {
-            writeln!(text, "v {:?} {:?} {:?}", p.x, p.y, p.z).expect("a string takes text");
-        }
-        let first = 1 + copy * mesh.0.len();
-        for [a, b, c] in &mesh.1 {
-            writeln!(text, "f {} {} {}", first + a, first + b, first + c).expect("a string takes text");
-        }
-    }
-    text
+fn obj(mesh: &Faces, maps: &[&dyn Fn(DVec3) -> DVec3]) -> String {
+    let corners = maps.iter().flat_map(|map| mesh.0.iter().map(|p| map(*p))).collect();
+    let firsts = (0..maps.len()).map(|copy| copy * mesh.0.len());
+    let faces = firsts.flat_map(|first| mesh.1.iter().map(move |face| face.map(|corner| first + corner))).collect();
+    obj_file(&(corners, faces))
 }
 
 /// Objects on a checkered floor, with files beside the scene.

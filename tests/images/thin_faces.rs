@@ -1,41 +1,32 @@
 //! Meshes of long thin faces, whose boxes `--build best` cuts: the same image.
 
-use std::fmt::Write;
-
 use glam::DVec3;
 use gpu_rt::bvh::Quality;
 use gpu_rt::flatten::flatten;
 use gpu_rt::scene::Scene;
 
+use crate::common::instances::{Faces, obj_file};
 use crate::common::render::{Ask, Shot, render, scene_in};
+use crate::common::stats::Random;
 
 /// Closed spikes of four faces each, long along random directions, as an OBJ file.
 fn spikes(count: usize) -> String {
-    let mut state = 3u64;
-    let mut random = || {
-        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (state >> 40) as f64 / (1u64 << 23) as f64 - 1.0
-    };
-    let mut vector = |size: f64| size * DVec3::new(random(), random(), random());
-    let mut text = String::new();
+    let mut random = Random(3);
+    let mut vector = |size: f64| size * DVec3::from_array([(); 3].map(|()| 2.0 * random.uniform() - 1.0));
+    let (mut corners, mut faces) = Faces::default();
     for spike in 0..count {
         let (at, along, u, v) = (vector(1.0), vector(0.8), vector(0.03), vector(0.03));
         // The faces run counter-clockwise seen from outside.
         let v = if along.dot(u.cross(v)) > 0.0 { v } else { -v };
-        for corner in [at - along, at - along + u, at - along + v, at + along] {
-            writeln!(text, "v {:?} {:?} {:?}", corner.x, corner.y, corner.z).expect("a string takes text");
-        }
-        for face in [[1, 3, 2], [1, 2, 4], [2, 3, 4], [3, 1, 4]] {
-            let [a, b, c] = face.map(|corner| 4 * spike + corner);
-            writeln!(text, "f {a} {b} {c}").expect("a string takes text");
-        }
+        corners.extend([at - along, at - along + u, at - along + v, at + along]);
+        faces.extend([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]].map(|face| face.map(|corner| 4 * spike + corner)));
     }
-    text
+    obj_file(&(corners, faces))
 }
 
 fn scene_of(objects: &str) -> Scene {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    std::fs::write(folder.path().join("spikes.obj"), spikes(150)).expect("the mesh is written");
+    std::fs::write(folder.path().join("spikes.obj"), spikes(200)).expect("the mesh is written");
     let text = format!(
         "Scene(image: (width: 48, height: 40), camera: (look_from: (0.5, 1, 4), look_at: (0, 0, 0), vertical_fov: 40),
             background: Gradient(bottom: (0.2, 0.2, 0.3), top: (1, 0.9, 0.8)),
@@ -56,6 +47,7 @@ fn built(scene: &Scene, quality: Quality) -> (Vec<u32>, usize) {
 
 #[test]
 fn faces_in_several_leaves_change_no_bit() {
+    let (empty, _) = built(&scene_of(""), Quality::Medium);
     for material in ["matt", "glass", "veil"] {
         let scene = scene_of(&format!("Mesh(path: \"spikes.obj\", material: \"{material}\")"));
         let (usual, nodes) = built(&scene, Quality::Medium);
@@ -63,7 +55,6 @@ fn faces_in_several_leaves_change_no_bit() {
         assert!(more_nodes > 2 * nodes, "{material}: {nodes} and {more_nodes} nodes");
         assert!(usual == cut, "{material}");
         // Most of the image is not the sky.
-        let empty = built(&scene_of(""), Quality::Medium).0;
         let changed = usual.iter().zip(&empty).filter(|(a, b)| a != b).count();
         assert!(changed > usual.len() / 2, "{material}: {changed} of {}", usual.len());
     }
