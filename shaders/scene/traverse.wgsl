@@ -88,11 +88,12 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
             let leaf = code;
             if primitive_kind(leaf) == KIND_TRIANGLE {
                 let pair = see_pair(primitive_index(leaf), here, inverse, tested);
+                // These come before the distance, so that it is computed with fewer numbers in registers (docs/gpu.md).
+                code = code_of_face(pair);
+                tested = tested_before_other(pair);
                 if pair.left != 0u {
                     t = hit_of_pair(pair).t;
                 }
-                code = code_of_face(pair);
-                tested = tested_before_other(pair);
             }
             //@ end
             if t != NO_HIT && t <= hit.t {
