@@ -4,7 +4,7 @@
 //! It renders the scenes that ship and the references, each linked in every way. On a driver without a table it compares the ways of
 //! linking with each other. `GPU_RT_RENEW_HASHES=1` writes the table: do this only where images are meant to change.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::Mutex;
@@ -143,6 +143,26 @@ fn images_are_what_they_were() {
 #[ignore = "minutes: make test-long"]
 fn images_are_what_they_were_with_all_features() {
     check("all");
+}
+
+/// Every table has a row for each scene, each way of linking, and with all features too. The rows with all features are compared by
+/// `make test-long` alone, so that nobody would notice for long that they are missing.
+#[test]
+fn tables_have_every_scene_and_way() {
+    let keys = |name: &String| {
+        let ways = ["all", "scene"].map(|features| SCATTERS.map(|scatter| format!("{name} {scatter} {features}")));
+        ways.into_iter().flatten()
+    };
+    let all: BTreeSet<String> = scenes().keys().flat_map(keys).collect();
+    let tables: Vec<_> =
+        std::fs::read_dir(Path::new(ROOT).join("tests/unchanged")).expect("the folder of tables").collect();
+    assert_eq!(tables.len(), 2);
+    for table in tables {
+        let path = table.expect("a table").path();
+        let found: BTreeSet<String> = read_table(&path).into_keys().collect();
+        let wrong: Vec<_> = all.symmetric_difference(&found).collect();
+        assert!(wrong.is_empty(), "{}: rows that are missing or of no scene: {wrong:#?}", path.display());
+    }
 }
 
 /// One material's red by one ulp of f32, or one pixel by one: another hash.
