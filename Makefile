@@ -72,6 +72,8 @@ fuzz: toolchain
 SECONDS ?= 1800
 FIRST ?= 1000
 soak: export NODEVICE_SELECT = 1
+# Kernels that come from the driver's files do not show the memory that compiling takes.
+soak: export MESA_SHADER_CACHE_DISABLE = true
 soak: toolchain
 	GPU_RT_SOAK_SECONDS=$(SECONDS) GPU_RT_SOAK_SEED=$(FIRST) $(CARGO) test --release --test long -- --exact soak::random_scenes --ignored --nocapture
 

@@ -1,7 +1,6 @@
 //! Adapters and devices.
 
 use std::borrow::Cow;
-use std::collections::HashMap;
 use std::fmt;
 use std::mem::ManuallyDrop;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -209,8 +208,8 @@ pub struct Device {
     pub numerics: OnceLock<Numerics>,
     /// The names of the kernels that were compiled for it so far.
     compiled: Mutex<Vec<String>>,
-    /// The compiled kernels, for renders that come later.
-    kept: Mutex<HashMap<CompiledFrom, Compiled>>,
+    /// The last [`KEPT_KERNELS`] kernels, for renders that come later. The one that was used last is the last.
+    kept: Mutex<Vec<(CompiledFrom, Compiled)>>,
     /// The first error that occurred outside a call that could return it.
     fault: Arc<OnceLock<String>>,
 }
@@ -220,6 +219,9 @@ pub struct Device {
 const WAITS: u32 = 10;
 /// A wait whose time is over while another thread also waits for this device may panic in wgpu, so that none should be over on a busy machine.
 const WAIT: Duration = Duration::from_secs(60);
+
+/// How many compiled kernels a device keeps. A render has up to 14, and on a software driver one takes some 4 MiB.
+pub const KEPT_KERNELS: usize = 32;
 
 /// Bytes of a buffer's contents that are on their way at a time.
 const FILL_AT_ONCE: usize = 64 << 20;
@@ -284,20 +286,26 @@ impl Device {
         self.compiled.lock().unwrap_or_else(PoisonError::into_inner).push(name.to_string());
     }
 
-    /// A kernel as `compile` makes it, or as it was made before.
+    /// A kernel as `compile` makes it, or as it was made before if it is among the last [`KEPT_KERNELS`].
     pub(super) fn compiled_once(
         &self,
         from: CompiledFrom,
         compile: impl FnOnce() -> Result<Compiled>,
     ) -> Result<Compiled> {
-        let kept = || self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        // The lock is not held while a kernel is compiled: several are at a time.
-        let known = kept().get(&from).cloned();
-        if let Some(known) = known {
-            return Ok(known);
+        let lock = || self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut kept = lock();
+        if let Some(at) = kept.iter().position(|(known, _)| *known == from) {
+            let (from, compiled) = kept.remove(at);
+            kept.push((from, compiled.clone()));
+            return Ok(compiled);
         }
+        // Several kernels are compiled at a time.
+        drop(kept);
         let compiled = compile()?;
-        kept().insert(from, compiled.clone());
+        let mut kept = lock();
+        kept.push((from, compiled.clone()));
+        let too_many = kept.len().saturating_sub(KEPT_KERNELS);
+        kept.drain(..too_many);
         Ok(compiled)
     }
 

@@ -2,6 +2,7 @@
 //! docs/performance.md.
 
 use crate::common::{device, render};
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Instant;
 
@@ -9,7 +10,9 @@ use crate::common::everything::{Everything, World};
 use gpu_rt::data::Sampler;
 use gpu_rt::film::Film;
 use gpu_rt::flatten::flatten;
-use gpu_rt::gpu::device::Device;
+use gpu_rt::gpu::buffers::Buffers;
+use gpu_rt::gpu::device::{Device, KEPT_KERNELS};
+use gpu_rt::gpu::pipeline::{Pipeline, PipelineSpec};
 use gpu_rt::job::{Goal, Job};
 use gpu_rt::options::{RenderOptions, Scatter};
 use gpu_rt::plan::Plan;
@@ -124,4 +127,41 @@ fn what_is_compiled_in_vain_is_found() {
     let mut found = in_vain(&device, &ran);
     found.sort();
     assert_eq!(found, ["generate", "intersect", "refill", "scatter"]);
+}
+
+/// Makes a kernel ready that does nothing, in a text of its own.
+fn make_ready(device: &Device, buffers: &Buffers, number: usize) {
+    let text = format!(
+        "override WORKGROUP_SIZE: u32 = 1; @compute @workgroup_size(WORKGROUP_SIZE) fn main() {{ let number = {number}; }}"
+    );
+    let module = naga::front::wgsl::parse_str(&text).expect("the kernel is valid");
+    let (name, bindings) = (number.to_string(), BTreeMap::new());
+    let (entry_point, workgroup, constants) = ("main", 1, &[][..]);
+    let spec = PipelineSpec {
+        name: &name,
+        entry_point,
+        module: &module,
+        text: &text,
+        bindings: &bindings,
+        workgroup,
+        constants,
+    };
+    Pipeline::new(device, &spec, buffers).expect("the kernel compiles");
+}
+
+/// A device that kept every kernel would take 9 MiB more with each new scene of a process.
+#[test]
+fn a_device_keeps_the_kernels_used_last() {
+    let device = device::open();
+    let buffers = Buffers::create(&device, &[]).expect("there is nothing to make");
+    let compilations = |number: usize| device.compiled().iter().filter(|name| **name == number.to_string()).count();
+    // The first one is used once more before others take the place of the second.
+    for number in (0..KEPT_KERNELS).chain([0, KEPT_KERNELS]) {
+        make_ready(&device, &buffers, number);
+    }
+    assert_eq!([0, 1, 2, KEPT_KERNELS].map(compilations), [1; 4]);
+    for number in [2, KEPT_KERNELS, 0, 1] {
+        make_ready(&device, &buffers, number);
+    }
+    assert_eq!([0, 1, 2, KEPT_KERNELS].map(compilations), [1, 2, 1, 1]);
 }
