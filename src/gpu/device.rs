@@ -220,7 +220,7 @@ const WAITS: u32 = 10;
 /// A wait whose time is over while another thread also waits for this device may panic in wgpu, so that none should be over on a busy machine.
 const WAIT: Duration = Duration::from_secs(60);
 
-/// How many compiled kernels a device keeps. A render has up to 14, and on a software driver one takes some 4 MiB.
+/// How many compiled kernels a device keeps. A render has 15 at most, and one takes some 4 MiB on a software driver.
 pub const KEPT_KERNELS: usize = 32;
 
 /// Bytes of a buffer's contents that are on their way at a time.
