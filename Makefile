@@ -50,8 +50,8 @@ quick: export NODEVICE_SELECT = 1
 quick: toolchain oidn
 	$(CARGO) test --test $(TEST) -- $(ARGS)
 
-# So that memory grows with leaks alone. Kernels from the driver's cache on disk would not show what compiling takes, and heaps of several
-# threads grow by chance.
+# With these, only leaks make the memory of a soak grow. Otherwise it also grows when kernels no longer come from the driver's cache on disk,
+# and by chance, because each thread has a heap.
 test-long soak: export MESA_SHADER_CACHE_DISABLE = true
 test-long soak: export MALLOC_ARENA_MAX = 1
 
@@ -73,7 +73,7 @@ SEED ?= 2
 fuzz: toolchain
 	GPU_RT_FUZZ_COUNT=$(COUNT) GPU_RT_FUZZ_SEED=$(SEED) $(CARGO) test --release --test long -- --exact fuzz::damaged_files --ignored --nocapture
 
-# Random scenes for SECONDS once it is warm, from the seed FIRST on.
+# Random scenes from the seed FIRST on, for SECONDS after the first hundred.
 SECONDS ?= 1800
 FIRST ?= 1000
 soak: export NODEVICE_SELECT = 1

@@ -208,7 +208,7 @@ pub struct Device {
     pub numerics: OnceLock<Numerics>,
     /// The names of the kernels that were compiled for it so far.
     compiled: Mutex<Vec<String>>,
-    /// The last [`KEPT_KERNELS`] kernels, for renders that come later. The one that was used last is the last.
+    /// The [`KEPT_KERNELS`] kernels that were used last, for renders that come later. The latest is at the end.
     kept: Mutex<Vec<(CompiledFrom, Compiled)>>,
     /// The first error that occurred outside a call that could return it.
     fault: Arc<OnceLock<String>>,
@@ -286,7 +286,7 @@ impl Device {
         self.compiled.lock().unwrap_or_else(PoisonError::into_inner).push(name.to_string());
     }
 
-    /// A kernel as `compile` makes it, or as it was made before if it is among the last [`KEPT_KERNELS`].
+    /// A kernel as `compile` makes it, or as it was made before if the device still keeps it.
     pub(super) fn compiled_once(
         &self,
         from: CompiledFrom,
@@ -299,7 +299,7 @@ impl Device {
             kept.push((from, compiled.clone()));
             return Ok(compiled);
         }
-        // Several kernels are compiled at a time.
+        // The lock is not held while a kernel is compiled: several are at a time.
         drop(kept);
         let compiled = compile()?;
         let mut kept = lock();

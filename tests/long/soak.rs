@@ -228,26 +228,26 @@ fn memory() -> Option<f64> {
     line.split_whitespace().nth(1)?.parse().ok().map(|kib: f64| kib / 1024.0)
 }
 
-/// Runs the scenes of some seeds, until the time after the first `WARM` is up.
+/// Runs the scenes of some seeds: the first `WARM`, and then others until the time is up.
 fn soak(seeds: impl Iterator<Item = u64>, limit: Duration) {
     // By then a device keeps as many kernels as it may, and a driver has compiled large ones.
     const WARM: usize = 100;
     let everything = Everything::new();
-    let (mut start, mut count, mut warm, mut alarms) = (Instant::now(), 0, None, Vec::new());
+    let (mut count, mut warm, mut alarms) = (0, None, Vec::new());
     for seed in seeds {
-        if count > WARM && start.elapsed() > limit {
+        if warm.is_some_and(|(since, _): (Instant, _)| since.elapsed() > limit) {
             break;
         }
         println!("soak {seed}: {:?} MiB", memory().map(f64::round));
         alarms.extend(alarm(everything.folder(), seed, 1.0));
         count += 1;
         if count == WARM {
-            (start, warm) = (Instant::now(), memory());
+            warm = Some((Instant::now(), memory()));
         }
     }
     println!("soak: {count} scenes, {} confirmed alarms", alarms.len());
     assert!(alarms.is_empty(), "{}", alarms.join("\n"));
-    if let (Some(warm), Some(now)) = (warm, memory()) {
+    if let (Some((_, Some(warm))), Some(now)) = (warm, memory()) {
         let most = warm + GROWTH * (1.0 + (count - WARM) as f64 / 1000.0);
         println!("soak: {warm:.0} MiB after {WARM} scenes, {now:.0} MiB now");
         assert!(now < most, "the memory has grown from {warm} MiB to {now} MiB");

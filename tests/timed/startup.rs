@@ -135,16 +135,14 @@ fn make_ready(device: &Device, buffers: &Buffers, number: usize) {
         "override WORKGROUP_SIZE: u32 = 1; @compute @workgroup_size(WORKGROUP_SIZE) fn main() {{ let number = {number}; }}"
     );
     let module = naga::front::wgsl::parse_str(&text).expect("the kernel is valid");
-    let (name, bindings) = (number.to_string(), BTreeMap::new());
-    let (entry_point, workgroup, constants) = ("main", 1, &[][..]);
     let spec = PipelineSpec {
-        name: &name,
-        entry_point,
+        name: &number.to_string(),
+        entry_point: "main",
         module: &module,
         text: &text,
-        bindings: &bindings,
-        workgroup,
-        constants,
+        bindings: &BTreeMap::new(),
+        workgroup: 1,
+        constants: &[],
     };
     Pipeline::new(device, &spec, buffers).expect("the kernel compiles");
 }
@@ -153,9 +151,9 @@ fn make_ready(device: &Device, buffers: &Buffers, number: usize) {
 #[test]
 fn a_device_keeps_the_kernels_used_last() {
     let device = device::open();
-    let buffers = Buffers::create(&device, &[]).expect("there is nothing to make");
+    let buffers = Buffers::create(&device, &[]).expect("no buffer is asked for");
     let compilations = |number: usize| device.compiled().iter().filter(|name| **name == number.to_string()).count();
-    // The first one is used once more before others take the place of the second.
+    // One kernel more than a device keeps. The first is used again before, so that the second is dropped.
     for number in (0..KEPT_KERNELS).chain([0, KEPT_KERNELS]) {
         make_ready(&device, &buffers, number);
     }
