@@ -5,6 +5,7 @@
 
 mod channels;
 mod totals;
+mod verdict;
 mod words;
 
 use crate::aov::{Aovs, SceneSpace};
@@ -13,7 +14,8 @@ use crate::error::{Error, Result};
 use crate::job::Frame;
 use crate::memory;
 pub use channels::{device_bytes, record_bytes};
-pub use totals::{Rejected, ThroughGlass, TooDeep, Totals};
+pub use totals::{HiddenLight, Rejected, TooDeep, Totals};
+pub use verdict::Verdict;
 
 use channels::Channels;
 
@@ -181,6 +183,8 @@ impl Pixel {
 pub struct Film {
     exponent: i32,
     sampler: Sampler,
+    /// Whether its paths sample lights, or find them by BSDF sampling alone.
+    samples_lights: bool,
     /// The part of an image that it is of: as many pixels as there are.
     frame: Frame,
     pixels: Vec<Pixel>,
@@ -223,7 +227,13 @@ impl Film {
         // Zeros as the system hands them out: writing them would cost a large film more than all else before its first pass.
         let pixels = bytemuck::allocation::try_zeroed_vec::<Pixel>(count).map_err(cannot)?;
         let frame = Frame::whole((width, height));
-        Ok(Film { exponent, sampler, frame, pixels, channels: Channels::default(), totals: Totals::default() })
+        let (channels, totals) = (Channels::default(), Totals::default());
+        Ok(Film { exponent, sampler, samples_lights: true, frame, pixels, channels, totals })
+    }
+
+    /// The same film, of paths that sample lights, as by default, or find them by BSDF sampling alone.
+    pub fn sampling_lights(self, samples_lights: bool) -> Film {
+        Film { samples_lights, ..self }
     }
 
     /// The same film, if it is empty, with further channels. `space` is that in which the kernels see the scene.
@@ -392,9 +402,13 @@ impl Film {
     /// - **What the error is relative to.** A pixel that a rare bright path met has a large v and a large I, and x is near 1 whatever it is. The
     ///   half that the path is not in says how bright the pixel mostly is: in the bound, x and w have the mean of 1/(I² + 0.01 Ī²) over
     ///   the halves' own I. What this is too much, by the noise of halves, is some 12 v/I² of itself: 1 % where the relative error is 3 %.
+    /// - **A pixel near 0.** With samples of either sign (`--filter mitchell`) a bright edge makes pixels near 0, and the halves of one may lie on
+    ///   either side. Then its true value may be 0, and it counts with 1/(0.01 Ī²).
     /// - **Many rare bright paths.** Where that sum is more than four times T, half of each weight still comes from the bright half, which is
     ///   too small. There the weight moves to that of the darker half as v/I² moves to 1, where one half holds everything. The bound is
     ///   the larger of both.
+    ///
+    /// It is never below the relative error itself, whose weights may be larger in dark pixels.
     ///
     /// The relative error is known to sqrt(1/(2ν)) of itself. Where that is more than a tenth, ν < 50, few pixels carry the sum, as rare
     /// bright paths make it. Then what has not been seen yet may be more than what has, and the estimate is called unreliable. So it is where
@@ -402,7 +416,8 @@ impl Film {
     /// stated one. How often the bound holds is measured in docs/light-transport.md.
     pub fn error_estimate(&self, level: f64) -> Option<ErrorEstimate> {
         let mean_luminance = self.pixels.iter().map(|p| luminance(p.means())).sum::<f64>() / self.pixels.len() as f64;
-        if mean_luminance <= 0.0 {
+        // A filter with negative lobes may make it negative; what counts is its square.
+        if mean_luminance == 0.0 {
             return None;
         }
         let floor = DARK_PIXEL_FLOOR * mean_luminance * mean_luminance;
@@ -415,10 +430,16 @@ impl Film {
             let v = pixel.variances(self.sampler)?;
             let spread = [0, 1, 2].map(|channel| pixel.variance_of_spread(channel).unwrap_or(0.0));
             let own = pixel.means().map(|mean| 1.0 / (mean * mean + floor));
-            let halves = pixel.half_means().map(|means| means.map(|mean| 1.0 / (mean * mean + floor)));
-            let mean = [0, 1, 2].map(|c| 0.5 * (halves[0][c] + halves[1][c]));
-            let darker =
-                [0, 1, 2].map(|c| mean[c] + (v[c] * own[c]).min(1.0) * (halves[0][c].max(halves[1][c]) - mean[c]));
+            let means = pixel.half_means();
+            let halves = means.map(|means| means.map(|mean| 1.0 / (mean * mean + floor)));
+            let mean = [0, 1, 2].map(|c| match (means[0][c] < 0.0) == (means[1][c] < 0.0) {
+                true => 0.5 * (halves[0][c] + halves[1][c]),
+                false => 1.0 / floor,
+            });
+            let darker = [0, 1, 2].map(|c| {
+                let most = halves[0][c].max(halves[1][c]).max(mean[c]);
+                mean[c] + (v[c] * own[c]).min(1.0) * (most - mean[c])
+            });
             total += weighted(v, own);
             let degrees = pixel.degrees(self.sampler);
             usual.add(weighted(v, mean), degrees, weighted(spread, mean));
@@ -436,6 +457,7 @@ impl Film {
         let alike = usual.total <= MOST_ACROSS * MOST_ACROSS * total;
         let bound = if alike { bound } else { bound.max(rare.bound(level).0) };
         let reliable = alike && 0.5 / degrees <= RELIABLE * RELIABLE;
+        let bound = bound.max(total);
         Some(ErrorEstimate { value: error(total), bound: error(bound), against_better: error(usual.total), reliable })
     }
 }

@@ -55,7 +55,7 @@ const LIGHT_NODE_INDEX: u32 = 0x1fffffffu;
 // Values from here on are not places in the table of lights. An emitter with such a value is not sampled.
 const NOT_SAMPLED: u32 = 0x80000000u;
 
-// The sky's number when lights are sorted into bins (step/through_glass). It does not depend on the sky's place in the table of lights.
+// The sky's number when lights are sorted into bins (step/narrow_lobe). It does not depend on the sky's place in the table of lights.
 const NUMBER_OF_SKY: u32 = 0u;
 
 // Stands in place of a light's code where there is no shadow ray.

@@ -68,21 +68,55 @@ const SCATTERED: u32 = 0u;
 const ABSORBED: u32 = 1u;
 const EMITTED: u32 = 2u;
 
+// The width of the lobe that a direction was drawn from. A LOBE_SPECULAR has one direction, so light sampling cannot find its light. Of a
+// LOBE_NARROW it rarely does. Lights that only such lobes reach are counted (step/narrow_lobe).
+const LOBE_WIDE: u32 = 0u;
+const LOBE_NARROW: u32 = 1u;
+const LOBE_SPECULAR: u32 = 2u;
+// The width in radians from which on a lobe is wide. Measured: docs/light-transport.md, "Light that narrow lobes hide".
+const NARROW_LOBE: f32 = 0.1;
+
+// Whether a lobe of this width in radians is narrow: half of its directions are within about this angle of its axis.
+fn is_narrow(width: f32) -> bool {
+    return width < NARROW_LOBE;
+}
+
+// The lobe of a material without any other.
+fn lobe_of(width: f32) -> u32 {
+    return select(LOBE_WIDE, LOBE_NARROW, is_narrow(width));
+}
+
 // What a material does with a ray. SCATTERED: the new unit direction, and weight = BSDF x cosine / pdf. EMITTED: weight =
 // emitted radiance, and the path ends.
 struct Scatter {
     event: u32,
     direction: vec3<f32>,
     weight: vec3<f32>,
+    // The lobe that the direction was drawn from.
+    lobe: u32,
 }
 
-// The response of a surface to light from a given direction: BSDF times cosine, and the pdf with which the
-// material would sample that direction.
+// The response of a surface to light from a given direction, without that of its specular lobes: BSDF times cosine, and the pdf with
+// which the material would sample that direction.
 struct Response {
     value: vec3<f32>,
     pdf: f32,
+    // The share of the pdf that narrow lobes have.
+    narrow: f32,
+}
+
+fn scatter_towards(direction: vec3<f32>, weight: vec3<f32>, lobe: u32) -> Scatter {
+    return Scatter(SCATTERED, direction, weight, lobe);
+}
+
+fn emit(radiance: vec3<f32>) -> Scatter {
+    return Scatter(EMITTED, vec3<f32>(0.0), radiance, LOBE_WIDE);
 }
 
 fn absorbed() -> Scatter {
-    return Scatter(ABSORBED, vec3<f32>(0.0), vec3<f32>(0.0));
+    return Scatter(ABSORBED, vec3<f32>(0.0), vec3<f32>(0.0), LOBE_WIDE);
+}
+
+fn no_response() -> Response {
+    return Response(vec3<f32>(0.0), 0.0, 0.0);
 }

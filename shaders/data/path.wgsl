@@ -26,8 +26,7 @@ struct Path {
     //@ if gathers
     // Radiance of this sample so far from light sampling, and from surfaces that emit and scatter.
     radiance: vec3<f32>,
-    // The pdf with which the last event sampled the ray's direction. 0 for camera rays and after specular events. After some
-    // specular events it is BY_CHANCE (step/through_glass).
+    // The pdf with which the last event sampled the ray's direction. 0 for camera rays and in specular lobes.
     pdf: f32,
     //@ end
     //@ if light
@@ -35,6 +34,11 @@ struct Path {
     shadow: Ray,
     light: u32,
     light_weight: vec3<f32>,
+    //@ end
+    //@ if probed
+    // What the lobes of the path's events were, in bits, and the weight of the shadow ray as a probe (step/narrow_lobe).
+    history: u32,
+    probe: f32,
     //@ end
     //@ if emitting_mesh
     // For a light that is a triangle: the instance of its mesh.

@@ -36,9 +36,8 @@ struct Counters {
     refused: atomic<u32>,
     // Counts of 64 bits, the low word first (step/count).
     counts: array<array<atomic<u32>, 2>, 4>,
-    //@ if one_way
-    // The same for each bin of lights, in units of 2^-24: the light that shadow rays of mirrors and glass found, and the light that their
-    // paths found by chance (step/through_glass).
+    //@ if probed
+    // Light of narrow lobes for each bin of lights, in units of 2^-24: what probes found, and what paths found (step/narrow_lobe).
     light: array<array<array<atomic<u32>, 2>, 2>, 32>,
     //@ end
 }

@@ -8,10 +8,27 @@
 // 2^-25: they do not tell narrower lobes apart.
 const LEAST_ROUGHNESS: f32 = 0x1p-10f;
 
+// The direction in which a smooth surface mirrors a ray. It is made a unit vector twice, so that it has the bytes of a metal without fuzz.
+fn mirror_direction(incoming: vec3<f32>, normal: vec3<f32>) -> vec3<f32> {
+    return normalize(normalize(incoming - 2.0 * dot(incoming, normal) * normal));
+}
+
 // Whether a boundary between clear solids is rough: `contrast` is (ior - 1)(ior + 1). Where the index is close to 1, the refracted lobe
 // is narrow by as much.
 fn is_rough_boundary(alpha: f32, contrast: f32) -> bool {
     return alpha * min(abs(contrast), 1.0) >= LEAST_ROUGHNESS * LEAST_ROUGHNESS;
+}
+
+// The width of the lobe that microfacets reflect, in radians: half of the normals have a tangent of at most alpha to the surface's normal,
+// and a mirrored direction turns twice as far as its mirror.
+fn width_of_reflection(alpha: f32) -> f32 {
+    return 2.0 * alpha;
+}
+
+// The width of the lobe that they refract: by Snell's law, a microfacet that turns by an angle turns a ray that meets it straight on by
+// 1 - 1/eta of it, with eta the index of the far side over that of the near side.
+fn width_of_refraction(alpha: f32, eta: f32) -> f32 {
+    return alpha * abs(1.0 - 1.0 / eta);
 }
 
 // The density of microfacet normals at the direction of `along`, a vector of any length on the side of the unit normal:

@@ -11,13 +11,12 @@ fn conductor_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scat
     let normal = hit.normal;
     let cos_view = clamp(-dot(hit.incoming, normal), 0.0, 1.0);
     if material.parameter < LEAST_ROUGHNESS {
-        // The bytes of a metal without fuzz, which makes the direction a unit once more after it was blurred.
-        let mirrored = normalize(normalize(hit.incoming - 2.0 * dot(hit.incoming, normal) * normal));
+        let mirrored = mirror_direction(hit.incoming, normal);
         if !(dot(mirrored, normal) > 0.0) {
             return absorbed();
         }
         let share = reflectance_of_metal(cos_view, hit.colour, hit.second.colour, hit.second.parameter != 0.0);
-        return Scatter(SCATTERED, mirrored, share);
+        return scatter_towards(mirrored, share, LOBE_SPECULAR);
     }
     let alpha = material.parameter * material.parameter;
     let basis = basis_around(normal);
@@ -37,5 +36,6 @@ fn conductor_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scat
         cos_facet, hit.colour, hit.second.colour, hit.second.parameter != 0.0, hit.lost_over_kept,
     );
     //@ end
-    return Scatter(SCATTERED, direction, share * smith_shadowing(cos_view, min(cos_light, 1.0), alpha));
+    let weight = share * smith_shadowing(cos_view, min(cos_light, 1.0), alpha);
+    return scatter_towards(direction, weight, lobe_of(width_of_reflection(alpha)));
 }

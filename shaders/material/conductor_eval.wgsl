@@ -13,7 +13,7 @@ fn conductor_eval(material: Material, hit: Interaction, direction: vec3<f32>) ->
     let cos_view = clamp(-dot(hit.incoming, hit.normal), 0.0, 1.0);
     let cos_light = min(dot(direction, hit.normal), 1.0);
     if !(cos_light > 0.0) {
-        return Response(vec3<f32>(0.0), 0.0);
+        return no_response();
     }
     let half_way = direction - hit.incoming;
     let pdf = 0.25 * visible_density(microfacet_density(half_way, hit.normal, alpha), cos_view, alpha);
@@ -26,5 +26,6 @@ fn conductor_eval(material: Material, hit: Interaction, direction: vec3<f32>) ->
         cos_facet, hit.colour, hit.second.colour, hit.second.parameter != 0.0, hit.lost_over_kept,
     );
     //@ end
-    return Response(share * (pdf * smith_shadowing(cos_view, cos_light, alpha)), pdf);
+    let value = share * (pdf * smith_shadowing(cos_view, cos_light, alpha));
+    return Response(value, pdf, select(0.0, 1.0, is_narrow(width_of_reflection(alpha))));
 }

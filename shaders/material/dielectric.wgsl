@@ -10,11 +10,11 @@ fn dielectric_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Sca
     let boundary = fresnel(cos_incident, eta, contrast);
     if u.x < boundary.reflectance {
         let mirrored = hit.incoming + 2.0 * cos_incident * hit.normal;
-        return Scatter(SCATTERED, normalize(mirrored), vec3<f32>(1.0));
+        return scatter_towards(normalize(mirrored), vec3<f32>(1.0), LOBE_SPECULAR);
     }
     if contrast == 0.0 {
-        return Scatter(SCATTERED, hit.incoming, vec3<f32>(1.0));
+        return scatter_towards(hit.incoming, vec3<f32>(1.0), LOBE_SPECULAR);
     }
     let refracted = refract_by(hit.incoming, hit.normal, cos_incident, eta, boundary.cos_transmitted);
-    return Scatter(SCATTERED, refracted, vec3<f32>(1.0));
+    return scatter_towards(refracted, vec3<f32>(1.0), LOBE_SPECULAR);
 }

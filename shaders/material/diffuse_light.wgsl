@@ -2,7 +2,7 @@
 // Emits the same radiance in all directions and reflects nothing. A one-sided light (parameter 0) emits nothing from its back.
 fn diffuse_light_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scatter {
     if hit.front || material.parameter != 0.0 {
-        return Scatter(EMITTED, vec3<f32>(0.0), hit.colour);
+        return emit(hit.colour);
     }
     return absorbed();
 }

@@ -5,5 +5,5 @@
 // albedo (PBR 4th ed., section 9.2).
 fn lambertian_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scatter {
     let direction = from_basis(basis_around(hit.normal), sample_cosine_hemisphere(u.xy));
-    return Scatter(SCATTERED, normalize(direction), hit.colour);
+    return scatter_towards(normalize(direction), hit.colour, LOBE_WIDE);
 }

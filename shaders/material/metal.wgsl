@@ -9,5 +9,5 @@ fn metal_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scatter 
     if !(dot(blurred, blurred) > 1e-12) || !(dot(blurred, hit.normal) > 0.0) {
         return absorbed();
     }
-    return Scatter(SCATTERED, normalize(blurred), hit.colour);
+    return scatter_towards(normalize(blurred), hit.colour, select(lobe_of(material.parameter), LOBE_SPECULAR, material.parameter == 0.0));
 }

@@ -18,7 +18,7 @@ fn metal_eval(material: Material, hit: Interaction, direction: vec3<f32>) -> Res
     let across = direction - c * mirrored;
     let h2 = fuzz * fuzz - dot(across, across);
     if !(h2 > 0.0) || !(dot(direction, hit.normal) > 0.0) {
-        return Response(vec3<f32>(0.0), 0.0);
+        return no_response();
     }
     let h = sqrt(h2);
     var cubes = 2.0 * h * (3.0 * c * c + h2);
@@ -26,8 +26,8 @@ fn metal_eval(material: Material, hit: Interaction, direction: vec3<f32>) -> Res
         let far = max(c + h, 0.0);
         cubes = far * far * far;
     } else if c < 0.0 {
-        return Response(vec3<f32>(0.0), 0.0);
+        return no_response();
     }
     let pdf = cubes / (4.0 * PI * fuzz * fuzz * fuzz);
-    return Response(hit.colour * pdf, pdf);
+    return Response(hit.colour * pdf, pdf, select(0.0, 1.0, is_narrow(fuzz)));
 }

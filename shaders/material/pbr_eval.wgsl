@@ -3,16 +3,53 @@
 //@ use lib/microfacet
 //@ use lib/sampling
 // glTF 2.0, appendix B. `colour` is the base colour, `parameter` the roughness, contrast_outside the reflectance of the glossy layer for
-// light straight on it, and contrast_inside the metallic share.
+// light straight on it, and contrast_inside the metallic share. A roughness below LEAST_ROUGHNESS makes its microfacets a mirror: a specular
+// lobe, which has no part in the response.
 
-// The narrowest lobe that f32 tells from a mirror stands for one. So the matt part always has company that is not specular.
-fn pbr_alpha(material: Material) -> f32 {
-    let roughness = max(material.parameter, LEAST_ROUGHNESS);
-    return roughness * roughness;
+fn pbr_is_smooth(material: Material) -> bool {
+    return material.parameter < LEAST_ROUGHNESS;
 }
 
+// A smooth metal is a mirror and nothing else.
 fn pbr_is_non_specular(material: Material) -> bool {
-    return true;
+    return !pbr_is_smooth(material) || material.contrast_inside < 1.0;
+}
+
+//@ if plain_layer
+// What the layer reflects of light straight on it.
+fn pbr_straight(material: Material, hit: Interaction) -> vec3<f32> {
+    return vec3<f32>(material.contrast_outside);
+}
+
+// What it reflects of light that meets a microfacet at this cosine.
+fn pbr_layer(material: Material, hit: Interaction, cos_facet: f32) -> vec3<f32> {
+    return schlick(cos_facet, pbr_straight(material, hit));
+}
+
+// The share of light that it lets pass.
+fn pbr_passed(layer: vec3<f32>) -> vec3<f32> {
+    return 1.0 - layer;
+}
+
+//@ end
+//@ if own_layer
+fn pbr_straight(material: Material, hit: Interaction) -> vec3<f32> {
+    return hit.straight;
+}
+
+fn pbr_layer(material: Material, hit: Interaction, cos_facet: f32) -> vec3<f32> {
+    return schlick_up_to(cos_facet, hit.straight, hit.grazing);
+}
+
+fn pbr_passed(layer: vec3<f32>) -> vec3<f32> {
+    return vec3<f32>(1.0 - max(max(layer.x, layer.y), layer.z));
+}
+
+//@ end
+
+// The reflectance of the microfacets at this cosine, of the layer and of the metal, as single scattering has it.
+fn pbr_reflectance(material: Material, hit: Interaction, cos_facet: f32) -> vec3<f32> {
+    return mix(pbr_layer(material, hit, cos_facet), schlick(cos_facet, hit.colour), material.contrast_inside);
 }
 
 // The probability of drawing a microfacet instead of a matt direction: about its share of the light that comes back. A grazing view
@@ -20,15 +57,10 @@ fn pbr_is_non_specular(material: Material) -> bool {
 fn pbr_share_of_facets(material: Material, hit: Interaction, cos_view: f32) -> f32 {
     let base = hit.colour;
     let metallic = material.contrast_inside;
-    //@ if plain_layer
-    let layer = schlick(cos_view, vec3<f32>(material.contrast_outside));
-    //@ end
-    //@ if own_layer
-    let layer = schlick_up_to(cos_view, hit.straight, hit.grazing);
-    //@ end
-    let facets = mix(layer, schlick(cos_view, base), metallic);
-    let matt = (1.0 - metallic) * (1.0 - layer) * base;
-    let bright = vec2<f32>(facets.x + facets.y + facets.z, matt.x + matt.y + matt.z);
+    let facets = pbr_reflectance(material, hit, cos_view);
+    let matt = (1.0 - metallic) * (1.0 - pbr_layer(material, hit, cos_view)) * base;
+    // Dot products, because Mesa adds a plain sum of such terms in another order in another kernel.
+    let bright = vec2<f32>(dot(facets, vec3<f32>(1.0)), dot(matt, vec3<f32>(1.0)));
     if metallic == 1.0 || all(base == vec3<f32>(0.0)) {
         return 1.0;
     }
@@ -40,33 +72,29 @@ fn pbr_share_of_facets(material: Material, hit: Interaction, cos_view: f32) -> f
 // reflects from microfacets by its base colour. They are mixed by the metallic share.
 fn pbr_eval(material: Material, hit: Interaction, direction: vec3<f32>) -> Response {
     let metallic = material.contrast_inside;
-    let alpha = pbr_alpha(material);
     let cos_view = clamp(-dot(hit.incoming, hit.normal), 0.0, 1.0);
     let cos_light = min(dot(direction, hit.normal), 1.0);
     if !(cos_light > 0.0) {
-        return Response(vec3<f32>(0.0), 0.0);
+        return no_response();
     }
     let half_way = direction - hit.incoming;
-    let facets = 0.25 * visible_density(microfacet_density(half_way, hit.normal, alpha), cos_view, alpha);
     let cos_facet = clamp(dot(direction, half_way) * inverseSqrt(dot(half_way, half_way)), 0.0, 1.0);
-    //@ if plain_layer
-    let straight = vec3<f32>(material.contrast_outside);
-    let layer = schlick(cos_facet, straight);
-    let passed = 1.0 - layer;
-    //@ end
-    //@ if own_layer
-    let straight = hit.straight;
-    let layer = schlick_up_to(cos_facet, straight, hit.grazing);
-    let passed = 1.0 - max(max(layer.x, layer.y), layer.z);
-    //@ end
+    let layer = pbr_layer(material, hit, cos_facet);
+    let matt = (1.0 - metallic) * pbr_passed(layer) * hit.colour;
+    let share = pbr_share_of_facets(material, hit, cos_view);
+    if pbr_is_smooth(material) {
+        return Response(matt * (cos_light / PI), (1.0 - share) * (cos_light / PI), 0.0);
+    }
+    let alpha = material.parameter * material.parameter;
+    let facets = 0.25 * visible_density(microfacet_density(half_way, hit.normal, alpha), cos_view, alpha);
     //@ if single_scattering
     let glossy = mix(layer, schlick(cos_facet, hit.colour), metallic);
     //@ end
     //@ if multiscatter
-    let whole_layer = layer * (1.0 + straight * hit.lost_over_kept);
+    let whole_layer = layer * (1.0 + pbr_straight(material, hit) * hit.lost_over_kept);
     let glossy = mix(whole_layer, schlick(cos_facet, hit.colour) * (1.0 + hit.colour * hit.lost_over_kept), metallic);
     //@ end
-    let matt = (1.0 - metallic) * passed * hit.colour;
     let value = glossy * (facets * smith_shadowing(cos_view, cos_light, alpha)) + matt * (cos_light / PI);
-    return Response(value, mix(cos_light / PI, facets, pbr_share_of_facets(material, hit, cos_view)));
+    let pdf = mix(cos_light / PI, facets, share);
+    return Response(value, pdf, select(0.0, share * facets / pdf, is_narrow(width_of_reflection(alpha))));
 }

@@ -31,11 +31,13 @@ fn rough_dielectric_scatter(material: Material, hit: Interaction, u: vec4<f32>) 
         direction = refract_by(hit.incoming, facet, cos_facet, eta, boundary.cos_transmitted);
     }
     if !is_rough {
-        return Scatter(SCATTERED, direction, vec3<f32>(1.0));
+        return scatter_towards(direction, vec3<f32>(1.0), LOBE_SPECULAR);
     }
     let cos_light = dot(direction, normal) * select(-1.0, 1.0, reflects);
     if !(cos_light > 0.0) {
         return absorbed();
     }
-    return Scatter(SCATTERED, direction, vec3<f32>(smith_shadowing(cos_view, min(cos_light, 1.0), alpha)));
+    let weight = smith_shadowing(cos_view, min(cos_light, 1.0), alpha);
+    let width = select(width_of_refraction(alpha, eta), width_of_reflection(alpha), reflects);
+    return scatter_towards(direction, vec3<f32>(weight), lobe_of(width));
 }

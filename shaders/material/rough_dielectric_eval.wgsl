@@ -20,14 +20,14 @@ fn rough_dielectric_eval(material: Material, hit: Interaction, direction: vec3<f
     let sum = select(eta, 1.0, reflects) * direction - hit.incoming;
     let length2 = dot(sum, sum);
     if height == 0.0 || !(length2 > 0.0) {
-        return Response(vec3<f32>(0.0), 0.0);
+        return no_response();
     }
     let facet = sum * (inverseSqrt(length2) * select(-1.0, 1.0, dot(sum, hit.normal) >= 0.0));
     let cos_facet = -dot(hit.incoming, facet);
     let cos_out = dot(direction, facet);
     // The microfacet must see both directions on the sides on which the surface has them.
     if !(cos_facet > 0.0) || (cos_out > 0.0) != reflects {
-        return Response(vec3<f32>(0.0), 0.0);
+        return no_response();
     }
     let reflectance = fresnel(min(cos_facet, 1.0), eta, contrast).reflectance;
     let seen = visible_density(microfacet_density(sum, hit.normal, alpha), cos_view, alpha);
@@ -35,5 +35,7 @@ fn rough_dielectric_eval(material: Material, hit: Interaction, direction: vec3<f
     if !reflects {
         pdf = seen * cos_facet * (1.0 - reflectance) * (eta * eta * -cos_out / length2);
     }
-    return Response(vec3<f32>(pdf * smith_shadowing(cos_view, min(abs(height), 1.0), alpha)), pdf);
+    let value = vec3<f32>(pdf * smith_shadowing(cos_view, min(abs(height), 1.0), alpha));
+    let width = select(width_of_refraction(alpha, eta), width_of_reflection(alpha), reflects);
+    return Response(value, pdf, select(0.0, 1.0, is_narrow(width)));
 }

@@ -11,7 +11,7 @@ fn thin_dielectric_scatter(material: Material, hit: Interaction, u: vec4<f32>) -
     if material.parameter < LEAST_ROUGHNESS {
         let reflects = u.x < fresnel(cos_view, sqrt(1.0 + material.contrast_outside), material.contrast_outside).reflectance;
         let mirrored = normalize(hit.incoming + 2.0 * cos_view * normal);
-        return Scatter(SCATTERED, select(hit.incoming, mirrored, reflects), vec3<f32>(1.0));
+        return scatter_towards(select(hit.incoming, mirrored, reflects), vec3<f32>(1.0), LOBE_SPECULAR);
     }
     let alpha = material.parameter * material.parameter;
     let basis = basis_around(normal);
@@ -26,5 +26,5 @@ fn thin_dielectric_scatter(material: Material, hit: Interaction, u: vec4<f32>) -
     let reflects = u.x < fresnel(cos_facet, sqrt(1.0 + material.contrast_outside), material.contrast_outside).reflectance;
     let passing = normalize(mirrored - 2.0 * cos_light * normal);
     let share = smith_shadowing(cos_view, min(cos_light, 1.0), alpha);
-    return Scatter(SCATTERED, select(passing, mirrored, reflects), vec3<f32>(share));
+    return scatter_towards(select(passing, mirrored, reflects), vec3<f32>(share), lobe_of(width_of_reflection(alpha)));
 }

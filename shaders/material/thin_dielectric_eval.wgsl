@@ -13,7 +13,7 @@ fn thin_dielectric_eval(material: Material, hit: Interaction, direction: vec3<f3
     let cos_view = clamp(-dot(hit.incoming, hit.normal), 0.0, 1.0);
     let height = dot(direction, hit.normal);
     if height == 0.0 {
-        return Response(vec3<f32>(0.0), 0.0);
+        return no_response();
     }
     let mirrored = direction - 2.0 * min(height, 0.0) * hit.normal;
     let half_way = mirrored - hit.incoming;
@@ -21,5 +21,6 @@ fn thin_dielectric_eval(material: Material, hit: Interaction, direction: vec3<f3
     let reflectance = fresnel(cos_facet, sqrt(1.0 + material.contrast_outside), material.contrast_outside).reflectance;
     let share = select(1.0 - reflectance, reflectance, height > 0.0);
     let pdf = 0.25 * share * visible_density(microfacet_density(half_way, hit.normal, alpha), cos_view, alpha);
-    return Response(vec3<f32>(pdf * smith_shadowing(cos_view, min(abs(height), 1.0), alpha)), pdf);
+    let value = vec3<f32>(pdf * smith_shadowing(cos_view, min(abs(height), 1.0), alpha));
+    return Response(value, pdf, select(0.0, 1.0, is_narrow(width_of_reflection(alpha))));
 }

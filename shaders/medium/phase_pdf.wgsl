@@ -8,3 +8,9 @@ fn phase_pdf(incoming: vec3<f32>, direction: vec3<f32>, g: f32, one_minus_g: f32
     let d = one_minus_g * one_minus_g + h * dot(apart, apart);
     return one_minus_g * (1.0 + h) / (4.0 * PI * d * sqrt(d));
 }
+
+// The width in radians of the phase function's peak, of which `one_minus_g` is 1 - |g|: half of the directions are within about this angle of
+// the axis, as the inverse of the distribution has it for g close to 1 (medium/phase, at u = 1/2).
+fn width_of_phase(one_minus_g: f32) -> f32 {
+    return 1.7320508 * one_minus_g;
+}

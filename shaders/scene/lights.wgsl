@@ -149,10 +149,15 @@ fn probability_of_light(index: u32, from_point: vec3<f32>) -> f32 {
     return light_probability(index, from_point);
 }
 
-// The number of the light that a ray hit. The sky has a number of its own.
+// The number of the light that a ray hit. The sky has a number of its own, and lights without size are numbered by themselves.
 fn number_of_light(hit: Hit) -> u32 {
     let index = primitive_index(hit.code);
     switch primitive_kind(hit.code) {
+        //@ if delta_light
+        case KIND_DELTA_LIGHT: {
+            return index;
+        }
+        //@ end
         //@ each emitter
         case ${number}u: {
             return ${name}s[index].light;

@@ -40,7 +40,7 @@ fn response_of_material(material: Material, hit: Interaction, direction: vec3<f3
         }
         //@ end
         default: {
-            return Response(vec3<f32>(0.0), 0.0);
+            return no_response();
         }
     }
 }

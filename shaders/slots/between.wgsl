@@ -29,7 +29,11 @@ fn store_no_light(slot: u32) {
 }
 
 fn load_light_weight(slot: u32, path: ptr<function, Path>) {
-    (*path).light_weight = vector_of(paths[place(PLANE_OF_LIGHT_WEIGHT, slot)]);
+    let words = paths[place(PLANE_OF_LIGHT_WEIGHT, slot)];
+    (*path).light_weight = vector_of(words);
+    //@ if probed
+    (*path).probe = bitcast<f32>(words.w);
+    //@ end
 }
 
 fn load_shadow(slot: u32, path: ptr<function, Path>) {
@@ -44,7 +48,12 @@ fn load_shadow(slot: u32, path: ptr<function, Path>) {
 fn store_shadow(slot: u32, path: ptr<function, Path>) {
     store_plane(PLANE_OF_SHADOW_ORIGIN, slot, (*path).shadow.origin, (*path).light);
     store_vector(PLANE_OF_SHADOW_DIRECTION, slot, (*path).shadow.direction);
+    //@ if probed
+    store_plane(PLANE_OF_LIGHT_WEIGHT, slot, (*path).light_weight, bitcast<u32>((*path).probe));
+    //@ end
+    //@ if unprobed
     store_vector(PLANE_OF_LIGHT_WEIGHT, slot, (*path).light_weight);
+    //@ end
     //@ if emitting_mesh
     store_light_instance(slot, (*path).light_instance);
     //@ end

@@ -75,14 +75,38 @@ fn store_ray(slot: u32, path: ptr<function, Path>) {
     store_plane(PLANE_OF_DIRECTION, slot, (*path).ray.direction, (*path).status);
 }
 
+//@ if probed
+// The word of the depth has the history of the path's lobes in its highest bits. No path has as many events as are left for the depth.
+const DEPTH_BITS: u32 = 29u;
+
+fn word_of_depth(path: ptr<function, Path>) -> u32 {
+    return min((*path).depth, (1u << DEPTH_BITS) - 1u) | ((*path).history << DEPTH_BITS);
+}
+
+fn take_depth(path: ptr<function, Path>, word: u32) {
+    (*path).depth = word & ((1u << DEPTH_BITS) - 1u);
+    (*path).history = word >> DEPTH_BITS;
+}
+
+//@ end
+//@ if unprobed
+fn word_of_depth(path: ptr<function, Path>) -> u32 {
+    return (*path).depth;
+}
+
+fn take_depth(path: ptr<function, Path>, word: u32) {
+    (*path).depth = word;
+}
+
+//@ end
 fn load_throughput(slot: u32, path: ptr<function, Path>) {
     let words = paths[place(PLANE_OF_THROUGHPUT, slot)];
     (*path).throughput = vector_of(words);
-    (*path).depth = words.w;
+    take_depth(path, words.w);
 }
 
 fn store_throughput(slot: u32, path: ptr<function, Path>) {
-    store_plane(PLANE_OF_THROUGHPUT, slot, (*path).throughput, (*path).depth);
+    store_plane(PLANE_OF_THROUGHPUT, slot, (*path).throughput, word_of_depth(path));
 }
 
 fn load_sample_of_path(slot: u32, path: ptr<function, Path>) {

@@ -22,7 +22,7 @@ fn shadow(@builtin(global_invocation_id) id: vec3<u32>) {
     load_light_weight(slot, &path);
     load_radiance(slot, &path);
     path.rays = load_rays(slot);
-    //@ if one_way
+    //@ if probed
     load_sample_of_path(slot, &path);
     load_throughput(slot, &path);
     //@ end

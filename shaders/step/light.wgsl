@@ -13,9 +13,7 @@
 //@ use scene/transmittance
 //@ end
 //@ use choice/clamp
-//@ if one_way
-//@ use step/through_glass
-//@ end
+//@ use choice/probe
 //@ if aov_direct
 //@ use step/aov_direct
 //@ end
@@ -61,7 +59,8 @@ fn send_shadow_ray(path: ptr<function, Path>, light_sample: LightSample, origin:
     }
     //@ end
     let weight = (*path).throughput * response * (power_heuristic(light_sample.pdf, pdf) / light_sample.pdf);
-    if light_sample.pdf > 0.0 && any(weight > vec3<f32>(0.0)) {
+    weigh_probe(path, light_sample.pdf, true);
+    if light_sample.pdf > 0.0 && (any(weight > vec3<f32>(0.0)) || is_probe(path)) {
         let light = lights[light_sample.light];
         (*path).shadow = Ray(origin, light_sample.direction);
         (*path).light = light.code;
@@ -78,7 +77,8 @@ fn send_to_delta_light(path: ptr<function, Path>, light_sample: LightSample, ori
     let code = lights[light_sample.light].code;
     let intensity = delta_light_intensity(light_sample.direction, delta_lights[primitive_index(code)]);
     let weight = (*path).throughput * response * intensity / light_sample.pdf;
-    if light_sample.pdf > 0.0 && any(weight > vec3<f32>(0.0)) {
+    weigh_probe(path, light_sample.pdf, false);
+    if light_sample.pdf > 0.0 && (any(weight > vec3<f32>(0.0)) || is_probe(path)) {
         (*path).shadow = Ray(origin, light_sample.direction);
         (*path).light = code;
         (*path).light_weight = weight_of_light(weight, (*path).depth);
@@ -166,9 +166,8 @@ fn add_light_of_shadow(path: ptr<function, Path>, limit: Hit, hit: Hit) -> u32 {
     var status = (*path).status;
     var steps = hit.steps;
     var brought = vec3<f32>(0.0);
-    var emitted = vec3<f32>(0.0);
     if !is_hidden {
-        emitted = emitted_along((*path).shadow, hit);
+        let emitted = emitted_along((*path).shadow, hit);
         var radiance = emitted;
         //@ if alpha_of_light
         radiance *= coverage_of_light((*path).shadow, hit);
@@ -182,18 +181,14 @@ fn add_light_of_shadow(path: ptr<function, Path>, limit: Hit, hit: Hit) -> u32 {
         radiance *= through;
         //@ end
         brought = (*path).light_weight * radiance;
+        note_light_of_shadow(path, hit, emitted, radiance);
     } else if hit.code == PATH_CUT {
         status = PATH_CUT;
     }
-    //@ if one_way
-    // A shadow ray that only counts light does not change the image.
-    if is_by_chance(path) {
-        if !is_hidden {
-            note_asked_light(path, number_of_light(hit), emitted, brought);
-        }
+    // A probe alone does not change the image.
+    if is_probe(path) && all((*path).light_weight == vec3<f32>(0.0)) {
         return steps;
     }
-    //@ end
     //@ if aov_direct
     // `depth` counts the event that sent the ray, unless the path ended there.
     note_direct(path, brought, select((*path).depth + 1u, (*path).depth, status == RAY_READY));

@@ -12,7 +12,9 @@
 //@ use choice/medium_albedo
 //@ use choice/roulette
 //@ if light
+//@ use data/material
 //@ use medium/phase_pdf
+//@ use choice/probe
 //@ use step/light
 //@ end
 //@ if aov_surface
@@ -71,7 +73,11 @@ fn cross_media(path: ptr<function, Path>) -> u32 {
         let g = medium.anisotropy;
         let share = phase_pdf(ray.direction, light_sample.direction, g, medium.one_minus_anisotropy);
         let albedo = medium_albedo(medium, point);
+        let lobe = lobe_of(width_of_phase(medium.one_minus_anisotropy));
+        // A medium has no sides: the normal is any direction in which the cone lies as a whole.
+        aim_probe(path, sends_probe(path, lobe), scatter_towards(direction, albedo, lobe), light_sample.direction, direction, 1.0);
         send_shadow_ray(path, light_sample, point, albedo * share, share);
+        note_event(path, lobe, select(1.0, 0.0, lobe == LOBE_WIDE));
         (*path).pdf = phase_pdf(ray.direction, direction, g, medium.one_minus_anisotropy);
         //@ end
         (*path).ray = Ray(point, direction);

@@ -11,9 +11,7 @@
 //@ use bind/records
 //@ if emitting_sky
 //@ use step/sky_mis_weight
-//@ end
-//@ if sky_by_chance
-//@ use step/through_glass
+//@ use choice/probe
 //@ end
 //@ if aov_direct
 //@ use step/aov_direct
@@ -43,8 +41,8 @@ fn refill_path(path: ptr<function, Path>) {
         //@ end
         let behind = background_radiance((*path).ray.direction);
         radiance *= behind;
-        //@ if sky_by_chance
-        note_met_light(path, NUMBER_OF_SKY, behind, radiance);
+        //@ if emitting_sky
+        note_found_sky(path, behind, radiance);
         //@ end
     }
     if (*path).status == PATH_TOO_DEEP {

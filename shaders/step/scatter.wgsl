@@ -35,9 +35,6 @@
 //@ if glow_is_sampled
 //@ use step/light
 //@ end
-//@ if glow_by_chance
-//@ use step/through_glass
-//@ end
 //@ if glow_direct
 //@ use step/aov_direct
 //@ end
@@ -48,12 +45,11 @@
 //@ if met_light
 //@ use step/light
 //@ end
-//@ if met_by_chance
-//@ use step/through_glass
-//@ end
-//@ if specular
+//@ if sends_shadow_ray
 //@ use step/light
-//@ use step/through_glass
+//@ end
+//@ if light
+//@ use choice/probe
 //@ end
 //@ if aov_surface
 //@ use scene/responses
@@ -135,11 +131,7 @@ fn scatter_path(path: ptr<function, Path>) {
     //@ if glow_is_sampled
     if any(glow > vec3<f32>(0.0)) {
         brought *= mis_weight(path, hit);
-    }
-    //@ end
-    //@ if glow_by_chance
-    if any(glow > vec3<f32>(0.0)) {
-        note_met_light(path, number_of_light(hit), glow, brought);
+        note_found_light(path, hit, glow, brought);
     }
     //@ end
     //@ if glow_direct
@@ -148,25 +140,25 @@ fn scatter_path(path: ptr<function, Path>) {
     //@ if own_glow
     (*path).radiance += limited_indirect(brought, depth);
     //@ end
+    //@ if met_light
+    if scattered.event == EMITTED {
+        (*path).throughput *= mis_weight(path, hit);
+        note_found_light(path, hit, scattered.weight, (*path).throughput * scattered.weight);
+    }
+    //@ end
     //@ if light
     var pdf = 0.0;
+    var share_of_narrow = 0.0;
     var samples_lights = false;
-    var asks = false;
     //@ end
     //@ if surface_samples_light
     // Non-specular materials sample lights, on the side from which the ray comes.
     samples_lights = depth < settings.max_depth && is_non_specular(material);
     //@ end
-    //@ if specular
-    if !samples_lights {
-        pdf = pdf_of_one_way((*path).pdf);
-        let can_meet = pdf < 0.0 && scattered.event == SCATTERED && depth < settings.max_depth;
-        asks = can_meet && asks_for_light(path);
-    }
-    //@ end
     //@ if sends_shadow_ray
+    let probes = scattered.event == SCATTERED && sends_probe(path, scattered.lobe);
     // Both sample a light here: GPUs inline the functions of all kinds of lights at each call.
-    if samples_lights || asks {
+    if samples_lights || probes {
     //@ end
     //@ if both_sides
         // On a smooth mesh, the two sides of a facet have two points. A material that responds on both chooses one of them
@@ -178,12 +170,14 @@ fn scatter_path(path: ptr<function, Path>) {
     //@ end
     //@ if sends_shadow_ray
         let light_sample = sample_light(path, point);
+        var probed_share = 1.0;
         var response = Response();
         var leaving = scattered.direction;
     //@ end
     //@ if surface_samples_light
         if samples_lights {
             response = response_of_material(material, arriving, light_sample.direction);
+            share_of_narrow = response.narrow;
             leaving = light_sample.direction;
             pdf = response_of_material(material, arriving, scattered.direction).pdf;
         }
@@ -198,40 +192,25 @@ fn scatter_path(path: ptr<function, Path>) {
         // the density of the material.
         if chooses {
             let is_aimed_at = (dot(light_sample.direction, shading) < 0.0) == below;
-            response.value *= select(0.0, 2.0, is_aimed_at);
+            probed_share = select(0.0, 2.0, is_aimed_at);
+            response.value *= probed_share;
             response.pdf *= 2.0;
             pdf *= 2.0;
-        }
-    //@ end
-    //@ if specular_beside_delta_light
-        // Chance cannot find a light without size: it is none that mirrors leave to chance.
-        asks = asks && !is_delta_light(lights[light_sample.light].code);
-    //@ end
-    //@ if specular
-        if asks {
-            response.value = response_to_question(scattered.weight, scattered.direction, light_sample.direction, shading);
         }
     //@ end
     //@ if tinted_in_light
         response.value *= tint_of(material, colour, leaving, shading);
     //@ end
     //@ if sends_shadow_ray
+        aim_probe(path, probes, scattered, light_sample.direction, shading, probed_share);
         let origin = spawn_ray(hit, surface, facing, shading, point, leaving).origin;
         send_shadow_ray(path, light_sample, origin, response.value, response.pdf);
     }
     //@ end
-    //@ if met_light
-    if scattered.event == EMITTED {
-        (*path).throughput *= mis_weight(path, hit);
-    }
-    //@ end
-    //@ if met_by_chance
-    if scattered.event == EMITTED {
-        note_met_light(path, number_of_light(hit), scattered.weight, (*path).throughput * scattered.weight);
-    }
-    //@ end
     //@ if light
-    (*path).pdf = pdf;
+    // A specular lobe has no density.
+    (*path).pdf = select(pdf, 0.0, scattered.lobe == LOBE_SPECULAR);
+    note_event(path, scattered.lobe, share_of_narrow);
     //@ end
     var throughput = (*path).throughput * scattered.weight;
     //@ if tinted

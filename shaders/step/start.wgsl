@@ -10,6 +10,7 @@
 //@ use step/pixel_order
 //@ if light
 //@ use data/light
+//@ use choice/probe
 //@ end
 // Starting a sample, and a run.
 
@@ -42,6 +43,7 @@ fn start_sample(path: ptr<function, Path>) {
     //@ end
     //@ if light
     (*path).light = NO_LIGHT;
+    start_history(path);
     //@ end
 }
 

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use serde_json::json;
 
 use super::outputs::{Beside, EXR, OutputImage, check_name, check_outputs};
-use super::render::{Finish, attributes_of, excluded, noise_words};
+use super::render::{Finish, attributes_of, doubts, error_words, excluded, noise_words};
 use super::{command_line, path_text, print_json, tell};
 use crate::cli::MergeArgs;
 use crate::data::RUN_LENGTH;
@@ -45,7 +45,7 @@ pub fn run(args: &MergeArgs) -> Result<()> {
     // What the parts were asked is the same; what came of them is told of the whole.
     let mut attributes = read_attributes(first.path)?;
     let text = |name: &str| attribute_text(&attributes, name);
-    let finish = Finish::of(&film, samples, devices, *noise, &text("gpu-rt:integrator"), complete);
+    let finish = Finish::of(&film, samples, devices, *noise, complete);
     let mut record = json!(finish.record(&excluded(&text("gpu-rt:biases"))));
     if let Some(record) = record.as_object_mut() {
         record.insert("command".to_string(), json!(command_line()));
@@ -75,11 +75,10 @@ pub fn run(args: &MergeArgs) -> Result<()> {
             ));
         }
         if let (Some(error), Some(noise)) = (args.noise, noise) {
-            tell(&noise_words(error, noise, finish.error.as_ref()));
+            tell(&noise_words(error, noise, &finish.verdict));
         }
-        let error = finish
-            .error
-            .map_or("error unknown".to_string(), |error| format!("relative error {:.2} %", 100.0 * error.value));
+        doubts(&finish).for_each(|doubt| tell(&doubt));
+        let error = error_words(&finish);
         tell(&format!("{}: {count} parts, {} samples, {error}", args.output.display(), samples.count()));
     }
     if args.json {

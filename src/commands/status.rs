@@ -117,8 +117,7 @@ fn join(folder: &Folder, parts: &mut Parts, loading: &mut Loading) -> Result<Opt
 /// What the samples that are there have come to.
 fn finish(film: &Film, samples: &Samples, parts: &Parts, folder: &Folder) -> Finish {
     let [start, end] = folder.asked.samples;
-    let integrator = attribute_of(parts, "gpu-rt:integrator");
-    Finish::of(film, samples, &parts.devices, None, &integrator, samples.missing(start..end).is_empty())
+    Finish::of(film, samples, &parts.devices, None, samples.missing(start..end).is_empty())
 }
 
 /// What the error is not about, as the header of a part tells.

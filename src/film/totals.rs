@@ -37,8 +37,8 @@ pub struct Totals {
     pub too_deep: u64,
     /// The sum of the largest components of their throughput, in units of 2^-16.
     pub too_deep_throughput: u64,
-    /// Light of lights that are sampled, by mirrors and through glass, in device units of 2^-24 (shaders/step/through_glass.wgsl). By bins of
-    /// lights: the light that shadow rays found, and the light that paths found by chance.
+    /// Light that narrow lobes hide from light sampling, in device units of 2^-24 (shaders/step/narrow_lobe.wgsl). By bins of lights: the light that
+    /// probes found, and the light that paths found.
     pub light: [[u64; 2]; LIGHT_BINS],
 }
 
@@ -66,9 +66,10 @@ impl Totals {
         TooDeep { paths: self.too_deep, throughput: self.too_deep_throughput as f64 / 65_536.0 }
     }
 
-    /// What is met by mirrors and through glass by chance, in device units, summed over all samples.
-    pub fn through_glass(&self) -> ThroughGlass {
-        ThroughGlass { bins: self.light.map(|[asked, met]| (asked as f64 / 16_777_216.0, met as f64 / 16_777_216.0)) }
+    /// Light that narrow lobes hide from light sampling, in device units, summed over all samples.
+    pub fn hidden_light(&self) -> HiddenLight {
+        let light = |[probed, found]: [u64; 2]| (probed as f64 / 16_777_216.0, found as f64 / 16_777_216.0);
+        HiddenLight { bins: self.light.map(light) }
     }
 }
 
@@ -87,31 +88,31 @@ impl TooDeep {
     }
 }
 
-/// Light of lights that are sampled, by mirrors and through glass.
+/// Light that narrow lobes hide from light sampling: of mirrors, clear glass, polished metal and forward scattering.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ThroughGlass {
-    /// By bins of lights: the light that shadow rays found, and the light that paths found by chance.
+pub struct HiddenLight {
+    /// By bins of lights: the light that probes found, and the light that paths found.
     bins: [(f64, f64); LIGHT_BINS],
 }
 
-impl ThroughGlass {
-    /// The same in other units.
-    pub fn times(&self, factor: f64) -> ThroughGlass {
-        ThroughGlass { bins: self.bins.map(|(asked, met)| (asked * factor, met * factor)) }
+impl HiddenLight {
+    /// The light in other units.
+    pub fn times(&self, factor: f64) -> HiddenLight {
+        HiddenLight { bins: self.bins.map(|(probed, found)| (probed * factor, found * factor)) }
     }
 
-    /// What there is of it.
-    pub fn blocked_by_dielectrics(&self) -> f64 {
-        self.bins.iter().map(|(asked, _)| asked).sum()
+    /// The light that there is to find.
+    pub fn probed(&self) -> f64 {
+        self.bins.iter().map(|(probed, _)| probed).sum()
     }
 
-    /// What paths met of it.
-    pub fn found_by_bsdf(&self) -> f64 {
-        self.bins.iter().map(|(_, met)| met).sum()
+    /// The light that paths found.
+    pub fn found(&self) -> f64 {
+        self.bins.iter().map(|(_, found)| found).sum()
     }
 
-    /// What is certainly missing of it. What rays find is about what paths would meet; a quarter of that may be error.
+    /// The light that is certainly missing. Paths find about what probes find; a quarter of that may be error.
     pub fn missing(&self) -> f64 {
-        self.bins.iter().map(|(asked, met)| (0.75 * asked - met).max(0.0)).sum()
+        self.bins.iter().map(|(probed, found)| (0.75 * probed - found).max(0.0)).sum()
     }
 }

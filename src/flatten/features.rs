@@ -2,7 +2,7 @@
 
 use crate::bitmap::FORMATS;
 use crate::data;
-use crate::material::{DETAILS, DetailKind, MATERIALS, Material, Scattering};
+use crate::material::{DETAILS, DetailKind, Lobe, MATERIALS, Material};
 use crate::options::{FeatureSet, Integrator, RenderOptions};
 use crate::texture::TEXTURES;
 
@@ -30,10 +30,14 @@ pub struct Features {
     pub primitives: [Option<String>; PRIMITIVES.len()],
     /// Kinds of material on objects, by the indices of `MATERIALS`. Unused materials do not count.
     pub materials: [Option<String>; MATERIALS.len()],
-    /// The same for materials that scatter into many directions (`Scattering::Spread`).
+    /// The same for materials with a lobe that is not specular.
     pub non_specular: [Option<String>; MATERIALS.len()],
-    /// The same for materials that scatter into a single direction (`Scattering::OneWay`).
+    /// The same for materials with a specular lobe.
     pub specular: [Option<String>; MATERIALS.len()],
+    /// The same for materials with another lobe that is narrow (`Lobe::Narrow`).
+    pub narrow: [Option<String>; MATERIALS.len()],
+    /// Media whose phase function is so.
+    pub narrow_media: Option<String>,
     /// The same for materials that have a detail, by the kinds of it (`DetailKind`).
     pub details: [[Option<String>; MATERIALS.len()]; DETAILS],
     /// The same for clear materials with a colour, and for those that absorb light inside.
@@ -117,11 +121,15 @@ impl Features {
         [&mut self.uv_tables, &mut self.vertex_tangents].into_iter().for_each(add);
         if sample_lights {
             [&mut self.emitting_sky, &mut self.delta_lights, &mut self.directional_lights].into_iter().for_each(add);
-            for (way, used) in [(Scattering::Spread, &mut self.non_specular), (Scattering::OneWay, &mut self.specular)]
-            {
+            for (lobe, used) in [
+                (Lobe::Wide, &mut self.non_specular),
+                (Lobe::Narrow, &mut self.narrow),
+                (Lobe::Specular, &mut self.specular),
+            ] {
                 let materials = Material::KINDS.iter().zip(used);
-                materials.filter(|(kind, _)| kind.scatters.contains(&way)).for_each(|(_, used)| add(used));
+                materials.filter(|(kind, _)| kind.lobes.contains(&lobe)).for_each(|(_, used)| add(used));
             }
+            add(&mut self.narrow_media);
         }
         for (number, kind) in Material::KINDS.iter().enumerate() {
             kind.details.iter().for_each(|detail| add(&mut self.details[*detail as usize][number]));
@@ -158,7 +166,7 @@ impl Features {
         self.media > 0 || self.boundaries.iter().any(Option::is_some)
     }
 
-    /// Whether anything in the scene scatters into many directions. If nothing does, no light is sampled.
+    /// Whether anything in the scene has a lobe that is not specular. If nothing does, no light is sampled.
     pub(super) fn samples_light_anywhere(&self) -> bool {
         self.media > 0 || self.non_specular.iter().any(Option::is_some)
     }

@@ -27,7 +27,7 @@ use crate::bvh::{self, Bounds};
 use crate::data::{self, MAX_PRIMITIVES, NO_TEXTURE, f32s};
 use crate::delta_light::PlacedLight;
 use crate::error::{Error, Result};
-use crate::material::{Detail, DetailKind, Scattering, Slot, microfacets};
+use crate::material::{Detail, DetailKind, Lobe, Slot, microfacets};
 use crate::options::{FeatureSet, Integrator, RenderOptions};
 use crate::scene::{Background, Bitmap, Material, Object, Scene, Step, Texture, Use};
 use crate::shape::mesh::{self, Laid};
@@ -378,13 +378,16 @@ fn note_material(features: &mut Features, scene: &Scene, name: &str, material: &
     let number = material.number();
     features.materials[number].get_or_insert_with(at_material);
     let model = material.model();
-    for scattering in material.scatterings(&scene.bitmaps) {
-        let kinds = match scattering {
-            Scattering::Spread => &mut features.non_specular,
-            Scattering::OneWay => &mut features.specular,
-            Scattering::Nowhere => continue,
+    for lobe in material.lobes(&scene.bitmaps) {
+        let kinds = match lobe {
+            Lobe::Wide => &mut features.non_specular,
+            Lobe::Narrow => &mut features.narrow,
+            Lobe::Specular => &mut features.specular,
         };
         kinds[number].get_or_insert_with(at_material);
+        if lobe == Lobe::Narrow {
+            features.non_specular[number].get_or_insert_with(at_material);
+        }
     }
     if material.kind().is_clear && model.slot.is_some() {
         features.tinted[number].get_or_insert_with(at_material);
@@ -415,6 +418,10 @@ fn note_medium(features: &mut Features, scene: &Scene, medium: &PlacedMedium<'_>
     let place = BOUNDARIES.iter().position(|(_, number)| *number == kind);
     if let Some(slot) = place.and_then(|place| features.boundaries.get_mut(place)) {
         slot.get_or_insert_with(at_object);
+    }
+    // As width_of_phase (shaders/medium/phase_pdf).
+    if Lobe::of_width((3f64.sqrt() * (1.0 - medium.anisotropy.abs())) as f32) == Lobe::Narrow {
+        features.narrow_media.get_or_insert_with(at_object);
     }
     if let Some(kind) = medium.albedo.shader_number() {
         features.textures[kind].get_or_insert_with(at_object);

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::aov::Aovs;
 use crate::job::{Frame, Job};
-use crate::options::RenderOptions;
+use crate::options::{Integrator, RenderOptions};
 use crate::scene::Scene;
 
 /// What an image is a function of.
@@ -60,6 +60,11 @@ impl Identity {
     /// The channels that there are beside the radiance.
     pub fn aovs(&self) -> Aovs {
         RenderOptions::of_settings(&self.settings).aov
+    }
+
+    /// Whether its paths sample lights.
+    pub fn samples_lights(&self) -> bool {
+        RenderOptions::of_settings(&self.settings).integrator == Integrator::Mis
     }
 
     /// Whether both are of one scene, with the same images and meshes.

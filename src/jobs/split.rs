@@ -27,7 +27,7 @@ pub fn even(samples: &Range<u32>, parts: u32) -> Vec<Range<u32>> {
 /// at, and its parts are cut there. The first one has a run for each part or more; each later one doubles the samples.
 pub fn round(done: u32, most: u32, parts: u32) -> Vec<Range<u32>> {
     let ends = (0..).map(look_after);
-    let least = if done == 0 { parts.saturating_mul(RUN_LENGTH).max(FIRST_LOOK) } else { done.saturating_add(1) };
+    let least = if done == 0 { parts.saturating_mul(RUN_LENGTH).max(FIRST_LOOK) } else { done.saturating_mul(2) };
     let end = ends.take_while(|end| *end < most).find(|end| *end >= least).unwrap_or(most);
     let mut cuts = (0..).map(look_after).take_while(|look| *look < end).filter(|look| *look > done);
     let mut found = Vec::new();

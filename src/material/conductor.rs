@@ -1,7 +1,7 @@
 //! A metal with microfacets: its surface is smooth or rough, and it reflects by Fresnel's equations.
 
 use super::{
-    DetailKind, LEAST_ROUGHNESS, MULTISCATTER, MaterialKind, Model, NORMAL, NORMAL_SCALE, Scattering, Slot, varying,
+    ANY_LOBE, DetailKind, LEAST_ROUGHNESS, Lobe, MULTISCATTER, MaterialKind, Model, NORMAL, NORMAL_SCALE, Slot, varying,
 };
 use crate::data::{self, f32s};
 use crate::source::Range;
@@ -40,16 +40,17 @@ pub const KIND: MaterialKind = MaterialKind {
         example: "Conductor(albedo: Rgb(0.95, 0.64, 0.54), roughness: 0.3)",
     },
     shader: "conductor",
-    scatters: &[Scattering::Spread, Scattering::OneWay],
+    lobes: ANY_LOBE,
     is_clear: false,
     emits: false,
     details: &[DetailKind::Roughness, DetailKind::Multiscatter, DetailKind::Normal],
     has_second_part: true,
 };
 
-/// How it scatters where it has this roughness.
-pub fn scattering(roughness: f64) -> Scattering {
-    if roughness as f32 >= LEAST_ROUGHNESS { Scattering::Spread } else { Scattering::OneWay }
+/// The lobe that its microfacets reflect where it has this roughness, as width_of_reflection (shaders/lib/microfacet).
+pub fn lobe(roughness: f64) -> Lobe {
+    let roughness = roughness as f32;
+    if roughness < LEAST_ROUGHNESS { Lobe::Specular } else { Lobe::of_width(2.0 * roughness * roughness) }
 }
 
 pub fn model<'a>(
@@ -69,7 +70,7 @@ pub fn model<'a>(
     let is_measured = f32::from(u8::from(eta.is_some()));
     Model {
         slot: albedo.map(|texture| Slot { field: &ALBEDO, usage: Use::Albedo, texture }),
-        scattering: scattering(roughness),
+        lobes: vec![lobe(roughness)],
         two_sided: None,
         numbers: number.into_iter().collect(),
         colours: [(&ETA, eta), (&K, k)].into_iter().filter_map(|(field, colour)| Some((field, colour?))).collect(),

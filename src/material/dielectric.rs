@@ -1,6 +1,6 @@
 //! A clear solid: glass, water.
 
-use super::{ABSORPTION, MaterialKind, Model, Number, Scattering, TRANSMITTANCE};
+use super::{ABSORPTION, Lobe, MaterialKind, Model, Number, TRANSMITTANCE};
 use crate::data;
 use crate::source::Range;
 use crate::source::form::{Field, Form, NO_UNIT, Takes};
@@ -20,7 +20,7 @@ pub const KIND: MaterialKind = MaterialKind {
         example: "Dielectric(ior: 1.5)",
     },
     shader: "dielectric",
-    scatters: &[Scattering::OneWay],
+    lobes: &[Lobe::Specular],
     is_clear: true,
     emits: false,
     details: &[],
@@ -34,7 +34,7 @@ pub fn model(ior: f64) -> Model<'static> {
     let inside = 1.0 / ior;
     Model {
         slot: None,
-        scattering: Scattering::OneWay,
+        lobes: vec![Lobe::Specular],
         two_sided: None,
         numbers: vec![Number { field: &IOR, value: ior, warning: warning(ior) }],
         colours: Vec::new(),

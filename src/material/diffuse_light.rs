@@ -1,6 +1,6 @@
 //! A diffuse light: it emits the same radiance in all directions, and reflects nothing.
 
-use super::{MaterialKind, Model, Scattering, Slot};
+use super::{MaterialKind, Model, Slot};
 use crate::data;
 use crate::source::form::{Field, Form, Takes};
 use crate::texture::{Texture, Use};
@@ -23,7 +23,7 @@ pub const KIND: MaterialKind = MaterialKind {
         example: "DiffuseLight(emit: Rgb(15, 15, 15), two_sided: false)",
     },
     shader: "diffuse_light",
-    scatters: &[],
+    lobes: &[],
     is_clear: false,
     emits: true,
     details: &[],
@@ -33,7 +33,7 @@ pub const KIND: MaterialKind = MaterialKind {
 pub fn model(emit: &Texture, two_sided: bool) -> Model<'_> {
     Model {
         slot: Some(Slot { field: &EMIT, usage: Use::Radiance, texture: emit }),
-        scattering: Scattering::Nowhere,
+        lobes: Vec::new(),
         two_sided: Some(two_sided),
         numbers: Vec::new(),
         colours: Vec::new(),

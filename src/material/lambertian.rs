@@ -1,8 +1,7 @@
 //! A perfectly diffuse surface: its reflected radiance is the same in all directions.
 
 use super::{
-    ALPHA, ALPHA_CUTOFF, DetailKind, EMISSION, MaterialKind, Model, NORMAL, NORMAL_SCALE, Scattering, Slot,
-    VERTEX_COLORS,
+    ALPHA, ALPHA_CUTOFF, DetailKind, EMISSION, Lobe, MaterialKind, Model, NORMAL, NORMAL_SCALE, Slot, VERTEX_COLORS,
 };
 use crate::data;
 use crate::source::form::{Field, Form, Takes};
@@ -19,7 +18,7 @@ pub const KIND: MaterialKind = MaterialKind {
         example: "Lambertian(albedo: Rgb(0.7, 0.3, 0.2))",
     },
     shader: "lambertian",
-    scatters: &[Scattering::Spread],
+    lobes: &[Lobe::Wide],
     is_clear: false,
     emits: false,
     details: &[DetailKind::Emission, DetailKind::Alpha, DetailKind::VertexColours, DetailKind::Normal],
@@ -29,7 +28,7 @@ pub const KIND: MaterialKind = MaterialKind {
 pub fn model(albedo: &Texture) -> Model<'_> {
     Model {
         slot: Some(Slot { field: &ALBEDO, usage: Use::Albedo, texture: albedo }),
-        scattering: Scattering::Spread,
+        lobes: vec![Lobe::Wide],
         two_sided: None,
         numbers: Vec::new(),
         colours: Vec::new(),

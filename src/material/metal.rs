@@ -1,6 +1,6 @@
 //! A mirror, perfect or rough.
 
-use super::{MaterialKind, Model, Number, Scattering, Slot};
+use super::{ANY_LOBE, Lobe, MaterialKind, Model, Number, Slot};
 use crate::data;
 use crate::source::Range;
 use crate::source::form::{Field, Form, NO_UNIT, Takes};
@@ -23,7 +23,7 @@ pub const KIND: MaterialKind = MaterialKind {
         example: "Metal(albedo: Rgb(0.8, 0.6, 0.2), fuzz: 0.1)",
     },
     shader: "metal",
-    scatters: &[Scattering::Spread, Scattering::OneWay],
+    lobes: ANY_LOBE,
     is_clear: false,
     emits: false,
     details: &[],
@@ -35,7 +35,7 @@ pub fn model(albedo: &Texture, fuzz: f64) -> Model<'_> {
     Model {
         slot: Some(Slot { field: &ALBEDO, usage: Use::Albedo, texture: albedo }),
         // A fuzz that rounds to 0 in f32 makes a perfect mirror, because kernels read it as f32.
-        scattering: if on_device.parameter > 0.0 { Scattering::Spread } else { Scattering::OneWay },
+        lobes: vec![if on_device.parameter > 0.0 { Lobe::of_width(on_device.parameter) } else { Lobe::Specular }],
         two_sided: None,
         numbers: vec![Number { field: &FUZZ, value: fuzz, warning: None }],
         colours: Vec::new(),

@@ -220,18 +220,20 @@ impl Material {
         self.model().details.iter().any(|detail| detail.kind == DetailKind::Alpha)
     }
 
-    /// The ways in which it scatters. Where its roughness varies, it may be smooth in some places.
-    pub fn scatterings(&self, bitmaps: &Bitmaps) -> Vec<Scattering> {
+    /// Its lobes, which may be several. Where its roughness varies, they are as narrow as its least roughness makes them, and wider.
+    pub fn lobes(&self, bitmaps: &Bitmaps) -> Vec<Lobe> {
         let model = self.model();
         let of_roughness = model.details.iter().find(|detail| detail.kind == DetailKind::Roughness);
-        let Some(detail) = of_roughness else { return vec![model.scattering] };
+        let Some(detail) = of_roughness else { return model.lobes };
         let least = detail.slot.texture.least(bitmaps);
-        let smoothest = match self {
-            Material::Conductor { .. } | Material::ThinDielectric { .. } => conductor::scattering(least),
-            Material::RoughDielectric { ior, .. } => rough_dielectric::scattering(*ior, least),
-            _ => model.scattering,
+        let narrowest = match self {
+            Material::RoughDielectric { ior, .. } => rough_dielectric::lobes(*ior, least),
+            _ => vec![conductor::lobe(least)],
         };
-        if smoothest == Scattering::Spread { vec![smoothest] } else { vec![Scattering::Spread, smoothest] }
+        [Lobe::Specular, Lobe::Narrow, Lobe::Wide]
+            .into_iter()
+            .filter(|lobe| narrowest.iter().any(|least| least <= lobe))
+            .collect()
     }
 
     /// Its textures that are no plain colour: its own, and those of its details.
@@ -283,9 +285,9 @@ pub struct MaterialKind {
     pub form: Form,
     /// The name of its file under shaders/material.
     pub shader: &'static str,
-    /// The ways in which materials of the kind scatter. If one of them is `Spread`, a second file SHADER_eval evaluates
-    /// the BSDF for light sampling.
-    pub scatters: &'static [Scattering],
+    /// The lobes that materials of the kind can have. If one of them is not specular, a second file SHADER_eval evaluates the BSDF for
+    /// light sampling.
+    pub lobes: &'static [Lobe],
     /// Whether it transmits light.
     pub is_clear: bool,
     pub emits: bool,
@@ -295,21 +297,36 @@ pub struct MaterialKind {
     pub has_second_part: bool,
 }
 
-/// How a material scatters light.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Scattering {
-    /// Into many directions, so that lights can be sampled. On the device, SHADER_is_non_specular says whether a material does.
-    Spread,
-    /// Specular: into a single direction, so that paths find lights only by chance.
-    OneWay,
-    Nowhere,
+/// The width of a lobe into which a material scatters. On the device, SHADER_is_non_specular says whether a material has one that is not
+/// specular.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Lobe {
+    /// A single direction, for which no light can be sampled.
+    Specular,
+    /// Below [`NARROW_LOBE`], so that light sampling rarely finds a light in it.
+    Narrow,
+    Wide,
 }
+
+/// The width in radians from which on a lobe is wide, as shaders/data/material.wgsl says.
+pub const NARROW_LOBE: f32 = 0.1;
+
+impl Lobe {
+    /// A lobe of this width in radians.
+    pub fn of_width(width: f32) -> Lobe {
+        if width < NARROW_LOBE { Lobe::Narrow } else { Lobe::Wide }
+    }
+}
+
+/// The lobes of a kind of material whose roughness is a parameter.
+const ANY_LOBE: &[Lobe] = &[Lobe::Wide, Lobe::Narrow, Lobe::Specular];
 
 /// The properties of a material on the host. No field has a default, so that a new material cannot forget one.
 pub struct Model<'a> {
     /// Its texture, if it has one.
     pub slot: Option<Slot<'a>>,
-    pub scattering: Scattering,
+    /// None if it does not scatter. Those of a roughness of 0 where the roughness is a texture.
+    pub lobes: Vec<Lobe>,
     /// Whether it emits to both sides; none if it does not emit. Its texture is the emitted radiance.
     pub two_sided: Option<bool>,
     pub numbers: Vec<Number>,

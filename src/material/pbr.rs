@@ -1,8 +1,8 @@
 //! The material of glTF 2.0: a matt body under a glossy layer, or a metal.
 
 use super::{
-    ALPHA, ALPHA_CUTOFF, DetailKind, EMISSION, MOST_IOR, MULTISCATTER, MaterialKind, Model, NORMAL, NORMAL_SCALE,
-    Number, SPECULAR, SPECULAR_COLOR, Scattering, Slot, VERTEX_COLORS, varying,
+    ALPHA, ALPHA_CUTOFF, ANY_LOBE, DetailKind, EMISSION, Lobe, MOST_IOR, MULTISCATTER, MaterialKind, Model, NORMAL,
+    NORMAL_SCALE, Number, SPECULAR, SPECULAR_COLOR, Slot, VERTEX_COLORS, conductor, varying,
 };
 use crate::data;
 use crate::source::Range;
@@ -17,7 +17,7 @@ const METALLIC: Field =
 const ROUGHNESS: Field = Field::new(
     "roughness",
     Takes::Varying(Range::SHARE),
-    "The perceptual roughness of the metal or the layer: the α of the microfacets is its square. Below 1/1024 it counts as 1/1024.",
+    "The perceptual roughness of the metal or the layer: the α of the microfacets is its square. Below 1/1024 it counts as 0, a perfect mirror.",
 )
 .or("1");
 const IOR: Field =
@@ -48,7 +48,7 @@ pub const KIND: MaterialKind = MaterialKind {
         example: "Pbr(base_color: Rgb(0.8, 0.2, 0.1), metallic: 0, roughness: 0.4)",
     },
     shader: "pbr",
-    scatters: &[Scattering::Spread],
+    lobes: ANY_LOBE,
     is_clear: false,
     emits: false,
     details: &[
@@ -67,10 +67,13 @@ pub const KIND: MaterialKind = MaterialKind {
 pub fn model<'a>(base_color: &'a Texture, metallic: &'a Texture, roughness: &'a Texture, ior: f64) -> Model<'a> {
     let (metallic, number_of_metallic, varying_metallic) = varying(&METALLIC, DetailKind::Metallic, metallic);
     let (roughness, number_of_roughness, varying_roughness) = varying(&ROUGHNESS, DetailKind::Roughness, roughness);
+    // Where nothing says that all of it is a metal, it has a matt body too.
+    let is_metal = metallic == 1.0 && varying_metallic.is_none();
+    let lobes = if is_metal { vec![conductor::lobe(roughness)] } else { vec![Lobe::Wide, conductor::lobe(roughness)] };
     let ior_number = Number { field: &IOR, value: ior, warning: None };
     Model {
         slot: Some(Slot { field: &BASE_COLOR, usage: Use::Albedo, texture: base_color }),
-        scattering: Scattering::Spread,
+        lobes,
         two_sided: None,
         numbers: number_of_metallic.into_iter().chain(number_of_roughness).chain([ior_number]).collect(),
         colours: Vec::new(),

@@ -1,7 +1,7 @@
 //! A clear solid with a rough surface: frosted glass.
 
 use super::{
-    ABSORPTION, DetailKind, LEAST_ROUGHNESS, MaterialKind, Model, NORMAL, NORMAL_SCALE, Scattering, TRANSMITTANCE,
+    ABSORPTION, ANY_LOBE, DetailKind, LEAST_ROUGHNESS, Lobe, MaterialKind, Model, NORMAL, NORMAL_SCALE, TRANSMITTANCE,
     dielectric, varying,
 };
 use crate::data::{self, NO_TEXTURE};
@@ -26,17 +26,21 @@ pub const KIND: MaterialKind = MaterialKind {
         example: "RoughDielectric(ior: 1.5, roughness: 0.3)",
     },
     shader: "rough_dielectric",
-    scatters: &[Scattering::Spread, Scattering::OneWay],
+    lobes: ANY_LOBE,
     is_clear: true,
     emits: false,
     details: &[DetailKind::Roughness, DetailKind::Normal],
     has_second_part: true,
 };
 
-/// How it scatters where it has this roughness: as is_rough_boundary (shaders/lib/microfacet).
-pub fn scattering(ior: f64, roughness: f64) -> Scattering {
-    let spread = (roughness as f32).powi(2) * dielectric::model(ior).on_device.contrast_outside.abs().min(1.0);
-    if spread >= LEAST_ROUGHNESS.powi(2) { Scattering::Spread } else { Scattering::OneWay }
+/// Its lobes where it has this roughness: as is_rough_boundary, width_of_reflection and width_of_refraction from either side have them
+/// (shaders/lib/microfacet).
+pub fn lobes(ior: f64, roughness: f64) -> Vec<Lobe> {
+    let alpha = (roughness as f32).powi(2);
+    if alpha * dielectric::model(ior).on_device.contrast_outside.abs().min(1.0) < LEAST_ROUGHNESS.powi(2) {
+        return vec![Lobe::Specular];
+    }
+    [2.0, 1.0 - 1.0 / ior, 1.0 - ior].map(|turn| Lobe::of_width(alpha * turn.abs() as f32)).to_vec()
 }
 
 pub fn model(ior: f64, roughness: &Texture) -> Model<'_> {
@@ -44,7 +48,7 @@ pub fn model(ior: f64, roughness: &Texture) -> Model<'_> {
     let (roughness, number, detail) = varying(&ROUGHNESS, DetailKind::Roughness, roughness);
     let on_device = data::Material { parameter: roughness as f32, ..clear.on_device };
     Model {
-        scattering: scattering(ior, roughness),
+        lobes: lobes(ior, roughness),
         numbers: clear.numbers.into_iter().chain(number).collect(),
         details: detail.into_iter().collect(),
         on_device,

@@ -2,7 +2,7 @@
 
 use super::dielectric;
 use super::{
-    DetailKind, MOST_IOR, MaterialKind, Model, NORMAL, NORMAL_SCALE, Number, Scattering, TRANSMITTANCE, conductor,
+    ANY_LOBE, DetailKind, MOST_IOR, MaterialKind, Model, NORMAL, NORMAL_SCALE, Number, TRANSMITTANCE, conductor,
     varying,
 };
 use crate::data;
@@ -33,7 +33,7 @@ pub const KIND: MaterialKind = MaterialKind {
         example: "ThinDielectric(transmittance: Rgb(0.6, 0.9, 0.7))",
     },
     shader: "thin_dielectric",
-    scatters: &[Scattering::Spread, Scattering::OneWay],
+    lobes: ANY_LOBE,
     is_clear: true,
     emits: false,
     details: &[DetailKind::Roughness, DetailKind::Normal],
@@ -44,7 +44,7 @@ pub fn model(ior: f64, roughness: &Texture) -> Model<'_> {
     let clear = dielectric::model(ior);
     let (roughness, number, detail) = varying(&ROUGHNESS, DetailKind::Roughness, roughness);
     Model {
-        scattering: conductor::scattering(roughness),
+        lobes: vec![conductor::lobe(roughness)],
         numbers: [Number { field: &IOR, value: ior, warning: None }].into_iter().chain(number).collect(),
         details: detail.into_iter().collect(),
         on_device: data::Material { parameter: roughness as f32, ..clear.on_device },

@@ -32,6 +32,19 @@ pub struct Status {
     pub paths_per_second: f64,
     /// The error by [`crate::film::Film::relative_error`].
     pub relative_error: Option<f64>,
+    /// Of a render until an error: how far it is from that.
+    pub until: Option<Until>,
+}
+
+/// What a render until an error waits for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Until {
+    /// What the error is below, with the confidence that the render asks for.
+    pub bound: f64,
+    /// The samples per pixel at which it is expected to end; none where nothing says so.
+    pub samples: Option<u64>,
+    /// Whether paths have not found light that is there, so that it goes on even if the bound is low enough.
+    pub lacks_light: bool,
 }
 
 /// Shows the progress of a render. All methods may be called from any thread.
@@ -205,9 +218,9 @@ impl Progress {
         let share = match self.job.goal {
             Goal::Samples(end) => samples / f64::from(end.saturating_sub(self.job.first_sample).max(1)),
             Goal::Until { deadline, .. } => of_time(deadline),
-            // The error falls with the square root of the samples or faster.
-            Goal::Noise { error: below, deadline, .. } => {
-                let of_error = status.relative_error.map_or(0.0, |error| (below / error).powi(2));
+            Goal::Noise { deadline, .. } => {
+                let expected = status.until.and_then(|until| until.samples);
+                let of_error = expected.map_or(0.0, |expected| samples / expected.max(1) as f64);
                 of_error.max(deadline.map_or(0.0, of_time))
             }
         };
@@ -232,10 +245,17 @@ impl Progress {
         let samples = match self.job.goal {
             Goal::Samples(end) => format!("{done}/{} spp", end.saturating_sub(self.job.first_sample)),
             Goal::Until { .. } => format!("{done} spp"),
-            Goal::Noise { error, .. } => format!("{done} spp until {} %", two_digits(100.0 * error)),
+            Goal::Noise { .. } => match status.until.and_then(|until| until.samples) {
+                Some(expected) => format!("{done} of about {expected} spp"),
+                None => format!("{done} spp"),
+            },
         };
         let speed = format!("{:.2} Mpaths/s", status.paths_per_second / 1e6);
-        let error = status.relative_error.map(|error| format!("error {} %", two_digits(100.0 * error)));
+        let error = match (self.job.goal, status.until) {
+            (Goal::Noise { error, .. }, Some(until)) => Some(until.describe(error)),
+            (Goal::Noise { error, .. }, None) => Some(format!("until the error is below {} %", percent(error))),
+            _ => status.relative_error.map(|error| format!("error {} %", percent(error))),
+        };
         let time = format!("time {}", FormattedDuration(elapsed));
         let remaining = self.remaining(status, elapsed).map(|time| format!("ETA {}", FormattedDuration(time)));
         // Each with its rank: those of the highest rank go first where there is no room.
@@ -254,6 +274,22 @@ impl Progress {
     }
 }
 
+impl Until {
+    /// Why the render goes on: what its error is below, what it is to be below, and what else it waits for.
+    fn describe(&self, wanted: f64) -> String {
+        let (bound, wanted) = (percent(self.bound), percent(wanted));
+        match (self.bound.is_finite(), self.lacks_light) {
+            (false, _) => format!("error unknown, until below {wanted} %"),
+            (true, false) => format!("error below {bound} %, until below {wanted} %"),
+            (true, true) => format!("error below {bound} %, until light behind mirrors or glass is found"),
+        }
+    }
+}
+
+fn percent(share: f64) -> String {
+    two_digits(100.0 * share)
+}
+
 /// A number with two significant digits, but at most 4 decimals.
 fn two_digits(value: f64) -> String {
     let decimals = if value > 0.0 { (1.0 - value.log10().floor()).clamp(0.0, 4.0) } else { 0.0 };
@@ -264,7 +300,8 @@ fn two_digits(value: f64) -> String {
 mod tests {
     use super::*;
 
-    const STATUS: Status = Status { samples_per_pixel: 125, paths_per_second: 1.416e6, relative_error: Some(0.0321) };
+    const STATUS: Status =
+        Status { samples_per_pixel: 125, paths_per_second: 1.416e6, relative_error: Some(0.0321), until: None };
     const MINUTE: Duration = Duration::from_secs(60);
 
     fn progress(goal: Goal) -> Progress {
@@ -298,9 +335,26 @@ mod tests {
         }
     }
 
+    /// A render until an error goes on while its bound is above that, or light is missing: never without a word of why.
+    #[test]
+    fn a_render_until_an_error_says_why_it_goes_on() {
+        let goal = Goal::Noise { error: 0.05, deadline: None, end: 1 << 20, begun: 100, looks: 0 };
+        let line = |until: Option<Until>| progress(goal).describe(&Status { until, ..STATUS }, MINUTE, 200);
+        assert_eq!(line(None), "125 spp  1.42 Mpaths/s  until the error is below 5.0 %  time 00:01:00");
+        let until = Until { bound: 0.0532, samples: Some(250), lacks_light: false };
+        let expected =
+            "125 of about 250 spp  1.42 Mpaths/s  error below 5.3 %, until below 5.0 %  time 00:01:00  ETA 00:01:00";
+        assert_eq!(line(Some(until)), expected);
+        let lacking = line(Some(Until { bound: 0.04, lacks_light: true, ..until }));
+        assert!(lacking.contains("error below 4.0 %, until light behind mirrors or glass is found"), "{lacking}");
+        let unknown = line(Some(Until { bound: f64::INFINITY, samples: None, ..until }));
+        let expected = "125 spp  1.42 Mpaths/s  error unknown, until below 5.0 %  time 00:01:00";
+        assert_eq!(unknown, expected);
+    }
+
     #[test]
     fn what_is_not_known_is_left_out() {
-        let nothing = Status { samples_per_pixel: 0, paths_per_second: 0.0, relative_error: None };
+        let nothing = Status { samples_per_pixel: 0, paths_per_second: 0.0, relative_error: None, until: None };
         assert_eq!(
             progress(Goal::Samples(600)).describe(&nothing, MINUTE, 80),
             "0/500 spp  0.00 Mpaths/s  time 00:01:00"

@@ -89,8 +89,6 @@ named! {
         own_glow,
         /// and is sampled as a light,
         glow_is_sampled,
-        /// and may be left to chance.
-        glow_by_chance,
         /// Its light is among the direct light beside the image.
         glow_direct,
         /// A clear material of the kernel has a surface that lets a share of light pass alone,
@@ -129,26 +127,19 @@ named! {
         light_without_place,
         /// Something that emits is not sampled.
         unsampled,
-        /// Lights with a size, or the sky, are sampled, and mirrors or glass leave some of that light to chance.
-        one_way,
-        /// The sky is one that they may leave to chance.
-        sky_by_chance,
+        /// Lights are sampled, and narrow lobes hide some of their light, which probes count; or no lobe does.
+        probed,
+        unprobed,
         /// A material of the kernel is non-specular, and lights are sampled.
         surface_samples_light,
-        /// One of them sends rays one way alone.
-        specular,
-        /// One of them does either.
+        /// A material of the kernel samples lights, or has a narrow lobe and probes them.
         sends_shadow_ray,
-        /// One of them is specular, and some lights have no size, so that chance cannot find them.
-        specular_beside_delta_light,
         /// One of them has two elements of the table.
         two_parts,
         /// One of them responds to light from both sides, on smooth meshes, where the two sides have points of their own.
         both_sides,
         /// One of them is a light that is sampled,
         met_light,
-        /// and may be left to chance.
-        met_by_chance,
         /// The film has channels beside the radiance:
         aov,
         /// the albedo of the surface that is seen, its normal, one of them;
@@ -215,6 +206,7 @@ named! {
         shading,
         medium_albedo,
         roulette,
+        probe,
         clamp,
         fresnel,
         offset,
@@ -373,7 +365,6 @@ pub(super) fn decide(
     let extended = emitting_surface.clone().or(emitting_sky.clone());
     let any_light = extended.clone().or(delta_light.clone()).unwrap_or(Reason::EveryRender);
     let light = if_so(features.lights > 0, any_light);
-    let by_chance = light.clone().and(extended);
     let medium = if_so(features.crosses_media(), first(&features.boundaries).unwrap_or(Reason::EveryRender));
     let surface = materials.first().map(|kind| kind.why.clone());
     // A mesh makes walks long.
@@ -384,15 +375,18 @@ pub(super) fn decide(
         (Some(_), Some(_)) => Chosen { module: "scene/brute_force", why: hit },
         (Some(_), None) => Chosen { module: "scene/traverse", why: hit },
     };
-    let one_way = by_chance.clone().and(first(&features.specular));
-
     let served_in = |used: &[Option<String>]| -> Vec<Entry> {
         let is_in = |kind: &&Entry| used.get(kind.number as usize).is_some_and(Option::is_some);
         served.iter().filter(is_in).cloned().collect()
     };
     let non_specular = served_in(&features.non_specular);
     let surface_samples_light = light.clone().filter(|_| !non_specular.is_empty());
-    let specular = served_in(&features.specular).first().and_then(|kind| by_chance.clone().and(Some(kind.why.clone())));
+    // A specular lobe may hide lights with a size, and any other narrow lobe all lights.
+    let any_narrow = first(&features.narrow).or(asked(&features.narrow_media));
+    let hidden = any_narrow.or(extended.clone().and(first(&features.specular)));
+    let probed = light.clone().and(hidden);
+    let of_first = |used: &[Option<String>]| served_in(used).first().map(|kind| kind.why.clone());
+    let sends_probe = probed.clone().and(of_first(&features.narrow).or(of_first(&features.specular)));
     let of_kind = |kind: &Entry| Material::KINDS.get(kind.number as usize);
     let two_part: Vec<Entry> =
         served.iter().filter(|kind| of_kind(kind).is_some_and(|kind| kind.has_second_part)).cloned().collect();
@@ -412,7 +406,6 @@ pub(super) fn decide(
 
     let glowing = &features.details[DetailKind::Emission as usize];
     let glow = first(glowing);
-    let of_first = |used: &[Option<String>]| served_in(used).first().map(|kind| kind.why.clone());
     let own = |detail: DetailKind| of_first(&features.details[detail as usize]);
     let (varying_roughness, varying_metallic) = (own(DetailKind::Roughness), own(DetailKind::Metallic));
     let (own_glow, normal_map) = (own(DetailKind::Emission), own(DetailKind::Normal));
@@ -433,6 +426,8 @@ pub(super) fn decide(
 
     let uv_tables = mesh.clone().and(asked(&features.uv_tables));
 
+    let both_sides = { both_sided.first().zip(light.as_ref()) }
+        .and_then(|(kind, _)| asked(&features.smooth).and(Some(kind.why.clone())));
     let queue_why = if_so(queues, option(QUEUES));
     let conditions = Conditions {
         staged_light: light.clone().filter(|_| !fused),
@@ -466,13 +461,10 @@ pub(super) fn decide(
             Some(left) => Some(option(&left.asked_by)),
             None => if_so(options.features == FeatureSet::All, option(EVERY_FEATURE)),
         },
-        sky_by_chance: emitting_sky.clone().and(one_way.clone()),
-        sends_shadow_ray: surface_samples_light.clone().or(specular.clone()),
+        sends_shadow_ray: surface_samples_light.clone().or(sends_probe),
         two_parts: two_part.first().map(|kind| kind.why.clone()),
-        both_sides: { both_sided.first().zip(light.as_ref()) }
-            .and_then(|(kind, _)| asked(&features.smooth).and(Some(kind.why.clone()))),
+        both_sides,
         met_light: light.clone().and(emitting_surface.clone()).filter(|_| shines),
-        met_by_chance: one_way.clone().filter(|_| shines && emitting_surface.is_some()),
         emitting_without_scattering: emitting_surface.clone().filter(|_| glow.is_none()),
         undetailed: if_so(detailed.is_none(), Reason::EveryRender),
         detailed,
@@ -485,7 +477,6 @@ pub(super) fn decide(
         glow_of_light: glow.clone().and(emitting_surface.clone()),
         gathers: light.clone().or(glow.clone()),
         glow_direct: own_glow.clone().and(aov(&[Sum::Direct], &Some(Reason::EveryRender))),
-        glow_by_chance: glow_is_sampled.clone().and(one_way.clone()),
         colour_images: if_so(number_images.is_none(), Reason::EveryRender),
         number_images,
         varying_roughness,
@@ -493,7 +484,7 @@ pub(super) fn decide(
         glow_is_sampled,
         own_glow,
         glow,
-        tinted_in_light: tinted.clone().and(surface_samples_light.clone().or(specular.clone())),
+        tinted_in_light: tinted.clone().and(surface_samples_light.clone()),
         tinted,
         absorbing,
         normal_map_in_light: normal_map.clone().and(surface_samples_light.clone()),
@@ -503,12 +494,11 @@ pub(super) fn decide(
         plain_layer: if_so(own_layer.is_none(), Reason::EveryRender),
         own_layer,
         multiscatter,
-        specular_beside_delta_light: specular.clone().and(delta_light.clone()),
         light_without_place: emitting_sky.clone().or(asked(&features.directional_lights)),
         delta_light,
         surface_samples_light,
-        specular,
-        one_way,
+        unprobed: if_so(probed.is_none(), Reason::EveryRender),
+        probed,
         light,
         medium,
         surface,
@@ -537,6 +527,7 @@ pub(super) fn decide(
         light_choice: usual(if features.lights > 1 { "scene/light_tree" } else { "scene/one_light" }),
         walk,
         roulette: by_option(&options::ROULETTE),
+        probe: either(conditions.probed.clone(), "step/narrow_lobe", "step/no_narrow_lobe"),
         clamp: approximate(&options::CLAMP, conditions.clamp.is_some()),
         fresnel: approximate(&options::FRESNEL, has_glass),
         offset: approximate(&options::OFFSET, conditions.surface.is_some()),

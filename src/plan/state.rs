@@ -39,7 +39,7 @@ impl PathField {
 }
 
 /// The most bytes that they are, of any scene: without channels beside the radiance, and what these add.
-const MOST_PATH_BYTES: u64 = 164;
+const MOST_PATH_BYTES: u64 = 168;
 const MOST_BYTES_OF_AOVS: u64 = 80;
 
 /// The most bytes that they are, of any scene with these channels.
@@ -56,6 +56,7 @@ pub fn path_fields(conditions: &Conditions, fused: bool) -> Vec<PathField> {
     let staged = |why| words(why).filter(|_| !fused).map(|why| format!("{A_KERNEL_A_STAGE}, and {why}"));
     let (staged_lights, staged_meshes, staged_mesh_lights) =
         (staged(&conditions.light), staged(&conditions.mesh), staged(&conditions.emitting_mesh));
+    let staged_probes = staged(&conditions.probed);
     // Without a surface or a medium nobody asks how far it is.
     let staged_events = (!fused && conditions.event.is_some()).then(|| A_KERNEL_A_STAGE.to_string());
     let field = |why: &Option<String>, name, words, behind, what| {
@@ -69,7 +70,7 @@ pub fn path_fields(conditions: &Conditions, fused: bool) -> Vec<PathField> {
         vector(&always, "DIRECTION", "its direction"),
         behind(&always, "DIRECTION", "status", "what the path is doing, or what its ray has met"),
         vector(&always, "THROUGHPUT", "the share of the light met next that reaches the camera"),
-        behind(&always, "THROUGHPUT", "depth", "scattering events so far"),
+        behind(&always, "THROUGHPUT", "depth", "scattering events so far, and which of them had narrow lobes"),
         vector(&always, "SUM", "radiance of the run's samples"),
         behind(&always, "SUM", "rays", "their rays"),
         vector(&always, "EXCESS", "what that sum is too large by, of its roundings"),
@@ -89,6 +90,7 @@ pub fn path_fields(conditions: &Conditions, fused: bool) -> Vec<PathField> {
         behind(&staged_lights, "SHADOW_ORIGIN", "light", "the light"),
         vector(&staged_lights, "SHADOW_DIRECTION", "the direction of that ray"),
         vector(&staged_lights, "LIGHT_WEIGHT", "what the light brings per radiance, if nothing is in its way"),
+        behind(&staged_probes, "LIGHT_WEIGHT", "probe", "the weight of that ray as a probe for light of narrow lobes"),
         word(&staged_events, "t", "distance to what the ray has met"),
         word(&always, "counts", "samples of the run, accepted and rejected"),
         word(&always, "pixel", "the pixel"),

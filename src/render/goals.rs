@@ -13,20 +13,26 @@ use crate::samples::Samples;
 
 /// The samples at which a render until an error looks first.
 pub const FIRST_LOOK: u32 = 2 * RUN_LENGTH;
-/// The samples at which it gives up where nothing bounds the error: pixels too few, or without light.
+/// The samples at which it gives up where more are of no use: nothing bounds the error, because pixels are too few or have no light; or
+/// the noise is small, and paths still do not find light that is there.
 pub const LAST_LOOK: u32 = 1 << 14;
 
-/// The samples at which a render until an error looks at it, after so many looks.
+/// The samples at which a render until an error looks at it, after so many looks: 16, 32, 48, 64, and from there on at each quarter of a
+/// doubling. Both halves of a pixel then have as many samples.
 pub fn look_after(looks: u32) -> u32 {
-    FIRST_LOOK.saturating_mul(2u32.saturating_pow(looks))
+    match looks.checked_sub(4) {
+        None => FIRST_LOOK * (looks + 1),
+        Some(later) => FIRST_LOOK.saturating_mul(5 + later % 4).saturating_mul(2u32.saturating_pow(later / 4)),
+    }
 }
 
-/// What comes of a look at a film with so many samples of a pixel, after so many looks; and whether more samples are of no use, because the
-/// error is small enough, or because nothing bounds it.
+/// The result of a look at a film with so many samples of a pixel, after so many looks; and whether the render ends here.
 pub fn look_at(film: &Film, samples: u32, looks: u32, error: f64) -> (Noise, bool) {
-    let bound = film.error_estimate(level_after(looks)).map_or(f64::INFINITY, |found| found.bound);
-    let noise = Noise { looks: looks.saturating_add(1), reached: bound < error };
-    (noise, noise.reached || (bound == f64::INFINITY && samples >= LAST_LOOK))
+    let verdict = film.verdict(level_after(looks));
+    let bound = verdict.error.map_or(f64::INFINITY, |found| found.bound);
+    let noise = Noise { looks: looks.saturating_add(1), reached: bound < error && !verdict.lacks_light() };
+    let is_hopeless = bound == f64::INFINITY || bound < error;
+    (noise, noise.reached || (is_hopeless && samples >= LAST_LOOK))
 }
 
 fn seconds_until(deadline: Instant) -> f64 {
@@ -115,9 +121,9 @@ impl Renderer<'_> {
 
     /// Renders until the relative error is below the one asked.
     ///
-    /// The film is looked at when the number of samples has doubled. To stop at the first look that pleases would favour those that are
-    /// too low by chance: the k-th has a 2^-k-th of the probability of being wrong that all have together, by the union bound. Samples that
-    /// have been looked at stay: they are as good as others, and the image is that of `--spp` with their number.
+    /// The film is looked at again and again ([`look_after`]). To stop at the first look that pleases would favour those that are too low by
+    /// chance: each look has a share of the probability of being wrong that all have together ([`level_after`]), by the union bound.
+    /// Samples that have been looked at stay: they are as good as others, and the image is that of `--spp` with their number.
     ///
     /// The error of a handful of pixels is never known with such confidence, nor that of an image without light: there it gives up.
     pub(super) fn render_noise(
@@ -139,12 +145,10 @@ impl Renderer<'_> {
             }
         }
         // A render that goes on with another looks where that one would have looked next.
-        let mut aim = look_after(looks);
-        while begun.saturating_add(aim) < done {
-            aim = aim.saturating_mul(2);
-        }
+        let aim = |look: u32| begun.saturating_add(look_after(look));
+        let mut look = (looks..).find(|look| aim(*look) >= done).unwrap_or(looks);
         loop {
-            let end = most.end.min(begun.saturating_add(aim));
+            let end = most.end.min(aim(look));
             done = match &mut timed {
                 Some((deadline, pace)) => self.fill(done..end, *deadline, pace, stretch)?,
                 None => {
@@ -162,7 +166,7 @@ impl Renderer<'_> {
             if ends || done < end || done == most.end {
                 return Ok(());
             }
-            aim = aim.saturating_mul(2);
+            look += 1;
         }
     }
 }

@@ -65,10 +65,11 @@ pub struct Noise {
 /// The probability that a render until an error ends with a larger one, over all its looks.
 pub const NOISE_LEVEL: f64 = 0.05;
 
-/// The probability that is left to a look for finding the error below its bound by chance, after so many looks: half of it for the first one,
-/// and for each later one half of the rest, so that all have [`NOISE_LEVEL`] together.
+/// The probability that a look has for finding the error below its bound by chance, after so many looks: of the k-th look a share of
+/// 1 / (k (k + 1)), so that all have [`NOISE_LEVEL`] together.
 pub fn level_after(looks: u32) -> f64 {
-    NOISE_LEVEL * 0.5f64.powi(looks.saturating_add(1).min(1000) as i32)
+    let number = f64::from(looks) + 1.0;
+    NOISE_LEVEL / (number * (number + 1.0))
 }
 
 impl Noise {

@@ -14,7 +14,7 @@ use crate::film::Film;
 use crate::flatten::DeviceScene;
 use crate::gpu::device::Device;
 use crate::job::{Goal, Job};
-use crate::options::RenderOptions;
+use crate::options::{Integrator, RenderOptions};
 use crate::plan::Plan;
 use crate::threads::each;
 
@@ -115,7 +115,7 @@ impl<'a> Renderer<'a> {
 /// As of [`Film::with_sampler`] and [`Film::with_aovs`].
 pub fn empty_film(scene: &DeviceScene, (width, height): (u32, u32), options: &RenderOptions) -> Result<Film> {
     let film = Film::with_sampler(width, height, scene.radiance_exponent, options.sampler)?;
-    film.with_aovs(&options.aov, scene.space)
+    film.sampling_lights(options.integrator == Integrator::Mis).with_aovs(&options.aov, scene.space)
 }
 
 impl Lane<'_> {

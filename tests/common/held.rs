@@ -1,7 +1,7 @@
 //! How often the bound of an image's error holds: over many seeds, against the mean of all the others.
 
 use gpu_rt::film::ErrorEstimate;
-use gpu_rt::render::NOISE_LEVEL;
+use gpu_rt::render::{NOISE_LEVEL, level_after};
 use gpu_rt::scene::Scene;
 
 use super::render::{Ask, Change, render_with};
@@ -83,7 +83,7 @@ impl Looks {
                 }
                 None => shot.film,
             };
-            let level = NOISE_LEVEL / 2f64.powi(of_seed.len() as i32 + 1);
+            let level = level_after(of_seed.len() as u32);
             of_seed.push(Look {
                 image: so_far.develop().rgb.iter().map(|rgb| rgb.map(f64::from)).collect(),
                 error: so_far.error_estimate(NOISE_LEVEL).expect("there is light"),
@@ -117,6 +117,22 @@ impl Looks {
             looks.iter().map(error).collect()
         };
         self.seeds.iter().zip(&images).map(of_seed).collect()
+    }
+
+    /// The errors that all images state.
+    pub fn errors(&self) -> impl Iterator<Item = &ErrorEstimate> {
+        self.seeds.iter().flatten().map(|look| &look.error)
+    }
+
+    /// The share of images whose error is below another figure of theirs, by the number of samples.
+    pub fn held_by(&self, figure: impl Fn(&ErrorEstimate) -> f64) -> Vec<f64> {
+        let truths = self.truths();
+        let held = |k: usize| {
+            let count =
+                self.seeds.iter().zip(&truths).filter(|(looks, truths)| truths[k] <= figure(&looks[k].error)).count();
+            count as f64 / self.seeds.len() as f64
+        };
+        (0..self.samples.len()).map(held).collect()
     }
 
     /// How often the bound holds, by the number of samples.

@@ -15,6 +15,8 @@ use super::vectors::{U, rounded, unit};
 /// As shaders/data/material.wgsl has them.
 pub const SCATTERED: u32 = 0;
 pub const ABSORBED: u32 = 1;
+/// The lobe of one direction.
+pub const SPECULAR: u32 = 2;
 
 /// What tests/shaders/rough.wgsl takes.
 #[repr(C)]
@@ -47,6 +49,11 @@ pub struct Out {
     pub pdf: f32,
     pub value: [f32; 3],
     pub non_specular: u32,
+    /// The lobe of the direction that it drew (shaders/data/material).
+    pub lobe: u32,
+    /// The share of the pdf that narrow lobes have.
+    pub narrow: f32,
+    pub padding: [u32; 2],
 }
 
 /// A kernel that answers each row so many times: once for the row's own uniforms, or for independent ones.

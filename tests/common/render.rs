@@ -233,7 +233,8 @@ pub fn render_job(
     watch: Watch<'_>,
 ) -> (Film, Outcome) {
     let flat = flatten(scene, job.size, options).expect("the scene flattens");
-    let mut film = Film::with_sampler(job.size.0, job.size.1, flat.radiance_exponent, of_film).expect("the film fits");
+    let film = Film::with_sampler(job.size.0, job.size.1, flat.radiance_exponent, of_film).expect("the film fits");
+    let mut film = film.sampling_lights(options.integrator == Integrator::Mis);
     let outcome = render_flat(&flat, options, job, &mut film, change, watch);
     (film, outcome)
 }

@@ -18,7 +18,7 @@ tests_on() {
 }
 skipped_on() {
     case $1 in
-        swiftshader) echo estimators features knobs references sobol through_glass warnings ;;
+        swiftshader) echo estimators features knobs narrow_lobes references sobol warnings ;;
         *) echo tradeoff ;;
     esac
 }

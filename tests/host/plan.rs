@@ -528,21 +528,22 @@ fn lights_are_sampled_where_something_answers() {
     }
 }
 
-/// Of kernels that serve a material each, those of materials that answer to lights sample them, and glass asks for what it leaves to chance.
+/// Of kernels that serve a material each, those of materials that respond to lights sample them, and glass probes them. All keep the path's
+/// history.
 #[test]
 fn queues_sample_lights_where_their_material_answers() {
     let class = &classes()[1];
     let modules = modules_by_kernel(&flat(&shipped("glass"), FeatureSet::Scene), class, Scatter::Queues);
-    for (kernel, samples, asks, meets) in [
+    for (kernel, samples, probes, meets) in [
         ("scatter_lambertian", true, false, false),
         ("scatter_dielectric", false, true, false),
         ("scatter_diffuse_light", false, false, true),
     ] {
         let has = |module: &str| modules[kernel].contains(module);
         assert_eq!(has("scene/responses"), samples, "{kernel}");
-        assert_eq!(has("step/light"), samples || asks || meets, "{kernel}");
-        assert_eq!(has("bind/lights"), samples || asks || meets, "{kernel}");
-        assert_eq!(has("step/through_glass"), asks || meets, "{kernel}");
+        assert_eq!(has("step/light"), samples || probes || meets, "{kernel}");
+        assert_eq!(has("bind/lights"), samples || probes || meets, "{kernel}");
+        assert!(has("step/narrow_lobe"), "{kernel}");
     }
 }
 

@@ -1,9 +1,13 @@
 //! `--filter`: an edge between black and white through the middle of an image shows the integral of the filter.
 
+use std::path::Path;
+
 use gpu_rt::film::Film;
 use gpu_rt::options::{Filter, Scatter};
+use gpu_rt::scene::Scene;
 
-use crate::common::render::{Ask, Shot, render, scene};
+use crate::common::held::Looks;
+use crate::common::render::{Ask, Change, Shot, render, scene};
 use crate::common::stats::{sidak, student_two_sided};
 
 const FILTERS: [Filter; 4] = [Filter::Box, Filter::Tent, Filter::Gauss, Filter::Mitchell];
@@ -109,4 +113,22 @@ fn negative_pixels_are_exact_too() {
     let mut read = Film::with_sampler(8, 4, whole.film.exponent(), whole.film.sampler()).expect("it fits");
     (0..32).for_each(|index| read.add_words(index, &whole.film.words(index)));
     assert_eq!(read.develop(), whole.film.develop());
+}
+
+/// With samples of either sign, pixels beside a lamp may be 0, which a bound of the relative error has to allow for. It holds, and is never below the
+/// estimate, also at numbers of samples that are no powers of two. Before, it held in 0 % of images of 150 samples.
+#[test]
+fn the_bound_of_the_error_holds_for_samples_of_either_sign() {
+    let cornell = Scene::load(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/cornell.ron"))).expect("it ships");
+    let ask =
+        |filter: Filter| Ask::default().mis().sobol().roulette().size(32, 24).with(|options| options.filter = filter);
+    let looks = Looks::new(&cornell, &ask(Filter::Mitchell), &Change::default(), 30, &[24, 64, 150]);
+    for held in looks.held() {
+        println!("mitchell: {held}");
+        // Of 30 images at 95 %, less than 24 hold with a probability of 1e-4.
+        assert!(held.share >= 0.8, "{held}");
+    }
+    assert!(looks.errors().all(|error| error.bound >= error.value));
+    // The planted error: the estimate for the bound.
+    assert!(looks.held_by(|error| error.value).iter().any(|share| *share < 0.7));
 }

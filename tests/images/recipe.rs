@@ -13,7 +13,7 @@ use gpu_rt::options::Scatter;
 const RETROREFLECTOR: &str = "//@ use data/material
 // A retroreflector: light goes back the way it came, less what its colour takes.
 fn retroreflector_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scatter {
-    return Scatter(SCATTERED, -hit.incoming, hit.colour * material.parameter);
+    return scatter_towards(-hit.incoming, hit.colour * material.parameter, LOBE_SPECULAR);
 }
 ";
 const NAME: &str = "retroreflector";
@@ -24,7 +24,7 @@ const VELVET: &str = "//@ use data/material
 fn velvet_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scatter {
     let point = sample_sphere(u.xy);
     let direction = from_basis(basis_around(hit.normal), vec3<f32>(point.xy, abs(point.z)));
-    return Scatter(SCATTERED, normalize(direction), hit.colour * material.parameter);
+    return scatter_towards(normalize(direction), hit.colour * material.parameter, LOBE_WIDE);
 }
 ";
 const VELVET_EVAL: &str = "//@ use data/material
@@ -35,7 +35,7 @@ fn velvet_is_non_specular(material: Material) -> bool {
 
 fn velvet_eval(material: Material, hit: Interaction, direction: vec3<f32>) -> Response {
     let pdf = select(0.0, 1.0 / (2.0 * PI), dot(direction, hit.normal) > 0.0);
-    return Response(hit.colour * (material.parameter * pdf), pdf);
+    return Response(hit.colour * (material.parameter * pdf), pdf, 0.0);
 }
 ";
 /// The share of the light that is not lost.

@@ -11,7 +11,7 @@ use gpu_rt::data::Sampler;
 use gpu_rt::film::Film;
 use gpu_rt::job::{Goal, Job};
 use gpu_rt::options::RenderOptions;
-use gpu_rt::render::{NOISE_LEVEL, Next, Outcome};
+use gpu_rt::render::{NOISE_LEVEL, Next, Outcome, level_after, look_after};
 use gpu_rt::samples::Samples;
 use gpu_rt::scene::Scene;
 
@@ -87,18 +87,18 @@ fn a_render_until_an_error_is_that_of_its_samples() {
         let noise = outcome.noise.expect("it was asked");
         let samples = outcome.samples.count() as u32;
         assert!(noise.reached && !outcome.interrupted && outcome.samples.hull().start == 0);
-        assert!(samples.is_power_of_two() && samples >= 16, "{samples}");
+        assert_eq!(samples, look_after(noise.looks - 1));
         assert_eq!(samples == 16, error == 0.9, "{samples}");
-        // The k-th look has 5 % / 2^k.
-        assert_eq!(noise.level(), NOISE_LEVEL / f64::from(samples / 8));
+        // The k-th look has 5 % / (k (k + 1)).
+        assert_eq!(noise.level(), NOISE_LEVEL / f64::from(noise.looks * (noise.looks + 1)));
         assert!(film.error_estimate(noise.level()).expect("there is light").bound < error);
         let of_samples = render(&scene, &Ask::spp(samples).seed(4).depth(10).with(|options| options.sampler = sampler));
         assert!(film == of_samples.film);
         // It did not end too late.
-        if samples > 16 {
-            let before =
-                render(&scene, &Ask::spp(samples / 2).seed(4).depth(10).with(|options| options.sampler = sampler));
-            assert!(before.film.error_estimate(2.0 * noise.level()).expect("there is light").bound >= error);
+        if let Some(last) = noise.looks.checked_sub(2) {
+            let ask = Ask::spp(look_after(last)).seed(4).depth(10).with(|options| options.sampler = sampler);
+            let before = render(&scene, &ask);
+            assert!(before.film.error_estimate(level_after(last)).expect("there is light").bound >= error);
         }
     }
     // The most samples, and the time, come first where they do.
@@ -164,4 +164,18 @@ fn a_lamp_far_brighter_than_what_is_seen_hides_no_error() {
         println!("{sampler:?}: {alone:?} {beside:?}");
         assert!((beside.value / alone.value - 1.0).abs() < 0.4 && beside.bound > beside.value, "{alone:?} {beside:?}");
     }
+}
+
+/// A render until an error looks often, so that it takes at most half as many samples again as the first number at which its bound is low enough,
+/// and a quarter from 64 on; all looks together have 5 %; and both halves of a pixel have the same samples at each.
+#[test]
+fn looks_come_often_and_share_their_probability() {
+    let looks: Vec<u32> = (0..40).map(look_after).collect();
+    assert_eq!(looks[..12], [16, 32, 48, 64, 80, 96, 112, 128, 160, 192, 224, 256]);
+    assert!(looks.windows(2).all(|pair| pair[0] < pair[1] && (pair[0] < 64 || 4 * pair[1] <= 5 * pair[0])));
+    assert!(looks.iter().all(|samples| samples.is_multiple_of(16)));
+    let all: f64 = (0..1_000_000).map(level_after).sum();
+    assert!(all < NOISE_LEVEL && all > 0.999 * NOISE_LEVEL, "{all}");
+    // They never end, and no number of them is too large.
+    assert!(look_after(1000) == u32::MAX && look_after(u32::MAX) == u32::MAX && level_after(u32::MAX) > 0.0);
 }

@@ -7,16 +7,16 @@ use gpu_rt::data;
 use gpu_rt::flatten::{Features, MATERIALS, Unsampled};
 use gpu_rt::gpu::layout::{Member, members, pack};
 use gpu_rt::gpu::link::{Choices, Embedded, link};
-use gpu_rt::material::{Material, Scattering};
+use gpu_rt::material::{Lobe, Material};
 use gpu_rt::options::{Fresnel, RenderOptions, Scatter};
 use gpu_rt::plan::{Kernels, UniformTables};
 
 /// Name, offset and bytes of each field.
 type Fields = Vec<(String, usize, usize)>;
 
-/// The kinds of material that can scatter so.
-fn that_scatter(way: Scattering) -> [Option<String>; MATERIALS.len()] {
-    std::array::from_fn(|i| Material::KINDS[i].scatters.contains(&way).then(|| "a test".to_string()))
+/// The kinds of material that can have such a lobe.
+fn with_lobe(lobe: Lobe) -> [Option<String>; MATERIALS.len()] {
+    std::array::from_fn(|i| Material::KINDS[i].lobes.contains(&lobe).then(|| "a test".to_string()))
 }
 
 /// The modules of every production kernel with every feature on, and the numerics probe's.
@@ -25,8 +25,10 @@ fn modules() -> Vec<naga::Module> {
     let features = Features {
         primitives: Default::default(),
         materials: Default::default(),
-        non_specular: that_scatter(Scattering::Spread),
-        specular: that_scatter(Scattering::OneWay),
+        non_specular: with_lobe(Lobe::Wide),
+        specular: with_lobe(Lobe::Specular),
+        narrow: with_lobe(Lobe::Narrow),
+        narrow_media: Some("a test".to_string()),
         textures: Default::default(),
         texel_formats: Default::default(),
         boundaries: Default::default(),

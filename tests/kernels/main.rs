@@ -21,6 +21,7 @@ mod globe;
 mod layout;
 mod light_tree;
 mod lights;
+mod lobes;
 mod materials;
 mod medium;
 mod meshes;

@@ -7,8 +7,8 @@ use gpu_rt::data;
 
 use crate::common::kernel::Kernel;
 use crate::common::microfacets::{
-    ABSORBED, In, Out, SCATTERED, arriving, axes, density, kernel, kernel_of, masking, schlick, shadowing, uniforms,
-    visible, within,
+    ABSORBED, In, Out, SCATTERED, SPECULAR, arriving, axes, conductor, density, kernel, kernel_of, masking, schlick,
+    shadowing, uniforms, visible, within,
 };
 use crate::common::stats::{Random, chi_square, sidak};
 use crate::common::vectors::{U, decades, exact, rounded, unit};
@@ -252,6 +252,61 @@ fn pbr_has_the_layer_of_the_extension() {
         assert!(differ(|_| NO_LAYER) > 3000, "the layer of appendix B is not told from it");
         assert!(differ(|grazing| 1.01 * grazing) > 300, "a layer that is 1 % brighter is not found");
     }
+}
+
+/// A roughness below the limit makes a mirror over the matt body: the bytes of a smooth conductor where nothing else reflects, and else a lobe
+/// of one direction, drawn as often as its share, that is no part of the response.
+#[test]
+fn a_smooth_pbr_is_a_mirror_over_its_matt_body() {
+    let mut random = Random(209);
+    let smooth = |(i, row): (usize, In)| In {
+        material: data::Material { parameter: [0.0, 0.0009][i % 2], ..row.material },
+        ..row
+    };
+    let rows: Vec<In> = rows(&mut random, 20_000, false).into_iter().enumerate().map(smooth).collect();
+    let found = kernel("pbr", 1, &[]).run::<_, Out>(&rows);
+    let as_conductors: Vec<In> = rows.iter().map(|row| conductor(*row, 0.0, None)).collect();
+    let mirrors = kernel("conductor", 1, &[]).run::<_, Out>(&as_conductors);
+    let (mut metals, mut layers, mut matt, mut planted) = (0, 0, 0, 0);
+    for ((row, out), mirror) in rows.iter().zip(&found).zip(&mirrors) {
+        if row.material.contrast_inside == 1.0 {
+            let bytes = |out: &Out| (out.event, out.direction, out.weight, out.non_specular, out.lobe);
+            assert_eq!(bytes(out), bytes(mirror), "{row:?}");
+            metals += 1;
+            continue;
+        }
+        let (view, normal) = (-exact(row.incoming).normalize(), exact(row.normal).normalize());
+        let cos_view = view.dot(normal);
+        let share = share_of_facets(row, cos_view);
+        let metallic = f64::from(row.material.contrast_inside);
+        let near = |found: f32, expected: f64| (f64::from(found) - expected).abs() <= 1e-5 * expected.max(0.1);
+        let u = f64::from(row.u[0]);
+        if out.event == ABSORBED || (u - share).abs() < 1e-5 {
+            continue;
+        }
+        assert_eq!((out.lobe == SPECULAR, out.non_specular), (u < share, 1), "{row:?} {out:?}");
+        if u < share {
+            let reflected = |c: usize| {
+                let base = f64::from(row.colour[c]);
+                (1.0 - metallic) * layer(row, cos_view)[c] + metallic * schlick(cos_view, base)
+            };
+            assert_eq!(out.direction, mirror.direction);
+            assert!((0..3).all(|c| near(out.weight[c], reflected(c) / share)), "{row:?} {out:?}");
+            planted += usize::from((0..3).any(|c| !near(out.weight[c], 1.01 * reflected(c) / share)));
+            layers += 1;
+        } else {
+            // The formula without its microfacets.
+            let direction = exact(out.direction).normalize();
+            let cos_facet = view.dot((view + direction).normalize());
+            let passed = 1.0 - layer(row, cos_facet).into_iter().fold(0.0, f64::max);
+            let cosine = direction.dot(normal).max(0.0) / PI;
+            let value = |c: usize| (1.0 - metallic) * passed * f64::from(row.colour[c]) * cosine;
+            assert!(near(out.pdf, (1.0 - share) * cosine), "{row:?} {out:?}");
+            assert!((0..3).all(|c| near(out.value[c], value(c))), "{row:?} {out:?}");
+            matt += 1;
+        }
+    }
+    assert!(metals > 5000 && layers > 2000 && matt > 2000 && planted > 2000, "{metals} {layers} {matt} {planted}");
 }
 
 /// The BRDF for light and view exchanged.

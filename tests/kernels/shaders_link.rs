@@ -9,7 +9,7 @@ use gpu_rt::data::{KIND_TRIANGLE, Sampler};
 use gpu_rt::flatten::{BACKGROUNDS, BOUNDARIES, Features, MATERIALS, PRIMITIVES, TEXTURES, Unsampled};
 use gpu_rt::gpu::layout::BindingKind;
 use gpu_rt::gpu::link::{Choices, Chosen, Embedded, Entry, Library, Linked, Reason, link};
-use gpu_rt::material::{DetailKind, Material, MaterialKind, Scattering};
+use gpu_rt::material::{DetailKind, Lobe, Material, MaterialKind};
 use gpu_rt::options::{FeatureSet, Filter, Fresnel, Offset, Precision, RenderOptions, Scatter, Switch};
 use gpu_rt::plan::choices::{Conditions, Lists, Modules, Values, table_names};
 use gpu_rt::plan::{Kernel, Kernels, UniformTables};
@@ -34,7 +34,8 @@ fn features(primitives: usize, materials: usize, textures: usize, background: us
         primitives: on(primitives),
         materials: on(materials),
         non_specular: on(materials & bits_of(spreads)),
-        specular: on(materials & bits_of(|kind| kind.scatters.contains(&Scattering::OneWay))),
+        specular: on(materials & bits_of(|kind| kind.lobes.contains(&Lobe::Specular))),
+        narrow: on(materials & bits_of(|kind| kind.lobes.contains(&Lobe::Narrow))),
         textures: on(textures),
         backgrounds: on(1 << background),
         thin_lens: asked(thin_lens),
@@ -50,7 +51,7 @@ fn bits_of(wanted: impl Fn(&MaterialKind) -> bool) -> usize {
 
 /// Whether materials of the kind can answer to lights.
 fn spreads(kind: &MaterialKind) -> bool {
-    kind.scatters.contains(&Scattering::Spread)
+    kind.lobes.contains(&Lobe::Wide)
 }
 
 fn kind_of(shader: &str) -> &'static MaterialKind {
@@ -574,7 +575,7 @@ const CHOICES: &[(&str, &str)] = &[
     ("light_choice", "scene"),
     ("roulette", "step"),
     ("clamp", "step"),
-    ("glass", "step"),
+    ("probe", "step"),
     ("fresnel", "lib"),
     ("offset", "geometry"),
     ("sphere_chord", "geometry"),

@@ -28,6 +28,9 @@ struct Out {
     pdf: f32,
     value: vec3<f32>,
     non_specular: u32,
+    lobe: u32,
+    narrow: f32,
+    padding: vec2<u32>,
 }
 
 // How often each row of input is answered, and whether with its own uniforms.
@@ -54,5 +57,6 @@ fn run(row: u32) {
     let response = ${material}_eval(given.material, hit, light);
     let spreads = ${material}_is_non_specular(given.material);
     output[row] = Out(
-        scattered.direction, scattered.event, scattered.weight, response.pdf, response.value, select(0u, 1u, spreads));
+        scattered.direction, scattered.event, scattered.weight, response.pdf, response.value, select(0u, 1u, spreads),
+        scattered.lobe, response.narrow, vec2<u32>());
 }

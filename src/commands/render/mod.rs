@@ -223,8 +223,7 @@ fn render(args: &RenderArgs, scene: &Scene, session: &mut Session, start: Instan
     let outcome = std::mem::take(&mut rendering.outcome);
     let complete = rendered.is_ok() && !outcome.interrupted;
     seconds.per_sample = per_sample(outcome.seconds, film.samples.count().saturating_sub(resumed_from.unwrap_or(0)));
-    let integrator = args.options.integrator.to_string();
-    let finish = Finish::of(&film.film, &film.samples, &film.devices, outcome.noise, &integrator, complete);
+    let finish = Finish::of(&film.film, &film.samples, &film.devices, outcome.noise, complete);
     match rendered {
         Ok(()) => match task.write(&about, &film, &finish, &seconds, &mut rendering) {
             Err(error) if outcome.interrupted => return Err(signals.interrupted(&error.to_string())),
@@ -334,7 +333,6 @@ impl Task<'_> {
         }
 
         let about = self.about(devices)?;
-        let integrator = self.args.options.integrator.to_string();
         for job in &jobs {
             let Accumulation { film: pixels, samples, looks, devices } = &mut *film;
             let (begun, earlier) = (Instant::now(), samples.count());
@@ -350,6 +348,8 @@ impl Task<'_> {
                 interval: self.checkpoint(),
                 changes: self.changes,
                 error: None,
+                until: None,
+                goal: job.goal,
                 failed: None,
                 kept: false,
                 told: false,
@@ -357,7 +357,7 @@ impl Task<'_> {
                     let mut samples = samples.clone();
                     samples.join(&outcome.samples);
                     let looks = outcome.noise.map_or(*looks, |noise| noise.looks);
-                    let finish = Finish::of(film, &samples, devices, outcome.noise, &integrator, false);
+                    let finish = Finish::of(film, &samples, devices, outcome.noise, false);
                     let pace =
                         per_sample(begun.elapsed().as_secs_f64(), finish.samples.count().saturating_sub(earlier));
                     self.keep(&about, film, looks, &finish, &Seconds { per_sample: pace, ..*seconds })?;

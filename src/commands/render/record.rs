@@ -9,12 +9,11 @@ use crate::aov::Aov;
 use crate::cli::RenderArgs;
 use crate::commands::denoise::Denoised;
 use crate::commands::{command_line, path_text};
-use crate::film::{ErrorEstimate, Film, ThroughGlass, TooDeep, Totals};
+use crate::film::{Film, TooDeep, Totals, Verdict};
 use crate::gpu::device::Device;
 use crate::gpu::probe::Numerics;
 use crate::identity::Identity;
 use crate::job::Job;
-use crate::options::Integrator;
 use crate::output::exr::Attribute;
 use crate::render::{NOISE_LEVEL, Noise, Outcome};
 use crate::samples::Samples;
@@ -31,11 +30,7 @@ pub struct Finish {
     /// The devices and drivers that have rendered it.
     pub devices: Vec<(String, String)>,
     pub totals: Totals,
-    pub error: Option<ErrorEstimate>,
-    /// Light by mirrors and through glass, as shares of the image's.
-    pub through_glass: ThroughGlass,
-    /// With `--integrator bsdf`: the most light that no path has met, as a share of the image's.
-    pub unmet: f64,
+    pub verdict: Verdict,
     /// Of `--noise`: whether the error was reached.
     pub noise: Option<Noise>,
     /// What max_depth cut off.
@@ -50,31 +45,17 @@ impl Finish {
         samples: &Samples,
         devices: &[(String, String)],
         noise: Option<Noise>,
-        integrator: &str,
         complete: bool,
     ) -> Finish {
-        let finds_by_chance = integrator == Integrator::Bsdf.to_string();
         Finish {
             samples: samples.clone(),
             devices: devices.to_vec(),
             totals: film.totals(),
-            error: film.error_estimate(noise.map_or(NOISE_LEVEL, |noise| noise.level())),
-            through_glass: shares(film),
-            unmet: if finds_by_chance { unmet(film) } else { 0.0 },
+            verdict: film.verdict(noise.map_or(NOISE_LEVEL, |noise| noise.level())),
             noise,
             too_deep: film.totals().too_deep(),
             complete,
         }
-    }
-
-    /// Whether light is missing that only chance can meet, more than the error that is stated.
-    pub fn lacks_light(&self) -> bool {
-        self.error.is_some_and(|error| self.through_glass.missing().max(self.unmet) > error.bound)
-    }
-
-    /// Whether the stated error can be relied on.
-    pub fn reliable(&self) -> Option<bool> {
-        self.error.map(|error| error.reliable && !self.lacks_light())
     }
 
     /// What is told of it. `excluded` says what the stated error is not about.
@@ -84,7 +65,7 @@ impl Finish {
             let names: Vec<&str> = self.devices.iter().map(|device| of(device).as_str()).collect();
             names.join("; ")
         };
-        let error = self.error;
+        let Verdict { error, hidden, .. } = self.verdict;
         FinishRecord {
             device: names(|(device, _)| device),
             driver: names(|(_, driver)| driver),
@@ -104,9 +85,9 @@ impl Finish {
             relative_error_bound: error.map(|error| error.bound).filter(|bound| bound.is_finite()),
             relative_error_confidence: error.map(|_| 1.0 - NOISE_LEVEL),
             relative_error_excludes: error.map(|_| excluded.to_string()),
-            reliable: self.reliable(),
-            light_stopped_by_glass: self.through_glass.blocked_by_dielectrics(),
-            light_met_through_glass: self.through_glass.found_by_bsdf(),
+            reliable: self.verdict.reliable(),
+            light_stopped_by_glass: hidden.probed(),
+            light_met_through_glass: hidden.found(),
         }
     }
 }
@@ -136,20 +117,6 @@ pub struct FinishRecord {
     reliable: Option<bool>,
     light_stopped_by_glass: f64,
     light_met_through_glass: f64,
-}
-
-/// Light by mirrors and through glass as shares of the image's.
-fn shares(film: &Film) -> ThroughGlass {
-    let all = film.mean_radiance() * film.totals().paths as f64;
-    film.totals().through_glass().times(if all > 0.0 { 1.0 / all } else { 0.0 })
-}
-
-/// The most light that paths may have missed which find lights by chance alone, as a share of the image's. A path brings at most the brightest
-/// radiance of the scene, which is at most 1 in device units. If k such paths are expected, none comes with the probability e^-k, which is
-/// [`NOISE_LEVEL`] at the most.
-fn unmet(film: &Film) -> f64 {
-    let all = film.mean_radiance() * film.totals().paths as f64;
-    if all > 0.0 { NOISE_LEVEL.recip().ln() / all } else { 0.0 }
 }
 
 /// What a render was asked and where it ran: for the header and the report.

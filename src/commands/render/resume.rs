@@ -14,7 +14,7 @@ use crate::identity::Identity;
 use crate::job::{Frame, Goal, Job};
 use crate::options::RenderOptions;
 use crate::output::exr::{State, add_film, read_state};
-use crate::render::{FIRST_LOOK, Noise, empty_film, level_after};
+use crate::render::{Noise, empty_film, look_after, look_at};
 use crate::samples::Samples;
 
 /// A film, and what it is of: what a file with a state holds.
@@ -153,12 +153,11 @@ impl Accumulation {
     pub fn noise_reached(&self, job: &Job) -> Option<Noise> {
         let Goal::Noise { error, .. } = job.goal else { return None };
         let last = self.looks.checked_sub(1)?;
-        let looked_at = u64::from(FIRST_LOOK) << last.min(31);
-        if self.samples.count() != looked_at {
+        let samples = look_after(last);
+        if self.samples.count() != u64::from(samples) {
             return None;
         }
-        let bound = self.film.error_estimate(level_after(last))?.bound;
-        (bound < error).then_some(Noise { looks: self.looks, reached: true })
+        Some(look_at(&self.film, samples, last, error).0).filter(|noise| noise.reached)
     }
 
     /// What is left of a job.

@@ -6,7 +6,7 @@ use super::Output;
 use super::record::{About, Finish};
 use crate::commands::tell;
 use crate::data::RUN_LENGTH;
-use crate::film::{ErrorEstimate, Totals};
+use crate::film::{Totals, Verdict};
 use crate::render::{Noise, Outcome};
 
 /// Seconds beyond the time that was asked for, if the render took longer.
@@ -65,11 +65,11 @@ pub fn summarise(
             tell(&format!("the device was idle for {} % of the time", percent(idle)));
         }
     }
-    doubts(finish).iter().for_each(|doubt| tell(doubt));
+    doubts(finish).for_each(|doubt| tell(&doubt));
     if let (Some(wish), Some(noise)) = (args.noise, finish.noise) {
-        tell(&noise_words(wish, &noise, finish.error.as_ref()));
+        tell(&noise_words(wish, &noise, &finish.verdict));
     }
-    if args.verbose && finish.error.is_some() {
+    if args.verbose && finish.verdict.error.is_some() {
         tell(&format!("the relative error covers noise; it excludes {}", about.excluded()));
     }
     if output.exr().is_none() {
@@ -90,7 +90,7 @@ pub fn summarise(
 
 /// The error with its bound.
 pub fn error_words(finish: &Finish) -> String {
-    match finish.error {
+    match finish.verdict.error {
         Some(error) if error.bound.is_finite() => {
             format!("relative error {} % (95 % sure: below {} %)", percent(error.value), percent(error.bound))
         }
@@ -102,39 +102,19 @@ pub fn error_words(finish: &Finish) -> String {
     }
 }
 
-/// Why the error cannot be relied on.
-pub fn doubts(finish: &Finish) -> Vec<String> {
-    let mut doubts = Vec::new();
-    if let Some(error) = finish.error.filter(|error| !error.reliable) {
-        doubts.push(format!(
-            "warning: the relative error is unreliable: rare bright paths dominate it{}",
-            match error.bound.is_finite() {
-                true => format!(". It may be {} %", percent(error.bound)),
-                false => String::new(),
-            }
-        ));
-    }
-    if finish.lacks_light() && finish.unmet > finish.through_glass.missing() {
-        doubts.push(format!(
-            "warning: the relative error is unreliable: --integrator bsdf finds lights by chance: up to {} % of the image's light \
-             may be missing, from the brightest light. Raise --spp, or use --integrator mis",
-            percent(finish.unmet)
-        ));
-    } else if finish.lacks_light() {
-        doubts.push(format!(
-            "warning: the relative error is unreliable: mirrors and glass block {} % of the image's light from light sampling, and paths \
-             have found {} % by chance. Raise --spp.",
-            percent(finish.through_glass.blocked_by_dielectrics()),
-            percent(finish.through_glass.found_by_bsdf())
-        ));
-    }
-    doubts
+/// Why the error cannot be relied on, in lines.
+pub fn doubts(finish: &Finish) -> impl Iterator<Item = String> {
+    finish.verdict.doubts().into_iter().map(|doubt| format!("warning: the relative error is unreliable: {doubt}"))
 }
 
 /// What came of a render until an error.
-pub fn noise_words(wish: f64, noise: &Noise, error: Option<&ErrorEstimate>) -> String {
+pub fn noise_words(wish: f64, noise: &Noise, verdict: &Verdict) -> String {
     let words = if noise.reached { "was reached" } else { "was not reached" };
-    match error.map(|error| error.bound).filter(|bound| bound.is_finite()) {
+    match verdict.error.map(|error| error.bound).filter(|bound| bound.is_finite()) {
+        Some(bound) if !noise.reached && bound < wish => format!(
+            "--noise {wish} {words}: the noise is at most {} %, with 95 % confidence, but light is missing that paths have not found",
+            percent(bound)
+        ),
         Some(bound) => {
             format!("--noise {wish} {words}: the relative error is at most {} %, with 95 % confidence", percent(bound))
         }

@@ -7,8 +7,9 @@ use super::viewers::Viewers;
 use crate::commands::signals::Signals;
 use crate::error::Result;
 use crate::film::Film;
-use crate::output::progress::{Progress, Status};
-use crate::render::{Look, Next, Outcome};
+use crate::job::Goal;
+use crate::output::progress::{Progress, Status, Until};
+use crate::render::{Look, Next, Outcome, level_after, look_after};
 
 /// What bringing the film from the device and measuring its error takes: 0.1 to 0.2 µs a pixel.
 pub fn look_time((width, height): (u32, u32)) -> Duration {
@@ -38,7 +39,11 @@ pub struct Watcher<'a> {
     pub interval: Duration,
     /// What ends the render at once.
     pub changes: Option<&'a Changes>,
+    /// What the last look told of the error.
     pub error: Option<f64>,
+    pub until: Option<Until>,
+    /// What the render is to end at.
+    pub goal: Goal,
     /// Why the last checkpoint failed, if it did.
     pub failed: Option<String>,
     /// Whether a checkpoint has been written.
@@ -62,10 +67,10 @@ impl Watcher<'_> {
                 let kept = (self.checkpoint)(film, outcome);
                 self.kept |= kept.is_ok();
                 self.note_checkpoint(kept.and_then(|()| (self.picture)(film)), begin.elapsed());
-            } else if let Some(next) = &mut self.next_look {
-                self.error = film.relative_error();
+            } else if self.next_look.is_some() {
+                self.note_error(film, outcome);
                 self.viewers.show(film, self.progress);
-                *next = Instant::now() + pause_after(begin.elapsed());
+                self.next_look = Some(Instant::now() + pause_after(begin.elapsed()));
             }
         }
         let paths = outcome.totals.paths;
@@ -73,6 +78,7 @@ impl Watcher<'_> {
             samples_per_pixel: self.earlier + paths / self.pixels.max(1),
             paths_per_second: paths as f64 / self.begun.elapsed().as_secs_f64().max(1e-6),
             relative_error: self.error,
+            until: self.until,
         });
         let stopped = self.signals.came();
         if stopped && !std::mem::replace(&mut self.told, true) {
@@ -87,6 +93,29 @@ impl Watcher<'_> {
             false if is_due => Next::Look,
             false => Next::GoOn,
         }
+    }
+
+    /// Measures the film's error; for a render until an error with the confidence of the next time that it decides, and with the samples that are
+    /// still needed if the bound falls with their square root.
+    fn note_error(&mut self, film: &Film, outcome: &Outcome) {
+        let Goal::Noise { error: wanted, begun, .. } = self.goal else {
+            self.error = film.relative_error();
+            return;
+        };
+        let looks = outcome.noise.map_or(0, |noise| noise.looks);
+        let verdict = film.verdict(level_after(looks));
+        self.error = verdict.error.map(|error| error.value);
+        let samples = self.earlier + outcome.totals.paths / self.pixels.max(1);
+        let done = samples.saturating_sub(u64::from(begun));
+        self.until = verdict.error.map(|error| {
+            let lacks_light = error.bound < wanted && verdict.lacks_light();
+            let needed = done as f64 * (error.bound / wanted).max(1.0).powi(2);
+            // No render has more looks: the last ones are at more samples than a pixel can have.
+            const MOST_LOOKS: u32 = 128;
+            let mut ends = (looks..looks + MOST_LOOKS).map(|look| u64::from(look_after(look)));
+            let ends = ends.find(|at| *at > done && *at as f64 >= needed).map(|at| at + u64::from(begun));
+            Until { bound: error.bound, samples: ends.filter(|_| !lacks_light), lacks_light }
+        });
     }
 
     /// Tells what is new, and when the next checkpoint comes. One that fails is tried again; the render is worth more than it.
@@ -127,7 +156,7 @@ fn about_checkpoint(before: Option<&str>, now: Option<&str>) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::job::{Goal, Job};
+    use crate::job::Job;
 
     fn progress() -> Progress {
         let goal = Goal::Samples(1);
@@ -153,6 +182,8 @@ mod tests {
             interval: checkpoint,
             changes: None,
             error: None,
+            until: None,
+            goal: Goal::Samples(1),
             failed: None,
             kept: false,
             told: false,

@@ -7,10 +7,10 @@ fn metal_eval(material: Material, hit: Interaction, direction: vec3<f32>) -> Res
     let c = dot(mirrored, direction);
     let h2 = fuzz * fuzz - (1.0 - c * c);
     if !(h2 > 0.0) || !(dot(direction, hit.normal) > 0.0) {
-        return Response(vec3<f32>(0.0), 0.0);
+        return no_response();
     }
     let far = c + sqrt(h2);
     let near = select(c - sqrt(h2), 0.0, fuzz >= 1.0 && sqrt(h2) > c);
     let pdf = (far * far * far - near * near * near) / (4.0 * PI * fuzz * fuzz * fuzz);
-    return Response(hit.colour * pdf, pdf);
+    return Response(hit.colour * pdf, pdf, 0.0);
 }

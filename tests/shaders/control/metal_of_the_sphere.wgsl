@@ -7,5 +7,5 @@ fn metal_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scatter 
     if !(dot(blurred, hit.normal) > 0.0) {
         return absorbed();
     }
-    return Scatter(SCATTERED, normalize(blurred), hit.colour);
+    return scatter_towards(normalize(blurred), hit.colour, LOBE_WIDE);
 }

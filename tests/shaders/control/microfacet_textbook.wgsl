@@ -6,6 +6,18 @@ fn is_rough_boundary(alpha: f32, contrast: f32) -> bool {
     return alpha * min(abs(contrast), 1.0) >= LEAST_ROUGHNESS * LEAST_ROUGHNESS;
 }
 
+fn mirror_direction(incoming: vec3<f32>, normal: vec3<f32>) -> vec3<f32> {
+    return normalize(normalize(incoming - 2.0 * dot(incoming, normal) * normal));
+}
+
+fn width_of_reflection(alpha: f32) -> f32 {
+    return 2.0 * alpha;
+}
+
+fn width_of_refraction(alpha: f32, eta: f32) -> f32 {
+    return alpha * abs(1.0 - 1.0 / eta);
+}
+
 fn microfacet_density(along: vec3<f32>, normal: vec3<f32>, alpha: f32) -> f32 {
     let cosine = dot(normalize(along), normal);
     let tan2 = (1.0 - cosine * cosine) / (cosine * cosine);
