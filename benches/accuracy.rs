@@ -182,7 +182,7 @@ fn document(reports: &[Report], denoising: &str, budget: &str) -> String {
     }
     text += "\n## All settings\n\n";
     let lists = [
-        ("Faster than the defaults to a relMSE of 1e-2, without bias", unbiased as fn(&Report) -> Vec<String>),
+        ("Faster than the defaults to a relative MSE of 1e-2, without bias", unbiased as fn(&Report) -> Vec<String>),
         ("Faster, with a bias", biased),
         ("Faster, with less detail", coarser),
         ("Slower by half or more, without bias", later),
@@ -193,7 +193,7 @@ fn document(reports: &[Report], denoising: &str, budget: &str) -> String {
         let found = if found.is_empty() { "nothing".to_string() } else { found.join("; ") };
         let _ = writeln!(text, "- {heading}: {found}.");
     }
-    text += "\nThe table has the ratio of the seconds to a relMSE of 1e-2 to those of the defaults, and the bias of the mean if one was found. Less than \
+    text += "\nThe table has the ratio of the seconds to a relative MSE of 1e-2 to those of the defaults, and the bias of the mean if one was found. Less than \
              15 % is no difference. *Italic*: unreliable. never: the bias may be larger than the target. –: the setting does not affect the scene. \
              Empty: not measured.\n\n";
     text += &overview(reports);
@@ -238,7 +238,7 @@ fn biased(report: &Report) -> Vec<String> {
 fn coarser(report: &Report) -> Vec<String> {
     let sooner = |s: Setting<'_>, ratio: f64| s.is("reliable") && s.loses_detail() && ratio * NO_DIFFERENCE < 1.0;
     list(report, sooner, |s, ratio| {
-        format!("{} (a relMSE of {:.0e} remains)", times(s, ratio), s.number("squared_bias"))
+        format!("{} (a relative MSE of {:.0e} remains)", times(s, ratio), s.number("squared_bias"))
     })
 }
 
@@ -365,9 +365,9 @@ fn denoising(all: &[Denoised], budget: &str) -> String {
          the whole image unless the budget is too short for that, which the second column tells: a denoiser loses more of the detail in larger pixels. \
          Seconds are for the whole image, as if all of it were like the middle, on the machine as it was during these sweeps, other load included: \
          compare them within a row. Each pair is the defaults → `--denoise`. FLIP is that of an image with 4, \
-         16 and 64 samples against the mean image of all rounds of the defaults. That image's own noise (its relMSE is in the third column) makes all \
-         FLIPs larger. The bias and bias² (a relMSE) are those with 16 samples. –: not reached with 64 times the samples.\n\n\
-         | scene | measured at | noise of the mean | FLIP with 4 samples | 16 | 64 | to FLIP 0.05 | to relMSE 1e-2 | s / sample | denoising takes | bias of the \
+         16 and 64 samples against the mean image of all rounds of the defaults. That image's own noise (its relative MSE is in the third column) makes all \
+         FLIPs larger. The bias and bias² (a relative MSE) are those with 16 samples. –: not reached with 64 times the samples.\n\n\
+         | scene | measured at | noise of the mean | FLIP with 4 samples | 16 | 64 | to FLIP 0.05 | to relative MSE 1e-2 | s / sample | denoising takes | bias of the \
          mean | bias² |\n|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n"
     );
     for Denoised { report, whole, seconds } in all {
@@ -398,7 +398,7 @@ fn denoising(all: &[Denoised], budget: &str) -> String {
             report.json["height"],
             report.json["whole_width"],
             report.json["whole_height"],
-            number("relmse_of_reference"),
+            number("relative_mse_of_reference"),
             flip(0),
             flip(1),
             flip(2),

@@ -34,6 +34,8 @@ struct Measurement {
     seconds: f64,
     mse: f64,
     rmse: f64,
+    /// The mean square error relative to the reference, which the unit of light does not change.
+    relative_mse: f64,
     relmse: f64,
     /// The mean over pixels and channels of the image minus the reference, relative to the mean of the reference; none
     /// if that is black.
@@ -106,8 +108,8 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
         if !args.quiet && !args.json {
             if steps.is_empty() {
                 print_line(&format!(
-                    "{:>8} {:>10} {:>10} {:>10} {:>12}",
-                    "samples", "seconds", "RMSE", "relMSE", "mean, % off"
+                    "{:>8} {:>10} {:>10} {:>13} {:>10} {:>12}",
+                    "samples", "seconds", "RMSE", "relative MSE", "relMSE", "mean, % off"
                 ))?;
             }
             print_line(&line(&step))?;
@@ -137,9 +139,9 @@ fn outputs(args: &ConvergeArgs) -> Result<(PathBuf, PathBuf)> {
     Ok((file("csv"), file("svg")))
 }
 
-/// The relMSE of the reference from its own noise, if its file holds the variance.
+/// The relative mean square error of the reference from its own noise, if its file holds the variance.
 fn error_of_reference(reference: &ExrImage) -> Option<f64> {
-    metrics::relative_variance(reference.known_variance()?, &reference.rgb)
+    metrics::relative_variance(reference.known_variance()?, &reference.rgb, metrics::floor_of(&reference.rgb))
 }
 
 fn measure(film: &Film, reference: &ExrImage, samples: u32, seconds: f64) -> Result<Measurement> {
@@ -152,6 +154,7 @@ fn measure(film: &Film, reference: &ExrImage, samples: u32, seconds: f64) -> Res
         seconds,
         mse,
         rmse: mse.sqrt(),
+        relative_mse: found(metrics::relative_mse(&picture.rgb, &reference.rgb)).ok_or_else(not_numbers)?,
         relmse: found(metrics::relmse(&picture.rgb, &reference.rgb)).ok_or_else(not_numbers)?,
         mean_difference: found(metrics::mean_difference(&picture.rgb, &reference.rgb)),
         relative_error: film.relative_error(),
@@ -160,9 +163,9 @@ fn measure(film: &Film, reference: &ExrImage, samples: u32, seconds: f64) -> Res
 
 /// The exponent p of an error that falls as N^-p, from 8 samples on, by a least-squares fit of logarithms.
 fn slope(steps: &[Measurement], own_error: f64) -> Option<f64> {
-    let known = steps.iter().filter(|step| step.samples >= 8 && step.relmse > own_error);
+    let known = steps.iter().filter(|step| step.samples >= 8 && step.relative_mse > own_error);
     let points: Vec<(f64, f64)> =
-        known.map(|step| (f64::from(step.samples).ln(), (step.relmse - own_error).ln())).collect();
+        known.map(|step| (f64::from(step.samples).ln(), (step.relative_mse - own_error).ln())).collect();
     let n = points.len() as f64;
     let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / n;
     let (x, y) = (mean(|p| p.0), mean(|p| p.1));
@@ -177,24 +180,25 @@ fn drawing<'a>(title: &'a str, steps: &[Measurement], own_error: Option<f64>) ->
         points: steps.iter().map(|step| (step.seconds, of(step))).collect(),
         marks: Vec::new(),
     };
-    let measured = curve("relMSE against the reference", &|step| step.relmse);
+    let measured = curve("relative MSE against the reference", &|step| step.relative_mse);
     let mut curves = vec![Curve { marks: measured.points.clone(), ..measured }];
     if let Some(own) = own_error {
-        curves.push(curve("relMSE of the reference by its noise", &|_| own));
-        curves.push(curve("relMSE less the reference's own", &|step| step.relmse - own));
+        curves.push(curve("relative MSE of the reference by its noise", &|_| own));
+        curves.push(curve("relative MSE less the reference's own", &|step| step.relative_mse - own));
     }
-    let y = "relMSE; the dotted line falls as 1/N";
+    let y = "relative MSE; the dotted line falls as 1/N";
     Plot { title, x: "seconds of rendering", y, curves, guide: true, width: Width::Wide }
 }
 
-const COLUMNS: &str = "samples,seconds,mse,rmse,relmse,mean_difference,relative_error";
+const COLUMNS: &str = "samples,seconds,mse,rmse,relative_mse,relmse,mean_difference,relative_error";
 
 fn line(step: &Measurement) -> String {
     format!(
-        "{:>8} {:>10.3} {:>10.3e} {:>10.3e} {:>12}",
+        "{:>8} {:>10.3} {:>10.3e} {:>13.3e} {:>10.3e} {:>12}",
         step.samples,
         step.seconds,
         step.rmse,
+        step.relative_mse,
         step.relmse,
         step.mean_difference.map_or("-".into(), |off| format!("{:+.3}", 100.0 * off))
     )
@@ -219,8 +223,8 @@ fn report(
             "seed": args.paths.seed,
             "biases": biases,
             "steps": rows,
-            "relmse_of_reference": own_error,
-            "relmse_falls_as": slope.map(|p| -p),
+            "relative_mse_of_reference": own_error,
+            "relative_mse_falls_as": slope.map(|p| -p),
             "csv": path_text(table),
             "plot": path_text(plot),
         }))?;
@@ -230,11 +234,11 @@ fn report(
     }
     if let Some(own) = own_error {
         tell(&format!(
-            "the reference's own noise is a relMSE of {own:.2e}; errors near that say little about the render"
+            "the reference's own noise is a relative MSE of {own:.2e}; errors near that say little about the render"
         ));
     }
     if let Some(p) = slope {
-        tell(&format!("relMSE falls as N^-{p:.2} from 8 samples on"));
+        tell(&format!("the relative MSE falls as N^-{p:.2} from 8 samples on"));
     }
     tell(&format!("{} and {}", table.display(), plot.display()));
     Ok(())

@@ -13,6 +13,7 @@ use crate::aov::Aov;
 use crate::cli::{Cli, Command, RenderArgs, Size, TradeoffArgs};
 use crate::denoise::Denoiser;
 use crate::error::{Error, Result};
+use crate::metrics::error::relmse;
 use crate::metrics::estimate::Estimate;
 use crate::metrics::flip::error_map;
 use crate::options::{Class, DENOISE, KNOBS, Knob, MAX_DEPTH, SIZE, SPP};
@@ -24,6 +25,7 @@ use crate::output::progress::Loading;
 use crate::scene::{Assets, Scene};
 use crate::tradeoff::extent::{FEWEST_PIXELS, Whole, calibrate, middle_of, pixels_for, pixels_ratio, size_of};
 use crate::tradeoff::judge::{Judged, Measured, judge};
+use crate::tradeoff::pace::swing;
 use crate::tradeoff::page::{html, plot};
 use crate::tradeoff::replicates::{FEWEST_ROUNDS, Pixels, signed_bias};
 use crate::tradeoff::report::{Findings, Shown};
@@ -157,6 +159,7 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
         budget: args.budget.as_secs_f64(),
         seconds: start.elapsed().as_secs_f64(),
         reference: args.reference.as_deref().map(path_text),
+        swing: swing(&sweep.clock),
         error_of_truth: truth.as_ref().zip(judged.weights.as_ref()).and_then(|(truth, weights)| truth.error(weights)),
         against_reference: reference.as_ref().and_then(against_defaults),
         distance: judged.against_reference,
@@ -172,7 +175,7 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     } else {
         // The first line of the basis says what the rest holds for.
         report.basis().iter().take(1).try_for_each(|words| print_line(words))?;
-        print_line("the time to a relMSE of 1e-1, 1e-2 and 1e-3, and the bias, of each setting:")?;
+        print_line("the time to a relative MSE of 1e-1, 1e-2 and 1e-3, and the bias, of each setting:")?;
         print_line(&report.table())?;
         report.advice().iter().try_for_each(|words| print_line(words))?;
     }
@@ -379,7 +382,8 @@ fn pictures(
             setting: found.setting.name(),
             samples,
             seconds: block.seconds,
-            relmse: truth.relmse_of(&block.image, weights),
+            error: truth.error_of(&block.image, weights),
+            relmse: relmse(&block.image, &truth.image).unwrap_or(f64::NAN),
             flip,
             picture: png::picture(sweep.size, &block.image).unwrap_or_default(),
             flip_map: png::heatmap(sweep.size, &map).unwrap_or_default(),

@@ -1,6 +1,6 @@
 //! Mean square errors over pixels and channels, of linear radiance and of sRGB pictures.
 
-use crate::data::{srgb, unit};
+use crate::data::{luminance, srgb, unit};
 
 /// A constant that keeps dark pixels from dominating the relative error, in squared radiance. docs/comparing.md defines
 /// relMSE with it.
@@ -18,6 +18,22 @@ pub fn mse(a: &[[f32; 3]], b: &[[f32; 3]]) -> Option<f64> {
 /// None if the images differ in size or are empty. A NaN or infinite input makes the result so.
 pub fn relmse(a: &[[f32; 3]], b: &[[f32; 3]]) -> Option<f64> {
     mean(a, b, |a, b| (a - b) * (a - b) / (b * b + RELATIVE_FLOOR))
+}
+
+/// The floor that makes errors relative to the image b, in squared radiance: 0.01 times the square of its mean luminance. The unit of light
+/// does not matter to it, as it does to [`RELATIVE_FLOOR`], which an image without light has.
+pub fn floor_of(b: &[[f32; 3]]) -> f64 {
+    let mean = b.iter().map(|rgb| luminance(rgb.map(f64::from))).sum::<f64>() / b.len().max(1) as f64;
+    RELATIVE_FLOOR * if mean == 0.0 { 1.0 } else { mean * mean }
+}
+
+/// The mean square error of `a` relative to the image `b`: mean over pixels and channels of (a − b)² / (b² + 0.01 b̄²), with b̄ the mean
+/// luminance of b. The square of what `gpu-rt render` states as the relative error.
+///
+/// None if the images differ in size or are empty. A NaN or infinite input makes the result so.
+pub fn relative_mse(a: &[[f32; 3]], b: &[[f32; 3]]) -> Option<f64> {
+    let floor = floor_of(b);
+    mean(a, b, |a, b| (a - b) * (a - b) / (b * b + floor))
 }
 
 /// The relative mean square error without the 0.1 % of the pixels with the largest error (rounded down to whole
@@ -46,11 +62,12 @@ pub fn psnr(a: &[[f32; 3]], b: &[[f32; 3]]) -> Option<f64> {
     mean(a, b, |a, b| (shown(a) - shown(b)).powi(2)).map(|error| -10.0 * error.log10())
 }
 
-/// The relMSE of the noise of an image with these variances: the mean over pixels and channels of v / (b² + 0.01).
+/// The error of the noise of an image with these variances, relative to an image and a floor in squared radiance: the mean over pixels and
+/// channels of v / (b² + floor).
 ///
 /// None if the images differ in size or are empty.
-pub fn relative_variance(variance: &[[f32; 3]], reference: &[[f32; 3]]) -> Option<f64> {
-    mean(variance, reference, |v, b| v / (b * b + RELATIVE_FLOOR))
+pub fn relative_variance(variance: &[[f32; 3]], reference: &[[f32; 3]], floor: f64) -> Option<f64> {
+    mean(variance, reference, |v, b| v / (b * b + floor))
 }
 
 /// The signed relative difference of the means: the mean of a − b over the mean of b, over pixels and channels.
@@ -97,6 +114,26 @@ mod tests {
         // sRGB of 0.214041 is 0.5, of 1 is 1: an MSE of 1/4.
         assert!(psnr(&[[0.214_041_14; 3]], &[[7.0; 3]]).is_some_and(|db| (db - 6.0206).abs() < 1e-4));
         assert_eq!(psnr(&[[3.0, -1.0, 0.5]], &[[1.0, 0.0, 0.5]]), Some(f64::INFINITY));
+    }
+
+    /// Twice as much light is the same relative error, and another relMSE.
+    #[test]
+    fn the_unit_of_light_changes_no_relative_error() {
+        let times =
+            |image: &[[f32; 3]], factor: f32| image.iter().map(|rgb| rgb.map(|v| v * factor)).collect::<Vec<_>>();
+        let b = [[1.0, 1.0, 1.0], [0.0, 0.5, 0.75]];
+        // The mean luminance of b is (1 + 0.7152 · 0.5 + 0.0722 · 0.75) / 2.
+        let floor = 0.01 * (0.5 * (1.0 + 0.3576 + 0.05415f64)).powi(2);
+        let terms = [(0.0, 1.0), (1.0, 1.0), (2.0, 1.0), (0.0, 0.0), (0.0, 0.5), (0.5, 0.75)];
+        let expected: f64 = terms.iter().map(|(d, b): &(f64, f64)| d * d / (b * b + floor)).sum::<f64>() / 6.0;
+        assert!(close(relative_mse(&A, &b), expected), "{:?} {expected}", relative_mse(&A, &b));
+        for factor in [2f32.powi(-40), 8.0, 2f32.powi(40)] {
+            let (a, b) = (times(&A, factor), times(&b, factor));
+            assert!(close(relative_mse(&a, &b), expected));
+            assert!(!close(relmse(&a, &b), relmse(&A, &B).unwrap()));
+        }
+        let black = [[0.0; 3]; 2];
+        assert_eq!(relative_mse(&A, &black), relmse(&A, &black));
     }
 
     #[test]

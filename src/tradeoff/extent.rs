@@ -24,7 +24,7 @@ pub fn pixels_for(of_pixel: f64, settings: usize, time: Duration) -> f64 {
 /// Measurements of the defaults at the whole size.
 #[derive(Clone, Debug)]
 pub struct Whole {
-    /// Ratios of the seconds of a sample, and of the relMSE of the noise, to those at the sweep's size. All settings
+    /// Ratios of the seconds of a sample, and of the relative MSE of the noise, to those at the sweep's size. All settings
     /// are assumed to change by the same factors.
     pub slower: f64,
     pub noisier: f64,

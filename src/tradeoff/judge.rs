@@ -2,7 +2,7 @@
 
 use super::extent::Whole;
 use super::model::{Falling, Model, Standing, Times, doubt, falling, falling_denoised, samples_to, standings};
-use super::pace::{Pace, paces};
+use super::pace::{Pace, Timed, paces};
 use super::replicates::{FEWEST_ROUNDS, Pixels, Weights, noise, signed_bias, squared_bias, squared_bias_apart, sum_of};
 use super::sweep::{Block, LEVEL, LEVELS, Setting, Subject, Sweep, rounds_between};
 use super::truth::{Distance, Truth};
@@ -10,15 +10,16 @@ use crate::metrics::error::RELATIVE_FLOOR;
 use crate::metrics::estimate::Estimate;
 use crate::metrics::flip::error_map;
 use crate::options::Class;
+use crate::render::NOISE_LEVEL;
 
-/// The targets: relMSE to reach.
+/// The targets: the relative MSE to reach, which is that of `render`'s relative errors of 32, 10 and 3.2 %.
 pub const TARGETS: [f64; 3] = [1e-1, 1e-2, 1e-3];
 /// The FLIP to reach: the perceived difference of an image that shows little of its noise.
 pub const FLIP_TARGET: f64 = 0.05;
 /// The probability that the report calls any unbiased setting biased.
 const FALSE_ALARMS: f64 = 0.05;
 
-/// A difference below this relMSE does not count: a thousandth of the finest target.
+/// A difference below this relative MSE does not count: a thousandth of the finest target.
 const NEGLIGIBLE: f64 = 1e-6;
 
 /// The largest relative standard error of a predicted error that counts as reliable.
@@ -36,19 +37,19 @@ pub struct Measured {
     pub seconds_compile: f64,
     /// Seconds for one sample in every pixel, at the size of the sweep.
     pub seconds_here: f64,
-    /// The same at the whole size, half their interquartile range, and their relative standard error.
+    /// The same at the whole size, half the width of their 95 % interval, and that as a share in standard errors: half of it.
     pub seconds: f64,
-    pub seconds_spread: f64,
+    pub seconds_half_width: f64,
     pub seconds_doubt: f64,
     pub model: Model,
-    /// The relMSE of the noise for each measured number of samples, at the whole size; of denoised images that of noise and bias.
+    /// The relative MSE of the noise for each measured number of samples, at the whole size; of denoised images that of noise and bias.
     pub noises: Vec<(u32, f64)>,
     /// The FLIP of an image for each measured number of samples, at the size of the sweep.
     pub flips: Vec<(u32, f64)>,
     /// The relative bias of the mean, with its sign. It is against the defaults, or against the reference if the
     /// defaults differ from it.
     pub signed: Estimate,
-    /// The relMSE of the pixels' bias.
+    /// The relative MSE of the pixels' bias.
     pub squared: Estimate,
     /// Whether either bias is significant, corrected for the number of settings and tests.
     pub biased: bool,
@@ -59,6 +60,10 @@ pub struct Measured {
     /// Whether its noise is known, and also its bias if it may have one. If most of the noise is in few pixels,
     /// estimates are too low until paths have found these.
     pub reliable: bool,
+    /// Why a render of all its samples would call its error unreliable, as `render` words it.
+    pub doubts: Vec<String>,
+    /// The relMSE of its noise over the relative MSE.
+    pub relmse_ratio: f64,
     /// Whether the image that its bias refers to is known, or the setting is declared unbiased.
     pub bias_known: bool,
     /// The relative standard error of its noise at the number of samples that reaches the middle target.
@@ -147,6 +152,7 @@ impl Measured {
         }
         match (self.reliable, self.bias_known) {
             (true, _) => {}
+            (false, _) if !self.doubts.is_empty() => words.push("unreliable, as `render` says of it"),
             (false, _) if self.lacks_paths => {
                 words.push("unreliable: it differs by more than noise, as if it had missed rare bright paths");
             }
@@ -175,14 +181,14 @@ pub struct Judged {
 /// defaults differ from a given reference, or are not known well, biases are against the reference instead. The loss of
 /// detail with fewer pixels depends on the size of the image, so it is computed from images of the whole size.
 pub fn judge(sweep: &mut Sweep<'_>, reference: Option<&Truth>, whole: &Whole, unreached: &str) -> Judged {
-    let Some(weights) = weights(sweep, reference) else {
+    let Some((weights, fixed)) = weights(sweep, reference) else {
         let all: Vec<Setting> = sweep.subjects.iter().map(|subject| subject.setting.clone()).collect();
         all.into_iter().for_each(|setting| sweep.leave_out(setting, unreached));
         return Judged::default();
     };
-    let seconds: Vec<Vec<f64>> = sweep.subjects.iter().map(seconds).collect();
+    let seconds: Vec<Vec<Timed>> = sweep.subjects.iter().map(seconds).collect();
     let timed: Vec<usize> = (0..seconds.len()).filter(|&i| seconds[i].len() >= FEWEST_ROUNDS).collect();
-    let mut paces = paces(&timed.iter().map(|&i| seconds[i].as_slice()).collect::<Vec<_>>()).into_iter();
+    let mut paces = paces(&timed.iter().map(|&i| seconds[i].as_slice()).collect::<Vec<_>>(), &sweep.clock).into_iter();
     // The number of rounds that all of them have: an additional image of one setting alone would look like a difference.
     let rounds =
         |level: u32| timed.iter().map(|&i| sweep.subjects[i].blocks.get(&level).map_or(0, Vec::len)).min().unwrap_or(0);
@@ -191,7 +197,7 @@ pub fn judge(sweep: &mut Sweep<'_>, reference: Option<&Truth>, whole: &Whole, un
     let mut missing = Vec::new();
     for (i, subject) in sweep.subjects.iter().enumerate() {
         let pace = if timed.contains(&i) { paces.next() } else { None };
-        let own = pace.and_then(|pace| measured(subject, &sweep.subjects[0], pace, &common, &weights, whole));
+        let own = pace.and_then(|pace| measured(subject, &sweep.subjects[0], pace, &common, (&weights, &fixed), whole));
         match own {
             Some(measured) if measured.setting.scale < 1.0 => match whole.lost_detail(measured.setting.scale) {
                 Some((signed, squared)) => found.push((i, Measured { signed, squared, ..measured })),
@@ -214,7 +220,7 @@ pub fn judge(sweep: &mut Sweep<'_>, reference: Option<&Truth>, whole: &Whole, un
     };
     // A setting that is declared unbiased may have missed light that only few paths find.
     let rounds = found.first().map_or(0, |(_, defaults)| defaults.rounds);
-    let (of_mean, of_squares) = unmet(sweep.brightest(), rounds, level, &weights.image);
+    let (of_mean, of_squares) = unmet(sweep.brightest(), rounds, level, &weights);
     let shows_more =
         |signed: &Estimate, squared: &Estimate| shows(&signed.beyond(of_mean), &squared.beyond(of_squares));
     let against_reference = of_defaults.map(|found| (found, shows_more(&found.signed, &found.squared)));
@@ -242,11 +248,11 @@ pub fn judge(sweep: &mut Sweep<'_>, reference: Option<&Truth>, whole: &Whole, un
         // A setting that is declared unbiased has no bias unless one is found. That of denoised images falls with the samples, and is in
         // the error that was measured at each number of them.
         if !measured.setting.denoise && (!declared || measured.biased) {
-            let (least, most) = by_mean(&measured.signed, &weights.image);
+            let (least, most) = by_mean(&measured.signed, &weights);
             measured.model.squared_bias = measured.squared.value.max(least);
             measured.model.squared_bias_upper = measured.squared.upper().max(most);
         }
-        // A relMSE of ε² is a relative error of ε. What certainly loses a larger share of the light does not reach it.
+        // A relative MSE of ε² is a relative error of ε. What certainly loses a larger share of the light does not reach it.
         let lost = (measured.signed.value.abs() - measured.signed.half_width()).max(0.0);
         let is_faithful = |target: &f64| !measured.biased || lost <= target.sqrt();
         let time = |target: f64| Some(target).filter(is_faithful).and_then(|target| measured.model.seconds_to(target));
@@ -283,50 +289,58 @@ pub fn judge(sweep: &mut Sweep<'_>, reference: Option<&Truth>, whole: &Whole, un
 /// The weights that make errors relative, from the less noisy of the reference and the defaults' images. If noise makes
 /// a pixel dark, its relative errors look too large. Images of noisier settings are therefore not used: a pixel is half
 /// as bright if half of the images found no light in it.
-fn weights(sweep: &Sweep<'_>, reference: Option<&Truth>) -> Option<Weights> {
+/// The second ones have the floor of relMSE.
+fn weights(sweep: &Sweep<'_>, reference: Option<&Truth>) -> Option<(Weights, Weights)> {
     let defaults = sweep.subjects.first()?;
     let blocks = defaults.blocks.iter().flat_map(|(&samples, blocks)| {
         let images = blocks.iter().enumerate();
         images.map(move |(i, block)| (i * rounds_between(samples), samples, &block.image))
     });
-    let own = Weights::of_rounds(blocks)?;
-    let Some(reference) = reference else { return Some(own) };
+    let own = Weights::of_rounds(blocks.clone())?;
+    let fixed = || Weights::with_floor(blocks, |_| RELATIVE_FLOOR);
+    let Some(reference) = reference else { return Some((own, fixed()?)) };
     let errors = reference.error(&own).zip(Truth::of_subject(sweep, 0).and_then(|truth| truth.error(&own)));
     let noisier = errors.is_some_and(|(reference, own)| reference > own);
-    Some(if noisier { own } else { Weights::of_image(reference.image.clone()) })
+    match noisier {
+        true => Some((own, fixed()?)),
+        false => {
+            let of_reference = |floor| Weights::of_image_with(reference.image.clone(), floor);
+            Some((Weights::of_image(reference.image.clone()), of_reference(RELATIVE_FLOOR)))
+        }
+    }
 }
 
 /// Bounds of the light that no path found in `rounds` rounds: as a share of the mean, and as squared bias. The light
 /// may be missing in a setting or in the images that it is compared with. Own derivation: if k paths are expected, none
 /// is found with the probability e^-k, and a path carries at most the brightest radiance M of the scene. So, except
 /// with the probability `level`, the missed light b has a mean below ln(1/level) M / N, where N is the number of
-/// samples in all pixels. Its part of b² / (r² + 0.01) with b <= r is at most b r / (r² + 0.01) <= 5 b.
-fn unmet(brightest: f64, rounds: usize, level: f64, image: &Pixels) -> (f64, f64) {
+/// samples in all pixels. Its part of b² / (r² + f) with b <= r is at most b r / (r² + f) <= b / (2 √f).
+fn unmet(brightest: f64, rounds: usize, level: f64, weights: &Weights) -> (f64, f64) {
+    let image = &weights.image;
     let samples = rounds as f64 * f64::from(LEVEL) * image.len() as f64;
     let light = level.recip().ln() * brightest / samples;
     let mean = sum_of(image) / (3 * image.len()) as f64;
     // The mean of a black image is 0, so that no share of it exists.
     let of_mean = if mean > 0.0 { light / mean } else { 0.0 };
-    (of_mean, 0.5 / RELATIVE_FLOOR.sqrt() * light)
+    (of_mean, 0.5 / weights.floor.sqrt() * light)
 }
 
 /// The squared bias of the pixels that follows from the bias of the mean: its certain part, and its largest value for a
-/// mean within the interval. For a bias b and w = 1 / (r² + 0.01), (mean b)² <= mean(w b²) mean(1/w) (Cauchy-Schwarz).
+/// mean within the interval. For a bias b and w = 1 / (r² + f), (mean b)² <= mean(w b²) mean(1/w) (Cauchy-Schwarz).
 /// Bias in rare bright paths, such as that of a clamp, shows in the mean long before it shows in the same pixels of
 /// different images.
-fn by_mean(signed: &Estimate, weights: &Pixels) -> (f64, f64) {
-    let values = weights.as_flattened().iter().map(|&r| f64::from(r));
-    let (sum, squares) = values.fold((0.0, 0.0), |(sum, squares), r| (sum + r, squares + r * r + RELATIVE_FLOOR));
-    let share = sum * sum / (squares * (3 * weights.len()) as f64);
+fn by_mean(signed: &Estimate, weights: &Weights) -> (f64, f64) {
+    let values = weights.image.as_flattened().iter().map(|&r| f64::from(r));
+    let (sum, squares) = values.fold((0.0, 0.0), |(sum, squares), r| (sum + r, squares + r * r + weights.floor));
+    let share = sum * sum / (squares * (3 * weights.image.len()) as f64);
     let size = Estimate { value: signed.value.abs(), ..*signed };
     let least = (size.value - size.half_width()).max(0.0);
     (share * least.powi(2), share * size.upper().powi(2))
 }
 
-/// The seconds of a sample in each round.
-fn seconds(subject: &Subject<'_>) -> Vec<f64> {
-    let blocks = subject.blocks.get(&LEVEL).map_or(&[][..], Vec::as_slice);
-    blocks.iter().map(|block| block.seconds / f64::from(LEVEL)).collect()
+/// The times of the blocks that paces are measured with.
+fn seconds(subject: &Subject<'_>) -> Vec<Timed> {
+    subject.blocks.get(&LEVEL).map_or(Vec::new(), |blocks| blocks.iter().map(Block::timed).collect())
 }
 
 /// The FLIP of the first image of each number of samples.
@@ -349,7 +363,7 @@ fn measured(
     defaults: &Subject<'_>,
     pace: Pace,
     common: &[(u32, usize)],
-    weights: &Weights,
+    (weights, fixed): (&Weights, &Weights),
     whole: &Whole,
 ) -> Option<Measured> {
     let images = |subject: &Subject<'_>, level: u32| {
@@ -379,15 +393,22 @@ fn measured(
     })?;
     let fall = Falling { noise: whole.noisier * fall.noise, ..fall };
     let noise_doubt = fall.doubt(fall.samples_to(TARGETS[1]));
-    let seconds = whole.slower * pace.seconds;
+    let seconds_here = pace.seconds / f64::from(LEVEL);
+    let seconds = whole.slower * seconds_here;
+    let relmse_ratio = match noise(&own_images, fixed, 1).zip(noise(&own_images, weights, 1)) {
+        Some((fixed, own)) if own.value > 0.0 => fixed.value / own.value,
+        _ => 1.0,
+    };
+    let verdict = subject.total.verdict(NOISE_LEVEL);
+    let doubts = if verdict.reliable() == Some(false) { verdict.doubts() } else { Vec::new() };
     Some(Measured {
         setting: subject.setting.clone(),
         rounds: own_images.len(),
         seconds_compile: subject.seconds_compile,
-        seconds_here: pace.seconds,
+        seconds_here,
         seconds,
-        seconds_spread: whole.slower * pace.spread,
-        seconds_doubt: pace.doubt,
+        seconds_half_width: seconds * pace.half_width.exp_m1(),
+        seconds_doubt: 0.5 * pace.half_width,
         model: Model {
             squared_bias: 0.0,
             squared_bias_upper: 0.0,
@@ -402,7 +423,9 @@ fn measured(
         biased: false,
         lacks_paths: false,
         against_reference: false,
-        reliable: noise_doubt <= RELIABLE,
+        reliable: noise_doubt <= RELIABLE && doubts.is_empty(),
+        doubts,
+        relmse_ratio,
         bias_known: true,
         noise_doubt,
         times: [None; TARGETS.len()],
@@ -452,7 +475,8 @@ mod tests {
         let values: Vec<f64> = weights.as_flattened().iter().map(|&r| f64::from(r)).collect();
         let mean = |of: &dyn Fn(usize) -> f64| (0..values.len()).map(of).sum::<f64>() / values.len() as f64;
         let whole = mean(&|i| values[i]);
-        let of_pixel = |i: usize| values[i] * values[i] + RELATIVE_FLOOR;
+        let weights = Weights::of_image(weights);
+        let of_pixel = |i: usize| values[i] * values[i] + weights.floor;
         let biases: [&dyn Fn(usize) -> f64; 3] =
             [&of_pixel, &|i| if i == 17 { -1.0 } else { 0.0 }, &|i| (i as f64).sin() - 0.1];
         for (case, bias) in biases.into_iter().enumerate() {
@@ -473,12 +497,13 @@ mod tests {
     /// ln(1/level) paths cannot be distinguished from one that has it; a setting that misses more can.
     #[test]
     fn light_that_few_paths_bring_may_be_missed() {
-        let image: Pixels = vec![[0.05; 3]; 100];
-        let (of_mean, of_squares) = unmet(800.0, 10, 0.01, &image);
+        let weights = Weights::of_image(vec![[0.05; 3]; 100]);
+        let (of_mean, of_squares) = unmet(800.0, 10, 0.01, &weights);
         let light = 0.01f64.recip().ln() * 800.0 / 16_000.0;
-        assert!((of_mean * 0.05 / light - 1.0).abs() < 1e-6 && (of_squares / (5.0 * light) - 1.0).abs() < 1e-9);
+        // The floor is 0.01 times the square of the mean luminance.
+        assert!((of_mean * 0.05 / light - 1.0).abs() < 1e-6 && (of_squares / (5.0 * light / 0.05) - 1.0).abs() < 1e-6);
         let missing = |share: f64| Estimate { value: -share * of_mean, error: 0.0, degrees: 9.0 }.beyond(of_mean);
         assert_eq!((missing(0.9).p(), missing(1.1).p()), (1.0, 0.0));
-        assert_eq!(unmet(1.0, 10, 0.01, &vec![[0.0; 3]; 4]).0, 0.0);
+        assert_eq!(unmet(1.0, 10, 0.01, &Weights::of_image(vec![[0.0; 3]; 4])).0, 0.0);
     }
 }

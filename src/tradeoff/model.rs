@@ -1,4 +1,4 @@
-//! The error model of a setting, relMSE = bias² + c N^-p, and the comparison of settings by it.
+//! The error model of a setting, relative MSE = bias² + c N^-p, and the comparison of settings by it.
 
 use crate::data::Sampler;
 use crate::metrics::estimate::Estimate;
@@ -6,7 +6,7 @@ use crate::metrics::estimate::Estimate;
 /// Noise that falls as c N^-p, with the standard errors of the fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Falling {
-    /// c: the relMSE of the noise with one sample, extrapolated.
+    /// c: the relative MSE of the noise with one sample, extrapolated.
     pub noise: f64,
     /// The exponent p, above 0: 1 for independent samples.
     pub exponent: f64,
@@ -17,7 +17,7 @@ pub struct Falling {
 }
 
 impl Falling {
-    /// The relMSE of the noise after this many samples.
+    /// The relative MSE of the noise after this many samples.
     pub fn at(&self, samples: f64) -> f64 {
         self.noise * samples.powf(-self.exponent)
     }
@@ -44,7 +44,7 @@ impl Falling {
 /// The error of a setting as a function of the number of samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Model {
-    /// The relMSE that remains with infinitely many samples; not below 0.
+    /// The relative MSE that remains with infinitely many samples; not below 0.
     pub squared_bias: f64,
     /// Its upper bound with 95 % confidence.
     pub squared_bias_upper: f64,
@@ -65,12 +65,12 @@ pub const LEAST_OF_DENOISED: f64 = 0.1;
 const USUAL: (f64, f64) = (1.0, 0.1);
 
 impl Model {
-    /// The relMSE after this many samples.
+    /// The relative MSE after this many samples.
     pub fn error(&self, samples: f64) -> f64 {
         self.squared_bias + self.noise.at(samples)
     }
 
-    /// The seconds until the relMSE reaches the target, at least those of one sample. None if the upper bound of the
+    /// The seconds until the relative MSE reaches the target, at least those of one sample. None if the upper bound of the
     /// squared bias is not below the target.
     pub fn seconds_to(&self, target: f64) -> Option<f64> {
         let left = target - self.squared_bias_upper;

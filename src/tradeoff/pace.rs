@@ -1,58 +1,78 @@
 //! The relative times of settings, on a machine that other load slows down at times.
 //!
-//! Every round times every setting once, in quick succession, so that a load of some seconds slows all of them alike.
-//! The logarithm of a time is therefore the sum of the setting's own time, the slowdown of the round, and a residual. A
-//! median polish (Tukey, Exploratory Data Analysis, 1977, chapter 11) finds the first two; single slow blocks do not
-//! affect it.
+//! The defaults are timed again and again between the blocks of the other settings: they are the clock. A block's time counts relative to the
+//! clock around it, so that a load that lasts longer than a few blocks slows both alike. What is left differs from round to round, and
+//! gives each time an interval.
+
+use crate::metrics::estimate::CONFIDENCE;
+use crate::metrics::student;
+
+/// A block of samples: the time of its middle, in seconds since some moment, and the seconds that it took.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Timed {
+    pub at: f64,
+    pub seconds: f64,
+}
 
 /// The time of a setting.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pace {
-    /// In a typical round.
+    /// Seconds, where the machine is as fast as it was for half of the clock's blocks.
     pub seconds: f64,
-    /// Half the interquartile range, after the slowdown of the rounds is removed.
-    pub spread: f64,
-    /// The relative standard error.
-    pub doubt: f64,
+    /// Half the width of the interval of their logarithm, with [`CONFIDENCE`].
+    pub half_width: f64,
 }
 
-/// The interquartile range of a normal variate in standard deviations, and the factor of the median's standard error
-/// over that of the mean.
-const QUARTILES_PER_DEVIATION: f64 = 1.349;
+/// The standard error of a median over that of the mean, for normal variates.
 const ERROR_OF_MEDIAN: f64 = 1.2533;
-const PASSES: usize = 10;
 
-/// The paces of settings from their times in each round. Uses the rounds that all settings have.
-pub fn paces(times: &[&[f64]]) -> Vec<Pace> {
-    let rounds = times.iter().map(|times| times.len()).min().unwrap_or(0);
-    let logs: Vec<Vec<f64>> = times.iter().map(|times| times[..rounds].iter().map(|t| t.ln()).collect()).collect();
-    let mut of_setting: Vec<f64> = logs.iter().map(|logs| median(logs)).collect();
-    let mut of_round = vec![0.0; rounds];
-    for _ in 0..PASSES {
-        for (round, slowed) in of_round.iter_mut().enumerate() {
-            *slowed = median(&logs.iter().zip(&of_setting).map(|(logs, own)| logs[round] - own).collect::<Vec<_>>());
+/// The paces of settings from the times of their blocks in each round, and those of the clock, in the order of time. Blocks of the clock that are
+/// blocks of a setting too do not count for themselves.
+pub fn paces(settings: &[&[Timed]], clock: &[Timed]) -> Vec<Pace> {
+    let relative: Vec<Vec<f64>> = settings
+        .iter()
+        .map(|blocks| blocks.iter().map(|block| block.seconds.ln() - clock_around(clock, block.at)).collect())
+        .collect();
+    let squares = |logs: &[f64]| {
+        let mean = logs.iter().sum::<f64>() / logs.len() as f64;
+        logs.iter().map(|log| (log - mean).powi(2)).sum::<f64>()
+    };
+    // What rounds differ by is a property of the machine more than of a setting: three rounds that agree by chance prove nothing.
+    let degrees = |logs: &Vec<f64>| logs.len().saturating_sub(1) as f64;
+    let all_degrees = relative.iter().map(degrees).sum::<f64>();
+    let pooled = relative.iter().map(|logs| squares(logs)).sum::<f64>() / all_degrees;
+    let usual = median(&clock.iter().map(|block| block.seconds.ln()).collect::<Vec<_>>());
+    let pace = |logs: &Vec<f64>| {
+        let own = squares(logs) / degrees(logs);
+        let (variance, degrees) = if own > pooled { (own, degrees(logs)) } else { (pooled, all_degrees) };
+        let error = ERROR_OF_MEDIAN * (variance / logs.len() as f64).sqrt();
+        Pace {
+            seconds: (usual + median(logs)).exp(),
+            half_width: error * student::quantile(1.0 - CONFIDENCE, degrees.max(1.0)),
         }
-        for (own, logs) in of_setting.iter_mut().zip(&logs) {
-            *own = median(&rest(logs, &of_round));
-        }
-    }
-    let usual = median(&of_round);
-    logs.iter()
-        .map(|logs| {
-            let rest: Vec<f64> = rest(logs, &of_round).iter().map(|rest| rest + usual).collect();
-            let [low, middle, high] = [0.25, 0.5, 0.75].map(|share| quantile(&rest, share));
-            let deviation = (high - low) / QUARTILES_PER_DEVIATION;
-            Pace {
-                seconds: middle.exp(),
-                spread: 0.5 * (high.exp() - low.exp()),
-                doubt: ERROR_OF_MEDIAN * deviation / (rounds as f64).sqrt(),
-            }
-        })
-        .collect()
+    };
+    relative.iter().map(pace).collect()
 }
 
-fn rest(logs: &[f64], of_round: &[f64]) -> Vec<f64> {
-    logs.iter().zip(of_round).map(|(log, slowed)| log - slowed).collect()
+/// The logarithm of the clock's seconds at a time: between its blocks before and after, by their distance.
+fn clock_around(clock: &[Timed], at: f64) -> f64 {
+    let before = clock.iter().rfind(|block| block.at < at);
+    let after = clock.iter().find(|block| block.at > at);
+    match (before, after) {
+        (Some(before), Some(after)) => {
+            let share = (at - before.at) / (after.at - before.at);
+            (1.0 - share) * before.seconds.ln() + share * after.seconds.ln()
+        }
+        (Some(only), None) | (None, Some(only)) => only.seconds.ln(),
+        // Of the clock's only block.
+        (None, None) => clock.first().map_or(0.0, |block| block.seconds.ln()),
+    }
+}
+
+/// How much the speed of the machine changed: the ratio of the clock's slow blocks to its fast ones, at the ends of the middle 80 %.
+pub fn swing(clock: &[Timed]) -> f64 {
+    let seconds: Vec<f64> = clock.iter().map(|block| block.seconds).collect();
+    if seconds.is_empty() { 1.0 } else { quantile(&seconds, 0.9) / quantile(&seconds, 0.1) }
 }
 
 /// The median.
@@ -75,39 +95,126 @@ fn quantile(values: &[f64], share: f64) -> f64 {
 mod tests {
     use super::*;
 
-    #[test]
-    fn slow_rounds_and_single_slow_blocks_do_not_count() {
-        let own = [1.0, 1.1, 0.5, 2.0];
-        // The second half of the rounds is 40 % slower, and one block of each setting is much slower.
-        let time = |setting: usize, round: usize| {
-            let slowed = if round >= 6 { 1.4 } else { 1.0 };
-            let jitter = 1.0 + 0.002 * ((7 * setting + 3 * round) % 5) as f64;
-            let burst = if round == 2 * setting + 1 { 3.0 } else { 1.0 };
-            own[setting] * slowed * jitter * burst
-        };
-        let times: Vec<Vec<f64>> = (0..4).map(|s| (0..11 + s).map(|round| time(s, round)).collect()).collect();
-        let found = paces(&times.iter().map(Vec::as_slice).collect::<Vec<_>>());
-        for (setting, pace) in found.iter().enumerate() {
-            // Jitter is 1 % at most.
-            let ratio = pace.seconds / found[0].seconds / own[setting];
-            assert!((ratio - 1.0).abs() < 0.01 && pace.doubt < 0.01 && pace.spread < 0.02, "{setting}: {pace:?}");
-        }
-        // The control: plain medians are off by as much as the rounds are.
-        let halves = [median(&times[0][..6]), median(&times[0][6..])];
-        assert!(halves[1] / halves[0] > 1.3);
-        // For a single setting the result is its median.
-        assert_eq!(paces(&[&[2.0, 1.0, 4.0]])[0].seconds, 2f64.ln().exp());
-        assert!(paces(&[]).is_empty());
+    /// A machine whose speed changes: uniform numbers that are the same in every run of the test.
+    struct Machine {
+        state: u64,
+        now: f64,
+        /// How much slower it is, and until when.
+        load: f64,
+        until: f64,
     }
 
+    impl Machine {
+        fn new(seed: u64) -> Machine {
+            Machine { state: seed, now: 0.0, load: 1.0, until: 0.0 }
+        }
+
+        fn uniform(&mut self) -> f64 {
+            self.state = self.state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            ((self.state >> 33) as f64 + 0.5) / (1u64 << 31) as f64
+        }
+
+        /// Renders a block that takes so many seconds on the idle machine, with a jitter of 4 %. A load of up to 80 % comes and goes, and stays
+        /// for `stays` seconds at a time.
+        fn block(&mut self, seconds: f64, stays: f64) -> Timed {
+            if self.now >= self.until {
+                self.load = if self.uniform() < 0.5 { 1.0 } else { 1.0 + 0.8 * self.uniform() };
+                self.until = self.now - stays * self.uniform().ln();
+            }
+            let took = seconds * self.load * (1.0 + 0.04 * (self.uniform() - 0.5));
+            let at = self.now + 0.5 * took;
+            self.now += took;
+            Timed { at, seconds: took }
+        }
+    }
+
+    const SETTINGS: usize = 12;
+    const ROUNDS: usize = 6;
+
+    /// The blocks of settings that take the times given, and of the clock between every three of them.
+    fn sweep(machine: &mut Machine, own: &[f64], stays: f64) -> (Vec<Vec<Timed>>, Vec<Timed>) {
+        let (mut blocks, mut clock) = (vec![Vec::new(); own.len()], Vec::new());
+        for round in 0..ROUNDS {
+            for turn in 0..own.len() {
+                if turn % 3 == 0 {
+                    clock.push(machine.block(own[0], stays));
+                }
+                let setting = (turn + round) % own.len();
+                let block = machine.block(own[setting], stays);
+                blocks[setting].push(block);
+                clock.extend((setting == 0).then_some(block));
+            }
+            clock.push(machine.block(own[0], stays));
+        }
+        (blocks, clock)
+    }
+
+    fn of(blocks: &[Vec<Timed>], clock: &[Timed]) -> Vec<Pace> {
+        paces(&blocks.iter().map(Vec::as_slice).collect::<Vec<_>>(), clock)
+    }
+
+    /// How many settings differ from the first one by more than the intervals of both.
+    fn differing(found: &[Pace]) -> usize {
+        let differs =
+            |pace: &&Pace| (pace.seconds / found[0].seconds).ln().abs() > pace.half_width.hypot(found[0].half_width);
+        found[1..].iter().filter(differs).count()
+    }
+
+    /// Of settings that do the same work on a busy machine, one in twenty at most is told to be faster or slower by its interval, whether the load
+    /// stays for a part of a block or for a whole sweep. Planted: all blocks of a setting one after another, and no clock.
     #[test]
-    fn a_doubt_is_of_the_median() {
-        // One setting has a spread of 10 % over 16 rounds; two others have none.
-        let uneven: Vec<f64> = (0..16).map(|i| (0.1 * ((5 * i) % 16) as f64 / 16.0).exp()).collect();
-        let even = [1.0; 16];
-        let found = paces(&[&uneven, &even, &even]);
-        let expected = ERROR_OF_MEDIAN * 0.05 / QUARTILES_PER_DEVIATION / 4.0;
-        assert!((found[0].doubt / expected - 1.0).abs() < 0.1, "{found:?}");
-        assert!(found[1].doubt < 1e-9);
+    fn load_makes_no_setting_faster() {
+        const SEEDS: u64 = 60;
+        let count = SEEDS as usize * (SETTINGS - 1);
+        for stays in [0.3, 3.0, 30.0, 300.0] {
+            let (mut wrong, mut planted) = (0, 0);
+            for seed in 0..SEEDS {
+                let (blocks, clock) = sweep(&mut Machine::new(1000 + seed), &[1.0; SETTINGS], stays);
+                wrong += differing(&of(&blocks, &clock));
+                let mut machine = Machine::new(1000 + seed);
+                let in_turn: Vec<Vec<Timed>> =
+                    (0..SETTINGS).map(|_| (0..ROUNDS).map(|_| machine.block(1.0, stays)).collect()).collect();
+                planted += differing(&of(&in_turn, &[in_turn[0][0]]));
+            }
+            println!("load for {stays} s: {wrong} of {count} are told to differ, and without a clock {planted}");
+            // 5 %, and three standard errors of that share of 660.
+            assert!(wrong as f64 <= 0.075 * count as f64, "load for {stays} s: {wrong}");
+            assert!(stays != 30.0 || planted > count / 5, "{planted}");
+        }
+    }
+
+    /// A setting that takes 30 % less time is found where the load stays for longer than a block, and its time is known to 25 %.
+    #[test]
+    fn a_faster_setting_is_found_under_load() {
+        for (stays, least) in [(3.0, 30), (30.0, 50)] {
+            let mut found = 0;
+            for seed in 0..60 {
+                let mut own = [1.0; SETTINGS];
+                own[5] = 0.7;
+                let (blocks, clock) = sweep(&mut Machine::new(2000 + seed), &own, stays);
+                let paces = of(&blocks, &clock);
+                let ratio = (paces[5].seconds / paces[0].seconds).ln();
+                found += usize::from(ratio < -paces[5].half_width.hypot(paces[0].half_width));
+                assert!((ratio - 0.7f64.ln()).abs() < 0.25, "{stays}: {ratio}");
+            }
+            println!("load for {stays} s: found {found} of 60 times");
+            assert!(found >= least, "load for {stays} s: {found} of 60");
+        }
+    }
+
+    /// Intervals of an idle machine are as wide as its jitter, and its speed does not swing.
+    #[test]
+    fn an_idle_machine_has_narrow_intervals() {
+        let mut machine = Machine { until: f64::INFINITY, ..Machine::new(7) };
+        let (blocks, clock) = sweep(&mut machine, &[1.0, 1.1, 0.5, 2.0], 1.0);
+        let found = of(&blocks, &clock);
+        for (own, pace) in [1.0, 1.1, 0.5, 2.0].into_iter().zip(&found) {
+            assert!((pace.seconds / own).ln().abs() < pace.half_width && pace.half_width < 0.04, "{pace:?}");
+        }
+        assert!(swing(&clock) < 1.05);
+        let busy =
+            (0..20).filter(|&seed| swing(&sweep(&mut Machine::new(seed), &[1.0; SETTINGS], 3.0).1) > 1.3).count();
+        assert!(busy >= 18, "{busy} of 20");
+        assert!(paces(&[], &[]).is_empty() && swing(&[]) == 1.0);
     }
 }

@@ -8,7 +8,7 @@ use base64::engine::general_purpose::STANDARD;
 
 use super::judge::Measured;
 use super::model::Standing;
-use super::report::{CAPTION, Findings, HEADINGS, MOST_CURVES, class_name, exponent_text, relmse_text, time_text};
+use super::report::{CAPTION, Findings, HEADINGS, MOST_CURVES, class_name, error_text, exponent_text, time_text};
 use super::sweep::LEVEL;
 use crate::error::Result;
 use crate::output::plot::{Curve, Plot, Width, svg};
@@ -147,7 +147,7 @@ fn pictures(report: &Findings) -> String {
         let figures = [
             format!("{} samples", picture.samples),
             time_text(Some(picture.seconds)),
-            format!("relMSE {}", relmse_text(picture.relmse)),
+            format!("relative MSE {}, relMSE {}", error_text(picture.error), error_text(picture.relmse)),
             format!("FLIP {:.3}", picture.flip),
         ];
         let _ = writeln!(
@@ -183,7 +183,7 @@ pub fn plot(report: &Findings, width: Width) -> Result<Option<String>> {
     if curves.is_empty() {
         return Ok(None);
     }
-    svg(&Plot { title: "", x: "seconds", y: "relMSE; the dotted line falls as 1/N", curves, guide: true, width })
+    svg(&Plot { title: "", x: "seconds", y: "relative MSE; the dotted line falls as 1/N", curves, guide: true, width })
         .map(Some)
 }
 
@@ -209,7 +209,7 @@ fn table(report: &Findings) -> String {
         );
     }
     text += "</tbody></table>\n<p class=\"note\">Sorted by the time to 1e-2. Green settings are on the front: no other setting reaches every target as soon. Noise and bias² are \
-             relMSE. Noise is extrapolated to one sample a pixel; it falls as N^-p. The figure after ± is half the 95 % interval of the bias, and half the \
-             interquartile range of the seconds over the rounds. FLIP is the perceived difference; 0.05 shows little noise. Efficiency is 1 / (noise × seconds), relative to the defaults.</p>\n";
+             relative MSE. Noise is extrapolated to one sample a pixel; it falls as N^-p. The figure after ± is half the 95 % interval, of the bias and of \
+             the seconds. FLIP is the perceived difference; 0.05 shows little noise. Efficiency is 1 / (noise × seconds), relative to the defaults.</p>\n";
     text
 }

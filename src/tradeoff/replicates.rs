@@ -5,7 +5,7 @@
 //! halves). Pixels that lose light count even if others gain as much. The noise of one replicate is half the squared
 //! difference of two.
 
-use crate::metrics::error::RELATIVE_FLOOR;
+use crate::metrics::error::floor_of;
 use crate::metrics::estimate::Estimate;
 
 /// An image of linear radiance, with row 0 at the top.
@@ -14,7 +14,8 @@ pub type Pixels = Vec<[f32; 3]>;
 /// The fewest rounds for which standard errors can be estimated.
 pub const FEWEST_ROUNDS: usize = 3;
 
-/// The weights w = 1 / (r² + 0.01) that make products of replicates relative to an image r.
+/// The weights w = 1 / (r² + f) that make products of replicates relative to an image r. The floor f is 0.01 times the square of the image's
+/// mean luminance, so that the unit of light does not matter; or the 0.01 of relMSE.
 ///
 /// If r contained the multiplied images themselves, w would be small exactly where these are bright by chance, and
 /// products with an expectation of 0 would get another one: paths that rarely find a light would hardly count when they
@@ -24,8 +25,10 @@ pub const FEWEST_ROUNDS: usize = 3;
 pub struct Weights {
     /// The whole r.
     pub image: Pixels,
+    /// f of the whole r, in squared radiance.
+    pub floor: f64,
     /// The w of each pair of folds, FOLDS times FOLDS, empty if no two rounds form the pair; or a single w for all pairs.
-    of_folds: Vec<Vec<f32>>,
+    of_folds: Vec<Vec<f64>>,
 }
 
 /// Five, because every fourth round has an additional block: with five folds, each fold gets its share of them.
@@ -34,11 +37,25 @@ const FOLDS: usize = 5;
 impl Weights {
     /// Weights from an image that contains no replicate.
     pub fn of_image(image: Pixels) -> Weights {
-        Weights { of_folds: vec![inverse(&image)], image }
+        let floor = floor_of(&image);
+        Weights::of_image_with(image, floor)
+    }
+
+    /// The weights with another floor.
+    pub fn of_image_with(image: Pixels, floor: f64) -> Weights {
+        Weights { of_folds: vec![inverse(&image, floor)], image, floor }
     }
 
     /// Weights from images with their rounds and numbers of samples. None if there are no images.
     pub fn of_rounds<'a>(images: impl Iterator<Item = (usize, u32, &'a Pixels)>) -> Option<Weights> {
+        Weights::with_floor(images, floor_of)
+    }
+
+    /// The weights with another floor.
+    pub fn with_floor<'a>(
+        images: impl Iterator<Item = (usize, u32, &'a Pixels)>,
+        floor_of: impl Fn(&[[f32; 3]]) -> f64,
+    ) -> Option<Weights> {
         let mut sums: [(Vec<[f64; 3]>, f64); FOLDS] = std::array::from_fn(|_| (Vec::new(), 0.0));
         let mut rounds = 0;
         for (round, samples, image) in images {
@@ -57,6 +74,7 @@ impl Weights {
             Some((0..pixels).map(|at| std::array::from_fn(|c| (value(at, c) / whole) as f32)).collect())
         };
         let image = mean(&[])?;
+        let floor = floor_of(&image);
         let pairs = (0..FOLDS * FOLDS).map(|pair| [pair / FOLDS, pair % FOLDS]);
         // With two rounds no third is left for r. Nothing is estimated from fewer than three.
         let of_pair = |pair: [usize; 2]| {
@@ -64,13 +82,15 @@ impl Weights {
             if pair[0].max(second) >= rounds {
                 return Vec::new();
             }
-            inverse(mean(&pair).as_ref().unwrap_or(&image))
+            let kept = mean(&pair);
+            let kept = kept.as_ref().unwrap_or(&image);
+            inverse(kept, floor_of(kept))
         };
-        Some(Weights { of_folds: pairs.map(of_pair).collect(), image })
+        Some(Weights { of_folds: pairs.map(of_pair).collect(), image, floor })
     }
 
     /// The w for products of images of two rounds.
-    fn between(&self, a: usize, b: usize) -> &[f32] {
+    fn between(&self, a: usize, b: usize) -> &[f64] {
         match &self.of_folds[..] {
             [all] => all,
             folds => &folds[a % FOLDS * FOLDS + b % FOLDS],
@@ -83,22 +103,22 @@ pub(super) fn sum_of(image: &Pixels) -> f64 {
     image.as_flattened().iter().map(|&v| f64::from(v)).sum::<f64>()
 }
 
-fn inverse(image: &Pixels) -> Vec<f32> {
-    let weight = |&r: &f32| (1.0 / (f64::from(r) * f64::from(r) + RELATIVE_FLOOR)) as f32;
-    image.as_flattened().iter().map(weight).collect()
+/// In f64: of bright scenes f32 would be subnormal, of dark ones infinite.
+fn inverse(image: &Pixels, floor: f64) -> Vec<f64> {
+    image.as_flattened().iter().map(|&r| 1.0 / (f64::from(r) * f64::from(r) + floor)).collect()
 }
 
-/// The mean over pixels and channels of w a b: an inner product whose squared norm is relMSE.
-fn product(a: &[f32], b: &[f32], weights: &[f32]) -> f64 {
+/// The mean over pixels and channels of w a b: an inner product whose squared norm is the relative MSE.
+fn product(a: &[f32], b: &[f32], weights: &[f64]) -> f64 {
     let terms = a.iter().zip(b).zip(weights);
-    let sum: f64 = terms.map(|((&a, &b), &w)| f64::from(a) * f64::from(b) * f64::from(w)).sum();
+    let sum: f64 = terms.map(|((&a, &b), &w)| f64::from(a) * f64::from(b) * w).sum();
     sum / weights.len() as f64
 }
 
-/// The relMSE of an image against another.
+/// The relative MSE of an image against another.
 pub(super) fn distance(a: &Pixels, b: &Pixels, weights: &Weights) -> f64 {
     let off = difference(a, b);
-    product(off.as_flattened(), off.as_flattened(), &inverse(&weights.image))
+    product(off.as_flattened(), off.as_flattened(), &inverse(&weights.image, weights.floor))
 }
 
 /// Value by value.
@@ -140,7 +160,7 @@ impl Pairs {
     }
 }
 
-/// The relMSE of one image's noise: half that of two images against each other. Needs three replicates, which are
+/// The relative MSE of one image's noise: half that of two images against each other. Needs three replicates, which are
 /// `apart` rounds from each other.
 pub fn noise(images: &[Pixels], weights: &Weights, apart: usize) -> Option<Estimate> {
     let of_pair = |a: usize, b: usize| {
@@ -150,7 +170,7 @@ pub fn noise(images: &[Pixels], weights: &Weights, apart: usize) -> Option<Estim
     Pairs::of(images.len(), of_pair).jackknife()
 }
 
-/// The mean over pixels and channels of the squared expectation of differences, divided by r² + 0.01. Needs the
+/// The mean over pixels and channels of the squared expectation of differences, divided by r² + f. Needs the
 /// differences of three rounds, which are `apart` rounds from each other. If there is no difference, it may be below 0 by chance.
 pub(super) fn squared_mean(differences: &[Pixels], weights: &Weights, apart: usize) -> Option<Estimate> {
     let of_pair = |a: usize, b: usize| {
@@ -160,7 +180,7 @@ pub(super) fn squared_mean(differences: &[Pixels], weights: &Weights, apart: usi
     Pairs::of(differences.len(), of_pair).jackknife()
 }
 
-/// The squared bias of the pixels: the relMSE that remains with infinitely many samples. Needs three pairs of
+/// The squared bias of the pixels: the relative MSE that remains with infinitely many samples. Needs three pairs of
 /// replicates of the setting and of the baseline.
 pub fn squared_bias(setting: &[Pixels], baseline: &[Pixels], weights: &Weights) -> Option<Estimate> {
     squared_bias_apart(setting, baseline, weights, 1)
@@ -214,6 +234,7 @@ pub(super) mod tests {
     }
 
     const REFERENCE: f64 = 0.5;
+    const FLOOR: f64 = 0.01 * REFERENCE * REFERENCE;
 
     fn mean() -> Pixels {
         vec![[REFERENCE as f32; 3]; 400]
@@ -235,7 +256,7 @@ pub(super) mod tests {
 
     #[test]
     fn noise_is_that_of_one_image() {
-        let truth = 0.01 / (REFERENCE * REFERENCE + 0.01);
+        let truth = 0.01 / (REFERENCE * REFERENCE + FLOOR);
         let share = coverage(|random| noise(&random.images(8, 0.5, 0.1), &reference(), 1).unwrap(), truth);
         assert!(share >= 0.92, "{share}");
         assert!(noise(&Random(1).images(2, 0.5, 0.1), &reference(), 1).is_none());
@@ -250,7 +271,7 @@ pub(super) mod tests {
         for bias in [0.0, 0.02] {
             let share = coverage(|random| pairs(random, bias).0, bias / REFERENCE);
             assert!((0.92..=0.98).contains(&share), "signed, {bias}: {share}");
-            let truth = bias * bias / (REFERENCE * REFERENCE + 0.01);
+            let truth = bias * bias / (REFERENCE * REFERENCE + FLOOR);
             let share = coverage(|random| pairs(random, bias).1, truth);
             assert!(share >= 0.92, "squared, {bias}: {share}");
         }
@@ -270,7 +291,7 @@ pub(super) mod tests {
         let setting: Vec<Pixels> = baseline.iter().map(moved).collect();
         assert!(signed_bias(&setting, &baseline, &mean()).unwrap().value.abs() < 1e-6);
         let squared = squared_bias(&setting, &baseline, &reference()).unwrap();
-        assert!((squared.value / (0.0004 / (REFERENCE * REFERENCE + 0.01)) - 1.0).abs() < 1e-4, "{squared:?}");
+        assert!((squared.value / (0.0004 / (REFERENCE * REFERENCE + FLOOR)) - 1.0).abs() < 1e-4, "{squared:?}");
         assert!(squared.p() < 1e-6);
     }
 

@@ -19,16 +19,18 @@ pub struct Findings {
     pub size: (u32, u32),
     /// The size of the scene's image, or of the reference.
     pub whole_size: (u32, u32),
-    /// Ratios, for the defaults, of the seconds of a sample and of the relMSE of the noise at the whole size to those
+    /// Ratios, for the defaults, of the seconds of a sample and of the relative MSE of the noise at the whole size to those
     /// at the measured size; none if they were not measured.
     pub calibration: Option<(f64, f64)>,
     pub seed: u32,
     pub budget: f64,
     /// The seconds until the report.
     pub seconds: f64,
+    /// How much the speed of the machine changed meanwhile: the ratio of the times of one render, slow to fast.
+    pub swing: f64,
     /// The file; none if the images of the unbiased settings are pooled instead.
     pub reference: Option<String>,
-    /// The relMSE of the noise of the reference or of the pooled image, if known.
+    /// The relative MSE of the noise of the reference or of the pooled image, if known.
     pub error_of_truth: Option<f64>,
     /// The relative difference of the defaults' mean from the given reference. If the noise of the reference is
     /// unknown, the error of the estimate includes only the noise of the defaults.
@@ -50,7 +52,8 @@ pub struct Shown {
     pub setting: String,
     pub samples: u32,
     pub seconds: f64,
-    /// Without the relMSE of the noise of the image that it is compared with.
+    /// The relative MSE, without that of the noise of the image that it is compared with.
+    pub error: f64,
     pub relmse: f64,
     pub flip: f64,
     /// PNG files.
@@ -59,10 +62,13 @@ pub struct Shown {
 }
 
 /// The caption of the plot.
-pub const CAPTION: &str = "relMSE is the mean over pixels and channels of (error)² / (value² + 0.01); 1e-2 is noise of about 10 %. Each curve is \
+pub const CAPTION: &str = "The relative MSE is the mean over pixels and channels of (error)² / (value² + 0.01 L²), with L the image's mean \
+                           luminance: the square of the relative error that `render` states, so that 1e-2 is an error of 10 %. Each curve is \
                            bias² + c N^-p, with the measured bias. The dots are the noise measured at 4, 16 and 64 samples; beyond them the curve is \
                            extrapolated, and dashed. A curve that becomes level has a \
                            bias that more samples do not remove.";
+/// A machine is busy from this swing on. On an idle one with two cores, the times of one render are within 20 % of each other.
+const BUSY: f64 = 1.3;
 /// The plot has colours for this many curves.
 pub const MOST_CURVES: usize = 10;
 
@@ -83,8 +89,8 @@ pub const HEADINGS: [&str; 13] = [
     "efficiency",
 ];
 /// The columns of the CSV.
-const COLUMNS: &str = "setting,knob,value,class,gives_up,measured,rounds,seconds_compile,seconds_per_sample,seconds_spread,variance_1spp,\
-                       exponent,exponent_half_width,bias,bias_half_width,squared_bias,squared_bias_upper,biased,reliable,seconds_to_1e-1,seconds_to_1e-2,\
+const COLUMNS: &str = "setting,knob,value,class,gives_up,measured,rounds,seconds_compile,seconds_per_sample,seconds_half_width,variance_1spp,\
+                       exponent,exponent_half_width,bias,bias_half_width,squared_bias,squared_bias_upper,biased,reliable,relmse_ratio,seconds_to_1e-1,seconds_to_1e-2,\
                        seconds_to_1e-3,seconds_beside,seconds_to_flip,efficiency,verdict,device,driver";
 
 /// The name of a class in the tables.
@@ -104,11 +110,16 @@ fn target_name(target: f64) -> String {
     format!("{target:e}")
 }
 
-/// A relMSE with two digits. It may be below 0 after the noise of the reference is subtracted.
-pub fn relmse_text(relmse: f64) -> String {
-    match relmse {
+/// A target in words, with the relative error that `render` would state of it.
+fn target_words(target: f64) -> String {
+    format!("a relative MSE of {} ({:.1} %)", target_name(target), 100.0 * target.sqrt())
+}
+
+/// A mean square error with two digits. It may be below 0 after the noise of the reference is subtracted.
+pub fn error_text(error: f64) -> String {
+    match error {
         ..=0.0 => "0".to_string(),
-        relmse => format!("{relmse:.1e}"),
+        error => format!("{error:.1e}"),
     }
 }
 
@@ -137,11 +148,11 @@ pub fn exponent_text(measured: &Measured) -> String {
     if half > 0.0 { format!("{exponent:.2} ± {half:.2}") } else { format!("{exponent:.0}") }
 }
 
-/// The seconds of a sample, with their spread.
+/// The seconds of a sample, with their interval.
 fn seconds_text(measured: &Measured) -> String {
-    let (value, spread) = (measured.seconds, measured.seconds_spread);
-    let digits = digits(spread.max(1e-3 * value));
-    format!("{value:.digits$} ± {spread:.digits$}")
+    let (value, half) = (measured.seconds, measured.seconds_half_width);
+    let digits = digits(half.max(1e-3 * value));
+    format!("{value:.digits$} ± {half:.digits$}")
 }
 
 /// The number of decimals that show two digits of a value.
@@ -170,11 +181,12 @@ fn cost_text(best: &Measured) -> String {
     let (value, half) = (100.0 * best.signed.value, 100.0 * best.signed.half_width());
     let digits = digits(half);
     if best.biased {
-        let stays = format!("a relMSE of {} that more samples do not remove", relmse_text(best.model.squared_bias));
+        let stays =
+            format!("a relative MSE of {} that more samples do not remove", error_text(best.model.squared_bias));
         return match value {
             _ if best.setting.denoise => {
-                let at_level = relmse_text(best.bias_squared());
-                format!("biased by a relMSE of {at_level} with {LEVEL} samples, of less with more")
+                let at_level = error_text(best.bias_squared());
+                format!("biased by a relative MSE of {at_level} with {LEVEL} samples, of less with more")
             }
             _ if best.setting.class() == Class::Detail => format!("loses detail, {stays}"),
             // Losses and gains of different pixels cancel in the mean.
@@ -231,20 +243,16 @@ impl Findings {
     /// A sentence for each target.
     pub fn advice(&self) -> Vec<String> {
         let sentence = |(index, best): (usize, Option<&Measured>)| {
-            let target = target_name(TARGETS[index]);
+            let target = target_words(TARGETS[index]);
             let doubtful = preferred(&self.measured, index, Measured::is_faithful);
             let Some(best) = best else {
                 if self.measured.is_empty() {
-                    return format!("relMSE {target}: nothing was measured");
+                    return format!("{target}: nothing was measured");
                 }
                 let words = doubtful.map_or(String::new(), |m| {
-                    format!(
-                        "; {} would take {}, or longer if rare bright paths were missed",
-                        m.named(),
-                        time_text(m.times[index])
-                    )
+                    format!("; {} would take {}, or longer if light was missed", m.named(), time_text(m.times[index]))
                 });
-                return format!("relMSE {target}: no reliable setting reaches it{words}");
+                return format!("{target}: no reliable setting reaches it{words}");
             };
             let time = time_text(best.times[index]);
             let cost = cost_text(best);
@@ -261,7 +269,8 @@ impl Findings {
                 ),
                 _ => String::new(),
             };
-            format!("To reach relMSE {target} use {what}: {time}, {cost}{besides}")
+            let relmse = error_text(TARGETS[index] * best.relmse_ratio);
+            format!("To reach {target} use {what}: {time}, {cost}, at a relMSE of {relmse}{besides}")
         };
         recommended(&self.measured).into_iter().enumerate().map(sentence).chain(self.flip_of_denoised()).collect()
     }
@@ -286,8 +295,15 @@ impl Findings {
     pub fn basis(&self) -> Vec<String> {
         let (w, h) = self.size;
         let of_all = self.measured.len() + self.unmeasured.len();
+        let busy = match self.swing > BUSY {
+            true => format!(
+                "; the machine was busy: one render took {:.1} times as long at times, so the intervals of seconds are wide",
+                self.swing
+            ),
+            false => String::new(),
+        };
         let mut lines = vec![format!(
-            "{} of {of_all} settings measured at {w}x{h} on {} ({}), {} rounds of {LEVEL} samples; another device may need other settings",
+            "{} of {of_all} settings measured at {w}x{h} on {} ({}), {} rounds of {LEVEL} samples; another device may need other settings{busy}",
             self.measured.len(),
             self.device,
             self.driver,
@@ -313,10 +329,18 @@ impl Findings {
         if let Some(defaults) = self.measured.first().filter(|defaults| !defaults.reliable) {
             let known = self.measured.iter().any(|m| !m.declared_unbiased() && m.bias_known);
             let so = if known { "" } else { "; so no bias is known, and no biased setting is recommended" };
-            lines.push(format!(
-                "the noise of the defaults is known to {:.0} % only, because paths are rare and bright, or rounds are too few{so}",
+            let noise = format!(
+                "the noise of the defaults is known to {:.0} % only, because paths are rare and bright, or rounds are too few",
                 100.0 * defaults.noise_doubt
-            ));
+            );
+            let doubts: Vec<String> = match defaults.doubts.is_empty() {
+                true => vec![noise],
+                false => {
+                    let doubt = |doubt: &String| format!("the relative error of the defaults is unreliable: {doubt}");
+                    defaults.doubts.iter().map(doubt).collect()
+                }
+            };
+            lines.extend(doubts.iter().map(|doubt| format!("{doubt}{so}")));
         }
         lines.extend(self.measured_against());
         if self.interrupted {
@@ -330,7 +354,7 @@ impl Findings {
         const TO_DEFAULTS: &str = "biases are differences from the defaults, rendered with the same random numbers";
         let own = self
             .error_of_truth
-            .map(|own| format!("its own noise, a relMSE of {own:.1e}, is subtracted from their errors"));
+            .map(|own| format!("its own noise, a relative MSE of {own:.1e}, is subtracted from their errors"));
         let Some(file) = &self.reference else {
             let own = own.map_or(String::new(), |own| format!("; {own}"));
             return vec![format!(
@@ -350,7 +374,7 @@ impl Findings {
         let own = own.unwrap_or_default();
         let squared = &distance.squared;
         let far = format!(
-            "the relMSE between them is {:.1e}, at most {:.1e}, after subtracting the noise of both",
+            "the relative MSE between them is {:.1e}, at most {:.1e}, after subtracting the noise of both",
             squared.value.max(0.0),
             squared.upper().max(0.0)
         );
@@ -384,7 +408,7 @@ impl Findings {
             fine,
             measured.seconds_to_flip().map_or("–".to_string(), |seconds| time_text(Some(seconds))),
             bias_text(measured),
-            relmse_text(measured.bias_squared()),
+            error_text(measured.bias_squared()),
             seconds_text(measured),
             format!("{:.3}", measured.model.noise.noise),
             exponent_text(measured),
@@ -458,7 +482,7 @@ impl Findings {
                 "seconds_compile": measured.seconds_compile,
                 "seconds_per_sample": measured.seconds,
                 "seconds_doubt": measured.seconds_doubt,
-                "seconds_spread": measured.seconds_spread,
+                "seconds_half_width": measured.seconds_half_width,
                 "variance_1spp": model.noise.noise,
                 "exponent": model.noise.exponent,
                 "exponent_half_width": model.noise.exponent_half_width(),
@@ -470,8 +494,10 @@ impl Findings {
                 "squared_bias_upper": measured.squared.upper(),
                 "biased": measured.biased,
                 "reliable": measured.reliable,
+                "doubts": measured.doubts,
+                "relmse_ratio": measured.relmse_ratio,
                 "noise_doubt": measured.noise_doubt,
-                "seconds_to": times.map(|(target, time)| json!({"relmse": target, "seconds": time})).collect::<Vec<_>>(),
+                "seconds_to": times.map(|(target, time)| json!({"relative_mse": target, "relmse": target * measured.relmse_ratio, "seconds": time})).collect::<Vec<_>>(),
                 "seconds_beside": model.seconds_beside,
                 "flip": measured.flips.iter().map(|(samples, flip)| json!({"samples": samples, "flip": flip})).collect::<Vec<_>>(),
                 "seconds_to_flip": measured.seconds_to_flip(),
@@ -495,7 +521,8 @@ impl Findings {
             .zip(self.advice())
             .map(|((i, target), words)| {
                 json!({
-                    "relmse": target,
+                    "relative_mse": target,
+                    "relmse": best[i].map(|measured| target * measured.relmse_ratio),
                     "setting": best[i].map(|measured| measured.setting.name()),
                     "seconds": best[i].and_then(|measured| measured.times[i]),
                     "samples": best[i].and_then(|m| Some((m.times[i]? - m.model.seconds_beside) / m.model.seconds)),
@@ -515,7 +542,8 @@ impl Findings {
             "budget": self.budget,
             "seconds": self.seconds,
             "reference": self.reference,
-            "relmse_of_reference": self.error_of_truth,
+            "swing": self.swing,
+            "relative_mse_of_reference": self.error_of_truth,
             "defaults_against_reference": self.against_reference.map(|found| json!({
                 "bias": found.value,
                 "half_width": found.half_width(),
@@ -532,6 +560,7 @@ impl Findings {
                 "setting": shown.setting,
                 "samples": shown.samples,
                 "seconds": shown.seconds,
+                "relative_mse": shown.error,
                 "relmse": shown.relmse,
                 "flip": shown.flip,
             })).collect::<Vec<_>>(),

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
+use super::pace::Timed;
 use super::replicates::{FEWEST_ROUNDS, Pixels};
 use crate::aov::Aov;
 use crate::data;
@@ -32,10 +33,14 @@ pub fn rounds_between(samples: u32) -> usize {
     if samples == LEVELS[2] { ROUNDS_OF_LAST } else { 1 }
 }
 
-/// The mean cost of a round, in samples per pixel.
-pub const SAMPLES_OF_ROUND: f64 = (LEVELS[0] + LEVELS[1]) as f64 + LEVELS[2] as f64 / ROUNDS_OF_LAST as f64;
+/// The defaults are timed between so many blocks of [`LEVEL`] samples: the clock of the other settings' times.
+const BLOCKS_A_CLOCK: usize = 3;
+
+/// The mean cost of a round for a setting and its share of the clock, in samples per pixel.
+pub const SAMPLES_OF_ROUND: f64 =
+    LEVELS[0] as f64 + LEVEL as f64 * (1.0 + 1.0 / BLOCKS_A_CLOCK as f64) + LEVELS[2] as f64 / ROUNDS_OF_LAST as f64;
 /// The cost of the fewest rounds, in samples per pixel.
-pub const SAMPLES_OF_FEWEST: f64 = (FEWEST_ROUNDS as u32 * (LEVELS[0] + LEVELS[1]) + LEVELS[2]) as f64;
+pub const SAMPLES_OF_FEWEST: f64 = FEWEST_ROUNDS as f64 * (LEVELS[0] + 2 * LEVEL) as f64 + LEVELS[2] as f64;
 
 /// The defaults with one knob changed, or the defaults themselves.
 #[derive(Clone, Debug)]
@@ -70,6 +75,14 @@ pub struct Block {
     pub image: Pixels,
     /// Only the time of the passes. Denoising is not in it: its time does not grow with the samples.
     pub seconds: f64,
+    /// The middle of that time, in seconds since the sweep began.
+    pub at: f64,
+}
+
+impl Block {
+    pub fn timed(&self) -> Timed {
+        Timed { at: self.at, seconds: self.seconds }
+    }
 }
 
 /// A setting under measurement.
@@ -83,6 +96,8 @@ pub struct Subject<'a> {
     /// The blocks for each number of samples per pixel, in the order of the rounds. The n-th blocks of all subjects
     /// have the same random numbers.
     pub blocks: BTreeMap<u32, Vec<Block>>,
+    /// All samples of the blocks on one film, for what it says of its error.
+    pub total: Film,
 }
 
 /// A setting that is not measured, and the reason.
@@ -104,6 +119,9 @@ pub struct Sweep<'a> {
     pub seed: u32,
     /// The number of rounds that all subjects have.
     rounds: usize,
+    /// When it began, and the times of the defaults' blocks of [`LEVEL`] samples since then.
+    began: Instant,
+    pub clock: Vec<Timed>,
     /// The effect of the defaults. A setting with the same effect does nothing to this scene.
     defaults: Option<Effect>,
 }
@@ -159,6 +177,8 @@ impl<'a> Sweep<'a> {
             denoiser: None,
             seed,
             rounds: 0,
+            began: Instant::now(),
+            clock: Vec::new(),
             defaults: None,
         }
     }
@@ -222,6 +242,7 @@ impl<'a> Sweep<'a> {
         let subject = Subject {
             setting: setting.clone(),
             renderer,
+            total: film.clone(),
             film,
             size,
             seconds_compile: begin.elapsed().as_secs_f64(),
@@ -242,15 +263,17 @@ impl<'a> Sweep<'a> {
         let whole = self.size;
         let Subject { renderer, film, size, setting, .. } = &mut self.subjects[subject];
         film.clear();
+        let begin = self.began.elapsed().as_secs_f64();
         let outcome = renderer.run(&job, film, &mut |_, _| if stop() { Next::Stop } else { Next::GoOn })?;
         if outcome.interrupted {
             return Ok(None);
         }
+        let at = begin + 0.5 * outcome.seconds;
         let image = match self.denoiser.filter(|_| setting.denoise) {
             Some(denoiser) => Layers::of(film).denoised(denoiser, *size)?,
             None => film.develop().rgb,
         };
-        Ok(Some(Block { image: enlarged(&image, *size, whole), seconds: outcome.seconds }))
+        Ok(Some(Block { image: enlarged(&image, *size, whole), seconds: outcome.seconds, at }))
     }
 
     /// The seconds that denoising an image of some size takes; none if no setting denoises. They do not depend on what the image shows. It is timed
@@ -274,8 +297,8 @@ impl<'a> Sweep<'a> {
     }
 
     /// Renders rounds of blocks of every subject until the time is over, `stop` is true, or `most` rounds are done,
-    /// including those of earlier calls. The order of the subjects rotates from round to round, so that a machine that
-    /// becomes slower slows all of them alike.
+    /// including those of earlier calls. The order of the subjects rotates from round to round, and the defaults are timed
+    /// between the others, so that a machine that becomes slower slows all of them alike.
     ///
     /// # Errors
     /// If the device fails.
@@ -292,16 +315,28 @@ impl<'a> Sweep<'a> {
             for (i, &level) in levels.enumerate() {
                 // No two blocks of a sweep share a seed, and none has the seed of --seed's own image.
                 let seed = self.seed.wrapping_add(1 + (round * LEVELS.len() + i) as u32);
-                for turn in 0..self.subjects.len() {
+                let is_timed = level == LEVEL && self.subjects.len() > 1;
+                for turn in 0..=self.subjects.len() {
+                    let is_last = turn == self.subjects.len();
                     let subject = (turn + round) % self.subjects.len();
                     progress(round, &self.subjects[subject].setting.name());
                     if stop() || Instant::now() + self.expected(subject, level) > until {
                         return Ok(());
                     }
-                    match self.image(subject, level, seed, stop)? {
-                        Some(block) => self.subjects[subject].blocks.entry(level).or_default().push(block),
-                        None => return Ok(()),
+                    if is_timed && (is_last || turn % BLOCKS_A_CLOCK == 0) {
+                        let Some(block) = self.image(0, level, seed, stop)? else { return Ok(()) };
+                        self.clock.push(block.timed());
                     }
+                    if is_last {
+                        break;
+                    }
+                    let Some(block) = self.image(subject, level, seed, stop)? else { return Ok(()) };
+                    if subject == 0 && level == LEVEL {
+                        self.clock.push(block.timed());
+                    }
+                    let Subject { blocks, total, film, .. } = &mut self.subjects[subject];
+                    total.merge(film)?;
+                    blocks.entry(level).or_default().push(block);
                 }
             }
             self.rounds = round + 1;
@@ -320,7 +355,11 @@ impl<'a> Sweep<'a> {
     /// Forgets all images, for a measurement with another seed.
     pub fn begin_again(&mut self, seed: u32) {
         (self.seed, self.rounds) = (seed, 0);
-        self.subjects.iter_mut().for_each(|subject| subject.blocks.clear());
+        self.clock.clear();
+        for subject in &mut self.subjects {
+            subject.blocks.clear();
+            subject.total.clear();
+        }
     }
 
     /// The samples per pixel in all blocks of a subject; none before the first block.

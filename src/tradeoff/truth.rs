@@ -2,7 +2,7 @@
 
 use super::replicates::{Pixels, Weights, difference, distance, signed_bias, squared_mean, sum_of};
 use super::sweep::{Subject, Sweep};
-use crate::metrics::error::{RELATIVE_FLOOR, relative_variance};
+use crate::metrics::error::relative_variance;
 use crate::metrics::estimate::{Estimate, degrees_of_sum};
 use crate::options::Class;
 use crate::output::exr::ExrImage;
@@ -20,7 +20,7 @@ pub struct Truth {
 pub struct Distance {
     /// The signed relative difference of the means. Its error includes the noise of both.
     pub signed: Estimate,
-    /// The relMSE minus the expected contribution of the truth's own noise.
+    /// The relative MSE minus the expected contribution of the truth's own noise.
     pub squared: Estimate,
     /// The standard error of that contribution.
     pub doubt: f64,
@@ -87,13 +87,13 @@ impl Truth {
         })
     }
 
-    /// The relMSE of the truth's own noise, with weights from this image or a less noisy one.
+    /// The relative MSE of the truth's own noise, with weights from this image or a less noisy one.
     pub fn error(&self, weights: &Weights) -> Option<f64> {
-        relative_variance(self.variance.as_ref()?, &weights.image)
+        relative_variance(self.variance.as_ref()?, &weights.image, weights.floor)
     }
 
-    /// The relMSE of an image against the truth, minus the expected contribution of the truth's own noise.
-    pub fn relmse_of(&self, image: &Pixels, weights: &Weights) -> f64 {
+    /// The relative MSE of an image against the truth, minus the expected contribution of the truth's own noise.
+    pub fn error_of(&self, image: &Pixels, weights: &Weights) -> f64 {
         distance(image, &self.image, weights) - self.error(weights).unwrap_or(0.0)
     }
 
@@ -105,13 +105,13 @@ impl Truth {
         let mean = sum_of(&self.image) / count;
         let of_images = |at: usize, c: usize| images.iter().map(|i| f64::from(i[at][c])).sum::<f64>();
         // Sums and sums of squares of each pixel's contributions: its standard deviations to the mean of the image, and
-        // its relative variances to relMSE. Its channels are assumed to be fully correlated, which gives the largest
+        // its relative variances to the relative MSE. Its channels are assumed to be fully correlated, which gives the largest
         // variance.
         let (mut of_mean, mut of_mean2, mut own, mut own2, mut with_bias) = (0.0, 0.0, 0.0, 0.0, 0.0);
         for (at, (pixel, variance)) in self.image.iter().zip(variance).enumerate() {
             let (mut deviation, mut relative, mut product) = (0.0, 0.0, 0.0);
             for c in 0..3 {
-                let weight = 1.0 / (f64::from(weights.image[at][c]).powi(2) + RELATIVE_FLOOR);
+                let weight = 1.0 / (f64::from(weights.image[at][c]).powi(2) + weights.floor);
                 let v = f64::from(variance[c]);
                 let off = of_images(at, c) / images.len() as f64 - f64::from(pixel[c]);
                 deviation += v.sqrt();
@@ -194,11 +194,11 @@ mod tests {
     fn a_truth_tells_its_own_error() {
         let error = truth(&mut Random(1), 0.1).error(&weights()).unwrap();
         // The standard error from 1200 values with one degree of freedom is 4 %.
-        let expected = 0.01 / (MEAN * MEAN + RELATIVE_FLOOR);
+        let expected = 0.01 / (MEAN * MEAN * 1.01);
         assert!((error / expected - 1.0).abs() < 0.2, "{error} {expected}");
         assert_eq!(Truth { variance: None, ..truth(&mut Random(1), 0.1) }.error(&weights()), None);
-        // The relMSE of an equally noisy image has twice that, and half of it is subtracted.
-        let of_image = truth(&mut Random(1), 0.1).relmse_of(&Random(2).images(1, MEAN, 0.1)[0], &weights());
+        // The error of an equally noisy image has twice that, and half of it is subtracted.
+        let of_image = truth(&mut Random(1), 0.1).error_of(&Random(2).images(1, MEAN, 0.1)[0], &weights());
         assert!((of_image / expected - 1.0).abs() < 0.2, "{of_image} {expected}");
     }
 
@@ -207,7 +207,7 @@ mod tests {
     fn the_noise_of_a_truth_is_subtracted_and_is_in_the_intervals() {
         for (bias, deviation) in [(0.0, 0.1), (0.02, 0.1), (0.02, 0.02)] {
             let mut random = Random(23);
-            let expected = bias * bias / (MEAN * MEAN + RELATIVE_FLOOR);
+            let expected = bias * bias / (MEAN * MEAN * 1.01);
             let [mut signed, mut squared, mut not_subtracted] = [0; 3];
             for _ in 0..400 {
                 let truth = truth(&mut random, deviation);

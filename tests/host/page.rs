@@ -26,7 +26,7 @@ fn measured(setting: Setting, samples: &[u32]) -> Measured {
         seconds_compile: 0.1,
         seconds_here: 0.1,
         seconds: 0.1,
-        seconds_spread: 0.01,
+        seconds_half_width: 0.002,
         seconds_doubt: 0.01,
         model: Model { squared_bias: 0.0, squared_bias_upper: 0.0, noise, seconds: 0.1, seconds_beside: 0.0 },
         flips: samples.iter().map(|&samples| (samples, 0.5 / f64::from(samples).sqrt())).collect(),
@@ -37,6 +37,8 @@ fn measured(setting: Setting, samples: &[u32]) -> Measured {
         lacks_paths: false,
         against_reference: false,
         reliable: true,
+        doubts: Vec::new(),
+        relmse_ratio: 0.5,
         bias_known: true,
         noise_doubt: 0.01,
         times: [1e-1, 1e-2, 1e-3].map(seconds_to),
@@ -57,6 +59,7 @@ fn findings(samples: &[u32]) -> Findings {
         seed: 0,
         budget: 60.0,
         seconds: 50.0,
+        swing: 1.0,
         reference: None,
         error_of_truth: None,
         against_reference: None,
@@ -69,6 +72,7 @@ fn findings(samples: &[u32]) -> Findings {
             setting: "defaults".into(),
             samples: 16,
             seconds: 1.6,
+            error: 0.06,
             relmse: 0.03,
             flip: 0.1,
             picture: Vec::new(),
@@ -90,7 +94,7 @@ fn the_answer_and_the_plot_come_first_and_details_are_folded() {
     let order = [
         "&lt;&amp;&gt;.ron: speed and accuracy</h1>",
         "1 of 2 settings measured",
-        "To reach relMSE 1e-1 use the defaults",
+        "To reach a relative MSE of 1e-1 (31.6 %) use the defaults",
         "<svg",
         "<summary>How to read the plot",
         "<summary>All settings",
@@ -103,7 +107,9 @@ fn the_answer_and_the_plot_come_first_and_details_are_folded() {
     assert!(!page.contains("<details open"));
     // The table and the long sentences are within a fold.
     let folded: String = page.split("<details>").skip(1).filter_map(|part| part.split("</details>").next()).collect();
-    for words in ["<table>", "relMSE is the mean over pixels", "not measured: no time", "biases are differences"] {
+    for words in
+        ["<table>", "The relative MSE is the mean over pixels", "not measured: no time", "biases are differences"]
+    {
         assert_eq!(folded.matches(words).count(), page.matches(words).count(), "{words}");
         assert!(folded.contains(words), "{words}");
     }

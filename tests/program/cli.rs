@@ -504,7 +504,10 @@ fn converge_measures_the_images_that_render_writes() {
     let ran = place.run(&[&converge[..], &["--spp", "24", "-o", "plots"]].concat()).exits(0);
     let csv = fs::read_to_string(place.work().join("plots/sphere-converge.csv")).expect("the table is there");
     let rows: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
-    assert_eq!(rows[0], ["samples", "seconds", "mse", "rmse", "relmse", "mean_difference", "relative_error"]);
+    assert_eq!(
+        rows[0],
+        ["samples", "seconds", "mse", "rmse", "relative_mse", "relmse", "mean_difference", "relative_error"]
+    );
     let samples: Vec<&str> = rows[1..].iter().map(|row| row[0]).collect();
     assert_eq!(samples, ["1", "2", "4", "8", "16", "24"]);
     // A line on the terminal for each, below their names.
@@ -516,11 +519,14 @@ fn converge_measures_the_images_that_render_writes() {
     assert!(rows[1..].windows(2).all(|two| number(&two[0], 1) < number(&two[1], 1)), "{csv}");
     assert!(number(&rows[6], 4) < 0.2 * number(&rows[1], 4), "{csv}");
     let (last, reference) = (place.exr("last.exr"), place.exr("reference.exr"));
-    let relmse = gpu_rt::metrics::error::relmse(&last.rgb, &reference.rgb).expect("of one size");
-    assert!((number(&rows[6], 4) / relmse - 1.0).abs() < 1e-5, "{csv}: {relmse}");
+    use gpu_rt::metrics::error::{relative_mse, relmse};
+    let relative = relative_mse(&last.rgb, &reference.rgb).expect("of one size");
+    for (column, error) in [(4, relative), (5, relmse(&last.rgb, &reference.rgb).expect("of one size"))] {
+        assert!((number(&rows[6], column) / error - 1.0).abs() < 1e-5, "{csv}: {error}");
+    }
     let json = place.run(&[&converge[..], &["--spp", "24", "--json"]].concat()).exits(0).json();
     assert_eq!(json["steps"].as_array().map(Vec::len), Some(6));
-    assert!(json["relmse_of_reference"].as_f64().is_some_and(|own| own > 0.0 && own < relmse), "{json}");
+    assert!(json["relative_mse_of_reference"].as_f64().is_some_and(|own| own > 0.0 && own < relative), "{json}");
     // Its own noise would not be found.
     assert!(!ran.stderr.contains("give another --seed"), "{}", ran.stderr);
     let ran = place.run(&[&converge[..], &["--spp", "1", "--seed", "7"]].concat()).exits(0);

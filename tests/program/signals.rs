@@ -188,5 +188,5 @@ fn a_tradeoff_that_is_interrupted_at_once_says_that_nothing_is_measured() {
         assert_eq!(setting["measured"], false, "{report:#}");
         assert_eq!(setting["verdict"], "not measured: interrupted before it was measured", "{report:#}");
     }
-    assert_eq!(report["recommendations"][1]["words"], "relMSE 1e-2: nothing was measured");
+    assert_eq!(report["recommendations"][1]["words"], "a relative MSE of 1e-2 (10.0 %): nothing was measured");
 }

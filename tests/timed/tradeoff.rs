@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use gpu_rt::aov::Aov;
 use gpu_rt::data::Sampler;
 use gpu_rt::denoise::Denoiser;
-use gpu_rt::metrics::error::relmse;
+use gpu_rt::metrics::error::relative_mse;
 use gpu_rt::options::{CLAMP, DENOISE, INTEGRATOR, Integrator, ROULETTE, RenderOptions, SAMPLER, SIZE, Switch};
 use gpu_rt::output::exr::read_exr;
 use gpu_rt::scene::Scene;
@@ -426,7 +426,7 @@ fn the_program_reports_and_its_advice_is_kept() {
     }
 }
 
-/// relMSE of independent renders with what a report advises for one of its targets, in order: by five seeds, against one of 16384 samples.
+/// The relative MSE of independent renders with what a report advises for one of its targets, in order: by five seeds, against one of 16384 samples.
 fn kept(place: &Path, scene: &str, advice: &Value) -> Vec<f64> {
     let render = |more: &[&str], out: &str| {
         run(place, &[&["render", scene, "-o", out], more].concat()).exits(0);
@@ -439,7 +439,7 @@ fn kept(place: &Path, scene: &str, advice: &Value) -> Vec<f64> {
     let option = advice["setting"].as_str().filter(|name| *name != "defaults").unwrap_or("");
     let options: Vec<&str> = option.split_whitespace().chain(["--spp", &samples]).collect();
     let error =
-        |seed: u32| relmse(&render(&[&options[..], &["--seed", &seed.to_string()]].concat(), "own.exr"), &truth);
+        |seed: u32| relative_mse(&render(&[&options[..], &["--seed", &seed.to_string()]].concat(), "own.exr"), &truth);
     let mut errors: Vec<f64> = (1..=5).map(|seed| error(seed).expect("of one size")).collect();
     errors.sort_by(f64::total_cmp);
     errors
@@ -473,7 +473,7 @@ fn denoising_is_measured_as_a_setting() {
             sweep.subjects[subject].blocks[samples].iter().map(|block| block.image.clone()).collect()
         };
         let truth = Truth::of_subject(&sweep, 0).expect("images").image;
-        let all: f64 = images(1).iter().map(|image| relmse(image, &truth).expect("of one size")).sum();
+        let all: f64 = images(1).iter().map(|image| relative_mse(image, &truth).expect("of one size")).sum();
         let mean = all / images(1).len() as f64;
         assert!((error / mean - 1.0).abs() < 0.35, "{samples}: {error} is stated, {mean} is so");
     }
@@ -545,7 +545,7 @@ fn a_sweep_keeps_its_budget_and_tells_what_is_dominated() {
     let table = stdout.lines().skip_while(|line| !line.starts_with("setting ")).take_while(|line| !line.contains(": "));
     assert!(table.clone().count() > 10 && table.clone().all(|line| line.chars().count() <= 80), "{stdout}");
     // What is advised is on the front; which of several that are as soon as each other that is, timings decide.
-    for advice in stdout.lines().filter_map(|line| line.strip_prefix("To reach relMSE ")) {
+    for advice in stdout.lines().filter_map(|line| line.strip_prefix("To reach a relative MSE of ")) {
         let name = advice.split_once(" use ").and_then(|(_, rest)| rest.split_once(':')).map_or("", |(name, _)| name);
         let name = name.trim_matches('`').trim_start_matches("the ");
         assert!(line(name).contains("front"), "{name}: {stdout}");
@@ -572,14 +572,14 @@ fn the_noise_of_a_reference_is_stated_and_subtracted() {
     assert!(json["seed"].as_u64().is_some_and(|seed| seed > 3), "{}", json["seed"]);
     // Stated: of 1728 values with one degree of freedom, and with rare bright ones among them.
     assert_eq!((&json["width"], &json["height"]), (&Value::from(24), &Value::from(24)));
-    let own = json["relmse_of_reference"].as_f64().expect("two halves tell it");
-    let is = relmse(&noisy, &truth).expect("of one size");
+    let own = json["relative_mse_of_reference"].as_f64().expect("two halves tell it");
+    let is = relative_mse(&noisy, &truth).expect("of one size");
     assert!((own / is - 1.0).abs() < 0.3, "{own:e} is stated, {is:e} is so");
     // Subtracted: the picture of 16 samples is as noisy, and would be off by twice as much.
     let shown = json["equal_time"].as_array().and_then(|all| all.iter().find(|shown| shown["setting"] == "defaults"));
     let shown = shown.expect("the defaults have a picture");
     assert_eq!(shown["samples"], 16);
-    let error = shown["relmse"].as_f64().expect("a number");
+    let error = shown["relative_mse"].as_f64().expect("a number");
     assert!((0.4..1.6).contains(&(error / is)), "{error:e} of an image of {is:e}");
     let against = &json["defaults_against_reference"];
     assert!(against["differs"] == false && against["squared_bias"].as_f64().is_some_and(|b| b < 0.5 * is), "{against}");
