@@ -64,6 +64,16 @@ pub const CHANNELS: [&str; 3] = ["R", "G", "B"];
 /// A value for each of them.
 pub type Rgb<T> = [T; CHANNELS.len()];
 
+/// How the samples of a pixel are spread.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SampleSpread {
+    /// The variance of a sample, radiance squared; infinite if it is not known.
+    pub variance: Rgb<f32>,
+    /// The degrees of freedom of this estimate.
+    pub degrees: u32,
+    pub samples: u32,
+}
+
 /// The code of the primitive at this index among its kind.
 pub fn primitive_code(kind: u32, index: u32) -> u32 {
     PRIMITIVE_BIT | kind << PRIMITIVE_KIND_SHIFT | index

@@ -16,6 +16,7 @@ use crate::memory;
 pub use channels::{device_bytes, record_bytes};
 pub use totals::{HiddenLight, Rejected, TooDeep, Totals};
 pub use verdict::Verdict;
+pub use words::{spread_of, word_names};
 
 use channels::Channels;
 

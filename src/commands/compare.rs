@@ -1,19 +1,24 @@
 //! `gpu-rt compare`: the error of an image against a reference.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use serde_json::{Value, json};
 
 use super::outputs::{Beside, OutputImage, PNG, check_name, check_outputs};
 use super::{path_text, print_json, print_line, tell, tell_denoised};
 use crate::cli::{CompareArgs, Limit, Metric};
+use crate::data::SampleSpread;
 use crate::error::{Error, Result};
-use crate::metrics::difference::{Difference, ErrorSource, Images, LEVEL, MeanDifference, QUANTITIES, difference};
+use crate::metrics::difference::{
+    Difference, ErrorSource, Images, LEVEL, MeanDifference, QUANTITIES, Spreads, difference,
+};
 use crate::metrics::error::{mse, psnr, relmse, relmse_trimmed};
 use crate::metrics::estimate::{CONFIDENCE, Estimate};
 use crate::metrics::flip::error_map;
+use crate::metrics::pixels::Pixels as SinglePixels;
 use crate::metrics::verdict::verdict;
-use crate::output::exr::{ExrImage, read_exr, read_layer, read_state};
+use crate::output::exr::{ExrImage, StateFile, read_exr, read_layer, read_state};
 use crate::output::png::write_heatmap;
 
 /// Reads both images, prints their differences, and fails if an error is above its limit.
@@ -30,12 +35,12 @@ pub fn run(args: &CompareArgs) -> Result<()> {
         None => read_exr(path),
     };
     let (mut a, mut b) = (read(&args.image)?, read(&args.reference)?);
-    tell_denoised(&args.image, &a);
-    tell_denoised(&args.reference, &b);
+    for (path, image) in images.iter().zip([&a, &b]) {
+        tell_denoised(path, image);
+    }
     let identity = |path| read_state(path).ok().flatten().map(|state| state.identity);
-    if let Some((a, b)) = identity(&args.image).zip(identity(&args.reference))
-        && !a.is_of_scene(&b)
-    {
+    let identities = identity(&args.image).zip(identity(&args.reference));
+    if identities.as_ref().is_some_and(|(a, b)| !a.is_of_scene(b)) {
         tell(&format!(
             "warning: {} and {} are of different scenes, as their headers say",
             args.image.display(),
@@ -56,7 +61,14 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     let pixels = Pixels::of(&a, &b);
     let variances = a.known_variance().zip(b.known_variance()).map(|(a, b)| [a, b]);
     let (width, height) = (a.width as usize, a.height as usize);
-    let images = Images { width, height, a: &a.rgb, b: &b.rgb, variances };
+    let of_samples = [&args.image, &args.reference].map(|path| spreads(path).filter(|_| args.layer.is_none()));
+    let spreads = match &of_samples {
+        [Some(a), Some(b)] if [a, b].iter().all(|spreads| spreads.len() == width * height) => {
+            Some(Spreads { images: [a, b], alike: identities.is_some_and(|(a, b)| a.differs_by_seed(&b)) })
+        }
+        _ => None,
+    };
+    let images = Images { width, height, a: &a.rgb, b: &b.rgb, variances, spreads };
     let difference = difference(&images).ok_or_else(|| {
         Error::Usage(format!(
             "{} and {}: no pixel is finite in both images, so there is nothing to compare",
@@ -106,6 +118,18 @@ pub fn run(args: &CompareArgs) -> Result<()> {
         false => print_table(&errors, &difference, &pixels, &words)?,
     }
     check(&args.fail_above, &errors, &pixels)
+}
+
+/// How the samples of the pixels are spread, as the state in the file says; none without a state that can be read.
+fn spreads(path: &Path) -> Option<Vec<SampleSpread>> {
+    let state = StateFile::open(path).ok().flatten()?;
+    match state.spreads() {
+        Ok(spreads) => Some(spreads),
+        Err(error) => {
+            tell(&format!("warning: {error}: single pixels are not tested"));
+            None
+        }
+    }
 }
 
 /// The number of pixels, and the numbers of those that are not finite or negative.
@@ -211,6 +235,23 @@ fn report(args: &CompareArgs, errors: &Errors, difference: &Difference, pixels: 
         object["quantity"] = json!(local.quantity.name());
         object
     });
+    let (most, visible, differing) = match &difference.pixels {
+        SinglePixels::Shared { differing, most } => (Some(most), None, Some(*differing)),
+        SinglePixels::Tested { most, visible } => (Some(most), Some(*visible).filter(|v| v.is_finite()), None),
+        SinglePixels::Untested(most) => (most.as_ref(), None, None),
+    };
+    let single = most.map(|most| {
+        json!({
+            "x": most.at[0],
+            "y": most.at[1],
+            "quantity": most.quantity.name(),
+            "difference": most.difference,
+            "reference": most.reference,
+            "p": (!matches!(difference.pixels, SinglePixels::Untested(_))).then_some(most.p),
+            "visible_from": visible,
+            "pixels_that_differ": differing,
+        })
+    });
     let rest = difference.rest.map(|(pixels, [(mean, p), ..])| {
         let mut object = mean_json(&mean, p);
         object["pixels"] = json!(pixels);
@@ -236,6 +277,7 @@ fn report(args: &CompareArgs, errors: &Errors, difference: &Difference, pixels: 
         "without_ruling_pixels": rest,
         "colours": colours.map(|((mean, p), colour)| (colour.name(), mean_json(mean, *p))).collect::<BTreeMap<_, _>>(),
         "largest_local_difference": local,
+        "single_pixel": single,
         "identical": difference.identical,
         "p": difference.p,
         "level": LEVEL,

@@ -1,7 +1,8 @@
 //! The exact totals of pixels as words of 16 bits, for files. Sums are in two's complement.
 
-use super::{Film, Pixel};
-use crate::data::CHANNELS;
+use super::{Film, LEAST_SQUARES, Pixel, exp2};
+use crate::aov::Aovs;
+use crate::data::{CHANNELS, SQUARE_FRACTION, SampleSpread};
 
 /// Words of a sum of 128 bits.
 const OF_SUM: usize = 8;
@@ -44,17 +45,42 @@ impl Pixel {
             rejected: count(3),
         }
     }
+
+    /// Squares below the least count as this: they are not known, and no larger.
+    fn spread(&self, exponent: i32) -> SampleSpread {
+        let samples = u32::try_from(self.samples()).unwrap_or(u32::MAX);
+        let degrees = samples.saturating_sub(self.runs);
+        let variance = self.spread.map(|squares| match (squares, degrees) {
+            (i128::MAX, _) | (_, 0) => f32::INFINITY,
+            _ => {
+                let squares = squares.max(LEAST_SQUARES * i128::from(self.runs));
+                let scale = exp2(exponent);
+                (squares as f64 * exp2(-(SQUARE_FRACTION as i32)) / f64::from(degrees) * scale * scale) as f32
+            }
+        });
+        SampleSpread { variance, degrees, samples }
+    }
+}
+
+/// The spread of a pixel's samples, by its words in a film of this exponent.
+pub fn spread_of(words: &[u16], exponent: i32) -> SampleSpread {
+    Pixel::of_words(&words[..OF_PIXEL]).spread(exponent)
+}
+
+/// The names of a pixel's words, in their order: `sum.R.0` is the lowest of the sum of red.
+pub fn word_names(aovs: &Aovs) -> Vec<String> {
+    let sums = ["sum", "odd_sum", "squares"].into_iter();
+    let sums = sums.flat_map(|name| CHANNELS.map(|channel| (format!("{name}.{channel}"), OF_SUM)));
+    let counts = ["even", "odd", "runs", "rejected"].map(|name| (name.to_string(), 2));
+    let channels = aovs.sum_names().map(|name| (name, OF_SUM));
+    let named = sums.chain(counts).chain(channels);
+    named.flat_map(|(name, words)| (0..words).map(move |word| format!("{name}.{word}"))).collect()
 }
 
 impl Film {
-    /// The names of a pixel's words, in their order: `sum.R.0` is the lowest of the sum of red.
+    /// The names of a pixel's words.
     pub fn word_names(&self) -> Vec<String> {
-        let sums = ["sum", "odd_sum", "squares"].into_iter();
-        let sums = sums.flat_map(|name| CHANNELS.map(|channel| (format!("{name}.{channel}"), OF_SUM)));
-        let counts = ["even", "odd", "runs", "rejected"].map(|name| (name.to_string(), 2));
-        let channels = self.channels.aovs.sum_names().map(|name| (name, OF_SUM));
-        let named = sums.chain(counts).chain(channels);
-        named.flat_map(|(name, words)| (0..words).map(move |word| format!("{name}.{word}"))).collect()
+        word_names(&self.channels.aovs)
     }
 
     /// Writes the exact totals of a pixel, the lowest word of each first; zeros where it is not in the image. There is a word for each name.

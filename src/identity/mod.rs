@@ -72,6 +72,16 @@ impl Identity {
         self.scene == other.scene && self.hashes().eq(other.hashes())
     }
 
+    /// Whether both are of one scene by the same settings, but for the seed.
+    pub fn differs_by_seed(&self, other: &Identity) -> bool {
+        let settings = |identity: &Identity| {
+            let mut settings = identity.settings.clone();
+            settings.remove("seed");
+            settings
+        };
+        self.is_of_scene(other) && settings(self) == settings(other)
+    }
+
     /// One hash of the scene with its images and meshes: equal where [`Identity::is_of_scene`].
     pub fn hash_of_scene(&self) -> String {
         digest::of_texts(std::iter::once(&self.scene).chain(self.hashes()))

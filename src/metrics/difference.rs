@@ -1,4 +1,4 @@
-//! Tests whether two images differ by more than noise: as a whole, in one colour, or in one place.
+//! Tests whether two images differ by more than noise: as a whole, in one colour, in one place, or in single pixels ([`super::pixels`]).
 //!
 //! It compares the means of luminance, red, green and blue over the whole image, and over each tile of a grid. Every
 //! mean difference has a standard error with a known number of degrees of freedom. Student's t gives its p-value: the
@@ -6,7 +6,8 @@
 //! measurements.
 
 use super::estimate::{Estimate, degrees_of_sum};
-use crate::data::luminance;
+use super::pixels::{Pixels, pixels};
+use crate::data::{SampleSpread, luminance};
 
 /// A difference with a p-value below this counts as more than noise.
 pub const LEVEL: f64 = 0.01;
@@ -35,10 +36,11 @@ const RULING: f64 = 0.125;
 /// At most this many pixels can rule the noise, and at most one of this many pixels.
 const FEW: usize = 16;
 
-/// Each test's share of the false alarms: the mean luminance, the mean of each colour, and all tiles together.
+/// Each test's share of the false alarms: the mean luminance, the mean of each colour, and all tiles together. The tests of single pixels
+/// have the rest.
 const SHARE_LUMINANCE: f64 = 0.5;
 const SHARE_COLOUR: f64 = 1.0 / 18.0;
-const SHARE_TILES: f64 = 1.0 / 3.0;
+const SHARE_TILES: f64 = 1.0 / 6.0;
 
 /// A quantity of pixels to compare.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,7 +54,7 @@ pub enum Quantity {
 pub const QUANTITIES: [Quantity; 4] = [Quantity::Luminance, Quantity::Red, Quantity::Green, Quantity::Blue];
 
 impl Quantity {
-    fn of(self, rgb: [f64; 3]) -> f64 {
+    pub(super) fn of(self, rgb: [f64; 3]) -> f64 {
         match self {
             Quantity::Luminance => luminance(rgb),
             Quantity::Red => rgb[0],
@@ -81,6 +83,16 @@ pub struct Images<'a> {
     pub b: &'a [[f32; 3]],
     /// The variances of the pixels' values in a and in b, if both are known.
     pub variances: Option<[&'a [[f32; 3]]; 2]>,
+    /// How the samples of the pixels are spread in a and in b, if both are known.
+    pub spreads: Option<Spreads<'a>>,
+}
+
+/// How the samples of the pixels of two images are spread.
+#[derive(Clone, Copy, Debug)]
+pub struct Spreads<'a> {
+    pub images: [&'a [SampleSpread]; 2],
+    /// Whether both are renders of one scene by the same settings, so that their samples have one distribution unless something is wrong.
+    pub alike: bool,
 }
 
 impl Images<'_> {
@@ -98,7 +110,7 @@ impl Images<'_> {
     }
 
     /// The variance of a quantity's difference at a pixel.
-    fn variance(&self, quantity: Quantity, pixel: usize) -> Option<f64> {
+    pub(super) fn variance(&self, quantity: Quantity, pixel: usize) -> Option<f64> {
         self.variances(quantity, pixel).map(|[a, b]| a + b)
     }
 
@@ -173,6 +185,7 @@ pub struct Difference {
     pub rest: Option<(usize, Means)>,
     /// None if the image is a single tile.
     pub local: Option<Local>,
+    pub pixels: Pixels,
     /// The p-value of all tests together: the smallest of theirs.
     pub p: f64,
 }
@@ -280,7 +293,7 @@ struct MeanVariance {
 }
 
 /// Tiles of nearly equal size that cover the image, of [`CELLS`] × [`CELLS`] cells each.
-struct Grid {
+pub(super) struct Grid {
     width: usize,
     height: usize,
     columns: usize,
@@ -295,7 +308,7 @@ impl Grid {
         Grid { width, height, columns: (width / side).max(1), rows: (height / side).max(1) }
     }
 
-    fn tiles(&self) -> usize {
+    pub(super) fn tiles(&self) -> usize {
         self.columns * self.rows
     }
 
@@ -303,6 +316,13 @@ impl Grid {
     fn part(at: usize, length: usize, tiles: usize) -> (usize, usize) {
         let cell = at * tiles * CELLS / length;
         (cell / CELLS, cell % CELLS)
+    }
+
+    /// The tile of a pixel.
+    pub(super) fn tile_of(&self, pixel: usize) -> usize {
+        let (column, _) = Grid::part(pixel % self.width, self.width, self.columns);
+        let (row, _) = Grid::part(pixel / self.width, self.height, self.rows);
+        row * self.columns + column
     }
 
     /// Left, top, width and height of a tile.
@@ -315,7 +335,7 @@ impl Grid {
     }
 
     /// A tile and those around it.
-    fn around(&self, tile: usize) -> impl Iterator<Item = usize> + '_ {
+    pub(super) fn around(&self, tile: usize) -> impl Iterator<Item = usize> + '_ {
         let (column, row) = (tile % self.columns, tile / self.columns);
         let near = |at: usize, count: usize| at.saturating_sub(1)..(at + 2).min(count);
         near(row, self.rows)
@@ -413,8 +433,7 @@ impl Scales {
 
 /// Compares the images. None if no pixel is finite in both.
 pub fn difference(images: &Images<'_>) -> Option<Difference> {
-    let pixels = images.width * images.height;
-    let mut counted = (0..pixels).filter(|&pixel| images.counts(pixel)).peekable();
+    let mut counted = (0..images.width * images.height).filter(|&pixel| images.counts(pixel)).peekable();
     counted.peek()?;
     let identical = counted.all(|pixel| images.a[pixel] == images.b[pixel]);
     let grid = Grid::new(images.width, images.height);
@@ -435,8 +454,10 @@ pub fn difference(images: &Images<'_>) -> Option<Difference> {
     let rest = (!ruling.is_empty()).then(|| (ruling.len(), means(&scales(&ruling))));
     let local = (grid.tiles() > 1).then(|| local(&grid, &all, source)).flatten();
     let tested = rest.map_or(whole, |(_, means)| means);
-    let least = tested.iter().map(|(_, p)| *p).chain(local.map(|local| local.p)).fold(1.0, f64::min);
-    Some(Difference { source, identical, means: whole, rest, local, p: least })
+    let pixels = pixels(images, &grid);
+    let others = local.map(|local| local.p).into_iter().chain([pixels.p()]);
+    let least = tested.iter().map(|(_, p)| *p).chain(others).fold(1.0, f64::min);
+    Some(Difference { source, identical, means: whole, rest, local, pixels, p: least })
 }
 
 /// Chooses the source of the standard errors. Each pixel has one vote, because few pixels would dominate a sum of squares.
@@ -461,7 +482,7 @@ fn source(images: &Images<'_>) -> ErrorSource {
 /// Corrects the p-value of one of several tests, which has this share of the false alarms. After the correction, the
 /// probability that any test's p-value is below x is at most x, if the tests are independent or positively correlated
 /// (Šidák, JASA 62(318), 1967, with weights).
-fn corrected(p: f64, share: f64) -> f64 {
+pub(super) fn corrected(p: f64, share: f64) -> f64 {
     // 1 − (1 − p)^(1/share)
     -((-p).ln_1p() / share).exp_m1()
 }

@@ -4,5 +4,6 @@ pub mod difference;
 pub mod error;
 pub mod estimate;
 pub mod flip;
+pub mod pixels;
 pub mod student;
 pub mod verdict;

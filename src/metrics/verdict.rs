@@ -1,9 +1,10 @@
 //! The result of a comparison in one sentence.
 
 use super::difference::{Difference, LEVEL, Local, MeanDifference, QUANTITIES, Quantity};
+use super::pixels::{Pixels, Single};
 
 /// Says whether and how A differs from B by more than noise. The sentence contains "noise only", or else says that A is
-/// "brighter" or "darker".
+/// "brighter" or "darker". If noise alone is found, it says which differences of single pixels would not show.
 pub fn verdict(difference: &Difference) -> String {
     let (without, [(luminance, p), colours @ ..]) = match &difference.rest {
         None => (String::new(), &difference.means),
@@ -15,14 +16,6 @@ pub fn verdict(difference: &Difference) -> String {
     if difference.identical {
         return "A differs by noise only, p = 1: the images are identical".to_string();
     }
-    if luminance.difference.error.is_infinite() {
-        return match luminance.difference.value == 0.0 {
-            true => "A differs by noise only: both means are equal; the error of so few pixels is unknown".to_string(),
-            false => {
-                format!("A is {}; it may be noise, because so few pixels do not show their error", amount(luminance))
-            }
-        };
-    }
     if *p < LEVEL {
         return format!("A is {}{without}{}", amount(luminance), local.map(around).unwrap_or_default());
     }
@@ -31,24 +24,76 @@ pub fn verdict(difference: &Difference) -> String {
         differ.map(|((mean, _), quantity)| format!("{} in {}", amount(mean), quantity.name())).collect();
     match (words.is_empty(), local) {
         (false, _) => format!("A is {}{without}{}", words.join(", "), local.map(around).unwrap_or_default()),
-        (true, Some(local)) => {
-            let colour = match local.quantity {
-                Quantity::Luminance => String::new(),
-                colour => format!(" in {}", colour.name()),
-            };
-            format!(
-                "A is {}{colour} around {}, p = {}; the mean of the image is within noise",
-                amount(&local.estimate),
-                place(&local),
-                probability(local.p)
-            )
+        (true, Some(local)) => format!(
+            "A is {}{} around {}, p = {}; the mean of the image is within noise",
+            amount(&local.estimate),
+            in_colour(local.quantity),
+            place(&local),
+            probability(local.p)
+        ),
+        (true, None) => of_pixels(difference, luminance),
+    }
+}
+
+/// The verdict if only single pixels may differ.
+fn of_pixels(difference: &Difference, luminance: &MeanDifference) -> String {
+    let unseen = match &difference.pixels {
+        Pixels::Shared { differing: 1, most } => return format!("A is {}, and all others are equal", of_pixel(most)),
+        Pixels::Shared { differing, most } => {
+            return format!(
+                "A is {}, the most of {differing} pixels that differ; all others are equal",
+                of_pixel(most)
+            );
         }
-        (true, None) => {
-            format!(
-                "A differs by noise only, p = {}: less than {LEVEL} would be a difference",
-                probability(difference.p)
-            )
+        Pixels::Tested { most, .. } if most.p < LEVEL => {
+            let p = probability(most.p);
+            return format!("A is {}, p = {p}; the mean of the image is within noise", of_pixel(most));
         }
+        Pixels::Tested { visible, .. } if visible.is_finite() => {
+            let visible = with_error(100.0 * visible, f64::INFINITY);
+            format!("; in half of the pixels, one alone would show from {visible} % on")
+        }
+        Pixels::Tested { .. } => "; with so few samples, no single pixel would show".to_string(),
+        Pixels::Untested(Some(most)) => {
+            let [x, y] = most.at;
+            format!("; single pixels are not tested: the largest difference is {} in ({x}, {y})", size(most))
+        }
+        Pixels::Untested(None) => String::new(),
+    };
+    if luminance.difference.error.is_infinite() {
+        return match luminance.difference.value == 0.0 {
+            true => "A differs by noise only: both means are equal; the error of so few pixels is unknown".to_string(),
+            false => {
+                format!("A is {}; it may be noise, because so few pixels do not show their error", amount(luminance))
+            }
+        };
+    }
+    format!(
+        "A differs by noise only, p = {}: less than {LEVEL} would be a difference{unseen}",
+        probability(difference.p)
+    )
+}
+
+/// "brighter by 9900 % in pixel (24, 39)", by the reference's value there.
+fn of_pixel(single: &Single) -> String {
+    let [x, y] = single.at;
+    let direction = if single.difference < 0.0 { "darker" } else { "brighter" };
+    format!("{direction} by {}{} in pixel ({x}, {y})", size(single), in_colour(single.quantity))
+}
+
+/// In percent of the reference there, if it is not black.
+fn size(single: &Single) -> String {
+    let share = single.difference.abs() / single.reference;
+    match single.reference > 0.0 && share.is_finite() {
+        true => format!("{} %", with_error(100.0 * share, f64::INFINITY)),
+        false => with_error(single.difference.abs(), f64::INFINITY),
+    }
+}
+
+fn in_colour(quantity: Quantity) -> String {
+    match quantity {
+        Quantity::Luminance => String::new(),
+        colour => format!(" in {}", colour.name()),
     }
 }
 
@@ -117,6 +162,7 @@ mod tests {
             means: [(estimate(0.0001, 0.0002), 0.9); 4],
             rest: None,
             local: None,
+            pixels: Pixels::Untested(None),
             p: 0.412,
         }
     }
@@ -152,11 +198,49 @@ mod tests {
         let mut black = nothing();
         black.means[0] = (MeanDifference { reference: 0.0, ..estimate(0.02, 0.001) }, 1e-9);
         assert_eq!(verdict(&black), "A is brighter by 0.0200 ± 0.0020");
-        black.means[0].0.difference.error = f64::INFINITY;
+        black.means[0] = (MeanDifference { reference: 0.0, ..estimate(0.02, f64::INFINITY) }, 1.0);
         assert_eq!(
             verdict(&black),
             "A is brighter by 0.020; it may be noise, because so few pixels do not show their error"
         );
+    }
+
+    #[test]
+    fn sentences_about_single_pixels() {
+        let most = Single { at: [24, 39], quantity: Quantity::Luminance, difference: 49.5, reference: 0.5, p: 3.21e-8 };
+        let of = |pixels: Pixels| verdict(&Difference { pixels, ..nothing() });
+        assert_eq!(
+            of(Pixels::Shared { differing: 1, most }),
+            "A is brighter by 9900 % in pixel (24, 39), and all others are equal"
+        );
+        let red = Single { quantity: Quantity::Red, difference: -0.25, ..most };
+        assert_eq!(
+            of(Pixels::Shared { differing: 12, most: red }),
+            "A is darker by 50 % in red in pixel (24, 39), the most of 12 pixels that differ; all others are equal"
+        );
+        assert_eq!(
+            of(Pixels::Tested { most: Single { reference: 0.0, ..most }, visible: 0.3 }),
+            "A is brighter by 50 in pixel (24, 39), p = 3e-8; the mean of the image is within noise"
+        );
+        // What noise alone hides, is said.
+        let noise = "A differs by noise only, p = 0.41: less than 0.01 would be a difference; ";
+        let within = Single { p: 0.5, ..most };
+        for (pixels, words) in [
+            (
+                Pixels::Tested { most: within, visible: 0.3456 },
+                "in half of the pixels, one alone would show from 35 % on",
+            ),
+            (
+                Pixels::Tested { most: within, visible: f64::INFINITY },
+                "with so few samples, no single pixel would show",
+            ),
+            (
+                Pixels::Untested(Some(most)),
+                "single pixels are not tested: the largest difference is 9900 % in (24, 39)",
+            ),
+        ] {
+            assert_eq!(of(pixels), format!("{noise}{words}"));
+        }
     }
 
     #[test]

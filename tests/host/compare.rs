@@ -4,8 +4,10 @@
 
 use crate::common::stats;
 use crate::common::stats::Random;
-use gpu_rt::metrics::difference::{Difference, ErrorSource, Images, LEVEL, difference};
+use gpu_rt::data::SampleSpread;
+use gpu_rt::metrics::difference::{Difference, ErrorSource, Images, LEVEL, Spreads, difference};
 use gpu_rt::metrics::estimate::CONFIDENCE;
+use gpu_rt::metrics::pixels::Pixels;
 use gpu_rt::metrics::verdict::verdict;
 
 /// An image and the variances of its pixels, as a render delivers them.
@@ -81,7 +83,7 @@ fn poisson(random: &mut Random, mean: f64) -> f64 {
 
 fn compare((width, height): (usize, usize), a: &Noisy, b: &Noisy, layers: bool) -> Difference {
     let variances = layers.then_some([a.variance.as_slice(), b.variance.as_slice()]);
-    difference(&Images { width, height, a: &a.rgb, b: &b.rgb, variances }).expect("all is finite")
+    difference(&Images { width, height, a: &a.rgb, b: &b.rgb, variances, spreads: None }).expect("all is finite")
 }
 
 impl Noisy {
@@ -277,7 +279,8 @@ fn noise_that_neighbours_share_is_called_noise() {
             (0..width * height).map(blurred).collect::<Vec<_>>()
         };
         let (a, b) = (image(), image());
-        let found = difference(&Images { width, height, a: &a, b: &b, variances: None }).expect("all is finite");
+        let found =
+            difference(&Images { width, height, a: &a, b: &b, variances: None, spreads: None }).expect("all is finite");
         alarms += usize::from(found.p < LEVEL);
     }
     println!("{alarms} alarms of 100");
@@ -303,12 +306,15 @@ fn any_images_have_a_verdict() {
         }
     }
     let (nan, one) = ([[f32::NAN; 3]; 4], [[1.0; 3]; 4]);
-    assert!(difference(&Images { width: 2, height: 2, a: &nan, b: &one, variances: None }).is_none());
+    assert!(difference(&Images { width: 2, height: 2, a: &nan, b: &one, variances: None, spreads: None }).is_none());
     // Without noise, what differs differs, but for rounding.
     let constant = |value: f32| vec![[value; 3]; 64];
     let of = |a: f32| {
         let (a, b) = (constant(a), constant(0.5));
-        verdict(&difference(&Images { width: 8, height: 8, a: &a, b: &b, variances: None }).expect("all is finite"))
+        verdict(
+            &difference(&Images { width: 8, height: 8, a: &a, b: &b, variances: None, spreads: None })
+                .expect("all is finite"),
+        )
     };
     assert!(
         of(0.5005).contains("brighter by 0.1") && of(0.25).contains("darker by 50.0"),
@@ -317,4 +323,215 @@ fn any_images_have_a_verdict() {
         of(0.25)
     );
     assert!(of(0.500_000_06).contains("noise only"), "{}", of(0.500_000_06));
+}
+
+/// How the samples of a pixel are distributed.
+#[derive(Clone, Copy, Debug)]
+enum Samples {
+    /// Normal, with a standard deviation of 30 % of the mean.
+    Normal,
+    /// A twentieth of them is a hundred times as bright as the others, as beside a small lamp.
+    Rare,
+    /// Half of them is black.
+    Half,
+    /// Their variance is infinite: P(x > t) = t^-1.5.
+    Heavy,
+    /// This share of them brings all light.
+    Seldom(f64),
+}
+
+const SAMPLES: [Samples; 4] = [Samples::Normal, Samples::Rare, Samples::Half, Samples::Heavy];
+
+impl Samples {
+    fn draw(self, random: &mut Random) -> f64 {
+        match self {
+            Samples::Normal => 1.0 + 0.3 * random.normal(),
+            Samples::Rare => 1.0 + if random.uniform() < 0.05 { 99.0 } else { 0.0 },
+            Samples::Half => 2.0 * random.uniform().round(),
+            Samples::Heavy => (1.0 - random.uniform()).powf(-1.0 / 1.5),
+            Samples::Seldom(share) => {
+                if random.uniform() < share {
+                    1.0 / share
+                } else {
+                    0.0
+                }
+            }
+        }
+    }
+}
+
+/// An image of so many samples a pixel, with all that a film knows of them.
+struct Sampled {
+    noisy: Noisy,
+    spreads: Vec<SampleSpread>,
+}
+
+impl Sampled {
+    fn new(random: &mut Random, (width, height): (usize, usize), kind: Samples, count: u32) -> Sampled {
+        let mut image = Sampled { noisy: Noisy { rgb: Vec::new(), variance: Vec::new() }, spreads: Vec::new() };
+        for pixel in 0..width * height {
+            let brightness = 0.2 + (pixel % width) as f64 / width as f64;
+            let samples: Vec<f64> = (0..count).map(|_| brightness * kind.draw(random)).collect();
+            let mean = |samples: &[f64]| samples.iter().sum::<f64>() / samples.len() as f64;
+            let squares: f64 =
+                samples.chunks(8).map(|run| run.iter().map(|s| (s - mean(run)).powi(2)).sum::<f64>()).sum();
+            let half = samples.len() / 2;
+            let (whole, apart) = (mean(&samples), 0.5 * (mean(&samples[..half]) - mean(&samples[half..])));
+            let degrees = count - count.div_ceil(8);
+            let colour = [1.0, 0.8, 0.5];
+            image.noisy.rgb.push(colour.map(|c| (c * whole) as f32));
+            image.noisy.variance.push(colour.map(|c: f64| (c * c * apart * apart) as f32));
+            let variance = colour.map(|c: f64| (c * c * squares / f64::from(degrees)) as f32);
+            image.spreads.push(SampleSpread { variance, degrees, samples: count });
+        }
+        image
+    }
+
+    fn against(&self, other: &Sampled, (width, height): (usize, usize), alike: bool) -> Difference {
+        let (a, b) = (&self.noisy, &other.noisy);
+        let variances = Some([a.variance.as_slice(), b.variance.as_slice()]);
+        let spreads = Some(Spreads { images: [&self.spreads, &other.spreads], alike });
+        difference(&Images { width, height, a: &a.rgb, b: &b.rgb, variances, spreads }).expect("all is finite")
+    }
+
+    /// Whether a pixel differs by the variance of its two halves, with one degree of freedom: the rule that such a variance suggests.
+    fn differs_by_halves(&self, other: &Sampled) -> bool {
+        let pixels =
+            self.noisy.rgb.iter().zip(&self.noisy.variance).zip(other.noisy.rgb.iter().zip(&other.noisy.variance));
+        let level = stats::sidak(LEVEL, self.noisy.rgb.len());
+        let mut ps = pixels.map(|((a, v), (b, w))| {
+            let z = f64::from(a[0] - b[0]) / (f64::from(v[0]) + f64::from(w[0])).sqrt();
+            if a[0] == b[0] { 1.0 } else { stats::student_two_sided(z, 1.0) }
+        });
+        ps.any(|p| p < level)
+    }
+}
+
+/// No noise of samples makes a pixel differ, be they few or many in either image. The control is the rule that takes the variance of a pixel
+/// from its halves.
+#[test]
+fn noise_of_single_pixels_is_called_noise() {
+    let size = (32, 24);
+    let mut by_halves = 0;
+    for (seed, kind) in (20..).zip(SAMPLES) {
+        for counts in [(16, 16), (64, 64), (16, 512), (512, 16)] {
+            let mut random = Random(seed);
+            let (mut alarms, pairs) = (0, 25);
+            for _ in 0..pairs {
+                let [a, b] = [counts.0, counts.1].map(|count| Sampled::new(&mut random, size, kind, count));
+                let found = a.against(&b, size, true).pixels;
+                assert!(matches!(found, Pixels::Tested { .. }), "{found:?}");
+                alarms += usize::from(found.p() < LEVEL);
+                by_halves += usize::from(a.differs_by_halves(&b));
+            }
+            println!("{kind:?}, {counts:?} samples: {alarms} alarms of {pairs}");
+            assert!(alarms <= allowed(pairs, LEVEL / 12.0), "{kind:?} {counts:?}: {alarms} of {pairs}");
+        }
+    }
+    println!("by halves {by_halves} of 400");
+    assert!(by_halves > 40, "{by_halves} of 400");
+}
+
+/// By other settings, the light of each pixel comes from few samples of one image, and from all samples of the other. Where no sample has
+/// brought any, the pixels around tell what it would have brought. The control takes the settings for the same.
+#[test]
+fn samples_that_find_light_more_seldom_make_no_difference() {
+    let size = (32, 24);
+    let mut alarms = [0, 0];
+    for hits in [0.03, 0.06, 0.12] {
+        let mut random = Random(50);
+        for _ in 0..25 {
+            let seldom = Sampled::new(&mut random, size, Samples::Seldom(hits), 64);
+            let often = Sampled::new(&mut random, size, Samples::Normal, 64);
+            for (alarms, alike) in alarms.iter_mut().zip([false, true]) {
+                *alarms += usize::from(seldom.against(&often, size, alike).pixels.p() < LEVEL);
+            }
+        }
+    }
+    println!("{alarms:?} alarms of 75");
+    assert!(alarms[0] <= allowed(75, LEVEL / 12.0) && alarms[1] > 20, "{alarms:?} of 75");
+}
+
+/// One pixel, in all channels or in one, between images with noise of their own.
+#[test]
+fn a_pixel_beyond_its_noise_is_found() {
+    let size = (32, 24);
+    for (count, factors) in [(16, &[100.0, 10.0][..]), (64, &[100.0, 2.0, 0.0]), (256, &[100.0, 1.5, 0.5, 0.0])] {
+        for &factor in factors {
+            for channels in [0..3, 1..2] {
+                let mut random = Random(31);
+                let found = (0..20).filter(|_| {
+                    let [mut a, b] = [(); 2].map(|()| Sampled::new(&mut random, size, Samples::Normal, count));
+                    let pixel = random.below(size.0 * size.1);
+                    a.noisy.rgb[pixel][channels.clone()].iter_mut().for_each(|v| *v *= factor);
+                    let words = verdict(&a.against(&b, size, true));
+                    let direction = if factor > 1.0 { "A is brighter by " } else { "A is darker by " };
+                    words.starts_with(direction)
+                        && words.contains(&format!(" in pixel ({}, {}), p = ", pixel % size.0, pixel / size.0))
+                });
+                let found = found.count();
+                println!("{count} samples, times {factor}, channels {channels:?}: found in {found} of 20");
+                assert!(found >= 19, "{count} {factor}: {found} of 20");
+            }
+        }
+    }
+}
+
+/// Where nearly all noisy pixels are equal to the bit, the others differ by more than noise: in luminance and in one colour, with variances
+/// and without, in floats of 32 bits and of 16.
+#[test]
+fn what_differs_beside_equal_pixels_is_found() {
+    let mut random = Random(40);
+    let (width, height) = SIZE;
+    let (b, spiky) = (noisy(&mut random, SIZE, Kind::Even), noisy(&mut random, SIZE, Kind::Lamps(300, 0.5)));
+    let half = |v: f32| f32::from_bits(v.to_bits() & !0x1fff);
+    let halves = Noisy { rgb: b.rgb.iter().map(|rgb| rgb.map(half)).collect(), variance: b.variance.clone() };
+    let one = |x: usize, y: usize| (x, y) == (24, 39);
+    let block = |x: usize, y: usize| (24..26).contains(&x) && (38..40).contains(&y);
+    let edge = |_: usize, y: usize| y == height - 1;
+    type Place<'a> = (&'a str, usize, &'a dyn Fn(usize, usize) -> bool);
+    let places: [Place<'_>; 3] = [("(24, 39)", 1, &one), ("(2", 4, &block), ("(", width, &edge)];
+    for (b, layers) in [(&b, true), (&b, false), (&spiky, true), (&spiky, false), (&halves, false)] {
+        for (at, count, place) in places {
+            for channels in [0..3, 0..1, 2..3] {
+                for factor in [100.0, 2.0, 1.01, 0.5, 0.0] {
+                    let mut a = Noisy { rgb: b.rgb.clone(), variance: b.variance.clone() };
+                    for (pixel, rgb) in a.rgb.iter_mut().enumerate() {
+                        if place(pixel % width, pixel / width) {
+                            rgb[channels.clone()].iter_mut().for_each(|v| *v *= factor);
+                        }
+                    }
+                    let found = compare(SIZE, &a, b, layers);
+                    let words = verdict(&found);
+                    let direction = if factor > 1.0 { "A is brighter by " } else { "A is darker by " };
+                    assert!(words.starts_with(direction) && words.contains(at), "{count} times {factor}: {words}");
+                    match found.pixels {
+                        Pixels::Shared { differing, .. } => assert_eq!(differing, count, "{words}"),
+                        other => panic!("{other:?}: {words}"),
+                    }
+                }
+            }
+        }
+    }
+    // The last digit of floats is no difference, nor are equal black pixels a proof: a lamp before a black sky has noise at its edge alone.
+    let mut rounded = Noisy { rgb: b.rgb.clone(), variance: b.variance.clone() };
+    rounded.rgb[77] = rounded.rgb[77].map(f32::next_up);
+    assert!(verdict(&compare(SIZE, &rounded, &b, true)).contains("noise only"));
+    let mut alarms = 0;
+    for _ in 0..200 {
+        let mut lamp = || {
+            let mut image = Noisy { rgb: vec![[0.0; 3]; width * height], variance: vec![[0.0; 3]; width * height] };
+            for pixel in (1000..1010).chain(2000..2010) {
+                let halves = [random.uniform().round(), random.uniform().round()];
+                image.rgb[pixel] = [(halves[0] + halves[1]) as f32; 3];
+                image.variance[pixel] = [(halves[0] - halves[1]).abs() as f32; 3];
+            }
+            image
+        };
+        let [a, b] = [lamp(), lamp()];
+        for layers in [true, false] {
+            alarms += usize::from(matches!(compare(SIZE, &a, &b, layers).pixels, Pixels::Shared { .. }));
+        }
+    }
+    assert_eq!(alarms, 0);
 }

@@ -565,6 +565,7 @@ fn rendered_pair(place: &Place) {
     };
     write("brighter.exr", &|_| 1.02);
     write("local.exr", &|i| if i % 48 < 6 && i / 48 < 5 { 1.3 } else { 1.0 });
+    write("pixel.exr", &|i| if i == 9 * 48 + 7 { 100.0 } else { 1.0 });
 }
 
 /// A lamp that no path meets makes no noise: with BSDF sampling alone the stated error does not know of it, and says so.
@@ -627,6 +628,7 @@ fn compare_tells_noise_from_differences() {
         ("b.exr", "noise only"),
         ("brighter.exr", "A is brighter by "),
         ("local.exr", "A is brighter by "),
+        ("pixel.exr", "A is brighter by 9900 % in pixel (7, 9), and all others are equal"),
     ] {
         let ran = place.says(&format!("compare {image} b.exr")).exits(0);
         let last = ran.stdout.lines().last().expect("a verdict");
@@ -650,6 +652,17 @@ fn compare_tells_noise_from_differences() {
     let last = |ran: Ran| ran.stdout.lines().last().unwrap_or_default().to_string();
     let darker = last(place.says("compare b.exr brighter.exr").exits(0));
     assert!(darker.contains("A is darker by ") && !darker.contains("brighter"), "{darker}");
+    // Single pixels are tested by the spread of their samples, which the states hold. Noise that hides one is said.
+    let noise = |line: &str| place.says(line).exits(0);
+    let seen = last(noise("compare a.exr b.exr"));
+    assert!(seen.contains(", one alone would show from ") || seen.ends_with("no single pixel would show"), "{seen}");
+    let unseen = last(noise("compare pixel.exr a.exr"));
+    assert!(unseen.contains("single pixels are not tested") && unseen.ends_with(" % in (7, 9)"), "{unseen}");
+    let json = noise("compare a.exr b.exr --json").json();
+    assert!(json["single_pixel"]["p"].is_number(), "{json}");
+    let json = noise("compare pixel.exr b.exr --json").json();
+    let place_of_it = ["x", "y", "pixels_that_differ"].map(|key| json["single_pixel"][key].as_u64());
+    assert_eq!(place_of_it, [Some(7), Some(9), Some(1)], "{json}");
     // Where, if it is in one place.
     let local = last(place.says("compare local.exr b.exr").exits(0));
     assert!(local.contains("around pixel ("), "{local}");
@@ -716,7 +729,7 @@ fn compare_fails_above_limits_and_draws_a_heatmap() {
     for place_of_map in ["a.exr", "./b.exr", "missing/map.png", "."] {
         compare(&["--heatmap", place_of_map]).exits(2);
     }
-    assert_eq!(place.files(), ["a.exr", "b.exr", "black.png", "brighter.exr", "local.exr", "map.png"]);
+    assert_eq!(place.files(), ["a.exr", "b.exr", "black.png", "brighter.exr", "local.exr", "map.png", "pixel.exr"]);
 }
 
 /// Files of other renderers, without variances; sizes that differ; files that are none.

@@ -8,12 +8,12 @@ use ::exr::meta::attribute::SampleType;
 use ::exr::meta::header::Header;
 use serde::{Deserialize, Serialize};
 
-use super::read::{Opened, attributes_of, open, read_part};
+use super::read::{Opened, attributes_of, open, pixels_of, read_part};
 use super::{Attribute, STATE, decoded};
 use crate::aov::SceneSpace;
-use crate::data::Sampler;
+use crate::data::{SampleSpread, Sampler};
 use crate::error::{Error, Result};
-use crate::film::{Film, Totals};
+use crate::film::{Film, Totals, spread_of, word_names};
 use crate::identity::Identity;
 use crate::job::Frame;
 use crate::samples::Samples;
@@ -182,12 +182,22 @@ impl StateFile {
     pub fn add_to(self, film: &mut Film) -> Result<()> {
         let StateFile { state, path, opened, part } = self;
         film.add_totals(state.totals);
-        match add_pixels(opened, part, &state, film).map_err(failed(&path))? == state.checksum {
-            true => Ok(()),
-            false => Err(failed(&path)(
-                "its state is damaged: the totals of its pixels are not those that were written".into(),
-            )),
-        }
+        let names = film.word_names();
+        read_pixels(opened, part, &state, &names, |pixel, words| film.add_words(pixel, words)).map_err(failed(&path))
+    }
+
+    /// How the samples of each pixel are spread, row 0 on top.
+    ///
+    /// # Errors
+    /// `Error::File` where they cannot be read, or are not those that were written.
+    pub fn spreads(self) -> Result<Vec<SampleSpread>> {
+        let StateFile { state, path, opened, part } = self;
+        let count = pixels_of(&opened.headers()[part], size_of::<SampleSpread>()).map_err(failed(&path))?;
+        let mut spreads = Vec::with_capacity(count);
+        let names = word_names(&state.identity.aovs());
+        let add = |_, words: &[u16]| spreads.push(spread_of(words, state.exponent));
+        read_pixels(opened, part, &state, &names, add).map_err(failed(&path))?;
+        Ok(spreads)
     }
 }
 
@@ -210,14 +220,19 @@ pub fn add_film(path: &Path, state: &State, film: &mut Film) -> Result<()> {
     StateFile { state: state.clone(), ..file }.add_to(film)
 }
 
-/// Adds the pixels, and returns their checksum.
-fn add_pixels(opened: Opened, part: usize, state: &State, film: &mut Film) -> std::result::Result<u32, String> {
+/// Hands out the words of all pixels, which have these names, in the order of the image.
+fn read_pixels(
+    opened: Opened,
+    part: usize,
+    state: &State,
+    names: &[String],
+    mut use_pixel: impl FnMut(usize, &[u16]),
+) -> std::result::Result<(), String> {
     let header = &opened.headers()[part];
     let (width, height) = (state.size.0 as usize, state.size.1 as usize);
     if (header.layer_size.0, header.layer_size.1) != (width, height) {
         return Err("it has changed while it was read".to_string());
     }
-    let names = film.word_names();
     let word = |name: String| names.iter().position(|known| *known == name);
     let words: Option<Vec<usize>> = header.channels.list.iter().map(|channel| word(channel.name.to_string())).collect();
     let plain = header.channels.list.iter().all(|channel| channel.sample_type == SampleType::F16);
@@ -240,7 +255,7 @@ fn add_pixels(opened: Opened, part: usize, state: &State, film: &mut Film) -> st
         next = (line, channel + 1);
         if next.1 == words.len() {
             for (pixel, words) in row.chunks_exact_mut(names.len()).enumerate() {
-                film.add_words(line * width + pixel, words);
+                use_pixel(line * width + pixel, words);
                 words.iter_mut().for_each(|word| *word = word.to_le());
                 checksum.update(bytemuck::cast_slice(words));
                 words.iter_mut().for_each(|word| *word = u16::from_le(*word));
@@ -248,8 +263,11 @@ fn add_pixels(opened: Opened, part: usize, state: &State, film: &mut Film) -> st
             next = (line + 1, 0);
         }
     })?;
-    match in_order && next == (height, 0) {
-        true => Ok(checksum.finalize()),
-        false => Err("its state is damaged: rows are missing".to_string()),
+    if !in_order || next != (height, 0) {
+        return Err("its state is damaged: rows are missing".to_string());
+    }
+    match checksum.finalize() == state.checksum {
+        true => Ok(()),
+        false => Err("its state is damaged: the totals of its pixels are not those that were written".to_string()),
     }
 }
