@@ -70,11 +70,12 @@ pub fn relative_variance(variance: &[[f32; 3]], reference: &[[f32; 3]], floor: f
     mean(variance, reference, |v, b| v / (b * b + floor))
 }
 
-/// The signed relative difference of the means: the mean of a − b over the mean of b, over pixels and channels.
+/// The signed relative difference of the mean luminances: the mean of a − b over the mean of b.
 ///
 /// None if the images differ in size or are empty; infinite or NaN if the mean of b is 0.
 pub fn mean_difference(a: &[[f32; 3]], b: &[[f32; 3]]) -> Option<f64> {
-    Some(mean(a, b, |a, b| a - b)? / mean(b, b, |b, _| b)?)
+    let light = |image: &[[f32; 3]]| image.iter().map(|rgb| luminance(rgb.map(f64::from))).sum::<f64>();
+    (a.len() == b.len() && !a.is_empty()).then(|| (light(a) - light(b)) / light(b))
 }
 
 fn mean(a: &[[f32; 3]], b: &[[f32; 3]], error: impl Fn(f64, f64) -> f64) -> Option<f64> {
@@ -134,6 +135,13 @@ mod tests {
         }
         let black = [[0.0; 3]; 2];
         assert_eq!(relative_mse(&A, &black), relmse(&A, &black));
+    }
+
+    #[test]
+    fn the_difference_of_means_is_of_luminance() {
+        // Twice as much red, and half as much blue: 2 · 0.2126 + 0.7152 + 0.5 · 0.0722, relative to 1.
+        assert!(close(mean_difference(&[[2.0, 1.0, 0.5]; 3], &[[1.0; 3]; 3]), 0.1765));
+        assert_eq!((mean_difference(&A, &B[..1]), mean_difference(&[], &[])), (None, None));
     }
 
     #[test]

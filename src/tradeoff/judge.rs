@@ -3,9 +3,12 @@
 use super::extent::Whole;
 use super::model::{Falling, Model, Standing, Times, doubt, falling, falling_denoised, samples_to, standings};
 use super::pace::{Pace, Timed, paces};
-use super::replicates::{FEWEST_ROUNDS, Pixels, Weights, noise, signed_bias, squared_bias, squared_bias_apart, sum_of};
+use super::replicates::{
+    FEWEST_ROUNDS, Pixels, Weights, mean_luminance, noise, signed_bias, squared_bias, squared_bias_apart,
+};
 use super::sweep::{Block, LEVEL, LEVELS, Setting, Subject, Sweep, rounds_between};
 use super::truth::{Distance, Truth};
+use crate::data::luminance;
 use crate::metrics::error::RELATIVE_FLOOR;
 use crate::metrics::estimate::Estimate;
 use crate::metrics::flip::error_map;
@@ -319,20 +322,23 @@ fn unmet(brightest: f64, rounds: usize, level: f64, weights: &Weights) -> (f64, 
     let image = &weights.image;
     let samples = rounds as f64 * f64::from(LEVEL) * image.len() as f64;
     let light = level.recip().ln() * brightest / samples;
-    let mean = sum_of(image) / (3 * image.len()) as f64;
+    let mean = mean_luminance(image);
     // The mean of a black image is 0, so that no share of it exists.
     let of_mean = if mean > 0.0 { light / mean } else { 0.0 };
     (of_mean, 0.5 / weights.floor.sqrt() * light)
 }
 
-/// The squared bias of the pixels that follows from the bias of the mean: its certain part, and its largest value for a
-/// mean within the interval. For a bias b and w = 1 / (r² + f), (mean b)² <= mean(w b²) mean(1/w) (Cauchy-Schwarz).
+/// The squared bias of the pixels that follows from the bias of the mean luminance: its certain part, and its largest value for a
+/// mean within the interval. For a bias b, w = 1 / (r² + f) and the shares l of the channels in the luminance, with means over pixels and
+/// channels, (mean 3 l b)² <= mean(w b²) mean(9 l²/w) (Cauchy-Schwarz).
 /// Bias in rare bright paths, such as that of a clamp, shows in the mean long before it shows in the same pixels of
 /// different images.
 fn by_mean(signed: &Estimate, weights: &Weights) -> (f64, f64) {
-    let values = weights.image.as_flattened().iter().map(|&r| f64::from(r));
-    let (sum, squares) = values.fold((0.0, 0.0), |(sum, squares), r| (sum + r, squares + r * r + weights.floor));
-    let share = sum * sum / (squares * (3 * weights.image.len()) as f64);
+    let image = &weights.image;
+    let shares = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(luminance);
+    let term = |(r, share): (&f32, f64)| 3.0 * share * share * (f64::from(*r).powi(2) + weights.floor);
+    let squares: f64 = image.iter().flat_map(|rgb| rgb.iter().zip(shares).map(term)).sum();
+    let share = mean_luminance(image).powi(2) * image.len() as f64 / squares;
     let size = Estimate { value: signed.value.abs(), ..*signed };
     let least = (size.value - size.half_width()).max(0.0);
     (share * least.powi(2), share * size.upper().powi(2))
@@ -468,20 +474,22 @@ pub fn sooner_with_bias<'a>(found: &'a [Measured], target: usize, advised: &Meas
 mod tests {
     use super::*;
 
-    /// The bound from the mean is never above the squared bias, and equals it if the bias is proportional to 1/w.
+    /// The bound from the mean is never above the squared bias, and equals it if the bias is proportional to l/w.
     #[test]
     fn a_bias_of_the_mean_is_one_of_pixels() {
         let weights: Pixels = (0..64).map(|i| [0.02 * i as f32, 0.5, 3.0 / (1 + i) as f32]).collect();
         let values: Vec<f64> = weights.as_flattened().iter().map(|&r| f64::from(r)).collect();
         let mean = |of: &dyn Fn(usize) -> f64| (0..values.len()).map(of).sum::<f64>() / values.len() as f64;
-        let whole = mean(&|i| values[i]);
+        let share = |i: usize| [0.2126, 0.7152, 0.0722][i % 3];
+        let mean_luminance = |of: &dyn Fn(usize) -> f64| 3.0 * mean(&|i| share(i) * of(i));
+        let whole = mean_luminance(&|i| values[i]);
         let weights = Weights::of_image(weights);
         let of_pixel = |i: usize| values[i] * values[i] + weights.floor;
         let biases: [&dyn Fn(usize) -> f64; 3] =
-            [&of_pixel, &|i| if i == 17 { -1.0 } else { 0.0 }, &|i| (i as f64).sin() - 0.1];
+            [&|i| share(i) * of_pixel(i), &|i| if i == 17 { -1.0 } else { 0.0 }, &|i| (i as f64).sin() - 0.1];
         for (case, bias) in biases.into_iter().enumerate() {
             let squared = mean(&|i| bias(i) * bias(i) / of_pixel(i));
-            let signed = Estimate { value: mean(bias) / whole, error: 0.0, degrees: 7.0 };
+            let signed = Estimate { value: mean_luminance(bias) / whole, error: 0.0, degrees: 7.0 };
             let (least, most) = by_mean(&signed, &weights);
             assert!(least == most && least <= squared * (1.0 + 1e-9) && least > 0.0, "{case}: {least} {squared}");
             assert!(case > 0 || (least / squared - 1.0).abs() < 1e-9, "{least} {squared}");

@@ -5,6 +5,7 @@
 //! halves). Pixels that lose light count even if others gain as much. The noise of one replicate is half the squared
 //! difference of two.
 
+use crate::data::luminance;
 use crate::metrics::error::floor_of;
 use crate::metrics::estimate::Estimate;
 
@@ -98,9 +99,9 @@ impl Weights {
     }
 }
 
-/// The sum over pixels and channels.
-pub(super) fn sum_of(image: &Pixels) -> f64 {
-    image.as_flattened().iter().map(|&v| f64::from(v)).sum::<f64>()
+/// The mean luminance.
+pub(super) fn mean_luminance(image: &Pixels) -> f64 {
+    image.iter().map(|rgb| luminance(rgb.map(f64::from))).sum::<f64>() / image.len() as f64
 }
 
 /// In f64: of bright scenes f32 would be subnormal, of dark ones infinite.
@@ -197,11 +198,10 @@ pub(super) fn squared_bias_apart(
     squared_mean(&differences, weights, apart)
 }
 
-/// The signed bias of the mean over pixels and channels, relative to the mean of the reference. Pairs share their
-/// random numbers, so that noise that the two settings have in common cancels.
+/// The signed bias of the mean luminance, relative to that of the reference. Pairs share their random numbers, so that noise that the two settings have in common cancels.
 pub fn signed_bias(setting: &[Pixels], baseline: &[Pixels], reference: &Pixels) -> Option<Estimate> {
-    let whole = sum_of(reference);
-    let off = |(a, b)| match sum_of(a) - sum_of(b) {
+    let whole = mean_luminance(reference);
+    let off = |(a, b)| match mean_luminance(a) - mean_luminance(b) {
         // Two black images have no bias.
         0.0 => 0.0,
         off => off / whole,
@@ -278,6 +278,14 @@ pub(super) mod tests {
         let (signed, squared) = pairs(&mut Random(3), 0.02);
         // 14 standard errors, and 3.
         assert!(signed.p() < 1e-4 && squared.p() < 0.05, "{signed:?} {squared:?}");
+    }
+
+    /// As `compare` has it: 21 % of the light for the whole of red.
+    #[test]
+    fn a_bias_of_the_mean_is_one_of_the_luminance() {
+        let images = |red: f32| vec![vec![[red, 1.0, 1.0]; 4]; 3];
+        let bias = signed_bias(&images(0.0), &images(1.0), &images(1.0)[0]).expect("three pairs");
+        assert!((bias.value + 0.2126).abs() < 1e-9, "{bias:?}");
     }
 
     #[test]

@@ -1,7 +1,8 @@
 //! The image that others are measured against, with its own noise. It comes from a file, or is the mean of the sweep's own images.
 
-use super::replicates::{Pixels, Weights, difference, distance, signed_bias, squared_mean, sum_of};
+use super::replicates::{Pixels, Weights, difference, distance, mean_luminance, signed_bias, squared_mean};
 use super::sweep::{Subject, Sweep};
+use crate::data::luminance;
 use crate::metrics::error::relative_variance;
 use crate::metrics::estimate::{Estimate, degrees_of_sum};
 use crate::options::Class;
@@ -102,19 +103,19 @@ impl Truth {
     pub fn distance(&self, images: &[Pixels], weights: &Weights) -> Option<Distance> {
         let variance = self.variance.as_ref()?;
         let count = (3 * self.image.len()) as f64;
-        let mean = sum_of(&self.image) / count;
+        let mean = mean_luminance(&self.image);
         let of_images = |at: usize, c: usize| images.iter().map(|i| f64::from(i[at][c])).sum::<f64>();
         // Sums and sums of squares of each pixel's contributions: its standard deviations to the mean of the image, and
         // its relative variances to the relative MSE. Its channels are assumed to be fully correlated, which gives the largest
         // variance.
         let (mut of_mean, mut of_mean2, mut own, mut own2, mut with_bias) = (0.0, 0.0, 0.0, 0.0, 0.0);
         for (at, (pixel, variance)) in self.image.iter().zip(variance).enumerate() {
-            let (mut deviation, mut relative, mut product) = (0.0, 0.0, 0.0);
+            let deviation = luminance(variance.map(|v| f64::from(v).sqrt()));
+            let (mut relative, mut product) = (0.0, 0.0);
             for c in 0..3 {
                 let weight = 1.0 / (f64::from(weights.image[at][c]).powi(2) + weights.floor);
                 let v = f64::from(variance[c]);
                 let off = of_images(at, c) / images.len() as f64 - f64::from(pixel[c]);
-                deviation += v.sqrt();
                 relative += weight * v;
                 product += weight * off.abs() * v.sqrt();
             }
@@ -134,7 +135,11 @@ impl Truth {
         // contributes 4 b² σ².
         let squared_noise = (2.0 * own2 + 4.0 * with_bias) / (count * count);
         Some(Distance {
-            signed: joined(signed, of_mean / (count * mean).powi(2), degrees_of_sum(of_mean, of_mean2)),
+            signed: joined(
+                signed,
+                of_mean / (self.image.len() as f64 * mean).powi(2),
+                degrees_of_sum(of_mean, of_mean2),
+            ),
             squared: joined(
                 Estimate { value: squared.value - own / count, ..squared },
                 squared_noise,
