@@ -42,6 +42,8 @@ pub mod bitmap;
 #[doc(hidden)]
 pub mod bvh;
 #[doc(hidden)]
+pub mod chromaticities;
+#[doc(hidden)]
 pub mod cli;
 #[doc(hidden)]
 pub mod commands;

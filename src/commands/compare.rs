@@ -6,7 +6,7 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use super::outputs::{Beside, OutputImage, PNG, check_name, check_outputs};
-use super::{path_text, print_json, print_line, tell, tell_denoised};
+use super::{path_text, print_json, print_line, tell, tell_colours, tell_denoised};
 use crate::cli::{CompareArgs, Limit, Metric};
 use crate::data::SampleSpread;
 use crate::error::{Error, Result};
@@ -37,6 +37,7 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     let (mut a, mut b) = (read(&args.image)?, read(&args.reference)?);
     for (path, image) in images.iter().zip([&a, &b]) {
         tell_denoised(path, image);
+        tell_colours(path, image.colours.as_deref());
     }
     let identity = |path| read_state(path).ok().flatten().map(|state| state.identity);
     let identities = identity(&args.image).zip(identity(&args.reference));

@@ -9,8 +9,8 @@ use super::outputs::check_name;
 use super::scene::{load_scene, name_of, stem_of};
 use super::signals::Signals;
 use super::{
-    flatten_for, make_folder, open_device, path_text, print_json, print_line, tell, tell_biases, tell_denoised,
-    tell_software,
+    flatten_for, make_folder, open_device, path_text, print_json, print_line, tell, tell_biases, tell_colours,
+    tell_denoised, tell_software,
 };
 use crate::cli::{ConvergeArgs, Size};
 use crate::error::{Error, Result};
@@ -51,6 +51,7 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
     let reference = read_exr(&args.reference)?;
     if !args.quiet {
         tell_denoised(&args.reference, &reference);
+        tell_colours(&args.reference, reference.colours.as_deref());
     }
     let own_error = error_of_reference(&reference);
     let scene = load_scene(&args.scene, &args.gltf, &mut |_, _, _| {}, &mut Assets::default())?;

@@ -7,7 +7,7 @@ use serde::Serialize;
 use serde_json::json;
 
 use super::outputs::{Beside, EXR, OutputImage, PNG, check_name, check_outputs};
-use super::{path_text, print_json, tell};
+use super::{path_text, print_json, tell, tell_colours};
 use crate::cli::DenoiseArgs;
 use crate::denoise::{Denoiser, Noisy};
 use crate::error::{Error, Result};
@@ -71,6 +71,7 @@ pub fn denoise(denoiser: &Denoiser, image: &Path, target: &Target, quiet: bool) 
         return Err(Error::Usage(format!("{name}: it is denoised already, by {before}: give the image of the render")));
     }
     if !quiet {
+        tell_colours(image, noisy.colours.as_deref());
         warnings(&noisy).into_iter().for_each(|words| tell(&format!("warning: {name}: {words}")));
     }
     let begin = Instant::now();

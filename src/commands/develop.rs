@@ -1,7 +1,7 @@
 //! `gpu-rt develop`: a picture of an EXR.
 
 use super::outputs::{Beside, OutputImage, PNG, check_name, check_outputs};
-use super::tell;
+use super::{tell, tell_colours};
 use crate::cli::DevelopArgs;
 use crate::error::Result;
 use crate::output::exr::read_exr;
@@ -14,6 +14,7 @@ pub fn run(args: &DevelopArgs) -> Result<()> {
     let inputs = std::slice::from_ref(&args.image);
     check_outputs(&[picture], &Beside { inputs, stdout: None, undone: "nothing has been developed" })?;
     let image = read_exr(&args.image)?;
+    tell_colours(&args.image, image.colours.as_deref());
     let count = |is: fn(&f32) -> bool| image.rgb.iter().filter(|rgb| rgb.iter().any(is)).count();
     for (count, words) in [
         (count(|v| v.is_nan()), "NaN, and shown as black"),

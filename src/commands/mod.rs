@@ -160,6 +160,13 @@ fn tell_denoised(path: &Path, image: &ExrImage) {
     }
 }
 
+/// Tells where the colours of an image were converted.
+fn tell_colours(path: &Path, colours: Option<&str>) {
+    if let Some(words) = colours {
+        tell(&format!("{}: {words}", path.display()));
+    }
+}
+
 /// A path as text for JSON.
 fn path_text(path: &Path) -> String {
     path.display().to_string()

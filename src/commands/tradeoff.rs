@@ -8,7 +8,9 @@ use clap::Parser;
 use super::outputs::check_name;
 use super::scene::{load_scene, name_of, stem_of};
 use super::signals::Signals;
-use super::{make_folder, open_device, path_text, print_json, print_line, tell, tell_denoised, tell_software};
+use super::{
+    make_folder, open_device, path_text, print_json, print_line, tell, tell_colours, tell_denoised, tell_software,
+};
 use crate::aov::Aov;
 use crate::cli::{Cli, Command, RenderArgs, Size, TradeoffArgs};
 use crate::denoise::Denoiser;
@@ -59,6 +61,7 @@ pub fn run(args: &TradeoffArgs, start: Instant) -> Result<()> {
     let reference = args.reference.as_deref().map(reference_of).transpose()?;
     if let Some((path, image)) = args.reference.as_deref().zip(reference.as_ref()).filter(|_| !args.quiet) {
         tell_denoised(path, image);
+        tell_colours(path, image.colours.as_deref());
     }
     let given = reference.as_ref().map(|image| (image.width, image.height));
     let reference = reference.map(|image| middle(image, &mut scene));

@@ -732,6 +732,51 @@ fn compare_fails_above_limits_and_draws_a_heatmap() {
     assert_eq!(place.files(), ["a.exr", "b.exr", "black.png", "brighter.exr", "local.exr", "map.png", "pixel.exr"]);
 }
 
+/// Files whose headers name other primaries than Rec. 709: the same picture, not another one, and that is said.
+#[test]
+fn pictures_of_other_primaries_are_converted_and_told() {
+    use exr::image::write::WritableImage;
+    use exr::math::Vec2;
+    let place = Place::new();
+    let mut random = stats::Random(3);
+    let noise: Vec<f32> = (0..2 * 32 * 32).map(|_| (1.0 + 0.1 * random.normal()) as f32).collect();
+    let write = |name: &str, first: usize, [r, g, b]: [f32; 3], aces: bool| {
+        let pixel = |Vec2(x, y): Vec2<usize>| {
+            let light = noise[first + 32 * y + x];
+            (r * light, g * light, b * light)
+        };
+        let mut image = exr::image::Image::from_channels((32, 32), exr::image::SpecificChannels::rgb(pixel));
+        image.attributes.chromaticities = aces.then_some(exr::meta::attribute::Chromaticities {
+            red: Vec2(0.713, 0.293),
+            green: Vec2(0.165, 0.83),
+            blue: Vec2(0.128, 0.044),
+            white: Vec2(0.32168, 0.33767),
+        });
+        image.write().to_file(place.work().join(name)).expect("it is written");
+    };
+    // (0.5, 0.4, 0.3) of Rec. 709 in ACEScg, by the matrix of OpenColorIO's ACES config.
+    write("aces.exr", 0, [0.456_57, 0.405_68, 0.315_08], true);
+    write("rec709.exr", 32 * 32, [0.5, 0.4, 0.3], false);
+    write("unnamed.exr", 0, [0.456_57, 0.405_68, 0.315_08], false);
+    let compared = place.says("compare aces.exr rec709.exr").exits(0);
+    assert!(compared.stdout.contains("noise only"), "{}", compared.stdout);
+    assert!(
+        compared.stderr.contains("aces.exr: its colours are converted to Rec. 709, from red (0.713, 0.293)"),
+        "{}",
+        compared.stderr
+    );
+    let unnamed = place.says("compare unnamed.exr rec709.exr").exits(0);
+    assert!(!unnamed.stdout.contains("noise only") && unnamed.stderr.is_empty(), "{unnamed:?}");
+    let developed = place.says("develop aces.exr -o aces.png").exits(0);
+    assert!(developed.stderr.contains("converted to Rec. 709"), "{}", developed.stderr);
+    write("same.exr", 0, [0.5, 0.4, 0.3], false);
+    place.says("develop same.exr -o same.png").exits(0);
+    let [aces, same] =
+        ["aces.png", "same.png"].map(|name| image::open(place.work().join(name)).expect("a PNG").into_rgb8());
+    let apart = aces.as_raw().iter().zip(same.as_raw()).map(|(a, b)| a.abs_diff(*b)).max();
+    assert!(apart.is_some_and(|apart| apart <= 1), "{apart:?}");
+}
+
 /// Files of other renderers, without variances; sizes that differ; files that are none.
 #[test]
 fn compare_takes_any_exr_and_refuses_the_rest() {

@@ -10,6 +10,7 @@ use ::exr::math::Vec2;
 use ::exr::meta::attribute::{LineOrder, SampleType};
 use ::exr::meta::header::{Header, LayerAttributes};
 
+use super::colours::{note, rec_709, to_rec_709};
 use super::read::{as_floats, find_rgb, float, open, pixels_of, read_part, triple};
 use super::write::{OF_PICTURE, sort_attributes};
 use super::{Attribute, decoded, text, to_io};
@@ -24,6 +25,8 @@ pub struct NoisyFile {
     pub rgb: Vec<Rgb<f32>>,
     pub albedo: Option<Vec<Rgb<f32>>>,
     pub normal: Option<Vec<Rgb<f32>>>,
+    /// What is to be told of its colours, if they were not those of Rec. 709.
+    pub colours: Option<String>,
     header: Header,
 }
 
@@ -59,7 +62,7 @@ impl NoisyFile {
     }
 }
 
-/// Reads the picture that [`read_exr`](super::read_exr) reads, and what the same part has of albedo and normal.
+/// Reads the picture that [`read_exr`](super::read_exr) reads, and what the same part has of albedo and normal. Colours are those of Rec. 709.
 pub fn read_noisy(path: &Path) -> Result<NoisyFile> {
     read(path).map_err(|reason| Error::File { path: path.to_owned(), action: "read", reason })
 }
@@ -67,7 +70,7 @@ pub fn read_noisy(path: &Path) -> Result<NoisyFile> {
 fn read(path: &Path) -> std::result::Result<NoisyFile, String> {
     let opened = open(path)?;
     let place = find_rgb(opened.headers())?;
-    let (part, header) = (place.number, opened.headers()[place.number].clone());
+    let (part, mut header) = (place.number, opened.headers()[place.number].clone());
     let wanted = [Some(place.channels), layer(&header, &ALBEDOS), layer(&header, &NORMALS)];
     let numbers = |names: Rgb<String>| -> Option<[usize; 3]> {
         let [r, g, b] = names.map(|name| float(&header, &name));
@@ -87,10 +90,17 @@ fn read(path: &Path) -> std::result::Result<NoisyFile, String> {
             }
         }
     })?;
-    let [rgb, albedo, normal] = images;
+    let [mut rgb, mut albedo, normal] = images;
+    let conversion = to_rec_709(&header);
+    let colours = note(&conversion);
+    if let Ok(Some(conversion)) = conversion {
+        let of_colours = [&mut rgb, &mut albedo].into_iter().flatten().flatten();
+        of_colours.for_each(|rgb| *rgb = conversion.convert(*rgb));
+        header.shared_attributes.chromaticities = Some(rec_709());
+    }
     let side = |length: usize| u32::try_from(length).map_err(|_| "its size is not supported".to_string());
     let size = (side(width)?, side(height)?);
-    Ok(NoisyFile { size, rgb: rgb.ok_or("its channels differ in size")?, albedo, normal, header })
+    Ok(NoisyFile { size, rgb: rgb.ok_or("its channels differ in size")?, albedo, normal, colours, header })
 }
 
 /// The channels of the layer with the likeliest of some names.

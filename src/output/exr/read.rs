@@ -11,19 +11,23 @@ use ::exr::meta::attribute::{ChannelDescription, SampleType};
 use ::exr::meta::header::Header;
 use ::exr::prelude::f16;
 
+use super::colours::{note, to_rec_709};
 use super::{Attribute, DENOISER, REJECTED, SAMPLES, VARIANCES, decoded};
 use crate::data::{CHANNELS, Rgb};
 use crate::error::{Error, Result};
 use crate::film::UNKNOWN_VARIANCE;
 use crate::guard::guarded;
 
-/// The contents of a file. Values are unchanged: other programs also write infinities, NaN and negative numbers.
+/// The contents of a file. Values are unchanged, but for colours of other primaries than Rec. 709: other programs also write infinities, NaN
+/// and negative numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ExrImage {
     pub width: u32,
     pub height: u32,
-    /// Row 0 on top.
+    /// Row 0 on top. Linear Rec. 709.
     pub rgb: Vec<Rgb<f32>>,
+    /// What is to be told of its colours, if they were not those of Rec. 709.
+    pub colours: Option<String>,
     /// As [`Picture::variance`]. Only files of gpu-rt have this and the next two.
     pub variance: Option<Vec<Rgb<f32>>>,
     pub samples: Option<Vec<u32>>,
@@ -102,7 +106,8 @@ pub(super) fn attributes_of(opened: &Opened) -> Vec<(String, Attribute)> {
 }
 
 /// Reads red, green and blue, in half or float, from the part or layer whose name says that it is the picture. A file without them may
-/// have a luminance, Y, which is grey. The size is that of the data window.
+/// have a luminance, Y, which is grey. Colours of other primaries, by the header's chromaticities, are converted to Rec. 709. The size is that of
+/// the data window.
 pub fn read_exr(path: &Path) -> Result<ExrImage> {
     read_place(path, find_rgb).map_err(|reason| Error::File { path: path.to_owned(), action: "read", reason })
 }
@@ -130,7 +135,14 @@ fn read_place(
     };
     let [r, g, b] = &place.channels;
     let rgb = floats([r, g, b]).ok_or("its channels differ in size")?;
-    let variance = floats(VARIANCES);
+    let is_colour = SPELLINGS
+        .iter()
+        .any(|names| place.channels.iter().zip(names).all(|(channel, name)| last_part(channel) == *name));
+    let conversion = if is_colour { to_rec_709(header) } else { Ok(None) };
+    let colours = note(&conversion);
+    let conversion = conversion.unwrap_or_default();
+    // The variances of other primaries would need the channels' covariance.
+    let variance = floats(VARIANCES).filter(|_| conversion.is_none());
     let count = |name| number(name).filter(|number| header.channels.list[*number].sample_type == SampleType::U32);
     let counts = [count(SAMPLES), count(REJECTED)];
     let size = |length: usize| u32::try_from(length).map_err(|_| "its size is not supported".to_string());
@@ -143,6 +155,7 @@ fn read_place(
         width: size(width)?,
         height: size(height)?,
         rgb: vec![[0.0; 3]; pixels],
+        colours,
         variance: variance.map(|_| vec![[0.0; 3]; pixels]),
         samples: counts[0].map(|_| vec![0; pixels]),
         rejected: counts[1].map(|_| vec![0; pixels]),
@@ -169,7 +182,15 @@ fn read_place(
             }
         }
     })?;
+    if let Some(conversion) = conversion {
+        image.rgb.iter_mut().for_each(|rgb| *rgb = conversion.convert(*rgb));
+    }
     Ok(image)
+}
+
+/// The name of a channel without that of its layer.
+fn last_part(channel: &str) -> &str {
+    channel.rsplit('.').next().unwrap_or_default()
 }
 
 /// The pixels of a part, if there is memory for as many bytes of each. A damaged header may claim more, and a failed allocation ends the process.

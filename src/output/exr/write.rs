@@ -7,10 +7,11 @@ use std::path::Path;
 use ::exr::block::writer::ChunksWriter;
 use ::exr::block::{BlockIndex, UncompressedBlock, enumerate_ordered_header_block_indices};
 use ::exr::math::Vec2;
-use ::exr::meta::attribute::{ChannelDescription, Chromaticities, Compression, IntegerBounds, LineOrder, SampleType};
+use ::exr::meta::attribute::{ChannelDescription, Compression, IntegerBounds, LineOrder, SampleType};
 use ::exr::meta::header::{Header, LayerAttributes};
 use ::exr::meta::{BlockDescription, Headers};
 
+use super::colours::rec_709;
 use super::{Attribute, REJECTED, SAMPLES, STATE, State, VARIANCES, text, to_io};
 use crate::aov::{Channel, ChannelNames};
 use crate::data::CHANNELS;
@@ -47,10 +48,6 @@ pub(super) const OF_PICTURE: Compression = Compression::ZIP1;
 /// ZIP splits the bytes of halves into planes of their own, of which the upper ones are smooth and the lowest empty: 31.7 bytes a pixel of
 /// scenes/weekend.ron at 256 samples. The same totals as 32-bit integers take 38.3.
 const OF_STATE: Compression = Compression::ZIP16;
-
-/// The chromaticities of Rec. 709 and its white point D65 (ITU-R BT.709-6, items 1.3 and 1.4).
-const REC_709: Chromaticities =
-    Chromaticities { red: Vec2(0.64, 0.33), green: Vec2(0.3, 0.6), blue: Vec2(0.15, 0.06), white: Vec2(0.3127, 0.329) };
 
 /// Writes the picture as one part, row 0 on top: R, G, B and variance.R, .G, .B in 32-bit floats, samples.Y and
 /// rejected.Y (Y, so that viewers show them as grey) in 32-bit unsigned integers. The file is a function of the
@@ -215,7 +212,7 @@ fn write_parts(
             .with_attributes(own)
             // A fixed line order makes the bytes independent of the threads that compress.
             .with_encoding(compression, BlockDescription::ScanLines, LineOrder::Increasing);
-        header.shared_attributes.chromaticities = Some(REC_709);
+        header.shared_attributes.chromaticities = Some(rec_709());
         // The pixels of a part of an image stand where they are in the whole, for programs that put parts together.
         header.shared_attributes.display_window = IntegerBounds::from_dimensions((whole.0 as usize, whole.1 as usize));
         header.own_attributes.layer_position = Vec2(part.left as i32, part.top as i32);

@@ -1,13 +1,15 @@
-//! Decodes OpenEXR: red, green, blue and alpha of the first part that has colours.
+//! Decodes OpenEXR: red, green, blue and alpha of the first part that has colours. Colours of other primaries are converted to Rec. 709.
 
 use std::io::Cursor;
 use std::sync::Arc;
 
+use exr::math::Vec2;
 use exr::prelude::{MetaData, ReadChannels, ReadLayers};
 
 use super::pack::of_channel;
 use super::{Decoded, Wanted};
 use crate::bitmap::{Bitmap, Decoding, Format};
+use crate::chromaticities::{Chromaticities, Conversion};
 
 pub const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 
@@ -47,8 +49,46 @@ pub fn decode(bytes: &[u8], wanted: &Wanted) -> Result<Decoded, String> {
         .first_valid_layer()
         .all_attributes();
     let reader = if largest_block > LARGEST_PARALLEL_BLOCK { reader.non_parallel() } else { reader };
-    let layer = reader.from_buffered(Cursor::new(bytes)).map_err(text)?.layer_data;
-    let (width, height) = (layer.size.width() as u32, layer.size.height() as u32);
+    let image = reader.from_buffered(Cursor::new(bytes)).map_err(text)?;
+    let layer = image.layer_data;
+    let (width, height) = (layer.size.width(), layer.size.height());
+    let of = |Vec2(x, y): Vec2<f32>| [x, y];
+    let chromaticities = image.attributes.chromaticities.map(|of_file| Chromaticities {
+        red: of(of_file.red),
+        green: of(of_file.green),
+        blue: of(of_file.blue),
+        white: of(of_file.white),
+    });
+    let conversion = chromaticities.map_or(Ok(None), Chromaticities::to_rec_709)?;
+    let mut images = layer.channel_data.pixels.1;
+    for (words, _) in images.iter_mut().zip(&decodings).filter(|(_, decoding)| **decoding == Decoding::Colour) {
+        if let Some(conversion) = &conversion {
+            convert(words, width, conversion)?;
+        }
+    }
+    let (width, height) = (width as u32, height as u32);
     let bitmap = |words| Bitmap { width, height, format: Format::Float, words: Arc::new(words) };
-    Ok(decodings.iter().copied().zip(layer.channel_data.pixels.1.into_iter().map(bitmap)).collect())
+    Ok(decodings.iter().copied().zip(images.into_iter().map(bitmap)).collect())
+}
+
+/// Converts texels to Rec. 709. Those that have a colour outside of it are refused, since no colour in a scene is negative.
+fn convert(words: &mut [u32], width: usize, conversion: &Conversion) -> Result<(), String> {
+    for (index, texel) in words.as_chunks_mut::<3>().0.iter_mut().enumerate() {
+        let before = texel.map(f32::from_bits);
+        let mut after = conversion.convert(before);
+        if before.iter().all(|v| *v >= 0.0) {
+            // A colour at the very edge is rounded to one outside.
+            let rounding = 1e-6 * after.iter().fold(0.0, |most: f32, v| most.max(*v));
+            after = after.map(|v| if (-rounding..0.0).contains(&v) { 0.0 } else { v });
+            if after.iter().any(|v| *v < 0.0) {
+                let ([r, g, b], (x, y)) = (after, (index % width, index / width));
+                return Err(format!(
+                    "{}, and texel ({x}, {y}) is outside of Rec. 709: ({r:?}, {g:?}, {b:?}): map its colours into Rec. 709 before",
+                    conversion.words()
+                ));
+            }
+        }
+        *texel = after.map(f32::to_bits);
+    }
+    Ok(())
 }
