@@ -5,6 +5,7 @@
 use crate::common::marked::{fault, unmarked};
 use crate::common::scenes::files;
 use crate::common::{render, stats};
+use std::f64::consts::PI;
 use std::fs;
 use std::path::Path;
 
@@ -231,6 +232,84 @@ fn lights_too_small_for_where_they_shine() {
         assert!((found / expected - 1.0).abs() < 0.02, "{field}: {found}");
         assert!(seen(&lit(1e10, lamp)) < 0.01 * expected, "{field}");
     }
+}
+
+/// The mean radiance of a floor below the camera, relative to the closed form: h / d³ for a light at the height h, not seen itself.
+fn lit_from(floor: &str, light: &str, height: f64) -> f64 {
+    let text = near_floor(floor, light);
+    let shot = render::render(&render::scene(&unmarked(&text)), &render::Ask::spp(16).mis().size(24, 16));
+    let found = shot.picture.rgb.iter().map(|rgb| f64::from(rgb[0])).sum::<f64>() / shot.picture.rgb.len() as f64;
+    // Rays of a pinhole, straight down from 3.137 above the floor.
+    let half = 5f64.to_radians().tan() * 3.137;
+    let steps = |count: usize, half: f64| (0..count).map(move |i| ((2 * i + 1) as f64 / count as f64 - 1.0) * half);
+    let each = |(x, z): (f64, f64)| 0.5 / PI * height / ((x + 1.5).powi(2) + z * z + height * height).powf(1.5);
+    let sum: f64 = steps(96, 1.5 * half).flat_map(|x| steps(64, half).map(move |z| each((x, z)))).sum();
+    found / (sum / (96.0 * 64.0))
+}
+
+/// A floor at y = -0.337, and a light over (-1.5, 0).
+fn near_floor(floor: &str, light: &str) -> String {
+    scene(
+        "(look_from: (0, 2.8, 0), look_at: (0, -0.337, 0), up: (0, 0, -1), vertical_fov: 10)",
+        &format!("{floor},\n{light},"),
+    )
+    .replace("background: Solid((1, 1, 1))", "background: Solid((0, 0, 0))")
+}
+
+/// Lights without size, and as small as such, near to every kind of surface: f32 rounds their height, and what they bring to the surface is
+/// proportional to it. The control is a picture, which is right to the share that the warning starts at, and wrong below.
+#[test]
+fn lights_so_near_to_a_surface_that_their_height_is_rounded() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mesh = folder.path().join("floor.obj");
+    fs::write(&mesh, "v -3 0 -3\nv -3 0 3\nv 3 0 3\nv 3 0 -3\nf 1 2 3\nf 1 3 4\n").expect("it is written");
+    let floors = [
+        ("Quad(corner: (-3, -0.337, -3), u: (0, 0, 6), v: (6, 0, 0), material: \"grey\")".to_string(), 5.7e-4),
+        ("Box(min: (-3, -1.337, -3), max: (3, -0.337, 3), material: \"grey\")".to_string(), 1e-3),
+        (
+            format!("Transformed(by: [Translate((0, -0.337, 0))], object: Mesh(path: {mesh:?}, material: \"grey\"))"),
+            6e-4,
+        ),
+        ("Sphere(center: (0, -100000000.337, 0), radius: 1e8, material: \"grey\")".to_string(), 2.4e-3),
+    ];
+    let mut worst = 0.0f64;
+    for (floor, silent) in &floors {
+        let at = |height: f64| format!("(-1.5, {}, 0)", -0.337 + height);
+        let point = |height: f64| format!("PointLight(at: §{}, intensity: (1, 1, 1))", at(height));
+        let spot = |height: f64| {
+            format!("SpotLight(at: §{}, towards: (0, -0.337, 0), intensity: (1, 1, 1), outer: 80)", at(height))
+        };
+        let ball = |height: f64| format!("§Sphere(center: {}, radius: 5e-5, material: \"lamp\")", at(height));
+        let words = ["from the ", "x.ron:12:", "f32 rounds that by up to ", "set it more than "];
+        let point_field = "objects[1].PointLight.at";
+        assert_warns(&near_floor(floor, &point(0.5 * silent)), point_field, &words);
+        assert_warns(
+            &near_floor(floor, &point(1e-5)),
+            point_field,
+            &["this light is 1", "e-5 from the ", "off by up to"],
+        );
+        assert_warns(&near_floor(floor, &point(1e-7)), point_field, &["it may be on the other side"]);
+        assert_warns(&near_floor(floor, &spot(1e-4)), "objects[1].SpotLight.at", &words);
+        assert_warns(&near_floor(floor, &ball(1e-4)), "objects[1].Sphere", &words);
+        for light in [point(*silent), spot(*silent), ball(*silent)] {
+            assert_silent(&near_floor(floor, &light));
+        }
+        // A light in the floor lights what is before it. (A sphere is nowhere flat.) A lamp is no surface that shows light.
+        if !floor.starts_with("Sphere") {
+            let level = floor.replace("-0.337", "0").replace("-1.337", "-1");
+            assert_silent(&near_floor(&level, "PointLight(at: (-1.5, 0, 0), intensity: (1, 1, 1))"));
+        }
+        assert_silent(&near_floor(&floor.replace("grey", "lamp"), &point(1e-4)));
+        let error = |height: f64| (lit_from(floor, &point(height), height) - 1.0).abs();
+        assert!(error(*silent) < 1e-3, "{floor}: {}", error(*silent));
+        for height in [1e-6, 2e-6, 3e-6, 1e-5] {
+            worst = worst.max(error(height));
+        }
+    }
+    println!("below: off by up to {worst}");
+    assert!(worst > 0.02, "{worst}");
+    let beside = floors[0].0.replace("-3, -0.337, -3", "-1.4, -0.337, -3");
+    assert_silent(&near_floor(&beside, "PointLight(at: (-1.5, -0.33699, 0), intensity: (1, 1, 1))"));
 }
 
 #[test]

@@ -6,6 +6,7 @@
 mod coincident;
 mod emitters;
 mod leaving;
+mod near_lights;
 mod same_place;
 mod sizes;
 mod within;
@@ -62,6 +63,7 @@ pub fn warnings(found: &Found) -> Vec<String> {
     diagnostics.extend(emitters::turned_away(found, &kinds));
     diagnostics.extend(walls.diagnostics());
     diagnostics.extend(emitters::too_faint(found));
+    diagnostics.extend(near_lights::diagnostics(found, &kinds));
     if diagnostics.is_empty() {
         return Vec::new();
     }
