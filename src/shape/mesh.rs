@@ -40,6 +40,9 @@ pub const KIND: ShapeKind = ShapeKind {
     boundary: Some(Boundary { name: "mesh", words: "a closed" }),
 };
 
+/// The end of a warning that says why a mesh has no texture coordinates, although its file has some.
+pub const UVS_IGNORED: &str = "all texture coordinates are ignored";
+
 /// A triangle mesh in its own space, in the file's units. Every vertex belongs to a triangle.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
@@ -135,8 +138,10 @@ impl<'a> MeshShape<'a> {
                 has - 1
             )));
         }
+        let ignored = self.mesh.warnings.iter().find(|warning| warning.ends_with(UVS_IGNORED));
+        let reason = ignored.map_or(String::new(), |warning| format!(" ({warning})"));
         Err(at.field("material").error(format!(
-            "the material {material:?} has an image, and the mesh {:?} has no texture coordinates for it: \
+            "the material {material:?} has an image, and the mesh {:?} has no texture coordinates for it{reason}: \
              expected a mesh that has them at every corner, or another texture",
             self.path
         )))

@@ -1,5 +1,6 @@
 //! Meshes by every format: what is read, what is refused, and that no file makes the loader panic.
 
+use crate::common::gltf::{glb, square};
 use crate::common::meshes::{Quads, cube, cubes};
 use crate::common::stats::Random;
 use std::fs;
@@ -10,6 +11,7 @@ use base64::Engine;
 use glam::{DVec3, Vec3};
 use gpu_rt::error::Error;
 use gpu_rt::scene::{Mesh, OpenEdges, Scene};
+use serde_json::json;
 
 /// A scene with one object.
 fn scene(folder: &Path, object: &str) -> Result<Scene, Error> {
@@ -207,10 +209,103 @@ fn broken_normals_are_dropped_and_told() {
     };
     assert_eq!(with("3e38 3e38 0").normals[0], Vec3::Z);
     assert!((with("3e38 3e38 0").normals[2].length() - 1.0).abs() < 1e-6);
-    for broken in ["0 0 0", "NaN 0 0", "1e39 0 0"] {
+    for (broken, words) in [
+        ("0 0 0", "some corners have no normal, or one of length 0"),
+        ("NaN 0 0", "line 5: expected finite numbers of at most 3.4e38 in magnitude, found \"NaN\""),
+        ("1e39 0 0", "line 5: expected finite numbers"),
+    ] {
         assert!(with(broken).normals.is_empty(), "{broken}");
-        assert!(with(broken).warnings[0].contains("flat-shaded"), "{broken}");
+        let warning = &with(broken).warnings[0];
+        assert!(warning.starts_with(words) && warning.contains("flat-shaded"), "{broken}: {warning}");
     }
+}
+
+/// Numbers that are not finite are named with their place, in every list of every format, and not told as missing.
+#[test]
+fn numbers_that_are_not_finite_are_named_with_their_place() {
+    for (written, found) in [("nan", "NaN"), ("NaN", "NaN"), ("inf", "inf"), ("-inf", "-inf"), ("1e999", "inf")] {
+        let obj = |v: &str, vt: &str, vn: &str| {
+            let text = format!(
+                "# a triangle\nv 0 0 0\nv 1 0 0\nv 0 {v} 0 0.5 0.5 0.5\nv inf nan 0\nvt 0 0\nvt nan nan\nvt 1 {vt}\n\
+                 vn 0 0 1\nvn 0 {vn} 1\nf 1/1/1 2/1/1 3/3/2\n"
+            );
+            scene_of("a.obj", text.as_bytes()).map(|scene| scene.meshes["a.obj"].clone())
+        };
+        // Entries that no face uses may be anything.
+        let whole = obj("1", "1", "0").unwrap_or_else(|reason| panic!("{reason}"));
+        assert!(whole.warnings.is_empty() && whole.uvs.len() == 3 && whole.normals.len() == 3, "{:?}", whole.warnings);
+        let error = obj(written, "1", "0").expect_err("a vertex is not finite").to_string();
+        let expected = format!("line 4: expected finite numbers of at most 1e100 in magnitude, found {written:?}");
+        assert!(error.contains(&expected), "{error}");
+        let [uv, normal] =
+            [obj("1", written, "0"), obj("1", "1", written)].map(|mesh| mesh.expect("it is read").warnings.clone());
+        // The entry that no face uses comes first.
+        assert!(
+            uv[0].starts_with("line 7: expected finite numbers")
+                && uv[0].ends_with("all texture coordinates are ignored"),
+            "{uv:?}"
+        );
+        assert!(
+            normal[0].starts_with("line 10: expected finite numbers")
+                && normal[0].contains(&format!("found {written:?}")),
+            "{normal:?}"
+        );
+
+        let ply = |x: &str, u: &str, nz: &str| {
+            let properties =
+                ["x", "y", "z", "nx", "ny", "nz", "u", "v"].map(|name| format!("property double {name}\n")).concat();
+            let text = format!(
+                "ply\nformat ascii 1.0\nelement vertex 3\n{properties}element face 1\nproperty list uchar int vertex_indices\n\
+                 end_header\n0 0 0 0 0 1 0 0\n1 0 0 0 0 1 1 0\n{x} 1 0 0 0 {nz} {u} 1\n3 0 1 2\n"
+            );
+            scene_of("a.ply", text.as_bytes()).map(|scene| scene.meshes["a.ply"].clone())
+        };
+        let error = ply(written, "0", "1").expect_err("a vertex is not finite").to_string();
+        assert!(
+            error.contains("face 0 (counted from 0): expected finite coordinates")
+                && error.contains(&format!("({found}, 1, 0) at vertex 2")),
+            "{error}"
+        );
+        let [uv, normal] =
+            [ply("0", written, "1"), ply("0", "0", written)].map(|mesh| mesh.expect("it is read").warnings.clone());
+        let expected = format!("vertex 2 (counted from 0): expected finite texture coordinates, found ({found}, 1)");
+        assert!(uv[0].starts_with(&expected), "{uv:?}");
+        let expected = format!("vertex 2 (counted from 0): expected a finite normal, found (0, 0, {found})");
+        assert!(normal[0].starts_with(&expected), "{normal:?}");
+    }
+    for bad in [f32::NAN, f32::INFINITY] {
+        let (uvs, normals, colours) =
+            ([0., 0., 1., 0., 1., bad, 0., 1.], [0., bad, 1., 0., 0., 1., 0., 0., 1., 0., 0., 1.], [0.5; 12]);
+        let read = |attributes: &[(&str, usize, &[f32])]| {
+            let (json, binary) = square(attributes, &json!({}), &[]);
+            scene_of("a.glb", &glb(&json, &binary)).map(|scene| scene.meshes["a.glb"].warnings.clone())
+        };
+        let warnings =
+            read(&[("TEXCOORD_0", 2, &uvs), ("NORMAL", 3, &normals), ("COLOR_0", 3, &colours)]).expect("it is read");
+        for (attribute, vertex) in [("NORMAL", 0), ("TEXCOORD_0", 2)] {
+            let at = format!("meshes[0].primitives[0].attributes.{attribute}: expected finite numbers, found ");
+            let is_told =
+                |words: &String| words.starts_with(&at) && words.contains(&format!(" at vertex {vertex}: all "));
+            assert!(warnings.iter().any(is_told), "{warnings:#?}");
+        }
+        let mut colours = colours;
+        colours[4] = bad;
+        let error = read(&[("COLOR_0", 3, &colours)]).expect_err("a colour is not finite").to_string();
+        assert!(error.contains("attributes.COLOR_0: expected finite numbers, found others at vertex 1"), "{error}");
+        let mut moved = square(&[], &json!({}), &[]);
+        moved.1[..4].copy_from_slice(&bad.to_le_bytes());
+        let error = scene_of("a.glb", &glb(&moved.0, &moved.1)).expect_err("a position is not finite").to_string();
+        assert!(error.contains("expected finite coordinates"), "{error}");
+    }
+    // A material with an image needs the texture coordinates: why there are none is said.
+    let folder = tempfile::tempdir().unwrap();
+    image::RgbImage::new(2, 2).save(folder.path().join("map.png")).unwrap();
+    fs::write(folder.path().join("a.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt nan 1\nf 1/1 2/1 3/2\n").unwrap();
+    let error = scene(folder.path(), "Mesh(path: \"a.obj\", material: \"map\")").unwrap_err().to_string();
+    assert!(
+        error.contains("(line 5: expected finite numbers of at most") && error.contains("found \"nan\""),
+        "{error}"
+    );
 }
 
 #[test]
@@ -237,8 +332,8 @@ fn what_cannot_be_read_is_refused_with_its_reason() {
         ("a.obj", format!("{PLAIN}f 1//6148914691236517206 2 3\n"), &[CORNER]),
         ("a.obj", "v 1 2\n".into(), &["line 1", "expected 3 numbers, found 2"]),
         ("a.obj", "v 1 2 z\n".into(), &["line 1", "expected a number, found \"z\""]),
-        ("a.obj", format!("{PLAIN}v NaN 0 0\nf 1 2 6\n"), &["face 0 (counted from 0)", "finite", "(NaN, 0, 0)"]),
-        ("a.obj", format!("{PLAIN}v 0 2e100 0\nf 1 2 3\nf 1 2 6\n"), &["face 1", "1e100"]),
+        ("a.obj", format!("{PLAIN}v NaN 0 0\nf 1 2 6\n"), &["line 6", "finite", "found \"NaN\""]),
+        ("a.obj", format!("{PLAIN}v 0 2e100 0\nf 1 2 3\nf 1 2 6\n"), &["line 6", "1e100", "found \"2e100\""]),
         ("a.ply", "solid\n".into(), &["line 1", "expected ply"]),
         ("a.ply", "ply\nformat ascii 1.0\n".into(), &["ends in its header"]),
         ("a.ply", "ply\nformat middle_endian 1.0\n".into(), &["line 2", "binary_big_endian"]),

@@ -122,6 +122,15 @@ impl File {
 
     /// Vertex colours, linear, without their alpha.
     fn colours(&self, index: Index<Accessor>) -> std::result::Result<Elements<'_, [u16; 3]>, String> {
+        let is_vec3 = self.accessor(index).is_some_and(|of| of.type_ == Checked::Valid(Dimensions::Vec3));
+        let is_bad = |colour: &[f64]| colour.iter().any(|x| !x.is_finite());
+        let bad = match is_vec3 {
+            true => self.elements::<3>(index)?.position(|colour| is_bad(&colour)),
+            false => self.elements::<4>(index)?.position(|colour| is_bad(&colour)),
+        };
+        if let Some(vertex) = bad {
+            return Err(format!("expected finite numbers, found others at vertex {vertex}"));
+        }
         let code = |x: f64| (x.clamp(0.0, 1.0) * f64::from(u16::MAX)).round() as u16;
         match self.accessor(index).map(|accessor| accessor.type_) {
             Some(Checked::Valid(Dimensions::Vec3)) => {
@@ -178,8 +187,15 @@ impl File {
         if normals.is_some() || !draft.normals.is_empty() {
             draft.normals.resize(first, Vec3::NAN);
             if let Some(normals) = normals {
-                let turned = |normal| (cofactors * DVec3::from_array(normal)).normalize().as_vec3();
-                draft.normals.extend(normals.map(turned));
+                let turned = |normal: DVec3| (cofactors * normal).normalize().as_vec3();
+                for (vertex, normal) in normals.map(DVec3::from_array).enumerate() {
+                    if !normal.is_finite() && draft.bad_normal.is_none() {
+                        let at = format!("meshes[{mesh}].primitives[{number}].attributes.NORMAL");
+                        draft.bad_normal =
+                            Some(format!("{at}: expected finite numbers, found {normal} at vertex {vertex}"));
+                    }
+                    draft.normals.push(turned(normal));
+                }
             }
             draft.normals.resize(end, Vec3::NAN);
         }
@@ -187,6 +203,12 @@ impl File {
             draft.uvs.resize(first, Vec2::NAN);
             if let Some(uvs) = uvs {
                 draft.uvs.extend(uvs);
+                let bad = draft.uvs.iter().enumerate().skip(first).find(|(_, uv)| !uv.is_finite());
+                if let Some((vertex, uv)) = bad.filter(|_| draft.bad_uv.is_none()) {
+                    let at = format!("meshes[{mesh}].primitives[{number}].attributes.TEXCOORD_{}", placing.set);
+                    let vertex = vertex - first;
+                    draft.bad_uv = Some(format!("{at}: expected finite numbers, found {uv} at vertex {vertex}"));
+                }
             }
             draft.uvs.resize(end, Vec2::NAN);
         }

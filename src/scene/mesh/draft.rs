@@ -3,6 +3,7 @@
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
 use super::Mesh;
+use crate::shape::mesh::UVS_IGNORED;
 
 /// The memory that all meshes of a scene may take: 70 million triangles, with half as many vertices. A device that binds the most
 /// bytes that wgpu grants, 2^31 - 1, has no place for the hierarchy of more.
@@ -12,7 +13,7 @@ const VERTEX: usize = size_of::<DVec3>() + size_of::<Vec3>() + size_of::<Vec2>()
 /// A triangle and the number of its face.
 const TRIANGLE: usize = size_of::<[u32; 3]>() + size_of::<u32>();
 /// The largest coordinate, as in the scene file.
-const LARGEST: f64 = 1e100;
+pub const LARGEST: f64 = 1e100;
 
 const WHITE: [u16; 3] = [u16::MAX; 3];
 
@@ -37,6 +38,9 @@ pub struct Draft {
     faces: Vec<u32>,
     /// What is told of the file.
     pub warnings: Vec<String>,
+    /// Where the first normal or pair of texture coordinates is that is no finite numbers, and what was found there.
+    pub bad_normal: Option<String>,
+    pub bad_uv: Option<String>,
     /// The number of faces so far, including those without triangles.
     face_count: u32,
 }
@@ -115,6 +119,10 @@ impl Draft {
     pub fn add_uvs(&mut self, uvs: impl Iterator<Item = Vec2>) -> Result<(), String> {
         self.take_room(size_of::<Vec2>() * self.positions.len())?;
         let mut set: Vec<Vec2> = uvs.collect();
+        let bad = set.iter().enumerate().find(|(_, uv)| !uv.is_finite());
+        if let Some((vertex, uv)) = bad.filter(|_| self.bad_uv.is_none()) {
+            self.bad_uv = Some(format!("expected finite texture coordinates, found {uv} at vertex {vertex}"));
+        }
         set.resize(self.positions.len(), Vec2::NAN);
         self.further_uvs.push(set);
         Ok(())
@@ -147,14 +155,16 @@ impl Draft {
         self.leave_out_unused_vertices();
         let normals = self.take_normals();
         warnings.extend(normals.is_err().then(|| {
-            "some corners have no normal, or one of length 0: all normals are ignored, and the mesh is flat-shaded"
-                .to_owned()
+            let missing = || "some corners have no normal, or one of length 0".to_owned();
+            let reason = self.bad_normal.take().unwrap_or_else(missing);
+            format!("{reason}: all normals are ignored, and the mesh is flat-shaded")
         }));
         let uvs = self.take_uvs();
-        warnings.extend(
-            uvs.is_err()
-                .then(|| "some corners have no texture coordinates: all texture coordinates are ignored".to_owned()),
-        );
+        warnings.extend(uvs.is_err().then(|| {
+            let missing = || "some corners have no texture coordinates".to_owned();
+            let reason = self.bad_uv.take().unwrap_or_else(missing);
+            format!("{reason}: {UVS_IGNORED}")
+        }));
         let tangents = self.take_tangents();
         warnings.extend(tangents.is_err().then(|| {
             "some corners have a TANGENT without a length, or without a sign: all of them are ignored, and MikkTSpace finds them".to_owned()

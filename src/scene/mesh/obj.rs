@@ -12,7 +12,7 @@ use std::path::Path;
 use glam::{DVec3, Vec2, Vec3};
 use tobj::LoadOptions;
 
-use super::draft::Draft;
+use super::draft::{Draft, LARGEST};
 use super::input::{Input, number, quote, words};
 use crate::guard::guarded;
 
@@ -53,12 +53,19 @@ pub fn parse(_: &Path, input: &mut Input, draft: &mut Draft) -> Result<(), Strin
             );
         }
         for position in triples(&mesh.positions) {
+            if !position.abs().cmple(DVec3::splat(LARGEST)).all() {
+                return Err(not_finite(bytes, 0));
+            }
             draft.vertex(position)?;
         }
         let count = draft.positions.len();
-        draft.normals = whole(triples(&mesh.normals).map(|normal| normal.as_vec3()).collect(), count, Vec3::NAN);
+        let normals: Vec<Vec3> = triples(&mesh.normals).map(|normal| normal.as_vec3()).collect();
         let uvs = mesh.texcoords.as_chunks().0.iter().map(|&[u, v]| Vec2::new(u as f32, v as f32));
-        draft.uvs = whole(uvs.collect(), count, Vec2::NAN);
+        let uvs: Vec<Vec2> = uvs.collect();
+        draft.bad_normal = normals.iter().any(|normal| !normal.is_finite()).then(|| not_finite(bytes, 2));
+        draft.bad_uv = uvs.iter().any(|uv| !uv.is_finite()).then(|| not_finite(bytes, 1));
+        draft.normals = whole(normals, count, Vec3::NAN);
+        draft.uvs = whole(uvs, count, Vec2::NAN);
         if mesh.face_arities.is_empty() {
             draft.reserve(mesh.indices.len() / 3);
             for corners in mesh.indices.chunks_exact(3) {
@@ -73,6 +80,26 @@ pub fn parse(_: &Path, input: &mut Input, draft: &mut Draft) -> Result<(), Strin
         }
     }
     Ok(())
+}
+
+/// The first entry of a list that is no finite numbers, with its line. Texture coordinates and normals are read as f32.
+fn not_finite(bytes: &[u8], list: usize) -> String {
+    let (largest, limit) = if list == 0 { (LARGEST, "1e100") } else { (f64::from(f32::MAX), "3.4e38") };
+    let expected = format!("expected finite numbers of at most {limit} in magnitude");
+    let mut tell = |_| {};
+    let mut input = Input::new(bytes, &mut tell);
+    let mut lines = Lines::new(&mut input);
+    while lines.advance() {
+        let mut words = words(&lines.line);
+        if words.next() != LISTS.get(list).map(|(name, _)| *name) {
+            continue;
+        }
+        let fits = |word: &&[u8]| number::<f64>(word).is_some_and(|number| number.abs() <= largest);
+        if let Some(word) = words.find(|word| !fits(word)) {
+            return format!("line {}: {expected}, found {}", lines.number, quote(word));
+        }
+    }
+    expected
 }
 
 fn triples(numbers: &[f64]) -> impl Iterator<Item = DVec3> {

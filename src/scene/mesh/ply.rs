@@ -241,11 +241,26 @@ impl<'a> Rows<'a> {
             "vertex" => {
                 let [x, y, z, nx, ny, nz, u, v] = self.values;
                 self.draft.vertex(DVec3::new(x, y, z))?;
+                let row = self.row;
                 if self.has_normals {
-                    self.draft.normals.push(Vec3::new(nx as f32, ny as f32, nz as f32));
+                    let normal = Vec3::new(nx as f32, ny as f32, nz as f32);
+                    if !normal.is_finite() && self.draft.bad_normal.is_none() {
+                        let words = format!(
+                            "vertex {row} (counted from 0): expected a finite normal, found ({nx}, {ny}, {nz})"
+                        );
+                        self.draft.bad_normal = Some(words);
+                    }
+                    self.draft.normals.push(normal);
                 }
                 if self.has_uvs {
-                    self.draft.uvs.push(Vec2::new(u as f32, v as f32));
+                    let uv = Vec2::new(u as f32, v as f32);
+                    if !uv.is_finite() && self.draft.bad_uv.is_none() {
+                        let words = format!(
+                            "vertex {row} (counted from 0): expected finite texture coordinates, found ({u}, {v})"
+                        );
+                        self.draft.bad_uv = Some(words);
+                    }
+                    self.draft.uvs.push(uv);
                 }
             }
             "face" => self.draft.face(&self.corners)?,
