@@ -2,6 +2,7 @@
 //! for a twin scene just on the other side of its limit. What surfaces near glass are warned of is held against
 //! pictures.
 
+use crate::common::gltf;
 use crate::common::marked::{fault, unmarked};
 use crate::common::scenes::files;
 use crate::common::{render, stats};
@@ -310,6 +311,151 @@ fn lights_so_near_to_a_surface_that_their_height_is_rounded() {
     assert!(worst > 0.02, "{worst}");
     let beside = floors[0].0.replace("-3, -0.337, -3", "-1.4, -0.337, -3");
     assert_silent(&near_floor(&beside, "PointLight(at: (-1.5, -0.33699, 0), intensity: (1, 1, 1))"));
+}
+
+/// The mean and the standard deviation of the pixels of a small picture.
+fn picture_of(text: &str, folder: &Path) -> (f64, f64) {
+    let shot = render::render(&render::scene_in(folder, &unmarked(text)), &render::Ask::spp(64).size(16, 12));
+    let values: Vec<f64> = shot.picture.rgb.iter().map(|rgb| f64::from(rgb[0])).collect();
+    let (mean, variance) = stats::mean_and_variance(&values);
+    (mean, variance.sqrt())
+}
+
+/// Cells smaller than the step from one coordinate to the next: f32 has even multiples of them alone, so that a checker has one colour where it
+/// should have the mean of both.
+#[test]
+fn patterns_finer_than_f32_resolves() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let with = |texture: &str, object: &str| {
+        format!(
+            "(image: (width: 16, height: 12), camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vertical_fov: 20),
+              background: Solid((0, 0, 0)),
+              materials: {{ \"lamp\": DiffuseLight(emit: {texture}) }},
+              objects: [§{object}])"
+        )
+    };
+    let quad = "Quad(corner: (-2, -2, 0), u: (4, 0, 0), v: (0, 4, 0), material: \"lamp\")";
+    let cuboid = "Box(min: (-2, -2, -2), max: (2, 2, 0), material: \"lamp\")";
+    let sphere = "Sphere(center: (0, 0, -8), radius: 8, material: \"lamp\")";
+    let globe = "Sphere(center: (0, 0, -1e6), radius: 1e6, material: \"lamp\")";
+    let checker = |scale: &str| format!("Checker(scale: {scale}, even: (0, 0, 0), odd: (1, 1, 1))");
+    for (object, kind, warned, silent) in [
+        (quad, "Quad", "9e-7", "1e-6"),
+        (cuboid, "Box", "9e-7", "1e-6"),
+        (sphere, "Sphere", "1.8e-6", "2e-6"),
+        (globe, "Sphere", "3e-6", "4e-6"),
+    ] {
+        let field = format!("objects[0].{kind}");
+        let words = ["the cells of its Checker are", "whole areas show one cell", " or more, or the mean colour"];
+        assert_warns(&with(&checker(warned), object), &field, &words);
+        assert_silent(&with(&checker(silent), object));
+        let (mean, _) = picture_of(&with(&checker(silent), object), folder.path());
+        assert!((mean - 0.5).abs() < 0.02, "{object}: {mean}");
+        let fine = |scale: &str| 1.0 / scale.parse::<f64>().expect("a number");
+        for texture in ["Noise", "Marble"] {
+            let texture = |scale: f64| format!("{texture}(scale: {scale:?})");
+            assert_warns(
+                &with(&texture(fine(warned)), object),
+                &field,
+                &["where f32 has one coordinate in", " or less"],
+            );
+            assert_silent(&with(&texture(fine(silent)), object));
+        }
+    }
+    let (mean, deviation) = picture_of(&with(&checker("1e-8"), quad), folder.path());
+    assert!(mean < 0.01 && deviation < 0.01, "{mean}, {deviation}");
+    // The same in a medium, by the size of its boundary, and of an object in its own space, whatever transforms it.
+    let fog = |scale: &str| {
+        scene(
+            BEFORE,
+            &format!(
+                "Medium(boundary: Sphere(center: (0, 0, 0), radius: 1), density: 1, albedo: §{}),",
+                checker(scale)
+            ),
+        )
+    };
+    assert_warns(&fog("1e-7"), "objects[0].Medium.albedo", &["the cells of its Checker are 1e-7"]);
+    assert_silent(&fog("3e-7"));
+    assert_silent(&with(&checker("1e-6"), &format!("Transformed(by: [Scale(1000)], object: {quad})")));
+}
+
+/// Texture coordinates of a mesh so far from 0 that f32 has less of them than the image has texels: from every format, in every set.
+#[test]
+fn texture_coordinates_that_f32_has_too_few_of() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut random = stats::Random(3);
+    let pixel = |_, _| image::Luma([if random.uniform() < 0.5 { 0 } else { 255 }]);
+    image::GrayImage::from_fn(64, 64, pixel).save(folder.path().join("map.png")).expect("it is written");
+    let scene = |file: &str| {
+        format!(
+            "(image: (width: 16, height: 12), camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vertical_fov: 20),
+              background: Solid((0, 0, 0)), materials: {{ \"lamp\": DiffuseLight(emit: Image(path: \"map.png\")) }},
+              objects: [§Mesh(path: \"{file}\", material: \"lamp\")])"
+        )
+    };
+    let found = |text: &str| {
+        let scene =
+            Scene::parse(&unmarked(text), &folder.path().join("x.ron")).unwrap_or_else(|e| panic!("{e}\n{text}"));
+        flatten(&scene, (16, 12), &RenderOptions::default()).unwrap_or_else(|e| panic!("{e}")).warnings
+    };
+    let words = [
+        "the texture coordinates of the mesh \"a.",
+        "reach 1e9, where f32 has one in 64",
+        "\"map.png\" has 4096 texels there",
+        "by whole numbers",
+    ];
+    let check = |text: &str, field: &str| {
+        let warnings = found(text);
+        let [warning] = &warnings[..] else { panic!("expected one warning: {warnings:#?}") };
+        fault(warning, &folder.path().join("x.ron"), text, field, &words).unwrap_or_else(|fault| panic!("{fault}"));
+    };
+    let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
+    let write = |name: &str, offset: f64| {
+        let at = corners.map(|(x, y)| (4.0 * x - 2.0, 4.0 * y - 2.0, x + offset, y));
+        let text = match name {
+            "a.obj" => {
+                let vertices = at.map(|(x, y, u, v)| format!("v {x} {y} 0\nvt {u} {v}\n")).concat();
+                format!("{vertices}f 1/1 2/2 3/3 4/4\n")
+            }
+            _ => {
+                let properties = ["x", "y", "z", "u", "v"].map(|name| format!("property double {name}\n")).concat();
+                let vertices = at.map(|(x, y, u, v)| format!("{x} {y} 0 {u} {v}\n")).concat();
+                format!(
+                    "ply\nformat ascii 1.0\nelement vertex 4\n{properties}element face 1\nproperty list uchar int vertex_indices\n\
+                     end_header\n{vertices}4 0 1 2 3\n"
+                )
+            }
+        };
+        fs::write(folder.path().join(name), text).expect("it is written");
+    };
+    let mut pictures = Vec::new();
+    for name in ["a.obj", "a.ply"] {
+        write(name, 1e9);
+        check(&scene(name), "objects[0].Mesh");
+        pictures.push(picture_of(&scene(name), folder.path()).1);
+        // A step of 2^-6 is a texel.
+        for (offset, count) in [(262_144.0, 1), (262_142.0, 0), (1000.0, 0)] {
+            write(name, offset);
+            assert_eq!(found(&scene(name)).len(), count, "{offset}");
+        }
+        pictures.push(picture_of(&scene(name), folder.path()).1);
+    }
+    // By the transform of a glTF texture, which is applied when the file is read, and by its coordinates.
+    let uvs = |offset: f32| [offset, 0.0, offset + 1.0, 0.0, offset + 1.0, 1.0, offset, 1.0];
+    for (uvs, offset, count) in [(uvs(0.0), 1e9, 1), (uvs(1e9), 0.0, 1), (uvs(0.0), 1000.0, 0)] {
+        let transform = serde_json::json!({"KHR_texture_transform": {"offset": [offset, 0]}});
+        let material =
+            serde_json::json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "extensions": transform}}});
+        let (json, binary) = gltf::square(&[("TEXCOORD_0", 2, &uvs)], &material, &["map.png"]);
+        fs::write(folder.path().join("a.glb"), gltf::glb(&json, &binary)).expect("it is written");
+        let scene = Scene::load(&folder.path().join("a.glb")).unwrap_or_else(|error| panic!("{error}"));
+        let flat = flatten(&scene, (16, 12), &RenderOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+        let told: Vec<_> =
+            flat.warnings.iter().filter(|warning| warning.contains("#meshes/0/primitives/0\" reach 1e9")).collect();
+        assert_eq!(told.len(), count, "{offset}: {:#?}", flat.warnings);
+    }
+    // One column of texels, and all of them.
+    assert!(pictures[0] > 1.0 * pictures[1] && pictures[0] == pictures[2], "{pictures:?}");
 }
 
 #[test]

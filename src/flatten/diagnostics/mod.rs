@@ -7,6 +7,7 @@ mod coincident;
 mod emitters;
 mod leaving;
 mod near_lights;
+mod patterns;
 mod same_place;
 mod sizes;
 mod within;
@@ -64,6 +65,7 @@ pub fn warnings(found: &Found) -> Vec<String> {
     diagnostics.extend(walls.diagnostics());
     diagnostics.extend(emitters::too_faint(found));
     diagnostics.extend(near_lights::diagnostics(found, &kinds));
+    diagnostics.extend(patterns::diagnostics(found));
     if diagnostics.is_empty() {
         return Vec::new();
     }
