@@ -365,6 +365,43 @@ fn frosted_smooth_meshes_expect_the_same_with_rays_to_lights() {
     assert!(same_expectation(&bsdf, &wrong, 1e-5, ALPHA).is_err(), "light aimed at from the near side is not found");
 }
 
+/// A slab of frosted glass over a floor, under a sky with a sun: from each of its surfaces the sky is sampled on both sides, and a path meets it
+/// behind the other surface. Planted are a density of the sky that is off by a tenth where it is sampled, and 1 % more light.
+#[test]
+fn a_frosted_slab_under_a_sun_expects_the_same_with_rays_to_lights() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let sky = Rgb32FImage::from_fn(64, 32, |x, y| match (x, y) {
+        (20..24, 6..10) => Rgb([20.0, 18.0, 15.0]),
+        (_, y) => Rgb([0.45 - 0.01 * y as f32; 3]),
+    });
+    image::DynamicImage::from(sky).save(folder.path().join("sky.hdr")).expect("the sky is written");
+    let text = "Scene(
+    image: (width: 16, height: 16),
+    camera: (look_from: (0.8, 1.5, 5), look_at: (0, -0.2, 0), vertical_fov: 26),
+    background: Image(path: \"sky.hdr\"),
+    materials: {
+        \"frosted\": RoughDielectric(ior: 1.5, roughness: 0.3),
+        \"floor\": Lambertian(albedo: Rgb(0.5, 0.5, 0.5)),
+    },
+    objects: [
+        Quad(corner: (-3, -1.2, -3), u: (0, 0, 6), v: (6, 0, 0), material: \"floor\"),
+        Box(min: (-1.5, -1, -0.15), max: (1.5, 1, 0.15), material: \"frosted\"),
+    ],
+    render: (samples: 512, max_depth: 32),
+)";
+    let scene = render::scene_in(folder.path(), text);
+    let bsdf = rendered_as_with_rays_to_lights("a frosted slab under a sun", &scene);
+    let wrong = Overlay::new(&[]).rewritten("light/sky", |text| {
+        text.replace(
+            "select(cell.alias_density, cell.density, own)",
+            "1.1 * select(cell.alias_density, cell.density, own)",
+        )
+    });
+    let wrong = render_planted(&scene, &Ask::spp(4096).seed(2).mis().sobol(), &wrong);
+    println!("a density off by a tenth: {}", worst_difference(&bsdf, &wrong, 1e-5).place);
+    assert!(same_expectation(&bsdf, &wrong, 1e-5, ALPHA).is_err(), "a density off by a tenth is not found");
+}
+
 /// Says how well the difference of the means of two images is known, as a share of them.
 fn known(name: &str, bsdf: &Shot, mis: &Shot) {
     let (a, b) = (bsdf.mean_of_all(), mis.mean_of_all());
