@@ -121,10 +121,10 @@ fn single(images: &Images<'_>, quantity: Quantity, pixel: usize, p: f64) -> Sing
 
 /// Whether the images share their random numbers, and few pixels differ nevertheless.
 ///
-/// With random numbers of its own, an image whose pixel has noise has there a value that another image has, too, with a probability of at
-/// most 1/2: noise is continuous, or the number of samples that hit a lamp of one radiance. Of such a number only one that the halves
-/// disagree on counts here, and no such number is likelier than 1/2. So if `k` of `m` noisy pixels differ, the p-value is that of at most k heads of m
-/// coins.
+/// Two images with random numbers of their own have the same value in a pixel with noise with a probability of at most 1/2. Noise is
+/// continuous, or it is a number of samples that hit a lamp of one radiance. A number on which the two halves disagree, as they do in a
+/// pixel that counts as noisy, has a probability of at most 1/2. So if k of m noisy pixels differ, the p-value is that of at most k heads of
+/// m coins (own derivation).
 fn shared(images: &Images<'_>) -> Option<Pixels> {
     let noise = Noise::new(images);
     let (mut noisy, mut different) = (0u64, 0u64);
@@ -192,9 +192,9 @@ impl<'a> Noise<'a> {
 /// s² (1/n + 1/m). The larger one, because an image that has found no light of a kind does not know its noise, and because one that has
 /// found a bright sample beside the truth must not be judged by the truth's noise.
 ///
-/// By other settings, an image may find light more seldom than the other does. Then it knows its noise by the pixels around. If a share q of its samples
-/// brings the radiance L, and the others nothing, their mean is q L and their variance q L² (1 − q). So the sum of variances over the sum of
-/// means tells L, and a pixel of the mean I has the variance L I at least (own derivation).
+/// By other settings, an image may find light more seldom than the other does. Then it knows its noise by the pixels around. If a share q of
+/// its samples brings the radiance L, and the others nothing, their mean is q L and their variance q L² (1 − q). So the sum of variances over
+/// the sum of means is L, but for a factor 1 − q, and a pixel of the mean I has this variance at least: L I (own derivation).
 fn beyond(images: &Images<'_>, grid: &Grid, Spreads { images: spreads, alike }: Spreads<'_>) -> Option<Pixels> {
     let mut most: Option<(usize, Quantity, f64)> = None;
     let mut visible = Vec::new();

@@ -198,7 +198,8 @@ pub(super) fn squared_bias_apart(
     squared_mean(&differences, weights, apart)
 }
 
-/// The signed bias of the mean luminance, relative to that of the reference. Pairs share their random numbers, so that noise that the two settings have in common cancels.
+/// The signed bias of the mean luminance, relative to that of the reference. Pairs share their random numbers, so that
+/// noise that the two settings have in common cancels.
 pub fn signed_bias(setting: &[Pixels], baseline: &[Pixels], reference: &Pixels) -> Option<Estimate> {
     let whole = mean_luminance(reference);
     let off = |(a, b)| match mean_luminance(a) - mean_luminance(b) {

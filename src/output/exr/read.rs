@@ -106,8 +106,8 @@ pub(super) fn attributes_of(opened: &Opened) -> Vec<(String, Attribute)> {
 }
 
 /// Reads red, green and blue, in half or float, from the part or layer whose name says that it is the picture. A file without them may
-/// have a luminance, Y, which is grey. Colours of other primaries, by the header's chromaticities, are converted to Rec. 709. The size is that of
-/// the data window.
+/// have a luminance, Y, which is grey. Colours of other primaries, by the header's chromaticities, are converted to Rec. 709. The size is
+/// that of the data window.
 pub fn read_exr(path: &Path) -> Result<ExrImage> {
     read_place(path, find_rgb).map_err(|reason| Error::File { path: path.to_owned(), action: "read", reason })
 }
