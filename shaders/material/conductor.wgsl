@@ -2,7 +2,7 @@
 //@ use lib/basis
 //@ use lib/fresnel_conductor
 //@ use lib/microfacet
-// A metal of microfacets. `parameter` is its roughness, `colour` its albedo or its eta. Its second part has k, and as `parameter`
+// A metal of microfacets. `parameter` is its roughness, `colour` its albedo or its eta - 1. Its second part has k, and as `parameter`
 // whether the colour is an eta. A microfacet is drawn from those that are visible, so the weight is its reflectance times the share of
 // them that the light reaches too (Heitz, "Sampling the GGX Distribution of Visible Normals", JCGT 7(4), 2018). Light that is
 // reflected below the surface is lost. What microfacets scatter more than once comes back by Turquin's factor (scene/multiscatter), if the

@@ -61,8 +61,8 @@ pub fn model<'a>(
 ) -> Model<'a> {
     let (roughness, number, detail) = varying(&ROUGHNESS, DetailKind::Roughness, roughness);
     let on_device = data::Material {
-        // Instead of the albedo, which a slot writes over it.
-        colour: f32s(eta.unwrap_or_default()),
+        // Instead of the albedo, which a slot writes over it. Less 1, because f32 would round an index near 1 by more than what it reflects.
+        colour: f32s(eta.map_or(Colour::ZERO, |eta| eta - 1.0)),
         parameter: roughness as f32,
         ..data::Material::default()
     };

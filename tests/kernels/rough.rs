@@ -1,8 +1,11 @@
 //! material/conductor, material/rough_dielectric, material/thin_dielectric: what becomes of a ray, one by one against f64 and many times against the density of
 //! visible microfacets.
 
+use std::path::Path;
+
 use glam::DVec3;
 use gpu_rt::material::microfacets::kept_shares;
+use gpu_rt::scene::Scene;
 
 use crate::common::kernel::{Kernel, Setup, array};
 use crate::common::microfacets::{
@@ -97,7 +100,8 @@ fn rows(random: &mut Random, count: usize, towards_light: bool) -> Vec<In> {
             let k = (i % 3 == 0).then_some([3.9, 2.4, 1e-2]);
             let row = conductor(arriving(random, cos), roughness, k);
             let light = if towards_light { rounded(unit(random)) } else { [0.0; 3] };
-            let colour = if k.is_some() { [0.2, 0.9, 1.5] } else { [0.9, 0.5, 0.0] };
+            // Of an index its excess over 1.
+            let colour = if k.is_some() { [-0.8, -0.1, 0.5] } else { [0.9, 0.5, 0.0] };
             In { u: uniforms(random, i), light, colour, ..row }
         })
         .collect()
@@ -114,7 +118,7 @@ fn response(row: &In, direction: DVec3) -> ([f64; 3], f64) {
     let share = |channel: usize| {
         let colour = f64::from(row.colour[channel]);
         match row.second.parameter != 0.0 {
-            true => metal_reflectance(cos_facet, colour, f64::from(row.second.colour[channel])),
+            true => metal_reflectance(cos_facet, 1.0 + colour, f64::from(row.second.colour[channel])),
             false => schlick(cos_facet, colour),
         }
     };
@@ -295,7 +299,7 @@ fn what_is_scattered_more_than_once_is_a_factor() {
             In { material, colour, ..row }
         }
     };
-    let straight = |c: usize| metal_reflectance(1.0, f64::from(colour[c]), 2.0);
+    let straight = |c: usize| metal_reflectance(1.0, 1.0 + f64::from(colour[c]), 2.0);
     let albedo = |c: usize| f64::from(colour[c]);
     type Case<'a> = (&'a str, Vec<In>, Box<dyn Fn(usize) -> f64 + 'a>);
     let cases: [Case; 4] = [
@@ -327,13 +331,13 @@ fn what_is_scattered_more_than_once_is_a_factor() {
 #[test]
 fn smooth_conductors_are_mirrors_with_the_reflectance_of_the_metal() {
     let mut random = Random(179);
-    let eta = [0.143, 1.65, 1e-3];
+    let excess = [-0.857, 0.65, -0.999];
     let k = [3.98, 0.0, 1e3];
     let rows: Vec<In> = (0..20_000)
         .map(|i| {
             let cos = if i % 2 == 0 { random.uniform() } else { decades(&mut random, -6.0, 0.0) };
             let roughness = [0.0, 0.0009][i % 2];
-            In { colour: eta, ..conductor(arriving(&mut random, cos), roughness, Some(k)) }
+            In { colour: excess, ..conductor(arriving(&mut random, cos), roughness, Some(k)) }
         })
         .collect();
     let found = kernel("conductor", 1, &[]).run::<_, Out>(&rows);
@@ -350,7 +354,8 @@ fn smooth_conductors_are_mirrors_with_the_reflectance_of_the_metal() {
         absorbed += usize::from(out.event == ABSORBED);
         let cos = -exact(row.incoming).dot(exact(row.normal));
         for channel in 0..3 {
-            let reflectance = |cos: f64| metal_reflectance(cos, f64::from(eta[channel]), f64::from(k[channel]));
+            let eta = 1.0 + f64::from(excess[channel]);
+            let reflectance = |cos: f64| metal_reflectance(cos, eta, f64::from(k[channel]));
             let expected = reflectance(cos);
             let blur = (reflectance((cos + 4.0 * U).min(1.0)) - reflectance((cos - 4.0 * U).max(0.0))).abs() + 64.0 * U;
             let off = |share: f64| out.event == SCATTERED && (f64::from(out.weight[channel]) - share).abs() > blur;
@@ -363,6 +368,98 @@ fn smooth_conductors_are_mirrors_with_the_reflectance_of_the_metal() {
     let at = |roughness: f64| conductor(arriving(&mut Random(1), 0.5), roughness, None);
     let found = kernel("conductor", 1, &[]).run::<_, Out>(&[at(1.0 / 1024.0), at(1.0 / 1024.1)]);
     assert_eq!([found[0].non_specular, found[1].non_specular], [1, 0]);
+}
+
+/// The largest error of a metal's reflectance, over its bound, for indices of this distance from 1 or larger ones. The bound is what a change of
+/// the cosine, of eta - 1 and of k by 4 u makes, and 32 roundings: the formula has some twenty, of which the squared ones count twice.
+fn worst_reflectance(shader: &Kernel, random: &mut Random, excesses: &[f64]) -> f64 {
+    let mut rows = Vec::new();
+    for &excess in excesses {
+        for k in [0.0, 1e-10, 1e-6, 1e-4, 1e-2, 0.1, 1.0, 10.0] {
+            let text = format!(
+                "(image: (width: 1, height: 1), camera: (look_from: (0, 0, 1), look_at: (0, 0, 0), vertical_fov: 40), background: Solid((0, 0, 0)),
+                  materials: {{ \"metal\": Conductor(eta: ({0:?}, {0:?}, {0:?}), k: ({k:?}, {k:?}, {k:?})) }}, objects: [])",
+                1.0 + excess
+            );
+            let scene = Scene::parse(&text, Path::new("metal.ron")).unwrap_or_else(|error| panic!("{error}"));
+            let model = scene.materials[0].1.model();
+            let (material, second) = (model.on_device, model.second_part.expect("it has k"));
+            for i in 0..100 {
+                let cos = if i % 2 == 0 { random.uniform() } else { decades(random, -4.0, 0.0) };
+                // Along an axis, so that the kernel has this cosine without rounding.
+                let incoming = rounded(DVec3::new((1.0 - cos * cos).sqrt(), 0.0, -cos));
+                let at = In { incoming, normal: [0.0, 0.0, 1.0], front: 1, ..In::default() };
+                let row = In { material, second, colour: material.colour, ..at };
+                // As the scene file has it, in f64.
+                rows.push((row, (1.0 + excess) - 1.0, k));
+            }
+        }
+    }
+    let given: Vec<In> = rows.iter().map(|(row, ..)| *row).collect();
+    let mut worst = 0.0f64;
+    for ((row, excess, k), out) in
+        rows.iter().zip(shader.run::<_, Out>(&given)).filter(|(_, out)| out.event == SCATTERED)
+    {
+        let cos = -f64::from(row.incoming[2]);
+        let reflectance = |cos: f64, excess: f64, k: f64| reflectance_by_excess(cos.min(1.0), excess, k);
+        let expected = reflectance(cos, *excess, *k);
+        let by = |change: f64| {
+            let changed = [
+                reflectance(cos + change * cos.max(U), *excess, *k),
+                reflectance(cos, excess + change * excess.abs(), *k),
+                reflectance(cos, *excess, k + change * k),
+            ];
+            changed.iter().map(|changed| (changed - expected).abs()).sum::<f64>()
+        };
+        let bound = by(4.0 * U).max(by(-4.0 * U)) + 32.0 * U * expected;
+        let error = (f64::from(out.weight[0]) - expected).abs();
+        worst = worst.max(if error == 0.0 { 0.0 } else { error / bound });
+    }
+    worst
+}
+
+/// Fresnel's equations with eta - 1, in f64: a - c is (b² + m) / (a + c), with m = eta² - k² - 1.
+fn reflectance_by_excess(cos: f64, excess: f64, k: f64) -> f64 {
+    let m = excess * (2.0 + excess) - k * k;
+    let (real, imaginary) = (m + cos * cos, 2.0 * (1.0 + excess) * k);
+    let larger = 0.5 * (real.hypot(imaginary) + real.abs());
+    let smaller = if larger > 0.0 { 0.25 * imaginary * imaginary / larger } else { 0.0 };
+    let (a2, b2) = if real > 0.0 { (larger, smaller) } else { (smaller, larger) };
+    let (a, s2) = (a2.sqrt(), (1.0 - cos) * (1.0 + cos));
+    let less = if m.abs() + b2 < (a + cos).powi(2) { (b2 + m) / (a + cos) } else { a - cos };
+    let perpendicular = (less * less + b2) / ((a + cos).powi(2) + b2);
+    let across = b2 * cos * cos;
+    0.5 * perpendicular * (1.0 + ((a * cos - s2).powi(2) + across) / ((a * cos + s2).powi(2) + across))
+}
+
+/// Indices near 1 on both sides, and ordinary ones, with all of k: the relative error is that of some roundings. The control rounds the
+/// index to f32, as a material file would.
+#[test]
+fn metals_reflect_by_their_index_however_near_to_1() {
+    // Both forms of Fresnel's equations agree where neither cancels.
+    for (cos, eta, k) in [(0.3, 0.143, 3.98), (0.9, 1.65, 1e-3), (0.01, 0.9, 0.5), (1.0, 2.0, 0.0)] {
+        let (own, book) = (reflectance_by_excess(cos, eta - 1.0, k), metal_reflectance(cos, eta, k));
+        assert!((own - book).abs() < 1e-9 * book, "{own}, {book}");
+    }
+    let shader = kernel("conductor", 1, &[]);
+    let mut random = Random(199);
+    for power in -7..=2 {
+        let of_power = |sign: f64| [1.0, 2.0, 5.0, 9.0].map(|digit| sign * digit * 10f64.powi(power));
+        let excesses: Vec<f64> =
+            of_power(1.0).into_iter().chain(of_power(-1.0).into_iter().filter(|e| *e > -1.0)).collect();
+        let worst = worst_reflectance(&shader, &mut random, &excesses);
+        println!("eta = 1 ± 1e{power}..9e{power}: {worst:.2}");
+        assert!(worst <= 1.0, "eta = 1 ± 1e{power}: {worst}");
+    }
+    assert!(worst_reflectance(&shader, &mut random, &[0.0]) <= 1.0, "eta = 1");
+    let row =
+        |colour: f32| In { colour: [colour; 3], ..conductor(arriving(&mut Random(4), 0.7), 0.0, Some([1e-6; 3])) };
+    let excess = 1e-4;
+    let found = shader.run::<_, Out>(&[row(excess as f32), row((1.0 + excess) as f32 - 1.0)]);
+    let cos = -exact(row(0.0).incoming).dot(exact(row(0.0).normal));
+    let off = found.iter().map(|out| f64::from(out.weight[0]) / reflectance_by_excess(cos, excess, 1e-6) - 1.0);
+    let off: Vec<f64> = off.map(f64::abs).collect();
+    assert!(off[0] < 1e-5 && off[1] > 1e-4, "{off:?}");
 }
 
 /// The index of the far side relative to the near one.
