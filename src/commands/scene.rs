@@ -6,30 +6,30 @@ use std::path::Path;
 use crate::cli::GltfArgs;
 use crate::error::Result;
 use crate::output::place::is_standard;
-use crate::scene::{Assets, OnProgress, Scene, Wishes};
+use crate::scene::{Assets, GltfOptions, OnProgress, Scene};
 
 /// Reads the scene. Of one on standard input, paths are relative to the current folder, and errors name `<stdin>`.
 pub fn load_scene(path: &Path, gltf: &GltfArgs, progress: &mut OnProgress, assets: &mut Assets) -> Result<Scene> {
-    let wishes = wishes(gltf);
+    let options = options(gltf);
     match is_standard(path) {
         true => {
-            wishes.refuse(path)?;
+            options.refuse(path)?;
             Scene::read(std::io::stdin().lock(), Path::new("<stdin>"), progress)
         }
-        false => Scene::load_as(path, &wishes, progress, assets),
+        false => Scene::load_as(path, &options, progress, assets),
     }
 }
 
 /// The scene of a glTF file, whose paths are relative to the scene file that it is written as.
 pub fn convert(from: &Path, gltf: &GltfArgs, to: &Path) -> Result<Scene> {
-    Scene::of_gltf(from, to, &wishes(gltf))
+    Scene::of_gltf(from, to, &options(gltf))
 }
 
-/// What the command line asks of a glTF scene. Its paths are relative to the current folder, and those of scenes to their own.
-fn wishes(args: &GltfArgs) -> Wishes {
+/// The glTF options. Their paths are relative to the current folder, and those of scenes to their own.
+fn options(args: &GltfArgs) -> GltfOptions {
     let sky = args.sky.as_ref().map(|path| std::path::absolute(path).unwrap_or(path.clone()));
     let sky = sky.map(|path| path.to_string_lossy().into_owned());
-    Wishes { camera: args.camera.clone(), sky, sun: args.sun, watts: args.watts }
+    GltfOptions { camera: args.camera.clone(), sky, sun: args.sun, watts: args.watts }
 }
 
 /// The scene's name, which names of outputs begin with: that of its file without the ending, or `stdin`.

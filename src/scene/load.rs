@@ -17,7 +17,7 @@ use super::findings::Findings;
 use super::recover::{Parts, recover};
 use super::types::*;
 use super::write::relative;
-use super::{Assets, OnProgress, Scene, Wishes, bitmap, gltf, mesh, validate};
+use super::{Assets, GltfOptions, OnProgress, Scene, bitmap, gltf, mesh, validate};
 use crate::error::{Error, Result};
 use crate::printable::one_line;
 use crate::source::{MOST_VALUES, Source};
@@ -166,7 +166,7 @@ fn fill(objects: &mut [Object], name: &str, contents: &[Object]) {
 pub fn of_gltf(
     path: &Path,
     to: &Path,
-    wishes: &Wishes,
+    options: &GltfOptions,
     progress: &mut OnProgress,
     assets: &mut Assets,
 ) -> Result<Scene> {
@@ -183,12 +183,12 @@ pub fn of_gltf(
     };
     let name = seen(path).to_string_lossy().into_owned();
     let mut contents =
-        assets.gltf.open(path, progress).and_then(|file| file.contents(&name, "", wishes.watts)).map_err(broken)?;
-    contents.objects.extend(wishes.sun.map(gltf::sun));
-    let view = contents.choose(wishes.camera.as_deref()).map_err(Error::Usage)?;
+        assets.gltf.open(path, progress).and_then(|file| file.contents(&name, "", options.watts)).map_err(broken)?;
+    contents.objects.extend(options.sun.map(gltf::sun));
+    let view = contents.choose(options.camera.as_deref()).map_err(Error::Usage)?;
     let has_view = view.is_some();
     let (camera, image) = view.unwrap_or_else(|| gltf::framing((DVec3::ZERO, DVec3::ZERO)));
-    let background = match &wishes.sky {
+    let background = match &options.sky {
         Some(sky) if path == to => Background::Image { path: sky.clone() },
         Some(sky) => Background::Image { path: seen(Path::new(sky)).to_string_lossy().into_owned() },
         None if contents.emits() => Background::Solid(Colour::ZERO),

@@ -55,9 +55,9 @@ pub struct Scene {
     source: Source,
 }
 
-/// What the command line asks of a scene that a glTF file describes.
+/// The glTF options: what the command line says of a scene that a glTF file describes.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Wishes {
+pub struct GltfOptions {
     /// The name of a camera; the first one if nothing is asked.
     pub camera: Option<String>,
     /// The image of the sky.
@@ -68,7 +68,7 @@ pub struct Wishes {
     pub watts: bool,
 }
 
-impl Wishes {
+impl GltfOptions {
     /// Refuses what a scene of our own form says itself.
     pub fn refuse(&self, path: &Path) -> Result<()> {
         let asked = [
@@ -102,25 +102,30 @@ impl Scene {
 
     /// The same, of a scene that may have been read before: images and meshes are taken from `assets` where their files have not changed.
     pub fn load_again(path: &Path, progress: &mut OnProgress, assets: &mut Assets) -> Result<Scene> {
-        Scene::load_as(path, &Wishes::default(), progress, assets)
+        Scene::load_as(path, &GltfOptions::default(), progress, assets)
     }
 
-    /// The same, as the command line wishes it.
-    pub fn load_as(path: &Path, wishes: &Wishes, progress: &mut OnProgress, assets: &mut Assets) -> Result<Scene> {
+    /// Reads and validates a scene that may have been read before, with the glTF options of the command line.
+    pub fn load_as(
+        path: &Path,
+        options: &GltfOptions,
+        progress: &mut OnProgress,
+        assets: &mut Assets,
+    ) -> Result<Scene> {
         assets.begin(path);
         if gltf::is_gltf(path) {
-            return load::of_gltf(path, path, wishes, progress, assets);
+            return load::of_gltf(path, path, options, progress, assets);
         }
-        wishes.refuse(path)?;
+        options.refuse(path)?;
         load::parse(load::read(path)?, path, progress, assets)
     }
 
     /// The scene of a glTF file, as the scene file `to` would have it.
-    pub fn of_gltf(path: &Path, to: &Path, wishes: &Wishes) -> Result<Scene> {
+    pub fn of_gltf(path: &Path, to: &Path, options: &GltfOptions) -> Result<Scene> {
         if !gltf::is_gltf(path) {
             return Err(Error::Usage(format!("{}: expected a file that ends in .glb or .gltf", path.display())));
         }
-        load::of_gltf(path, to, wishes, &mut |_, _, _| {}, &mut Assets::default())
+        load::of_gltf(path, to, options, &mut |_, _, _| {}, &mut Assets::default())
     }
 
     /// The text of a scene file of this scene.

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use glam::DVec3;
 use gpu_rt::error::Error;
-use gpu_rt::scene::{Assets, Background, Camera, Material, Object, Scene, Texture, Transform, Wishes};
+use gpu_rt::scene::{Assets, Background, Camera, GltfOptions, Material, Object, Scene, Texture, Transform};
 use serde_json::{Value, json};
 
 use crate::common::gltf::{glb, gltf, png, room, square};
@@ -13,14 +13,14 @@ use crate::common::stats::Random;
 
 /// The scene of a file with this JSON, and the buffer of the room.
 fn load(json: &Value) -> Result<Scene, Error> {
-    load_as(json, &Wishes::default())
+    load_as(json, &GltfOptions::default())
 }
 
-fn load_as(json: &Value, wishes: &Wishes) -> Result<Scene, Error> {
+fn load_as(json: &Value, options: &GltfOptions) -> Result<Scene, Error> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("room.glb");
     fs::write(&path, glb(json, &room().1)).unwrap();
-    Scene::load_as(&path, wishes, &mut |_, _, _| {}, &mut Assets::default())
+    Scene::load_as(&path, options, &mut |_, _, _| {}, &mut Assets::default())
 }
 
 fn changed(pointer: &str, value: Value) -> Value {
@@ -225,7 +225,7 @@ fn vertex_colours_are_read() {
 
 #[test]
 fn a_camera_is_chosen_by_its_name_or_that_of_its_node() {
-    let of = |name: &str| load_as(&room().0, &Wishes { camera: Some(name.to_owned()), ..Wishes::default() });
+    let of = |name: &str| load_as(&room().0, &GltfOptions { camera: Some(name.to_owned()), ..GltfOptions::default() });
     assert!(camera(DVec3::new(-8.0, 1.0, 0.0), 68.754_935_4)(&of("Left").unwrap().camera));
     assert_eq!(of("Left").unwrap().camera.look_at.x.round(), 0.0, "it looks along +x");
     assert_eq!(of("Wide").unwrap().camera, of("Front").unwrap().camera);
@@ -251,7 +251,7 @@ fn a_file_without_camera_and_light_gets_both_and_is_told() {
     assert!(matches!(scene.background, Background::Gradient { .. }));
     let notes = notes(&json).join("\n");
     assert!(notes.contains("nothing in it emits light") && notes.contains("it has no camera"), "{notes}");
-    let sky = Wishes { sky: Some("gone.exr".to_owned()), ..Wishes::default() };
+    let sky = GltfOptions { sky: Some("gone.exr".to_owned()), ..GltfOptions::default() };
     assert!(load_as(&json, &sky).unwrap_err().to_string().contains("gone.exr: cannot read the image"));
 }
 
@@ -432,7 +432,7 @@ fn with_tangents(tangents: &[f32]) -> Result<Scene, Error> {
     let path = folder.path().join("square.glb");
     fs::write(folder.path().join("map.png"), png()).unwrap();
     fs::write(&path, glb(&json, &binary)).unwrap();
-    Scene::load_as(&path, &Wishes::default(), &mut |_, _, _| {}, &mut Assets::default())
+    Scene::load_as(&path, &GltfOptions::default(), &mut |_, _, _| {}, &mut Assets::default())
 }
 
 #[test]
@@ -491,7 +491,7 @@ fn lights_are_those_of_the_file() {
     let range = "extensions.KHR_lights_punctual: the range of lights is not read: light has none";
     assert!(notes(&json).contains(&range.to_owned()), "{:?}", notes(&json));
 
-    let watts = Wishes { watts: true, ..Wishes::default() };
+    let watts = GltfOptions { watts: true, ..GltfOptions::default() };
     let Object::PointLight { intensity, .. } = load_as(&json, &watts).unwrap().objects[0] else { panic!() };
     assert!((intensity - DVec3::new(0.1, 0.05, 0.0)).length() < 1e-12);
     let mut of_blender = json.clone();
@@ -516,7 +516,7 @@ fn lights_are_those_of_the_file() {
 
 #[test]
 fn a_sun_is_added_where_it_is_asked_for() {
-    let sun = Wishes { sun: Some((30.0, 90.0)), ..Wishes::default() };
+    let sun = GltfOptions { sun: Some((30.0, 90.0)), ..GltfOptions::default() };
     let scene = load_as(&changed("/scenes/0/nodes", json!([0, 4])), &sun).unwrap();
     let Some(&Object::DirectionalLight { direction, irradiance }) = scene.objects.last() else { panic!() };
     // From the east, 30 degrees high.
@@ -585,12 +585,12 @@ fn a_gltf_file_is_an_object_with_materials_of_its_own() {
 }
 
 #[test]
-fn wishes_are_for_gltf_files() {
+fn gltf_options_are_refused_for_scene_files() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene.ron");
     fs::write(&path, "").unwrap();
-    let wishes = Wishes { camera: Some("A".to_owned()), ..Wishes::default() };
-    let error = Scene::load_as(&path, &wishes, &mut |_, _, _| {}, &mut Assets::default()).unwrap_err();
+    let options = GltfOptions { camera: Some("A".to_owned()), ..GltfOptions::default() };
+    let error = Scene::load_as(&path, &options, &mut |_, _, _| {}, &mut Assets::default()).unwrap_err();
     assert!(matches!(error, Error::Usage(_)), "{error}");
     assert!(error.to_string().starts_with("--camera is for scenes that are .glb or .gltf: "), "{error}");
 }

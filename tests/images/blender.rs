@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use crate::common::render::{Ask, render};
 use gpu_rt::metrics::flip::error_map;
 use gpu_rt::output::exr::read_exr;
-use gpu_rt::scene::{Material, Object, Scene, Texture, Wishes};
+use gpu_rt::scene::{GltfOptions, Material, Object, Scene, Texture};
 
 /// Half of the size of the references: four of their pixels are one here.
 const WIDTH: usize = 80;
@@ -32,8 +32,8 @@ fn file(name: &str, extension: &str) -> PathBuf {
 
 fn scene(name: &str) -> Scene {
     let path = file(name, "glb");
-    let wishes = Wishes { watts: true, ..Wishes::default() };
-    Scene::of_gltf(&path, &path, &wishes).unwrap_or_else(|error| panic!("{error}"))
+    let options = GltfOptions { watts: true, ..GltfOptions::default() };
+    Scene::of_gltf(&path, &path, &options).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// The image by Cycles, in pixels of twice the side.
@@ -111,7 +111,7 @@ fn what_convert_writes_of_them_renders_to_the_same_bytes() {
     for (name, _) in SCENES {
         let [from, to] = ["glb", "ron"].map(|extension| folder.path().join(name).with_extension(extension));
         std::fs::copy(file(name, "glb"), &from).expect("it is copied");
-        let scene = Scene::of_gltf(&from, &to, &Wishes::default()).unwrap_or_else(|error| panic!("{error}"));
+        let scene = Scene::of_gltf(&from, &to, &GltfOptions::default()).unwrap_or_else(|error| panic!("{error}"));
         std::fs::write(&to, scene.text()).expect("it is written");
         let (expected, converted) = (bits(&load(&from)), load(&to));
         assert!(expected == bits(&converted), "{name}");

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::path::Path;
 
 use glam::{DMat2, DVec2, DVec3};
-use gpu_rt::scene::{Material, Scene, Wishes};
+use gpu_rt::scene::{GltfOptions, Material, Scene};
 use serde_json::{Value, json};
 
 use crate::common::gltf::{glb, square};
@@ -216,7 +216,7 @@ fn a_number_has_its_own_texture_coordinates() {
 fn what_convert_writes_has_the_same_bytes() {
     let folder = folder();
     let [from, to] = ["square.glb", "converted.ron"].map(|name| folder.path().join(name));
-    let scene = Scene::of_gltf(&from, &to, &Wishes::default()).unwrap_or_else(|error| panic!("{error}"));
+    let scene = Scene::of_gltf(&from, &to, &GltfOptions::default()).unwrap_or_else(|error| panic!("{error}"));
     std::fs::write(&to, scene.text()).expect("it is written");
     let bits = |scene: &Scene| {
         let shot = render(scene, &Ask::spp(4).mis().size(16, 12));
