@@ -158,9 +158,18 @@ pub struct GltfArgs {
     #[arg(long, value_name = "ELEVATION,AZIMUTH", num_args = 0..=1, require_equals = true, default_missing_value = "45,60",
           value_parser = sun, allow_hyphen_values = true, help_heading = GLTF)]
     pub sun: Option<(f64, f64)>,
-    /// Of a .glb or .gltf: divide the intensities of its lights by 683 lm/W, which Blender multiplies watts by.
-    #[arg(long, help_heading = GLTF)]
-    pub watts: bool,
+    /// Of a .glb or .gltf: whether its lights are in Blender's watts, which are divided by 683 lm/W [default: on for files by Blender].
+    #[arg(long, value_name = "on|off", num_args = 0..=1, require_equals = true, default_missing_value = "on",
+          value_parser = on_or_off, help_heading = GLTF)]
+    pub watts: Option<bool>,
+}
+
+fn on_or_off(text: &str) -> Result<bool, String> {
+    match text {
+        "on" => Ok(true),
+        "off" => Ok(false),
+        _ => Err("expected on or off".to_owned()),
+    }
 }
 
 /// The place of a sun: two angles in degrees.

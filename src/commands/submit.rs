@@ -184,7 +184,7 @@ fn words_of(args: &SubmitArgs, (width, height): (u32, u32)) -> Result<Vec<String
     let is_default = duration(CHECKPOINT) == Ok(args.checkpoint);
     add("--checkpoint", (!is_default).then(|| args.checkpoint.as_secs_f64().to_string()));
     words.extend(args.gltf.sun.map(|(elevation, azimuth)| format!("--sun={elevation},{azimuth}")));
-    words.extend(args.gltf.watts.then(|| "--watts".to_string()));
+    words.extend(args.gltf.watts.map(|watts| format!("--watts={}", if watts { "on" } else { "off" })));
     words.extend(args.options.words());
     words.extend(args.mixed_drivers.then(|| "--mixed-drivers".to_string()));
     Ok(words)

@@ -229,7 +229,15 @@ pub const COMPOUNDS: &[Form] = &[
         name: "Gltf",
         about: "What the default scene of a glTF file has, with its materials and transforms, without its cameras. Its materials have the \
                 names `PATH#NAME` for other objects. [gltf.md](gltf.md) says what is read.",
-        fields: &[Field::new("path", Takes::Other(PATH), "A .gltf or .glb.")],
+        fields: &[
+            Field::new("path", Takes::Other(PATH), "A .gltf or .glb."),
+            Field::new(
+                "watts",
+                Takes::Other("true or false"),
+                "Whether its lights are in Blender's watts, which are divided by 683 lm/W.",
+            )
+            .or("true for files by Blender, else false"),
+        ],
         in_order: false,
         example: "Gltf(path: \"meshes/stool.glb\")",
     },

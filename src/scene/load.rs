@@ -1,6 +1,6 @@
 //! Reads a scene file: text, then values, then checks, then images and meshes.
 
-use std::collections::{BTreeMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::fmt;
 use std::fs::File;
 use std::io::{self, Read};
@@ -124,23 +124,26 @@ pub fn parse(mut text: String, path: &Path, progress: &mut OnProgress, assets: &
 
 /// Reads the contents of the glTF files that objects name.
 fn add_gltf(scene: &mut Scene, findings: &mut Findings, progress: &mut OnProgress, assets: &mut Assets) {
-    let mut paths = Vec::new();
+    let (mut paths, mut known) = (Vec::new(), HashMap::new());
     scene.visit_objects(&mut |at, object| {
-        if let Object::Gltf { path, .. } = object
-            && !paths.iter().any(|(known, _)| known == path)
-        {
-            let file = scene.source.resolve(path);
-            assets.note(&file);
-            let read = match gltf::is_gltf(&file) {
-                true => {
-                    assets.gltf.open(&file, progress).and_then(|file| file.contents(path, &format!("{path}#"), false))
-                }
-                false => Err("expected a path that ends in .gltf or .glb".to_owned().into()),
-            };
-            let read =
-                read.map_err(|gltf::Broken { at: part, reason }| at.field("path").error_in(&file, &part, &reason));
-            paths.extend(findings.note(read).map(|contents| (path.clone(), contents)));
+        let Object::Gltf { path, watts, .. } = object else { return };
+        let reading = gltf::Reading { asker: gltf::Asker::Object, watts: *watts };
+        if let Some(before) = known.insert(path.clone(), reading) {
+            let alike = "another Gltf(..) reads this file in another way: expected the same fields in both, or a copy of the file";
+            findings.note(if before == reading { Ok(()) } else { Err(at.field("path").error(alike)) });
+            return;
         }
+        let file = scene.source.resolve(path);
+        assets.note(&file);
+        let read = match gltf::is_gltf(&file) {
+            true => {
+                let open = assets.gltf.open(&file, progress);
+                open.and_then(|file| file.contents(path, &format!("{path}#"), &reading))
+            }
+            false => Err("expected a path that ends in .gltf or .glb".to_owned().into()),
+        };
+        let read = read.map_err(|gltf::Broken { at: part, reason }| at.field("path").error_in(&file, &part, &reason));
+        paths.extend(findings.note(read).map(|contents| (path.clone(), contents)));
     });
     for (path, contents) in paths {
         let file = scene.source.resolve(&path);
@@ -154,7 +157,7 @@ fn add_gltf(scene: &mut Scene, findings: &mut Findings, progress: &mut OnProgres
 fn fill(objects: &mut [Object], name: &str, contents: &[Object]) {
     for object in objects {
         match object {
-            Object::Gltf { path, objects } if path == name => *objects = contents.to_vec(),
+            Object::Gltf { path, objects, .. } if path == name => *objects = contents.to_vec(),
             Object::Group(objects) => fill(objects, name, contents),
             Object::Transformed { object, .. } => fill(std::slice::from_mut(object), name, contents),
             _ => {}
@@ -182,9 +185,9 @@ pub fn of_gltf(
         false => relative(to.parent().unwrap_or(Path::new("")), file),
     };
     let name = seen(path).to_string_lossy().into_owned();
-    let mut contents =
-        assets.gltf.open(path, progress).and_then(|file| file.contents(&name, "", options.watts)).map_err(broken)?;
-    contents.objects.extend(options.sun.map(gltf::sun));
+    let reading = gltf::Reading { asker: gltf::Asker::Options, watts: options.watts };
+    let file = assets.gltf.open(path, progress).map_err(broken)?;
+    let mut contents = file.contents(&name, "", &reading).map_err(broken)?;
     let view = contents.choose(options.camera.as_deref()).map_err(Error::Usage)?;
     let has_view = view.is_some();
     let (camera, image) = view.unwrap_or_else(|| gltf::framing((DVec3::ZERO, DVec3::ZERO)));
@@ -200,7 +203,8 @@ pub fn of_gltf(
             SKY
         }
     };
-    let notes = contents.notes.iter().map(|note| format!("{}: {note}", source.location(0))).collect();
+    let note = |note: &str| format!("{}: {note}", source.location(0));
+    let notes = contents.notes.iter().map(|text| note(text)).collect();
     let mut scene = Scene {
         image,
         camera,
@@ -214,8 +218,9 @@ pub fn of_gltf(
         source: Source::without_text(to),
     };
     finish(&mut scene, Findings::default(), progress, assets)?;
+    scene.objects.extend(options.sun.map(gltf::sun));
     if !has_view {
-        scene.notes.push(format!("{}: it has no camera: one that sees all of it is used", source.location(0)));
+        scene.notes.push(note("it has no camera: one that sees all of it is used"));
         (scene.camera, scene.image) = gltf::framing(gltf::bounds(&contents.placed, &scene.meshes));
     }
     Ok(scene)

@@ -125,6 +125,9 @@ pub enum Object {
     Gltf {
         #[serde(skip_serializing)]
         path: String,
+        /// Whether its lights are in Blender's watts; if it is not given, the file's generator decides.
+        #[serde(default, skip_serializing)]
+        watts: Option<bool>,
         #[serde(default, skip_deserializing)]
         objects: Vec<Object>,
     },

@@ -50,7 +50,10 @@ fn object(object: &Object) -> Result<String, ron::Error> {
             let objects: Result<Vec<_>, _> = objects.iter().map(self::object).collect();
             format!("Group([{}])", objects?.join(", "))
         }
-        Object::Gltf { path, .. } => format!("Gltf(path: {})", value(path)?),
+        Object::Gltf { path, watts, .. } => {
+            let watts = watts.map_or(String::new(), |watts| format!(", watts: {watts}"));
+            format!("Gltf(path: {}{watts})", value(path)?)
+        }
         Object::Medium { boundary, density, albedo, anisotropy } => format!(
             "Medium(boundary: {}, density: {}, albedo: {}, anisotropy: {})",
             self::object(boundary)?,

@@ -36,7 +36,11 @@ fn changed(pointer: &str, value: Value) -> Value {
 
 /// The warnings, without the name of the file.
 fn notes(json: &Value) -> Vec<String> {
-    let scene = load(json).unwrap_or_else(|error| panic!("{error}"));
+    notes_as(json, &GltfOptions::default())
+}
+
+fn notes_as(json: &Value, options: &GltfOptions) -> Vec<String> {
+    let scene = load_as(json, options).unwrap_or_else(|error| panic!("{error}"));
     let name = scene.inputs()[0].display().to_string();
     scene.warnings().iter().map(|note| note.replace(&format!("{name}: "), "")).collect()
 }
@@ -491,12 +495,6 @@ fn lights_are_those_of_the_file() {
     let range = "extensions.KHR_lights_punctual: the range of lights is not read: light has none";
     assert!(notes(&json).contains(&range.to_owned()), "{:?}", notes(&json));
 
-    let watts = GltfOptions { watts: true, ..GltfOptions::default() };
-    let Object::PointLight { intensity, .. } = load_as(&json, &watts).unwrap().objects[0] else { panic!() };
-    assert!((intensity - DVec3::new(0.1, 0.05, 0.0)).length() < 1e-12);
-    let mut of_blender = json.clone();
-    of_blender["asset"]["generator"] = json!("Khronos glTF Blender I/O v4.2.57");
-    assert!(notes(&of_blender).join(" ").contains("--watts") && !notes(&json).join(" ").contains("--watts"));
     for (pointer, value, at) in [
         ("/lights/0/type", json!("round"), "lights[0].type"),
         ("/lights/0/intensity", json!(-1), "lights[0].intensity"),
@@ -512,6 +510,81 @@ fn lights_are_those_of_the_file() {
     broken["nodes"][3]["extensions"]["KHR_lights_punctual"]["light"] = json!(9);
     let error = load(&broken).unwrap_err().to_string();
     assert!(error.contains("nodes[3].extensions.KHR_lights_punctual.light: there is no light 9"), "{error}");
+}
+
+/// Without a light without size the units do not matter, and nothing is told of them.
+#[test]
+fn lights_of_files_by_blender_are_in_watts_unless_they_are_said_not_to_be() {
+    let of = |generator: &str| {
+        let mut json = with_lights();
+        json["asset"]["generator"] = generator.into();
+        json
+    };
+    let watts = |watts| GltfOptions { watts, ..GltfOptions::default() };
+    // The intensity of the point, that of the spot, and the irradiance of the sun, in red.
+    let strengths = |json: &Value, given| {
+        let scene = load_as(json, &watts(given)).unwrap_or_else(|error| panic!("{error}"));
+        [0, 1, 2].map(|light| match scene.objects[light] {
+            Object::PointLight { intensity, .. } | Object::SpotLight { intensity, .. } => intensity.x,
+            Object::DirectionalLight { irradiance, .. } => irradiance.x,
+            ref other => panic!("{other:?}"),
+        })
+    };
+    let [standard, lumens, plain] =
+        [[1.0; 3], [683.0; 3], [4.0 * std::f64::consts::PI, 4.0 * std::f64::consts::PI, 1.0]];
+    let told = |json: &Value, given| {
+        let notes = notes_as(json, &watts(given));
+        notes.into_iter().filter(|note| note.contains("--watts=off")).collect::<Vec<_>>()
+    };
+    let [new, old] = ["Khronos glTF Blender I/O v4.2.57", "Khronos glTF Blender I/O v3.3.27"].map(of);
+    let other = of("a test");
+    for (json, given, expected) in [
+        (&other, None, standard),
+        (&other, Some(true), lumens),
+        (&other, Some(false), standard),
+        (&new, None, lumens),
+        (&new, Some(true), lumens),
+        (&new, Some(false), standard),
+        (&old, None, plain),
+        (&old, Some(true), plain),
+        (&old, Some(false), standard),
+    ] {
+        let found = strengths(json, given);
+        let off = [68.3, 2.0, 3.0].into_iter().zip(expected).map(|(intensity, divisor)| intensity / divisor);
+        let off =
+            off.zip(found).map(|(expected, found): (f64, f64)| (found / expected - 1.0).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-12, "{given:?}: {found:?}");
+        // It is told where nobody asked.
+        let is_told = given.is_none() && expected != standard;
+        assert_eq!(told(json, given).len(), usize::from(is_told), "{given:?}: {:?}", told(json, given));
+    }
+    let unitless = told(&new, None);
+    assert!(unitless[0].starts_with("asset.generator: ") && unitless[0].contains("\"Unitless\""), "{unitless:?}");
+    let mut without = room().0;
+    without["asset"]["generator"] = json!("Khronos glTF Blender I/O v4.2.57");
+    assert_eq!(told(&without, None), Vec::<String>::new());
+
+    // An object in a scene file has a field for it, and the warning names that.
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("new.glb"), glb(&new, &room().1)).unwrap();
+    let intensity = |object: &str| {
+        let scene = scene_with(folder.path(), object).unwrap_or_else(|error| panic!("{error}"));
+        let mut found = Vec::new();
+        scene.visit_objects(&mut |_, object| {
+            if let Object::PointLight { intensity, .. } = object {
+                found.push(intensity.x);
+            }
+        });
+        (found, scene.warnings().join("\n").matches("watts: false").count())
+    };
+    assert_eq!(intensity(r#"Gltf(path: "new.glb")"#), (vec![68.3 / 683.0], 1));
+    assert_eq!(intensity(r#"Gltf(path: "new.glb", watts: true)"#), (vec![68.3 / 683.0], 0));
+    assert_eq!(intensity(r#"Gltf(path: "new.glb", watts: false)"#), (vec![68.3], 0));
+    let twice = r#"Gltf(path: "new.glb", watts: false), Group([Gltf(path: "new.glb")])"#;
+    let error = scene_with(folder.path(), twice).unwrap_err().to_string();
+    assert!(error.contains("objects[1].Group[0].Gltf.path: ") && error.contains("in another way"), "{error}");
+    let error = scene_with(folder.path(), r#"Gltf(path: "new.glb", watts: 1)"#).unwrap_err().to_string();
+    assert!(error.contains("objects[0].Gltf.watts: ") && error.contains("true or false"), "{error}");
 }
 
 #[test]

@@ -32,8 +32,7 @@ fn file(name: &str, extension: &str) -> PathBuf {
 
 fn scene(name: &str) -> Scene {
     let path = file(name, "glb");
-    let options = GltfOptions { watts: true, ..GltfOptions::default() };
-    Scene::of_gltf(&path, &path, &options).unwrap_or_else(|error| panic!("{error}"))
+    Scene::of_gltf(&path, &path, &GltfOptions::default()).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// The image by Cycles, in pixels of twice the side.

@@ -100,3 +100,79 @@ fn a_shared_render_has_the_files_and_the_camera() {
     let asked = fs::read_to_string(place.work().join("job/job.json")).unwrap();
     assert!(asked.contains("--camera") && asked.contains("Left"), "{asked}");
 }
+
+/// A place with lamps.glb among its scenes: squares of the room, lit by a point as Blender's exporter writes it.
+fn with_lamps() -> Place {
+    let place = Place::new();
+    let (mut json, binary) = room();
+    json["asset"]["generator"] = "Khronos glTF Blender I/O v5.0.21".into();
+    json["scenes"][0]["nodes"] = serde_json::json!([0, 2, 4]);
+    json["nodes"][2] =
+        serde_json::json!({"translation": [0, 1, 4], "extensions": {"KHR_lights_punctual": {"light": 0}}});
+    json["extensions"] =
+        serde_json::json!({"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": 683, "name": "Lamp"}]}});
+    fs::write(place.folder.path().join("scenes/lamps.glb"), glb(&json, &binary)).unwrap();
+    place
+}
+
+/// Blender's exporter multiplies watts by 683 lm/W. Every command divides by that, and `--watts=off` keeps the file's numbers.
+#[test]
+fn lamps_of_blender_are_in_watts_in_every_command() {
+    let place = with_lamps();
+    let run = |line: &str| place.says(&line.replace("LAMPS", "../scenes/lamps.glb")).exits(0);
+    let render = |scene: &str, options: &str, to: &str| {
+        run(&format!("render {scene} --device {} --size 16x10 --spp 8 -o {to} {options}", software()))
+    };
+    let mean = |name: &str| {
+        let rgb = place.exr(name).rgb;
+        rgb.as_flattened().iter().map(|x| f64::from(*x)).sum::<f64>() / (3.0 * rgb.len() as f64)
+    };
+    let told = render("LAMPS", "", "watts.exr").stderr;
+    assert_eq!(told.matches("--watts=off").count(), 1, "{told}");
+    let told = render("LAMPS", "--watts=off", "candela.exr").stderr;
+    assert!(!told.contains("--watts"), "{told}");
+    render("LAMPS", "--watts", "asked.exr");
+    assert_eq!(place.exr("watts.exr").rgb, place.exr("asked.exr").rgb);
+    // Radiance is rounded to f32, in units of a power of two.
+    let ratio = mean("candela.exr") / mean("watts.exr");
+    assert!((ratio / 683.0 - 1.0).abs() < 1e-5, "{ratio}");
+
+    for (options, name) in [("", "watts"), ("--watts=off", "candela")] {
+        let ran = run(&format!("convert LAMPS -o {name}.ron {options}"));
+        assert_eq!(ran.stderr.matches("--watts=off").count(), usize::from(options.is_empty()), "{}", ran.stderr);
+        render(&format!("{name}.ron"), "", "converted.exr");
+        assert_eq!(place.exr(&format!("{name}.exr")).rgb, place.exr("converted.exr").rgb, "{name}");
+        fs::remove_file(place.work().join("converted.exr")).unwrap();
+    }
+    for command in ["check", "plan"] {
+        let ran = run(&format!("{command} LAMPS"));
+        let both = format!("{}{}", ran.stdout, ran.stderr);
+        assert_eq!(both.matches("--watts=off").count(), usize::from(command == "check"), "{both}");
+        run(&format!("{command} LAMPS --watts=off"));
+    }
+
+    // A render goes on with the same lights alone.
+    let on = format!("render ../scenes/lamps.glb --device {} --size 16x10 --spp 16 -o watts.exr --resume", software());
+    let refused = place.says(&format!("{on} --watts=off")).exits(2);
+    assert!(refused.last_line().contains("the scene differs"), "{}", refused.stderr);
+    place.says(&on).exits(0);
+    let refused = place.says("merge watts.exr candela.exr -o both.exr").exits(2);
+    assert!(refused.last_line().contains("the scene differs"), "{}", refused.stderr);
+    let refused = place.says("check ../scenes/lamps.glb --watts=no").exits(2);
+    assert!(refused.stderr.contains("expected on or off"), "{}", refused.stderr);
+}
+
+/// The scripts of a shared render have what was asked. By default each part finds the file's generator in the copy.
+#[test]
+#[cfg(unix)]
+fn a_shared_render_has_the_gltf_options_that_were_given() {
+    let place = with_lamps();
+    let words = |options: &str, folder: &str| {
+        let line = format!("submit slurm ../scenes/lamps.glb --parts 2 --spp 16 -o {folder} --dry-run {options}");
+        place.says(&line).exits(0);
+        fs::read_to_string(place.work().join(folder).join("job.json")).unwrap()
+    };
+    assert!(!words("", "default").contains("watts"));
+    assert!(words("--watts=off", "off").contains("\"--watts=off\""));
+    assert!(words("--watts", "on").contains("\"--watts=on\""));
+}

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use glam::{DAffine3, DVec3};
 
 use super::camera::View;
+use super::generator::LightUnits;
 use super::geometry::has_triangles;
 use super::material::default_material;
 use super::nodes::similarity;
@@ -17,6 +18,33 @@ use crate::scene::nearest::nearest;
 use crate::scene::types::{Camera, ImageSize, Material, Object};
 use crate::shape::Aabb;
 
+/// Who says how a file is read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Asker {
+    /// The options of the command line.
+    Options,
+    /// The fields of a Gltf object in a scene file.
+    Object,
+}
+
+/// How a file is read where glTF and Blender differ.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Reading {
+    pub asker: Asker,
+    /// Whether its lights are in Blender's watts; if it is not given, the file's generator decides.
+    pub watts: Option<bool>,
+}
+
+impl Reading {
+    /// How the asker says that lights are not in watts.
+    fn watts_off(&self) -> &'static str {
+        match self.asker {
+            Asker::Options => "--watts=off",
+            Asker::Object => "watts: false",
+        }
+    }
+}
+
 /// What the default scene of a file has.
 #[derive(Default)]
 pub struct Contents {
@@ -24,8 +52,6 @@ pub struct Contents {
     pub objects: Vec<Object>,
     /// The meshes of the objects with their transforms, for a camera that sees them all.
     pub placed: Vec<(String, DAffine3)>,
-    /// How many of the objects are lights without size.
-    lights: usize,
     /// In the order of their nodes.
     pub views: Vec<View>,
     /// What is not as the file says, each with its place in the JSON.
@@ -53,7 +79,12 @@ impl Contents {
 
     /// Whether anything emits light.
     pub fn emits(&self) -> bool {
-        self.lights > 0 || self.materials.iter().any(|(_, material)| material.model().two_sided.is_some())
+        self.has_lights() || self.materials.iter().any(|(_, material)| material.model().two_sided.is_some())
+    }
+
+    /// Whether it has lights without size.
+    pub fn has_lights(&self) -> bool {
+        self.objects.iter().any(|object| object.delta_light().is_some())
     }
 }
 
@@ -93,22 +124,44 @@ pub fn bounds(placed: &[(String, DAffine3)], meshes: &BTreeMap<String, Arc<Mesh>
 
 impl File {
     /// The contents of the default scene. `path` is the file as the scene names it; names of materials begin with `prefix`.
-    /// `watts` says that its lights are in units of 1/683 W, as Blender writes them.
-    pub fn contents(&self, path: &str, prefix: &str, watts: bool) -> Result<Contents> {
-        guarded(|| self.read_contents(path, prefix, watts))?
+    pub fn contents(&self, path: &str, prefix: &str, reading: &Reading) -> Result<Contents> {
+        guarded(|| self.read_contents(path, prefix, reading))?
     }
 
-    fn read_contents(&self, path: &str, prefix: &str, watts: bool) -> Result<Contents> {
+    /// The units of its lights, and a note if its generator alone says so.
+    fn light_units(&self, reading: &Reading) -> (LightUnits, Option<String>) {
+        let Some(blender) = self.blender() else {
+            let units =
+                if reading.watts == Some(true) { LightUnits::WattsTimesLumens } else { LightUnits::Photometric };
+            return (units, None);
+        };
+        let (units, off) = (blender.light_units(), reading.watts_off());
+        let note = match (reading.watts, units) {
+            (Some(false), _) => return (LightUnits::Photometric, None),
+            (Some(true), _) | (None, LightUnits::Photometric) => None,
+            (None, LightUnits::WattsTimesLumens) => Some(format!(
+                "asset.generator: Blender writes the watts of its lights times 683 lm/W, so they are divided by that: {off} for a file \
+                 exported with Lighting Mode \"Unitless\""
+            )),
+            (None, LightUnits::Watts) => Some(format!(
+                "asset.generator: Blender's exporter before 3.4 wrote the watts of its lights, so those of points and spots are divided \
+                 by 4 pi: {off} reads them as candela"
+            )),
+        };
+        (units, note)
+    }
+
+    fn read_contents(&self, path: &str, prefix: &str, reading: &Reading) -> Result<Contents> {
         let root = self.root();
         let mut contents = Contents::default();
         let mut materials = Materials { file: self, path, prefix, names: HashMap::new(), taken: HashSet::new() };
         let (mut without_triangles, mut ranges) = (0, 0);
+        let (units, note_of_units) = self.light_units(reading);
         let (mut of_mesh, mut baked) = (HashSet::new(), Vec::new());
         for placed in self.nodes() {
             contents.views.extend(self.view(&placed, &mut contents.notes)?);
-            if let Some(light) = self.light(&placed, watts)? {
+            if let Some(light) = self.light(&placed, units)? {
                 contents.objects.push(light.object);
-                contents.lights += 1;
                 ranges += usize::from(light.has_range);
             }
             let Some(mesh) = placed.node.mesh.map(|mesh| mesh.value()) else { continue };
@@ -138,7 +191,9 @@ impl File {
                 contents.placed.push((part, to_scene));
             }
         }
+        let has_lights = contents.has_lights();
         let notes = &mut contents.notes;
+        notes.extend(note_of_units.filter(|_| has_lights));
         let unread: Vec<String> =
             root.extensions_used.iter().filter(|name| !is_read(name)).map(|name| quote(name.as_bytes())).collect();
         if !unread.is_empty() {
@@ -155,17 +210,11 @@ impl File {
             notes.push(format!("meshes: {without_triangles} primitives of points or lines are left out"));
         }
         let primitives = || root.meshes.iter().flat_map(|mesh| &mesh.primitives);
-        let of_blender = root.asset.generator.as_ref().is_some_and(|name| name.contains("Blender"));
         for (is_there, note) in [
             (!root.skins.is_empty(), "skins are not read: meshes have the shape in which they were bound"),
             (!root.animations.is_empty(), "animations are not read"),
             (primitives().any(|it| it.targets.is_some()), "meshes: morph targets are not read"),
             (ranges > 0, "extensions.KHR_lights_punctual: the range of lights is not read: light has none"),
-            (
-                contents.lights > 0 && of_blender && !watts,
-                "asset.generator: Blender multiplies the watts of its lights by 683 lm/W: --watts divides by it, so that \
-                 they are as bright beside other lights as there",
-            ),
         ] {
             if is_there {
                 notes.push(note.to_owned());

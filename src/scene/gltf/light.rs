@@ -4,13 +4,11 @@ use glam::DVec3;
 use gltf::json::extensions::scene::khr_lights_punctual::Type;
 use gltf::json::validation::Checked;
 
+use super::generator::LightUnits;
 use super::material::{colour, radiance};
 use super::nodes::Placed;
 use super::{Broken, File, Result, decimal};
 use crate::scene::types::Object;
-
-/// Lumens of a watt of green light: what Blender multiplies the watts of its lights by.
-const LUMENS: f64 = 683.0;
 
 /// A light of the file.
 pub struct Light {
@@ -20,8 +18,8 @@ pub struct Light {
 }
 
 impl File {
-    /// The light of a node. In `watts`, the file's numbers are divided by 683.
-    pub fn light(&self, placed: &Placed, watts: bool) -> Result<Option<Light>> {
+    /// The light of a node, in the radiance's units.
+    pub fn light(&self, placed: &Placed, units: LightUnits) -> Result<Option<Light>> {
         let of_node = placed.node.extensions.as_ref().and_then(|found| found.khr_lights_punctual.as_ref());
         let Some(index) = of_node.map(|found| found.light.value()) else { return Ok(None) };
         let node = format!("nodes[{}]", placed.index);
@@ -37,16 +35,19 @@ impl File {
         if strength < 0.0 || light.color.iter().any(|channel| *channel < 0.0) {
             return Err(wrong("intensity", "expected no negative light".to_owned()));
         }
-        let strength = radiance(strength / if watts { LUMENS } else { 1.0 } * colour(light.color));
+        let Checked::Valid(kind) = light.type_ else {
+            return Err(wrong("type", "expected point, spot or directional".to_owned()));
+        };
+        let strength = radiance(strength / units.divisor(kind) * colour(light.color));
         let at = placed.to_scene.translation;
         let direction = -placed.to_scene.matrix3.z_axis.normalize_or_zero();
-        if direction == DVec3::ZERO && light.type_ != Checked::Valid(Type::Point) {
+        if direction == DVec3::ZERO && kind != Type::Point {
             return Err(Broken::new(node, "its light has no direction"));
         }
-        let object = match light.type_ {
-            Checked::Valid(Type::Point) => Object::PointLight { at, intensity: strength },
-            Checked::Valid(Type::Directional) => Object::DirectionalLight { direction, irradiance: strength },
-            Checked::Valid(Type::Spot) => {
+        let object = match kind {
+            Type::Point => Object::PointLight { at, intensity: strength },
+            Type::Directional => Object::DirectionalLight { direction, irradiance: strength },
+            Type::Spot => {
                 let spot =
                     light.spot.as_ref().ok_or_else(|| wrong("spot", "expected the angles of the spot".to_owned()))?;
                 let outer = decimal(spot.outer_cone_angle);
@@ -63,7 +64,6 @@ impl File {
                     outer: outer.to_degrees(),
                 }
             }
-            Checked::Invalid => return Err(wrong("type", "expected point, spot or directional".to_owned())),
         };
         Ok(Some(Light { object, has_range: light.range.is_some() }))
     }

@@ -8,6 +8,7 @@
 mod accessors;
 mod camera;
 mod contents;
+mod generator;
 mod geometry;
 mod light;
 mod material;
@@ -31,7 +32,7 @@ use super::mesh::{OnProgress, quote};
 use crate::guard::guarded;
 
 pub use camera::framing;
-pub use contents::bounds;
+pub use contents::{Asker, Reading, bounds};
 pub use light::sun;
 
 /// The longest JSON, in bytes. A file with more has its buffers in base64, and a copy of them in memory.
