@@ -128,6 +128,14 @@ impl DeltaLight {
         }
     }
 
+    /// Its intensity, or the irradiance of a directional light.
+    pub fn colour(&self) -> Colour {
+        match *self {
+            DeltaLight::Point { intensity, .. } | DeltaLight::Spot { intensity, .. } => intensity,
+            DeltaLight::Directional { irradiance, .. } => irradiance,
+        }
+    }
+
     /// Its distance from the origin.
     pub fn distance(&self) -> f64 {
         match *self {

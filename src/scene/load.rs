@@ -19,6 +19,7 @@ use super::types::*;
 use super::write::relative;
 use super::{Assets, GltfOptions, OnProgress, Scene, bitmap, gltf, mesh, validate};
 use crate::error::{Error, Result};
+use crate::material::DetailKind;
 use crate::printable::one_line;
 use crate::source::{MOST_VALUES, Source};
 
@@ -188,20 +189,15 @@ pub fn of_gltf(
     let reading = gltf::Reading { asker: gltf::Asker::Options, watts: options.watts };
     let file = assets.gltf.open(path, progress).map_err(broken)?;
     let mut contents = file.contents(&name, "", &reading).map_err(broken)?;
+    let (is_of_blender, has_lamps) = (file.blender().is_some(), contents.has_lights());
+    drop(file);
     let view = contents.choose(options.camera.as_deref()).map_err(Error::Usage)?;
     let has_view = view.is_some();
     let (camera, image) = view.unwrap_or_else(|| gltf::framing((DVec3::ZERO, DVec3::ZERO)));
     let background = match &options.sky {
         Some(sky) if path == to => Background::Image { path: sky.clone() },
         Some(sky) => Background::Image { path: seen(Path::new(sky)).to_string_lossy().into_owned() },
-        None if contents.emits() => Background::Solid(Colour::ZERO),
-        None => {
-            contents.notes.push(
-                "nothing in it emits light, so that a sky of white and blue does: give another with --sky FILE, or a sun with --sun"
-                    .to_owned(),
-            );
-            SKY
-        }
+        None => Background::Solid(Colour::ZERO),
     };
     let note = |note: &str| format!("{}: {note}", source.location(0));
     let notes = contents.notes.iter().map(|text| note(text)).collect();
@@ -218,12 +214,52 @@ pub fn of_gltf(
         source: Source::without_text(to),
     };
     finish(&mut scene, Findings::default(), progress, assets)?;
+    if is_of_blender && !has_lamps {
+        scene.notes.push(note(
+            "it has no lamps: Blender's exporter writes them if Punctual Lights is ticked under Include, but never area lamps and the world \
+             (--sky FILE, --sun)",
+        ));
+    }
+    if options.sky.is_none() && !emits(&scene) {
+        scene.background = SKY;
+        scene.notes.push(note(
+            "nothing in it emits light, so that a sky of white and blue does: give another with --sky FILE, or a sun with --sun",
+        ));
+    }
     scene.objects.extend(options.sun.map(gltf::sun));
     if !has_view {
-        scene.notes.push(note("it has no camera: one that sees all of it is used"));
+        let ticked =
+            if is_of_blender { "; Blender's exporter writes them if Cameras is ticked under Include" } else { "" };
+        scene.notes.push(note(&format!("it has no camera: one that sees all of it is used{ticked}")));
         (scene.camera, scene.image) = gltf::framing(gltf::bounds(&contents.placed, &scene.meshes));
     }
     Ok(scene)
+}
+
+/// Whether anything in the scene emits light beside its background: a light without size, or a surface.
+fn emits(scene: &Scene) -> bool {
+    let shines = |material: &Material| {
+        let model = material.model();
+        let brightest = |texture: &Texture| texture.brightest(&scene.bitmaps);
+        let is_there = model.details.iter().filter(|detail| detail.kind == DetailKind::Alpha).all(|detail| {
+            let (alpha, cutoff) = (brightest(detail.slot.texture), f64::from(detail.parameter));
+            alpha >= cutoff && (alpha > 0.0 || cutoff >= 0.0)
+        });
+        is_there && model.emission().is_some_and(|emission| brightest(emission.slot.texture) > 0.0)
+    };
+    let shining = scene.materials.iter().filter(|(_, material)| shines(material));
+    let shining: HashSet<&str> = shining.map(|(name, _)| name.as_str()).collect();
+    let mut found = false;
+    scene.visit_objects(&mut |_, object| {
+        let is_light = object.delta_light().is_some_and(|light| light.colour() != Colour::ZERO);
+        let has_surface = || match object {
+            // One without area is not there.
+            Object::Mesh { path, .. } => scene.meshes.contains_key(path),
+            _ => true,
+        };
+        found |= is_light || object.material().is_some_and(|name| shining.contains(name)) && has_surface();
+    });
+    found
 }
 
 /// Checks a scene, and reads its images and meshes.

@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 
+use base64::Engine;
 use glam::DVec3;
 use gpu_rt::error::Error;
 use gpu_rt::scene::{Assets, Background, Camera, GltfOptions, Material, Object, Scene, Texture, Transform};
@@ -585,6 +586,105 @@ fn lights_of_files_by_blender_are_in_watts_unless_they_are_said_not_to_be() {
     assert!(error.contains("objects[1].Group[0].Gltf.path: ") && error.contains("in another way"), "{error}");
     let error = scene_with(folder.path(), r#"Gltf(path: "new.glb", watts: 1)"#).unwrap_err().to_string();
     assert!(error.contains("objects[0].Gltf.watts: ") && error.contains("true or false"), "{error}");
+}
+
+/// The room, whose lamp alone has this material. What emits is a texture, a number, beside what scatters, or nothing.
+fn lit_by(material: Value) -> Value {
+    let mut json = changed("/materials/1", material);
+    json["scenes"][0]["nodes"] = json!([0, 2, 4]);
+    json
+}
+
+#[test]
+fn a_sky_is_added_only_where_nothing_emits() {
+    let base = |colour: Value| json!({"baseColorFactor": colour, "metallicFactor": 0});
+    let glow = json!([1, 0.5, 0]);
+    let strength = |strength: f64| json!({"KHR_materials_emissive_strength": {"emissiveStrength": strength}});
+    let [grey, black] = [json!([0.5, 0.5, 0.5, 1]), json!([0, 0, 0, 1])].map(base);
+    let invisible = base(json!([0.5, 0.5, 0.5, 0]));
+    let solid = json!({"KHR_materials_transmission": {"transmissionFactor": 1}});
+    let emits = |json: &Value, told: bool| {
+        let scene = load(json).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(notes(json).join("\n").contains("nothing in it emits light"), told, "{json}");
+        assert_eq!(matches!(scene.background, Background::Gradient { .. }), told, "{json}");
+        if !told {
+            assert_eq!(scene.background, Background::Solid(DVec3::ZERO));
+        }
+    };
+    for (material, does) in [
+        (json!({"emissiveFactor": glow, "pbrMetallicRoughness": grey}), true),
+        (json!({"emissiveFactor": glow, "pbrMetallicRoughness": black}), true),
+        (json!({"emissiveFactor": glow, "pbrMetallicRoughness": black, "alphaMode": "BLEND"}), true),
+        (json!({"emissiveFactor": glow}), true),
+        (json!({"emissiveFactor": [0.001, 0, 0], "extensions": strength(1e-3)}), true),
+        (json!({"emissiveFactor": glow, "emissiveTexture": {"index": 0}, "pbrMetallicRoughness": grey}), true),
+        (
+            json!({"emissiveFactor": glow, "alphaMode": "MASK", "alphaCutoff": 0, "pbrMetallicRoughness": invisible}),
+            true,
+        ),
+        // None of it is left.
+        (json!({"emissiveFactor": [0, 0, 0], "pbrMetallicRoughness": grey}), false),
+        (json!({"emissiveFactor": glow, "extensions": strength(0.0), "pbrMetallicRoughness": grey}), false),
+        (json!({"emissiveTexture": {"index": 0}, "pbrMetallicRoughness": grey}), false),
+        (json!({"emissiveFactor": glow, "alphaMode": "BLEND", "pbrMetallicRoughness": invisible}), false),
+        (json!({"emissiveFactor": glow, "alphaMode": "MASK", "pbrMetallicRoughness": invisible}), false),
+        // Glass does not emit, and it is said.
+        (json!({"emissiveFactor": glow, "extensions": solid, "pbrMetallicRoughness": grey}), false),
+    ] {
+        emits(&lit_by(material), !does);
+    }
+    // All texels of its image are black.
+    let mut pixels = Vec::new();
+    let black = image::RgbImage::new(2, 2);
+    black.write_to(&mut std::io::Cursor::new(&mut pixels), image::ImageFormat::Png).unwrap();
+    let mut json =
+        lit_by(json!({"emissiveFactor": glow, "emissiveTexture": {"index": 1}, "pbrMetallicRoughness": grey}));
+    let encoded = base64::engine::general_purpose::STANDARD.encode(&pixels);
+    json["images"] = json!([{"bufferView": 5}, {"uri": format!("data:image/png;base64,{encoded}")}]);
+    json["textures"] = json!([{"source": 0}, {"source": 1}]);
+    emits(&json, true);
+    // A material that no object has, a lamp of another scene, and a light that no node has.
+    let mut json = changed("/scenes/0/nodes", json!([0, 4]));
+    emits(&json, true);
+    json["scenes"] = json!([{"nodes": [0, 4]}, {"nodes": [2]}]);
+    emits(&json, true);
+    json["scene"] = json!(1);
+    emits(&json, false);
+    json["scene"] = json!(0);
+    json["extensions"] = json!({"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": 2}]}});
+    emits(&json, true);
+    // A node with a light and without a mesh; a light that is off.
+    json["nodes"][4]["extensions"] = json!({"KHR_lights_punctual": {"light": 0}});
+    emits(&json, false);
+    json["extensions"]["KHR_lights_punctual"]["lights"][0]["intensity"] = json!(0);
+    emits(&json, true);
+    // A lamp without area.
+    let mut json = room().0;
+    json["nodes"][2]["scale"] = json!([0, 0, 0]);
+    emits(&json, true);
+}
+
+#[test]
+fn a_file_by_blender_without_lamps_or_cameras_says_what_to_tick() {
+    let of_blender = |mut json: Value| {
+        json["asset"]["generator"] = json!("Khronos glTF Blender I/O v5.0.21");
+        json
+    };
+    let ticked = |json: &Value, what: &str| notes(json).join("\n").matches(what).count();
+    let [lamps, cameras] = ["Punctual Lights is ticked", "Cameras is ticked"];
+    let dark = of_blender(changed("/scenes/0/nodes", json!([0, 1])));
+    assert_eq!((ticked(&dark, lamps), ticked(&dark, cameras)), (1, 1), "{:?}", notes(&dark));
+    assert_eq!(ticked(&dark, "area lamps and the world"), 1);
+    // Surfaces that emit are no lamps.
+    assert_eq!((ticked(&of_blender(room().0), lamps), ticked(&of_blender(room().0), cameras)), (1, 0));
+    assert_eq!(ticked(&of_blender(with_lights()), lamps), 0);
+    // Another program's file, and one that is an object of a scene with lights of its own.
+    let other = changed("/scenes/0/nodes", json!([0, 1]));
+    assert_eq!((ticked(&other, lamps), ticked(&other, cameras)), (0, 0));
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("dark.glb"), glb(&dark, &room().1)).unwrap();
+    let scene = scene_with(folder.path(), r#"Gltf(path: "dark.glb")"#).unwrap();
+    assert!(!scene.warnings().join("\n").contains("ticked"), "{:?}", scene.warnings());
 }
 
 #[test]

@@ -77,11 +77,6 @@ impl Contents {
         Ok(chosen.map(|view| (view.camera.clone(), view.image)))
     }
 
-    /// Whether anything emits light.
-    pub fn emits(&self) -> bool {
-        self.has_lights() || self.materials.iter().any(|(_, material)| material.model().two_sided.is_some())
-    }
-
     /// Whether it has lights without size.
     pub fn has_lights(&self) -> bool {
         self.objects.iter().any(|object| object.delta_light().is_some())
