@@ -9,6 +9,7 @@ use clap::{Args, Parser, Subcommand};
 use crate::job::Crop;
 use crate::options::{self, Class, RenderOptions};
 use crate::output::view_transform::{Tonemap, ViewTransform};
+use crate::scene::Thin;
 
 /// A path tracer for GPUs, and for machines without one.
 #[derive(Debug, Parser)]
@@ -162,6 +163,10 @@ pub struct GltfArgs {
     #[arg(long, value_name = "on|off", num_args = 0..=1, require_equals = true, default_missing_value = "on",
           value_parser = on_or_off, help_heading = GLTF)]
     pub watts: Option<bool>,
+    /// Of a .glb or .gltf: which glass is thin. `auto`: of files by Blender open meshes, as it renders them; `pane`: glass without a
+    /// thickness in the file, as glTF says.
+    #[arg(long, value_name = "WORD", value_enum, default_value_t, help_heading = GLTF)]
+    pub thin: Thin,
 }
 
 fn on_or_off(text: &str) -> Result<bool, String> {
@@ -244,6 +249,7 @@ fn of_a_new_folder() -> impl Iterator<Item = &'static str> {
         "sky",
         "sun",
         "watts",
+        "thin",
         "spp",
         "noise",
         "parts",

@@ -29,7 +29,7 @@ pub fn convert(from: &Path, gltf: &GltfArgs, to: &Path) -> Result<Scene> {
 fn options(args: &GltfArgs) -> GltfOptions {
     let sky = args.sky.as_ref().map(|path| std::path::absolute(path).unwrap_or(path.clone()));
     let sky = sky.map(|path| path.to_string_lossy().into_owned());
-    GltfOptions { camera: args.camera.clone(), sky, sun: args.sun, watts: args.watts }
+    GltfOptions { camera: args.camera.clone(), sky, sun: args.sun, watts: args.watts, thin: args.thin }
 }
 
 /// The scene's name, which names of outputs begin with: that of its file without the ending, or `stdin`.

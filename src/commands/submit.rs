@@ -13,7 +13,7 @@ use crate::jobs::slurm::{Ids, Slurm, forget_tries};
 use crate::jobs::{Asked, Folder, MERGE, RENDER, split};
 use crate::output::exr::{Attribute, attribute, read_attributes, read_state};
 use crate::render::LAST_LOOK;
-use crate::scene::{Assets, Scene};
+use crate::scene::{Assets, Scene, Thin};
 
 /// Bytes of a pixel in an EXR with its state: 14 of a sample, 60 to 73 of 256 and 84 of 16,384 samples were measured, on several scenes.
 const PIXEL_BYTES: f64 = 80.0;
@@ -185,6 +185,7 @@ fn words_of(args: &SubmitArgs, (width, height): (u32, u32)) -> Result<Vec<String
     add("--checkpoint", (!is_default).then(|| args.checkpoint.as_secs_f64().to_string()));
     words.extend(args.gltf.sun.map(|(elevation, azimuth)| format!("--sun={elevation},{azimuth}")));
     words.extend(args.gltf.watts.map(|watts| format!("--watts={}", if watts { "on" } else { "off" })));
+    words.extend((args.gltf.thin == Thin::Pane).then(|| "--thin=pane".to_string()));
     words.extend(args.options.words());
     words.extend(args.mixed_drivers.then(|| "--mixed-drivers".to_string()));
     Ok(words)

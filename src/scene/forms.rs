@@ -237,6 +237,13 @@ pub const COMPOUNDS: &[Form] = &[
                 "Whether its lights are in Blender's watts, which are divided by 683 lm/W.",
             )
             .or("true for files by Blender, else false"),
+            Field::new(
+                "thin",
+                Takes::Other("Auto or Pane"),
+                "Which glass is thin. Auto: of files by Blender open meshes, as it renders them. Pane: glass without a thickness in the file, \
+                 as glTF says.",
+            )
+            .or("Auto"),
         ],
         in_order: false,
         example: "Gltf(path: \"meshes/stool.glb\")",

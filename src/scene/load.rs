@@ -127,8 +127,8 @@ pub fn parse(mut text: String, path: &Path, progress: &mut OnProgress, assets: &
 fn add_gltf(scene: &mut Scene, findings: &mut Findings, progress: &mut OnProgress, assets: &mut Assets) {
     let (mut paths, mut known) = (Vec::new(), HashMap::new());
     scene.visit_objects(&mut |at, object| {
-        let Object::Gltf { path, watts, .. } = object else { return };
-        let reading = gltf::Reading { asker: gltf::Asker::Object, watts: *watts };
+        let Object::Gltf { path, watts, thin, .. } = object else { return };
+        let reading = gltf::Reading { asker: gltf::Asker::Object, watts: *watts, thin: *thin };
         if let Some(before) = known.insert(path.clone(), reading) {
             let alike = "another Gltf(..) reads this file in another way: expected the same fields in both, or a copy of the file";
             findings.note(if before == reading { Ok(()) } else { Err(at.field("path").error(alike)) });
@@ -186,7 +186,7 @@ pub fn of_gltf(
         false => relative(to.parent().unwrap_or(Path::new("")), file),
     };
     let name = seen(path).to_string_lossy().into_owned();
-    let reading = gltf::Reading { asker: gltf::Asker::Options, watts: options.watts };
+    let reading = gltf::Reading { asker: gltf::Asker::Options, watts: options.watts, thin: options.thin };
     let file = assets.gltf.open(path, progress).map_err(broken)?;
     let mut contents = file.contents(&name, "", &reading).map_err(broken)?;
     let (is_of_blender, has_lamps) = (file.blender().is_some(), contents.has_lights());

@@ -66,6 +66,7 @@ pub struct GltfOptions {
     pub sun: Option<(f64, f64)>,
     /// Whether its lights are in Blender's watts; if it is not given, the file's generator decides.
     pub watts: Option<bool>,
+    pub thin: Thin,
 }
 
 impl GltfOptions {
@@ -76,6 +77,7 @@ impl GltfOptions {
             ("--sky", self.sky.is_some(), "has its own background"),
             ("--sun", self.sun.is_some(), "has its own lights"),
             ("--watts", self.watts.is_some(), "has `watts` in its Gltf(..)"),
+            ("--thin", self.thin != Thin::Auto, "has `thin` in its Gltf(..)"),
         ];
         match given.into_iter().find(|(_, is_given, _)| *is_given) {
             Some((option, _, instead)) => Err(Error::Usage(format!(

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use clap::ValueEnum;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -128,6 +129,8 @@ pub enum Object {
         /// Whether its lights are in Blender's watts; if it is not given, the file's generator decides.
         #[serde(default, skip_serializing)]
         watts: Option<bool>,
+        #[serde(default, skip_serializing)]
+        thin: Thin,
         #[serde(default, skip_deserializing)]
         objects: Vec<Object>,
     },
@@ -140,6 +143,16 @@ pub enum Object {
         #[serde(default)]
         anisotropy: f64,
     },
+}
+
+/// Which glass of a glTF file is thin.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, ValueEnum)]
+pub enum Thin {
+    /// Of files by Blender what is open, as it renders them; of others as they say.
+    #[default]
+    Auto,
+    /// What has no thickness in the file, as glTF says.
+    Pane,
 }
 
 /// Defaults of the render; the command line overrides them.

@@ -7,7 +7,7 @@ use ron::ser::PrettyConfig;
 use serde::Serialize;
 
 use super::Scene;
-use super::types::Object;
+use super::types::{Object, Thin};
 
 /// The text of a scene file. Nothing can fail but what serialises nothing.
 pub fn text(scene: &Scene) -> Result<String, ron::Error> {
@@ -50,9 +50,10 @@ fn object(object: &Object) -> Result<String, ron::Error> {
             let objects: Result<Vec<_>, _> = objects.iter().map(self::object).collect();
             format!("Group([{}])", objects?.join(", "))
         }
-        Object::Gltf { path, watts, .. } => {
+        Object::Gltf { path, watts, thin, .. } => {
             let watts = watts.map_or(String::new(), |watts| format!(", watts: {watts}"));
-            format!("Gltf(path: {}{watts})", value(path)?)
+            let thin = if *thin == Thin::Pane { ", thin: Pane" } else { "" };
+            format!("Gltf(path: {}{watts}{thin})", value(path)?)
         }
         Object::Medium { boundary, density, albedo, anisotropy } => format!(
             "Medium(boundary: {}, density: {}, albedo: {}, anisotropy: {})",

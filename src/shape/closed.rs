@@ -50,6 +50,17 @@ impl Mesh {
 
     /// Whether a closed mesh is wound counter-clockwise seen from outside: its signed volume is then positive.
     pub fn volume_is_positive(&self) -> bool {
+        self.signed_volume().0 > 0.0
+    }
+
+    /// Whether a closed mesh encloses a volume. Two sheets in one place do not.
+    pub fn has_volume(&self) -> bool {
+        let (volume, rounding) = self.signed_volume();
+        volume.abs() > rounding
+    }
+
+    /// Six times the signed volume, in units of the mesh's size, and the most that rounding adds to it.
+    fn signed_volume(&self) -> (f64, f64) {
         let (low, high) = self.bounds();
         let extent = (high - low).max_element();
         // Coordinates relative to the middle, in units of the size, do not overflow and cancel little.
@@ -59,9 +70,17 @@ impl Mesh {
                 let position = self.positions.get(corner as usize).copied().unwrap_or(middle);
                 (position - middle) / extent
             });
-            a.dot(b.cross(c))
+            // Seven roundings of coordinates, products and sums, of half an epsilon each.
+            (a.dot(b.cross(c)), 4.0 * f64::EPSILON * a.length() * b.length() * c.length())
         };
-        self.triangles.iter().map(volume).sum::<f64>() > 0.0
+        let (mut sum, mut magnitudes, mut rounding) = (0.0, 0.0, 0.0);
+        for (term, error) in self.triangles.iter().map(volume) {
+            sum += term;
+            magnitudes += f64::abs(term);
+            rounding += error;
+        }
+        // Each sum is rounded by at most half an epsilon of all magnitudes together.
+        (sum, rounding + self.triangles.len() as f64 * f64::EPSILON * magnitudes)
     }
 
     /// For each vertex the number of its position. Vertices at the same position share the number.

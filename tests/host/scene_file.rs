@@ -124,6 +124,7 @@ fn sample(takes: &Takes) -> &'static str {
         Takes::Texture(_) => "Rgb(7, 8, 9)",
         Takes::Other("true or false") => "true",
         Takes::Other("R, G, B or A") => "G",
+        Takes::Other("Auto or Pane") => "Pane",
         Takes::Other("an image: Image(path: ..)") => "Image(path: \"name\")",
         Takes::Other(words) if words.starts_with("a list") => "[]",
         Takes::Other(words) if words.starts_with("an object") => "Group([])",

@@ -8,14 +8,14 @@ use glam::{DAffine3, DVec3};
 use super::camera::View;
 use super::generator::LightUnits;
 use super::geometry::has_triangles;
-use super::material::default_material;
+use super::material::{Glass, default_material, is_glass, thickness};
 use super::nodes::similarity;
 use super::{Broken, File, Part, Result};
 use crate::guard::guarded;
 use crate::scene::Mesh;
 use crate::scene::mesh::quote;
 use crate::scene::nearest::nearest;
-use crate::scene::types::{Camera, ImageSize, Material, Object};
+use crate::scene::types::{Camera, ImageSize, Material, Object, Thin};
 use crate::shape::Aabb;
 
 /// Who says how a file is read.
@@ -33,6 +33,7 @@ pub struct Reading {
     pub asker: Asker,
     /// Whether its lights are in Blender's watts; if it is not given, the file's generator decides.
     pub watts: Option<bool>,
+    pub thin: Thin,
 }
 
 impl Reading {
@@ -41,6 +42,14 @@ impl Reading {
         match self.asker {
             Asker::Options => "--watts=off",
             Asker::Object => "watts: false",
+        }
+    }
+
+    /// How the asker says that glass without a thickness is thin.
+    fn thin_pane(&self) -> &'static str {
+        match self.asker {
+            Asker::Options => "--thin pane",
+            Asker::Object => "thin: Pane",
         }
     }
 }
@@ -149,7 +158,15 @@ impl File {
     fn read_contents(&self, path: &str, prefix: &str, reading: &Reading) -> Result<Contents> {
         let root = self.root();
         let mut contents = Contents::default();
-        let mut materials = Materials { file: self, path, prefix, names: HashMap::new(), taken: HashSet::new() };
+        let mut materials = Materials {
+            file: self,
+            path,
+            prefix,
+            reading,
+            names: HashMap::new(),
+            taken: HashSet::new(),
+            closed: HashMap::new(),
+        };
         let (mut without_triangles, mut ranges) = (0, 0);
         let (units, note_of_units) = self.light_units(reading);
         let (mut of_mesh, mut baked) = (HashSet::new(), Vec::new());
@@ -224,11 +241,48 @@ struct Materials<'a> {
     file: &'a File,
     path: &'a str,
     prefix: &'a str,
-    names: HashMap<Option<usize>, String>,
+    reading: &'a Reading,
+    /// By their numbers, and by whether they are solids.
+    names: HashMap<(Option<usize>, bool), String>,
     taken: HashSet<String>,
+    /// Whether meshes are closed, as far as that was needed.
+    closed: HashMap<usize, bool>,
 }
 
 impl Materials<'_> {
+    /// What the glass of a material is on a mesh. Blender renders closed meshes as solids and knows no thickness, unless a group of nodes
+    /// has it for the exporter; and it takes the root of the base colour at each surface.
+    fn glass(&mut self, index: Option<usize>, mesh: usize) -> Glass {
+        let given = index.and_then(|index| self.file.root().materials.get(index));
+        let Some(given) = given.filter(|given| is_glass(given)) else { return Glass::default() };
+        let thickness = thickness(given);
+        let is_thick = thickness.is_some_and(|thickness| thickness > 0.0);
+        if self.reading.thin == Thin::Pane || self.file.blender().is_none() {
+            return Glass { is_solid: is_thick, ..Glass::default() };
+        }
+        let by_shape = thickness.is_none();
+        let file = self.file;
+        let mut is_closed = || *self.closed.entry(mesh).or_insert_with(|| file.is_closed(mesh));
+        let is_solid = if by_shape { is_closed() } else { is_thick };
+        Glass { is_solid, by_shape, colour_of_body: is_solid }
+    }
+
+    /// Says what glass became by the shape of its meshes, and how it becomes the other.
+    fn note_of_glass(&self, index: usize, glass: Glass) -> Option<String> {
+        let given = self.file.root().materials.get(index).filter(|_| glass.by_shape)?;
+        let name = given.name.as_ref().map_or(String::new(), |name| format!(" ({})", quote(name.as_bytes())));
+        let became = match glass.is_solid {
+            true => format!(
+                "solid glass where its mesh is closed, as Blender renders it: {} for the pane that it is by the file, which gives no thickness",
+                self.reading.thin_pane()
+            ),
+            false => "a pane where its mesh is open or wound both ways: for solid glass close it, or give a Thickness in the node group \
+                      glTF Material Output"
+                .to_owned(),
+        };
+        Some(format!("materials[{index}]{name}: {became}"))
+    }
+
     /// The name of a material, which is added if it is new. Nothing stands for the default.
     fn name(
         &mut self,
@@ -236,7 +290,8 @@ impl Materials<'_> {
         (mesh, primitive): (usize, usize),
         contents: &mut Contents,
     ) -> Result<String> {
-        if let Some(name) = self.names.get(&index) {
+        let glass = self.glass(index, mesh);
+        if let Some(name) = self.names.get(&(index, glass.is_solid)) {
             return Ok(name.clone());
         }
         let primitives = self.file.root().meshes.iter().flat_map(|mesh| &mesh.primitives);
@@ -248,9 +303,16 @@ impl Materials<'_> {
                 return Err(Broken::new(at, format!("there is no material {index}")));
             }
             Some(index) => {
-                let material = self.file.material(index, self.path, vertex_colors, &mut contents.notes)?;
+                let mut notes = Vec::new();
+                let material = self.file.material(index, self.path, vertex_colors, glass, &mut notes)?;
+                notes.extend(self.note_of_glass(index, glass));
+                notes.retain(|note| !contents.notes.contains(note));
+                contents.notes.extend(notes);
                 let own = self.file.root().materials.get(index).and_then(|given| given.name.clone());
-                (own.filter(|name| !name.is_empty()).unwrap_or(format!("material {index}")), material)
+                let own = own.filter(|name| !name.is_empty()).unwrap_or(format!("material {index}"));
+                let has_other = self.names.contains_key(&(Some(index), !glass.is_solid));
+                let body = if glass.is_solid { "solid" } else { "pane" };
+                (if has_other { format!("{own} ({body})") } else { own }, material)
             }
             None => ("default".to_owned(), default_material(vertex_colors)),
         };
@@ -258,7 +320,7 @@ impl Materials<'_> {
         while !self.taken.insert(name.clone()) {
             name += &index.map_or(" (default)".to_owned(), |index| format!(" ({index})"));
         }
-        self.names.insert(index, name.clone());
+        self.names.insert((index, glass.is_solid), name.clone());
         contents.materials.push((name.clone(), material));
         Ok(name)
     }

@@ -10,7 +10,7 @@ use gltf::json::validation::Checked;
 use super::accessors::Elements;
 use super::material::UvPlacing;
 use super::{Broken, File, Part, Result};
-use crate::scene::mesh::Draft;
+use crate::scene::mesh::{Draft, MOST_BYTES};
 
 /// Whether a primitive consists of triangles, and not of points or lines.
 pub fn has_triangles(primitive: &Primitive) -> bool {
@@ -60,6 +60,18 @@ impl File {
             self.add_tangents(mesh, primitive, &to_scene, draft)?;
         }
         Ok(())
+    }
+
+    /// Whether all primitives of a mesh together are closed around a volume. Exporters split vertices at seams, creases and materials, so
+    /// those at one position count as one.
+    pub fn is_closed(&self, mesh: usize) -> bool {
+        let mut draft = Draft::new(MOST_BYTES);
+        let count = self.root().meshes.get(mesh).map_or(0, |mesh| mesh.primitives.len());
+        // What is broken is told where the mesh is read.
+        let read =
+            (0..count).try_for_each(|primitive| self.add_faces(mesh, primitive, &DAffine3::IDENTITY, &mut draft));
+        let whole = read.ok().and_then(|()| draft.finish().ok());
+        whole.is_some_and(|whole| whole.open_edges().is_none() && whole.has_volume())
     }
 
     /// The accessor of an attribute that every vertex of a primitive has. Others are not used.
@@ -140,7 +152,7 @@ impl File {
         }
     }
 
-    /// Adds a primitive's triangles; points and lines have none.
+    /// Adds a primitive's triangles with what its vertices have; points and lines have none.
     fn add(
         &self,
         mesh: usize,
@@ -152,14 +164,12 @@ impl File {
         let wrong =
             |field: &str, reason: String| Broken::new(format!("meshes[{mesh}].primitives[{number}]{field}"), reason);
         let primitive = self.primitive(mesh, number)?;
-        let Checked::Valid(mode @ (Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)) = primitive.mode else {
+        if !has_triangles(primitive) {
             return Ok(());
-        };
-        let attribute = |semantic| primitive.attributes.get(&Checked::Valid(semantic)).copied();
-        let positions = attribute(Semantic::Positions)
-            .ok_or_else(|| wrong(".attributes", "expected an attribute POSITION".to_owned()))?;
-        let count = self.accessor(positions).map_or(0, |accessor| accessor.count.0);
-        let positions = self.elements::<3>(positions).map_err(|reason| wrong(".attributes.POSITION", reason))?;
+        }
+        let first = draft.positions.len();
+        self.add_faces(mesh, number, to_scene, draft)?;
+        let end = draft.positions.len();
         let whole = |semantic| self.whole(primitive, semantic);
         let normals = whole(Semantic::Normals).map(|index| self.elements::<3>(index)).transpose();
         let normals = normals.map_err(|reason| wrong(".attributes.NORMAL", reason))?;
@@ -167,11 +177,6 @@ impl File {
         let colours = whole(Semantic::Colors(0)).map(|index| self.colours(index)).transpose();
         let colours = colours.map_err(|reason| wrong(".attributes.COLOR_0", reason))?;
 
-        let first = draft.positions.len();
-        for position in positions {
-            draft.vertex(to_scene.transform_point3(DVec3::from_array(position)))?;
-        }
-        let end = draft.positions.len();
         // Normals transform by the inverse transpose. The cofactor matrix is a multiple of it, and exists for singular
         // matrices too.
         let m = to_scene.matrix3;
@@ -212,7 +217,27 @@ impl File {
             }
             draft.uvs.resize(end, Vec2::NAN);
         }
+        Ok(())
+    }
 
+    /// Adds a primitive's triangles with the positions of its vertices; points and lines have none.
+    fn add_faces(&self, mesh: usize, number: usize, to_scene: &DAffine3, draft: &mut Draft) -> Result<()> {
+        let wrong =
+            |field: &str, reason: String| Broken::new(format!("meshes[{mesh}].primitives[{number}]{field}"), reason);
+        let primitive = self.primitive(mesh, number)?;
+        let Checked::Valid(mode @ (Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)) = primitive.mode else {
+            return Ok(());
+        };
+        let attribute = |semantic| primitive.attributes.get(&Checked::Valid(semantic)).copied();
+        let positions = attribute(Semantic::Positions)
+            .ok_or_else(|| wrong(".attributes", "expected an attribute POSITION".to_owned()))?;
+        let count = self.accessor(positions).map_or(0, |accessor| accessor.count.0);
+        let positions = self.elements::<3>(positions).map_err(|reason| wrong(".attributes.POSITION", reason))?;
+        let first = draft.positions.len();
+        for position in positions {
+            draft.vertex(to_scene.transform_point3(DVec3::from_array(position)))?;
+        }
+        let sign = to_scene.matrix3.determinant().signum();
         let corners = match primitive.indices {
             Some(indices) => self.indices(indices).map_err(|reason| wrong(".indices", reason))?,
             None => Box::new(0..count),

@@ -67,6 +67,27 @@ enum Model {
     Surface,
 }
 
+/// What glass is on a mesh.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Glass {
+    /// Whether it is a solid, and no pane.
+    pub is_solid: bool,
+    /// Whether the shape of the mesh says so, because the file gives no thickness.
+    pub by_shape: bool,
+    /// Whether the base colour is what light through the whole body keeps, and not what it keeps at each surface.
+    pub colour_of_body: bool,
+}
+
+/// Whether a material becomes glass.
+pub fn is_glass(given: &Given) -> bool {
+    model(given) == Model::Glass
+}
+
+/// The thickness that KHR_materials_volume gives, if it is there. 0 stands for a pane.
+pub fn thickness(given: &Given) -> Option<f32> {
+    Some(given.extensions.as_ref()?.volume.as_ref()?.thickness_factor.0)
+}
+
 /// What a primitive without a material has, by the standard: a white metal that is as rough as can be.
 pub fn default_material(vertex_colors: bool) -> Material {
     let [metallic, roughness, alpha] = [1.0; 3].map(Texture::grey);
@@ -235,7 +256,14 @@ impl File {
     }
 
     /// A material in terms of ours. `path` is the file as the scene names it; a note is added if the material is not as the file says.
-    pub fn material(&self, index: usize, path: &str, vertex_colors: bool, notes: &mut Vec<String>) -> Result<Material> {
+    pub fn material(
+        &self,
+        index: usize,
+        path: &str,
+        vertex_colors: bool,
+        glass: Glass,
+        notes: &mut Vec<String>,
+    ) -> Result<Material> {
         let given = self.root().materials.get(index);
         let given = given.ok_or_else(|| Broken::new("materials", format!("there is no material {index}")))?;
         let at = format!("materials[{index}]");
@@ -304,13 +332,13 @@ impl File {
                 found.add_if(!is_opaque, "without its alpha");
                 found.add_if(vertex_colors, "without vertex colours");
                 let volume = extensions.and_then(|found| found.volume.as_ref());
-                let solid = volume.filter(|volume| volume.thickness_factor.0 > 0.0);
+                let color = if glass.colour_of_body { root_of(color, &mut found) } else { color };
                 let transmittance = Some(color).filter(|color| color.plain() != Some(Colour::ONE));
-                let absorption = solid.and_then(absorption);
-                match solid {
-                    None => Material::ThinDielectric { ior, roughness, transmittance, normal, normal_scale },
-                    Some(_) if is_smooth && normal.is_none() => Material::Dielectric { ior, transmittance, absorption },
-                    Some(_) => {
+                let absorption = volume.and_then(absorption);
+                match glass.is_solid {
+                    false => Material::ThinDielectric { ior, roughness, transmittance, normal, normal_scale },
+                    true if is_smooth && normal.is_none() => Material::Dielectric { ior, transmittance, absorption },
+                    true => {
                         Material::RoughDielectric { ior, roughness, transmittance, absorption, normal, normal_scale }
                     }
                 }
@@ -436,6 +464,22 @@ fn alpha(given: &Given) -> (f64, Option<f64>) {
             (factor, Some(given.alpha_cutoff.map_or(0.5, |cutoff| decimal(cutoff.0).max(0.0))))
         }
         _ => (1.0, None),
+    }
+}
+
+/// What each of two surfaces lets pass, so that both together let this colour pass.
+fn root_of(colour: Texture, notes: &mut Notes) -> Texture {
+    let root = |tint: Colour| tint.map(f64::sqrt);
+    match colour {
+        Texture::Rgb(r, g, b) => {
+            let Colour { x, y, z } = root(Colour::new(r, g, b));
+            Texture::Rgb(x, y, z)
+        }
+        Texture::Image { path, tint, channel, uv_set } => {
+            notes.add("both surfaces of the glass have the image of its colour, so that it counts twice");
+            Texture::Image { path, tint: root(tint), channel, uv_set }
+        }
+        other => other,
     }
 }
 

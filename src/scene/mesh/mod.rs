@@ -20,11 +20,10 @@ use super::findings::Findings;
 use super::gltf::{self, Broken, is_gltf};
 use super::types::Object;
 use crate::guard::guarded;
-use draft::MOST_BYTES;
 use input::Input;
 
 pub use crate::shape::mesh::{Mesh, OpenEdges};
-pub(super) use draft::Draft;
+pub(super) use draft::{Draft, MOST_BYTES};
 pub(super) use input::quote;
 
 /// A callback for the progress of reading a file, with its path, the bytes read so far, and all its bytes.
