@@ -382,7 +382,7 @@ device_struct!(
         vertex_colours: u32,
         multiscatter: u32,
         specular: u32,
-        padding: u32,
+        vertex_alpha: u32,
     }
 );
 
@@ -397,7 +397,7 @@ impl Detail {
         vertex_colours: NO_DETAIL,
         multiscatter: NO_DETAIL,
         specular: NO_DETAIL,
-        padding: 0,
+        vertex_alpha: NO_DETAIL,
     };
 }
 

@@ -34,7 +34,8 @@ struct Detail {
     multiscatter: u32,
     // Of glTF's material: what the layer reflects straight on is multiplied by the row's colour, and all that it reflects by its parameter.
     specular: u32,
-    padding: u32,
+    // It has a row if the alpha of a mesh's vertices multiplies its own. Nothing reads the row.
+    vertex_alpha: u32,
 }
 
 const NO_DETAIL: u32 = 0xffffffffu;

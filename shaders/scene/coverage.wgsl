@@ -10,6 +10,9 @@
 //@ use scene/details
 //@ use scene/primitives
 //@ use scene/surfaces
+//@ if vertex_alpha
+//@ use scene/vertex_alpha
+//@ end
 // Cut-out and transparent surfaces. A surface stops the share of light that its coverage says, and lets the rest pass straight on, as if
 // it were not there. So a ray passes such a surface with the probability 1 - coverage.
 
@@ -32,7 +35,10 @@ fn coverage_at(hit: Hit, surface: Surface) -> f32 {
     if number == NO_DETAIL {
         return 1.0;
     }
-    let alpha = detail_colour(number, hit, surface).x;
+    var alpha = detail_colour(number, hit, surface).x;
+    //@ if vertex_alpha
+    alpha *= vertex_alpha(hit, surface);
+    //@ end
     // The least alpha of a cut-out surface; negative for a transparent one.
     let cutoff = materials[number].parameter;
     return select(alpha, select(0.0, 1.0, alpha >= cutoff), cutoff >= 0.0);

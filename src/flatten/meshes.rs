@@ -18,7 +18,7 @@ use crate::data::{self, HIT_NOTHING, KIND_TRIANGLE, NO_NORMAL, NO_UVS, PRIMITIVE
 use crate::scene::{Mesh, Texture};
 use crate::shape::mesh::{Laid, MeshShape};
 
-/// A table of a mesh beside its vertices. The first one has the first set of texture coordinates and the colours of the vertices.
+/// A table of a mesh beside its vertices. The first one has the first set of texture coordinates, and the colours and alphas of the vertices.
 #[derive(Clone, Copy, PartialEq)]
 pub struct Table {
     uv_set: u32,
@@ -92,7 +92,7 @@ impl Builder<'_> {
         let words = &mut self.flat.meshes;
         let first_face = words.len() as u32;
         let first_vertex = first_face + triangles.len() as u32;
-        let has_more = !mesh.uvs.is_empty() || !mesh.colours.is_empty();
+        let has_more = !mesh.uvs.is_empty() || !mesh.colours.is_empty() || !mesh.alphas.is_empty();
         let tables = if has_more { tables.as_slice() } else { &[] };
         words.reserve(triangles.len() + count * (1 + tables.len()));
         words.extend(
@@ -116,7 +116,8 @@ impl Builder<'_> {
             }
             words.extend(uvs.zip(vertices()).map(|([u, v], vertex)| {
                 let [r, g, b] = mesh.colours.get(vertex).copied().unwrap_or([u16::MAX; 3]);
-                [u, v, u32::from(r) | u32::from(g) << 16, u32::from(b)]
+                let missing = u16::MAX - mesh.alphas.get(vertex).copied().unwrap_or(u16::MAX);
+                [u, v, u32::from(r) | u32::from(g) << 16, u32::from(b) | u32::from(missing) << 16]
             }));
         }
 

@@ -91,7 +91,7 @@ fn of_bitmap(bitmap: &Bitmap) -> String {
 
 fn of_mesh(mesh: &Mesh) -> String {
     let mut hasher = Sha256::new();
-    let Mesh { positions, triangles, normals, uvs, further_uvs, tangents, colours, .. } = mesh;
+    let Mesh { positions, triangles, normals, uvs, further_uvs, tangents, colours, alphas, .. } = mesh;
     let _ = write!(hasher, "mesh {} {} {} {} ", positions.len(), triangles.len(), normals.len(), uvs.len());
     hasher.update(bytemuck::cast_slice(positions));
     hasher.update(bytemuck::cast_slice(triangles));
@@ -102,6 +102,10 @@ fn of_mesh(mesh: &Mesh) -> String {
         let _ = write!(hasher, "{} {} ", further_uvs.len(), tangents.len());
         further_uvs.iter().for_each(|uvs| hasher.update(bytemuck::cast_slice(uvs)));
         hasher.update(bytemuck::cast_slice(tangents));
+    }
+    if !alphas.is_empty() {
+        let _ = write!(hasher, "alphas ");
+        hasher.update(bytemuck::cast_slice(alphas));
     }
     hexadecimal(hasher)
 }

@@ -1,7 +1,8 @@
 //! A perfectly diffuse surface: its reflected radiance is the same in all directions.
 
 use super::{
-    ALPHA, ALPHA_CUTOFF, DetailKind, EMISSION, Lobe, MaterialKind, Model, NORMAL, NORMAL_SCALE, Slot, VERTEX_COLORS,
+    ALPHA, ALPHA_CUTOFF, DetailKind, EMISSION, Lobe, MaterialKind, Model, NORMAL, NORMAL_SCALE, Slot, VERTEX_ALPHA,
+    VERTEX_COLORS,
 };
 use crate::data;
 use crate::source::form::{Field, Form, Takes};
@@ -13,7 +14,7 @@ pub const KIND: MaterialKind = MaterialKind {
     form: Form {
         name: "Lambertian",
         about: "A matt surface: it looks equally bright from all directions.",
-        fields: &[ALBEDO, EMISSION, ALPHA, ALPHA_CUTOFF, VERTEX_COLORS, NORMAL, NORMAL_SCALE],
+        fields: &[ALBEDO, EMISSION, ALPHA, ALPHA_CUTOFF, VERTEX_COLORS, VERTEX_ALPHA, NORMAL, NORMAL_SCALE],
         in_order: false,
         example: "Lambertian(albedo: Rgb(0.7, 0.3, 0.2))",
     },
@@ -21,7 +22,13 @@ pub const KIND: MaterialKind = MaterialKind {
     lobes: &[Lobe::Wide],
     is_clear: false,
     emits: false,
-    details: &[DetailKind::Emission, DetailKind::Alpha, DetailKind::VertexColours, DetailKind::Normal],
+    details: &[
+        DetailKind::Emission,
+        DetailKind::Alpha,
+        DetailKind::VertexColours,
+        DetailKind::VertexAlpha,
+        DetailKind::Normal,
+    ],
     has_second_part: false,
 };
 

@@ -35,6 +35,8 @@ pub enum Material {
         alpha_cutoff: Option<f64>,
         #[serde(default, skip_serializing_if = "std::ops::Not::not")]
         vertex_colors: bool,
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        vertex_alpha: bool,
         #[serde(default, deserialize_with = "normal_map::deserialize", skip_serializing_if = "Option::is_none")]
         normal: Option<Texture>,
         #[serde(default = "one", skip_serializing_if = "is_one")]
@@ -109,6 +111,8 @@ pub enum Material {
         alpha_cutoff: Option<f64>,
         #[serde(default, skip_serializing_if = "std::ops::Not::not")]
         vertex_colors: bool,
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        vertex_alpha: bool,
         #[serde(default, deserialize_with = "normal_map::deserialize", skip_serializing_if = "Option::is_none")]
         normal: Option<Texture>,
         #[serde(default = "one", skip_serializing_if = "is_one")]
@@ -172,8 +176,17 @@ impl Material {
     /// The properties of the material.
     pub fn model(&self) -> Model<'_> {
         match self {
-            Material::Lambertian { albedo, emission, alpha, alpha_cutoff, vertex_colors, normal, normal_scale } => {
-                let model = lambertian::model(albedo).glowing(emission).cut_out(alpha, *alpha_cutoff);
+            Material::Lambertian {
+                albedo,
+                emission,
+                alpha,
+                alpha_cutoff,
+                vertex_colors,
+                vertex_alpha,
+                normal,
+                normal_scale,
+            } => {
+                let model = lambertian::model(albedo).glowing(emission).cut_out(alpha, *alpha_cutoff, *vertex_alpha);
                 model.coloured_by_vertices(*vertex_colors).bumped(normal, *normal_scale)
             }
             Material::Metal { albedo, fuzz } => metal::model(albedo, *fuzz),
@@ -204,11 +217,12 @@ impl Material {
                 alpha,
                 alpha_cutoff,
                 vertex_colors,
+                vertex_alpha,
                 normal,
                 normal_scale,
             } => {
                 let model = pbr::model(base_color, metallic, roughness, *ior).glowing(emission);
-                let model = model.cut_out(alpha, *alpha_cutoff).coloured_by_vertices(*vertex_colors);
+                let model = model.cut_out(alpha, *alpha_cutoff, *vertex_alpha).coloured_by_vertices(*vertex_colors);
                 let model = model.scattering_many_times(*multiscatter).bumped(normal, *normal_scale);
                 model.layered(*specular, specular_color)
             }
@@ -379,6 +393,8 @@ pub enum DetailKind {
     Multiscatter,
     /// How much the layer of glTF's material reflects, and in which colour.
     Specular,
+    /// The alpha of a mesh's vertices, which multiplies its own.
+    VertexAlpha,
 }
 
 impl DetailKind {
@@ -393,12 +409,13 @@ impl DetailKind {
             DetailKind::VertexColours => &mut details.vertex_colours,
             DetailKind::Multiscatter => &mut details.multiscatter,
             DetailKind::Specular => &mut details.specular,
+            DetailKind::VertexAlpha => &mut details.vertex_alpha,
         }
     }
 }
 
 /// The number of kinds of detail.
-pub const DETAILS: usize = DetailKind::Specular as usize + 1;
+pub const DETAILS: usize = DetailKind::VertexAlpha as usize + 1;
 
 /// One of them.
 #[derive(Clone, Copy, Debug)]
@@ -464,7 +481,14 @@ const ALPHA_CUTOFF: Field = Field::new(
 const VERTEX_COLORS: Field = Field::new(
     "vertex_colors",
     Takes::Other("true or false"),
-    "Whether the colours of a mesh's vertices multiply its colour. Those of glTF files are read (`COLOR_0`, without its alpha).",
+    "Whether the colours of a mesh's vertices multiply its colour. Those of glTF files are read (`COLOR_0`).",
+)
+.or("false");
+const VERTEX_ALPHA: Field = Field::new(
+    "vertex_alpha",
+    Takes::Other("true or false"),
+    "Whether the alpha of a mesh's vertices multiplies its alpha. That of glTF files is read (`COLOR_0`) where the file's own material has the \
+     alphaMode MASK or BLEND.",
 )
 .or("false");
 
@@ -521,18 +545,18 @@ impl<'a> Model<'a> {
         self
     }
 
-    /// The same, stopping the share `alpha` of light. With a cutoff, it stops all light where its alpha is at least that, and none
-    /// elsewhere.
-    fn cut_out(mut self, alpha: &'a Texture, cutoff: Option<f64>) -> Model<'a> {
+    /// The model with an alpha: it stops this share of light, which the alpha of a mesh's vertices may multiply. With a cutoff, it stops all
+    /// light where its alpha is at least that, and none elsewhere.
+    fn cut_out(mut self, alpha: &'a Texture, cutoff: Option<f64>, of_vertices: bool) -> Model<'a> {
         let least = cutoff.unwrap_or(1.0);
-        let stops_all = alpha.plain().is_some_and(|alpha| alpha.x >= least);
+        let stops_all = !of_vertices && alpha.plain().is_some_and(|alpha| alpha.x >= least);
         let slot = Slot { field: &ALPHA, usage: Use::Share, texture: alpha };
         let parameter = cutoff.map_or(-1.0, |cutoff| cutoff as f32);
         self.details.extend((!stops_all).then_some(Detail { kind: DetailKind::Alpha, slot, parameter }));
         let numbers = alpha.plain().map(|alpha| (&ALPHA, alpha.x)).into_iter();
         let numbers = numbers.chain(cutoff.map(|cutoff| (&ALPHA_CUTOFF, cutoff)));
         self.numbers.extend(numbers.map(|(field, value)| Number { field, value, warning: None }));
-        self
+        self.flagged(&VERTEX_ALPHA, DetailKind::VertexAlpha, of_vertices)
     }
 
     /// The same clear solid, of which each surface lets this share of light pass.

@@ -2,7 +2,7 @@
 
 use super::{
     ALPHA, ALPHA_CUTOFF, ANY_LOBE, DetailKind, EMISSION, Lobe, MOST_IOR, MULTISCATTER, MaterialKind, Model, NORMAL,
-    NORMAL_SCALE, Number, SPECULAR, SPECULAR_COLOR, Slot, VERTEX_COLORS, conductor, varying,
+    NORMAL_SCALE, Number, SPECULAR, SPECULAR_COLOR, Slot, VERTEX_ALPHA, VERTEX_COLORS, conductor, varying,
 };
 use crate::data;
 use crate::source::Range;
@@ -41,6 +41,7 @@ pub const KIND: MaterialKind = MaterialKind {
             ALPHA,
             ALPHA_CUTOFF,
             VERTEX_COLORS,
+            VERTEX_ALPHA,
             NORMAL,
             NORMAL_SCALE,
         ],
@@ -55,6 +56,7 @@ pub const KIND: MaterialKind = MaterialKind {
         DetailKind::Emission,
         DetailKind::Alpha,
         DetailKind::VertexColours,
+        DetailKind::VertexAlpha,
         DetailKind::Roughness,
         DetailKind::Metallic,
         DetailKind::Multiscatter,

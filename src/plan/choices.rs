@@ -118,6 +118,8 @@ named! {
         undetailed,
         /// Some material has an alpha,
         alpha,
+        /// which that of a mesh's vertices multiplies,
+        vertex_alpha,
         /// and some material that may have one is sampled as a light.
         alpha_of_light,
         emitting_sky,
@@ -424,6 +426,8 @@ pub(super) fn decide(
         .find_map(|detail| detail.clone());
     let alpha = surface.clone().and(first(&features.details[DetailKind::Alpha as usize]));
 
+    let vertex_alpha = alpha.clone().and(mesh.clone()).and(first(&features.details[DetailKind::VertexAlpha as usize]));
+
     let uv_tables = mesh.clone().and(asked(&features.uv_tables));
 
     let both_sides = { both_sided.first().zip(light.as_ref()) }
@@ -474,6 +478,7 @@ pub(super) fn decide(
         uv_tables,
         alpha_of_light: alpha.clone().and(glow.clone()).and(emitting_surface.clone()),
         alpha,
+        vertex_alpha,
         glow_of_light: glow.clone().and(emitting_surface.clone()),
         gathers: light.clone().or(glow.clone()),
         glow_direct: own_glow.clone().and(aov(&[Sum::Direct], &Some(Reason::EveryRender))),

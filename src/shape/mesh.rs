@@ -61,6 +61,8 @@ pub struct Mesh {
     pub tangents: Vec<Vec4>,
     /// A linear colour for each vertex, in steps of 1/65535. Empty if the file has none, or white ones alone.
     pub colours: Vec<[u16; 3]>,
+    /// An alpha for each vertex, in steps of 1/65535. Empty if the file has none, or 1 alone.
+    pub alphas: Vec<u16>,
     /// The face of the file, counted from 0, that each triangle is part of.
     pub faces: Vec<u32>,
     /// Warnings about parts of the file that are not used.

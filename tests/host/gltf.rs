@@ -228,6 +228,66 @@ fn vertex_colours_are_read() {
     assert!(colours("room.glb#meshes/0/primitives/0").is_empty());
 }
 
+/// Of a material that is cut out or transparent, COLOR_0 has an alpha if it has four numbers, of 8 or 16 bits or floats.
+#[test]
+fn the_alpha_of_vertex_colours_is_read_where_the_material_has_one() {
+    let of = |component: u32, width: usize, bytes: &[u8], mode: &str, more: Value| {
+        let (mut json, mut binary) = square(&[], &json!({"alphaMode": mode}), &[]);
+        json["materials"][0].as_object_mut().unwrap().extend(more.as_object().unwrap().clone());
+        json["bufferViews"].as_array_mut().unwrap().push(
+            json!({"buffer": 0, "byteOffset": binary.len(), "byteLength": bytes.len(), "byteStride": bytes.len() / 4}),
+        );
+        let [view, accessor] = ["bufferViews", "accessors"].map(|list| json[list].as_array().unwrap().len());
+        json["accessors"].as_array_mut().unwrap().push(json!({"bufferView": view - 1, "componentType": component,
+            "normalized": component != 5126, "count": 4, "type": format!("VEC{width}")}));
+        json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = accessor.into();
+        binary.extend(bytes);
+        json["buffers"][0]["byteLength"] = binary.len().into();
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("square.glb");
+        fs::write(&path, glb(&json, &binary)).unwrap();
+        let scene = Scene::load(&path).unwrap_or_else(|error| panic!("{error}"));
+        let flags = match scene.materials[0].1 {
+            Material::Pbr { vertex_colors, vertex_alpha, .. }
+            | Material::Lambertian { vertex_colors, vertex_alpha, .. } => (vertex_colors, vertex_alpha),
+            _ => (false, false),
+        };
+        // The mirrored node has vertices of its own.
+        let [own, mirrored] =
+            ["meshes/0", "nodes/1"].map(|part| &scene.meshes[&format!("square.glb#{part}/primitives/0")]);
+        assert_eq!(own.alphas, mirrored.alphas);
+        (own.alphas.clone(), own.colours.len(), flags)
+    };
+    let floats = |all: &[f32]| all.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<_>>();
+    let words = |all: &[u16]| all.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<_>>();
+    let [red, white] = [0.5f32, 1.0].map(|red| {
+        let corner = |alpha: f32| [red, 1.0, 1.0, alpha];
+        floats([0.0, 0.25, 1.0, 7.0].map(corner).as_flattened())
+    });
+    let read = vec![0, 16384, 65535, 65535];
+    let none = (Vec::new(), 4, (true, false));
+    for mode in ["BLEND", "MASK"] {
+        assert_eq!(of(5126, 4, &red, mode, json!({})), (read.clone(), 4, (true, true)), "{mode}");
+        assert_eq!(of(5126, 4, &white, mode, json!({})), (read.clone(), 0, (false, true)), "{mode}");
+    }
+    assert_eq!(of(5126, 4, &red, "OPAQUE", json!({})), none);
+    assert_eq!(of(5126, 4, &white, "OPAQUE", json!({})), (Vec::new(), 0, (false, false)));
+    // A metal that is opaque otherwise, and what emits.
+    let steel = json!({"pbrMetallicRoughness": {"metallicFactor": 1, "roughnessFactor": 0}});
+    assert_eq!(of(5126, 4, &white, "BLEND", steel).2, (false, true));
+    let lamp = json!({"emissiveFactor": [1, 1, 1], "pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 1]}});
+    assert_eq!(of(5126, 4, &red, "BLEND", lamp).2, (true, true));
+    let bytes = [[9, 0, 0, 0], [9, 0, 0, 51], [9, 0, 0, 128], [9, 0, 0, 255]];
+    assert_eq!(of(5121, 4, bytes.as_flattened(), "BLEND", json!({})).0, [0, 51 * 257, 128 * 257, 65535]);
+    let codes = [[9, 0, 0, 0], [9, 0, 0, 7], [9, 0, 0, 40000], [9, 0, 0, 65535]];
+    assert_eq!(of(5123, 4, &words(codes.as_flattened()), "MASK", json!({})).0, [0, 7, 40000, 65535]);
+    // Three numbers have none, and an alpha of 1 is none.
+    assert_eq!(of(5126, 3, &floats(&[0.5; 12]), "BLEND", json!({})), none);
+    assert_eq!(of(5126, 4, &floats(&[0.5, 0.5, 0.5, 1.0].repeat(4)), "BLEND", json!({})), none);
+    let broken = floats(&[0.5, 0.5, 0.5, f32::NAN].repeat(4));
+    assert_eq!(of(5126, 4, &broken, "BLEND", json!({})).0, [0; 4]);
+}
+
 #[test]
 fn a_camera_is_chosen_by_its_name_or_that_of_its_node() {
     let of = |name: &str| load_as(&room().0, &GltfOptions { camera: Some(name.to_owned()), ..GltfOptions::default() });

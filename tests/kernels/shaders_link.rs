@@ -93,9 +93,10 @@ fn detailed(features: Features, kind: DetailKind) -> Features {
     Features { details, ..features }
 }
 
-/// The same with materials that have an alpha, and vertex colours.
+/// The same with materials that have an alpha, and colours and alphas of vertices.
 fn covered(features: Features) -> Features {
-    detailed(detailed(features, DetailKind::Alpha), DetailKind::VertexColours)
+    let of_vertices = [DetailKind::VertexColours, DetailKind::VertexAlpha];
+    of_vertices.into_iter().fold(detailed(features, DetailKind::Alpha), detailed)
 }
 
 /// The same with numbers of materials that vary.
@@ -285,6 +286,7 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
             glowing(own.clone()),
             lit(glowing(own.clone()), set, false),
             delta_lit(own.clone(), true),
+            detailed(features(set, 1, 0, SOLID, false), DetailKind::Alpha),
         ]);
         found.push(lit(with_media(covered(features(set, 1, textures, IMAGE, false)), 1, false), set, true));
     }

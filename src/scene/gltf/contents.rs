@@ -8,7 +8,7 @@ use glam::{DAffine3, DVec3};
 use super::camera::View;
 use super::generator::LightUnits;
 use super::geometry::has_triangles;
-use super::material::{Glass, default_material, is_glass, thickness};
+use super::material::{Glass, OfVertices, default_material, is_glass, is_opaque, thickness};
 use super::nodes::similarity;
 use super::{Broken, File, Part, Result};
 use crate::guard::guarded;
@@ -295,8 +295,13 @@ impl Materials<'_> {
             return Ok(name.clone());
         }
         let primitives = self.file.root().meshes.iter().flat_map(|mesh| &mesh.primitives);
-        let mut of_this = primitives.filter(|primitive| primitive.material.map(|it| it.value()) == index);
-        let vertex_colors = of_this.any(|primitive| self.file.is_coloured(primitive));
+        let of_this = primitives.filter(|primitive| primitive.material.map(|it| it.value()) == index);
+        let given = index.and_then(|index| self.file.root().materials.get(index));
+        let is_opaque = given.is_none_or(is_opaque);
+        let of_vertices = OfVertices {
+            colors: of_this.clone().any(|primitive| self.file.is_coloured(primitive)),
+            alpha: !is_opaque && of_this.clone().any(|primitive| self.file.has_vertex_alpha(primitive)),
+        };
         let (own, material) = match index {
             Some(index) if index >= self.file.root().materials.len() => {
                 let at = format!("meshes[{mesh}].primitives[{primitive}].material");
@@ -304,7 +309,7 @@ impl Materials<'_> {
             }
             Some(index) => {
                 let mut notes = Vec::new();
-                let material = self.file.material(index, self.path, vertex_colors, glass, &mut notes)?;
+                let material = self.file.material(index, self.path, of_vertices, glass, &mut notes)?;
                 notes.extend(self.note_of_glass(index, glass));
                 notes.retain(|note| !contents.notes.contains(note));
                 contents.notes.extend(notes);
@@ -314,7 +319,7 @@ impl Materials<'_> {
                 let body = if glass.is_solid { "solid" } else { "pane" };
                 (if has_other { format!("{own} ({body})") } else { own }, material)
             }
-            None => ("default".to_owned(), default_material(vertex_colors)),
+            None => ("default".to_owned(), default_material(of_vertices.colors)),
         };
         let mut name = format!("{}{own}", self.prefix);
         while !self.taken.insert(name.clone()) {

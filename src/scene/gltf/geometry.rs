@@ -8,13 +8,18 @@ use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
 
 use super::accessors::Elements;
-use super::material::UvPlacing;
+use super::material::{UvPlacing, is_opaque};
 use super::{Broken, File, Part, Result};
 use crate::scene::mesh::{Draft, MOST_BYTES};
 
 /// Whether a primitive consists of triangles, and not of points or lines.
 pub fn has_triangles(primitive: &Primitive) -> bool {
     matches!(primitive.mode, Checked::Valid(Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan))
+}
+
+/// A share in steps of 1/65535.
+fn code(share: f64) -> u16 {
+    (share.clamp(0.0, 1.0) * f64::from(u16::MAX)).round() as u16
 }
 
 impl File {
@@ -132,6 +137,21 @@ impl File {
         self.colours(colours).is_ok_and(|mut all| !all.all(|colour| colour == [u16::MAX; 3]))
     }
 
+    /// Whether a primitive has vertices whose alpha is less than 1.
+    pub fn has_vertex_alpha(&self, primitive: &Primitive) -> bool {
+        let colours = primitive.attributes.get(&Checked::Valid(Semantic::Colors(0)));
+        let Some(colours) = colours.copied().filter(|_| has_triangles(primitive)) else { return false };
+        self.alphas(colours).is_ok_and(|all| all.into_iter().flatten().any(|alpha| alpha != u16::MAX))
+    }
+
+    /// The alphas of vertex colours; nothing if these have three numbers.
+    fn alphas(&self, index: Index<Accessor>) -> std::result::Result<Option<Elements<'_, u16>>, String> {
+        match self.accessor(index).map(|accessor| accessor.type_) {
+            Some(Checked::Valid(Dimensions::Vec3)) => Ok(None),
+            _ => Ok(Some(Box::new(self.elements::<4>(index)?.map(|[.., alpha]| code(alpha))))),
+        }
+    }
+
     /// Vertex colours, linear, without their alpha.
     fn colours(&self, index: Index<Accessor>) -> std::result::Result<Elements<'_, [u16; 3]>, String> {
         let is_vec3 = self.accessor(index).is_some_and(|of| of.type_ == Checked::Valid(Dimensions::Vec3));
@@ -143,13 +163,10 @@ impl File {
         if let Some(vertex) = bad {
             return Err(format!("expected finite numbers, found others at vertex {vertex}"));
         }
-        let code = |x: f64| (x.clamp(0.0, 1.0) * f64::from(u16::MAX)).round() as u16;
-        match self.accessor(index).map(|accessor| accessor.type_) {
-            Some(Checked::Valid(Dimensions::Vec3)) => {
-                Ok(Box::new(self.elements::<3>(index)?.map(move |colour| colour.map(code))))
-            }
-            _ => Ok(Box::new(self.elements::<4>(index)?.map(move |[r, g, b, _]| [r, g, b].map(code)))),
-        }
+        Ok(match is_vec3 {
+            true => Box::new(self.elements::<3>(index)?.map(|colour| colour.map(code))),
+            false => Box::new(self.elements::<4>(index)?.map(|[r, g, b, _]| [r, g, b].map(code))),
+        })
     }
 
     /// Adds a primitive's triangles with what its vertices have; points and lines have none.
@@ -176,6 +193,10 @@ impl File {
         let uvs = self.uvs(mesh, number, placing)?;
         let colours = whole(Semantic::Colors(0)).map(|index| self.colours(index)).transpose();
         let colours = colours.map_err(|reason| wrong(".attributes.COLOR_0", reason))?;
+        // Opaque materials ignore it.
+        let has_alpha = self.material_of(mesh, number)?.is_some_and(|material| !is_opaque(material));
+        let alphas = whole(Semantic::Colors(0)).filter(|_| has_alpha).map(|index| self.alphas(index)).transpose();
+        let alphas = alphas.map_err(|reason| wrong(".attributes.COLOR_0", reason))?.flatten();
 
         // Normals transform by the inverse transpose. The cofactor matrix is a multiple of it, and exists for singular
         // matrices too.
@@ -188,6 +209,9 @@ impl File {
         );
         if let Some(colours) = colours {
             draft.colour(first, colours)?;
+        }
+        if let Some(alphas) = alphas {
+            draft.add_alphas(first, alphas)?;
         }
         if normals.is_some() || !draft.normals.is_empty() {
             draft.normals.resize(first, Vec3::NAN);

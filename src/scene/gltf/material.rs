@@ -67,6 +67,15 @@ enum Model {
     Surface,
 }
 
+/// What the vertices of a material's meshes have.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OfVertices {
+    /// Colours other than white.
+    pub colors: bool,
+    /// Alphas other than 1, which its alphaMode does not ignore.
+    pub alpha: bool,
+}
+
 /// What glass is on a mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Glass {
@@ -90,6 +99,8 @@ pub fn thickness(given: &Given) -> Option<f32> {
 
 /// What a primitive without a material has, by the standard: a white metal that is as rough as can be.
 pub fn default_material(vertex_colors: bool) -> Material {
+    // Opaque, so that an alpha of vertices is none.
+    let vertex_alpha = false;
     let [metallic, roughness, alpha] = [1.0; 3].map(Texture::grey);
     let base_color = Texture::Rgb(1.0, 1.0, 1.0);
     let (emission, alpha_cutoff, normal, normal_scale) = (None, None, None, 1.0);
@@ -105,6 +116,7 @@ pub fn default_material(vertex_colors: bool) -> Material {
         alpha,
         alpha_cutoff,
         vertex_colors,
+        vertex_alpha,
         normal,
         normal_scale,
     }
@@ -240,7 +252,7 @@ impl Notes {
 }
 
 impl File {
-    fn material_of(&self, mesh: usize, primitive: usize) -> Result<Option<&Given>> {
+    pub fn material_of(&self, mesh: usize, primitive: usize) -> Result<Option<&Given>> {
         let material = self.primitive(mesh, primitive)?.material;
         Ok(material.and_then(|material| self.root().materials.get(material.value())))
     }
@@ -260,7 +272,7 @@ impl File {
         &self,
         index: usize,
         path: &str,
-        vertex_colors: bool,
+        of_vertices: OfVertices,
         glass: Glass,
         notes: &mut Vec<String>,
     ) -> Result<Material> {
@@ -304,8 +316,9 @@ impl File {
         let (factor, alpha_cutoff) = alpha(given);
         let of_alpha = of_base.filter(|_| factor != 0.0 && !is_opaque(given));
         let alpha = texture(of_alpha, Colour::splat(factor), Some(Channel::A));
+        let OfVertices { colors: vertex_colors, alpha: vertex_alpha } = of_vertices;
         // A cutoff that all of it reaches changes nothing.
-        let is_opaque = alpha == Texture::grey(1.0) && alpha_cutoff.is_none_or(|cutoff| cutoff <= 1.0);
+        let is_opaque = alpha == Texture::grey(1.0) && !vertex_alpha && alpha_cutoff.is_none_or(|cutoff| cutoff <= 1.0);
         let alpha_cutoff = alpha_cutoff.filter(|_| !is_opaque);
         let extensions = given.extensions.as_ref();
         let specular = extensions.and_then(|found| found.specular.as_ref());
@@ -325,7 +338,16 @@ impl File {
             Model::Light if !is_opaque => {
                 found.add_if(!given.double_sided, "it emits to both sides");
                 let (albedo, emission) = (color, Some(light));
-                Material::Lambertian { albedo, emission, alpha, alpha_cutoff, vertex_colors, normal, normal_scale }
+                Material::Lambertian {
+                    albedo,
+                    emission,
+                    alpha,
+                    alpha_cutoff,
+                    vertex_colors,
+                    vertex_alpha,
+                    normal,
+                    normal_scale,
+                }
             }
             Model::Light => Material::DiffuseLight { emit: light, two_sided: given.double_sided },
             Model::Glass => {
@@ -349,7 +371,16 @@ impl File {
             }
             Model::Surface if is_matt && is_no_metal => {
                 let albedo = color;
-                Material::Lambertian { albedo, emission, alpha, alpha_cutoff, vertex_colors, normal, normal_scale }
+                Material::Lambertian {
+                    albedo,
+                    emission,
+                    alpha,
+                    alpha_cutoff,
+                    vertex_colors,
+                    vertex_alpha,
+                    normal,
+                    normal_scale,
+                }
             }
             Model::Surface => {
                 let (specular, ior, Colour { x, y, z }) = specular.map_or((1.0, ior, Colour::ONE), |it| layer(it, ior));
@@ -365,6 +396,7 @@ impl File {
                     alpha,
                     alpha_cutoff,
                     vertex_colors,
+                    vertex_alpha,
                     normal,
                     normal_scale,
                 }
@@ -450,7 +482,7 @@ impl File {
     }
 }
 
-fn is_opaque(given: &Given) -> bool {
+pub fn is_opaque(given: &Given) -> bool {
     !matches!(given.alpha_mode, Checked::Valid(AlphaMode::Mask | AlphaMode::Blend))
 }
 

@@ -33,6 +33,8 @@ pub struct Draft {
     tangents: Vec<Vec4>,
     /// One for every vertex that has been added, or empty. Where the file gives none it is white.
     pub colours: Vec<[u16; 3]>,
+    /// One for every vertex that has been added, or empty. Where the file gives none it is 1.
+    alphas: Vec<u16>,
     triangles: Vec<[u32; 3]>,
     /// The face that each triangle is part of.
     faces: Vec<u32>,
@@ -115,6 +117,15 @@ impl Draft {
         Ok(())
     }
 
+    /// Adds the alphas of the vertices from `first` on; vertices before them without one have 1.
+    pub fn add_alphas(&mut self, first: usize, alphas: impl Iterator<Item = u16>) -> Result<(), String> {
+        self.take_room(size_of::<u16>() * (self.positions.len() - self.alphas.len()))?;
+        self.alphas.resize(first, u16::MAX);
+        self.alphas.extend(alphas);
+        self.alphas.resize(self.positions.len(), u16::MAX);
+        Ok(())
+    }
+
     /// Adds a further set of texture coordinates, with one for every vertex.
     pub fn add_uvs(&mut self, uvs: impl Iterator<Item = Vec2>) -> Result<(), String> {
         self.take_room(size_of::<Vec2>() * self.positions.len())?;
@@ -173,9 +184,13 @@ impl Draft {
         if !self.colours.is_empty() {
             self.colours.resize(self.positions.len(), WHITE);
         }
+        if !self.alphas.is_empty() {
+            self.alphas.resize(self.positions.len(), u16::MAX);
+        }
         self.leave_out_white();
         Ok(Mesh {
             colours: self.colours,
+            alphas: self.alphas,
             positions: self.positions,
             triangles: self.triangles,
             normals: normals.unwrap_or_default(),
@@ -276,6 +291,7 @@ impl Draft {
         self.further_uvs.iter_mut().for_each(|set| retain(set, &is_used));
         retain(&mut self.tangents, &is_used);
         retain(&mut self.colours, &is_used);
+        retain(&mut self.alphas, &is_used);
     }
 
     /// The normals with length 1; none if the file has none; an error if some are missing or have no length.
@@ -295,8 +311,11 @@ impl Draft {
         Ok(normals)
     }
 
-    /// Exporters write white colours, too.
+    /// Exporters write white colours and alphas of 1, too.
     fn leave_out_white(&mut self) {
+        if self.alphas.iter().all(|alpha| *alpha == u16::MAX) {
+            self.alphas = Vec::new();
+        }
         if self.colours.iter().all(|colour| *colour == WHITE) {
             self.colours = Vec::new();
         }
