@@ -724,6 +724,21 @@ fn a_sky_is_added_only_where_nothing_emits() {
     emits(&json, true);
 }
 
+/// By the standard a rough white metal; Blender renders a Principled BSDF as new.
+#[test]
+fn a_mesh_without_a_material_is_that_of_its_program() {
+    let mut json = room().0;
+    json["meshes"][2]["primitives"][0].as_object_mut().unwrap().remove("material");
+    let default =
+        |json: &Value| load(json).unwrap().materials.into_iter().find(|(name, _)| name == "default").unwrap().1;
+    let told = |json: &Value| notes(json).join("\n").matches("without a material are grey plastic").count();
+    assert_eq!((default(&json), told(&json)), (written("Pbr()"), 0));
+    json["asset"]["generator"] = json!("Khronos glTF Blender I/O v5.0.21");
+    let grey = written("Pbr(base_color: Rgb(0.8, 0.8, 0.8), metallic: 0, roughness: 0.5)");
+    assert_eq!((default(&json), told(&json)), (grey, 1));
+    assert_eq!(told(&room().0), 0);
+}
+
 #[test]
 fn a_file_by_blender_without_lamps_or_cameras_says_what_to_tick() {
     let of_blender = |mut json: Value| {

@@ -319,7 +319,12 @@ impl Materials<'_> {
                 let body = if glass.is_solid { "solid" } else { "pane" };
                 (if has_other { format!("{own} ({body})") } else { own }, material)
             }
-            None => ("default".to_owned(), default_material(of_vertices.colors)),
+            None => {
+                let of_blender = self.file.blender().is_some();
+                let note = "meshes: those without a material are grey plastic, as Blender renders them";
+                contents.notes.extend(of_blender.then(|| note.to_owned()));
+                ("default".to_owned(), default_material(of_blender, of_vertices.colors))
+            }
         };
         let mut name = format!("{}{own}", self.prefix);
         while !self.taken.insert(name.clone()) {

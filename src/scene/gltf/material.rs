@@ -97,12 +97,11 @@ pub fn thickness(given: &Given) -> Option<f32> {
     Some(given.extensions.as_ref()?.volume.as_ref()?.thickness_factor.0)
 }
 
-/// What a primitive without a material has, by the standard: a white metal that is as rough as can be.
-pub fn default_material(vertex_colors: bool) -> Material {
-    // Opaque, so that an alpha of vertices is none.
-    let vertex_alpha = false;
-    let [metallic, roughness, alpha] = [1.0; 3].map(Texture::grey);
-    let base_color = Texture::Rgb(1.0, 1.0, 1.0);
+/// What a primitive without a material has: by the standard a white metal that is as rough as can be; in files by Blender its default, a
+/// Principled BSDF with the values of a new one.
+pub fn default_material(of_blender: bool, vertex_colors: bool) -> Material {
+    let (base, metallic, roughness) = if of_blender { (0.8, 0.0, 0.5) } else { (1.0, 1.0, 1.0) };
+    let [base_color, metallic, roughness, alpha] = [base, metallic, roughness, 1.0].map(Texture::grey);
     let (emission, alpha_cutoff, normal, normal_scale) = (None, None, None, 1.0);
     Material::Pbr {
         base_color,
@@ -110,13 +109,14 @@ pub fn default_material(vertex_colors: bool) -> Material {
         roughness,
         ior: 1.5,
         specular: 1.0,
-        specular_color: Texture::Rgb(1.0, 1.0, 1.0),
+        specular_color: Texture::grey(1.0),
         multiscatter: false,
         emission,
         alpha,
         alpha_cutoff,
         vertex_colors,
-        vertex_alpha,
+        // It is opaque, so that vertices have none.
+        vertex_alpha: false,
         normal,
         normal_scale,
     }
