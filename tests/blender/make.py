@@ -1,12 +1,17 @@
 """Makes the scenes of this folder with Blender's Python module: NAME.glb by its exporter, NAME.exr by Cycles.
 
     python3.11 -m venv v && v/bin/pip install bpy==5.0.1 numpy
-    v/bin/python tests/blender/make.py                 # all of them, ten minutes on one core
+    v/bin/python tests/blender/make.py                 # all of them, a quarter of an hour on one core
     v/bin/python tests/blender/make.py room --spp 64   # one of them, noisy
 
-tests/images/blender.rs renders each .glb and compares it with the .exr: 160 by 120 pixels, linear Rec. 709. Cycles is set so that it
-renders what the .glb says: GGX without multiple scattering, no clamping, no blur of caustics, all bounces, a box as the pixel filter,
-no offset at the shadow terminator. docs/gltf.md has the differences of models that remain.
+tests/images/blender.rs renders each .glb and compares it with the .exr: linear Rec. 709. docs/gltf.md has the differences that remain.
+
+Of the scenes of SCENES, Cycles is set so that it renders what the .glb says: 160 by 120 pixels, GGX without multiple scattering, no
+clamping, no blur of caustics, all bounces, a box as the pixel filter, no offset at the shadow terminator.
+
+Those of USERS are Blender's startup file with a few changes, as users make them, and exported with the boxes that the README names. Cycles
+renders the .blend with Blender's settings, except for its samples, without adaptive sampling and denoising, and with a box as the pixel
+filter: 80 by 60 pixels.
 """
 
 import argparse
@@ -20,6 +25,7 @@ from mathutils import Vector
 
 FOLDER = pathlib.Path(__file__).resolve().parent
 SIZE = (160, 120)
+SMALL_SIZE = (80, 60)
 
 
 def material(name, colour=(0.8, 0.8, 0.8), roughness=1.0, metallic=0.0, specular=0.5, transmission=0.0, ior=1.5,
@@ -394,10 +400,116 @@ def emission():
     camera((0, -5.5, 2.2), (0, 0, 0.8), 42)
 
 
+# Scenes as users make them: Blender's startup file, in which they add and change a few things.
+
+
+def new_material(name, **inputs):
+    """A new material on the active object, with some inputs of its Principled BSDF changed."""
+    made = bpy.data.materials.new(name)
+    made.use_nodes = True
+    for name, value in inputs.items():
+        principled(made)[name.replace("_", " ")].default_value = value
+    bpy.context.object.data.materials.append(made)
+
+
+def add(kind, smooth=False, **where):
+    """Add → Mesh, and Shade Smooth."""
+    getattr(bpy.ops.mesh, f"primitive_{kind}_add")(**where)
+    if smooth:
+        bpy.ops.object.shade_smooth()
+
+
+def remove(name):
+    bpy.data.objects.remove(bpy.data.objects[name])
+
+
+def startup():
+    """Blender's startup file: a cube, a lamp, a grey world."""
+
+
+def suzanne():
+    """The monkey with a Subdivision Surface on a plane, both without a material."""
+    remove("Cube")
+    add("plane", size=12, location=(0, 0, -0.8))
+    add("monkey", smooth=True, rotation=(-0.4, 0, 0.9))
+    bpy.context.object.modifiers.new("Subdivision", "SUBSURF")
+
+
+def glass_ball():
+    """A ball of glass, on a plane."""
+    remove("Cube")
+    add("plane", size=12, location=(0, 0, -1.2))
+    new_material("Floor", Base_Color=(0.5, 0.3, 0.2, 1))
+    add("uv_sphere", smooth=True)
+    new_material("Glass", Transmission_Weight=1.0, Roughness=0.0)
+
+
+def gold():
+    """A ball of gold, on a plane."""
+    remove("Cube")
+    add("plane", size=12, location=(0, 0, -1))
+    new_material("Floor")
+    add("uv_sphere", smooth=True)
+    new_material("Gold", Base_Color=(1.0, 0.77, 0.34, 1), Metallic=1.0, Roughness=0.25)
+
+
+def lamp_in_place(kind, energy, at, turn=(0, 0, 0)):
+    """The cube on a plane, with another lamp than that of the startup file."""
+    remove("Light")
+    add("plane", size=12, location=(0, 0, -1))
+    new_material("Floor")
+    bpy.ops.object.light_add(type=kind, location=at, rotation=[math.radians(angle) for angle in turn])
+    bpy.context.object.data.energy = energy
+
+
+def area():
+    lamp_in_place("AREA", 300.0, (1.5, -1.5, 4), (20, 20, 0))
+    bpy.context.object.data.size = 2.0
+
+
+def point():
+    lamp_in_place("POINT", 800.0, (2, -3, 4))
+    bpy.context.object.data.shadow_soft_size = 0.1
+
+
+def sun():
+    lamp_in_place("SUN", 3.0, (0, 0, 5), (40, 10, 30))
+
+
+def world():
+    """An image around the cube, and no lamp."""
+    skies()
+    remove("Light")
+    add("plane", size=12, location=(0, 0, -1))
+    new_material("Floor")
+    nodes = bpy.context.scene.world.node_tree
+    environment = nodes.nodes.new("ShaderNodeTexEnvironment")
+    environment.image = bpy.data.images.load(str(FOLDER / "world-in-blender.hdr"))
+    nodes.links.new(environment.outputs["Color"], nodes.nodes["Background"].inputs["Color"])
+
+
+def skies():
+    """An image for the world, and the same for --sky: Blender has its middle towards +x, and glTF's and our -z is Blender's +y."""
+    height, width = 16, 32
+    y, x = (np.mgrid[0:height, 0:width] + 0.5) / height
+    up = np.clip(1 - y, 0, 1)[..., None]
+    picture = np.where(up > 0.5, 0.2 + up * np.array([0.3, 0.5, 0.9]), np.array([0.15, 0.13, 0.1]))
+    picture += np.exp(-((x - 1.4) ** 2 + (y - 0.3) ** 2) / 0.02)[..., None] * np.array([9.0, 7.0, 5.0])
+    # As Radiance HDR, without run lengths.
+    mantissa, exponent = np.frexp(picture.max(-1, keepdims=True))
+    codes = np.concatenate([picture * (mantissa / picture.max(-1, keepdims=True) * 256), exponent + 128.0], -1).astype(np.uint8)
+    for name, shift in (("world-in-blender", 0), ("world-sky", width // 4)):
+        header = f"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {height} +X {width}\n"
+        (FOLDER / f"{name}.hdr").write_bytes(header.encode() + np.roll(codes, shift, axis=1).tobytes())
+
+
+# Scenes as users make them.
+USERS = {"startup": startup, "suzanne": suzanne, "glass-ball": glass_ball, "gold": gold, "area": area, "point": point, "sun": sun,
+         "world": world}
 SCENES = {"room": room, "metals": metals, "glass": glass, "textures": textures, "nodes": nodes, "leaves": leaves, "lights": lights,
           "emission": emission}
 # Samples per pixel.
-SPP = {"room": 2048}
+SPP = {"room": 2048, **dict.fromkeys(USERS, 4096)}
 OTHER_SPP = 512
 
 
@@ -416,16 +528,28 @@ def export(path):
                               export_animations=False, export_image_format="AUTO")
 
 
-def render(path, spp, threads, seed=1):
+def export_as_user(path):
+    """With the boxes ticked that the README names."""
+    bpy.ops.export_scene.gltf(filepath=str(path), export_format="GLB", use_renderable=True, export_cameras=True, export_lights=True,
+                              export_apply=True)
+
+
+# What a .glb says, for Cycles.
+AS_IN_THE_FILE = {
+    "light_sampling_threshold": 0.0, "blur_glossy": 0.0, "sample_clamp_direct": 0.0, "sample_clamp_indirect": 0.0,
+    "caustics_reflective": True, "caustics_refractive": True, "max_bounces": 64, "diffuse_bounces": 64, "glossy_bounces": 64,
+    "transmission_bounces": 64, "transparent_max_bounces": 256,
+}
+
+
+def render(path, spp, threads, settings=AS_IN_THE_FILE, seed=1):
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
     scene.render.threads_mode, scene.render.threads = "FIXED", threads
     cycles = scene.cycles
     for setting, value in {
         "device": "CPU", "samples": spp, "seed": seed, "use_adaptive_sampling": False, "use_denoising": False,
-        "pixel_filter_type": "BOX", "filter_width": 1.0, "light_sampling_threshold": 0.0, "blur_glossy": 0.0,
-        "sample_clamp_direct": 0.0, "sample_clamp_indirect": 0.0, "caustics_reflective": True, "caustics_refractive": True,
-        "max_bounces": 64, "diffuse_bounces": 64, "glossy_bounces": 64, "transmission_bounces": 64, "transparent_max_bounces": 256,
+        "pixel_filter_type": "BOX", "filter_width": 1.0, **settings,
     }.items():
         setattr(cycles, setting, value)
     settings = scene.render.image_settings
@@ -436,20 +560,30 @@ def render(path, spp, threads, seed=1):
 
 def main():
     arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    arguments.add_argument("scenes", nargs="*", choices=[*SCENES, []], metavar="scene", help=", ".join(SCENES))
+    arguments.add_argument("scenes", nargs="*", choices=[*SCENES, *USERS, []], metavar="scene", help=", ".join([*SCENES, *USERS]))
     arguments.add_argument("--spp", type=int, help="samples per pixel")
     arguments.add_argument("--threads", type=int, default=1)
     arguments.add_argument("--to", type=pathlib.Path, default=FOLDER, help="another folder")
     arguments.add_argument("--no-render", action="store_true", help="only the .glb")
     asked = arguments.parse_args()
-    for name in asked.scenes or SCENES:
+    for name in asked.scenes or [*SCENES, *USERS]:
+        glb, exr = (asked.to / f"{name}.{ending}" for ending in ("glb", "exr"))
+        spp = asked.spp or SPP.get(name, OTHER_SPP)
+        if name in USERS:
+            bpy.ops.wm.read_homefile(use_factory_startup=True)
+            bpy.context.scene.render.resolution_x, bpy.context.scene.render.resolution_y = SMALL_SIZE
+            USERS[name]()
+            export_as_user(glb)
+            if not asked.no_render:
+                render(exr, spp, asked.threads, settings={})
+            continue
         empty()
         what_no_file_says = SCENES[name]()
-        export(asked.to / f"{name}.glb")
+        export(glb)
         if what_no_file_says:
             what_no_file_says()
         if not asked.no_render:
-            render(asked.to / f"{name}.exr", asked.spp or SPP.get(name, OTHER_SPP), asked.threads)
+            render(exr, spp, asked.threads)
 
 
 if __name__ == "__main__":

@@ -3,18 +3,17 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::common::render::{Ask, render};
+use glam::{DMat3, DVec3};
 use gpu_rt::metrics::flip::error_map;
 use gpu_rt::output::exr::read_exr;
-use gpu_rt::scene::{GltfOptions, Material, Object, Scene, Texture};
+use gpu_rt::scene::{Background, GltfOptions, Material, Object, Scene, Texture, Thin};
 
-/// Half of the size of the references: four of their pixels are one here.
-const WIDTH: usize = 80;
-const HEIGHT: usize = 60;
-/// The side of a block in pixels.
-const BLOCK: usize = 10;
+use crate::common::render::{Ask, render};
 
-/// The scenes, with samples per pixel.
+/// Blocks along a row and along a column of an image.
+const BLOCKS: (usize, usize) = (8, 6);
+
+/// The scenes whose references are rendered as the files say, with samples per pixel.
 const SCENES: [(&str, u32); 8] = [
     ("room", 256),
     ("metals", 128),
@@ -31,21 +30,25 @@ fn file(name: &str, extension: &str) -> PathBuf {
 }
 
 fn scene(name: &str) -> Scene {
-    let path = file(name, "glb");
-    Scene::of_gltf(&path, &path, &GltfOptions::default()).unwrap_or_else(|error| panic!("{error}"))
+    scene_with(name, &GltfOptions::default())
 }
 
-/// The image by Cycles, in pixels of twice the side.
-fn reference(name: &str) -> Vec<[f32; 3]> {
+fn scene_with(name: &str, options: &GltfOptions) -> Scene {
+    let path = file(name, "glb");
+    Scene::of_gltf(&path, &path, options).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The image by Cycles, and its width and height, in pixels of twice the side.
+fn reference(name: &str) -> (Vec<[f32; 3]>, (usize, usize)) {
     let exr = read_exr(&file(name, "exr")).unwrap_or_else(|error| panic!("{error}"));
     let row = exr.width as usize;
-    assert_eq!((row, exr.height as usize), (2 * WIDTH, 2 * HEIGHT));
+    let (width, height) = (row / 2, exr.height as usize / 2);
     let pixel = |x: usize, y: usize, c: usize| exr.rgb[y * row + x][c];
     let mean = |x: usize, y: usize, c: usize| {
         let (x, y) = (2 * x, 2 * y);
         0.25 * (pixel(x, y, c) + pixel(x + 1, y, c) + pixel(x, y + 1, c) + pixel(x + 1, y + 1, c))
     };
-    (0..WIDTH * HEIGHT).map(|i| [0, 1, 2].map(|c| mean(i % WIDTH, i / WIDTH, c))).collect()
+    ((0..width * height).map(|i| [0, 1, 2].map(|c| mean(i % width, i / width, c))).collect(), (width, height))
 }
 
 /// How far an image is from its reference.
@@ -64,23 +67,26 @@ struct Distance {
 
 impl Distance {
     fn of(scene: &Scene, spp: u32, name: &str) -> Distance {
-        let ask = Ask::spp(spp).mis().sobol().roulette().size(WIDTH as u32, HEIGHT as u32);
-        let (image, expected) = (render(scene, &ask).picture.rgb, reference(name));
+        let (expected, whole_size) = reference(name);
+        let (all_columns, all_rows) = whole_size;
+        let ask = Ask::spp(spp).mis().sobol().roulette().size(all_columns as u32, all_rows as u32);
+        let image = render(scene, &ask).picture.rgb;
         let grey = |rgb: &[f32; 3]| rgb.iter().copied().map(f64::from).sum::<f64>() / 3.0;
         let mean = |image: &[[f32; 3]], (x, y): (usize, usize), (width, height): (usize, usize)| {
-            let pixels = (y..y + height).flat_map(|y| (x..x + width).map(move |x| y * WIDTH + x));
+            let pixels = (y..y + height).flat_map(|y| (x..x + width).map(move |x| y * all_columns + x));
             pixels.map(|pixel| grey(&image[pixel])).sum::<f64>() / (width * height) as f64
         };
-        let whole = mean(&expected, (0, 0), (WIDTH, HEIGHT));
-        let corners = (0..HEIGHT).step_by(BLOCK).flat_map(|y| (0..WIDTH).step_by(BLOCK).map(move |x| (x, y)));
+        let whole = mean(&expected, (0, 0), whole_size);
+        let block_size = (all_columns / BLOCKS.0, all_rows / BLOCKS.1);
+        let corners = (0..BLOCKS.0 * BLOCKS.1).map(|at| (at % BLOCKS.0 * block_size.0, at / BLOCKS.0 * block_size.1));
         let blocks = corners.map(|corner| {
-            let [found, expected] = [&image, &expected].map(|image| mean(image, corner, (BLOCK, BLOCK)));
+            let [found, expected] = [&image, &expected].map(|image| mean(image, corner, block_size));
             ((found - expected) / expected.max(0.5 * whole), corner)
         });
         let (block, corner) = blocks.max_by(|a, b| a.0.abs().total_cmp(&b.0.abs())).expect("there are blocks");
-        let map = error_map(WIDTH, &image, &expected);
+        let map = error_map(all_columns, &image, &expected);
         let flip = map.iter().copied().map(f64::from).sum::<f64>() / map.len() as f64;
-        Distance { mean: mean(&image, (0, 0), (WIDTH, HEIGHT)) / whole - 1.0, flip, block, corner }
+        Distance { mean: mean(&image, (0, 0), whole_size) / whole - 1.0, flip, block, corner }
     }
 
     /// A block may differ by more than a mean: the box of "lights" does so by 9 %, and docs/gltf.md says why.
@@ -107,7 +113,7 @@ fn what_convert_writes_of_them_renders_to_the_same_bytes() {
         let shot = render(scene, &Ask::spp(4).mis().sobol().roulette().size(16, 12));
         shot.picture.rgb.as_flattened().iter().map(|v| v.to_bits()).collect::<Vec<_>>()
     };
-    for (name, _) in SCENES {
+    for name in SCENES.map(|(name, _)| name).into_iter().chain(USERS.map(|user| user.name)) {
         let [from, to] = ["glb", "ron"].map(|extension| folder.path().join(name).with_extension(extension));
         std::fs::copy(file(name, "glb"), &from).expect("it is copied");
         let scene = Scene::of_gltf(&from, &to, &GltfOptions::default()).unwrap_or_else(|error| panic!("{error}"));
@@ -155,4 +161,119 @@ fn a_wrong_roughness_and_a_wrong_light_are_found() {
         println!("{name}: {found:?}");
         assert!(!found.is_near(), "{name}: {found:?}");
     }
+}
+
+/// The colour of the world in Blender's startup file.
+const WORLD: f64 = 0.050_876_088;
+
+/// A scene as users make it, with Blender's settings.
+struct User {
+    name: &'static str,
+    options: fn() -> GltfOptions,
+    /// Adds what no glTF file has and docs/gltf.md says how to bring back: the world, and area lamps.
+    bring_back: Planted,
+    /// The differences that docs/gltf.md tells: of the mean, and the largest of a block.
+    told: (f64, f64),
+    /// The standard deviations of both over 16 seeds, or more.
+    noise: (f64, f64),
+}
+
+impl User {
+    /// With the noise of scenes without caustics.
+    const fn new(name: &'static str, bring_back: Planted, told: (f64, f64)) -> User {
+        User { name, options: GltfOptions::default, bring_back, told, noise: (0.001, 0.006) }
+    }
+
+    fn scene(&self) -> Scene {
+        let mut scene = scene_with(self.name, &(self.options)());
+        (self.bring_back)(&mut scene);
+        scene
+    }
+
+    /// A difference that is not told is more than five standard deviations of noise, and half a digit.
+    fn is_as_told(&self, scene: &Scene) -> Result<Distance, Distance> {
+        let found = Distance::of(scene, 128, self.name);
+        let is_near = (found.mean - self.told.0).abs() <= 5.0 * self.noise.0 + 0.0005;
+        let has_blocks = found.block.abs() <= self.told.1.abs() + 5.0 * self.noise.1 + 0.0005;
+        if is_near && has_blocks { Ok(found) } else { Err(found) }
+    }
+}
+
+fn grey_world(scene: &mut Scene) {
+    scene.background = Background::Solid(DVec3::splat(WORLD));
+}
+
+/// A square of 2 by 2 units that shines as an area lamp of 300 W does: with the radiance W / (π area).
+fn area_lamp(scene: &mut Scene) {
+    grey_world(scene);
+    // Blender turns by 20 degrees about x, then about y. Its z is up, and the lamp shines along its own -z.
+    let turn = DMat3::from_rotation_y(20f64.to_radians()) * DMat3::from_rotation_x(20f64.to_radians());
+    let with_y_up = |v: DVec3| DVec3::new(v.x, v.z, -v.y);
+    let sides = [DVec3::new(0.0, 2.0, 0.0), DVec3::new(2.0, 0.0, 0.0)].map(|side| with_y_up(turn * side));
+    let ([u, v], at) = (sides, with_y_up(DVec3::new(1.5, -1.5, 4.0)));
+    let emit = Texture::grey(300.0 / (std::f64::consts::PI * 4.0));
+    scene.materials.push(("Area".to_owned(), Material::DiffuseLight { emit, two_sided: false }));
+    scene.objects.push(Object::Quad { corner: at - 0.5 * (u + v), u, v, material: Some("Area".to_owned()) });
+}
+
+fn nothing(_: &mut Scene) {}
+
+fn with_sky(name: &str) -> GltfOptions {
+    GltfOptions { sky: Some(file(name, "hdr").display().to_string()), ..GltfOptions::default() }
+}
+
+const USERS: [User; 8] = [
+    User::new("startup", grey_world, (0.013, 0.046)),
+    User::new("suzanne", grey_world, (0.025, 0.050)),
+    User::new("glass-ball", grey_world, (-0.001, -0.374)),
+    User { noise: (0.0025, 0.02), ..User::new("gold", grey_world, (0.031, 0.066)) },
+    User::new("area", area_lamp, (0.025, -0.064)),
+    User::new("point", grey_world, (0.025, 0.052)),
+    User::new("sun", grey_world, (0.029, 0.061)),
+    User { options: || with_sky("world-sky"), ..User::new("world", nothing, (0.024, 0.048)) },
+];
+
+/// The scene of USERS with this name.
+fn user(name: &str) -> User {
+    USERS.into_iter().find(|user| user.name == name).expect("it is there")
+}
+
+#[test]
+fn scenes_of_users_differ_from_blender_by_what_is_told() {
+    for user in USERS {
+        let found = user.is_as_told(&user.scene());
+        println!("{}: {found:?}", user.name);
+        found.unwrap_or_else(|found| panic!("{}: {found:?}, told {:?}", user.name, user.told));
+    }
+}
+
+/// Glass and lamps by the letter of glTF, a mesh without a material as glTF has it, an image of the world as Blender turns it, no world,
+/// and a sun that is dimmer by 1 %.
+#[test]
+fn scenes_of_users_that_are_read_otherwise_are_found() {
+    let read = |name: &str, options: GltfOptions, plant: Planted| {
+        let user = User { options: GltfOptions::default, ..user(name) };
+        let mut scene = scene_with(name, &options);
+        (user.bring_back)(&mut scene);
+        plant(&mut scene);
+        let found = user.is_as_told(&scene);
+        println!("{name}: {found:?}");
+        assert!(found.is_err(), "{name}: {found:?}");
+    };
+    read("glass-ball", GltfOptions { thin: Thin::Pane, ..GltfOptions::default() }, nothing);
+    read("point", GltfOptions { watts: Some(false), ..GltfOptions::default() }, nothing);
+    read("suzanne", GltfOptions::default(), |scene| {
+        let material = &mut scene.materials.iter_mut().find(|(name, _)| name == "default").expect("it has none").1;
+        let Material::Pbr { base_color, metallic, roughness, .. } = material else { panic!("{material:?}") };
+        [*base_color, *metallic, *roughness] = [1.0; 3].map(Texture::grey);
+    });
+    read("world", with_sky("world-in-blender"), nothing);
+    read("startup", GltfOptions::default(), |scene| scene.background = Background::Solid(DVec3::ZERO));
+    read("sun", GltfOptions::default(), |scene| {
+        for object in &mut scene.objects {
+            if let Object::DirectionalLight { irradiance, .. } = object {
+                *irradiance *= 0.99;
+            }
+        }
+    });
 }
