@@ -23,8 +23,13 @@ pub fn relmse(a: &[[f32; 3]], b: &[[f32; 3]]) -> Option<f64> {
 /// The floor that makes errors relative to the image b, in squared radiance: 0.01 times the square of its mean luminance. The unit of light
 /// does not matter to it, as it does to [`RELATIVE_FLOOR`], which an image without light has.
 pub fn floor_of(b: &[[f32; 3]]) -> f64 {
-    let mean = b.iter().map(|rgb| luminance(rgb.map(f64::from))).sum::<f64>() / b.len().max(1) as f64;
+    let mean = mean_luminance(b);
     RELATIVE_FLOOR * if mean == 0.0 { 1.0 } else { mean * mean }
+}
+
+/// The mean luminance of an image; 0 of one without pixels.
+pub fn mean_luminance(image: &[[f32; 3]]) -> f64 {
+    image.iter().map(|rgb| luminance(rgb.map(f64::from))).sum::<f64>() / image.len().max(1) as f64
 }
 
 /// The mean square error of `a` relative to the image `b`: mean over pixels and channels of (a − b)² / (b² + 0.01 b̄²), with b̄ the mean
@@ -74,8 +79,8 @@ pub fn relative_variance(variance: &[[f32; 3]], reference: &[[f32; 3]], floor: f
 ///
 /// None if the images differ in size or are empty; infinite or NaN if the mean of b is 0.
 pub fn mean_difference(a: &[[f32; 3]], b: &[[f32; 3]]) -> Option<f64> {
-    let light = |image: &[[f32; 3]]| image.iter().map(|rgb| luminance(rgb.map(f64::from))).sum::<f64>();
-    (a.len() == b.len() && !a.is_empty()).then(|| (light(a) - light(b)) / light(b))
+    let mean = mean_luminance(b);
+    (a.len() == b.len() && !a.is_empty()).then(|| (mean_luminance(a) - mean) / mean)
 }
 
 fn mean(a: &[[f32; 3]], b: &[[f32; 3]], error: impl Fn(f64, f64) -> f64) -> Option<f64> {

@@ -3,13 +3,11 @@
 use super::extent::Whole;
 use super::model::{Falling, Model, Standing, Times, doubt, falling, falling_denoised, samples_to, standings};
 use super::pace::{Pace, Timed, paces};
-use super::replicates::{
-    FEWEST_ROUNDS, Pixels, Weights, mean_luminance, noise, signed_bias, squared_bias, squared_bias_apart,
-};
+use super::replicates::{FEWEST_ROUNDS, Pixels, Weights, noise, signed_bias, squared_bias, squared_bias_apart};
 use super::sweep::{Block, LEVEL, LEVELS, Setting, Subject, Sweep, rounds_between};
 use super::truth::{Distance, Truth};
 use crate::data::luminance;
-use crate::metrics::error::RELATIVE_FLOOR;
+use crate::metrics::error::{RELATIVE_FLOOR, mean_luminance};
 use crate::metrics::estimate::Estimate;
 use crate::metrics::flip::error_map;
 use crate::options::Class;

@@ -5,8 +5,7 @@
 //! halves). Pixels that lose light count even if others gain as much. The noise of one replicate is half the squared
 //! difference of two.
 
-use crate::data::luminance;
-use crate::metrics::error::floor_of;
+use crate::metrics::error::{floor_of, mean_luminance};
 use crate::metrics::estimate::Estimate;
 
 /// An image of linear radiance, with row 0 at the top.
@@ -97,11 +96,6 @@ impl Weights {
             folds => &folds[a % FOLDS * FOLDS + b % FOLDS],
         }
     }
-}
-
-/// The mean luminance.
-pub(super) fn mean_luminance(image: &Pixels) -> f64 {
-    image.iter().map(|rgb| luminance(rgb.map(f64::from))).sum::<f64>() / image.len() as f64
 }
 
 /// In f64: of bright scenes f32 would be subnormal, of dark ones infinite.
@@ -202,7 +196,7 @@ pub(super) fn squared_bias_apart(
 /// noise that the two settings have in common cancels.
 pub fn signed_bias(setting: &[Pixels], baseline: &[Pixels], reference: &Pixels) -> Option<Estimate> {
     let whole = mean_luminance(reference);
-    let off = |(a, b)| match mean_luminance(a) - mean_luminance(b) {
+    let off = |(a, b): (&Pixels, &Pixels)| match mean_luminance(a) - mean_luminance(b) {
         // Two black images have no bias.
         0.0 => 0.0,
         off => off / whole,

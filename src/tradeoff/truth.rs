@@ -1,9 +1,9 @@
 //! The image that others are measured against, with its own noise. It comes from a file, or is the mean of the sweep's own images.
 
-use super::replicates::{Pixels, Weights, difference, distance, mean_luminance, signed_bias, squared_mean};
+use super::replicates::{Pixels, Weights, difference, distance, signed_bias, squared_mean};
 use super::sweep::{Subject, Sweep};
 use crate::data::luminance;
-use crate::metrics::error::relative_variance;
+use crate::metrics::error::{mean_luminance, relative_variance};
 use crate::metrics::estimate::{Estimate, degrees_of_sum};
 use crate::options::Class;
 use crate::output::exr::ExrImage;

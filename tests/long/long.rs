@@ -11,6 +11,7 @@ use crate::common::scenes::files;
 use crate::common::stats::{mean_and_variance, normal_two_sided};
 use gpu_rt::data::Sampler;
 use gpu_rt::film::{ErrorEstimate, Film};
+use gpu_rt::options::Filter;
 use gpu_rt::scene::Scene;
 
 const SAMPLERS: [Sampler; 2] = [Sampler::Sobol, Sampler::Independent];
@@ -286,7 +287,7 @@ fn errors_fall_as_they_should_and_to_no_floor() {
 
 /// The bound holds for nine of ten images of every scene, size and number of samples, and of those that are called reliable, and for 95 % over
 /// all; `--noise` ends with a larger error in 5 % of its renders at most, over all.
-fn bounds_hold((width, height): (u32, u32), seeds: u32, samples: &[u32]) {
+fn bounds_hold(filter: Filter, (width, height): (u32, u32), seeds: u32, samples: &[u32]) {
     let name = |file: &Path| file.file_stem().expect("it has a name").to_string_lossy().into_owned();
     let load = |file: &PathBuf| (name(file), Scene::load(file).expect("it ships"));
     let mut scenes: Vec<(String, Scene)> =
@@ -295,7 +296,7 @@ fn bounds_hold((width, height): (u32, u32), seeds: u32, samples: &[u32]) {
     scenes.extend(THINGS.map(|(name, things)| (name.to_string(), room(things))));
     let (mut cells, mut failed, mut noise) = (Vec::new(), Vec::new(), Vec::new());
     for (name, scene) in scenes {
-        let ask = Ask::default().mis().sobol().size(width, height).roulette();
+        let ask = Ask::default().mis().sobol().size(width, height).roulette().with(|options| options.filter = filter);
         let looks = Looks::new(&scene, &ask, &Change::default(), seeds, samples);
         for held in looks.held() {
             println!("{name}: {held}");
@@ -313,7 +314,7 @@ fn bounds_hold((width, height): (u32, u32), seeds: u32, samples: &[u32]) {
     widths.sort_by(f64::total_cmp);
     let wrong = noise.iter().map(|(wrong, _)| wrong).sum::<f64>() / noise.iter().map(|(_, ended)| ended).sum::<f64>();
     println!(
-        "{width} x {height}: {pooled:.4} of all, median of the widths {}, --noise wrong {wrong:.4}",
+        "{filter:?}, {width} x {height}: {pooled:.4} of all, median of the widths {}, --noise wrong {wrong:.4}",
         widths[widths.len() / 2]
     );
     assert!(failed.is_empty(), "{failed:#?}");
@@ -324,12 +325,19 @@ fn bounds_hold((width, height): (u32, u32), seeds: u32, samples: &[u32]) {
 #[test]
 #[ignore = "takes minutes"]
 fn bounds_hold_of_small_images() {
-    bounds_hold((32, 18), 300, &[16, 64, 256]);
+    bounds_hold(Filter::Box, (32, 18), 300, &[16, 64, 256]);
 }
 
 #[test]
 #[ignore = "takes minutes"]
 fn bounds_hold_of_larger_images() {
-    bounds_hold((96, 54), 100, &[16, 64]);
-    bounds_hold((320, 180), 30, &[16, 64]);
+    bounds_hold(Filter::Box, (96, 54), 100, &[16, 64]);
+    bounds_hold(Filter::Box, (320, 180), 30, &[16, 64]);
+}
+
+/// Of samples of either sign, also at numbers that are no powers of two.
+#[test]
+#[ignore = "takes minutes"]
+fn bounds_hold_of_signed_samples() {
+    bounds_hold(Filter::Mitchell, (32, 18), 100, &[16, 24, 50, 64, 150, 256]);
 }

@@ -13,11 +13,13 @@ use gpu_rt::aov::Aov;
 use gpu_rt::data::Sampler;
 use gpu_rt::denoise::Denoiser;
 use gpu_rt::metrics::error::relative_mse;
-use gpu_rt::options::{CLAMP, DENOISE, INTEGRATOR, Integrator, ROULETTE, RenderOptions, SAMPLER, SIZE, Switch};
+use gpu_rt::options::{
+    CLAMP, DENOISE, INTEGRATOR, Integrator, MAX_DEPTH, ROULETTE, RenderOptions, SAMPLER, SIZE, Switch,
+};
 use gpu_rt::output::exr::read_exr;
 use gpu_rt::scene::Scene;
 use gpu_rt::tradeoff::extent::Whole;
-use gpu_rt::tradeoff::judge::{Judged, judge, recommended};
+use gpu_rt::tradeoff::judge::{Judged, Measured, judge, recommended};
 use gpu_rt::tradeoff::replicates::{Pixels, Weights, squared_bias};
 use gpu_rt::tradeoff::sweep::{Block, Setting, Sweep};
 use gpu_rt::tradeoff::truth::Truth;
@@ -365,6 +367,100 @@ fn settings_that_only_add_noise_are_not_called_biased() {
     println!("{alarms} alarms, and against references {with_reference}, of {SWEEPS}; found darker: {found_darker}");
     assert!(alarms <= 18 && with_reference <= 18, "{alarms}, and against references {with_reference}, of {SWEEPS}");
     assert!(found_darker >= 95, "{found_darker} of {SWEEPS}");
+}
+
+/// The unit of light decides nothing. With lights 2^-20 and 2^20 times as bright the images are the same but for that factor, so as many samples reach
+/// a target, to the rounding of means in f32, and the same setting is advised. The seconds of a sample are equal within the sum of their
+/// intervals and those of the defaults, which are the clock: each has half a width of two standard errors, and the four enter the ratio,
+/// which leaves four standard errors. The scenes are measured round by round, so that other load slows them alike.
+#[test]
+fn the_unit_of_light_does_not_matter() {
+    let _machine = alone();
+    let lit = |power: i32| {
+        let emit = [9.0, 8.0, 7.0].map(|emit: f64| (emit * 2f64.powi(power)).to_string()).join(", ");
+        scene(&ROOM.replace("Rgb(9, 8, 7)", &format!("Rgb({emit})")))
+    };
+    let scenes = [0, -20, 20].map(lit);
+    let mut sweeps = scenes.each_ref().map(|scene| {
+        let mut sweep = Sweep::new(device::software(), scene, (24, 24), 0);
+        let defaults = unbiased(scene).remove(0);
+        let short = Setting { knob: Some(&MAX_DEPTH), value: "2".into(), max_depth: 2, ..defaults.clone() };
+        [defaults, short].into_iter().for_each(|setting| sweep.add(setting).expect("it compiles"));
+        sweep
+    });
+    for (round, sweep) in (1..=12).flat_map(|round| [0, 1, 2].map(|sweep| (round, sweep))) {
+        let until = Instant::now() + Duration::from_secs(3600);
+        sweeps[sweep].measure(until, round, &|| false, &mut |_, _| {}).expect("the device renders");
+    }
+    let [usual, dark, bright] = sweeps.each_mut().map(|sweep| judged(sweep, None).measured);
+    let advised = |found: &[Measured]| recommended(found).map(|best| best.map(|best| best.setting.name()));
+    let samples = |of: &Measured| of.times.map(|time| time.map_or(0.0, |seconds| seconds / of.model.seconds));
+    // A sample's seconds in those of the defaults, as a logarithm, and half the width of its interval.
+    let pace = |found: &[Measured], setting: usize| {
+        let half_width = |of: &Measured| of.seconds_half_width / of.seconds;
+        let (of, defaults) = (&found[setting], &found[0]);
+        ((of.seconds / defaults.seconds).ln(), half_width(of) + half_width(defaults))
+    };
+    assert!(advised(&usual).iter().all(Option::is_some) && usual[1].times[2].is_none(), "{usual:?}");
+    for other in [&dark, &bright] {
+        assert_eq!(advised(other), advised(&usual));
+        for setting in [0, 1] {
+            let (own, theirs) = (samples(&usual[setting]), samples(&other[setting]));
+            let same = own.iter().zip(theirs).all(|(own, theirs)| (own - theirs).abs() <= 1e-4 * own);
+            assert!(same, "{own:?} and {theirs:?} samples");
+        }
+        let ((own, half), (theirs, half_of_theirs)) = (pace(&usual, 1), pace(other, 1));
+        println!("{own} ± {half} and {theirs} ± {half_of_theirs}");
+        assert!((own - theirs).abs() <= half + half_of_theirs, "{own} ± {half} and {theirs} ± {half_of_theirs}");
+        // The control: relMSE, whose 0.01 is a radiance, does not stay.
+        assert!((other[0].relmse_ratio / usual[0].relmse_ratio - 1.0).abs() > 0.5);
+    }
+}
+
+/// What `render` calls unreliable, a sweep calls so, in its words: most of the light comes by a mirror, and few paths find it.
+#[test]
+fn light_that_a_mirror_hides_makes_a_setting_unreliable() {
+    let _machine = alone();
+    let place = tempfile::tempdir().expect("a temporary folder");
+    let text = |shade: &str, mirror: &str| {
+        format!(
+            "Scene(
+    image: (width: 32, height: 32),
+    camera: (look_from: (0, 1.4, 4), look_at: (0, 0.1, 0), vertical_fov: 30),
+    background: Solid((0.02, 0.02, 0.02)),
+    materials: {{
+        \"white\": Lambertian(albedo: Rgb(0.7, 0.7, 0.7)), \"black\": Lambertian(albedo: Rgb(0, 0, 0)),
+        \"lamp\": DiffuseLight(emit: Rgb(2500, 2500, 2500)), \"mirror\": {mirror},
+    }},
+    objects: [
+        Quad(corner: (-3, 0, 3), u: (6, 0, 0), v: (0, 0, -6), material: \"white\"), {shade}
+        Quad(corner: (-3, 4, 3), u: (6, 0, 0), v: (0, 0, -6), material: \"mirror\"),
+        Sphere(center: (0, 2.2, 0), radius: 0.02, material: \"lamp\"),
+    ],
+    render: (samples: 64, max_depth: 10),
+)"
+        )
+    };
+    const SHADE: &str = "Quad(corner: (-1, 1.7, 1), u: (2, 0, 0), v: (0, 0, -2), material: \"black\"),";
+    let sweep = |scene: &str| {
+        std::fs::write(place.path().join("mirror.ron"), scene).expect("it is written");
+        let options = ["tradeoff", "mirror.ron", "--budget", "8s", "--knobs", "roulette", "--json", "--force"];
+        run(place.path(), &options).exits(0).json()
+    };
+    for mirror in ["Metal(albedo: Rgb(0.9, 0.9, 0.9))", "Conductor(albedo: Rgb(0.9, 0.9, 0.9), roughness: 0.001)"] {
+        let json = sweep(&text(SHADE, mirror));
+        let settings = json["settings"].as_array().expect("settings");
+        assert!(settings.iter().all(|setting| setting["reliable"] == false), "{mirror}: {json:#}");
+        assert!(json["recommendations"].as_array().expect("three").iter().all(|best| best["setting"].is_null()));
+        let render = ["render", "mirror.ron", "-o", "a.exr", "--spp", "256", "--force"];
+        let said = run(place.path(), &render).exits(0).stderr;
+        let words = "mirrors, glass and other narrow lobes hide";
+        let page = std::fs::read_to_string(place.path().join("mirror-tradeoff/index.html")).expect("the page is there");
+        assert!(said.contains(words) && page.contains(words), "{mirror}: {said}");
+    }
+    // The control: a matt ceiling hides nothing.
+    let json = sweep(&text("", "Lambertian(albedo: Rgb(0.9, 0.9, 0.9))"));
+    assert!(json["settings"][0]["reliable"] == true && json["recommendations"][1]["setting"].is_string(), "{json:#}");
 }
 
 /// On the tests' device.
