@@ -153,10 +153,10 @@ impl Measured {
         }
         match (self.reliable, self.bias_known) {
             (true, _) => {}
-            (false, _) if !self.doubts.is_empty() => words.push("unreliable, as `render` says of it"),
             (false, _) if self.lacks_paths => {
                 words.push("unreliable: it differs by more than noise, as if it had missed rare bright paths");
             }
+            (false, _) if !self.doubts.is_empty() => words.push("unreliable, as `render` says of it"),
             (false, false) => words.push("unreliable: the image that its bias refers to is not known well"),
             (false, true) => words.push("unreliable: rare bright paths, or too few rounds"),
         }
