@@ -1,7 +1,8 @@
 //! Images stay the same to the last bit. The hashes under tests/unchanged, one file per driver, were recorded before the code was
 //! rearranged. The test uses the command line alone, so that it does not depend on that code.
 //!
-//! It renders the scenes that ship and the references, each linked in every way. On a driver without a table it compares the ways of
+//! It renders the scenes that ship, the references and files by Blender, with the default settings and with others, each linked in every way.
+//! All channels of the EXR count, and the state beside them. On a driver without a table it compares the ways of
 //! linking with each other. `GPU_RT_RENEW_HASHES=1` writes the table: do this only where images are meant to change.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -10,6 +11,7 @@ use std::process::Command;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
+use exr::prelude::{ReadChannels, ReadLayers, read};
 use gpu_rt::output::exr::{ExrImage, read_exr};
 use serde_json::Value;
 
@@ -29,19 +31,32 @@ const COUNTS: [&str; 10] = [
     "light_met_through_glass",
 ];
 
+/// The sets of options by name: the defaults with the kernels of the scene and with those of all scenes, and options that link other modules.
+const SETS: [(&str, &[&str]); 4] = [
+    ("scene", &[]),
+    ("all", &["--features", "all"]),
+    ("rough", &["--aov", CHANNELS, "--aov-surface", "rough", "--filter", "mitchell", "--clamp", "1"]),
+    ("first", &["--aov", CHANNELS, "--aov-surface", "first", "--fresnel", "schlick", "--integrator", "bsdf"]),
+];
+const CHANNELS: &str = "albedo,normal,depth,position,object,material,direct,indirect";
+/// Files that are compared beside the folders of scenes: what is cut out, solid glass, and a sun. Their lights have no size.
+const BLENDER: [&str; 3] = ["leaves", "glass-ball", "sun"];
+
 /// An image with all its channels, the counts beside it, and the driver's name.
 struct Rendered {
     image: ExrImage,
+    /// The bits of all channels of all parts of the file, by name.
+    channels: BTreeMap<String, Vec<u32>>,
     counts: String,
     driver: String,
 }
 
-fn render(scene: &Path, scatter: &str, features: &str) -> Rendered {
+fn render(scene: &Path, scatter: &str, options: &[&str]) -> Rendered {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let output = folder.path().join("image.exr");
     let mut command = Command::new(env!("CARGO_BIN_EXE_gpu-rt"));
     command.arg("render").arg(scene).arg("-o").arg(&output);
-    command.args(["--size", "64x36", "--spp", "16", "--json", "--quiet", "--scatter", scatter, "--features", features]);
+    command.args(["--size", "64x36", "--spp", "16", "--json", "--quiet", "--scatter", scatter]).args(options);
     // A software device, unless the tests are to run on another.
     let device = std::env::var("GPU_RT_TEST_DEVICE").unwrap_or_else(|_| "llvmpipe".to_string());
     let ran = command.args(["--device", &device]).output().expect("the program starts");
@@ -52,7 +67,22 @@ fn render(scene: &Path, scatter: &str, features: &str) -> Rendered {
         format!("{name} {count}\n")
     });
     let image = read_exr(&output).expect("the image is read");
-    Rendered { image, counts: counts.concat(), driver: report["driver"].as_str().expect("a name").to_string() }
+    let (counts, driver) = (counts.concat(), report["driver"].as_str().expect("a name").to_string());
+    Rendered { image, channels: channels(&output), counts, driver }
+}
+
+fn channels(file: &Path) -> BTreeMap<String, Vec<u32>> {
+    let all = read().no_deep_data().largest_resolution_level().all_channels().all_layers().all_attributes();
+    let parts = all.non_parallel().from_file(file).expect("all parts are read").layer_data;
+    let mut channels = BTreeMap::new();
+    for part in &parts {
+        let name = part.attributes.layer_name.clone().unwrap_or_default();
+        for channel in &part.channel_data.list {
+            let bits = channel.sample_data.values_as_f32().map(f32::to_bits);
+            channels.insert(format!("{name} {}", channel.name), bits.collect());
+        }
+    }
+    channels
 }
 
 impl Rendered {
@@ -62,24 +92,37 @@ impl Rendered {
         let floats = rgb.iter().chain(variance.as_ref().expect("variances")).flatten().map(|v| v.to_bits());
         let counts = [samples, rejected].into_iter().flat_map(|all| all.iter().flatten());
         let words = [*width, *height].into_iter().chain(floats).chain(counts.copied());
+        let named = |(name, bits): (&String, &Vec<u32>)| {
+            name.bytes().chain(bits.iter().flat_map(|word| word.to_le_bytes())).collect::<Vec<u8>>()
+        };
         let bytes = words.flat_map(u32::to_le_bytes).chain(self.counts.bytes());
+        let bytes = bytes.chain(self.channels.iter().flat_map(named));
         let hash = bytes
             .fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3));
         format!("{hash:016x}")
     }
 }
 
-/// The scenes by name: those that ship, and the references.
+/// The scenes by name: those that ship, the references, and files by Blender.
 fn scenes() -> BTreeMap<String, PathBuf> {
     let folders = ["scenes", "tests/references"].map(|folder| Path::new(ROOT).join(folder));
     let files = folders.iter().flat_map(|folder| std::fs::read_dir(folder).expect("a folder of scenes"));
     let paths = files.map(|file| file.expect("a file").path());
+    let blender = BLENDER.map(|name| Path::new(ROOT).join(format!("tests/blender/{name}.glb")));
     let scenes: BTreeMap<_, _> = paths
-        .filter(|path| path.extension().is_some_and(|ending| ending == "ron"))
+        .filter(|path| path.extension().is_some_and(|ending| ending == "ron" || ending == "glb"))
+        .chain(blender)
         .map(|path| (path.strip_prefix(ROOT).expect("within").with_extension("").display().to_string(), path))
         .collect();
-    assert_eq!(scenes.len(), 13 + 5);
+    assert_eq!(scenes.len(), 14 + 5 + BLENDER.len());
     scenes
+}
+
+/// The options of a set for a scene. `--integrator bsdf` refuses lights without size.
+fn options(name: &str, set: &str) -> Vec<&'static str> {
+    let (_, options) = SETS.into_iter().find(|(own, _)| *own == set).expect("a set");
+    let refused = name.starts_with("tests/blender");
+    options.iter().map(|word| if refused && *word == "bsdf" { "mis" } else { word }).collect()
 }
 
 /// The file of a driver's hashes, without what a distribution adds to its version: `llvmpipe-mesa-22.3.6.txt`.
@@ -90,8 +133,8 @@ fn table_of(driver: &str) -> PathBuf {
     Path::new(ROOT).join("tests/unchanged").join(format!("{name}.txt"))
 }
 
-/// Renders all scenes in each of the ways, two at a time, and holds the hashes against the driver's table.
-fn check(features: &str) {
+/// Renders all scenes with a set of options in some ways, two at a time, and holds the hashes against the driver's table.
+fn check(set: &str, scatters: &[&'static str]) {
     let renew = std::env::var_os("GPU_RT_RENEW_HASHES").is_some();
     let scenes: Vec<_> = scenes().into_iter().collect();
     let (next, found) = (AtomicUsize::new(0), Mutex::new(BTreeMap::new()));
@@ -99,12 +142,13 @@ fn check(features: &str) {
         for _ in 0..2 {
             scope.spawn(|| {
                 while let Some((name, path)) = scenes.get(next.fetch_add(1, Relaxed)) {
-                    let all = SCATTERS.map(|scatter| (scatter, render(path, scatter, features)));
+                    let rendered = |scatter: &&'static str| (*scatter, render(path, scatter, &options(name, set)));
+                    let all: Vec<_> = scatters.iter().map(rendered).collect();
                     for (scatter, rendered) in &all {
-                        let same = rendered.image.rgb == all[0].1.image.rgb;
-                        assert!(same, "{name}: --scatter {scatter} --features {features} differs from {}", all[0].0);
+                        let same = rendered.channels == all[0].1.channels;
+                        assert!(same, "{name}: --scatter {scatter}, {set}, differs from {}", all[0].0);
                         let mut found = found.lock().expect("no thread has failed");
-                        let key = format!("{name} {scatter} {features}");
+                        let key = format!("{name} {scatter} {set}");
                         found.insert(key, (rendered.hash(), table_of(&rendered.driver)));
                     }
                 }
@@ -135,22 +179,28 @@ fn read_table(path: &Path) -> BTreeMap<String, String> {
 
 #[test]
 fn images_are_what_they_were() {
-    check("scene");
+    check("scene", &SCATTERS);
 }
 
-/// Drivers take minutes to compile these kernels.
+#[test]
+fn images_with_other_options_are_what_they_were() {
+    check("rough", &["fused"]);
+    check("first", &["queues"]);
+}
+
+/// Drivers take minutes to compile the kernels of all features.
 #[test]
 #[ignore = "minutes: make test-long"]
-fn images_are_what_they_were_with_all_features() {
-    check("all");
+fn images_are_what_they_were_in_all_ways() {
+    ["all", "rough", "first"].into_iter().for_each(|set| check(set, &SCATTERS));
 }
 
-/// Every table has a row for each scene, each way of linking, and with all features too. The rows with all features are compared by
-/// `make test-long` alone, so that nobody would notice for long that they are missing.
+/// Every table has a row for each scene, each set of options and each way of linking. Most of them are compared by `make test-long` alone, so
+/// that nobody would notice for long that they are missing.
 #[test]
 fn tables_have_every_scene_and_way() {
     let keys = |name: &String| {
-        let ways = ["all", "scene"].map(|features| SCATTERS.map(|scatter| format!("{name} {scatter} {features}")));
+        let ways = SETS.map(|(set, _)| SCATTERS.map(|scatter| format!("{name} {scatter} {set}")));
         ways.into_iter().flatten()
     };
     let all: BTreeSet<String> = scenes().keys().flat_map(keys).collect();
@@ -169,7 +219,7 @@ fn tables_have_every_scene_and_way() {
 #[test]
 fn a_change_of_one_ulp_is_found() {
     let path = Path::new(ROOT).join("scenes/cornell.ron");
-    let rendered = render(&path, "fused", "scene");
+    let rendered = render(&path, "fused", &[]);
     let hash = rendered.hash();
     let text = std::fs::read_to_string(&path).expect("the scene is read");
     let white = "Rgb(0.73, 0.73, 0.73)";
@@ -178,10 +228,16 @@ fn a_change_of_one_ulp_is_found() {
     let moved = folder.path().join("cornell.ron");
     let red = f64::from(0.73_f32.next_up());
     std::fs::write(&moved, text.replacen(white, &format!("Rgb({red}, 0.73, 0.73)"), 1)).expect("a scene is written");
-    assert_ne!(hash, render(&moved, "fused", "scene").hash(), "an albedo");
-    let mut planted = render(&path, "fused", "scene");
+    assert_ne!(hash, render(&moved, "fused", &[]).hash(), "an albedo");
+    let mut planted = render(&path, "fused", &[]);
     assert_eq!(hash, planted.hash(), "rendered again");
     let value = &mut planted.image.rgb[1000][1];
     *value = value.next_up();
     assert_ne!(hash, planted.hash(), "a pixel");
+    // And one of a channel beside the radiance.
+    let mut planted = render(&path, "fused", &options("scenes/cornell", "rough"));
+    let hash = planted.hash();
+    let channel = planted.channels.keys().find(|name| name.ends_with("albedo.G")).expect("the albedo").clone();
+    planted.channels.get_mut(&channel).expect("it is there")[1000] += 1;
+    assert_ne!(hash, planted.hash(), "an albedo of the image");
 }
