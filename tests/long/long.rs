@@ -285,19 +285,29 @@ fn errors_fall_as_they_should_and_to_no_floor() {
     }
 }
 
-/// The bound holds for nine of ten images of every scene, size and number of samples, and of those that are called reliable, and for 95 % over
-/// all; `--noise` ends with a larger error in 5 % of its renders at most, over all.
-fn bounds_hold(filter: Filter, (width, height): (u32, u32), seeds: u32, samples: &[u32]) {
+/// The scenes of which bounds are measured: those that ship, benchmarks, and rooms with glass and with smoke.
+fn scenes_with_bounds() -> Vec<(String, Scene)> {
     let name = |file: &Path| file.file_stem().expect("it has a name").to_string_lossy().into_owned();
     let load = |file: &PathBuf| (name(file), Scene::load(file).expect("it ships"));
-    let mut scenes: Vec<(String, Scene)> =
-        ["scenes", "benches"].into_iter().flat_map(files).map(|file| load(&file)).collect();
-    scenes.push(("bulb".to_string(), scene(BULB)));
+    let files = ["scenes", "benches"].into_iter().flat_map(files);
+    let mut scenes: Vec<_> = files.map(|file| load(&file)).collect();
     scenes.extend(THINGS.map(|(name, things)| (name.to_string(), room(things))));
+    scenes
+}
+
+/// The bound holds for nine of ten images of every scene, size and number of samples, and of those that are called reliable, and for 95 % over
+/// all; `--noise` ends with a larger error in 5 % of its renders at most, over all. Half of the bounds are at most `most` times the error.
+fn bounds_hold(
+    scenes: &[(String, Scene)],
+    (filter, most): (Filter, f64),
+    (width, height): (u32, u32),
+    seeds: u32,
+    samples: &[u32],
+) {
     let (mut cells, mut failed, mut noise) = (Vec::new(), Vec::new(), Vec::new());
     for (name, scene) in scenes {
         let ask = Ask::default().mis().sobol().size(width, height).roulette().with(|options| options.filter = filter);
-        let looks = Looks::new(&scene, &ask, &Change::default(), seeds, samples);
+        let looks = Looks::new(scene, &ask, &Change::default(), seeds, samples);
         for held in looks.held() {
             println!("{name}: {held}");
             failed.extend((!held.holds()).then(|| format!("{name}: {held}")));
@@ -319,25 +329,34 @@ fn bounds_hold(filter: Filter, (width, height): (u32, u32), seeds: u32, samples:
     );
     assert!(failed.is_empty(), "{failed:#?}");
     assert!(pooled >= 0.95 && wrong <= 0.05, "{pooled} {wrong}");
-    assert!(widths[widths.len() / 2] <= 1.5, "{widths:?}");
+    assert!(widths[widths.len() / 2] <= most, "{widths:?}");
 }
+
+/// Those scenes, and a bulb that is smaller than a pixel.
+fn all_scenes() -> Vec<(String, Scene)> {
+    scenes_with_bounds().into_iter().chain([("bulb".to_string(), scene(BULB))]).collect()
+}
+
+const BOX: (Filter, f64) = (Filter::Box, 1.5);
 
 #[test]
 #[ignore = "takes minutes"]
 fn bounds_hold_of_small_images() {
-    bounds_hold(Filter::Box, (32, 18), 300, &[16, 64, 256]);
+    bounds_hold(&all_scenes(), BOX, (32, 18), 300, &[16, 64, 256]);
 }
 
 #[test]
 #[ignore = "takes minutes"]
 fn bounds_hold_of_larger_images() {
-    bounds_hold(Filter::Box, (96, 54), 100, &[16, 64]);
-    bounds_hold(Filter::Box, (320, 180), 30, &[16, 64]);
+    bounds_hold(&all_scenes(), BOX, (96, 54), 100, &[16, 64]);
+    bounds_hold(&all_scenes(), BOX, (320, 180), 30, &[16, 64]);
 }
 
-/// Of samples of either sign, also at numbers that are no powers of two.
+/// Of samples of either sign, also at numbers that are no powers of two. A pixel that such a filter makes near 0 has a wide bound. Without the
+/// bulb: two pixels away the filter is negative and small, and most images have no sample of the bulb there, of which no bound can know.
 #[test]
 #[ignore = "takes minutes"]
 fn bounds_hold_of_signed_samples() {
-    bounds_hold(Filter::Mitchell, (32, 18), 100, &[16, 24, 50, 64, 150, 256]);
+    let of_mitchell = (Filter::Mitchell, 2.5);
+    bounds_hold(&scenes_with_bounds(), of_mitchell, (32, 18), 100, &[16, 24, 50, 64, 150, 256]);
 }
