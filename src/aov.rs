@@ -81,12 +81,23 @@ pub enum Sum {
     Direct,
 }
 
+/// The step of the kernels that finds what a sum adds up, under shaders/aov.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Finder {
+    /// The first surface that camera rays hit.
+    Hit,
+    /// The surface that is seen, past mirrors and clear glass or not.
+    Surface,
+    /// Light seen directly, and light on the first surface or medium.
+    Direct,
+}
+
 impl Sum {
     const ALL: [Sum; 8] =
         [Sum::Albedo, Sum::Normal, Sum::Hits, Sum::Depth, Sum::Position, Sum::Object, Sum::Material, Sum::Direct];
 
     /// Its components, as names.
-    fn components(self) -> &'static [&'static str] {
+    pub fn components(self) -> &'static [&'static str] {
         match self {
             Sum::Albedo | Sum::Direct => &CHANNELS,
             Sum::Normal | Sum::Position => &["X", "Y", "Z"],
@@ -94,7 +105,15 @@ impl Sum {
         }
     }
 
-    fn name(self) -> &'static str {
+    pub fn finder(self) -> Finder {
+        match self {
+            Sum::Albedo | Sum::Normal => Finder::Surface,
+            Sum::Hits | Sum::Depth | Sum::Position | Sum::Object | Sum::Material => Finder::Hit,
+            Sum::Direct => Finder::Direct,
+        }
+    }
+
+    pub fn name(self) -> &'static str {
         match self {
             Sum::Albedo => "albedo",
             Sum::Normal => "normal",
@@ -175,7 +194,7 @@ impl Aovs {
         }
     }
 
-    fn sums(&self) -> impl Iterator<Item = Sum> {
+    pub fn sums(&self) -> impl Iterator<Item = Sum> {
         Sum::ALL.into_iter().filter(|sum| self.needs(*sum))
     }
 
@@ -190,9 +209,14 @@ impl Aovs {
         self.needs(sum).then_some(before)
     }
 
-    /// The names of the sums by components: `albedo.R`.
+    /// The sums by components: each with its name, `albedo.R`.
+    pub fn sum_components(&self) -> impl Iterator<Item = (Sum, String)> {
+        self.sums().flat_map(|sum| sum.components().iter().map(move |name| (sum, format!("{}.{name}", sum.name()))))
+    }
+
+    /// The names of the sums by components.
     pub fn sum_names(&self) -> impl Iterator<Item = String> {
-        self.sums().flat_map(|sum| sum.components().iter().map(move |name| format!("{}.{name}", sum.name())))
+        self.sum_components().map(|(_, name)| name)
     }
 
     /// The channels of an image file.

@@ -452,7 +452,7 @@ pub const ROULETTE: Knob = Knob {
     reading: word!(roulette: Switch),
     links: Some(|options| match options.roulette {
         Switch::On => "step/roulette",
-        Switch::Off => "step/no_roulette",
+        Switch::Off => "null/roulette",
     }),
 };
 
@@ -525,7 +525,7 @@ pub const CLAMP: Knob = Knob {
         value: |options| Some(options.clamp.map_or("off".to_string(), |limit| limit.to_string())),
     }),
     links: Some(|options| match options.clamp {
-        None => "step/no_clamp",
+        None => "null/clamp",
         Some(_) => "step/clamp",
     }),
 };

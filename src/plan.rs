@@ -24,10 +24,10 @@ use crate::job::Job;
 use crate::options::{RenderOptions, Scatter};
 use crate::shape::{KINDS, ShapeKind, Table};
 
-use choices::{Conditions, decide, entries};
+use choices::{decide, entries};
 pub use report::{Buffer, Choice, Constant, KernelReport, Module, Report};
+use state::places;
 pub use state::{PathField, most_path_bytes};
-use state::{path_fields, places};
 pub use tuning::Tuning;
 
 /// The reason of what sorts slots into queues.
@@ -230,8 +230,9 @@ impl Kernels {
         let fused = scatter == Scatter::Fused;
         let bounces = Bounces { fused, queues };
         let decided = decide(features, options, &materials, &materials, 0, bounces);
-        let path_fields = path_fields(&decided.conditions, fused);
-        let Conditions { surface, medium, light, queue, .. } = decided.conditions.clone();
+        let path_fields = decided.path_fields.clone();
+        let (surface, medium) = (decided.surface.clone(), decided.medium.clone());
+        let (light, queue) = (decided.light.clone(), decided.queue.clone());
         let choices = decided.choices(tables);
         let always = |name, why: &str| kernel(name, name, &choices, why, &Reason::EveryRender);
         let every_render = Reason::EveryRender.to_string();

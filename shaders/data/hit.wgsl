@@ -4,10 +4,8 @@ struct Hit {
     t: f32,
     // The number of nodes and primitives that the walk has visited.
     steps: u32,
-    //@ if mesh
     // For a triangle: the instance of its mesh.
     instance: u32,
-    //@ end
 }
 
 const NO_INSTANCE: u32 = 0xffffffffu;
@@ -17,8 +15,6 @@ fn hit_at(code: u32, t: f32) -> Hit {
     var hit: Hit;
     hit.code = code;
     hit.t = t;
-    //@ if mesh
     hit.instance = NO_INSTANCE;
-    //@ end
     return hit;
 }

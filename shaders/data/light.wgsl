@@ -58,9 +58,6 @@ const NOT_SAMPLED: u32 = 0x80000000u;
 // The sky's number when lights are sorted into bins (step/narrow_lobe). It does not depend on the sky's place in the table of lights.
 const NUMBER_OF_SKY: u32 = 0u;
 
-// Stands in place of a light's code where there is no shadow ray.
-const NO_LIGHT: u32 = 0xfffffff9u;
-
 // The MIS weight of a direction that one technique draws with density `own` and another one with density `other`: the power
 // heuristic with exponent 2 (Veach and Guibas, "Optimally Combining Sampling Techniques for Monte Carlo Rendering", SIGGRAPH
 // 1995, section 4.1). It uses the ratio of the densities, so that no square overflows.

@@ -50,19 +50,27 @@ struct Interaction {
     front: bool,
     // The material's colour at the hit point: albedo or emission.
     colour: vec3<f32>,
-    //@ if two_parts
-    // The next element of the table: of a kind of material that has two, its second part.
+    // The next element of the table: of a kind of material that has two, its second part (scene/second_parts).
     second: Material,
-    //@ end
-    //@ if multiscatter
-    // What single scattering loses of the light over what it keeps; 0 in a material that does not make up for it.
+    // What single scattering loses of the light over what it keeps; 0 in a material that does not make up for it (scene/multiscatter).
     lost_over_kept: f32,
-    //@ end
-    //@ if own_layer
-    // Of glTF's material, what its layer reflects: of light straight on it, and of grazing light.
+    // Of glTF's material, what its layer reflects: of light straight on it, and of grazing light (extension/specular).
     straight: vec3<f32>,
     grazing: f32,
-    //@ end
+}
+
+// A surface's material at a hit, with its textures evaluated. Modules set what they are about; nobody reads the rest.
+struct EvaluatedMaterial {
+    // With the numbers that it has there.
+    material: Material,
+    colour: vec3<f32>,
+    // The radiance that it emits to the ray, beside what it scatters.
+    emission: vec3<f32>,
+    // The texel of its normal map.
+    normal: vec3<f32>,
+    // As in Interaction.
+    straight: vec3<f32>,
+    grazing: f32,
 }
 
 const SCATTERED: u32 = 0u;
@@ -120,4 +128,21 @@ fn absorbed() -> Scatter {
 
 fn no_response() -> Response {
     return Response(vec3<f32>(0.0), 0.0, 0.0);
+}
+
+// The side of a surface from which a light is aimed at: the point there, whether it was chosen among two, and whether it is the one that
+// the ray does not come from.
+struct LightSide {
+    point: vec3<f32>,
+    is_chosen: bool,
+    is_below: bool,
+}
+
+// What light sampling takes from a surface.
+struct LightResponse {
+    response: Response,
+    // The density with which light sampling's rival, the BSDF, draws the direction that it drew.
+    drawn_pdf: f32,
+    // How much a probe in this direction counts (step/narrow_lobe).
+    probed: f32,
 }

@@ -21,3 +21,14 @@ struct SurfaceUv {
     uv: vec2<f32>,
     wraps: bool,
 }
+
+// Where a ray meets a surface.
+struct ShadingFrame {
+    // Whether the ray comes from the side to which the surface's own normal points.
+    front: bool,
+    // The surface's own normal and the shading normal, on the side from which the ray comes.
+    facing: vec3<f32>,
+    shading: vec3<f32>,
+    // The point of the event, from which lights are chosen and sampled.
+    point: vec3<f32>,
+}

@@ -65,6 +65,6 @@ struct RunRecord {
     spread_b: f32,
     //@ if aov
     // The sums of `--aov`, over all samples.
-    aov: array<f32, ${aov_sums}>,
+    aov: array<f32, ${path_sums}>,
     //@ end
 }

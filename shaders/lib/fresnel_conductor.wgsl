@@ -45,17 +45,3 @@ fn reflectance_of_metal(cosine: f32, colour: vec3<f32>, k: vec3<f32>, has_index:
     }
     return schlick(cosine, colour);
 }
-
-//@ if multiscatter
-// The same with Turquin's factor (scene/multiscatter), by what single scattering loses over what it keeps.
-fn whole_reflectance_of_metal(
-    cosine: f32,
-    colour: vec3<f32>,
-    k: vec3<f32>,
-    has_index: bool,
-    lost_over_kept: f32,
-) -> vec3<f32> {
-    let straight = reflectance_of_metal(1.0, colour, k, has_index);
-    return reflectance_of_metal(cosine, colour, k, has_index) * (1.0 + straight * lost_over_kept);
-}
-//@ end

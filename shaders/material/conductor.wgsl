@@ -2,6 +2,7 @@
 //@ use lib/basis
 //@ use lib/fresnel_conductor
 //@ use lib/microfacet
+//@ use choice/multiscatter
 // A metal of microfacets. `parameter` is its roughness, `colour` its albedo or its eta - 1. Its second part has k, and as `parameter`
 // whether the colour is an eta. A microfacet is drawn from those that are visible, so the weight is its reflectance times the share of
 // them that the light reaches too (Heitz, "Sampling the GGX Distribution of Visible Normals", JCGT 7(4), 2018). Light that is
@@ -28,14 +29,9 @@ fn conductor_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scat
     if !(cos_light > 0.0) {
         return absorbed();
     }
-    //@ if single_scattering
-    let share = reflectance_of_metal(cos_facet, hit.colour, hit.second.colour, hit.second.parameter != 0.0);
-    //@ end
-    //@ if multiscatter
-    let share = whole_reflectance_of_metal(
-        cos_facet, hit.colour, hit.second.colour, hit.second.parameter != 0.0, hit.lost_over_kept,
-    );
-    //@ end
+    let single = reflectance_of_metal(cos_facet, hit.colour, hit.second.colour, hit.second.parameter != 0.0);
+    let straight = reflectance_of_metal(1.0, hit.colour, hit.second.colour, hit.second.parameter != 0.0);
+    let share = with_lost_light(single, straight, hit);
     let weight = share * smith_shadowing(cos_view, min(cos_light, 1.0), alpha);
     return scatter_towards(direction, weight, lobe_of(width_of_reflection(alpha)));
 }

@@ -2,6 +2,8 @@
 //@ use lib/fresnel_conductor
 //@ use lib/microfacet
 //@ use lib/sampling
+//@ use choice/multiscatter
+//@ use choice/layer
 // glTF 2.0, appendix B. `colour` is the base colour, `parameter` the roughness, contrast_outside the reflectance of the glossy layer for
 // light straight on it, and contrast_inside the metallic share. A roughness below LEAST_ROUGHNESS makes its microfacets a mirror: a specular
 // lobe, which has no part in the response.
@@ -14,38 +16,6 @@ fn pbr_is_smooth(material: Material) -> bool {
 fn pbr_is_non_specular(material: Material) -> bool {
     return !pbr_is_smooth(material) || material.contrast_inside < 1.0;
 }
-
-//@ if plain_layer
-// What the layer reflects of light straight on it.
-fn pbr_straight(material: Material, hit: Interaction) -> vec3<f32> {
-    return vec3<f32>(material.contrast_outside);
-}
-
-// What it reflects of light that meets a microfacet at this cosine.
-fn pbr_layer(material: Material, hit: Interaction, cos_facet: f32) -> vec3<f32> {
-    return schlick(cos_facet, pbr_straight(material, hit));
-}
-
-// The share of light that it lets pass.
-fn pbr_passed(layer: vec3<f32>) -> vec3<f32> {
-    return 1.0 - layer;
-}
-
-//@ end
-//@ if own_layer
-fn pbr_straight(material: Material, hit: Interaction) -> vec3<f32> {
-    return hit.straight;
-}
-
-fn pbr_layer(material: Material, hit: Interaction, cos_facet: f32) -> vec3<f32> {
-    return schlick_up_to(cos_facet, hit.straight, hit.grazing);
-}
-
-fn pbr_passed(layer: vec3<f32>) -> vec3<f32> {
-    return vec3<f32>(1.0 - max(max(layer.x, layer.y), layer.z));
-}
-
-//@ end
 
 // The reflectance of the microfacets at this cosine, of the layer and of the metal, as single scattering has it.
 fn pbr_reflectance(material: Material, hit: Interaction, cos_facet: f32) -> vec3<f32> {
@@ -87,13 +57,8 @@ fn pbr_eval(material: Material, hit: Interaction, direction: vec3<f32>) -> Respo
     }
     let alpha = material.parameter * material.parameter;
     let facets = 0.25 * visible_density(microfacet_density(half_way, hit.normal, alpha), cos_view, alpha);
-    //@ if single_scattering
-    let glossy = mix(layer, schlick(cos_facet, hit.colour), metallic);
-    //@ end
-    //@ if multiscatter
-    let whole_layer = layer * (1.0 + pbr_straight(material, hit) * hit.lost_over_kept);
-    let glossy = mix(whole_layer, schlick(cos_facet, hit.colour) * (1.0 + hit.colour * hit.lost_over_kept), metallic);
-    //@ end
+    let whole_layer = with_lost_light(layer, pbr_straight(material, hit), hit);
+    let glossy = mix(whole_layer, with_lost_light(schlick(cos_facet, hit.colour), hit.colour, hit), metallic);
     let value = glossy * (facets * smith_shadowing(cos_view, cos_light, alpha)) + matt * (cos_light / PI);
     let pdf = mix(cos_light / PI, facets, share);
     return Response(value, pdf, select(0.0, share * facets / pdf, is_narrow(width_of_reflection(alpha))));

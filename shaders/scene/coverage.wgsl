@@ -1,3 +1,5 @@
+//@ use data/dimension
+//@ use data/path
 //@ use data/ray
 //@ use data/hit
 //@ use data/surface
@@ -10,9 +12,7 @@
 //@ use scene/details
 //@ use scene/primitives
 //@ use scene/surfaces
-//@ if vertex_alpha
-//@ use scene/vertex_alpha
-//@ end
+//@ use choice/vertex_alpha
 // Cut-out and transparent surfaces. A surface stops the share of light that its coverage says, and lets the rest pass straight on, as if
 // it were not there. So a ray passes such a surface with the probability 1 - coverage.
 
@@ -24,9 +24,9 @@ struct Walker {
 }
 var<private> walker: Walker;
 
-// The walks that follow are of a ray of this sample, until the next call.
-fn walk_for(pixel: u32, sample: u32, dimension: u32) {
-    walker = Walker(pixel, sample, dimension);
+// The walks that follow are of a ray of the path's sample, until the next call. `block` is that of the ray's random numbers at an event.
+fn begin_walk(path: ptr<function, Path>, block: u32) {
+    walker = Walker((*path).pixel, (*path).sample, bounce_dimension((*path).depth, block));
 }
 
 // The share of light that a surface stops at a hit.
@@ -35,10 +35,7 @@ fn coverage_at(hit: Hit, surface: Surface) -> f32 {
     if number == NO_DETAIL {
         return 1.0;
     }
-    var alpha = detail_colour(number, hit, surface).x;
-    //@ if vertex_alpha
-    alpha *= vertex_alpha(hit, surface);
-    //@ end
+    let alpha = times_vertex_alpha(detail_colour(number, hit, surface).x, hit, surface);
     // The least alpha of a cut-out surface; negative for a transparent one.
     let cutoff = materials[number].parameter;
     return select(alpha, select(0.0, 1.0, alpha >= cutoff), cutoff >= 0.0);

@@ -15,23 +15,19 @@
 //@ use scene/at_run_time
 //@ use scene/meshes
 //@ end
-//@ if delta_light
-//@ use light/delta
-//@ use bind/delta_lights
-//@ end
-//@ if emitting_sky
-//@ use scene/sky_light
-//@ end
+//@ use choice/delta_lights
+//@ use choice/sky_light
 // The scene's lights; only the kinds that the scene has.
 
 // Samples a direction from a point to a light, with its pdf in solid angle.
 fn direction_to_light(light: Light, from_point: vec3<f32>, u: vec3<f32>) -> DirectionSample {
     let index = primitive_index(light.code);
-    //@ if emitting_sky
     if light.code == HIT_NOTHING {
         return sky_light_sample(u);
     }
-    //@ end
+    if is_delta_light(light.code) {
+        return direction_to_delta_light(light.code, from_point);
+    }
     switch primitive_kind(light.code) {
         //@ each emitter
         case ${number}u: {
@@ -44,23 +40,12 @@ fn direction_to_light(light: Light, from_point: vec3<f32>, u: vec3<f32>) -> Dire
             return triangle_light_sample(from_point, corners.a, corners.b, corners.c, u.xy);
         }
         //@ end
-        //@ if delta_light
-        case KIND_DELTA_LIGHT: {
-            return delta_light_sample(from_point, delta_lights[index]);
-        }
-        //@ end
         default: {
             return DirectionSample(vec3<f32>(0.0), 0.0);
         }
     }
 }
 
-//@ if delta_light
-fn is_delta_light(code: u32) -> bool {
-    return primitive_kind(code) == KIND_DELTA_LIGHT;
-}
-
-//@ end
 // Distance to a light in front of the ray's origin, or NO_HIT, as primitive_distance (scene/primitives). It has no code for primitives
 // that are no lights, since GPUs inline each call.
 fn light_hit_distance(code: u32, ray: Ray, inverse: vec3<f32>) -> f32 {
@@ -141,7 +126,7 @@ fn arrives_at_front(code: u32, ray: Ray, normal: vec3<f32>) -> bool {
 
 // The probability of choosing a light; 0 for an emitter that is not sampled.
 fn probability_of_light(index: u32, from_point: vec3<f32>) -> f32 {
-    //@ if unsampled
+    //@ if not_sampled
     if index >= NOT_SAMPLED {
         return 0.0;
     }
@@ -152,12 +137,10 @@ fn probability_of_light(index: u32, from_point: vec3<f32>) -> f32 {
 // The number of the light that a ray hit. The sky has a number of its own, and lights without size are numbered by themselves.
 fn number_of_light(hit: Hit) -> u32 {
     let index = primitive_index(hit.code);
+    if is_delta_light(hit.code) {
+        return index;
+    }
     switch primitive_kind(hit.code) {
-        //@ if delta_light
-        case KIND_DELTA_LIGHT: {
-            return index;
-        }
-        //@ end
         //@ each emitter
         case ${number}u: {
             return ${name}s[index].light;

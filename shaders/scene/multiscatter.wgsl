@@ -12,3 +12,8 @@ fn lost_over_kept(material: Material, surface: Surface, hit: Interaction) -> f32
     let kept = kept_share(clamp(-dot(hit.incoming, hit.normal), 0.0, 1.0), material.parameter);
     return (1.0 - kept) / kept;
 }
+
+// A reflectance with the light that single scattering loses. `straight` is that of light straight on the surface.
+fn with_lost_light(reflectance: vec3<f32>, straight: vec3<f32>, hit: Interaction) -> vec3<f32> {
+    return reflectance * (1.0 + straight * hit.lost_over_kept);
+}

@@ -69,3 +69,16 @@ fn mapped_normal(
 fn keeps_its_side(direction: vec3<f32>, mapped: vec3<f32>, shading: vec3<f32>) -> bool {
     return (dot(direction, mapped) > 0.0) == (dot(direction, shading) > 0.0);
 }
+
+// A drawn direction that changes sides by the map is absorbed.
+fn keep_side(bsdf: Scatter, mapped: vec3<f32>, shading: vec3<f32>) -> Scatter {
+    if bsdf.event == SCATTERED && !keeps_its_side(bsdf.direction, mapped, shading) {
+        return absorbed();
+    }
+    return bsdf;
+}
+
+// The response to a light that changes sides by the map is 0.
+fn response_on_side(value: vec3<f32>, direction: vec3<f32>, mapped: vec3<f32>, shading: vec3<f32>) -> vec3<f32> {
+    return select(vec3<f32>(0.0), value, keeps_its_side(direction, mapped, shading));
+}

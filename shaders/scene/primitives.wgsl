@@ -1,6 +1,7 @@
 //@ use data/ray
 //@ use data/hit
 //@ use data/primitive
+//@ use choice/delta_lights
 //@ each primitive
 //@ use geometry/${name}
 //@ use bind/${name}s
@@ -60,12 +61,10 @@ fn part_number(hit: Hit) -> u32 {
 // Whether a hit wins against another one at the same distance: by the primitives' order in the scene, and within a mesh by
 // the faces' numbers in its file.
 fn comes_before(candidate: Hit, hit: Hit) -> bool {
-    //@ if delta_light
     // The end of a shadow ray is no primitive.
-    if primitive_kind(hit.code) == KIND_DELTA_LIGHT {
+    if is_delta_light(hit.code) {
         return false;
     }
-    //@ end
     let order = primitive_order(candidate);
     let other = primitive_order(hit);
     //@ if mesh

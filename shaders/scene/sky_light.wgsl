@@ -2,6 +2,7 @@
 //@ use choice/axes
 //@ use choice/light_choice
 //@ use light/sky
+//@ use scene/background
 //@ use scene/at_run_time
 // The background's image as a light.
 
@@ -20,4 +21,8 @@ fn sky_light_sample(u: vec3<f32>) -> DirectionSample {
 fn sky_density(from_point: vec3<f32>, direction: vec3<f32>) -> f32 {
     let density = sky[sky_cell_at(to_world(direction), SKY_COLUMNS, SKY_ROWS)].density;
     return light_probability(at_run_time(${sky_light}u), from_point) * density;
+}
+
+fn emitted_by_sky(direction: vec3<f32>) -> vec3<f32> {
+    return background_radiance(direction);
 }

@@ -23,11 +23,10 @@ fn surface_colour(material: Material, hit: Hit, surface: Surface) -> vec3<f32> {
     }
     //@ end
     let offset = along_frame(frame, local);
-    //@ if one_uv_table
-    let uv = surface_uv(hit, frame.origin + offset, surface.local);
-    //@ end
     //@ if uv_tables
     let uv = uv_in_table(frame.phase, hit, frame.origin + offset, surface.local);
+    //@ else
+    let uv = surface_uv(hit, frame.origin + offset, surface.local);
     //@ end
     return texture_colour(material.texture, frame, offset, uv);
 }

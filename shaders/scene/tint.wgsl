@@ -1,14 +1,14 @@
 //@ use data/material
-// What the surface of a clear solid lets pass of light that goes from one of its sides to the other.
-fn tint_of(material: Material, colour: vec3<f32>, direction: vec3<f32>, normal: vec3<f32>) -> vec3<f32> {
-    switch material.kind {
+// Light times the share that the surface of a clear solid lets pass, if it goes from one side to the other.
+fn tint_through(light: vec3<f32>, evaluated: EvaluatedMaterial, direction: vec3<f32>, normal: vec3<f32>) -> vec3<f32> {
+    switch evaluated.material.kind {
         //@ each clear
         case ${number}u: {
-            return select(vec3<f32>(1.0), colour, dot(direction, normal) < 0.0);
+            return light * select(vec3<f32>(1.0), evaluated.colour, dot(direction, normal) < 0.0);
         }
         //@ end
         default: {
-            return vec3<f32>(1.0);
+            return light;
         }
     }
 }

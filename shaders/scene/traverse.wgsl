@@ -9,9 +9,7 @@
 //@ use geometry/instance
 //@ use scene/face_pairs
 //@ end
-//@ if alpha
-//@ use scene/coverage
-//@ end
+//@ use choice/coverage
 //@ use lib/float
 //@ relies on loops
 // Finds the nearest primitive along a ray.
@@ -101,18 +99,12 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
                 //@ if mesh
                 candidate.instance = instance;
                 //@ end
-                if t < hit.t || comes_before(candidate, hit) {
-                //@ if alpha
-                if is_stopped(candidate, ray) {
-                //@ end
+                if (t < hit.t || comes_before(candidate, hit)) && is_stopped(candidate, ray) {
                     candidate.steps = hit.steps;
                     hit = candidate;
                     if any_will_do {
                         break;
                     }
-                //@ if alpha
-                }
-                //@ end
                 }
             }
             //@ if mesh

@@ -6,10 +6,10 @@
 //@ use bind/instances
 //@ use scene/at_run_time
 //@ use scene/meshes
-// The colour of a mesh's vertices at a hit, if it multiplies that of the material; else white.
-fn vertex_colour(hit: Hit, surface: Surface) -> vec3<f32> {
+// A material's colour times that of the mesh's vertices at a hit, if the material asks for it.
+fn times_vertex_colour(colour: vec3<f32>, hit: Hit, surface: Surface) -> vec3<f32> {
     if details[surface.material].vertex_colours == NO_DETAIL || primitive_kind(hit.code) != KIND_TRIANGLE {
-        return vec3<f32>(1.0);
+        return colour;
     }
-    return mesh_colour(instances[at_run_time(hit.instance)], primitive_index(hit.code), surface.local);
+    return colour * mesh_colour(instances[at_run_time(hit.instance)], primitive_index(hit.code), surface.local);
 }

@@ -3,6 +3,7 @@
 //@ use bind/window
 //@ use step/count
 //@ use step/film
+//@ use choice/aov_film
 //@ use step/pixel_order
 // Adds the finished runs to the film. In a kernel of its own, every invocation has a run to add. Where runs end, few would.
 override WORKGROUP_SIZE: u32 = 64u;
@@ -17,7 +18,9 @@ fn accumulate(@builtin(global_invocation_id) id: vec3<u32>) {
     var rays = 0u;
     for (var i = id.x; i < finished; i += settings.slots) {
         let run = records[i];
-        paths += add_run(place_in_order(run.pixel) - window.first_pixel, run);
+        let pixel = place_in_order(run.pixel) - window.first_pixel;
+        paths += add_run(pixel, run);
+        add_aov(pixel, run);
         rays += run.rays;
     }
     count(PATHS, paths);

@@ -1,8 +1,6 @@
 //@ use slots/state
 //@ use step/start
-//@ if staged_light
-//@ use slots/between
-//@ end
+//@ use choice/shadow_slot
 // Gives every slot its first run.
 override WORKGROUP_SIZE: u32 = 64u;
 
@@ -15,7 +13,5 @@ fn generate(@builtin(global_invocation_id) id: vec3<u32>) {
     var path: Path;
     start_run(&path);
     store_path(slot, &path);
-    //@ if staged_light
     store_no_light(slot);
-    //@ end
 }

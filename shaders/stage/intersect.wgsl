@@ -1,11 +1,8 @@
-//@ use slots/between
+//@ use generated/slots
 //@ use step/trace
-//@ if aov_hit
-//@ use step/aov_hit
-//@ end
-//@ if queue_of_hits
-//@ use slots/sort_by_material
-//@ end
+//@ use choice/aov_hit_slot
+//@ use choice/walker_slot
+//@ use choice/queue_of_hits
 // Finds the nearest hit of each slot's ray.
 override WORKGROUP_SIZE: u32 = 64u;
 
@@ -20,20 +17,10 @@ fn intersect(@builtin(global_invocation_id) id: vec3<u32>) {
     if path.status == SLOT_IDLE {
         return;
     }
-    //@ if alpha
-    load_throughput(slot, &path);
-    load_sample_of_path(slot, &path);
-    //@ end
+    load_walker(slot, &path);
     trace(&path);
-    //@ if aov_hit
-    load_throughput(slot, &path);
-    load_sample_of_path(slot, &path);
-    load_aov_hit(slot, &path);
-    note_hit(&path);
-    store_aov_hit(slot, &path);
-    //@ end
+    note_hit_of_slot(slot, &path);
+    store_status(slot, path.status);
     store_hit(slot, &path);
-    //@ if queue_of_hits
     sort_slot(slot, path_hit(&path));
-    //@ end
 }

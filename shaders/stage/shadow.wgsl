@@ -1,5 +1,9 @@
-//@ use slots/between
+//@ use generated/slots
+//@ use slots/shadow
 //@ use step/light
+//@ use choice/walker_slot
+//@ use choice/aov_direct_slot
+//@ use choice/probe_slot
 // Traces the shadow rays, and adds the light that they find.
 override WORKGROUP_SIZE: u32 = 64u;
 
@@ -11,10 +15,7 @@ fn shadow(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     var path: Path;
     load_shadow(slot, &path);
-    //@ if alpha
-    load_throughput(slot, &path);
-    load_sample_of_path(slot, &path);
-    //@ end
+    load_walker(slot, &path);
     let limit = limit_of_shadow(&path);
     let hit = shadow_hit(&path, limit);
     // What the walk does not need is loaded after it, so that the walk has the registers.
@@ -22,18 +23,10 @@ fn shadow(@builtin(global_invocation_id) id: vec3<u32>) {
     load_light_weight(slot, &path);
     load_radiance(slot, &path);
     path.rays = load_rays(slot);
-    //@ if probed
-    load_sample_of_path(slot, &path);
-    load_throughput(slot, &path);
-    //@ end
-    //@ if aov_direct
-    load_throughput(slot, &path);
-    load_direct(slot, &path);
-    //@ end
+    load_counted_path(slot, &path);
+    load_direct_of_slot(slot, &path);
     add_light_of_shadow(&path, limit, hit);
-    //@ if aov_direct
     store_direct(slot, &path);
-    //@ end
     store_radiance(slot, &path);
     store_rays(slot, path.rays);
     store_no_light(slot);

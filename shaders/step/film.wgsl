@@ -1,12 +1,12 @@
 //@ use bind/film
 //@ use bind/counters
 //@ use lib/carry
+//@ use choice/filter_weight
 //@ use lib/float
 //@ relies on bits
 // Adds finished runs to the film.
 
 const FIRST_SQUARE: u32 = 6u;
-const SUMS_OF_RADIANCE: u32 = 9u;
 
 // Whether a component is negative or NaN.
 fn is_no_sum(v: vec3<f32>) -> bool {
@@ -78,12 +78,7 @@ fn add_run(pixel: u32, run: RunRecord) -> u32 {
         atomicAdd(&counters.infinite, infinite);
         atomicAdd(&counters.cut, cut);
     }
-    var unsigned = sum;
-    //@ if signed
-    // A filter with negative lobes makes sums of either sign.
-    unsigned = abs(sum);
-    //@ end
-    if is_no_sum(unsigned) || is_no_sum(spread) {
+    if is_no_sum(unsigned_sum(sum)) || is_no_sum(spread) {
         atomicAdd(&counters.refused, accepted);
         rejected += accepted;
     } else if is_infinite(sum.x) || is_infinite(sum.y) || is_infinite(sum.z) {
@@ -101,10 +96,5 @@ fn add_run(pixel: u32, run: RunRecord) -> u32 {
     if rejected != 0u {
         atomicAdd(&film[pixel].rejected, rejected);
     }
-    //@ if aov
-    for (var i = 0u; i < ${aov_sums}u; i++) {
-        add_to_film(pixel, SUMS_OF_RADIANCE + i, run.aov[i], SUM_FRACTION);
-    }
-    //@ end
     return accepted + nan + infinite + cut;
 }

@@ -11,15 +11,8 @@
 //@ use scene/media
 //@ use choice/medium_albedo
 //@ use choice/roulette
-//@ if light
-//@ use data/material
-//@ use medium/phase_pdf
-//@ use choice/probe
-//@ use step/light
-//@ end
-//@ if aov_surface
-//@ use step/aov_surface
-//@ end
+//@ use choice/medium_light
+//@ use choice/aov_surface
 // Lets media scatter the path before it reaches its hit.
 
 const MEDIA: u32 = ${media}u;
@@ -33,10 +26,11 @@ fn words_of_medium(words: vec4<u32>, medium: u32) -> vec2<u32> {
 
 // Each medium samples the optical depth of its own scattering event, and the nearest event is the path's. Where media overlap,
 // their densities add up: the first event of independent Poisson processes is an event of the process with the sum of their
-// rates, and it belongs to each process with a probability proportional to its rate. Returns the number of steps.
-fn cross_media(path: ptr<function, Path>) -> u32 {
+// rates, and it belongs to each process with a probability proportional to its rate. Returns the number of
+// iterations with its own.
+fn cross_media(path: ptr<function, Path>, iterations: u32) -> u32 {
     if (*path).status == PATH_CUT {
-        return 0u;
+        return iterations;
     }
     let ray = (*path).ray;
     let depth = (*path).depth;
@@ -49,7 +43,7 @@ fn cross_media(path: ptr<function, Path>) -> u32 {
         let t = collision(media[at_run_time(i)], ray, depth, nearest, &steps);
         if t == WALK_CUT {
             (*path).status = PATH_CUT;
-            return MEDIA + steps;
+            return iterations + MEDIA + steps;
         }
         if t != NO_HIT {
             nearest = t;
@@ -57,29 +51,16 @@ fn cross_media(path: ptr<function, Path>) -> u32 {
         }
     }
     if scatterer == NO_MEDIUM {
-        return MEDIA + steps;
+        return iterations + MEDIA + steps;
     }
     let medium = media[at_run_time(scatterer)];
     let point = ray.origin + nearest * ray.direction;
     let throughput = (*path).throughput * medium_albedo(medium, point);
-    //@ if aov_surface
-    note_surface(path, false, throughput, vec3<f32>(0.0));
-    //@ end
+    note_medium(path, throughput);
     if depth < settings.max_depth && any(throughput != vec3<f32>(0.0)) {
         let u = random4((*path).pixel, (*path).sample, bounce_dimension(depth, DIMENSION_SCATTER), settings.seed);
         let direction = sample_phase(ray.direction, medium.anisotropy, medium.one_minus_anisotropy, u.xy);
-        //@ if light
-        let light_sample = sample_light(path, point);
-        let g = medium.anisotropy;
-        let share = phase_pdf(ray.direction, light_sample.direction, g, medium.one_minus_anisotropy);
-        let albedo = medium_albedo(medium, point);
-        let lobe = lobe_of(width_of_phase(medium.one_minus_anisotropy));
-        // A medium has no sides: the normal is any direction in which the cone lies as a whole.
-        aim_probe(path, sends_probe(path, lobe), scatter_towards(direction, albedo, lobe), light_sample.direction, direction, 1.0);
-        send_shadow_ray(path, light_sample, point, albedo * share, share);
-        note_event(path, lobe, select(1.0, 0.0, lobe == LOBE_WIDE));
-        (*path).pdf = phase_pdf(ray.direction, direction, g, medium.one_minus_anisotropy);
-        //@ end
+        sample_light_in_medium(path, medium, point, direction);
         (*path).ray = Ray(point, direction);
         (*path).status = RAY_READY;
         (*path).throughput = russian_roulette(path, throughput);
@@ -91,5 +72,5 @@ fn cross_media(path: ptr<function, Path>) -> u32 {
         (*path).status = select(PATH_ENDED, PATH_TOO_DEEP, any(throughput != vec3<f32>(0.0)));
         (*path).throughput = throughput;
     }
-    return MEDIA + steps;
+    return iterations + MEDIA + steps;
 }

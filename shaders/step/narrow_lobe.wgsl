@@ -6,6 +6,7 @@
 //@ use bind/settings
 //@ use lib/carry
 //@ use lib/rng
+//@ use choice/delta_lights
 //@ use scene/lights
 // Counts the light that narrow lobes hide from light sampling: those of mirrors, clear glass, polished metal and forward scattering. Only
 // directions that such a lobe draws find its light, or a sampled light that happens to lie in it. Small lights are found so
@@ -33,6 +34,18 @@ const LIGHT_BINS: u32 = 32u;
 // Each bin has two counts: light that probes found, and light that paths found.
 const PROBED: u32 = 0u;
 const FOUND: u32 = 1u;
+
+// The word of the depth has the history in its highest bits. No path has as many events as are left for the depth.
+const DEPTH_BITS: u32 = 29u;
+
+fn pack_depth(path: ptr<function, Path>) -> u32 {
+    return min((*path).depth, (1u << DEPTH_BITS) - 1u) | ((*path).history << DEPTH_BITS);
+}
+
+fn unpack_depth(path: ptr<function, Path>, word: u32) {
+    (*path).depth = word & ((1u << DEPTH_BITS) - 1u);
+    (*path).history = word >> DEPTH_BITS;
+}
 
 fn start_history(path: ptr<function, Path>) {
     (*path).history = 0u;
@@ -102,11 +115,9 @@ fn note_light_of_shadow(path: ptr<function, Path>, hit: Hit, emitted: vec3<f32>,
     }
     if (*path).probe > 0.0 {
         var probed = (*path).probe * arriving;
-        //@ if delta_light
         if is_delta_light(hit.code) {
-            probed *= delta_light_intensity((*path).shadow.direction, delta_lights[primitive_index(hit.code)]);
+            probed *= intensity_of_delta_light(hit.code, (*path).shadow.direction);
         }
-        //@ end
         add_light(path, bin, PROBED, (*path).throughput * probed);
     }
 }

@@ -9,13 +9,11 @@
 //@ use step/start
 //@ use step/count
 //@ use bind/records
-//@ if emitting_sky
-//@ use step/sky_mis_weight
-//@ use choice/probe
-//@ end
-//@ if aov_direct
-//@ use step/aov_direct
-//@ end
+//@ use choice/found_sky
+//@ use choice/aov_direct
+//@ use choice/aov_record
+//@ use choice/filter_weight
+//@ use choice/sampled_light
 //@ relies on bits
 // Whether the path has left the scene, ended on a surface, or cannot go on.
 fn has_ended(status: u32) -> bool {
@@ -36,29 +34,17 @@ fn count_too_deep(throughput: vec3<f32>) {
 fn refill_path(path: ptr<function, Path>) {
     var radiance = (*path).throughput;
     if (*path).status == HIT_NOTHING {
-        //@ if emitting_sky
-        radiance *= mis_weight_of_sky(path);
-        //@ end
-        let behind = background_radiance((*path).ray.direction);
-        radiance *= behind;
-        //@ if emitting_sky
-        note_found_sky(path, behind, radiance);
-        //@ end
+        let background = background_radiance((*path).ray.direction);
+        radiance = weigh_sky(path, radiance) * background;
+        note_sky(path, background, radiance);
     }
     if (*path).status == PATH_TOO_DEEP {
         count_too_deep(radiance);
         radiance = vec3<f32>(0.0);
     }
-    //@ if aov_direct
     note_direct(path, radiance, (*path).depth);
-    //@ end
-    radiance = limited_indirect(radiance, (*path).depth);
-    //@ if gathers
-    radiance += (*path).radiance;
-    //@ end
-    //@ if signed
-    radiance *= weight_of_sample(path);
-    //@ end
+    radiance = with_sampled_light(path, limited_indirect(radiance, (*path).depth));
+    radiance = weigh_by_filter(path, radiance);
     // A sample that is not finite is dropped, and counted by its reason. Tested by bits: a compiler may assume that x != x is false.
     if (*path).status == PATH_CUT {
         (*path).counts += 0x1000000u;
@@ -67,9 +53,7 @@ fn refill_path(path: ptr<function, Path>) {
     } else if is_infinite(radiance.x) || is_infinite(radiance.y) || is_infinite(radiance.z) {
         (*path).counts += 0x10000u;
     } else {
-        //@ if aov_direct
         add_direct(path);
-        //@ end
         (*path).spread += spread_by((*path).counts & 0xffu, (*path).sum.sum, radiance);
         (*path).counts += 1u;
         (*path).sum = compensated_sum((*path).sum, radiance, settings.zero);
@@ -92,38 +76,7 @@ fn refill_path(path: ptr<function, Path>) {
         run.spread_r = (*path).spread.x;
         run.spread_g = (*path).spread.y;
         run.spread_b = (*path).spread.z;
-        //@ if aov_albedo
-        run.aov[${sum_of_albedo}u] = (*path).albedo_sum.x;
-        run.aov[${sum_of_albedo}u + 1u] = (*path).albedo_sum.y;
-        run.aov[${sum_of_albedo}u + 2u] = (*path).albedo_sum.z;
-        //@ end
-        //@ if aov_normal
-        run.aov[${sum_of_normal}u] = (*path).normal_sum.x;
-        run.aov[${sum_of_normal}u + 1u] = (*path).normal_sum.y;
-        run.aov[${sum_of_normal}u + 2u] = (*path).normal_sum.z;
-        //@ end
-        //@ if aov_hits
-        run.aov[${sum_of_hits}u] = (*path).hits;
-        //@ end
-        //@ if aov_depth
-        run.aov[${sum_of_depth}u] = (*path).depth_sum;
-        //@ end
-        //@ if aov_position
-        run.aov[${sum_of_position}u] = (*path).position_sum.x;
-        run.aov[${sum_of_position}u + 1u] = (*path).position_sum.y;
-        run.aov[${sum_of_position}u + 2u] = (*path).position_sum.z;
-        //@ end
-        //@ if aov_object
-        run.aov[${sum_of_object}u] = (*path).object;
-        //@ end
-        //@ if aov_material
-        run.aov[${sum_of_material}u] = (*path).material;
-        //@ end
-        //@ if aov_direct
-        run.aov[${sum_of_direct}u] = (*path).direct_sum.x;
-        run.aov[${sum_of_direct}u + 1u] = (*path).direct_sum.y;
-        run.aov[${sum_of_direct}u + 2u] = (*path).direct_sum.z;
-        //@ end
+        record_aov(&run, path);
         records[at] = run;
         start_run(path);
     }

@@ -8,19 +8,9 @@
 //@ use choice/filter
 //@ use choice/sampler
 //@ use step/pixel_order
-//@ if light
-//@ use data/light
 //@ use choice/probe
-//@ end
+//@ use choice/aov_record
 // Starting a sample, and a run.
-
-//@ if signed
-// The weight of the path's sample. Its point is drawn again: its numbers are the same.
-fn weight_of_sample(path: ptr<function, Path>) -> f32 {
-    let u = random4((*path).pixel, (*path).sample, DIMENSION_CAMERA, settings.seed);
-    return filter_weight(u.xy);
-}
-//@ end
 
 // Puts the path onto the camera ray of its sample.
 fn start_sample(path: ptr<function, Path>) {
@@ -31,20 +21,12 @@ fn start_sample(path: ptr<function, Path>) {
     (*path).status = RAY_READY;
     (*path).throughput = vec3<f32>(1.0);
     (*path).depth = 0u;
-    //@ if aov_direct
     (*path).direct = vec3<f32>(0.0);
-    //@ end
-    //@ if aov_rough
     (*path).seen = 0u;
-    //@ end
-    //@ if gathers
     (*path).radiance = vec3<f32>(0.0);
     (*path).pdf = 0.0;
-    //@ end
-    //@ if light
     (*path).light = NO_LIGHT;
     start_history(path);
-    //@ end
 }
 
 // Takes the window's next run, or leaves the slot idle where there is none.
@@ -62,29 +44,6 @@ fn start_run(path: ptr<function, Path>) {
     (*path).sum = Compensated();
     (*path).rays = 0u;
     (*path).spread = vec3<f32>(0.0);
-    //@ if aov_direct
-    (*path).direct_sum = vec3<f32>(0.0);
-    //@ end
-    //@ if aov_albedo
-    (*path).albedo_sum = vec3<f32>(0.0);
-    //@ end
-    //@ if aov_normal
-    (*path).normal_sum = vec3<f32>(0.0);
-    //@ end
-    //@ if aov_hits
-    (*path).hits = 0.0;
-    //@ end
-    //@ if aov_depth
-    (*path).depth_sum = 0.0;
-    //@ end
-    //@ if aov_position
-    (*path).position_sum = vec3<f32>(0.0);
-    //@ end
-    //@ if aov_object
-    (*path).object = 0.0;
-    //@ end
-    //@ if aov_material
-    (*path).material = 0.0;
-    //@ end
+    clear_aov(path);
     start_sample(path);
 }

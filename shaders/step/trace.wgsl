@@ -1,20 +1,13 @@
 //@ use data/path
 //@ use bind/settings
 //@ use choice/walk
-//@ if alpha
-//@ use data/dimension
-//@ use scene/coverage
-//@ end
-// Finds the nearest hit of the path's ray.
+//@ use choice/coverage
+// Finds the nearest hit of the path's ray. Returns the number of steps.
 fn trace(path: ptr<function, Path>) -> u32 {
-    //@ if alpha
-    walk_for((*path).pixel, (*path).sample, bounce_dimension((*path).depth, DIMENSION_SCATTER));
-    //@ end
+    begin_walk(path, DIMENSION_SCATTER);
     let hit = nearest_hit((*path).ray, settings.root);
     (*path).t = hit.t;
     (*path).status = hit.code;
-    //@ if mesh
     (*path).instance = hit.instance;
-    //@ end
     return hit.steps;
 }

@@ -7,8 +7,7 @@ fn image_colour(texture: Texture, place: TexturePoint) -> vec3<f32> {
     //@ if number_images
     let is_number = texture.parameter != 0.0;
     return texture.first * colour_or_number_at(image, place.uv.x, 1.0 - place.uv.y, place.wraps, is_number);
-    //@ end
-    //@ if colour_images
+    //@ else
     return texture.first * image_at(image, place.uv.x, 1.0 - place.uv.y, place.wraps);
     //@ end
 }

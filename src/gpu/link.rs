@@ -3,14 +3,15 @@
 //! A module is a file under shaders/, named by its path without the ending. Its directives are comments that start
 //! with `//@`:
 //! - `//@ use lib/rng` joins that module once, before this one. `choice/x` is the module that the plan chose for x.
-//! - `//@ if light` … `//@ end` keeps the lines between if that condition holds.
+//! - `//@ if light` … `//@ end` keeps the lines between if that condition holds; after `//@ else` come those for where it does not.
 //! - `//@ each material` … `//@ end` repeats the lines between for every entry of that list. In these lines, `${name}` is the
 //!   entry's name, `${number}` its number, `${rank}` its place in the list, and `${case}` its case of a switch: `case 2u`, or `default` for
 //!   the entry that closes the switch.
 //! - `${value}` elsewhere is a value of the plan.
 //! - `//@ relies on loops` says that the module is right only on drivers with that property ([`PROPERTIES`]).
 //!
-//! Blocks cannot be nested. Other lines that start with `//@` are errors.
+//! Blocks cannot be nested, and each of their parts closes the braces that it opens. Other lines that start with `//@` are errors.
+//! A module under shaders/null stands for a feature that a kernel does without: it takes a value and gives it back, or does nothing.
 //!
 //! The linker removes comments and the declarations that the entry point does not reach ([`super::reach`]). A module
 //! without remaining lines does not count as linked. For each linked module the result has its user and the reason why
@@ -78,7 +79,12 @@ pub struct Choices {
     /// The modules behind `choice/…`.
     pub modules: BTreeMap<&'static str, Chosen>,
     pub values: BTreeMap<&'static str, String>,
+    /// Modules that the plan has written, by name.
+    pub generated: BTreeMap<&'static str, String>,
 }
+
+/// The folder of the modules that stand for what a kernel does without.
+const NULL: &str = "null/";
 
 /// A linked shader: its text, the origin of each line, and its modules.
 #[derive(Clone, Debug)]
@@ -86,6 +92,7 @@ pub struct Linked {
     pub root: String,
     pub text: String,
     pub lines: Vec<(String, usize)>,
+    /// Without null modules.
     pub modules: Vec<String>,
     /// The properties of the driver that its modules rely on: the property's name, and the module.
     pub relies: Vec<(String, String)>,
@@ -186,15 +193,36 @@ pub fn link(library: &dyn Library, root: &str, choices: &Choices) -> Result<Link
     Ok(linker.finish())
 }
 
-/// The treatment of the lines before the next `//@ end`.
+/// The treatment of the lines before the next `//@ else` or `//@ end`.
 #[derive(Clone, Copy)]
 enum Repetition<'a> {
+    /// Kept for this reason, or dropped.
     If(Option<&'a Reason>),
     Each(&'a [Entry]),
 }
 
-/// The directive that began a block, the treatment of its lines, and the lines so far with their numbers.
-type OpenBlock<'a> = (&'a str, Repetition<'a>, Vec<(usize, &'a str)>);
+/// A block that is open: the directive that began it, the treatment of its lines, and the lines so far with their numbers.
+struct OpenBlock<'a> {
+    begun: &'a str,
+    repetition: Repetition<'a>,
+    lines: Vec<(usize, &'a str)>,
+}
+
+impl OpenBlock<'_> {
+    /// The line of the block that closes a brace which the block did not open, or the last one if it leaves one open.
+    fn half_a_brace(&self) -> Option<usize> {
+        let mut depth = 0i64;
+        for (number, line) in &self.lines {
+            for c in reach::code(line).chars() {
+                depth += i64::from(c == '{') - i64::from(c == '}');
+                if depth < 0 {
+                    return Some(*number);
+                }
+            }
+        }
+        self.lines.last().filter(|_| depth != 0).map(|(number, _)| *number)
+    }
+}
 
 /// A line of a module: its number, the names of the values in it, and the reason for it.
 struct Line {
@@ -241,9 +269,9 @@ impl Linker<'_> {
         if !self.done.insert(module.to_string()) {
             return Ok(());
         }
-        let text = self
-            .library
-            .module(module)
+        let generated = self.choices.generated.get(module).map(String::as_str);
+        let text = generated
+            .or_else(|| self.library.module(module))
             .ok_or_else(|| fault(user, user_line, &format!("there is no module `{module}`")))?;
         let lines = self.expand(module, text)?;
         for Line { number, text, why, .. } in &lines {
@@ -282,7 +310,7 @@ impl Linker<'_> {
         for ((line, place), _) in joined.iter().zip(linked.lines).zip(reached).filter(|(_, reached)| *reached) {
             linked.text.push_str(reach::code(line));
             linked.text.push('\n');
-            if !kept.contains(&place.0) {
+            if !kept.contains(&place.0) && !place.0.starts_with(NULL) {
                 kept.insert(place.0.clone());
             }
             places.push(place);
@@ -316,38 +344,57 @@ impl Linker<'_> {
                 }
                 _ => None,
             };
-            if let Some(begins) = begins {
-                if let Some((outer, ..)) = block {
-                    return Err(fault(module, number, &format!("`{trimmed}` within `{outer}`")));
+            if let Some(repetition) = begins {
+                if let Some(OpenBlock { begun, .. }) = block {
+                    return Err(fault(module, number, &format!("`{trimmed}` within `{begun}`")));
                 }
-                block = Some((trimmed, begins, Vec::new()));
+                block = Some(OpenBlock { begun: trimmed, repetition, lines: Vec::new() });
+            } else if words == ["//@", "else"] {
+                let Some(ended) = block.take().filter(|block| block.begun.starts_with("//@ if")) else {
+                    return Err(fault(module, number, "`//@ else` without `//@ if`"));
+                };
+                let keeps = matches!(ended.repetition, Repetition::If(None));
+                self.close(module, ended, &mut out)?;
+                let repetition = Repetition::If(keeps.then_some(&Reason::EveryRender));
+                block = Some(OpenBlock { begun: trimmed, repetition, lines: Vec::new() });
             } else if words == ["//@", "end"] {
-                let (_, what, lines) =
+                let ended =
                     block.take().ok_or_else(|| fault(module, number, "`//@ end` without `//@ if` or `//@ each`"))?;
-                match what {
-                    Repetition::If(None) => {}
-                    Repetition::If(Some(why)) => {
-                        for (number, line) in lines {
-                            out.push(self.fill(module, number, line, why)?);
-                        }
-                    }
-                    Repetition::Each(entries) => {
-                        out.extend((0..).zip(entries).flat_map(|entry| repeated(entry, &lines)))
-                    }
-                }
+                self.close(module, ended, &mut out)?;
             } else if trimmed.starts_with("//@") && !matches!(words[..], ["//@", "use", _] | ["//@", "relies", "on", _])
             {
                 return Err(fault(module, number, &format!("`{trimmed}` is no directive of the linker")));
-            } else if let Some((.., lines)) = &mut block {
-                lines.push((number, line));
+            } else if let Some(block) = &mut block {
+                block.lines.push((number, line));
             } else {
                 out.push(self.fill(module, number, line, &Reason::EveryRender)?);
             }
         }
         match block {
-            Some((begun, ..)) => Err(fault(module, text.lines().count(), &format!("`{begun}` without `//@ end`"))),
+            Some(OpenBlock { begun, .. }) => {
+                Err(fault(module, text.lines().count(), &format!("`{begun}` without `//@ end`")))
+            }
             None => Ok(out),
         }
+    }
+
+    /// Adds the lines of a block that has ended.
+    fn close(&self, module: &str, block: OpenBlock<'_>, out: &mut Vec<Line>) -> Result<()> {
+        if let Some(number) = block.half_a_brace() {
+            return Err(fault(module, number, &format!("half a brace within `{}`", block.begun)));
+        }
+        match block.repetition {
+            Repetition::If(None) => {}
+            Repetition::If(Some(why)) => {
+                for (number, line) in block.lines {
+                    out.push(self.fill(module, number, line, why)?);
+                }
+            }
+            Repetition::Each(entries) => {
+                out.extend((0..).zip(entries).flat_map(|entry| repeated(entry, &block.lines)));
+            }
+        }
+        Ok(())
     }
 
     fn fill(&self, module: &str, number: usize, line: &str, why: &Reason) -> Result<Line> {

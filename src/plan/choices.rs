@@ -3,9 +3,9 @@
 
 use std::collections::BTreeMap;
 
-use super::state::{path_fields, places};
+use super::state::{Needs, PathField, path_fields, path_module, places, slots_module};
 use super::{Bounces, QUEUES, UniformTables};
-use crate::aov::{SeenSurface, Sum};
+use crate::aov::{Finder, SeenSurface, Sum};
 use crate::bitmap::FORMATS;
 use crate::data::{FILM_SUMS, KIND_INSTANCE, KIND_TRIANGLE, RUN_LENGTH};
 use crate::flatten::{BACKGROUNDS, BOUNDARIES, EVERY_FEATURE, Features, PRIMITIVES, TEXTURES};
@@ -35,28 +35,13 @@ macro_rules! named {
 named! {
     /// What `//@ if` asks.
     Conditions: Option<Reason> {
-        /// Rays are sent to lights.
-        light,
-        /// And by a kernel of their own.
-        staged_light,
-        medium,
-        /// There is something to hit.
-        surface,
-        /// There is something that scatters: a surface or a medium.
-        event,
         mesh,
         /// A mesh bounds a medium.
         mesh_boundary,
-        /// Slots are sorted into queues,
-        queue,
-        /// and that as soon as it is known what rays meet: there are no media that may scatter them before.
-        queue_of_hits,
         lens,
         /// Render space has the camera's axes.
         camera_axes,
         clamp,
-        /// Samples have weights of either sign.
-        signed,
         /// All primitives are asked of every ray.
         brute_force,
         gradient_background,
@@ -64,103 +49,22 @@ named! {
         several_backgrounds,
         /// Faces of meshes are sampled as lights.
         emitting_mesh,
-        /// Primitives of any kind are.
-        emitting_surface,
-        /// And none of them scatters.
-        emitting_without_scattering,
-        /// Images of the scene have the first texture coordinates of meshes alone,
-        one_uv_table,
-        /// or tables of their own,
+        /// Images of the scene have tables of texture coordinates of their own on meshes,
         uv_tables,
         /// and normal maps on smooth meshes have tangents in theirs.
         vertex_tangents,
-        /// Some material of the scene has a number that may be that of an image, or none has.
+        /// Some material of the scene has a number that may be that of an image.
         number_images,
-        colour_images,
-        /// The roughness of a material of the kernel varies over its surface,
-        varying_roughness,
-        /// or how metallic it is.
-        varying_metallic,
-        /// Some material emits beside what it scatters.
-        glow,
-        /// And it or another surface is sampled as a light.
-        glow_of_light,
-        /// A material of the kernel does,
-        own_glow,
-        /// and is sampled as a light,
-        glow_is_sampled,
-        /// Its light is among the direct light beside the image.
-        glow_direct,
-        /// A clear material of the kernel has a surface that lets a share of light pass alone,
-        tinted,
-        /// and lights are sampled or asked for;
-        tinted_in_light,
-        /// or it has an inside that absorbs.
-        absorbing,
-        /// A material of the kernel has a normal map, or none of them has one.
-        normal_map,
-        plain_normal,
-        /// A material of the kernel has one, and lights are sampled.
-        normal_map_in_light,
-        /// A material of the kernel makes up for light that microfacets scatter more than once, or none of them does.
-        multiscatter,
-        single_scattering,
-        /// The layer of a material of the kernel has a share or a colour of its own, or none has.
-        own_layer,
-        plain_layer,
-        /// Paths have a sum: of light that is sampled, or of surfaces that emit and scatter.
-        gathers,
-        /// The colours of a mesh's vertices multiply that of a material of the kernel.
-        vertex_colours,
-        /// A material of the kernel has one of these: a number that varies, a glow, a normal map, or such colours;
-        detailed,
-        /// or none of them has.
-        undetailed,
-        /// Some material has an alpha,
-        alpha,
-        /// which that of a mesh's vertices multiplies,
-        vertex_alpha,
-        /// and some material that may have one is sampled as a light.
-        alpha_of_light,
-        emitting_sky,
-        /// Lights without size are.
+        /// Lights without size are sampled,
         delta_light,
-        /// The sky or directional lights are, which stand beside those with a place.
+        /// or the sky or directional lights, which stand beside those with a place.
         light_without_place,
         /// Something that emits is not sampled.
-        unsampled,
-        /// Lights are sampled, and narrow lobes hide some of their light, which probes count; or no lobe does.
+        not_sampled,
+        /// Lights are sampled, and narrow lobes hide some of their light, which probes count.
         probed,
-        unprobed,
-        /// A material of the kernel is non-specular, and lights are sampled.
-        surface_samples_light,
-        /// A material of the kernel samples lights, or has a narrow lobe and probes them.
-        sends_shadow_ray,
-        /// One of them has two elements of the table.
-        two_parts,
-        /// One of them responds to light from both sides, on smooth meshes, where the two sides have points of their own.
-        both_sides,
-        /// One of them is a light that is sampled,
-        met_light,
-        /// The film has channels beside the radiance:
+        /// The film has channels beside the radiance.
         aov,
-        /// the albedo of the surface that is seen, its normal, one of them;
-        aov_albedo,
-        aov_normal,
-        aov_surface,
-        /// mirrors and clear glass are passed on the way to it, or not;
-        aov_rough,
-        aov_first,
-        /// the depth of the first surface that camera rays hit, its position, which it is, one of them;
-        aov_depth,
-        aov_position,
-        aov_object,
-        aov_material,
-        aov_hit,
-        /// the number of rays that hit it, for the first two;
-        aov_hits,
-        /// the direct radiance.
-        aov_direct,
     }
 }
 
@@ -183,6 +87,13 @@ named! {
         both_sided,
         /// Those of all that are clear.
         clear,
+        /// The extensions of a material that the kernel evaluates.
+        extension,
+        /// Channels of the first hit by their modules, their sums by components, and those of the surface that is seen and of direct light.
+        hit_channel,
+        hit_sum,
+        surface_sum,
+        direct_sum,
         texture,
         /// The formats of the images' texels.
         texel_format,
@@ -203,21 +114,89 @@ named! {
         axes,
         camera,
         filter,
+        filter_weight,
         colour,
         uv,
         shading,
+        evaluation,
+        vertex_colours,
+        normal_map,
+        second_parts,
+        multiscatter,
+        /// The layer of glTF's material.
+        layer,
+        tint,
+        absorption,
+        coverage,
+        vertex_alpha,
+        media,
         medium_albedo,
+        transmittance,
+        scatter,
         roulette,
+        /// Light sampling: what sends shadow rays, and what traces them.
+        surface_light,
+        medium_light,
+        shadow,
+        both_sides,
         probe,
+        /// Light that BSDF sampling finds, weighed against light sampling.
+        surface_emission,
+        found_light,
+        found_sky,
+        sampled_light,
+        /// Kinds of lights.
+        light_choice,
+        delta_lights,
+        sky_light,
+        light_surfaces,
+        surface_radiance,
+        light_coverage,
         clamp,
         fresnel,
         offset,
         sphere_chord,
-        light_choice,
         walk,
         sampler,
+        /// Channels beside the radiance.
+        aov_hit,
+        aov_surface,
+        seen,
+        aov_direct,
+        aov_record,
+        aov_film,
+        /// What only stages that are kernels of their own have.
+        aov_hit_slot,
+        aov_direct_slot,
+        walker_slot,
+        shadow_slot,
+        probe_slot,
+        queue_of_hits,
+        queue_of_events,
+        queue_turn,
     }
 }
+
+/// The choices that `plan` lists: those between modules that do the same in different ways. The others say whether a feature is there.
+pub const ALTERNATIVES: [&str; 17] = [
+    "axes",
+    "camera",
+    "filter",
+    "colour",
+    "uv",
+    "shading",
+    "layer",
+    "medium_albedo",
+    "roulette",
+    "probe",
+    "light_choice",
+    "clamp",
+    "fresnel",
+    "offset",
+    "sphere_chord",
+    "walk",
+    "sampler",
+];
 
 named! {
     /// The numbers behind `${…}`.
@@ -233,17 +212,9 @@ named! {
         queues,
         /// The queue that the kernel serves.
         queue,
-        /// The sums of a pixel of the film, those of them beside the radiance's, and their places.
+        /// The sums of a pixel of the film, and those that a path has beside the radiance's: one at least, since no array has no elements.
         film_sums,
-        aov_sums,
-        sum_of_albedo,
-        sum_of_normal,
-        sum_of_hits,
-        sum_of_depth,
-        sum_of_position,
-        sum_of_object,
-        sum_of_material,
-        sum_of_direct,
+        path_sums,
     }
 }
 
@@ -262,10 +233,17 @@ pub fn table_names() -> impl Iterator<Item = (&'static str, &'static str, &'stat
 
 /// What a kernel is linked with.
 pub(super) struct Decided {
-    pub conditions: Conditions,
+    conditions: Conditions,
     lists: Lists,
     modules: Modules,
     values: Values,
+    pub path_fields: Vec<PathField>,
+    path_module: String,
+    /// Why there are kernels that only some scenes have.
+    pub surface: Option<Reason>,
+    pub medium: Option<Reason>,
+    pub light: Option<Reason>,
+    pub queue: Option<Reason>,
 }
 
 impl Decided {
@@ -280,6 +258,10 @@ impl Decided {
             lists: self.lists.named(),
             modules: self.modules.named(),
             values: numbers.chain(table_names().flat_map(table)).collect(),
+            generated: BTreeMap::from([
+                ("generated/path", self.path_module),
+                ("generated/slots", slots_module(&self.path_fields)),
+            ]),
         }
     }
 }
@@ -305,6 +287,11 @@ fn usual(module: &'static str) -> Chosen {
 /// One module where someone asked for it, else the usual one.
 fn either(why: Option<Reason>, module: &'static str, other: &'static str) -> Chosen {
     why.map_or(usual(other), |why| Chosen { module, why })
+}
+
+/// A module where someone asked for it, else its null module.
+fn where_asked(why: &Option<Reason>, module: &'static str, null: &'static str) -> Chosen {
+    either(why.clone(), module, null)
 }
 
 /// The kinds that the scene uses, by the place of their names; the last one closes a switch over them.
@@ -389,6 +376,7 @@ pub(super) fn decide(
     let probed = light.clone().and(hidden);
     let of_first = |used: &[Option<String>]| served_in(used).first().map(|kind| kind.why.clone());
     let sends_probe = probed.clone().and(of_first(&features.narrow).or(of_first(&features.specular)));
+    let sends_shadow_ray = surface_samples_light.or(sends_probe);
     let of_kind = |kind: &Entry| Material::KINDS.get(kind.number as usize);
     let two_part: Vec<Entry> =
         served.iter().filter(|kind| of_kind(kind).is_some_and(|kind| kind.has_second_part)).cloned().collect();
@@ -398,146 +386,178 @@ pub(super) fn decide(
 
     let event = surface.clone().or(medium.clone());
     let asked_aov = options::AOV.asked(options);
-    let aov = |sums: &[Sum], there: &Option<Reason>| {
-        let needed = there.is_some() && sums.iter().any(|sum| options.aov.needs(*sum));
+    let aov = |finder: Finder, there: &Option<Reason>| {
+        let needed = there.is_some() && options.aov.sums().any(|sum| sum.finder() == finder);
         if_so(needed, option(&asked_aov))
     };
-    let aov_surface = aov(&[Sum::Albedo, Sum::Normal], &event);
+    let (aov_surface, aov_hit) = (aov(Finder::Surface, &event), aov(Finder::Hit, &surface));
+    let aov_direct = aov(Finder::Direct, &Some(Reason::EveryRender));
     let passes = options.aov.surface == SeenSurface::Rough;
-    let place = |sum| options.aov.place(sum).unwrap_or(0) as u32;
-
-    let glowing = &features.details[DetailKind::Emission as usize];
-    let glow = first(glowing);
     let own = |detail: DetailKind| of_first(&features.details[detail as usize]);
-    let (varying_roughness, varying_metallic) = (own(DetailKind::Roughness), own(DetailKind::Metallic));
-    let (own_glow, normal_map) = (own(DetailKind::Emission), own(DetailKind::Normal));
-    let multiscatter = own(DetailKind::Multiscatter);
-    let own_layer = own(DetailKind::Specular);
+    let scene_has = |detail: DetailKind| first(&features.details[detail as usize]);
+    let extensions = [
+        ("emission", DetailKind::Emission),
+        ("roughness", DetailKind::Roughness),
+        ("metallic", DetailKind::Metallic),
+        ("normal", DetailKind::Normal),
+        ("specular", DetailKind::Specular),
+    ];
+    let extension =
+        closed((0..).zip(extensions).filter_map(|(number, (name, detail))| Some((name, number, own(detail)?))));
+    let (own_emission, normal_map) = (own(DetailKind::Emission), own(DetailKind::Normal));
+    let (multiscatter, own_layer) = (own(DetailKind::Multiscatter), own(DetailKind::Specular));
     let (tinted, absorbing) = (of_first(&features.tinted), of_first(&features.absorbing));
-    let glow_is_sampled = own_glow.clone().and(light.clone()).and(emitting_surface.clone());
+    let vertex_colours = mesh.clone().and(own(DetailKind::VertexColours));
+    let evaluated = extension.first().map(|entry| entry.why.clone()).or(vertex_colours.clone());
 
-    let vertex_colours = served_in(&features.details[DetailKind::VertexColours as usize]);
-    let vertex_colours = vertex_colours.first().and_then(|kind| mesh.clone().and(Some(kind.why.clone())));
-    let number_images = [DetailKind::Roughness, DetailKind::Metallic, DetailKind::Alpha]
-        .into_iter()
-        .find_map(|detail| first(&features.details[detail as usize]));
-    let detailed = { [&varying_roughness, &varying_metallic, &own_glow, &normal_map, &vertex_colours, &own_layer] }
-        .into_iter()
-        .find_map(|detail| detail.clone());
-    let alpha = surface.clone().and(first(&features.details[DetailKind::Alpha as usize]));
-
-    let vertex_alpha = alpha.clone().and(mesh.clone()).and(first(&features.details[DetailKind::VertexAlpha as usize]));
-
+    let emission = scene_has(DetailKind::Emission);
+    let number_images =
+        [DetailKind::Roughness, DetailKind::Metallic, DetailKind::Alpha].into_iter().find_map(scene_has);
+    let alpha = surface.clone().and(scene_has(DetailKind::Alpha));
+    let vertex_alpha = alpha.clone().and(mesh.clone()).and(scene_has(DetailKind::VertexAlpha));
     let uv_tables = mesh.clone().and(asked(&features.uv_tables));
-
     let both_sides = { both_sided.first().zip(light.as_ref()) }
         .and_then(|(kind, _)| asked(&features.smooth).and(Some(kind.why.clone())));
+    let emits = shines.then_some(Reason::EveryRender).or(own_emission.clone());
+    let found_light = light.clone().and(emits).and(emitting_surface.clone());
+    let light_coverage = alpha.clone().and(emission.clone()).and(emitting_surface.clone());
+    let sampled_light = light.clone().or(emission.clone());
+    let staged = |why: &Option<Reason>| why.clone().filter(|_| !fused);
     let queue_why = if_so(queues, option(QUEUES));
-    let conditions = Conditions {
-        staged_light: light.clone().filter(|_| !fused),
-        aov: if_so(!options.aov.is_empty(), option(&asked_aov)),
-        aov_albedo: aov(&[Sum::Albedo], &event),
-        aov_normal: aov(&[Sum::Normal], &event),
+    let negative_lobes = if_so(options.filter == Filter::Mitchell, by_option(&options::FILTER).why);
+
+    let any_aov = if_so(!options.aov.is_empty(), option(&asked_aov));
+    let needs = Needs {
+        is_staged: !fused,
+        light: light.clone(),
+        mesh: mesh.clone(),
+        emitting_mesh: emitting_mesh.clone(),
+        probed: probed.clone(),
+        event: event.clone(),
+        sampled_light: sampled_light.clone(),
+        aov_hit: aov_hit.clone(),
         aov_rough: aov_surface.clone().filter(|_| passes),
-        aov_first: aov_surface.clone().filter(|_| !passes),
-        aov_surface,
-        aov_depth: aov(&[Sum::Depth], &surface),
-        aov_position: aov(&[Sum::Position], &surface),
-        aov_object: aov(&[Sum::Object], &surface),
-        aov_material: aov(&[Sum::Material], &surface),
-        aov_hit: aov(&[Sum::Hits, Sum::Object, Sum::Material], &surface),
-        aov_hits: aov(&[Sum::Hits], &surface),
-        aov_direct: aov(&[Sum::Direct], &Some(Reason::EveryRender)),
-        event,
-        queue_of_hits: queue_why.clone().filter(|_| medium.is_none()),
-        queue: queue_why,
+        aov_surface: aov_surface.clone(),
+        aov_direct: aov_direct.clone(),
+    };
+    let path_fields = path_fields(&needs, &options.aov);
+    let sums_of = |finder: Finder, why: &Option<Reason>| {
+        let components = (0..).zip(options.aov.sum_components()).filter(|(_, (sum, _))| sum.finder() == finder);
+        let entry = |(number, (sum, name)): (u32, (Sum, String))| {
+            let component = name.rsplit('.').next().unwrap_or_default().to_lowercase();
+            // As the modules under shaders/aov have it: a function of the first hit, or a variable.
+            let vector = if finder == Finder::Hit { format!("{}(path)", sum.name()) } else { sum.name().to_string() };
+            let name = if sum.components().len() > 1 { format!("{vector}.{component}") } else { vector };
+            Some(Entry { name, number, closes: false, why: why.clone()? })
+        };
+        components.filter_map(entry).collect::<Vec<Entry>>()
+    };
+    let hit_channel = options.aov.sums().filter(|sum| sum.finder() == Finder::Hit);
+    let hit_channel = closed((0..).zip(hit_channel).filter_map(|(i, sum)| Some((sum.name(), i, aov_hit.clone()?))));
+    let conditions = Conditions {
+        mesh_boundary,
         lens: asked(&features.thin_lens),
         camera_axes: asked(&features.turned),
         clamp: if_so(
             options.clamp.is_some() && (surface.is_some() || features.media > 0),
             by_option(&options::CLAMP).why,
         ),
-        signed: if_so(options.filter == Filter::Mitchell, by_option(&options::FILTER).why),
         gradient_background: asked(&features.backgrounds[1]),
         image_background: asked(&features.backgrounds[2]),
         several_backgrounds: if_so(!other_background.is_empty(), option(EVERY_FEATURE)),
-        unsampled: match &features.unsampled {
+        not_sampled: match &features.unsampled {
             Some(left) => Some(option(&left.asked_by)),
             None => if_so(options.features == FeatureSet::All, option(EVERY_FEATURE)),
         },
-        sends_shadow_ray: surface_samples_light.clone().or(sends_probe),
-        two_parts: two_part.first().map(|kind| kind.why.clone()),
-        both_sides,
-        met_light: light.clone().and(emitting_surface.clone()).filter(|_| shines),
-        emitting_without_scattering: emitting_surface.clone().filter(|_| glow.is_none()),
-        undetailed: if_so(detailed.is_none(), Reason::EveryRender),
-        detailed,
-        vertex_colours,
-        one_uv_table: if_so(uv_tables.is_none(), Reason::EveryRender),
         vertex_tangents: uv_tables.clone().and(asked(&features.vertex_tangents)),
         uv_tables,
-        alpha_of_light: alpha.clone().and(glow.clone()).and(emitting_surface.clone()),
-        alpha,
-        vertex_alpha,
-        glow_of_light: glow.clone().and(emitting_surface.clone()),
-        gathers: light.clone().or(glow.clone()),
-        glow_direct: own_glow.clone().and(aov(&[Sum::Direct], &Some(Reason::EveryRender))),
-        colour_images: if_so(number_images.is_none(), Reason::EveryRender),
         number_images,
-        varying_roughness,
-        varying_metallic,
-        glow_is_sampled,
-        own_glow,
-        glow,
-        tinted_in_light: tinted.clone().and(surface_samples_light.clone()),
-        tinted,
-        absorbing,
-        normal_map_in_light: normal_map.clone().and(surface_samples_light.clone()),
-        plain_normal: if_so(normal_map.is_none(), Reason::EveryRender),
-        normal_map,
-        single_scattering: if_so(multiscatter.is_none(), Reason::EveryRender),
-        plain_layer: if_so(own_layer.is_none(), Reason::EveryRender),
-        own_layer,
-        multiscatter,
         light_without_place: emitting_sky.clone().or(asked(&features.directional_lights)),
-        delta_light,
-        surface_samples_light,
-        unprobed: if_so(probed.is_none(), Reason::EveryRender),
-        probed,
-        light,
-        medium,
-        surface,
+        delta_light: delta_light.clone(),
+        probed: probed.clone(),
         mesh,
-        mesh_boundary,
         brute_force,
         emitting_mesh,
-        emitting_surface,
-        emitting_sky,
+        aov: any_aov.clone(),
     };
     let has_glass = materials.iter().any(|kind| of_kind(kind).is_some_and(|kind| kind.is_clear));
     let has_spheres = primitive.iter().chain(&convex_boundary).any(|kind| kind.name == "sphere");
-    let places = places(&path_fields(&conditions, fused));
-    let numbered = |all: Vec<(&'static str, u32)>| {
-        closed(all.into_iter().map(|(name, number)| (name, number, Reason::EveryRender)))
+    let places = places(&path_fields);
+    let numbered = |all: Vec<(String, u32)>| {
+        let entry = |(name, number)| Entry { name, number, closes: false, why: Reason::EveryRender };
+        all.into_iter().map(entry).collect::<Vec<_>>()
     };
     let image_texture = texture.iter().find(|kind| kind.name == "image").map(|kind| kind.why.clone());
     let modules = Modules {
         axes: either(asked(&features.turned), "scene/camera_axes", "scene/world_axes"),
         camera: either(asked(&features.thin_lens), "camera/thin_lens", "camera/pinhole"),
         filter: by_option(&options::FILTER),
+        filter_weight: where_asked(&negative_lobes, "step/filter_weight", "null/filter_weight"),
         colour: either(first(&features.textures), "scene/textured_colour", "scene/plain_colour"),
-        uv: either(image_texture, "scene/uv", "scene/no_uv"),
+        uv: where_asked(&image_texture, "scene/uv", "null/uv"),
         shading: either(asked(&features.smooth), "scene/smooth_shading", "scene/flat_shading"),
+        evaluation: either(evaluated, "scene/evaluated_material", "scene/plain_material"),
+        vertex_colours: where_asked(&vertex_colours, "scene/vertex_colours", "null/vertex_colours"),
+        normal_map: where_asked(&normal_map, "scene/normal_map", "null/normal_map"),
+        second_parts: where_asked(
+            &two_part.first().map(|kind| kind.why.clone()),
+            "scene/second_parts",
+            "null/second_parts",
+        ),
+        multiscatter: where_asked(&multiscatter, "scene/multiscatter", "null/multiscatter"),
+        layer: either(own_layer, "material/pbr_own_layer", "material/pbr_plain_layer"),
+        tint: where_asked(&tinted, "scene/tint", "null/tint"),
+        absorption: where_asked(&absorbing, "scene/absorption", "null/absorption"),
+        coverage: where_asked(&alpha, "scene/coverage", "null/coverage"),
+        vertex_alpha: where_asked(&vertex_alpha, "scene/vertex_alpha", "null/vertex_alpha"),
+        media: where_asked(&medium, "step/media", "null/media"),
         medium_albedo: either(asked(&features.textured_media), "scene/textured_medium", "scene/plain_medium"),
-        light_choice: usual(if features.lights > 1 { "scene/light_tree" } else { "scene/one_light" }),
-        walk,
+        transmittance: where_asked(&medium, "scene/transmittance", "null/transmittance"),
+        scatter: where_asked(&surface, "step/scatter", "null/scatter"),
         roulette: by_option(&options::ROULETTE),
-        probe: either(conditions.probed.clone(), "step/narrow_lobe", "step/no_narrow_lobe"),
+        surface_light: match (&light, sends_shadow_ray) {
+            (None, _) => usual("null/surface_light"),
+            (Some(_), None) => usual("step/specular_event"),
+            (Some(_), Some(why)) => Chosen { module: "step/surface_light", why },
+        },
+        medium_light: where_asked(&light, "step/medium_light", "null/medium_light"),
+        shadow: where_asked(&light, "step/light", "null/shadow"),
+        both_sides: where_asked(&both_sides, "scene/both_sides", "null/both_sides"),
+        probe: where_asked(&probed, "step/narrow_lobe", "null/narrow_lobe"),
+        surface_emission: where_asked(&own_emission, "step/surface_emission", "null/surface_emission"),
+        found_light: where_asked(&found_light, "step/found_light", "null/found_light"),
+        found_sky: where_asked(&emitting_sky, "step/found_sky", "null/found_sky"),
+        sampled_light: where_asked(&sampled_light, "step/sampled_light", "null/sampled_light"),
+        light_choice: usual(if features.lights > 1 { "scene/light_tree" } else { "scene/one_light" }),
+        delta_lights: where_asked(&delta_light, "scene/delta_lights", "null/delta_lights"),
+        sky_light: where_asked(&emitting_sky, "scene/sky_light", "null/sky_light"),
+        light_surfaces: where_asked(&emitting_surface, "scene/light_surfaces", "null/light_surfaces"),
+        surface_radiance: either(emission, "scene/emitted_beside", "scene/emitted"),
+        light_coverage: where_asked(&light_coverage, "scene/light_coverage", "null/light_coverage"),
         clamp: approximate(&options::CLAMP, conditions.clamp.is_some()),
         fresnel: approximate(&options::FRESNEL, has_glass),
-        offset: approximate(&options::OFFSET, conditions.surface.is_some()),
+        offset: approximate(&options::OFFSET, surface.is_some()),
         sphere_chord: approximate(&options::PRECISION, has_spheres),
+        walk,
         sampler: by_option(&options::SAMPLER),
+        aov_hit: where_asked(&aov_hit, "aov/hit", "null/aov_hit"),
+        aov_surface: where_asked(&aov_surface, "aov/surface", "null/aov_surface"),
+        seen: either(aov_surface.clone().filter(|_| passes), "aov/seen_rough", "aov/seen_first"),
+        aov_direct: where_asked(&aov_direct, "aov/direct", "null/aov_direct"),
+        aov_record: where_asked(&any_aov, "aov/record", "null/aov_record"),
+        aov_film: where_asked(&any_aov, "aov/film", "null/aov_film"),
+        aov_hit_slot: where_asked(&aov_hit, "slots/aov_hit", "null/aov_hit_slot"),
+        aov_direct_slot: where_asked(&aov_direct, "slots/aov_direct", "null/aov_direct_slot"),
+        walker_slot: where_asked(&alpha, "slots/walker", "null/walker_slot"),
+        shadow_slot: where_asked(&staged(&light), "slots/shadow", "null/shadow_slot"),
+        probe_slot: where_asked(&probed, "slots/probe", "null/probe_slot"),
+        queue_of_hits: where_asked(
+            &queue_why.clone().filter(|_| medium.is_none()),
+            "slots/sort_by_material",
+            "null/sort",
+        ),
+        queue_of_events: where_asked(&queue_why, "slots/sort_by_material", "null/sort"),
+        queue_turn: where_asked(&queue_why, "slots/queue_turn", "null/queue_turn"),
     };
     Decided {
         conditions,
@@ -549,6 +569,11 @@ pub(super) fn decide(
             non_specular,
             two_part,
             both_sided,
+            extension,
+            hit_channel,
+            hit_sum: sums_of(Finder::Hit, &aov_hit),
+            surface_sum: sums_of(Finder::Surface, &aov_surface),
+            direct_sum: sums_of(Finder::Direct, &aov_direct),
             clear: { served.iter() }.filter(|kind| of_kind(kind).is_some_and(|kind| kind.is_clear)).cloned().collect(),
             texture,
             texel_format,
@@ -572,17 +597,15 @@ pub(super) fn decide(
             most_steps: if features.shadow_rays { 19_000 } else { 48_000 },
             run_length: RUN_LENGTH,
             film_sums: (FILM_SUMS + options.aov.count()) as u32,
-            aov_sums: options.aov.count() as u32,
-            sum_of_albedo: place(Sum::Albedo),
-            sum_of_normal: place(Sum::Normal),
-            sum_of_hits: place(Sum::Hits),
-            sum_of_depth: place(Sum::Depth),
-            sum_of_position: place(Sum::Position),
-            sum_of_object: place(Sum::Object),
-            sum_of_material: place(Sum::Material),
-            sum_of_direct: place(Sum::Direct),
+            path_sums: options.aov.count().max(1) as u32,
             queues: materials.len() as u32,
             queue,
         },
+        path_module: path_module(&options.aov),
+        path_fields,
+        surface,
+        medium,
+        light,
+        queue: queue_why,
     }
 }

@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::choices::ALTERNATIVES;
 use super::{Bounce, Kernel, PathField, Plan, QUEUES, STEPS, Tuning, boundary_names};
 use crate::error::Result;
 use crate::flatten::{BACKGROUNDS, Features, MATERIALS, MOST_LIGHTS, PRIMITIVES, TEXTURES, Unsampled};
@@ -131,7 +132,11 @@ impl Report {
         let known = known_features(features);
         let (there, left_out): (Vec<_>, Vec<_>) = known.iter().partition(|known| linked.contains(&known.module));
         let asked = |known: &&Known<'_>| Some((known.name.clone(), known.asked_by?.to_string()));
-        let choices: BTreeMap<_, _> = kernels.iter().flat_map(|kernel| &kernel.linked.choices).collect();
+        let choices: BTreeMap<_, _> = kernels
+            .iter()
+            .flat_map(|kernel| &kernel.linked.choices)
+            .filter(|(name, _)| ALTERNATIVES.contains(name))
+            .collect();
         let of_kernel = |kernel: &&Kernel| KernelReport {
             name: kernel.name.clone(),
             root: kernel.linked.root.clone(),
@@ -363,8 +368,7 @@ fn about_constant(name: &str) -> String {
         "queues" => "queues that slots are sorted into",
         "queue" => "the queue that the kernel serves",
         "film_sums" => "sums that the film has of a pixel",
-        "aov_sums" => "those of them that are of --aov",
-        _ if name.starts_with("sum_of_") => "its place among them",
+        "path_sums" => "those of them that are of --aov, one at least",
         _ => "",
     };
     what.to_string()

@@ -1,22 +1,37 @@
 //! What slots keep of their paths from one dispatch to the next: just the fields that the kernels of a scene hand to each other, and where
 //! they lie.
 
+use std::fmt::Write;
+
 use super::A_KERNEL_A_STAGE;
-use super::choices::Conditions;
-use crate::aov::Aovs;
+use crate::aov::{Aovs, Finder};
 use crate::gpu::link::Reason;
 
 /// A field of the paths' state: words of 32 bits.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PathField {
     /// As `shaders/slots` spells it.
-    pub name: &'static str,
+    pub name: String,
     pub words: u32,
     /// The vector that it stands behind, where the two are read and written as one.
     pub behind: Option<&'static str>,
-    pub what: &'static str,
+    pub what: String,
     /// What asked for it.
     pub why: String,
+    /// The group of fields that stages load and store as one.
+    pub group: &'static str,
+    /// Where the kernels have it in a path.
+    pub member: String,
+    pub code: Code,
+}
+
+/// How a word of memory holds a field.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Code {
+    Float,
+    Word,
+    /// Packed with the history of the path's lobes by the module behind `choice/probe`.
+    Depth,
 }
 
 impl PathField {
@@ -33,7 +48,27 @@ impl PathField {
     pub fn is_used(&self, has: impl Fn(&str) -> bool) -> bool {
         match (self.words, self.behind) {
             (1, None) => has(&format!("load_{}", self.name)) || has(&format!("store_{}", self.name)),
-            _ => has(&format!("PLANE_OF_{}", self.behind.unwrap_or(self.name))),
+            _ => has(&format!("PLANE_OF_{}", self.behind.unwrap_or(&self.name))),
+        }
+    }
+
+    /// The statement that takes it from a word.
+    fn taken_from(&self, word: &str) -> String {
+        let member = &self.member;
+        match self.code {
+            Code::Float => format!("(*path).{member} = bitcast<f32>({word});"),
+            Code::Word => format!("(*path).{member} = {word};"),
+            Code::Depth => format!("unpack_depth(path, {word});"),
+        }
+    }
+
+    /// The word that holds it.
+    fn as_word(&self) -> String {
+        let member = &self.member;
+        match self.code {
+            Code::Float => format!("bitcast<u32>((*path).{member})"),
+            Code::Word => format!("(*path).{member}"),
+            Code::Depth => "pack_depth(path)".to_string(),
         }
     }
 }
@@ -47,92 +82,261 @@ pub fn most_path_bytes(aovs: &Aovs) -> u64 {
     MOST_PATH_BYTES + if aovs.is_empty() { 0 } else { MOST_BYTES_OF_AOVS }
 }
 
+/// The reasons for fields that not every render has.
+#[derive(Clone, Debug, Default)]
+pub struct Needs {
+    /// Stages are kernels of their own.
+    pub is_staged: bool,
+    pub light: Option<Reason>,
+    pub mesh: Option<Reason>,
+    pub emitting_mesh: Option<Reason>,
+    pub probed: Option<Reason>,
+    /// There is a surface or a medium.
+    pub event: Option<Reason>,
+    /// Light that is not that at the end of a path.
+    pub sampled_light: Option<Reason>,
+    /// What finds channels beside the radiance.
+    pub aov_hit: Option<Reason>,
+    pub aov_surface: Option<Reason>,
+    pub aov_rough: Option<Reason>,
+    pub aov_direct: Option<Reason>,
+}
+
+/// The member of a path that holds the sums of `--aov`.
+const AOV: &str = "aov";
+
+/// The members of a path that lie in memory as several fields, and those that no stage hands to another.
+const OTHER_MEMBERS: [(&str, &str); 5] =
+    [("ray", "Ray"), ("shadow", "Ray"), ("sum", "Compensated"), ("history", "u32"), ("probe", "f32")];
+
+/// All groups of fields, in the order in which a path is loaded; those that only stages of a bounce hand to each other come last.
+const GROUPS: [&str; 12] = [
+    "ray",
+    "throughput",
+    "sample_of_path",
+    "run",
+    "radiance",
+    "direct",
+    "aov_hit",
+    "aov_surface",
+    "aov_direct",
+    "hit",
+    "shadow",
+    "light_weight",
+];
+
 /// The fields that kernels hand to each other. The fused kernel keeps to itself what lies between a ray and its scattering.
-pub fn path_fields(conditions: &Conditions, fused: bool) -> Vec<PathField> {
+pub fn path_fields(needs: &Needs, aovs: &Aovs) -> Vec<PathField> {
+    all_fields(needs, aovs).into_iter().filter_map(|(field, why)| Some(PathField { why: why?, ..field })).collect()
+}
+
+/// All fields, each with what asked for it, if it is there.
+fn all_fields(needs: &Needs, aovs: &Aovs) -> Vec<(PathField, Option<String>)> {
     let words = |why: &Option<Reason>| why.as_ref().map(Reason::to_string);
-    let always = words(&Some(Reason::EveryRender));
-    let gathers = words(&conditions.gathers);
+    let always = Some(Reason::EveryRender.to_string());
     // What only stages that are kernels of their own hand on: for all scenes, or beside that for what some of them ask.
-    let staged = |why| words(why).filter(|_| !fused).map(|why| format!("{A_KERNEL_A_STAGE}, and {why}"));
-    let (staged_lights, staged_meshes, staged_mesh_lights) =
-        (staged(&conditions.light), staged(&conditions.mesh), staged(&conditions.emitting_mesh));
-    let staged_probes = staged(&conditions.probed);
+    let staged = |why| words(why).filter(|_| needs.is_staged).map(|why| format!("{A_KERNEL_A_STAGE}, and {why}"));
+    let (lights, meshes, mesh_lights) = (staged(&needs.light), staged(&needs.mesh), staged(&needs.emitting_mesh));
     // Without a surface or a medium nobody asks how far it is.
-    let staged_events = (!fused && conditions.event.is_some()).then(|| A_KERNEL_A_STAGE.to_string());
-    let field = |why: &Option<String>, name, words, behind, what| {
-        Some(PathField { name, words, behind, what, why: why.clone()? })
+    let events = (needs.is_staged && needs.event.is_some()).then(|| A_KERNEL_A_STAGE.to_string());
+    let row = |why: &Option<String>, group, name: &str, words, behind, member: &str, code, what: &str| {
+        let (name, member, what) = (name.to_string(), member.to_string(), what.to_string());
+        (PathField { name, words, behind, what, why: String::new(), group, member, code }, why.clone())
     };
-    let vector = |why, name, what| field(why, name, 3, None, what);
-    let behind = |why, vector, name, what| field(why, name, 1, Some(vector), what);
-    let word = |why, name, what| field(why, name, 1, None, what);
-    let all = [
-        vector(&always, "ORIGIN", "where the ray starts"),
-        vector(&always, "DIRECTION", "its direction"),
-        behind(&always, "DIRECTION", "status", "what the path is doing, or what its ray has met"),
-        vector(&always, "THROUGHPUT", "the share of the light met next that reaches the camera"),
-        behind(&always, "THROUGHPUT", "depth", "scattering events so far, and which of them had narrow lobes"),
-        vector(&always, "SUM", "radiance of the run's samples"),
-        behind(&always, "SUM", "rays", "their rays"),
-        vector(&always, "EXCESS", "what that sum is too large by, of its roundings"),
-        vector(&always, "SPREAD", "squared deviations of the run's samples from their mean"),
+    let vector =
+        |why, group, name: &str, member: &str, what: &str| row(why, group, name, 3, None, member, Code::Float, what);
+    let behind =
+        |why, group, vector, name: &str, code, what: &str| row(why, group, name, 1, Some(vector), name, code, what);
+    let word = |why, group, name: &str, code, what: &str| row(why, group, name, 1, None, name, code, what);
+    use Code::{Depth, Float, Word};
+    let mut all = vec![
+        vector(&always, "ray", "ORIGIN", "ray.origin", "where the ray starts"),
+        vector(&always, "ray", "DIRECTION", "ray.direction", "its direction"),
+        behind(&always, "ray", "DIRECTION", "status", Word, "what the path is doing, or what its ray has met"),
         vector(
-            &gathers,
+            &always,
+            "throughput",
+            "THROUGHPUT",
+            "throughput",
+            "the share of the light met next that reaches the camera",
+        ),
+        behind(
+            &always,
+            "throughput",
+            "THROUGHPUT",
+            "depth",
+            Depth,
+            "scattering events so far, and which of them had narrow lobes",
+        ),
+        vector(&always, "run", "SUM", "sum.sum", "radiance of the run's samples"),
+        behind(&always, "run", "SUM", "rays", Word, "their rays"),
+        vector(&always, "run", "EXCESS", "sum.excess", "the compensation term of that sum"),
+        vector(&always, "run", "SPREAD", "spread", "squared deviations of the run's samples from their mean"),
+        vector(
+            &words(&needs.sampled_light),
+            "radiance",
             "RADIANCE",
+            "radiance",
             "radiance of the sample so far, by lights that were sampled and surfaces that emit and scatter",
         ),
-        behind(&gathers, "RADIANCE", "pdf", "density of the last scattering's direction"),
-        vector(&words(&conditions.aov_direct), "DIRECT", "direct radiance of the sample so far"),
-        vector(&words(&conditions.aov_direct), "DIRECT_SUM", "that of the run's samples"),
-        vector(&words(&conditions.aov_albedo), "ALBEDO_SUM", "albedos of the run's samples"),
-        vector(&words(&conditions.aov_normal), "NORMAL_SUM", "their normals"),
-        vector(&words(&conditions.aov_position), "POSITION_SUM", "their positions"),
-        vector(&staged_lights, "SHADOW_ORIGIN", "where the ray to a light starts"),
-        behind(&staged_lights, "SHADOW_ORIGIN", "light", "the light"),
-        vector(&staged_lights, "SHADOW_DIRECTION", "the direction of that ray"),
-        vector(&staged_lights, "LIGHT_WEIGHT", "what the light brings per radiance, if nothing is in its way"),
-        behind(&staged_probes, "LIGHT_WEIGHT", "probe", "the weight of that ray as a probe for light of narrow lobes"),
-        word(&staged_events, "t", "distance to what the ray has met"),
-        word(&always, "counts", "samples of the run, accepted and rejected"),
-        word(&always, "pixel", "the pixel"),
-        word(&always, "sample", "the sample of the pixel"),
-        word(&words(&conditions.aov_hits), "hits", "samples of the run whose camera ray hits a surface"),
-        word(&words(&conditions.aov_depth), "depth_sum", "their depths"),
-        word(&words(&conditions.aov_object), "object", "the object that the pixel's first sample hits"),
-        word(&words(&conditions.aov_material), "material", "the material of that object"),
-        word(&words(&conditions.aov_rough), "seen", "whether the albedo and the normal of the sample are known"),
-        word(&staged_meshes, "instance", "the mesh that the ray has met a part of"),
-        word(&staged_mesh_lights, "light_instance", "the mesh that the light is part of"),
+        behind(
+            &words(&needs.sampled_light),
+            "radiance",
+            "RADIANCE",
+            "pdf",
+            Float,
+            "density of the last scattering's direction",
+        ),
+        vector(&words(&needs.aov_direct), "direct", "DIRECT", "direct", "direct radiance of the sample so far"),
+        vector(&lights, "shadow", "SHADOW_ORIGIN", "shadow.origin", "where the ray to a light starts"),
+        behind(&lights, "shadow", "SHADOW_ORIGIN", "light", Word, "the light"),
+        vector(&lights, "shadow", "SHADOW_DIRECTION", "shadow.direction", "the direction of that ray"),
+        vector(
+            &lights,
+            "light_weight",
+            "LIGHT_WEIGHT",
+            "light_weight",
+            "what the light brings per radiance, if nothing is in its way",
+        ),
+        behind(
+            &staged(&needs.probed),
+            "light_weight",
+            "LIGHT_WEIGHT",
+            "probe",
+            Float,
+            "the weight of that ray as a probe for light of narrow lobes",
+        ),
+        word(&events, "hit", "t", Float, "distance to what the ray has met"),
+        word(&always, "run", "counts", Word, "samples of the run, accepted and rejected"),
+        word(&always, "sample_of_path", "pixel", Word, "the pixel"),
+        word(&always, "sample_of_path", "sample", Word, "the sample of the pixel"),
+        word(
+            &words(&needs.aov_rough),
+            "aov_surface",
+            "seen",
+            Word,
+            "whether the albedo and the normal of the sample are known",
+        ),
+        word(&meshes, "hit", "instance", Word, "the mesh that the ray has met a part of"),
+        word(&mesh_lights, "shadow", "light_instance", Word, "the mesh that the light is part of"),
     ];
-    all.into_iter().flatten().collect()
+    for (place, (sum, name)) in aovs.sum_components().enumerate() {
+        let (why, group) = match sum.finder() {
+            Finder::Hit => (&needs.aov_hit, "aov_hit"),
+            Finder::Surface => (&needs.aov_surface, "aov_surface"),
+            Finder::Direct => (&needs.aov_direct, "aov_direct"),
+        };
+        let what = format!("sum of {name} over the run's samples");
+        let field = format!("sum_of_{}", name.replace('.', "_"));
+        all.push(row(&words(why), group, &field, 1, None, &format!("{AOV}[{place}]"), Float, &what));
+    }
+    all
+}
+
+/// The module `generated/path`: the struct of a path. It has all members; a kernel does not pay for those that its modules do not use.
+pub fn path_module(aovs: &Aovs) -> String {
+    let mut members: Vec<(String, String)> =
+        OTHER_MEMBERS.iter().map(|(name, kind)| (name.to_string(), kind.to_string())).collect();
+    for (field, _) in all_fields(&Needs::default(), aovs) {
+        let has = |name: &str| members.iter().any(|(member, _)| member == name);
+        if has(field.member.split('.').next().unwrap_or_default()) || field.member.starts_with(AOV) {
+            continue;
+        }
+        let kind = match (field.words, field.code) {
+            (3, _) => "vec3<f32>",
+            (_, Code::Float) => "f32",
+            _ => "u32",
+        };
+        members.push((field.member, kind.to_string()));
+    }
+    // No array has no elements.
+    members.push((AOV.to_string(), format!("array<f32, {}>", aovs.count().max(1))));
+    let members: String = members.iter().map(|(name, kind)| format!("    {name}: {kind},\n")).collect();
+    format!("//@ use data/ray\n//@ use lib/compensated\nstruct Path {{\n{members}}}\n")
+}
+
+/// The module `generated/slots`: for each group of fields a function that loads those that the kernels hand on, and one that stores them. A word
+/// behind a vector has functions of its own beside.
+pub fn slots_module(fields: &[PathField]) -> String {
+    let mut text = String::from("//@ use slots/memory\n//@ use data/path\n//@ use choice/probe\n");
+    for group in GROUPS {
+        let (mut load, mut store) = (String::new(), String::new());
+        for field in fields.iter().filter(|field| field.group == group && field.behind.is_none()) {
+            let PathField { name, member, words, .. } = field;
+            if *words == 1 {
+                let _ = writeln!(load, "    {}", field.taken_from(&format!("load_{name}(slot)")));
+                let _ = writeln!(store, "    store_{name}(slot, {});", field.as_word());
+                continue;
+            }
+            let _ = writeln!(
+                load,
+                "    let words_of_{member} = paths[place(PLANE_OF_{name}, slot)];",
+                member = local(member)
+            );
+            let _ = writeln!(load, "    (*path).{member} = vector_of(words_of_{});", local(member));
+            match fields.iter().find(|other| other.behind == Some(name.as_str())) {
+                Some(last) => {
+                    let _ = writeln!(load, "    {}", last.taken_from(&format!("words_of_{}.w", local(member))));
+                    let _ = writeln!(
+                        store,
+                        "    store_plane(PLANE_OF_{name}, slot, (*path).{member}, {});",
+                        last.as_word()
+                    );
+                }
+                None => {
+                    let _ = writeln!(store, "    store_vector(PLANE_OF_{name}, slot, (*path).{member});");
+                }
+            }
+        }
+        for (verb, body) in [("load", load), ("store", store)] {
+            let _ = write!(text, "\nfn {verb}_{group}(slot: u32, path: ptr<function, Path>) {{\n{body}}}\n");
+        }
+    }
+    for PathField { name, behind, .. } in fields {
+        if let Some(vector) = behind {
+            let _ = write!(
+                text,
+                "\nfn load_{name}(slot: u32) -> u32 {{\n    return paths[place(PLANE_OF_{vector}, slot)].w;\n}}\n\n\
+                 fn store_{name}(slot: u32, word: u32) {{\n    paths[place(PLANE_OF_{vector}, slot)].w = word;\n}}\n"
+            );
+        }
+    }
+    text
+}
+
+/// A member's name as that of a variable.
+fn local(member: &str) -> String {
+    member.replace('.', "_")
 }
 
 /// Where the fields lie: names and numbers.
 #[derive(Clone, Debug, Default)]
 pub struct Places {
     /// Vectors, by plane.
-    pub planes: Vec<(&'static str, u32)>,
+    pub planes: Vec<(String, u32)>,
     /// Words in planes: four times the plane, and the component.
-    pub words: Vec<(&'static str, u32)>,
+    pub words: Vec<(String, u32)>,
     /// Words beside the planes.
-    pub others: Vec<(&'static str, u32)>,
+    pub others: Vec<(String, u32)>,
 }
 
 /// Vectors have a plane each. Words without a vector of their own stand behind those that have none, then four to a plane; what is left
 /// fills no plane.
 pub fn places(fields: &[PathField]) -> Places {
     let vectors: Vec<&PathField> = fields.iter().filter(|field| field.words > 1).collect();
-    let alone = |vector: &&PathField| !fields.iter().any(|field| field.behind == Some(vector.name));
+    let alone = |vector: &&PathField| !fields.iter().any(|field| field.behind == Some(vector.name.as_str()));
     let free: Vec<u32> =
         (0..).zip(&vectors).filter(|(_, vector)| alone(vector)).map(|(plane, _)| plane * 4 + 3).collect();
-    let mut loose = fields.iter().filter(|field| field.words == 1 && field.behind.is_none()).map(|field| field.name);
+    let loose = fields.iter().filter(|field| field.words == 1 && field.behind.is_none());
+    let mut loose = loose.map(|field| field.name.clone());
     let mut words: Vec<_> = free.into_iter().zip(loose.by_ref()).map(|(place, name)| (name, place)).collect();
-    let rest: Vec<&'static str> = loose.collect();
+    let rest: Vec<String> = loose.collect();
     let (full, others) = rest.split_at(rest.len() / 4 * 4);
-    words.extend(full.iter().copied().zip(vectors.len() as u32 * 4..));
+    words.extend(full.iter().cloned().zip(vectors.len() as u32 * 4..));
     Places {
-        planes: vectors.iter().map(|vector| vector.name).zip(0..).collect(),
+        planes: vectors.iter().map(|vector| vector.name.clone()).zip(0..).collect(),
         words,
-        others: others.iter().copied().zip(0..).collect(),
+        others: others.iter().cloned().zip(0..).collect(),
     }
 }
 
@@ -159,7 +363,16 @@ mod tests {
         let names = ["a", "b", "c", "d", "e", "f", "g", "h", "i", "j"];
         for vectors in 0..5 {
             for words in 0..10 {
-                let field = |name, words| PathField { name, words, behind: None, what: "", why: String::new() };
+                let field = |name: &str, words| PathField {
+                    name: name.to_string(),
+                    words,
+                    behind: None,
+                    what: String::new(),
+                    why: String::new(),
+                    group: "ray",
+                    member: String::new(),
+                    code: Code::Word,
+                };
                 let vectors_of = ["A", "B", "C", "D"].into_iter().take(vectors).map(|name| field(name, 3));
                 let fields: Vec<_> =
                     vectors_of.chain(names.into_iter().take(words).map(|name| field(name, 1))).collect();

@@ -8,11 +8,13 @@ use std::sync::OnceLock;
 
 use bytemuck::Pod;
 use gpu_rt::data::Settings;
+use gpu_rt::flatten::Features;
 use gpu_rt::gpu::buffers::{BufferSpec, Buffers, Readback};
 use gpu_rt::gpu::layout::{self, Binding};
 use gpu_rt::gpu::link::{Choices, Chosen, Embedded, Entry, Library, Reason, link};
 use gpu_rt::gpu::pipeline::{Pipeline, PipelineSpec};
-use gpu_rt::plan::SettingsLayout;
+use gpu_rt::options::RenderOptions;
+use gpu_rt::plan::{SettingsLayout, UniformTables, choices_of};
 
 use super::device;
 
@@ -73,67 +75,15 @@ impl Library for Overlay {
     }
 }
 
-/// The modules that a plan chooses where nothing else is asked.
-const USUAL: [(&str, &str); 4] = [
-    ("clamp", "step/no_clamp"),
-    ("fresnel", "lib/fresnel"),
-    ("offset", "geometry/offset"),
-    ("sphere_chord", "geometry/sphere_chord"),
-];
-
-/// The conditions that do not hold where nothing else is asked, and those of the settings' members, which are all there.
-const NONE: &[&str] = &[
-    "gathers",
-    "alpha",
-    "vertex_colours",
-    "uv_tables",
-    "vertex_tangents",
-    "alpha_of_light",
-    "number_images",
-    "varying_roughness",
-    "varying_metallic",
-    "detailed",
-    "glow",
-    "glow_of_light",
-    "own_glow",
-    "tinted",
-    "tinted_in_light",
-    "absorbing",
-    "normal_map",
-    "normal_map_in_light",
-    "multiscatter",
-    "own_layer",
-    "glow_is_sampled",
-    "glow_direct",
-    "emitting_without_scattering",
-    "mesh",
-    "light",
-    "emitting_mesh",
-    "emitting_sky",
-    "delta_light",
-    "light_without_place",
-    "unsampled",
-    "probed",
-    "medium",
-    "several_backgrounds",
-    "signed",
-    "aov",
-    "aov_albedo",
-    "aov_normal",
-    "aov_surface",
-    "aov_rough",
-    "aov_first",
-    "aov_depth",
-    "aov_position",
-    "aov_object",
-    "aov_material",
-    "aov_hit",
-    "aov_hits",
-    "aov_direct",
-    "two_parts",
-    "both_sides",
-];
+/// The conditions of the settings' members, which are all there.
 const SETTINGS: [&str; 6] = ["lens", "gradient_background", "image_background", "camera_axes", "clamp", "brute_force"];
+
+/// Adds what is not there.
+fn complete<V>(own: &mut BTreeMap<&'static str, V>, usual: BTreeMap<&'static str, V>) {
+    for (name, value) in usual {
+        own.entry(name).or_insert(value);
+    }
+}
 
 /// A test kernel, linked and validated.
 pub struct Kernel {
@@ -168,18 +118,15 @@ impl Kernel {
     pub fn with(name: &'static str, setup: &Setup<'_>) -> Kernel {
         let mut choices = setup.plan.clone();
         let chosen = |module| Chosen { module, why: Reason::EveryRender };
-        for (choice, module) in USUAL {
-            choices.modules.entry(choice).or_insert(chosen(module));
-        }
-        for &condition in NONE {
-            choices.conditions.entry(condition).or_default();
-        }
-        for condition in ["undetailed", "colour_images", "single_scattering", "plain_layer", "one_uv_table"]
-            .into_iter()
-            .chain(SETTINGS)
-        {
+        // Where nothing else is asked: what a plan decides for a scene of nothing.
+        let nothing = choices_of(&Features::default(), &RenderOptions::default(), &UniformTables::default());
+        for condition in SETTINGS {
             choices.conditions.entry(condition).or_insert(Some(Reason::EveryRender));
         }
+        complete(&mut choices.conditions, nothing.conditions);
+        complete(&mut choices.modules, nothing.modules);
+        complete(&mut choices.values, nothing.values);
+        complete(&mut choices.generated, nothing.generated);
         // Images of floats.
         let float = Entry { name: "float".to_string(), number: 0, closes: true, why: Reason::EveryRender };
         choices.lists.entry("texel_format").or_insert(vec![float]);

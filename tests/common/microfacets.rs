@@ -5,7 +5,6 @@ use std::f64::consts::{PI, TAU};
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use gpu_rt::data::{self, NO_TEXTURE};
-use gpu_rt::gpu::link::{Choices, Reason};
 
 use super::kernel::{Kernel, Setup};
 use super::rows::glass;
@@ -61,18 +60,13 @@ pub fn kernel(material: &str, times: usize, replaced: &[(&str, &str)]) -> Kernel
     kernel_of(material, times, replaced, &[])
 }
 
-/// The same of a material with `multiscatter` or `own_layer`.
+/// Such a kernel of a material with some of the modules `scene/multiscatter` and `material/pbr_own_layer`.
 pub fn kernel_of(material: &str, times: usize, replaced: &[(&str, &str)], with: &[&str]) -> Kernel {
     let (times, keyed) = (times.to_string(), if times > 1 { "true" } else { "false" });
     let values = [("material", material), ("times", &*times), ("keyed", keyed)];
-    let mut plan = Choices::default();
-    plan.conditions.insert("two_parts", Some(Reason::EveryRender));
-    for (detail, none) in [("multiscatter", "single_scattering"), ("own_layer", "plain_layer")] {
-        let is_there = with.contains(&detail);
-        plan.conditions.insert(detail, is_there.then_some(Reason::EveryRender));
-        plan.conditions.insert(none, (!is_there).then_some(Reason::EveryRender));
-    }
-    Kernel::with("test/rough", &Setup { replaced, values: &values, plan, ..Setup::default() })
+    let own = [("multiscatter", "scene/multiscatter"), ("layer", "material/pbr_own_layer")];
+    let choices: Vec<_> = own.into_iter().filter(|(_, module)| with.contains(module)).collect();
+    Kernel::with("test/rough", &Setup { replaced, values: &values, choices: &choices, ..Setup::default() })
 }
 
 /// A ray that meets a surface from its front, at an angle with its normal.

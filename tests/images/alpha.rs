@@ -112,7 +112,7 @@ fn shadow_rays_pass_as_other_rays_do() {
         is_near(&look(0.3), expected).unwrap_or_else(|error| panic!("{height}, {sheets}: {error}"));
         assert!(is_near(&look(0.31), expected).is_err(), "{height}, {sheets}: another alpha is not found");
         // A shadow ray draws numbers of its own.
-        let line = "walk_for((*path).pixel, (*path).sample, bounce_dimension((*path).depth, DIMENSION_LIGHT));";
+        let line = "begin_walk(path, DIMENSION_LIGHT);";
         let planted = Overlay::new(&[]).rewritten("step/light", |own| own.replace(line, ""));
         let planted = render_planted(&scene(&shadow(0.3, sheets, height)), &ask, &planted).mean_of_all();
         assert!(height == 1.0 || is_near(&planted, expected).is_err(), "numbers that are drawn twice are not found");
@@ -155,8 +155,8 @@ fn light_sampling_changes_no_expectation_where_lamps_have_an_alpha() {
     assert!(same_expectation(&bsdf, &brighter, 1e-5, ALPHA).is_err(), "2 % more light is not found");
     // A lamp is found by the share of its coverage, by either technique.
     for (module, line) in [
-        ("step/light", "radiance *= coverage_of_light((*path).shadow, hit);"),
-        ("step/trace", "walk_for((*path).pixel, (*path).sample, bounce_dimension((*path).depth, DIMENSION_SCATTER));"),
+        ("scene/light_coverage", " * coverage_at(hit, light_surface_at(hit, ray))"),
+        ("step/trace", "begin_walk(path, DIMENSION_SCATTER);"),
     ] {
         let planted = Overlay::new(&[]).rewritten(module, |own| own.replace(line, ""));
         let planted = render_planted(&room, &mis, &planted);

@@ -146,7 +146,7 @@ fn a_ball_has_its_normals_in_the_axes_of_the_world() {
     ball(&render(&upright, &ask).film).unwrap();
     // A kernel that forgets to turn the normal to the ray's side, or another normal, is found.
     let planted = Overlay::new(&[])
-        .rewritten("step/scatter", |text| text.replace("* share, arriving.normal)", "* share, -ray.direction)"));
+        .rewritten("aov/surface", |text| text.replace("* share, normal)", "* share, -(*path).ray.direction)"));
     assert!(ball(&render_planted(&upright, &ask, &planted).film).is_err());
     // From the side, what was x is -z.
     let aside = render(&scene(&text("(3, 0, 0)", "(0, 0, 0)", "(0, 1, 0)")), &ask).film;

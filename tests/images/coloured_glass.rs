@@ -116,8 +116,8 @@ fn light_sampling_changes_no_expectation_behind_coloured_glass() {
     same_expectation(&bsdf, &render(&room, &mis), 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
     same_expectation(&bsdf, &render(&room, &mis.clone().seed(3).sobol()), 1e-5, ALPHA)
         .unwrap_or_else(|error| panic!("{error}"));
-    let plain = Overlay::new(&[]).rewritten("step/scatter", |own| {
-        own.replace("response.value *= tint_of(material, colour, leaving, shading);", "")
+    let plain = Overlay::new(&[]).rewritten("step/surface_light", |own| {
+        own.replace("tint_through(sampled.response.value, evaluated, leaving, frame.shading)", "sampled.response.value")
     });
     let plain = render_planted(&room, &mis, &plain);
     assert!(same_expectation(&bsdf, &plain, 1e-5, ALPHA).is_err(), "light that keeps its colour is not found");

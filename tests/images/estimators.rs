@@ -301,8 +301,8 @@ fn smooth_bodies() -> Scene {
 }
 
 fn aimed_from_the_facet() -> Overlay {
-    Overlay::new(&[]).rewritten("step/scatter", |text| {
-        text.replace("sample_light(path, point)", "sample_light(path, surface.point)")
+    Overlay::new(&[]).rewritten("step/surface_light", |text| {
+        text.replace("sample_light(path, side.point)", "sample_light(path, surface.point)")
     })
 }
 
@@ -358,8 +358,8 @@ fn frosted_bodies() -> Scene {
 fn frosted_smooth_meshes_expect_the_same_with_rays_to_lights() {
     let scene = frosted_bodies();
     let bsdf = rendered_as_with_rays_to_lights("frosted bodies", &scene);
-    let one_point =
-        Overlay::new(&[]).rewritten("step/scatter", |text| text.replace("select(point, facet_point, below)", "point"));
+    let one_point = Overlay::new(&[])
+        .rewritten("scene/both_sides", |text| text.replace("select(point, facet_point, below)", "point"));
     let wrong = render_planted(&scene, &Ask::spp(4096).seed(2).mis().sobol(), &one_point);
     println!("aimed at from the near side: {}", worst_difference(&bsdf, &wrong, 1e-5).place);
     assert!(same_expectation(&bsdf, &wrong, 1e-5, ALPHA).is_err(), "light aimed at from the near side is not found");

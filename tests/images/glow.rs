@@ -72,7 +72,8 @@ fn light_sampling_changes_no_expectation_where_surfaces_emit_and_scatter() {
     let bsdf = render(&room, &Ask::default().seed(1));
     let mis = Ask::default().seed(2).mis();
     same_expectation(&bsdf, &render(&room, &mis), 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
-    let twice = Overlay::new(&[]).rewritten("step/scatter", |own| own.replace("brought *= mis_weight(path, hit);", ""));
+    let twice = Overlay::new(&[])
+        .rewritten("step/found_light", |own| own.replace("contribution * mis_weight(path, hit)", "contribution"));
     let twice = render_planted(&room, &mis, &twice);
     assert!(same_expectation(&bsdf, &twice, 1e-5, ALPHA).is_err(), "light that is counted twice is not found");
 }

@@ -256,8 +256,8 @@ fn light_sampling_changes_no_expectation_under_normal_maps() {
     same_expectation(&bsdf, &render(&room, &mis), 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
     let sobol = render(&room, &Ask::default().seed(3).mis().sobol().scatter(Scatter::Linked));
     same_expectation(&bsdf, &sobol, 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
-    let leaks = Overlay::new(&[]).rewritten("step/scatter", |own| {
-        own.replace("!keeps_its_side(light_sample.direction, mapped, shading)", "false")
+    let leaks = Overlay::new(&[]).rewritten("scene/normal_map", |own| {
+        own.replace("select(vec3<f32>(0.0), value, keeps_its_side(direction, mapped, shading))", "value")
     });
     let leaks = render_planted(&room, &mis, &leaks);
     assert!(same_expectation(&bsdf, &leaks, 1e-5, ALPHA).is_err(), "light from behind the surface is not found");
@@ -282,8 +282,8 @@ fn no_light_passes_a_closed_surface() {
             let shot = render(&scene, &ask);
             assert!(shot.picture.rgb.iter().all(|pixel| *pixel == [0.0; 3]), "{scale}: {:?}", shot.mean_of_all());
         }
-        let open = Overlay::new(&[]).rewritten("step/scatter", |own| {
-            own.replace("!keeps_its_side(scattered.direction, mapped, shading)", "false")
+        let open = Overlay::new(&[]).rewritten("scene/normal_map", |own| {
+            own.replace("!keeps_its_side(bsdf.direction, mapped, shading)", "false")
         });
         let leaks = render_planted(&scene, &Ask::default(), &open);
         assert!(leaks.picture.rgb.iter().any(|pixel| pixel[0] > 0.0), "light that passes is not found");

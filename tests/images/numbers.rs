@@ -131,8 +131,8 @@ fn light_sampling_changes_no_expectation_where_numbers_vary() {
     let brighter = sobol.changed(|_, _, rgb| rgb.map(|v| 1.02 * v));
     assert!(same_expectation(&bsdf, &brighter, 1e-5, ALPHA).is_err(), "2 % more light is not found");
     // The plain numbers in the response to lights.
-    let plain = Overlay::new(&[]).rewritten("step/scatter", |own| {
-        own.replace("response_of_material(material,", "response_of_material(materials[surface.material],")
+    let plain = Overlay::new(&[]).rewritten("step/surface_light", |own| {
+        own.replace("response_of_material(evaluated.material,", "response_of_material(materials[surface.material],")
     });
     let plain = render_planted(&room, &mis, &plain);
     assert!(same_expectation(&bsdf, &plain, 1e-5, ALPHA).is_err(), "a response of another roughness is not found");

@@ -15,15 +15,14 @@ const PIXELS: u32 = 5;
 
 /// Adds runs to an empty film on the device.
 fn on_device(replaced: &[(&str, &str)], records: &[Run]) -> Film {
-    linked_with(replaced, None, records)
+    linked_with(replaced, &[], records)
 }
 
-/// The same with the reason for which samples have weights of either sign, if they do.
-fn linked_with(replaced: &[(&str, &str)], signed: Option<Reason>, records: &[Run]) -> Film {
+/// Adds runs with some modules behind `choice/…`.
+fn linked_with(replaced: &[(&str, &str)], choices: &[(&'static str, &'static str)], records: &[Run]) -> Film {
     let run_length = gpu_rt::data::RUN_LENGTH.to_string();
-    let plan = Choices { conditions: BTreeMap::from([("signed", signed)]), ..Choices::default() };
     let setup =
-        Setup { replaced, values: &[("run_length", &run_length), ("film_sums", "9")], plan, ..Setup::default() };
+        Setup { replaced, values: &[("run_length", &run_length), ("film_sums", "9")], choices, ..Setup::default() };
     let kernel = Kernel::with("test/film", &setup);
     let buffers = [
         BufferSpec::working("film", u64::from(PIXELS) * size_of::<PixelTotals>() as u64, "the test"),
@@ -139,8 +138,9 @@ fn the_device_adds_either_sign_as_exactly_as_the_host() {
         film.add_signed_runs(records);
         film
     };
-    let on_device =
-        |replaced: &[(&str, &str)], records: &[Run]| linked_with(replaced, Some(Reason::EveryRender), records);
+    let on_device = |replaced: &[(&str, &str)], records: &[Run]| {
+        linked_with(replaced, &[("filter_weight", "step/filter_weight")], records)
+    };
     let host = on_host(&records);
     assert!(on_device(&[], &records) == host);
     assert_eq!(host.totals().rejected.refused, 0);

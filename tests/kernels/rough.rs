@@ -309,7 +309,7 @@ fn what_is_scattered_more_than_once_is_a_factor() {
         ("pbr", rows(&pbr(0.0)), Box::new(|_| 0.3)),
     ];
     for (material, rows, straight) in cases {
-        let (single, whole) = (kernel(material, 1, &[]), kernel_of(material, 1, &[], &["multiscatter"]));
+        let (single, whole) = (kernel(material, 1, &[]), kernel_of(material, 1, &[], &["scene/multiscatter"]));
         let pairs = single.run::<_, Out>(&rows).into_iter().zip(whole.run::<_, Out>(&rows));
         let mut compared = 0;
         for (single, whole) in pairs {

@@ -431,7 +431,11 @@ fn every_combination_of_features_links_and_validates() {
                 for (module, wanted) in [
                     ("bind/lights", answered && features.lights > 0),
                     ("scene/light_alias", own.is_none_or(|kind| spreads(kind) || kind.emits)),
-                    ("scene/responses", answered && own.is_none_or(spreads) || !options.aov.is_empty()),
+                    // A kernel of mirrors or of glass sends probes to lights.
+                    (
+                        "scene/responses",
+                        answered && (own.is_none_or(spreads) || features.lights > 0) || !options.aov.is_empty(),
+                    ),
                     // Nor a second part of materials that have one alone.
                     (
                         "scene/second_parts",
@@ -511,12 +515,12 @@ fn no_kernel_binds_too_many_storage_buffers() {
 const MAY_USE: &[(&str, &[&str])] = &[
     ("lib", &["lib"]),
     ("sampler", &["data", "lib"]),
-    ("data", &["data", "lib"]),
+    ("data", &["data", "generated", "lib"]),
     ("geometry", &["data", "geometry", "lib"]),
     ("tangent", &["data", "lib"]),
     ("light", &["data", "geometry", "lib", "light"]),
     ("medium", &["data", "geometry", "lib", "medium"]),
-    ("material", &["data", "geometry", "lib", "material"]),
+    ("material", &["choice/multiscatter", "data", "geometry", "lib", "material"]),
     ("bind", &["data", "light/sky"]),
     ("texture", &["data", "lib", "scene/texel"]),
     ("camera", &["bind", "camera", "data", "lib"]),
@@ -529,6 +533,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "background",
             "bind",
             "data",
+            "extension",
             "geometry",
             "lib",
             "light",
@@ -541,10 +546,14 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "texture",
         ],
     ),
-    ("slots", &["bind", "data", "lib", "scene", "slots"]),
+    ("slots", &["aov", "bind", "data", "generated", "lib", "scene", "slots"]),
+    ("aov", &["aov", "bind", "data", "scene", "step"]),
+    ("extension", &["bind", "data"]),
+    ("null", &["data", "light"]),
     (
         "step",
         &[
+            "aov",
             "background",
             "bind",
             "camera",
@@ -561,27 +570,82 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ),
     (
         "stage",
-        &["background", "bind", "camera", "data", "geometry", "lib", "material", "scene", "slots", "step", "texture"],
+        &[
+            "aov",
+            "background",
+            "bind",
+            "camera",
+            "data",
+            "generated",
+            "geometry",
+            "lib",
+            "material",
+            "scene",
+            "slots",
+            "step",
+            "texture",
+        ],
     ),
 ];
 
-/// Where the modules behind `choice/x` live.
+/// Where the modules behind `choice/x` live, but for null modules.
 const CHOICES: &[(&str, &str)] = &[
     ("axes", "scene"),
     ("camera", "camera"),
     ("filter", "filter"),
+    ("filter_weight", "step"),
     ("colour", "scene"),
     ("uv", "scene"),
     ("shading", "scene"),
+    ("evaluation", "scene"),
+    ("vertex_colours", "scene"),
+    ("normal_map", "scene"),
+    ("second_parts", "scene"),
+    ("multiscatter", "scene"),
+    ("layer", "material"),
+    ("tint", "scene"),
+    ("absorption", "scene"),
+    ("coverage", "scene"),
+    ("vertex_alpha", "scene"),
+    ("media", "step"),
     ("medium_albedo", "scene"),
-    ("light_choice", "scene"),
+    ("transmittance", "scene"),
+    ("scatter", "step"),
     ("roulette", "step"),
-    ("clamp", "step"),
+    ("surface_light", "step"),
+    ("medium_light", "step"),
+    ("shadow", "step"),
+    ("both_sides", "scene"),
     ("probe", "step"),
+    ("surface_emission", "step"),
+    ("found_light", "step"),
+    ("found_sky", "step"),
+    ("sampled_light", "step"),
+    ("light_choice", "scene"),
+    ("delta_lights", "scene"),
+    ("sky_light", "scene"),
+    ("light_surfaces", "scene"),
+    ("surface_radiance", "scene"),
+    ("light_coverage", "scene"),
+    ("clamp", "step"),
     ("fresnel", "lib"),
     ("offset", "geometry"),
     ("sphere_chord", "geometry"),
     ("sampler", "sampler"),
+    ("aov_hit", "aov"),
+    ("aov_surface", "aov"),
+    ("seen", "aov"),
+    ("aov_direct", "aov"),
+    ("aov_record", "aov"),
+    ("aov_film", "aov"),
+    ("aov_hit_slot", "slots"),
+    ("aov_direct_slot", "slots"),
+    ("walker_slot", "slots"),
+    ("shadow_slot", "slots"),
+    ("probe_slot", "slots"),
+    ("queue_of_hits", "slots"),
+    ("queue_of_events", "slots"),
+    ("queue_turn", "slots"),
     ("walk", "scene"),
 ];
 
@@ -622,7 +686,9 @@ fn modules_use_what_their_folders_may() {
     }
     assert!(uses > 100, "{uses} uses were looked at");
     // The modules that a plan chooses are where the table says.
-    let plan = kernels(&everything(), &RenderOptions::default(), Scatter::Queues);
+    let mut options = RenderOptions::default();
+    options.aov.set(Aovs::parse("albedo").expect("a channel"));
+    let plan = kernels(&everything(), &options, Scatter::Queues);
     let linked: BTreeSet<&String> = plan.all().iter().flat_map(|kernel| &kernel.linked.modules).collect();
     for (_, folder) in CHOICES {
         assert!(linked.iter().any(|module| module.starts_with(&format!("{folder}/"))), "{folder}");
@@ -667,6 +733,7 @@ fn linked(modules: &[(&'static str, &'static str)]) -> Result<Linked, String> {
         modules: BTreeMap::from([("known", Chosen { module: "lib/rng", why: why.clone() })]),
         lists: BTreeMap::from([("animal", vec![entry("cat", 3, false), entry("dog", 5, true)])]),
         values: BTreeMap::from([("size", "7".to_string())]),
+        generated: BTreeMap::new(),
     };
     let library = Beside(modules.iter().copied().collect());
     link(&library, "test/root", &choices).map_err(|error| error.to_string())
@@ -713,10 +780,28 @@ fn the_linkers_errors_name_file_and_line() {
         let about = format!("`//@ {inner}` within `//@ {outer}`");
         assert_fault(&[("test/root", text.leak())], "shaders/test/root.wgsl:2:", &about);
     }
+    for (text, line) in [
+        ("//@ else\n//@ end\n", 1),
+        ("//@ each animal\n//@ else\n//@ end\n", 2),
+        ("//@ if wet\n//@ else\n//@ else\n//@ end\n", 3),
+    ] {
+        assert_fault(&[("test/root", text)], &format!("shaders/test/root.wgsl:{line}:"), "`//@ else` without `//@ if`");
+    }
+    // A part of a block that closes a brace of another one, or leaves one open.
+    for text in [
+        "//@ if wet\nfn f() {\n//@ end\n}\n",
+        "fn f() {\n//@ if dry\n}\n//@ else\n}\n//@ end\n",
+        "//@ each animal\n} {\n//@ end\n",
+        "//@ if wet\n//@ else\nfn f() {\n//@ end\n}\n",
+    ] {
+        assert_fault(&[("test/root", text)], "shaders/test/root.wgsl:", "half a brace within");
+    }
     assert_fault(&[("test/root", "\nconst A: u32 = ${length}u;\n")], "shaders/test/root.wgsl:2:", "length");
     assert_fault(&[("test/root", "\n\nconst A: u32 = ${size;\n")], "shaders/test/root.wgsl:3:", "without `}`");
     assert_fault(&[], "shaders/(the plan).wgsl:0:", "test/root");
-    for wrong in ["//@ uses lib/rng", "//@use lib/rng", "//@ use", "//@", "//@ End", "//@ ends", "//@ if", "//@ else"] {
+    for wrong in
+        ["//@ uses lib/rng", "//@use lib/rng", "//@ use", "//@", "//@ End", "//@ ends", "//@ if", "//@ elif wet"]
+    {
         let about = format!("`{wrong}` is no directive");
         let texts = [format!("fn f() {{}}\n    {wrong}\n"), format!("//@ each animal\n{wrong}\n//@ end\n")];
         for text in texts {
@@ -747,9 +832,11 @@ fn nagas_errors_name_the_file_and_line_of_the_module() {
 
 #[test]
 fn lines_of_a_condition_are_there_where_it_holds() {
-    let root = "//@ if wet\nconst WET: u32 = ${size}u;\n//@ use lib/rng\n//@ end\n//@ if dry\nconst DRY: u32 = ${none}u;\n//@ use no/module\n//@ end\n";
+    let root = "//@ if wet\nconst WET: u32 = ${size}u;\n//@ use lib/rng\n//@ else\nconst NOT_WET: u32 = 1u;\n//@ end\n\
+                //@ if dry\nconst DRY: u32 = ${none}u;\n//@ use no/module\n//@ else\nconst NOT_DRY: u32 = 2u;\n//@ end\n";
     let linked = linked(&[("test/root", root)]).expect("it links");
-    assert!(linked.text.ends_with("const WET: u32 = 7u;\n") && !linked.text.contains("DRY"), "{}", linked.text);
+    let expected = "const WET: u32 = 7u;\nconst NOT_DRY: u32 = 2u;\n";
+    assert!(linked.text.ends_with(expected) && !linked.text.contains("NOT_WET"), "{}", linked.text);
     assert_eq!(linked.modules, ["lib/rng", "test/root"]);
 }
 

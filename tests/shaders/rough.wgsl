@@ -45,12 +45,7 @@ fn run(row: u32) {
     let u = select(given.u, random4(row, 0u, 0u, 2u), KEYED);
     let hit = Interaction(
         given.incoming, given.normal, given.front != 0u, given.colour, given.second,
-        //@ if multiscatter
-        given.lost_over_kept,
-        //@ end
-        //@ if own_layer
-        given.straight, given.grazing,
-        //@ end
+        given.lost_over_kept, given.straight, given.grazing,
     );
     let scattered = ${material}_scatter(given.material, hit, u);
     let light = select(given.light, scattered.direction, all(given.light == vec3<f32>(0.0)));

@@ -30,7 +30,11 @@ const KEYED: bool = ${keyed};
 fn run(row: u32) {
     let given = input[row / TIMES];
     let u = select(given.u, random4(row, 0u, 0u, 2u), KEYED);
-    let hit = Interaction(given.incoming, given.normal, given.front != 0u, given.colour);
+    var hit: Interaction;
+    hit.incoming = given.incoming;
+    hit.normal = given.normal;
+    hit.front = given.front != 0u;
+    hit.colour = given.colour;
     let scattered = ${material}_scatter(given.material, hit, u);
     output[row] = Out(scattered.direction, scattered.event, scattered.weight, 0u);
 }

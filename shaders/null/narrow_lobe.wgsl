@@ -3,6 +3,14 @@
 //@ use data/path
 // No lobe of the scene hides light from light sampling: nothing is counted.
 
+fn pack_depth(path: ptr<function, Path>) -> u32 {
+    return (*path).depth;
+}
+
+fn unpack_depth(path: ptr<function, Path>, word: u32) {
+    (*path).depth = word;
+}
+
 fn start_history(path: ptr<function, Path>) {
 }
 

@@ -1,7 +1,5 @@
 //@ use data/path
-//@ if signed
-//@ use step/start
-//@ end
+//@ use choice/filter_weight
 // The share of the radiance that is direct: light seen directly, and light on the first surface or medium of a path.
 
 // Notes a contribution of light that reaches the camera by this number of scattering events.
@@ -13,9 +11,8 @@ fn note_direct(path: ptr<function, Path>, contribution: vec3<f32>, events: u32) 
 
 // Adds the direct radiance of a sample that the film accepts.
 fn add_direct(path: ptr<function, Path>) {
-    var direct = (*path).direct;
-    //@ if signed
-    direct *= weight_of_sample(path);
+    let direct = weigh_by_filter(path, (*path).direct);
+    //@ each direct_sum
+    (*path).aov[${number}u] += ${name};
     //@ end
-    (*path).direct_sum += direct;
 }

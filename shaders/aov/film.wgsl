@@ -1,0 +1,12 @@
+//@ use data/window
+//@ use step/film
+// The sums of `--aov` on the film.
+
+// They follow those of the radiance.
+const SUMS_OF_RADIANCE: u32 = 9u;
+
+fn add_aov(pixel: u32, run: RunRecord) {
+    for (var i = 0u; i < ${path_sums}u; i++) {
+        add_to_film(pixel, SUMS_OF_RADIANCE + i, run.aov[i], SUM_FRACTION);
+    }
+}

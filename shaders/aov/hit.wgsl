@@ -1,0 +1,14 @@
+//@ use data/path
+//@ use data/primitive
+//@ each hit_channel
+//@ use aov/${name}
+//@ end
+// Channels of the first surface that a camera ray hits. Media do not matter to them.
+fn note_hit(path: ptr<function, Path>) {
+    if (*path).depth != 0u || (*path).status >= FIRST_STATUS {
+        return;
+    }
+    //@ each hit_sum
+    (*path).aov[${number}u] += ${name};
+    //@ end
+}

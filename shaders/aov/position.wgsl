@@ -1,0 +1,4 @@
+//@ use data/path
+fn position(path: ptr<function, Path>) -> vec3<f32> {
+    return (*path).ray.origin + (*path).t * (*path).ray.direction;
+}

@@ -1,0 +1,10 @@
+//@ use data/path
+//@ use data/window
+// The sums of `--aov` of a finished run.
+fn record_aov(run: ptr<function, RunRecord>, path: ptr<function, Path>) {
+    (*run).aov = (*path).aov;
+}
+
+fn clear_aov(path: ptr<function, Path>) {
+    (*path).aov = array<f32, ${path_sums}>();
+}

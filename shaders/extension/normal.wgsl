@@ -1,0 +1,9 @@
+//@ use data/material
+// The texel of a normal map.
+fn begin_normal(evaluated: ptr<function, EvaluatedMaterial>, own: Detail, front: bool) -> bool {
+    return own.normal != NO_DETAIL;
+}
+
+fn take_normal(evaluated: ptr<function, EvaluatedMaterial>, row: Material, colour: vec3<f32>, is_row: bool) {
+    (*evaluated).normal = select((*evaluated).normal, colour, is_row);
+}

@@ -1,0 +1,16 @@
+//@ use data/material
+//@ use lib/fresnel_conductor
+// The layer of glTF's material with a share or a colour of its own (KHR_materials_specular).
+
+fn pbr_straight(material: Material, hit: Interaction) -> vec3<f32> {
+    return hit.straight;
+}
+
+fn pbr_layer(material: Material, hit: Interaction, cos_facet: f32) -> vec3<f32> {
+    return schlick_up_to(cos_facet, hit.straight, hit.grazing);
+}
+
+// Its largest channel counts.
+fn pbr_passed(layer: vec3<f32>) -> vec3<f32> {
+    return vec3<f32>(1.0 - max(max(layer.x, layer.y), layer.z));
+}

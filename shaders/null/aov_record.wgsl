@@ -1,0 +1,8 @@
+//@ use data/path
+//@ use data/window
+// The film has no channel beside the radiance.
+fn record_aov(run: ptr<function, RunRecord>, path: ptr<function, Path>) {
+}
+
+fn clear_aov(path: ptr<function, Path>) {
+}

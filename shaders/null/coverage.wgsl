@@ -1,0 +1,12 @@
+//@ use data/dimension
+//@ use data/hit
+//@ use data/path
+//@ use data/ray
+//@ use data/surface
+// All surfaces stop light as a whole.
+fn begin_walk(path: ptr<function, Path>, block: u32) {
+}
+
+fn is_stopped(hit: Hit, ray: Ray) -> bool {
+    return true;
+}

@@ -1,0 +1,15 @@
+//@ use data/hit
+//@ use data/material
+//@ use data/ray
+//@ use data/surface
+//@ use bind/materials
+//@ use choice/colour
+//@ use scene/lights
+// The radiance that a surface emits to a shadow ray, if no material emits and scatters.
+fn surface_radiance(hit: Hit, surface: Surface, ray: Ray) -> vec3<f32> {
+    let material = materials[surface.material];
+    if material.parameter == 0.0 && !arrives_at_front(hit.code, ray, surface.normal) {
+        return vec3<f32>(0.0);
+    }
+    return surface_colour(material, hit, surface);
+}

@@ -1,0 +1,49 @@
+//@ use data/hit
+//@ use data/material
+//@ use data/surface
+//@ use bind/details
+//@ use bind/materials
+//@ use choice/colour
+//@ use choice/vertex_colours
+//@ each extension
+//@ use extension/${name}
+//@ end
+// A material with extensions: rows of the table beside its own, each with a colour or a texture.
+
+// The most iterations of loops that this takes: seven octaves of noise over eight corners, for five textures of a material and one of a light.
+const ITERATIONS_OF_SHADING: u32 = 384u;
+
+const OWN_COLOUR: u32 = 1u;
+//@ each extension
+const BIT_OF_${name}: u32 = 2u << ${rank}u;
+//@ end
+
+// One loop evaluates all rows: compilers write out each call of a function, and the code of all textures is long. `front` tells whether
+// the ray comes from the front.
+fn evaluate_material(hit: Hit, surface: Surface, front: bool) -> EvaluatedMaterial {
+    let own = details[surface.material];
+    var evaluated: EvaluatedMaterial;
+    evaluated.material = materials[surface.material];
+    var left = OWN_COLOUR;
+    //@ each extension
+    left |= select(0u, BIT_OF_${name}, begin_${name}(&evaluated, own, front));
+    //@ end
+    while left != 0u {
+        let part = left & (~left + 1u);
+        left ^= part;
+        var index = surface.material;
+        //@ each extension
+        index = select(index, own.${name}, part == BIT_OF_${name});
+        //@ end
+        let row = materials[index];
+        var framed = surface;
+        framed.frame += select(row.kind, 0u, part == OWN_COLOUR);
+        let colour = surface_colour(row, hit, framed);
+        evaluated.colour = select(evaluated.colour, colour, part == OWN_COLOUR);
+        //@ each extension
+        take_${name}(&evaluated, row, colour, part == BIT_OF_${name});
+        //@ end
+    }
+    evaluated.colour = times_vertex_colour(evaluated.colour, hit, surface);
+    return evaluated;
+}

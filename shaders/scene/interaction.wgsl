@@ -1,0 +1,34 @@
+//@ use data/hit
+//@ use data/material
+//@ use data/surface
+//@ use choice/shading
+//@ use choice/normal_map
+//@ use choice/second_parts
+//@ use choice/multiscatter
+// What a ray meets at a surface.
+
+fn shading_frame(hit: Hit, surface: Surface, incoming: vec3<f32>) -> ShadingFrame {
+    let front = dot(incoming, surface.normal) < 0.0;
+    let facing = select(-surface.normal, surface.normal, front);
+    let shading = shading_normal(hit, surface, incoming, facing);
+    return ShadingFrame(front, facing, shading, event_point(hit, surface, facing));
+}
+
+fn interaction_at(
+    hit: Hit,
+    surface: Surface,
+    frame: ShadingFrame,
+    evaluated: EvaluatedMaterial,
+    incoming: vec3<f32>,
+) -> Interaction {
+    var interaction: Interaction;
+    interaction.incoming = incoming;
+    interaction.normal = mapped_normal(hit, surface, incoming, frame.shading, frame.front, evaluated.normal);
+    interaction.front = frame.front;
+    interaction.colour = evaluated.colour;
+    interaction.second = second_part_of(evaluated.material, surface.material);
+    interaction.straight = evaluated.straight;
+    interaction.grazing = evaluated.grazing;
+    interaction.lost_over_kept = lost_over_kept(evaluated.material, surface, interaction);
+    return interaction;
+}

@@ -1,0 +1,52 @@
+//@ use data/hit
+//@ use data/material
+//@ use data/primitive
+//@ use data/ray
+//@ use data/surface
+//@ use choice/surface_radiance
+//@ use scene/lights
+//@ if emitting_mesh
+//@ use bind/instances
+//@ use geometry/instance
+//@ use geometry/slab
+//@ use scene/at_run_time
+//@ end
+// Surfaces at which shadow rays end.
+
+// A ray as the shape of a light takes it. Only the faces of meshes need the inverse.
+struct RayOfLight {
+    ray: Ray,
+    inverse: vec3<f32>,
+    instance: u32,
+}
+
+//@ if emitting_mesh
+fn ray_to_shape(code: u32, instance: u32, shadow: Ray) -> RayOfLight {
+    if primitive_kind(code) != KIND_TRIANGLE {
+        return RayOfLight(shadow, vec3<f32>(0.0), NO_INSTANCE);
+    }
+    let ray = to_mesh(instances[at_run_time(instance)], shadow);
+    return RayOfLight(ray, slab_inverse(ray.direction), instance);
+}
+
+//@ else
+fn ray_to_shape(code: u32, instance: u32, shadow: Ray) -> RayOfLight {
+    return RayOfLight(shadow, vec3<f32>(0.0), NO_INSTANCE);
+}
+
+//@ end
+// The hit of a shadow ray on the light of this code.
+fn limit_at_surface(code: u32, instance: u32, shadow: Ray) -> Hit {
+    let own = ray_to_shape(code, instance, shadow);
+    let t = light_hit_distance(code, own.ray, own.inverse);
+    // Rounding can make a sampled direction miss a light that is tiny as seen from here, or miss the edge of any light. The
+    // sample counts nevertheless, because the pdf says that it was drawn. Only a hit before the light blocks it.
+    var limit = hit_at(code, select(distance_to_light(code, own.ray), t, t != NO_HIT));
+    limit.instance = own.instance;
+    return limit;
+}
+
+fn emitted_by_surface(ray: Ray, hit: Hit) -> vec3<f32> {
+    let surface = light_surface_at(hit, ray);
+    return surface_radiance(hit, surface, ray);
+}

@@ -1,0 +1,16 @@
+//@ use data/hit
+//@ use data/material
+//@ use data/surface
+//@ use bind/materials
+//@ use choice/colour
+// A material whose row of the table says everything but its colour.
+
+// The most iterations of loops that this takes: seven octaves of noise over eight corners.
+const ITERATIONS_OF_SHADING: u32 = 64u;
+
+fn evaluate_material(hit: Hit, surface: Surface, front: bool) -> EvaluatedMaterial {
+    var evaluated: EvaluatedMaterial;
+    evaluated.material = materials[surface.material];
+    evaluated.colour = surface_colour(evaluated.material, hit, surface);
+    return evaluated;
+}

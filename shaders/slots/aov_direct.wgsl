@@ -1,0 +1,6 @@
+//@ use generated/slots
+// The direct radiance of a path whose shadow ray is traced, and its depth.
+fn load_direct_of_slot(slot: u32, path: ptr<function, Path>) {
+    load_throughput(slot, path);
+    load_direct(slot, path);
+}

@@ -1,0 +1,15 @@
+//@ use data/path
+//@ use generated/slots
+// The shadow ray of a slot's path, from the stage that sends it to the one that traces it.
+
+fn store_no_light(slot: u32) {
+    store_light(slot, NO_LIGHT);
+}
+
+// If the path has one.
+fn store_shadow_ray(slot: u32, path: ptr<function, Path>) {
+    if (*path).light != NO_LIGHT {
+        store_shadow(slot, path);
+        store_light_weight(slot, path);
+    }
+}

@@ -1,0 +1,24 @@
+//@ use data/hit
+//@ use data/material
+//@ use data/path
+//@ use choice/probe
+//@ use step/light
+// Emitters that BSDF sampling hits and that light sampling samples too.
+
+// The contribution of a surface's emission with its MIS weight.
+fn weigh_emission(path: ptr<function, Path>, hit: Hit, emission: vec3<f32>, contribution: vec3<f32>) -> vec3<f32> {
+    if !any(emission > vec3<f32>(0.0)) {
+        return contribution;
+    }
+    let weighed = contribution * mis_weight(path, hit);
+    note_found_light(path, hit, emission, weighed);
+    return weighed;
+}
+
+// Weighs the throughput of a path that ends on an emitter.
+fn weigh_emitter_hit(path: ptr<function, Path>, hit: Hit, bsdf: Scatter) {
+    if bsdf.event == EMITTED {
+        (*path).throughput *= mis_weight(path, hit);
+        note_found_light(path, hit, bsdf.weight, (*path).throughput * bsdf.weight);
+    }
+}

@@ -1,0 +1,18 @@
+//@ use data/path
+//@ use data/light
+//@ use choice/probe
+//@ use scene/sky_light
+// The sky that BSDF sampling finds, where light sampling samples it too.
+
+// The throughput of a path that leaves the scene, with the MIS weight of the sky; 1 if light sampling cannot sample it.
+fn weigh_sky(path: ptr<function, Path>, throughput: vec3<f32>) -> vec3<f32> {
+    let pdf = (*path).pdf;
+    if !(pdf > 0.0) {
+        return throughput;
+    }
+    return throughput * power_heuristic(pdf, sky_density((*path).ray.origin, (*path).ray.direction));
+}
+
+fn note_sky(path: ptr<function, Path>, radiance: vec3<f32>, contribution: vec3<f32>) {
+    note_found_sky(path, radiance, contribution);
+}

@@ -1,0 +1,19 @@
+//@ use data/hit
+//@ use data/material
+//@ use data/path
+//@ use data/surface
+//@ use choice/probe
+// A kernel whose materials sample no lights, in a scene where others do. Its lobes have no density for MIS.
+fn sample_light_at_surface(
+    path: ptr<function, Path>,
+    hit: Hit,
+    surface: Surface,
+    frame: ShadingFrame,
+    interaction: Interaction,
+    evaluated: EvaluatedMaterial,
+    bsdf: Scatter,
+    u: f32,
+) {
+    (*path).pdf = 0.0;
+    note_event(path, bsdf.lobe, 0.0);
+}

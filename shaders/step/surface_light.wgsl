@@ -1,0 +1,48 @@
+//@ use data/hit
+//@ use data/material
+//@ use data/path
+//@ use data/surface
+//@ use bind/settings
+//@ use choice/normal_map
+//@ use choice/probe
+//@ use choice/shading
+//@ use choice/both_sides
+//@ use choice/tint
+//@ use scene/responses
+//@ use step/light
+// Light sampling at a surface. It sets the density of the BSDF sample for MIS.
+fn sample_light_at_surface(
+    path: ptr<function, Path>,
+    hit: Hit,
+    surface: Surface,
+    frame: ShadingFrame,
+    interaction: Interaction,
+    evaluated: EvaluatedMaterial,
+    bsdf: Scatter,
+    u: f32,
+) {
+    // Non-specular materials sample lights, on the side from which the ray comes.
+    let samples_lights = (*path).depth < settings.max_depth && is_non_specular(evaluated.material);
+    let probes = bsdf.event == SCATTERED && sends_probe(path, bsdf.lobe);
+    var sampled = LightResponse(Response(), 0.0, 1.0);
+    // Both sample a light here: GPUs inline the functions of all kinds of lights at each call.
+    if samples_lights || probes {
+        let side = choose_side(samples_lights, evaluated.material, frame.point, hit, surface, frame.facing, u);
+        let light_sample = sample_light(path, side.point);
+        var leaving = bsdf.direction;
+        if samples_lights {
+            leaving = light_sample.direction;
+            sampled.response = response_of_material(evaluated.material, interaction, leaving);
+            sampled.drawn_pdf = response_of_material(evaluated.material, interaction, bsdf.direction).pdf;
+            sampled.response.value = response_on_side(sampled.response.value, leaving, interaction.normal, frame.shading);
+        }
+        sampled = respond_on_side(sampled, side, light_sample.direction, frame.shading);
+        let response = tint_through(sampled.response.value, evaluated, leaving, frame.shading);
+        aim_probe(path, probes, bsdf, light_sample.direction, frame.shading, sampled.probed);
+        let origin = spawn_ray(hit, surface, frame.facing, frame.shading, side.point, leaving).origin;
+        send_shadow_ray(path, light_sample, origin, response, sampled.response.pdf);
+    }
+    // A specular lobe has no density.
+    (*path).pdf = select(sampled.drawn_pdf, 0.0, bsdf.lobe == LOBE_SPECULAR);
+    note_event(path, bsdf.lobe, sampled.response.narrow);
+}
