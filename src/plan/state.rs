@@ -152,14 +152,8 @@ fn all_fields(needs: &Needs, aovs: &Aovs) -> Vec<(PathField, Option<String>)> {
     let mut all = vec![
         vector(&always, "ray", "ORIGIN", "ray.origin", "where the ray starts"),
         vector(&always, "ray", "DIRECTION", "ray.direction", "its direction"),
-        behind(&always, "ray", "DIRECTION", "status", Word, "what the path is doing, or what its ray has met"),
-        vector(
-            &always,
-            "throughput",
-            "THROUGHPUT",
-            "throughput",
-            "the share of the light met next that reaches the camera",
-        ),
+        behind(&always, "ray", "DIRECTION", "status", Word, "what the path is doing, or what its ray has hit"),
+        vector(&always, "throughput", "THROUGHPUT", "throughput", "the factor of the light that its ray finds"),
         behind(
             &always,
             "throughput",
@@ -196,7 +190,7 @@ fn all_fields(needs: &Needs, aovs: &Aovs) -> Vec<(PathField, Option<String>)> {
             "light_weight",
             "LIGHT_WEIGHT",
             "light_weight",
-            "what the light brings per radiance, if nothing is in its way",
+            "its contribution per radiance of the light, if nothing is between",
         ),
         behind(
             &staged(&needs.probed),
@@ -206,7 +200,7 @@ fn all_fields(needs: &Needs, aovs: &Aovs) -> Vec<(PathField, Option<String>)> {
             Float,
             "the weight of that ray as a probe for light of narrow lobes",
         ),
-        word(&events, "hit", "t", Float, "distance to what the ray has met"),
+        word(&events, "hit", "t", Float, "distance to what the ray has hit"),
         word(&always, "run", "counts", Word, "samples of the run, accepted and rejected"),
         word(&always, "sample_of_path", "pixel", Word, "the pixel"),
         word(&always, "sample_of_path", "sample", Word, "the sample of the pixel"),
@@ -217,8 +211,8 @@ fn all_fields(needs: &Needs, aovs: &Aovs) -> Vec<(PathField, Option<String>)> {
             Word,
             "whether the albedo and the normal of the sample are known",
         ),
-        word(&meshes, "hit", "instance", Word, "the mesh that the ray has met a part of"),
-        word(&mesh_lights, "shadow", "light_instance", Word, "the mesh that the light is part of"),
+        word(&meshes, "hit", "instance", Word, "the instance whose mesh the ray has hit"),
+        word(&mesh_lights, "shadow", "light_instance", Word, "the instance whose mesh the light is a face of"),
     ];
     for (place, (sum, name)) in aovs.sum_components().enumerate() {
         let (why, group) = match sum.finder() {

@@ -1,5 +1,6 @@
 //! Surfaces that emit and scatter: closed forms, and one expectation with and without light sampling.
 
+use gpu_rt::aov::Aov;
 use gpu_rt::options::Scatter;
 
 use crate::common::kernel::Overlay;
@@ -129,4 +130,23 @@ fn an_emission_has_its_own_texture() {
     assert!(
         of(&format!("DiffuseLight(emit: {})", emissions[1])) != of(&format!("DiffuseLight(emit: {})", emissions[2]))
     );
+}
+
+/// The emission of a surface that scatters too is direct light, also where the stage that adds it is a kernel of its own, which once lost it.
+#[test]
+fn emission_is_direct_light_however_stages_are_linked() {
+    let room = scene(&room());
+    let direct = |scatter: Scatter| -> Vec<u32> {
+        let ask = Ask::spp(16).mis().scatter(scatter).with(|options| options.aov.set(vec![Aov::Direct]));
+        let film = render(&room, &ask).film;
+        let channels = film.aovs().channels();
+        let pixels = 0..(film.width() * film.height()) as usize;
+        pixels
+            .flat_map(|index| channels.iter().map(move |channel| (index, channel)))
+            .map(|(index, channel)| film.channel(index, channel).to_bits())
+            .collect()
+    };
+    let fused = direct(Scatter::Fused);
+    assert!(fused.iter().any(|bits| f32::from_bits(*bits) > 0.0));
+    assert!(fused == direct(Scatter::Linked) && fused == direct(Scatter::Queues));
 }

@@ -1,11 +1,8 @@
 //! shaders/step/film.wgsl: the film on the device holds what exact addition on the host gives, to the bit.
 
-use std::collections::BTreeMap;
-
 use gpu_rt::data::{Counters, ODD_RUN, PATHS, PixelTotals, RAYS, RunRecord};
 use gpu_rt::film::{Film, Rejected, Totals, UNKNOWN_VARIANCE};
 use gpu_rt::gpu::buffers::BufferSpec;
-use gpu_rt::gpu::link::{Choices, Reason};
 
 use crate::common::film::{AddRuns, Run};
 use crate::common::kernel::{Kernel, Setup};
