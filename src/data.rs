@@ -31,8 +31,8 @@ pub const NOT_SAMPLED: u32 = 0x8000_0000;
 pub const NO_TEXTURE: u32 = 0xffff_ffff;
 /// In place of the second face of a `FacePair` that has one.
 pub const NO_FACE: u32 = 0;
-/// In place of a member of a `Detail` that the material does not have.
-pub const NO_DETAIL: u32 = 0xffff_ffff;
+/// In place of a member of an `Extension` that the material does not have.
+pub const NO_EXTENSION: u32 = 0xffff_ffff;
 /// Of `LightNode::child`: it is a light, not a pair of nodes; what it leads to shines on both sides; it is the sky or
 /// directional lights.
 pub const LIGHT_NODE_LEAF: u32 = 0x8000_0000;
@@ -371,8 +371,8 @@ device_struct!(
 );
 
 device_struct!(
-    /// What a material has beside its row of the table: indices of rows behind those of all materials, or `NO_DETAIL`.
-    Detail {
+    /// What a material has beside its row of the table: indices of rows behind those of all materials, or `NO_EXTENSION`.
+    Extension {
         absorption: [f32; 3],
         emission: u32,
         alpha: u32,
@@ -386,18 +386,18 @@ device_struct!(
     }
 );
 
-impl Detail {
-    pub(crate) const NONE: Detail = Detail {
+impl Extension {
+    pub(crate) const NONE: Extension = Extension {
         absorption: [0.0; 3],
-        emission: NO_DETAIL,
-        alpha: NO_DETAIL,
-        roughness: NO_DETAIL,
-        metallic: NO_DETAIL,
-        normal: NO_DETAIL,
-        vertex_colours: NO_DETAIL,
-        multiscatter: NO_DETAIL,
-        specular: NO_DETAIL,
-        vertex_alpha: NO_DETAIL,
+        emission: NO_EXTENSION,
+        alpha: NO_EXTENSION,
+        roughness: NO_EXTENSION,
+        metallic: NO_EXTENSION,
+        normal: NO_EXTENSION,
+        vertex_colours: NO_EXTENSION,
+        multiscatter: NO_EXTENSION,
+        specular: NO_EXTENSION,
+        vertex_alpha: NO_EXTENSION,
     };
 }
 

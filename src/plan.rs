@@ -356,9 +356,9 @@ impl Kernels {
                 "the background's image as a distribution of directions",
             ),
             array(
-                "details",
-                bytes(&flat.details),
-                element_bytes(&flat.details),
+                "extensions",
+                bytes(&flat.extensions),
+                element_bytes(&flat.extensions),
                 "what materials have beside their rows",
             ),
             array(

@@ -14,9 +14,9 @@ struct Material {
 
 const NO_TEXTURE: u32 = 0xffffffffu;
 
-// What a material has beside its row of the table: for each, the index of a row behind those of all materials, or NO_DETAIL. Such a row
+// What a material has beside its row of the table: for each, the index of a row behind those of all materials, or NO_EXTENSION. Such a row
 // has a colour or a texture, whose frame is as far behind that of the material's own texture as `kind` says.
-struct Detail {
+struct Extension {
     // Of a clear solid: what it absorbs per unit of length. It is no index.
     absorption: vec3<f32>,
     // The radiance that it emits. The row's parameter is 0 if it emits from its front alone.
@@ -38,7 +38,7 @@ struct Detail {
     vertex_alpha: u32,
 }
 
-const NO_DETAIL: u32 = 0xffffffffu;
+const NO_EXTENSION: u32 = 0xffffffffu;
 
 // What a material knows of a ray that hits its surface.
 struct Interaction {

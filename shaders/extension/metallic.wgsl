@@ -1,7 +1,7 @@
 //@ use data/material
 // A metallic share that varies over the surface.
-fn begin_metallic(evaluated: ptr<function, EvaluatedMaterial>, own: Detail, front: bool) -> bool {
-    return own.metallic != NO_DETAIL;
+fn begin_metallic(evaluated: ptr<function, EvaluatedMaterial>, own: Extension, front: bool) -> bool {
+    return own.metallic != NO_EXTENSION;
 }
 
 fn take_metallic(evaluated: ptr<function, EvaluatedMaterial>, row: Material, colour: vec3<f32>, is_row: bool) {

@@ -1,7 +1,7 @@
 //@ use data/material
 // A roughness that varies over the surface.
-fn begin_roughness(evaluated: ptr<function, EvaluatedMaterial>, own: Detail, front: bool) -> bool {
-    return own.roughness != NO_DETAIL;
+fn begin_roughness(evaluated: ptr<function, EvaluatedMaterial>, own: Extension, front: bool) -> bool {
+    return own.roughness != NO_EXTENSION;
 }
 
 fn take_roughness(evaluated: ptr<function, EvaluatedMaterial>, row: Material, colour: vec3<f32>, is_row: bool) {

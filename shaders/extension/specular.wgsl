@@ -1,9 +1,9 @@
 //@ use data/material
 // KHR_materials_specular: the share and the colour of the layer of glTF's material.
-fn begin_specular(evaluated: ptr<function, EvaluatedMaterial>, own: Detail, front: bool) -> bool {
+fn begin_specular(evaluated: ptr<function, EvaluatedMaterial>, own: Extension, front: bool) -> bool {
     (*evaluated).straight = vec3<f32>((*evaluated).material.contrast_outside);
     (*evaluated).grazing = 1.0;
-    return own.specular != NO_DETAIL;
+    return own.specular != NO_EXTENSION;
 }
 
 fn take_specular(evaluated: ptr<function, EvaluatedMaterial>, row: Material, colour: vec3<f32>, is_row: bool) {

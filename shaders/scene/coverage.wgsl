@@ -4,12 +4,12 @@
 //@ use data/hit
 //@ use data/surface
 //@ use data/material
-//@ use bind/details
+//@ use bind/extensions
 //@ use bind/materials
 //@ use bind/settings
 //@ use choice/sampler
 //@ use lib/rng
-//@ use scene/details
+//@ use scene/extensions
 //@ use scene/primitives
 //@ use scene/surfaces
 //@ use choice/vertex_alpha
@@ -31,11 +31,11 @@ fn begin_walk(path: ptr<function, Path>, block: u32) {
 
 // The share of light that a surface stops at a hit.
 fn coverage_at(hit: Hit, surface: Surface) -> f32 {
-    let number = details[surface.material].alpha;
-    if number == NO_DETAIL {
+    let number = extensions[surface.material].alpha;
+    if number == NO_EXTENSION {
         return 1.0;
     }
-    let alpha = times_vertex_alpha(detail_colour(number, hit, surface).x, hit, surface);
+    let alpha = times_vertex_alpha(extension_colour(number, hit, surface).x, hit, surface);
     // The least alpha of a cut-out surface; negative for a transparent one.
     let cutoff = materials[number].parameter;
     return select(alpha, select(0.0, 1.0, alpha >= cutoff), cutoff >= 0.0);
@@ -44,7 +44,7 @@ fn coverage_at(hit: Hit, surface: Surface) -> f32 {
 // Whether a ray is stopped at a hit. For each surface of the scene, the random number is one of its own, and it does not depend on
 // the order of the walk.
 fn is_stopped(hit: Hit, ray: Ray) -> bool {
-    if details[material_index(hit)].alpha == NO_DETAIL {
+    if extensions[material_index(hit)].alpha == NO_EXTENSION {
         return true;
     }
     let coverage = coverage_at(hit, surface_at(hit, ray));

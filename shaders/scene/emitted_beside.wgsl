@@ -2,13 +2,13 @@
 //@ use data/material
 //@ use data/ray
 //@ use data/surface
-//@ use scene/details
+//@ use scene/extensions
 //@ use scene/lights
 // The radiance that a surface emits to a shadow ray, where materials emit and scatter.
 fn surface_radiance(hit: Hit, surface: Surface, ray: Ray) -> vec3<f32> {
-    let emission = details[surface.material].emission;
-    if emission == NO_DETAIL || (materials[emission].parameter == 0.0 && !arrives_at_front(hit.code, ray, surface.normal)) {
+    let emission = extensions[surface.material].emission;
+    if emission == NO_EXTENSION || (materials[emission].parameter == 0.0 && !arrives_at_front(hit.code, ray, surface.normal)) {
         return vec3<f32>(0.0);
     }
-    return detail_colour(emission, hit, surface);
+    return extension_colour(emission, hit, surface);
 }

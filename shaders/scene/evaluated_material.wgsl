@@ -1,7 +1,7 @@
 //@ use data/hit
 //@ use data/material
 //@ use data/surface
-//@ use bind/details
+//@ use bind/extensions
 //@ use bind/materials
 //@ use choice/colour
 //@ use choice/vertex_colours
@@ -21,7 +21,7 @@ const BIT_OF_${name}: u32 = 2u << ${rank}u;
 // One loop evaluates all rows: compilers write out each call of a function, and the code of all textures is long. `front` tells whether
 // the ray comes from the front.
 fn evaluate_material(hit: Hit, surface: Surface, front: bool) -> EvaluatedMaterial {
-    let own = details[surface.material];
+    let own = extensions[surface.material];
     var evaluated: EvaluatedMaterial;
     evaluated.material = materials[surface.material];
     var left = OWN_COLOUR;

@@ -1,12 +1,12 @@
 //@ use data/material
 //@ use data/surface
-//@ use bind/details
+//@ use bind/extensions
 //@ use scene/kept_share
 // Light that microfacets scatter more than once. Single scattering loses it; with this times the reflectance for light straight on the
 // surface, a material makes up for it (Turquin, "Practical Multiple Scattering Compensation for Microfacet Models", 2019). It depends on
 // the view alone, so directions are drawn as before.
 fn lost_over_kept(material: Material, surface: Surface, hit: Interaction) -> f32 {
-    if details[surface.material].multiscatter == NO_DETAIL {
+    if extensions[surface.material].multiscatter == NO_EXTENSION {
         return 0.0;
     }
     let kept = kept_share(clamp(-dot(hit.incoming, hit.normal), 0.0, 1.0), material.parameter);

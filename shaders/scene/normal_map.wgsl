@@ -2,7 +2,7 @@
 //@ use data/material
 //@ use data/primitive
 //@ use data/surface
-//@ use bind/details
+//@ use bind/extensions
 //@ use bind/frames
 //@ use bind/materials
 //@ use lib/bent_back
@@ -47,8 +47,8 @@ fn mapped_normal(
     front: bool,
     code: vec3<f32>,
 ) -> vec3<f32> {
-    let row = details[surface.material].normal;
-    if row == NO_DETAIL {
+    let row = extensions[surface.material].normal;
+    if row == NO_EXTENSION {
         return shading;
     }
     let bumps = materials[row].parameter;

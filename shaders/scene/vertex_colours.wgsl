@@ -2,13 +2,13 @@
 //@ use data/surface
 //@ use data/material
 //@ use data/primitive
-//@ use bind/details
+//@ use bind/extensions
 //@ use bind/instances
 //@ use scene/at_run_time
 //@ use scene/meshes
 // A material's colour times that of the mesh's vertices at a hit, if the material asks for it.
 fn times_vertex_colour(colour: vec3<f32>, hit: Hit, surface: Surface) -> vec3<f32> {
-    if details[surface.material].vertex_colours == NO_DETAIL || primitive_kind(hit.code) != KIND_TRIANGLE {
+    if extensions[surface.material].vertex_colours == NO_EXTENSION || primitive_kind(hit.code) != KIND_TRIANGLE {
         return colour;
     }
     return colour * mesh_colour(instances[at_run_time(hit.instance)], primitive_index(hit.code), surface.local);

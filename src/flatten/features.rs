@@ -2,7 +2,7 @@
 
 use crate::bitmap::FORMATS;
 use crate::data;
-use crate::material::{DETAILS, DetailKind, Lobe, MATERIALS, Material};
+use crate::material::{EXTENSIONS, ExtensionKind, Lobe, MATERIALS, Material};
 use crate::options::{FeatureSet, Integrator, RenderOptions};
 use crate::texture::TEXTURES;
 
@@ -15,7 +15,7 @@ pub const EVERY_FEATURE: &str = "--features all";
 
 /// The emitters that are not sampled, so that paths find them only by chance.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Unsampled {
+pub struct NotSampled {
     /// The number of these lights.
     pub lights: u64,
     pub wanted: u64,
@@ -38,8 +38,8 @@ pub struct Features {
     pub narrow: [Option<String>; MATERIALS.len()],
     /// Media whose phase function is so.
     pub narrow_media: Option<String>,
-    /// The same for materials that have a detail, by the kinds of it (`DetailKind`).
-    pub details: [[Option<String>; MATERIALS.len()]; DETAILS],
+    /// The same for materials that have an extension, by the kinds of it (`ExtensionKind`).
+    pub extensions: [[Option<String>; MATERIALS.len()]; EXTENSIONS],
     /// The same for clear materials with a colour, and for those that absorb light inside.
     pub tinted: [Option<String>; MATERIALS.len()],
     pub absorbing: [Option<String>; MATERIALS.len()],
@@ -69,7 +69,7 @@ pub struct Features {
     /// The number of lights.
     pub lights: u32,
     /// Emitters that are not sampled, because there are too many.
-    pub unsampled: Option<Unsampled>,
+    pub not_sampled: Option<NotSampled>,
     /// The index of the sky among the lights.
     pub sky_light: u32,
     /// Whether paths trace shadow rays, and an invocation therefore has two walks. It depends only on the scene, also with
@@ -132,8 +132,8 @@ impl Features {
             add(&mut self.narrow_media);
         }
         for (number, kind) in Material::KINDS.iter().enumerate() {
-            kind.details.iter().for_each(|detail| add(&mut self.details[*detail as usize][number]));
-            if kind.is_clear {
+            kind.extensions.iter().for_each(|extension| add(&mut self.extensions[*extension as usize][number]));
+            if kind.is_transmissive {
                 add(&mut self.tinted[number]);
                 add(&mut self.absorbing[number]);
             }
@@ -151,14 +151,14 @@ impl Features {
         self.boundary_stack_size = self.boundary_stack_size.max(DEEP);
     }
 
-    /// Whether a material has anything in the table of details.
-    pub(super) fn has_details(&self) -> bool {
-        self.details.iter().flatten().chain(&self.absorbing).any(Option::is_some)
+    /// Whether a material has anything in the table of extensions.
+    pub(super) fn has_extensions(&self) -> bool {
+        self.extensions.iter().flatten().chain(&self.absorbing).any(Option::is_some)
     }
 
-    /// Whether a material has a detail of this kind.
-    pub(super) fn has_detail(&self, kind: DetailKind) -> bool {
-        self.details[kind as usize].iter().any(Option::is_some)
+    /// Whether a material has an extension of this kind.
+    pub(super) fn has_extension(&self, kind: ExtensionKind) -> bool {
+        self.extensions[kind as usize].iter().any(Option::is_some)
     }
 
     /// Whether kernels have code for media.

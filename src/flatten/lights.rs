@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::features::Unsampled;
+use super::features::NotSampled;
 use super::light_tree::{Bounded, Extent, LightTree};
 use super::place::Placed;
 use super::{Builder, PRIMITIVES};
@@ -157,8 +157,8 @@ impl Builder<'_> {
             let (name, _) = &self.scene.materials[first.primitive.material as usize];
             let place = self.scene.material_location(name);
             let count: usize = left.iter().map(|group| group.emitters.len()).sum();
-            let unsampled =
-                Unsampled { lights: count as u64, wanted: wanted as u64, asked_by: format!("\"{name}\" at {place}") };
+            let not_sampled =
+                NotSampled { lights: count as u64, wanted: wanted as u64, asked_by: format!("\"{name}\" at {place}") };
             let objects = match left.len() {
                 1 => "1 object".to_string(),
                 n => format!("{n} objects"),
@@ -167,7 +167,7 @@ impl Builder<'_> {
                 "{place}: materials[\"{name}\"]: {wanted} faces and shapes emit, but at most {MOST_LIGHTS} are sampled as lights: \
                  {count} of them, on {objects}, are left to chance, which takes many more samples: use emitters with fewer faces"
             ));
-            self.flat.features.unsampled = Some(unsampled);
+            self.flat.features.not_sampled = Some(not_sampled);
         }
         fitting.into_iter().map(|(group, _)| group).collect()
     }

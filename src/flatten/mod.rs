@@ -27,7 +27,7 @@ use crate::bvh::{self, Bounds};
 use crate::data::{self, MAX_PRIMITIVES, NO_TEXTURE, f32s};
 use crate::delta_light::PlacedLight;
 use crate::error::{Error, Result};
-use crate::material::{Detail, DetailKind, Lobe, Slot, microfacets};
+use crate::material::{Extension, ExtensionKind, Lobe, Slot, microfacets};
 use crate::options::{FeatureSet, Integrator, RenderOptions};
 use crate::scene::{Background, Bitmap, Material, Object, Scene, Step, Texture, Use};
 use crate::shape::mesh::{self, Laid};
@@ -41,7 +41,7 @@ use view::View;
 pub use crate::material::MATERIALS;
 pub use crate::texture::TEXTURES;
 pub use bvh::Quality;
-pub use features::{BACKGROUNDS, BOUNDARIES, EVERY_FEATURE, Features, PRIMITIVES, Unsampled};
+pub use features::{BACKGROUNDS, BOUNDARIES, EVERY_FEATURE, Features, NotSampled, PRIMITIVES};
 pub use hierarchies::Hierarchies;
 pub use lights::MOST_LIGHTS;
 
@@ -68,8 +68,8 @@ pub struct DeviceScene {
     /// The distribution of directions by the background's image.
     pub sky: Vec<data::SkyCell>,
     pub materials: Vec<data::Material>,
-    /// Where a material has details, those of each row of `materials`.
-    pub details: Vec<data::Detail>,
+    /// Where a material has extensions, those of each row of `materials`.
+    pub extensions: Vec<data::Extension>,
     /// Where a material asks for it, what single scattering by microfacets keeps of light.
     pub kept_shares: Vec<[f32; 4]>,
     /// The names in the scene file of the rows of `materials`.
@@ -216,10 +216,10 @@ fn flatten_with(
     builder.find_tables(&finder.placed);
     builder.add_background(radiance_scale);
     builder.add_materials(&used, radiance_scale);
-    if builder.flat.features.has_details() || options.features == FeatureSet::All {
+    if builder.flat.features.has_extensions() || options.features == FeatureSet::All {
         builder.add_details(&used, radiance_scale);
     }
-    if builder.flat.features.has_detail(DetailKind::Multiscatter) || options.features == FeatureSet::All {
+    if builder.flat.features.has_extension(ExtensionKind::Multiscatter) || options.features == FeatureSet::All {
         builder.flat.kept_shares = microfacets::kept_shares();
     }
     let sample_lights = options.integrator == Integrator::Mis;
@@ -297,7 +297,7 @@ impl Builder<'_> {
         let counts: Vec<u32> = counts.collect();
         let room = &mut flat.settings.brute_force;
         // Surfaces with an alpha are passed in the walk through the hierarchy alone.
-        flat.features.brute_force &= counts.len() <= room.len() && !flat.features.has_detail(DetailKind::Alpha);
+        flat.features.brute_force &= counts.len() <= room.len() && !flat.features.has_extension(ExtensionKind::Alpha);
         room.iter_mut().zip(counts).for_each(|(room, count)| *room = count);
         self.flat.settings.root = self.flat.add_nodes(&bvh, 0);
         // In a mesh, the walk keeps the nodes of the outer hierarchy on the stack.
@@ -389,14 +389,14 @@ fn note_material(features: &mut Features, scene: &Scene, name: &str, material: &
             features.non_specular[number].get_or_insert_with(at_material);
         }
     }
-    if material.kind().is_clear && model.slot.is_some() {
+    if material.kind().is_transmissive && model.slot.is_some() {
         features.tinted[number].get_or_insert_with(at_material);
     }
     if model.absorption.is_some() {
         features.absorbing[number].get_or_insert_with(at_material);
     }
-    for detail in &model.details {
-        features.details[detail.kind as usize][number].get_or_insert_with(at_material);
+    for extension in &model.extensions {
+        features.extensions[extension.kind as usize][number].get_or_insert_with(at_material);
     }
     for kind in model.slots().filter_map(|slot| slot.texture.shader_number()) {
         features.textures[kind].get_or_insert_with(at_material);
@@ -570,26 +570,26 @@ impl Builder<'_> {
     /// kernel asks all emitters alike.
     fn add_details(&mut self, used: &[bool], radiance_scale: f64) {
         let scene = self.scene;
-        let mut details = vec![data::Detail::NONE; self.flat.materials.len()];
+        let mut extensions = vec![data::Extension::NONE; self.flat.materials.len()];
         for (number, (name, material)) in scene.materials.iter().enumerate().filter(|(number, _)| used[*number]) {
             let model = material.model();
-            let light = model.light().map(|light| Detail::emission(light.slot, light.two_sided));
+            let light = model.light().map(|light| Extension::emission(light.slot, light.two_sided));
             let is_textured = |slot: Slot| u32::from(slot.texture.plain().is_none());
-            let mut own = data::Detail::NONE;
+            let mut own = data::Extension::NONE;
             own.absorption = f32s(model.absorption.unwrap_or_default() / self.space.scale);
             // The frames of the surface are those of the material's textures in their order. The emission of a light is its only one.
             let mut frame = if light.is_some() { 0 } else { model.slot.map_or(0, is_textured) };
-            for detail in model.details.iter().copied().chain(light) {
-                *detail.kind.row_of(&mut own) = self.flat.materials.len() as u32;
-                let row = data::Material { kind: frame, parameter: detail.parameter, ..data::Material::default() };
-                frame += is_textured(detail.slot);
-                self.add_row(name, row, Some(detail.slot), radiance_scale);
+            for extension in model.extensions.iter().copied().chain(light) {
+                *extension.kind.row_of(&mut own) = self.flat.materials.len() as u32;
+                let row = data::Material { kind: frame, parameter: extension.parameter, ..data::Material::default() };
+                frame += is_textured(extension.slot);
+                self.add_row(name, row, Some(extension.slot), radiance_scale);
             }
-            if let Some(details) = details.get_mut(self.materials[number] as usize) {
-                *details = own;
+            if let Some(extensions) = extensions.get_mut(self.materials[number] as usize) {
+                *extensions = own;
             }
         }
-        self.flat.details = details;
+        self.flat.extensions = extensions;
     }
 
     /// The place of an image's first word. An image is stored once, however often it is used.

@@ -1,7 +1,8 @@
 //! A metal with microfacets: its surface is smooth or rough, and it reflects by Fresnel's equations.
 
 use super::{
-    ANY_LOBE, DetailKind, LEAST_ROUGHNESS, Lobe, MULTISCATTER, MaterialKind, Model, NORMAL, NORMAL_SCALE, Slot, varying,
+    ANY_LOBE, ExtensionKind, LEAST_ROUGHNESS, Lobe, MULTISCATTER, MaterialKind, Model, NORMAL, NORMAL_SCALE, Slot,
+    varying,
 };
 use crate::data::{self, f32s};
 use crate::source::Range;
@@ -41,9 +42,9 @@ pub const KIND: MaterialKind = MaterialKind {
     },
     shader: "conductor",
     lobes: ANY_LOBE,
-    is_clear: false,
+    is_transmissive: false,
     emits: false,
-    details: &[DetailKind::Roughness, DetailKind::Multiscatter, DetailKind::Normal],
+    extensions: &[ExtensionKind::Roughness, ExtensionKind::Multiscatter, ExtensionKind::Normal],
     has_second_part: true,
 };
 
@@ -59,7 +60,7 @@ pub fn model<'a>(
     k: Option<Colour>,
     roughness: &'a Texture,
 ) -> Model<'a> {
-    let (roughness, number, detail) = varying(&ROUGHNESS, DetailKind::Roughness, roughness);
+    let (roughness, number, extension) = varying(&ROUGHNESS, ExtensionKind::Roughness, roughness);
     let on_device = data::Material {
         // Instead of the albedo, which a slot writes over it. Less 1, because f32 would round an index near 1 by more than what it reflects.
         colour: f32s(eta.map_or(Colour::ZERO, |eta| eta - 1.0)),
@@ -75,7 +76,7 @@ pub fn model<'a>(
         numbers: number.into_iter().collect(),
         colours: [(&ETA, eta), (&K, k)].into_iter().filter_map(|(field, colour)| Some((field, colour?))).collect(),
         lacks: (!whole).then_some("either an albedo, or both eta and k"),
-        details: detail.into_iter().collect(),
+        extensions: extension.into_iter().collect(),
         absorption: None,
         on_device,
         second_part: Some(data::Material {

@@ -21,9 +21,9 @@ pub const KIND: MaterialKind = MaterialKind {
     },
     shader: "dielectric",
     lobes: &[Lobe::Specular],
-    is_clear: true,
+    is_transmissive: true,
     emits: false,
-    details: &[],
+    extensions: &[],
     has_second_part: false,
 };
 
@@ -40,7 +40,7 @@ pub fn model(ior: f64) -> Model<'static> {
         colours: Vec::new(),
         lacks: None,
         second_part: None,
-        details: Vec::new(),
+        extensions: Vec::new(),
         absorption: None,
         on_device: data::Material {
             parameter: ior as f32,

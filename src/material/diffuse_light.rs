@@ -24,9 +24,9 @@ pub const KIND: MaterialKind = MaterialKind {
     },
     shader: "diffuse_light",
     lobes: &[],
-    is_clear: false,
+    is_transmissive: false,
     emits: true,
-    details: &[],
+    extensions: &[],
     has_second_part: false,
 };
 
@@ -39,7 +39,7 @@ pub fn model(emit: &Texture, two_sided: bool) -> Model<'_> {
         colours: Vec::new(),
         lacks: None,
         second_part: None,
-        details: Vec::new(),
+        extensions: Vec::new(),
         absorption: None,
         on_device: data::Material { parameter: f32::from(u8::from(two_sided)), ..data::Material::default() },
     }

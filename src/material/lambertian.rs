@@ -1,7 +1,7 @@
 //! A perfectly diffuse surface: its reflected radiance is the same in all directions.
 
 use super::{
-    ALPHA, ALPHA_CUTOFF, DetailKind, EMISSION, Lobe, MaterialKind, Model, NORMAL, NORMAL_SCALE, Slot, VERTEX_ALPHA,
+    ALPHA, ALPHA_CUTOFF, EMISSION, ExtensionKind, Lobe, MaterialKind, Model, NORMAL, NORMAL_SCALE, Slot, VERTEX_ALPHA,
     VERTEX_COLORS,
 };
 use crate::data;
@@ -20,14 +20,14 @@ pub const KIND: MaterialKind = MaterialKind {
     },
     shader: "lambertian",
     lobes: &[Lobe::Wide],
-    is_clear: false,
+    is_transmissive: false,
     emits: false,
-    details: &[
-        DetailKind::Emission,
-        DetailKind::Alpha,
-        DetailKind::VertexColours,
-        DetailKind::VertexAlpha,
-        DetailKind::Normal,
+    extensions: &[
+        ExtensionKind::Emission,
+        ExtensionKind::Alpha,
+        ExtensionKind::VertexColours,
+        ExtensionKind::VertexAlpha,
+        ExtensionKind::Normal,
     ],
     has_second_part: false,
 };
@@ -41,7 +41,7 @@ pub fn model(albedo: &Texture) -> Model<'_> {
         colours: Vec::new(),
         lacks: None,
         second_part: None,
-        details: Vec::new(),
+        extensions: Vec::new(),
         absorption: None,
         on_device: data::Material::default(),
     }

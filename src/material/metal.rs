@@ -24,9 +24,9 @@ pub const KIND: MaterialKind = MaterialKind {
     },
     shader: "metal",
     lobes: ANY_LOBE,
-    is_clear: false,
+    is_transmissive: false,
     emits: false,
-    details: &[],
+    extensions: &[],
     has_second_part: false,
 };
 
@@ -40,7 +40,7 @@ pub fn model(albedo: &Texture, fuzz: f64) -> Model<'_> {
         numbers: vec![Number { field: &FUZZ, value: fuzz, warning: None }],
         colours: Vec::new(),
         lacks: None,
-        details: Vec::new(),
+        extensions: Vec::new(),
         absorption: None,
         on_device,
         second_part: None,

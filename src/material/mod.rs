@@ -231,15 +231,15 @@ impl Material {
 
     /// Whether it lets light pass straight on somewhere.
     pub fn has_alpha(&self) -> bool {
-        self.model().details.iter().any(|detail| detail.kind == DetailKind::Alpha)
+        self.model().extensions.iter().any(|extension| extension.kind == ExtensionKind::Alpha)
     }
 
     /// Its lobes, which may be several. Where its roughness varies, they are as narrow as its least roughness makes them, and wider.
     pub fn lobes(&self, bitmaps: &Bitmaps) -> Vec<Lobe> {
         let model = self.model();
-        let of_roughness = model.details.iter().find(|detail| detail.kind == DetailKind::Roughness);
-        let Some(detail) = of_roughness else { return model.lobes };
-        let least = detail.slot.texture.least(bitmaps);
+        let of_roughness = model.extensions.iter().find(|extension| extension.kind == ExtensionKind::Roughness);
+        let Some(extension) = of_roughness else { return model.lobes };
+        let least = extension.slot.texture.least(bitmaps);
         let narrowest = match self {
             Material::RoughDielectric { ior, .. } => rough_dielectric::lobes(*ior, least),
             _ => vec![conductor::lobe(least)],
@@ -250,7 +250,7 @@ impl Material {
             .collect()
     }
 
-    /// Its textures that are no plain colour: its own, and those of its details.
+    /// Its textures that are no plain colour: its own, and those of its extensions.
     pub fn textures(&self) -> Vec<&Texture> {
         self.model().slots().map(|slot| slot.texture).filter(|texture| texture.plain().is_none()).collect()
     }
@@ -303,10 +303,10 @@ pub struct MaterialKind {
     /// light sampling.
     pub lobes: &'static [Lobe],
     /// Whether it transmits light.
-    pub is_clear: bool,
+    pub is_transmissive: bool,
     pub emits: bool,
     /// What materials of the kind may have beside their row of the table.
-    pub details: &'static [DetailKind],
+    pub extensions: &'static [ExtensionKind],
     /// Whether kernels read more numbers of it than one element of their table holds. Then it has two of them.
     pub has_second_part: bool,
 }
@@ -349,7 +349,7 @@ pub struct Model<'a> {
     /// What is expected, if fields that exclude or require each other are not given so.
     pub lacks: Option<&'static str>,
     /// What it has beside its row of the table.
-    pub details: Vec<Detail<'a>>,
+    pub extensions: Vec<Extension<'a>>,
     /// Of a clear solid: what it absorbs per scene unit.
     pub absorption: Option<Colour>,
     /// The struct that kernels read. The texture and the number of the kind are filled in later.
@@ -376,7 +376,7 @@ pub struct Slot<'a> {
 
 /// What a material may have beside its row of the table: a row of its own for each (shaders/data/material).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DetailKind {
+pub enum ExtensionKind {
     /// The radiance that it emits beside what it scatters.
     Emission,
     /// The share of light that it stops.
@@ -397,30 +397,30 @@ pub enum DetailKind {
     VertexAlpha,
 }
 
-impl DetailKind {
-    /// The index of the row with a material's detail of this kind.
-    pub fn row_of(self, details: &mut data::Detail) -> &mut u32 {
+impl ExtensionKind {
+    /// The index of the row with a material's extension of this kind.
+    pub fn row_of(self, extensions: &mut data::Extension) -> &mut u32 {
         match self {
-            DetailKind::Emission => &mut details.emission,
-            DetailKind::Alpha => &mut details.alpha,
-            DetailKind::Roughness => &mut details.roughness,
-            DetailKind::Metallic => &mut details.metallic,
-            DetailKind::Normal => &mut details.normal,
-            DetailKind::VertexColours => &mut details.vertex_colours,
-            DetailKind::Multiscatter => &mut details.multiscatter,
-            DetailKind::Specular => &mut details.specular,
-            DetailKind::VertexAlpha => &mut details.vertex_alpha,
+            ExtensionKind::Emission => &mut extensions.emission,
+            ExtensionKind::Alpha => &mut extensions.alpha,
+            ExtensionKind::Roughness => &mut extensions.roughness,
+            ExtensionKind::Metallic => &mut extensions.metallic,
+            ExtensionKind::Normal => &mut extensions.normal,
+            ExtensionKind::VertexColours => &mut extensions.vertex_colours,
+            ExtensionKind::Multiscatter => &mut extensions.multiscatter,
+            ExtensionKind::Specular => &mut extensions.specular,
+            ExtensionKind::VertexAlpha => &mut extensions.vertex_alpha,
         }
     }
 }
 
-/// The number of kinds of detail.
-pub const DETAILS: usize = DetailKind::VertexAlpha as usize + 1;
+/// The number of kinds of extension.
+pub const EXTENSIONS: usize = ExtensionKind::VertexAlpha as usize + 1;
 
 /// One of them.
 #[derive(Clone, Copy, Debug)]
-pub struct Detail<'a> {
-    pub kind: DetailKind,
+pub struct Extension<'a> {
+    pub kind: ExtensionKind,
     pub slot: Slot<'a>,
     /// The number beside its texture. Emission: 1 if it emits to both sides, else 0. Alpha: its cutoff, or -1.
     pub parameter: f32,
@@ -509,23 +509,23 @@ const SPECULAR_COLOR: Field = Field::new(
 )
 .or("Rgb(1, 1, 1)");
 
-impl<'a> Detail<'a> {
-    pub fn emission(slot: Slot<'a>, two_sided: bool) -> Detail<'a> {
-        Detail { kind: DetailKind::Emission, slot, parameter: f32::from(u8::from(two_sided)) }
+impl<'a> Extension<'a> {
+    pub fn emission(slot: Slot<'a>, two_sided: bool) -> Extension<'a> {
+        Extension { kind: ExtensionKind::Emission, slot, parameter: f32::from(u8::from(two_sided)) }
     }
 }
 
-/// A material's number that may vary: the number, or 0 and the detail that stands for it.
+/// A material's number that may vary: the number, or 0 and the extension that stands for it.
 fn varying<'a>(
     field: &'static Field,
-    kind: DetailKind,
+    kind: ExtensionKind,
     texture: &'a Texture,
-) -> (f64, Option<Number>, Option<Detail<'a>>) {
+) -> (f64, Option<Number>, Option<Extension<'a>>) {
     match texture.plain() {
         Some(grey) => (grey.x, Some(Number { field, value: grey.x, warning: None }), None),
         None => {
             let slot = Slot { field, usage: Use::Share, texture };
-            (0.0, None, Some(Detail { kind, slot, parameter: 0.0 }))
+            (0.0, None, Some(Extension { kind, slot, parameter: 0.0 }))
         }
     }
 }
@@ -541,7 +541,7 @@ impl<'a> Model<'a> {
     /// The same, emitting beside what it scatters.
     fn glowing(mut self, emission: &'a Option<Texture>) -> Model<'a> {
         let slot = |texture| Slot { field: &EMISSION, usage: Use::Radiance, texture };
-        self.details.extend(emission.as_ref().map(|texture| Detail::emission(slot(texture), true)));
+        self.extensions.extend(emission.as_ref().map(|texture| Extension::emission(slot(texture), true)));
         self
     }
 
@@ -552,11 +552,11 @@ impl<'a> Model<'a> {
         let stops_all = !of_vertices && alpha.plain().is_some_and(|alpha| alpha.x >= least);
         let slot = Slot { field: &ALPHA, usage: Use::Share, texture: alpha };
         let parameter = cutoff.map_or(-1.0, |cutoff| cutoff as f32);
-        self.details.extend((!stops_all).then_some(Detail { kind: DetailKind::Alpha, slot, parameter }));
+        self.extensions.extend((!stops_all).then_some(Extension { kind: ExtensionKind::Alpha, slot, parameter }));
         let numbers = alpha.plain().map(|alpha| (&ALPHA, alpha.x)).into_iter();
         let numbers = numbers.chain(cutoff.map(|cutoff| (&ALPHA_CUTOFF, cutoff)));
         self.numbers.extend(numbers.map(|(field, value)| Number { field, value, warning: None }));
-        self.flagged(&VERTEX_ALPHA, DetailKind::VertexAlpha, of_vertices)
+        self.flagged(&VERTEX_ALPHA, ExtensionKind::VertexAlpha, of_vertices)
     }
 
     /// The same clear solid, of which each surface lets this share of light pass.
@@ -574,29 +574,29 @@ impl<'a> Model<'a> {
         self
     }
 
-    /// The same with a detail that is there or not. What it takes lies elsewhere, so its row is white.
-    fn flagged(mut self, field: &'static Field, kind: DetailKind, is_there: bool) -> Model<'a> {
+    /// The same with an extension that is there or not. What it takes lies elsewhere, so its row is white.
+    fn flagged(mut self, field: &'static Field, kind: ExtensionKind, is_there: bool) -> Model<'a> {
         static WHITE: Texture = Texture::Rgb(1.0, 1.0, 1.0);
         let slot = Slot { field, usage: Use::Share, texture: &WHITE };
-        self.details.extend(is_there.then_some(Detail { kind, slot, parameter: 0.0 }));
+        self.extensions.extend(is_there.then_some(Extension { kind, slot, parameter: 0.0 }));
         self
     }
 
     /// The same, with a colour that those of a mesh's vertices multiply.
     fn coloured_by_vertices(self, has_them: bool) -> Model<'a> {
-        self.flagged(&VERTEX_COLORS, DetailKind::VertexColours, has_them)
+        self.flagged(&VERTEX_COLORS, ExtensionKind::VertexColours, has_them)
     }
 
     /// The same, making up for light that its microfacets scatter more than once.
     fn scattering_many_times(self, does: bool) -> Model<'a> {
-        self.flagged(&MULTISCATTER, DetailKind::Multiscatter, does)
+        self.flagged(&MULTISCATTER, ExtensionKind::Multiscatter, does)
     }
 
     /// The same with a normal map.
     fn bumped(mut self, normal: &'a Option<Texture>, scale: f64) -> Model<'a> {
         let slot = |texture| Slot { field: &NORMAL, usage: Use::Normal, texture };
-        let map = |texture| Detail { kind: DetailKind::Normal, slot: slot(texture), parameter: scale as f32 };
-        self.details.extend(normal.as_ref().map(map));
+        let map = |texture| Extension { kind: ExtensionKind::Normal, slot: slot(texture), parameter: scale as f32 };
+        self.extensions.extend(normal.as_ref().map(map));
         self.numbers.push(Number { field: &NORMAL_SCALE, value: scale, warning: None });
         self
     }
@@ -604,8 +604,8 @@ impl<'a> Model<'a> {
     /// The same, with a layer that reflects this share, and straight on in this colour (KHR_materials_specular).
     fn layered(mut self, share: f64, colour: &'a Texture) -> Model<'a> {
         let slot = Slot { field: &SPECULAR_COLOR, usage: Use::Albedo, texture: colour };
-        let detail = Detail { kind: DetailKind::Specular, slot, parameter: share as f32 };
-        self.details.extend((share != 1.0 || !is_white(colour)).then_some(detail));
+        let extension = Extension { kind: ExtensionKind::Specular, slot, parameter: share as f32 };
+        self.extensions.extend((share != 1.0 || !is_white(colour)).then_some(extension));
         self.numbers.push(Number { field: &SPECULAR, value: share, warning: None });
         self
     }
@@ -617,16 +617,16 @@ impl<'a> Model<'a> {
 
     /// What it emits, whether it scatters or not.
     pub fn emission(&self) -> Option<Emission<'a>> {
-        let glow = || self.details.iter().find(|detail| detail.kind == DetailKind::Emission);
+        let glow = || self.extensions.iter().find(|extension| extension.kind == ExtensionKind::Emission);
         self.light().or_else(|| {
-            let Detail { slot, parameter, .. } = *glow()?;
+            let Extension { slot, parameter, .. } = *glow()?;
             Some(Emission { slot, two_sided: parameter != 0.0 })
         })
     }
 
-    /// Its textures, also plain ones: its own first, then those of its details in their order.
+    /// Its textures, also plain ones: its own first, then those of its extensions in their order.
     pub fn slots(&self) -> impl Iterator<Item = Slot<'a>> + use<'a, '_> {
-        self.slot.into_iter().chain(self.details.iter().map(|detail| detail.slot))
+        self.slot.into_iter().chain(self.extensions.iter().map(|extension| extension.slot))
     }
 }
 

@@ -1,7 +1,7 @@
 //! The material of glTF 2.0: a matt body under a glossy layer, or a metal.
 
 use super::{
-    ALPHA, ALPHA_CUTOFF, ANY_LOBE, DetailKind, EMISSION, Lobe, MOST_IOR, MULTISCATTER, MaterialKind, Model, NORMAL,
+    ALPHA, ALPHA_CUTOFF, ANY_LOBE, EMISSION, ExtensionKind, Lobe, MOST_IOR, MULTISCATTER, MaterialKind, Model, NORMAL,
     NORMAL_SCALE, Number, SPECULAR, SPECULAR_COLOR, Slot, VERTEX_ALPHA, VERTEX_COLORS, conductor, varying,
 };
 use crate::data;
@@ -50,25 +50,25 @@ pub const KIND: MaterialKind = MaterialKind {
     },
     shader: "pbr",
     lobes: ANY_LOBE,
-    is_clear: false,
+    is_transmissive: false,
     emits: false,
-    details: &[
-        DetailKind::Emission,
-        DetailKind::Alpha,
-        DetailKind::VertexColours,
-        DetailKind::VertexAlpha,
-        DetailKind::Roughness,
-        DetailKind::Metallic,
-        DetailKind::Multiscatter,
-        DetailKind::Normal,
-        DetailKind::Specular,
+    extensions: &[
+        ExtensionKind::Emission,
+        ExtensionKind::Alpha,
+        ExtensionKind::VertexColours,
+        ExtensionKind::VertexAlpha,
+        ExtensionKind::Roughness,
+        ExtensionKind::Metallic,
+        ExtensionKind::Multiscatter,
+        ExtensionKind::Normal,
+        ExtensionKind::Specular,
     ],
     has_second_part: false,
 };
 
 pub fn model<'a>(base_color: &'a Texture, metallic: &'a Texture, roughness: &'a Texture, ior: f64) -> Model<'a> {
-    let (metallic, number_of_metallic, varying_metallic) = varying(&METALLIC, DetailKind::Metallic, metallic);
-    let (roughness, number_of_roughness, varying_roughness) = varying(&ROUGHNESS, DetailKind::Roughness, roughness);
+    let (metallic, number_of_metallic, varying_metallic) = varying(&METALLIC, ExtensionKind::Metallic, metallic);
+    let (roughness, number_of_roughness, varying_roughness) = varying(&ROUGHNESS, ExtensionKind::Roughness, roughness);
     // Where nothing says that all of it is a metal, it has a matt body too.
     let is_metal = metallic == 1.0 && varying_metallic.is_none();
     let lobes = if is_metal { vec![conductor::lobe(roughness)] } else { vec![Lobe::Wide, conductor::lobe(roughness)] };
@@ -80,7 +80,7 @@ pub fn model<'a>(base_color: &'a Texture, metallic: &'a Texture, roughness: &'a 
         numbers: number_of_metallic.into_iter().chain(number_of_roughness).chain([ior_number]).collect(),
         colours: Vec::new(),
         lacks: None,
-        details: varying_roughness.into_iter().chain(varying_metallic).collect(),
+        extensions: varying_roughness.into_iter().chain(varying_metallic).collect(),
         absorption: None,
         on_device: data::Material {
             parameter: roughness as f32,

@@ -1,8 +1,8 @@
 //! A clear solid with a rough surface: frosted glass.
 
 use super::{
-    ABSORPTION, ANY_LOBE, DetailKind, LEAST_ROUGHNESS, Lobe, MaterialKind, Model, NORMAL, NORMAL_SCALE, TRANSMITTANCE,
-    dielectric, varying,
+    ABSORPTION, ANY_LOBE, ExtensionKind, LEAST_ROUGHNESS, Lobe, MaterialKind, Model, NORMAL, NORMAL_SCALE,
+    TRANSMITTANCE, dielectric, varying,
 };
 use crate::data::{self, NO_TEXTURE};
 use crate::source::Range;
@@ -27,9 +27,9 @@ pub const KIND: MaterialKind = MaterialKind {
     },
     shader: "rough_dielectric",
     lobes: ANY_LOBE,
-    is_clear: true,
+    is_transmissive: true,
     emits: false,
-    details: &[DetailKind::Roughness, DetailKind::Normal],
+    extensions: &[ExtensionKind::Roughness, ExtensionKind::Normal],
     has_second_part: true,
 };
 
@@ -45,12 +45,12 @@ pub fn lobes(ior: f64, roughness: f64) -> Vec<Lobe> {
 
 pub fn model(ior: f64, roughness: &Texture) -> Model<'_> {
     let clear = dielectric::model(ior);
-    let (roughness, number, detail) = varying(&ROUGHNESS, DetailKind::Roughness, roughness);
+    let (roughness, number, extension) = varying(&ROUGHNESS, ExtensionKind::Roughness, roughness);
     let on_device = data::Material { parameter: roughness as f32, ..clear.on_device };
     Model {
         lobes: lobes(ior, roughness),
         numbers: clear.numbers.into_iter().chain(number).collect(),
-        details: detail.into_iter().collect(),
+        extensions: extension.into_iter().collect(),
         on_device,
         second_part: Some(data::Material {
             parameter: clear.on_device.parameter,

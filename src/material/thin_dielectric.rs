@@ -2,7 +2,7 @@
 
 use super::dielectric;
 use super::{
-    ANY_LOBE, DetailKind, MOST_IOR, MaterialKind, Model, NORMAL, NORMAL_SCALE, Number, TRANSMITTANCE, conductor,
+    ANY_LOBE, ExtensionKind, MOST_IOR, MaterialKind, Model, NORMAL, NORMAL_SCALE, Number, TRANSMITTANCE, conductor,
     varying,
 };
 use crate::data;
@@ -34,19 +34,19 @@ pub const KIND: MaterialKind = MaterialKind {
     },
     shader: "thin_dielectric",
     lobes: ANY_LOBE,
-    is_clear: true,
+    is_transmissive: true,
     emits: false,
-    details: &[DetailKind::Roughness, DetailKind::Normal],
+    extensions: &[ExtensionKind::Roughness, ExtensionKind::Normal],
     has_second_part: false,
 };
 
 pub fn model(ior: f64, roughness: &Texture) -> Model<'_> {
     let clear = dielectric::model(ior);
-    let (roughness, number, detail) = varying(&ROUGHNESS, DetailKind::Roughness, roughness);
+    let (roughness, number, extension) = varying(&ROUGHNESS, ExtensionKind::Roughness, roughness);
     Model {
         lobes: vec![conductor::lobe(roughness)],
         numbers: [Number { field: &IOR, value: ior, warning: None }].into_iter().chain(number).collect(),
-        details: detail.into_iter().collect(),
+        extensions: extension.into_iter().collect(),
         on_device: data::Material { parameter: roughness as f32, ..clear.on_device },
         ..clear
     }

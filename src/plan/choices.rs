@@ -10,7 +10,7 @@ use crate::bitmap::FORMATS;
 use crate::data::{FILM_SUMS, KIND_INSTANCE, KIND_TRIANGLE, RUN_LENGTH};
 use crate::flatten::{BACKGROUNDS, BOUNDARIES, EVERY_FEATURE, Features, PRIMITIVES, TEXTURES};
 use crate::gpu::link::{Choices, Chosen, Entry, Reason};
-use crate::material::{DetailKind, Material};
+use crate::material::{ExtensionKind, Material};
 use crate::options::{self, FeatureSet, Filter, Knob, RenderOptions};
 use crate::shape::KINDS;
 
@@ -85,8 +85,8 @@ named! {
         two_part,
         /// The non-specular ones that respond to light from both sides.
         both_sided,
-        /// Those of all that are clear.
-        clear,
+        /// The materials of the kernel that are transmissive.
+        transmissive,
         /// The extensions of a material that the kernel evaluates.
         extension,
         /// Channels of the first hit by their modules, their sums by components, and those of the surface that is seen and of direct light.
@@ -381,7 +381,7 @@ pub(super) fn decide(
     let two_part: Vec<Entry> =
         served.iter().filter(|kind| of_kind(kind).is_some_and(|kind| kind.has_second_part)).cloned().collect();
     let both_sided: Vec<Entry> =
-        non_specular.iter().filter(|kind| of_kind(kind).is_some_and(|kind| kind.is_clear)).cloned().collect();
+        non_specular.iter().filter(|kind| of_kind(kind).is_some_and(|kind| kind.is_transmissive)).cloned().collect();
     let shines = served.iter().any(|kind| of_kind(kind).is_some_and(|kind| kind.emits));
 
     let event = surface.clone().or(medium.clone());
@@ -393,28 +393,28 @@ pub(super) fn decide(
     let (aov_surface, aov_hit) = (aov(Finder::Surface, &event), aov(Finder::Hit, &surface));
     let aov_direct = aov(Finder::Direct, &Some(Reason::EveryRender));
     let passes = options.aov.surface == SeenSurface::Rough;
-    let own = |detail: DetailKind| of_first(&features.details[detail as usize]);
-    let scene_has = |detail: DetailKind| first(&features.details[detail as usize]);
+    let own = |extension: ExtensionKind| of_first(&features.extensions[extension as usize]);
+    let scene_has = |extension: ExtensionKind| first(&features.extensions[extension as usize]);
     let extensions = [
-        ("emission", DetailKind::Emission),
-        ("roughness", DetailKind::Roughness),
-        ("metallic", DetailKind::Metallic),
-        ("normal", DetailKind::Normal),
-        ("specular", DetailKind::Specular),
+        ("emission", ExtensionKind::Emission),
+        ("roughness", ExtensionKind::Roughness),
+        ("metallic", ExtensionKind::Metallic),
+        ("normal", ExtensionKind::Normal),
+        ("specular", ExtensionKind::Specular),
     ];
     let extension =
-        closed((0..).zip(extensions).filter_map(|(number, (name, detail))| Some((name, number, own(detail)?))));
-    let (own_emission, normal_map) = (own(DetailKind::Emission), own(DetailKind::Normal));
-    let (multiscatter, own_layer) = (own(DetailKind::Multiscatter), own(DetailKind::Specular));
+        closed((0..).zip(extensions).filter_map(|(number, (name, extension))| Some((name, number, own(extension)?))));
+    let (own_emission, normal_map) = (own(ExtensionKind::Emission), own(ExtensionKind::Normal));
+    let (multiscatter, own_layer) = (own(ExtensionKind::Multiscatter), own(ExtensionKind::Specular));
     let (tinted, absorbing) = (of_first(&features.tinted), of_first(&features.absorbing));
-    let vertex_colours = mesh.clone().and(own(DetailKind::VertexColours));
+    let vertex_colours = mesh.clone().and(own(ExtensionKind::VertexColours));
     let evaluated = extension.first().map(|entry| entry.why.clone()).or(vertex_colours.clone());
 
-    let emission = scene_has(DetailKind::Emission);
+    let emission = scene_has(ExtensionKind::Emission);
     let number_images =
-        [DetailKind::Roughness, DetailKind::Metallic, DetailKind::Alpha].into_iter().find_map(scene_has);
-    let alpha = surface.clone().and(scene_has(DetailKind::Alpha));
-    let vertex_alpha = alpha.clone().and(mesh.clone()).and(scene_has(DetailKind::VertexAlpha));
+        [ExtensionKind::Roughness, ExtensionKind::Metallic, ExtensionKind::Alpha].into_iter().find_map(scene_has);
+    let alpha = surface.clone().and(scene_has(ExtensionKind::Alpha));
+    let vertex_alpha = alpha.clone().and(mesh.clone()).and(scene_has(ExtensionKind::VertexAlpha));
     let uv_tables = mesh.clone().and(asked(&features.uv_tables));
     let both_sides = { both_sided.first().zip(light.as_ref()) }
         .and_then(|(kind, _)| asked(&features.smooth).and(Some(kind.why.clone())));
@@ -465,7 +465,7 @@ pub(super) fn decide(
         gradient_background: asked(&features.backgrounds[1]),
         image_background: asked(&features.backgrounds[2]),
         several_backgrounds: if_so(!other_background.is_empty(), option(EVERY_FEATURE)),
-        not_sampled: match &features.unsampled {
+        not_sampled: match &features.not_sampled {
             Some(left) => Some(option(&left.asked_by)),
             None => if_so(options.features == FeatureSet::All, option(EVERY_FEATURE)),
         },
@@ -480,7 +480,7 @@ pub(super) fn decide(
         emitting_mesh,
         aov: any_aov.clone(),
     };
-    let has_glass = materials.iter().any(|kind| of_kind(kind).is_some_and(|kind| kind.is_clear));
+    let has_glass = materials.iter().any(|kind| of_kind(kind).is_some_and(|kind| kind.is_transmissive));
     let has_spheres = primitive.iter().chain(&convex_boundary).any(|kind| kind.name == "sphere");
     let places = places(&path_fields);
     let numbered = |all: Vec<(String, u32)>| {
@@ -574,7 +574,10 @@ pub(super) fn decide(
             hit_sum: sums_of(Finder::Hit, &aov_hit),
             surface_sum: sums_of(Finder::Surface, &aov_surface),
             direct_sum: sums_of(Finder::Direct, &aov_direct),
-            clear: { served.iter() }.filter(|kind| of_kind(kind).is_some_and(|kind| kind.is_clear)).cloned().collect(),
+            transmissive: { served.iter() }
+                .filter(|kind| of_kind(kind).is_some_and(|kind| kind.is_transmissive))
+                .cloned()
+                .collect(),
             texture,
             texel_format,
             background,

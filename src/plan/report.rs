@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::choices::ALTERNATIVES;
 use super::{Bounce, Kernel, PathField, Plan, QUEUES, STEPS, Tuning, boundary_names};
 use crate::error::Result;
-use crate::flatten::{BACKGROUNDS, Features, MATERIALS, MOST_LIGHTS, PRIMITIVES, TEXTURES, Unsampled};
+use crate::flatten::{BACKGROUNDS, Features, MATERIALS, MOST_LIGHTS, NotSampled, PRIMITIVES, TEXTURES};
 use crate::gpu::buffers::BufferSpec;
 use crate::gpu::layout::{self, BindingKind};
 use crate::gpu::link::Reason;
@@ -375,8 +375,8 @@ fn about_constant(name: &str) -> String {
 }
 
 fn integrator_words(features: &Features, integrator: Integrator) -> String {
-    let left = features.unsampled.as_ref().map_or(String::new(), |left| {
-        let Unsampled { lights, wanted, asked_by } = left;
+    let left = features.not_sampled.as_ref().map_or(String::new(), |left| {
+        let NotSampled { lights, wanted, asked_by } = left;
         format!("{lights} of {wanted} lights are left to chance, {asked_by}: {MOST_LIGHTS} at most are sampled")
     });
     match features.lights {

@@ -19,7 +19,7 @@ use super::types::*;
 use super::write::relative;
 use super::{Assets, GltfOptions, OnProgress, Scene, bitmap, gltf, mesh, validate};
 use crate::error::{Error, Result};
-use crate::material::DetailKind;
+use crate::material::ExtensionKind;
 use crate::printable::one_line;
 use crate::source::{MOST_VALUES, Source};
 
@@ -241,10 +241,11 @@ fn emits(scene: &Scene) -> bool {
     let shines = |material: &Material| {
         let model = material.model();
         let brightest = |texture: &Texture| texture.brightest(&scene.bitmaps);
-        let is_there = model.details.iter().filter(|detail| detail.kind == DetailKind::Alpha).all(|detail| {
-            let (alpha, cutoff) = (brightest(detail.slot.texture), f64::from(detail.parameter));
-            alpha >= cutoff && (alpha > 0.0 || cutoff >= 0.0)
-        });
+        let is_there =
+            model.extensions.iter().filter(|extension| extension.kind == ExtensionKind::Alpha).all(|extension| {
+                let (alpha, cutoff) = (brightest(extension.slot.texture), f64::from(extension.parameter));
+                alpha >= cutoff && (alpha > 0.0 || cutoff >= 0.0)
+            });
         is_there && model.emission().is_some_and(|emission| brightest(emission.slot.texture) > 0.0)
     };
     let shining = scene.materials.iter().filter(|(_, material)| shines(material));

@@ -538,10 +538,10 @@ fn what_there_is_no_room_for_is_left_to_chance() {
     let dim = "\"dim\": DiffuseLight(emit: Rgb(1, 1, 1)),";
     let scene = render::scene_in(folder.path(), &room("Solid((0, 0, 0))", dim, objects, 2));
     let flat = flatten(&scene, (16, 16), &RenderOptions::default()).expect("it flattens");
-    let unsampled = flat.features.unsampled.as_ref().expect("something is left out");
+    let not_sampled = flat.features.not_sampled.as_ref().expect("something is left out");
     let faces = u64::from(2 * SIDE * SIDE);
     assert!(faces > MOST_LIGHTS as u64);
-    assert_eq!((flat.features.lights, unsampled.lights, unsampled.wanted), (8, faces, faces + 8));
+    assert_eq!((flat.features.lights, not_sampled.lights, not_sampled.wanted), (8, faces, faces + 8));
     assert!(
         flat.warnings
             .iter()

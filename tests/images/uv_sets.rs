@@ -64,8 +64,8 @@ impl Placing {
     /// The quarter of the image that a point of the square shows, if it is far from the edges of quarters.
     fn quarter(&self, point: DVec2) -> Option<usize> {
         let at = self.at(point).0.map(|x| 2.0 * x.rem_euclid(1.0));
-        let is_clear = |x: f64| (x - x.round()).abs() > 2.0 * 0.12;
-        (is_clear(at.x) && is_clear(at.y)).then_some(2 * (at.y as usize) + at.x as usize)
+        let is_transmissive = |x: f64| (x - x.round()).abs() > 2.0 * 0.12;
+        (is_transmissive(at.x) && is_transmissive(at.y)).then_some(2 * (at.y as usize) + at.x as usize)
     }
 }
 

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use gpu_rt::data;
-use gpu_rt::flatten::{Features, MATERIALS, Unsampled};
+use gpu_rt::flatten::{Features, MATERIALS, NotSampled};
 use gpu_rt::gpu::layout::{Member, members, pack};
 use gpu_rt::gpu::link::{Choices, Embedded, link};
 use gpu_rt::material::{Lobe, Material};
@@ -44,7 +44,7 @@ fn modules() -> Vec<naga::Module> {
         vertex_tangents: Some("a test".to_string()),
         smooth: Some("a test".to_string()),
         emitters: Default::default(),
-        details: Default::default(),
+        extensions: Default::default(),
         tinted: Default::default(),
         absorbing: Default::default(),
         emitting_sky: Some("a test".to_string()),
@@ -54,7 +54,7 @@ fn modules() -> Vec<naga::Module> {
         lights: 1000,
         shadow_rays: true,
         sky_light: 999,
-        unsampled: Some(Unsampled { lights: 1, wanted: 2, asked_by: "a test".to_string() }),
+        not_sampled: Some(NotSampled { lights: 1, wanted: 2, asked_by: "a test".to_string() }),
     };
     let features = Features {
         primitives: features.primitives.map(on),
@@ -62,10 +62,10 @@ fn modules() -> Vec<naga::Module> {
         textures: features.textures.map(on),
         texel_formats: features.texel_formats.map(on),
         boundaries: features.boundaries.map(on),
-        details: std::array::from_fn(|detail| {
+        extensions: std::array::from_fn(|extension| {
             std::array::from_fn(|i| {
-                let kinds = Material::KINDS[i].details;
-                kinds.iter().any(|kind| *kind as usize == detail).then(|| "a test".to_string())
+                let kinds = Material::KINDS[i].extensions;
+                kinds.iter().any(|kind| *kind as usize == extension).then(|| "a test".to_string())
             })
         }),
         tinted: features.tinted.map(on),
@@ -128,7 +128,7 @@ fn host_structs() -> BTreeMap<&'static str, (Fields, usize)> {
             ),)*])
         };
     }
-    structs!(Window Counters RunRecord PixelTotals Node FacePair Sphere Globe Quad Cuboid Instance Light DeltaLight LightNode SkyCell Medium Material Detail Texture Frame Trial Answer)
+    structs!(Window Counters RunRecord PixelTotals Node FacePair Sphere Globe Quad Cuboid Instance Light DeltaLight LightNode SkyCell Medium Material Extension Texture Frame Trial Answer)
 }
 
 /// Names that src/data.rs declares behind a word, so that none can be added there and forgotten here.
@@ -253,7 +253,7 @@ fn every_constant_of_the_host_is_that_of_the_shaders() {
         ("NO_INSTANCE", data::NO_INSTANCE),
         ("KIND_TRIANGLE", data::KIND_TRIANGLE),
         ("KIND_INSTANCE", data::KIND_INSTANCE),
-        ("NO_DETAIL", data::NO_DETAIL),
+        ("NO_EXTENSION", data::NO_EXTENSION),
         ("KIND_DELTA_LIGHT", data::KIND_DELTA_LIGHT),
         ("LIGHT_NODE_LEAF", data::LIGHT_NODE_LEAF),
         ("LIGHT_NODE_TWO_SIDED", data::LIGHT_NODE_TWO_SIDED),

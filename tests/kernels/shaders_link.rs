@@ -6,10 +6,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use gpu_rt::aov::{Aovs, SeenSurface};
 use gpu_rt::bitmap::FORMATS;
 use gpu_rt::data::{KIND_TRIANGLE, Sampler};
-use gpu_rt::flatten::{BACKGROUNDS, BOUNDARIES, Features, MATERIALS, PRIMITIVES, TEXTURES, Unsampled};
+use gpu_rt::flatten::{BACKGROUNDS, BOUNDARIES, Features, MATERIALS, NotSampled, PRIMITIVES, TEXTURES};
 use gpu_rt::gpu::layout::BindingKind;
 use gpu_rt::gpu::link::{Choices, Chosen, Embedded, Entry, Library, Linked, Reason, link};
-use gpu_rt::material::{DetailKind, Lobe, Material, MaterialKind};
+use gpu_rt::material::{ExtensionKind, Lobe, Material, MaterialKind};
 use gpu_rt::options::{FeatureSet, Filter, Fresnel, Offset, Precision, RenderOptions, Scatter, Switch};
 use gpu_rt::plan::choices::{Conditions, Lists, Modules, Values, table_names};
 use gpu_rt::plan::{Kernel, Kernels, UniformTables};
@@ -83,35 +83,35 @@ fn lit(features: Features, emitters: usize, sky: bool) -> Features {
 
 /// The same with materials that emit beside what they scatter.
 fn glowing(features: Features) -> Features {
-    detailed(features, DetailKind::Emission)
+    detailed(features, ExtensionKind::Emission)
 }
 
-/// The same with a detail of all materials that may scatter into many directions.
-fn detailed(features: Features, kind: DetailKind) -> Features {
-    let mut details = features.details.clone();
-    details[kind as usize] = features.non_specular.clone();
-    Features { details, ..features }
+/// The same with an extension of all materials that may scatter into many directions.
+fn detailed(features: Features, kind: ExtensionKind) -> Features {
+    let mut extensions = features.extensions.clone();
+    extensions[kind as usize] = features.non_specular.clone();
+    Features { extensions, ..features }
 }
 
 /// The same with materials that have an alpha, and colours and alphas of vertices.
 fn covered(features: Features) -> Features {
-    let of_vertices = [DetailKind::VertexColours, DetailKind::VertexAlpha];
-    of_vertices.into_iter().fold(detailed(features, DetailKind::Alpha), detailed)
+    let of_vertices = [ExtensionKind::VertexColours, ExtensionKind::VertexAlpha];
+    of_vertices.into_iter().fold(detailed(features, ExtensionKind::Alpha), detailed)
 }
 
 /// The same with numbers of materials that vary.
-fn varying(features: Features, kinds: &[DetailKind]) -> Features {
-    let mut details = features.details.clone();
+fn varying(features: Features, kinds: &[ExtensionKind]) -> Features {
+    let mut extensions = features.extensions.clone();
     for kind in kinds {
-        let has_it = |i: usize| features.materials[i].clone().filter(|_| Material::KINDS[i].details.contains(kind));
-        details[*kind as usize] = std::array::from_fn(has_it);
+        let has_it = |i: usize| features.materials[i].clone().filter(|_| Material::KINDS[i].extensions.contains(kind));
+        extensions[*kind as usize] = std::array::from_fn(has_it);
     }
-    Features { details, ..features }
+    Features { extensions, ..features }
 }
 
 /// The same with colours of the clear materials.
 fn coloured(features: Features, tinted: bool, absorbing: bool) -> Features {
-    let clear = bits_of(|kind| kind.is_clear);
+    let clear = bits_of(|kind| kind.is_transmissive);
     let those = |asked: bool| -> [Option<String>; MATERIALS.len()] {
         std::array::from_fn(|i| features.materials[i].clone().filter(|_| asked && clear >> i & 1 == 1))
     };
@@ -153,18 +153,18 @@ fn all<T>(names: &[T]) -> usize {
 }
 
 fn everything() -> Features {
-    let unsampled = Unsampled { lights: 1, wanted: 2, asked_by: "a test".to_string() };
-    Features { unsampled: Some(unsampled), ..all_sampled() }
+    let not_sampled = NotSampled { lights: 1, wanted: 2, asked_by: "a test".to_string() };
+    Features { not_sampled: Some(not_sampled), ..all_sampled() }
 }
 
 fn all_sampled() -> Features {
     let surfaces = features(all(PRIMITIVES), all(MATERIALS), all(TEXTURES), IMAGE, true);
     let surfaces = varying(
         surfaces,
-        &[DetailKind::Roughness, DetailKind::Metallic, DetailKind::Multiscatter, DetailKind::Specular],
+        &[ExtensionKind::Roughness, ExtensionKind::Metallic, ExtensionKind::Multiscatter, ExtensionKind::Specular],
     );
     let lit = delta_lit(lit(with_media(smooth(surfaces), all(BOUNDARIES), true), all(PRIMITIVES), true), true);
-    detailed(covered(glowing(coloured(lit, true, true))), DetailKind::Normal)
+    detailed(covered(glowing(coloured(lit, true, true))), ExtensionKind::Normal)
 }
 
 /// The same with render space turned to the camera's axes.
@@ -264,8 +264,8 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
         found.push(lit(with_media(surfaces, 1 + emitters % all(BOUNDARIES), false), emitters.max(1), false));
     }
     // Numbers that vary, of one kind of material and of all, with each of them alone.
-    for kind in [DetailKind::Roughness, DetailKind::Metallic] {
-        for set in (0..MATERIALS.len()).filter(|i| Material::KINDS[*i].details.contains(&kind)).map(|i| 1 << i) {
+    for kind in [ExtensionKind::Roughness, ExtensionKind::Metallic] {
+        for set in (0..MATERIALS.len()).filter(|i| Material::KINDS[*i].extensions.contains(&kind)).map(|i| 1 << i) {
             found.push(lit(varying(features(1, set, textures, SOLID, false), &[kind]), 1, false));
         }
         found.push(varying(features(1, materials, textures, SOLID, false), &[kind]));
@@ -286,13 +286,13 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
             glowing(own.clone()),
             lit(glowing(own.clone()), set, false),
             delta_lit(own.clone(), true),
-            detailed(features(set, 1, 0, SOLID, false), DetailKind::Alpha),
+            detailed(features(set, 1, 0, SOLID, false), ExtensionKind::Alpha),
         ]);
         found.push(lit(with_media(covered(features(set, 1, textures, IMAGE, false)), 1, false), set, true));
     }
     // Normal maps on each shape, in every material, with and without light.
     for (shapes, set) in (0..PRIMITIVES.len()).map(|i| (1 << i, 1)).chain([(primitives, materials)]) {
-        let mapped = detailed(features(shapes, set, textures, SOLID, false), DetailKind::Normal);
+        let mapped = detailed(features(shapes, set, textures, SOLID, false), ExtensionKind::Normal);
         found.extend([mapped.clone(), lit(mapped.clone(), shapes, false), lit(mapped.clone(), 0, true)]);
         if shapes == primitives {
             found.push(smooth(mapped));
@@ -302,23 +302,27 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
     for textures in (0..TEXTURES.len()).map(|i| 1 << i).chain([textures]) {
         for (shapes, set) in [(1 << KIND_TRIANGLE, 1), (primitives, materials)] {
             let own = with_tables(features(shapes, set, textures, SOLID, false), false);
-            let mapped = detailed(own.clone(), DetailKind::Normal);
+            let mapped = detailed(own.clone(), ExtensionKind::Normal);
             found.extend([own, lit(mapped.clone(), shapes, false), smooth(with_tables(mapped, true))]);
         }
     }
     // Light that microfacets scatter more than once: each material alone, and all.
-    for set in [bits_of(|kind| kind.details.contains(&DetailKind::Multiscatter)), materials] {
-        let whole = varying(features(1, set, 0, SOLID, false), &[DetailKind::Multiscatter]);
-        found.extend([whole.clone(), lit(whole.clone(), 1, false), lit(detailed(whole, DetailKind::Normal), 0, true)]);
+    for set in [bits_of(|kind| kind.extensions.contains(&ExtensionKind::Multiscatter)), materials] {
+        let whole = varying(features(1, set, 0, SOLID, false), &[ExtensionKind::Multiscatter]);
+        found.extend([
+            whole.clone(),
+            lit(whole.clone(), 1, false),
+            lit(detailed(whole, ExtensionKind::Normal), 0, true),
+        ]);
     }
     // Layers of their own: alone, and with all materials.
-    for set in [bits_of(|kind| kind.details.contains(&DetailKind::Specular)), materials] {
-        let layered = varying(features(1, set, 0, SOLID, false), &[DetailKind::Specular]);
-        let both = varying(layered.clone(), &[DetailKind::Multiscatter]);
+    for set in [bits_of(|kind| kind.extensions.contains(&ExtensionKind::Specular)), materials] {
+        let layered = varying(features(1, set, 0, SOLID, false), &[ExtensionKind::Specular]);
+        let both = varying(layered.clone(), &[ExtensionKind::Multiscatter]);
         found.extend([layered.clone(), lit(layered, 1, false), lit(both, 0, true)]);
     }
     // Coloured glass, smooth and rough, alone and beside the other materials.
-    for set in [bits_of(|kind| kind.is_clear), materials] {
+    for set in [bits_of(|kind| kind.is_transmissive), materials] {
         for (tinted, absorbing) in [(true, false), (false, true), (true, true)] {
             let glass = coloured(features(1, set, 0, SOLID, false), tinted, absorbing);
             found.extend([glass.clone(), lit(glass.clone(), 1, false), lit(glass, 0, true)]);
@@ -413,8 +417,9 @@ fn every_combination_of_features_links_and_validates() {
                     unused(FORMATS, &features.texel_formats, "texel"),
                 ];
                 // Nor what approximates, unless it was asked for, nor Fresnel's reflection without what reflects by it.
-                let glass =
-                    (0..).zip(&features.materials).any(|(i, used)| used.is_some() && Material::KINDS[i].is_clear);
+                let glass = (0..)
+                    .zip(&features.materials)
+                    .any(|(i, used)| used.is_some() && Material::KINDS[i].is_transmissive);
                 for (module, asked) in [
                     ("lib/fresnel", glass && options.fresnel == Fresnel::Exact),
                     ("lib/fresnel_schlick", glass && options.fresnel == Fresnel::Schlick),

@@ -280,11 +280,13 @@ fn overlap(one: &Patch, other: &Patch) -> bool {
 
 fn tell(found: &Found, touch: Touch, pair: &Pair) -> Diagnostic {
     let Pair { first, second, gap, bound } = *pair;
-    let is_clear = |number: usize| found.scene.materials[found.placed[number].material as usize].1.kind().is_clear;
+    let is_transmissive =
+        |number: usize| found.scene.materials[found.placed[number].material as usize].1.kind().is_transmissive;
     // The warning points at the clear object, if only one of them is clear.
-    let (at, other) = if is_clear(first) && !is_clear(second) { (first, second) } else { (second, first) };
+    let (at, other) =
+        if is_transmissive(first) && !is_transmissive(second) { (first, second) } else { (second, first) };
     let word = found.placed[other].shape.kind().word;
-    let (away, limit) = (apart(gap, bound, is_clear(at)), short(bound));
+    let (away, limit) = (apart(gap, bound, is_transmissive(at)), short(bound));
     let message = match touch {
         Touch::Overlapping => format!(
             "its surface overlaps with the {word} at {OTHER}, which has another material and {away}: {BY_ROUNDING}: set them more than \

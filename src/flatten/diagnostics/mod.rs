@@ -249,7 +249,7 @@ impl Role {
     fn of(material: &Material, bitmaps: &Bitmaps) -> Role {
         let emission = material.model().emission();
         Role {
-            glass: material.kind().is_clear,
+            glass: material.kind().is_transmissive,
             light: emission.is_some_and(|emission| emission.slot.texture.brightest(bitmaps) > 0.0),
             one_sided: emission.is_some_and(|emission| !emission.two_sided),
         }

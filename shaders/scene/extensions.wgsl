@@ -1,11 +1,11 @@
 //@ use data/hit
 //@ use data/material
 //@ use data/surface
-//@ use bind/details
+//@ use bind/extensions
 //@ use bind/materials
 //@ use choice/colour
-// The colour that a detail of a material has at a hit. `index` is that of its row.
-fn detail_colour(index: u32, hit: Hit, surface: Surface) -> vec3<f32> {
+// The colour that an extension of a material has at a hit. `index` is that of its row.
+fn extension_colour(index: u32, hit: Hit, surface: Surface) -> vec3<f32> {
     let row = materials[index];
     var own = surface;
     own.frame += row.kind;
