@@ -101,9 +101,9 @@ pub struct Kernel {
     pub linked: Linked,
     pub module: naga::Module,
     pub bindings: BTreeMap<String, Binding>,
-    /// What of the scene asked for it.
+    /// The objects and options that asked for it, in words.
     pub why: String,
-    /// The first of that, where there is no such kernel without it.
+    /// The reason for the kernel, if only some scenes have it; else every render.
     pub asked_by: Reason,
 }
 

@@ -8,7 +8,7 @@ struct Compensated {
     excess: vec3<f32>,
 }
 
-// The same floats, in a form that no compiler can simplify: `zero` is 0 and comes from a uniform.
+// A barrier: the floats as they are, in a form that no compiler can simplify: `zero` is 0 and comes from a uniform.
 fn barrier(x: vec3<f32>, zero: u32) -> vec3<f32> {
     return bitcast<vec3<f32>>(bitcast<vec3<u32>>(x) ^ vec3<u32>(zero));
 }

@@ -26,12 +26,12 @@ fn fresnel_of_index(cosine: f32, excess: vec3<f32>, k: vec3<f32>) -> vec3<f32> {
     return 0.5 * perpendicular * (1.0 + (near * near + across) / (far * far + across));
 }
 
-// The same by Schlick's approximation, from the reflectance of light that falls straight on the metal.
+// The reflectance by Schlick's approximation, from that at normal incidence.
 fn schlick(cosine: f32, albedo: vec3<f32>) -> vec3<f32> {
     return schlick_up_to(cosine, albedo, 1.0);
 }
 
-// The same of a surface that reflects the share `grazing` of grazing light.
+// Schlick's approximation between the reflectances at normal and at grazing incidence.
 fn schlick_up_to(cosine: f32, straight: vec3<f32>, grazing: f32) -> vec3<f32> {
     let m = 1.0 - cosine;
     let m2 = m * m;

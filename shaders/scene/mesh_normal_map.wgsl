@@ -29,7 +29,7 @@ fn tangent_of_vertex(index: u32) -> vec3<f32> {
     return abs(bitcast<f32>(words.y)) * unit_from_octahedral(words.x);
 }
 
-// The same vector by the tangents of the vertices, in the mesh's space. As those do who make the maps, neither the normal nor the
+// The vector of a normal map by the tangents of the vertices, in the mesh's space. As those do who make the maps, neither the normal nor the
 // tangent is normalised before, and the third axis is the product of both (Mikkelsen, "Simulation of Wrinkled Surfaces Revisited", 2008).
 fn normal_by_tangents(
     mapped: vec3<f32>,

@@ -31,7 +31,7 @@ fn image_at(image: ImagePlace, u: f32, down: f32, wraps: bool) -> vec3<f32> {
     return mix(above, below, b.share.y);
 }
 
-// The same of an image of colours or of numbers. Between equal texels of numbers it is their number to the bit, which mix may round.
+// An image of colours or of numbers at (u, down), bilinear. Between equal texels of numbers it is their number to the bit, which mix may round.
 fn colour_or_number_at(image: ImagePlace, u: f32, down: f32, wraps: bool, is_number: bool) -> vec3<f32> {
     let b = bilinear(u, down, image.width, image.height, wraps);
     let left_above = texel(image, b.columns.x, b.rows.x);

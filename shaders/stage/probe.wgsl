@@ -6,7 +6,7 @@
 // inputs come from a uniform, so that no compiler computes a result in advance.
 override WORKGROUP_SIZE: u32 = 64u;
 
-// The same float, in a form that no compiler can simplify: `zero` is 0.
+// A barrier: the float as it is, in a form that no compiler can simplify: `zero` is 0.
 fn barrier(x: f32, zero: u32) -> f32 {
     return bitcast<f32>(bitcast<u32>(x) ^ zero);
 }

@@ -29,13 +29,13 @@ impl<'a> BufferSpec<'a> {
         BufferSpec { name, bytes, contents: Vec::new(), usage, why, size: format!("{bytes} bytes"), remedy: None }
     }
 
-    /// The same, with the make-up of its bytes.
+    /// This buffer with the make-up of its bytes.
     #[must_use]
     pub fn made_of(self, size: String) -> BufferSpec<'a> {
         BufferSpec { size, ..self }
     }
 
-    /// The same, with what makes it smaller.
+    /// This buffer with what a user can do to make it smaller.
     #[must_use]
     pub fn shrunk_by(self, remedy: Option<String>) -> BufferSpec<'a> {
         BufferSpec { remedy, ..self }

@@ -59,7 +59,7 @@ pub struct Numerics {
     pub log_relative_error: f64,
     /// The largest absolute error of sin on [-pi, pi]. WGSL guarantees 2^-11 = 4.9e-4.
     pub sin_error: f64,
-    /// The same for arguments up to 1e6, for which WGSL guarantees nothing.
+    /// The largest error for arguments up to 1e6, for which WGSL guarantees nothing.
     pub sin_error_far: f64,
     /// Edge functions (geometry/triangle) have the sign of the exact difference of products.
     pub edge_signs: bool,

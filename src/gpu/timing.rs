@@ -46,7 +46,7 @@ impl StageTimes {
 pub const MAX_PASSES: usize = 2048;
 
 impl Timing {
-    /// Nothing where the device has no timestamps.
+    /// None if the device has no timestamps.
     pub fn new(device: &Device) -> Option<Timing> {
         if !device.timestamps {
             return None;

@@ -35,29 +35,32 @@ macro_rules! named {
 named! {
     /// What `//@ if` asks.
     Conditions: Option<Reason> {
+        /// There is a mesh.
         mesh,
         /// A mesh bounds a medium.
         mesh_boundary,
+        /// The camera has a lens.
         lens,
         /// Render space has the camera's axes.
         camera_axes,
+        /// Contributions of indirect light are limited.
         clamp,
-        /// All primitives are asked of every ray.
+        /// Every ray tests all primitives.
         brute_force,
         gradient_background,
         image_background,
         several_backgrounds,
         /// Faces of meshes are sampled as lights.
         emitting_mesh,
-        /// Images of the scene have tables of texture coordinates of their own on meshes,
+        /// Images have tables of texture coordinates of their own on meshes.
         uv_tables,
-        /// and normal maps on smooth meshes have tangents in theirs.
+        /// Normal maps on smooth meshes have tangents in their tables.
         vertex_tangents,
         /// Some material of the scene has a number that may be that of an image.
         number_images,
-        /// Lights without size are sampled,
+        /// Lights without size are sampled.
         delta_light,
-        /// or the sky or directional lights, which stand beside those with a place.
+        /// The sky or directional lights are sampled, which the light tree has beside lights with a place.
         light_without_place,
         /// Something that emits is not sampled.
         not_sampled,
@@ -73,17 +76,17 @@ named! {
     Lists: Vec<Entry> {
         /// The kinds of primitive but for the faces of meshes, which `mesh` is about: those need more than the others.
         primitive,
-        /// The same of primitives that are sampled as lights.
+        /// The kinds of primitive that are sampled as lights, but for faces of meshes.
         emitter,
-        /// The same of boundaries of media.
+        /// The kinds of boundary of media, but for meshes.
         convex_boundary,
         /// The materials that the kernel serves.
         material,
-        /// Those of them that are not specular.
+        /// The materials of the kernel that are not specular.
         non_specular,
-        /// Those of them that have two elements of the table.
+        /// The materials of the kernel that have two elements of the table.
         two_part,
-        /// The non-specular ones that respond to light from both sides.
+        /// The non-specular materials of the kernel that respond to light from both sides.
         both_sided,
         /// The materials of the kernel that are transmissive.
         transmissive,
@@ -98,9 +101,8 @@ named! {
         /// The formats of the images' texels.
         texel_format,
         background,
-        /// The last of them,
+        /// The last background, and those before it.
         own_background,
-        /// and the ones before.
         other_background,
         path_plane,
         path_word,
@@ -225,7 +227,7 @@ macro_rules! tables {
 const OTHER_TABLES: [(&str, &str, &str); 8] =
     tables!["nodes", "media", "lights", "delta_lights", "light_nodes", "materials", "textures", "frames"];
 
-/// The same of all tables.
+/// All tables by name, and the names of the values that say how each is bound.
 pub fn table_names() -> impl Iterator<Item = (&'static str, &'static str, &'static str)> {
     let of_shapes = KINDS.iter().map(|kind| (kind.table.name, kind.table.space, kind.table.size));
     OTHER_TABLES.into_iter().chain(of_shapes)

@@ -15,7 +15,7 @@ use crate::options::{Integrator, Scatter, default_of};
 /// A plan in words and numbers.
 #[derive(Clone, Debug)]
 pub struct Report {
-    /// What of the scene is linked, by its name, and what asked for it.
+    /// The features of the scene that are linked, by name, each with what asked for it.
     pub features: Vec<(String, String)>,
     /// What a scene can ask for and this one does not.
     pub left_out: Vec<String>,
