@@ -13,7 +13,7 @@ pub const BACKGROUNDS: &[&str] = &["solid", "gradient", "image"];
 /// The reason for features that only `--features all` requires.
 pub const EVERY_FEATURE: &str = "--features all";
 
-/// The emitters that are not sampled, so that paths find them only by chance.
+/// The emitters that are not sampled, so that only BSDF sampling finds them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NotSampled {
     /// The number of these lights.

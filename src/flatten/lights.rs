@@ -135,7 +135,7 @@ impl Builder<'_> {
     }
 
     /// Leaves out whole primitives until at most `most` lights remain, first the primitives whose lights have the
-    /// lowest mean intensity. Paths find these only by chance; a warning says so.
+    /// lowest mean intensity. Only BSDF sampling finds these; a warning says so.
     fn that_fit<'a>(&mut self, groups: Vec<LightGroup<'a>>, most: usize) -> Vec<LightGroup<'a>> {
         let wanted: usize = groups.iter().map(|group| group.emitters.len()).sum();
         if wanted <= most {

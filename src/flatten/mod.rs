@@ -439,7 +439,7 @@ fn no_chance(scene: &Scene, object: &Object) -> Error {
     scene.error_of(object, &message)
 }
 
-/// The warning that mirrors or glass stop the light of lights without size, which chance cannot find.
+/// The warning that mirrors or glass stop the light of lights without size, which BSDF sampling cannot hit.
 fn stopped_by_glass(scene: &Scene, finder: &Finder<'_>, features: &Features) -> Option<String> {
     let (object, _) = finder.lights.first()?;
     let shiny = features.specular.iter().flatten().next()?;

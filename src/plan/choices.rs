@@ -352,7 +352,7 @@ pub(super) fn decide(
     let emitting_surface = first(&features.emitters);
     let emitting_sky = asked(&features.emitting_sky);
     let delta_light = asked(&features.delta_lights);
-    // The lights that chance can find.
+    // Lights with a size, which BSDF sampling can hit.
     let extended = emitting_surface.clone().or(emitting_sky.clone());
     let any_light = extended.clone().or(delta_light.clone()).unwrap_or(Reason::EveryRender);
     let light = if_so(features.lights > 0, any_light);
