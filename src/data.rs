@@ -192,9 +192,9 @@ device_struct!(
         pixel: u32,
         counts: u32,
         rays: u32,
-        spread_r: f32,
-        spread_g: f32,
-        spread_b: f32,
+        squares_r: f32,
+        squares_g: f32,
+        squares_b: f32,
     }
 );
 

@@ -60,9 +60,9 @@ struct RunRecord {
     counts: u32,
     rays: u32,
     // The sum of the squared deviations of those samples from their mean.
-    spread_r: f32,
-    spread_g: f32,
-    spread_b: f32,
+    squares_r: f32,
+    squares_g: f32,
+    squares_b: f32,
     //@ if aov
     // The sums of `--aov`, over all samples.
     aov: array<f32, ${path_sums}>,

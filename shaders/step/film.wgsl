@@ -71,14 +71,14 @@ fn add_run(pixel: u32, run: RunRecord) -> u32 {
     let cut = (run.counts >> 24u) & 0x7fu;
     let half = run.counts >> 31u;
     let sum = vec3<f32>(run.sum_r, run.sum_g, run.sum_b);
-    let spread = vec3<f32>(run.spread_r, run.spread_g, run.spread_b);
+    let squares = vec3<f32>(run.squares_r, run.squares_g, run.squares_b);
     var rejected = nan + infinite + cut;
     if rejected != 0u {
         atomicAdd(&counters.nan, nan);
         atomicAdd(&counters.infinite, infinite);
         atomicAdd(&counters.cut, cut);
     }
-    if is_no_sum(unsigned_sum(sum)) || is_no_sum(spread) {
+    if is_no_sum(unsigned_sum(sum)) || is_no_sum(squares) {
         atomicAdd(&counters.refused, accepted);
         rejected += accepted;
     } else if is_infinite(sum.x) || is_infinite(sum.y) || is_infinite(sum.z) {
@@ -88,7 +88,7 @@ fn add_run(pixel: u32, run: RunRecord) -> u32 {
     } else if accepted != 0u {
         for (var i = 0u; i < 3u; i++) {
             add_to_film(pixel, 3u * half + i, sum[i], SUM_FRACTION);
-            add_to_film(pixel, FIRST_SQUARE + i, spread[i], SQUARE_FRACTION);
+            add_to_film(pixel, FIRST_SQUARE + i, squares[i], SQUARE_FRACTION);
         }
         atomicAdd(&film[pixel].samples[half], accepted);
         atomicAdd(&film[pixel].runs, 1u);

@@ -5,7 +5,7 @@
 //@ use choice/clamp
 //@ use lib/float
 //@ use lib/compensated
-//@ use lib/spread
+//@ use lib/squared_deviation
 //@ use step/start
 //@ use step/count
 //@ use bind/records
@@ -54,7 +54,7 @@ fn refill_path(path: ptr<function, Path>) {
         (*path).counts += 0x10000u;
     } else {
         add_direct(path);
-        (*path).spread += spread_by((*path).counts & 0xffu, (*path).sum.sum, radiance);
+        (*path).squares += squared_deviation((*path).counts & 0xffu, (*path).sum.sum, radiance);
         (*path).counts += 1u;
         (*path).sum = compensated_sum((*path).sum, radiance, settings.zero);
     }
@@ -73,9 +73,9 @@ fn refill_path(path: ptr<function, Path>) {
         run.pixel = (*path).pixel;
         run.counts = (*path).counts;
         run.rays = (*path).rays;
-        run.spread_r = (*path).spread.x;
-        run.spread_g = (*path).spread.y;
-        run.spread_b = (*path).spread.z;
+        run.squares_r = (*path).squares.x;
+        run.squares_g = (*path).squares.y;
+        run.squares_b = (*path).squares.z;
         record_aov(&run, path);
         records[at] = run;
         start_run(path);

@@ -43,7 +43,7 @@ fn start_run(path: ptr<function, Path>) {
     (*path).counts = select(0u, ODD_RUN, (block & 1u) == 1u);
     (*path).sum = Compensated();
     (*path).rays = 0u;
-    (*path).spread = vec3<f32>(0.0);
+    (*path).squares = vec3<f32>(0.0);
     clear_aov(path);
     start_sample(path);
 }

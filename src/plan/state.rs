@@ -165,7 +165,7 @@ fn all_fields(needs: &Needs, aovs: &Aovs) -> Vec<(PathField, Option<String>)> {
         vector(&always, "run", "SUM", "sum.sum", "radiance of the run's samples"),
         behind(&always, "run", "SUM", "rays", Word, "their rays"),
         vector(&always, "run", "EXCESS", "sum.excess", "the compensation term of that sum"),
-        vector(&always, "run", "SPREAD", "spread", "squared deviations of the run's samples from their mean"),
+        vector(&always, "run", "SQUARES", "squares", "squared deviations of the run's samples from their mean"),
         vector(
             &words(&needs.sampled_light),
             "radiance",

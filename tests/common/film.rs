@@ -19,8 +19,8 @@ pub struct Run {
 impl Run {
     /// As the device has it.
     pub fn record(&self) -> RunRecord {
-        let Run { sum: [sum_r, sum_g, sum_b], pixel, counts, rays, spread: [spread_r, spread_g, spread_b] } = *self;
-        RunRecord { sum_r, sum_g, sum_b, pixel, counts, rays, spread_r, spread_g, spread_b }
+        let Run { sum: [sum_r, sum_g, sum_b], pixel, counts, rays, spread: [squares_r, squares_g, squares_b] } = *self;
+        RunRecord { sum_r, sum_g, sum_b, pixel, counts, rays, squares_r, squares_g, squares_b }
     }
 
     /// What it adds to its pixel and to the film's counts. Where samples have weights of either sign, so may their sum.

@@ -119,7 +119,7 @@ fn bounds_hold_where_few_pixels_hold_the_noise() {
     let marble = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/marble.ron");
     let marble = Scene::load(&marble).expect("it ships");
     let ask = |(width, height)| Ask::default().mis().sobol().size(width, height).roulette();
-    let by_halves = Overlay::new(&[("lib/spread", "test/control/no_spread")]);
+    let by_halves = Overlay::new(&[("lib/squared_deviation", "test/control/no_squared_deviation")]);
     for (name, scene, size) in [("bulb", scene(BULB), (16, 16)), ("marble", marble, (32, 18))] {
         let looks = |change: &Change<'_>| Looks::new(&scene, &ask(size), change, 80, &[16, 64]);
         let found = looks(&Change::default());

@@ -1,6 +1,6 @@
 //@ use bind/settings
 //@ use lib/compensated
-//@ use lib/spread
+//@ use lib/squared_deviation
 // The sum of a run's samples, and how they are spread, as step/refill takes them in.
 const RUN_LENGTH: u32 = 8u;
 
@@ -11,7 +11,7 @@ fn run(row: u32) {
     var sum = Compensated();
     var spread = vec3<f32>(0.0);
     for (var i = row * RUN_LENGTH; i < min((row + 1u) * RUN_LENGTH, arrayLength(&input)); i++) {
-        spread += spread_by(i - row * RUN_LENGTH, sum.sum, vec3<f32>(input[i]));
+        spread += squared_deviation(i - row * RUN_LENGTH, sum.sum, vec3<f32>(input[i]));
         sum = compensated_sum(sum, vec3<f32>(input[i]), settings.zero);
     }
     output[row] = vec2<f32>(sum.sum.x - sum.excess.x, spread.x);
