@@ -32,7 +32,11 @@ const KEYED: bool = ${keyed};
 fn run(row: u32) {
     let given = input[row / TIMES];
     let u = select(given.u, random4(row, 0u, 0u, 2u), KEYED);
-    let hit = Interaction(given.incoming, given.normal, true, vec3<f32>(1.0));
+    var hit: Interaction;
+    hit.incoming = given.incoming;
+    hit.normal = given.normal;
+    hit.front = true;
+    hit.colour = vec3<f32>(1.0);
     var material: Material;
     material.parameter = given.fuzz;
     let scattered = metal_scatter(material, hit, u);
