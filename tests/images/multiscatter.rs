@@ -88,7 +88,8 @@ fn light_sampling_changes_no_expectation_beside_metals_that_lose_nothing() {
     let bsdf = render(&room, &Ask::default().seed(1));
     let mis = Ask::default().seed(2).mis();
     same_expectation(&bsdf, &render(&room, &mis), 1e-5, ALPHA).unwrap_or_else(|error| panic!("{error}"));
-    let lossy = Overlay::new(&[]).rewritten("material/conductor_eval", |own| own.replace("hit.lost_over_kept", "0.0"));
+    let lossy = Overlay::new(&[])
+        .rewritten("material/conductor_eval", |own| own.replace("with_lost_light(single, straight, hit)", "single"));
     let lossy = render_planted(&room, &mis, &lossy);
     assert!(same_expectation(&bsdf, &lossy, 1e-5, ALPHA).is_err(), "light that is lost in one of the two is not found");
     same_bytes_however_cut(&room, &Ask::spp(8).seed(7).mis(), "a room with metals that lose nothing");
