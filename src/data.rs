@@ -240,7 +240,7 @@ device_struct!(
 
 device_struct!(
     /// A sphere by its point nearest to the camera, in render space.
-    Globe {
+    LargeSphere {
         nearest: [f32; 3],
         curvature: f32,
         inward: [f32; 3],
@@ -343,7 +343,7 @@ device_struct!(
         radius: f32,
         intensity: f32,
         axis: u32,
-        cos_spread: f32,
+        cos_half_angle: f32,
         child: u32,
     }
 );

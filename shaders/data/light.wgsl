@@ -40,7 +40,7 @@ struct LightNode {
     intensity: f32,
     // The cone's axis, octahedral (lib/octahedral).
     axis: u32,
-    cos_spread: f32,
+    cos_half_angle: f32,
     // The index of a pair of nodes or of a light, and three flags.
     child: u32,
 }

@@ -1,6 +1,6 @@
 // A participating medium of constant density within a boundary, in render space.
 struct Medium {
-    // The centre of the boundary, or of a globe the point nearest to the camera. The texture is evaluated relative to it.
+    // The centre of the boundary, or of a large sphere the point nearest to the camera. The texture is evaluated relative to it.
     center: vec3<f32>,
     // Extinction per unit length.
     density: f32,

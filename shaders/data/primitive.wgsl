@@ -63,7 +63,7 @@ struct Sphere {
 
 // A sphere that is large against its distance from the camera. With x relative to `nearest`, a point is on it if curvature x² - 2
 // inward . x = 0. Near the camera, these numbers are small and keep their digits, however large the sphere is.
-struct Globe {
+struct LargeSphere {
     // Its point nearest to the camera.
     nearest: vec3<f32>,
     // 1 over the radius.

@@ -17,7 +17,7 @@ fn pbr_scatter(material: Material, hit: Interaction, u: vec4<f32>) -> Scatter {
         }
         return scatter_towards(mirrored, pbr_reflectance(material, hit, cos_view) / share, LOBE_SPECULAR);
     }
-    let alpha = material.parameter * material.parameter;
+    let alpha = pbr_roughness(material) * pbr_roughness(material);
     let basis = basis_around(normal);
     var direction = from_basis(basis, sample_cosine_hemisphere(u.zw));
     var lobe = LOBE_WIDE;

@@ -4,29 +4,37 @@
 //@ use lib/sampling
 //@ use choice/multiscatter
 //@ use choice/layer
-// glTF 2.0, appendix B. `colour` is the base colour, `parameter` the roughness, contrast_outside the reflectance of the glossy layer for
-// light straight on it, and contrast_inside the metallic share. A roughness below LEAST_ROUGHNESS makes its microfacets a mirror: a specular
+// glTF 2.0, appendix B. `colour` is the base colour. A roughness below LEAST_ROUGHNESS makes its microfacets a mirror: a specular
 // lobe, which has no part in the response.
 
+// The numbers of the material, where the table of all materials has them.
+fn pbr_roughness(material: Material) -> f32 {
+    return material.parameter;
+}
+
+fn pbr_metallic(material: Material) -> f32 {
+    return material.contrast_inside;
+}
+
 fn pbr_is_smooth(material: Material) -> bool {
-    return material.parameter < LEAST_ROUGHNESS;
+    return pbr_roughness(material) < LEAST_ROUGHNESS;
 }
 
 // A smooth metal is a mirror and nothing else.
 fn pbr_is_non_specular(material: Material) -> bool {
-    return !pbr_is_smooth(material) || material.contrast_inside < 1.0;
+    return !pbr_is_smooth(material) || pbr_metallic(material) < 1.0;
 }
 
 // The reflectance of the microfacets at this cosine, of the layer and of the metal, as single scattering has it.
 fn pbr_reflectance(material: Material, hit: Interaction, cos_facet: f32) -> vec3<f32> {
-    return mix(pbr_layer(material, hit, cos_facet), schlick(cos_facet, hit.colour), material.contrast_inside);
+    return mix(pbr_layer(material, hit, cos_facet), schlick(cos_facet, hit.colour), pbr_metallic(material));
 }
 
 // The probability of drawing a microfacet instead of a matt direction: about its share of the light that comes back. A grazing view
 // makes the matt share 0 for light from straight ahead alone, so that it does not decide whether there is a matt part.
 fn pbr_share_of_facets(material: Material, hit: Interaction, cos_view: f32) -> f32 {
     let base = hit.colour;
-    let metallic = material.contrast_inside;
+    let metallic = pbr_metallic(material);
     let facets = pbr_reflectance(material, hit, cos_view);
     let matt = (1.0 - metallic) * (1.0 - pbr_layer(material, hit, cos_view)) * base;
     // Dot products, because Mesa adds a plain sum of such terms in another order in another kernel.
@@ -41,7 +49,7 @@ fn pbr_share_of_facets(material: Material, hit: Interaction, cos_view: f32) -> f
 // half vector. If the layer has a share or a colour of its own (KHR_materials_specular), the largest channel of F counts in 1 - F. A metal
 // reflects from microfacets by its base colour. They are mixed by the metallic share.
 fn pbr_eval(material: Material, hit: Interaction, direction: vec3<f32>) -> Response {
-    let metallic = material.contrast_inside;
+    let metallic = pbr_metallic(material);
     let cos_view = clamp(-dot(hit.incoming, hit.normal), 0.0, 1.0);
     let cos_light = min(dot(direction, hit.normal), 1.0);
     if !(cos_light > 0.0) {
@@ -55,7 +63,7 @@ fn pbr_eval(material: Material, hit: Interaction, direction: vec3<f32>) -> Respo
     if pbr_is_smooth(material) {
         return Response(matt * (cos_light / PI), (1.0 - share) * (cos_light / PI), 0.0);
     }
-    let alpha = material.parameter * material.parameter;
+    let alpha = pbr_roughness(material) * pbr_roughness(material);
     let facets = 0.25 * visible_density(microfacet_density(half_way, hit.normal, alpha), cos_view, alpha);
     let whole_layer = with_lost_light(layer, pbr_straight(material, hit), hit);
     let glossy = mix(whole_layer, with_lost_light(schlick(cos_facet, hit.colour), hit.colour, hit), metallic);

@@ -2,7 +2,7 @@
 //@ use lib/fresnel_conductor
 // The layer of glTF's material by its index of refraction alone.
 
-// What it reflects of light straight on it.
+// What it reflects of light straight on it: the reflectance of its index, which the table has as contrast_outside.
 fn pbr_straight(material: Material, hit: Interaction) -> vec3<f32> {
     return vec3<f32>(material.contrast_outside);
 }

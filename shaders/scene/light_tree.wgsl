@@ -20,10 +20,10 @@ fn light_node_importance(node: LightNode, from_point: vec3<f32>) -> f32 {
     cosine = select(cosine, abs(cosine), (node.child & LIGHT_NODE_TWO_SIDED) != 0u);
     let sine = sqrt(max(1.0 - cosine * cosine, 0.0));
     // That angle minus the spread, and 0 within the spread.
-    let spread_sine = sqrt(max(1.0 - node.cos_spread * node.cos_spread, 0.0));
-    let beyond = cosine < node.cos_spread;
-    let less_cosine = select(1.0, cosine * node.cos_spread + sine * spread_sine, beyond);
-    let less_sine = select(0.0, sine * node.cos_spread - cosine * spread_sine, beyond);
+    let half_angle_sine = sqrt(max(1.0 - node.cos_half_angle * node.cos_half_angle, 0.0));
+    let beyond = cosine < node.cos_half_angle;
+    let less_cosine = select(1.0, cosine * node.cos_half_angle + sine * half_angle_sine, beyond);
+    let less_sine = select(0.0, sine * node.cos_half_angle - cosine * half_angle_sine, beyond);
     // From this, subtract half the angle that the node fills as seen from the point. Inside the node, every direction is possible.
     let seen_sine2 = radius2 / max(distance2, radius2);
     let seen_cosine = sqrt(1.0 - seen_sine2);

@@ -223,7 +223,7 @@ fn node(bounds: &Bounded, unit: f64, child: u32) -> data::LightNode {
             as f32,
         intensity: not_lost(bounds.intensity * unit),
         axis: octahedral(bounds.axis.as_vec3()),
-        cos_spread: (bounds.spread + ROUNDING).min(PI).cos() as f32,
+        cos_half_angle: (bounds.spread + ROUNDING).min(PI).cos() as f32,
         child: child | if bounds.two_sided { LIGHT_NODE_TWO_SIDED } else { 0 },
     }
 }
@@ -234,7 +234,7 @@ fn node_everywhere(intensity: f64, child: u32) -> data::LightNode {
     data::LightNode {
         radius: RADIUS,
         intensity: not_lost(intensity) * (RADIUS * RADIUS),
-        cos_spread: -1.0,
+        cos_half_angle: -1.0,
         child,
         ..data::LightNode::default()
     }

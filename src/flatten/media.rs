@@ -13,8 +13,8 @@ impl Builder<'_> {
         // The boundary is not a surface: it has no material, and is not a primitive.
         let (index, _) = self.add_shape(boundary, to_world, Element::default());
         let world = RenderSpace { eye: DVec3::ZERO, scale: 1.0 };
-        let center = match boundary.globe() {
-            Some(globe) => globe.nearest(to_world, self.space.eye),
+        let center = match boundary.large_sphere() {
+            Some(large_sphere) => large_sphere.nearest(to_world, self.space.eye),
             None => boundary.hull(&Placement { to_world, space: world }).place(),
         };
         // From render space, relative to this point, to the medium's own space.

@@ -32,7 +32,7 @@ use crate::options::{FeatureSet, Integrator, RenderOptions};
 use crate::scene::{Background, Bitmap, Material, Object, Scene, Step, Texture, Use};
 use crate::shape::mesh::{self, Laid};
 use crate::shape::similarity::Similarity;
-use crate::shape::{Element, Globe, Hull, KINDS, Placement, RenderSpace, Shape, Tables, binary_exponent, exp2};
+use crate::shape::{Element, Hull, KINDS, LargeSphere, Placement, RenderSpace, Shape, Tables, binary_exponent, exp2};
 use crate::threads::beside;
 use diagnostics::At;
 use place::{Finder, Placed, PlacedMedium, extent};
@@ -351,8 +351,8 @@ impl Builder<'_> {
         }
         let place = shape.texture_place(&to_world.rotation);
         let index = self.flat.frames.len() as u32;
-        // Of a globe, texture coordinates are relative to its nearest point, and of a sphere to its centre.
-        let pole = shape.globe().map_or(DVec3::ZERO, Globe::outward);
+        // Of a large sphere, texture coordinates are relative to its nearest point, and of a sphere to its centre.
+        let pole = shape.large_sphere().map_or(DVec3::ZERO, LargeSphere::outward);
         let frames = textures.iter().filter_map(|texture| {
             let frame = texture.frame(place, (pole, &to_world.rotation))?;
             let mesh = shape.mesh().filter(|_| texture.image().is_some());

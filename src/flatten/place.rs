@@ -116,11 +116,11 @@ fn similarity(transforms: &[Transform]) -> Similarity {
     transforms.iter().fold(Similarity::IDENTITY, |done, next| one(next).after(&done))
 }
 
-/// The largest distance of a shape's points from the eye along an axis; of a globe, that of its nearest point, because rays seldom
+/// The largest distance of a shape's points from the eye along an axis; of a large sphere, that of its nearest point, because rays seldom
 /// get far from there.
 pub fn reach(shape: &Shape, to_world: &Similarity, eye: DVec3) -> f64 {
-    if let Some(globe) = shape.globe() {
-        return globe.reach(to_world);
+    if let Some(large_sphere) = shape.large_sphere() {
+        return large_sphere.reach(to_world);
     }
     let hull = shape.hull(&Placement { to_world, space: RenderSpace { eye, scale: 1.0 } });
     match hull {

@@ -1,12 +1,12 @@
-//! The shapes: sphere, quad, box and mesh, and the globe, which is a sphere to scene files; one file each.
+//! The shapes: sphere, quad, box and mesh, and the large sphere, which is a sphere to scene files; one file each.
 //!
 //! `kinds!` has the one list of them. Everything about a shape is a field of `ShapeKind` or a method of `Geometry`.
 //! Neither has defaults, so that a new shape cannot forget one.
 
 mod closed;
 pub mod cuboid;
-pub mod globe;
 mod hull;
+pub mod large_sphere;
 pub mod mesh;
 pub mod quad;
 pub mod similarity;
@@ -22,8 +22,8 @@ use crate::error::Result;
 use crate::source::Place;
 use crate::source::form::{Field, Form, Takes, kinds};
 pub use cuboid::Cuboid;
-pub use globe::Globe;
 pub use hull::{Hull, normal, reach_of};
+pub use large_sphere::LargeSphere;
 use mesh::{Laid, MeshShape};
 pub use quad::Quad;
 use similarity::Similarity;
@@ -109,7 +109,7 @@ pub struct Tables {
     pub quads: Vec<data::Quad>,
     pub cuboids: Vec<data::Cuboid>,
     pub instances: Vec<data::Instance>,
-    pub globes: Vec<data::Globe>,
+    pub large_spheres: Vec<data::LargeSphere>,
 }
 
 /// The members that an element of any shape has: how it refers to the rest of the scene.
@@ -164,7 +164,7 @@ pub enum Shape<'a> {
     Quad(Quad),
     Cuboid(Cuboid),
     Mesh(&'a MeshShape<'a>),
-    Globe(Globe),
+    LargeSphere(LargeSphere),
 }
 
 kinds! {
@@ -173,7 +173,7 @@ kinds! {
     Quad => quad::KIND,
     Cuboid => cuboid::KIND,
     Mesh => mesh::KIND,
-    Globe => globe::KIND,
+    LargeSphere => large_sphere::KIND,
 }
 
 impl<'a> Deref for Shape<'a> {
@@ -185,7 +185,7 @@ impl<'a> Deref for Shape<'a> {
             Shape::Quad(shape) => shape,
             Shape::Cuboid(shape) => shape,
             Shape::Mesh(shape) => shape,
-            Shape::Globe(shape) => shape,
+            Shape::LargeSphere(shape) => shape,
         }
     }
 }
@@ -207,18 +207,18 @@ impl<'a> Shape<'a> {
         }
     }
 
-    /// The form in which kernels get it if the camera is at `eye`: a sphere may be a globe.
+    /// The form in which kernels get it if the camera is at `eye`: a sphere may be a large sphere.
     pub fn seen_from(self, to_world: &Similarity, eye: DVec3) -> Shape<'a> {
         match self {
-            Shape::Sphere(sphere) => Globe::new(sphere, to_world, eye).map_or(self, Shape::Globe),
+            Shape::Sphere(sphere) => LargeSphere::new(sphere, to_world, eye).map_or(self, Shape::LargeSphere),
             _ => self,
         }
     }
 
-    /// The globe, if it is one.
-    pub fn globe(&self) -> Option<&Globe> {
+    /// The large sphere, if it is one.
+    pub fn large_sphere(&self) -> Option<&LargeSphere> {
         match self {
-            Shape::Globe(globe) => Some(globe),
+            Shape::LargeSphere(large_sphere) => Some(large_sphere),
             _ => None,
         }
     }

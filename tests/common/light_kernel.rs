@@ -35,7 +35,7 @@ pub struct Out {
 pub type Kind = (&'static str, &'static str);
 
 pub const SPHERE: Kind = ("sphere", "Sphere");
-pub const GLOBE: Kind = ("globe", "Globe");
+pub const LARGE_SPHERE: Kind = ("large_sphere", "LargeSphere");
 pub const TRIANGLE: Kind = ("triangle", "Triangle");
 pub const QUAD: Kind = ("quad", "Quad");
 pub const CUBOID: Kind = ("cuboid", "Cuboid");

@@ -62,7 +62,7 @@ pub fn tracer(primitive: &str, replaced: &[(&str, &str)]) -> Kernel {
 pub fn tracer_with_surface(primitive: &str, surface: &str, surface_module: &str, replaced: &[(&str, &str)]) -> Kernel {
     let kind = match primitive {
         "sphere" => "Sphere",
-        "globe" => "Globe",
+        "large_sphere" => "LargeSphere",
         "quad" => "Quad",
         _ => "Cuboid",
     };

@@ -1,7 +1,7 @@
 //! Surfaces close to each other, seen from afar, grazed, and around the camera: whole scenes whose light is known exactly.
 
 use glam::{DMat3, DQuat, DVec3, EulerRot};
-use gpu_rt::data::{Globe, Sphere};
+use gpu_rt::data::{LargeSphere, Sphere};
 use gpu_rt::scene::{Background, Scene};
 
 use crate::common::instances::ball_file;
@@ -355,7 +355,7 @@ pub fn radii() -> Vec<Cell> {
         let told = diagnostics(&scene(&camera, 1.0, &ground.texts[0].replace("\"m\"", "\"grey\"")));
         assert!(told.is_empty(), "{told:?}");
         let range = format!("r = 1e{exponent}");
-        if ground.globes.is_empty() {
+        if ground.large_spheres.is_empty() {
             let cell = Cell::new(
                 Row::Radius,
                 &range,
@@ -381,7 +381,7 @@ pub fn radii() -> Vec<Cell> {
                 "the nearest point, the normal and their products are rounded relative to the height: 8 u, divided by the cosine, and \
                  the quotient.",
             );
-            let cell = cell.achieved(ground.worst("globe", &ground.globes));
+            let cell = cell.achieved(ground.worst("large_sphere", &ground.large_spheres));
             all.push(cell.planted("by centre and radius", ground.worst("sphere", &ground.as_spheres())));
         }
     }
@@ -395,9 +395,9 @@ struct Ground {
     radius: f64,
     downs: Vec<DVec3>,
     texts: Vec<String>,
-    /// In render space: all are spheres, or all are globes.
+    /// In render space: all are spheres, or all are large spheres.
     spheres: Vec<Sphere>,
-    globes: Vec<Globe>,
+    large_spheres: Vec<LargeSphere>,
     scale: f64,
 }
 
@@ -414,10 +414,10 @@ impl Ground {
         let (downs, texts): (Vec<_>, Vec<_>) = turns.iter().map(|turn| (down(turn), text(turn))).unzip();
         let shapes = flat(&texts).shapes;
         let of_spheres = shapes.spheres.first().map(|sphere| f64::from(sphere.radius));
-        let of_globes = shapes.globes.first().map(|globe| 1.0 / f64::from(globe.curvature));
-        let on_device = of_spheres.or(of_globes).expect("they are one or the other");
+        let of_large_spheres = shapes.large_spheres.first().map(|large_sphere| 1.0 / f64::from(large_sphere.curvature));
+        let on_device = of_spheres.or(of_large_spheres).expect("they are one or the other");
         let scale = 2f64.powf((on_device / radius).log2().round());
-        Ground { radius, downs, texts, spheres: shapes.spheres, globes: shapes.globes, scale }
+        Ground { radius, downs, texts, spheres: shapes.spheres, large_spheres: shapes.large_spheres, scale }
     }
 
     /// By their centres and radii.

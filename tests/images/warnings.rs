@@ -337,13 +337,13 @@ fn patterns_finer_than_f32_resolves() {
     let quad = "Quad(corner: (-2, -2, 0), u: (4, 0, 0), v: (0, 4, 0), material: \"lamp\")";
     let cuboid = "Box(min: (-2, -2, -2), max: (2, 2, 0), material: \"lamp\")";
     let sphere = "Sphere(center: (0, 0, -8), radius: 8, material: \"lamp\")";
-    let globe = "Sphere(center: (0, 0, -1e6), radius: 1e6, material: \"lamp\")";
+    let large_sphere = "Sphere(center: (0, 0, -1e6), radius: 1e6, material: \"lamp\")";
     let checker = |scale: &str| format!("Checker(scale: {scale}, even: (0, 0, 0), odd: (1, 1, 1))");
     for (object, kind, warned, silent) in [
         (quad, "Quad", "9e-7", "1e-6"),
         (cuboid, "Box", "9e-7", "1e-6"),
         (sphere, "Sphere", "1.8e-6", "2e-6"),
-        (globe, "Sphere", "3e-6", "4e-6"),
+        (large_sphere, "Sphere", "3e-6", "4e-6"),
     ] {
         let field = format!("objects[0].{kind}");
         let words = ["the cells of its Checker are", "whole areas show one cell", " or more, or the mean colour"];

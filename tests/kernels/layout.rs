@@ -128,7 +128,7 @@ fn host_structs() -> BTreeMap<&'static str, (Fields, usize)> {
             ),)*])
         };
     }
-    structs!(Window Counters RunRecord PixelTotals Node FacePair Sphere Globe Quad Cuboid Instance Light DeltaLight LightNode SkyCell Medium Material Extension Texture Frame Trial Answer)
+    structs!(Window Counters RunRecord PixelTotals Node FacePair Sphere LargeSphere Quad Cuboid Instance Light DeltaLight LightNode SkyCell Medium Material Extension Texture Frame Trial Answer)
 }
 
 /// Names that src/data.rs declares behind a word, so that none can be added there and forgotten here.

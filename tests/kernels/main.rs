@@ -17,7 +17,7 @@ mod film;
 mod filter;
 mod float;
 mod frames;
-mod globe;
+mod large_sphere;
 mod layout;
 mod light_tree;
 mod lights;

@@ -41,8 +41,8 @@ pub fn turned_away(found: &Found, kinds: &[Role]) -> Option<Diagnostic> {
     let nothing = (-lens, lens, lens);
     let (low, high, rounded) = primitives.chain(media).fold(nothing, |(low, high, rounded), body| {
         let (l, h) = body.hull.bounds();
-        // The rounding of a globe is not that of its far side.
-        let coordinates = if body.shape.globe().is_some() { DVec3::ZERO } else { l.abs().max(h.abs()) };
+        // The rounding of a large sphere is not that of its far side.
+        let coordinates = if body.shape.large_sphere().is_some() { DVec3::ZERO } else { l.abs().max(h.abs()) };
         (low.min(l), high.max(h), rounded.max(coordinates))
     });
     let mut worst = Worst::default();

@@ -26,9 +26,9 @@ pub fn from_sphere(center: DVec3, radius: f64) -> f64 {
     U * (4.0 * (center.abs().max_element() + radius) + 2.0 * (center.length() + radius))
 }
 
-/// From a globe, at points as far from the nearest one as the camera is. The bound is u (|n|.(|p| + 9 |x|)), without the
-/// curvature, with |x| and |p| the distance (shaders/geometry/globe), and no coordinate is larger than twice that.
-pub fn from_globe(distance: f64) -> f64 {
+/// From a large sphere, at points as far from the nearest one as the camera is. The bound is u (|n|.(|p| + 9 |x|)), without the
+/// curvature, with |x| and |p| the distance (shaders/geometry/large_sphere), and no coordinate is larger than twice that.
+pub fn from_large_sphere(distance: f64) -> f64 {
     U * 14.0 * distance
 }
 

@@ -89,8 +89,8 @@ pub fn diagnostics(found: &Found, kinds: &[Role]) -> Option<Diagnostic> {
 /// where the limit on triangles is reached.
 fn height(body: &Body, p: DVec3, triangles: &mut usize) -> Option<(f64, f64)> {
     let rounded = |n: DVec3, surface: DVec3| U * n.abs().dot(p.abs() + surface);
-    if let Some(globe) = body.shape.globe() {
-        let far = globe.distance(body.to_world).max(p.length());
+    if let Some(large_sphere) = body.shape.large_sphere() {
+        let far = large_sphere.distance(body.to_world).max(p.length());
         return Some((body.hull.distance(p), U * 11.0 * far));
     }
     match body.hull {

@@ -111,8 +111,8 @@ fn largest_uv(mesh: &Mesh, set: u32) -> f64 {
 
 /// The largest coordinate of a point of an object, in its own space and from its base point.
 fn extent(body: &Body) -> f64 {
-    if let Some(globe) = body.shape.globe() {
-        return SEEN * globe.distance(body.to_world) / body.to_world.scale;
+    if let Some(large_sphere) = body.shape.large_sphere() {
+        return SEEN * large_sphere.distance(body.to_world) / body.to_world.scale;
     }
     let (_, columns): (DVec3, DMat3) = body.shape.texture_place(&body.to_world.rotation);
     (columns.x_axis.abs() + columns.y_axis.abs() + columns.z_axis.abs()).max_element()

@@ -80,13 +80,13 @@ impl<'a> SamePlace<'a> {
             return None;
         }
         let ((place, r), (other, s)) = (a.hull.ball(), b.hull.ball());
-        let rounding = match a.shape.globe().zip(b.shape.globe()) {
-            Some((one, same)) => leaving::from_globe(one.distance(a.to_world).max(same.distance(b.to_world))),
+        let rounding = match a.shape.large_sphere().zip(b.shape.large_sphere()) {
+            Some((one, same)) => leaving::from_large_sphere(one.distance(a.to_world).max(same.distance(b.to_world))),
             None => 4.0 * U * (place.abs().max_element() + r),
         };
         // Meshes count only if they are within the rounding. The distance that the warning advises includes the ray offset.
         let (gap, most, bound) = match (a.shape.mesh(), b.shape.mesh()) {
-            (None, None) if a.shape.globe().and(b.shape.globe()).is_some() => {
+            (None, None) if a.shape.large_sphere().and(b.shape.large_sphere()).is_some() => {
                 let bound = if clear { 2.0 * rounding } else { rounding };
                 ((r - s).abs() + place.distance(other), bound, bound)
             }

@@ -19,25 +19,25 @@ use crate::source::Place;
 pub const KIND: ShapeKind = ShapeKind {
     form: sphere::KIND.form,
     in_files: false,
-    shader: "globe",
+    shader: "large_sphere",
     word: sphere::KIND.word,
     sizes: sphere::KIND.sizes,
-    table: super::table!(globes of data::Globe, "spheres that are large against their distance from the camera"),
-    boundary: Some(Boundary { name: "globe", words: "a" }),
+    table: super::table!(large_spheres of data::LargeSphere, "spheres that are large against their distance from the camera"),
+    boundary: Some(Boundary { name: "large_sphere", words: "a" }),
 };
 
-/// A sphere is a globe if its radius is more than this many times its distance from the camera. As `data::Sphere`, its
+/// A sphere is a large sphere if its radius is more than this many times its distance from the camera. As `data::Sphere`, its
 /// surface would be off by 8 u of the radius (shaders/geometry/sphere), which is 2^-11 of the distance at this limit:
 /// less than half a pixel of an image that is a thousand pixels wide.
 const LEAST_RADIUS: f64 = 1024.0;
 
-/// The largest radius in units of render space. Areas of boxes around such globes, multiplied by numbers of primitives,
+/// The largest radius in units of render space. Areas of boxes around such large spheres, multiplied by numbers of primitives,
 /// are within the range of f32.
 const LARGEST_RADIUS: f64 = (1u64 << 48) as f64;
 
 /// In the sphere's own space.
 #[derive(Clone, Copy)]
-pub struct Globe {
+pub struct LargeSphere {
     sphere: Sphere,
     eye: DVec3,
     /// The unit vector from the eye to the centre: the inward normal at the point nearest to the eye.
@@ -46,9 +46,9 @@ pub struct Globe {
     height: f64,
 }
 
-impl Globe {
-    /// The sphere as a globe, if it is large enough.
-    pub fn new(sphere: Sphere, to_world: &Similarity, eye: DVec3) -> Option<Globe> {
+impl LargeSphere {
+    /// The sphere as a large sphere, if it is large enough.
+    pub fn new(sphere: Sphere, to_world: &Similarity, eye: DVec3) -> Option<LargeSphere> {
         let Sphere { center, radius } = sphere;
         // The eye in the sphere's own space, and the rest that its rounding leaves.
         let (moved, rest) = difference(eye, to_world.translation);
@@ -63,7 +63,7 @@ impl Globe {
         let power = difference_of_squares(to_center, rest - eye_rest, radius);
         let height = power / (to_center.length() + radius);
         let inward = to_center.normalize_or_zero();
-        (radius > LEAST_RADIUS * height.abs()).then_some(Globe { sphere, eye, inward, height })
+        (radius > LEAST_RADIUS * height.abs()).then_some(LargeSphere { sphere, eye, inward, height })
     }
 
     /// From the eye to the nearest point, in the world.
@@ -92,7 +92,7 @@ impl Globe {
     }
 }
 
-impl Geometry for Globe {
+impl Geometry for LargeSphere {
     fn check(&self, at: &Place) -> Result<()> {
         self.sphere.check(at)
     }
@@ -101,7 +101,7 @@ impl Geometry for Globe {
         self.sphere.span()
     }
 
-    /// The coordinates of a globe's point are its offset from the nearest point, in radii.
+    /// The coordinates of a large sphere's point are its offset from the nearest point, in radii.
     fn texture_place(&self, rotation: &DMat3) -> (DVec3, DMat3) {
         (self.eye + self.height * self.inward, rotation.transpose() * self.sphere.radius)
     }
@@ -111,7 +111,7 @@ impl Geometry for Globe {
         let nearest = at.space.scale * self.way(at.to_world);
         let radius = at.scale() * self.sphere.radius;
         let Element { order, material, frame, .. } = element;
-        tables.globes.push(data::Globe {
+        tables.large_spheres.push(data::LargeSphere {
             nearest: f32s(nearest),
             curvature: (1.0 / radius) as f32,
             inward: f32s(inward),
@@ -126,12 +126,12 @@ impl Geometry for Globe {
     }
 
     fn emitters(&self, at: &Placement, index: u32, _: Laid) -> Vec<Emitter> {
-        let code = Shape::Globe(*self).code(index as usize);
+        let code = Shape::LargeSphere(*self).code(index as usize);
         vec![self.sphere.emitter(at, code)]
     }
 
     fn set_light(&self, tables: &mut Tables, index: usize, _: Laid, light: u32) {
-        tables.globes[index].light = light;
+        tables.large_spheres[index].light = light;
     }
 
     fn hull(&self, at: &Placement) -> Hull {
@@ -167,8 +167,8 @@ mod tests {
     use super::*;
 
     fn height(center: DVec3, radius: f64, to_world: &Similarity, eye: DVec3) -> f64 {
-        let globe = Globe::new(Sphere { center, radius }, to_world, eye).expect("it is large");
-        to_world.scale * globe.height
+        let large_sphere = LargeSphere::new(Sphere { center, radius }, to_world, eye).expect("it is large");
+        to_world.scale * large_sphere.height
     }
 
     #[test]
@@ -200,11 +200,11 @@ mod tests {
 
     #[test]
     fn the_radius_over_the_height_decides() {
-        let is_globe = |radius: f64, height: f64| {
+        let is_large_sphere = |radius: f64, height: f64| {
             let sphere = Sphere { center: -(radius + height) * DVec3::Y, radius };
-            Globe::new(sphere, &Similarity::IDENTITY, DVec3::ZERO).is_some()
+            LargeSphere::new(sphere, &Similarity::IDENTITY, DVec3::ZERO).is_some()
         };
-        assert!(is_globe(1025.0, 1.0) && is_globe(1025.0, -1.0) && is_globe(1.0, 0.0));
-        assert!(!is_globe(1023.0, 1.0) && !is_globe(1023.0, -1.0));
+        assert!(is_large_sphere(1025.0, 1.0) && is_large_sphere(1025.0, -1.0) && is_large_sphere(1.0, 0.0));
+        assert!(!is_large_sphere(1023.0, 1.0) && !is_large_sphere(1023.0, -1.0));
     }
 }

@@ -8,24 +8,24 @@
 
 // The power of a point, over the radius: c x² - 2 n.x = (D² - r²) / r, with D the distance from the centre. It is twice the height
 // above the sphere if that is small. It is negative inside.
-fn globe_power(globe: Globe, x: vec3<f32>) -> f32 {
-    return globe.curvature * dot(x, x) - 2.0 * dot(globe.inward, x);
+fn large_sphere_power(large_sphere: LargeSphere, x: vec3<f32>) -> f32 {
+    return large_sphere.curvature * dot(x, x) - 2.0 * dot(large_sphere.inward, x);
 }
 
 // The vector from the centre to a point, in radii.
-fn globe_upward(globe: Globe, x: vec3<f32>) -> vec3<f32> {
-    return globe.curvature * x - globe.inward;
+fn large_sphere_upward(large_sphere: LargeSphere, x: vec3<f32>) -> vec3<f32> {
+    return large_sphere.curvature * x - large_sphere.inward;
 }
 
-// A ray's line as the globe has it. The line crosses it at the distances t with c t² + 2 slope t + power = 0.
-struct GlobeLine {
+// A ray's line as the large sphere has it. The line crosses it at the distances t with c t² + 2 slope t + power = 0.
+struct LargeSphereLine {
     // The ray's origin.
     x: vec3<f32>,
     slope: f32,
     // The vector from the centre to the point of the line that is nearest to it, in radii.
     perpendicular: vec3<f32>,
     power: f32,
-    // The square of half the chord, in radii. Negative if the line misses the globe.
+    // The square of half the chord, in radii. Negative if the line misses the large sphere.
     discriminant: f32,
     // Whether the origin is more than a radius away.
     far: bool,
@@ -33,37 +33,37 @@ struct GlobeLine {
 
 // The discriminant slope² - c power has an error of some u D²/r². From far away, it is computed from the perpendicular instead, as for
 // other spheres (geometry/sphere_chord), whose error from near is u and would be larger than the square of a small slope.
-fn globe_line(ray: Ray, globe: Globe) -> GlobeLine {
-    let x = ray.origin - globe.nearest;
-    let upward = globe_upward(globe, x);
+fn large_sphere_line(ray: Ray, large_sphere: LargeSphere) -> LargeSphereLine {
+    let x = ray.origin - large_sphere.nearest;
+    let upward = large_sphere_upward(large_sphere, x);
     let slope = dot(upward, ray.direction);
-    let power = globe_power(globe, x);
+    let power = large_sphere_power(large_sphere, x);
     let rough = upward - slope * ray.direction;
     let perpendicular = rough - dot(rough, ray.direction) * ray.direction;
     let l = length(perpendicular);
     let far = dot(upward, upward) > 4.0;
-    let discriminant = select(slope * slope - globe.curvature * power, (1.0 + l) * (1.0 - l), far);
-    return GlobeLine(x, slope, perpendicular, power, discriminant, far);
+    let discriminant = select(slope * slope - large_sphere.curvature * power, (1.0 + l) * (1.0 - l), far);
+    return LargeSphereLine(x, slope, perpendicular, power, discriminant, far);
 }
 
-// The distances at which the ray's line crosses the globe, the smaller first; NO_HIT twice if it misses. A tangent ray
+// The distances at which the ray's line crosses the large sphere, the smaller first; NO_HIT twice if it misses. A tangent ray
 // that starts at its point of contact gives NaN, which fails every comparison. One root would suffer cancellation; it is
 // computed from the product of both.
-fn globe_crossings(ray: Ray, globe: Globe) -> vec2<f32> {
-    let line = globe_line(ray, globe);
+fn large_sphere_crossings(ray: Ray, large_sphere: LargeSphere) -> vec2<f32> {
+    let line = large_sphere_line(ray, large_sphere);
     if !(line.discriminant >= 0.0) {
         return vec2<f32>(NO_HIT);
     }
     let h = sqrt(line.discriminant);
     let q = select(-h, h, line.slope <= 0.0) - line.slope;
-    let far_from_zero = q / globe.curvature;
+    let far_from_zero = q / large_sphere.curvature;
     let near_to_zero = line.power / q;
     return vec2<f32>(min(far_from_zero, near_to_zero), max(far_from_zero, near_to_zero));
 }
 
-// Distance to the nearest crossing of the globe in front of the ray's origin, or NO_HIT.
-fn globe_distance(ray: Ray, globe: Globe) -> f32 {
-    let t = globe_crossings(ray, globe);
+// Distance to the nearest crossing of the large sphere in front of the ray's origin, or NO_HIT.
+fn large_sphere_distance(ray: Ray, large_sphere: LargeSphere) -> f32 {
+    let t = large_sphere_crossings(ray, large_sphere);
     return select(select(NO_HIT, t.y, t.y > 0.0), t.x, t.x > 0.0);
 }
 
@@ -71,37 +71,37 @@ fn globe_distance(ray: Ray, globe: Globe) -> f32 {
 // units of roundoff:
 // - A power is off by 4 c x² + 6 |n|.|x|, and a height by half of this. It is computed twice: here, and for the next ray.
 // - The point is rounded by |normal|.|x|, and twice more where `nearest` is added and subtracted again: |normal|.(|nearest| + 2 |x|).
-// - Before it is moved onto the globe by `way`, the point is `way` farther off: up to 16 |way|.
-fn globe_error(globe: Globe, x: vec3<f32>, normal: vec3<f32>, way: f32) -> f32 {
-    let place = abs(globe.nearest) + 3.0 * abs(x);
-    let of_power = 6.0 * dot(abs(globe.inward), abs(x)) + 4.0 * globe.curvature * dot(x, x);
+// - Before it is moved onto the large sphere by `way`, the point is `way` farther off: up to 16 |way|.
+fn large_sphere_error(large_sphere: LargeSphere, x: vec3<f32>, normal: vec3<f32>, way: f32) -> f32 {
+    let place = abs(large_sphere.nearest) + 3.0 * abs(x);
+    let of_power = 6.0 * dot(abs(large_sphere.inward), abs(x)) + 4.0 * large_sphere.curvature * dot(x, x);
     return UNIT_ROUNDOFF * (dot(abs(normal), place) + of_power + 16.0 * abs(way));
 }
 
-// The point at t is moved onto the globe along the normal. If the ray comes from far away, the point at t is off by the rounding
-// of t, which can be larger than the globe; then it is computed from the perpendicular and half the chord.
-fn globe_surface(ray: Ray, t: f32, globe: Globe) -> Surface {
-    let line = globe_line(ray, globe);
+// The point at t is moved onto the large sphere along the normal. If the ray comes from far away, the point at t is off by the rounding
+// of t, which can be larger than the large sphere; then it is computed from the perpendicular and half the chord.
+fn large_sphere_surface(ray: Ray, t: f32, large_sphere: LargeSphere) -> Surface {
+    let line = large_sphere_line(ray, large_sphere);
     let outward = normalize(line.perpendicular - sqrt(max(line.discriminant, 0.0)) * ray.direction);
-    let from_far = (outward + globe.inward) / globe.curvature;
+    let from_far = (outward + large_sphere.inward) / large_sphere.curvature;
     let rough = select(line.x + t * ray.direction, from_far, line.far);
-    let upward = globe_upward(globe, rough);
+    let upward = large_sphere_upward(large_sphere, rough);
     let radii = length(upward);
     let normal = upward / radii;
     // D - r = (D² - r²) / (D + r).
-    let way = globe_power(globe, rough) / (1.0 + radii);
+    let way = large_sphere_power(large_sphere, rough) / (1.0 + radii);
     let x = rough - way * normal;
     var surface: Surface;
-    surface.point = globe.nearest + x;
+    surface.point = large_sphere.nearest + x;
     surface.normal = normal;
-    surface.error = globe_error(globe, x, normal, way);
-    surface.material = globe.material;
-    surface.frame = globe.frame;
-    surface.local = globe.curvature * x;
+    surface.error = large_sphere_error(large_sphere, x, normal, way);
+    surface.material = large_sphere.material;
+    surface.frame = large_sphere.frame;
+    surface.local = large_sphere.curvature * x;
     return surface;
 }
 
 // `point` is the normal in the object's space.
-fn globe_uv(point: vec3<f32>, local: vec3<f32>) -> SurfaceUv {
+fn large_sphere_uv(point: vec3<f32>, local: vec3<f32>) -> SurfaceUv {
     return SurfaceUv(sphere_uv_at(point), true);
 }

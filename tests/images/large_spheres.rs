@@ -1,5 +1,5 @@
 //! Spheres of any radius, as grounds below the camera and as domes around it: against planes, closed forms, and the other form of a
-//! sphere where the two meet (src/shape/globe.rs).
+//! sphere where the two meet (src/shape/large_sphere.rs).
 
 use glam::DVec3;
 use gpu_rt::flatten::flatten;
@@ -39,9 +39,9 @@ fn unchecked(camera: &str, sky: f64, objects: &str) -> Scene {
     scene_in(folder.path(), &text)
 }
 
-/// How many of a scene's spheres are globes.
-fn globes(scene: &Scene) -> usize {
-    flatten(scene, (16, 16), &plain()).expect("the scene flattens").shapes.globes.len()
+/// How many of a scene's spheres are large spheres.
+fn large_spheres(scene: &Scene) -> usize {
+    flatten(scene, (16, 16), &plain()).expect("the scene flattens").shapes.large_spheres.len()
 }
 
 /// A ground that reaches up to this height.
@@ -91,7 +91,7 @@ fn a_ground_of_any_radius_has_the_picture_of_a_plane() {
     let flat = on(&plane(0.0, "grey"));
     for exponent in [6, 8, 9, 12, 15] {
         let text = ground(10f64.powi(exponent), 0.0, "grey");
-        assert_eq!(globes(&scene(ABOVE, 0.2, &text)), 1);
+        assert_eq!(large_spheres(&scene(ABOVE, 0.2, &text)), 1);
         let found = difference(&on(&text), &flat);
         assert!(found < MOST, "1e{exponent}: {found}");
         // A hundredth lower, the objects do not touch it, and light gets below them.
@@ -179,13 +179,13 @@ fn where_the_two_forms_of_a_sphere_meet_nothing_shows() {
     let (mut low, mut high) = (1020.0, 1045.0);
     while high - low > 1e-6 {
         let middle = 0.5 * (low + high);
-        if globes(&grey(middle)) == 0 { low = middle } else { high = middle }
+        if large_spheres(&grey(middle)) == 0 { low = middle } else { high = middle }
     }
     let check = |name: &str, objects: &dyn Fn(f64) -> String, other: String| {
-        let (sphere, globe) = (of(&objects(low)), of(&objects(high)));
-        assert_eq!([globes(&sphere), globes(&globe)], [0, 1]);
+        let (sphere, large_sphere) = (of(&objects(low)), of(&objects(high)));
+        assert_eq!([large_spheres(&sphere), large_spheres(&large_sphere)], [0, 1]);
         let sphere = render(&sphere, &asked());
-        let found = difference(&render(&globe, &asked()), &sphere);
+        let found = difference(&render(&large_sphere, &asked()), &sphere);
         assert!(found < MOST, "{name}: {found}");
         let found = difference(&render(&of(&other), &asked()), &sphere);
         assert!(found > MOST, "{name}, another one: {found}");
@@ -306,7 +306,7 @@ fn a_dome_that_emits_lights_everything_within() {
     // With the camera near the surface, and in the middle of a sky.
     for (radius, top) in [(1e4, 0.0), (1e6, 0.0), (1e12, 0.0), (1e9, 1e9)] {
         let of = |material: &str| scene(camera, 0.0, &format!("{}, {ball}", ground(radius, top, material)));
-        assert_eq!(globes(&of("both")), usize::from(top == 0.0));
+        assert_eq!(large_spheres(&of("both")), usize::from(top == 0.0));
         assert_eq!(farthest(&render(&of("both"), &Ask::spp(64)), 0.5), 0.0, "{radius}");
         let (found, error) = mean(&render(&of("both"), &Ask::spp(256).mis()));
         assert!((found - 0.5).abs() < 5.0 * error && error < 0.01, "{radius}: {found} ± {error}");
@@ -328,7 +328,7 @@ fn light_sampling_keeps_the_image_of_grounds_and_domes_that_emit() {
     ] {
         let shot = |ask: Ask, emit: &str| {
             let mut scene = scene(ABOVE, 0.0, &format!("{around}, {FIVE}"));
-            assert_eq!(globes(&scene), 1);
+            assert_eq!(large_spheres(&scene), 1);
             for (name, material) in &mut scene.materials {
                 if name == emit
                     && let Material::DiffuseLight { emit, .. } = material

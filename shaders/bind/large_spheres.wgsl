@@ -1,0 +1,2 @@
+//@ use data/primitive
+@group(0) @binding(20) var<${space_of_large_spheres}> large_spheres: array<LargeSphere${size_of_large_spheres}>;
