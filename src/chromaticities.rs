@@ -1,5 +1,7 @@
 //! Colours of other primaries than Rec. 709, as an EXR's header may name them.
 
+use exr::math::Vec2;
+use exr::meta::attribute;
 use glam::{DMat3, DVec3};
 
 use crate::data::Rgb;
@@ -26,6 +28,21 @@ const BRADFORD: DMat3 = DMat3::from_cols(
     DVec3::new(0.2664, 1.7135, -0.0685),
     DVec3::new(-0.1614, 0.0367, 1.0296),
 );
+
+impl From<attribute::Chromaticities> for Chromaticities {
+    fn from(of_file: attribute::Chromaticities) -> Chromaticities {
+        let of = |Vec2(x, y): Vec2<f32>| [x, y];
+        let attribute::Chromaticities { red, green, blue, white } = of_file;
+        Chromaticities { red: of(red), green: of(green), blue: of(blue), white: of(white) }
+    }
+}
+
+impl From<Chromaticities> for attribute::Chromaticities {
+    fn from(Chromaticities { red, green, blue, white }: Chromaticities) -> attribute::Chromaticities {
+        let of = |[x, y]: [f32; 2]| Vec2(x, y);
+        attribute::Chromaticities { red: of(red), green: of(green), blue: of(blue), white: of(white) }
+    }
+}
 
 impl Chromaticities {
     fn is_rec_709(&self) -> bool {
@@ -80,6 +97,14 @@ pub struct Conversion {
 }
 
 impl Conversion {
+    /// From the chromaticities of a file's header; none if its colours are of Rec. 709. A file that does not say so is taken to be.
+    ///
+    /// # Errors
+    /// What is wrong with its chromaticities.
+    pub fn of_file(known: Option<attribute::Chromaticities>) -> Result<Option<Conversion>, String> {
+        known.map_or(Ok(None), |known| Chromaticities::from(known).to_rec_709())
+    }
+
     /// A colour of Rec. 709, which has negative parts if it is outside of Rec. 709. One that is not finite stays as it is.
     pub fn convert(&self, rgb: Rgb<f32>) -> Rgb<f32> {
         match rgb.iter().all(|v| v.is_finite()) {

@@ -286,14 +286,9 @@ fn usual(module: &'static str) -> Chosen {
     Chosen { module, why: Reason::EveryRender }
 }
 
-/// One module where someone asked for it, else the usual one.
-fn either(why: Option<Reason>, module: &'static str, other: &'static str) -> Chosen {
-    why.map_or(usual(other), |why| Chosen { module, why })
-}
-
-/// A module where someone asked for it, else its null module.
-fn where_asked(why: &Option<Reason>, module: &'static str, null: &'static str) -> Chosen {
-    either(why.clone(), module, null)
+/// One module where someone asked for it, else the usual one, such as its null module.
+fn either(why: &Option<Reason>, module: &'static str, other: &'static str) -> Chosen {
+    why.clone().map_or(usual(other), |why| Chosen { module, why })
 }
 
 /// The kinds that the scene uses, by the place of their names; the last one closes a switch over them.
@@ -394,7 +389,7 @@ pub(super) fn decide(
     };
     let (aov_surface, aov_hit) = (aov(Finder::Surface, &event), aov(Finder::Hit, &surface));
     let aov_direct = aov(Finder::Direct, &Some(Reason::EveryRender));
-    let passes = options.aov.surface == SeenSurface::Rough;
+    let aov_rough = aov_surface.clone().filter(|_| options.aov.surface == SeenSurface::Rough);
     let own = |extension: ExtensionKind| of_first(&features.extensions[extension as usize]);
     let scene_has = |extension: ExtensionKind| first(&features.extensions[extension as usize]);
     let extensions = [
@@ -438,7 +433,7 @@ pub(super) fn decide(
         event: event.clone(),
         sampled_light: sampled_light.clone(),
         aov_hit: aov_hit.clone(),
-        aov_rough: aov_surface.clone().filter(|_| passes),
+        aov_rough: aov_rough.clone(),
         aov_surface: aov_surface.clone(),
         aov_direct: aov_direct.clone(),
     };
@@ -491,75 +486,67 @@ pub(super) fn decide(
     };
     let image_texture = texture.iter().find(|kind| kind.name == "image").map(|kind| kind.why.clone());
     let modules = Modules {
-        axes: either(asked(&features.turned), "scene/camera_axes", "scene/world_axes"),
-        camera: either(asked(&features.thin_lens), "camera/thin_lens", "camera/pinhole"),
+        axes: either(&asked(&features.turned), "scene/camera_axes", "scene/world_axes"),
+        camera: either(&asked(&features.thin_lens), "camera/thin_lens", "camera/pinhole"),
         filter: by_option(&options::FILTER),
-        filter_weight: where_asked(&negative_lobes, "step/filter_weight", "null/filter_weight"),
-        colour: either(first(&features.textures), "scene/textured_colour", "scene/plain_colour"),
-        uv: where_asked(&image_texture, "scene/uv", "null/uv"),
-        shading: either(asked(&features.smooth), "scene/smooth_shading", "scene/flat_shading"),
-        evaluation: either(evaluated, "scene/evaluated_material", "scene/plain_material"),
-        vertex_colours: where_asked(&vertex_colours, "scene/vertex_colours", "null/vertex_colours"),
-        normal_map: where_asked(&normal_map, "scene/normal_map", "null/normal_map"),
-        second_parts: where_asked(
-            &two_part.first().map(|kind| kind.why.clone()),
-            "scene/second_parts",
-            "null/second_parts",
-        ),
-        multiscatter: where_asked(&multiscatter, "scene/multiscatter", "null/multiscatter"),
-        layer: either(own_layer, "material/pbr_own_layer", "material/pbr_plain_layer"),
-        tint: where_asked(&tinted, "scene/tint", "null/tint"),
-        absorption: where_asked(&absorbing, "scene/absorption", "null/absorption"),
-        coverage: where_asked(&alpha, "scene/coverage", "null/coverage"),
-        vertex_alpha: where_asked(&vertex_alpha, "scene/vertex_alpha", "null/vertex_alpha"),
-        media: where_asked(&medium, "step/media", "null/media"),
-        medium_albedo: either(asked(&features.textured_media), "scene/textured_medium", "scene/plain_medium"),
-        transmittance: where_asked(&medium, "scene/transmittance", "null/transmittance"),
-        scatter: where_asked(&surface, "step/scatter", "null/scatter"),
+        filter_weight: either(&negative_lobes, "step/filter_weight", "null/filter_weight"),
+        colour: either(&first(&features.textures), "scene/textured_colour", "scene/plain_colour"),
+        uv: either(&image_texture, "scene/uv", "null/uv"),
+        shading: either(&asked(&features.smooth), "scene/smooth_shading", "scene/flat_shading"),
+        evaluation: either(&evaluated, "scene/evaluated_material", "scene/plain_material"),
+        vertex_colours: either(&vertex_colours, "scene/vertex_colours", "null/vertex_colours"),
+        normal_map: either(&normal_map, "scene/normal_map", "null/normal_map"),
+        second_parts: either(&two_part.first().map(|kind| kind.why.clone()), "scene/second_parts", "null/second_parts"),
+        multiscatter: either(&multiscatter, "scene/multiscatter", "null/multiscatter"),
+        layer: either(&own_layer, "material/pbr_own_layer", "material/pbr_plain_layer"),
+        tint: either(&tinted, "scene/tint", "null/tint"),
+        absorption: either(&absorbing, "scene/absorption", "null/absorption"),
+        coverage: either(&alpha, "scene/coverage", "null/coverage"),
+        vertex_alpha: either(&vertex_alpha, "scene/vertex_alpha", "null/vertex_alpha"),
+        media: either(&medium, "step/media", "null/media"),
+        medium_albedo: either(&asked(&features.textured_media), "scene/textured_medium", "scene/plain_medium"),
+        transmittance: either(&medium, "scene/transmittance", "null/transmittance"),
+        scatter: either(&surface, "step/scatter", "null/scatter"),
         roulette: by_option(&options::ROULETTE),
         surface_light: match (&light, sends_shadow_ray) {
             (None, _) => usual("null/surface_light"),
             (Some(_), None) => usual("step/specular_event"),
             (Some(_), Some(why)) => Chosen { module: "step/surface_light", why },
         },
-        medium_light: where_asked(&light, "step/medium_light", "null/medium_light"),
-        shadow: where_asked(&light, "step/light", "null/shadow"),
-        both_sides: where_asked(&both_sides, "scene/both_sides", "null/both_sides"),
-        probe: where_asked(&probed, "step/narrow_lobe", "null/narrow_lobe"),
-        surface_emission: where_asked(&own_emission, "step/surface_emission", "null/surface_emission"),
-        found_light: where_asked(&found_light, "step/found_light", "null/found_light"),
-        found_sky: where_asked(&emitting_sky, "step/found_sky", "null/found_sky"),
-        sampled_light: where_asked(&sampled_light, "step/sampled_light", "null/sampled_light"),
+        medium_light: either(&light, "step/medium_light", "null/medium_light"),
+        shadow: either(&light, "step/light", "null/shadow"),
+        both_sides: either(&both_sides, "scene/both_sides", "null/both_sides"),
+        probe: either(&probed, "step/narrow_lobe", "null/narrow_lobe"),
+        surface_emission: either(&own_emission, "step/surface_emission", "null/surface_emission"),
+        found_light: either(&found_light, "step/found_light", "null/found_light"),
+        found_sky: either(&emitting_sky, "step/found_sky", "null/found_sky"),
+        sampled_light: either(&sampled_light, "step/sampled_light", "null/sampled_light"),
         light_choice: usual(if features.lights > 1 { "scene/light_tree" } else { "scene/one_light" }),
-        delta_lights: where_asked(&delta_light, "scene/delta_lights", "null/delta_lights"),
-        sky_light: where_asked(&emitting_sky, "scene/sky_light", "null/sky_light"),
-        light_surfaces: where_asked(&emitting_surface, "scene/light_surfaces", "null/light_surfaces"),
-        surface_radiance: either(emission, "scene/emitted_beside", "scene/emitted"),
-        light_coverage: where_asked(&light_coverage, "scene/light_coverage", "null/light_coverage"),
+        delta_lights: either(&delta_light, "scene/delta_lights", "null/delta_lights"),
+        sky_light: either(&emitting_sky, "scene/sky_light", "null/sky_light"),
+        light_surfaces: either(&emitting_surface, "scene/light_surfaces", "null/light_surfaces"),
+        surface_radiance: either(&emission, "scene/emitted_beside", "scene/emitted"),
+        light_coverage: either(&light_coverage, "scene/light_coverage", "null/light_coverage"),
         clamp: approximate(&options::CLAMP, conditions.clamp.is_some()),
         fresnel: approximate(&options::FRESNEL, has_glass),
         offset: approximate(&options::OFFSET, surface.is_some()),
         sphere_chord: approximate(&options::PRECISION, has_spheres),
         walk,
         sampler: by_option(&options::SAMPLER),
-        aov_hit: where_asked(&aov_hit, "aov/hit", "null/aov_hit"),
-        aov_surface: where_asked(&aov_surface, "aov/surface", "null/aov_surface"),
-        seen: either(aov_surface.clone().filter(|_| passes), "aov/seen_rough", "aov/seen_first"),
-        aov_direct: where_asked(&aov_direct, "aov/direct", "null/aov_direct"),
-        aov_record: where_asked(&any_aov, "aov/record", "null/aov_record"),
-        aov_film: where_asked(&any_aov, "aov/film", "null/aov_film"),
-        aov_hit_slot: where_asked(&aov_hit, "slots/aov_hit", "null/aov_hit_slot"),
-        aov_direct_slot: where_asked(&aov_direct, "slots/aov_direct", "null/aov_direct_slot"),
-        walker_slot: where_asked(&alpha, "slots/walker", "null/walker_slot"),
-        shadow_slot: where_asked(&staged(&light), "slots/shadow", "null/shadow_slot"),
-        probe_slot: where_asked(&probed, "slots/probe", "null/probe_slot"),
-        queue_of_hits: where_asked(
-            &queue_why.clone().filter(|_| medium.is_none()),
-            "slots/sort_by_material",
-            "null/sort",
-        ),
-        queue_of_events: where_asked(&queue_why, "slots/sort_by_material", "null/sort"),
-        queue_turn: where_asked(&queue_why, "slots/queue_turn", "null/queue_turn"),
+        aov_hit: either(&aov_hit, "aov/hit", "null/aov_hit"),
+        aov_surface: either(&aov_surface, "aov/surface", "null/aov_surface"),
+        seen: either(&aov_rough, "aov/seen_rough", "aov/seen_first"),
+        aov_direct: either(&aov_direct, "aov/direct", "null/aov_direct"),
+        aov_record: either(&any_aov, "aov/record", "null/aov_record"),
+        aov_film: either(&any_aov, "aov/film", "null/aov_film"),
+        aov_hit_slot: either(&aov_hit, "slots/aov_hit", "null/aov_hit_slot"),
+        aov_direct_slot: either(&aov_direct, "slots/aov_direct", "null/aov_direct_slot"),
+        walker_slot: either(&alpha, "slots/walker", "null/walker_slot"),
+        shadow_slot: either(&staged(&light), "slots/shadow", "null/shadow_slot"),
+        probe_slot: either(&probed, "slots/probe", "null/probe_slot"),
+        queue_of_hits: either(&queue_why.clone().filter(|_| medium.is_none()), "slots/sort_by_material", "null/sort"),
+        queue_of_events: either(&queue_why, "slots/sort_by_material", "null/sort"),
+        queue_turn: either(&queue_why, "slots/queue_turn", "null/queue_turn"),
     };
     Decided {
         conditions,

@@ -105,9 +105,9 @@ pub struct Needs {
 /// The member of a path that holds the sums of `--aov`.
 const AOV: &str = "aov";
 
-/// The members of a path that lie in memory as several fields, and those that no stage hands to another.
-const OTHER_MEMBERS: [(&str, &str); 5] =
-    [("ray", "Ray"), ("shadow", "Ray"), ("sum", "Compensated"), ("history", "u32"), ("probe", "f32")];
+/// The members of a path that are no field: structs, whose members are fields, and what a field holds beside its own.
+const OTHER_MEMBERS: [(&str, &str); 4] =
+    [("ray", "Ray"), ("shadow", "Ray"), ("sum", "Compensated"), ("history", "u32")];
 
 /// All groups of fields, in the order in which a path is loaded; those that only stages of a bounce hand to each other come last.
 const GROUPS: [&str; 12] = [
@@ -262,25 +262,17 @@ pub fn slots_module(fields: &[PathField]) -> String {
                 let _ = writeln!(store, "    store_{name}(slot, {});", field.as_word());
                 continue;
             }
-            let _ = writeln!(
-                load,
-                "    let words_of_{member} = paths[place(PLANE_OF_{name}, slot)];",
-                member = local(member)
-            );
-            let _ = writeln!(load, "    (*path).{member} = vector_of(words_of_{});", local(member));
-            match fields.iter().find(|other| other.behind == Some(name.as_str())) {
+            let _ = writeln!(load, "    let words_of_{name} = paths[place(PLANE_OF_{name}, slot)];");
+            let _ = writeln!(load, "    (*path).{member} = vector_of(words_of_{name});");
+            let last = fields.iter().find(|other| other.behind == Some(name.as_str()));
+            let _ = match last {
                 Some(last) => {
-                    let _ = writeln!(load, "    {}", last.taken_from(&format!("words_of_{}.w", local(member))));
-                    let _ = writeln!(
-                        store,
-                        "    store_plane(PLANE_OF_{name}, slot, (*path).{member}, {});",
-                        last.as_word()
-                    );
+                    let _ = writeln!(load, "    {}", last.taken_from(&format!("words_of_{name}.w")));
+                    let word = last.as_word();
+                    writeln!(store, "    store_plane(PLANE_OF_{name}, slot, (*path).{member}, {word});")
                 }
-                None => {
-                    let _ = writeln!(store, "    store_vector(PLANE_OF_{name}, slot, (*path).{member});");
-                }
-            }
+                None => writeln!(store, "    store_vector(PLANE_OF_{name}, slot, (*path).{member});"),
+            };
         }
         for (verb, body) in [("load", load), ("store", store)] {
             let _ = write!(text, "\nfn {verb}_{group}(slot: u32, path: ptr<function, Path>) {{\n{body}}}\n");
@@ -296,11 +288,6 @@ pub fn slots_module(fields: &[PathField]) -> String {
         }
     }
     text
-}
-
-/// A member's name as that of a variable.
-fn local(member: &str) -> String {
-    member.replace('.', "_")
 }
 
 /// Where the fields lie: names and numbers.

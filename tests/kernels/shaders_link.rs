@@ -11,7 +11,7 @@ use gpu_rt::gpu::layout::BindingKind;
 use gpu_rt::gpu::link::{Choices, Chosen, Embedded, Entry, Library, Linked, Reason, link};
 use gpu_rt::material::{ExtensionKind, Lobe, Material, MaterialKind};
 use gpu_rt::options::{FeatureSet, Filter, Fresnel, Offset, Precision, RenderOptions, Scatter, Switch};
-use gpu_rt::plan::choices::{Conditions, Lists, Modules, Values, table_names};
+use gpu_rt::plan::choices::{ALTERNATIVES, Conditions, Lists, Modules, Values, table_names};
 use gpu_rt::plan::{Kernel, Kernels, UniformTables};
 
 const SCATTERS: [Scatter; 3] = [Scatter::Fused, Scatter::Linked, Scatter::Queues];
@@ -875,6 +875,7 @@ fn directives_name_what_the_plan_decides_and_all_of_that() {
         Modules::NAMES.to_vec(),
         Values::NAMES.iter().copied().chain(of_tables).collect(),
     ];
+    assert!(ALTERNATIVES.iter().all(|name| Modules::NAMES.contains(name)), "plan lists a choice that there is not");
     for (named, decided) in named.iter().zip(decided) {
         assert_eq!(named.iter().map(String::as_str).collect::<BTreeSet<_>>(), decided.into_iter().collect());
     }

@@ -352,8 +352,9 @@ fn bounds_hold_of_larger_images() {
     bounds_hold(&all_scenes(), BOX, (320, 180), 30, &[16, 64]);
 }
 
-/// Of samples of either sign, also at numbers that are no powers of two. A pixel that such a filter makes near 0 has a wide bound. Without the
-/// bulb: two pixels away the filter is negative and small, and most images have no sample of the bulb there, of which no bound can know.
+/// Bounds hold for a filter with negative lobes, also at numbers of samples that are no powers of two. They are wide where such a filter makes
+/// pixels near 0. The bulb is left out: two pixels away from it the filter is negative and small, most images have no sample of the bulb
+/// there, and no bound can know of light that no sample has hit.
 #[test]
 #[ignore = "takes minutes"]
 fn bounds_hold_of_signed_samples() {

@@ -10,10 +10,10 @@ use ::exr::math::Vec2;
 use ::exr::meta::attribute::{LineOrder, SampleType};
 use ::exr::meta::header::{Header, LayerAttributes};
 
-use super::colours::{note, rec_709, to_rec_709};
-use super::read::{as_floats, find_rgb, float, open, pixels_of, read_part, triple};
+use super::read::{as_floats, find_rgb, float, note_of_colours, open, pixels_of, read_part, triple};
 use super::write::{OF_PICTURE, sort_attributes};
 use super::{Attribute, decoded, text, to_io};
+use crate::chromaticities::{Conversion, REC_709};
 use crate::data::{CHANNELS, Rgb};
 use crate::error::{Error, Result};
 use crate::output::atomic;
@@ -91,12 +91,12 @@ fn read(path: &Path) -> std::result::Result<NoisyFile, String> {
         }
     })?;
     let [mut rgb, mut albedo, normal] = images;
-    let conversion = to_rec_709(&header);
-    let colours = note(&conversion);
+    let conversion = Conversion::of_file(header.shared_attributes.chromaticities);
+    let colours = note_of_colours(&conversion);
     if let Ok(Some(conversion)) = conversion {
         let of_colours = [&mut rgb, &mut albedo].into_iter().flatten().flatten();
         of_colours.for_each(|rgb| *rgb = conversion.convert(*rgb));
-        header.shared_attributes.chromaticities = Some(rec_709());
+        header.shared_attributes.chromaticities = Some(REC_709.into());
     }
     let side = |length: usize| u32::try_from(length).map_err(|_| "its size is not supported".to_string());
     let size = (side(width)?, side(height)?);

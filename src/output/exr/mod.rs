@@ -1,6 +1,5 @@
 //! OpenEXR files: the linear picture with its error estimate, the state that a render goes on from, and pictures of other programs.
 
-mod colours;
 mod denoised;
 mod read;
 mod state;

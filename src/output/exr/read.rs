@@ -11,8 +11,8 @@ use ::exr::meta::attribute::{ChannelDescription, SampleType};
 use ::exr::meta::header::Header;
 use ::exr::prelude::f16;
 
-use super::colours::{note, to_rec_709};
 use super::{Attribute, DENOISER, REJECTED, SAMPLES, VARIANCES, decoded};
+use crate::chromaticities::Conversion;
 use crate::data::{CHANNELS, Rgb};
 use crate::error::{Error, Result};
 use crate::film::UNKNOWN_VARIANCE;
@@ -138,8 +138,8 @@ fn read_place(
     let is_colour = SPELLINGS
         .iter()
         .any(|names| place.channels.iter().zip(names).all(|(channel, name)| last_part(channel) == *name));
-    let conversion = if is_colour { to_rec_709(header) } else { Ok(None) };
-    let colours = note(&conversion);
+    let conversion = if is_colour { Conversion::of_file(header.shared_attributes.chromaticities) } else { Ok(None) };
+    let colours = note_of_colours(&conversion);
     let conversion = conversion.unwrap_or_default();
     // The variances of other primaries would need the channels' covariance.
     let variance = floats(VARIANCES).filter(|_| conversion.is_none());
@@ -189,6 +189,14 @@ fn read_place(
 }
 
 /// The name of a channel without that of its layer.
+/// What users are told of a file whose colours are, or are not, converted.
+pub(super) fn note_of_colours(conversion: &std::result::Result<Option<Conversion>, String>) -> Option<String> {
+    match conversion {
+        Ok(conversion) => conversion.as_ref().map(Conversion::words),
+        Err(reason) => Some(format!("{reason}: its colours are taken for Rec. 709")),
+    }
+}
+
 fn last_part(channel: &str) -> &str {
     channel.rsplit('.').next().unwrap_or_default()
 }

@@ -11,9 +11,9 @@ use ::exr::meta::attribute::{ChannelDescription, Compression, IntegerBounds, Lin
 use ::exr::meta::header::{Header, LayerAttributes};
 use ::exr::meta::{BlockDescription, Headers};
 
-use super::colours::rec_709;
 use super::{Attribute, REJECTED, SAMPLES, STATE, State, VARIANCES, text, to_io};
 use crate::aov::{Channel, ChannelNames};
+use crate::chromaticities::REC_709;
 use crate::data::CHANNELS;
 use crate::error::Result;
 use crate::film::{Film, Picture, PicturePixel};
@@ -212,7 +212,7 @@ fn write_parts(
             .with_attributes(own)
             // A fixed line order makes the bytes independent of the threads that compress.
             .with_encoding(compression, BlockDescription::ScanLines, LineOrder::Increasing);
-        header.shared_attributes.chromaticities = Some(rec_709());
+        header.shared_attributes.chromaticities = Some(REC_709.into());
         // The pixels of a part of an image stand where they are in the whole, for programs that put parts together.
         header.shared_attributes.display_window = IntegerBounds::from_dimensions((whole.0 as usize, whole.1 as usize));
         header.own_attributes.layer_position = Vec2(part.left as i32, part.top as i32);

@@ -3,13 +3,12 @@
 use std::io::Cursor;
 use std::sync::Arc;
 
-use exr::math::Vec2;
 use exr::prelude::{MetaData, ReadChannels, ReadLayers};
 
 use super::pack::of_channel;
 use super::{Decoded, Wanted};
 use crate::bitmap::{Bitmap, Decoding, Format};
-use crate::chromaticities::{Chromaticities, Conversion};
+use crate::chromaticities::Conversion;
 
 pub const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 
@@ -52,14 +51,7 @@ pub fn decode(bytes: &[u8], wanted: &Wanted) -> Result<Decoded, String> {
     let image = reader.from_buffered(Cursor::new(bytes)).map_err(text)?;
     let layer = image.layer_data;
     let (width, height) = (layer.size.width(), layer.size.height());
-    let of = |Vec2(x, y): Vec2<f32>| [x, y];
-    let chromaticities = image.attributes.chromaticities.map(|of_file| Chromaticities {
-        red: of(of_file.red),
-        green: of(of_file.green),
-        blue: of(of_file.blue),
-        white: of(of_file.white),
-    });
-    let conversion = chromaticities.map_or(Ok(None), Chromaticities::to_rec_709)?;
+    let conversion = Conversion::of_file(image.attributes.chromaticities)?;
     let mut images = layer.channel_data.pixels.1;
     for (words, _) in images.iter_mut().zip(&decodings).filter(|(_, decoding)| **decoding == Decoding::Colour) {
         if let Some(conversion) = &conversion {

@@ -22,6 +22,12 @@ fn code(share: f64) -> u16 {
     (share.clamp(0.0, 1.0) * f64::from(u16::MAX)).round() as u16
 }
 
+/// The vertex colours of a primitive that has triangles.
+fn colours_of(primitive: &Primitive) -> Option<Index<Accessor>> {
+    let colours = primitive.attributes.get(&Checked::Valid(Semantic::Colors(0)));
+    colours.copied().filter(|_| has_triangles(primitive))
+}
+
 impl File {
     /// Adds the meshes of the default scene, or of the first scene if there is no default.
     pub fn add_scene(&self, draft: &mut Draft) -> Result<()> {
@@ -132,16 +138,15 @@ impl File {
 
     /// Whether a primitive has vertex colours other than white, which exporters write too.
     pub fn is_coloured(&self, primitive: &Primitive) -> bool {
-        let colours = primitive.attributes.get(&Checked::Valid(Semantic::Colors(0)));
-        let Some(colours) = colours.copied().filter(|_| has_triangles(primitive)) else { return false };
-        self.colours(colours).is_ok_and(|mut all| !all.all(|colour| colour == [u16::MAX; 3]))
+        let is_coloured =
+            |colours| self.colours(colours).is_ok_and(|mut all| !all.all(|colour| colour == [u16::MAX; 3]));
+        colours_of(primitive).is_some_and(is_coloured)
     }
 
     /// Whether a primitive has vertices whose alpha is less than 1.
     pub fn has_vertex_alpha(&self, primitive: &Primitive) -> bool {
-        let colours = primitive.attributes.get(&Checked::Valid(Semantic::Colors(0)));
-        let Some(colours) = colours.copied().filter(|_| has_triangles(primitive)) else { return false };
-        self.alphas(colours).is_ok_and(|all| all.into_iter().flatten().any(|alpha| alpha != u16::MAX))
+        let is_there = |all: Option<Elements<'_, u16>>| all.into_iter().flatten().any(|alpha| alpha != u16::MAX);
+        colours_of(primitive).is_some_and(|colours| self.alphas(colours).is_ok_and(is_there))
     }
 
     /// The alphas of vertex colours; nothing if these have three numbers.
