@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use glam::Vec3A;
 
-use super::Bounds;
+use super::bounds::Bounds;
 
 /// A primitive during the build. The code comes first, because vector loads of `max` also read the word after it: a code, read as a
 /// float, is subnormal, which makes every operation on it slow.

@@ -6,7 +6,8 @@ use super::{print_json, print_line};
 use crate::cli::DevicesArgs;
 use crate::error::Result;
 use crate::gpu::device::{Adapters, Device};
-use crate::gpu::probe::{LOOPS, Numerics, numerics};
+use crate::gpu::numerics::{LOOPS, Numerics};
+use crate::gpu::probe::numerics;
 
 /// Lists the adapters, their drivers, the limits that decide whether a scene fits, and the findings of the numerics probe.
 pub fn run(args: &DevicesArgs) -> Result<()> {

@@ -11,7 +11,7 @@ use crate::commands::denoise::Denoised;
 use crate::commands::{command_line, path_text};
 use crate::film::{Film, TooDeep, Totals, Verdict};
 use crate::gpu::device::Device;
-use crate::gpu::probe::Numerics;
+use crate::gpu::numerics::Numerics;
 use crate::identity::Identity;
 use crate::job::Job;
 use crate::output::exr::Attribute;

@@ -144,7 +144,7 @@ impl Session {
 
     /// How many kernels have been compiled.
     fn compiled(&self) -> usize {
-        self.devices.iter().map(|device| device.compiled().len()).sum()
+        self.devices.iter().map(|device| device.kernels.compiled_names().len()).sum()
     }
 
     /// Whether no save can mend an error. Before anything was rendered, the arguments are to blame, and not the scene.
