@@ -282,7 +282,7 @@ impl KnownNames<'_> {
         };
         if material.has_alpha() && object.kind().is_some_and(|kind| kind.encloses()) {
             return Err(at.error(format!(
-                "the material {name:?} has an alpha, which a {} cannot have: expected a Quad or a Mesh, or a material without an alpha",
+                "the material {name:?} has an alpha, which a {} cannot have: expected a Quad, a Disk or a Mesh, or a material without an alpha",
                 object.name()
             )));
         }
