@@ -1,7 +1,7 @@
 //@ use data/ray
 //@ use data/primitive
 //@ use data/surface
-//@ use geometry/quad
+//@ use geometry/quad_plane
 // A disk: the circle within a square, which the kernel has as a quad.
 
 // A point of the plane from the disk's middle, in radii.

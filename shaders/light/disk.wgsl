@@ -2,7 +2,7 @@
 //@ use data/primitive
 //@ use light/sample
 //@ use lib/sampling
-//@ use geometry/quad
+//@ use geometry/quad_plane
 // A disk as a light: points are uniform in its area. Directions that are uniform in the solid angle of the square around it, of which those
 // that miss the disk bring nothing, have 1.3 to 14 times the error from one radius away on, and 0.8 times closer by.
 

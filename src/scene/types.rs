@@ -92,16 +92,16 @@ pub enum Object {
         #[serde(default)]
         material: Option<String>,
     },
+    Mesh {
+        #[serde(skip_serializing)]
+        path: String,
+        #[serde(default)]
+        material: Option<String>,
+    },
     Disk {
         center: DVec3,
         normal: DVec3,
         radius: f64,
-        #[serde(default)]
-        material: Option<String>,
-    },
-    Mesh {
-        #[serde(skip_serializing)]
-        path: String,
         #[serde(default)]
         material: Option<String>,
     },

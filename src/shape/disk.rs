@@ -24,7 +24,7 @@ pub const KIND: ShapeKind = ShapeKind {
                 and u is v × normal.",
         fields: &[CENTER, NORMAL, RADIUS, MATERIAL],
         in_order: false,
-        example: "Disk(center: (0, 3, 0), normal: (0, -1, 0), radius: 0.5, material: \"lamp\")",
+        example: "Disk(center: (0, 3, 0), normal: (0, -1, 0), radius: 0.5, material: \"matt\")",
     },
     in_files: true,
     shader: "disk",

@@ -151,7 +151,7 @@ fn bad_materials() -> Vec<Bad> {
         bad(
             material("Pbr(alpha: 0.5)").replace("material: \"it\"", "material: §\"it\""),
             "objects[0].Sphere.material",
-            &["\"it\" has an alpha", "a Sphere cannot have", "a Quad, a Disk or a Mesh"],
+            &["\"it\" has an alpha", "a Sphere cannot have", "a Quad, a Mesh or a Disk"],
         ),
         bad(material("Pbr(alpha: §\"none\")"), "materials[\"it\"].Pbr.alpha", &["a number"]),
         bad(material("Metal(albedo: Rgb(§-0.1, 0.5, 0.5))"), "materials[\"it\"].Metal.albedo.Rgb[0]", &["albedo", "-0.1"]),
