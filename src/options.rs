@@ -21,7 +21,6 @@ pub struct RenderOptions {
     pub fresnel: Fresnel,
     /// The most indirect radiance that a path may add, in scene units; `None` for no limit.
     pub clamp: Option<f64>,
-    pub offset: Offset,
     pub precision: Precision,
     pub build: Quality,
     pub aov: Aovs,
@@ -45,7 +44,6 @@ impl Default for RenderOptions {
             filter: Filter::Box,
             fresnel: Fresnel::Exact,
             clamp: None,
-            offset: Offset::Robust,
             precision: Precision::Strict,
             build: Quality::Medium,
             aov: Aovs::default(),
@@ -172,12 +170,6 @@ words!(
     }
 );
 words!(
-    enum Offset {
-        Robust = "robust",
-        Fast = "fast",
-    }
-);
-words!(
     enum Precision {
         Strict = "strict",
         Fast = "fast",
@@ -206,7 +198,7 @@ words!(
 words!(SeenSurface { Rough = "rough", First = "first", });
 words!(ChannelNames { Plain = "plain", Blender = "blender", });
 words!(Sampler { Sobol = "sobol", Independent = "independent", });
-words!(Quality { Fast = "fast", Medium = "medium", Best = "best", });
+words!(Quality { Medium = "medium", Best = "best", });
 
 /// What an option's values other than the default give up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -346,6 +338,8 @@ impl Knob {
     fn arg(&'static self, reading: &Reading) -> Arg {
         let Reading { read, takes, .. } = *reading;
         let arg = Arg::new(self.name).long(self.name).help(self.help()).help_heading(self.class.heading());
+        // Tests and `plan` compare kernels with all features; nobody renders better or faster by them.
+        let arg = arg.hide(self.name == "features");
         let arg = match takes {
             Takes::Words(words) => arg.value_name("WORD").value_parser(PossibleValuesParser::new(words())),
             Takes::Text(name) => arg
@@ -530,20 +524,6 @@ pub const CLAMP: Knob = Knob {
     }),
 };
 
-pub const OFFSET: Knob = Knob {
-    name: "offset",
-    about: "The offset of a spawned ray from its surface: `robust` uses each shape's own rounding bound, `fast` a fraction of the distance.",
-    values: &["robust", "fast"],
-    default: Some("robust"),
-    class: Class::Numerics,
-    gives_up: "`fast` fails for shapes smaller than 1/16384 of their distance, and huge shapes close to the camera shadow themselves. No saving of time was measured.",
-    reading: word!(offset: Offset),
-    links: Some(|options| match options.offset {
-        Offset::Robust => "geometry/offset",
-        Offset::Fast => "geometry/offset_fast",
-    }),
-};
-
 pub const PRECISION: Knob = Knob {
     name: "precision",
     about: "The ray-sphere intersection: `strict` is accurate for small distant spheres, `fast` is the textbook's quadratic formula.",
@@ -561,10 +541,10 @@ pub const PRECISION: Knob = Knob {
 pub const BUILD: Knob = Knob {
     name: "build",
     about: "The quality of the BVH: build time against traversal time.",
-    values: &["fast", "medium", "best"],
+    values: &["medium", "best"],
     default: Some("medium"),
     class: Class::Exact,
-    gives_up: "`fast` builds sooner and renders slower, `best` the reverse. `best` also cuts the boxes of long thin faces, which takes memory.",
+    gives_up: "`best` builds two to three times as long, and cuts the boxes of long thin faces, which takes memory.",
     reading: word!(build: Quality),
     links: None,
 };
@@ -583,20 +563,8 @@ pub const DENOISE: Knob = Knob {
 };
 
 /// All that trade one thing for another, or a look for another, those first that are the first to be measured where time is short.
-pub const KNOBS: &[&Knob] = &[
-    &SPP,
-    &INTEGRATOR,
-    &SAMPLER,
-    &ROULETTE,
-    &MAX_DEPTH,
-    &FRESNEL,
-    &CLAMP,
-    &BUILD,
-    &OFFSET,
-    &PRECISION,
-    &SIZE,
-    &FILTER,
-];
+pub const KNOBS: &[&Knob] =
+    &[&SPP, &INTEGRATOR, &SAMPLER, &ROULETTE, &MAX_DEPTH, &FRESNEL, &CLAMP, &BUILD, &PRECISION, &SIZE, &FILTER];
 
 pub const AOV: Knob = Knob {
     name: "aov",
