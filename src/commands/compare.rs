@@ -1,13 +1,13 @@
 //! `gpu-rt compare`: the error of an image against a reference.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use clap::Args;
 use serde_json::{Value, json};
 
 use super::outputs::{Beside, OutputImage, PNG, check_name, check_outputs};
 use super::{path_text, print_json, print_line, tell, tell_colours, tell_denoised};
-use crate::cli::{CompareArgs, Limit, Metric};
 use crate::data::SampleSpread;
 use crate::error::{Error, Result};
 use crate::metrics::difference::{
@@ -20,6 +20,82 @@ use crate::metrics::pixels::Pixels as SinglePixels;
 use crate::metrics::verdict::verdict;
 use crate::output::exr::{ExrImage, StateFile, read_exr, read_layer, read_state};
 use crate::output::png::write_heatmap;
+
+#[derive(Debug, Args)]
+pub struct CompareArgs {
+    /// The EXR to judge.
+    #[arg(value_name = "A.exr")]
+    pub image: PathBuf,
+    /// The reference: an EXR of the same size, from any renderer.
+    #[arg(value_name = "B.exr")]
+    pub reference: PathBuf,
+    /// Compare this layer of both files instead of the picture: albedo, N, Z, direct, … as `render --aov` names them, or those of other programs.
+    #[arg(long, value_name = "NAME")]
+    pub layer: Option<String>,
+    /// Also write a heat map of FLIP's error: black is none, pale yellow is the most.
+    #[arg(long, value_name = "FILE.png")]
+    pub heatmap: Option<PathBuf>,
+    /// Exit with status 1 if this metric is above the value, such as relmse=0.01. Metrics: mse, rmse, relmse,
+    /// relmse_trimmed, flip and mean_difference (its magnitude). Can be given several times. A pixel that is not finite
+    /// fails too.
+    #[arg(long, value_name = "METRIC=VALUE", value_parser = limit)]
+    pub fail_above: Vec<Limit>,
+    /// Print one JSON object on stdout.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// A limit of `--fail-above`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limit {
+    pub metric: Metric,
+    pub value: f64,
+}
+
+/// The metrics for which 0 is best.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Metric {
+    Mse,
+    Rmse,
+    Relmse,
+    RelmseTrimmed,
+    Flip,
+    MeanDifference,
+}
+
+impl Metric {
+    pub const ALL: [Metric; 6] =
+        [Metric::Mse, Metric::Rmse, Metric::Relmse, Metric::RelmseTrimmed, Metric::Flip, Metric::MeanDifference];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Metric::Mse => "mse",
+            Metric::Rmse => "rmse",
+            Metric::Relmse => "relmse",
+            Metric::RelmseTrimmed => "relmse_trimmed",
+            Metric::Flip => "flip",
+            Metric::MeanDifference => "mean_difference",
+        }
+    }
+}
+
+fn limit(text: &str) -> std::result::Result<Limit, String> {
+    let names = || Metric::ALL.map(Metric::name).join(", ");
+    let (name, value) =
+        text.split_once('=').ok_or_else(|| format!("expected METRIC=VALUE, with a METRIC of {}", names()))?;
+    if name == "psnr" {
+        return Err(
+            "a higher psnr is better, so it cannot have an upper limit; use mse, or flip for the perceived difference"
+                .to_string(),
+        );
+    }
+    let metric = Metric::ALL.into_iter().find(|metric| metric.name() == name);
+    let metric = metric.ok_or_else(|| format!("expected one of {}, found {name}", names()))?;
+    match value.parse::<f64>() {
+        Ok(value) if value >= 0.0 && value.is_finite() => Ok(Limit { metric, value }),
+        _ => Err(format!("expected a number of at least 0 as the limit of {name}, such as {name}=0.01")),
+    }
+}
 
 /// Reads both images, prints their differences, and fails if an error is above its limit.
 pub fn run(args: &CompareArgs) -> Result<()> {

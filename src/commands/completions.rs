@@ -1,11 +1,16 @@
 //! `gpu-rt completions`: what a shell needs to complete command lines.
 
-use clap::CommandFactory;
+use clap::{Args, CommandFactory};
 use clap_complete::generate;
 
-use super::print_text;
-use crate::cli::{Cli, CompletionsArgs};
+use super::{Cli, print_text};
 use crate::error::Result;
+
+#[derive(Debug, Args)]
+pub struct CompletionsArgs {
+    /// The shell.
+    pub shell: clap_complete::Shell,
+}
 
 pub fn run(args: &CompletionsArgs) -> Result<()> {
     let mut script = Vec::new();

@@ -3,17 +3,41 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use clap::Args;
 use serde::Serialize;
 use serde_json::json;
 
 use super::outputs::{Beside, EXR, OutputImage, PNG, check_name, check_outputs};
 use super::{path_text, print_json, tell, tell_colours};
-use crate::cli::DenoiseArgs;
+use crate::cli::{OIDN, ViewArgs};
 use crate::denoise::{Denoiser, Noisy};
 use crate::error::{Error, Result};
 use crate::output::exr::{NoisyFile, read_noisy, write_denoised};
 use crate::output::png::write_png;
 use crate::output::view_transform::ViewTransform;
+
+#[derive(Debug, Args)]
+pub struct DenoiseArgs {
+    /// The EXR: red, green and blue, and to keep more detail albedo and normal, as `render --aov albedo,normal` writes them.
+    #[arg(value_name = "IN.exr")]
+    pub image: PathBuf,
+    /// The denoised EXR to write. It has no estimate of its error, and cannot be resumed or joined.
+    #[arg(short, long, value_name = "OUT.exr")]
+    pub output: PathBuf,
+    /// Also write a tone-mapped picture of it, - for standard output.
+    #[arg(long, value_name = "FILE.png")]
+    pub png: Option<PathBuf>,
+    #[arg(long, value_name = "FOLDER", help = OIDN)]
+    pub oidn: Option<PathBuf>,
+    #[command(flatten)]
+    pub view: ViewArgs,
+    /// Print errors only.
+    #[arg(long)]
+    pub quiet: bool,
+    /// Print one JSON object on stdout.
+    #[arg(long)]
+    pub json: bool,
+}
 
 /// Where the denoised image goes.
 pub struct Target {

@@ -1,11 +1,27 @@
 //! `gpu-rt develop`: a picture of an EXR.
 
+use std::path::PathBuf;
+
+use clap::Args;
+
 use super::outputs::{Beside, OutputImage, PNG, check_name, check_outputs};
 use super::{tell, tell_colours};
-use crate::cli::DevelopArgs;
+use crate::cli::ViewArgs;
 use crate::error::Result;
 use crate::output::exr::read_exr;
 use crate::output::png::write_png;
+
+#[derive(Debug, Args)]
+pub struct DevelopArgs {
+    /// The EXR: red, green and blue, or a luminance alone.
+    #[arg(value_name = "IN.exr")]
+    pub image: PathBuf,
+    /// The PNG to write, - for standard output.
+    #[arg(short, long, value_name = "OUT.png")]
+    pub output: PathBuf,
+    #[command(flatten)]
+    pub view: ViewArgs,
+}
 
 /// Writes the picture, and says which pixels have no value to show.
 pub fn run(args: &DevelopArgs) -> Result<()> {

@@ -1,14 +1,20 @@
 //! `gpu-rt man`: the manual pages.
 
 use std::io;
+use std::path::PathBuf;
 
-use clap::{Command, CommandFactory};
+use clap::{Args, Command, CommandFactory};
 use clap_mangen::Man;
 
-use super::{make_folder, print_text};
-use crate::cli::{Cli, ManArgs};
+use super::{Cli, make_folder, print_text};
 use crate::error::{Error, Result};
 use crate::output::atomic;
+
+#[derive(Debug, Args)]
+pub struct ManArgs {
+    /// The folder for a page of each command; created if missing.
+    pub folder: Option<PathBuf>,
+}
 
 /// Prints the page of the program, or writes the pages of all its commands.
 pub fn run(args: &ManArgs) -> Result<()> {

@@ -3,12 +3,13 @@
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use clap::Args;
 use serde_json::json;
 
 use super::outputs::{Beside, EXR, OutputImage, check_name, check_outputs};
 use super::render::{Finish, attributes_of, doubts, error_words, excluded, noise_words};
 use super::{command_line, path_text, print_json, tell};
-use crate::cli::MergeArgs;
+use crate::cli::{relative_error, sample_range};
 use crate::data::RUN_LENGTH;
 use crate::error::{Error, Result};
 use crate::film::Film;
@@ -16,6 +17,35 @@ use crate::output::exr::{State, add_film, attribute_text, read_attributes, read_
 use crate::output::progress::Loading;
 use crate::render::{Noise, look_after, look_at};
 use crate::samples::Samples;
+
+#[derive(Debug, Args)]
+pub struct MergeArgs {
+    /// The parts: EXRs of `gpu-rt render --samples A..B`, or of this command, or folders of them.
+    #[arg(value_name = "PART.exr", required = true)]
+    pub parts: Vec<PathBuf>,
+    /// Fail unless the parts together have exactly these samples.
+    #[arg(long, value_name = "A..B", value_parser = sample_range, conflicts_with = "allow_gaps")]
+    pub samples: Option<Range<u32>>,
+    /// Join parts until the relative error is below this, as `render --noise` would: it is checked at 16, 32, 64 … samples, and a part
+    /// must end at each check.
+    #[arg(long, value_name = "E", value_parser = relative_error, conflicts_with = "allow_gaps")]
+    pub noise: Option<f64>,
+    /// The EXR to write. It can be resumed, and joined with others.
+    #[arg(short, long, value_name = "OUT.exr")]
+    pub output: PathBuf,
+    /// Join parts that leave out samples between them.
+    #[arg(long)]
+    pub allow_gaps: bool,
+    /// Join parts of several devices or drivers, whose rounding may differ.
+    #[arg(long)]
+    pub mixed_drivers: bool,
+    /// Print errors only.
+    #[arg(long)]
+    pub quiet: bool,
+    /// Print one JSON object on stdout.
+    #[arg(long)]
+    pub json: bool,
+}
 
 /// Joins the parts. It takes the memory of one film, whatever their number.
 pub fn run(args: &MergeArgs) -> Result<()> {

@@ -21,11 +21,12 @@ mod tradeoff;
 
 use std::path::Path;
 
-use crate::cli::{Cli, Command, Scheduler, Size};
+use clap::{Parser, Subcommand};
+
 use crate::error::{Error, Result};
 use crate::flatten::{DeviceScene, flatten};
 use crate::gpu::device::{AdapterName, Adapters, Device, DeviceClass};
-use crate::job::{Goal, Job};
+use crate::job::{Goal, Job, Size};
 use crate::jobs::scripts::line;
 use crate::options::{MAX_DEPTH, RenderOptions};
 use crate::output::exr::ExrImage;
@@ -33,6 +34,51 @@ use crate::plan::Plan;
 use crate::printable::printable;
 use crate::scene::Scene;
 use crate::terminal::{columns_of_stderr, columns_of_stdout, shown};
+
+/// A path tracer for GPUs, and for machines without one.
+#[derive(Debug, Parser)]
+#[command(name = "gpu-rt", version, about, max_term_width = 80)]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Render a scene to a linear EXR.
+    Render(render::RenderArgs),
+    /// Join renders of disjoint samples of one scene, in any order: the image is that of one render.
+    Merge(merge::MergeArgs),
+    /// Make a PNG of an EXR, whichever program wrote it.
+    Develop(develop::DevelopArgs),
+    /// Remove the noise of an EXR by Intel's Open Image Denoise, which biases the result. The EXR stays as it is.
+    Denoise(denoise::DenoiseArgs),
+    /// Report the progress of a render that `gpu-rt submit` shares: samples, parts, time left. It changes no file.
+    Status(status::StatusArgs),
+    /// Share one render among many processes or machines.
+    #[command(subcommand)]
+    Submit(submit::Scheduler),
+    /// Measure the error of an image against a reference, and separate it from noise.
+    Compare(compare::CompareArgs),
+    /// Measure the trade of render's settings on a scene: seconds against noise and bias.
+    Tradeoff(tradeoff::TradeoffArgs),
+    /// Measure how the error falls with samples and seconds, against a reference: CSV and plot.
+    Converge(converge::ConvergeArgs),
+    /// Show what a scene requires: kernels, buffers and bytes, and which object asked for each.
+    Plan(plan::PlanArgs),
+    /// Validate a scene without a GPU.
+    Check(check::CheckArgs),
+    /// Write a glTF scene as a scene file of our own form, which renders to the same image.
+    Convert(convert::ConvertArgs),
+    /// List the devices, their drivers and limits.
+    Devices(devices::DevicesArgs),
+    /// Print what a shell needs to complete command lines.
+    #[command(hide = true)]
+    Completions(completions::CompletionsArgs),
+    /// Print the manual page, or write the pages of all commands into a folder.
+    #[command(hide = true)]
+    Man(man::ManArgs),
+}
 
 /// Runs the command.
 pub fn run(cli: &Cli, start: std::time::Instant) -> Result<()> {
@@ -42,7 +88,7 @@ pub fn run(cli: &Cli, start: std::time::Instant) -> Result<()> {
         Command::Develop(args) => develop::run(args),
         Command::Denoise(args) => denoise::run(args),
         Command::Status(args) => status::run(args),
-        Command::Submit(Scheduler::Slurm(args)) => submit::run(args),
+        Command::Submit(submit::Scheduler::Slurm(args)) => submit::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Converge(args) => converge::run(args),
         Command::Plan(args) => plan::run(args),
@@ -64,7 +110,7 @@ fn flatten_for(scene: &Scene, size: Option<Size>, options: &RenderOptions) -> Re
 /// The size of the image: the one asked for, or the scene's.
 fn size_of(scene: &Scene, asked: Option<Size>) -> (u32, u32) {
     let of_scene = (scene.image.width, scene.image.height);
-    asked.map_or(of_scene, |size| size.of(of_scene))
+    asked.map_or(of_scene, |size| size.in_pixels(of_scene))
 }
 
 /// Prints warnings about settings that bias the result or are less exact, unless `quiet`. Returns these options as the

@@ -3,21 +3,26 @@
 use std::ffi::OsStr;
 use std::path::Path;
 
-use crate::cli::GltfArgs;
+use crate::cli::{GltfArgs, SceneArgs};
 use crate::error::Result;
 use crate::output::place::is_standard;
 use crate::scene::{Assets, GltfOptions, OnProgress, Scene};
 
 /// Reads the scene. Of one on standard input, paths are relative to the current folder, and errors name `<stdin>`.
-pub fn load_scene(path: &Path, gltf: &GltfArgs, progress: &mut OnProgress, assets: &mut Assets) -> Result<Scene> {
-    let options = options(gltf);
-    match is_standard(path) {
+pub fn load_with(scene: &SceneArgs, progress: &mut OnProgress, assets: &mut Assets) -> Result<Scene> {
+    let options = options(&scene.gltf);
+    match is_standard(&scene.path) {
         true => {
-            options.refuse(path)?;
+            options.refuse(&scene.path)?;
             Scene::read(std::io::stdin().lock(), Path::new("<stdin>"), progress)
         }
-        false => Scene::load_as(path, &options, progress, assets),
+        false => Scene::load_as(&scene.path, &options, progress, assets),
     }
+}
+
+/// Reads the scene without telling its progress.
+pub fn load(scene: &SceneArgs) -> Result<Scene> {
+    load_with(scene, &mut |_, _, _| {}, &mut Assets::default())
 }
 
 /// The scene of a glTF file, whose paths are relative to the scene file that it is written as.

@@ -3,12 +3,13 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use clap::Args;
 use serde_json::{Value, json};
 
 use super::outputs::{Beside, OutputImage, PNG, check_name, check_outputs};
 use super::render::{Finish, doubts, error_words, excluded};
 use super::{path_text, print_json, print_line, tell};
-use crate::cli::{CHECKPOINT, StatusArgs, duration};
+use crate::cli::{CHECKPOINT, ViewArgs, duration};
 use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::jobs::parts::{Came, Part, Parts};
@@ -17,6 +18,27 @@ use crate::output::exr::{Attribute, StateFile, attribute, attribute_text, read_a
 use crate::output::png::write_png;
 use crate::output::progress::Loading;
 use crate::samples::Samples;
+
+#[derive(Debug, Args)]
+pub struct StatusArgs {
+    /// The folder that `gpu-rt submit` has written.
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// Also join the samples that are there, and print the error of their image.
+    #[arg(long)]
+    pub error: bool,
+    /// Also join the samples that are there, and write a tone-mapped picture of them.
+    #[arg(long, value_name = "FILE.png")]
+    pub png: Option<PathBuf>,
+    #[command(flatten)]
+    pub view: ViewArgs,
+    /// Print results and errors only.
+    #[arg(long)]
+    pub quiet: bool,
+    /// Print one JSON object on stdout.
+    #[arg(long)]
+    pub json: bool,
+}
 
 /// A part is under way if its file was written within so many intervals of `--checkpoint`: one checkpoint may be late, and another one fail.
 const INTERVALS: u32 = 3;

@@ -2,9 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Output, can_be_replaced};
+use super::{Output, RenderArgs, can_be_replaced};
 use crate::aov::Aov;
-use crate::cli::RenderArgs;
 use crate::commands::denoise::{Denoised, Target, denoise};
 use crate::denoise::Denoiser;
 use crate::error::{Error, Result};
@@ -21,7 +20,7 @@ pub struct Denoising {
 impl Denoising {
     /// Loads the library before anything costs time; nothing where nobody asks for it.
     pub fn of(args: &RenderArgs, output: &Output<'_>) -> Result<Option<Denoising>> {
-        if !args.denoise {
+        if !args.denoise() {
             return Ok(None);
         }
         let undone = |error: Error| Error::Denoiser(format!("{error}. Nothing has been rendered"));

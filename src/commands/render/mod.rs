@@ -9,11 +9,12 @@ mod summary;
 mod viewers;
 mod watcher;
 
-use std::ops::Deref;
+use std::ops::{Deref, Range};
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
+use clap::Args;
 use serde::Serialize;
 use serde_json::json;
 
@@ -22,14 +23,15 @@ use super::outputs::{Beside, EXR, EXR_OR_PNG, OutputImage, PNG, check_outputs};
 use super::scene::stem_of;
 use super::signals::Signals;
 use super::{open_devices, print_json, size_of, tell, tell_biases, tell_software};
-use crate::cli::{MOST_SAMPLES, RenderArgs};
+use crate::cli::{CHECKPOINT, OIDN, PathArgs, SceneArgs, ViewArgs, duration, relative_error, sample_range};
 use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::flatten::{DeviceScene, flatten, flatten_again};
 use crate::gpu::device::{AdapterName, Device};
 use crate::gpu::probe::numerics;
 use crate::identity::Identity;
-use crate::job::{Crop, Frame, Goal, Job};
+use crate::job::{Crop, Frame, Goal, Job, MOST_SAMPLES};
+use crate::options::{Class, DENOISE, DenoiseArg, RenderOptions, SizeArg, SppArg};
 use crate::output::exr::{State, read_state, write_render};
 use crate::output::format::{Format, format_of};
 use crate::output::place::{Place, is_standard};
@@ -50,6 +52,117 @@ pub use summary::{doubts, error_words, noise_words};
 use summary::{rejected_words, summarise};
 use viewers::Viewers;
 use watcher::{Watcher, look_time, pause_after};
+
+#[derive(Clone, Debug, Args)]
+pub struct RenderArgs {
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// The image to write: a linear .exr, or a .png, which is the picture alone and cannot be resumed. - is a PNG on standard output
+    /// [default: the scene's name with .exr, in the current folder].
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Also write a tone-mapped picture, - for standard output.
+    #[arg(long, value_name = "FILE.png")]
+    pub png: Option<PathBuf>,
+    #[command(flatten)]
+    pub spp: SppArg,
+    /// Sample indices A to B - 1 of each pixel, to split a render over machines.
+    #[arg(long, value_name = "A..B", value_parser = sample_range, conflicts_with_all = ["spp", "time"])]
+    pub samples: Option<Range<u32>>,
+    /// Render for this time, counted from the start of the program [30s, 5m, …]: at least one sample per pixel, at most
+    /// --spp if given.
+    #[arg(long, value_name = "TIME", value_parser = duration)]
+    pub time: Option<Duration>,
+    /// Render until the relative error is below this with 95 % confidence, such as 0.01 for 1 %: 16, 32, 64 … samples,
+    /// limited by --spp and --time if given.
+    #[arg(long, value_name = "E", value_parser = relative_error, conflicts_with = "samples")]
+    pub noise: Option<f64>,
+    #[command(flatten)]
+    pub size: SizeArg,
+    /// Render only a part of the image: WIDTH x HEIGHT pixels, from column X and row Y on, with the bytes of the whole image.
+    #[arg(long, value_name = "X,Y,WIDTH,HEIGHT")]
+    pub crop: Option<Crop>,
+    #[command(flatten)]
+    pub paths: PathArgs,
+    #[command(flatten)]
+    pub view: ViewArgs,
+    #[command(flatten)]
+    pub denoise: DenoiseArg,
+    #[arg(long, value_name = "FOLDER", requires = "denoise", help = OIDN, help_heading = DENOISE.class.heading())]
+    pub oidn: Option<PathBuf>,
+    /// Draw the image so far, about once a second, and the image at the end in the terminal, as --exposure and --tonemap have it.
+    #[arg(long)]
+    pub preview: bool,
+    /// Send the image so far, about once a second, and the image at the end to a viewer: tev, which listens on 127.0.0.1:14158.
+    #[arg(long, value_name = "HOST:PORT", value_parser = host_and_port)]
+    pub display_server: Option<String>,
+    /// Write the image so far at this interval, and the PNG too [30s, 5m, …].
+    #[arg(long, value_name = "TIME", value_parser = duration, default_value = CHECKPOINT)]
+    pub checkpoint: Duration,
+    /// Go on with the render in the output, and fail if there is none; --resume=auto starts afresh then. The image is that of one render.
+    #[arg(long, value_name = "auto", num_args = 0..=1, require_equals = true, default_missing_value = "yes", value_parser = parse_resume)]
+    pub resume: Option<Resume>,
+    /// Render again whenever the scene or one of its files is saved, until Ctrl-C: a quarter of the size, a half, then all of it.
+    #[arg(long, conflicts_with_all = ["samples", "resume", "json", "denoise"])]
+    pub watch: bool,
+    /// Render with several devices or drivers, or go on with another one, whose rounding may differ.
+    #[arg(long)]
+    pub mixed_drivers: bool,
+    /// Leave out of the EXR what --resume and `merge` need.
+    #[arg(long)]
+    pub no_state: bool,
+    /// Overwrite an image of this render that has more samples.
+    #[arg(long)]
+    pub force: bool,
+    /// Fail if a sample was not finite and therefore rejected.
+    #[arg(long)]
+    pub strict: bool,
+    /// Print errors only.
+    #[arg(long)]
+    pub quiet: bool,
+    /// Also say what the stated error excludes.
+    #[arg(long, conflicts_with = "quiet")]
+    pub verbose: bool,
+    /// Print one JSON object on stdout at the end.
+    #[arg(long)]
+    pub json: bool,
+    #[command(flatten)]
+    pub options: RenderOptions,
+    /// Measure the seconds of each stage on the device; each dispatch then needs a pass of its own.
+    #[arg(long, help_heading = Class::Exact.heading())]
+    pub profile: bool,
+}
+
+impl RenderArgs {
+    /// Whether the image is denoised at the end.
+    pub fn denoise(&self) -> bool {
+        self.denoise.0 == Some(true)
+    }
+}
+
+/// What `--resume` does where there is nothing to resume.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Resume {
+    /// It fails.
+    Yes,
+    /// The render starts afresh.
+    Auto,
+}
+
+fn parse_resume(text: &str) -> std::result::Result<Resume, String> {
+    match text {
+        "yes" => Ok(Resume::Yes),
+        "auto" => Ok(Resume::Auto),
+        _ => Err("expected --resume or --resume=auto".to_string()),
+    }
+}
+
+fn host_and_port(text: &str) -> std::result::Result<String, String> {
+    match text.rsplit_once(':') {
+        Some((host, port)) if !host.is_empty() && port.parse::<u16>().is_ok_and(|port| port > 0) => Ok(text.to_owned()),
+        _ => Err("expected HOST:PORT, such as 127.0.0.1:14158".to_string()),
+    }
+}
 
 /// Seconds of the parts of a render, as `--json` and the EXR's header report them.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
@@ -108,7 +221,7 @@ pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     }
     let mut session = Session::default();
     let scene = session.load(args)?;
-    if args.denoise {
+    if args.denoise() {
         let mut args = args.clone();
         args.options.aov.include(&WANTED);
         return render(&args, &scene, &mut session, start);
@@ -129,12 +242,12 @@ fn render(args: &RenderArgs, scene: &Scene, session: &mut Session, start: Instan
         }
     };
     tell_warnings(&warnings);
-    let biases = tell_biases(&args.options, args.paths.max_depth, scene, args.quiet);
+    let biases = tell_biases(&args.options, args.paths.max_depth.0, scene, args.quiet);
     let output = output_of(args, scene)?;
     let denoising = Denoising::of(args, &output)?;
     seconds.load = clock.lap();
 
-    let size = size_of(scene, args.size);
+    let size = size_of(scene, args.size.0);
     // The driver loads while the scene is built; `device` is the time that it takes beyond. A scene that does not load waits for no driver.
     let opening = || match devices.is_empty() {
         true => open_devices(args.paths.device.as_deref()),
@@ -528,7 +641,7 @@ fn image_of(args: &RenderArgs) -> PathBuf {
 
 /// The scene's name with .exr, in the current folder.
 fn exr_of_scene(args: &RenderArgs) -> PathBuf {
-    PathBuf::from(stem_of(&args.scene)).with_added_extension("exr")
+    PathBuf::from(stem_of(&args.scene.path)).with_added_extension("exr")
 }
 
 /// The paths to write to, checked before anything costs time.
@@ -539,12 +652,12 @@ fn output_of<'a>(args: &'a RenderArgs, scene: &Scene) -> Result<Output<'a>> {
     let format = format_of(&image, EXR_OR_PNG).unwrap_or(Format::Exr);
     let first = OutputImage { option: "-o", path: &image, formats: EXR_OR_PNG };
     let second = png.map(|path| OutputImage { option: "--png", path, formats: PNG });
-    let denoised = args.denoise.then(|| denoised_beside(&image));
-    let denoised_png = png.filter(|_| args.denoise).and_then(picture_beside);
+    let denoised = args.denoise().then(|| denoised_beside(&image));
+    let denoised_png = png.filter(|_| args.denoise()).and_then(picture_beside);
     let third = denoised.as_ref().map(|path| OutputImage { option: "-o", path, formats: EXR });
     let fourth = denoised_png.as_ref().map(|path| OutputImage { option: "--png", path, formats: PNG });
     let can_be_replaced = can_be_replaced(&image);
-    if args.denoise && (format == Format::Png || !can_be_replaced) {
+    if args.denoise() && (format == Format::Png || !can_be_replaced) {
         return Err(Error::Usage(format!(
             "{}: --denoise reads the EXR that the render writes: give -o {}; nothing has been rendered",
             image.display(),
@@ -586,9 +699,9 @@ fn frame_of(args: &RenderArgs, whole: (u32, u32)) -> Result<Frame> {
 }
 
 fn job_of(args: &RenderArgs, scene: &Scene, size: (u32, u32), start: Instant) -> Job {
-    let samples = args.samples.clone().unwrap_or(0..args.spp.unwrap_or(scene.render.samples));
+    let samples = args.samples.clone().unwrap_or(0..args.spp.0.unwrap_or(scene.render.samples));
     let deadline = args.time.map(|time| start + time.saturating_sub(write_time(size, args)));
-    let end = args.spp.unwrap_or(MOST_SAMPLES as u32);
+    let end = args.spp.0.unwrap_or(MOST_SAMPLES as u32);
     let goal = match (args.noise, deadline) {
         (None, None) => Goal::Samples(samples.end),
         (None, Some(deadline)) => Goal::Until { deadline, end },
@@ -596,7 +709,7 @@ fn job_of(args: &RenderArgs, scene: &Scene, size: (u32, u32), start: Instant) ->
     };
     Job {
         size,
-        max_depth: args.paths.max_depth.unwrap_or(scene.render.max_depth),
+        max_depth: args.paths.max_depth.0.unwrap_or(scene.render.max_depth),
         seed: args.paths.seed,
         first_sample: samples.start,
         goal,
@@ -607,7 +720,7 @@ fn job_of(args: &RenderArgs, scene: &Scene, size: (u32, u32), start: Instant) ->
 /// with the state; denoising takes 5 µs.
 fn write_time((width, height): (u32, u32), args: &RenderArgs) -> Duration {
     let state = if args.no_state { 0 } else { 600 };
-    let denoise = if args.denoise { 5000 } else { 0 };
+    let denoise = if args.denoise() { 5000 } else { 0 };
     let pixels = u64::from(width) * u64::from(height);
     Duration::from_nanos(pixels * (500 + state + denoise)) + Duration::from_millis(20)
 }

@@ -4,9 +4,8 @@ use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use super::summary::overrun;
-use super::{Output, Rendering, Seconds};
+use super::{Output, RenderArgs, Rendering, Seconds};
 use crate::aov::Aov;
-use crate::cli::RenderArgs;
 use crate::commands::denoise::Denoised;
 use crate::commands::{command_line, path_text};
 use crate::film::{Film, TooDeep, Totals, Verdict};
@@ -156,7 +155,7 @@ impl About<'_> {
         Record {
             version: env!("CARGO_PKG_VERSION"),
             command: command_line(),
-            scene: path_text(&self.args.scene),
+            scene: path_text(&self.args.scene.path),
             scene_hash: self.identity.hash_of_scene(),
             camera: self.camera,
             numerics: self.numerics,

@@ -3,7 +3,7 @@
 use std::ops::{Deref, Range};
 use std::path::Path;
 
-use crate::cli::{RenderArgs, Resume};
+use super::{RenderArgs, Resume};
 use crate::commands::tell;
 use crate::data::RUN_LENGTH;
 use crate::error::{Error, Result};

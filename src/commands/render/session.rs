@@ -5,16 +5,16 @@ use std::time::Instant;
 
 use super::changes::Changes;
 use super::resume::more_there;
-use super::{can_be_replaced, frame_of, image_of, job_of, render};
-use crate::cli::{RenderArgs, Size};
-use crate::commands::scene::{load_scene, name_of};
+use super::{RenderArgs, can_be_replaced, frame_of, image_of, job_of, render};
+use crate::commands::scene::{load_with, name_of};
 use crate::commands::signals::Signals;
 use crate::commands::{size_of, tell};
 use crate::error::{Error, Result};
 use crate::flatten::Hierarchies;
 use crate::gpu::device::Device;
 use crate::identity::Identity;
-use crate::job::{Crop, Frame};
+use crate::job::{Crop, Frame, Size};
+use crate::options::{SizeArg, SppArg};
 use crate::output::place::is_standard;
 use crate::output::progress::Loading;
 use crate::scene::{Assets, Scene};
@@ -84,7 +84,7 @@ pub fn watch(args: &RenderArgs, start: Instant) -> Result<()> {
 
 /// Refuses what cannot be watched.
 fn refuse(args: &RenderArgs) -> Result<()> {
-    if is_standard(&args.scene) {
+    if is_standard(&args.scene.path) {
         return Err(Error::Usage("--watch: standard input does not change: give the name of a scene file".to_owned()));
     }
     let image = image_of(args);
@@ -104,7 +104,7 @@ impl Session {
     pub fn load(&mut self, args: &RenderArgs) -> Result<Scene> {
         let mut loading = Loading::new(args.quiet);
         let progress = &mut |file: &_, done, whole| loading.update(file, done, whole);
-        load_scene(&args.scene, &args.gltf, progress, &mut self.assets)
+        load_with(&args.scene, progress, &mut self.assets)
     }
 
     /// Loads the scene and renders it: previews first, but not over samples of this very image.
@@ -115,14 +115,14 @@ impl Session {
             changes.follow(&self.assets.files);
         }
         let scene = scene?;
-        let frame = frame_of(args, size_of(&scene, args.size))?;
+        let frame = frame_of(args, size_of(&scene, args.size.0))?;
         let job = job_of(args, &scene, frame.part.size(), start);
         let identity = LazyLock::new(|| Identity::of(&scene, &frame, &job, &args.options));
         let is_held = !args.force && more_there(&image_of(args), &identity, 0).is_some();
-        let most = args.spp.unwrap_or(scene.render.samples);
+        let most = args.spp.0.unwrap_or(scene.render.samples);
         let mut begun = start;
         for (share, samples) in PREVIEWS.into_iter().filter(|_| !is_held) {
-            let (width, height) = Size::Share(share).of(frame.whole);
+            let (width, height) = Size::Share(share).in_pixels(frame.whole);
             render(&of_preview(args, &frame, (width, height), samples.min(most)), &scene, self, begun)?;
             begun = Instant::now();
             let new = self.compiled() - std::mem::replace(&mut compiled, self.compiled());
@@ -151,7 +151,7 @@ impl Session {
     fn ends(&self, args: &RenderArgs, error: &Error, began: bool) -> bool {
         match error {
             Error::Interrupted { .. } => true,
-            Error::Scene { .. } | Error::Several { .. } => !began && !args.scene.is_file(),
+            Error::Scene { .. } | Error::Several { .. } => !began && !args.scene.path.is_file(),
             _ => !began || self.devices.iter().any(|device| device.check().is_err()),
         }
     }
@@ -160,9 +160,9 @@ impl Session {
 /// What is asked of a preview.
 fn of_preview(args: &RenderArgs, frame: &Frame, size: (u32, u32), samples: u32) -> RenderArgs {
     RenderArgs {
-        size: Some(Size::Pixels(size.0, size.1)),
+        size: SizeArg(Some(Size::Pixels(size.0, size.1))),
         crop: frame.crop().map(|crop| scaled(&crop, frame.whole, size)),
-        spp: Some(samples),
+        spp: SppArg(Some(samples)),
         time: None,
         noise: None,
         no_state: true,

@@ -1,6 +1,6 @@
 //! Who sees the image while it renders: a viewer on a port, or the terminal.
 
-use crate::cli::RenderArgs;
+use super::RenderArgs;
 use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::output::display::Display;
