@@ -3,8 +3,9 @@
 use clap::Args;
 use serde_json::json;
 
-use super::scene::load;
-use super::{Target, flatten_for, path_text, planned, print_json, print_line};
+use super::console::{path_text, print_json, print_line};
+use super::scene::{flatten_for, load};
+use super::target::{Target, planned};
 use crate::cli::SceneArgs;
 use crate::error::{Error, Result};
 use crate::gpu::buffers::too_large;

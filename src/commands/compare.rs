@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::{Value, json};
 
-use super::outputs::{Beside, OutputImage, PNG, check_name, check_outputs};
-use super::{path_text, print_json, print_line, tell, tell_colours, tell_denoised};
+use super::console::{path_text, print_json, print_line, tell, tell_colours, tell_denoised};
+use super::outputs::{PNG, check_name, check_outputs};
 use crate::data::SampleSpread;
 use crate::error::{Error, Result};
 use crate::metrics::difference::{
@@ -45,42 +45,27 @@ pub struct CompareArgs {
     pub json: bool,
 }
 
+/// A metric for which 0 is best, by its name.
+type Metric = (&'static str, fn(&Errors) -> f64);
+
+const METRICS: [Metric; 6] = [
+    ("mse", |errors| errors.mse),
+    ("rmse", |errors| errors.mse.sqrt()),
+    ("relmse", |errors| errors.relmse),
+    ("relmse_trimmed", |errors| errors.relmse_trimmed),
+    ("flip", |errors| errors.flip),
+    ("mean_difference", |errors| errors.mean_difference.abs()),
+];
+
 /// A limit of `--fail-above`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub struct Limit {
-    pub metric: Metric,
-    pub value: f64,
-}
-
-/// The metrics for which 0 is best.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Metric {
-    Mse,
-    Rmse,
-    Relmse,
-    RelmseTrimmed,
-    Flip,
-    MeanDifference,
-}
-
-impl Metric {
-    pub const ALL: [Metric; 6] =
-        [Metric::Mse, Metric::Rmse, Metric::Relmse, Metric::RelmseTrimmed, Metric::Flip, Metric::MeanDifference];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Metric::Mse => "mse",
-            Metric::Rmse => "rmse",
-            Metric::Relmse => "relmse",
-            Metric::RelmseTrimmed => "relmse_trimmed",
-            Metric::Flip => "flip",
-            Metric::MeanDifference => "mean_difference",
-        }
-    }
+    metric: Metric,
+    value: f64,
 }
 
 fn limit(text: &str) -> std::result::Result<Limit, String> {
-    let names = || Metric::ALL.map(Metric::name).join(", ");
+    let names = || METRICS.map(|(name, _)| name).join(", ");
     let (name, value) =
         text.split_once('=').ok_or_else(|| format!("expected METRIC=VALUE, with a METRIC of {}", names()))?;
     if name == "psnr" {
@@ -89,7 +74,7 @@ fn limit(text: &str) -> std::result::Result<Limit, String> {
                 .to_string(),
         );
     }
-    let metric = Metric::ALL.into_iter().find(|metric| metric.name() == name);
+    let metric = METRICS.into_iter().find(|(known, _)| *known == name);
     let metric = metric.ok_or_else(|| format!("expected one of {}, found {name}", names()))?;
     match value.parse::<f64>() {
         Ok(value) if value >= 0.0 && value.is_finite() => Ok(Limit { metric, value }),
@@ -102,9 +87,8 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     let images = [args.image.clone(), args.reference.clone()];
     images.iter().try_for_each(|path| check_name(path, "an EXR: images are read more than once"))?;
     if let Some(path) = &args.heatmap {
-        let heatmap = OutputImage { option: "--heatmap", path, formats: PNG };
-        let beside = Beside { inputs: &images, stdout: Some("the report"), undone: "nothing has been compared" };
-        check_outputs(&[heatmap], &beside)?;
+        let heatmap = ("--heatmap", Some(path.as_path()), PNG);
+        check_outputs(&[heatmap], &images, Some("the report"), "nothing has been compared")?;
     }
     let read = |path| match &args.layer {
         Some(layer) => read_layer(path, layer),
@@ -248,24 +232,12 @@ struct Errors {
     mean_difference: f64,
 }
 
-impl Errors {
-    fn of(&self, metric: Metric) -> f64 {
-        match metric {
-            Metric::Mse => self.mse,
-            Metric::Rmse => self.mse.sqrt(),
-            Metric::Relmse => self.relmse,
-            Metric::RelmseTrimmed => self.relmse_trimmed,
-            Metric::Flip => self.flip,
-            Metric::MeanDifference => self.mean_difference.abs(),
-        }
-    }
-}
-
 /// Fails if a metric is above its limit, or if pixels were left out, because these have no error to compare with a limit.
 fn check(limits: &[Limit], errors: &Errors, pixels: &Pixels) -> Result<()> {
-    let above = limits.iter().filter(|limit| errors.of(limit.metric) > limit.value);
-    let mut words: Vec<String> = above
-        .map(|limit| format!("{} is {:.4e}, above {}", limit.metric.name(), errors.of(limit.metric), limit.value))
+    let found = limits.iter().map(|Limit { metric: (name, error), value }| (name, error(errors), value));
+    let mut words: Vec<String> = found
+        .filter(|(_, error, value)| error > value)
+        .map(|(name, error, value)| format!("{name} is {error:.4e}, above {value}"))
         .collect();
     if !limits.is_empty() && pixels.not_finite[2] > 0 {
         words.push(pixels.broken_words());

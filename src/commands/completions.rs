@@ -1,9 +1,9 @@
 //! `gpu-rt completions`: what a shell needs to complete command lines.
 
-use clap::{Args, CommandFactory};
+use clap::{Args, Command};
 use clap_complete::generate;
 
-use super::{Cli, print_text};
+use super::console::print_text;
 use crate::error::Result;
 
 #[derive(Debug, Args)]
@@ -12,8 +12,9 @@ pub struct CompletionsArgs {
     pub shell: clap_complete::Shell,
 }
 
-pub fn run(args: &CompletionsArgs) -> Result<()> {
+/// Prints the script for a shell.
+pub fn run(args: &CompletionsArgs, mut program: Command) -> Result<()> {
     let mut script = Vec::new();
-    generate(args.shell, &mut Cli::command(), "gpu-rt", &mut script);
+    generate(args.shell, &mut program, "gpu-rt", &mut script);
     print_text(&String::from_utf8_lossy(&script))
 }

@@ -7,13 +7,11 @@ use clap::Args;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::outputs::check_name;
-use super::scene::{load, name_of, stem_of};
+use super::console::{path_text, print_json, print_line, tell, tell_colours, tell_denoised};
+use super::outputs::{check_name, make_folder};
+use super::scene::{flatten_for, load, name_of, stem_of, tell_biases};
 use super::signals::Signals;
-use super::{
-    flatten_for, make_folder, open_device, path_text, print_json, print_line, tell, tell_biases, tell_colours,
-    tell_denoised, tell_software,
-};
+use super::target::{open_device, tell_software};
 use crate::cli::{PathArgs, SceneArgs, duration};
 use crate::error::{Error, Result};
 use crate::film::Film;
@@ -26,7 +24,7 @@ use crate::output::csv::csv;
 use crate::output::exr::{ExrImage, read_exr, read_state};
 use crate::output::plot::{Curve, Plot, Width, svg};
 use crate::plan::Plan;
-use crate::render::{Look, Next, Outcome, Renderer, empty_film};
+use crate::render::{Next, Outcome, Renderer, Snapshot, empty_film};
 
 #[derive(Debug, Args)]
 pub struct ConvergeArgs {
@@ -125,7 +123,7 @@ pub fn run(args: &ConvergeArgs) -> Result<()> {
             break;
         }
         let part = Job { first_sample: done, goal: Goal::Samples(next), ..job };
-        let mut go_on = |_: &Outcome, _: Option<Look<'_>>| match signals.came() {
+        let mut go_on = |_: &Outcome, _: Option<Snapshot<'_>>| match signals.came() {
             true => Next::Stop,
             false => Next::GoOn,
         };

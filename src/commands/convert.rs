@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::console::tell;
 use super::outputs::check_name;
 use super::scene::convert;
-use super::tell;
 use crate::cli::GltfArgs;
 use crate::error::{Error, Result};
 use crate::output::{atomic, place::same_file, writable};

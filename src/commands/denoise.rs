@@ -5,10 +5,10 @@ use std::time::Instant;
 
 use clap::Args;
 use serde::Serialize;
-use serde_json::json;
+use serde_json::{Value, json};
 
-use super::outputs::{Beside, EXR, OutputImage, PNG, check_name, check_outputs};
-use super::{path_text, print_json, tell, tell_colours};
+use super::console::{object, path_text, print_json, tell, tell_colours};
+use super::outputs::{EXR, PNG, check_name, check_outputs};
 use crate::cli::{OIDN, ViewArgs};
 use crate::denoise::{Denoiser, Noisy};
 use crate::error::{Error, Result};
@@ -65,21 +65,17 @@ pub struct Denoised {
 /// Denoises, and says what that changes.
 pub fn run(args: &DenoiseArgs) -> Result<()> {
     check_name(&args.image, "an EXR: it is not read as a stream")?;
-    let exr = OutputImage { option: "-o", path: &args.output, formats: EXR };
-    let png = args.png.as_deref().map(|path| OutputImage { option: "--png", path, formats: PNG });
-    let images: Vec<OutputImage<'_>> = std::iter::once(exr).chain(png).collect();
+    let images = [("-o", Some(args.output.as_path()), EXR), ("--png", args.png.as_deref(), PNG)];
     let inputs = std::slice::from_ref(&args.image);
     let stdout = args.json.then_some("the report of --json");
-    check_outputs(&images, &Beside { inputs, stdout, undone: "nothing has been denoised" })?;
+    check_outputs(&images, inputs, stdout, "nothing has been denoised")?;
     let denoiser = Denoiser::open(args.oidn.as_deref())?;
     let target = Target { exr: args.output.clone(), png: args.png.clone(), view: args.view.transform() };
     let (denoised, size) = denoise(&denoiser, &args.image, &target, args.quiet)?;
     if args.json {
-        let mut report = json!({ "input": path_text(&args.image), "width": size.0, "height": size.1 });
-        if let (Some(report), Some(more)) = (report.as_object_mut(), json!(denoised).as_object()) {
-            report.extend(more.clone());
-        }
-        print_json(&report)?;
+        let mut report = object(json!({ "input": path_text(&args.image), "width": size.0, "height": size.1 }));
+        report.extend(object(json!(denoised)));
+        print_json(&Value::Object(report))?;
     }
     Ok(())
 }

@@ -3,7 +3,7 @@
 use clap::Args;
 use serde_json::json;
 
-use super::{print_json, print_line};
+use super::console::{print_json, print_line};
 use crate::error::Result;
 use crate::gpu::device::{Adapters, Device};
 use crate::gpu::probe::{LOOPS, Numerics, numerics};

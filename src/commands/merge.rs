@@ -4,11 +4,11 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use serde_json::json;
+use serde_json::{Value, json};
 
-use super::outputs::{Beside, EXR, OutputImage, check_name, check_outputs};
+use super::console::{command_line, object, path_text, print_json, tell};
+use super::outputs::{EXR, check_name, check_outputs};
 use super::render::{Finish, attributes_of, doubts, error_words, excluded, noise_words};
-use super::{command_line, path_text, print_json, tell};
 use crate::cli::{relative_error, sample_range};
 use crate::data::RUN_LENGTH;
 use crate::error::{Error, Result};
@@ -51,8 +51,7 @@ pub struct MergeArgs {
 pub fn run(args: &MergeArgs) -> Result<()> {
     let paths = files(&args.parts)?;
     paths.iter().try_for_each(|path| check_name(path, "an EXR: parts are read more than once"))?;
-    let output = OutputImage { option: "-o", path: &args.output, formats: EXR };
-    check_outputs(&[output], &Beside { inputs: &paths, stdout: None, undone: "nothing has been joined" })?;
+    check_outputs(&[("-o", Some(args.output.as_path()), EXR)], &paths, None, "nothing has been joined")?;
     let mut loading = Loading::new(args.quiet);
     let parts = parts_of(args, &paths, &mut loading)?;
     let Some(first) = parts.first() else { return Err(Error::Usage("no part is there".to_string())) };
@@ -72,23 +71,20 @@ pub fn run(args: &MergeArgs) -> Result<()> {
 
     let Joined { count, samples, devices, looks, noise } = &joined;
     let complete = samples.ranges().len() == 1;
-    // What the parts were asked is the same; what came of them is told of the whole.
+    // The parts were asked for the same; the results are those of the whole.
     let mut attributes = read_attributes(first.path)?;
-    let text = |name: &str| attribute_text(&attributes, name);
-    let finish = Finish::of(&film, samples, devices, *noise, complete);
-    let mut record = json!(finish.record(&excluded(&text("gpu-rt:biases"))));
-    if let Some(record) = record.as_object_mut() {
-        record.insert("command".to_string(), json!(command_line()));
-    }
-    if let (Some(error), Some(noise), Some(record)) = (args.noise, noise, record.as_object_mut()) {
+    let biases = attribute_text(&attributes, "gpu-rt:biases");
+    let finish = Finish::new(&film, samples, devices, *noise, complete);
+    let mut record = finish.record(&excluded(&biases));
+    record.insert("command".to_string(), json!(command_line()));
+    if let (Some(error), Some(noise)) = (args.noise, noise) {
         record.insert("noise".to_string(), json!(error));
         record.insert("noise_reached".to_string(), json!(noise.reached));
     }
     // Also what is not known of the whole, and has no attribute.
-    let is_of_film = |name: &str| record.get(name).is_some();
     let is_of_one_part = |name: &str| name.starts_with("seconds_") || name.starts_with("noise");
     attributes.retain(|(name, _)| {
-        name.strip_prefix("gpu-rt:").is_some_and(|name| !is_of_film(name) && !is_of_one_part(name))
+        name.strip_prefix("gpu-rt:").is_some_and(|name| !record.contains_key(name) && !is_of_one_part(name))
     });
     attributes.extend(attributes_of(&record));
     let state = State::new(first.state.identity.clone(), devices.clone(), &film, samples.clone(), *looks);
@@ -112,17 +108,15 @@ pub fn run(args: &MergeArgs) -> Result<()> {
         tell(&format!("{}: {count} parts, {} samples, {error}", args.output.display(), samples.count()));
     }
     if args.json {
-        let mut report = json!({
+        let mut report = object(json!({
             "output": path_text(&args.output),
             "parts": count,
             "width": film.width(),
             "height": film.height(),
             "samples_per_pixel": samples.count(),
-        });
-        if let (Some(report), Some(record)) = (report.as_object_mut(), record.as_object()) {
-            report.extend(record.clone());
-        }
-        print_json(&report)?;
+        }));
+        report.extend(record);
+        print_json(&Value::Object(report))?;
     }
     Ok(())
 }

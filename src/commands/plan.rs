@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::{Map, Value, json};
 
-use super::outputs::check_name;
-use super::scene::load;
-use super::{Target, flatten_for, make_folder, open_device, path_text, planned, print_json, print_text, tell};
+use super::console::{path_text, print_json, print_text, tell};
+use super::outputs::{check_name, make_folder};
+use super::scene::{flatten_for, load};
+use super::target::{Target, open_device, planned};
 use crate::cli::SceneArgs;
 use crate::error::{Error, Result};
 use crate::gpu::probe::numerics;

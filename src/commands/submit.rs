@@ -6,9 +6,9 @@ use std::time::Duration;
 
 use clap::{Args, Subcommand};
 
-use super::outputs::check_name;
-use super::scene::load;
-use super::{make_folder, print_line, size_of};
+use super::console::print_line;
+use super::outputs::{check_name, make_folder};
+use super::scene::{load, size_of};
 use crate::cli::{CHECKPOINT, GltfArgs, PathArgs, SceneArgs, duration, relative_error};
 use crate::error::{Error, Result};
 use crate::job::MOST_SAMPLES;

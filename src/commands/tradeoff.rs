@@ -5,14 +5,12 @@ use std::time::{Duration, Instant};
 
 use clap::{Args, Parser};
 
-use super::outputs::check_name;
+use super::console::{path_text, print_json, print_line, tell, tell_colours, tell_denoised};
+use super::outputs::{check_name, make_folder};
 use super::render::RenderArgs;
 use super::scene::{load, name_of, stem_of};
 use super::signals::Signals;
-use super::{
-    Cli, Command, make_folder, open_device, path_text, print_json, print_line, tell, tell_colours, tell_denoised,
-    tell_software,
-};
+use super::target::{open_device, tell_software};
 use crate::aov::Aov;
 use crate::cli::{OIDN, SceneArgs, duration};
 use crate::denoise::Denoiser;
@@ -313,14 +311,17 @@ fn folder_of(args: &TradeoffArgs) -> Result<PathBuf> {
     Ok(folder)
 }
 
+/// The command line of a render.
+#[derive(Parser)]
+struct RenderLine {
+    #[command(flatten)]
+    args: RenderArgs,
+}
+
 /// Parses options with `render`'s own parser.
 fn options(more: &[String]) -> Result<RenderArgs> {
-    let words = ["gpu-rt", "render", "scene.ron"].into_iter().map(str::to_string).chain(more.iter().cloned());
-    match Cli::try_parse_from(words) {
-        Ok(Cli { command: Command::Render(args) }) => Ok(args),
-        Ok(_) => Err(Error::Usage("expected the options of a render".to_string())),
-        Err(error) => Err(Error::Usage(error.to_string())),
-    }
+    let words = ["render", "scene.ron"].into_iter().map(str::to_string).chain(more.iter().cloned());
+    RenderLine::try_parse_from(words).map(|line| line.args).map_err(|error| Error::Usage(error.to_string()))
 }
 
 /// The defaults, and each value of each knob that is not the default.
