@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use crate::common::everything::{Everything, World};
 use crate::common::stats::{same_expectation_paired, sidak, student_two_sided};
 use clap::CommandFactory;
-use gpu_rt::cli::Cli;
+use gpu_rt::commands::Cli;
 use gpu_rt::flatten::flatten;
 use gpu_rt::options::{Class, Fresnel, KNOBS, Knob, Precision, RenderOptions};
 use gpu_rt::output::exr::{ExrImage, read_exr};

@@ -366,6 +366,24 @@ fn quads_that_overlap_in_a_plane() {
     assert_silent(&moved(1e-5));
 }
 
+/// A disk counts by the square within it: two whose squares around them overlap may not touch.
+#[test]
+fn disks_that_overlap_in_a_plane() {
+    let disk = |x: f64, y: f64, material: &str| {
+        format!("§Disk(center: ({x:?}, 0, {y:?}), normal: (0, 1, 0), radius: 1, material: \"{material}\"),")
+    };
+    let field = "objects[1].Disk";
+    assert_warns(
+        &scene(ABOVE, &(tile(-1.0, 0.0, -1.0, "steel") + &disk(0.0, 0.0, "grey"))),
+        field,
+        &["touches the quad"],
+    );
+    let pair = |x: f64, y: f64| scene(ABOVE, &(unmarked(&disk(0.0, 0.0, "steel")) + &disk(x, y, "grey")));
+    assert_warns(&pair(1.0, 0.5), field, &["touches the disk"]);
+    assert_silent(&pair(1.5, 1.5));
+    assert_silent(&pair(2.0, 0.0));
+}
+
 #[test]
 fn boxes_that_share_a_plane() {
     let cuboid =
@@ -660,9 +678,19 @@ fn lights_that_face_away_from_everything() {
         scene(BEFORE, &format!("{ball} §Quad(corner: (-1, 3, -1), u: {u}, v: {v}, material: \"{material}\"),"))
     };
     let (x, z) = ("(2, 0, 0)", "(0, 0, 2)");
-    assert_warns(&spot(z, x, "spot"), "objects[1].Quad", &["the whole scene is on its other side", "exchange u and v"]);
+    assert_warns(
+        &spot(z, x, "spot"),
+        "objects[1].Quad",
+        &["the whole scene is on its other side", "exchange a quad's u and v"],
+    );
     assert_silent(&spot(x, z, "spot"));
     assert_silent(&spot(z, x, "lamp"));
+    let disk = |normal: &str| {
+        let ball = "Sphere(center: (0, 0, 0), radius: 1, material: \"grey\"),";
+        scene(BEFORE, &format!("{ball} §Disk(center: (0, 3, 0), normal: {normal}, radius: 1, material: \"spot\"),"))
+    };
+    assert_warns(&disk("(0, 2, 0)"), "objects[1].Disk", &["reverse a disk's normal"]);
+    assert_silent(&disk("(0, -2, 0)"));
 }
 
 #[test]

@@ -1,15 +1,16 @@
-//! Finds flat surfaces that coincide: quads, and sides of boxes, in one plane. Rounding decides which of two opaque ones is
+//! Finds flat surfaces that coincide: quads, disks, and sides of boxes, in one plane. Rounding decides which of two opaque ones is
 //! visible. If one of the two is clear, rays that leave one start behind the other and miss it.
 //!
 //! Opaque sides that face away from the camera do not count, because no camera ray hits them first: a box may rest on a
 //! floor. Nor do media, because their boundaries are not surfaces.
 
 use std::collections::HashSet;
+use std::f64::consts::FRAC_1_SQRT_2;
 
 use glam::{DVec2, DVec3};
 
 use super::{Body, Search, U, Worst, coincidence};
-use crate::shape::{Hull, normal, reach_of};
+use crate::shape::{Hull, Shape, normal, reach_of};
 
 /// Each surface in a plane is compared with this number of others, those next to it along an edge.
 const TESTS_EACH: usize = 64;
@@ -69,7 +70,11 @@ fn sides(owner: usize, body: &Body) -> Vec<Side> {
     match body.hull {
         Hull::Ball { .. } => Vec::new(),
         Hull::Parallelogram { corner, u, v } => {
-            let corners = [corner, corner + u, corner + u + v, corner + v];
+            // Of a disk, the square within it: all of it is surface.
+            let margin = if matches!(body.shape, Shape::Disk(_)) { 0.5 * (1.0 - FRAC_1_SQRT_2) } else { 0.0 };
+            let [low, high] = [margin, 1.0 - margin];
+            let at = |a: f64, b: f64| corner + a * u + b * v;
+            let corners = [at(low, low), at(high, low), at(high, high), at(low, high)];
             Side::new(owner, body, normal(u, v), corners, 0.0, 12.0 * (u.abs() + v.abs())).into_iter().collect()
         }
         Hull::Cuboid { center, half, axes } => {

@@ -20,7 +20,7 @@ pub fn search<'a>(search: &Search<'a>) -> Vec<Worst<'a>> {
     found
 }
 
-/// One-sided quads with the whole scene and the camera behind them.
+/// One-sided quads and disks with the whole scene and the camera behind them.
 fn turned_away<'a>(search: &Search<'a>) -> Worst<'a> {
     let mut worst = Worst::default();
     let is_one_sided = |role: &Role| role.light && role.one_sided;
@@ -42,8 +42,8 @@ fn turned_away<'a>(search: &Search<'a>) -> Worst<'a> {
         let n = normal(u, v);
         let farthest = DVec3::select(n.cmpge(DVec3::ZERO), high, low);
         if n.dot(farthest - corner) <= 8.0 * U * n.abs().dot(rounded) {
-            let message = "this light emits to one side, and the whole scene is on its other side: exchange u and v to turn it round, or \
-                           make it two_sided";
+            let message = "this light emits to one side, and the whole scene is on its other side: turn it round (exchange a quad's u and v, \
+                           reverse a disk's normal), or make it two_sided";
             worst.add(0.0, || diagnostic(body.object, message.to_string()));
         }
     }
